@@ -1,0 +1,2 @@
+//! The `thenar` program.
+fn main() {}

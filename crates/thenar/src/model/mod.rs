@@ -1,0 +1,21 @@
+//! What a scene is made of, as plain data: bodies, joints, flesh, bindings, surfaces.
+//!
+//! These descriptions are checked and compiled into a `Model` before a simulation runs.
+
+mod flesh;
+mod hand;
+mod joint;
+mod rigid;
+mod surface;
+
+pub use flesh::{Binding, FixedNode, Flesh, Law, Material};
+pub use hand::{Bone, Digit, HandModel, Side};
+pub use joint::{AngleLimit, Axis, JointDesc, JointKind};
+pub use rigid::{Motion, RigidDesc};
+pub use surface::{EmbeddedSurface, SurfaceVertex};
+mod world;
+
+pub use world::{
+    BodyId, Cone, Coupling, Drive, FleshInStep1, HandHandle, HandPlacement, PairRule, SoftDesc,
+    SolverSettings, WorldDesc,
+};

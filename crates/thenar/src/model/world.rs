@@ -1,0 +1,248 @@
+//! The whole scene as one description.
+
+use crate::math::{Pose, Quat, Vec3};
+use crate::model::{Binding, Flesh, HandModel, JointDesc, Motion, RigidDesc};
+use std::ops::Range;
+
+/// A deformable body placed in the world, perhaps bound to bones.
+#[derive(Clone, Debug)]
+pub struct SoftDesc {
+    /// Name, unique in the scene.
+    pub name: String,
+    /// Rest shape; `pose_WM` places it.
+    pub flesh: Flesh,
+    /// Start pose of the model frame in the world.
+    pub pose_WM: Pose,
+    /// Start velocity of all nodes, world \[m/s\].
+    pub velocity_W: Vec3,
+    /// Binding to rigid bodies, if the body has bones inside.
+    pub coupling: Option<Coupling>,
+}
+
+/// What binds flesh to bones (Eq. 6-9). Bone indices are those of `WorldDesc::rigids`.
+#[derive(Clone, Debug)]
+pub struct Coupling {
+    /// One binding per node.
+    pub bindings: Vec<Binding>,
+    /// Spring of each node \[N/m\].
+    pub stiffness: Vec<f64>,
+    /// Damper of each node, as a time: damping = `damping_time` × stiffness \[s\].
+    pub damping_time: f64,
+}
+
+/// The 6-DoF viscoelastic spring that lets a bone follow a tracked pose (Sec. 5).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive {
+    /// Spring on the tracked point \[N/m\].
+    pub stiffness: f64,
+    /// Damper on it \[N s/m\].
+    pub damping: f64,
+    /// Spring on the orientation \[N m/rad\].
+    pub angular_stiffness: f64,
+    /// Damper on it \[N m s/rad\].
+    pub angular_damping: f64,
+}
+
+/// How friction is resolved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cone {
+    /// The exact circular Coulomb cone.
+    Circular,
+    /// The paper's linearised cone: each tangent bounded by itself (a four-sided pyramid).
+    Linearised,
+}
+
+/// What step 1 of the two-step scheme assumes of the flesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FleshInStep1 {
+    /// It does not move, as in the paper (Eq. 10). Diverges when the coupling is stiff.
+    Frozen,
+    /// It yields by its own inertia. Stable at any coupling stiffness.
+    Lumped,
+}
+
+/// Parameters of the two-step solver (Sec. 4).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolverSettings {
+    /// Flesh in step 1.
+    pub step1_flesh: FleshInStep1,
+    /// Conjugate gradients stop when the residual has fallen to this part of the right-hand side.
+    pub cg_tolerance: f64,
+    /// and at the latest after so many iterations.
+    pub cg_iterations_max: u32,
+    /// Constraint anticipation stops at this relative residual.
+    pub contact_tolerance: f64,
+    /// and at the latest after so many outer sweeps.
+    pub contact_sweeps_max: u32,
+    /// Projected Gauss-Seidel passes over the contacts within one outer sweep.
+    pub contact_inner_passes: u32,
+    /// Friction cone.
+    pub cone: Cone,
+    /// Points nearer than this become constraints, before they touch \[m\]; motion adds to it.
+    pub contact_margin: f64,
+}
+
+impl Default for SolverSettings {
+    fn default() -> Self {
+        Self {
+            step1_flesh: FleshInStep1::Lumped,
+            cg_tolerance: 1e-5,
+            cg_iterations_max: 500,
+            contact_tolerance: 1e-3,
+            contact_sweeps_max: 200,
+            contact_inner_passes: 4,
+            cone: Cone::Circular,
+            contact_margin: 1e-3,
+        }
+    }
+}
+
+/// What a body reference in a pair setting points at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum BodyId {
+    /// Index into `WorldDesc::rigids`.
+    Rigid(u32),
+    /// Index into `WorldDesc::softs`.
+    Soft(u32),
+}
+
+/// An override for one pair of bodies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairRule {
+    /// The pair, in any order.
+    pub bodies: [BodyId; 2],
+    /// Coulomb friction coefficient; `None` removes contact between the two.
+    pub friction: Option<f64>,
+}
+
+/// Everything a world is built from.
+#[derive(Clone, Debug)]
+pub struct WorldDesc {
+    /// Gravity, world \[m/s²\].
+    pub gravity: Vec3,
+    /// Time step \[s\].
+    pub time_step: f64,
+    /// Solver.
+    pub solver: SolverSettings,
+    /// Rigid bodies: bones and objects.
+    pub rigids: Vec<RigidDesc>,
+    /// Joints between rigid bodies. Bodies joined directly do not touch each other.
+    pub joints: Vec<JointDesc>,
+    /// Deformable bodies.
+    pub softs: Vec<SoftDesc>,
+    /// Drives, one entry per rigid body.
+    pub drives: Vec<Option<Drive>>,
+    /// Contact overrides.
+    pub pairs: Vec<PairRule>,
+}
+
+impl Default for WorldDesc {
+    fn default() -> Self {
+        Self {
+            gravity: Vec3::new(0.0, -9.81, 0.0),
+            time_step: 1e-3,
+            solver: SolverSettings::default(),
+            rigids: Vec::new(),
+            joints: Vec::new(),
+            softs: Vec::new(),
+            drives: Vec::new(),
+            pairs: Vec::new(),
+        }
+    }
+}
+
+/// How a hand is put into a world.
+#[derive(Clone, Debug)]
+pub struct HandPlacement {
+    /// Prefix of its body names.
+    pub name: String,
+    /// Pose of the model frame in the world.
+    pub pose_WM: Pose,
+    /// Coupling stiffness per volume of flesh \[N/m⁴\].
+    pub coupling_stiffness: f64,
+    /// Coupling damping time \[s\].
+    pub coupling_damping_time: f64,
+    /// Drive of the root bone; `None` leaves it to physics.
+    pub root_drive: Option<Drive>,
+    /// Drive of every other bone.
+    pub bone_drive: Option<Drive>,
+}
+
+/// Where a hand ended up in the world.
+#[derive(Clone, Debug)]
+pub struct HandHandle {
+    /// Its bones among the rigid bodies.
+    pub bones: Range<u32>,
+    /// Its joints.
+    pub joints: Range<u32>,
+    /// Its flesh among the deformable bodies.
+    pub soft: u32,
+}
+
+impl WorldDesc {
+    /// Adds a rigid body and returns its index.
+    pub fn add_rigid(&mut self, rigid: RigidDesc) -> u32 {
+        self.rigids.push(rigid);
+        self.drives.push(None);
+        (self.rigids.len() - 1) as u32
+    }
+
+    /// Adds a deformable body and returns its index.
+    pub fn add_soft(&mut self, soft: SoftDesc) -> u32 {
+        self.softs.push(soft);
+        (self.softs.len() - 1) as u32
+    }
+
+    /// Adds a hand at rest in `placement.pose_WM`.
+    pub fn add_hand(&mut self, hand: &HandModel, placement: &HandPlacement) -> HandHandle {
+        let bone0 = self.rigids.len() as u32;
+        for (i, bone) in hand.bones.iter().enumerate() {
+            self.add_rigid(RigidDesc {
+                name: format!("{}/{}", placement.name, bone.name),
+                motion: Motion::Dynamic,
+                mass: bone.mass,
+                inertia: bone.inertia,
+                pose_WB: placement.pose_WM * bone.pose_MB,
+                velocity_W: Vec3::zeros(),
+                angular_velocity_W: Vec3::zeros(),
+                shape: None,
+                pose_BS: Pose::new(Vec3::zeros(), Quat::identity()),
+                friction: hand.flesh.friction,
+            });
+            self.drives[bone0 as usize + i] =
+                if i == 0 { placement.root_drive } else { placement.bone_drive };
+        }
+
+        let joint0 = self.joints.len() as u32;
+        self.joints.extend(hand.joints.iter().map(|joint| JointDesc {
+            name: format!("{}/{}", placement.name, joint.name),
+            parent: joint.parent.map(|p| p + bone0),
+            child: joint.child + bone0,
+            ..joint.clone()
+        }));
+
+        let bindings = hand
+            .bindings
+            .iter()
+            .map(|b| Binding { bones: b.bones.map(|j| j + bone0), weights: b.weights })
+            .collect();
+        let stiffness =
+            hand.node_volumes.iter().map(|v| v * placement.coupling_stiffness).collect();
+        let soft = self.add_soft(SoftDesc {
+            name: placement.name.clone(),
+            flesh: hand.flesh.clone(),
+            pose_WM: placement.pose_WM,
+            velocity_W: Vec3::zeros(),
+            coupling: Some(Coupling {
+                bindings,
+                stiffness,
+                damping_time: placement.coupling_damping_time,
+            }),
+        });
+        HandHandle {
+            bones: bone0..self.rigids.len() as u32,
+            joints: joint0..self.joints.len() as u32,
+            soft,
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! What goes into a step and what comes out.
+
+use crate::math::{Pose, Vec3};
+use crate::model::BodyId;
+
+/// Where a driven bone should be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    /// Wanted pose of the bone frame (at its centre of mass) in the world at the end of the step.
+    pub pose_WB: Pose,
+    /// Its velocity, world \[m/s\].
+    pub velocity_W: Vec3,
+    /// Its angular velocity, world \[rad/s\].
+    pub angular_velocity_W: Vec3,
+}
+
+/// Everything from outside that acts during one step. Made by `World::input`, sized for its
+/// world, and refilled by the caller; entries default to nothing acting.
+#[derive(Clone, Debug)]
+pub struct Input {
+    /// Gravity, world \[m/s²\].
+    pub gravity: Vec3,
+    /// Per rigid body: the target of its drive; `None` lets go.
+    pub targets: Vec<Option<Target>>,
+    /// Per rigid body: prescribed velocity at the centre of mass, linear \[m/s\] and
+    /// angular \[rad/s\], world. Read for prescribed bodies only.
+    pub prescribed: Vec<[Vec3; 2]>,
+    /// Per rigid body: force \[N\] at the centre of mass and torque \[N m\], world.
+    pub wrenches: Vec<[Vec3; 2]>,
+    /// Per joint and axis: torque on the child, opposite on the parent \[N m\].
+    pub joint_torques: Vec<[f64; 2]>,
+    /// Per node of all deformable bodies, in order: force, world \[N\].
+    pub node_forces: Vec<Vec3>,
+}
+
+/// One active or near contact after a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactPoint {
+    /// The bodies A and B.
+    pub bodies: [BodyId; 2],
+    /// Collision-surface vertex of body A nearest to the point, when A is deformable.
+    pub vertices: [Option<u32>; 2],
+    /// Place, world \[m\].
+    pub position_W: Vec3,
+    /// Unit normal from B towards A, world.
+    pub normal_W: Vec3,
+    /// Gap at the start of the step \[m\], negative when penetrating.
+    pub gap: f64,
+    /// Mean force on A during the step, world \[N\]; B feels the opposite.
+    pub force_W: Vec3,
+    /// Relative tangential velocity of A against B at the end of the step \[m/s\].
+    pub slip_W: Vec3,
+    /// Surface area the point stands for \[m²\] (zero when both bodies are rigid).
+    pub area: f64,
+}
+
+/// Energies \[J\].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energy {
+    /// Of motion, rigid and deformable.
+    pub kinetic: f64,
+    /// Of weight, zero at the world's origin.
+    pub gravity: f64,
+    /// Of flesh deformation.
+    pub elastic: f64,
+    /// Of the springs between flesh and bones.
+    pub coupling: f64,
+    /// Of joint springs and limits.
+    pub joint: f64,
+    /// Of the drives.
+    pub drive: f64,
+}
+
+impl Energy {
+    /// Sum of all.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.gravity + self.elastic + self.coupling + self.joint + self.drive
+    }
+}
+
+/// What happened in one step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepReport {
+    /// Conjugate-gradient iterations of step 2.
+    pub cg_iterations: u32,
+    /// Relative residual they reached.
+    pub cg_residual: f64,
+    /// Outer sweeps of the contact solver.
+    pub contact_sweeps: u32,
+    /// Relative residual they reached.
+    pub contact_residual: f64,
+    /// Contact constraints, near or touching.
+    pub contacts: u32,
+    /// Of these, carrying force.
+    pub contacts_active: u32,
+    /// Deepest penetration at the end of the step \[m\].
+    pub penetration_max: f64,
+    /// Largest distance between the two sides of a joint \[m\].
+    pub joint_gap_max: f64,
+    /// Largest misalignment of a joint's axes \[rad\].
+    pub joint_misalignment_max: f64,
+    /// Elements with negative volume.
+    pub inverted_tets: u32,
+    /// The step produced a number that is not finite and was taken back.
+    pub non_finite: bool,
+}
+
+/// The parts of a step, for timing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Forces, assembly and step 1 (Eq. 10).
+    Skeleton,
+    /// Flesh assembly and step 2 (Eq. 11).
+    Flesh,
+    /// Collision detection.
+    Detect,
+    /// Contact response (Eq. 12).
+    Contact,
+    /// Integration and embedding of surfaces.
+    Embed,
+}
+
+/// A stopwatch given by the shell; the core has no clock.
+pub trait StageTimer {
+    /// Called when `stage` begins (the previous one ends); `None` ends the last.
+    fn begin(&mut self, stage: Option<Stage>);
+}
+
+/// No timing.
+impl StageTimer for () {
+    fn begin(&mut self, _: Option<Stage>) {}
+}
