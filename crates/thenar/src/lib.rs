@@ -8,6 +8,7 @@
 pub mod contact;
 pub mod math;
 pub mod model;
+pub mod skeleton;
 pub mod world;
 
 pub use math::{Mat3, Pose, Quat, Vec3};
