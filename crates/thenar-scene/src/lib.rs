@@ -1,1 +1,3 @@
-//! To be written.
+//! Scenes: what is in them, what moves them, what is measured.
+
+pub mod motion;

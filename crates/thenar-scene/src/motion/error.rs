@@ -1,0 +1,52 @@
+//! What can be wrong with a motion.
+
+use std::path::PathBuf;
+use thenar::skeleton::TreeError;
+
+/// Why a motion cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum MotionError {
+    /// The text of a motion file is not as expected.
+    #[error("{file}: {cause}", file = file.display())]
+    Syntax {
+        /// File.
+        file: PathBuf,
+        /// What is wrong, with line and column.
+        cause: toml::de::Error,
+    },
+    /// A file cannot be read.
+    #[error("{file}: {cause}", file = file.display())]
+    Read {
+        /// File.
+        file: PathBuf,
+        /// Cause.
+        cause: std::io::Error,
+    },
+    /// The hand is no tree of bones.
+    #[error("hand `{hand}`: {cause}")]
+    Tree {
+        /// Hand.
+        hand: String,
+        /// Cause.
+        cause: TreeError,
+    },
+    /// The hand has no bones.
+    #[error("hand `{hand}` has no bones")]
+    NoBones {
+        /// Hand.
+        hand: String,
+    },
+    /// A key of a keyframed motion is wrong.
+    #[error("key {number} (time {time} s): {cause}")]
+    Key {
+        /// Counted from 1.
+        number: usize,
+        /// Its time \[s\].
+        time: f64,
+        /// Cause.
+        cause: String,
+    },
+    /// There is nothing to interpolate.
+    #[error("a motion needs at least one key")]
+    NoKeys,
+}

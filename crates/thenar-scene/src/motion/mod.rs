@@ -1,0 +1,56 @@
+//! What moves a hand: keyframes that a person writes, and recordings of tracked hands.
+//!
+//! Both give, at any time, a pose and a velocity for every bone of a hand: smooth, within joint
+//! limits, always finite, and consistent (the velocity is the derivative of the pose). Nothing
+//! here reads a clock or allocates once a motion is made.
+
+mod anatomy;
+mod articulation;
+mod error;
+mod interpolate;
+mod keyframes;
+mod preset;
+
+#[cfg(test)]
+mod fixture;
+
+pub use anatomy::{Anatomy, JointRole};
+pub use articulation::Articulation;
+pub use error::MotionError;
+pub use keyframes::{JointKey, Key, Keyframes, KeyframesDesc, LimitPolicy, WristKey};
+pub use preset::Preset;
+
+use thenar::Pose;
+use thenar::world::Target;
+
+/// A motion made ready for one hand.
+#[derive(Clone, Debug)]
+pub enum HandMotion {
+    /// Written by hand.
+    Keyframes(Keyframes),
+}
+
+impl HandMotion {
+    /// Targets of all bones at `time` \[s\] from the motion's start; before the start and after
+    /// the end the hand is still. Entries of `out` beyond the hand's bones are left alone.
+    pub fn sample(&mut self, time: f64, out: &mut [Option<Target>]) {
+        match self {
+            Self::Keyframes(motion) => motion.sample(time, out),
+        }
+    }
+
+    /// Time of the last change \[s\].
+    pub fn duration(&self) -> f64 {
+        match self {
+            Self::Keyframes(motion) => motion.duration(),
+        }
+    }
+
+    /// Where the model frame of the hand at rest must be (`pose_WM`) for its wrist to be where
+    /// the motion starts.
+    pub fn start_placement(&self) -> Pose {
+        match self {
+            Self::Keyframes(motion) => motion.start_placement(),
+        }
+    }
+}

@@ -1,0 +1,50 @@
+//! Named hand shapes.
+
+use serde::{Deserialize, Serialize};
+use thenar::model::Digit;
+
+/// A named shape of the whole hand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Preset {
+    /// As the hand's mesh was modelled: flesh without strain.
+    Rest,
+    /// Flat, fingers a little apart.
+    Open,
+    /// Hanging loose.
+    Relaxed,
+    /// Closed on itself.
+    Fist,
+    /// Index straight, the others closed.
+    Point,
+    /// Thumb and index pads against each other.
+    Pinch,
+    /// All fingers and the thumb around something of 5 to 8 cm.
+    PowerGrasp,
+}
+
+/// Flexion of the three joints of a digit from the palm outwards, and its spread \[degrees\].
+type Shape = ([f64; 3], f64);
+
+impl Preset {
+    /// Flexion by place in the digit, and spread \[degrees\]; `None` is the angle at rest.
+    pub(super) fn angles_deg(self, digit: Digit) -> Option<Shape> {
+        use Digit::{Index, Thumb};
+        let shape = match (self, digit) {
+            (Self::Rest, _) => return None,
+            (Self::Open, Thumb) => ([0.0, 0.0, 0.0], 0.0),
+            (Self::Open, _) => ([0.0, 0.0, 0.0], 4.0),
+            (Self::Relaxed, Thumb) => ([5.0, 12.0, 15.0], 0.0),
+            (Self::Relaxed, _) => ([22.0, 30.0, 15.0], 0.0),
+            (Self::Fist | Self::Point, Thumb) => ([15.0, 35.0, 45.0], 0.0),
+            (Self::Point, Index) => ([5.0, 5.0, 3.0], 0.0),
+            (Self::Fist | Self::Point, _) => ([70.0, 85.0, 50.0], 0.0),
+            (Self::Pinch, Thumb) => ([15.0, 20.0, 25.0], 5.0),
+            (Self::Pinch, Index) => ([45.0, 45.0, 25.0], 0.0),
+            (Self::Pinch, _) => ([25.0, 30.0, 15.0], 0.0),
+            (Self::PowerGrasp, Thumb) => ([15.0, 20.0, 20.0], 10.0),
+            (Self::PowerGrasp, _) => ([45.0, 50.0, 30.0], 0.0),
+        };
+        Some(shape)
+    }
+}
