@@ -1,14 +1,19 @@
 //! Thenar simulates a soft hand: a jointed skeleton inside finite-element flesh,
-
 //! in frictional contact with rigid and deformable objects.
 //!
 //! Units are SI (m, kg, s, N, Pa, rad); frames are right-handed. `pose_AB` is the
 //! pose of frame B in frame A, so that `p_A = pose_AB * p_B`.
 
 pub mod contact;
+pub mod coupling;
+pub mod flesh;
 pub mod math;
 pub mod model;
 pub mod skeleton;
+pub mod solver;
+#[cfg(test)]
+mod testing;
 pub mod world;
 
 pub use math::{Mat3, Pose, Quat, Vec3};
+pub use world::World;

@@ -1,9 +1,17 @@
-//! The skeleton: bones joined into a tree.
+//! The jointed skeleton (Sec. 3.1): kinematics, joint constraints, springs, limits and drives.
 
 mod angles;
+mod drives;
+mod free_body;
+mod joint_rows;
+mod joint_springs;
 mod kinematics;
 #[cfg(test)]
 mod noise;
 
 pub use angles::{closest_angles, joint_angles, joint_rotation, joint_spin};
+pub use drives::{drive_energy, drive_force, linearise_drive};
+pub use free_body::turn_freely;
+pub use joint_rows::{JointFrames, joint_block, misalignment};
+pub use joint_springs::{AxisState, axis_states, spring_energy, spring_torque};
 pub use kinematics::{Tree, TreeError, velocity_between};

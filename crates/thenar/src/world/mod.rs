@@ -1,34 +1,255 @@
-//! The stepped world.
+//! The stepped world: one hand or many, and what they touch.
 
+mod advance;
+mod assemble;
+mod check;
+mod energy;
+mod error;
 mod io;
+mod model;
+mod response;
+mod state;
+mod two_step;
 
+pub use error::ModelError;
 pub use io::{ContactPoint, Energy, Input, Stage, StageTimer, StepReport, Target};
+pub use model::Model;
+pub use state::State;
 
-/*
-Planned surface of `World` (in the making):
+use crate::contact::{Detector, RigidPlace};
+use crate::coupling::skin_target;
+use crate::math::{Pose, Vec3};
+use crate::model::WorldDesc;
+use crate::skeleton::axis_states;
+use state::Scratch;
+use std::ops::Range;
 
-pub struct World;
-impl World {
-    pub fn new(desc: WorldDesc) -> Result<World, ModelError>;
-    pub fn input(&self) -> Input;
-    pub fn step(&mut self, input: &Input, timer: &mut impl StageTimer) -> StepReport;
-    pub fn time(&self) -> f64;
-    pub fn time_step(&self) -> f64;
-    pub fn set_time_step(&mut self, h: f64);
-    pub fn rigid_pose(&self, i: u32) -> Pose;                 // pose_WB
-    pub fn rigid_velocity(&self, i: u32) -> [Vec3; 2];        // linear, angular, world
-    pub fn set_rigid_state(&mut self, i: u32, pose: Pose, velocity: [Vec3; 2]);
-    pub fn joint_angles(&self, j: u32) -> [f64; 2];
-    pub fn joint_rates(&self, j: u32) -> [f64; 2];
-    pub fn nodes(&self, soft: u32) -> &[Vec3];                // world positions
-    pub fn node_velocities(&self, soft: u32) -> &[Vec3];
-    pub fn node_range(&self, soft: u32) -> Range<usize>;      // into Input::node_forces
-    pub fn collision_vertices(&self, soft: u32) -> &[Vec3];   // embedded, world
-    pub fn skin_targets(&self, soft: u32, out: &mut [Vec3]);  // f_i of Eq. 6
-    pub fn contacts(&self) -> &[ContactPoint];
-    pub fn energy(&self, input: &Input) -> Energy;
-    pub fn drive_wrench(&self, i: u32) -> [Vec3; 2];          // force, torque the drive put on bone i
-    pub fn state_hash(&self) -> u64;
-    pub fn desc(&self) -> &WorldDesc;
+/// A simulation: what is constant, what changes, and the memory to step it in.
+#[derive(Clone, Debug)]
+pub struct World {
+    desc: WorldDesc,
+    model: Model,
+    state: State,
+    scratch: Scratch,
+    detector: Detector,
+    places: Vec<RigidPlace>,
+    time_step: f64,
 }
-*/
+
+impl World {
+    /// Checks and compiles a description.
+    pub fn new(desc: WorldDesc) -> Result<Self, ModelError> {
+        let model = Model::new(&desc)?;
+        let detector = Detector::new(&desc);
+        let mut state = State::new(&desc, &model);
+        let contacts_max = detector.capacity();
+        state.impulses.reserve(contacts_max);
+        let scratch = Scratch::new(&model, &state, contacts_max);
+        let place = |pose_WB: &Pose| RigidPlace {
+            pose_WB: *pose_WB,
+            velocity_W: Vec3::zeros(),
+            angular_velocity_W: Vec3::zeros(),
+        };
+        let places = state.poses_WB.iter().map(place).collect();
+        let time_step = desc.time_step;
+        let mut world = Self { desc, model, state, scratch, detector, places, time_step };
+        world.embed();
+        Ok(world)
+    }
+
+    /// Moves the world forward by one time step: the paper's Sec. 4. Allocates nothing.
+    pub fn step(&mut self, input: &Input, timer: &mut impl StageTimer) -> StepReport {
+        let Self { desc, model, state, scratch, detector, places, time_step: h } = self;
+        let (h, settings) = (*h, &desc.solver);
+        let mut report = StepReport::default();
+        scratch.remember(state);
+
+        timer.begin(Some(Stage::Skeleton));
+        assemble::skeleton(desc, model, state, input, h, scratch); //  A_s, b_s, J_s     (4)
+        assemble::coupling(desc, model, state, h, scratch); //         A_sf, A_fs        (7-9)
+        let mut sound = two_step::articulated_body(model, state, h, scratch); // v_s,1   (10)
+
+        timer.begin(Some(Stage::Flesh));
+        let tally = assemble::flesh(model, state, input, h, scratch); // A_f, b_f        (5)
+        let cg = two_step::unconstrained_deformation(settings, model, state, scratch); //(11)
+        sound &= cg.is_some() && state.is_finite();
+
+        timer.begin(Some(Stage::Detect));
+        if sound {
+            response::detect(settings.contact_margin, model, state, h, detector, places, scratch);
+        }
+
+        timer.begin(Some(Stage::Contact));
+        if sound {
+            let contact = response::respond(desc, model, state, h, scratch); //  Δv      (12)
+            let (penetration, active) = response::report(state, h, scratch);
+            report.contact_sweeps = contact.iterations;
+            report.contact_residual = contact.residual;
+            report.contacts = scratch.found.len() as u32;
+            report.contacts_active = active;
+            report.penetration_max = penetration;
+        }
+
+        timer.begin(Some(Stage::Embed));
+        advance::advance(model, state, h);
+        sound &= state.is_finite();
+        if !sound {
+            advance::take_back(state, &scratch.before);
+            scratch.contacts.clear();
+        }
+        let cg = cg.unwrap_or_default();
+        report.cg_iterations = cg.iterations;
+        report.cg_residual = cg.residual;
+        report.inverted_tets = tally.inverted;
+        report.non_finite = !sound;
+        (report.joint_gap_max, report.joint_misalignment_max) = advance::joint_errors(model, state);
+        self.embed();
+        timer.begin(None);
+        report
+    }
+
+    /// An input of the right size in which nothing but the description's gravity acts.
+    pub fn input(&self) -> Input {
+        let rigids = self.model.rigids.len();
+        Input {
+            gravity: self.desc.gravity,
+            targets: vec![None; rigids],
+            prescribed: vec![[Vec3::zeros(); 2]; rigids],
+            wrenches: vec![[Vec3::zeros(); 2]; rigids],
+            joint_torques: vec![[0.0; 2]; self.model.joints.len()],
+            node_forces: vec![Vec3::zeros(); self.state.x.len()],
+        }
+    }
+
+    /// Places the collision surfaces on the present nodes.
+    fn embed(&mut self) {
+        for (out, vertex) in self.scratch.vertices.iter_mut().zip(&self.model.vertices) {
+            *out = vertex.of(&self.state.x);
+        }
+    }
+
+    /// Time simulated \[s\].
+    pub fn time(&self) -> f64 {
+        self.state.time
+    }
+
+    /// Time step \[s\].
+    pub fn time_step(&self) -> f64 {
+        self.time_step
+    }
+
+    /// Changes the time step \[s\]; ignored unless positive and finite.
+    pub fn set_time_step(&mut self, h: f64) {
+        if h > 0.0 && h.is_finite() {
+            self.time_step = h;
+        }
+    }
+
+    /// What the world was built from.
+    pub fn desc(&self) -> &WorldDesc {
+        &self.desc
+    }
+
+    /// What is constant.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// What changes.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Pose of a rigid body.
+    pub fn rigid_pose(&self, i: u32) -> Pose {
+        self.state.poses_WB[i as usize]
+    }
+
+    /// Linear \[m/s\] and angular \[rad/s\] velocity of a rigid body, world, at its centre of mass.
+    pub fn rigid_velocity(&self, i: u32) -> [Vec3; 2] {
+        [self.state.v[2 * i as usize], self.state.v[2 * i as usize + 1]]
+    }
+
+    /// Places a rigid body; values that are not finite are ignored.
+    pub fn set_rigid_state(&mut self, i: u32, pose_WB: Pose, velocity_W: [Vec3; 2]) {
+        let finite = velocity_W.iter().flat_map(|v| v.iter()).all(|x| x.is_finite());
+        if finite && pose_WB.is_finite() {
+            let i = i as usize;
+            self.state.poses_WB[i] = pose_WB;
+            self.state.v[2 * i..2 * i + 2].copy_from_slice(&velocity_W);
+        }
+    }
+
+    /// Angles of a joint's measured axes \[rad\]; zero where there is none.
+    pub fn joint_angles(&self, j: u32) -> [f64; 2] {
+        let frames = assemble::joint_frames(&self.model, &self.state, j as usize);
+        axis_states(self.model.joints[j as usize].kind, &frames)
+            .map(|axis| axis.map_or(0.0, |axis| axis.angle))
+    }
+
+    /// Rates of these angles \[rad/s\].
+    pub fn joint_rates(&self, j: u32) -> [f64; 2] {
+        let joint = &self.model.joints[j as usize];
+        let frames = assemble::joint_frames(&self.model, &self.state, j as usize);
+        let turning = |b: u32| self.state.v[2 * b as usize + 1];
+        let relative = turning(joint.child) - joint.parent.map_or(Vec3::zeros(), turning);
+        axis_states(joint.kind, &frames)
+            .map(|axis| axis.map_or(0.0, |axis| axis.direction_W.dot(&relative)))
+    }
+
+    /// Distance between the two sides of a joint \[m\] and misalignment of its axes \[rad\].
+    pub fn joint_error(&self, j: u32) -> (f64, f64) {
+        let frames = assemble::joint_frames(&self.model, &self.state, j as usize);
+        let kind = self.model.joints[j as usize].kind;
+        (frames.gap().norm(), crate::skeleton::misalignment(kind, &frames))
+    }
+
+    /// Node positions of a deformable body, world \[m\].
+    pub fn nodes(&self, soft: u32) -> &[Vec3] {
+        &self.state.x[self.node_range(soft)]
+    }
+
+    /// Node velocities of a deformable body, world \[m/s\].
+    pub fn node_velocities(&self, soft: u32) -> &[Vec3] {
+        let (rigids, range) = (self.model.rigids.len(), self.node_range(soft));
+        &self.state.v[2 * rigids + range.start..2 * rigids + range.end]
+    }
+
+    /// Where a deformable body's nodes lie in `Input::node_forces`.
+    pub fn node_range(&self, soft: u32) -> Range<usize> {
+        self.model.soft_nodes[soft as usize].clone()
+    }
+
+    /// Lumped node masses of a deformable body \[kg\].
+    pub fn node_masses(&self, soft: u32) -> &[f64] {
+        &self.model.flesh.mass[self.node_range(soft)]
+    }
+
+    /// Collision-surface vertices of a deformable body, world \[m\].
+    pub fn collision_vertices(&self, soft: u32) -> &[Vec3] {
+        &self.scratch.vertices[self.model.soft_vertices[soft as usize].clone()]
+    }
+
+    /// Skinning targets f_i (Eq. 6) of a deformable body's nodes; nodes bound to no bone keep
+    /// their position. `out` has one entry per node.
+    pub fn skin_targets(&self, soft: u32, out: &mut [Vec3]) {
+        let range = self.node_range(soft);
+        out.copy_from_slice(&self.state.x[range.clone()]);
+        for bound in &self.model.coupling.bound {
+            let node = bound.node as usize;
+            if range.contains(&node) {
+                out[node - range.start] = skin_target(bound, &self.state.poses_WB).position_W;
+            }
+        }
+    }
+
+    /// The contacts of the last step, near and touching.
+    pub fn contacts(&self) -> &[ContactPoint] {
+        &self.scratch.contacts
+    }
+
+    /// Changes whenever any bit of the state does.
+    pub fn state_hash(&self) -> u64 {
+        self.state.hash()
+    }
+}

@@ -1,0 +1,8 @@
+//! What holds flesh to bone (Sec. 3.3): skinning targets and the springs to them.
+
+mod skin;
+mod springs;
+
+pub use skin::{BoundNode, SkinTarget, skin_target};
+pub(crate) use springs::add_part;
+pub use springs::{CouplingEntries, CouplingModel, EffectiveMass};

@@ -1,0 +1,144 @@
+//! Zero-length springs and dampers between flesh nodes and their skinning targets (Eq. 7, 8),
+//! and what they add to the coupled system (Eq. 9): the diagonal of A_f, the blocks A_sf and
+//! A_fs, and A_s for each bone and each pair of bones that share a node.
+
+use crate::coupling::{BoundNode, skin_target};
+use crate::math::{Mat3, Mat6, Pose, Vec3, skew};
+use crate::model::FleshInStep1;
+use crate::solver::BlockMatrix;
+
+/// All bound nodes.
+#[derive(Clone, Debug, Default)]
+pub struct CouplingModel {
+    /// Nodes and what carries them.
+    pub bound: Vec<BoundNode>,
+    /// Spring of each \[N/m\].
+    pub stiffness: Vec<f64>,
+    /// Damper of each \[N s/m\].
+    pub damping: Vec<f64>,
+    /// Joint between the two bones of each, and whether its child is the first of them.
+    pub joints: Vec<Option<(u32, bool)>>,
+    /// Where the blocks of each lie in the system matrix.
+    pub entries: Vec<CouplingEntries>,
+}
+
+/// Places in the system matrix: `[bone][linear, angular]`.
+#[derive(Clone, Copy, Debug)]
+pub struct CouplingEntries {
+    /// (node, node).
+    pub node: u32,
+    /// (node, bone part).
+    pub node_bone: [[u32; 2]; 2],
+    /// (bone part, node).
+    pub bone_node: [[u32; 2]; 2],
+    /// (bone part, bone part).
+    pub bone_bone: [[[[u32; 2]; 2]; 2]; 2],
+}
+
+/// What step 1 needs to know of the flesh: how much of a node's spring the bone feels there.
+#[derive(Clone, Copy, Debug)]
+pub struct EffectiveMass<'a> {
+    /// The assumption.
+    pub flesh: FleshInStep1,
+    /// Nodal mass with its damping, `m (1 + α Δt)` \[kg\]; infinite for held nodes.
+    pub mass: &'a [f64],
+}
+
+impl EffectiveMass<'_> {
+    /// The part of the implicit spring `s = Δt² k + Δt c` that a bone feels in step 1.
+    ///
+    /// A frozen node resists with all of s. A node that yields by its own inertia resists with s
+    /// and its mass in series, `s m / (m + s)`. As the true flesh is stiffer than free masses,
+    /// joint impulses found with it are never too large, and the scheme cannot diverge.
+    #[inline]
+    fn felt(&self, node: u32, s: f64) -> f64 {
+        let m = self.mass[node as usize];
+        match self.flesh {
+            FleshInStep1::Lumped if m.is_finite() => s * m / (m + s),
+            _ => s,
+        }
+    }
+}
+
+impl CouplingModel {
+    /// Adds the springs to `A` and `b`, and to `S_diagonal`, `S_edge` (step 1) what the bones feel
+    /// of them there.
+    pub fn assemble(
+        &self,
+        poses_WB: &[Pose],
+        x: &[Vec3],
+        h: f64,
+        step1: &EffectiveMass<'_>,
+        A: &mut BlockMatrix,
+        b: &mut [Vec3],
+        S_diagonal: &mut [Mat6],
+        S_edge: &mut [Mat6],
+    ) {
+        let row0 = 2 * poses_WB.len();
+        for (i, bound) in self.bound.iter().enumerate() {
+            let target = skin_target(bound, poses_WB);
+            let s = h * h * self.stiffness[i] + h * self.damping[i];
+            let felt = step1.felt(bound.node, s);
+            let entries = &self.entries[i];
+            let node = bound.node as usize;
+            let stretch = (x[node] - target.position_W) * (h * self.stiffness[i]);
+            // ∂f/∂q_j = [w I, -lever×]
+            let jacobian: [[Mat3; 2]; 2] = std::array::from_fn(|j| {
+                [Mat3::from_diagonal_element(bound.weights[j]), -skew(&target.levers_W[j])]
+            });
+
+            A.add_scalar(entries.node, s);
+            b[row0 + node] -= stretch;
+            for j in 0..bound.carriers() {
+                let bone = bound.bones[j] as usize;
+                b[2 * bone] += stretch * bound.weights[j];
+                b[2 * bone + 1] += target.levers_W[j].cross(&stretch);
+                for part in 0..2 {
+                    let block = jacobian[j][part] * -s;
+                    A.add(entries.node_bone[j][part], &block);
+                    A.add(entries.bone_node[j][part], &block.transpose());
+                }
+                for l in 0..bound.carriers() {
+                    for (p, q) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                        let block = jacobian[j][p].tr_mul(&jacobian[l][q]);
+                        A.add(entries.bone_bone[j][l][p][q], &(block * s));
+                        if j == l {
+                            add_part(&mut S_diagonal[bone], p, q, &(block * felt));
+                        }
+                    }
+                }
+            }
+            if let Some((joint, first_is_child)) = self.joints[i] {
+                let (child, parent) = if first_is_child { (0, 1) } else { (1, 0) };
+                for (p, q) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                    let block = jacobian[child][p].tr_mul(&jacobian[parent][q]) * felt;
+                    add_part(&mut S_edge[joint as usize], p, q, &block);
+                }
+            }
+        }
+    }
+
+    /// Energy stored in the springs \[J\].
+    pub fn energy(&self, poses_WB: &[Pose], x: &[Vec3]) -> f64 {
+        let stretch2 = |bound: &BoundNode| {
+            (x[bound.node as usize] - skin_target(bound, poses_WB).position_W).norm_squared()
+        };
+        self.bound.iter().zip(&self.stiffness).map(|(bound, k)| 0.5 * k * stretch2(bound)).sum()
+    }
+}
+
+impl BoundNode {
+    /// How many bones carry the node: 1 or 2.
+    pub fn carriers(&self) -> usize {
+        if self.weights[1] == 0.0 { 1 } else { 2 }
+    }
+}
+
+/// Adds a 3×3 part to a 6×6 matrix.
+pub(crate) fn add_part(m: &mut Mat6, p: usize, q: usize, part: &Mat3) {
+    for r in 0..3 {
+        for c in 0..3 {
+            m[(3 * p + r, 3 * q + c)] += part[(r, c)];
+        }
+    }
+}

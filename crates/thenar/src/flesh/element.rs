@@ -1,0 +1,265 @@
+//! One linear tetrahedron: deformation gradient to nodal forces and stiffness blocks.
+
+use crate::flesh::polar::{rotation_of, signed_svd};
+use crate::flesh::principal::density;
+use crate::math::{Mat3, Vec3};
+use crate::model::{Law, Material};
+
+/// What an element needs to know of its rest shape and material.
+#[derive(Clone, Copy, Debug)]
+pub struct RestTet {
+    /// Rest volume \[m³\].
+    pub volume: f64,
+    /// Gradients of the four barycentric coordinates in the rest shape \[1/m\].
+    pub gradients: [Vec3; 4],
+    /// First Lamé parameter \[Pa\].
+    pub lambda: f64,
+    /// Shear modulus \[Pa\].
+    pub mu: f64,
+    /// Law.
+    pub law: Law,
+}
+
+impl RestTet {
+    /// The element with these rest positions; `None` when its volume is not positive.
+    pub fn new(x: &[Vec3; 4], material: &Material) -> Option<Self> {
+        let Dm = Mat3::from_columns(&[x[1] - x[0], x[2] - x[0], x[3] - x[0]]);
+        let det = Dm.determinant();
+        if det <= 0.0 || !det.is_finite() {
+            return None;
+        }
+        let inverse = Dm.try_inverse()?;
+        let g: [Vec3; 3] = std::array::from_fn(|i| inverse.row(i).transpose());
+        let (e, nu) = (material.young, material.poisson);
+        Some(Self {
+            volume: det / 6.0,
+            gradients: [-(g[0] + g[1] + g[2]), g[0], g[1], g[2]],
+            lambda: e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)),
+            mu: e / (2.0 * (1.0 + nu)),
+            law: material.law,
+        })
+    }
+
+    /// Deformation gradient `F = Σ x_a ⊗ g_a`.
+    #[inline]
+    pub fn deformation_gradient(&self, x: &[Vec3; 4]) -> Mat3 {
+        let g = &self.gradients;
+        (x[1] - x[0]) * g[1].transpose()
+            + (x[2] - x[0]) * g[2].transpose()
+            + (x[3] - x[0]) * g[3].transpose()
+    }
+}
+
+/// The elastic response of one element.
+#[derive(Clone, Copy, Debug)]
+pub struct Response {
+    /// Energy \[J\].
+    pub energy: f64,
+    /// Force on each node, `-V P g_a` \[N\].
+    pub forces: [Vec3; 4],
+    /// `stiffness[a][b]` ≈ -∂force_a/∂x_b \[N/m\], symmetric and positive semi-definite.
+    pub stiffness: [[Mat3; 4]; 4],
+    /// The element has negative volume.
+    pub inverted: bool,
+}
+
+/// Evaluates an element at node positions `x`. The forces are the exact derivative of the energy,
+/// hence free of net force and torque; the stiffness leaves out what would make it indefinite:
+/// the rotation's derivative (corotational), negative eigenvalues (the others).
+#[inline]
+pub fn respond(rest: &RestTet, x: &[Vec3; 4]) -> Response {
+    let F = rest.deformation_gradient(x);
+    match rest.law {
+        Law::Corotational => corotational(rest, &F),
+        Law::NeoHookean | Law::StableNeoHookean => hyperelastic(rest, &F),
+    }
+}
+
+/// `P = R (2μ (S - I) + λ tr(S - I) I)` (Müller and Gross 2004, in the form of an energy).
+/// With the gradients rotated into the present frame, `g' = R g`, the warped stiffness
+/// `R K Rᵀ` needs no products with R:
+/// `K_ab = V (λ g'_a g'_bᵀ + μ g'_b g'_aᵀ + μ (g'_a·g'_b) I)`.
+#[inline]
+fn corotational(rest: &RestTet, F: &Mat3) -> Response {
+    let R = rotation_of(F);
+    let S = R.tr_mul(F);
+    let strain = S - Mat3::identity();
+    let (lambda, mu, volume) = (rest.lambda, rest.mu, rest.volume);
+    let trace = strain.trace();
+    let stress = strain * (2.0 * mu) + Mat3::from_diagonal_element(lambda * trace);
+    let g = rest.gradients.map(|g| R * g);
+    let P = R * stress;
+    Response {
+        energy: volume * (mu * strain.norm_squared() + 0.5 * lambda * trace * trace),
+        forces: rest.gradients.map(|g| P * g * -volume),
+        stiffness: std::array::from_fn(|a| {
+            std::array::from_fn(|b| {
+                let (ga, gb) = (g[a] * volume, g[b]);
+                ga * gb.transpose() * lambda
+                    + gb * ga.transpose() * mu
+                    + Mat3::from_diagonal_element(mu * ga.dot(&gb))
+            })
+        }),
+        inverted: F.determinant() < 0.0,
+    }
+}
+
+/// Any isotropic law through its principal stretches. In the frames of `F = U σ Vᵀ` the
+/// derivative of P splits into the 3×3 Hessian of ψ and, for each pair of axes, a twist and a
+/// flip with known eigenvalues (Smith, de Goes and Kim 2019); each is kept non-negative.
+fn hyperelastic(rest: &RestTet, F: &Mat3) -> Response {
+    let (U, s, V) = signed_svd(F);
+    let at = density(rest.law, rest.lambda, rest.mu, s);
+    let P = U * Mat3::from_diagonal(&at.stress.into()) * V.transpose();
+    let stretch = positive_part(&at.hessian);
+    let mut twist_flip = [[[0.0; 2]; 3]; 3];
+    for (i, j) in [(0, 1), (0, 2), (1, 2)] {
+        let sum = s[i] + s[j];
+        let difference = s[i] - s[j];
+        let twist = if sum.abs() > 1e-9 { (at.stress[i] + at.stress[j]) / sum } else { 0.0 };
+        let flip = if difference.abs() > 1e-6 {
+            (at.stress[i] - at.stress[j]) / difference
+        } else {
+            at.hessian[(i, i)] - at.hessian[(i, j)]
+        };
+        let (twist, flip) = (twist.max(0.0), flip.max(0.0));
+        let pair = [0.5 * (flip + twist), 0.5 * (flip - twist)];
+        twist_flip[i][j] = pair;
+        twist_flip[j][i] = pair;
+    }
+
+    let g = rest.gradients.map(|g| V.tr_mul(&g));
+    Response {
+        energy: rest.volume * at.energy,
+        forces: rest.gradients.map(|g| P * g * -rest.volume),
+        stiffness: std::array::from_fn(|a| {
+            std::array::from_fn(|b| {
+                let local = Mat3::from_fn(|i, k| {
+                    if i == k {
+                        let shear: f64 = (0..3)
+                            .filter(|&j| j != i)
+                            .map(|j| twist_flip[i][j][0] * g[a][j] * g[b][j])
+                            .sum();
+                        stretch[(i, i)] * g[a][i] * g[b][i] + shear
+                    } else {
+                        stretch[(i, k)] * g[a][i] * g[b][k]
+                            + twist_flip[i][k][1] * g[a][k] * g[b][i]
+                    }
+                });
+                U * local * U.transpose() * rest.volume
+            })
+        }),
+        inverted: s[2] < 0.0,
+    }
+}
+
+/// The nearest positive semi-definite matrix.
+fn positive_part(m: &Mat3) -> Mat3 {
+    let eigen = m.symmetric_eigen();
+    let values = eigen.eigenvalues.map(|x| x.max(0.0));
+    eigen.eigenvectors * Mat3::from_diagonal(&values) * eigen.eigenvectors.transpose()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{Random, assert_close, jacobian};
+
+    const REST: [Vec3; 4] = [
+        Vec3::new(0.0, 0.0, 0.0),
+        Vec3::new(0.011, 0.001, 0.0),
+        Vec3::new(-0.001, 0.009, 0.002),
+        Vec3::new(0.002, 0.001, 0.012),
+    ];
+
+    fn rest(law: Law) -> RestTet {
+        let material = Material { law, young: 5e4, poisson: 0.43, density: 1000.0 };
+        RestTet::new(&REST, &material).unwrap()
+    }
+
+    fn nodes(x: &[f64]) -> [Vec3; 4] {
+        std::array::from_fn(|a| Vec3::new(x[3 * a], x[3 * a + 1], x[3 * a + 2]))
+    }
+
+    fn flat(x: &[Vec3; 4]) -> Vec<f64> {
+        x.iter().flat_map(|x| [x.x, x.y, x.z]).collect()
+    }
+
+    const LAWS: [Law; 3] = [Law::Corotational, Law::NeoHookean, Law::StableNeoHookean];
+
+    #[test]
+    fn forces_are_minus_the_gradient_of_the_energy() {
+        let mut random = Random::new(1);
+        for law in LAWS {
+            let rest = rest(law);
+            for _ in 0..100 {
+                let turn = random.rotation(3.1);
+                let x = REST.map(|x| turn * x + random.vec3(0.002));
+                let numeric =
+                    jacobian(|x| vec![-respond(&rest, &nodes(x)).energy], &flat(&x), 1e-8);
+                assert_close(&[flat(&respond(&rest, &x).forces)], &numeric, 1e-6);
+            }
+        }
+    }
+
+    /// Near rest (where nothing is dropped or clamped) the stiffness is the exact derivative;
+    /// a uniform stretch keeps the corotational rotation's derivative out of it too.
+    #[test]
+    fn stiffness_is_minus_the_derivative_of_the_force_at_rest() {
+        for law in LAWS {
+            let rest = rest(law);
+            let here = respond(&rest, &REST);
+            let numeric = jacobian(|x| flat(&respond(&rest, &nodes(x)).forces), &flat(&REST), 1e-8);
+            let analytic: Vec<Vec<f64>> = (0..12)
+                .map(|i| (0..12).map(|j| -here.stiffness[i / 3][j / 3][(i % 3, j % 3)]).collect())
+                .collect();
+            assert_close(&analytic, &numeric, 1e-6);
+        }
+    }
+
+    /// Stretched states, where the neo-Hookean laws are convex, so that no eigenvalue is clamped.
+    #[test]
+    fn hyperelastic_stiffness_is_exact_under_tension() {
+        let mut random = Random::new(2);
+        for law in [Law::NeoHookean, Law::StableNeoHookean] {
+            let rest = rest(law);
+            for _ in 0..20 {
+                let turn = random.rotation(3.0).to_rotation_matrix();
+                let pull = Mat3::from_diagonal(&Vec3::new(1.06, 1.04, 1.02));
+                let F = turn * pull * random.rotation(3.0).to_rotation_matrix();
+                let x = REST.map(|x| F * x);
+                let here = respond(&rest, &x);
+                let numeric =
+                    jacobian(|x| flat(&respond(&rest, &nodes(x)).forces), &flat(&x), 1e-8);
+                let analytic: Vec<Vec<f64>> = (0..12)
+                    .map(|i| {
+                        (0..12).map(|j| -here.stiffness[i / 3][j / 3][(i % 3, j % 3)]).collect()
+                    })
+                    .collect();
+                assert_close(&analytic, &numeric, 1e-5);
+            }
+        }
+    }
+
+    #[test]
+    fn no_net_force_no_net_torque_and_rotation_invariance() {
+        let mut random = Random::new(9);
+        for law in LAWS {
+            let rest = rest(law);
+            for _ in 0..300 {
+                let x = REST.map(|x| x + random.vec3(0.006));
+                let f = respond(&rest, &x).forces;
+                let scale: f64 = f.iter().map(|f| f.norm()).sum();
+                let net: Vec3 = f.iter().sum();
+                let torque: Vec3 = x.iter().zip(&f).map(|(x, f)| x.cross(f)).sum();
+                assert!(net.norm() < 1e-12 * scale);
+                assert!(torque.norm() < 1e-12 * scale * 0.02, "{}", torque.norm() / scale);
+                let turn = random.rotation(3.1);
+                let turned = respond(&rest, &x.map(|x| turn * x)).forces;
+                for (f, t) in f.iter().zip(&turned) {
+                    assert!((turn * f - t).norm() < 1e-9 * scale);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! Springs, dampers and limits about joint axes.
+
+use crate::math::Vec3;
+use crate::model::{Axis, JointDesc, JointKind};
+use crate::skeleton::JointFrames;
+
+/// One measured axis of a joint.
+#[derive(Clone, Copy, Debug)]
+pub struct AxisState {
+    /// Direction about which the child turns against the parent, world.
+    pub direction_W: Vec3,
+    /// Angle \[rad\].
+    pub angle: f64,
+}
+
+/// The axes of a joint with their present angles; entries past `kind.angles()` are `None`.
+/// A ball joint is measured about its rotation vector.
+pub fn axis_states(kind: JointKind, frames: &JointFrames) -> [Option<AxisState>; 2] {
+    let (J, K) = frames.axes();
+    let R = J.tr_mul(&K);
+    let state = |direction_W: Vec3, angle: f64| Some(AxisState { direction_W, angle });
+    match kind {
+        // R = Rx(q0)
+        JointKind::Hinge => [state(K.column(0).into(), R.m32.atan2(R.m22)), None],
+        // R = Ry(q0) Rx(q1)
+        JointKind::Universal => [
+            state(J.column(1).into(), (-R.m31).atan2(R.m11)),
+            state(K.column(0).into(), (-R.m23).atan2(R.m22)),
+        ],
+        _ => [None, None],
+    }
+}
+
+/// Elastic torque on the child about the axis at this angle \[N m\], and the stiffness
+/// \[N m/rad\] and damping \[N m s/rad\] to be taken implicitly. Past a limit a stiff spring adds
+/// itself (Sec. 3.1).
+pub fn spring_torque(axis: &Axis, joint: &JointDesc, angle: f64) -> (f64, f64, f64) {
+    let mut torque = -axis.stiffness * (angle - axis.rest_angle);
+    let (mut stiffness, mut damping) = (axis.stiffness, axis.damping);
+    let past = past_limit(axis, angle);
+    if past != 0.0 {
+        torque -= joint.limit_stiffness * past;
+        stiffness += joint.limit_stiffness;
+        damping += joint.limit_damping;
+    }
+    (torque, stiffness, damping)
+}
+
+/// Energy of spring and limit at this angle \[J\].
+pub fn spring_energy(axis: &Axis, joint: &JointDesc, angle: f64) -> f64 {
+    let stretch = angle - axis.rest_angle;
+    let past = past_limit(axis, angle);
+    0.5 * (axis.stiffness * stretch * stretch + joint.limit_stiffness * past * past)
+}
+
+/// Signed distance past the admissible range, 0 within \[rad\].
+fn past_limit(axis: &Axis, angle: f64) -> f64 {
+    match axis.limit {
+        Some(limit) => angle - angle.clamp(limit.min, limit.max),
+        None => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{Pose, Quat};
+    use crate::model::AngleLimit;
+    use crate::testing::jacobian;
+
+    #[test]
+    fn torque_is_minus_the_energy_gradient_and_limits_push_back() {
+        let axis = Axis {
+            limit: Some(AngleLimit { min: -0.2, max: 1.0 }),
+            stiffness: 0.04,
+            rest_angle: 0.3,
+            damping: 0.0,
+        };
+        let joint = JointDesc {
+            name: String::new(),
+            kind: JointKind::Hinge,
+            parent: None,
+            child: 0,
+            pose_PJ: Pose::identity(),
+            pose_CK: Pose::identity(),
+            axes: [axis, Axis::default()],
+            limit_stiffness: 3.0,
+            limit_damping: 0.0,
+        };
+        for angle in [-0.5, -0.1, 0.3, 0.9, 1.4] {
+            let numeric = jacobian(|q| vec![-spring_energy(&axis, &joint, q[0])], &[angle], 1e-6);
+            let (torque, stiffness, _) = spring_torque(&axis, &joint, angle);
+            assert!((torque - numeric[0][0]).abs() < 1e-8);
+            let slope = jacobian(|q| vec![-spring_torque(&axis, &joint, q[0]).0], &[angle], 1e-6);
+            assert!((stiffness - slope[0][0]).abs() < 1e-8);
+        }
+    }
+
+    #[test]
+    fn angles_are_read_back() {
+        let pose_WJ = Pose::new(Vec3::zeros(), Quat::from_scaled_axis(Vec3::new(0.3, -1.0, 0.7)));
+        for (q0, q1) in [(0.4, -1.2), (-0.3, 1.5), (1.1, 0.0)] {
+            let turn =
+                Quat::from_scaled_axis(Vec3::y() * q0) * Quat::from_scaled_axis(Vec3::x() * q1);
+            let frames = JointFrames {
+                pose_WJ,
+                pose_WK: Pose::new(Vec3::zeros(), pose_WJ.rotation * turn),
+                parent: Vec3::zeros(),
+                child: Vec3::zeros(),
+            };
+            let [a, b] = axis_states(JointKind::Universal, &frames);
+            assert!((a.unwrap().angle - q0).abs() < 1e-12 && (b.unwrap().angle - q1).abs() < 1e-12);
+        }
+    }
+}

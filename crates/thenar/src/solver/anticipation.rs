@@ -1,0 +1,195 @@
+//! Contact response (Eq. 12) by iterative constraint anticipation (Otaduy, Tamstorf, Steinemann
+//! and Gross 2009).
+//!
+//! Wanted: `A x = Jᵀ λ` with `0 ≤ λ ⊥ J x ≥ p` and friction, where `x` is the change that contact
+//! makes to the contact-free velocities. With `A = D + L + U` and D its block diagonal, one sweep
+//!
+//! 1. anticipates the velocities a Jacobi step ahead without contact, `y = -D⁻¹ (L + U) x`;
+//! 2. finds λ for `J (y + D⁻¹ Jᵀ λ) ≥ p` by projected Gauss-Seidel over the contacts;
+//! 3. relaxes `A x = Jᵀ λ` by one block Gauss-Seidel sweep over the unknowns.
+
+use crate::math::{Vec3, Vec6};
+use crate::model::Cone;
+use crate::solver::friction_cone::project;
+use crate::solver::{BlockDiagonal, BlockMatrix, ContactRows, Convergence};
+
+/// When to stop.
+#[derive(Clone, Copy, Debug)]
+pub struct AnticipationSettings {
+    /// Stop when a sweep changes x by less than this part of x (energy norm).
+    pub tolerance: f64,
+    /// and at the latest after so many sweeps.
+    pub sweeps_max: u32,
+    /// Passes over the contacts within one sweep.
+    pub inner_passes: u32,
+    /// Friction cone.
+    pub cone: Cone,
+}
+
+/// Workspace.
+#[derive(Clone, Debug)]
+pub struct Anticipation {
+    /// Jᵀ λ per unknown.
+    impulse: Vec<Vec3>,
+    /// y + D⁻¹ Jᵀ λ, valid at touched rows.
+    anticipated: Vec<Vec3>,
+    /// Rigid bodies and nodes that some contact holds.
+    touched_rigids: Vec<u32>,
+    touched_nodes: Vec<u32>,
+    mark: Vec<bool>,
+}
+
+impl Anticipation {
+    /// Room for so many bodies and nodes.
+    pub fn new(rigids: usize, nodes: usize) -> Self {
+        let rows = 2 * rigids + nodes;
+        Self {
+            impulse: vec![Vec3::zeros(); rows],
+            anticipated: vec![Vec3::zeros(); rows],
+            touched_rigids: Vec::with_capacity(rigids),
+            touched_nodes: Vec::with_capacity(nodes),
+            mark: vec![false; rows],
+        }
+    }
+
+    /// Solves for `x` (start value kept from the caller) and the impulses in `contacts`, which
+    /// start from their present values.
+    pub fn solve(
+        &mut self,
+        a: &BlockMatrix,
+        d: &BlockDiagonal,
+        contacts: &mut ContactRows,
+        settings: &AnticipationSettings,
+        x: &mut [Vec3],
+    ) -> Convergence {
+        contacts.refresh_responses(d);
+        self.find_touched(contacts);
+        let mut convergence = Convergence { iterations: 0, residual: f64::INFINITY };
+        while convergence.iterations < settings.sweeps_max {
+            self.anticipate(a, d, contacts, x);
+            for _ in 0..settings.inner_passes {
+                self.pass_over_contacts(d, contacts, settings.cone);
+            }
+            self.gather_impulse(contacts);
+            let forward = convergence.iterations % 2 == 0;
+            let change2 = self.relax(a, d, x, forward);
+            let energy: f64 = x.iter().zip(&self.impulse).map(|(x, f)| x.dot(f)).sum();
+            convergence.iterations += 1;
+            convergence.residual =
+                if change2 > 0.0 { (change2 / energy.abs()).sqrt() } else { 0.0 };
+            if convergence.residual <= settings.tolerance {
+                break;
+            }
+        }
+        convergence
+    }
+
+    fn find_touched(&mut self, contacts: &ContactRows) {
+        self.touched_rigids.clear();
+        self.touched_nodes.clear();
+        self.mark.fill(false);
+        self.impulse.fill(Vec3::zeros());
+        let rigids = contacts.rigids;
+        for row in &contacts.rows {
+            for (body, _, _) in row.rigids.iter().flatten() {
+                if !std::mem::replace(&mut self.mark[2 * *body as usize], true) {
+                    self.touched_rigids.push(*body);
+                }
+            }
+        }
+        for &node in &contacts.nodes {
+            if !std::mem::replace(&mut self.mark[2 * rigids + node as usize], true) {
+                self.touched_nodes.push(node);
+            }
+        }
+    }
+
+    /// `anticipated = D⁻¹ (Jᵀ λ - (L + U) x)` at the touched rows.
+    fn anticipate(
+        &mut self,
+        a: &BlockMatrix,
+        d: &BlockDiagonal,
+        contacts: &ContactRows,
+        x: &[Vec3],
+    ) {
+        self.gather_impulse(contacts);
+        for &body in &self.touched_rigids {
+            let b = body as usize;
+            let (change, _) = rigid_change(a, d, &self.impulse, b, x);
+            self.anticipated[2 * b] = x[2 * b] + change[0];
+            self.anticipated[2 * b + 1] = x[2 * b + 1] + change[1];
+        }
+        for &node in &self.touched_nodes {
+            let i = 2 * contacts.rigids + node as usize;
+            let residual = self.impulse[i] - a.row_times(i, x);
+            self.anticipated[i] = x[i] + d.node[node as usize] * residual;
+        }
+    }
+
+    fn pass_over_contacts(&mut self, d: &BlockDiagonal, contacts: &mut ContactRows, cone: Cone) {
+        for i in 0..contacts.rows.len() {
+            let row = &contacts.rows[i];
+            let w = contacts.relative_velocity(row, &self.anticipated);
+            let value = row.frame * w - row.target;
+            let lambda = project(cone, row.friction, &row.response, &value, &row.lambda);
+            let change = row.frame.tr_mul(&(lambda - row.lambda));
+            if change != Vec3::zeros() {
+                contacts.scatter_response(row, &change, d, &mut self.anticipated);
+                contacts.rows[i].lambda = lambda;
+            }
+        }
+    }
+
+    fn gather_impulse(&mut self, contacts: &ContactRows) {
+        let rigids = contacts.rigids;
+        for &b in &self.touched_rigids {
+            self.impulse[2 * b as usize] = Vec3::zeros();
+            self.impulse[2 * b as usize + 1] = Vec3::zeros();
+        }
+        for &n in &self.touched_nodes {
+            self.impulse[2 * rigids + n as usize] = Vec3::zeros();
+        }
+        for row in &contacts.rows {
+            contacts.scatter(row, &row.frame.tr_mul(&row.lambda), &mut self.impulse);
+        }
+    }
+
+    /// One block Gauss-Seidel sweep over all unknowns; returns the square of its change in the
+    /// norm of D.
+    fn relax(&mut self, a: &BlockMatrix, d: &BlockDiagonal, x: &mut [Vec3], forward: bool) -> f64 {
+        let rigids = d.rigid.len();
+        let nodes = d.node.len();
+        let mut change2 = 0.0;
+        for k in 0..rigids + nodes {
+            let k = if forward { k } else { rigids + nodes - 1 - k };
+            if k < rigids {
+                let (change, residual) = rigid_change(a, d, &self.impulse, k, x);
+                for part in 0..2 {
+                    change2 += change[part].dot(&residual[part]);
+                    x[2 * k + part] += change[part];
+                }
+            } else {
+                let i = rigids + k;
+                let residual = self.impulse[i] - a.row_times(i, x);
+                let change = d.node[k - rigids] * residual;
+                change2 += change.dot(&residual);
+                x[i] += change;
+            }
+        }
+        change2
+    }
+}
+
+/// `D⁻¹ (f - A x)` and `f - A x` at the two rows of a rigid body.
+#[inline]
+fn rigid_change(
+    a: &BlockMatrix,
+    d: &BlockDiagonal,
+    f: &[Vec3],
+    b: usize,
+    x: &[Vec3],
+) -> ([Vec3; 2], [Vec3; 2]) {
+    let [lin, ang] = [2 * b, 2 * b + 1].map(|i| f[i] - a.row_times(i, x));
+    let y = d.rigid[b] * Vec6::new(lin.x, lin.y, lin.z, ang.x, ang.y, ang.z);
+    ([Vec3::new(y[0], y[1], y[2]), Vec3::new(y[3], y[4], y[5])], [lin, ang])
+}

@@ -1,0 +1,71 @@
+//! Preconditioned conjugate gradients (Hestenes and Stiefel 1952) for Eq. 11.
+
+use crate::math::Vec3;
+use crate::solver::{BlockDiagonal, BlockMatrix, Convergence};
+
+/// Vectors of one size that the iteration works in.
+#[derive(Clone, Debug)]
+pub struct CgWorkspace {
+    r: Vec<Vec3>,
+    z: Vec<Vec3>,
+    p: Vec<Vec3>,
+    q: Vec<Vec3>,
+}
+
+impl CgWorkspace {
+    /// Room for `rows` block rows.
+    pub fn new(rows: usize) -> Self {
+        let zeros = vec![Vec3::zeros(); rows];
+        Self { r: zeros.clone(), z: zeros.clone(), p: zeros.clone(), q: zeros }
+    }
+}
+
+/// Solves `A x = b` from the start value in `x`.
+///
+/// Stops when `‖b − A x‖ ≤ tolerance ‖b‖`, both in the norm of `D⁻¹`, in which the metres and
+/// radians of `b` weigh alike.
+pub fn conjugate_gradients(
+    a: &BlockMatrix,
+    d: &BlockDiagonal,
+    b: &[Vec3],
+    x: &mut [Vec3],
+    tolerance: f64,
+    iterations_max: u32,
+    work: &mut CgWorkspace,
+) -> Convergence {
+    let CgWorkspace { r, z, p, q } = work;
+    d.times(b, z);
+    let b_norm2 = dot(b, z);
+    let stop2 = tolerance * tolerance * b_norm2;
+
+    a.times(x, q);
+    for i in 0..r.len() {
+        r[i] = b[i] - q[i];
+    }
+    d.times(r, z);
+    let mut rz = dot(r, z);
+    p.copy_from_slice(z);
+    let mut iterations = 0;
+    while rz > stop2 && iterations < iterations_max {
+        a.times(p, q);
+        let alpha = rz / dot(p, q);
+        for i in 0..r.len() {
+            x[i] += alpha * p[i];
+            r[i] -= alpha * q[i];
+        }
+        d.times(r, z);
+        let rz_new = dot(r, z);
+        let beta = rz_new / rz;
+        rz = rz_new;
+        for i in 0..r.len() {
+            p[i] = z[i] + beta * p[i];
+        }
+        iterations += 1;
+    }
+    let residual = if b_norm2 > 0.0 { (rz / b_norm2).sqrt() } else { 0.0 };
+    Convergence { iterations, residual }
+}
+
+fn dot(a: &[Vec3], b: &[Vec3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
+}

@@ -1,0 +1,33 @@
+//! The linear systems of a step and their solvers.
+//!
+//! Unknowns are velocities in blocks of three: rigid body `b` owns block rows `2b` (linear, at
+//! its centre of mass) and `2b + 1` (angular); node `n` owns row `2B + n`, with B rigid bodies.
+//! In the paper's words the first `2B` rows are the skeleton `v_s`, the rest the flesh `v_f`.
+
+mod anticipation;
+mod articulated;
+mod block_matrix;
+mod conjugate_gradients;
+mod contact_rows;
+mod dense;
+mod diagonal;
+mod friction_cone;
+mod monolithic;
+
+pub use anticipation::{Anticipation, AnticipationSettings};
+pub use articulated::{Articulated, JointBlock};
+pub use block_matrix::{Block, BlockMatrix};
+pub use conjugate_gradients::{CgWorkspace, conjugate_gradients};
+pub use contact_rows::{ContactRow, ContactRows};
+pub use dense::DenseLu;
+pub use diagonal::BlockDiagonal;
+pub use monolithic::solve_monolithic;
+
+/// What an iterative solver reached.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Convergence {
+    /// Iterations done.
+    pub iterations: u32,
+    /// Relative residual reached.
+    pub residual: f64,
+}

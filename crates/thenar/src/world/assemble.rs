@@ -1,0 +1,185 @@
+//! Builds the system of a step: `A_s`, `A_sf`, `A_f` and the right-hand sides (Eq. 4, 5, 9).
+//!
+//! Every spring-like force F with stiffness K and damping C adds `Δt² K + Δt C` to A and
+//! `Δt F(q₀)` to b; its damping force at the old velocity cancels between `Δt F` and
+//! `-Δt ∂F/∂v v₀`.
+
+use crate::coupling::{EffectiveMass, add_part};
+use crate::flesh::Tally;
+use crate::math::{Mat3, Mat6, Vec3};
+use crate::model::WorldDesc;
+use crate::skeleton::{JointFrames, axis_states, joint_block, linearise_drive, spring_torque};
+use crate::world::Input;
+use crate::world::model::Model;
+use crate::world::state::{Scratch, State};
+
+/// The two frames of a joint at this state.
+pub fn joint_frames(model: &Model, state: &State, j: usize) -> JointFrames {
+    let joint = &model.joints[j];
+    let child = &state.poses_WB[joint.child as usize];
+    let parent = joint.parent.map(|p| state.poses_WB[p as usize]);
+    JointFrames {
+        pose_WJ: parent.map_or(joint.pose_PJ, |p| p * joint.pose_PJ),
+        pose_WK: *child * joint.pose_CK,
+        parent: parent.map_or(joint.pose_PJ.position, |p| p.position),
+        child: child.position,
+    }
+}
+
+/// Bones and joints: `A_s`, `b_s`, `J_s`, `b_λs`.
+pub fn skeleton(
+    desc: &WorldDesc,
+    model: &Model,
+    state: &mut State,
+    input: &Input,
+    h: f64,
+    scratch: &mut Scratch,
+) {
+    scratch.A.clear();
+    scratch.b.fill(Vec3::zeros());
+    scratch.S_diagonal.fill(Mat6::zeros());
+    scratch.S_edge.fill(Mat6::zeros());
+    for b in 0..model.rigids.len() {
+        if model.rigids[b].moves {
+            add_inertia(model, state, input, b, h, scratch);
+            if let (Some(drive), Some(target)) = (&desc.drives[b], &input.targets[b]) {
+                let (diagonal, rhs) = linearise_drive(drive, target, &state.poses_WB[b], h);
+                for part in 0..2 {
+                    add_to_body(scratch, b, part, &Mat3::from_diagonal_element(diagonal[part]));
+                    scratch.b[2 * b + part] += rhs[part];
+                }
+            }
+        } else {
+            state.v[2 * b] = input.prescribed[b][0];
+            state.v[2 * b + 1] = input.prescribed[b][1];
+        }
+    }
+    for j in 0..model.joints.len() {
+        let frames = joint_frames(model, state, j);
+        scratch.joints[j] = joint_block(model.joints[j].kind, &frames);
+        add_joint_springs(model, input, j, &frames, h, scratch);
+    }
+}
+
+/// `M_s`, `M_s v_0`, weight and external wrenches. Gyroscopic torque is left to the integration
+/// (`skeleton::turn_freely`).
+fn add_inertia(
+    model: &Model,
+    state: &State,
+    input: &Input,
+    b: usize,
+    h: f64,
+    scratch: &mut Scratch,
+) {
+    let body = &model.rigids[b];
+    let R = state.poses_WB[b].rotation.to_rotation_matrix().into_inner();
+    let inertia_W = R * body.inertia * R.transpose();
+    add_to_body(scratch, b, 0, &Mat3::from_diagonal_element(body.mass));
+    add_to_body(scratch, b, 1, &inertia_W);
+    let [force, torque] = input.wrenches[b];
+    scratch.b[2 * b] += (state.v[2 * b] + input.gravity * h) * body.mass + force * h;
+    scratch.b[2 * b + 1] += inertia_W * state.v[2 * b + 1] + torque * h;
+}
+
+fn add_joint_springs(
+    model: &Model,
+    input: &Input,
+    j: usize,
+    frames: &JointFrames,
+    h: f64,
+    scratch: &mut Scratch,
+) {
+    let joint = &model.joints[j];
+    let torques = input.joint_torques[j];
+    if joint.kind == crate::model::JointKind::Ball {
+        let turn = frames.pose_WK.rotation * frames.pose_WJ.rotation.inverse();
+        let axis = &joint.axes[0];
+        let torque = crate::math::rotation_vector(&turn) * -axis.stiffness;
+        let implicit = h * h * axis.stiffness + h * axis.damping;
+        add_relative(model, j, &Mat3::from_diagonal_element(implicit), &(torque * h), scratch);
+        return;
+    }
+    for (k, axis) in axis_states(joint.kind, frames).iter().enumerate() {
+        let Some(axis) = axis else { continue };
+        let (torque, stiffness, damping) = spring_torque(&joint.axes[k], joint, axis.angle);
+        let a = axis.direction_W;
+        let implicit = a * a.transpose() * (h * h * stiffness + h * damping);
+        add_relative(model, j, &implicit, &(a * ((torque + torques[k]) * h)), scratch);
+    }
+}
+
+/// A torque between the two bodies of a joint: `impulse` on the child, its opposite on the
+/// parent, with the implicit matrix of their relative angular velocity.
+fn add_relative(model: &Model, j: usize, implicit: &Mat3, impulse: &Vec3, scratch: &mut Scratch) {
+    let joint = &model.joints[j];
+    let entries = model.joint_entries[j];
+    let child = joint.child as usize;
+    scratch.A.add(entries.child, implicit);
+    add_part(&mut scratch.S_diagonal[child], 1, 1, implicit);
+    scratch.b[2 * child + 1] += impulse;
+    if let (Some(parent), Some(at)) = (joint.parent, entries.with_parent) {
+        let parent = parent as usize;
+        scratch.A.add(at[0], implicit);
+        scratch.A.add(at[1], &-implicit);
+        scratch.A.add(at[2], &-implicit);
+        add_part(&mut scratch.S_diagonal[parent], 1, 1, implicit);
+        add_part(&mut scratch.S_edge[j], 1, 1, &-implicit);
+        scratch.b[2 * parent + 1] -= impulse;
+    }
+}
+
+fn add_to_body(scratch: &mut Scratch, b: usize, part: usize, m: &Mat3) {
+    let diagonal = scratch.A.diagonal[2 * b + part];
+    scratch.A.add(diagonal, m);
+    add_part(&mut scratch.S_diagonal[b], part, part, m);
+}
+
+/// The springs between bones and flesh: `A_sf`, `A_fs`, and their parts of `A_s` and `A_f`
+/// (Eq. 7-9). Ends with the unknowns of prescribed bodies being made known.
+pub fn coupling(desc: &WorldDesc, model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
+    for (n, mass) in scratch.step1_mass.iter_mut().enumerate() {
+        let damped = model.flesh.mass[n] * (1.0 + h * model.flesh.mass_damping[n]);
+        *mass = if model.is_held[n] { f64::INFINITY } else { damped };
+    }
+    let step1 = EffectiveMass { flesh: desc.solver.step1_flesh, mass: &scratch.step1_mass };
+    model.coupling.assemble(
+        &state.poses_WB,
+        &state.x,
+        h,
+        &step1,
+        &mut scratch.A,
+        &mut scratch.b,
+        &mut scratch.S_diagonal,
+        &mut scratch.S_edge,
+    );
+    for (b, body) in model.rigids.iter().enumerate() {
+        if body.moves {
+            continue;
+        }
+        for part in 0..2 {
+            for axis in 0..3 {
+                let value = state.v[2 * b + part][axis];
+                scratch.A.hold(2 * b + part, axis, value, &mut scratch.b);
+            }
+        }
+        scratch.S_diagonal[b] = Mat6::identity();
+    }
+}
+
+/// Flesh: `A_f`, `b_f` (Eq. 5), weight and nodal forces. Ends with held nodes being held.
+pub fn flesh(model: &Model, state: &State, input: &Input, h: f64, scratch: &mut Scratch) -> Tally {
+    let row0 = 2 * model.rigids.len();
+    let v = &state.v[row0..];
+    let tally = model.flesh.assemble(&state.x, v, h, row0, &mut scratch.A, &mut scratch.b);
+    for (n, mass) in model.flesh.mass.iter().enumerate() {
+        scratch.b[row0 + n] += (input.gravity * *mass + input.node_forces[n]) * h;
+    }
+    for (node, axes) in &model.held {
+        for axis in 0..3 {
+            if axes[axis] {
+                scratch.A.hold(row0 + *node as usize, axis, 0.0, &mut scratch.b);
+            }
+        }
+    }
+    tally
+}

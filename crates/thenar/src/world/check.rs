@@ -1,0 +1,239 @@
+//! Checks of a description before anything is built from it.
+
+use crate::contact::Shape;
+use crate::math::Mat3;
+use crate::model::{JointDesc, Motion, RigidDesc, SoftDesc, WorldDesc};
+use crate::world::ModelError;
+
+/// The largest coordinate or size accepted \[m\].
+const EXTENT_MAX: f64 = 1e4;
+
+/// Returns the first fault found.
+pub fn check(desc: &WorldDesc) -> Result<(), ModelError> {
+    number("world", "time step", "positive and at most 10 s", desc.time_step, |x| {
+        x > 0.0 && x <= 10.0
+    })?;
+    for x in desc.gravity.iter() {
+        number("world", "gravity", "finite and below 1e4 m/s²", *x, |x| x.abs() < 1e4)?;
+    }
+    if desc.drives.len() != desc.rigids.len() {
+        return Err(ModelError::Count {
+            thing: "world".into(),
+            what: "drives",
+            expected: desc.rigids.len(),
+            got: desc.drives.len(),
+        });
+    }
+    settings(desc)?;
+    for rigid in &desc.rigids {
+        check_rigid(rigid)?;
+    }
+    for (drive, rigid) in desc.drives.iter().zip(&desc.rigids) {
+        if let Some(d) = drive {
+            for value in [d.stiffness, d.damping, d.angular_stiffness, d.angular_damping] {
+                not_negative(&rigid.name, "drive", value)?;
+            }
+        }
+    }
+    for joint in &desc.joints {
+        check_joint(joint, desc)?;
+    }
+    for soft in &desc.softs {
+        check_soft(soft, desc)?;
+    }
+    Ok(())
+}
+
+fn settings(desc: &WorldDesc) -> Result<(), ModelError> {
+    let s = &desc.solver;
+    for (what, value) in
+        [("cg_tolerance", s.cg_tolerance), ("contact_tolerance", s.contact_tolerance)]
+    {
+        number("solver", what, "positive and below 1", value, |x| x > 0.0 && x < 1.0)?;
+    }
+    not_negative("solver", "contact_margin", s.contact_margin)?;
+    for (what, value) in [
+        ("cg_iterations_max", s.cg_iterations_max),
+        ("contact_sweeps_max", s.contact_sweeps_max),
+        ("contact_inner_passes", s.contact_inner_passes),
+    ] {
+        number("solver", what, "at least 1", f64::from(value), |x| x >= 1.0)?;
+    }
+    Ok(())
+}
+
+fn check_rigid(rigid: &RigidDesc) -> Result<(), ModelError> {
+    let name = &rigid.name;
+    for x in rigid.pose_WB.position.iter() {
+        number(name, "position", "within 1e4 m", *x, |x| x.abs() <= EXTENT_MAX)?;
+    }
+    let all = rigid.pose_WB.rotation.coords.iter().chain(rigid.pose_BS.position.iter());
+    let all = all.chain(rigid.pose_BS.rotation.coords.iter());
+    for x in all.chain(rigid.velocity_W.iter()).chain(rigid.angular_velocity_W.iter()) {
+        number(name, "pose or velocity", "finite", *x, f64::is_finite)?;
+    }
+    not_negative(name, "friction", rigid.friction)?;
+    if let Some(shape) = &rigid.shape {
+        check_shape(name, shape)?;
+    }
+    if rigid.motion == Motion::Prescribed {
+        return Ok(());
+    }
+    number(name, "mass", "positive and finite [kg]", rigid.mass, |x| x > 0.0 && x < 1e9)?;
+    let asymmetry = (rigid.inertia - rigid.inertia.transpose()).norm();
+    let largest = rigid.inertia.norm();
+    number(name, "inertia asymmetry", "0", asymmetry, |x| x <= 1e-9 * largest)?;
+    let smallest = smallest_eigenvalue(&rigid.inertia);
+    number(name, "smallest principal inertia", "positive [kg m²]", smallest, |x| x > 0.0)?;
+    if matches!(rigid.shape, Some(Shape::HalfSpace)) {
+        return Err(ModelError::MovingPlane { thing: name.clone() });
+    }
+    Ok(())
+}
+
+fn smallest_eigenvalue(m: &Mat3) -> f64 {
+    if m.iter().all(|x| x.is_finite()) { m.symmetric_eigenvalues().min() } else { f64::NAN }
+}
+
+fn check_shape(name: &str, shape: &Shape) -> Result<(), ModelError> {
+    let size = |what, value| {
+        number(name, what, "positive and at most 1e4 m", value, |x| x > 0.0 && x <= EXTENT_MAX)
+    };
+    match shape {
+        Shape::Sphere { radius } => size("radius", *radius),
+        Shape::Capsule { radius, half_length } => {
+            size("radius", *radius)?;
+            not_negative(name, "half length", *half_length)
+        }
+        Shape::Cuboid { half } => half.iter().try_for_each(|&x| size("half edge", x)),
+        Shape::HalfSpace | Shape::Mesh(_) => Ok(()),
+    }
+}
+
+fn check_joint(joint: &JointDesc, desc: &WorldDesc) -> Result<(), ModelError> {
+    let name = &joint.name;
+    for body in joint.parent.into_iter().chain([joint.child]) {
+        index(name, "body", u64::from(body), desc.rigids.len())?;
+    }
+    if joint.parent == Some(joint.child) {
+        return Err(ModelError::SelfJoint { thing: name.clone() });
+    }
+    for pose in [&joint.pose_PJ, &joint.pose_CK] {
+        number(
+            name,
+            "frame",
+            "finite",
+            if pose.is_finite() { 0.0 } else { f64::NAN },
+            f64::is_finite,
+        )?;
+    }
+    not_negative(name, "limit stiffness", joint.limit_stiffness)?;
+    not_negative(name, "limit damping", joint.limit_damping)?;
+    for axis in &joint.axes {
+        not_negative(name, "stiffness", axis.stiffness)?;
+        not_negative(name, "damping", axis.damping)?;
+        number(name, "rest angle", "finite", axis.rest_angle, f64::is_finite)?;
+        if let Some(limit) = axis.limit {
+            number(name, "limit range", "max ≥ min", limit.max - limit.min, |x| x >= 0.0)?;
+        }
+    }
+    Ok(())
+}
+
+fn check_soft(soft: &SoftDesc, desc: &WorldDesc) -> Result<(), ModelError> {
+    let (name, flesh) = (&soft.name, &soft.flesh);
+    let nodes = flesh.nodes.len();
+    count(name, "materials", flesh.tets.len(), flesh.materials.len())?;
+    number(name, "number of tetrahedra", "at least 1", flesh.tets.len() as f64, |x| x >= 1.0)?;
+    for x in flesh.nodes.iter().flat_map(|x| x.iter()) {
+        number(name, "node position", "within 1e4 m", *x, |x| x.abs() <= EXTENT_MAX)?;
+    }
+    number(
+        name,
+        "pose",
+        "finite",
+        if soft.pose_WM.is_finite() { 0.0 } else { f64::NAN },
+        f64::is_finite,
+    )?;
+    for x in soft.velocity_W.iter() {
+        number(name, "velocity", "finite", *x, |x| x.is_finite())?;
+    }
+    for value in [flesh.mass_damping, flesh.stiffness_damping, flesh.friction] {
+        not_negative(name, "damping or friction", value)?;
+    }
+    for material in &flesh.materials {
+        number(name, "Young's modulus", "positive [Pa]", material.young, |x| x > 0.0 && x < 1e13)?;
+        number(name, "Poisson's ratio", "above -1 and below 0.5", material.poisson, |x| {
+            x > -1.0 && x < 0.5
+        })?;
+        number(name, "density", "positive [kg/m³]", material.density, |x| x > 0.0 && x < 1e6)?;
+    }
+    for node in flesh.tets.iter().flatten() {
+        index(name, "node", u64::from(*node), nodes)?;
+    }
+    for fixed in &flesh.fixed {
+        index(name, "fixed node", u64::from(fixed.node), nodes)?;
+    }
+    for vertex in &flesh.collision.vertices {
+        index(name, "surface tetrahedron", u64::from(vertex.tet), flesh.tets.len())?;
+        number(name, "surface weights' sum", "1", vertex.weights.iter().sum(), |x| {
+            (x - 1.0).abs() < 1e-6
+        })?;
+    }
+    for vertex in flesh.collision.triangles.iter().flatten() {
+        index(name, "surface vertex", u64::from(*vertex), flesh.collision.vertices.len())?;
+    }
+    check_coupling(soft, desc)
+}
+
+fn check_coupling(soft: &SoftDesc, desc: &WorldDesc) -> Result<(), ModelError> {
+    let (name, Some(coupling)) = (&soft.name, &soft.coupling) else { return Ok(()) };
+    count(name, "bindings", soft.flesh.nodes.len(), coupling.bindings.len())?;
+    count(name, "coupling stiffnesses", soft.flesh.nodes.len(), coupling.stiffness.len())?;
+    not_negative(name, "coupling damping time", coupling.damping_time)?;
+    for &k in &coupling.stiffness {
+        not_negative(name, "coupling stiffness", k)?;
+    }
+    for (node, binding) in coupling.bindings.iter().enumerate() {
+        for bone in binding.bones {
+            index(name, "bone", u64::from(bone), desc.rigids.len())?;
+        }
+        let weights = binding.weights;
+        let sum_is_one = (weights[0] + weights[1] - 1.0).abs() <= 1e-9;
+        if !(sum_is_one && weights[0] >= 0.0 && weights[1] >= 0.0) {
+            return Err(ModelError::Weights { thing: name.clone(), node, weights });
+        }
+    }
+    Ok(())
+}
+
+fn number(
+    thing: &str,
+    what: &'static str,
+    expected: &'static str,
+    got: f64,
+    ok: impl Fn(f64) -> bool,
+) -> Result<(), ModelError> {
+    if ok(got) {
+        return Ok(());
+    }
+    Err(ModelError::Value { thing: thing.into(), what, expected, got })
+}
+
+fn not_negative(thing: &str, what: &'static str, got: f64) -> Result<(), ModelError> {
+    number(thing, what, "finite and not negative", got, |x| x >= 0.0 && x.is_finite())
+}
+
+fn index(thing: &str, what: &'static str, index: u64, count: usize) -> Result<(), ModelError> {
+    if index < count as u64 {
+        return Ok(());
+    }
+    Err(ModelError::Index { thing: thing.into(), what, index, count })
+}
+
+fn count(thing: &str, what: &'static str, expected: usize, got: usize) -> Result<(), ModelError> {
+    if expected == got {
+        return Ok(());
+    }
+    Err(ModelError::Count { thing: thing.into(), what, expected, got })
+}

@@ -1,0 +1,107 @@
+//! Energy, momentum and the forces that drives and flesh put on bones.
+
+use crate::coupling::skin_target;
+use crate::math::Vec3;
+use crate::model::JointKind;
+use crate::skeleton::{axis_states, drive_energy, drive_force, spring_energy};
+use crate::world::assemble::joint_frames;
+use crate::world::{Energy, Input, World};
+
+impl World {
+    /// Energies of the present state; weight and drives are those of `input`.
+    pub fn energy(&self, input: &Input) -> Energy {
+        let (model, state) = (&self.model, &self.state);
+        let row0 = 2 * model.rigids.len();
+        let mut energy = Energy::default();
+        for (b, body) in model.rigids.iter().enumerate().filter(|(_, body)| body.moves) {
+            let pose = &state.poses_WB[b];
+            let spin = pose.inverse_vector(&state.v[2 * b + 1]);
+            energy.kinetic += 0.5
+                * (body.mass * state.v[2 * b].norm_squared() + spin.dot(&(body.inertia * spin)));
+            energy.gravity -= body.mass * input.gravity.dot(&pose.position);
+            if let (Some(drive), Some(target)) = (&self.desc.drives[b], &input.targets[b]) {
+                energy.drive += drive_energy(drive, target, pose);
+            }
+        }
+        for (n, mass) in model.flesh.mass.iter().enumerate() {
+            energy.kinetic += 0.5 * mass * state.v[row0 + n].norm_squared();
+            energy.gravity -= mass * input.gravity.dot(&state.x[n]);
+        }
+        for (j, joint) in model.joints.iter().enumerate() {
+            let frames = joint_frames(model, state, j);
+            if joint.kind == JointKind::Ball {
+                let angle = frames.pose_WK.rotation.angle_to(&frames.pose_WJ.rotation);
+                energy.joint += 0.5 * joint.axes[0].stiffness * angle * angle;
+            }
+            for (k, axis) in axis_states(joint.kind, &frames).iter().enumerate() {
+                energy.joint += axis.map_or(0.0, |a| spring_energy(&joint.axes[k], joint, a.angle));
+            }
+        }
+        energy.elastic = model.flesh.tally(&state.x).energy;
+        energy.coupling = model.coupling.energy(&state.poses_WB, &state.x);
+        energy
+    }
+
+    /// Total linear momentum \[kg m/s\] and angular momentum about the world's origin
+    /// \[kg m²/s\] of all that moves.
+    pub fn momentum(&self) -> [Vec3; 2] {
+        let (model, state) = (&self.model, &self.state);
+        let row0 = 2 * model.rigids.len();
+        let (mut linear, mut angular) = (Vec3::zeros(), Vec3::zeros());
+        for (b, body) in model.rigids.iter().enumerate().filter(|(_, body)| body.moves) {
+            let pose = &state.poses_WB[b];
+            let p = state.v[2 * b] * body.mass;
+            let spin = body.inertia * pose.inverse_vector(&state.v[2 * b + 1]);
+            linear += p;
+            angular += pose.position.cross(&p) + pose.vector(&spin);
+        }
+        for (n, mass) in model.flesh.mass.iter().enumerate() {
+            let p = state.v[row0 + n] * *mass;
+            linear += p;
+            angular += state.x[n].cross(&p);
+        }
+        [linear, angular]
+    }
+
+    /// Force \[N\] and torque \[N m\] that the drive of rigid body `i` puts on it at this state.
+    pub fn drive_wrench(&self, i: u32, input: &Input) -> [Vec3; 2] {
+        let b = i as usize;
+        let (Some(drive), Some(target)) = (&self.desc.drives[b], &input.targets[b]) else {
+            return [Vec3::zeros(); 2];
+        };
+        let [force, torque] = drive_force(drive, target, &self.state.poses_WB[b]);
+        let [v, omega] = self.rigid_velocity(i);
+        [
+            force + (target.velocity_W - v) * drive.damping,
+            torque + (target.angular_velocity_W - omega) * drive.angular_damping,
+        ]
+    }
+
+    /// Force \[N\] and torque about its centre of mass \[N m\] that flesh puts on rigid body `i`
+    /// through the coupling springs (Eq. 8), dampers included.
+    pub fn coupling_wrench(&self, i: u32) -> [Vec3; 2] {
+        let (model, state) = (&self.model, &self.state);
+        let row0 = 2 * model.rigids.len();
+        let mut wrench = [Vec3::zeros(); 2];
+        for (k, bound) in model.coupling.bound.iter().enumerate() {
+            if !bound.bones[..bound.carriers()].contains(&i) {
+                continue;
+            }
+            let target = skin_target(bound, &state.poses_WB);
+            let mut rate = state.v[row0 + bound.node as usize];
+            for j in 0..bound.carriers() {
+                let bone = bound.bones[j] as usize;
+                rate -= state.v[2 * bone] * bound.weights[j]
+                    + state.v[2 * bone + 1].cross(&target.levers_W[j]);
+            }
+            let force = (state.x[bound.node as usize] - target.position_W)
+                * model.coupling.stiffness[k]
+                + rate * model.coupling.damping[k];
+            for j in (0..bound.carriers()).filter(|&j| bound.bones[j] == i) {
+                wrench[0] += force * bound.weights[j];
+                wrench[1] += target.levers_W[j].cross(&force);
+            }
+        }
+        wrench
+    }
+}

@@ -1,0 +1,90 @@
+//! Why a description cannot be simulated.
+
+/// One fault of a `WorldDesc`, with the thing and the cause.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ModelError {
+    /// A number is out of range or not finite.
+    #[error("{thing}: {what} must be {expected}, got {got}")]
+    Value {
+        /// Body, joint or setting.
+        thing: String,
+        /// Quantity.
+        what: &'static str,
+        /// What is allowed.
+        expected: &'static str,
+        /// What was given.
+        got: f64,
+    },
+    /// An index points nowhere.
+    #[error("{thing}: {what} {index} does not exist (there are {count})")]
+    Index {
+        /// Body or joint.
+        thing: String,
+        /// Kind of index.
+        what: &'static str,
+        /// Index given.
+        index: u64,
+        /// Number of things.
+        count: usize,
+    },
+    /// Two lists that belong together differ in length.
+    #[error("{thing}: {what} has {got} entries, expected {expected}")]
+    Count {
+        /// Body.
+        thing: String,
+        /// List.
+        what: &'static str,
+        /// Needed.
+        expected: usize,
+        /// Given.
+        got: usize,
+    },
+    /// An element has no volume or is inside out at rest.
+    #[error("{thing}: tetrahedron {tet} has a rest volume that is not positive")]
+    Tet {
+        /// Body.
+        thing: String,
+        /// Element.
+        tet: usize,
+    },
+    /// A node belongs to no element.
+    #[error("{thing}: node {node} belongs to no tetrahedron, so it has no mass")]
+    LooseNode {
+        /// Body.
+        thing: String,
+        /// Node.
+        node: usize,
+    },
+    /// A node is bound to two bones that no joint connects.
+    #[error("{thing}: node {node} is bound to bones {bones:?}, which no joint connects")]
+    NotAdjacent {
+        /// Body.
+        thing: String,
+        /// Node.
+        node: usize,
+        /// Rigid-body indices.
+        bones: [u32; 2],
+    },
+    /// Weights are negative or do not sum to 1.
+    #[error("{thing}: weights of node {node} must be non-negative and sum to 1, got {weights:?}")]
+    Weights {
+        /// Body.
+        thing: String,
+        /// Node.
+        node: usize,
+        /// Weights given.
+        weights: [f64; 2],
+    },
+    /// A half-space cannot move by forces.
+    #[error("{thing}: a plane must be fixed, it has no finite mass")]
+    MovingPlane {
+        /// Body.
+        thing: String,
+    },
+    /// A joint connects a body with itself.
+    #[error("{thing}: a joint needs two different bodies")]
+    SelfJoint {
+        /// Joint.
+        thing: String,
+    },
+}

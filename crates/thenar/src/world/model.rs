@@ -1,0 +1,282 @@
+//! The constant part of a world: topology, rest shapes, materials, sparsity.
+
+use crate::coupling::{BoundNode, CouplingEntries, CouplingModel};
+use crate::flesh::{FleshModel, RestTet};
+use crate::math::{Mat3, Vec3};
+use crate::model::{JointDesc, Motion, SoftDesc, WorldDesc};
+use crate::solver::BlockMatrix;
+use crate::world::{ModelError, check::check};
+use std::ops::Range;
+
+/// A rigid body's constants.
+#[derive(Clone, Debug)]
+pub struct RigidModel {
+    /// False when its velocity is prescribed.
+    pub moves: bool,
+    /// Mass \[kg\].
+    pub mass: f64,
+    /// Inertia in B \[kg m²\].
+    pub inertia: Mat3,
+    /// Its inverse.
+    pub inverse_inertia: Mat3,
+}
+
+/// Where a joint's spring blocks lie in the system matrix (angular rows of child and parent).
+#[derive(Clone, Copy, Debug)]
+pub struct JointEntries {
+    /// (child, child).
+    pub child: u32,
+    /// (parent, parent), (child, parent), (parent, child).
+    pub with_parent: Option<[u32; 3]>,
+}
+
+/// An embedded collision vertex with its nodes numbered through all bodies.
+#[derive(Clone, Copy, Debug)]
+pub struct Embedded {
+    /// Nodes.
+    pub nodes: [u32; 4],
+    /// Barycentric weights.
+    pub weights: [f64; 4],
+}
+
+/// Everything constant.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// Rigid bodies.
+    pub rigids: Vec<RigidModel>,
+    /// Joints.
+    pub joints: Vec<JointDesc>,
+    /// Their places in the matrix.
+    pub joint_entries: Vec<JointEntries>,
+    /// Flesh of all deformable bodies.
+    pub flesh: FleshModel,
+    /// Coupling of all deformable bodies.
+    pub coupling: CouplingModel,
+    /// Nodes of each deformable body.
+    pub soft_nodes: Vec<Range<usize>>,
+    /// Elements of each deformable body.
+    pub soft_tets: Vec<Range<usize>>,
+    /// Collision vertices of each deformable body.
+    pub soft_vertices: Vec<Range<usize>>,
+    /// Collision vertices of all bodies.
+    pub vertices: Vec<Embedded>,
+    /// Held nodes (numbered through) and axes.
+    pub held: Vec<(u32, [bool; 3])>,
+    /// True for nodes with a held axis.
+    pub is_held: Vec<bool>,
+    /// The zero matrix with the system's pattern.
+    pub pattern: BlockMatrix,
+}
+
+impl Model {
+    /// Compiles a description.
+    pub fn new(desc: &WorldDesc) -> Result<Self, ModelError> {
+        check(desc)?;
+        let rigids: Vec<RigidModel> = desc
+            .rigids
+            .iter()
+            .map(|r| RigidModel {
+                moves: r.motion == Motion::Dynamic,
+                mass: r.mass,
+                inertia: r.inertia,
+                inverse_inertia: r.inertia.try_inverse().unwrap_or_else(Mat3::identity),
+            })
+            .collect();
+        let mut model = Self {
+            rigids,
+            joints: desc.joints.clone(),
+            joint_entries: Vec::new(),
+            flesh: FleshModel::default(),
+            coupling: CouplingModel::default(),
+            soft_nodes: Vec::new(),
+            soft_tets: Vec::new(),
+            soft_vertices: Vec::new(),
+            vertices: Vec::new(),
+            held: Vec::new(),
+            is_held: Vec::new(),
+            pattern: BlockMatrix::with_pattern(0, []),
+        };
+        for soft in &desc.softs {
+            model.add_soft(soft, desc)?;
+        }
+        model.is_held = vec![false; model.flesh.mass.len()];
+        for (node, _) in &model.held {
+            model.is_held[*node as usize] = true;
+        }
+        model.lay_out();
+        Ok(model)
+    }
+
+    /// Block rows of the system.
+    pub fn rows(&self) -> usize {
+        2 * self.rigids.len() + self.flesh.mass.len()
+    }
+
+    fn add_soft(&mut self, soft: &SoftDesc, desc: &WorldDesc) -> Result<(), ModelError> {
+        let flesh = &soft.flesh;
+        let node0 = self.flesh.mass.len();
+        let tet0 = self.flesh.tets.len();
+        self.flesh.mass.resize(node0 + flesh.nodes.len(), 0.0);
+        self.flesh.mass_damping.resize(node0 + flesh.nodes.len(), flesh.mass_damping);
+        for (t, (tet, material)) in flesh.tets.iter().zip(&flesh.materials).enumerate() {
+            let rest = RestTet::new(&tet.map(|n| flesh.nodes[n as usize]), material)
+                .ok_or(ModelError::Tet { thing: soft.name.clone(), tet: t })?;
+            for n in tet {
+                self.flesh.mass[node0 + *n as usize] += 0.25 * rest.volume * material.density;
+            }
+            self.flesh.tets.push(tet.map(|n| node0 as u32 + n));
+            self.flesh.rest.push(rest);
+            self.flesh.stiffness_damping.push(flesh.stiffness_damping);
+        }
+        if let Some(node) = self.flesh.mass[node0..].iter().position(|&m| m <= 0.0) {
+            return Err(ModelError::LooseNode { thing: soft.name.clone(), node });
+        }
+        self.soft_nodes.push(node0..self.flesh.mass.len());
+        self.soft_tets.push(tet0..self.flesh.tets.len());
+
+        let vertex0 = self.vertices.len();
+        self.vertices.extend(flesh.collision.vertices.iter().map(|v| Embedded {
+            nodes: self.flesh.tets[tet0 + v.tet as usize],
+            weights: v.weights,
+        }));
+        self.soft_vertices.push(vertex0..self.vertices.len());
+        self.held.extend(flesh.fixed.iter().map(|f| (node0 as u32 + f.node, f.axes)));
+        self.add_coupling(soft, desc, node0)
+    }
+
+    fn add_coupling(
+        &mut self,
+        soft: &SoftDesc,
+        desc: &WorldDesc,
+        node0: usize,
+    ) -> Result<(), ModelError> {
+        let Some(coupling) = &soft.coupling else { return Ok(()) };
+        for (node, binding) in coupling.bindings.iter().enumerate() {
+            if coupling.stiffness[node] == 0.0 {
+                continue;
+            }
+            let (mut bones, mut weights) = (binding.bones, binding.weights);
+            if weights[0] == 0.0 {
+                bones.swap(0, 1);
+                weights.swap(0, 1);
+            }
+            if bones[0] == bones[1] {
+                weights = [1.0, 0.0];
+            }
+            let joint = if weights[1] == 0.0 {
+                None
+            } else {
+                let found = joint_between(&desc.joints, bones);
+                let prescribed = bones.iter().all(|&b| !self.rigids[b as usize].moves);
+                if found.is_none() && !prescribed {
+                    return Err(ModelError::NotAdjacent { thing: soft.name.clone(), node, bones });
+                }
+                found
+            };
+            let x_W = soft.pose_WM.point(&soft.flesh.nodes[node]);
+            self.coupling.bound.push(BoundNode {
+                node: (node0 + node) as u32,
+                bones,
+                weights,
+                offsets: bones.map(|b| desc.rigids[b as usize].pose_WB.inverse_point(&x_W)),
+            });
+            self.coupling.stiffness.push(coupling.stiffness[node]);
+            self.coupling.damping.push(coupling.stiffness[node] * coupling.damping_time);
+            self.coupling.joints.push(joint);
+        }
+        Ok(())
+    }
+
+    /// Fixes the sparsity and remembers where everything goes.
+    fn lay_out(&mut self) {
+        let row0 = 2 * self.rigids.len() as u32;
+        let mut pairs: Vec<(u32, u32)> = Vec::new();
+        for b in 0..self.rigids.len() as u32 {
+            pairs.push((2 * b, 2 * b + 1));
+        }
+        for joint in &self.joints {
+            pairs.extend(joint.parent.map(|p| (2 * p + 1, 2 * joint.child + 1)));
+        }
+        for tet in &self.flesh.tets {
+            for a in 0..4 {
+                pairs.extend((0..a).map(|c| (row0 + tet[a], row0 + tet[c])));
+            }
+        }
+        for bound in &self.coupling.bound {
+            for j in 0..bound.carriers() {
+                for part in 0..2 {
+                    let bone = 2 * bound.bones[j] + part;
+                    pairs.push((row0 + bound.node, bone));
+                    for l in 0..bound.carriers() {
+                        pairs.extend((0..2).map(|q| (bone, 2 * bound.bones[l] + q)));
+                    }
+                }
+            }
+        }
+        self.pattern = BlockMatrix::with_pattern(self.rows(), pairs);
+
+        let A = &self.pattern;
+        let entry = |i: u32, j: u32| A.entry(i, j);
+        self.joint_entries = self
+            .joints
+            .iter()
+            .map(|joint| {
+                let c = 2 * joint.child + 1;
+                JointEntries {
+                    child: entry(c, c),
+                    with_parent: joint.parent.map(|p| {
+                        let p = 2 * p + 1;
+                        [entry(p, p), entry(c, p), entry(p, c)]
+                    }),
+                }
+            })
+            .collect();
+        self.flesh.entries = self
+            .flesh
+            .tets
+            .iter()
+            .map(|tet| tet.map(|a| tet.map(|c| entry(row0 + a, row0 + c))))
+            .collect();
+        self.coupling.entries = self
+            .coupling
+            .bound
+            .iter()
+            .map(|bound| {
+                let node = row0 + bound.node;
+                let carried = |j: usize| bound.bones[if j < bound.carriers() { j } else { 0 }];
+                let bone = |j: usize, part: u32| 2 * carried(j) + part;
+                CouplingEntries {
+                    node: entry(node, node),
+                    node_bone: [0, 1].map(|j| [0, 1].map(|p| entry(node, bone(j, p)))),
+                    bone_node: [0, 1].map(|j| [0, 1].map(|p| entry(bone(j, p), node))),
+                    bone_bone: [0, 1].map(|j| {
+                        [0, 1]
+                            .map(|l| [0, 1].map(|p| [0, 1].map(|q| entry(bone(j, p), bone(l, q)))))
+                    }),
+                }
+            })
+            .collect();
+    }
+}
+
+impl Embedded {
+    /// Weighted sum of a nodal quantity.
+    #[inline]
+    pub fn of(&self, nodal: &[Vec3]) -> Vec3 {
+        (0..4).map(|k| nodal[self.nodes[k] as usize] * self.weights[k]).sum()
+    }
+}
+
+/// The joint between two bones, and whether its child is the first of them.
+fn joint_between(joints: &[JointDesc], bones: [u32; 2]) -> Option<(u32, bool)> {
+    joints.iter().enumerate().find_map(|(j, joint)| {
+        let parent = joint.parent?;
+        if [joint.child, parent] == bones {
+            Some((j as u32, true))
+        } else if [parent, joint.child] == bones {
+            Some((j as u32, false))
+        } else {
+            None
+        }
+    })
+}

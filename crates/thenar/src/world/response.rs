@@ -1,0 +1,161 @@
+//! Contact of one step: from the points found to impulses (Sec. 3.4, Eq. 12).
+
+use crate::contact::{Contact, Detector, RigidPlace, Site, SurfacePoint, SurfaceState};
+use crate::math::Vec3;
+use crate::model::{BodyId, WorldDesc};
+use crate::solver::{AnticipationSettings, ContactRows, Convergence};
+use crate::world::ContactPoint;
+use crate::world::model::Model;
+use crate::world::state::{Scratch, State};
+
+/// A penetrating point is moved out no faster than this \[m/s\], lest it be thrown out.
+const PUSH_OUT_SPEED_MAX: f64 = 0.5;
+
+/// Finds the points that touch, or would within the step at the contact-free velocities.
+pub fn detect(
+    settings_margin: f64,
+    model: &Model,
+    state: &State,
+    h: f64,
+    detector: &mut Detector,
+    places: &mut [RigidPlace],
+    scratch: &mut Scratch,
+) {
+    let row0 = 2 * model.rigids.len();
+    for (b, place) in places.iter_mut().enumerate() {
+        place.pose_WB = state.poses_WB[b];
+        place.velocity_W = state.v[2 * b];
+        place.angular_velocity_W = state.v[2 * b + 1];
+    }
+    for (i, vertex) in model.vertices.iter().enumerate() {
+        scratch.vertices[i] = vertex.of(&state.x);
+        scratch.vertex_velocities[i] = vertex.of(&state.v[row0..]);
+    }
+    let surfaces =
+        [SurfaceState { positions: &scratch.vertices, velocities: &scratch.vertex_velocities }];
+    scratch.found.clear();
+    detector.find(h, settings_margin, places, &surfaces, &mut scratch.found);
+}
+
+/// Resolves the contacts found: `A Δv = Jᵀ λ`, `0 ≤ λ ⊥ J (v + Δv) + g/Δt ≥ 0`, with friction;
+/// adds Δv to the velocities.
+pub fn respond(
+    desc: &WorldDesc,
+    model: &Model,
+    state: &mut State,
+    h: f64,
+    scratch: &mut Scratch,
+) -> Convergence {
+    let rows = &mut scratch.rows;
+    rows.clear();
+    for contact in &scratch.found {
+        let at = state.impulses.binary_search_by_key(&contact.key, |(key, _)| *key);
+        let impulse = at.map_or(Vec3::zeros(), |i| state.impulses[i].1);
+        add_row(model, contact, &impulse, rows);
+    }
+    for i in 0..rows.rows.len() {
+        let row = &rows.rows[i];
+        let v = row.frame * rows.relative_velocity(row, &state.v);
+        let gap = scratch.found[i].gap;
+        let wanted = (-gap / h).min(PUSH_OUT_SPEED_MAX);
+        rows.rows[i].target = Vec3::new(wanted, 0.0, 0.0) - v;
+    }
+    if rows.rows.is_empty() {
+        state.contact_change.fill(Vec3::zeros());
+        state.impulses.clear();
+        return Convergence::default();
+    }
+
+    let settings = &desc.solver;
+    let convergence = scratch.anticipation.solve(
+        &scratch.A,
+        &scratch.D,
+        rows,
+        &AnticipationSettings {
+            tolerance: settings.contact_tolerance,
+            sweeps_max: settings.contact_sweeps_max,
+            inner_passes: settings.contact_inner_passes,
+            cone: settings.cone,
+        },
+        &mut state.contact_change,
+    );
+    for (v, change) in state.v.iter_mut().zip(&state.contact_change) {
+        *v += change;
+    }
+    state.impulses.clear();
+    let rows = &scratch.rows;
+    state.impulses.extend(
+        scratch.found.iter().zip(&rows.rows).map(|(c, r)| (c.key, r.frame.tr_mul(&r.lambda))),
+    );
+    state.impulses.sort_unstable_by_key(|(key, _)| *key);
+    convergence
+}
+
+/// Lists the contacts with their forces, and returns the deepest penetration at the end of the
+/// step (to first order) and how many contacts carry force.
+pub fn report(state: &State, h: f64, scratch: &mut Scratch) -> (f64, u32) {
+    let mut deepest: f64 = 0.0;
+    let mut active = 0;
+    scratch.contacts.clear();
+    for (contact, row) in scratch.found.iter().zip(&scratch.rows.rows) {
+        let v = scratch.rows.relative_velocity(row, &state.v);
+        let along = v.dot(&contact.normal_W);
+        deepest = deepest.max(-(contact.gap + h * along));
+        active += u32::from(row.lambda.x > 0.0);
+        let sides = [&contact.a, &contact.b];
+        scratch.contacts.push(ContactPoint {
+            bodies: sides.map(body_of),
+            vertices: sides.map(|site| nearest_vertex(site)),
+            position_W: contact.position_W,
+            normal_W: contact.normal_W,
+            gap: contact.gap,
+            force_W: row.frame.tr_mul(&row.lambda) / h,
+            slip_W: v - contact.normal_W * along,
+            area: contact.area,
+        });
+    }
+    (deepest, active)
+}
+
+fn add_row(model: &Model, contact: &Contact, impulse: &Vec3, rows: &mut ContactRows) {
+    rows.begin(&contact.normal_W, contact.friction, impulse);
+    for (site, sign) in [(&contact.a, 1.0), (&contact.b, -1.0)] {
+        match site {
+            Site::Rigid { body, offset_W } => rows.hold_rigid(*body, *offset_W, sign),
+            Site::Soft(point) => hold_surface(model, point, sign, rows),
+        }
+    }
+}
+
+/// A surface point holds the nodes of the tetrahedra around its vertices.
+fn hold_surface(model: &Model, point: &SurfacePoint, sign: f64, rows: &mut ContactRows) {
+    let first = model.soft_vertices[point.soft as usize].start;
+    for (vertex, share) in point.vertices.iter().zip(point.weights) {
+        if share == 0.0 {
+            continue;
+        }
+        let embedded = &model.vertices[first + *vertex as usize];
+        for (node, weight) in embedded.nodes.iter().zip(embedded.weights) {
+            if weight != 0.0 {
+                rows.hold_node(*node, sign * share * weight);
+            }
+        }
+    }
+}
+
+fn body_of(site: &Site) -> BodyId {
+    match site {
+        Site::Rigid { body, .. } => BodyId::Rigid(*body),
+        Site::Soft(point) => BodyId::Soft(point.soft),
+    }
+}
+
+fn nearest_vertex(site: &Site) -> Option<u32> {
+    match site {
+        Site::Rigid { .. } => None,
+        Site::Soft(point) => {
+            let heaviest = (0..3).max_by(|&i, &j| point.weights[i].total_cmp(&point.weights[j]));
+            heaviest.map(|i| point.vertices[i])
+        }
+    }
+}

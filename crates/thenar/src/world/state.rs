@@ -1,0 +1,210 @@
+//! What changes: the state that a snapshot must hold, and the step's scratch memory.
+
+use crate::contact::Contact;
+use crate::math::{Mat6, Pose, Vec3, Vec6};
+use crate::model::WorldDesc;
+use crate::solver::{
+    Anticipation, Articulated, BlockDiagonal, BlockMatrix, CgWorkspace, ContactRows, JointBlock,
+};
+use crate::world::{ContactPoint, Model};
+
+/// The state at one instant.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// Time \[s\].
+    pub time: f64,
+    /// Pose of each rigid body.
+    pub poses_WB: Vec<Pose>,
+    /// Position of each node, world \[m\].
+    pub x: Vec<Vec3>,
+    /// Velocities, as blocks: linear and angular of each rigid body, then nodes.
+    pub v: Vec<Vec3>,
+    /// What contact added to the velocities in the last step: the next one's first guess.
+    pub contact_change: Vec<Vec3>,
+    /// Contact impulses of the last step by feature, sorted \[N s\], world, on A.
+    pub impulses: Vec<(u64, Vec3)>,
+}
+
+impl State {
+    /// The state a description starts in.
+    pub fn new(desc: &WorldDesc, model: &Model) -> Self {
+        let rigids = desc.rigids.len();
+        let mut v = vec![Vec3::zeros(); model.rows()];
+        for (b, rigid) in desc.rigids.iter().enumerate() {
+            v[2 * b] = rigid.velocity_W;
+            v[2 * b + 1] = rigid.angular_velocity_W;
+        }
+        let mut x = Vec::with_capacity(model.flesh.mass.len());
+        for (soft, nodes) in desc.softs.iter().zip(&model.soft_nodes) {
+            x.extend(soft.flesh.nodes.iter().map(|n| soft.pose_WM.point(n)));
+            v[2 * rigids + nodes.start..2 * rigids + nodes.end].fill(soft.velocity_W);
+        }
+        let mut state = Self {
+            time: 0.0,
+            poses_WB: desc.rigids.iter().map(|r| r.pose_WB).collect(),
+            x,
+            contact_change: vec![Vec3::zeros(); v.len()],
+            v,
+            impulses: Vec::new(),
+        };
+        state.hold(model);
+        state
+    }
+
+    /// Held nodes do not move along their held axes.
+    fn hold(&mut self, model: &Model) {
+        let row0 = 2 * model.rigids.len();
+        for (node, axes) in &model.held {
+            for axis in 0..3 {
+                if axes[axis] {
+                    self.v[row0 + *node as usize][axis] = 0.0;
+                }
+            }
+        }
+    }
+
+    /// True when every number is finite.
+    pub fn is_finite(&self) -> bool {
+        let finite = |v: &Vec3| v.iter().all(|x| x.is_finite());
+        self.poses_WB.iter().all(Pose::is_finite)
+            && self.x.iter().all(finite)
+            && self.v.iter().all(finite)
+    }
+
+    /// FNV-1a over every bit of the state: equal states, equal hashes.
+    pub fn hash(&self) -> u64 {
+        let mut hash = Fnv::default();
+        hash.number(self.time);
+        for pose in &self.poses_WB {
+            hash.vector(&pose.position);
+            pose.rotation.coords.iter().for_each(|x| hash.number(*x));
+        }
+        for vectors in [&self.x, &self.v, &self.contact_change] {
+            vectors.iter().for_each(|v| hash.vector(v));
+        }
+        for (key, impulse) in &self.impulses {
+            hash.bits(*key);
+            hash.vector(impulse);
+        }
+        hash.0
+    }
+}
+
+/// FNV-1a, 64 bits, fed by eight bytes at a time.
+struct Fnv(u64);
+
+impl Default for Fnv {
+    fn default() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+}
+
+impl Fnv {
+    fn bits(&mut self, bits: u64) {
+        for byte in bits.to_le_bytes() {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+
+    fn number(&mut self, x: f64) {
+        self.bits(x.to_bits());
+    }
+
+    fn vector(&mut self, v: &Vec3) {
+        v.iter().for_each(|x| self.number(*x));
+    }
+}
+
+/// Memory that a step works in; nothing in it outlives the step.
+#[derive(Clone, Debug)]
+pub struct Scratch {
+    /// The system matrix A.
+    pub A: BlockMatrix,
+    /// Its right-hand side.
+    pub b: Vec<Vec3>,
+    /// Its inverted block diagonal.
+    pub D: BlockDiagonal,
+    /// Step 1: diagonal blocks of the bones' matrix.
+    pub S_diagonal: Vec<Mat6>,
+    /// Step 1: blocks between joined bones.
+    pub S_edge: Vec<Mat6>,
+    /// Linearised joints.
+    pub joints: Vec<JointBlock>,
+    /// Step 1's solver.
+    pub articulated: Articulated,
+    /// Step 1: right-hand sides and results.
+    pub r: Vec<Vec6>,
+    /// Right-hand side of the joint rows.
+    pub c: Vec<Vec6>,
+    /// Change of bone velocities in step 1.
+    pub dv: Vec<Vec6>,
+    /// Joint impulses.
+    pub lambda: Vec<Vec6>,
+    /// Nodal mass that step 1 sees.
+    pub step1_mass: Vec<f64>,
+    /// Conjugate gradients.
+    pub cg: CgWorkspace,
+    /// Contacts found.
+    pub found: Vec<Contact>,
+    /// Their rows.
+    pub rows: ContactRows,
+    /// Contact solver.
+    pub anticipation: Anticipation,
+    /// Contacts as reported.
+    pub contacts: Vec<ContactPoint>,
+    /// Collision vertices of all deformable bodies, world, and their velocities.
+    pub vertices: Vec<Vec3>,
+    /// Velocities of these.
+    pub vertex_velocities: Vec<Vec3>,
+    /// The state before the step.
+    pub before: State,
+}
+
+impl Scratch {
+    /// Room for everything a step of this model needs.
+    pub fn new(model: &Model, state: &State, contacts_max: usize) -> Self {
+        let rigids = model.rigids.len();
+        let nodes = model.flesh.mass.len();
+        let rows = model.rows();
+        let moves: Vec<bool> = model.rigids.iter().map(|r| r.moves).collect();
+        let ends: Vec<(Option<u32>, u32)> =
+            model.joints.iter().map(|j| (j.parent, j.child)).collect();
+        let joint_rows: Vec<usize> = model.joints.iter().map(|j| j.kind.rows()).collect();
+        let mut before = state.clone();
+        before.impulses.reserve(contacts_max);
+        Self {
+            A: model.pattern.clone(),
+            b: vec![Vec3::zeros(); rows],
+            D: BlockDiagonal::new(rigids, nodes),
+            S_diagonal: vec![Mat6::zeros(); rigids],
+            S_edge: vec![Mat6::zeros(); model.joints.len()],
+            joints: vec![JointBlock::empty(); model.joints.len()],
+            articulated: Articulated::new(&moves, &ends, &joint_rows),
+            r: vec![Vec6::zeros(); rigids],
+            c: vec![Vec6::zeros(); model.joints.len()],
+            dv: vec![Vec6::zeros(); rigids],
+            lambda: vec![Vec6::zeros(); model.joints.len()],
+            step1_mass: vec![0.0; nodes],
+            cg: CgWorkspace::new(rows),
+            found: Vec::with_capacity(contacts_max),
+            rows: ContactRows::with_capacity(rigids, contacts_max),
+            anticipation: Anticipation::new(rigids, nodes),
+            contacts: Vec::with_capacity(contacts_max),
+            vertices: vec![Vec3::zeros(); model.vertices.len()],
+            vertex_velocities: vec![Vec3::zeros(); model.vertices.len()],
+            before,
+        }
+    }
+
+    /// Keeps a copy of the state, to go back to when the step fails.
+    pub fn remember(&mut self, state: &State) {
+        let before = &mut self.before;
+        before.time = state.time;
+        before.poses_WB.copy_from_slice(&state.poses_WB);
+        before.x.copy_from_slice(&state.x);
+        before.v.copy_from_slice(&state.v);
+        before.contact_change.copy_from_slice(&state.contact_change);
+        before.impulses.clear();
+        before.impulses.extend_from_slice(&state.impulses);
+    }
+}
