@@ -1,5 +1,6 @@
 //! What can be wrong with a motion.
 
+use super::recording::RecordingError;
 use std::path::PathBuf;
 use thenar::skeleton::TreeError;
 
@@ -36,6 +37,31 @@ pub enum MotionError {
         /// Hand.
         hand: String,
     },
+    /// The root bone has no tracked wrist.
+    #[error("hand `{hand}`: its root bone must name the tracked joint `wrist`")]
+    NoWrist {
+        /// Hand.
+        hand: String,
+    },
+    /// The recording does not hold the hand asked for.
+    #[error("the recording holds no {side} hand")]
+    NoHand {
+        /// Side.
+        side: &'static str,
+    },
+    /// A setting of a recorded motion is out of range.
+    #[error("{key} must be {expected}, got {value}")]
+    Setting {
+        /// Key.
+        key: &'static str,
+        /// Range.
+        expected: &'static str,
+        /// Value.
+        value: f64,
+    },
+    /// The recording itself is wrong.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
     /// A key of a keyframed motion is wrong.
     #[error("key {number} (time {time} s): {cause}")]
     Key {

@@ -63,6 +63,20 @@ pub fn hand(flip: bool) -> HandModel {
     }
 }
 
+/// The same hand, `scale` times as large.
+pub fn scaled(mut hand: HandModel, scale: f64) -> HandModel {
+    for bone in &mut hand.bones {
+        bone.pose_MB.position *= scale;
+        bone.pose_BT.position *= scale;
+        bone.ends_B.iter_mut().for_each(|end| *end *= scale);
+    }
+    for joint in &mut hand.joints {
+        joint.pose_PJ.position *= scale;
+        joint.pose_CK.position *= scale;
+    }
+    hand
+}
+
 fn bone(
     name: &str,
     parent: Option<u32>,

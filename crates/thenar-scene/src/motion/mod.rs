@@ -7,18 +7,30 @@
 mod anatomy;
 mod articulation;
 mod error;
+mod filter;
 mod interpolate;
 mod keyframes;
 mod preset;
+mod recorded;
+mod recording;
+mod retarget;
 
 #[cfg(test)]
 mod fixture;
+#[cfg(test)]
+mod tracker;
 
 pub use anatomy::{Anatomy, JointRole};
 pub use articulation::Articulation;
 pub use error::MotionError;
 pub use keyframes::{JointKey, Key, Keyframes, KeyframesDesc, LimitPolicy, WristKey};
 pub use preset::Preset;
+pub use recorded::{Recorded, RecordedDesc, Tracking};
+pub use recording::{
+    LINE_BYTES_MAX, RECORDING_BYTES_MAX, Recording, RecordingError, TRACKED_JOINTS, TrackedSample,
+    mirrored,
+};
+pub use retarget::{Retarget, size_ratio};
 
 use thenar::Pose;
 use thenar::world::Target;
@@ -27,7 +39,9 @@ use thenar::world::Target;
 #[derive(Clone, Debug)]
 pub enum HandMotion {
     /// Written by hand.
-    Keyframes(Keyframes),
+    Keyframes(Box<Keyframes>),
+    /// Recorded from a tracked hand.
+    Recorded(Box<Recorded>),
 }
 
 impl HandMotion {
@@ -36,6 +50,7 @@ impl HandMotion {
     pub fn sample(&mut self, time: f64, out: &mut [Option<Target>]) {
         match self {
             Self::Keyframes(motion) => motion.sample(time, out),
+            Self::Recorded(motion) => motion.sample(time, out),
         }
     }
 
@@ -43,6 +58,7 @@ impl HandMotion {
     pub fn duration(&self) -> f64 {
         match self {
             Self::Keyframes(motion) => motion.duration(),
+            Self::Recorded(motion) => motion.duration(),
         }
     }
 
@@ -51,6 +67,7 @@ impl HandMotion {
     pub fn start_placement(&self) -> Pose {
         match self {
             Self::Keyframes(motion) => motion.start_placement(),
+            Self::Recorded(motion) => motion.start_placement(),
         }
     }
 }
