@@ -18,6 +18,8 @@ mod retarget;
 #[cfg(test)]
 mod fixture;
 #[cfg(test)]
+mod mutate;
+#[cfg(test)]
 mod tracker;
 
 pub use anatomy::{Anatomy, JointRole};

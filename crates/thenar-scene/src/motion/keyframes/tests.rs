@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::motion::fixture::hand;
+use crate::motion::mutate::Mutator;
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 use thenar::skeleton::velocity_between;
@@ -167,4 +168,25 @@ fn what_is_wrong_is_named() {
     fails(beyond, "index-proximal`: flexion 91° is out of range, the nearest is 90.0°");
     let none = "[[key]]\ntime = 0\njoints = { index-distal = { spread_deg = 1 } }";
     fails(none, "`index-distal` has no spread");
+}
+
+#[test]
+fn damaged_files_are_read_or_refused_but_never_harm() {
+    let mut mutator = Mutator(7);
+    let (mut made, mut refused) = (0, 0);
+    for _ in 0..3000 {
+        let text = String::from_utf8_lossy(&mutator.damage(MOTION.as_bytes())).into_owned();
+        let motion = KeyframesDesc::parse(&text, Path::new("x"))
+            .and_then(|desc| Keyframes::new(&desc, &hand(false), &Pose::identity()));
+        let Ok(mut motion) = motion else {
+            refused += 1;
+            continue;
+        };
+        made += 1;
+        for k in 0..10 {
+            let targets = sample(&mut motion, f64::from(k) * 0.2);
+            assert!(targets.len() == 16 && targets.iter().all(|t| t.pose_WB.is_finite()));
+        }
+    }
+    assert!(made > 100 && refused > 500, "{made} {refused}");
 }

@@ -2,7 +2,9 @@
 
 use super::*;
 use crate::motion::fixture::hand;
+use crate::motion::mutate::Mutator;
 use crate::motion::tracker::Tracker;
+use crate::motion::{Recorded, RecordedDesc};
 
 fn text() -> String {
     let hand = hand(false);
@@ -105,4 +107,27 @@ fn mirroring_keeps_the_bone_axis_and_the_back() {
     assert!((mirror.vector(&Vec3::z()) - reflect(pose.vector(&Vec3::z()))).norm() < 1e-14);
     assert!((mirror.vector(&Vec3::y()) - reflect(pose.vector(&Vec3::y()))).norm() < 1e-14);
     assert!((mirror.vector(&Vec3::x()) + reflect(pose.vector(&Vec3::x()))).norm() < 1e-14);
+}
+
+#[test]
+fn damaged_files_are_read_or_refused_but_never_harm() {
+    let (good, hand) = (text(), hand(false));
+    let mut mutator = Mutator(5);
+    let (mut read_well, mut refused) = (0, 0);
+    for _ in 0..3000 {
+        let Ok(recording) = read(&mutator.damage(good.as_bytes())) else {
+            refused += 1;
+            continue;
+        };
+        read_well += 1;
+        let Ok(mut motion) = Recorded::new(&RecordedDesc::of_file("x"), &recording, &hand) else {
+            continue;
+        };
+        let mut out = vec![None; 16];
+        for k in 0..10 {
+            motion.sample(f64::from(k) * 0.02, &mut out);
+            assert!(out.iter().flatten().all(|target| target.pose_WB.is_finite()));
+        }
+    }
+    assert!(read_well > 100 && refused > 1000, "{read_well} {refused}");
 }
