@@ -5,4 +5,4 @@ mod springs;
 
 pub use skin::{BoundNode, SkinTarget, skin_target};
 pub(crate) use springs::add_part;
-pub use springs::{CouplingEntries, CouplingModel, EffectiveMass};
+pub use springs::{BoneSystem, CouplingEntries, CouplingModel, EffectiveMass};

@@ -1,6 +1,9 @@
 //! Zero-length springs and dampers between flesh nodes and their skinning targets (Eq. 7, 8),
 //! and what they add to the coupled system (Eq. 9): the diagonal of A_f, the blocks A_sf and
 //! A_fs, and A_s for each bone and each pair of bones that share a node.
+//!
+//! The springs have no net force and no net torque. The dampers have no net force; their net
+//! torque is the product of damping force and stretch, since they act on the bone at the target.
 
 use crate::coupling::{BoundNode, skin_target};
 use crate::math::{Mat3, Mat6, Pose, Vec3, skew};
@@ -35,6 +38,35 @@ pub struct CouplingEntries {
     pub bone_bone: [[[[u32; 2]; 2]; 2]; 2],
 }
 
+/// The bones' own system in step 1: `S Δ = b_s - S v_s + pull`.
+#[derive(Clone, Debug)]
+pub struct BoneSystem {
+    /// S of each rigid body with itself.
+    pub diagonal: Vec<Mat6>,
+    /// S between the two bodies of each joint: rows of the child, columns of the parent.
+    pub edge: Vec<Mat6>,
+    /// `-S_sf v_f`: linear and angular impulse by which the flesh's velocity pulls each body.
+    pub pull: Vec<[Vec3; 2]>,
+}
+
+impl BoneSystem {
+    /// Room for so many bodies and joints.
+    pub fn new(rigids: usize, joints: usize) -> Self {
+        Self {
+            diagonal: vec![Mat6::zeros(); rigids],
+            edge: vec![Mat6::zeros(); joints],
+            pull: vec![[Vec3::zeros(); 2]; rigids],
+        }
+    }
+
+    /// Sets all to zero.
+    pub fn clear(&mut self) {
+        self.diagonal.fill(Mat6::zeros());
+        self.edge.fill(Mat6::zeros());
+        self.pull.fill([Vec3::zeros(); 2]);
+    }
+}
+
 /// What step 1 needs to know of the flesh: how much of a node's spring the bone feels there.
 #[derive(Clone, Copy, Debug)]
 pub struct EffectiveMass<'a> {
@@ -47,9 +79,9 @@ pub struct EffectiveMass<'a> {
 impl EffectiveMass<'_> {
     /// The part of the implicit spring `s = Δt² k + Δt c` that a bone feels in step 1.
     ///
-    /// A frozen node resists with all of s. A node that yields by its own inertia resists with s
-    /// and its mass in series, `s m / (m + s)`. As the true flesh is stiffer than free masses,
-    /// joint impulses found with it are never too large, and the scheme cannot diverge.
+    /// A frozen node resists with all of s. A node that yields by its own inertia, its other forces
+    /// in balance, follows the bone by `v_f = (m v_f,0 + s J v_s) / (m + s)`, so that the bone
+    /// feels s and the node's mass in series, `s m / (m + s)`.
     #[inline]
     fn felt(&self, node: u32, s: f64) -> f64 {
         let m = self.mass[node as usize];
@@ -61,18 +93,18 @@ impl EffectiveMass<'_> {
 }
 
 impl CouplingModel {
-    /// Adds the springs to `A` and `b`, and to `S_diagonal`, `S_edge` (step 1) what the bones feel
-    /// of them there.
+    /// Adds the springs to `A` and `b`, and to `bones` what the bones feel of them in step 1. `x`
+    /// and `v` are nodal.
     pub fn assemble(
         &self,
         poses_WB: &[Pose],
         x: &[Vec3],
+        v: &[Vec3],
         h: f64,
         step1: &EffectiveMass<'_>,
         A: &mut BlockMatrix,
         b: &mut [Vec3],
-        S_diagonal: &mut [Mat6],
-        S_edge: &mut [Mat6],
+        bones: &mut BoneSystem,
     ) {
         let row0 = 2 * poses_WB.len();
         for (i, bound) in self.bound.iter().enumerate() {
@@ -93,6 +125,9 @@ impl CouplingModel {
                 let bone = bound.bones[j] as usize;
                 b[2 * bone] += stretch * bound.weights[j];
                 b[2 * bone + 1] += target.levers_W[j].cross(&stretch);
+                let pull = v[node] * felt;
+                bones.pull[bone][0] += pull * bound.weights[j];
+                bones.pull[bone][1] += target.levers_W[j].cross(&pull);
                 for part in 0..2 {
                     let block = jacobian[j][part] * -s;
                     A.add(entries.node_bone[j][part], &block);
@@ -103,7 +138,7 @@ impl CouplingModel {
                         let block = jacobian[j][p].tr_mul(&jacobian[l][q]);
                         A.add(entries.bone_bone[j][l][p][q], &(block * s));
                         if j == l {
-                            add_part(&mut S_diagonal[bone], p, q, &(block * felt));
+                            add_part(&mut bones.diagonal[bone], p, q, &(block * felt));
                         }
                     }
                 }
@@ -112,7 +147,7 @@ impl CouplingModel {
                 let (child, parent) = if first_is_child { (0, 1) } else { (1, 0) };
                 for (p, q) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
                     let block = jacobian[child][p].tr_mul(&jacobian[parent][q]) * felt;
-                    add_part(&mut S_edge[joint as usize], p, q, &block);
+                    add_part(&mut bones.edge[joint as usize], p, q, &block);
                 }
             }
         }

@@ -17,5 +17,5 @@ mod world;
 
 pub use world::{
     BodyId, Cone, Coupling, Drive, FleshInStep1, HandHandle, HandPlacement, PairRule, SoftDesc,
-    SolverSettings, WorldDesc,
+    SolverKind, SolverSettings, WorldDesc,
 };

@@ -61,9 +61,20 @@ pub enum FleshInStep1 {
     Lumped,
 }
 
-/// Parameters of the two-step solver (Sec. 4).
+/// Which solver steps the world.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SolverKind {
+    /// The paper's: joints first, then flesh, then contact by constraint anticipation (Sec. 4).
+    TwoStep,
+    /// Eq. 9 with its joint rows and contacts in one dense solve: slow, exact, for reference.
+    Monolithic,
+}
+
+/// Parameters of the solvers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolverSettings {
+    /// Which solver.
+    pub kind: SolverKind,
     /// Flesh in step 1.
     pub step1_flesh: FleshInStep1,
     /// Conjugate gradients stop when the residual has fallen to this part of the right-hand side.
@@ -85,6 +96,7 @@ pub struct SolverSettings {
 impl Default for SolverSettings {
     fn default() -> Self {
         Self {
+            kind: SolverKind::TwoStep,
             step1_flesh: FleshInStep1::Lumped,
             cg_tolerance: 1e-5,
             cg_iterations_max: 500,

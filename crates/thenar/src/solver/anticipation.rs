@@ -71,7 +71,7 @@ impl Anticipation {
                 self.pass_over_contacts(d, contacts, settings.cone);
             }
             self.gather_impulse(contacts);
-            let forward = convergence.iterations % 2 == 0;
+            let forward = convergence.iterations.is_multiple_of(2);
             let change2 = self.relax(a, d, x, forward);
             let energy: f64 = x.iter().zip(&self.impulse).map(|(x, f)| x.dot(f)).sum();
             convergence.iterations += 1;

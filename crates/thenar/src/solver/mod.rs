@@ -21,7 +21,7 @@ pub use conjugate_gradients::{CgWorkspace, conjugate_gradients};
 pub use contact_rows::{ContactRow, ContactRows};
 pub use dense::DenseLu;
 pub use diagonal::BlockDiagonal;
-pub use monolithic::solve_monolithic;
+pub use monolithic::Monolithic;
 
 /// What an iterative solver reached.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -6,7 +6,7 @@
 
 use crate::coupling::{EffectiveMass, add_part};
 use crate::flesh::Tally;
-use crate::math::{Mat3, Mat6, Vec3};
+use crate::math::{Mat3, Vec3};
 use crate::model::WorldDesc;
 use crate::skeleton::{JointFrames, axis_states, joint_block, linearise_drive, spring_torque};
 use crate::world::Input;
@@ -37,8 +37,7 @@ pub fn skeleton(
 ) {
     scratch.A.clear();
     scratch.b.fill(Vec3::zeros());
-    scratch.S_diagonal.fill(Mat6::zeros());
-    scratch.S_edge.fill(Mat6::zeros());
+    scratch.bones.clear();
     for b in 0..model.rigids.len() {
         if model.rigids[b].moves {
             add_inertia(model, state, input, b, h, scratch);
@@ -115,15 +114,15 @@ fn add_relative(model: &Model, j: usize, implicit: &Mat3, impulse: &Vec3, scratc
     let entries = model.joint_entries[j];
     let child = joint.child as usize;
     scratch.A.add(entries.child, implicit);
-    add_part(&mut scratch.S_diagonal[child], 1, 1, implicit);
+    add_part(&mut scratch.bones.diagonal[child], 1, 1, implicit);
     scratch.b[2 * child + 1] += impulse;
     if let (Some(parent), Some(at)) = (joint.parent, entries.with_parent) {
         let parent = parent as usize;
         scratch.A.add(at[0], implicit);
         scratch.A.add(at[1], &-implicit);
         scratch.A.add(at[2], &-implicit);
-        add_part(&mut scratch.S_diagonal[parent], 1, 1, implicit);
-        add_part(&mut scratch.S_edge[j], 1, 1, &-implicit);
+        add_part(&mut scratch.bones.diagonal[parent], 1, 1, implicit);
+        add_part(&mut scratch.bones.edge[j], 1, 1, &-implicit);
         scratch.b[2 * parent + 1] -= impulse;
     }
 }
@@ -131,11 +130,11 @@ fn add_relative(model: &Model, j: usize, implicit: &Mat3, impulse: &Vec3, scratc
 fn add_to_body(scratch: &mut Scratch, b: usize, part: usize, m: &Mat3) {
     let diagonal = scratch.A.diagonal[2 * b + part];
     scratch.A.add(diagonal, m);
-    add_part(&mut scratch.S_diagonal[b], part, part, m);
+    add_part(&mut scratch.bones.diagonal[b], part, part, m);
 }
 
 /// The springs between bones and flesh: `A_sf`, `A_fs`, and their parts of `A_s` and `A_f`
-/// (Eq. 7-9). Ends with the unknowns of prescribed bodies being made known.
+/// (Eq. 7-9).
 pub fn coupling(desc: &WorldDesc, model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
     for (n, mass) in scratch.step1_mass.iter_mut().enumerate() {
         let damped = model.flesh.mass[n] * (1.0 + h * model.flesh.mass_damping[n]);
@@ -145,28 +144,17 @@ pub fn coupling(desc: &WorldDesc, model: &Model, state: &State, h: f64, scratch:
     model.coupling.assemble(
         &state.poses_WB,
         &state.x,
+        &state.v[2 * model.rigids.len()..],
         h,
         &step1,
         &mut scratch.A,
         &mut scratch.b,
-        &mut scratch.S_diagonal,
-        &mut scratch.S_edge,
+        &mut scratch.bones,
     );
-    for (b, body) in model.rigids.iter().enumerate() {
-        if body.moves {
-            continue;
-        }
-        for part in 0..2 {
-            for axis in 0..3 {
-                let value = state.v[2 * b + part][axis];
-                scratch.A.hold(2 * b + part, axis, value, &mut scratch.b);
-            }
-        }
-        scratch.S_diagonal[b] = Mat6::identity();
-    }
 }
 
-/// Flesh: `A_f`, `b_f` (Eq. 5), weight and nodal forces. Ends with held nodes being held.
+/// Flesh: `A_f`, `b_f` (Eq. 5), weight and nodal forces. Ends with the velocities
+/// of prescribed bodies and held nodes being made known.
 pub fn flesh(model: &Model, state: &State, input: &Input, h: f64, scratch: &mut Scratch) -> Tally {
     let row0 = 2 * model.rigids.len();
     let v = &state.v[row0..];
@@ -174,11 +162,9 @@ pub fn flesh(model: &Model, state: &State, input: &Input, h: f64, scratch: &mut 
     for (n, mass) in model.flesh.mass.iter().enumerate() {
         scratch.b[row0 + n] += (input.gravity * *mass + input.node_forces[n]) * h;
     }
-    for (node, axes) in &model.held {
-        for axis in 0..3 {
-            if axes[axis] {
-                scratch.A.hold(row0 + *node as usize, axis, 0.0, &mut scratch.b);
-            }
+    for (i, known) in model.known.iter().enumerate() {
+        for axis in (0..3).filter(|&axis| known[axis]) {
+            scratch.A.hold(i, axis, state.v[i][axis], &mut scratch.b);
         }
     }
     tally

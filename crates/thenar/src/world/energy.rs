@@ -1,6 +1,6 @@
 //! Energy, momentum and the forces that drives and flesh put on bones.
 
-use crate::coupling::skin_target;
+use crate::coupling::{SkinTarget, skin_target};
 use crate::math::Vec3;
 use crate::model::JointKind;
 use crate::skeleton::{axis_states, drive_energy, drive_force, spring_energy};
@@ -80,28 +80,40 @@ impl World {
     /// Force \[N\] and torque about its centre of mass \[N m\] that flesh puts on rigid body `i`
     /// through the coupling springs (Eq. 8), dampers included.
     pub fn coupling_wrench(&self, i: u32) -> [Vec3; 2] {
-        let (model, state) = (&self.model, &self.state);
-        let row0 = 2 * model.rigids.len();
         let mut wrench = [Vec3::zeros(); 2];
-        for (k, bound) in model.coupling.bound.iter().enumerate() {
-            if !bound.bones[..bound.carriers()].contains(&i) {
-                continue;
-            }
-            let target = skin_target(bound, &state.poses_WB);
-            let mut rate = state.v[row0 + bound.node as usize];
-            for j in 0..bound.carriers() {
-                let bone = bound.bones[j] as usize;
-                rate -= state.v[2 * bone] * bound.weights[j]
-                    + state.v[2 * bone + 1].cross(&target.levers_W[j]);
-            }
-            let force = (state.x[bound.node as usize] - target.position_W)
-                * model.coupling.stiffness[k]
-                + rate * model.coupling.damping[k];
+        for (k, bound) in self.model.coupling.bound.iter().enumerate() {
             for j in (0..bound.carriers()).filter(|&j| bound.bones[j] == i) {
-                wrench[0] += force * bound.weights[j];
-                wrench[1] += target.levers_W[j].cross(&force);
+                let (target, force) = self.spring_force(k);
+                wrench[0] -= force * bound.weights[j];
+                wrench[1] -= target.levers_W[j].cross(&force);
             }
         }
         wrench
+    }
+
+    /// Force of the coupling springs on the nodes of a deformable body (Eq. 7), dampers included:
+    /// node index and force \[N\], world.
+    pub fn coupling_forces(&self, soft: u32) -> impl Iterator<Item = (u32, Vec3)> + '_ {
+        let range = self.node_range(soft);
+        self.model.coupling.bound.iter().enumerate().filter_map(move |(k, bound)| {
+            let node = bound.node as usize;
+            range.contains(&node).then(|| ((node - range.start) as u32, self.spring_force(k).1))
+        })
+    }
+
+    /// Target of bound node `k` and the force of its spring and damper on the node.
+    fn spring_force(&self, k: usize) -> (SkinTarget, Vec3) {
+        let (model, state) = (&self.model, &self.state);
+        let bound = &model.coupling.bound[k];
+        let target = skin_target(bound, &state.poses_WB);
+        let mut rate = state.v[2 * model.rigids.len() + bound.node as usize];
+        for j in 0..bound.carriers() {
+            let bone = bound.bones[j] as usize;
+            rate -= state.v[2 * bone] * bound.weights[j]
+                + state.v[2 * bone + 1].cross(&target.levers_W[j]);
+        }
+        let stretch = state.x[bound.node as usize] - target.position_W;
+        let force = stretch * -model.coupling.stiffness[k] - rate * model.coupling.damping[k];
+        (target, force)
     }
 }

@@ -7,6 +7,7 @@ mod energy;
 mod error;
 mod io;
 mod model;
+mod reference;
 mod response;
 mod state;
 mod two_step;
@@ -19,8 +20,9 @@ pub use state::State;
 use crate::contact::{Detector, RigidPlace};
 use crate::coupling::skin_target;
 use crate::math::{Pose, Vec3};
-use crate::model::WorldDesc;
+use crate::model::{SolverKind, WorldDesc};
 use crate::skeleton::axis_states;
+use crate::solver::Convergence;
 use state::Scratch;
 use std::ops::Range;
 
@@ -57,7 +59,8 @@ impl World {
         Ok(world)
     }
 
-    /// Moves the world forward by one time step: the paper's Sec. 4. Allocates nothing.
+    /// Moves the world forward by one time step: the paper's Sec. 4. Allocates nothing (with the
+    /// two-step solver).
     pub fn step(&mut self, input: &Input, timer: &mut impl StageTimer) -> StepReport {
         let Self { desc, model, state, scratch, detector, places, time_step: h } = self;
         let (h, settings) = (*h, &desc.solver);
@@ -65,13 +68,19 @@ impl World {
         scratch.remember(state);
 
         timer.begin(Some(Stage::Skeleton));
-        assemble::skeleton(desc, model, state, input, h, scratch); //  A_s, b_s, J_s     (4)
-        assemble::coupling(desc, model, state, h, scratch); //         A_sf, A_fs        (7-9)
-        let mut sound = two_step::articulated_body(model, state, h, scratch); // v_s,1   (10)
+        assemble::skeleton(desc, model, state, input, h, scratch); //     A_s, b_s, J_s   (4)
+        assemble::coupling(desc, model, state, h, scratch); //            A_sf, A_fs      (7-9)
+        let exact = settings.kind == SolverKind::Monolithic;
+        let mut sound = exact || two_step::articulated_body(model, state, h, scratch); // (10)
 
         timer.begin(Some(Stage::Flesh));
-        let tally = assemble::flesh(model, state, input, h, scratch); // A_f, b_f        (5)
-        let cg = two_step::unconstrained_deformation(settings, model, state, scratch); //(11)
+        let tally = assemble::flesh(model, state, input, h, scratch); //  A_f, b_f        (5)
+        let whole = if exact { reference::solve(model, state, h, scratch) } else { None }; // (9)
+        let cg = if exact {
+            whole.as_ref().map(|_| Convergence::default())
+        } else {
+            two_step::unconstrained_deformation(settings, model, state, scratch) //       (11)
+        };
         sound &= cg.is_some() && state.is_finite();
 
         timer.begin(Some(Stage::Detect));
@@ -81,13 +90,13 @@ impl World {
 
         timer.begin(Some(Stage::Contact));
         if sound {
-            let contact = response::respond(desc, model, state, h, scratch); //  Δv      (12)
-            let (penetration, active) = response::report(state, h, scratch);
-            report.contact_sweeps = contact.iterations;
-            report.contact_residual = contact.residual;
-            report.contacts = scratch.found.len() as u32;
-            report.contacts_active = active;
-            report.penetration_max = penetration;
+            response::build_rows(model, state, h, scratch); //                            (12)
+            let contact = match &whole {
+                Some(whole) => reference::respond(whole, model, settings.cone, state, scratch),
+                None => response::anticipate(settings, state, scratch),
+            };
+            response::apply(state, scratch);
+            response::report(state, h, contact, scratch, &mut report);
         }
 
         timer.begin(Some(Stage::Embed));
@@ -143,6 +152,11 @@ impl World {
         if h > 0.0 && h.is_finite() {
             self.time_step = h;
         }
+    }
+
+    /// Chooses another solver.
+    pub fn set_solver(&mut self, kind: SolverKind) {
+        self.desc.solver.kind = kind;
     }
 
     /// What the world was built from.

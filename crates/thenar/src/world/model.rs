@@ -64,6 +64,8 @@ pub struct Model {
     pub held: Vec<(u32, [bool; 3])>,
     /// True for nodes with a held axis.
     pub is_held: Vec<bool>,
+    /// Velocity components given from outside, per block row: prescribed bodies, held axes.
+    pub known: Vec<[bool; 3]>,
     /// The zero matrix with the system's pattern.
     pub pattern: BlockMatrix,
 }
@@ -94,14 +96,21 @@ impl Model {
             vertices: Vec::new(),
             held: Vec::new(),
             is_held: Vec::new(),
+            known: Vec::new(),
             pattern: BlockMatrix::with_pattern(0, []),
         };
         for soft in &desc.softs {
             model.add_soft(soft, desc)?;
         }
         model.is_held = vec![false; model.flesh.mass.len()];
-        for (node, _) in &model.held {
+        model.known = model.rigids.iter().flat_map(|r| [[!r.moves; 3]; 2]).collect();
+        model.known.resize(model.rows(), [false; 3]);
+        let row0 = 2 * model.rigids.len();
+        for (node, axes) in &model.held {
             model.is_held[*node as usize] = true;
+            for axis in 0..3 {
+                model.known[row0 + *node as usize][axis] |= axes[axis];
+            }
         }
         model.lay_out();
         Ok(model)

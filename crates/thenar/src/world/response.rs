@@ -2,18 +2,18 @@
 
 use crate::contact::{Contact, Detector, RigidPlace, Site, SurfacePoint, SurfaceState};
 use crate::math::Vec3;
-use crate::model::{BodyId, WorldDesc};
+use crate::model::{BodyId, SolverSettings};
 use crate::solver::{AnticipationSettings, ContactRows, Convergence};
-use crate::world::ContactPoint;
 use crate::world::model::Model;
 use crate::world::state::{Scratch, State};
+use crate::world::{ContactPoint, StepReport};
 
 /// A penetrating point is moved out no faster than this \[m/s\], lest it be thrown out.
 const PUSH_OUT_SPEED_MAX: f64 = 0.5;
 
 /// Finds the points that touch, or would within the step at the contact-free velocities.
 pub fn detect(
-    settings_margin: f64,
+    margin: f64,
     model: &Model,
     state: &State,
     h: f64,
@@ -34,18 +34,12 @@ pub fn detect(
     let surfaces =
         [SurfaceState { positions: &scratch.vertices, velocities: &scratch.vertex_velocities }];
     scratch.found.clear();
-    detector.find(h, settings_margin, places, &surfaces, &mut scratch.found);
+    detector.find(h, margin, places, &surfaces, &mut scratch.found);
 }
 
-/// Resolves the contacts found: `A Δv = Jᵀ λ`, `0 ≤ λ ⊥ J (v + Δv) + g/Δt ≥ 0`, with friction;
-/// adds Δv to the velocities.
-pub fn respond(
-    desc: &WorldDesc,
-    model: &Model,
-    state: &mut State,
-    h: f64,
-    scratch: &mut Scratch,
-) -> Convergence {
+/// Builds the rows of the contacts found: `J Δv ≥ -g/Δt - J v`, started from the impulses of the
+/// step before.
+pub fn build_rows(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
     let rows = &mut scratch.rows;
     rows.clear();
     for contact in &scratch.found {
@@ -56,21 +50,26 @@ pub fn respond(
     for i in 0..rows.rows.len() {
         let row = &rows.rows[i];
         let v = row.frame * rows.relative_velocity(row, &state.v);
-        let gap = scratch.found[i].gap;
-        let wanted = (-gap / h).min(PUSH_OUT_SPEED_MAX);
+        let wanted = (-scratch.found[i].gap / h).min(PUSH_OUT_SPEED_MAX);
         rows.rows[i].target = Vec3::new(wanted, 0.0, 0.0) - v;
     }
-    if rows.rows.is_empty() {
+}
+
+/// Resolves the contacts, `A Δv = Jᵀ λ`, `0 ≤ λ ⊥ J (v + Δv) + g/Δt ≥ 0` with friction, joints
+/// ignored as in the paper; leaves Δv in the state's contact change.
+pub fn anticipate(
+    settings: &SolverSettings,
+    state: &mut State,
+    scratch: &mut Scratch,
+) -> Convergence {
+    if scratch.rows.rows.is_empty() {
         state.contact_change.fill(Vec3::zeros());
-        state.impulses.clear();
         return Convergence::default();
     }
-
-    let settings = &desc.solver;
-    let convergence = scratch.anticipation.solve(
+    scratch.anticipation.solve(
         &scratch.A,
         &scratch.D,
-        rows,
+        &mut scratch.rows,
         &AnticipationSettings {
             tolerance: settings.contact_tolerance,
             sweeps_max: settings.contact_sweeps_max,
@@ -78,34 +77,47 @@ pub fn respond(
             cone: settings.cone,
         },
         &mut state.contact_change,
-    );
+    )
+}
+
+/// Adds Δv to the velocities and keeps the impulses for the next step.
+pub fn apply(state: &mut State, scratch: &Scratch) {
     for (v, change) in state.v.iter_mut().zip(&state.contact_change) {
         *v += change;
     }
     state.impulses.clear();
-    let rows = &scratch.rows;
     state.impulses.extend(
-        scratch.found.iter().zip(&rows.rows).map(|(c, r)| (c.key, r.frame.tr_mul(&r.lambda))),
+        scratch
+            .found
+            .iter()
+            .zip(&scratch.rows.rows)
+            .map(|(contact, row)| (contact.key, row.frame.tr_mul(&row.lambda))),
     );
     state.impulses.sort_unstable_by_key(|(key, _)| *key);
-    convergence
 }
 
-/// Lists the contacts with their forces, and returns the deepest penetration at the end of the
-/// step (to first order) and how many contacts carry force.
-pub fn report(state: &State, h: f64, scratch: &mut Scratch) -> (f64, u32) {
-    let mut deepest: f64 = 0.0;
-    let mut active = 0;
+/// Lists the contacts with their forces; penetration is that at the end of the step, to first
+/// order.
+pub fn report(
+    state: &State,
+    h: f64,
+    convergence: Convergence,
+    scratch: &mut Scratch,
+    report: &mut StepReport,
+) {
+    report.contact_sweeps = convergence.iterations;
+    report.contact_residual = convergence.residual;
+    report.contacts = scratch.found.len() as u32;
     scratch.contacts.clear();
     for (contact, row) in scratch.found.iter().zip(&scratch.rows.rows) {
         let v = scratch.rows.relative_velocity(row, &state.v);
         let along = v.dot(&contact.normal_W);
-        deepest = deepest.max(-(contact.gap + h * along));
-        active += u32::from(row.lambda.x > 0.0);
+        report.penetration_max = report.penetration_max.max(-(contact.gap + h * along));
+        report.contacts_active += u32::from(row.lambda.x > 0.0);
         let sides = [&contact.a, &contact.b];
         scratch.contacts.push(ContactPoint {
             bodies: sides.map(body_of),
-            vertices: sides.map(|site| nearest_vertex(site)),
+            vertices: sides.map(nearest_vertex),
             position_W: contact.position_W,
             normal_W: contact.normal_W,
             gap: contact.gap,
@@ -114,7 +126,6 @@ pub fn report(state: &State, h: f64, scratch: &mut Scratch) -> (f64, u32) {
             area: contact.area,
         });
     }
-    (deepest, active)
 }
 
 fn add_row(model: &Model, contact: &Contact, impulse: &Vec3, rows: &mut ContactRows) {

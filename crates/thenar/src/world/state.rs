@@ -1,7 +1,8 @@
 //! What changes: the state that a snapshot must hold, and the step's scratch memory.
 
 use crate::contact::Contact;
-use crate::math::{Mat6, Pose, Vec3, Vec6};
+use crate::coupling::BoneSystem;
+use crate::math::{Pose, Vec3, Vec6};
 use crate::model::WorldDesc;
 use crate::solver::{
     Anticipation, Articulated, BlockDiagonal, BlockMatrix, CgWorkspace, ContactRows, JointBlock,
@@ -124,10 +125,8 @@ pub struct Scratch {
     pub b: Vec<Vec3>,
     /// Its inverted block diagonal.
     pub D: BlockDiagonal,
-    /// Step 1: diagonal blocks of the bones' matrix.
-    pub S_diagonal: Vec<Mat6>,
-    /// Step 1: blocks between joined bones.
-    pub S_edge: Vec<Mat6>,
+    /// The bones' system of step 1.
+    pub bones: BoneSystem,
     /// Linearised joints.
     pub joints: Vec<JointBlock>,
     /// Step 1's solver.
@@ -176,8 +175,7 @@ impl Scratch {
             A: model.pattern.clone(),
             b: vec![Vec3::zeros(); rows],
             D: BlockDiagonal::new(rigids, nodes),
-            S_diagonal: vec![Mat6::zeros(); rigids],
-            S_edge: vec![Mat6::zeros(); model.joints.len()],
+            bones: BoneSystem::new(rigids, model.joints.len()),
             joints: vec![JointBlock::empty(); model.joints.len()],
             articulated: Articulated::new(&moves, &ends, &joint_rows),
             r: vec![Vec6::zeros(); rigids],

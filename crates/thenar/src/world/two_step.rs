@@ -1,6 +1,6 @@
 //! The paper's two-step solution of Eq. 9.
 
-use crate::math::{Vec3, Vec6};
+use crate::math::{Mat6, Vec3, Vec6};
 use crate::model::SolverSettings;
 use crate::solver::{Convergence, conjugate_gradients};
 use crate::world::model::Model;
@@ -10,45 +10,46 @@ use crate::world::state::{Scratch, State};
 /// as they are. Written for the change `Δ = v_s,1 - v_s,0`:
 ///
 /// ```text
-///   [ S   J_sᵀ ] [ Δ   ]   [ b_s - A_s v_s,0 - A_sf v_f,0 ]
-///   [ J_s  0   ] [ λ_s ] = [ -C/Δt - J_s v_s,0            ]
+///   [ S   J_sᵀ ] [ Δ   ]   [ b_s - S v_s,0 - S_sf v_f,0 ]
+///   [ J_s  0   ] [ λ_s ] = [ -C/Δt - J_s v_s,0          ]
 /// ```
 ///
-/// With the flesh frozen S is A_s and this is Eq. 10 itself. The state's bone velocities become
+/// With the flesh frozen S is A_s, S_sf is A_sf, and this is Eq. 10 itself; otherwise both hold
+/// what the bones feel of flesh that yields (`coupling::EffectiveMass`). The state's bone velocities become
 /// `v_s,1`, and `b_s` becomes `b_s - J_sᵀ λ_s`, which is the `b_s,2` of Eq. 11. Returns false when
 /// a pivot is singular.
 pub fn articulated_body(model: &Model, state: &mut State, h: f64, scratch: &mut Scratch) -> bool {
     let moves = |b: usize| model.rigids[b].moves;
+    let bones = &mut scratch.bones;
     for b in 0..model.rigids.len() {
-        scratch.r[b] = Vec6::zeros();
-        if moves(b) {
-            let lin = scratch.b[2 * b] - scratch.A.row_times(2 * b, &state.v);
-            let ang = scratch.b[2 * b + 1] - scratch.A.row_times(2 * b + 1, &state.v);
-            scratch.r[b] = stack(&lin, &ang);
-        }
+        let pull = stack(&bones.pull[b][0], &bones.pull[b][1]);
+        let b_s = stack(&scratch.b[2 * b], &scratch.b[2 * b + 1]);
+        scratch.r[b] = b_s + pull - bones.diagonal[b] * body_velocity(state, b);
     }
     for (j, joint) in model.joints.iter().enumerate() {
-        let block = &mut scratch.joints[j];
-        let child = joint.child as usize;
-        let mut rate = block.J_child * body_velocity(state, child);
-        if !moves(child) {
-            block.J_child.fill(0.0);
+        if let Some(parent) = joint.parent {
+            let (parent, child) = (parent as usize, joint.child as usize);
+            scratch.r[child] -= bones.edge[j] * body_velocity(state, parent);
+            scratch.r[parent] -= bones.edge[j].tr_mul(&body_velocity(state, child));
         }
-        if let Some(parent) = joint.parent.map(|p| p as usize) {
-            rate += block.J_parent * body_velocity(state, parent);
-            if !moves(parent) {
-                block.J_parent.fill(0.0);
-            }
-            if !moves(parent) || !moves(child) {
-                scratch.S_edge[j].fill(0.0);
-            }
+    }
+    for b in (0..model.rigids.len()).filter(|&b| !moves(b)) {
+        scratch.bones.diagonal[b] = Mat6::identity();
+        scratch.r[b] = Vec6::zeros();
+    }
+    for (j, joint) in model.joints.iter().enumerate() {
+        let known = known_rates(model, state, j, scratch);
+        let block = &scratch.joints[j];
+        let mut rate = known + block.J_child * body_velocity(state, joint.child as usize);
+        if let Some(parent) = joint.parent {
+            rate += block.J_parent * body_velocity(state, parent as usize);
         }
         scratch.c[j] = -block.C / h - rate;
     }
 
     let solved = scratch.articulated.solve(
-        &mut scratch.S_diagonal,
-        &scratch.S_edge,
+        &mut scratch.bones.diagonal,
+        &scratch.bones.edge,
         &scratch.joints,
         &mut scratch.r,
         &scratch.c,
@@ -77,6 +78,24 @@ pub fn articulated_body(model: &Model, state: &mut State, h: f64, scratch: &mut 
         }
     }
     true
+}
+
+/// Moves what prescribed bodies contribute to `J v` of joint `j` out of its rows: returns it, and
+/// zeroes their blocks.
+pub fn known_rates(model: &Model, state: &State, j: usize, scratch: &mut Scratch) -> Vec6 {
+    let joint = &model.joints[j];
+    let block = &mut scratch.joints[j];
+    let mut known = Vec6::zeros();
+    for (body, J) in [(Some(joint.child), &mut block.J_child), (joint.parent, &mut block.J_parent)]
+    {
+        let Some(body) = body.map(|b| b as usize) else { continue };
+        if !model.rigids[body].moves {
+            known += *J * body_velocity(state, body);
+            J.fill(0.0);
+            scratch.bones.edge[j].fill(0.0);
+        }
+    }
+    known
 }
 
 /// Step 2 (Eq. 11): all velocities, joints ignored, by conjugate gradients from `(v_s,1, v_f,0)`.
