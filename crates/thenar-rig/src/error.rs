@@ -1,0 +1,88 @@
+//! What can go wrong while a model is built.
+
+/// Why a mesh or a model could not be read or built. The message names the place and the cause.
+#[derive(Debug, thiserror::Error)]
+pub enum RigError {
+    /// A file could not be opened or read.
+    #[error("cannot read {file}: {cause}")]
+    Read {
+        /// Path as given.
+        file: String,
+        /// What the system said.
+        cause: std::io::Error,
+    },
+    /// A file could not be written.
+    #[error("cannot write {file}: {cause}")]
+    Write {
+        /// Path as given.
+        file: String,
+        /// What the system said.
+        cause: std::io::Error,
+    },
+    /// Another error, in this file.
+    #[error("{file}: {error}")]
+    InFile {
+        /// Path as given.
+        file: String,
+        /// The error inside.
+        error: Box<RigError>,
+    },
+    /// A text file is wrong at this line.
+    #[error("line {line}: {what}")]
+    Line {
+        /// Line, from 1.
+        line: usize,
+        /// Thing and cause.
+        what: String,
+    },
+    /// A binary file is wrong at this place.
+    #[error("byte {offset}: {what}")]
+    Byte {
+        /// Byte, from 0.
+        offset: usize,
+        /// Thing and cause.
+        what: String,
+    },
+    /// The data is well formed, but no model can be built from it.
+    #[error("{0}")]
+    Invalid(String),
+    /// A parameter is outside its range.
+    #[error("{name} must be {expected}, not {value}")]
+    Parameter {
+        /// Name.
+        name: &'static str,
+        /// What it should be.
+        expected: &'static str,
+        /// What it is.
+        value: f64,
+    },
+}
+
+impl RigError {
+    /// The same error, naming the file it comes from.
+    pub fn in_file(self, file: impl std::fmt::Display) -> Self {
+        Self::InFile { file: file.to_string(), error: Box::new(self) }
+    }
+
+    /// Data from which no model can be built: thing and cause.
+    pub fn invalid(what: impl Into<String>) -> Self {
+        Self::Invalid(what.into())
+    }
+
+    pub(crate) fn line(line: usize, what: impl Into<String>) -> Self {
+        Self::Line { line, what: what.into() }
+    }
+
+    pub(crate) fn byte(offset: usize, what: impl Into<String>) -> Self {
+        Self::Byte { offset, what: what.into() }
+    }
+}
+
+/// `value` if it is positive and finite.
+pub(crate) fn positive(name: &'static str, value: f64) -> Result<f64, RigError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(RigError::Parameter { name, expected: "positive and finite", value })
+    }
+}
