@@ -8,7 +8,7 @@ use thenar::Vec3;
 const LEAF_TRIANGLES: usize = 4;
 
 /// A hierarchy over a copy of a mesh's triangles. Answers nearest-point queries
-/// exactly and winding-number queries to 0.01, both in about logarithmic time.
+/// exactly and winding-number queries to 0.02, both in about logarithmic time.
 #[derive(Clone, Debug)]
 pub struct Bvh {
     corners: Vec<[Vec3; 3]>,
@@ -147,7 +147,7 @@ impl Bvh {
 
     /// Generalised winding number of the mesh about `p`: 1 inside a closed outward-facing mesh,
     /// 0 outside, in between near holes (Jacobson et al. 2013). Far clusters are replaced by their
-    /// multipole expansion (Barill et al. 2018); the error stays below 0.01.
+    /// multipole expansion (Barill et al. 2018); the error stays below 0.02.
     pub fn winding_number(&self, p: &Vec3) -> f64 {
         let mut angle = 0.0;
         let mut stack = vec![0];
