@@ -1,0 +1,50 @@
+//! Reading of binary glTF (GLB): plain meshes for objects, skinned meshes for hands.
+//!
+//! Everything a file says is checked before it is used: ranges, strides, counts, indices, finite
+//! numbers, the tree of nodes. Buffers outside the file, sparse accessors and compressed meshes
+//! are refused. Morph targets, materials and animations are ignored.
+
+mod accessor;
+mod container;
+mod primitive;
+mod skin;
+mod tree;
+
+pub use skin::{RigJoint, SkinnedMesh};
+
+use crate::{RigError, TriMesh};
+use container::Container;
+
+/// All triangles of a file's default scene as one mesh, node transforms applied \[m\].
+/// Skinned meshes are taken in their bind shape.
+///
+/// # Errors
+/// When the bytes are not a well-formed GLB 2.0 file or hold no triangles.
+pub fn read_glb(bytes: &[u8]) -> Result<TriMesh, RigError> {
+    let file = Container::new(bytes)?;
+    let mut mesh = TriMesh::default();
+    for (node, world) in tree::world_matrices(&file.document)? {
+        let Some(source) = node.mesh() else { continue };
+        // glTF 2.0, section 3.7.3.3: the transform of a skinned mesh's node is ignored.
+        let placement = if node.skin().is_some() { nalgebra::Matrix4::identity() } else { world };
+        for part in source.primitives() {
+            mesh.append(&primitive::read(&file, &part, &placement)?);
+        }
+    }
+    if mesh.triangles.is_empty() {
+        return Err(RigError::invalid("the file's scene holds no triangles"));
+    }
+    mesh.check()?;
+    Ok(mesh)
+}
+
+/// The first skinned mesh of a file with its joints, in mesh space \[m\].
+///
+/// # Errors
+/// When the bytes are not a well-formed GLB 2.0 file, or no mesh is bound to a skin.
+pub fn read_skinned_glb(bytes: &[u8]) -> Result<SkinnedMesh, RigError> {
+    skin::read(&Container::new(bytes)?)
+}
+
+#[cfg(test)]
+mod tests;

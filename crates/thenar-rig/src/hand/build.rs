@@ -1,0 +1,178 @@
+//! The steps from a file's bytes to a hand.
+
+use super::digits::{self, DigitRig};
+use super::names::{self, Finder};
+use super::options::{HandOptions, Size};
+use super::{bones, joints, regions, weights};
+use crate::glb::{self, SkinnedMesh};
+use crate::lattice::{Lattice, LatticeOptions};
+use crate::mesh::{Bvh, weld};
+use crate::{RigError, TriMesh};
+use thenar::Pose;
+use thenar::model::{Bone, Digit, Flesh, HandModel, Material, Side};
+
+/// Vertices nearer than this are one \[m\], at the size of the file.
+const WELD_TOLERANCE: f64 = 1e-5;
+/// Lengths that a hand may have \[m\].
+const LENGTHS: [f64; 2] = [0.05, 0.5];
+/// Smallest filled fraction by which an element's material is scaled.
+const FILL_FLOOR: f64 = 0.1;
+
+/// Builds a hand from the bytes of a skinned GLB file.
+///
+/// # Errors
+/// When the file is damaged, its mesh is not closed, joints are missing, or an option is out of
+/// range.
+pub fn build_hand(bytes: &[u8], options: &HandOptions) -> Result<HandModel, RigError> {
+    options.check()?;
+    let rig = glb::read_skinned_glb(bytes)?;
+    let Rigged { skin, digits, side, length } = rigged(&rig, options)?;
+    let surface = Bvh::new(&skin);
+    let bones = bones::bones(&digits, &surface, length);
+    let joints = joints::joints(&digits, &bones, side, length);
+
+    let rotation = thenar::Quat::identity();
+    let lattice = Lattice::new(&skin, &LatticeOptions { tets: options.tets, rotation })?;
+    let samples = regions::digits_of_samples(&lattice, &digits);
+    let tet_digits = regions::digits_of_tets(&lattice, &samples);
+    let node_digits = node_digits(&lattice, &tet_digits);
+    let chains = weights::chains(&digits);
+    let bindings = (lattice.nodes.iter().zip(&node_digits))
+        .map(|(p, &own)| weights::binding(p, own, &digits, &chains))
+        .collect();
+
+    let collision_mesh = collision_mesh(&skin, options)?;
+    let collision = lattice.embed(&collision_mesh)?;
+    let collision_digits =
+        collision_mesh.positions.iter().map(|p| regions::nearest(p, &digits)).collect();
+    let render = lattice.embed(&render_mesh(&skin, options)?)?;
+    let flesh = Flesh {
+        materials: materials(&lattice, &bones, options),
+        nodes: lattice.nodes.clone(),
+        tets: lattice.tets.clone(),
+        mass_damping: options.mass_damping,
+        stiffness_damping: options.stiffness_damping,
+        fixed: Vec::new(),
+        collision,
+        friction: options.friction,
+    };
+    Ok(HandModel {
+        name: options.name.clone(),
+        side: Some(side),
+        bones,
+        joints,
+        flesh,
+        bindings,
+        node_volumes: lattice.node_volumes(),
+        render,
+        collision_digits,
+        length,
+    })
+}
+
+/// The rig in the model frame at its final size.
+struct Rigged {
+    skin: TriMesh,
+    digits: Vec<DigitRig>,
+    side: Side,
+    length: f64,
+}
+
+/// Moves the rig to the model frame M, which is the frame of the wrist, and scales it.
+fn rigged(rig: &SkinnedMesh, options: &HandOptions) -> Result<Rigged, RigError> {
+    let unscaled = at_scale(rig, options, 1.0)?;
+    let scale = match options.size {
+        Size::Scale(scale) => scale,
+        Size::Length(length) => length / unscaled.length,
+    };
+    let rigged = at_scale(rig, options, scale)?;
+    if !(LENGTHS[0]..=LENGTHS[1]).contains(&rigged.length) {
+        return Err(RigError::Parameter {
+            name: "hand length (wrist to middle fingertip, m)",
+            expected: "in 0.05..0.5",
+            value: rigged.length,
+        });
+    }
+    if options.side.is_some_and(|side| side != rigged.side) {
+        return Err(RigError::invalid(format!(
+            "the mesh shows a {:?} hand, not the {:?} one asked for",
+            rigged.side, options.side
+        )));
+    }
+    Ok(rigged)
+}
+
+fn at_scale(rig: &SkinnedMesh, options: &HandOptions, scale: f64) -> Result<Rigged, RigError> {
+    let scaled = SkinnedMesh {
+        mesh: rig.mesh.clone().scaled(scale),
+        joints: rig.joints.clone(),
+        influences: Vec::new(),
+    };
+    let joints = scaled.joints.iter().cloned().map(|mut joint| {
+        joint.pose.position *= scale;
+        joint
+    });
+    let scaled = SkinnedMesh { joints: joints.collect(), ..scaled };
+    let finder = Finder::new(&scaled, &options.name_map);
+    let pose_MR = finder.pose(names::WRIST)?.inverse();
+
+    let welded = weld(&scaled.mesh, WELD_TOLERANCE * scale).mesh;
+    let skin = welded.compacted().transformed(&pose_MR);
+    let surface = Bvh::new(&skin);
+    // First guess of the length: wrist to the middle finger's tracked tip.
+    let guess = (pose_MR * finder.pose("middle-finger-tip")?).position.norm();
+    let digits = Digit::FINGERS
+        .iter()
+        .map(|&digit| digits::read(&finder, &pose_MR, digit, &surface, guess))
+        .collect::<Result<Vec<_>, _>>()?;
+    let length = digits[2].tip.norm();
+    let side = digits::side(&digits);
+    Ok(Rigged { skin, digits, side, length })
+}
+
+/// The finger that alone surrounds a node, or the palm.
+fn node_digits(lattice: &Lattice, tets: &[Digit]) -> Vec<Digit> {
+    let mut digits: Vec<Option<Digit>> = vec![None; lattice.nodes.len()];
+    for (nodes, &digit) in lattice.tets.iter().zip(tets) {
+        for &n in nodes {
+            let of_node = &mut digits[n as usize];
+            *of_node = match *of_node {
+                Some(other) if other != digit => Some(Digit::Palm),
+                _ => Some(digit),
+            };
+        }
+    }
+    digits.into_iter().map(|d| d.unwrap_or(Digit::Palm)).collect()
+}
+
+/// Materials whose density makes the whole hand, bones included, as heavy as it should be.
+fn materials(lattice: &Lattice, bones: &[Bone], options: &HandOptions) -> Vec<Material> {
+    let volume: f64 = lattice.filled.iter().sum();
+    let bone_mass: f64 = bones.iter().map(|b| b.mass).sum();
+    let flesh_mass = (options.material.density * volume - bone_mass).max(0.2 * bone_mass);
+    let fills: Vec<f64> =
+        (0..lattice.tets.len()).map(|t| lattice.fill(t).clamp(FILL_FLOOR, 1.0)).collect();
+    let whole: f64 = (0..fills.len())
+        .map(|t| fills[t] * crate::lattice::tet::volume(&lattice.corners(t)))
+        .sum();
+    let density = flesh_mass / whole;
+    fills
+        .iter()
+        .map(|fill| Material {
+            young: options.material.young * fill,
+            density: density * fill,
+            ..options.material
+        })
+        .collect()
+}
+
+fn collision_mesh(skin: &TriMesh, _options: &HandOptions) -> Result<TriMesh, RigError> {
+    Ok(skin.clone())
+}
+
+fn render_mesh(skin: &TriMesh, _options: &HandOptions) -> Result<TriMesh, RigError> {
+    Ok(skin.clone())
+}
+
+#[allow(unused)]
+fn unused(_: Pose) {}

@@ -1,0 +1,72 @@
+//! Names of the tracked joints and of the bones.
+
+use crate::RigError;
+use crate::glb::{RigJoint, SkinnedMesh};
+use std::collections::BTreeMap;
+use thenar::Pose;
+use thenar::model::Digit;
+
+/// From WebXR joint names to the names a rig uses; what is not listed keeps its WebXR name.
+pub type NameMap = BTreeMap<String, String>;
+
+/// The 25 joints of the WebXR Hand Input specification, of which `prefix` names the digit.
+pub(super) fn prefix(digit: Digit) -> &'static str {
+    match digit {
+        Digit::Palm => "wrist",
+        Digit::Thumb => "thumb",
+        Digit::Index => "index-finger",
+        Digit::Middle => "middle-finger",
+        Digit::Ring => "ring-finger",
+        Digit::Little => "pinky-finger",
+    }
+}
+
+/// The wrist.
+pub(super) const WRIST: &str = "wrist";
+
+/// Joint suffixes from the base to the tip. The thumb has no intermediate phalanx.
+pub(super) fn suffixes(digit: Digit) -> &'static [&'static str] {
+    match digit {
+        Digit::Palm => &[],
+        Digit::Thumb => &["metacarpal", "phalanx-proximal", "phalanx-distal", "tip"],
+        _ => &["metacarpal", "phalanx-proximal", "phalanx-intermediate", "phalanx-distal", "tip"],
+    }
+}
+
+/// The three moving bones of a digit.
+pub(super) fn bone_names(digit: Digit) -> [&'static str; 3] {
+    match digit {
+        Digit::Thumb => ["metacarpal", "proximal", "distal"],
+        _ => ["proximal", "intermediate", "distal"],
+    }
+}
+
+/// The joints at the proximal ends of those bones.
+pub(super) fn joint_names(digit: Digit) -> [&'static str; 3] {
+    match digit {
+        Digit::Thumb => ["cmc", "mcp", "ip"],
+        _ => ["mcp", "pip", "dip"],
+    }
+}
+
+/// Finds joints by WebXR name.
+pub(super) struct Finder<'a> {
+    rig: &'a SkinnedMesh,
+    map: &'a NameMap,
+}
+
+impl<'a> Finder<'a> {
+    pub fn new(rig: &'a SkinnedMesh, map: &'a NameMap) -> Self {
+        Self { rig, map }
+    }
+
+    /// The rest pose of the joint with this WebXR name.
+    pub fn pose(&self, webxr: &str) -> Result<Pose, RigError> {
+        let name = self.map.get(webxr).map_or(webxr, String::as_str);
+        let found: Option<&RigJoint> = self.rig.joints.iter().find(|j| j.name == name);
+        found.map(|j| j.pose).ok_or_else(|| {
+            let renamed = if name == webxr { "" } else { " (by the name map)" };
+            RigError::invalid(format!("the rig has no joint `{name}`{renamed}, needed as {webxr}"))
+        })
+    }
+}

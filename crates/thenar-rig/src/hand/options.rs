@@ -1,0 +1,101 @@
+//! What a hand is to be like.
+
+use super::names::NameMap;
+use crate::RigError;
+use thenar::model::{Law, Material, Side};
+
+/// How large a hand is built.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Size {
+    /// The mesh times this.
+    Scale(f64),
+    /// So that wrist to middle fingertip measures this \[m\].
+    Length(f64),
+}
+
+/// Options of [`build_hand`](super::build_hand).
+#[derive(Clone, Debug)]
+pub struct HandOptions {
+    /// Name of the model.
+    pub name: String,
+    /// Side that the mesh must show; `None` takes what it shows.
+    pub side: Option<Side>,
+    /// Size.
+    pub size: Size,
+    /// Wanted number of tetrahedra.
+    pub tets: usize,
+    /// Flesh of a fully filled element. Its density is that of the whole hand, bones included;
+    /// the flesh gets what the bones leave.
+    pub material: Material,
+    /// Rayleigh damping of the flesh, mass-proportional \[1/s\].
+    pub mass_damping: f64,
+    /// Rayleigh damping of the flesh, stiffness-proportional \[s\].
+    pub stiffness_damping: f64,
+    /// Coulomb friction coefficient of the skin.
+    pub friction: f64,
+    /// Wanted number of triangles of the surface that touches.
+    pub collision_triangles: usize,
+    /// Smallest number of triangles of the surface that is drawn.
+    pub render_triangles: usize,
+    /// Names of the rig's joints where they differ from WebXR's.
+    pub name_map: NameMap,
+}
+
+impl Default for HandOptions {
+    /// The mesh as it is, with the paper's mesh sizes and flesh of 80 kPa.
+    fn default() -> Self {
+        Self {
+            name: "hand".into(),
+            side: None,
+            size: Size::Scale(1.0),
+            tets: 600,
+            material: Material {
+                law: Law::Corotational,
+                young: 80e3,
+                poisson: 0.43,
+                density: 1080.0,
+            },
+            mass_damping: 1.0,
+            stiffness_damping: 1e-3,
+            friction: 0.6,
+            collision_triangles: 1441,
+            render_triangles: 23_640,
+            name_map: NameMap::new(),
+        }
+    }
+}
+
+impl HandOptions {
+    /// Errs on the first number that makes no sense.
+    pub(super) fn check(&self) -> Result<(), RigError> {
+        use crate::error::{non_negative, positive};
+        match self.size {
+            Size::Scale(scale) => positive("hand scale", scale)?,
+            Size::Length(length) => positive("hand length", length)?,
+        };
+        positive("Young's modulus", self.material.young)?;
+        positive("density", self.material.density)?;
+        non_negative("mass damping", self.mass_damping)?;
+        non_negative("stiffness damping", self.stiffness_damping)?;
+        non_negative("friction coefficient", self.friction)?;
+        let poisson = self.material.poisson;
+        if !(poisson > -1.0 && poisson < 0.5) {
+            return Err(RigError::Parameter {
+                name: "Poisson's ratio",
+                expected: "above -1 and below 0.5",
+                value: poisson,
+            });
+        }
+        for (name, count) in [
+            ("collision triangles", self.collision_triangles),
+            ("render triangles", self.render_triangles),
+        ] {
+            if !(100..=1_000_000).contains(&count) {
+                return Err(RigError::invalid(format!(
+                    "the number of {name} must be in 100..=1000000, not {count}"
+                )));
+            }
+        }
+        Ok(())
+    }
+}

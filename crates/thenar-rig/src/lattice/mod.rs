@@ -1,0 +1,174 @@
+//! A coarse tetrahedral mesh around a closed surface, cut along the body's own topology.
+//!
+//! The body is covered by a body-centred cubic lattice; a lattice tetrahedron that holds several
+//! separate pieces of the body is there several times (see `pieces`). A tetrahedron that the
+//! body fills only in part knows its filled fraction, by which its density and its stiffness are
+//! to be scaled, so that mass and stiffness are those of the body (Nesme et al. 2009).
+//!
+//! Guaranteed: one face-connected component; positive volumes; the filled volume is the body's;
+//! the result depends on nothing but the input. Not guaranteed: surface vertices may lie a little
+//! outside their tetrahedron, where a nearly empty one was left out.
+
+mod bcc;
+mod pieces;
+mod prune;
+mod quality;
+mod samples;
+mod surface;
+pub mod tet;
+mod union_find;
+
+pub use quality::Quality;
+
+use crate::{RigError, TriMesh};
+use pieces::Pieces;
+use samples::Samples;
+use thenar::{Quat, Vec3};
+
+/// How fine and how turned.
+#[derive(Clone, Copy, Debug)]
+pub struct LatticeOptions {
+    /// Wanted number of tetrahedra; met within about ±10 %.
+    pub tets: usize,
+    /// Orientation of the lattice in the mesh's frame.
+    pub rotation: Quat,
+}
+
+/// Tetrahedra around a body.
+pub struct Lattice {
+    /// Node positions in the mesh's frame \[m\].
+    pub nodes: Vec<Vec3>,
+    /// Positively oriented tetrahedra.
+    pub tets: Vec<[u32; 4]>,
+    /// Volume of the body in each tetrahedron \[m³\]; their sum is the body's volume.
+    pub filled: Vec<f64>,
+    rotation: Quat,
+    samples: Samples,
+    of_sample: Vec<u32>,
+}
+
+/// Fewer elements than this say nothing about a body.
+const TETS_MIN: usize = 12;
+/// More are refused, so that memory stays bounded.
+const TETS_MAX: usize = 200_000;
+/// Sample spacing, relative to the cube root of the volume per wanted tetrahedron.
+const SPACING: f64 = 0.28;
+/// Tetrahedra filled less than this are left out and their contents given to neighbours.
+const FILL_MIN: f64 = 0.03;
+/// Attempts at the wanted number of tetrahedra.
+const ATTEMPTS: usize = 8;
+
+impl Lattice {
+    /// Covers the inside of a closed, outward-facing mesh.
+    ///
+    /// # Errors
+    /// When the count is out of range, the mesh encloses no volume, or it hangs together too
+    /// thinly for elements of this size.
+    pub fn new(mesh: &TriMesh, options: &LatticeOptions) -> Result<Self, RigError> {
+        if !(TETS_MIN..=TETS_MAX).contains(&options.tets) {
+            return Err(RigError::invalid(format!(
+                "the number of tetrahedra must be in {TETS_MIN}..={TETS_MAX}, not {}",
+                options.tets
+            )));
+        }
+        let volume = mesh.volume();
+        if !(volume.is_finite() && volume > 0.0) {
+            return Err(RigError::invalid(format!(
+                "the mesh encloses {volume:e} m³: it is open, empty or inside out"
+            )));
+        }
+        let turned = turned(mesh, &options.rotation.inverse());
+        let per_tet = (volume / options.tets as f64).cbrt();
+        let samples = Samples::new(&turned, SPACING * per_tet)?;
+        let pieces = fit_count(&samples, options.tets, 2.5 * per_tet);
+        Self::from_pieces(samples, pieces, options.rotation, volume)
+    }
+
+    fn from_pieces(
+        samples: Samples,
+        pieces: Pieces,
+        rotation: Quat,
+        volume: f64,
+    ) -> Result<Self, RigError> {
+        let Pieces { nodes: mut tets, positions: mut nodes, of_sample, .. } = pieces;
+        prune::drop_unused(&mut tets, &mut nodes);
+        let mut counts = vec![0_u32; tets.len()];
+        of_sample.iter().for_each(|&t| counts[t as usize] += 1);
+        let per_sample = volume / samples.cells.len() as f64;
+        let filled = counts.iter().map(|&c| f64::from(c) * per_sample).collect();
+        nodes.iter_mut().for_each(|x| *x = rotation * *x);
+        Ok(Self { nodes, tets, filled, rotation, samples, of_sample })
+    }
+
+    /// Corner positions of tetrahedron `t`.
+    pub fn corners(&self, t: usize) -> tet::Corners {
+        self.tets[t].map(|n| self.nodes[n as usize])
+    }
+
+    /// Filled fraction of tetrahedron `t`, in 0..1 up to sampling error.
+    pub fn fill(&self, t: usize) -> f64 {
+        self.filled[t] / tet::volume(&self.corners(t))
+    }
+
+    /// Volume of the body that each node stands for \[m³\].
+    pub fn node_volumes(&self) -> Vec<f64> {
+        let mut volumes = vec![0.0; self.nodes.len()];
+        for (tet, filled) in self.tets.iter().zip(&self.filled) {
+            tet.iter().for_each(|&n| volumes[n as usize] += filled / 4.0);
+        }
+        volumes
+    }
+
+    /// Number of inside points that carry the volume.
+    pub fn sample_count(&self) -> usize {
+        self.of_sample.len()
+    }
+
+    /// Place of inside point `i` in the mesh's frame \[m\].
+    pub fn sample_position(&self, i: usize) -> Vec3 {
+        self.rotation * self.samples.position(i)
+    }
+
+    /// Tetrahedron that carries inside point `i`.
+    pub fn sample_tet(&self, i: usize) -> u32 {
+        self.of_sample[i]
+    }
+
+    /// Distance between inside points \[m\].
+    pub fn sample_spacing(&self) -> f64 {
+        self.samples.spacing
+    }
+
+    /// Calls `f` for every two neighbouring inside points that the surface does not part.
+    pub fn for_each_link(&self, f: impl FnMut(u32, u32)) {
+        pieces::for_each_link(&self.samples, f);
+    }
+}
+
+/// Searches the cube edge that gives about the wanted number of tetrahedra.
+fn fit_count(samples: &Samples, wanted: usize, first: f64) -> Pieces {
+    let shift = Vec3::new(0.25, 0.25, 0.25);
+    let mut cube = first;
+    let mut best: Option<Pieces> = None;
+    for _ in 0..ATTEMPTS {
+        let mut pieces = Pieces::new(samples, cube, &shift);
+        prune::prune(&mut pieces, samples, FILL_MIN);
+        let ratio = pieces.len() as f64 / wanted as f64;
+        let off = |n: usize| (n as f64 / wanted as f64).ln().abs();
+        if best.as_ref().is_none_or(|b| off(pieces.len()) < off(b.len())) {
+            best = Some(pieces);
+        }
+        if (ratio - 1.0).abs() < 0.05 {
+            break;
+        }
+        // The count goes about as the inverse volume of a tetrahedron; surface ones make it less
+        // steep on coarse lattices.
+        cube *= ratio.powf(0.36);
+    }
+    best.unwrap_or_else(|| Pieces::new(samples, cube, &shift))
+}
+
+fn turned(mesh: &TriMesh, rotation: &Quat) -> TriMesh {
+    let positions = mesh.positions.iter().map(|p| rotation * p).collect();
+    TriMesh { positions, triangles: mesh.triangles.clone() }
+}
