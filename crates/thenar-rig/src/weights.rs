@@ -21,42 +21,49 @@ pub struct Chain {
     pub half_widths: [f64; 3],
 }
 
-/// How far along a chain a point has got: weight of the child at each joint, 0..1.
-fn passed(chain: &Chain, p: &Vec3) -> [f64; 3] {
-    std::array::from_fn(|k| {
-        let along = chain.across[k].dot(&(p - chain.joints[k]));
-        ramp(0.5 + 0.5 * along / chain.half_widths[k])
-    })
+/// Where a point stands across joint `k`: 0 at the start of its ramp, 1 at the end.
+fn across(chain: &Chain, k: usize, p: &Vec3) -> f64 {
+    0.5 + 0.5 * chain.across[k].dot(&(p - chain.joints[k])) / chain.half_widths[k]
 }
 
 /// From 0 to 1, straight in the middle and rounded at both ends: the slope, which decides how much
-/// flesh is crushed inside a bent joint, is only 4/3 of a straight ramp's.
+/// flesh is crushed inside a bent joint, is little more than a straight ramp's.
 fn ramp(t: f64) -> f64 {
-    const ROUND: f64 = 0.25;
     let t = t.clamp(0.0, 1.0);
-    let slope = 1.0 / (1.0 - ROUND);
     if t < ROUND {
-        slope * t * t / (2.0 * ROUND)
+        SLOPE * t * t / (2.0 * ROUND)
     } else if t > 1.0 - ROUND {
-        1.0 - slope * (1.0 - t) * (1.0 - t) / (2.0 * ROUND)
+        1.0 - SLOPE * (1.0 - t) * (1.0 - t) / (2.0 * ROUND)
     } else {
-        slope * (t - ROUND / 2.0)
+        SLOPE * (t - ROUND / 2.0)
     }
 }
 
-/// The binding of a point that follows `chain`; `hold` in 0..1 scales how much of it the first
-/// moving bone may take from the root.
+/// Part of the ramp that is rounded, at either end.
+const ROUND: f64 = 0.2;
+/// Slope of the straight part.
+const SLOPE: f64 = 1.0 / (1.0 - ROUND);
+
+/// The binding of a point that follows `chain`. `hold` in 0..1 says how much of the point the
+/// chain may take from the root. Towards the second joint the hold sharpens into all or nothing,
+/// since there a point can no longer be shared with the root.
 pub fn bind(chain: &Chain, p: &Vec3, hold: f64) -> Binding {
-    let [first, second, third] = passed(chain, p);
-    // Beyond the first joint's ramp the root has no part, so the later joints may take over.
-    let first = first * if second > 0.0 { hold.max(second.min(1.0)) } else { hold };
     let [root, a, b, c] = chain.bones;
-    if first < 1.0 {
-        pair(root, a, first)
-    } else if second < 1.0 {
-        pair(a, b, second)
+    let at_second = across(chain, 1, p);
+    if at_second <= 0.0 {
+        let room = (chain.joints[1] - chain.joints[0]).norm()
+            - chain.half_widths[0]
+            - chain.half_widths[1];
+        let before = -2.0 * at_second * chain.half_widths[1];
+        let near = ramp(1.0 - before / room.max(1e-3 * chain.half_widths[0]));
+        let hold = ((hold - 0.5 * near) / (1.0 - near).max(1e-9)).clamp(0.0, 1.0);
+        pair(root, a, ramp(across(chain, 0, p)) * hold)
+    } else if hold < 0.5 {
+        pair(root, a, 0.0)
+    } else if at_second < 1.0 {
+        pair(a, b, ramp(at_second))
     } else {
-        pair(b, c, third)
+        pair(b, c, ramp(across(chain, 2, p)))
     }
 }
 
@@ -77,12 +84,12 @@ mod tests {
 
     #[test]
     fn the_ramp_is_smooth_and_symmetric() {
-        let n = 1000;
+        let n = 997;
         for i in 0..=n {
             let t = f64::from(i) / f64::from(n);
             assert!((ramp(t) + ramp(1.0 - t) - 1.0).abs() < 1e-12);
             let slope = (ramp(t + 1e-4) - ramp(t - 1e-4)) / 2e-4;
-            assert!((0.0..1.3334).contains(&slope), "slope {slope} at {t}");
+            assert!((0.0..SLOPE + 1e-9).contains(&slope), "slope {slope} at {t}");
         }
     }
 }

@@ -56,10 +56,7 @@ pub(super) fn open<'a>(
 }
 
 /// The bytes of a view, which must lie in the file's own binary chunk.
-fn view_bytes<'a>(
-    file: &'a Container,
-    view: &gltf::buffer::View<'_>,
-) -> Result<&'a [u8], String> {
+fn view_bytes<'a>(file: &'a Container, view: &gltf::buffer::View<'_>) -> Result<&'a [u8], String> {
     if let gltf::buffer::Source::Uri(_) = view.buffer().source() {
         return Err("its data lie outside the file, which is not supported".into());
     }

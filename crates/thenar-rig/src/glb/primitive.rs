@@ -73,9 +73,7 @@ fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
             .enumerate()
             .map(|(i, w)| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] })
             .collect(),
-        Mode::TriangleFan => {
-            indices.windows(2).skip(1).map(|w| [indices[0], w[0], w[1]]).collect()
-        }
+        Mode::TriangleFan => indices.windows(2).skip(1).map(|w| [indices[0], w[0], w[1]]).collect(),
         _ => indices.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
     }
 }

@@ -34,9 +34,8 @@ pub(super) fn read(file: &Container) -> Result<SkinnedMesh, RigError> {
         .iter()
         .find_map(|(node, _)| Some((node, node.skin()?)))
         .ok_or_else(|| RigError::invalid("the file holds no skinned mesh"))?;
-    let source = node
-        .mesh()
-        .ok_or_else(|| RigError::invalid("the node that names a skin has no mesh"))?;
+    let source =
+        node.mesh().ok_or_else(|| RigError::invalid("the node that names a skin has no mesh"))?;
     let joints = joints(file, &skin, &nodes)?;
 
     let mut mesh = TriMesh::default();
@@ -88,7 +87,8 @@ fn rigid_part(matrix: &Matrix4<f64>) -> Option<Pose> {
     // Gram-Schmidt leaves the long axis z and the flexion axis x where they are, to first order.
     let y = z.cross(&x).try_normalize(1e-12)?;
     let rotation = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[y.cross(&z), y, z]));
-    let pose = Pose::new(matrix.fixed_view::<3, 1>(0, 3).into(), Quat::from_rotation_matrix(&rotation));
+    let pose =
+        Pose::new(matrix.fixed_view::<3, 1>(0, 3).into(), Quat::from_rotation_matrix(&rotation));
     pose.is_finite().then_some(pose)
 }
 
@@ -126,9 +126,7 @@ fn read_influences(
                     j.0
                 )));
             }
-            Ok(std::array::from_fn(|k| {
-                (j[k].min(joints.saturating_sub(1) as u32), w[k] / sum)
-            }))
+            Ok(std::array::from_fn(|k| (j[k].min(joints.saturating_sub(1) as u32), w[k] / sum)))
         })
         .collect()
 }

@@ -38,8 +38,7 @@ impl Mass {
         // Two half balls: 83/320 m r² about their own centre of mass, 3/8 r beyond the ends.
         let half_balls =
             caps * (83.0 / 320.0 * radius * radius + (length / 2.0 + 0.375 * radius).powi(2));
-        let across =
-            cylinder * (radius * radius / 4.0 + length * length / 12.0) + half_balls;
+        let across = cylinder * (radius * radius / 4.0 + length * length / 12.0) + half_balls;
         let outer = axis * axis.transpose();
         Self {
             mass: cylinder + caps,
@@ -112,10 +111,13 @@ fn palm(digits: &[DigitRig], surface: &Bvh, length: f64) -> Bone {
     // The carpus: a box from the wrist to the bases of the metacarpals, as wide as they are.
     let middle = fingers.iter().map(|f| f.base).sum::<Vec3>() / 4.0;
     let across = fingers[3].base - fingers[0].base;
-    let edges =
-        Vec3::new(across.norm() + 2.0 * radius, CARPUS_THICKNESS * length, middle.norm());
-    let frame = thenar::Quat::face_towards(&middle, &middle.cross(&across)
-        .component_mul(&Vec3::repeat(1.0_f64.copysign(middle.cross(&across).y))));
+    let edges = Vec3::new(across.norm() + 2.0 * radius, CARPUS_THICKNESS * length, middle.norm());
+    let frame = thenar::Quat::face_towards(
+        &middle,
+        &middle
+            .cross(&across)
+            .component_mul(&Vec3::repeat(1.0_f64.copysign(middle.cross(&across).y))),
+    );
     parts.push(Mass::cuboid(&Pose::new(middle / 2.0, frame), &edges));
 
     let ends = [Vec3::zeros(), fingers[1].joints[0].position];

@@ -3,13 +3,14 @@
 use super::digits::{self, DigitRig};
 use super::names::{self, Finder};
 use super::options::{HandOptions, Size};
+use super::report::HandReport;
 use super::{bones, joints, regions, weights};
 use crate::glb::{self, SkinnedMesh};
 use crate::lattice::{Lattice, LatticeOptions};
-use crate::mesh::{Bvh, weld};
+use crate::mesh::{Bvh, Topology, decimate, subdivide_to, weld};
 use crate::{RigError, TriMesh};
-use thenar::Pose;
-use thenar::model::{Bone, Digit, Flesh, HandModel, Material, Side};
+use std::path::Path;
+use thenar::model::{Binding, Bone, Digit, Flesh, HandModel, Material, Side};
 
 /// Vertices nearer than this are one \[m\], at the size of the file.
 const WELD_TOLERANCE: f64 = 1e-5;
@@ -18,34 +19,42 @@ const LENGTHS: [f64; 2] = [0.05, 0.5];
 /// Smallest filled fraction by which an element's material is scaled.
 const FILL_FLOOR: f64 = 0.1;
 
-/// Builds a hand from the bytes of a skinned GLB file.
+/// Builds a hand from the bytes of a skinned GLB file. The model frame M is that of the wrist
+/// (WebXR: -z towards the fingers, +y out of the back of the hand).
 ///
 /// # Errors
 /// When the file is damaged, its mesh is not closed, joints are missing, or an option is out of
 /// range.
 pub fn build_hand(bytes: &[u8], options: &HandOptions) -> Result<HandModel, RigError> {
+    build_hand_with_report(bytes, options).map(|(hand, _)| hand)
+}
+
+/// [`build_hand`], and what there is to know about the result.
+///
+/// # Errors
+/// As there.
+pub fn build_hand_with_report(
+    bytes: &[u8],
+    options: &HandOptions,
+) -> Result<(HandModel, HandReport), RigError> {
     options.check()?;
     let rig = glb::read_skinned_glb(bytes)?;
     let Rigged { skin, digits, side, length } = rigged(&rig, options)?;
+    check_skin(&skin)?;
     let surface = Bvh::new(&skin);
     let bones = bones::bones(&digits, &surface, length);
     let joints = joints::joints(&digits, &bones, side, length);
 
+    // The smooth surface through the skin's vertices is the body; all else is made from it.
+    let triangles = options.render_triangles.max(options.collision_triangles);
+    let smooth = subdivide_to(&skin, triangles)?.mesh;
     let rotation = thenar::Quat::identity();
-    let lattice = Lattice::new(&skin, &LatticeOptions { tets: options.tets, rotation })?;
-    let samples = regions::digits_of_samples(&lattice, &digits);
-    let tet_digits = regions::digits_of_tets(&lattice, &samples);
-    let node_digits = node_digits(&lattice, &tet_digits);
-    let chains = weights::chains(&digits);
-    let bindings = (lattice.nodes.iter().zip(&node_digits))
-        .map(|(p, &own)| weights::binding(p, own, &digits, &chains))
-        .collect();
+    let lattice = Lattice::new(&smooth, &LatticeOptions { tets: options.tets, rotation })?;
+    let bindings = bindings(&lattice, &digits);
 
-    let collision_mesh = collision_mesh(&skin, options)?;
-    let collision = lattice.embed(&collision_mesh)?;
+    let collision_mesh = decimate(&smooth, options.collision_triangles)?;
     let collision_digits =
         collision_mesh.positions.iter().map(|p| regions::nearest(p, &digits)).collect();
-    let render = lattice.embed(&render_mesh(&skin, options)?)?;
     let flesh = Flesh {
         materials: materials(&lattice, &bones, options),
         nodes: lattice.nodes.clone(),
@@ -53,10 +62,10 @@ pub fn build_hand(bytes: &[u8], options: &HandOptions) -> Result<HandModel, RigE
         mass_damping: options.mass_damping,
         stiffness_damping: options.stiffness_damping,
         fixed: Vec::new(),
-        collision,
+        collision: lattice.embed(&collision_mesh)?,
         friction: options.friction,
     };
-    Ok(HandModel {
+    let hand = HandModel {
         name: options.name.clone(),
         side: Some(side),
         bones,
@@ -64,10 +73,33 @@ pub fn build_hand(bytes: &[u8], options: &HandOptions) -> Result<HandModel, RigE
         flesh,
         bindings,
         node_volumes: lattice.node_volumes(),
-        render,
+        render: lattice.embed(&decimate(&smooth, options.render_triangles)?)?,
         collision_digits,
         length,
-    })
+    };
+    let report = HandReport::new(&hand, &skin, &digits)?;
+    Ok((hand, report))
+}
+
+fn bindings(lattice: &Lattice, digits: &[DigitRig]) -> Vec<Binding> {
+    let samples = regions::digits_of_samples(lattice, digits);
+    let tets = regions::digits_of_tets(lattice, &samples);
+    let nodes = node_digits(lattice, &tets);
+    let chains = weights::chains(digits);
+    (lattice.nodes.iter().zip(&nodes))
+        .map(|(p, &own)| weights::binding(p, own, digits, &chains))
+        .collect()
+}
+
+/// [`build_hand`] from a file.
+///
+/// # Errors
+/// As there, naming the file; also when it cannot be read.
+pub fn build_hand_file(path: &Path, options: &HandOptions) -> Result<HandModel, RigError> {
+    let file = path.display().to_string();
+    let bytes =
+        std::fs::read(path).map_err(|cause| RigError::Read { file: file.clone(), cause })?;
+    build_hand(&bytes, options).map_err(|e| e.in_file(file))
 }
 
 /// The rig in the model frame at its final size.
@@ -152,9 +184,8 @@ fn materials(lattice: &Lattice, bones: &[Bone], options: &HandOptions) -> Vec<Ma
     let flesh_mass = (options.material.density * volume - bone_mass).max(0.2 * bone_mass);
     let fills: Vec<f64> =
         (0..lattice.tets.len()).map(|t| lattice.fill(t).clamp(FILL_FLOOR, 1.0)).collect();
-    let whole: f64 = (0..fills.len())
-        .map(|t| fills[t] * crate::lattice::tet::volume(&lattice.corners(t)))
-        .sum();
+    let whole: f64 =
+        (0..fills.len()).map(|t| fills[t] * crate::lattice::tet::volume(&lattice.corners(t))).sum();
     let density = flesh_mass / whole;
     fills
         .iter()
@@ -166,13 +197,26 @@ fn materials(lattice: &Lattice, bones: &[Bone], options: &HandOptions) -> Vec<Ma
         .collect()
 }
 
-fn collision_mesh(skin: &TriMesh, _options: &HandOptions) -> Result<TriMesh, RigError> {
-    Ok(skin.clone())
+/// Errs unless the skin is one closed, outward-facing surface.
+fn check_skin(skin: &TriMesh) -> Result<(), RigError> {
+    let topology = Topology::of(skin);
+    if !topology.closed() {
+        return Err(RigError::invalid(format!(
+            "the hand's surface is not closed: {} edges have one triangle, {} more than two",
+            topology.boundary_edges, topology.non_manifold_edges
+        )));
+    }
+    if topology.misoriented_edges > 0 || topology.non_manifold_vertices > 0 {
+        return Err(RigError::invalid(format!(
+            "the hand's surface is not a manifold: {} edges turn over, {} vertices pinch it",
+            topology.misoriented_edges, topology.non_manifold_vertices
+        )));
+    }
+    if topology.components != 1 {
+        return Err(RigError::invalid(format!(
+            "the hand's surface has {} separate parts, expected one",
+            topology.components
+        )));
+    }
+    Ok(())
 }
-
-fn render_mesh(skin: &TriMesh, _options: &HandOptions) -> Result<TriMesh, RigError> {
-    Ok(skin.clone())
-}
-
-#[allow(unused)]
-fn unused(_: Pose) {}

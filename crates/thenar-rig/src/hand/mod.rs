@@ -1,14 +1,20 @@
 //! Hands: from a skinned mesh to a [`HandModel`](thenar::model::HandModel).
 
+mod asset;
 mod bones;
 mod build;
 mod digits;
+mod fist;
 mod joints;
 mod names;
 mod options;
 mod regions;
+mod report;
 mod weights;
 
-pub use build::build_hand;
+pub use asset::{asset, default_hand};
+pub use build::{build_hand, build_hand_file, build_hand_with_report};
+pub use fist::{Inversions, fist};
 pub use names::NameMap;
 pub use options::{HandOptions, Size};
+pub use report::{BoneLength, HandReport};

@@ -68,7 +68,7 @@ impl Default for HandOptions {
 impl HandOptions {
     /// Errs on the first number that makes no sense.
     pub(super) fn check(&self) -> Result<(), RigError> {
-        use crate::error::{non_negative, positive};
+        use crate::error::positive;
         match self.size {
             Size::Scale(scale) => positive("hand scale", scale)?,
             Size::Length(length) => positive("hand length", length)?,
@@ -97,5 +97,13 @@ impl HandOptions {
             }
         }
         Ok(())
+    }
+}
+
+fn non_negative(name: &'static str, value: f64) -> Result<f64, RigError> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(value)
+    } else {
+        Err(RigError::Parameter { name, expected: "finite and not negative", value })
     }
 }

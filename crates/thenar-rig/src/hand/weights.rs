@@ -6,10 +6,14 @@ use crate::weights::{Chain, bind, pair};
 use thenar::Vec3;
 use thenar::model::{Binding, Digit};
 
-/// Half width of a knuckle's ramp, relative to the length of the first moving bone.
-const KNUCKLE: f64 = 0.45;
-/// Half width of the two further joints' ramps, relative to the length of the bone between them.
+/// Half width of the first joint's ramp, relative to the length of the first moving bone.
+const FIRST: f64 = 0.42;
+/// Half width of the second joint's ramp, at most, relative to the same length.
+const SECOND: f64 = 0.42;
+/// Half width of the two further joints' ramps, at most, relative to the bone between them.
 const FURTHER: f64 = 0.5;
+/// How much of the web between two fingers they leave to the palm where they are equally near.
+const WEB: f64 = 0.4;
 
 /// What the binding of nodes needs to know of each digit.
 pub(super) fn chains(digits: &[DigitRig]) -> Vec<Chain> {
@@ -26,8 +30,8 @@ pub(super) fn chains(digits: &[DigitRig]) -> Vec<Chain> {
                     (rig.direction_before(k) + rig.direction(k)).normalize()
                 }),
                 half_widths: [
-                    (KNUCKLE * length(0)).min(length(0) - FURTHER * length(1)),
-                    FURTHER * length(1),
+                    FIRST * length(0),
+                    (FURTHER * length(1)).min(SECOND * length(0)),
                     FURTHER * length(1),
                 ],
             }
@@ -38,39 +42,43 @@ pub(super) fn chains(digits: &[DigitRig]) -> Vec<Chain> {
 /// The binding of a node at `p`. `own` is the finger whose flesh alone surrounds it, or the palm
 /// where parts meet.
 pub(super) fn binding(p: &Vec3, own: Digit, digits: &[DigitRig], chains: &[Chain]) -> Binding {
-    if let Some(d) = digits.iter().position(|rig| rig.digit == own) {
-        return bind(&chains[d], p, 1.0);
-    }
-    // In the palm: the digit that would take the node most.
+    let distances: Vec<f64> = digits.iter().map(|rig| regions::digit_distance(p, rig)).collect();
     let palm = regions::palm_distance(p, digits);
+    let taken = (0..digits.len()).filter(|&d| own == Digit::Palm || own == digits[d].digit);
     let mut best = pair(0, 0, 0.0);
-    let mut best_weight = 0.0;
-    for (d, rig) in digits.iter().enumerate() {
-        let here = regions::digit_distance(p, rig);
-        let other = digits
-            .iter()
-            .filter(|other| other.digit != rig.digit)
-            .map(|other| regions::digit_distance(p, other))
-            .fold(f64::INFINITY, f64::min);
-        let rival = if rig.digit == Digit::Thumb { other.min(palm) } else { other };
-        let hold = claim(here, rival);
-        let binding = bind(&chains[d], p, hold);
-        let weight = 1.0 - root_weight(&binding);
-        if weight > best_weight {
-            (best, best_weight) = (binding, weight);
+    for d in taken {
+        let binding = bind(&chains[d], p, hold(d, own, &distances, palm));
+        if root_weight(&binding) < root_weight(&best) {
+            best = binding;
         }
     }
     best
 }
 
-/// How much a digit at distance `here` may claim when a rival is at `rival`: all when it is much
-/// nearer, nothing when it is much farther.
-fn claim(here: f64, rival: f64) -> f64 {
-    if rival.is_infinite() {
+/// How much of a point digit `d` may take from the palm. The thumb goes its own way: between it
+/// and the rest its hold fades to nothing, so that the weights are continuous there. Fingers bend
+/// together more than apart: they keep most of the web between them.
+fn hold(d: usize, own: Digit, distances: &[f64], palm: f64) -> f64 {
+    const THUMB: usize = 0;
+    let nearer = |rival: f64| (rival - distances[d]) / (rival + distances[d]).max(1e-9);
+    let fade = |rival: f64| (2.0 * nearer(rival)).clamp(0.0, 1.0);
+    if d == THUMB {
+        let rival = if own == Digit::Palm {
+            distances[1..].iter().copied().fold(palm, f64::min)
+        } else {
+            palm
+        };
+        return fade(rival);
+    }
+    if own != Digit::Palm {
         return 1.0;
     }
-    let t = (rival - here) / (rival + here).max(1e-9);
-    (0.6 + 1.2 * t).clamp(0.0, 1.0)
+    let neighbour = (1..distances.len())
+        .filter(|&other| other != d)
+        .map(|other| distances[other])
+        .fold(f64::INFINITY, f64::min);
+    let web = (1.0 - WEB + 2.0 * nearer(neighbour)).clamp(0.0, 1.0);
+    web * fade(distances[THUMB])
 }
 
 fn root_weight(binding: &Binding) -> f64 {

@@ -16,8 +16,11 @@ pub struct Quality {
 impl Quality {
     /// Of these tetrahedra.
     pub fn of(tets: impl Iterator<Item = Corners>) -> Self {
-        let none =
-            Self { dihedral_min: f64::INFINITY, dihedral_max: f64::NEG_INFINITY, edge_ratio_max: 1.0 };
+        let none = Self {
+            dihedral_min: f64::INFINITY,
+            dihedral_max: f64::NEG_INFINITY,
+            edge_ratio_max: 1.0,
+        };
         tets.fold(none, |worst, x| {
             let [low, high] = tet::dihedral_range(&x);
             Self {

@@ -1,0 +1,32 @@
+//! The hands that come with the program.
+
+use super::{HandOptions, build_hand};
+use crate::RigError;
+use thenar::model::{HandModel, Side};
+
+/// The WebXR generic hand (MIT licence, see `assets/hands`).
+const RIGHT: &[u8] = include_bytes!("../../../../assets/hands/right.glb");
+const LEFT: &[u8] = include_bytes!("../../../../assets/hands/left.glb");
+
+/// The bytes of the shipped GLB file of this side.
+pub fn asset(side: Side) -> &'static [u8] {
+    match side {
+        Side::Right => RIGHT,
+        Side::Left => LEFT,
+    }
+}
+
+/// The shipped hand at its own size with about `tets` tetrahedra.
+///
+/// # Errors
+/// When `tets` is out of range.
+pub fn default_hand(side: Side, tets: usize) -> Result<HandModel, RigError> {
+    let name = match side {
+        Side::Right => "right-hand",
+        Side::Left => "left-hand",
+    };
+    build_hand(
+        asset(side),
+        &HandOptions { name: name.into(), side: Some(side), tets, ..HandOptions::default() },
+    )
+}

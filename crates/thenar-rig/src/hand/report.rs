@@ -1,0 +1,142 @@
+//! What there is to know about a built hand.
+
+use super::digits::DigitRig;
+use super::fist::{Inversions, fist};
+use crate::lattice::{Quality, tet};
+use crate::mesh::Topology;
+use crate::{RigError, TriMesh};
+use thenar::model::{Digit, HandModel};
+
+/// Figures of a built hand.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct HandReport {
+    /// The skin as read, welded.
+    pub skin: Topology,
+    /// Volume inside the skin as read \[m³\].
+    pub skin_volume: f64,
+    /// Volume of the body, inside the smooth surface through the skin's vertices \[m³\].
+    pub volume: f64,
+    /// Flesh \[kg\].
+    pub flesh_mass: f64,
+    /// Bones \[kg\].
+    pub bone_mass: f64,
+    /// Wrist to middle fingertip \[m\].
+    pub length: f64,
+    /// Tetrahedra.
+    pub tets: usize,
+    /// Nodes.
+    pub nodes: usize,
+    /// Worst shapes.
+    pub quality: Quality,
+    /// Smallest barycentric weight of any surface vertex; negative: outside its element.
+    pub barycentric_min: f64,
+    /// Triangles that touch.
+    pub collision_triangles: usize,
+    /// Triangles that are drawn.
+    pub render_triangles: usize,
+    /// Elements inside out in a fist made by skinning.
+    pub fist: Inversions,
+    /// The uniform scale at which the bone lengths fit the radiographs best (weighted by their
+    /// spread); lengths are compared with the mean times this.
+    pub anatomy_scale: f64,
+    /// Bone lengths against radiographs.
+    pub bone_lengths: Vec<BoneLength>,
+}
+
+/// A bone's length beside that of 66 radiographed hands (Buryanov & Kotiuk 2010).
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct BoneLength {
+    /// Bone.
+    pub bone: String,
+    /// Length here \[m\].
+    pub length: f64,
+    /// Mean at this hand's scale \[m\].
+    pub expected: f64,
+    /// (here - expected) in standard deviations at this scale.
+    pub deviation_sd: f64,
+}
+
+/// Mean and standard deviation \[mm\] of thumb, index and middle, from the metacarpal on.
+const RADIOGRAPHS: [(Digit, &[(&str, f64, f64)]); 3] = [
+    (Digit::Thumb, &[("metacarpal", 46.2, 3.9), ("proximal", 31.6, 3.1), ("distal", 21.7, 1.6)]),
+    (
+        Digit::Index,
+        &[
+            ("metacarpal", 68.1, 6.3),
+            ("proximal", 39.8, 4.9),
+            ("intermediate", 22.4, 2.5),
+            ("distal", 15.8, 2.3),
+        ],
+    ),
+    (
+        Digit::Middle,
+        &[
+            ("metacarpal", 64.6, 5.4),
+            ("proximal", 44.6, 3.8),
+            ("intermediate", 26.3, 3.0),
+            ("distal", 17.4, 1.9),
+        ],
+    ),
+];
+
+impl HandReport {
+    pub(super) fn new(
+        hand: &HandModel,
+        skin: &TriMesh,
+        digits: &[DigitRig],
+    ) -> Result<Self, RigError> {
+        let flesh = &hand.flesh;
+        let corners = |t: &[u32; 4]| t.map(|n| flesh.nodes[n as usize]);
+        let flesh_mass = (flesh.tets.iter().zip(&flesh.materials))
+            .map(|(t, m)| tet::volume(&corners(t)) * m.density)
+            .sum();
+        let vertices = flesh.collision.vertices.iter().chain(&hand.render.vertices);
+        let (anatomy_scale, bone_lengths) = bone_lengths(digits);
+        Ok(Self {
+            skin: Topology::of(skin),
+            skin_volume: skin.volume(),
+            volume: hand.node_volumes.iter().sum(),
+            flesh_mass,
+            bone_mass: hand.bones.iter().map(|b| b.mass).sum(),
+            length: hand.length,
+            tets: flesh.tets.len(),
+            nodes: flesh.nodes.len(),
+            quality: Quality::of(flesh.tets.iter().map(corners)),
+            barycentric_min: vertices.flat_map(|v| v.weights).fold(f64::INFINITY, f64::min),
+            collision_triangles: flesh.collision.triangles.len(),
+            render_triangles: hand.render.triangles.len(),
+            fist: fist(hand, 1.0)?,
+            anatomy_scale,
+            bone_lengths,
+        })
+    }
+}
+
+/// Scale of best fit and all comparisons at it.
+fn bone_lengths(digits: &[DigitRig]) -> (f64, Vec<BoneLength>) {
+    let mut rows = Vec::new();
+    for (digit, bones) in &RADIOGRAPHS {
+        let Some(rig) = digits.iter().find(|rig| rig.digit == *digit) else { continue };
+        let mut lengths: Vec<f64> =
+            (0..3).map(|k| (rig.bone(k)[1] - rig.bone(k)[0]).norm()).collect();
+        if bones.len() > 3 {
+            lengths.insert(0, (rig.joints[0].position - rig.base).norm());
+        }
+        for ((name, mean, sd), length) in bones.iter().zip(lengths) {
+            rows.push((format!("{}-{name}", digit.name()), length, mean * 1e-3, sd * 1e-3));
+        }
+    }
+    // Least squares of (length - s mean) / sd over s.
+    let sum = |f: &dyn Fn(f64, f64, f64) -> f64| rows.iter().map(|r| f(r.1, r.2, r.3)).sum::<f64>();
+    let scale = sum(&|l, m, s| l * m / (s * s)) / sum(&|_, m, s| m * m / (s * s));
+    let lengths = rows
+        .into_iter()
+        .map(|(bone, length, mean, sd)| BoneLength {
+            bone,
+            length,
+            expected: mean * scale,
+            deviation_sd: (length - mean * scale) / (sd * scale),
+        })
+        .collect();
+    (scale, lengths)
+}
