@@ -4,7 +4,12 @@
 //! however malformed, makes it panic: it returns a [`RigError`] that names the thing and the cause.
 
 mod error;
+pub mod glb;
+pub mod hand;
+pub mod lattice;
 pub mod mesh;
+pub mod weights;
 
 pub use error::RigError;
+pub use hand::{HandOptions, HandReport, build_hand, default_hand};
 pub use mesh::TriMesh;

@@ -81,7 +81,8 @@ fn rigid_part(matrix: &Matrix4<f64>) -> Option<Pose> {
     let axes: Vec<_> = (0..3).map(|c| linear.column(c).try_normalize(1e-12)).collect();
     let [Some(x), Some(y), Some(z)] = axes[..] else { return None };
     let axes = Matrix3::from_columns(&[x, y, z]);
-    if !(axes.determinant() > 0.5) {
+    let determinant = axes.determinant();
+    if determinant.is_nan() || determinant < 0.5 {
         return None;
     }
     // Gram-Schmidt leaves the long axis z and the flexion axis x where they are, to first order.
@@ -117,7 +118,7 @@ fn read_influences(
         .map(|i| {
             let (j, w) = (indices.integers::<4>(i)?, weights.floats::<4>(i)?);
             let sum: f64 = w.iter().sum();
-            if w.iter().any(|&w| w < 0.0) || !(sum > 1e-6) {
+            if w.iter().any(|&w| w < 0.0) || sum < 1e-6 {
                 return Err(RigError::invalid(format!("vertex {i} has no valid skin weights")));
             }
             if let Some(j) = j.iter().zip(&w).find(|&(&j, &w)| w > 0.0 && j as usize >= joints) {

@@ -14,16 +14,6 @@ fn the_shipped_hand_reads() {
     for weights in &hand.influences {
         assert!((weights.iter().map(|w| w.1).sum::<f64>() - 1.0).abs() < 1e-12);
     }
-    for j in &hand.joints {
-        let z = -(j.pose.rotation * thenar::Vec3::z());
-        println!(
-            "{} {:.4?} z {:.3?} x {:.3?}",
-            j.name,
-            j.pose.position.as_slice(),
-            z.as_slice(),
-            (j.pose.rotation * thenar::Vec3::x()).as_slice()
-        );
-    }
 }
 
 #[test]

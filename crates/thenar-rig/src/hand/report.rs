@@ -56,8 +56,11 @@ pub struct BoneLength {
     pub deviation_sd: f64,
 }
 
+/// Bone, mean and standard deviation \[mm\].
+type Measured = (&'static str, f64, f64);
+
 /// Mean and standard deviation \[mm\] of thumb, index and middle, from the metacarpal on.
-const RADIOGRAPHS: [(Digit, &[(&str, f64, f64)]); 3] = [
+const RADIOGRAPHS: [(Digit, &[Measured]); 3] = [
     (Digit::Thumb, &[("metacarpal", 46.2, 3.9), ("proximal", 31.6, 3.1), ("distal", 21.7, 1.6)]),
     (
         Digit::Index,

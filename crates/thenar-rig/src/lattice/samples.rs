@@ -34,7 +34,8 @@ impl Samples {
         let margin = Vec3::new(0.517, 0.531, 0.547) * spacing;
         let origin = low - margin;
         let extent = (high - origin) / spacing;
-        if !(extent.x * extent.y * extent.z < POINTS_MAX) {
+        let points = extent.x * extent.y * extent.z;
+        if points.is_nan() || points > POINTS_MAX {
             return Err(RigError::invalid(
                 "the mesh is too large for its volume to be filled with elements",
             ));
