@@ -34,16 +34,16 @@ impl Preset {
             (Self::Rest, _) => return None,
             (Self::Open, Thumb) => ([0.0, 0.0, 0.0], 0.0),
             (Self::Open, _) => ([0.0, 0.0, 0.0], 4.0),
-            (Self::Relaxed, Thumb) => ([5.0, 12.0, 15.0], 0.0),
+            (Self::Relaxed, Thumb) => ([5.0, 12.0, 15.0], 5.0),
             (Self::Relaxed, _) => ([22.0, 30.0, 15.0], 0.0),
-            (Self::Fist | Self::Point, Thumb) => ([15.0, 35.0, 45.0], 0.0),
+            (Self::Fist | Self::Point, Thumb) => ([10.0, 30.0, 40.0], 22.0),
             (Self::Point, Index) => ([5.0, 5.0, 3.0], 0.0),
-            (Self::Fist | Self::Point, _) => ([70.0, 85.0, 50.0], 0.0),
-            (Self::Pinch, Thumb) => ([15.0, 20.0, 25.0], 5.0),
-            (Self::Pinch, Index) => ([45.0, 45.0, 25.0], 0.0),
+            (Self::Fist | Self::Point, _) => ([80.0, 92.0, 50.0], 0.0),
+            (Self::Pinch, Thumb) => ([10.0, 20.0, 30.0], 15.0),
+            (Self::Pinch, Index) => ([45.0, 50.0, 35.0], 0.0),
             (Self::Pinch, _) => ([25.0, 30.0, 15.0], 0.0),
-            (Self::PowerGrasp, Thumb) => ([15.0, 20.0, 20.0], 10.0),
-            (Self::PowerGrasp, _) => ([45.0, 50.0, 30.0], 0.0),
+            (Self::PowerGrasp, Thumb) => ([0.0, 25.0, 25.0], 22.0),
+            (Self::PowerGrasp, _) => ([50.0, 45.0, 25.0], 0.0),
         };
         Some(shape)
     }
