@@ -5,7 +5,7 @@ use thenar::{Quat, Vec3};
 /// One number over time.
 ///
 /// Each piece is the quintic with the knots' values and slopes and no acceleration at the knots.
-/// Slopes are the harmonic mean of the neighbouring secants [FB84], zero at extrema and at both
+/// Slopes are the harmonic mean of the neighbouring secants [Fritsch and Butland 1984], zero at extrema and at both
 /// ends, and at most 1.25 times either secant. That keeps the Bernstein coefficients of every
 /// piece's derivative of one sign, so a piece never leaves the range of its two knots.
 #[derive(Clone, Debug, Default)]
@@ -66,7 +66,7 @@ impl VectorTrack {
 }
 
 /// A rotation over time: the shorter great arc between two keys, run through with the
-/// minimum-jerk law [FH85], so that it stands still for an instant at every key.
+/// minimum-jerk law [Flash and Hogan 1985], so that it stands still for an instant at every key.
 #[derive(Clone, Debug, Default)]
 pub struct RotationTrack {
     times: Vec<f64>,
@@ -180,7 +180,7 @@ mod tests {
     #[test]
     fn rest_to_rest_is_the_minimum_jerk_law() {
         let track = ScalarTrack::new(&[(1.0, 0.0), (3.0, 1.0)]);
-        // Peak rate 15/8 of the mean, at the middle (Flash & Hogan 1985).
+        // Peak rate 15/8 of the mean, at the middle (Flash and Hogan 1985).
         assert!((track.at(2.0)[0] - 0.5).abs() < 1e-15);
         assert!((track.at(2.0)[1] - 15.0 / 16.0).abs() < 1e-15);
         assert!((track.at(1.5)[0] - 0.103515625).abs() < 1e-15);

@@ -5,7 +5,7 @@
 //! nearest admissible angles. Both use the same frames (-z along the bone, +y out of the back)
 //! for phalanges, where the bone itself fixes the axis. A wrist frame is a convention of the
 //! tracker instead, so it is calibrated: the constant rotation that best lays the directions from
-//! the wrist to the four knuckles of our hand on those of the tracked one [Kab76].
+//! the wrist to the four knuckles of our hand on those of the tracked one [Kabsch 1976].
 
 use super::articulation::Articulation;
 use super::error::MotionError;
