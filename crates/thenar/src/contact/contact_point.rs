@@ -56,8 +56,8 @@ pub struct Contact {
     pub gap: f64,
     /// Coulomb friction coefficient of the pair.
     pub friction: f64,
-    /// Surface area the point stands for \[m²\]: a third of the triangles at a soft vertex (half
-    /// of that between two soft bodies, where both sides contribute points); zero for rigid
+    /// Surface area the point stands for \[m²\]: a third of the triangles at a soft vertex,
+    /// projected along the normal (half of that between two soft bodies, where both sides contribute points); zero for rigid
     /// pairs, and for rigid features found between soft vertices, whose area those vertices hold.
     pub area: f64,
 }
@@ -73,7 +73,7 @@ pub struct RigidPlace {
     pub angular_velocity_W: Vec3,
 }
 
-/// Place and motion of a collision surface, one entry per surface vertex.
+/// Place and motion of collision surfaces, one entry per vertex.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceState<'a> {
     /// Positions, world \[m\].

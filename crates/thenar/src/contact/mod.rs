@@ -1,31 +1,40 @@
-//! Which points touch: shapes, distances, broad and narrow phase.
+//! Which points touch: shapes, signed distances, broad and narrow phase.
+//!
+//! [`Detector::find`] turns the state at the start of a step into [`Contact`]s: a point on each
+//! side, a unit normal and a gap. It does not decide forces.
+//!
+//! Guaranteed: no allocation once the output has its capacity; the same input gives the same
+//! contacts in the same order; both sides of a contact use one common point, so that opposite
+//! forces balance in torque too; a point that would cross a surface within the step gets its
+//! contact before it crosses. Not guaranteed: that two soft surfaces, or a soft surface and an
+//! edge of a rigid body, cannot cut each other between their vertices by less than a fraction
+//! of a triangle.
 
+mod aabb;
+mod approach;
+mod bvh;
+mod collector;
 mod contact_point;
+mod cuboid_pair;
+mod detector;
+mod distance;
+mod grid;
+mod manifold;
+mod memory;
+mod pairs;
+mod point_tree;
+mod rigid_body;
+mod rigid_pair;
 mod shape;
+mod soft_feature;
+mod soft_rigid;
+mod soft_soft;
+mod surface;
+#[cfg(test)]
+mod tests;
+mod triangle;
 
-pub use contact_point::*;
+pub use contact_point::{Contact, Found, RigidPlace, Site, SurfacePoint, SurfaceState};
+pub use detector::Detector;
+pub use distance::Distance;
 pub use shape::{DistanceGrid, MeshShape, Shape};
-
-/// stub
-#[derive(Clone, Debug)]
-pub struct Detector;
-impl Detector {
-    /// stub
-    pub fn new(_: &crate::model::WorldDesc) -> Self {
-        Self
-    }
-    /// stub
-    pub fn capacity(&self) -> usize {
-        10
-    }
-    /// stub
-    pub fn find(
-        &mut self,
-        _h: f64,
-        _m: f64,
-        _p: &[RigidPlace],
-        _s: &[SurfaceState<'_>],
-        _out: &mut Vec<Contact>,
-    ) {
-    }
-}

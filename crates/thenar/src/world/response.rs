@@ -32,9 +32,8 @@ pub fn detect(
         scratch.vertex_velocities[i] = vertex.of(&state.v[row0..]);
     }
     let surfaces =
-        [SurfaceState { positions: &scratch.vertices, velocities: &scratch.vertex_velocities }];
-    scratch.found.clear();
-    detector.find(h, margin, places, &surfaces, &mut scratch.found);
+        SurfaceState { positions: &scratch.vertices, velocities: &scratch.vertex_velocities };
+    detector.find(h, margin, places, surfaces, &mut scratch.found);
 }
 
 /// Builds the rows of the contacts found: `J Δv ≥ -g/Δt - J v`, started from the impulses of the

@@ -1,0 +1,115 @@
+//! Axis-aligned bounding boxes.
+
+use crate::math::{Mat3, Vec3};
+
+/// An axis-aligned box; empty when `min > max`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Aabb {
+    pub min: Vec3,
+    pub max: Vec3,
+}
+
+impl Aabb {
+    pub const EMPTY: Self = Self {
+        min: Vec3::new(f64::INFINITY, f64::INFINITY, f64::INFINITY),
+        max: Vec3::new(f64::NEG_INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY),
+    };
+    pub const EVERYTHING: Self = Self { min: Self::EMPTY.max, max: Self::EMPTY.min };
+
+    pub fn of_points<'a>(points: impl IntoIterator<Item = &'a Vec3>) -> Self {
+        points.into_iter().fold(Self::EMPTY, |b, p| b.with(p))
+    }
+
+    pub fn symmetric(half: Vec3) -> Self {
+        Self { min: -half, max: half }
+    }
+
+    #[inline]
+    pub fn with(self, p: &Vec3) -> Self {
+        Self { min: self.min.inf(p), max: self.max.sup(p) }
+    }
+
+    #[inline]
+    pub fn union(self, other: &Self) -> Self {
+        Self { min: self.min.inf(&other.min), max: self.max.sup(&other.max) }
+    }
+
+    #[inline]
+    pub fn inflate(self, by: f64) -> Self {
+        let by = Vec3::repeat(by);
+        Self { min: self.min - by, max: self.max + by }
+    }
+
+    #[inline]
+    pub fn translate(self, by: &Vec3) -> Self {
+        Self { min: self.min + by, max: self.max + by }
+    }
+
+    #[inline]
+    pub fn overlaps(&self, other: &Self) -> bool {
+        (0..3).all(|k| self.min[k] <= other.max[k] && other.min[k] <= self.max[k])
+    }
+
+    #[inline]
+    pub fn contains(&self, p: &Vec3) -> bool {
+        (0..3).all(|k| self.min[k] <= p[k] && p[k] <= self.max[k])
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.min.x > self.max.x
+    }
+
+    pub fn center(&self) -> Vec3 {
+        0.5 * (self.min + self.max)
+    }
+
+    pub fn half(&self) -> Vec3 {
+        0.5 * (self.max - self.min)
+    }
+
+    /// Squared distance from `p` to the box, zero inside.
+    #[inline]
+    pub fn distance_squared(&self, p: &Vec3) -> f64 {
+        let outside = (self.min - p).sup(&(p - self.max)).sup(&Vec3::zeros());
+        outside.norm_squared()
+    }
+
+    /// The box around this (finite) box turned by `rotation` and then moved by `offset`.
+    pub fn moved(&self, rotation: &Mat3, offset: &Vec3) -> Self {
+        let center = rotation * self.center() + offset;
+        let half = rotation.abs() * self.half();
+        Self { min: center - half, max: center + half }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Quat;
+
+    #[test]
+    fn moved_box_holds_its_corners_tightly() {
+        let b = Aabb { min: Vec3::new(-1.0, 0.0, 2.0), max: Vec3::new(2.0, 1.0, 5.0) };
+        let q = Quat::from_euler_angles(0.3, -1.1, 2.0);
+        let offset = Vec3::new(10.0, -3.0, 0.5);
+        let corners: Vec<Vec3> = (0..8)
+            .map(|i| {
+                let pick = |k: usize| if i >> k & 1 == 0 { b.min[k] } else { b.max[k] };
+                q * Vec3::new(pick(0), pick(1), pick(2)) + offset
+            })
+            .collect();
+        let tight = Aabb::of_points(&corners);
+        let moved = b.moved(q.to_rotation_matrix().matrix(), &offset);
+        assert!((moved.min - tight.min).norm() < 1e-12);
+        assert!((moved.max - tight.max).norm() < 1e-12);
+    }
+
+    #[test]
+    fn distance_to_a_box() {
+        let b = Aabb::symmetric(Vec3::new(1.0, 2.0, 3.0));
+        assert_eq!(b.distance_squared(&Vec3::new(0.5, 1.0, -2.0)), 0.0);
+        assert_eq!(b.distance_squared(&Vec3::new(4.0, -6.0, 0.0)), 9.0 + 16.0);
+        assert!(Aabb::EMPTY.is_empty() && !b.is_empty());
+        assert!(!b.overlaps(&Aabb::EMPTY) && b.overlaps(&Aabb::EVERYTHING));
+    }
+}

@@ -1,0 +1,224 @@
+//! From a signed distance to the constraint of one moving point.
+//!
+//! A point within the margin of a shape is constrained along the gradient of the distance. A
+//! farther one is followed along its motion of this step (sphere tracing: the distance says how
+//! far it may safely go); if it comes within the margin on the way, the constraint is the
+//! tangent plane where it arrives, so that fast points are caught before they cross and points
+//! that fly past are left alone. A point inside a thin shape is led out on the side it came in.
+
+use crate::contact::{Distance, Shape};
+use crate::math::Vec3;
+
+const TRACE_STEPS_MAX: usize = 48;
+
+/// The side of a shape on which a point was last seen, in the shape frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Seen {
+    /// Outward normal then.
+    pub normal: Vec3,
+    /// Where the point was.
+    pub place: Vec3,
+}
+
+/// The gap and normal of a ball of `radius` about `p` that is about to move by `u`, or `None`
+/// when it stays farther than `margin`. All in the shape frame.
+pub(crate) fn approach(
+    shape: &Shape,
+    p: &Vec3,
+    u: &Vec3,
+    radius: f64,
+    margin: f64,
+) -> Option<Distance> {
+    let now = shape.distance(p);
+    let now = Distance { value: now.value - radius, ..now };
+    if now.value <= margin {
+        return Some(now);
+    }
+    let length = u.norm();
+    if now.value > margin + length {
+        return None;
+    }
+    trace(shape, p, u, length, radius, margin)
+}
+
+/// Follows the ball along `u` to the first place within `margin` of the shape.
+fn trace(
+    shape: &Shape,
+    p: &Vec3,
+    u: &Vec3,
+    length: f64,
+    radius: f64,
+    margin: f64,
+) -> Option<Distance> {
+    let mut s = 0.0;
+    let mut at = shape.distance(p);
+    for _ in 0..TRACE_STEPS_MAX {
+        let gap = at.value - radius;
+        if gap <= margin {
+            break;
+        }
+        s += (gap - 0.5 * margin) / length;
+        if s > 1.0 {
+            return None;
+        }
+        at = shape.distance(&(p + s * u));
+    }
+    // Height of the present place over the tangent plane there.
+    let value = at.value - radius - s * u.dot(&at.gradient);
+    Some(Distance { value, gradient: at.gradient })
+}
+
+/// Corrects the choice of side: `now` is the distance at `p`, which arrived there by about `u`.
+pub(crate) fn keep_side(
+    shape: &Shape,
+    p: &Vec3,
+    u: &Vec3,
+    now: Distance,
+    seen: Option<Seen>,
+) -> Distance {
+    if now.value >= 0.0 {
+        return match seen {
+            Some(side)
+                if side.normal.dot(&now.gradient) < 0.0
+                    && passes_through(shape, &side.place, p) =>
+            {
+                way_out(shape, p, &side.normal).unwrap_or(now)
+            }
+            _ => now,
+        };
+    }
+    let Some(normal) = seen.map(|s| s.normal).or_else(|| entry(shape, p, u, now.value)) else {
+        return now;
+    };
+    let turned = normal.dot(&now.gradient);
+    if turned > 0.7 {
+        return now;
+    }
+    match way_out(shape, p, &normal) {
+        Some(out) if turned < -1e-6 || out.value > 2.0 * now.value => out,
+        _ => now,
+    }
+}
+
+/// Normal of the surface where a point now inside came in, if it can have come in by `u`.
+fn entry(shape: &Shape, p: &Vec3, u: &Vec3, depth: f64) -> Option<Vec3> {
+    let length = u.norm();
+    let from = p - u;
+    if length <= -depth || shape.distance(&from).value <= 0.0 {
+        return None;
+    }
+    let near = 1e-3 * length;
+    approach(shape, &from, u, 0.0, near).map(|d| d.gradient)
+}
+
+/// Whether the segment from `from` to `to` meets the inside of the shape.
+fn passes_through(shape: &Shape, from: &Vec3, to: &Vec3) -> bool {
+    let way = to - from;
+    let length = way.norm();
+    let mut s = 0.0;
+    while s < length {
+        let value = shape.distance(&(from + way * (s / length))).value;
+        if value < 0.0 {
+            return true;
+        }
+        s += value.max(length / TRACE_STEPS_MAX as f64);
+    }
+    false
+}
+
+/// Depth of `p` along `normal`: how far it must go that way to be outside on that side.
+fn way_out(shape: &Shape, p: &Vec3, normal: &Vec3) -> Option<Distance> {
+    let mut way = 0.0;
+    for _ in 0..TRACE_STEPS_MAX {
+        let at = shape.distance(&(p + way * normal));
+        if at.value >= -1e-9 && at.gradient.dot(normal) > 0.0 {
+            return Some(Distance { value: at.value - way, gradient: *normal });
+        }
+        way += at.value.abs().max(1e-7);
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PLATE: Shape = Shape::Cuboid { half: Vec3::new(0.1, 0.001, 0.1) };
+
+    #[test]
+    fn slow_and_near_uses_the_distance_itself() {
+        let d = approach(&PLATE, &Vec3::new(0.0, 0.0015, 0.0), &Vec3::zeros(), 0.0, 1e-3);
+        let d = d.expect("0.5 mm away");
+        assert!((d.value - 0.0005).abs() < 1e-15);
+        assert_eq!(d.gradient, Vec3::y());
+        let far = Vec3::new(0.0, 0.0025, 0.0);
+        assert!(approach(&PLATE, &far, &Vec3::zeros(), 0.0, 1e-3).is_none());
+    }
+
+    /// 5 m/s in 1/60 s is 83 mm: through a 2 mm plate from any height below that.
+    #[test]
+    fn a_fast_point_is_caught_before_a_thin_plate() {
+        let u = Vec3::new(0.0, -5.0 / 60.0, 0.0);
+        for i in 1..80 {
+            let height = 1e-3 * f64::from(i);
+            let p = Vec3::new(0.02, 0.001 + height, -0.03);
+            let d = approach(&PLATE, &p, &u, 0.0, 1e-3).expect("crosses");
+            assert!((d.value - height).abs() < 1e-12, "height {height}: {}", d.value);
+            assert_eq!(d.gradient, Vec3::y());
+        }
+        assert!(approach(&PLATE, &Vec3::new(0.0, 0.087, 0.0), &u, 0.0, 1e-3).is_none());
+    }
+
+    /// A point that comes in sideways over the edge and lands on the top face is stopped by the
+    /// top face; one that passes the edge at a distance is not stopped at all.
+    #[test]
+    fn the_plane_is_that_of_the_place_of_arrival() {
+        let landing =
+            approach(&PLATE, &Vec3::new(0.12, 0.03, 0.0), &Vec3::new(-0.06, -0.04, 0.0), 0.0, 1e-3);
+        let landing = landing.expect("lands 60 mm inward");
+        assert!(landing.gradient.y > 0.99);
+        assert!((landing.value - 0.029).abs() < 1e-4);
+        let passing =
+            approach(&PLATE, &Vec3::new(0.104, 0.03, 0.0), &Vec3::new(0.0, -0.08, 0.0), 0.0, 1e-3);
+        assert!(passing.is_none());
+    }
+
+    #[test]
+    fn a_point_past_the_middle_goes_back_the_way_it_came() {
+        for depth in [0.0002, 0.0009, 0.0011, 0.0019, 0.00199999] {
+            let p = Vec3::new(0.01, 0.001 - depth, 0.0);
+            let now = PLATE.distance(&p);
+            let seen = Seen { normal: Vec3::y(), place: Vec3::new(0.01, 0.0012, 0.0) };
+            let d = keep_side(&PLATE, &p, &Vec3::zeros(), now, Some(seen));
+            assert!((d.value + depth).abs() < 1e-8, "depth {depth}: {}", d.value);
+            assert_eq!(d.gradient, Vec3::y());
+            // Without memory, the motion tells.
+            let u = Vec3::new(0.0, -0.004, 0.0);
+            let d = keep_side(&PLATE, &p, &u, now, None);
+            assert!((d.value + depth).abs() < 1e-8 && d.gradient == Vec3::y());
+        }
+    }
+
+    #[test]
+    fn a_point_that_slipped_through_is_called_back_and_one_that_went_round_is_not() {
+        let below = Vec3::new(0.01, -0.003, 0.0);
+        let seen = Seen { normal: Vec3::y(), place: Vec3::new(0.01, 0.002, 0.0) };
+        let d = keep_side(&PLATE, &below, &Vec3::zeros(), PLATE.distance(&below), Some(seen));
+        assert!((d.value + 0.004).abs() < 1e-8 && d.gradient == Vec3::y());
+
+        let seen = Seen { normal: Vec3::y(), place: Vec3::new(0.103, 0.002, 0.0) };
+        let round = Vec3::new(0.103, -0.002, 0.0);
+        let now = PLATE.distance(&round);
+        assert_eq!(keep_side(&PLATE, &round, &Vec3::zeros(), now, Some(seen)), now);
+    }
+
+    #[test]
+    fn the_edge_of_a_thick_box_lets_go_sideways() {
+        let cube = Shape::Cuboid { half: Vec3::repeat(0.05) };
+        let p = Vec3::new(0.0499, 0.045, 0.0);
+        let now = cube.distance(&p);
+        let seen = Seen { normal: Vec3::y(), place: p };
+        // 5 mm below the top but 0.1 mm from the side.
+        assert_eq!(keep_side(&cube, &p, &Vec3::zeros(), now, Some(seen)), now);
+    }
+}

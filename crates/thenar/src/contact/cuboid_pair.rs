@@ -1,0 +1,281 @@
+//! Two cuboids: the axis of least overlap (of latest meeting, when they fly at each other),
+//! then the faces clipped against each other, or the two nearest edges.
+//!
+//! ```text
+//!        incident face (clipped to the sides of the reference face)
+//!          .-------------.
+//!      ....|.............|....  gap along n at each remaining corner
+//!      |   reference face    |
+//! ```
+
+use crate::contact::manifold::{Manifold, ManifoldPoint};
+use crate::contact::rigid_body::Placed;
+use crate::contact::rigid_pair::Reach;
+use crate::math::{Mat3, Vec3};
+
+/// A cuboid in the world; columns of `axes` are its own axes.
+#[derive(Clone, Copy)]
+struct Box3 {
+    center: Vec3,
+    axes: Mat3,
+    half: Vec3,
+}
+
+impl Box3 {
+    fn axis(&self, k: usize) -> Vec3 {
+        self.axes.column(k).into_owned()
+    }
+
+    /// Half the extent along unit vector `n`.
+    fn extent(&self, n: &Vec3) -> f64 {
+        (0..3).map(|k| self.half[k] * self.axis(k).dot(n).abs()).sum()
+    }
+
+    /// Sign and number of the axis nearest to direction `n`.
+    fn face_towards(&self, n: &Vec3) -> (usize, f64) {
+        let along = self.axes.tr_mul(n);
+        let k = along.iamax();
+        (k, 1.0_f64.copysign(along[k]))
+    }
+}
+
+/// The three kinds of separating axis.
+#[derive(Clone, Copy, PartialEq)]
+enum Axis {
+    FaceA(usize),
+    FaceB(usize),
+    Edges(usize, usize),
+}
+
+/// A candidate: unit direction from B to A, separation now, closing speed times step.
+#[derive(Clone, Copy)]
+struct Candidate {
+    axis: Axis,
+    normal: Vec3,
+    separation: f64,
+    closing: f64,
+}
+
+/// Adds the contact points of cuboids A and B, each a place and half its edge lengths.
+pub(crate) fn find(
+    a: (&Placed, &Vec3),
+    b: (&Placed, &Vec3),
+    reach: Reach,
+    manifold: &mut Manifold,
+) {
+    let in_world =
+        |p: &Placed, half: &Vec3| Box3 { center: p.origin, axes: p.rotation, half: *half };
+    let (box_a, box_b) = (in_world(a.0, a.1), in_world(b.0, b.1));
+    let u = (a.0.velocity_at(&a.0.origin) - b.0.velocity_at(&b.0.origin)) * reach.h;
+    let slack = reach.margin + a.0.turn + b.0.turn;
+    let Some(best) = choose_axis(&box_a, &box_b, &u, slack, reach.margin) else { return };
+
+    // When they meet only later in the step, the points are made where they meet.
+    let (gap, closing) = (best.separation, best.closing);
+    let s = if gap > slack { (gap / closing.max(gap)).clamp(0.0, 1.0) } else { 0.0 };
+    let shifted = Box3 { center: box_a.center + s * u, ..box_a };
+    let first = manifold.points().len();
+    match best.axis {
+        Axis::FaceA(k) => clip_faces(&shifted, &box_b, k, &-best.normal, false, manifold),
+        Axis::FaceB(k) => clip_faces(&box_b, &shifted, k, &best.normal, true, manifold),
+        Axis::Edges(i, j) => join_edges(&shifted, &box_b, i, j, &best.normal, manifold),
+    }
+    for p in &mut manifold.points_mut()[first..] {
+        p.gap -= s * u.dot(&best.normal);
+        p.position_W -= 0.5 * s * u;
+    }
+    drop_far(a.0, b.0, reach, first, manifold);
+}
+
+/// Removes points that stay farther than the margin.
+fn drop_far(a: &Placed, b: &Placed, reach: Reach, first: usize, manifold: &mut Manifold) {
+    manifold.retain_from(first, |p| {
+        let approach = b.velocity_at(&p.position_W) - a.velocity_at(&p.position_W);
+        p.gap <= reach.margin + reach.h * approach.dot(&p.normal_W).max(0.0)
+    });
+}
+
+/// The axis on which the boxes touch, or `None` when they stay apart by more than `slack`.
+fn choose_axis(a: &Box3, b: &Box3, u: &Vec3, slack: f64, margin: f64) -> Option<Candidate> {
+    let between = a.center - b.center;
+    let test = |axis: Axis, direction: Vec3| {
+        let normal = direction * 1.0_f64.copysign(direction.dot(&between));
+        let separation = normal.dot(&between) - a.extent(&normal) - b.extent(&normal);
+        Candidate { axis, normal, separation, closing: -u.dot(&normal) }
+    };
+    let stays_apart = |c: &Candidate| c.separation - c.closing.max(0.0) > slack;
+    // Later is better; an edge pair must be clearly better than a face.
+    let later = |c: &Candidate, best: &Candidate, handicap: f64| {
+        if best.separation > slack.max(margin) || c.separation > slack.max(margin) {
+            let time = |c: &Candidate| match c.separation {
+                s if s <= 0.0 => 0.0,
+                s => s / c.closing.max(1e-300),
+            };
+            return time(c) * (1.0 - 1e-6) > time(best);
+        }
+        c.separation > best.separation + handicap
+    };
+
+    let size = a.half.min().min(b.half.min());
+    let mut best: Option<Candidate> = None;
+    for k in 0..6 {
+        let c = if k < 3 {
+            test(Axis::FaceA(k), a.axis(k))
+        } else {
+            test(Axis::FaceB(k - 3), b.axis(k - 3))
+        };
+        if stays_apart(&c) {
+            return None;
+        }
+        if best.is_none_or(|best| later(&c, &best, 1e-6 * size)) {
+            best = Some(c);
+        }
+    }
+    for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+        let cross = a.axis(i).cross(&b.axis(j));
+        let length = cross.norm();
+        if length < 1e-3 {
+            continue;
+        }
+        let c = test(Axis::Edges(i, j), cross / length);
+        if stays_apart(&c) {
+            return None;
+        }
+        if best.is_none_or(|best| later(&c, &best, 1e-2 * size)) {
+            best = Some(c);
+        }
+    }
+    best
+}
+
+/// A corner of the clipped face. `edge` names the line to the next corner: 0-3 an edge of the
+/// incident face, 4-7 a side of the reference face.
+#[derive(Clone, Copy, Default)]
+struct Corner {
+    p: Vec3,
+    id: u32,
+    edge: u32,
+}
+
+/// A quadrilateral clipped by four sides has at most eight corners.
+struct Polygon {
+    corners: [Corner; 12],
+    count: usize,
+}
+
+impl Polygon {
+    fn push(&mut self, corner: Corner) {
+        if self.count < self.corners.len() {
+            self.corners[self.count] = corner;
+            self.count += 1;
+        }
+    }
+
+    /// Keeps the part with `n · p ≤ offset`; corners within `tolerance` of the side stay.
+    fn clip(&self, n: &Vec3, offset: f64, side: u32, tolerance: f64) -> Self {
+        let mut out = Self { corners: [Corner::default(); 12], count: 0 };
+        for i in 0..self.count {
+            let (from, to) = (self.corners[i], self.corners[(i + 1) % self.count]);
+            let (d0, d1) = (n.dot(&from.p) - offset, n.dot(&to.p) - offset);
+            let (in0, in1) = (d0 <= tolerance, d1 <= tolerance);
+            if in0 {
+                // When the boundary leaves here through a corner on the side, it follows it.
+                let leaves_on_side = !in1 && d0 > -tolerance;
+                out.push(if leaves_on_side { Corner { edge: 4 + side, ..from } } else { from });
+            }
+            let on_side = if in0 { d0 > -tolerance } else { d1 > -tolerance };
+            if in0 != in1 && !on_side {
+                let p = from.p + (to.p - from.p) * (d0 / (d0 - d1));
+                let edge = if in0 { 4 + side } else { from.edge };
+                out.push(Corner { p, id: 8 + side * 8 + from.edge, edge });
+            }
+        }
+        out
+    }
+}
+
+/// Face `k` of `reference`, whose outward normal is `n`, against the facing side of `incident`.
+fn clip_faces(
+    reference: &Box3,
+    incident: &Box3,
+    k: usize,
+    n: &Vec3,
+    reference_is_b: bool,
+    manifold: &mut Manifold,
+) {
+    let (face, sign) = incident.face_towards(&-n);
+    let mut polygon = incident_face(incident, face, sign);
+    let tolerance = 1e-9 * (reference.half.max() + incident.half.max());
+    for side in 0..4 {
+        let along = (k + 1 + side / 2) % 3;
+        let outward = reference.axis(along) * if side % 2 == 0 { 1.0 } else { -1.0 };
+        let offset = outward.dot(&reference.center) + reference.half[along];
+        polygon = polygon.clip(&outward, offset, side as u32, tolerance);
+    }
+
+    let face_offset = n.dot(&reference.center) + reference.half[k];
+    let towards_a = if reference_is_b { *n } else { -n };
+    let faces = (face_code(k, reference.axis(k).dot(n)) * 6 + face_code(face, sign)) * 2
+        + u32::from(reference_is_b);
+    for corner in &polygon.corners[..polygon.count] {
+        let gap = n.dot(&corner.p) - face_offset;
+        manifold.offer(ManifoldPoint {
+            feature: 1 << 16 | faces << 7 | corner.id,
+            position_W: corner.p - 0.5 * gap * n,
+            normal_W: towards_a,
+            gap,
+        });
+    }
+}
+
+fn face_code(axis: usize, sign: f64) -> u32 {
+    2 * axis as u32 + u32::from(sign > 0.0)
+}
+
+/// The four corners of a face in circular order.
+fn incident_face(b: &Box3, face: usize, sign: f64) -> Polygon {
+    let (j, k) = ((face + 1) % 3, (face + 2) % 3);
+    let mut polygon = Polygon { corners: [Corner::default(); 12], count: 0 };
+    for (edge, (sj, sk)) in
+        [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].into_iter().enumerate()
+    {
+        let mut local = Vec3::zeros();
+        local[face] = sign * b.half[face];
+        local[j] = sj * b.half[j];
+        local[k] = sk * b.half[k];
+        polygon.push(Corner { p: b.center + b.axes * local, id: edge as u32, edge: edge as u32 });
+    }
+    polygon
+}
+
+/// The nearest points of edge `i` of A and edge `j` of B that face each other along `n`.
+fn join_edges(a: &Box3, b: &Box3, i: usize, j: usize, n: &Vec3, manifold: &mut Manifold) {
+    let (on_a, code_a) = edge_towards(a, i, &-n);
+    let (on_b, code_b) = edge_towards(b, j, n);
+    let (da, db) = (a.axis(i), b.axis(j));
+    let (cosine, between) = (da.dot(&db), on_b - on_a);
+    let across = 1.0 - cosine * cosine;
+    let t = (between.dot(&da) - cosine * between.dot(&db)) / across;
+    let t = t.clamp(-a.half[i], a.half[i]);
+    let p = on_a + t * da;
+    let s = (p - on_b).dot(&db).clamp(-b.half[j], b.half[j]);
+    let q = on_b + s * db;
+    manifold.offer(ManifoldPoint {
+        feature: 2 << 16 | code_a << 8 | code_b,
+        position_W: 0.5 * (p + q),
+        normal_W: *n,
+        gap: (p - q).dot(n),
+    });
+}
+
+/// Middle of the edge along `axis` farthest in direction `n`, and its number.
+fn edge_towards(b: &Box3, axis: usize, n: &Vec3) -> (Vec3, u32) {
+    let along = b.axes.tr_mul(n);
+    let mut local = Vec3::zeros();
+    let mut code = axis as u32;
+    for k in (0..3).filter(|&k| k != axis) {
+        local[k] = b.half[k].copysign(along[k]);
+        code = code << 1 | u32::from(along[k] > 0.0);
+    }
+    (b.center + b.axes * local, code)
+}

@@ -1,0 +1,346 @@
+//! Broad phase, and the order in which everything is tested.
+
+use crate::contact::aabb::Aabb;
+use crate::contact::collector::{Collector, feature_key};
+use crate::contact::manifold::{DELIVERED_MAX, Manifold};
+use crate::contact::memory::Memory;
+use crate::contact::pairs::PairTable;
+use crate::contact::rigid_body::{Placed, RigidBody};
+use crate::contact::rigid_pair::{self, Reach, RigidSide};
+use crate::contact::soft_feature::FeatureScratch;
+use crate::contact::soft_rigid::{KEY_RIGID, SoftRigid, VertexScratch};
+use crate::contact::soft_soft::{SoftSide, SoftSoft};
+use crate::contact::surface::Surface;
+use crate::contact::{Contact, Found, RigidPlace, Site, SurfaceState};
+use crate::math::Vec3;
+use crate::model::{BodyId, WorldDesc};
+
+/// A pair with a deformable body, settled when the world is built.
+#[derive(Clone, Copy, Debug)]
+struct SoftPair {
+    soft: u32,
+    other: u32,
+    friction: f64,
+}
+
+/// Finds contacts. Holds the constant part of the world's surfaces and shapes, all work space,
+/// and what each soft vertex last touched.
+#[derive(Clone, Debug)]
+pub struct Detector {
+    pairs: PairTable,
+    bodies: Vec<Option<RigidBody>>,
+    surfaces: Vec<Surface>,
+    soft_rigid: Vec<SoftPair>,
+    soft_soft: Vec<SoftPair>,
+    capacity: usize,
+    memory: Memory,
+    scratch: Scratch,
+}
+
+/// Refilled in every search.
+#[derive(Clone, Debug)]
+struct Scratch {
+    placed: Vec<Placed>,
+    /// Rigid bodies with a shape, by where their boxes begin along x.
+    order: Vec<u32>,
+    bounds: Vec<SurfaceBounds>,
+    vertices: VertexScratch,
+    features: FeatureScratch,
+    touched: [Vec<u32>; 2],
+    manifold: Manifold,
+}
+
+/// Where a surface is during the step, and how it moves.
+#[derive(Clone, Copy, Debug)]
+struct SurfaceBounds {
+    swept: Aabb,
+    drift: Vec3,
+    spread: f64,
+    refitted: bool,
+}
+
+impl SurfaceBounds {
+    const EMPTY: Self =
+        Self { swept: Aabb::EMPTY, drift: Vec3::new(0.0, 0.0, 0.0), spread: 0.0, refitted: false };
+
+    fn new(state: &SurfaceState, h: f64) -> Self {
+        let moved = state.positions.iter().zip(state.velocities).map(|(p, v)| p + h * v);
+        let swept = moved.fold(Aabb::of_points(state.positions), |b, p| b.with(&p));
+        let count = state.velocities.len().max(1) as f64;
+        let drift = state.velocities.iter().sum::<Vec3>() / count;
+        let spread = state.velocities.iter().map(|v| (v - drift).norm_squared());
+        let spread = spread.fold(0.0, f64::max).sqrt();
+        Self { swept, drift, spread, refitted: false }
+    }
+}
+
+impl Detector {
+    /// Prepares for a (valid) world.
+    pub fn new(desc: &WorldDesc) -> Self {
+        let bodies: Vec<_> = desc.rigids.iter().map(RigidBody::new).collect();
+        let mut surfaces = Vec::with_capacity(desc.softs.len());
+        let mut vertices = 0;
+        for soft in &desc.softs {
+            surfaces.push(Surface::new(&soft.flesh, vertices));
+            vertices += soft.flesh.collision.vertices.len();
+        }
+        let pairs = PairTable::new(desc);
+        let soft_rigid = soft_rigid_pairs(&pairs, &surfaces, &bodies);
+        let soft_soft = soft_soft_pairs(&pairs, &surfaces);
+        let shaped = bodies.iter().flatten().count();
+        Self {
+            capacity: 2 * vertices + 4 * DELIVERED_MAX * shaped,
+            memory: Memory::new(vertices),
+            scratch: Scratch::new(&bodies, &surfaces),
+            pairs,
+            bodies,
+            surfaces,
+            soft_rigid,
+            soft_soft,
+        }
+    }
+
+    /// Most contacts ever delivered: two per surface vertex and 32 per rigid body with a shape.
+    pub fn capacity(&self) -> usize {
+        self.capacity
+    }
+
+    /// Finds what touches, or may touch within a step of `h` \[s\], and puts it into `out`.
+    ///
+    /// A contact is made where the gap is below `margin` \[m\], or where the given velocities
+    /// close it to below `margin` within the step; best given are the velocities expected
+    /// without contact, which include this step's forces. `rigids` has one entry per rigid body;
+    /// `surfaces` holds the collision vertices of all deformable bodies, one after another. `out` is emptied, and allocates only if its capacity is
+    /// below [`Detector::capacity`].
+    pub fn find(
+        &mut self,
+        h: f64,
+        margin: f64,
+        rigids: &[RigidPlace],
+        surfaces: SurfaceState<'_>,
+        out: &mut Vec<Contact>,
+    ) -> Found {
+        self.memory.advance();
+        let mut collector = Collector::into(out, self.capacity);
+        self.search(Reach { h, margin }, rigids, surfaces, true, &mut collector);
+        collector.finish()
+    }
+
+    /// Deepest penetration of this state \[m\] over the same pairs; zero when nothing overlaps.
+    pub fn penetration(&mut self, rigids: &[RigidPlace], surfaces: SurfaceState<'_>) -> f64 {
+        let mut collector = Collector::measuring();
+        self.search(Reach { h: 0.0, margin: 0.0 }, rigids, surfaces, false, &mut collector);
+        collector.finish().penetration
+    }
+
+    fn search(
+        &mut self,
+        reach: Reach,
+        rigids: &[RigidPlace],
+        surfaces: SurfaceState<'_>,
+        remember: bool,
+        out: &mut Collector,
+    ) {
+        for (i, body) in self.bodies.iter().enumerate() {
+            if let Some(body) = body {
+                self.scratch.placed[i] = body.place(&rigids[i], reach.h);
+            }
+        }
+        for (bounds, surface) in self.scratch.bounds.iter_mut().zip(&self.surfaces) {
+            *bounds = SurfaceBounds::new(&surface.own(surfaces), reach.h);
+        }
+        self.rigid_rigid(reach, out);
+        for i in 0..self.soft_rigid.len() {
+            self.soft_rigid(self.soft_rigid[i], reach, surfaces, remember, out);
+        }
+        for i in 0..self.soft_soft.len() {
+            self.soft_soft(self.soft_soft[i], reach, surfaces, remember, out);
+        }
+    }
+
+    /// Sweeps along x over all rigid bodies; contacts are then put in the order of the bodies.
+    fn rigid_rigid(&mut self, reach: Reach, out: &mut Collector) {
+        let Self { pairs, bodies, scratch, .. } = self;
+        let Scratch { placed, order, manifold, .. } = scratch;
+        let low = |i: u32| placed[i as usize].swept_W.min.x;
+        order.sort_unstable_by(|&i, &j| low(i).total_cmp(&low(j)).then(i.cmp(&j)));
+        for (k, &i) in order.iter().enumerate() {
+            let end = placed[i as usize].swept_W.max.x + reach.margin;
+            for &j in order[k + 1..].iter().take_while(|&&j| low(j) <= end) {
+                let (i, j) = (i.min(j), i.max(j));
+                let (Some(a), Some(b)) = (&bodies[i as usize], &bodies[j as usize]) else {
+                    continue;
+                };
+                if !a.dynamic && !b.dynamic {
+                    continue;
+                }
+                let sides = [(a, i), (b, j)]
+                    .map(|(body, i)| RigidSide { body, placed: &placed[i as usize] });
+                let near = |of: RigidSide, other: RigidSide| {
+                    let swept = &other.placed.swept_W;
+                    let bounded = *swept != Aabb::EVERYTHING;
+                    !bounded || of.placed.may_touch(&of.body.shape, swept, reach.margin, reach.h)
+                };
+                if !near(sides[0], sides[1]) || !near(sides[1], sides[0]) {
+                    continue;
+                }
+                let ids = [i, j].map(BodyId::Rigid);
+                let Some(friction) = pairs.friction(ids[0], ids[1], a.friction, b.friction) else {
+                    continue;
+                };
+                out.count_pair();
+                rigid_pair::find(sides[0], sides[1], reach, manifold);
+                for p in manifold.points() {
+                    let site = |i: u32| Site::Rigid {
+                        body: i,
+                        offset_W: p.position_W - placed[i as usize].center_of_mass,
+                    };
+                    out.push(Contact {
+                        key: feature_key([KEY_RIGID, i, j, p.feature]),
+                        a: site(i),
+                        b: site(j),
+                        position_W: p.position_W,
+                        normal_W: p.normal_W,
+                        gap: p.gap,
+                        friction,
+                        area: 0.0,
+                    });
+                }
+            }
+        }
+        out.sort_by_key(|c| (rigid_index(&c.a), rigid_index(&c.b), c.key));
+    }
+
+    fn soft_rigid(
+        &mut self,
+        pair: SoftPair,
+        reach: Reach,
+        states: SurfaceState,
+        remember: bool,
+        out: &mut Collector,
+    ) {
+        let (soft, rigid) = (pair.soft as usize, pair.other as usize);
+        let Some(body) = &self.bodies[rigid] else { return };
+        let Scratch { placed, bounds, vertices, features, .. } = &mut self.scratch;
+        let placed = &placed[rigid];
+        let surface = &self.surfaces[soft];
+        // A feature may have come through a triangle by so much and still touch.
+        let inflated = reach.margin + 0.5 * surface.edge_mean;
+        if !placed.may_touch(&body.shape, &bounds[soft].swept, inflated, reach.h) {
+            return;
+        }
+        out.count_pair();
+        let search = SoftRigid {
+            h: reach.h,
+            margin: reach.margin,
+            soft: pair.soft,
+            surface,
+            state: surface.own(states),
+            rigid: pair.other,
+            body,
+            placed,
+            friction: pair.friction,
+        };
+        search.find(&mut self.memory, remember, vertices, features, out);
+    }
+
+    fn soft_soft(
+        &mut self,
+        pair: SoftPair,
+        reach: Reach,
+        states: SurfaceState,
+        remember: bool,
+        out: &mut Collector,
+    ) {
+        let both = [pair.soft as usize, pair.other as usize];
+        let swept = both.map(|i| self.scratch.bounds[i].swept);
+        if swept[0].is_empty() || !swept[0].inflate(reach.margin).overlaps(&swept[1]) {
+            return;
+        }
+        out.count_pair();
+        for i in both {
+            if !std::mem::replace(&mut self.scratch.bounds[i].refitted, true) {
+                let own = self.surfaces[i].own(states);
+                self.surfaces[i].refit(own.positions);
+            }
+        }
+        let side = |i: usize| SoftSide {
+            soft: i as u32,
+            id: self.pairs.id(BodyId::Soft(i as u32)),
+            surface: &self.surfaces[i],
+            state: self.surfaces[i].own(states),
+            drift: self.scratch.bounds[i].drift,
+            spread: self.scratch.bounds[i].spread,
+            swept: swept[usize::from(i == both[1])],
+        };
+        let (a, b) = (side(both[0]), side(both[1]));
+        let Reach { h, margin } = reach;
+        let friction = pair.friction;
+        let [first, second] = &mut self.scratch.touched;
+        SoftSoft { h, margin, a, b, friction }.find(&mut self.memory, remember, first, None, out);
+        SoftSoft { h, margin, a: b, b: a, friction }.find(
+            &mut self.memory,
+            remember,
+            second,
+            Some(first),
+            out,
+        );
+    }
+}
+
+impl Scratch {
+    fn new(bodies: &[Option<RigidBody>], surfaces: &[Surface]) -> Self {
+        let vertices = surfaces.iter().map(Surface::vertex_count).max().unwrap_or(0);
+        let triangles = surfaces.iter().map(|s| s.triangles.len()).max().unwrap_or(0);
+        let shaped = bodies.iter().enumerate().filter_map(|(i, b)| b.as_ref().map(|b| (i, b)));
+        let points = shaped.clone().map(|(_, b)| b.features.points.len()).max().unwrap_or(0);
+        Self {
+            placed: vec![Placed::NOWHERE; bodies.len()],
+            order: shaped.map(|(i, _)| i as u32).collect(),
+            bounds: vec![SurfaceBounds::EMPTY; surfaces.len()],
+            vertices: VertexScratch::with_size(vertices),
+            features: FeatureScratch::with_size(points, triangles),
+            touched: [vec![0; vertices], vec![0; vertices]],
+            manifold: Manifold::new(),
+        }
+    }
+}
+
+fn soft_rigid_pairs(
+    table: &PairTable,
+    surfaces: &[Surface],
+    bodies: &[Option<RigidBody>],
+) -> Vec<SoftPair> {
+    let mut pairs = Vec::new();
+    for (s, surface) in surfaces.iter().enumerate() {
+        for (r, body) in bodies.iter().enumerate() {
+            let Some(body) = body else { continue };
+            let (soft, other) = (s as u32, r as u32);
+            let ids = [BodyId::Soft(soft), BodyId::Rigid(other)];
+            let friction = table.friction(ids[0], ids[1], surface.friction, body.friction);
+            pairs.extend(friction.map(|friction| SoftPair { soft, other, friction }));
+        }
+    }
+    pairs
+}
+
+fn soft_soft_pairs(table: &PairTable, surfaces: &[Surface]) -> Vec<SoftPair> {
+    let mut pairs = Vec::new();
+    for i in 0..surfaces.len() {
+        for j in i + 1..surfaces.len() {
+            let (soft, other) = (i as u32, j as u32);
+            let ids = [BodyId::Soft(soft), BodyId::Soft(other)];
+            let friction =
+                table.friction(ids[0], ids[1], surfaces[i].friction, surfaces[j].friction);
+            pairs.extend(friction.map(|friction| SoftPair { soft, other, friction }));
+        }
+    }
+    pairs
+}
+
+fn rigid_index(site: &Site) -> u32 {
+    match site {
+        Site::Rigid { body, .. } => *body,
+        Site::Soft(point) => point.soft,
+    }
+}

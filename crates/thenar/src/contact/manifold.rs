@@ -1,0 +1,120 @@
+//! The contact points of one pair of rigid bodies.
+
+use crate::math::Vec3;
+
+/// Points offered are at most this many; of more, the deepest.
+const OFFERED_MAX: usize = 64;
+/// Points delivered are at most this many: the deepest, and those farthest apart.
+pub(crate) const DELIVERED_MAX: usize = 8;
+
+/// One point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ManifoldPoint {
+    /// Names the features that meet.
+    pub feature: u32,
+    pub position_W: Vec3,
+    /// From B to A.
+    pub normal_W: Vec3,
+    pub gap: f64,
+}
+
+/// A bounded set of points.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Manifold {
+    points: Vec<ManifoldPoint>,
+}
+
+impl Manifold {
+    pub fn new() -> Self {
+        Self { points: Vec::with_capacity(OFFERED_MAX) }
+    }
+
+    pub fn clear(&mut self) {
+        self.points.clear();
+    }
+
+    pub fn points(&self) -> &[ManifoldPoint] {
+        &self.points
+    }
+
+    pub fn points_mut(&mut self) -> &mut [ManifoldPoint] {
+        &mut self.points
+    }
+
+    /// Offers a point; when full it replaces the shallowest if that is shallower.
+    pub fn offer(&mut self, point: ManifoldPoint) {
+        if self.points.len() < OFFERED_MAX {
+            self.points.push(point);
+            return;
+        }
+        let shallowest = self.points.iter_mut().max_by(|a, b| a.gap.total_cmp(&b.gap));
+        if let Some(old) = shallowest.filter(|old| old.gap > point.gap) {
+            *old = point;
+        }
+    }
+
+    /// Removes points from `first` on that `keep` does not hold for.
+    pub fn retain_from(&mut self, first: usize, keep: impl Fn(&ManifoldPoint) -> bool) {
+        let mut kept = first;
+        for i in first..self.points.len() {
+            if keep(&self.points[i]) {
+                self.points.swap(kept, i);
+                kept += 1;
+            }
+        }
+        self.points.truncate(kept);
+    }
+
+    /// Leaves at most `DELIVERED_MAX` points: first the deepest, then again and again the one
+    /// farthest from those chosen.
+    pub fn reduce(&mut self) {
+        let n = self.points.len();
+        if n <= DELIVERED_MAX {
+            return;
+        }
+        let deepest = (0..n).min_by(|&i, &j| self.points[i].gap.total_cmp(&self.points[j].gap));
+        self.points.swap(0, deepest.unwrap_or(0));
+        for chosen in 1..DELIVERED_MAX {
+            let apart = |i: usize| {
+                let p = self.points[i].position_W;
+                let to = |c: &ManifoldPoint| (c.position_W - p).norm_squared();
+                self.points[..chosen].iter().map(to).fold(f64::INFINITY, f64::min)
+            };
+            let mut best = (chosen, apart(chosen));
+            for i in chosen + 1..n {
+                let distance = apart(i);
+                if distance > best.1 {
+                    best = (i, distance);
+                }
+            }
+            self.points.swap(chosen, best.0);
+        }
+        self.points.truncate(DELIVERED_MAX);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reduction_keeps_the_deepest_and_the_outline() {
+        let mut manifold = Manifold::new();
+        for i in 0..8u32 {
+            for j in 0..8u32 {
+                let gap = if (i, j) == (3, 4) { -1.0 } else { 0.0 };
+                manifold.offer(ManifoldPoint {
+                    feature: 8 * i + j,
+                    position_W: Vec3::new(f64::from(i), 0.0, f64::from(j)),
+                    normal_W: Vec3::y(),
+                    gap,
+                });
+            }
+        }
+        manifold.reduce();
+        let has = |f: u32| manifold.points().iter().any(|p| p.feature == f);
+        assert_eq!(manifold.points().len(), DELIVERED_MAX);
+        assert!(has(28), "the deepest");
+        assert!(has(0) && has(7) && has(56) && has(63), "the four corners");
+    }
+}

@@ -1,0 +1,146 @@
+//! A rigid body as contact sees it: a shape, and where it is in this step.
+
+use crate::contact::aabb::Aabb;
+use crate::contact::point_tree::Features;
+use crate::contact::{RigidPlace, Shape};
+use crate::math::{Mat3, Pose, Vec3};
+use crate::model::{Motion, RigidDesc};
+
+/// The constant part.
+#[derive(Clone, Debug)]
+pub(crate) struct RigidBody {
+    pub shape: Shape,
+    pub pose_BS: Pose,
+    pub dynamic: bool,
+    pub friction: f64,
+    pub features: Features,
+    /// Box around the shape, in S; unbounded for a half-space.
+    pub bounds_S: Aabb,
+    /// Largest distance of the shape from the centre of mass \[m\]; zero for a half-space.
+    radius: f64,
+}
+
+impl RigidBody {
+    /// `None` when the body has no shape.
+    pub fn new(desc: &RigidDesc) -> Option<Self> {
+        let shape = desc.shape.clone()?;
+        let bounds_S = bounds(&shape);
+        let radius = match shape {
+            Shape::HalfSpace => 0.0,
+            _ => desc.pose_BS.point(&bounds_S.center()).norm() + bounds_S.half().norm(),
+        };
+        Some(Self {
+            features: Features::of(&shape),
+            pose_BS: desc.pose_BS,
+            dynamic: desc.motion == Motion::Dynamic,
+            friction: desc.friction,
+            bounds_S,
+            radius,
+            shape,
+        })
+    }
+
+    /// Places the shape in the world for a step of length `h`.
+    pub fn place(&self, at: &RigidPlace, h: f64) -> Placed {
+        let pose_WS = at.pose_WB * self.pose_BS;
+        let rotation = pose_WS.rotation.to_rotation_matrix().into_inner();
+        let travel = h * at.velocity_W;
+        let turn = h * at.angular_velocity_W.norm() * self.radius;
+        let swept_W = match self.shape {
+            Shape::HalfSpace => Aabb::EVERYTHING,
+            _ => {
+                let now = self.bounds_S.moved(&rotation, &pose_WS.position);
+                now.union(&now.translate(&travel)).inflate(turn)
+            }
+        };
+        Placed {
+            rotation,
+            origin: pose_WS.position,
+            center_of_mass: at.pose_WB.position,
+            velocity: at.velocity_W,
+            angular_velocity: at.angular_velocity_W,
+            turn,
+            swept_W,
+        }
+    }
+}
+
+/// Box around a shape, in its frame.
+fn bounds(shape: &Shape) -> Aabb {
+    match shape {
+        Shape::Sphere { radius } => Aabb::symmetric(Vec3::repeat(*radius)),
+        Shape::Capsule { radius, half_length } => {
+            Aabb::symmetric(Vec3::new(*radius, radius + half_length, *radius))
+        }
+        Shape::Cuboid { half } => Aabb::symmetric(*half),
+        Shape::HalfSpace => {
+            let mut all = Aabb::EVERYTHING;
+            all.max.y = 0.0;
+            all
+        }
+        Shape::Mesh(mesh) => Aabb::of_points(&mesh.points),
+    }
+}
+
+/// The part that changes each step; all in the world frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placed {
+    /// From the shape frame to the world.
+    pub rotation: Mat3,
+    /// Origin of the shape frame.
+    pub origin: Vec3,
+    pub center_of_mass: Vec3,
+    pub velocity: Vec3,
+    pub angular_velocity: Vec3,
+    /// How far rotation can carry a point of the shape in this step \[m\].
+    pub turn: f64,
+    /// Box around the shape during the step.
+    pub swept_W: Aabb,
+}
+
+impl Placed {
+    pub const NOWHERE: Self = Self {
+        rotation: Mat3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
+        origin: Vec3::new(0.0, 0.0, 0.0),
+        center_of_mass: Vec3::new(0.0, 0.0, 0.0),
+        velocity: Vec3::new(0.0, 0.0, 0.0),
+        angular_velocity: Vec3::new(0.0, 0.0, 0.0),
+        turn: 0.0,
+        swept_W: Aabb::EMPTY,
+    };
+
+    /// A point of the shape frame in the world.
+    #[inline]
+    pub fn world_point(&self, p_S: &Vec3) -> Vec3 {
+        self.rotation * p_S + self.origin
+    }
+
+    /// A point of the world in the shape frame.
+    #[inline]
+    pub fn shape_point(&self, p_W: &Vec3) -> Vec3 {
+        self.rotation.tr_mul(&(p_W - self.origin))
+    }
+
+    /// Velocity of the body at a point of the world.
+    #[inline]
+    pub fn velocity_at(&self, p_W: &Vec3) -> Vec3 {
+        self.velocity + self.angular_velocity.cross(&(p_W - self.center_of_mass))
+    }
+
+    /// Whether the shape can come within `margin` of something inside `swept_W`.
+    pub fn may_touch(&self, shape: &Shape, swept_W: &Aabb, margin: f64, h: f64) -> bool {
+        if swept_W.is_empty() {
+            return false;
+        }
+        if !matches!(shape, Shape::HalfSpace) {
+            return self.swept_W.inflate(margin).overlaps(swept_W);
+        }
+        // Lowest corner of the box over the plane, less what the plane itself moves.
+        let normal = self.rotation.column(1);
+        let center = swept_W.center();
+        let height = normal.dot(&(center - self.origin)) - normal.abs().dot(&swept_W.half());
+        let arm = (center - self.center_of_mass).norm() + swept_W.half().norm();
+        let moved = self.velocity.norm() + self.angular_velocity.norm() * arm;
+        height <= margin + h * moved
+    }
+}

@@ -1,0 +1,180 @@
+//! A deformable collision surface: fixed topology, moving vertices.
+
+use crate::contact::SurfaceState;
+use crate::contact::aabb::Aabb;
+use crate::contact::bvh::Bvh;
+use crate::contact::triangle::{Feature, area_vector};
+use crate::math::Vec3;
+use crate::model::Flesh;
+
+const NONE: u32 = u32::MAX;
+
+/// Topology of one surface and a tree over its triangles.
+#[derive(Clone, Debug)]
+pub(crate) struct Surface {
+    pub triangles: Vec<[u32; 3]>,
+    /// Triangle across edge k (from corner k to k + 1), or `NONE`.
+    neighbors: Vec<[u32; 3]>,
+    /// Triangles around vertex v: `around[around_start[v]..around_start[v + 1]]`.
+    around_start: Vec<u32>,
+    around: Vec<u32>,
+    pub tree: Bvh,
+    /// Mean edge length at rest \[m\].
+    pub edge_mean: f64,
+    /// Longest edge at rest \[m\].
+    pub edge_max: f64,
+    pub friction: f64,
+    /// Where its vertices begin in lists over all surfaces.
+    pub first_vertex: usize,
+}
+
+impl Surface {
+    pub fn new(flesh: &Flesh, first_vertex: usize) -> Self {
+        let mut rest = vec![Vec3::zeros(); flesh.collision.vertices.len()];
+        flesh.collision.positions(&flesh.tets, &flesh.nodes, &mut rest);
+        let triangles = flesh.collision.triangles.clone();
+        let (around_start, around) = triangles_around(&triangles, rest.len());
+        let boxes: Vec<Aabb> = triangles.iter().map(|t| triangle_box(t, &rest)).collect();
+        let lengths: Vec<f64> = triangles.iter().flat_map(|t| edge_lengths(t, &rest)).collect();
+        Self {
+            neighbors: neighbors(&triangles),
+            around_start,
+            around,
+            tree: Bvh::build(&boxes),
+            edge_mean: lengths.iter().sum::<f64>() / lengths.len().max(1) as f64,
+            edge_max: lengths.iter().copied().fold(0.0, f64::max),
+            friction: flesh.friction,
+            first_vertex,
+            triangles,
+        }
+    }
+
+    pub fn vertex_count(&self) -> usize {
+        self.around_start.len() - 1
+    }
+
+    /// This surface's part of the vertices of all surfaces.
+    pub fn own<'a>(&self, all: SurfaceState<'a>) -> SurfaceState<'a> {
+        let range = self.first_vertex..self.first_vertex + self.vertex_count();
+        SurfaceState {
+            positions: &all.positions[range.clone()],
+            velocities: &all.velocities[range],
+        }
+    }
+
+    /// Moves the tree's boxes to the present positions.
+    pub fn refit(&mut self, x: &[Vec3]) {
+        let triangles = &self.triangles;
+        self.tree.refit(|t| triangle_box(&triangles[t as usize], x));
+    }
+
+    pub fn corners(&self, triangle: u32, x: &[Vec3]) -> [Vec3; 3] {
+        self.triangles[triangle as usize].map(|v| x[v as usize])
+    }
+
+    fn around(&self, vertex: u32) -> &[u32] {
+        let v = vertex as usize;
+        &self.around[self.around_start[v] as usize..self.around_start[v + 1] as usize]
+    }
+
+    /// The area \[m²\] a vertex stands for in contact along `normal_W` (towards this body): a
+    /// third of the triangles around it, as seen along the normal; those facing away count zero.
+    pub fn vertex_area(&self, vertex: u32, normal_W: &Vec3, x: &[Vec3]) -> f64 {
+        let facing = |&t: &u32| (-normal_W.dot(&area_vector(&self.corners(t, x)))).max(0.0);
+        self.around(vertex).iter().map(facing).sum::<f64>() / 3.0
+    }
+
+    /// The normal that decides inside from outside at a feature: of the face, the sum over an
+    /// edge's two faces, or the angle-weighted sum around a vertex (Bærentzen & Aanæs 2005).
+    /// Unit length; zero for a degenerate neighbourhood.
+    pub fn pseudonormal(&self, triangle: u32, feature: Feature, x: &[Vec3]) -> Vec3 {
+        let sum = match feature {
+            Feature::Face => self.normal(triangle, x),
+            Feature::Edge(k) => {
+                let across = self.neighbors[triangle as usize][k];
+                let other = if across == NONE { Vec3::zeros() } else { self.normal(across, x) };
+                self.normal(triangle, x) + other
+            }
+            Feature::Vertex(k) => {
+                let vertex = self.triangles[triangle as usize][k];
+                let weighted = |&t: &u32| self.angle_at(t, vertex, x) * self.normal(t, x);
+                self.around(vertex).iter().map(weighted).sum()
+            }
+        };
+        sum.try_normalize(1e-12).unwrap_or_else(Vec3::zeros)
+    }
+
+    /// True when this triangle answers for the feature: of two triangles that share an edge,
+    /// the one with the lower index.
+    pub fn owns(&self, triangle: u32, feature: Feature) -> bool {
+        match feature {
+            Feature::Edge(k) => triangle < self.neighbors[triangle as usize][k],
+            Feature::Face => true,
+            Feature::Vertex(_) => false,
+        }
+    }
+
+    fn normal(&self, triangle: u32, x: &[Vec3]) -> Vec3 {
+        let area = area_vector(&self.corners(triangle, x));
+        area.try_normalize(0.0).unwrap_or_else(Vec3::zeros)
+    }
+
+    fn angle_at(&self, triangle: u32, vertex: u32, x: &[Vec3]) -> f64 {
+        let t = self.triangles[triangle as usize];
+        let k = t.iter().position(|&v| v == vertex).unwrap_or(0);
+        let at = |j: usize| x[t[(k + j) % 3] as usize] - x[vertex as usize];
+        at(1).angle(&at(2))
+    }
+}
+
+fn triangle_box(t: &[u32; 3], x: &[Vec3]) -> Aabb {
+    let [a, b, c] = t.map(|v| x[v as usize]);
+    Aabb { min: a.inf(&b).inf(&c), max: a.sup(&b).sup(&c) }
+}
+
+fn edge_lengths(t: &[u32; 3], x: &[Vec3]) -> [f64; 3] {
+    std::array::from_fn(|k| (x[t[k] as usize] - x[t[(k + 1) % 3] as usize]).norm())
+}
+
+/// Triangles around each vertex, as offsets and a list.
+fn triangles_around(triangles: &[[u32; 3]], vertices: usize) -> (Vec<u32>, Vec<u32>) {
+    let mut start = vec![0u32; vertices + 1];
+    triangles.iter().flatten().for_each(|&v| start[v as usize + 1] += 1);
+    for v in 0..vertices {
+        start[v + 1] += start[v];
+    }
+    let mut next = start.clone();
+    let mut around = vec![0; triangles.len() * 3];
+    for (t, triangle) in triangles.iter().enumerate() {
+        for &v in triangle {
+            around[next[v as usize] as usize] = t as u32;
+            next[v as usize] += 1;
+        }
+    }
+    (start, around)
+}
+
+/// The triangle across each edge. Where more than two share an edge, pairs are taken in order.
+fn neighbors(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
+    let mut edges: Vec<([u32; 2], usize, usize)> = Vec::with_capacity(triangles.len() * 3);
+    for (t, v) in triangles.iter().enumerate() {
+        for k in 0..3 {
+            let (a, b) = (v[k], v[(k + 1) % 3]);
+            edges.push(([a.min(b), a.max(b)], t, k));
+        }
+    }
+    edges.sort_unstable();
+    let mut neighbors = vec![[NONE; 3]; triangles.len()];
+    let mut i = 0;
+    while i + 1 < edges.len() {
+        let ((e, t, k), (other, u, j)) = (edges[i], edges[i + 1]);
+        if e == other {
+            neighbors[t][k] = u as u32;
+            neighbors[u][j] = t as u32;
+            i += 2;
+        } else {
+            i += 1;
+        }
+    }
+    neighbors
+}

@@ -1,0 +1,159 @@
+//! The point of a triangle nearest to a given point.
+
+use crate::math::Vec3;
+
+/// Which part of a triangle a point lies on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Feature {
+    /// Corner 0, 1 or 2.
+    Vertex(usize),
+    /// Edge k, from corner k to corner k + 1 (mod 3).
+    Edge(usize),
+    /// The inside.
+    Face,
+}
+
+/// The nearest point of a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Closest {
+    pub point: Vec3,
+    /// Barycentric weights of `point`.
+    pub weights: [f64; 3],
+    pub feature: Feature,
+    pub distance_squared: f64,
+}
+
+/// The point of triangle `x` nearest to `p`. A degenerate triangle is its edges.
+pub(crate) fn closest_on_triangle(p: &Vec3, x: &[Vec3; 3]) -> Closest {
+    let (e1, e2, d) = (x[1] - x[0], x[2] - x[0], p - x[0]);
+    let (a11, a12, a22) = (e1.norm_squared(), e1.dot(&e2), e2.norm_squared());
+    let (b1, b2) = (e1.dot(&d), e2.dot(&d));
+
+    // Weights of the foot of the perpendicular, times the squared doubled area.
+    let area = a11 * a22 - a12 * a12;
+    let (w1, w2) = (a22 * b1 - a12 * b2, a11 * b2 - a12 * b1);
+    if w1 > 0.0 && w2 > 0.0 && w1 + w2 < area && area > 1e-14 * a11 * a22 {
+        let (w1, w2) = (w1 / area, w2 / area);
+        let point = x[0] + w1 * e1 + w2 * e2;
+        return Closest {
+            point,
+            weights: [1.0 - w1 - w2, w1, w2],
+            feature: Feature::Face,
+            distance_squared: (p - point).norm_squared(),
+        };
+    }
+    let mut best = on_edge(p, x, 0);
+    for k in 1..3 {
+        let candidate = on_edge(p, x, k);
+        if candidate.distance_squared < best.distance_squared {
+            best = candidate;
+        }
+    }
+    best
+}
+
+/// The point of edge `k` nearest to `p`.
+fn on_edge(p: &Vec3, x: &[Vec3; 3], k: usize) -> Closest {
+    let j = (k + 1) % 3;
+    let t = segment_parameter(p, &x[k], &x[j]);
+    let point = x[k] + t * (x[j] - x[k]);
+    let mut weights = [0.0; 3];
+    weights[k] = 1.0 - t;
+    weights[j] = t;
+    let feature = match t {
+        0.0 => Feature::Vertex(k),
+        1.0 => Feature::Vertex(j),
+        _ => Feature::Edge(k),
+    };
+    Closest { point, weights, feature, distance_squared: (p - point).norm_squared() }
+}
+
+/// Parameter in [0, 1] of the point of segment `ab` nearest to `p`; 0 when it has no length.
+pub(crate) fn segment_parameter(p: &Vec3, a: &Vec3, b: &Vec3) -> f64 {
+    let ab = b - a;
+    let length_squared = ab.norm_squared();
+    if length_squared > 0.0 { ((p - a).dot(&ab) / length_squared).clamp(0.0, 1.0) } else { 0.0 }
+}
+
+/// Area vector of a triangle: its unit normal times its area \[m²\].
+pub(crate) fn area_vector(x: &[Vec3; 3]) -> Vec3 {
+    0.5 * (x[1] - x[0]).cross(&(x[2] - x[0]))
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// A small seeded generator (64-bit linear congruential, upper bits).
+    pub struct Random(u64);
+
+    impl Random {
+        pub fn new(seed: u64) -> Self {
+            Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
+        }
+
+        /// Uniform in [0, 1).
+        pub fn unit(&mut self) -> f64 {
+            self.0 = self
+                .0
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 / (1u64 << 53) as f64
+        }
+
+        /// Uniform in the cube ±`reach`.
+        pub fn vector(&mut self, reach: f64) -> Vec3 {
+            Vec3::from_fn(|_, _| reach * (2.0 * self.unit() - 1.0))
+        }
+    }
+
+    /// Brute force over a fine barycentric lattice bounds the true distance from above by the
+    /// lattice spacing.
+    #[test]
+    fn nearest_point_beats_brute_force() {
+        let mut random = Random::new(42);
+        let n = 60;
+        for _ in 0..300 {
+            let x = [random.vector(1.0), random.vector(1.0), random.vector(1.0)];
+            let p = random.vector(1.5);
+            let c = closest_on_triangle(&p, &x);
+            let again: Vec3 = (0..3).map(|k| x[k] * c.weights[k]).sum();
+            assert!((again - c.point).norm() < 1e-12);
+            assert!((c.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            assert!(c.weights.iter().all(|w| (0.0..=1.0).contains(w)));
+            let mut brute = f64::INFINITY;
+            for i in 0..=n {
+                for j in 0..=n - i {
+                    let (u, v) = (f64::from(i) / f64::from(n), f64::from(j) / f64::from(n));
+                    let q = x[0] + u * (x[1] - x[0]) + v * (x[2] - x[0]);
+                    brute = brute.min((q - p).norm());
+                }
+            }
+            let distance = c.distance_squared.sqrt();
+            assert!(distance <= brute + 1e-12);
+            assert!(brute - distance < 4.0 / f64::from(n));
+        }
+    }
+
+    #[test]
+    fn features_are_named() {
+        let x = [Vec3::zeros(), Vec3::x(), Vec3::y()];
+        let feature = |p: [f64; 3]| closest_on_triangle(&Vec3::from(p), &x).feature;
+        assert_eq!(feature([0.2, 0.2, 1.0]), Feature::Face);
+        assert_eq!(feature([0.5, -1.0, 0.3]), Feature::Edge(0));
+        assert_eq!(feature([1.0, 1.0, 0.0]), Feature::Edge(1));
+        assert_eq!(feature([-1.0, 0.5, 0.0]), Feature::Edge(2));
+        assert_eq!(feature([-1.0, -1.0, 0.0]), Feature::Vertex(0));
+        assert_eq!(feature([3.0, 0.0, 0.0]), Feature::Vertex(1));
+        assert_eq!(feature([0.0, 3.0, 0.0]), Feature::Vertex(2));
+    }
+
+    #[test]
+    fn degenerate_triangles_are_their_edges() {
+        let line = [Vec3::zeros(), Vec3::x(), 2.0 * Vec3::x()];
+        let c = closest_on_triangle(&Vec3::new(1.5, 1.0, 0.0), &line);
+        assert!((c.distance_squared - 1.0).abs() < 1e-14);
+        let point = [Vec3::x(); 3];
+        assert_eq!(closest_on_triangle(&Vec3::zeros(), &point).distance_squared, 1.0);
+    }
+}
