@@ -193,3 +193,66 @@ fn rigid_change(
     let y = d.rigid[b] * Vec6::new(lin.x, lin.y, lin.z, ang.x, ang.y, ang.z);
     ([Vec3::new(y[0], y[1], y[2]), Vec3::new(y[3], y[4], y[5])], [lin, ang])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Mat3;
+    use crate::solver::Monolithic;
+    use crate::testing::Random;
+
+    /// One rigid body on springs to a chain of nodes, all of it being pushed against walls: the
+    /// impulses must be those of the dense solution.
+    #[test]
+    fn agrees_with_the_dense_solution() {
+        let mut random = Random::new(41);
+        let nodes = 12;
+        let pairs = (0..nodes - 1).map(|n| (2 + n, 3 + n)).chain([(0, 1), (0, 2), (1, 2)]);
+        let mut a = BlockMatrix::with_pattern(2 + nodes as usize, pairs);
+        for i in 0..a.rows() as u32 {
+            a.add_scalar(a.diagonal[i as usize], random.range(0.5, 1.5));
+        }
+        let mut spring = |i: u32, j: u32, k: f64| {
+            let n = random.vec3(1.0).normalize();
+            let block = n * n.transpose() * k + Mat3::identity() * (0.2 * k);
+            for (p, q, sign) in [(i, i, 1.0), (j, j, 1.0), (i, j, -1.0), (j, i, -1.0)] {
+                a.add(a.entry(p, q), &(block * sign));
+            }
+        };
+        (0..nodes - 1).for_each(|n| spring(2 + n, 3 + n, 3.0));
+        spring(0, 2, 2.0);
+        spring(1, 2, 1.0);
+        let mut d = BlockDiagonal::new(1, nodes as usize);
+        assert!(d.refresh(&a));
+
+        for cone in [Cone::Circular, Cone::Linearised] {
+            let mut rows = ContactRows::with_capacity(1, 8);
+            for k in 0..6 {
+                let normal = (Vec3::y() + random.vec3(0.3)).normalize();
+                let i = rows.begin(&normal, 0.4, &Vec3::zeros());
+                rows.hold_node(2 * k % nodes, 0.7);
+                rows.hold_node((2 * k + 1) % nodes, 0.3);
+                if k == 5 {
+                    rows.hold_rigid(0, random.vec3(0.5), -1.0);
+                }
+                rows.rows[i].target = Vec3::new(random.range(-0.2, 1.0), 0.3, -0.2);
+            }
+            let mut exact = rows.clone();
+            let reference = Monolithic::new(&a, &[]).unwrap();
+            let known = vec![[false; 3]; a.rows()];
+            let (want, _) = reference.contact(&mut exact, &known, cone, 1e-13);
+
+            let mut x = vec![Vec3::zeros(); a.rows()];
+            let settings =
+                AnticipationSettings { tolerance: 1e-12, sweeps_max: 5000, inner_passes: 8, cone };
+            let mut solver = Anticipation::new(1, nodes as usize);
+            let reached = solver.solve(&a, &d, &mut rows, &settings, &mut x);
+            assert!(reached.residual < 1e-12, "{reached:?}");
+            let error = x.iter().zip(&want).map(|(x, w)| (x - w).norm()).fold(0.0, f64::max);
+            assert!(error < 1e-8, "{cone:?}: {error}");
+            for (a, b) in rows.rows.iter().zip(&exact.rows) {
+                assert!((a.lambda - b.lambda).norm() < 1e-7, "{} {}", a.lambda, b.lambda);
+            }
+        }
+    }
+}
