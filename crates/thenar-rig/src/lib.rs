@@ -3,6 +3,7 @@
 //! Units are SI (m, kg, s, N, Pa). Nothing here knows about scenes or devices, and no input,
 //! however malformed, makes it panic: it returns a [`RigError`] that names the thing and the cause.
 
+pub mod embed;
 mod error;
 pub mod glb;
 pub mod hand;

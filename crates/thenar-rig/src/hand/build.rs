@@ -16,8 +16,8 @@ use thenar::model::{Binding, Bone, Digit, Flesh, HandModel, Material, Side};
 const WELD_TOLERANCE: f64 = 1e-5;
 /// Lengths that a hand may have \[m\].
 const LENGTHS: [f64; 2] = [0.05, 0.5];
-/// Smallest filled fraction by which an element's material is scaled.
-const FILL_FLOOR: f64 = 0.1;
+/// Least part of the hand's mass that is flesh, where a very light hand was asked for.
+const FLESH_MIN: f64 = 0.2;
 
 /// Builds a hand from the bytes of a skinned GLB file. The model frame M is that of the wrist
 /// (WebXR: -z towards the fingers, +y out of the back of the hand).
@@ -177,24 +177,15 @@ fn node_digits(lattice: &Lattice, tets: &[Digit]) -> Vec<Digit> {
     digits.into_iter().map(|d| d.unwrap_or(Digit::Palm)).collect()
 }
 
-/// Materials whose density makes the whole hand, bones included, as heavy as it should be.
+/// Materials whose density makes the whole hand, bones included, as heavy as it should be. The
+/// flesh's elements fill the bones' place too, so the flesh is lighter than real flesh by the
+/// bones' mass.
 fn materials(lattice: &Lattice, bones: &[Bone], options: &HandOptions) -> Vec<Material> {
     let volume: f64 = lattice.filled.iter().sum();
     let bone_mass: f64 = bones.iter().map(|b| b.mass).sum();
-    let flesh_mass = (options.material.density * volume - bone_mass).max(0.2 * bone_mass);
-    let fills: Vec<f64> =
-        (0..lattice.tets.len()).map(|t| lattice.fill(t).clamp(FILL_FLOOR, 1.0)).collect();
-    let whole: f64 =
-        (0..fills.len()).map(|t| fills[t] * crate::lattice::tet::volume(&lattice.corners(t))).sum();
-    let density = flesh_mass / whole;
-    fills
-        .iter()
-        .map(|fill| Material {
-            young: options.material.young * fill,
-            density: density * fill,
-            ..options.material
-        })
-        .collect()
+    let whole = options.material.density * volume;
+    let density = (whole - bone_mass).max(FLESH_MIN * whole) / volume;
+    lattice.materials(|_| Material { density, ..options.material })
 }
 
 /// Errs unless the skin is one closed, outward-facing surface.

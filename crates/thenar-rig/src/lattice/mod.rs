@@ -10,6 +10,7 @@
 //! outside their tetrahedron, where a nearly empty one was left out.
 
 mod bcc;
+mod material;
 mod pieces;
 mod prune;
 mod quality;

@@ -1,0 +1,91 @@
+//! Soft bodies without bones: a closed surface embedded in tetrahedra.
+
+use crate::lattice::{Lattice, LatticeOptions, Quality};
+use crate::mesh::{decimate, subdivide_to};
+use crate::{RigError, TriMesh};
+use thenar::model::{EmbeddedSurface, Flesh, Material};
+use thenar::{Quat, Vec3};
+
+/// Options of [`embed`].
+#[derive(Clone, Copy, Debug)]
+pub struct EmbedOptions {
+    /// Wanted number of tetrahedra.
+    pub tets: usize,
+    /// Orientation of the lattice in the mesh's frame.
+    pub rotation: Quat,
+    /// Largest number of triangles of the surface that touches.
+    pub collision_triangles: usize,
+    /// Smooth refinement until the drawn surface has this many triangles; `None` draws the mesh
+    /// as it is.
+    pub render_triangles: Option<usize>,
+    /// Rayleigh damping, mass-proportional \[1/s\].
+    pub mass_damping: f64,
+    /// Rayleigh damping, stiffness-proportional \[s\].
+    pub stiffness_damping: f64,
+    /// Coulomb friction coefficient.
+    pub friction: f64,
+}
+
+impl Default for EmbedOptions {
+    fn default() -> Self {
+        Self {
+            tets: 600,
+            rotation: Quat::identity(),
+            collision_triangles: 1500,
+            render_triangles: None,
+            mass_damping: 1.0,
+            stiffness_damping: 1e-3,
+            friction: 0.6,
+        }
+    }
+}
+
+/// A soft body in the frame of the mesh it was made from.
+#[derive(Clone, Debug)]
+pub struct Embedded {
+    /// Nodes, elements, materials and the surface that touches.
+    pub flesh: Flesh,
+    /// The surface that is drawn.
+    pub render: EmbeddedSurface,
+    /// Volume of the body that each node stands for \[m³\].
+    pub node_volumes: Vec<f64>,
+    /// Worst element shapes.
+    pub quality: Quality,
+}
+
+/// Fills a closed, outward-facing mesh with tetrahedra. `material` gives the material at each
+/// place of the mesh's frame (the same everywhere, or a crust around a crumb).
+///
+/// # Errors
+/// When the mesh encloses no volume, hangs together too thinly for so few elements, or a count is
+/// out of range. The mesh should be checked to be closed and in one piece beforehand.
+pub fn embed(
+    mesh: &TriMesh,
+    options: &EmbedOptions,
+    material: impl Fn(&Vec3) -> Material,
+) -> Result<Embedded, RigError> {
+    mesh.check()?;
+    let fine = match options.render_triangles {
+        Some(triangles) => subdivide_to(mesh, triangles)?.mesh,
+        None => mesh.clone(),
+    };
+    let lattice =
+        Lattice::new(&fine, &LatticeOptions { tets: options.tets, rotation: options.rotation })?;
+    let collision = lattice.embed(&decimate(&fine, options.collision_triangles)?)?;
+    let render = lattice.embed(&fine)?;
+    Ok(Embedded {
+        quality: Quality::of((0..lattice.tets.len()).map(|t| lattice.corners(t))),
+        node_volumes: lattice.node_volumes(),
+        flesh: Flesh {
+            materials: lattice.materials(material),
+            nodes: lattice.nodes,
+            tets: lattice.tets,
+            mass_damping: options.mass_damping,
+            stiffness_damping: options.stiffness_damping,
+            fixed: Vec::new(),
+            collision,
+            friction: options.friction,
+        },
+        render,
+    })
+}

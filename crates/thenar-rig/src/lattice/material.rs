@@ -1,0 +1,61 @@
+//! Materials of partly filled elements.
+
+use super::{Lattice, tet};
+use thenar::Vec3;
+use thenar::model::Material;
+
+/// Smallest filled fraction by which a material is scaled: softer elements would only make the
+/// system ill-conditioned.
+const FILL_FLOOR: f64 = 0.1;
+
+impl Lattice {
+    /// One material per tetrahedron, for a body whose material at each place is `at`: modulus and
+    /// density are the mean over the body inside the element times its filled fraction (Nesme et
+    /// al. 2009). Poisson's ratio is the mean weighted by modulus; the law is that of any one
+    /// place. The total mass is exactly the integral of `at`'s density over the body.
+    pub fn materials(&self, at: impl Fn(&Vec3) -> Material) -> Vec<Material> {
+        let mut sums: Vec<Option<Material>> = vec![None; self.tets.len()];
+        for i in 0..self.sample_count() {
+            let m = at(&self.sample_position(i));
+            let sum = &mut sums[self.sample_tet(i) as usize];
+            *sum = Some(match *sum {
+                None => Material { poisson: m.poisson * m.young, ..m },
+                Some(s) => Material {
+                    law: m.law,
+                    young: s.young + m.young,
+                    poisson: s.poisson + m.poisson * m.young,
+                    density: s.density + m.density,
+                },
+            });
+        }
+
+        // A sum times the volume of one point is an integral over the element.
+        let per_sample = self.filled.iter().sum::<f64>() / self.sample_count() as f64;
+        let mut masses = [0.0; 2];
+        let mut materials: Vec<Material> = sums
+            .iter()
+            .enumerate()
+            .map(|(t, sum)| {
+                let volume = tet::volume(&self.corners(t));
+                let fill = self.filled[t] / volume;
+                let scale = per_sample / volume * fill.clamp(FILL_FLOOR, 1.0) / fill;
+                let sum = sum.unwrap_or_else(|| at(&self.centre(t)));
+                let scaled = Material {
+                    law: sum.law,
+                    young: sum.young * scale,
+                    poisson: sum.poisson / sum.young,
+                    density: sum.density * scale,
+                };
+                masses[0] += sum.density * per_sample;
+                masses[1] += scaled.density * volume;
+                scaled
+            })
+            .collect();
+        materials.iter_mut().for_each(|m| m.density *= masses[0] / masses[1]);
+        materials
+    }
+
+    fn centre(&self, t: usize) -> Vec3 {
+        self.corners(t).iter().sum::<Vec3>() / 4.0
+    }
+}
