@@ -1,0 +1,217 @@
+//! PNG and animated PNG files, written whole or not at all.
+
+use super::image::Image;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// Why a picture could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum EncodeError {
+    /// The file system refused.
+    #[error("cannot write picture {path}: {cause}")]
+    File {
+        /// File.
+        path: PathBuf,
+        /// Cause.
+        cause: std::io::Error,
+    },
+    /// The encoder refused.
+    #[error("cannot encode picture {path}: {cause}")]
+    Encoder {
+        /// File.
+        path: PathBuf,
+        /// Cause.
+        cause: png::EncodingError,
+    },
+    /// A frame of another size than the movie's.
+    #[error("movie {path} is {expected:?} pixels, but a frame is {got:?}")]
+    FrameSize {
+        /// File.
+        path: PathBuf,
+        /// Width and height of the movie.
+        expected: [u32; 2],
+        /// Width and height of the frame.
+        got: [u32; 2],
+    },
+    /// Fewer or more frames than announced.
+    #[error("movie {path} was announced with {expected} frames, but has {got}")]
+    FrameCount {
+        /// File.
+        path: PathBuf,
+        /// Announced.
+        expected: u32,
+        /// Pushed.
+        got: u32,
+    },
+}
+
+/// Writes a PNG file.
+pub fn write_png(path: &Path, image: &Image) -> Result<(), EncodeError> {
+    let draft = Draft::create(path)?;
+    let fault = |cause| EncodeError::Encoder { path: path.to_owned(), cause };
+    let mut file = draft.writer()?;
+    let mut encoder = png::Encoder::new(&mut file, image.width, image.height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    let mut writer = encoder.write_header().map_err(fault)?;
+    writer.write_image_data(&image.rgb).map_err(fault)?;
+    writer.finish().map_err(fault)?;
+    draft.publish(file)
+}
+
+/// An animated PNG in the making. Pixels that do not change from frame to frame cost nothing.
+pub struct Movie {
+    draft: Draft,
+    writer: png::Writer<BufWriter<File>>,
+    handle: File,
+    size: [u32; 2],
+    announced: u32,
+    pushed: u32,
+    last: Option<Image>,
+}
+
+impl Movie {
+    /// Starts a movie of `frames` frames, `fps` in each second, that repeats for ever.
+    pub fn create(
+        path: &Path,
+        size: [u32; 2],
+        frames: u32,
+        fps: u16,
+    ) -> Result<Self, EncodeError> {
+        let draft = Draft::create(path)?;
+        let fault = |cause| EncodeError::Encoder { path: path.to_owned(), cause };
+        let file = draft.writer()?;
+        let handle = file.get_ref().try_clone().map_err(|cause| draft.fault(cause))?;
+        let mut encoder = png::Encoder::new(file, size[0], size[1]);
+        encoder.set_color(png::ColorType::Rgba);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        encoder.set_animated(frames, 0).map_err(fault)?;
+        encoder.set_frame_delay(1, fps.max(1)).map_err(fault)?;
+        let writer = encoder.write_header().map_err(fault)?;
+        Ok(Self { draft, writer, handle, size, announced: frames, pushed: 0, last: None })
+    }
+
+    /// Adds a frame.
+    pub fn push(&mut self, image: &Image) -> Result<(), EncodeError> {
+        let got = [image.width, image.height];
+        if got != self.size {
+            let (path, expected) = (self.draft.path.clone(), self.size);
+            return Err(EncodeError::FrameSize { path, expected, got });
+        }
+        if self.pushed >= self.announced {
+            return Err(self.miscounted(self.pushed + 1));
+        }
+        let changed = Changed::between(self.last.as_ref(), image);
+        self.write(&changed, image)
+            .map_err(|cause| EncodeError::Encoder { path: self.draft.path.clone(), cause })?;
+        self.pushed += 1;
+        self.last = Some(image.clone());
+        Ok(())
+    }
+
+    fn write(&mut self, changed: &Changed, image: &Image) -> Result<(), png::EncodingError> {
+        let first = self.last.is_none();
+        if !first {
+            self.writer.set_frame_dimension(changed.width, changed.height)?;
+            self.writer.set_frame_position(changed.x, changed.y)?;
+            self.writer.set_blend_op(png::BlendOp::Over)?;
+        }
+        self.writer.write_image_data(&changed.rgba(self.last.as_ref(), image))
+    }
+
+    fn miscounted(&self, got: u32) -> EncodeError {
+        EncodeError::FrameCount { path: self.draft.path.clone(), expected: self.announced, got }
+    }
+
+    /// Completes the file and puts it in its place.
+    pub fn finish(self) -> Result<(), EncodeError> {
+        if self.pushed != self.announced {
+            return Err(self.miscounted(self.pushed));
+        }
+        let path = self.draft.path.clone();
+        self.writer.finish().map_err(|cause| EncodeError::Encoder { path, cause })?;
+        self.draft.publish(BufWriter::new(self.handle))
+    }
+}
+
+/// The rectangle in which a frame differs from the one before.
+struct Changed {
+    x: u32,
+    y: u32,
+    width: u32,
+    height: u32,
+}
+
+impl Changed {
+    fn between(last: Option<&Image>, image: &Image) -> Self {
+        let whole = Self { x: 0, y: 0, width: image.width, height: image.height };
+        let Some(last) = last else { return whole };
+        let (mut low, mut high) = ([u32::MAX; 2], [0; 2]);
+        for y in 0..image.height {
+            for x in 0..image.width {
+                if last.pixel(x, y) != image.pixel(x, y) {
+                    low = [low[0].min(x), low[1].min(y)];
+                    high = [high[0].max(x), high[1].max(y)];
+                }
+            }
+        }
+        if low[0] > high[0] {
+            return Self { width: 1, height: 1, ..whole };
+        }
+        Self { x: low[0], y: low[1], width: high[0] - low[0] + 1, height: high[1] - low[1] + 1 }
+    }
+
+    /// Its pixels, fully transparent where nothing changed.
+    fn rgba(&self, last: Option<&Image>, image: &Image) -> Vec<u8> {
+        let mut bytes = Vec::with_capacity(4 * self.width as usize * self.height as usize);
+        for y in self.y..self.y + self.height {
+            for x in self.x..self.x + self.width {
+                let [r, g, b] = image.pixel(x, y);
+                match last {
+                    Some(last) if last.pixel(x, y) == [r, g, b] => bytes.extend([0; 4]),
+                    _ => bytes.extend([r, g, b, 255]),
+                }
+            }
+        }
+        bytes
+    }
+}
+
+/// A file that takes its name only when it is complete; dropped before, it leaves nothing.
+struct Draft {
+    path: PathBuf,
+    temporary: PathBuf,
+}
+
+impl Draft {
+    fn create(path: &Path) -> Result<Self, EncodeError> {
+        let mut name = path.file_name().unwrap_or_default().to_owned();
+        name.push(format!(".{}.part", std::process::id()));
+        Ok(Self { path: path.to_owned(), temporary: path.with_file_name(name) })
+    }
+
+    fn writer(&self) -> Result<BufWriter<File>, EncodeError> {
+        let file = File::create(&self.temporary).map_err(|cause| self.fault(cause))?;
+        Ok(BufWriter::new(file))
+    }
+
+    fn fault(&self, cause: std::io::Error) -> EncodeError {
+        EncodeError::File { path: self.path.clone(), cause }
+    }
+
+    fn publish(self, mut file: BufWriter<File>) -> Result<(), EncodeError> {
+        file.flush().map_err(|cause| self.fault(cause))?;
+        file.get_ref().sync_all().map_err(|cause| self.fault(cause))?;
+        std::fs::rename(&self.temporary, &self.path).map_err(|cause| self.fault(cause))
+    }
+}
+
+impl Drop for Draft {
+    fn drop(&mut self) {
+        // Already renamed when it was published; nothing can be done about a failure.
+        let _ = std::fs::remove_file(&self.temporary);
+    }
+}

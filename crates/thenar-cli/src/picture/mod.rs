@@ -1,0 +1,38 @@
+//! Pictures without a screen: a small software renderer.
+//!
+//! A [`Scene3d`] of triangle meshes is drawn by rasterisation into a visibility buffer, then
+//! shaded once per pixel and surface: one key light with soft shadows, a sky and a ground as
+//! ambient light, and ambient occlusion. The same scene gives the same bytes on every machine
+//! of one build, whatever the number of threads.
+//!
+//! World units are metres. Colours are linear unless their name says sRGB.
+
+mod ambient;
+mod assemble;
+mod camera;
+mod clip;
+mod colour;
+mod draw;
+mod encode;
+mod image;
+mod normals;
+mod pattern;
+mod raster;
+mod render;
+mod scene3d;
+mod shade;
+mod shadow;
+mod shapes;
+mod tile;
+
+pub use camera::Camera;
+pub use colour::{Rgb, pressure_colour, weight_colour};
+pub use draw::{Pen, arrow, bone, points, wires};
+pub use encode::{EncodeError, Movie, write_png};
+pub use image::Image;
+pub use render::{Quality, render};
+pub use scene3d::{Backdrop, Ground, Light, Material, Mesh, Pattern, Scene3d};
+pub use shapes::{Solid, capsule, cuboid, cylinder, sphere};
+
+/// A vector in single precision, relative to the camera's target.
+type V = nalgebra::Vector3<f32>;
