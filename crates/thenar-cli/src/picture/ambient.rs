@@ -36,7 +36,8 @@ impl GroundOcclusion {
         let (i, j) = (x as usize, y as usize);
         let (u, v) = (x - i as f32, y - j as f32);
         let at = |di: usize, dj: usize| self.open[(j + dj) * GROUND + i + di];
-        (at(0, 0) * (1.0 - u) + at(1, 0) * u) * (1.0 - v) + (at(0, 1) * (1.0 - u) + at(1, 1) * u) * v
+        (at(0, 0) * (1.0 - u) + at(1, 0) * u) * (1.0 - v)
+            + (at(0, 1) * (1.0 - u) + at(1, 1) * u) * v
     }
 }
 

@@ -52,8 +52,7 @@ impl Geometry {
     /// Triangles that cast shadows.
     pub(super) fn casters(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
         let casting = self.ranges.iter().zip(&self.materials).filter(|(_, m)| m.casts_shadow);
-        casting
-            .flat_map(|(r, _)| self.triangles[r.start as usize..r.end as usize].iter().copied())
+        casting.flat_map(|(r, _)| self.triangles[r.start as usize..r.end as usize].iter().copied())
     }
 
     fn add(&mut self, mesh: &Mesh, origin: Vec3) {

@@ -83,9 +83,8 @@ impl Screen {
         let first = self.vertices.len() as u32;
         let on_top = if geometry.materials[mesh as usize].on_top { ON_TOP } else { 1.0 };
         for w in &polygon {
-            let mix = |values: &[V]| -> V {
-                (0..3).map(|k| values[corners[k] as usize] * w[k]).sum()
-            };
+            let mix =
+                |values: &[V]| -> V { (0..3).map(|k| values[corners[k] as usize] * w[k]).sum() };
             let (point, normal) = (mix(&geometry.points), mix(&geometry.normals));
             let colour = mix(&geometry.colours);
             let ambient = (0..3).map(|k| geometry.ambient[corners[k] as usize] * w[k]).sum();

@@ -57,7 +57,7 @@ fn along(stops: &[u32], t: f64) -> Rgb {
     let i = (s as usize).min(stops.len() - 2);
     let f = (s - i as f64) as f32;
     let (a, b) = (hex(stops[i]), hex(stops[i + 1]));
-    std::array::from_fn(|k| a[k] + f * (b[k] - a[k]))
+    std::array::from_fn(|k| a[k] * (1.0 - f) + b[k] * f)
 }
 
 /// Blue through white-green to red for a weight in [0, 1], as in the paper's Fig. 3.

@@ -28,7 +28,8 @@ impl Pen {
         let forward = self.camera.axes()[2];
         let first = out.positions.len() as u32;
         for p in ends {
-            let half = self.width / 2.0 * self.camera.pixel_size(forward.dot(&(p - eye)), self.height);
+            let half =
+                self.width / 2.0 * self.camera.pixel_size(forward.dot(&(p - eye)), self.height);
             out.positions.extend([p - side * half, p + side * half]);
         }
         out.triangles.extend([[first, first + 1, first + 2], [first + 1, first + 3, first + 2]]);

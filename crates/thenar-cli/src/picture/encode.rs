@@ -74,12 +74,7 @@ pub struct Movie {
 
 impl Movie {
     /// Starts a movie of `frames` frames, `fps` in each second, that repeats for ever.
-    pub fn create(
-        path: &Path,
-        size: [u32; 2],
-        frames: u32,
-        fps: u16,
-    ) -> Result<Self, EncodeError> {
+    pub fn create(path: &Path, size: [u32; 2], frames: u32, fps: u16) -> Result<Self, EncodeError> {
         let draft = Draft::create(path)?;
         let fault = |cause| EncodeError::Encoder { path: path.to_owned(), cause };
         let file = draft.writer()?;

@@ -36,3 +36,6 @@ pub use shapes::{Solid, capsule, cuboid, cylinder, sphere};
 
 /// A vector in single precision, relative to the camera's target.
 type V = nalgebra::Vector3<f32>;
+
+#[cfg(test)]
+mod tests;

@@ -41,7 +41,8 @@ fn wood(u: f32, v: f32, footprint: f32) -> V {
     let light = vector(hex(0xc79a66));
     let dark = vector(hex(0x8a5a33));
     let seam = across.min(1.0 - across);
-    let gap = 1.0 - 0.55 * (1.0 - (seam / (0.012 + footprint)).min(1.0)) * (0.024 / (0.024 + footprint));
+    let gap =
+        1.0 - 0.55 * (1.0 - (seam / (0.012 + footprint)).min(1.0)) * (0.024 / (0.024 + footprint));
     (dark + (light - dark) * shade.clamp(0.0, 1.0)) * gap
 }
 

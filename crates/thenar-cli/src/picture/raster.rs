@@ -8,8 +8,16 @@ const STEPS: i64 = 256;
 /// Sample places in a pixel, in 1/256 px from its middle. No two share a row or a column.
 pub(super) fn sample_pattern<const N: usize>() -> [[i64; 2]; N] {
     const FOUR: [[i64; 2]; 4] = [[-32, -96], [96, -32], [-96, 32], [32, 96]];
-    const EIGHT: [[i64; 2]; 8] =
-        [[16, -48], [-16, 48], [80, 16], [-48, -80], [-80, 80], [-112, -16], [48, 112], [112, -112]];
+    const EIGHT: [[i64; 2]; 8] = [
+        [16, -48],
+        [-16, 48],
+        [80, 16],
+        [-48, -80],
+        [-80, 80],
+        [-112, -16],
+        [48, 112],
+        [112, -112],
+    ];
     std::array::from_fn(|i| match N {
         1 => [0, 0],
         4 => FOUR[i],
@@ -85,9 +93,8 @@ impl Setup {
     /// Draws the part inside `rect` into `layer`, which covers `rect`, where it is nearer.
     pub(super) fn draw<const N: usize>(&self, id: u32, rect: &Rect, layer: &mut Layer<N>) {
         let pattern = sample_pattern::<N>();
-        let shift: [[i64; N]; 3] = std::array::from_fn(|k| {
-            pattern.map(|[dx, dy]| self.a[k] * dx + self.b[k] * dy)
-        });
+        let shift: [[i64; N]; 3] =
+            std::array::from_fn(|k| pattern.map(|[dx, dy]| self.a[k] * dx + self.b[k] * dy));
         let slant: [f32; N] =
             pattern.map(|[dx, dy]| (self.depth[1] * dx as f32 + self.depth[2] * dy as f32) / 256.0);
         let (x0, x1) = (self.bounds.x[0].max(rect.x[0]), self.bounds.x[1].min(rect.x[1]));

@@ -69,13 +69,7 @@ impl Material {
 
     /// Car paint, or plastic.
     pub fn paint(colour: Rgb) -> Self {
-        Self {
-            specular: 0.55,
-            gloss: 90.0,
-            rim: 0.30,
-            crease: Some(0.6),
-            ..Self::matte(colour)
-        }
+        Self { specular: 0.55, gloss: 90.0, rim: 0.30, crease: Some(0.6), ..Self::matte(colour) }
     }
 
     /// A translucent overlay without shadow.

@@ -71,9 +71,8 @@ impl DepthMap {
         let (fx, fy) = (x - 0.5, y - 0.5);
         let (ix, iy) = (fx.floor(), fy.floor());
         let (u, v) = (fx - ix, fy - iy);
-        let open = |dx: i32, dy: i32| {
-            f32::from(self.height(ix as i32 + dx, iy as i32 + dy) <= height)
-        };
+        let open =
+            |dx: i32, dy: i32| f32::from(self.height(ix as i32 + dx, iy as i32 + dy) <= height);
         let top = open(0, 0) * (1.0 - u) + open(1, 0) * u;
         let bottom = open(0, 1) * (1.0 - u) + open(1, 1) * u;
         top * (1.0 - v) + bottom * v

@@ -41,15 +41,18 @@ fn revolve(origin: Vec3, axis: Vec3, rings: &[[f64; 2]], sides: usize) -> Solid 
     let axis = axis.try_normalize(1e-12).unwrap_or_else(Vec3::y);
     let (e1, e2) = thenar::math::tangents(&axis);
     let mut solid = Solid::default();
+    let mut first = Vec::with_capacity(rings.len());
     for [height, radius] in rings {
-        for k in 0..sides {
+        first.push(solid.positions.len() as u32);
+        // A ring without radius is one vertex.
+        for k in 0..if *radius > 0.0 { sides } else { 1 } {
             let (sin, cos) = (TAU * k as f64 / sides as f64).sin_cos();
             solid.positions.push(origin + axis * *height + (e1 * cos + e2 * sin) * *radius);
         }
     }
+    let at = |r: usize, k: usize| first[r] + if rings[r][1] > 0.0 { (k % sides) as u32 } else { 0 };
     for ring in 0..rings.len() - 1 {
         for k in 0..sides {
-            let at = |r: usize, k: usize| (r * sides + k % sides) as u32;
             let quad = [at(ring, k), at(ring, k + 1), at(ring + 1, k + 1), at(ring + 1, k)];
             if rings[ring][1] > 0.0 {
                 solid.triangles.push([quad[0], quad[1], quad[2]]);
@@ -74,7 +77,10 @@ pub fn capsule(a: Vec3, b: Vec3, radius: f64, detail: usize) -> Solid {
     let length = (b - a).norm();
     let arc = |i: usize, offset: f64, from: f64| {
         let angle = from + PI / 2.0 * i as f64 / half as f64;
-        [offset + radius * angle.sin(), if angle.abs() > 1.5707 { 0.0 } else { radius * angle.cos() }]
+        [
+            offset + radius * angle.sin(),
+            if angle.abs() > 1.5707 { 0.0 } else { radius * angle.cos() },
+        ]
     };
     let mut rings: Vec<[f64; 2]> = (0..=half).map(|i| arc(i, 0.0, -PI / 2.0)).collect();
     let skip = usize::from(length < 1e-12);
@@ -86,7 +92,14 @@ pub fn capsule(a: Vec3, b: Vec3, radius: f64, detail: usize) -> Solid {
 pub fn cylinder(a: Vec3, b: Vec3, radii: [f64; 2], sides: usize) -> Solid {
     let length = (b - a).norm();
     // The rims are doubled so that the discs stay flat.
-    let rings = [[0.0, 0.0], [0.0, radii[0]], [0.0, radii[0]], [length, radii[1]], [length, radii[1]], [length, 0.0]];
+    let rings = [
+        [0.0, 0.0],
+        [0.0, radii[0]],
+        [0.0, radii[0]],
+        [length, radii[1]],
+        [length, radii[1]],
+        [length, 0.0],
+    ];
     revolve(a, b - a, &rings, sides.max(3))
 }
 

@@ -145,9 +145,8 @@ impl<const N: usize> Tiles<'_, N> {
         }
         let screen = self.shader.screen;
         let mesh = ids.map(|id| screen.mesh_of[id as usize]);
-        let normal = ids.map(|id| {
-            self.shader.geometry.normals[screen.triangles[id as usize][0] as usize]
-        });
+        let normal =
+            ids.map(|id| self.shader.geometry.normals[screen.triangles[id as usize][0] as usize]);
         mesh[0] == mesh[1]
             && (nearness[0] - nearness[1]).abs() < 0.01 * nearness[0].abs()
             && normal[0].dot(&normal[1]) > 0.95
