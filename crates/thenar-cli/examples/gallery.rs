@@ -67,8 +67,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{} triangles, from {low:?} to {high:?}", hand.triangles.len());
     let floor = low.y - 0.002;
 
-    let mut scene = Scene3d::default();
-    scene.ground = Some(Ground::horizontal(floor, Pattern::Wood(0.09)));
+    let mut scene = Scene3d {
+        ground: Some(Ground::horizontal(floor, Pattern::Wood(0.09))),
+        ..Scene3d::default()
+    };
     scene.meshes.push(hand.clone().mesh(Material::skin()));
     let ball = sphere(Vec3::new(high.x + 0.05, floor + 0.03, 0.0), 0.03, 64);
     scene.meshes.push(ball.mesh(Material::paint([0.55, 0.02, 0.02])));

@@ -75,16 +75,13 @@ pub fn capsule(a: Vec3, b: Vec3, radius: f64, detail: usize) -> Solid {
     let sides = detail.max(6);
     let half = sides.div_ceil(4);
     let length = (b - a).norm();
-    let arc = |i: usize, offset: f64, from: f64| {
-        let angle = from + PI / 2.0 * i as f64 / half as f64;
-        [
-            offset + radius * angle.sin(),
-            if angle.abs() > 1.5707 { 0.0 } else { radius * angle.cos() },
-        ]
-    };
-    let mut rings: Vec<[f64; 2]> = (0..=half).map(|i| arc(i, 0.0, -PI / 2.0)).collect();
+    let step = PI / 2.0 / half as f64;
+    let ring = |i: usize| [radius * (i as f64 * step).sin(), radius * (i as f64 * step).cos()];
+    let mut rings = vec![[-radius, 0.0]];
+    rings.extend((0..half).rev().map(|i| [-ring(i)[0], ring(i)[1]]));
     let skip = usize::from(length < 1e-12);
-    rings.extend((skip..=half).map(|i| arc(i, length, 0.0)));
+    rings.extend((skip..half).map(|i| [length + ring(i)[0], ring(i)[1]]));
+    rings.push([length + radius, 0.0]);
     revolve(a, b - a, &rings, sides)
 }
 
