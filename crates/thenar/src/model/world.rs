@@ -100,7 +100,7 @@ impl Default for SolverSettings {
             step1_flesh: FleshInStep1::Lumped,
             cg_tolerance: 1e-5,
             cg_iterations_max: 500,
-            contact_tolerance: 1e-3,
+            contact_tolerance: 1e-4,
             contact_sweeps_max: 200,
             contact_inner_passes: 4,
             cone: Cone::Circular,

@@ -1,0 +1,72 @@
+//! Goal: a step allocates nothing. Method: a global allocator that counts, around steps of a soft
+//! finger that falls on a plane, is pressed, and touches a soft block and a box.
+
+mod common;
+
+use common::{FLESH, bar, body, finger};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicU64, Ordering};
+use thenar::contact::Shape;
+use thenar::model::{Drive, Motion, SoftDesc};
+use thenar::world::Target;
+use thenar::{Pose, Vec3, World};
+
+struct Counting;
+
+static COUNT: AtomicU64 = AtomicU64::new(0);
+
+// The only way to see allocations is to stand in for the allocator, which is an unsafe trait.
+#[allow(unsafe_code)]
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.fetch_add(1, Ordering::Relaxed);
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn a_step_allocates_nothing() {
+    let mut desc = finger(1e8, 2e-3);
+    let mut plane = body("ground", 1.0, [1.0; 3], Vec3::zeros());
+    plane.motion = Motion::Prescribed;
+    plane.shape = Some(Shape::HalfSpace);
+    desc.add_rigid(plane);
+    let mut cube = body("cube", 0.05, [1e-5; 3], Vec3::new(0.03, 0.026, 0.008));
+    cube.shape = Some(Shape::Cuboid { half: Vec3::repeat(0.01) });
+    desc.add_rigid(cube);
+    desc.add_soft(SoftDesc {
+        name: "block".into(),
+        flesh: bar(Vec3::repeat(0.02), [2, 2, 2], FLESH),
+        pose_WM: Pose::translation(0.045, 0.017, 0.0),
+        velocity_W: Vec3::zeros(),
+        coupling: None,
+    });
+    let drive =
+        Drive { stiffness: 400.0, damping: 2.0, angular_stiffness: 0.4, angular_damping: 1e-3 };
+    desc.drives[0] = Some(drive);
+    let start = desc.rigids[0].pose_WB;
+    let mut world = World::new(desc).unwrap();
+    let mut input = world.input();
+
+    let mut active = 0;
+    let before = COUNT.load(Ordering::Relaxed);
+    for i in 0..300 {
+        let down = 0.003 * f64::from(i) / 300.0;
+        input.targets[0] = Some(Target {
+            pose_WB: Pose::new(start.position - Vec3::y() * down, start.rotation),
+            velocity_W: Vec3::zeros(),
+            angular_velocity_W: Vec3::zeros(),
+        });
+        active = active.max(world.step(&input, &mut ()).contacts_active);
+    }
+    let after = COUNT.load(Ordering::Relaxed);
+    assert!(active > 20, "the scene must touch: {active} active contacts");
+    assert_eq!(after - before, 0, "allocations in 300 steps");
+}
