@@ -9,8 +9,10 @@ pub mod glb;
 pub mod hand;
 pub mod lattice;
 pub mod mesh;
+pub mod model_file;
 pub mod weights;
 
 pub use error::RigError;
 pub use hand::{HandOptions, HandReport, build_hand, default_hand};
 pub use mesh::TriMesh;
+pub use model_file::{Model, read_model, write_model};

@@ -30,17 +30,19 @@ impl Samples {
     /// Samples the inside of a closed, outward-facing mesh every `spacing` metres.
     pub fn new(mesh: &TriMesh, spacing: f64) -> Result<Self, RigError> {
         let [low, high] = mesh.bounds();
-        // Uneven offsets keep rays off vertices that lie on round coordinates.
-        let margin = Vec3::new(0.517, 0.531, 0.547) * spacing;
-        let origin = low - margin;
-        let extent = (high - origin) / spacing;
-        let points = extent.x * extent.y * extent.z;
+        let extent = (high - low) / spacing;
+        let points = (extent.x + 2.0) * (extent.y + 2.0) * (extent.z + 2.0);
         if points.is_nan() || points > POINTS_MAX {
             return Err(RigError::invalid(
                 "the mesh is too large for its volume to be filled with elements",
             ));
         }
-        let dims: [usize; 3] = std::array::from_fn(|d| extent[d].ceil() as usize + 2);
+        let dims: [usize; 3] = std::array::from_fn(|d| extent[d].floor() as usize + 1);
+        // Centred on the mesh, so that a symmetric body is sampled symmetrically; the small uneven
+        // offset keeps rays off vertices that lie on round coordinates.
+        let half = Vec3::from(dims.map(|n| (n as f64 - 1.0) / 2.0)) * spacing;
+        let offset = Vec3::new(1.17e-4, 1.31e-4, 1.47e-4) * spacing;
+        let origin = (low + high) / 2.0 - half + offset;
         let mut grid = RayGrid { origin, spacing, dims, inside: Vec::new(), cut: Vec::new() };
         grid.cast(mesh);
         let samples = grid.into_samples();

@@ -1,0 +1,151 @@
+//! Checks of decoded models: whatever passes can be simulated.
+
+use crate::RigError;
+use crate::lattice::tet;
+use thenar::model::{Binding, Bone, EmbeddedSurface, Flesh, HandModel, JointDesc, JointKind};
+use thenar::{Pose, Vec3};
+
+type Check = Result<(), RigError>;
+
+/// Sums of weights may be off by this.
+const SUM_TOLERANCE: f64 = 1e-9;
+
+/// Errs unless every index is in range, every number is finite and positive where it must be.
+pub(super) fn hand(hand: &HandModel) -> Check {
+    ensure(!hand.bones.is_empty(), || "the hand has no bones".into())?;
+    for (i, bone) in hand.bones.iter().enumerate() {
+        check_bone(i, bone)?;
+    }
+    let joints = hand.bones.len() - 1;
+    ensure(hand.joints.len() == joints, || {
+        format!("{} joints for {} bones, expected one less", hand.joints.len(), hand.bones.len())
+    })?;
+    for (j, joint) in hand.joints.iter().enumerate() {
+        check_joint(j, joint, &hand.bones)?;
+    }
+
+    flesh(&hand.flesh)?;
+    let nodes = hand.flesh.nodes.len();
+    ensure(hand.bindings.len() == nodes && hand.node_volumes.len() == nodes, || {
+        format!("{nodes} nodes need as many bindings and volumes")
+    })?;
+    for (i, binding) in hand.bindings.iter().enumerate() {
+        check_binding(i, binding, &hand.bones)?;
+    }
+    numbers("node volume", hand.node_volumes.iter().copied(), |v| v >= 0.0)?;
+    surface("render surface", &hand.render, hand.flesh.tets.len())?;
+    let vertices = hand.flesh.collision.vertices.len();
+    ensure(hand.collision_digits.len() == vertices, || {
+        format!("{vertices} collision vertices need as many digits")
+    })?;
+    numbers("hand length", [hand.length], |l| l > 0.0)
+}
+
+/// The same of a deformable body.
+pub(super) fn flesh(flesh: &Flesh) -> Check {
+    ensure(!flesh.tets.is_empty(), || "the body has no tetrahedra".into())?;
+    ensure(flesh.materials.len() == flesh.tets.len(), || {
+        format!("{} materials for {} tetrahedra", flesh.materials.len(), flesh.tets.len())
+    })?;
+    numbers("node position", flesh.nodes.iter().flat_map(|x| x.iter().copied()), |_| true)?;
+    for (t, nodes) in flesh.tets.iter().enumerate() {
+        let all = nodes.iter().all(|&n| (n as usize) < flesh.nodes.len());
+        ensure(all, || format!("tetrahedron {t} names a node that is not there"))?;
+        let volume = tet::volume(&nodes.map(|n| flesh.nodes[n as usize]));
+        ensure(volume > 0.0, || format!("tetrahedron {t} has volume {volume:e} m³"))?;
+    }
+    for material in &flesh.materials {
+        numbers("Young's modulus", [material.young], |x| x > 0.0)?;
+        numbers("Poisson's ratio", [material.poisson], |x| x > -1.0 && x < 0.5)?;
+        numbers("density", [material.density], |x| x > 0.0)?;
+    }
+    let rest = [flesh.mass_damping, flesh.stiffness_damping, flesh.friction];
+    numbers("damping or friction", rest, |x| x >= 0.0)?;
+    let fixed = flesh.fixed.iter().all(|f| (f.node as usize) < flesh.nodes.len());
+    ensure(fixed, || "a held node is not there".into())?;
+    surface("collision surface", &flesh.collision, flesh.tets.len())
+}
+
+/// The same of an embedded surface.
+pub(super) fn surface(what: &str, surface: &EmbeddedSurface, tets: usize) -> Check {
+    for (i, vertex) in surface.vertices.iter().enumerate() {
+        let sum: f64 = vertex.weights.iter().sum();
+        let whole =
+            vertex.weights.iter().all(|w| w.is_finite()) && (sum - 1.0).abs() < SUM_TOLERANCE;
+        ensure((vertex.tet as usize) < tets && whole, || {
+            format!("{what}: vertex {i} is not embedded in a tetrahedron")
+        })?;
+    }
+    let count = surface.vertices.len();
+    let inside = surface.triangles.iter().flatten().all(|&v| (v as usize) < count);
+    ensure(inside, || format!("{what}: a triangle names a vertex that is not there"))
+}
+
+fn check_bone(i: usize, bone: &Bone) -> Check {
+    let what = || format!("bone {i} ({})", bone.name);
+    let parent = match (i, bone.parent) {
+        (0, None) => true,
+        (0, Some(_)) | (_, None) => false,
+        (i, Some(parent)) => (parent as usize) < i,
+    };
+    ensure(parent, || format!("{}: its parent must come before it", what()))?;
+    ensure(placement(&bone.pose_MB) && placement(&bone.pose_BT), || {
+        format!("{}: its pose is not a placement", what())
+    })?;
+    numbers("bone mass", [bone.mass], |m| m > 0.0)?;
+    numbers("bone radius", [bone.radius], |r| r >= 0.0)?;
+    numbers("bone end", bone.ends_B.iter().flat_map(Vec3::iter).copied(), |_| true)?;
+    numbers("bone inertia", bone.inertia.iter().copied(), |_| true)?;
+    let asymmetry = (bone.inertia - bone.inertia.transpose()).norm();
+    let definite = bone.inertia.cholesky().is_some();
+    ensure(asymmetry <= 1e-9 * bone.inertia.norm() && definite, || {
+        format!("{}: its inertia is not symmetric positive definite", what())
+    })
+}
+
+fn check_joint(j: usize, joint: &JointDesc, bones: &[Bone]) -> Check {
+    let what = || format!("joint {j} ({})", joint.name);
+    let child = j + 1;
+    ensure(joint.child as usize == child && joint.parent == bones[child].parent, || {
+        format!("{}: must join bone {child} to its parent", what())
+    })?;
+    ensure(joint.kind != JointKind::Free, || format!("{}: leaves its bone loose", what()))?;
+    ensure(placement(&joint.pose_PJ) && placement(&joint.pose_CK), || {
+        format!("{}: its frame is not a placement", what())
+    })?;
+    let springs = joint.axes.iter().flat_map(|a| [a.stiffness, a.damping]);
+    let springs = springs.chain([joint.limit_stiffness, joint.limit_damping]);
+    numbers("joint stiffness or damping", springs, |x| x >= 0.0)?;
+    numbers("joint rest angle", joint.axes.iter().map(|a| a.rest_angle), |_| true)?;
+    for limit in joint.axes.iter().filter_map(|a| a.limit) {
+        numbers("joint range", [limit.max - limit.min], |x| x >= 0.0)?;
+    }
+    Ok(())
+}
+
+fn check_binding(i: usize, binding: &Binding, bones: &[Bone]) -> Check {
+    let [a, b] = binding.bones;
+    let there = binding.bones.iter().all(|&bone| (bone as usize) < bones.len());
+    ensure(there, || format!("node {i} is bound to a bone that is not there"))?;
+    let adjacent =
+        a == b || bones[a as usize].parent == Some(b) || bones[b as usize].parent == Some(a);
+    ensure(adjacent, || format!("node {i} is bound to bones {a} and {b}, which do not meet"))?;
+    let sum = binding.weights[0] + binding.weights[1];
+    let valid = binding.weights.iter().all(|&w| w >= 0.0) && (sum - 1.0).abs() < SUM_TOLERANCE;
+    ensure(valid, || format!("node {i} has the weights {:?}", binding.weights))
+}
+
+fn placement(pose: &Pose) -> bool {
+    pose.is_finite() && (pose.rotation.coords.norm() - 1.0).abs() < 1e-9
+}
+
+fn numbers(what: &str, values: impl IntoIterator<Item = f64>, ok: impl Fn(f64) -> bool) -> Check {
+    values
+        .into_iter()
+        .find(|&x| !x.is_finite() || !ok(x))
+        .map_or(Ok(()), |x| Err(RigError::invalid(format!("the {what} {x} is not valid"))))
+}
+
+fn ensure(ok: bool, what: impl FnOnce() -> String) -> Check {
+    if ok { Ok(()) } else { Err(RigError::Invalid(what())) }
+}

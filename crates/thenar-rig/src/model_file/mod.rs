@@ -1,0 +1,112 @@
+//! The model file: one built body, read back in an instant.
+//!
+//! ```text
+//!   byte  0  magic    8 bytes, "THENARMD"
+//!         8  version  u32, 1
+//!        12  kind     u32: 1 hand, 2 rigid, 3 soft
+//!        16  length   u64, bytes of the body
+//!        24  checksum u64, FNV-1a of the body
+//!        32  body     the model, in postcard's encoding
+//! ```
+//!
+//! All numbers are little-endian. A file is refused as a whole unless magic, version, length and
+//! checksum agree and the decoded model makes sense (indices in range, numbers finite, weights of
+//! sum 1), so that what has been read can be simulated. A reader of version n reads no other
+//! version; files are cheap to build again.
+
+mod check;
+mod container;
+
+use crate::RigError;
+use container::Kind;
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+use thenar::model::HandModel;
+
+/// A built body.
+#[derive(Clone, Debug)]
+pub enum Model {
+    /// A hand, or another jointed soft body.
+    Hand(HandModel),
+}
+
+/// A file larger than this is refused \[bytes\].
+const FILE_BYTES_MAX: u64 = 1 << 30;
+
+impl Model {
+    /// The bytes of the model's file.
+    ///
+    /// # Errors
+    /// When the model makes no sense, as on reading.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, RigError> {
+        match self {
+            Self::Hand(hand) => {
+                check::hand(hand)?;
+                container::encode(Kind::Hand, hand)
+            }
+        }
+    }
+
+    /// The model in the bytes of a file.
+    ///
+    /// # Errors
+    /// When the bytes are not a whole, undamaged model file of this version, or hold a model that
+    /// makes no sense.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, RigError> {
+        let (kind, body) = container::open(bytes)?;
+        match kind {
+            Kind::Hand => {
+                let hand: HandModel = container::decode(body)?;
+                check::hand(&hand)?;
+                Ok(Self::Hand(hand))
+            }
+            Kind::Rigid | Kind::Soft => {
+                Err(RigError::byte(12, "models of this kind cannot be read yet"))
+            }
+        }
+    }
+}
+
+/// Writes a model file, whole or not at all: a file that was there stays until the new one is
+/// complete.
+///
+/// # Errors
+/// When the model makes no sense or the file cannot be written.
+pub fn write_model(path: &Path, model: &Model) -> Result<(), RigError> {
+    let fail = |cause| RigError::Write { file: path.display().to_string(), cause };
+    let bytes = model.to_bytes().map_err(|e| e.in_file(path.display()))?;
+    let temporary = beside(path);
+    let written = std::fs::File::create(&temporary)
+        .and_then(|mut file| file.write_all(&bytes).and_then(|()| file.sync_all()))
+        .and_then(|()| std::fs::rename(&temporary, path));
+    written.map_err(|cause| {
+        // What is left of it is of no use; that it may already be gone is fine.
+        let _ = std::fs::remove_file(&temporary);
+        fail(cause)
+    })
+}
+
+/// Reads a model file.
+///
+/// # Errors
+/// When it cannot be read, or as [`Model::from_bytes`].
+pub fn read_model(path: &Path) -> Result<Model, RigError> {
+    let fail = |cause| RigError::Read { file: path.display().to_string(), cause };
+    let file = std::fs::File::open(path).map_err(fail)?;
+    let mut bytes = Vec::new();
+    file.take(FILE_BYTES_MAX + 1).read_to_end(&mut bytes).map_err(fail)?;
+    if bytes.len() as u64 > FILE_BYTES_MAX {
+        return Err(RigError::invalid("larger than a model file may be").in_file(path.display()));
+    }
+    Model::from_bytes(&bytes).map_err(|e| e.in_file(path.display()))
+}
+
+/// A name in the same folder that no other process uses.
+fn beside(path: &Path) -> PathBuf {
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(format!(".{}.tmp", std::process::id()));
+    path.with_file_name(name)
+}
+
+#[cfg(test)]
+mod tests;

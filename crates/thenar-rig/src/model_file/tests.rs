@@ -1,0 +1,136 @@
+//! Goal: what is written is read back bit for bit; what is damaged or makes no sense is refused.
+//! Method: the shipped hand, and a hand of two bones and one tetrahedron cut from it, damaged in
+//! every place.
+
+use super::*;
+use crate::hand::{HandOptions, asset, build_hand};
+use thenar::model::{EmbeddedSurface, Side, SurfaceVertex};
+
+fn small_hand() -> HandModel {
+    let options = HandOptions { tets: 60, render_triangles: 200, ..HandOptions::default() };
+    build_hand(asset(Side::Right), &options).unwrap()
+}
+
+/// Two bones, one tetrahedron, one triangle.
+fn tiny_hand() -> HandModel {
+    let mut hand = small_hand();
+    hand.bones.truncate(2);
+    hand.joints.truncate(1);
+    let tet = hand.flesh.tets[0];
+    hand.flesh.nodes = tet.map(|n| hand.flesh.nodes[n as usize]).to_vec();
+    hand.node_volumes.truncate(4);
+    hand.bindings.truncate(4);
+    for binding in &mut hand.bindings {
+        (binding.bones, binding.weights) = ([0, 1], [0.25, 0.75]);
+    }
+    hand.flesh.tets = vec![[0, 1, 2, 3]];
+    hand.flesh.materials.truncate(1);
+    let vertex = SurfaceVertex { tet: 0, weights: [0.25; 4] };
+    let surface = EmbeddedSurface { vertices: vec![vertex; 3], triangles: vec![[0, 1, 2]] };
+    hand.collision_digits.truncate(3);
+    (hand.flesh.collision, hand.render) = (surface.clone(), surface);
+    hand
+}
+
+fn bytes_of(hand: &HandModel) -> Vec<u8> {
+    Model::Hand(hand.clone()).to_bytes().unwrap()
+}
+
+/// The same bytes with a header that agrees with the body.
+fn resealed(bytes: &[u8]) -> Vec<u8> {
+    /// Serialises as the bytes themselves, without a length before them.
+    struct Raw<'a>(&'a [u8]);
+    impl serde::Serialize for Raw<'_> {
+        fn serialize<S: serde::Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
+            use serde::ser::SerializeTuple;
+            let mut tuple = s.serialize_tuple(self.0.len())?;
+            self.0.iter().try_for_each(|b| tuple.serialize_element(b))?;
+            tuple.end()
+        }
+    }
+    container::encode(Kind::Hand, &Raw(bytes.get(32..).unwrap_or_default())).unwrap()
+}
+
+#[test]
+fn a_hand_comes_back_as_it_was() {
+    let hand = small_hand();
+    let bytes = bytes_of(&hand);
+    let Model::Hand(back) = Model::from_bytes(&bytes).unwrap();
+    assert_eq!(bytes_of(&back), bytes);
+    assert_eq!(back.flesh.nodes, hand.flesh.nodes);
+    assert_eq!(back.bindings, hand.bindings);
+}
+
+#[test]
+fn files_are_written_whole_and_name_themselves_in_errors() {
+    let folder = std::env::temp_dir().join(format!("thenar-model-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("hand.thenar");
+    write_model(&path, &Model::Hand(tiny_hand())).unwrap();
+    assert!(read_model(&path).is_ok());
+    // Nothing else is left in the folder.
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
+
+    let mut bytes = std::fs::read(&path).unwrap();
+    bytes[100] ^= 1;
+    std::fs::write(&path, bytes).unwrap();
+    let error = read_model(&path).unwrap_err().to_string();
+    assert!(error.contains("hand.thenar") && error.contains("damaged"), "{error}");
+
+    // A model that makes no sense leaves the old file alone.
+    let before = std::fs::read(&path).unwrap();
+    let mut hand = tiny_hand();
+    hand.bones[1].mass = f64::NAN;
+    assert!(write_model(&path, &Model::Hand(hand)).is_err());
+    assert_eq!(std::fs::read(&path).unwrap(), before);
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn every_truncation_is_an_error() {
+    let bytes = bytes_of(&tiny_hand());
+    assert!(Model::from_bytes(&resealed(&bytes)).is_ok());
+    for n in 0..bytes.len() {
+        assert!(Model::from_bytes(&bytes[..n]).is_err(), "{n} bytes were accepted");
+        assert!(Model::from_bytes(&resealed(&bytes[..n])).is_err(), "{n} resealed bytes were");
+    }
+    let longer = [&bytes[..], &[0]].concat();
+    assert!(Model::from_bytes(&longer).is_err());
+    assert!(Model::from_bytes(&resealed(&longer)).is_err());
+}
+
+#[test]
+fn every_flipped_bit_is_seen() {
+    let bytes = bytes_of(&tiny_hand());
+    for i in 0..bytes.len() {
+        let mut damaged = bytes.clone();
+        damaged[i] ^= 1 << (i % 8);
+        assert!(Model::from_bytes(&damaged).is_err(), "byte {i} may change unseen");
+        // With a header made to agree it may pass, but whatever passes makes sense.
+        if let Ok(model) = Model::from_bytes(&resealed(&damaged)) {
+            assert!(model.to_bytes().is_ok());
+        }
+    }
+}
+
+#[test]
+fn models_that_make_no_sense_are_refused_by_name() {
+    type Spoil = fn(&mut HandModel);
+    let cases: [(Spoil, &str); 9] = [
+        (|h| h.bones[1].parent = Some(1), "parent"),
+        (|h| h.bones[1].mass = 0.0, "bone mass"),
+        (|h| h.bones[0].inertia[(0, 1)] += 1.0, "inertia"),
+        (|h| h.joints[0].child = 0, "joint 0"),
+        (|h| h.flesh.nodes[2].x = f64::INFINITY, "node position"),
+        (|h| h.flesh.tets[0].swap(0, 1), "tetrahedron 0"),
+        (|h| h.flesh.materials[0].poisson = 0.5, "Poisson"),
+        (|h| h.bindings[3].weights = [0.5, 0.6], "node 3"),
+        (|h| h.render.triangles[0][2] = 3, "render surface"),
+    ];
+    for (spoil, named) in cases {
+        let mut hand = tiny_hand();
+        spoil(&mut hand);
+        let error = Model::Hand(hand).to_bytes().unwrap_err().to_string();
+        assert!(error.contains(named), "{error} does not name {named}");
+    }
+}
