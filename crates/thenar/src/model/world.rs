@@ -102,7 +102,7 @@ impl Default for SolverSettings {
             cg_iterations_max: 500,
             contact_tolerance: 1e-4,
             contact_sweeps_max: 200,
-            contact_inner_passes: 4,
+            contact_inner_passes: 2,
             cone: Cone::Circular,
             contact_margin: 1e-3,
         }

@@ -71,8 +71,7 @@ impl Anticipation {
                 self.pass_over_contacts(d, contacts, settings.cone);
             }
             self.gather_impulse(contacts);
-            let forward = convergence.iterations.is_multiple_of(2);
-            let change2 = self.relax(a, d, x, forward);
+            let change2 = self.relax(a, d, x);
             let energy: f64 = x.iter().zip(&self.impulse).map(|(x, f)| x.dot(f)).sum();
             convergence.iterations += 1;
             convergence.residual =
@@ -156,12 +155,11 @@ impl Anticipation {
 
     /// One block Gauss-Seidel sweep over all unknowns; returns the square of its change in the
     /// norm of D.
-    fn relax(&mut self, a: &BlockMatrix, d: &BlockDiagonal, x: &mut [Vec3], forward: bool) -> f64 {
+    fn relax(&mut self, a: &BlockMatrix, d: &BlockDiagonal, x: &mut [Vec3]) -> f64 {
         let rigids = d.rigid.len();
         let nodes = d.node.len();
         let mut change2 = 0.0;
         for k in 0..rigids + nodes {
-            let k = if forward { k } else { rigids + nodes - 1 - k };
             if k < rigids {
                 let (change, residual) = rigid_change(a, d, &self.impulse, k, x);
                 for part in 0..2 {
