@@ -5,6 +5,7 @@
 
 pub mod embed;
 mod error;
+pub mod export;
 pub mod glb;
 pub mod hand;
 pub mod lattice;
