@@ -25,6 +25,8 @@ mod pairs;
 mod point_tree;
 mod rigid_body;
 mod rigid_pair;
+#[cfg(test)]
+mod rigid_tests;
 mod shape;
 mod soft_feature;
 mod soft_rigid;
