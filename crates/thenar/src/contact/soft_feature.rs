@@ -4,13 +4,15 @@
 
 use crate::contact::aabb::Aabb;
 use crate::contact::collector::{Collector, feature_key};
-use crate::contact::point_tree::Segment;
 use crate::contact::soft_rigid::{KEY_POINT, KEY_SEGMENT, SoftRigid, VertexScratch};
-use crate::contact::triangle::{Closest, Feature, closest_on_triangle, segment_parameter};
+use crate::contact::triangle::{
+    Closest, Feature, area_vector, closest_on_triangle, segment_parameter,
+};
 use crate::contact::{Contact, Site, SurfacePoint};
 use crate::math::Vec3;
 
 const NONE: u32 = u32::MAX;
+const UNMET: (f64, u32) = (f64::INFINITY, NONE);
 
 /// Nearest triangle of each feature point, and deepest feature of each triangle.
 #[derive(Clone, Debug, Default)]
@@ -20,15 +22,20 @@ pub(crate) struct FeatureScratch {
     met: Vec<u32>,
     deepest: Vec<Option<Touch>>,
     touched: Vec<u32>,
+    /// Per triangle, the round in which it was last visited.
+    visited: Vec<u32>,
+    round: u32,
 }
 
 impl FeatureScratch {
     pub fn with_size(points: usize, triangles: usize) -> Self {
         Self {
-            nearest: vec![(f64::INFINITY, NONE); points],
+            nearest: vec![UNMET; points],
             met: Vec::with_capacity(points),
             deepest: vec![None; triangles],
             touched: Vec::with_capacity(triangles),
+            visited: vec![0; triangles],
+            round: 0,
         }
     }
 }
@@ -43,6 +50,34 @@ struct Touch {
     gap: f64,
 }
 
+/// A triangle within reach of the shape, in the shape frame.
+struct Near {
+    index: u32,
+    x: [Vec3; 3],
+    /// Motions of its corners in this step.
+    u: [Vec3; 3],
+    /// The largest of them \[m\].
+    travel: f64,
+    /// Distance of the nearest corner to the shape.
+    vertex_gap: f64,
+}
+
+impl Near {
+    fn new(pair: &SoftRigid, vertices: &VertexScratch, index: u32) -> Self {
+        let v = pair.surface.triangles[index as usize].map(|v| v as usize);
+        let [(x0, u0), (x1, u1), (x2, u2)] = v.map(|v| pair.in_shape(v));
+        let squared = u0.norm_squared().max(u1.norm_squared()).max(u2.norm_squared());
+        let vertex_gap = v.iter().map(|&v| vertices.gaps[v]).fold(f64::INFINITY, f64::min);
+        Self { index, x: [x0, x1, x2], u: [u0, u1, u2], travel: squared.sqrt(), vertex_gap }
+    }
+
+    fn edge_max(&self) -> f64 {
+        let [a, b, c] = &self.x;
+        let squared = (b - a).norm_squared().max((c - b).norm_squared());
+        squared.max((a - c).norm_squared()).sqrt()
+    }
+}
+
 /// Adds at most one contact per triangle, where a feature comes closer than the triangle's own
 /// vertices.
 pub(crate) fn find(
@@ -51,19 +86,20 @@ pub(crate) fn find(
     scratch: &mut FeatureScratch,
     out: &mut Collector,
 ) {
-    for t in 0..pair.surface.triangles.len() as u32 {
-        let v = pair.surface.triangles[t as usize].map(|v| v as usize);
-        if v.iter().all(|&v| vertices.gaps[v] == f64::INFINITY) {
-            continue;
-        }
-        let x = v.map(|v| vertices.places[v]);
-        let travel = v.iter().map(|&v| vertices.motions[v].norm()).fold(0.0, f64::max);
-        if !within_reach(pair, vertices, &v, &x, travel) {
-            continue;
-        }
-        meet_points(pair, t, &x, travel, scratch);
-        for (s, segment) in pair.body.features.segments.iter().enumerate() {
-            meet_segment(pair, vertices, t, &x, s as u32, segment, scratch);
+    scratch.round = scratch.round.wrapping_add(1);
+    for &v in &vertices.near {
+        for &t in pair.surface.around(v) {
+            if std::mem::replace(&mut scratch.visited[t as usize], scratch.round) == scratch.round {
+                continue;
+            }
+            let near = Near::new(pair, vertices, t);
+            // Any point of a triangle is within 1/√3 of its longest edge of some corner.
+            let edge = 0.578 * near.edge_max();
+            if near.vertex_gap > edge + depth_max(pair) + near.travel {
+                continue;
+            }
+            meet_points(pair, &near, scratch);
+            meet_segments(pair, &near, edge, scratch);
         }
     }
     settle_points(pair, vertices, scratch);
@@ -72,39 +108,33 @@ pub(crate) fn find(
 
 /// How deep a feature may lie and still be taken as having come through the triangle.
 pub(crate) fn depth_max(pair: &SoftRigid) -> f64 {
-    pair.margin + 0.5 * pair.surface.edge_mean
+    pair.margin + 0.25 * pair.surface.edge_mean
 }
 
-/// Any point of a triangle is within 1/√3 of its longest edge of some vertex.
-fn within_reach(
-    pair: &SoftRigid,
-    vertices: &VertexScratch,
-    v: &[usize; 3],
-    x: &[Vec3; 3],
-    travel: f64,
-) -> bool {
-    let gap = v.iter().map(|&v| vertices.gaps[v]).fold(f64::INFINITY, f64::min);
-    let edge = (0..3).map(|k| (x[k] - x[(k + 1) % 3]).norm()).fold(0.0, f64::max);
-    gap <= 0.578 * edge + depth_max(pair) + travel
-}
-
-/// Offers triangle `t` to every feature point around it.
-fn meet_points(pair: &SoftRigid, t: u32, x: &[Vec3; 3], travel: f64, scratch: &mut FeatureScratch) {
+/// Offers a triangle to every feature point around it.
+fn meet_points(pair: &SoftRigid, near: &Near, scratch: &mut FeatureScratch) {
     let features = &pair.body.features;
-    let reach = depth_max(pair) + travel + features.radius;
-    let around = Aabb::of_points(x).inflate(reach);
+    let reach = depth_max(pair) + near.travel + features.radius;
+    let around = Aabb::of_points(&near.x).inflate(reach);
+    let normal = area_vector(&near.x).try_normalize(1e-300).unwrap_or_else(Vec3::zeros);
     features.tree.overlapping(&around, |i| {
         let p = &features.points[i as usize];
         if !around.contains(p) {
             return;
         }
-        let closest = closest_on_triangle(p, x);
         let best = &mut scratch.nearest[i as usize];
-        if closest.distance_squared < best.0 {
+        // The plane of the triangle is not farther than the triangle.
+        let height = normal.dot(&(p - near.x[0]));
+        if height.abs() > reach || height * height > best.0 {
+            return;
+        }
+        let closest = closest_on_triangle(p, &near.x);
+        // Of equally near triangles the lowest index.
+        if (closest.distance_squared, near.index) < *best {
             if best.1 == NONE {
                 scratch.met.push(i);
             }
-            *best = (closest.distance_squared, t);
+            *best = (closest.distance_squared, near.index);
         }
     });
 }
@@ -113,97 +143,80 @@ fn meet_points(pair: &SoftRigid, t: u32, x: &[Vec3; 3], travel: f64, scratch: &m
 fn settle_points(pair: &SoftRigid, vertices: &VertexScratch, scratch: &mut FeatureScratch) {
     for m in 0..scratch.met.len() {
         let i = scratch.met[m];
-        let (_, t) = std::mem::replace(&mut scratch.nearest[i as usize], (f64::INFINITY, NONE));
-        let x = pair.surface.triangles[t as usize].map(|v| vertices.places[v as usize]);
+        let (_, t) = std::mem::replace(&mut scratch.nearest[i as usize], UNMET);
+        let near = Near::new(pair, vertices, t);
         let p = pair.body.features.points[i as usize];
-        let closest = closest_on_triangle(&p, &x);
-        consider(pair, vertices, t, &p, closest, [KEY_POINT, i], scratch);
+        let closest = closest_on_triangle(&p, &near.x);
+        consider(pair, &near, &p, closest, [KEY_POINT, i], scratch);
     }
     scratch.met.clear();
 }
 
-/// Tests a segment where it passes nearest to the middle of a triangle.
-fn meet_segment(
-    pair: &SoftRigid,
-    vertices: &VertexScratch,
-    t: u32,
-    x: &[Vec3; 3],
-    index: u32,
-    [a, b]: &Segment,
-    scratch: &mut FeatureScratch,
-) {
-    let middle = (x[0] + x[1] + x[2]) / 3.0;
-    let at = |q: &Vec3| a + segment_parameter(q, a, b) * (b - a);
-    let radius = pair.body.features.radius;
-    let mut p = at(&middle);
-    if radius == 0.0 && (p == *a || p == at(b)) {
-        // The corners are tested as points.
-        return;
-    }
-    let half = Aabb::of_points(x).half().norm();
-    let reach = 1.5 * half + depth_max(pair) + radius + vertices.motion_of(pair, t);
-    if (p - middle).norm_squared() > reach * reach {
-        return;
-    }
-    let mut closest = closest_on_triangle(&p, x);
-    if radius > 0.0 {
-        // The axis of a capsule stays outside, so the nearest pair of points is meant.
-        p = at(&closest.point);
-        closest = closest_on_triangle(&p, x);
-    }
-    if pair.surface.owns(t, closest.feature) {
-        consider(pair, vertices, t, &p, closest, [KEY_SEGMENT | index, t], scratch);
-    }
-}
-
-impl VertexScratch {
-    /// Largest motion of a triangle's vertices.
-    fn motion_of(&self, pair: &SoftRigid, t: u32) -> f64 {
-        let v = pair.surface.triangles[t as usize];
-        v.iter().map(|&v| self.motions[v as usize].norm()).fold(0.0, f64::max)
+/// Tests each segment where it passes nearest to the middle of a triangle, whose points lie
+/// within `size` of a corner.
+fn meet_segments(pair: &SoftRigid, near: &Near, size: f64, scratch: &mut FeatureScratch) {
+    let features = &pair.body.features;
+    let middle = (near.x[0] + near.x[1] + near.x[2]) / 3.0;
+    let reach = 2.0 * size + depth_max(pair) + features.radius + near.travel;
+    for (s, [a, b]) in features.segments.iter().enumerate() {
+        let at = |q: &Vec3| segment_parameter(q, a, b);
+        let t = at(&middle);
+        let p = a + t * (b - a);
+        // The corners of a cuboid are tested as points.
+        let is_corner = features.radius == 0.0 && (t == 0.0 || t == 1.0);
+        if is_corner || (p - middle).norm_squared() > reach * reach {
+            continue;
+        }
+        let (mut p, mut closest) = (p, closest_on_triangle(&p, &near.x));
+        if features.radius > 0.0 {
+            // The axis of a capsule stays outside, so the nearest pair of points is meant.
+            p = a + at(&closest.point) * (b - a);
+            closest = closest_on_triangle(&p, &near.x);
+        }
+        if pair.surface.owns(near.index, closest.feature) {
+            consider(pair, near, &p, closest, [KEY_SEGMENT | s as u32, near.index], scratch);
+        }
     }
 }
 
 /// Keeps feature point `p` if it touches and is the deepest of its triangle.
 fn consider(
     pair: &SoftRigid,
-    vertices: &VertexScratch,
-    t: u32,
+    near: &Near,
     p: &Vec3,
     closest: Closest,
     key: [u32; 2],
     scratch: &mut FeatureScratch,
 ) {
-    // At a vertex the vertex itself is the contact.
-    if matches!(closest.feature, Feature::Vertex(_)) {
+    // At a vertex the vertex itself is the contact; what is far needs no normal.
+    let radius = pair.body.features.radius;
+    let distance = closest.distance_squared.sqrt();
+    let at_vertex = matches!(closest.feature, Feature::Vertex(_));
+    if at_vertex || distance - radius > depth_max(pair) + near.travel {
         return;
     }
     // The pseudonormal is taken in the world, then turned into the shape frame.
-    let outward_W = pair.surface.pseudonormal(t, closest.feature, pair.state.positions);
+    let outward_W = pair.surface.pseudonormal(near.index, closest.feature, pair.state.positions);
     let outward = pair.placed.rotation.tr_mul(&outward_W);
     let to_p = p - closest.point;
-    let distance = closest.distance_squared.sqrt();
-    let side = to_p.dot(&outward);
-    let signed = distance.copysign(side);
+    let signed = distance.copysign(to_p.dot(&outward));
     let on_face = closest.feature == Feature::Face || distance < 1e-9;
     let normal = if on_face { outward } else { to_p / signed };
-    let gap = signed - pair.body.features.radius;
+    let gap = signed - radius;
 
-    let v = pair.surface.triangles[t as usize].map(|v| v as usize);
-    let u: Vec3 = (0..3).map(|k| vertices.motions[v[k]] * closest.weights[k]).sum();
+    let u: Vec3 = (0..3).map(|k| near.u[k] * closest.weights[k]).sum();
     let closing = u.dot(&normal).max(0.0);
-    let vertex_gap = v.iter().map(|&v| vertices.gaps[v]).fold(f64::INFINITY, f64::min);
-    let missed = gap < vertex_gap - 0.1 * pair.margin;
-    let too_deep = gap < -depth_max(pair) - pair.body.features.radius;
+    let missed = gap < near.vertex_gap - 0.1 * pair.margin;
+    let too_deep = gap < -depth_max(pair) - radius;
     if gap > pair.margin + closing || !missed || too_deep || normal == Vec3::zeros() {
         return;
     }
-    let deepest = &mut scratch.deepest[t as usize];
+    let deepest = &mut scratch.deepest[near.index as usize];
     match deepest {
         Some(old) if old.gap <= gap => {}
         _ => {
             if deepest.is_none() {
-                scratch.touched.push(t);
+                scratch.touched.push(near.index);
             }
             *deepest = Some(Touch { key, closest, normal, gap });
         }

@@ -24,6 +24,8 @@ pub(crate) struct SoftRigid<'a> {
     pub soft: u32,
     pub surface: &'a Surface,
     pub state: SurfaceState<'a>,
+    /// No vertex travels farther than this in the step \[m\].
+    pub travel: f64,
     /// Index of the rigid body.
     pub rigid: u32,
     pub body: &'a RigidBody,
@@ -31,24 +33,18 @@ pub(crate) struct SoftRigid<'a> {
     pub friction: f64,
 }
 
-/// Per-vertex results kept for the search between vertices.
+/// Results of the vertices, for the search between them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct VertexScratch {
-    /// Place in the shape frame.
-    pub places: Vec<Vec3>,
-    /// Motion relative to the shape in this step, in its frame.
-    pub motions: Vec<Vec3>,
     /// Distance to the shape; infinite when out of reach.
     pub gaps: Vec<f64>,
+    /// The vertices within reach.
+    pub near: Vec<u32>,
 }
 
 impl VertexScratch {
     pub fn with_size(vertices: usize) -> Self {
-        Self {
-            places: vec![Vec3::zeros(); vertices],
-            motions: vec![Vec3::zeros(); vertices],
-            gaps: vec![f64::INFINITY; vertices],
-        }
+        Self { gaps: vec![f64::INFINITY; vertices], near: Vec::with_capacity(vertices) }
     }
 }
 
@@ -63,19 +59,36 @@ impl SoftRigid<'_> {
         out: &mut Collector,
     ) {
         let has_features = !self.body.features.is_empty();
-        // A triangle that a feature could touch has a vertex within this distance of the shape,
-        // with a third to spare for stretching.
-        let stretched = 0.77 * self.surface.edge_max + soft_feature::depth_max(self);
-        let feature_reach = if has_features { stretched } else { 0.0 };
-        let mut near = false;
+        let around_W = self.placed.swept_W.inflate(self.margin + self.travel);
+        vertices.gaps.fill(f64::INFINITY);
+        vertices.near.clear();
         for v in 0..self.state.positions.len() {
-            let gap = self.vertex(v, feature_reach, memory, remember, vertices, out);
-            vertices.gaps[v] = gap;
-            near |= gap < f64::INFINITY;
+            let feature_reach = if has_features { self.feature_reach(v) } else { 0.0 };
+            if !around_W.inflate(feature_reach).contains(&self.state.positions[v]) {
+                continue;
+            }
+            let gap = self.vertex(v, feature_reach, memory, remember, out);
+            if gap < f64::INFINITY {
+                vertices.gaps[v] = gap;
+                vertices.near.push(v as u32);
+            }
         }
-        if has_features && near {
+        if has_features && !vertices.near.is_empty() {
             soft_feature::find(self, vertices, features, out);
         }
+    }
+
+    /// A surface vertex and its motion in this step relative to the shape, in the shape frame.
+    pub fn in_shape(&self, v: usize) -> (Vec3, Vec3) {
+        let p_W = self.state.positions[v];
+        let slip_W = self.state.velocities[v] - self.placed.velocity_at(&p_W);
+        (self.placed.shape_point(&p_W), self.placed.rotation.tr_mul(&slip_W) * self.h)
+    }
+
+    /// A triangle that a feature could touch has a vertex within this distance of the shape:
+    /// 1/√3 of its longest edge, with a third to spare for stretching.
+    fn feature_reach(&self, v: usize) -> f64 {
+        0.77 * self.surface.edge_around[v] + soft_feature::depth_max(self)
     }
 
     /// Tests one vertex; returns its distance to the shape, infinite when out of reach.
@@ -85,15 +98,9 @@ impl SoftRigid<'_> {
         feature_reach: f64,
         memory: &mut Memory,
         remember: bool,
-        scratch: &mut VertexScratch,
         out: &mut Collector,
     ) -> f64 {
-        let p_W = self.state.positions[v];
-        let p = self.placed.shape_point(&p_W);
-        let slip_W = self.state.velocities[v] - self.placed.velocity_at(&p_W);
-        let u = self.placed.rotation.tr_mul(&slip_W) * self.h;
-        scratch.places[v] = p;
-        scratch.motions[v] = u;
+        let (p, u) = self.in_shape(v);
         let reach = feature_reach.max(self.margin + u.norm());
         if self.body.bounds_S.distance_squared(&p) > reach * reach {
             return f64::INFINITY;
@@ -116,12 +123,13 @@ impl SoftRigid<'_> {
                 let normal = distance.gradient;
                 memory.note(memory_index, self.rigid, Seen { normal, place });
             }
-            out.push(self.vertex_contact(v as u32, p_W, distance));
+            out.push(self.vertex_contact(v as u32, distance));
         }
         sided.value
     }
 
-    fn vertex_contact(&self, v: u32, p_W: Vec3, distance: Distance) -> Contact {
+    fn vertex_contact(&self, v: u32, distance: Distance) -> Contact {
+        let p_W = self.state.positions[v as usize];
         let normal_W = self.placed.rotation * distance.gradient;
         Contact {
             key: feature_key([KEY_VERTEX | self.soft, self.rigid, v, 0]),

@@ -21,8 +21,8 @@ pub(crate) struct Surface {
     pub tree: Bvh,
     /// Mean edge length at rest \[m\].
     pub edge_mean: f64,
-    /// Longest edge at rest \[m\].
-    pub edge_max: f64,
+    /// Longest edge of the triangles around each vertex, at rest \[m\].
+    pub edge_around: Vec<f64>,
     pub friction: f64,
     /// Where its vertices begin in lists over all surfaces.
     pub first_vertex: usize,
@@ -42,7 +42,7 @@ impl Surface {
             around,
             tree: Bvh::build(&boxes),
             edge_mean: lengths.iter().sum::<f64>() / lengths.len().max(1) as f64,
-            edge_max: lengths.iter().copied().fold(0.0, f64::max),
+            edge_around: longest_around(&triangles, &lengths, rest.len()),
             friction: flesh.friction,
             first_vertex,
             triangles,
@@ -72,7 +72,8 @@ impl Surface {
         self.triangles[triangle as usize].map(|v| x[v as usize])
     }
 
-    fn around(&self, vertex: u32) -> &[u32] {
+    /// The triangles around a vertex.
+    pub fn around(&self, vertex: u32) -> &[u32] {
         let v = vertex as usize;
         &self.around[self.around_start[v] as usize..self.around_start[v + 1] as usize]
     }
@@ -134,6 +135,16 @@ fn triangle_box(t: &[u32; 3], x: &[Vec3]) -> Aabb {
 
 fn edge_lengths(t: &[u32; 3], x: &[Vec3]) -> [f64; 3] {
     std::array::from_fn(|k| (x[t[k] as usize] - x[t[(k + 1) % 3] as usize]).norm())
+}
+
+/// For each vertex the longest of its triangles' edges; `lengths` has three per triangle.
+fn longest_around(triangles: &[[u32; 3]], lengths: &[f64], vertices: usize) -> Vec<f64> {
+    let mut longest = vec![0.0_f64; vertices];
+    for (triangle, edges) in triangles.iter().zip(lengths.chunks(3)) {
+        let edge = edges.iter().copied().fold(0.0, f64::max);
+        triangle.iter().for_each(|&v| longest[v as usize] = longest[v as usize].max(edge));
+    }
+    longest
 }
 
 /// Triangles around each vertex, as offsets and a list.

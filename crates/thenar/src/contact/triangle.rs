@@ -42,17 +42,24 @@ pub(crate) fn closest_on_triangle(p: &Vec3, x: &[Vec3; 3]) -> Closest {
             distance_squared: (p - point).norm_squared(),
         };
     }
-    let mut best = on_edge(p, x, 0);
-    for k in 1..3 {
-        let candidate = on_edge(p, x, k);
-        if candidate.distance_squared < best.distance_squared {
-            best = candidate;
+    // Outside, the nearest point is on an edge whose line has the foot on its far side: the edge
+    // opposite to a corner without positive weight.
+    let weights = [area - w1 - w2, w1, w2];
+    let flat = area <= 1e-14 * a11 * a22;
+    let mut best: Option<Closest> = None;
+    for k in 0..3 {
+        if flat || weights[(k + 2) % 3] <= 0.0 {
+            let candidate = on_edge(p, x, k);
+            if best.is_none_or(|b| candidate.distance_squared < b.distance_squared) {
+                best = Some(candidate);
+            }
         }
     }
-    best
+    best.unwrap_or_else(|| on_edge(p, x, 0))
 }
 
 /// The point of edge `k` nearest to `p`.
+#[inline]
 fn on_edge(p: &Vec3, x: &[Vec3; 3], k: usize) -> Closest {
     let j = (k + 1) % 3;
     let t = segment_parameter(p, &x[k], &x[j]);

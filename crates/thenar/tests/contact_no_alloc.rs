@@ -1,0 +1,50 @@
+//! Goal: detection allocates nothing in a step. Method: a global allocator that counts.
+#![allow(unsafe_code)]
+
+#[path = "common/contact_scene.rs"]
+mod contact_scene;
+
+use contact_scene::ContactScene;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use thenar::contact::{Detector, SurfaceState};
+
+struct Counting;
+
+static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: every call is handed to the system allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(place, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn detection_allocates_nothing() {
+    let mut scene = ContactScene::new(true);
+    let mut detector = Detector::new(&scene.desc);
+    let mut out = Vec::with_capacity(detector.capacity());
+    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    let mut contacts = 0;
+    for step in 0..100 {
+        scene.advance(step, 1e-3);
+        let surfaces = SurfaceState { positions: &scene.positions, velocities: &scene.velocities };
+        contacts += detector.find(1.0 / 60.0, 1e-3, &scene.places, surfaces, &mut out).contacts;
+        let surfaces = SurfaceState { positions: &scene.positions, velocities: &scene.velocities };
+        assert!(detector.penetration(&scene.places, surfaces) > 0.0);
+    }
+    let made = ALLOCATIONS.load(Ordering::Relaxed) - before;
+    assert!(contacts > 100 * 50, "{contacts} contacts make no test");
+    assert_eq!(made, 0);
+    drop(Box::new(1));
+    assert!(ALLOCATIONS.load(Ordering::Relaxed) > before, "the counter counts");
+}
