@@ -18,11 +18,11 @@ mod contact_point;
 mod cuboid_pair;
 mod detector;
 mod distance;
+mod features;
 mod grid;
 mod manifold;
 mod memory;
 mod pairs;
-mod point_tree;
 mod rigid_body;
 mod rigid_pair;
 #[cfg(test)]

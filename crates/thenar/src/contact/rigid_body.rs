@@ -1,7 +1,7 @@
 //! A rigid body as contact sees it: a shape, and where it is in this step.
 
 use crate::contact::aabb::Aabb;
-use crate::contact::point_tree::Features;
+use crate::contact::features::Features;
 use crate::contact::{RigidPlace, Shape};
 use crate::math::{Mat3, Pose, Vec3};
 use crate::model::{Motion, RigidDesc};

@@ -7,8 +7,8 @@
 use crate::contact::Shape;
 use crate::contact::approach::approach;
 use crate::contact::cuboid_pair;
+use crate::contact::features::capsule_axis;
 use crate::contact::manifold::{Manifold, ManifoldPoint};
-use crate::contact::point_tree::capsule_axis;
 use crate::contact::rigid_body::{Placed, RigidBody};
 use crate::contact::triangle::segment_parameter;
 use crate::math::Vec3;
