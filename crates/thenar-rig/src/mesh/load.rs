@@ -1,0 +1,53 @@
+//! Mesh files, whatever their kind.
+
+use super::{read_obj, read_stl};
+use crate::error::positive;
+use crate::{RigError, TriMesh};
+use std::path::Path;
+
+/// Larger files are refused.
+const FILE_BYTES_MAX: u64 = 512 << 20;
+
+/// Reads a GLB, OBJ or STL file (told by its first bytes, else by its extension) and multiplies
+/// positions by `scale` (0.001 for a file in millimetres).
+///
+/// # Errors
+/// [`RigError::InFile`] or [`RigError::Read`], naming the file, the place in it and the cause.
+pub fn load_mesh(path: impl AsRef<Path>, scale: f64) -> Result<TriMesh, RigError> {
+    let path = path.as_ref();
+    positive("scale", scale)?;
+    let read = || -> Result<TriMesh, RigError> {
+        let mesh = parse(path, &read_file(path)?)?.scaled(scale);
+        mesh.check()?;
+        Ok(mesh)
+    };
+    read().map_err(|error| match error {
+        RigError::Read { .. } => error,
+        other => other.in_file(path.display()),
+    })
+}
+
+/// The bytes of a file of sensible size.
+pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, RigError> {
+    let failed = |cause| RigError::Read { file: path.display().to_string(), cause };
+    let size = std::fs::metadata(path).map_err(failed)?.len();
+    if size > FILE_BYTES_MAX {
+        return Err(RigError::invalid(format!(
+            "{size} bytes are more than the limit of {FILE_BYTES_MAX}"
+        )));
+    }
+    std::fs::read(path).map_err(failed)
+}
+
+fn parse(path: &Path, bytes: &[u8]) -> Result<TriMesh, RigError> {
+    if bytes.starts_with(b"glTF") {
+        return crate::glb::read_glb(bytes);
+    }
+    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    match extension.as_deref() {
+        Some("obj") => read_obj(bytes),
+        Some("stl") => read_stl(bytes),
+        Some("glb") => Err(RigError::byte(0, "not a GLB file: it does not begin with \"glTF\"")),
+        _ => Err(RigError::invalid("unknown kind of mesh file (.glb, .obj and .stl are known)")),
+    }
+}
