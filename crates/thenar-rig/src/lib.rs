@@ -11,6 +11,7 @@ pub mod hand;
 pub mod lattice;
 pub mod mesh;
 pub mod model_file;
+pub mod object;
 pub mod weights;
 
 pub use error::RigError;

@@ -7,6 +7,12 @@ use thenar::Vec3;
 
 const LEAF_TRIANGLES: usize = 4;
 
+/// Clusters farther than so many radii are replaced by their expansion: to 0.02, ...
+const FAR_RADII: f64 = 6.0;
+/// ... or to 0.1, for a first guess.
+const GUESS_RADII: f64 = 2.5;
+const GUESS_ERROR: f64 = 0.15;
+
 /// A hierarchy over a copy of a mesh's triangles. Answers nearest-point queries
 /// exactly and winding-number queries to 0.02, both in about logarithmic time.
 #[derive(Clone, Debug)]
@@ -149,11 +155,15 @@ impl Bvh {
     /// 0 outside, in between near holes (Jacobson et al. 2013). Far clusters are replaced by their
     /// multipole expansion (Barill et al. 2018); the error stays below 0.02.
     pub fn winding_number(&self, p: &Vec3) -> f64 {
+        self.winding(p, FAR_RADII)
+    }
+
+    fn winding(&self, p: &Vec3, far_radii: f64) -> f64 {
         let mut angle = 0.0;
         let mut stack = vec![0];
         while let Some(index) = stack.pop() {
             let node = &self.nodes[index as usize];
-            if let Some(far) = node.cluster.solid_angle_if_far(p) {
+            if let Some(far) = node.cluster.solid_angle_if_far(p, far_radii) {
                 angle += far;
             } else if node.second == 0 {
                 let triangles = &self.order[node.first as usize..node.end as usize];
@@ -170,7 +180,9 @@ impl Bvh {
 
     /// True when the winding number is at least ½.
     pub fn contains(&self, p: &Vec3) -> bool {
-        self.winding_number(p) >= 0.5
+        let guess = self.winding(p, GUESS_RADII);
+        let clear = (guess - 0.5).abs() > GUESS_ERROR;
+        if clear { guess > 0.5 } else { self.winding_number(p) >= 0.5 }
     }
 
     /// Distance to the mesh \[m\], negative where the winding number is at least ½.

@@ -37,11 +37,23 @@ fn split_long_edges(mesh: &TriMesh, length: f64, points_max: usize) -> Option<Tr
     let mut mesh = mesh.clone();
     loop {
         let edges = Edges::new(&mesh.triangles);
+        let lengths: Vec<f64> = edges
+            .list
+            .iter()
+            .map(|edge| {
+                let [a, b] = edge.vertices.map(|v| mesh.positions[v as usize]);
+                (b - a).norm()
+            })
+            .collect();
+        // Only the longest edge of each triangle, which keeps angles from shrinking.
         let mut middle = vec![None; edges.list.len()];
-        for (e, edge) in edges.list.iter().enumerate() {
-            let [a, b] = edge.vertices.map(|v| mesh.positions[v as usize]);
-            if (b - a).norm() > length {
+        for of in &edges.of_triangle {
+            let [a, b, c] = of.map(|e| e as usize);
+            let longer = |x: usize, y: usize| if lengths[y] > lengths[x] { y } else { x };
+            let e = longer(longer(a, b), c);
+            if lengths[e] > length && middle[e].is_none() {
                 middle[e] = Some(mesh.positions.len() as u32);
+                let [a, b] = edges.list[e].vertices.map(|v| mesh.positions[v as usize]);
                 mesh.positions.push((a + b) * 0.5);
             }
         }
@@ -97,7 +109,7 @@ mod tests {
     #[test]
     fn a_box_gets_points_on_its_faces_and_stays_a_box() {
         let cube = shapes::cuboid(&Vec3::new(0.01, 0.03, 0.05));
-        let fine = resampled(&cube, 0.006, 2000).unwrap();
+        let fine = resampled(&cube, 0.006, 3000).unwrap();
         assert!((fine.volume() / cube.volume() - 1.0).abs() < 1e-12);
         let t = Topology::of(&fine);
         assert!(t.closed() && t.manifold() && t.oriented());

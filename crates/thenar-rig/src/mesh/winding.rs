@@ -27,9 +27,6 @@ pub struct Cluster {
     quadrupole: Mat3,
 }
 
-/// Clusters nearer than this many radii are opened.
-const FAR_RADII: f64 = 6.0;
-
 impl Cluster {
     pub fn new<'a>(triangles: impl Iterator<Item = &'a [Vec3; 3]> + Clone) -> Self {
         let area_vector = |[a, b, c]: &[Vec3; 3]| (b - a).cross(&(c - a)) * 0.5;
@@ -58,11 +55,11 @@ impl Cluster {
         cluster
     }
 
-    /// The solid angle seen from `p` \[sr\], if `p` is far enough for the expansion.
-    pub fn solid_angle_if_far(&self, p: &Vec3) -> Option<f64> {
+    /// The solid angle seen from `p` \[sr\], if `p` is at least so many radii away.
+    pub fn solid_angle_if_far(&self, p: &Vec3, radii: f64) -> Option<f64> {
         let r = self.centre - p;
         let r2 = r.norm_squared();
-        if r2 <= (FAR_RADII * self.radius).powi(2) {
+        if r2 <= (radii * self.radius).powi(2) {
             return None;
         }
         let r3 = r2 * r2.sqrt();

@@ -1,0 +1,247 @@
+//! Rigid bodies from triangle meshes of any quality.
+//!
+//! The method, in order:
+//! 1. Vertices closer than 1e-6 of the size are welded; triangles are made to agree on their
+//!    outside, closed pieces face outward (cavities stay), open pieces that mostly enclose
+//!    something too.
+//! 2. The inside is where the generalised winding number is at least ½, on a grid of distances.
+//!    Overlapping parts so become one body, and holes are closed by the surface that the
+//!    remaining mesh suggests.
+//! 3. Mass properties are the exact polyhedral integrals if the mesh is closed and their volume
+//!    agrees with that of the grid; otherwise they are integrated over the grid.
+//! 4. A mesh with no inside (a sheet, a strip, scattered triangles) becomes a shell: all points
+//!    nearer to it than half a stated thickness.
+
+use super::rigid::RigidModel;
+use crate::error::positive;
+use crate::mesh::{
+    Bvh, GridOptions, Inside, MassProperties, Orientation, Topology, distance_grid, mass_of_grid,
+    resampled, weld,
+};
+use crate::{RigError, TriMesh};
+use std::sync::Arc;
+use thenar::contact::{DistanceGrid, MeshShape, Shape};
+use thenar::{Pose, Quat, Vec3};
+
+/// What decides the mass of a body.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub enum Weight {
+    /// Density \[kg/m³\].
+    Density(f64),
+    /// Mass \[kg\].
+    Mass(f64),
+}
+
+impl Weight {
+    /// The mass of a body of this volume \[m³\].
+    pub fn mass(self, volume: f64) -> Result<f64, RigError> {
+        match self {
+            Self::Density(density) => Ok(positive("density", density)? * volume),
+            Self::Mass(mass) => positive("mass", mass),
+        }
+    }
+}
+
+/// How a mesh becomes a rigid body.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct ImportOptions {
+    /// Distance grid.
+    pub grid: GridOptions,
+    /// At most so many contact points.
+    pub points_max: usize,
+    /// Thickness of a mesh without inside \[m\]; `None` is 1/25 of its longest side.
+    pub shell_thickness: Option<f64>,
+    /// Coulomb friction coefficient.
+    pub friction: f64,
+}
+
+impl Default for ImportOptions {
+    fn default() -> Self {
+        let grid = GridOptions::default();
+        Self { grid, points_max: 2000, shell_thickness: None, friction: 0.5 }
+    }
+}
+
+/// How the inside of a mesh was found.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub enum Interior {
+    /// Closed without overlaps: exact integrals.
+    Closed,
+    /// Open or overlapping: winding number at least ½, integrated over the grid.
+    Winding,
+    /// None: a shell of this thickness \[m\] around the surface.
+    Shell(f64),
+}
+
+/// What became of a mesh.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct MeshReport {
+    /// After welding and orienting.
+    pub topology: Topology,
+    /// What was turned.
+    pub orientation: Orientation,
+    /// Vertices merged into others.
+    pub welded_vertices: usize,
+    /// Triangles dropped as degenerate.
+    pub dropped_triangles: usize,
+    /// How the inside was found.
+    pub interior: Interior,
+    /// Volume \[m³\].
+    pub volume: f64,
+    /// Contact points.
+    pub contact_points: usize,
+    /// Spacing of the distance grid \[m\].
+    pub grid_cell: f64,
+    /// Values of the distance grid.
+    pub grid_values: usize,
+}
+
+/// Smallest and largest admissible longest side of a body \[m\].
+const SIZE_RANGE: [f64; 2] = [1e-4, 1e3];
+/// Vertices closer than this part of the mesh's size are one.
+const WELD: f64 = 1e-6;
+/// Exact and grid volume agree when they differ by less than this part.
+const VOLUME_AGREEMENT: f64 = 0.03;
+/// Edges of the contact mesh are at most so many grid cells long.
+const POINT_SPACING_CELLS: f64 = 4.0;
+
+/// Makes a rigid body of a mesh, by the method of this module's head. The mesh may be open, of
+/// many parts, or a sheet.
+///
+/// # Errors
+/// When the mesh is malformed, a single point or line, or outside sensible scale.
+pub fn rigid_from_mesh(
+    name: &str,
+    mesh: &TriMesh,
+    weight: Weight,
+    options: &ImportOptions,
+) -> Result<(RigidModel, MeshReport), RigError> {
+    weight.mass(1.0)?;
+    mesh.check()?;
+    let size = sensible_size(mesh)?;
+    let welded = weld(mesh, WELD * size);
+    let mut clean = welded.mesh.compacted();
+    clean.triangles.retain({
+        let positions = clean.positions.clone();
+        move |t| {
+            let [a, b, c] = t.map(|v| positions[v as usize]);
+            (b - a).cross(&(c - a)).norm() > 0.0
+        }
+    });
+    if clean.triangles.is_empty() {
+        return Err(RigError::invalid("all triangles of the mesh are without area"));
+    }
+    let orientation = clean.orient()?;
+    let topology = Topology::of(&clean);
+
+    let (interior, grid, body) = inside_of(&clean, &topology, size, options)?;
+    let mass = weight.mass(body.mass)?;
+    let pose_MB = Pose::new(body.centre, Quat::identity());
+    let model = assemble(name, mesh, &clean, grid, body.with_mass(mass), pose_MB, options)?;
+    let Shape::Mesh(shape) = &model.shape else {
+        return Err(RigError::invalid("a mesh must have a mesh shape"));
+    };
+    let report = MeshReport {
+        topology,
+        orientation,
+        welded_vertices: mesh.positions.len() - clean.positions.len(),
+        dropped_triangles: mesh.triangles.len() - clean.triangles.len(),
+        interior,
+        volume: body.mass,
+        contact_points: shape.points.len(),
+        grid_cell: shape.grid.cell,
+        grid_values: shape.grid.values.len(),
+    };
+    Ok((model, report))
+}
+
+/// Longest side of the mesh, if it is one that a body may have.
+pub(crate) fn sensible_size(mesh: &TriMesh) -> Result<f64, RigError> {
+    let [min, max] = mesh.bounds();
+    let size = (max - min).max();
+    let [low, high] = SIZE_RANGE;
+    if size < low || size > high {
+        return Err(RigError::invalid(format!(
+            "the mesh is {size:e} m long, outside {low:e} to {high:e} m (is the scale right?)"
+        )));
+    }
+    Ok(size)
+}
+
+/// Interior, grid and mass properties at density 1.
+fn inside_of(
+    mesh: &TriMesh,
+    topology: &Topology,
+    size: f64,
+    options: &ImportOptions,
+) -> Result<(Interior, DistanceGrid, MassProperties), RigError> {
+    let bvh = Bvh::new(mesh);
+    let grid = distance_grid(mesh, &bvh, Inside::Winding, &options.grid)?;
+    let on_grid = mass_of_grid(&grid, 1.0);
+    let exact = MassProperties::of_solid(mesh, 1.0);
+
+    if topology.closed() && topology.oriented() {
+        if let (Ok(exact), Ok(on_grid)) = (&exact, &on_grid) {
+            if (exact.mass / on_grid.mass - 1.0).abs() < VOLUME_AGREEMENT {
+                return Ok((Interior::Closed, grid, *exact));
+            }
+        }
+        // Thinner than the grid resolves, but of one piece and sound.
+        if let (Ok(exact), 1) = (exact, topology.components) {
+            return Ok((Interior::Closed, grid, exact));
+        }
+    }
+    // A sheet too has half of each crossed cell inside: ask for more.
+    let sheet = 0.75 * mesh.area() * grid.cell;
+    match on_grid {
+        Ok(body) if deep_values(&grid) > 0 && body.mass > 0.1 * sheet => {
+            Ok((Interior::Winding, grid, body))
+        }
+        _ => {
+            let thickness = match options.shell_thickness {
+                Some(t) => positive("shell_thickness", t)?,
+                None => size / 25.0,
+            };
+            let grid = distance_grid(mesh, &bvh, Inside::Shell(thickness), &options.grid)?;
+            let body = mass_of_grid(&grid, 1.0)?;
+            Ok((Interior::Shell(thickness), grid, body))
+        }
+    }
+}
+
+/// Number of grid points more than half a cell inside.
+fn deep_values(grid: &DistanceGrid) -> usize {
+    grid.values.iter().filter(|&&d| f64::from(d) < -0.5 * grid.cell).count()
+}
+
+fn assemble(
+    name: &str,
+    drawn: &TriMesh,
+    clean: &TriMesh,
+    grid: DistanceGrid,
+    body: MassProperties,
+    pose_MB: Pose,
+    options: &ImportOptions,
+) -> Result<RigidModel, RigError> {
+    let to_B = |p: &Vec3| p - pose_MB.position;
+    // Areas per point and spacing of the grid both bound how dense points are useful.
+    let by_count = (clean.area() * 1.5 / options.points_max.max(16) as f64).sqrt();
+    let spacing = (POINT_SPACING_CELLS * grid.cell).max(by_count);
+    let contact = resampled(clean, spacing, options.points_max.max(16))?;
+    let shape = MeshShape {
+        points: contact.positions.iter().map(to_B).collect(),
+        triangles: contact.triangles,
+        grid: DistanceGrid { origin: to_B(&grid.origin), ..grid },
+    };
+    Ok(RigidModel {
+        name: name.to_owned(),
+        mass: body.mass,
+        inertia: body.inertia,
+        pose_MB,
+        shape: Shape::Mesh(Arc::new(shape)),
+        pose_BS: Pose::identity(),
+        render: drawn.clone().transformed(&pose_MB.inverse()),
+        paint: Vec::new(),
+        friction: options.friction,
+    })
+}
