@@ -1,3 +1,17 @@
-//! Scenes: what is in them, what moves them, what is measured.
+//! Declarative scenes, drivers and probes for Thenar: what is in a scene, what moves it, what is
+//! measured.
+//!
+//! A scene is one TOML file; `docs/scene.md` describes its keys, `docs/scene.schema.json` is
+//! the same for editors.
 
+mod math {
+    pub use thenar::math::*;
+}
+
+pub mod build;
+pub mod format;
 pub mod motion;
+pub mod session;
+pub mod text;
+
+pub use text::SceneError;

@@ -1,0 +1,63 @@
+//! Hands.
+
+use super::{DriveTable, LawWord, MotionTable, Rotation};
+use crate::math::Vec3;
+use crate::text::{At, table};
+
+table! {
+    /// Changes to the flesh of a hand; what is left out stays as the model has it.
+    pub struct HandMaterial {
+        /// "corotational", "neo-hookean" or "stable-neo-hookean".
+        law: Option<LawWord>;
+        /// Young's modulus [Pa].
+        young: Option<f64> where YOUNG;
+        /// Poisson's ratio.
+        poisson: Option<f64> where POISSON;
+        /// Density [kg/m³].
+        density: Option<f64> where DENSITY;
+        /// Rayleigh damping: part of the mass matrix [1/s].
+        mass_damping: Option<f64> where SPRING;
+        /// Rayleigh damping: part of the stiffness matrix [s].
+        stiffness_damping: Option<f64> where SPRING;
+    }
+}
+
+table! {
+    /// A hand: 16 bones in soft flesh, following a motion. Its bones are rigid bodies named
+    /// `hand/bone` and its joints `hand/joint`, where `hand` is its name.
+    pub struct Hand {
+        /// Name, unique in the scene.
+        name: At<String>;
+        /// "right" or "left" for the built-in hands, or the path of a `.thenar` or `.glb` file,
+        /// relative to the scene file. Default "right".
+        model: Option<At<String>>;
+        /// Tetrahedra wanted, when the model is built from a mesh. Default 600.
+        tets: u32 where TETS = 600;
+        /// Wrist to middle fingertip [m]; left out, as the mesh has it.
+        length: Option<f64> where HAND_LENGTH;
+        /// Start position of the model frame, world [m]. Default [0, 0, 0].
+        position: Vec3 where PLACE = Vec3::zeros();
+        /// Start rotation. Default none.
+        rotation: Option<At<Rotation>>;
+        /// Spring between flesh and bones per volume of flesh [N/m⁴]. Default 1e8.
+        coupling_stiffness: f64 where SPRING = 1e8;
+        /// Damping time of these springs [s]. Default 0.001.
+        coupling_damping_time: f64 where SPRING = 1e-3;
+        /// Changes to the flesh.
+        material: Option<HandMaterial>;
+        /// Coulomb friction coefficient of the skin; left out, the model's.
+        friction: Option<f64> where FRICTION;
+        /// False leaves the flesh out: a skeleton that touches nothing. Default true.
+        flesh: bool = true;
+        /// The motion to follow. Without one the hand holds its start pose.
+        motion: Option<At<MotionTable>>;
+        /// False lets the hand go: no drives, whatever the motion. Default true.
+        driven: bool = true;
+        /// Drive of the palm. Default: 1000 N/m, 10 N s/m, 10 N m/rad, 0.1 N m s/rad.
+        palm_drive: Option<DriveTable>;
+        /// Drive of every other bone. Default: 200 N/m, 1 N s/m, 0.3 N m/rad, 0.003 N m s/rad.
+        bone_drive: Option<DriveTable>;
+        /// Colour in pictures: red, green, blue from 0 to 1.
+        colour: Option<[f64; 3]> where FRACTION;
+    }
+}

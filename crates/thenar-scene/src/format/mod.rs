@@ -1,0 +1,44 @@
+//! The tables of a scene file. Each is declared once; reader, schema and the reference in
+//! `docs/scene.md` follow from the declaration.
+
+#![allow(rustdoc::broken_intra_doc_links)] // units stand in brackets, as in the schema
+
+mod camera;
+mod hand;
+mod joint;
+mod load;
+mod motion;
+mod pose;
+mod probe;
+mod profile;
+mod rigid;
+mod scene;
+mod selector;
+mod soft;
+mod solver;
+
+pub use camera::Camera;
+pub use hand::{Hand, HandMaterial};
+pub use joint::{Joint, JointWord};
+pub use load::{
+    ForceLoad, JointTorqueLoad, Load, NodeForceLoad, PressureLoad, TorqueLoad, TractionLoad,
+    TwistLoad,
+};
+pub use motion::{
+    CurlTable, HandKey, JointAngles, KeyframesTable, LimitsWord, MotionFileTable, MotionTable,
+    RecordedTable, SideOfHandWord, WristTable,
+};
+pub use pose::{DriveTable, InterpolationWord, Keyframe, Placement, Rotation};
+pub use probe::{
+    ContactProbe, JointProbe, NodesProbe, PointProbe, Probe, ProbeBody, ProbeHand, ProbeMomentum,
+    ProbeName, QuantityWord, RadiusProbe, StressProbe, StressWord,
+};
+pub use profile::{Constant, KeyframeProfile, Profile, RampProfile, RandomProfile, SineProfile};
+pub use rigid::{MeshShape, MotionWord, Rigid, Shape};
+pub use scene::{Pair, Scene};
+pub use selector::{Selector, Shell, SideWord};
+pub use soft::{
+    BallShape, Bind, BreadShape, Deform, ExplicitShape, FileShape, FixedSet, LatticeShape, LawWord,
+    MaterialTable, MeshSoftShape, Region, Soft, SoftShape, SplitWord,
+};
+pub use solver::{ConeWord, FleshWord, SolverTable, SolverWord};

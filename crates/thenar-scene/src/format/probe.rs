@@ -1,0 +1,187 @@
+//! Probes.
+
+use super::Selector;
+use crate::math::Vec3;
+use crate::text::{At, choice, table, words};
+
+table! {
+    /// A probe of the whole scene.
+    pub struct ProbeName {
+        /// Name, unique among probes; the start of its column names.
+        name: At<String>;
+    }
+}
+
+table! {
+    /// A probe of one body.
+    pub struct ProbeBody {
+        /// Name, unique among probes; the start of its column names.
+        name: At<String>;
+        /// The body; a bone is `hand/bone`, a hand's own name is its flesh.
+        body: At<String>;
+    }
+}
+
+table! {
+    /// A probe of one hand.
+    pub struct ProbeHand {
+        /// Name, unique among probes; the start of its column names.
+        name: At<String>;
+        /// The hand.
+        hand: At<String>;
+    }
+}
+
+table! {
+    /// Momentum of some bodies, or of all that move.
+    pub struct ProbeMomentum {
+        /// Name, unique among probes; the start of its column names.
+        name: At<String>;
+        /// The bodies; a hand's name with `/*` stands for all its bones. Default: all.
+        bodies: Option<At<Vec<String>>>;
+        /// Point for the angular momentum, world [m]. Default: the bodies' centre of mass.
+        about: Option<Vec3> where PLACE;
+    }
+}
+
+table! {
+    /// A point that moves with a rigid body.
+    pub struct PointProbe {
+        /// Name, unique among probes; the start of its column names.
+        name: At<String>;
+        /// The rigid body; a bone is `hand/bone`.
+        body: At<String>;
+        /// The point in the body's frame [m]. Default: the centre of mass.
+        point: Vec3 where PLACE = Vec3::zeros();
+    }
+}
+
+table! {
+    /// A joint's angles and rates.
+    pub struct JointProbe {
+        /// Name, unique among probes; the start of its column names.
+        name: At<String>;
+        /// The joint; of a hand, `hand/joint`.
+        joint: At<String>;
+    }
+}
+
+words! {
+    /// What is averaged over nodes.
+    pub enum QuantityWord {
+        /// Place, world [m].
+        "position" => Position,
+        /// Place less the place of the undeformed body at its start pose [m].
+        "displacement" => Displacement,
+        /// Velocity, world [m/s].
+        "velocity" => Velocity,
+        /// The place that the bones wish (f of Eq. 6) [m].
+        "target" => Target,
+    }
+}
+
+table! {
+    /// A mean over nodes of a soft body.
+    pub struct NodesProbe {
+        /// Name, unique among probes; the start of its column names.
+        name: At<String>;
+        /// The soft body or hand.
+        body: At<String>;
+        /// Which nodes. Default: all.
+        nodes: Option<At<Selector>>;
+        /// "position" (default), "displacement", "velocity" or "target".
+        quantity: QuantityWord = QuantityWord::Position;
+    }
+}
+
+table! {
+    /// The mean distance of nodes from an axis.
+    pub struct RadiusProbe {
+        /// Name, unique among probes; the start of its column names.
+        name: At<String>;
+        /// The soft body or hand.
+        body: At<String>;
+        /// Which nodes. Default: all.
+        nodes: Option<At<Selector>>;
+        /// A point on the axis, world [m].
+        origin: Vec3 where PLACE = Vec3::zeros();
+        /// Its direction, world.
+        axis: Vec3 where PLACE;
+        /// "position" (default) or "target".
+        quantity: QuantityWord = QuantityWord::Position;
+    }
+}
+
+table! {
+    /// Contact between two bodies.
+    pub struct ContactProbe {
+        /// Name, unique among probes; the start of its column names.
+        name: At<String>;
+        /// The two bodies; forces are those on the first.
+        bodies: [At<String>; 2];
+    }
+}
+
+words! {
+    /// Which stress.
+    pub enum StressWord {
+        /// Cauchy stress: force over deformed area, world axes.
+        "cauchy" => Cauchy,
+        /// First Piola-Kirchhoff stress: force (world axes) over rest area (model axes).
+        "nominal" => Nominal,
+    }
+}
+
+table! {
+    /// Stress of elements: mean by volume, and the largest deviation of any element from it.
+    pub struct StressProbe {
+        /// Name, unique among probes; the start of its column names.
+        name: At<String>;
+        /// The soft body or hand.
+        body: At<String>;
+        /// Which elements. Default: all.
+        elements: Option<At<Selector>>;
+        /// "cauchy" (default) or "nominal".
+        stress: StressWord = StressWord::Cauchy;
+    }
+}
+
+choice! {
+    /// Something measured over time.
+    pub enum Probe by "measure" {
+        /// Position [m] and quaternion of a rigid body, world.
+        "pose" => Pose(ProbeBody),
+        /// Velocity of the centre of mass [m/s] and angular velocity [rad/s] of a rigid body.
+        "velocity" => Velocity(ProbeBody),
+        /// Position [m] of a point that moves with a rigid body.
+        "point" => Point(PointProbe),
+        /// Angles [rad] and rates [rad/s] of a joint.
+        "joint" => Joint(JointProbe),
+        /// Energies of the whole scene [J].
+        "energy" => Energy(ProbeName),
+        /// Kinetic energy and energy of weight of one body [J].
+        "body-energy" => BodyEnergy(ProbeBody),
+        /// Linear [kg m/s] and angular momentum [kg m²/s].
+        "momentum" => Momentum(ProbeMomentum),
+        /// Mean of nodes of a soft body.
+        "nodes" => Nodes(NodesProbe),
+        /// Best-fit rotation vector of nodes against their start [rad].
+        "rotation" => Rotation(NodesProbe),
+        /// Mean distance of nodes from an axis [m].
+        "radius" => Radius(RadiusProbe),
+        /// Volume of a soft body [m³].
+        "volume" => Volume(ProbeBody),
+        /// Stress of elements [Pa].
+        "stress" => Stress(StressProbe),
+        /// Force [N], area [m²], centre of pressure [m] and penetration [m] between two bodies.
+        "contact" => Contact(ContactProbe),
+        /// Normal and shear force [N] and contact area [m²] of each finger of a hand.
+        "fingers" => Fingers(ProbeHand),
+        /// Force [N] and torque [N m] that flesh puts on a rigid body inside it.
+        "bone-force" => BoneForce(ProbeBody),
+        /// Force [N] and torque [N m] that a drive puts on its body.
+        "drive-force" => DriveForce(ProbeBody),
+        /// What the solver reports of each step.
+        "step" => Step(ProbeName),
+    }
+}

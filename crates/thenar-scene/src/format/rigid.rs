@@ -1,0 +1,125 @@
+//! Rigid bodies.
+
+use super::{DriveTable, InterpolationWord, Keyframe, Placement, Rotation};
+use crate::math::Vec3;
+use crate::text::{At, choice, table, words};
+
+table! {
+    /// A box, its centre at the origin.
+    pub struct BoxShape {
+        /// Edge lengths along x, y, z [m].
+        size: Vec3 where SIZE;
+    }
+}
+
+table! {
+    /// A sphere, its centre at the origin.
+    pub struct SphereShape {
+        /// Radius [m].
+        radius: f64 where SIZE;
+    }
+}
+
+table! {
+    /// A rounded segment along y, its centre at the origin.
+    pub struct CapsuleShape {
+        /// Radius [m].
+        radius: f64 where SIZE;
+        /// Length of the segment, caps excluded [m].
+        length: f64 where SIZE;
+    }
+}
+
+table! {
+    /// All points with y <= 0; its normal is +y. Not for dynamic bodies.
+    pub struct PlaneShape {}
+}
+
+table! {
+    /// The built-in toy car; it drives along +x, wheels at -y.
+    pub struct CarShape {
+        /// Length [m]. Default 0.09.
+        length: f64 where SIZE = 0.09;
+    }
+}
+
+table! {
+    /// A triangle mesh from a file (GLB, OBJ, STL); its frame is moved to the centre of mass.
+    pub struct MeshShape {
+        /// Path, relative to the scene file.
+        file: At<String>;
+        /// Factor on all coordinates. Default 1.
+        scale: f64 where SCALE = 1.0;
+        /// Cells of the distance grid along the longest edge. Default 48.
+        grid: u32 where CELLS = 48;
+    }
+}
+
+choice! {
+    /// A contact shape in the body's frame.
+    pub enum Shape by "kind" {
+        /// A box.
+        "box" => Box(BoxShape),
+        /// A sphere.
+        "sphere" => Sphere(SphereShape),
+        /// A capsule along y.
+        "capsule" => Capsule(CapsuleShape),
+        /// A half space below y = 0.
+        "plane" => Plane(PlaneShape),
+        /// The built-in toy car.
+        "car" => Car(CarShape),
+        /// A triangle mesh from a file.
+        "mesh" => Mesh(MeshShape),
+    }
+}
+
+words! {
+    /// How a rigid body moves.
+    pub enum MotionWord {
+        /// By forces.
+        "dynamic" => Dynamic,
+        /// Not at all.
+        "fixed" => Fixed,
+        /// As its keyframes say; without keyframes at its constant velocity.
+        "scripted" => Scripted,
+    }
+}
+
+table! {
+    /// A rigid body. Its frame has its origin at the centre of mass.
+    pub struct Rigid {
+        /// Name, unique in the scene.
+        name: At<String>;
+        /// Contact shape; without one the body touches nothing.
+        shape: Option<At<Shape>>;
+        /// Placement of the shape in the body's frame. Default: the same frame.
+        shape_frame: Option<Placement>;
+        /// "dynamic" (default), "fixed" or "scripted".
+        motion: MotionWord = MotionWord::Dynamic;
+        /// Mass [kg]. A dynamic body needs `mass` or `density`.
+        mass: Option<f64> where MASS;
+        /// Density of its shape [kg/m³].
+        density: Option<f64> where DENSITY;
+        /// Inertia about the centre of mass in the body's frame [kg m²]: [Ixx, Iyy, Izz] or
+        /// [Ixx, Iyy, Izz, Ixy, Ixz, Iyz]. Left out, that of the homogeneous shape.
+        inertia: Option<At<Vec<f64>>> where INERTIA;
+        /// Start position, world [m]. Default [0, 0, 0].
+        position: Option<At<Vec3>> where PLACE;
+        /// Start rotation. Default none.
+        rotation: Option<At<Rotation>>;
+        /// Start velocity of the centre of mass, world [m/s]. Default [0, 0, 0].
+        velocity: Vec3 where RATE = Vec3::zeros();
+        /// Start angular velocity, world [rad/s]. Default [0, 0, 0].
+        angular_velocity: Vec3 where RATE = Vec3::zeros();
+        /// Coulomb friction coefficient. Default 0.5.
+        friction: f64 where FRICTION = 0.5;
+        /// Pose over time: of a scripted body, or of the target of `drive`.
+        keyframes: Vec<At<Keyframe>>;
+        /// Between keyframes: "smooth" (default) or "linear".
+        interpolation: InterpolationWord = InterpolationWord::Smooth;
+        /// Pulls a dynamic body towards its keyframes, or towards its start pose.
+        drive: Option<At<DriveTable>>;
+        /// Colour in pictures: red, green, blue from 0 to 1.
+        colour: Option<[f64; 3]> where FRACTION;
+    }
+}

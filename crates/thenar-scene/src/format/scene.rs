@@ -1,0 +1,56 @@
+//! The file as a whole.
+
+use super::{Camera, Hand, Joint, Load, Probe, Rigid, Soft, SolverTable};
+use crate::math::Vec3;
+use crate::text::{At, table};
+
+table! {
+    /// A scene: what exists, what acts on it, and what is measured.
+    pub struct Scene {
+        /// Version of the format: 1.
+        version: u32 where VERSION;
+        /// One line that says what is to be seen.
+        title: Option<String>;
+        /// More words.
+        description: Option<String>;
+        /// Gravity, world [m/s²]. Default [0, -9.81, 0].
+        gravity: Vec3 where RATE = Vec3::new(0.0, -9.81, 0.0);
+        /// Time step [s]. Default 0.001.
+        time_step: f64 where TIME_STEP = 1e-3;
+        /// Simulated time of a run [s]. Default 1.
+        duration: f64 where DURATION = 1.0;
+        /// Time between rows of the probe table [s]; rows fall on the nearest step. Default: every step.
+        probe_interval: Option<f64> where DURATION;
+        /// Solver settings.
+        solver: Option<SolverTable>;
+        /// Where a picture is taken from.
+        camera: Option<Camera>;
+        /// Hands.
+        hand: Vec<Hand>;
+        /// Rigid bodies.
+        rigid: Vec<Rigid>;
+        /// Joints between rigid bodies.
+        joint: Vec<Joint>;
+        /// Soft bodies.
+        soft: Vec<Soft>;
+        /// Forces, torques, tractions and pressures.
+        load: Vec<Load>;
+        /// Contact settings of pairs of bodies.
+        pair: Vec<Pair>;
+        /// What is measured.
+        probe: Vec<Probe>;
+    }
+}
+
+table! {
+    /// Contact between two bodies, where it differs from the default: Coulomb friction with the
+    /// geometric mean of the two coefficients.
+    pub struct Pair {
+        /// The two bodies' names. A hand's name stands for its flesh.
+        bodies: [At<String>; 2];
+        /// Coulomb friction coefficient of this pair.
+        friction: Option<f64> where FRICTION;
+        /// False lets the two pass through each other. Default true.
+        contact: bool = true;
+    }
+}

@@ -1,0 +1,226 @@
+//! Soft bodies.
+
+use super::{Rotation, Selector};
+use crate::math::Vec3;
+use crate::text::{At, choice, table, words};
+
+words! {
+    /// How a lattice cell is cut into tetrahedra.
+    pub enum SplitWord {
+        /// Six around the diagonal from the least to the greatest corner.
+        "kuhn" => Kuhn,
+        /// Five, mirrored from cell to cell.
+        "five" => Five,
+    }
+}
+
+table! {
+    /// A box of cells, each cut into tetrahedra: `size` with `cells` (centred on the origin), or
+    /// the coordinates of the cell planes.
+    pub struct LatticeShape {
+        /// Edge lengths [m].
+        size: Option<Vec3> where SIZE;
+        /// Cells along x, y, z.
+        cells: Option<[u32; 3]> where CELLS;
+        /// Coordinates of the cell planes along x, y and z [m], each ascending.
+        coordinates: Option<[Vec<f64>; 3]> where PLACE;
+        /// "kuhn" (default) or "five" tetrahedra per cell.
+        split: SplitWord = SplitWord::Kuhn;
+        /// Moves inner nodes at random by up to this part of the cell. Default 0.
+        jitter: f64 where JITTER = 0.0;
+        /// Seed of the jitter. Default 1.
+        seed: u32 where INDEX = 1;
+    }
+}
+
+table! {
+    /// A ball of shells of triangles, perhaps with a hollow core to bind or fix.
+    pub struct BallShape {
+        /// Outer radius [m].
+        radius: f64 where SIZE;
+        /// Radius of the core left out [m]. Default 0: none.
+        core_radius: f64 where CORE = 0.0;
+        /// Subdivisions of the icosahedron: 10·4ⁿ + 2 nodes on each shell. Default 3.
+        subdivisions: u32 where SUBDIVISIONS = 3;
+        /// Shells of elements. Default 4.
+        layers: u32 where CELLS = 4;
+        /// Ratio of the thickness of the outermost to that of the innermost shell. Default 1.
+        grading: f64 where GRADING = 1.0;
+        /// Direction towards which the surface is refined.
+        refine_towards: Option<Vec3> where PLACE;
+        /// How many times finer it is there. Default 1.
+        refine: f64 where GRADING = 1.0;
+    }
+}
+
+table! {
+    /// A closed triangle mesh from a file (GLB, OBJ, STL), embedded in tetrahedra.
+    pub struct MeshSoftShape {
+        /// Path, relative to the scene file.
+        file: At<String>;
+        /// Factor on all coordinates. Default 1.
+        scale: f64 where SCALE = 1.0;
+        /// Tetrahedra wanted. Default 1000.
+        tets: u32 where TETS = 1000;
+    }
+}
+
+table! {
+    /// The built-in loaf of bread, lying along x on y = 0.
+    pub struct BreadShape {
+        /// Length [m]. Default 0.16.
+        length: f64 where SIZE = 0.16;
+        /// Tetrahedra wanted. Default 600.
+        tets: u32 where TETS = 600;
+    }
+}
+
+table! {
+    /// Nodes and tetrahedra written out.
+    pub struct ExplicitShape {
+        /// Node positions [m].
+        nodes: At<Vec<Vec3>> where PLACE;
+        /// Four node indices for each tetrahedron, in either orientation.
+        tets: At<Vec<[u32; 4]>> where INDEX;
+    }
+}
+
+table! {
+    /// Nodes and tetrahedra from a file: TOML with `nodes` and `tets`, as written out.
+    pub struct FileShape {
+        /// Path, relative to the scene file.
+        file: At<String>;
+        /// Factor on all coordinates. Default 1.
+        scale: f64 where SCALE = 1.0;
+    }
+}
+
+choice! {
+    /// The rest shape of a soft body.
+    pub enum SoftShape by "kind" {
+        /// A box of cells.
+        "lattice" => Lattice(LatticeShape),
+        /// A ball, perhaps with a core.
+        "ball" => Ball(BallShape),
+        /// A closed triangle mesh, embedded.
+        "mesh" => Mesh(MeshSoftShape),
+        /// A loaf of bread.
+        "bread" => Bread(BreadShape),
+        /// Nodes and tetrahedra written out.
+        "tets" => Explicit(ExplicitShape),
+        /// Nodes and tetrahedra from a file.
+        "tet-file" => File(FileShape),
+    }
+}
+
+words! {
+    /// Constitutive law.
+    pub enum LawWord {
+        /// Linear elasticity in the element's rotated frame.
+        "corotational" => Corotational,
+        /// μ/2 (I₁ − 3) − μ ln J + λ/2 ln² J.
+        "neo-hookean" => NeoHookean,
+        /// Neo-Hookean that stays finite when an element inverts.
+        "stable-neo-hookean" => StableNeoHookean,
+    }
+}
+
+table! {
+    /// A material; what is left out keeps the value of the body's material, or the default.
+    pub struct MaterialTable {
+        /// "corotational" (default), "neo-hookean" or "stable-neo-hookean".
+        law: Option<LawWord>;
+        /// Young's modulus [Pa]. Default 50 000.
+        young: Option<f64> where YOUNG;
+        /// Poisson's ratio. Default 0.4.
+        poisson: Option<f64> where POISSON;
+        /// Density [kg/m³]. Default 1000.
+        density: Option<f64> where DENSITY;
+    }
+}
+
+table! {
+    /// A part of the body with its own material; later parts win.
+    pub struct Region {
+        /// Which elements.
+        elements: Selector;
+        /// Their material.
+        material: MaterialTable;
+    }
+}
+
+table! {
+    /// Nodes that are held where they start.
+    pub struct FixedSet {
+        /// Which nodes.
+        nodes: At<Selector>;
+        /// World axes along which they are held, e.g. "xyz" (default) or "x".
+        axes: Option<At<String>>;
+    }
+}
+
+table! {
+    /// Nodes bound to one or two rigid bodies by springs to their skinned place (Eq. 6-9).
+    pub struct Bind {
+        /// Which nodes.
+        nodes: At<Selector>;
+        /// Names of one or two rigid bodies ("bones").
+        bones: At<Vec<String>>;
+        /// Their weights, of sum 1. Default: equal.
+        weights: At<Vec<f64>> where FRACTION = At::none();
+        /// Spring per volume of flesh [N/m⁴]; without `node_stiffness`. Default 1e9.
+        stiffness: Option<f64> where SPRING;
+        /// Spring of each node [N/m].
+        node_stiffness: Option<f64> where SPRING;
+    }
+}
+
+table! {
+    /// A start deformation of the rest shape, in the model frame: x = matrix · X + offset.
+    pub struct Deform {
+        /// Rows of the matrix. Default: the unit matrix.
+        matrix: [Vec3; 3] where PLACE = [Vec3::x(), Vec3::y(), Vec3::z()];
+        /// Offset [m]. Default [0, 0, 0].
+        offset: Vec3 where PLACE = Vec3::zeros();
+        /// Which nodes. Default: all.
+        nodes: Option<At<Selector>>;
+    }
+}
+
+table! {
+    /// A soft body of linear tetrahedra.
+    pub struct Soft {
+        /// Name, unique in the scene.
+        name: At<String>;
+        /// Rest shape.
+        shape: At<SoftShape>;
+        /// Material.
+        material: Option<MaterialTable>;
+        /// Parts with other materials.
+        region: Vec<Region>;
+        /// Rayleigh damping: part of the mass matrix [1/s]. Default 0.
+        mass_damping: f64 where SPRING = 0.0;
+        /// Rayleigh damping: part of the stiffness matrix [s]. Default 0.
+        stiffness_damping: f64 where SPRING = 0.0;
+        /// Start position of the model frame, world [m]. Default [0, 0, 0].
+        position: Vec3 where PLACE = Vec3::zeros();
+        /// Start rotation. Default none.
+        rotation: Option<At<Rotation>>;
+        /// Start velocity of all nodes, world [m/s]. Default [0, 0, 0].
+        velocity: Vec3 where RATE = Vec3::zeros();
+        /// Start deformations, in turn.
+        deform: Vec<At<Deform>>;
+        /// Held nodes.
+        fixed: Vec<FixedSet>;
+        /// Nodes bound to rigid bodies.
+        bind: Vec<Bind>;
+        /// Damping time of these bonds: damper = time × spring [s]. Default 0.001.
+        bind_damping_time: f64 where SPRING = 1e-3;
+        /// False makes the body touch nothing. Default true.
+        contact: bool = true;
+        /// Coulomb friction coefficient. Default 0.5.
+        friction: f64 where FRICTION = 0.5;
+        /// Colour in pictures: red, green, blue from 0 to 1.
+        colour: Option<[f64; 3]> where FRACTION;
+    }
+}

@@ -1,0 +1,57 @@
+//! Solver settings.
+
+use crate::text::{table, words};
+
+words! {
+    /// Which solver steps the world.
+    pub enum SolverWord {
+        /// Skeleton first, then flesh and skeleton without joints (paper, Sec. 4).
+        "two-step" => TwoStep,
+        /// One dense solve of Eq. 9 with its joint rows; slow, a reference for comparison.
+        "monolithic" => Monolithic,
+    }
+}
+
+words! {
+    /// Friction cone.
+    pub enum ConeWord {
+        /// The exact circular Coulomb cone.
+        "circular" => Circular,
+        /// The paper's linearised cone, a four-sided pyramid.
+        "linearised" => Linearised,
+    }
+}
+
+words! {
+    /// What step 1 assumes of the flesh.
+    pub enum FleshWord {
+        /// It yields by its own inertia; stable at any coupling stiffness.
+        "lumped" => Lumped,
+        /// It does not move (Eq. 10); diverges when the coupling is stiff.
+        "frozen" => Frozen,
+    }
+}
+
+table! {
+    /// Solver settings; what is left out keeps the library's default.
+    pub struct SolverTable {
+        /// "two-step" (the paper's, default) or "monolithic" (a dense reference).
+        kind: Option<SolverWord>;
+        /// Friction cone: "circular" (default) or "linearised".
+        cone: Option<ConeWord>;
+        /// Flesh in step 1: "lumped" (default) or "frozen" (the paper's).
+        step1_flesh: Option<FleshWord>;
+        /// Conjugate gradients stop at this residual relative to the right-hand side. Default 1e-5.
+        cg_tolerance: Option<f64> where TOLERANCE;
+        /// Most conjugate-gradient iterations. Default 500.
+        cg_iterations_max: Option<u32> where ITERATIONS;
+        /// Constraint anticipation stops at this relative residual. Default 1e-3.
+        contact_tolerance: Option<f64> where TOLERANCE;
+        /// Most outer sweeps of constraint anticipation. Default 200.
+        contact_sweeps_max: Option<u32> where ITERATIONS;
+        /// Gauss-Seidel passes over the contacts within one sweep. Default 4.
+        contact_inner_passes: Option<u32> where ITERATIONS;
+        /// Points nearer than this become constraints before they touch [m]. Default 0.001.
+        contact_margin: Option<f64> where MARGIN;
+    }
+}
