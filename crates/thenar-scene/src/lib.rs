@@ -11,6 +11,7 @@ mod math {
 pub mod build;
 pub mod format;
 pub mod motion;
+pub mod reference;
 pub mod session;
 pub mod text;
 

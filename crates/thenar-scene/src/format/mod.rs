@@ -34,7 +34,9 @@ pub use probe::{
     ProbeName, QuantityWord, RadiusProbe, StressProbe, StressWord,
 };
 pub use profile::{Constant, KeyframeProfile, Profile, RampProfile, RandomProfile, SineProfile};
-pub use rigid::{MeshShape, MotionWord, Rigid, Shape};
+pub use rigid::{
+    BoxShape, CapsuleShape, CarShape, MeshShape, MotionWord, PlaneShape, Rigid, Shape, SphereShape,
+};
 pub use scene::{Pair, Scene};
 pub use selector::{Selector, Shell, SideWord};
 pub use soft::{

@@ -143,7 +143,7 @@ table! {
     /// A part of the body with its own material; later parts win.
     pub struct Region {
         /// Which elements.
-        elements: Selector;
+        elements: At<Selector>;
         /// Their material.
         material: MaterialTable;
     }

@@ -18,7 +18,7 @@ pub use fault::{Fault, Place, SceneError};
 pub use node::{Node, Value};
 pub use overrides::{Override, apply as apply_override};
 pub use path::{Cx, Step};
-pub use range::Range;
+pub use range::{Range, plain};
 pub use read::{At, Fields, Read, parse};
 pub use schema::{Defs, document as schema_document};
 pub use suggest::nearest;

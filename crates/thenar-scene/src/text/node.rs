@@ -1,6 +1,6 @@
 //! A TOML document as a tree in which every value knows where it was written.
 
-use super::{Fault, Place};
+use super::{Fault, Place, plain};
 use toml::de::{DeTable, DeValue};
 
 /// A value and its place.
@@ -70,7 +70,7 @@ impl Node {
             Value::Text(s) if s.chars().count() <= 40 => format!("the string \"{s}\""),
             Value::Text(_) => "a long string".into(),
             Value::Integer(i) => format!("{i}"),
-            Value::Float(x) => format!("{x}"),
+            Value::Float(x) => plain(*x),
             Value::Bool(b) => format!("{b}"),
             Value::Date(d) => format!("the date {d}"),
             Value::Array(a) => format!("an array of {}", a.len()),

@@ -26,7 +26,7 @@ impl Range {
     pub const POSITIVE: &'static Range =
         &Range { min: 0.0, max: f64::INFINITY, open_min: true, open_max: false };
     /// Time step \[s\].
-    pub const TIME_STEP: &'static Range = &closed(1e-7, 1e3);
+    pub const TIME_STEP: &'static Range = &closed(1e-7, 10.0);
     /// Duration \[s\].
     pub const DURATION: &'static Range = &closed(0.0, 1e6);
     /// A length of a body \[m\]: 0.1 mm to 100 m.
@@ -101,8 +101,8 @@ impl Range {
         let (min, max) = (self.min, self.max);
         match (min.is_finite(), max.is_finite()) {
             (false, false) => String::new(),
-            (true, false) => format!(" {} {min}", if self.open_min { ">" } else { ">=" }),
-            (false, true) => format!(" {} {max}", if self.open_max { "<" } else { "<=" }),
+            (true, false) => format!(" {} {}", if self.open_min { ">" } else { ">=" }, plain(min)),
+            (false, true) => format!(" {} {}", if self.open_max { "<" } else { "<=" }, plain(max)),
             (true, true) if self.open_min || self.open_max => {
                 format!(" between {min} and {max}, both excluded")
             }
@@ -111,7 +111,11 @@ impl Range {
     }
 }
 
-/// Small and large bounds in powers of ten, others as they are.
-fn plain(x: f64) -> String {
-    if x != 0.0 && !(1e-4..1e6).contains(&x.abs()) { format!("{x:e}") } else { format!("{x}") }
+/// Small and large numbers in powers of ten, others as they are.
+pub fn plain(x: f64) -> String {
+    if x.is_finite() && x != 0.0 && !(1e-3..1e5).contains(&x.abs()) {
+        format!("{x:e}")
+    } else {
+        format!("{x}")
+    }
 }

@@ -9,6 +9,7 @@ mod io;
 mod model;
 mod reference;
 mod response;
+mod start;
 mod state;
 mod two_step;
 

@@ -1,0 +1,120 @@
+//! Hands.
+
+use super::soft::law;
+use super::solver::set;
+use super::{Built, Mesh, assets, drivers, motion, place};
+use crate::format::{Hand, HandMaterial, Scene};
+use crate::math::Pose;
+use crate::motion::HandMotion;
+use crate::text::Fault;
+use std::path::Path;
+use thenar::model::{Drive, Flesh, HandHandle, HandModel, HandPlacement};
+
+/// Palm drive when the scene gives none: the root follows the tracker closely.
+const PALM_DRIVE: Drive =
+    Drive { stiffness: 1000.0, damping: 10.0, angular_stiffness: 10.0, angular_damping: 0.1 };
+/// Drive of other bones when the scene gives none.
+const BONE_DRIVE: Drive =
+    Drive { stiffness: 200.0, damping: 1.0, angular_stiffness: 0.3, angular_damping: 0.003 };
+
+/// A hand in the world.
+#[derive(Clone, Debug)]
+pub struct BuiltHand {
+    /// Name in the scene.
+    pub name: String,
+    /// The model it was made from.
+    pub model: HandModel,
+    /// Where its parts are. `soft` is `u32::MAX` for a hand without flesh.
+    pub handle: HandHandle,
+    /// What it follows; `None` lets it hold its start pose, or go.
+    pub motion: Option<HandMotion>,
+    /// Its bones have drives.
+    pub driven: bool,
+    /// Red, green, blue from 0 to 1, if the scene says.
+    pub colour: Option<[f64; 3]>,
+}
+
+impl BuiltHand {
+    /// The index of its flesh among the deformable bodies, if it has any.
+    pub fn flesh(&self) -> Option<u32> {
+        Some(self.handle.soft).filter(|s| *s != u32::MAX)
+    }
+}
+
+/// Adds all hands.
+pub fn add_all(built: &mut Built, scene: &Scene, folder: &Path) -> Result<(), Fault> {
+    for hand in &scene.hand {
+        add(built, hand, folder)?;
+    }
+    Ok(())
+}
+
+fn add(built: &mut Built, hand: &Hand, folder: &Path) -> Result<(), Fault> {
+    let mut model = assets::hand(hand, folder)?;
+    soften(&mut model.flesh, hand.material.as_ref());
+    set(&mut model.flesh.friction, hand.friction);
+    let own = Pose::new(hand.position, place::rotation(hand.rotation.as_ref())?);
+    let motion = match &hand.motion {
+        Some(table) => Some(motion::load(table, &model, &own, folder)?),
+        None => None,
+    };
+    let pose_WM = motion.as_ref().map_or(own, HandMotion::start_placement);
+    let drive = |table: Option<&crate::format::DriveTable>, default| {
+        hand.driven.then(|| table.map_or(default, drivers::settings))
+    };
+    let placement = HandPlacement {
+        name: hand.name.value.clone(),
+        pose_WM,
+        coupling_stiffness: hand.coupling_stiffness,
+        coupling_damping_time: hand.coupling_damping_time,
+        root_drive: drive(hand.palm_drive.as_ref(), PALM_DRIVE),
+        bone_drive: drive(hand.bone_drive.as_ref(), BONE_DRIVE),
+    };
+    let mut handle = built.world.add_hand(&model, &placement);
+    built.names.add_hand(&hand.name, built.hands.len() as u32)?;
+    if hand.flesh {
+        built.names.add_flesh(&hand.name.value, handle.soft);
+        built.meshes.push(Mesh::new(&model.flesh.nodes, &model.flesh.tets));
+        built.node_starts.push(None);
+    } else {
+        built.world.softs.pop();
+        handle.soft = u32::MAX;
+    }
+    for i in handle.bones.clone() {
+        let name = built.world.rigids[i as usize].name.clone();
+        built.names.add_bone(&name, i);
+        built.looks.push(Default::default());
+    }
+    for j in handle.joints.clone() {
+        let name = built.world.joints[j as usize].name.clone();
+        built.names.add_hand_joint(&name, j);
+    }
+    built.hands.push(BuiltHand {
+        name: hand.name.value.clone(),
+        model,
+        handle,
+        motion: motion.filter(|_| hand.driven),
+        driven: hand.driven,
+        colour: hand.colour,
+    });
+    Ok(())
+}
+
+/// Changes the flesh as the scene says. A model's elements differ in modulus and density by how
+/// much of the body they hold: a change of the largest scales them all.
+fn soften(flesh: &mut Flesh, table: Option<&HandMaterial>) {
+    let Some(t) = table else { return };
+    let largest = |f: fn(&thenar::model::Material) -> f64| {
+        flesh.materials.iter().map(f).fold(f64::MIN_POSITIVE, f64::max)
+    };
+    let young = t.young.map(|e| e / largest(|m| m.young));
+    let density = t.density.map(|d| d / largest(|m| m.density));
+    for material in &mut flesh.materials {
+        material.young *= young.unwrap_or(1.0);
+        material.density *= density.unwrap_or(1.0);
+        set(&mut material.law, t.law.map(law));
+        set(&mut material.poisson, t.poisson);
+    }
+    set(&mut flesh.mass_damping, t.mass_damping);
+    set(&mut flesh.stiffness_damping, t.stiffness_damping);
+}

@@ -1,0 +1,90 @@
+//! From the tables of a scene to the description of a world, and to what acts on it and is
+//! measured in it, all by index.
+
+mod assets;
+mod ball;
+mod boundary;
+mod drivers;
+mod hand;
+mod inertia;
+mod joint;
+mod lattice;
+mod load;
+mod motion;
+mod names;
+mod pair;
+mod place;
+mod rigid;
+mod select;
+mod shape;
+mod soft;
+mod solver;
+
+pub use drivers::{Driver, Follow, Track};
+pub use hand::BuiltHand;
+pub use load::{ActiveLoad, Factor, LoadKind};
+pub use names::Names;
+pub use rigid::{LookMesh, RigidLook};
+pub use select::Mesh;
+pub use soft::SoftBuild;
+
+use crate::format::Scene;
+use crate::math::Vec3;
+use crate::text::Fault;
+use std::path::Path;
+use thenar::model::WorldDesc;
+
+/// A scene made ready: all names resolved, all files read.
+#[derive(Debug)]
+pub struct Built {
+    /// The world's description.
+    pub world: WorldDesc,
+    /// What the names stand for.
+    pub names: Names,
+    /// Hands, in the order of the file.
+    pub hands: Vec<BuiltHand>,
+    /// Soft bodies other than hands, in the order of the file.
+    pub softs: Vec<SoftBuild>,
+    /// Rest meshes for selectors, one for each deformable body of the world.
+    pub meshes: Vec<Mesh>,
+    /// Start positions of the nodes of each deformable body of the world where they differ from
+    /// the rest shape, world \[m\].
+    pub node_starts: Vec<Option<Vec<Vec3>>>,
+    /// Scripted and driven rigid bodies.
+    pub drivers: Vec<Driver>,
+    /// Loads.
+    pub loads: Vec<ActiveLoad>,
+    /// How rigid bodies look, one entry per rigid body of the world.
+    pub looks: Vec<RigidLook>,
+}
+
+/// Builds a scene; `folder` is where relative paths start.
+///
+/// # Errors
+/// A name, a file or a combination of values is wrong; the fault says which and where.
+pub fn build(scene: &Scene, folder: &Path) -> Result<Built, Fault> {
+    let mut built = Built {
+        world: WorldDesc {
+            gravity: scene.gravity,
+            time_step: scene.time_step,
+            solver: solver::settings(scene.solver.as_ref()),
+            ..WorldDesc::default()
+        },
+        names: Names::default(),
+        hands: Vec::new(),
+        softs: Vec::new(),
+        meshes: Vec::new(),
+        node_starts: Vec::new(),
+        drivers: Vec::new(),
+        loads: Vec::new(),
+        looks: Vec::new(),
+    };
+    rigid::add_all(&mut built, scene, folder)?;
+    hand::add_all(&mut built, scene, folder)?;
+    joint::add_all(&mut built, scene)?;
+    soft::add_all(&mut built, scene, folder)?;
+    pair::add_all(&mut built, scene)?;
+    drivers::add_all(&mut built, scene)?;
+    load::add_all(&mut built, scene)?;
+    Ok(built)
+}

@@ -1,0 +1,136 @@
+//! Motions of hands, from tables and files.
+
+use super::assets;
+use crate::format::{
+    CurlTable, HandKey, JointAngles, KeyframesTable, LimitsWord, MotionTable, RecordedTable,
+    SideOfHandWord, WristTable,
+};
+use crate::math::Pose;
+use crate::motion::{
+    HandMotion, JointKey, Key, Keyframes, KeyframesDesc, LimitPolicy, MotionError, Preset,
+    Recorded, RecordedDesc, Recording, WristKey,
+};
+use crate::text::{At, Fault, nearest};
+use std::collections::BTreeMap;
+use std::path::Path;
+use thenar::model::{Digit, HandModel, Side};
+
+/// Largest keyframe file \[bytes\].
+const KEYFRAMES_BYTES_MAX: u64 = 4 << 20;
+
+const PRESETS: [(&str, Preset); 7] = [
+    ("rest", Preset::Rest),
+    ("open", Preset::Open),
+    ("relaxed", Preset::Relaxed),
+    ("fist", Preset::Fist),
+    ("point", Preset::Point),
+    ("pinch", Preset::Pinch),
+    ("power-grasp", Preset::PowerGrasp),
+];
+
+/// Loads a motion for a hand that starts at `pose_WM` where the motion does not say.
+pub fn load(
+    table: &At<MotionTable>,
+    hand: &HandModel,
+    pose_WM: &Pose,
+    folder: &Path,
+) -> Result<HandMotion, Fault> {
+    let keyframes = |desc: &KeyframesDesc, at: &dyn Fn(String) -> Fault| {
+        Keyframes::new(desc, hand, pose_WM)
+            .map(|k| HandMotion::Keyframes(Box::new(k)))
+            .map_err(|e| at(e.to_string()))
+    };
+    match &table.value {
+        MotionTable::Keyframes(k) => keyframes(&desc(k)?, &|p| table.fault(p)),
+        MotionTable::Recorded(r) => recorded(&recorded_desc(r), &r.file, hand, folder),
+        MotionTable::File(f) if f.file.value.ends_with(".jsonl") => {
+            recorded(&RecordedDesc::of_file(&f.file.value), &f.file, hand, folder)
+        }
+        MotionTable::File(f) => {
+            let text = assets::read_text(folder, &f.file, KEYFRAMES_BYTES_MAX)?;
+            let at = |e: MotionError| f.file.fault(e.to_string());
+            let desc = KeyframesDesc::parse(&text, &assets::path(folder, &f.file)).map_err(at)?;
+            keyframes(&desc, &|p| f.file.fault(p))
+        }
+    }
+}
+
+fn recorded(
+    desc: &RecordedDesc,
+    file: &At<String>,
+    hand: &HandModel,
+    folder: &Path,
+) -> Result<HandMotion, Fault> {
+    let recording = Recording::open(&assets::path(folder, file))
+        .map_err(|e| file.fault(MotionError::from(e).to_string()))?;
+    Recorded::new(desc, &recording, hand)
+        .map(|motion| HandMotion::Recorded(Box::new(motion)))
+        .map_err(|e| file.fault(e.to_string()))
+}
+
+fn recorded_desc(t: &RecordedTable) -> RecordedDesc {
+    let usual = RecordedDesc::of_file(&t.file.value);
+    RecordedDesc {
+        hand: t.hand.map(|side| match side {
+            SideOfHandWord::Left => Side::Left,
+            SideOfHandWord::Right => Side::Right,
+        }),
+        start_s: t.start_s.unwrap_or(usual.start_s),
+        position: t.position.map_or(usual.position, Into::into),
+        heading_deg: t.heading_deg.unwrap_or(usual.heading_deg),
+        filter_hz: t.filter_hz.unwrap_or(usual.filter_hz),
+        loss_s: t.loss_s.unwrap_or(usual.loss_s),
+        reacquire_s: t.reacquire_s.unwrap_or(usual.reacquire_s),
+        speed_max: t.speed_max.unwrap_or(usual.speed_max),
+        spin_max_deg: t.spin_max_deg.unwrap_or(usual.spin_max_deg),
+        joint_rate_max_deg: t.joint_rate_max_deg.unwrap_or(usual.joint_rate_max_deg),
+        ..usual
+    }
+}
+
+fn desc(t: &KeyframesTable) -> Result<KeyframesDesc, Fault> {
+    let limits = match t.limits {
+        LimitsWord::Error => LimitPolicy::Error,
+        LimitsWord::Clamp => LimitPolicy::Clamp,
+    };
+    Ok(KeyframesDesc { limits, key: t.key.iter().map(key).collect::<Result<_, _>>()? })
+}
+
+fn key(k: &HandKey) -> Result<Key, Fault> {
+    let joint = |j: &JointAngles| JointKey { flexion_deg: j.flexion_deg, spread_deg: j.spread_deg };
+    Ok(Key {
+        time: k.time,
+        wrist: k.wrist.as_ref().map(wrist),
+        pose: k.pose.as_ref().map(preset).transpose()?,
+        curl: k.curl.as_ref().map(curl).unwrap_or_default(),
+        joints: k.joints.iter().map(|(name, j)| (name.clone(), joint(j))).collect(),
+    })
+}
+
+fn wrist(w: &WristTable) -> WristKey {
+    WristKey {
+        position: w.position.map(Into::into),
+        rotation: w.rotation,
+        fingers: w.fingers.map(Into::into),
+        back: w.back.map(Into::into),
+    }
+}
+
+fn curl(c: &CurlTable) -> BTreeMap<Digit, f64> {
+    let fingers = [c.thumb, c.index, c.middle, c.ring, c.little];
+    Digit::FINGERS.into_iter().zip(fingers).filter_map(|(d, c)| c.map(|c| (d, c))).collect()
+}
+
+fn preset(word: &At<String>) -> Result<Preset, Fault> {
+    let known = || PRESETS.iter().map(|(name, _)| *name);
+    PRESETS.iter().find(|(name, _)| *name == word.value).map(|(_, p)| *p).ok_or_else(|| {
+        let hint = nearest(&word.value, known())
+            .map_or(String::new(), |near| format!("; did you mean \"{near}\"?"));
+        let list: Vec<_> = known().collect();
+        word.fault(format!(
+            "expected one of \"{}\", got \"{}\"{hint}",
+            list.join("\", \""),
+            word.value
+        ))
+    })
+}

@@ -1,0 +1,251 @@
+//! Soft bodies.
+
+use super::solver::set;
+use super::{Built, Mesh, assets, ball, boundary, lattice, place};
+use crate::format::{Bind, FixedSet, LawWord, MaterialTable, Scene, Soft, SoftShape};
+use crate::math::{Mat3, Pose, Vec3};
+use crate::text::{At, Fault};
+use std::collections::BTreeMap;
+use std::path::Path;
+use thenar::model::{
+    Binding, Coupling, EmbeddedSurface, FixedNode, Flesh, Law, Material, SoftDesc,
+};
+
+/// A soft body that is no hand.
+#[derive(Clone, Debug)]
+pub struct SoftBuild {
+    /// Its index among the deformable bodies.
+    pub soft: u32,
+    /// Surface to draw.
+    pub render: EmbeddedSurface,
+    /// Red, green, blue from 0 to 1, if the scene says.
+    pub colour: Option<[f64; 3]>,
+}
+
+/// A rest shape before it has a material.
+pub struct Rest {
+    /// Node positions, model frame \[m\].
+    pub nodes: Vec<Vec3>,
+    /// Elements of positive volume.
+    pub tets: Vec<[u32; 4]>,
+    /// Surface that touches.
+    pub collision: EmbeddedSurface,
+    /// Surface to draw.
+    pub render: EmbeddedSurface,
+}
+
+impl Rest {
+    fn from_tets((nodes, tets): lattice::Tets) -> Self {
+        let surface = boundary::surface(&tets, &boundary::faces(&tets), nodes.len());
+        Self { nodes, tets, collision: surface.clone(), render: surface }
+    }
+}
+
+/// Adds all soft bodies.
+pub fn add_all(built: &mut Built, scene: &Scene, folder: &Path) -> Result<(), Fault> {
+    for soft in &scene.soft {
+        add(built, soft, folder)?;
+    }
+    Ok(())
+}
+
+fn add(built: &mut Built, soft: &Soft, folder: &Path) -> Result<(), Fault> {
+    let mut rest = rest_shape(&soft.shape, folder)?;
+    let mesh = Mesh::new(&rest.nodes, &rest.tets);
+    let pose_WM = Pose::new(soft.position, place::rotation(soft.rotation.as_ref())?);
+    let start = start(soft, &mesh, &pose_WM)?;
+    if !soft.contact {
+        rest.collision = EmbeddedSurface::default();
+    }
+    let flesh = Flesh {
+        materials: materials(soft, &mesh)?,
+        nodes: rest.nodes,
+        tets: rest.tets,
+        mass_damping: soft.mass_damping,
+        stiffness_damping: soft.stiffness_damping,
+        fixed: fixed(&soft.fixed, &mesh)?,
+        collision: rest.collision,
+        friction: soft.friction,
+    };
+    let coupling = coupling(built, soft, &mesh)?;
+    let index = built.world.add_soft(SoftDesc {
+        name: soft.name.value.clone(),
+        flesh,
+        pose_WM,
+        velocity_W: soft.velocity,
+        coupling,
+    });
+    built.names.add_soft(&soft.name, index)?;
+    built.softs.push(SoftBuild { soft: index, render: rest.render, colour: soft.colour });
+    built.meshes.push(mesh);
+    built.node_starts.push(start);
+    Ok(())
+}
+
+fn rest_shape(shape: &At<SoftShape>, folder: &Path) -> Result<Rest, Fault> {
+    match &shape.value {
+        SoftShape::Lattice(s) => lattice::build(s, shape).map(Rest::from_tets),
+        SoftShape::Ball(s) => ball::build(s, shape).map(Rest::from_tets),
+        SoftShape::Explicit(s) => explicit(&s.nodes, &s.tets).map(Rest::from_tets),
+        SoftShape::File(s) => assets::tet_file(s, folder).map(Rest::from_tets),
+        SoftShape::Mesh(s) => assets::soft_mesh(s, folder),
+        SoftShape::Bread(s) => assets::bread(s, shape),
+    }
+}
+
+/// Checks nodes and elements that a user wrote out, and orients the elements.
+pub fn explicit(nodes: &At<Vec<Vec3>>, tets: &At<Vec<[u32; 4]>>) -> Result<lattice::Tets, Fault> {
+    let x = &nodes.value;
+    if tets.value.is_empty() {
+        return Err(tets.fault("expected at least one tetrahedron"));
+    }
+    let mut used = vec![false; x.len()];
+    let mut oriented = Vec::with_capacity(tets.value.len());
+    for (t, tet) in tets.value.iter().enumerate() {
+        if let Some(n) = tet.iter().find(|n| **n as usize >= x.len()) {
+            let problem = format!("tetrahedron {t} uses node {n}, but there are {} nodes", x.len());
+            return Err(tets.fault(problem));
+        }
+        let corners = tet.map(|n| x[n as usize]);
+        let determinant = boundary::determinant(&corners);
+        let edge = (0..4)
+            .flat_map(|a| (0..a).map(move |b| (a, b)))
+            .map(|(a, b)| (corners[a] - corners[b]).norm())
+            .fold(0.0, f64::max);
+        if determinant.abs() <= 1e-9 * edge.powi(3) {
+            return Err(tets.fault(format!("tetrahedron {t} has no volume")));
+        }
+        let [a, b, c, d] = *tet;
+        oriented.push(if determinant > 0.0 { *tet } else { [a, c, b, d] });
+        tet.iter().for_each(|n| used[*n as usize] = true);
+    }
+    match used.iter().position(|u| !u) {
+        Some(n) => Err(nodes.fault(format!("node {n} belongs to no tetrahedron"))),
+        None => Ok((x.clone(), oriented)),
+    }
+}
+
+/// The material of a table, on top of `base`.
+pub fn material(table: Option<&MaterialTable>, base: Material) -> Material {
+    let mut m = base;
+    if let Some(t) = table {
+        set(&mut m.law, t.law.map(law));
+        set(&mut m.young, t.young);
+        set(&mut m.poisson, t.poisson);
+        set(&mut m.density, t.density);
+    }
+    m
+}
+
+/// The law that a word names.
+pub fn law(word: LawWord) -> Law {
+    match word {
+        LawWord::Corotational => Law::Corotational,
+        LawWord::NeoHookean => Law::NeoHookean,
+        LawWord::StableNeoHookean => Law::StableNeoHookean,
+    }
+}
+
+fn materials(soft: &Soft, mesh: &Mesh) -> Result<Vec<Material>, Fault> {
+    let default = Material { law: Law::Corotational, young: 5e4, poisson: 0.4, density: 1000.0 };
+    let base = material(soft.material.as_ref(), default);
+    let mut materials = vec![base; mesh.tets.len()];
+    for region in &soft.region {
+        let own = material(Some(&region.material), base);
+        for t in mesh.select_tets(Some(&region.elements))? {
+            materials[t as usize] = own;
+        }
+    }
+    Ok(materials)
+}
+
+fn fixed(sets: &[FixedSet], mesh: &Mesh) -> Result<Vec<FixedNode>, Fault> {
+    let mut held: BTreeMap<u32, [bool; 3]> = BTreeMap::new();
+    for set in sets {
+        let axes = axes(set)?;
+        for node in mesh.select_nodes(Some(&set.nodes))? {
+            let entry = held.entry(node).or_insert([false; 3]);
+            (0..3).for_each(|k| entry[k] |= axes[k]);
+        }
+    }
+    Ok(held.into_iter().map(|(node, axes)| FixedNode { node, axes }).collect())
+}
+
+fn axes(set: &FixedSet) -> Result<[bool; 3], Fault> {
+    let Some(at) = &set.axes else { return Ok([true; 3]) };
+    match at.value.chars().all(|c| "xyz".contains(c)) {
+        true => Ok(['x', 'y', 'z'].map(|c| at.value.contains(c))),
+        false => Err(at.fault(format!("expected letters out of \"xyz\", got \"{}\"", at.value))),
+    }
+}
+
+/// Node positions in the world after the start deformations, when there are any.
+fn start(soft: &Soft, mesh: &Mesh, pose_WM: &Pose) -> Result<Option<Vec<Vec3>>, Fault> {
+    if soft.deform.is_empty() {
+        return Ok(None);
+    }
+    let mut nodes = mesh.nodes.clone();
+    for at in &soft.deform {
+        let rows = at.value.matrix.map(|row| row.transpose());
+        let matrix = Mat3::from_rows(&rows);
+        for n in mesh.select_nodes(at.value.nodes.as_ref())? {
+            let node = &mut nodes[n as usize];
+            *node = matrix * *node + at.value.offset;
+        }
+    }
+    Ok(Some(nodes.iter().map(|x| pose_WM.point(x)).collect()))
+}
+
+fn coupling(built: &Built, soft: &Soft, mesh: &Mesh) -> Result<Option<Coupling>, Fault> {
+    let Some(first) = soft.bind.first() else { return Ok(None) };
+    let volumes = node_volumes(mesh);
+    let anchor = bones(built, first)?.0[0];
+    let loose = Binding { bones: [anchor; 2], weights: [1.0, 0.0] };
+    let mut coupling = Coupling {
+        bindings: vec![loose; mesh.nodes.len()],
+        stiffness: vec![0.0; mesh.nodes.len()],
+        damping_time: soft.bind_damping_time,
+    };
+    for bind in &soft.bind {
+        let (bones, weights) = bones(built, bind)?;
+        if bind.stiffness.is_some() && bind.node_stiffness.is_some() {
+            return Err(bind.bones.fault("give `stiffness` or `node_stiffness`, not both"));
+        }
+        for n in mesh.select_nodes(Some(&bind.nodes))? {
+            let per_volume = bind.stiffness.unwrap_or(1e9) * volumes[n as usize];
+            coupling.bindings[n as usize] = Binding { bones, weights };
+            coupling.stiffness[n as usize] = bind.node_stiffness.unwrap_or(per_volume);
+        }
+    }
+    Ok(Some(coupling))
+}
+
+fn bones(built: &Built, bind: &Bind) -> Result<([u32; 2], [f64; 2]), Fault> {
+    let names = &bind.bones;
+    let find = |name: &String| {
+        built.names.rigid(&At {
+            value: name.clone(),
+            place: names.place.clone(),
+            key: names.key.clone(),
+        })
+    };
+    match (names.value.as_slice(), bind.weights.value.as_slice()) {
+        ([bone], [] | [1.0]) => Ok(([find(bone)?; 2], [1.0, 0.0])),
+        ([a, b], []) => Ok(([find(a)?, find(b)?], [0.5, 0.5])),
+        ([a, b], [u, v]) if (u + v - 1.0).abs() < 1e-9 => Ok(([find(a)?, find(b)?], [*u, 1.0 - u])),
+        ([_] | [_, _], weights) => Err(bind
+            .weights
+            .fault(format!("expected a weight for each bone, of sum 1, got {weights:?}"))),
+        (other, _) => Err(names.fault(format!("expected one or two bones, got {}", other.len()))),
+    }
+}
+
+/// A quarter of the volume of every element around a node.
+fn node_volumes(mesh: &Mesh) -> Vec<f64> {
+    let mut volumes = vec![0.0; mesh.nodes.len()];
+    for tet in &mesh.tets {
+        let volume = boundary::determinant(&tet.map(|n| mesh.nodes[n as usize])) / 6.0;
+        tet.iter().for_each(|n| volumes[*n as usize] += volume / 4.0);
+    }
+    volumes
+}

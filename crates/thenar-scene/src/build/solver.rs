@@ -1,0 +1,36 @@
+//! Solver settings.
+
+use crate::format::{ConeWord, FleshWord, SolverTable};
+use thenar::model::{Cone, FleshInStep1, SolverSettings};
+
+/// The library's defaults with the table's changes.
+pub fn settings(table: Option<&SolverTable>) -> SolverSettings {
+    let mut s = SolverSettings::default();
+    let Some(t) = table else { return s };
+    if let Some(cone) = t.cone {
+        s.cone = match cone {
+            ConeWord::Circular => Cone::Circular,
+            ConeWord::Linearised => Cone::Linearised,
+        };
+    }
+    if let Some(flesh) = t.step1_flesh {
+        s.step1_flesh = match flesh {
+            FleshWord::Lumped => FleshInStep1::Lumped,
+            FleshWord::Frozen => FleshInStep1::Frozen,
+        };
+    }
+    set(&mut s.cg_tolerance, t.cg_tolerance);
+    set(&mut s.cg_iterations_max, t.cg_iterations_max);
+    set(&mut s.contact_tolerance, t.contact_tolerance);
+    set(&mut s.contact_sweeps_max, t.contact_sweeps_max);
+    set(&mut s.contact_inner_passes, t.contact_inner_passes);
+    set(&mut s.contact_margin, t.contact_margin);
+    s
+}
+
+/// Takes over a value that is given.
+pub fn set<T>(target: &mut T, given: Option<T>) {
+    if let Some(value) = given {
+        *target = value;
+    }
+}

@@ -1,0 +1,31 @@
+//! Scenes that come with the program.
+
+/// A scene that comes with the program.
+#[derive(Clone, Copy, Debug)]
+pub struct Builtin {
+    /// Name.
+    pub name: &'static str,
+    /// Text of its file.
+    pub text: &'static str,
+}
+
+macro_rules! scenes {
+    ($($name:literal),* $(,)?) => {
+        &[$(Builtin {
+            name: $name,
+            text: include_str!(concat!("../../../../scenes/", $name, ".toml")),
+        }),*]
+    };
+}
+
+const SCENES: &[Builtin] = scenes!["falling-box", "finger-pendulum", "soft-cube"];
+
+/// All of them.
+pub fn builtins() -> &'static [Builtin] {
+    SCENES
+}
+
+/// The one with this name.
+pub fn builtin(name: &str) -> Option<&'static Builtin> {
+    SCENES.iter().find(|scene| scene.name == name)
+}

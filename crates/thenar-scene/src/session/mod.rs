@@ -1,0 +1,128 @@
+//! A running scene: its drivers and loads fill the input of each step, its probes read the state.
+
+mod drive;
+mod library;
+mod load;
+mod open;
+mod probe;
+mod random;
+mod summary;
+mod table;
+
+pub use library::{Builtin, builtin, builtins};
+pub use open::read;
+pub use probe::{Column, Probes};
+pub use random::{Random, random_at};
+pub use summary::{FingerPeak, Summary};
+pub use table::{TableFormat, TableWriter};
+
+use crate::build::{Built, BuiltHand, Mesh, RigidLook, SoftBuild};
+use crate::format::{Camera, Scene};
+use thenar::World;
+use thenar::world::{Input, StageTimer, StepReport};
+
+/// A scene that can be stepped.
+#[derive(Debug)]
+pub struct Session {
+    scene: Scene,
+    name: String,
+    world: World,
+    input: Input,
+    built: Built,
+    probes: Probes,
+    report: StepReport,
+    steps: u64,
+}
+
+impl Session {
+    /// Moves the scene forward by one time step. Allocates nothing.
+    pub fn step(&mut self, timer: &mut impl StageTimer) -> StepReport {
+        let t = self.world.time() + self.world.time_step();
+        drive::fill(&mut self.input, &mut self.built, &self.world, t);
+        load::fill(&mut self.input, &self.built.loads, &self.world, t);
+        self.report = self.world.step(&self.input, timer);
+        self.steps += 1;
+        self.report
+    }
+
+    /// Evaluates all probes at the present state, in the order of [`Session::columns`].
+    pub fn probe(&mut self) -> &[f64] {
+        self.probes.evaluate(&self.world, &self.input, &self.report, &self.built)
+    }
+
+    /// Name, unit and meaning of each number that [`Session::probe`] gives.
+    pub fn columns(&self) -> &[Column] {
+        self.probes.columns()
+    }
+
+    /// Steps between rows of the probe table.
+    pub fn probe_every(&self) -> u64 {
+        let steps = self.scene.probe_interval.unwrap_or(0.0) / self.world.time_step();
+        (steps.round() as u64).max(1)
+    }
+
+    /// Steps that the scene's own duration takes.
+    pub fn steps_wanted(&self) -> u64 {
+        (self.scene.duration / self.world.time_step()).round().clamp(0.0, 1e15) as u64
+    }
+
+    /// Steps done.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// The file's name without folder and ending.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The scene as it was read.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The world.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The world, to be changed.
+    pub fn world_mut(&mut self) -> &mut World {
+        &mut self.world
+    }
+
+    /// What acted in the last step.
+    pub fn input(&self) -> &Input {
+        &self.input
+    }
+
+    /// What the last step reported.
+    pub fn report(&self) -> &StepReport {
+        &self.report
+    }
+
+    /// The hands.
+    pub fn hands(&self) -> &[BuiltHand] {
+        &self.built.hands
+    }
+
+    /// The soft bodies that are no hands.
+    pub fn softs(&self) -> &[SoftBuild] {
+        &self.built.softs
+    }
+
+    /// Rest mesh of each deformable body of the world.
+    pub fn meshes(&self) -> &[Mesh] {
+        &self.built.meshes
+    }
+
+    /// How each rigid body of the world looks.
+    pub fn looks(&self) -> &[RigidLook] {
+        &self.built.looks
+    }
+
+    /// Where a picture is taken from, if the scene says.
+    pub fn camera(&self) -> Option<&Camera> {
+        self.scene.camera.as_ref()
+    }
+}

@@ -1,0 +1,88 @@
+//! From a file to a session.
+
+use super::{Probes, Session, drive};
+use crate::build::build;
+use crate::format::Scene;
+use crate::text::{Fault, Node, Override, SceneError, apply_override, parse};
+use std::path::Path;
+use thenar::world::StepReport;
+use thenar::{Vec3, World};
+
+/// Largest scene file \[bytes\].
+const SCENE_BYTES_MAX: u64 = 8 << 20;
+
+impl Session {
+    /// Loads a scene from a file. An override is `key=value`, see
+    /// [`apply_override`](crate::text::apply_override).
+    ///
+    /// # Errors
+    /// The file cannot be read, or something in it is wrong; says what and where.
+    pub fn load(path: &Path, overrides: &[String]) -> Result<Self, SceneError> {
+        let error = |problem: String| SceneError::File { file: path.to_path_buf(), problem };
+        let size = std::fs::metadata(path).map_err(|e| error(e.to_string()))?.len();
+        if size > SCENE_BYTES_MAX {
+            return Err(error(format!("the file has {size} bytes, more than {SCENE_BYTES_MAX}")));
+        }
+        let text = std::fs::read_to_string(path).map_err(|e| error(e.to_string()))?;
+        Self::from_text(&text, path, overrides)
+    }
+
+    /// Loads a scene from its text; `file` names it in messages and is where relative paths
+    /// start.
+    ///
+    /// # Errors
+    /// Something in the text is wrong; says what and where.
+    pub fn from_text(text: &str, file: &Path, overrides: &[String]) -> Result<Self, SceneError> {
+        let locate = |fault: Fault| fault.locate(file, text, overrides);
+        let scene = read(text, overrides).map_err(locate)?;
+        let folder = file.parent().unwrap_or(Path::new(""));
+        let built = build(&scene, folder).map_err(locate)?;
+        let world = World::new(built.world.clone())
+            .map_err(|e| SceneError::World { file: file.to_path_buf(), problem: e.to_string() })?;
+        let probes = Probes::new(&scene, &built, &world).map_err(locate)?;
+        let stem = file.file_stem().unwrap_or(file.as_os_str());
+        let mut session = Self {
+            name: stem.to_string_lossy().into_owned(),
+            input: world.input(),
+            scene,
+            world,
+            built,
+            probes,
+            report: StepReport::default(),
+            steps: 0,
+        };
+        session.start();
+        Ok(session)
+    }
+
+    /// Puts bodies into their start states.
+    fn start(&mut self) {
+        for (soft, start) in self.built.node_starts.iter().enumerate() {
+            if let Some(nodes) = start {
+                self.world.set_nodes(soft as u32, nodes);
+            }
+        }
+        drive::fill(&mut self.input, &mut self.built, &self.world, 0.0);
+        for hand in self.built.hands.iter().filter(|hand| hand.motion.is_some()) {
+            for bone in hand.handle.bones.clone() {
+                if let Some(target) = self.input.targets[bone as usize] {
+                    self.world.set_rigid_state(bone, target.pose_WB, [Vec3::zeros(); 2]);
+                }
+            }
+            if let Some(soft) = hand.flesh() {
+                let mut nodes = self.world.nodes(soft).to_vec();
+                self.world.skin_targets(soft, &mut nodes);
+                self.world.set_nodes(soft, &nodes);
+            }
+        }
+    }
+}
+
+/// Reads and checks a scene's text without building anything.
+pub fn read(text: &str, overrides: &[String]) -> Result<Scene, Fault> {
+    let mut root = Node::parse(text)?;
+    for (i, given) in overrides.iter().enumerate() {
+        apply_override(&mut root, &Override::new(given), i)?;
+    }
+    parse::<Scene>(&root)
+}
