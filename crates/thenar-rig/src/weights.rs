@@ -44,26 +44,21 @@ const ROUND: f64 = 0.2;
 /// Slope of the straight part.
 const SLOPE: f64 = 1.0 / (1.0 - ROUND);
 
-/// The binding of a point that follows `chain`. `hold` in 0..1 says how much of the point the
-/// chain may take from the root. Towards the second joint the hold sharpens into all or nothing,
-/// since there a point can no longer be shared with the root.
+/// The binding of a point that follows `chain`. `hold` in 0..1 says how firmly: from 0 to ½ the
+/// first moving bone takes the point over from the root, from ½ to 1 the later bones join. So a
+/// point on the way from the chain's flesh to the root's never needs three bones.
 pub fn bind(chain: &Chain, p: &Vec3, hold: f64) -> Binding {
     let [root, a, b, c] = chain.bones;
-    let at_second = across(chain, 1, p);
-    if at_second <= 0.0 {
-        let room = (chain.joints[1] - chain.joints[0]).norm()
-            - chain.half_widths[0]
-            - chain.half_widths[1];
-        let before = -2.0 * at_second * chain.half_widths[1];
-        let near = ramp(1.0 - before / room.max(1e-3 * chain.half_widths[0]));
-        let hold = ((hold - 0.5 * near) / (1.0 - near).max(1e-9)).clamp(0.0, 1.0);
-        pair(root, a, ramp(across(chain, 0, p)) * hold)
-    } else if hold < 0.5 {
-        pair(root, a, 0.0)
-    } else if at_second < 1.0 {
-        pair(a, b, ramp(at_second))
+    let first = ramp(across(chain, 0, p)) * (2.0 * hold).min(1.0);
+    let later = (2.0 * hold - 1.0).clamp(0.0, 1.0);
+    let second = ramp(across(chain, 1, p)) * later;
+    let third = ramp(across(chain, 2, p));
+    if second <= 0.0 {
+        pair(root, a, first)
+    } else if second < 1.0 {
+        pair(a, b, second)
     } else {
-        pair(b, c, ramp(across(chain, 2, p)))
+        pair(b, c, third)
     }
 }
 

@@ -333,7 +333,7 @@ fn building_twice_gives_the_same_bits() {
 #[test]
 fn a_fist_turns_few_elements_inside_out() {
     for (_, report) in all() {
-        assert!(report.fist.volume_fraction < 0.015, "{:?}", report.fist);
+        assert!(report.fist.volume_fraction < 0.004, "{:?}", report.fist);
     }
 }
 

@@ -3,6 +3,7 @@
 use super::digits::{self, DigitRig};
 use super::names::{self, Finder};
 use super::options::{HandOptions, Size};
+use super::relax::relax;
 use super::report::HandReport;
 use super::{bones, joints, regions, weights};
 use crate::glb::{self, SkinnedMesh};
@@ -65,7 +66,7 @@ pub fn build_hand_with_report(
         collision: lattice.embed(&collision_mesh)?,
         friction: options.friction,
     };
-    let hand = HandModel {
+    let mut hand = HandModel {
         name: options.name.clone(),
         side: Some(side),
         bones,
@@ -77,6 +78,7 @@ pub fn build_hand_with_report(
         collision_digits,
         length,
     };
+    relax(&mut hand)?;
     let report = HandReport::new(&hand, &skin, &digits)?;
     Ok((hand, report))
 }

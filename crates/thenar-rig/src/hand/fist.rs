@@ -27,12 +27,43 @@ const THUMB: [f64; 3] = [15.0, 50.0, 70.0];
 /// # Errors
 /// When the model's joints do not make a tree.
 pub fn fist(hand: &HandModel, closing: f64) -> Result<Inversions, RigError> {
-    let rest: Vec<Pose> = hand.bones.iter().map(|b| b.pose_MB).collect();
+    let flesh = &hand.flesh;
+    let dets = stretches(hand, &pose(hand, closing)?);
+    // Density goes with the filled fraction, so this weighs elements by the body in them.
+    let weight = |t: usize| {
+        let volume = tet::volume(&flesh.tets[t].map(|n| flesh.nodes[n as usize]));
+        volume * flesh.materials[t].density
+    };
+    let lost: Vec<usize> = (0..dets.len()).filter(|&t| dets[t] <= 0.0).collect();
+    Ok(Inversions {
+        tets: lost.len(),
+        volume_fraction: lost.iter().map(|&t| weight(t)).sum::<f64>()
+            / (0..dets.len()).map(weight).sum::<f64>(),
+        det_min: dets.iter().copied().fold(f64::INFINITY, f64::min),
+    })
+}
+
+/// Poses of the bones of a hand closed by `closing`.
+pub(super) fn pose(hand: &HandModel, closing: f64) -> Result<Vec<Pose>, RigError> {
+    let mut poses: Vec<Pose> = hand.bones.iter().map(|b| b.pose_MB).collect();
     let tree = Tree::of_hand(hand).map_err(|e| RigError::invalid(e.to_string()))?;
-    let mut bent = rest.clone();
-    tree.forward(&rest[0], &angles(hand, closing), &mut bent);
-    let nodes = skin(&hand.bones, &bent, &hand.bindings, &hand.flesh.nodes);
-    Ok(inversions(hand, &nodes))
+    let root = poses[0];
+    tree.forward(&root, &angles(hand, closing), &mut poses);
+    Ok(poses)
+}
+
+/// The elements that skinning to these bone poses turns inside out.
+pub(super) fn inverted(hand: &HandModel, poses: &[Pose]) -> Vec<usize> {
+    let dets = stretches(hand, poses);
+    (0..dets.len()).filter(|&t| dets[t] <= 0.0).collect()
+}
+
+/// `det F` of every element under skinning.
+fn stretches(hand: &HandModel, poses: &[Pose]) -> Vec<f64> {
+    let rest = &hand.flesh.nodes;
+    let nodes = skin(&hand.bones, poses, &hand.bindings, rest);
+    let at = |x: &[Vec3], tet: &[u32; 4]| tet.map(|n| x[n as usize]);
+    hand.flesh.tets.iter().map(|t| tet::stretch(&at(rest, t), &at(&nodes, t))).collect()
 }
 
 /// Joint angles between rest and fist, within the limits.
@@ -55,12 +86,7 @@ fn angles(hand: &HandModel, closing: f64) -> Vec<[f64; 2]> {
 }
 
 /// Linear blend skinning (Eq. 6) of points given at rest.
-pub(crate) fn skin(
-    bones: &[Bone],
-    poses: &[Pose],
-    bindings: &[Binding],
-    points: &[Vec3],
-) -> Vec<Vec3> {
+fn skin(bones: &[Bone], poses: &[Pose], bindings: &[Binding], points: &[Vec3]) -> Vec<Vec3> {
     let moved = |bone: u32, p: &Vec3| {
         let bone = bone as usize;
         poses[bone].point(&bones[bone].pose_MB.inverse_point(p))
@@ -70,23 +96,4 @@ pub(crate) fn skin(
         .zip(bindings)
         .map(|(p, b)| (0..2).map(|k| moved(b.bones[k], p) * b.weights[k]).sum())
         .collect()
-}
-
-fn inversions(hand: &HandModel, nodes: &[Vec3]) -> Inversions {
-    let full = hand.flesh.materials.iter().map(|m| m.density).fold(0.0, f64::max);
-    let (mut whole, mut lost) = (0.0, 0.0);
-    let mut found = Inversions { tets: 0, volume_fraction: 0.0, det_min: f64::INFINITY };
-    for (tet, material) in hand.flesh.tets.iter().zip(&hand.flesh.materials) {
-        let rest = tet.map(|n| hand.flesh.nodes[n as usize]);
-        let volume = tet::volume(&rest) * material.density / full;
-        let det = tet::stretch(&rest, &tet.map(|n| nodes[n as usize]));
-        whole += volume;
-        found.det_min = found.det_min.min(det);
-        if det <= 0.0 {
-            found.tets += 1;
-            lost += volume;
-        }
-    }
-    found.volume_fraction = lost / whole;
-    found
 }

@@ -9,6 +9,7 @@ mod joints;
 mod names;
 mod options;
 mod regions;
+mod relax;
 mod report;
 mod weights;
 

@@ -7,7 +7,7 @@ use thenar::Vec3;
 use thenar::model::{Binding, Digit};
 
 /// Half width of the first joint's ramp, relative to the length of the first moving bone.
-const FIRST: f64 = 0.42;
+const FIRST: f64 = 0.56;
 /// Half width of the second joint's ramp, at most, relative to the same length.
 const SECOND: f64 = 0.42;
 /// Half width of the two further joints' ramps, at most, relative to the bone between them.
@@ -61,7 +61,7 @@ pub(super) fn binding(p: &Vec3, own: Digit, digits: &[DigitRig], chains: &[Chain
 fn hold(d: usize, own: Digit, distances: &[f64], palm: f64) -> f64 {
     const THUMB: usize = 0;
     let nearer = |rival: f64| (rival - distances[d]) / (rival + distances[d]).max(1e-9);
-    let fade = |rival: f64| (2.0 * nearer(rival)).clamp(0.0, 1.0);
+    let fade = |rival: f64| (2.5 * nearer(rival)).clamp(0.0, 1.0);
     if d == THUMB {
         let rival = if own == Digit::Palm {
             distances[1..].iter().copied().fold(palm, f64::min)
