@@ -1,0 +1,118 @@
+//! One bench per kernel of a step, and one per whole step, on bars of flesh around a jointed
+//! two-bone finger. Run with `cargo bench -p thenar`.
+
+#[path = "../tests/common/mod.rs"]
+mod common;
+
+use common::{FLESH, bar, body, finger};
+use divan::{Bencher, black_box};
+use thenar::contact::Shape;
+use thenar::flesh::{RestTet, respond, rotation_of};
+use thenar::model::{Binding, Law, Material, Motion, WorldDesc};
+use thenar::solver::{BlockDiagonal, BlockMatrix, CgWorkspace, conjugate_gradients};
+use thenar::{Mat3, Pose, Quat, Vec3, World};
+
+fn main() {
+    divan::main();
+}
+
+const CELLS: [[usize; 3]; 3] = [[11, 3, 3], [14, 5, 5], [30, 10, 10]];
+
+/// The finger with finer flesh, above or pressed into the ground.
+fn world(cells: [usize; 3], height: f64, h: f64) -> World {
+    let mut desc: WorldDesc = finger(1e8, h);
+    let size = Vec3::new(0.06, 0.016, 0.016);
+    let fine = bar(size, cells, FLESH);
+    let soft = &mut desc.softs[0];
+    if let Some(coupling) = &mut soft.coupling {
+        let weight = |x: &Vec3| ((x.x - 0.02) / 0.02).clamp(0.0, 1.0);
+        coupling.bindings = (fine.nodes.iter())
+            .map(|x| Binding { bones: [0, 1], weights: [1.0 - weight(x), weight(x)] })
+            .collect();
+        let volume = size.product() / fine.nodes.len() as f64;
+        coupling.stiffness = vec![1e8 * volume; fine.nodes.len()];
+    }
+    soft.flesh = fine;
+    let mut plane = body("ground", 1.0, [1.0; 3], Vec3::zeros());
+    plane.motion = Motion::Prescribed;
+    plane.shape = Some(Shape::HalfSpace);
+    plane.pose_WB = Pose::translation(0.0, -height, 0.0);
+    desc.add_rigid(plane);
+    World::new(desc).expect("the bench's own world")
+}
+
+#[divan::bench(args = CELLS)]
+fn whole_step_free(bencher: Bencher, cells: [usize; 3]) {
+    let mut world = world(cells, 10.0, 1e-3);
+    let input = world.input();
+    bencher.bench_local(|| world.step(black_box(&input), &mut ()));
+}
+
+#[divan::bench(args = CELLS)]
+fn whole_step_resting_on_the_ground(bencher: Bencher, cells: [usize; 3]) {
+    let mut world = world(cells, 0.0, 1e-3);
+    let input = world.input();
+    for _ in 0..100 {
+        world.step(&input, &mut ());
+    }
+    bencher.bench_local(|| world.step(black_box(&input), &mut ()));
+}
+
+#[divan::bench]
+fn polar_rotation(bencher: Bencher) {
+    let turn = Quat::from_scaled_axis(Vec3::new(0.4, -0.9, 0.2)).to_rotation_matrix();
+    let F = turn * Mat3::new(1.1, 0.05, 0.0, 0.02, 0.93, -0.04, 0.0, 0.03, 1.02);
+    bencher.bench_local(|| rotation_of(black_box(&F)));
+}
+
+#[divan::bench(args = [Law::Corotational, Law::StableNeoHookean])]
+fn element_response(bencher: Bencher, law: Law) {
+    let x = [Vec3::zeros(), Vec3::x() * 0.01, Vec3::y() * 0.01, Vec3::z() * 0.01];
+    let material = Material { law, ..FLESH };
+    let rest = RestTet::new(&x, &material).expect("a tetrahedron of positive volume");
+    let now = x.map(|x| x + Vec3::new(0.1 * x.y, -0.05 * x.z, 0.08 * x.x));
+    bencher.bench_local(|| respond(black_box(&rest), black_box(&now)));
+}
+
+/// The flesh matrix of a bar, diagonally dominated as a step of 1/60 s makes it.
+fn matrix(cells: [usize; 3]) -> (BlockMatrix, BlockDiagonal) {
+    let flesh = bar(Vec3::new(0.06, 0.016, 0.016), cells, FLESH);
+    let pairs =
+        flesh.tets.iter().flat_map(|t| (0..4).flat_map(move |a| (0..a).map(move |b| (t[a], t[b]))));
+    let mut a = BlockMatrix::with_pattern(flesh.nodes.len(), pairs);
+    for (tet, material) in flesh.tets.iter().zip(&flesh.materials) {
+        let x = tet.map(|n| flesh.nodes[n as usize]);
+        let rest = RestTet::new(&x, material).expect("a tetrahedron of positive volume");
+        let response = respond(&rest, &x);
+        for i in 0..4 {
+            a.add_scalar(a.diagonal[tet[i] as usize], 0.25 * rest.volume * material.density);
+            for j in 0..4 {
+                let entry = a.entry(tet[i], tet[j]);
+                a.add(entry, &(response.stiffness[i][j] / 3600.0));
+            }
+        }
+    }
+    let mut d = BlockDiagonal::new(0, flesh.nodes.len());
+    assert!(d.refresh(&a), "the matrix is positive definite");
+    (a, d)
+}
+
+#[divan::bench(args = CELLS)]
+fn sparse_product(bencher: Bencher, cells: [usize; 3]) {
+    let (a, _) = matrix(cells);
+    let x = vec![Vec3::new(1.0, 2.0, 3.0); a.rows()];
+    let mut y = x.clone();
+    bencher.bench_local(|| a.times(black_box(&x), &mut y));
+}
+
+#[divan::bench(args = CELLS)]
+fn conjugate_gradients_to_1e5(bencher: Bencher, cells: [usize; 3]) {
+    let (a, d) = matrix(cells);
+    let b: Vec<Vec3> = (0..a.rows()).map(|i| Vec3::new((i as f64).sin(), 1.0, 0.0)).collect();
+    let mut work = CgWorkspace::new(a.rows());
+    let mut x = vec![Vec3::zeros(); a.rows()];
+    bencher.bench_local(|| {
+        x.fill(Vec3::zeros());
+        conjugate_gradients(&a, &d, black_box(&b), &mut x, 1e-5, 1000, &mut work)
+    });
+}
