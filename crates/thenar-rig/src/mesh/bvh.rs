@@ -1,6 +1,6 @@
 //! A bounding-volume hierarchy over the triangles of a mesh.
 
-use super::closest::{Closest, Feature, closest_on_triangle};
+use super::closest::{Closest, closest_on_triangle};
 use super::winding::{Cluster, solid_angle};
 use crate::TriMesh;
 use thenar::Vec3;
@@ -87,19 +87,22 @@ impl Bvh {
 
     /// The nearest point of the mesh.
     pub fn closest(&self, p: &Vec3) -> Closest {
-        self.closest_within(p, f64::INFINITY).unwrap_or(Closest {
-            triangle: 0,
-            point: self.corners[0][0],
-            weights: [1.0, 0.0, 0.0],
-            feature: Feature::Vertex(0),
-            distance: (self.corners[0][0] - p).norm(),
-        })
+        self.closest_from(p, 0)
     }
 
     /// The nearest point of the mesh among those nearer than `reach` \[m\].
     pub fn closest_within(&self, p: &Vec3, reach: f64) -> Option<Closest> {
-        let mut best: Option<Closest> = None;
-        let mut best2 = reach * reach;
+        self.search(p, None, reach * reach)
+    }
+
+    /// The nearest point of the mesh, sooner when triangle `hint` is near already.
+    pub fn closest_from(&self, p: &Vec3, hint: u32) -> Closest {
+        let first = self.closest_on(p, hint);
+        self.search(p, Some(first), (first.point - p).norm_squared()).unwrap_or(first)
+    }
+
+    /// Depth first, the nearer child first; takes what is nearer than `best2` (squared).
+    fn search(&self, p: &Vec3, mut best: Option<Closest>, mut best2: f64) -> Option<Closest> {
         let mut stack = vec![(0, self.nodes[0].distance2(p))];
         while let Some((index, distance2)) = stack.pop() {
             if distance2 >= best2 {

@@ -50,14 +50,14 @@ pub fn distance_grid(
     };
     let [nx, ny, nz] = grid.dims.map(|n| n as usize);
     let mut values = Vec::with_capacity(nx * ny * nz);
+    let mut near = 0;
     for k in 0..nz {
         for j in 0..ny {
             let mut previous: Option<f64> = None;
             for i in 0..nx {
                 let p = grid.origin + Vec3::new(i as f64, j as f64, k as f64) * grid.cell;
-                // The distance changes by at most the step from one point to the next.
-                let bound = previous.map_or(f64::INFINITY, |d| d.abs() + 1.001 * grid.cell);
-                let found = bvh.closest_within(&p, bound).unwrap_or_else(|| bvh.closest(&p));
+                let found = bvh.closest_from(&p, near);
+                near = found.triangle;
                 let distance = match inside {
                     Inside::Shell(_) => found.distance,
                     Inside::Winding => {
