@@ -13,8 +13,12 @@ const HEADER_BYTES: usize = 12;
 impl Container {
     pub fn new(bytes: &[u8]) -> Result<Self, RigError> {
         check_header(bytes)?;
-        let parsed = gltf::Gltf::from_slice(bytes)
-            .map_err(|e| RigError::invalid(format!("not a valid GLB file: {e}")))?;
+        let invalid = |e| RigError::invalid(format!("not a valid GLB file: {e}"));
+        // The validation itself indexes accessors by the attributes, so these come first.
+        let mut parsed = gltf::Gltf::from_slice_without_validation(bytes).map_err(invalid)?;
+        let json = parsed.document.into_json();
+        check_attributes(&json)?;
+        parsed.document = gltf::Document::from_json(json).map_err(invalid)?;
         if let Some(name) = parsed.extensions_required().next() {
             return Err(RigError::invalid(format!(
                 "the file requires the glTF extension {name}, which is not supported"
@@ -22,6 +26,22 @@ impl Container {
         }
         Ok(Self { document: parsed.document, blob: parsed.blob.unwrap_or_default() })
     }
+}
+
+/// Checks that the attributes of meshes name accessors that exist.
+fn check_attributes(json: &gltf::json::Root) -> Result<(), RigError> {
+    let count = json.accessors.len();
+    for (m, mesh) in json.meshes.iter().enumerate() {
+        for accessor in mesh.primitives.iter().flat_map(|p| p.attributes.values()) {
+            if accessor.value() >= count {
+                return Err(RigError::invalid(format!(
+                    "mesh {m} names accessor {}, but there are only {count}",
+                    accessor.value()
+                )));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Checks magic, version and length, which the parser trusts.
