@@ -1,7 +1,8 @@
 //! Soft bodies without bones: a closed surface embedded in tetrahedra.
 
 use crate::lattice::{Lattice, LatticeOptions, Quality};
-use crate::mesh::{decimate, subdivide_to};
+use crate::mesh::{Topology, decimate, subdivide_to};
+use crate::object::SoftModel;
 use crate::{RigError, TriMesh};
 use thenar::model::{EmbeddedSurface, Flesh, Material};
 use thenar::{Quat, Vec3};
@@ -53,18 +54,26 @@ pub struct Embedded {
     pub quality: Quality,
 }
 
+impl Embedded {
+    /// The body as a model of this name.
+    pub fn into_model(self, name: &str) -> SoftModel {
+        SoftModel { name: name.to_owned(), flesh: self.flesh, render: self.render }
+    }
+}
+
 /// Fills a closed, outward-facing mesh with tetrahedra. `material` gives the material at each
 /// place of the mesh's frame (the same everywhere, or a crust around a crumb).
 ///
 /// # Errors
-/// When the mesh encloses no volume, hangs together too thinly for so few elements, or a count is
-/// out of range. The mesh should be checked to be closed and in one piece beforehand.
+/// When the mesh is not closed, has several parts, encloses no volume or hangs together too thinly
+/// for so few elements, or a count is out of range.
 pub fn embed(
     mesh: &TriMesh,
     options: &EmbedOptions,
     material: impl Fn(&Vec3) -> Material,
 ) -> Result<Embedded, RigError> {
     mesh.check()?;
+    check_closed("the mesh", mesh)?;
     let fine = match options.render_triangles {
         Some(triangles) => subdivide_to(mesh, triangles)?.mesh,
         None => mesh.clone(),
@@ -88,4 +97,28 @@ pub fn embed(
         },
         render,
     })
+}
+
+/// Errs unless a mesh is one closed surface whose triangles agree on which side is out.
+pub(crate) fn check_closed(what: &str, mesh: &TriMesh) -> Result<(), RigError> {
+    let topology = Topology::of(mesh);
+    if !topology.closed() {
+        return Err(RigError::invalid(format!(
+            "{what} is not closed: {} edges have one triangle, {} more than two",
+            topology.boundary_edges, topology.non_manifold_edges
+        )));
+    }
+    if topology.misoriented_edges > 0 || topology.non_manifold_vertices > 0 {
+        return Err(RigError::invalid(format!(
+            "{what} is not a manifold: {} edges turn over, {} vertices pinch it",
+            topology.misoriented_edges, topology.non_manifold_vertices
+        )));
+    }
+    if topology.components != 1 {
+        return Err(RigError::invalid(format!(
+            "{what} has {} separate parts, expected one",
+            topology.components
+        )));
+    }
+    Ok(())
 }

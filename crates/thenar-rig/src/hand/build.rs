@@ -6,9 +6,10 @@ use super::options::{HandOptions, Size};
 use super::relax::relax;
 use super::report::HandReport;
 use super::{bones, joints, regions, weights};
+use crate::embed::check_closed;
 use crate::glb::{self, SkinnedMesh};
 use crate::lattice::{Lattice, LatticeOptions};
-use crate::mesh::{Bvh, Topology, decimate, subdivide_to, weld};
+use crate::mesh::{Bvh, decimate, subdivide_to, weld};
 use crate::{RigError, TriMesh};
 use std::path::Path;
 use thenar::model::{Binding, Bone, Digit, Flesh, HandModel, Material, Side};
@@ -41,7 +42,7 @@ pub fn build_hand_with_report(
     options.check()?;
     let rig = glb::read_skinned_glb(bytes)?;
     let Rigged { skin, digits, side, length } = rigged(&rig, options)?;
-    check_skin(&skin)?;
+    check_closed("the hand's surface", &skin)?;
     let surface = Bvh::new(&skin);
     let bones = bones::bones(&digits, &surface, length);
     let joints = joints::joints(&digits, &bones, side, length);
@@ -188,28 +189,4 @@ fn materials(lattice: &Lattice, bones: &[Bone], options: &HandOptions) -> Vec<Ma
     let whole = options.material.density * volume;
     let density = (whole - bone_mass).max(FLESH_MIN * whole) / volume;
     lattice.materials(|_| Material { density, ..options.material })
-}
-
-/// Errs unless the skin is one closed, outward-facing surface.
-fn check_skin(skin: &TriMesh) -> Result<(), RigError> {
-    let topology = Topology::of(skin);
-    if !topology.closed() {
-        return Err(RigError::invalid(format!(
-            "the hand's surface is not closed: {} edges have one triangle, {} more than two",
-            topology.boundary_edges, topology.non_manifold_edges
-        )));
-    }
-    if topology.misoriented_edges > 0 || topology.non_manifold_vertices > 0 {
-        return Err(RigError::invalid(format!(
-            "the hand's surface is not a manifold: {} edges turn over, {} vertices pinch it",
-            topology.misoriented_edges, topology.non_manifold_vertices
-        )));
-    }
-    if topology.components != 1 {
-        return Err(RigError::invalid(format!(
-            "the hand's surface has {} separate parts, expected one",
-            topology.components
-        )));
-    }
-    Ok(())
 }

@@ -2,8 +2,10 @@
 
 use crate::RigError;
 use crate::lattice::tet;
+use crate::object::{RigidModel, SoftModel};
+use thenar::contact::Shape;
 use thenar::model::{Binding, Bone, EmbeddedSurface, Flesh, HandModel, JointDesc, JointKind};
-use thenar::{Pose, Vec3};
+use thenar::{Mat3, Pose, Vec3};
 
 type Check = Result<(), RigError>;
 
@@ -81,6 +83,69 @@ pub(super) fn surface(what: &str, surface: &EmbeddedSurface, tets: usize) -> Che
     ensure(inside, || format!("{what}: a triangle names a vertex that is not there"))
 }
 
+/// The same of a deformable body without bones.
+pub(super) fn soft(soft: &SoftModel) -> Check {
+    flesh(&soft.flesh)?;
+    surface("render surface", &soft.render, soft.flesh.tets.len())
+}
+
+/// The same of a rigid body; one that cannot move may have neither mass nor inertia.
+pub(super) fn rigid(rigid: &RigidModel) -> Check {
+    let name = &rigid.name;
+    numbers("mass", [rigid.mass], |m| m >= 0.0)?;
+    numbers("inertia", rigid.inertia.iter().copied(), |_| true)?;
+    ensure(rigid.mass == 0.0 || definite(&rigid.inertia), || {
+        format!("{name}: its inertia is not symmetric positive definite")
+    })?;
+    ensure(placement(&rigid.pose_MB) && placement(&rigid.pose_BS), || {
+        format!("{name}: its pose is not a placement")
+    })?;
+    numbers("friction", [rigid.friction], |f| f >= 0.0)?;
+    shape(&rigid.shape)?;
+
+    let triangles = &rigid.render.triangles;
+    check_triangles("render surface", &rigid.render.positions, triangles)?;
+    let runs = rigid.paint.windows(2).all(|w| w[0].first < w[1].first)
+        && rigid.paint.iter().all(|p| (p.first as usize) < triangles.len());
+    ensure(runs, || format!("{name}: its colours are out of order or beyond the triangles"))?;
+    let colours = rigid.paint.iter().flat_map(|p| p.colour.map(f64::from));
+    numbers("colour", colours, |c| (0.0..=1.0).contains(&c))
+}
+
+fn shape(shape: &Shape) -> Check {
+    match shape {
+        Shape::Sphere { radius } => numbers("sphere radius", [*radius], |r| r > 0.0),
+        Shape::Capsule { radius, half_length } => {
+            numbers("capsule radius", [*radius], |r| r > 0.0)?;
+            numbers("capsule length", [*half_length], |l| l >= 0.0)
+        }
+        Shape::Cuboid { half } => numbers("half edge", half.iter().copied(), |h| h > 0.0),
+        Shape::HalfSpace => Ok(()),
+        Shape::Mesh(mesh) => {
+            check_triangles("contact mesh", &mesh.points, &mesh.triangles)?;
+            let grid = &mesh.grid;
+            numbers("grid spacing", [grid.cell], |c| c > 0.0)?;
+            numbers("grid origin", grid.origin.iter().copied(), |_| true)?;
+            let count = grid.dims.iter().try_fold(1_usize, |n, &d| n.checked_mul(d as usize));
+            ensure(count == Some(grid.values.len()) && grid.dims.iter().all(|&d| d >= 2), || {
+                format!("a grid of {:?} does not hold {} values", grid.dims, grid.values.len())
+            })?;
+            numbers("distance", grid.values.iter().map(|&v| f64::from(v)), |_| true)
+        }
+    }
+}
+
+fn check_triangles(what: &str, positions: &[Vec3], triangles: &[[u32; 3]]) -> Check {
+    numbers(what, positions.iter().flat_map(|x| x.iter().copied()), |_| true)?;
+    let inside = triangles.iter().flatten().all(|&v| (v as usize) < positions.len());
+    ensure(inside, || format!("{what}: a triangle names a vertex that is not there"))
+}
+
+fn definite(inertia: &Mat3) -> bool {
+    let asymmetry = (inertia - inertia.transpose()).norm();
+    asymmetry <= 1e-9 * inertia.norm() && inertia.cholesky().is_some()
+}
+
 fn check_bone(i: usize, bone: &Bone) -> Check {
     let what = || format!("bone {i} ({})", bone.name);
     let parent = match (i, bone.parent) {
@@ -96,9 +161,7 @@ fn check_bone(i: usize, bone: &Bone) -> Check {
     numbers("bone radius", [bone.radius], |r| r >= 0.0)?;
     numbers("bone end", bone.ends_B.iter().flat_map(Vec3::iter).copied(), |_| true)?;
     numbers("bone inertia", bone.inertia.iter().copied(), |_| true)?;
-    let asymmetry = (bone.inertia - bone.inertia.transpose()).norm();
-    let definite = bone.inertia.cholesky().is_some();
-    ensure(asymmetry <= 1e-9 * bone.inertia.norm() && definite, || {
+    ensure(definite(&bone.inertia), || {
         format!("{}: its inertia is not symmetric positive definite", what())
     })
 }

@@ -18,6 +18,7 @@ mod check;
 mod container;
 
 use crate::RigError;
+use crate::object::{RigidModel, SoftModel};
 use container::Kind;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
@@ -28,6 +29,10 @@ use thenar::model::HandModel;
 pub enum Model {
     /// A hand, or another jointed soft body.
     Hand(HandModel),
+    /// A rigid body.
+    Rigid(RigidModel),
+    /// A deformable body without bones.
+    Soft(SoftModel),
 }
 
 /// A file larger than this is refused \[bytes\].
@@ -43,6 +48,14 @@ impl Model {
             Self::Hand(hand) => {
                 check::hand(hand)?;
                 container::encode(Kind::Hand, hand)
+            }
+            Self::Rigid(rigid) => {
+                check::rigid(rigid)?;
+                container::encode(Kind::Rigid, rigid)
+            }
+            Self::Soft(soft) => {
+                check::soft(soft)?;
+                container::encode(Kind::Soft, soft)
             }
         }
     }
@@ -60,8 +73,15 @@ impl Model {
                 check::hand(&hand)?;
                 Ok(Self::Hand(hand))
             }
-            Kind::Rigid | Kind::Soft => {
-                Err(RigError::byte(12, "models of this kind cannot be read yet"))
+            Kind::Rigid => {
+                let rigid: RigidModel = container::decode(body)?;
+                check::rigid(&rigid)?;
+                Ok(Self::Rigid(rigid))
+            }
+            Kind::Soft => {
+                let soft: SoftModel = container::decode(body)?;
+                check::soft(&soft)?;
+                Ok(Self::Soft(soft))
             }
         }
     }

@@ -4,6 +4,7 @@
 
 use super::*;
 use crate::hand::{HandOptions, asset, build_hand};
+use crate::object::{Bread, Car, bread, toy_car};
 use thenar::model::{EmbeddedSurface, Side, SurfaceVertex};
 
 fn small_hand() -> HandModel {
@@ -55,7 +56,7 @@ fn resealed(bytes: &[u8]) -> Vec<u8> {
 fn a_hand_comes_back_as_it_was() {
     let hand = small_hand();
     let bytes = bytes_of(&hand);
-    let Model::Hand(back) = Model::from_bytes(&bytes).unwrap();
+    let Model::Hand(back) = Model::from_bytes(&bytes).unwrap() else { panic!("not a hand") };
     assert_eq!(bytes_of(&back), bytes);
     assert_eq!(back.flesh.nodes, hand.flesh.nodes);
     assert_eq!(back.bindings, hand.bindings);
@@ -132,5 +133,14 @@ fn models_that_make_no_sense_are_refused_by_name() {
         spoil(&mut hand);
         let error = Model::Hand(hand).to_bytes().unwrap_err().to_string();
         assert!(error.contains(named), "{error} does not name {named}");
+    }
+}
+
+#[test]
+fn objects_come_back_as_they_were() {
+    let (car, loaf) = (toy_car(&Car::default()).unwrap(), bread(&Bread::loaf()).unwrap());
+    for model in [Model::Rigid(car.0), Model::Soft(loaf.0)] {
+        let bytes = model.to_bytes().unwrap();
+        assert_eq!(Model::from_bytes(&bytes).unwrap().to_bytes().unwrap(), bytes);
     }
 }
