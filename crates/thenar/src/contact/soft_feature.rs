@@ -211,6 +211,11 @@ fn consider(
     if gap > pair.margin + closing || !missed || too_deep || normal == Vec3::zeros() {
         return;
     }
+    // What has come in through this triangle has taken the place of its nearest point. Near the
+    // far side of a thin or folded part it lies inside as well, but that place is free.
+    if signed < 0.0 && radius == 0.0 && pair.body.shape.distance(&closest.point).value > 0.0 {
+        return;
+    }
     let deepest = &mut scratch.deepest[near.index as usize];
     match deepest {
         Some(old) if old.gap <= gap => {}

@@ -217,6 +217,26 @@ fn small_and_sharp_things_between_vertices_are_found() {
     }
 }
 
+/// A long edge that presses into a thin slab from below comes near its upper side too, from
+/// within; only the side it came through may push back.
+#[test]
+fn an_edge_in_a_thin_slab_is_not_pushed_out_of_its_far_side() {
+    let (depth, half) = (3e-4, Vec3::new(0.004, 0.004, 0.01));
+    let mut scene = Scene::new();
+    let edge_up = Quat::from_axis_angle(&Vec3::z_axis(), std::f64::consts::FRAC_PI_4);
+    let place = Vec3::new(0.003, -0.002 + depth - half.x * 2.0_f64.sqrt(), 0.0);
+    scene.rigid(Motion::Dynamic, Shape::Cuboid { half }, Pose::new(place, edge_up));
+    scene.soft(cube(0.04, 2));
+    // 4 mm thick, with triangles of 20 mm.
+    scene.surfaces[0].0.iter_mut().for_each(|p| p.y *= 0.1);
+    let contacts = scene.find(1e-3);
+    assert!(!contacts.is_empty());
+    for c in &contacts {
+        assert!((c.gap + depth).abs() < 1e-9, "{}", c.gap);
+        assert!((c.normal_W - Vec3::y()).norm() < 1e-9, "{}", c.normal_W);
+    }
+}
+
 /// Two soft cubes, one on the other, shifted so that no vertices coincide.
 #[test]
 fn soft_cubes_touch_both_ways() {
