@@ -356,3 +356,46 @@ fn bad_options_are_named() {
     soft.material.poisson = 0.5;
     fails(soft, "Poisson");
 }
+
+/// The right hand's file with one text of its JSON replaced by another of the same length.
+fn altered(from: &str, to: &str) -> Vec<u8> {
+    assert_eq!(from.len(), to.len());
+    let mut bytes = asset(Side::Right).to_vec();
+    let at = bytes.windows(from.len()).position(|w| w == from.as_bytes()).unwrap();
+    bytes[at..at + to.len()].copy_from_slice(to.as_bytes());
+    bytes
+}
+
+#[test]
+fn other_names_are_mapped() {
+    let bytes = altered("\"name\":\"wrist\"", "\"name\":\"carpi\"");
+    let error = build_hand(&bytes, &HandOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("`wrist`"), "{error}");
+    let name_map = [("wrist".to_string(), "carpi".to_string())].into();
+    let options = HandOptions { name_map, ..HandOptions::default() };
+    let hand = build_hand(&bytes, &options).unwrap();
+    assert_eq!(hand.flesh.nodes, right().flesh.nodes);
+    // The tracked joints keep their WebXR names: that is what trackers send.
+    assert_eq!(hand.bones[0].tracked_joint.as_deref(), Some("wrist"));
+}
+
+#[test]
+fn a_damaged_rig_gives_an_error_or_a_sound_hand() {
+    let options = HandOptions { tets: 60, render_triangles: 200, ..HandOptions::default() };
+    let mut next = noise(11);
+    let mut built = 0;
+    for _ in 0..60 {
+        let mut bytes = asset(Side::Right).to_vec();
+        // The last 1600 bytes are the joints' rest poses, before them are indices and weights.
+        for _ in 0..2 {
+            let back = ((next() + 1.0) * if next() < 0.0 { 800.0 } else { 40_000.0 }) as usize;
+            let at = bytes.len() - 1 - back.min(80_000);
+            bytes[at] ^= 1 << (((next() + 1.0) * 4.0) as u32).min(7);
+        }
+        if let Ok(hand) = build_hand(&bytes, &options) {
+            built += 1;
+            assert!(thenar_rig::Model::Hand(hand).to_bytes().is_ok());
+        }
+    }
+    assert!(built > 0, "not one survived: the damage is too great to test anything");
+}

@@ -7,7 +7,7 @@ use super::digits::DigitRig;
 use super::names;
 use crate::mesh::Bvh;
 use thenar::model::{Bone, Digit};
-use thenar::{Mat3, Pose, Vec3};
+use thenar::{Mat3, Pose, Quat, Vec3};
 
 /// Density of a whole fresh bone, cortical shell and trabecular core together \[kg/m³\].
 pub(super) const BONE_DENSITY: f64 = 1900.0;
@@ -112,12 +112,7 @@ fn palm(digits: &[DigitRig], surface: &Bvh, length: f64) -> Bone {
     let middle = fingers.iter().map(|f| f.base).sum::<Vec3>() / 4.0;
     let across = fingers[3].base - fingers[0].base;
     let edges = Vec3::new(across.norm() + 2.0 * radius, CARPUS_THICKNESS * length, middle.norm());
-    let frame = thenar::Quat::face_towards(
-        &middle,
-        &middle
-            .cross(&across)
-            .component_mul(&Vec3::repeat(1.0_f64.copysign(middle.cross(&across).y))),
-    );
+    let frame = Quat::face_towards(&middle, &Vec3::y());
     parts.push(Mass::cuboid(&Pose::new(middle / 2.0, frame), &edges));
 
     let ends = [Vec3::zeros(), fingers[1].joints[0].position];

@@ -10,7 +10,7 @@ use crate::embed::check_closed;
 use crate::glb::{self, SkinnedMesh};
 use crate::lattice::{Lattice, LatticeOptions};
 use crate::mesh::{Bvh, decimate, subdivide_to, weld};
-use crate::{RigError, TriMesh};
+use crate::{RigError, TriMesh, model_file};
 use std::path::Path;
 use thenar::model::{Binding, Bone, Digit, Flesh, HandModel, Material, Side};
 
@@ -80,6 +80,8 @@ pub fn build_hand_with_report(
         length,
     };
     relax(&mut hand)?;
+    // A rig of strange proportions can still lead to a bone without length or mass.
+    model_file::check_hand(&hand)?;
     let report = HandReport::new(&hand, &skin, &digits)?;
     Ok((hand, report))
 }

@@ -54,6 +54,10 @@ const TETS_MIN: usize = 12;
 const TETS_MAX: usize = 200_000;
 /// Sample spacing, relative to the cube root of the volume per wanted tetrahedron.
 const SPACING: f64 = 0.28;
+/// and at most.
+const SPACING_MAX: f64 = 0.5;
+/// About as many grid points as memory should be spent on.
+const POINTS_WANTED: f64 = 1.6e7;
 /// Tetrahedra filled less than this are left out and their contents given to neighbours.
 const FILL_MIN: f64 = 0.03;
 /// Attempts at the wanted number of tetrahedra.
@@ -80,7 +84,7 @@ impl Lattice {
         }
         let turned = turned(mesh, &options.rotation.inverse());
         let per_tet = (volume / options.tets as f64).cbrt();
-        let samples = Samples::new(&turned, SPACING * per_tet)?;
+        let samples = Samples::new(&turned, spacing(&turned, per_tet)?)?;
         let pieces = fit_count(&samples, options.tets, 2.5 * per_tet);
         Self::from_pieces(samples, pieces, options.rotation, volume)
     }
@@ -144,6 +148,20 @@ impl Lattice {
     pub fn for_each_link(&self, f: impl FnMut(u32, u32)) {
         pieces::for_each_link(&self.samples, f);
     }
+}
+
+/// Distance between inside points: fine enough to resolve elements, coarse enough for memory.
+fn spacing(mesh: &TriMesh, per_tet: f64) -> Result<f64, RigError> {
+    let [low, high] = mesh.bounds();
+    let extent = high - low;
+    let affordable = (extent.x * extent.y * extent.z / POINTS_WANTED).cbrt();
+    let spacing = affordable.max(SPACING * per_tet);
+    if spacing > SPACING_MAX * per_tet {
+        return Err(RigError::invalid(
+            "the mesh is too thin, or the elements too many, for its volume to be resolved",
+        ));
+    }
+    Ok(spacing)
 }
 
 /// Searches the cube edge that gives about the wanted number of tetrahedra.

@@ -24,7 +24,7 @@ pub(super) struct Samples {
 }
 
 /// A surface may not be sampled with more grid points than this.
-const POINTS_MAX: f64 = 5e7;
+const POINTS_MAX: f64 = 4e7;
 
 impl Samples {
     /// Samples the inside of a closed, outward-facing mesh every `spacing` metres.

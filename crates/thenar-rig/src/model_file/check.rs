@@ -13,7 +13,7 @@ type Check = Result<(), RigError>;
 const SUM_TOLERANCE: f64 = 1e-9;
 
 /// Errs unless every index is in range, every number is finite and positive where it must be.
-pub(super) fn hand(hand: &HandModel) -> Check {
+pub(crate) fn hand(hand: &HandModel) -> Check {
     ensure(!hand.bones.is_empty(), || "the hand has no bones".into())?;
     for (i, bone) in hand.bones.iter().enumerate() {
         check_bone(i, bone)?;

@@ -17,6 +17,8 @@
 mod check;
 mod container;
 
+pub(crate) use check::hand as check_hand;
+
 use crate::RigError;
 use crate::object::{RigidModel, SoftModel};
 use container::Kind;
