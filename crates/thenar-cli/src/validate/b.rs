@@ -1,0 +1,6 @@
+//! Elastic solids.
+
+use super::case::Case;
+
+/// The cases.
+pub const CASES: &[Case] = &[];

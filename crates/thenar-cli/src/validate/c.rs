@@ -1,0 +1,6 @@
+//! Contact and friction.
+
+use super::case::Case;
+
+/// The cases.
+pub const CASES: &[Case] = &[];

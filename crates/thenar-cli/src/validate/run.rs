@@ -1,0 +1,138 @@
+//! One run of a scene: stepped, and read through its probes only.
+
+use super::case::{CaseError, SceneText};
+use std::path::Path;
+use thenar_scene::session::Session;
+
+/// A running scene.
+pub struct Run {
+    session: Session,
+}
+
+/// Rows of some probe columns over time.
+#[derive(Clone, Debug, Default)]
+pub struct Series {
+    /// Time of each row \[s\].
+    pub time: Vec<f64>,
+    /// One list per column asked for, in that order.
+    pub columns: Vec<Vec<f64>>,
+}
+
+impl Run {
+    /// Opens a scene with overrides such as `time_step=0.0001`.
+    pub fn open(scene: &SceneText, overrides: &[String]) -> Result<Self, CaseError> {
+        let file = format!("scenes/validation/{}.toml", scene.name);
+        let session = Session::from_text(scene.text, Path::new(&file), overrides)?;
+        Ok(Self { session })
+    }
+
+    /// Opens a scene with another time step \[s\].
+    pub fn with_step(scene: &SceneText, h: f64) -> Result<Self, CaseError> {
+        Self::open(scene, &[format!("time_step={h:e}")])
+    }
+
+    /// Steps until `time` \[s\], to the nearest step.
+    pub fn to(&mut self, time: f64) -> Result<&mut Self, CaseError> {
+        let h = self.session.world().time_step();
+        while self.session.world().time() + 0.5 * h < time {
+            self.step()?;
+        }
+        Ok(self)
+    }
+
+    /// One step.
+    pub fn step(&mut self) -> Result<(), CaseError> {
+        if self.session.step(&mut ()).non_finite {
+            let scene = self.session.name().to_string();
+            return Err(CaseError::NonFinite { scene, time: self.session.world().time() });
+        }
+        Ok(())
+    }
+
+    /// Time \[s\].
+    pub fn time(&self) -> f64 {
+        self.session.world().time()
+    }
+
+    /// A probe column now, e.g. `tip.x`.
+    pub fn value(&mut self, column: &str) -> Result<f64, CaseError> {
+        let at = self.column(column)?;
+        Ok(self.session.probe()[at])
+    }
+
+    /// Some probe columns now.
+    pub fn values<const N: usize>(&mut self, columns: [&str; N]) -> Result<[f64; N], CaseError> {
+        let mut out = [0.0; N];
+        for (value, column) in out.iter_mut().zip(columns) {
+            *value = self.value(column)?;
+        }
+        Ok(out)
+    }
+
+    /// Steps until `time` \[s\] and keeps these columns of every step, the present one first.
+    pub fn record(&mut self, time: f64, columns: &[&str]) -> Result<Series, CaseError> {
+        let at: Result<Vec<usize>, _> = columns.iter().map(|c| self.column(c)).collect();
+        let at = at?;
+        let mut series = Series { time: Vec::new(), columns: vec![Vec::new(); at.len()] };
+        let h = self.session.world().time_step();
+        loop {
+            series.time.push(self.time());
+            let row = self.session.probe();
+            series.columns.iter_mut().zip(&at).for_each(|(list, k)| list.push(row[*k]));
+            if self.time() + 0.5 * h >= time {
+                return Ok(series);
+            }
+            self.step()?;
+        }
+    }
+
+    /// Mesh and time step, for the table.
+    pub fn setup(&self) -> String {
+        let world = self.session.world();
+        let step = step_words(world.time_step());
+        match world.desc().softs.iter().map(|s| s.flesh.tets.len()).sum::<usize>() {
+            0 => step,
+            tets => {
+                let nodes: usize = world.desc().softs.iter().map(|s| s.flesh.nodes.len()).sum();
+                format!("{tets} tets, {nodes} nodes, {step}")
+            }
+        }
+    }
+
+    /// The session, for what probes do not give.
+    pub fn session(&mut self) -> &mut Session {
+        &mut self.session
+    }
+
+    fn column(&self, name: &str) -> Result<usize, CaseError> {
+        self.session.columns().iter().position(|c| c.name == name).ok_or_else(|| {
+            CaseError::Column { scene: self.session.name().into(), column: name.into() }
+        })
+    }
+}
+
+/// A time step in words.
+pub fn step_words(h: f64) -> String {
+    format!("h = {} ms", (h * 1e9).round() / 1e6)
+}
+
+impl Series {
+    /// Times at which column `k` changes sign, interpolated \[s\].
+    pub fn zero_crossings(&self, k: usize) -> Vec<f64> {
+        let y = &self.columns[k];
+        let crossed = |i: &usize| (y[*i] > 0.0) != (y[*i + 1] > 0.0);
+        let place =
+            |i: usize| self.time[i] + (self.time[i + 1] - self.time[i]) * y[i] / (y[i] - y[i + 1]);
+        (0..y.len().saturating_sub(1)).filter(crossed).map(place).collect()
+    }
+
+    /// Largest |value| of column `k`.
+    pub fn largest(&self, k: usize) -> f64 {
+        self.columns[k].iter().fold(0.0, |m, y| f64::max(m, y.abs()))
+    }
+}
+
+/// Order of convergence from the errors at steps that shrink by `factor`.
+pub fn order(coarse: f64, fine: f64, factor: f64) -> f64 {
+    (coarse.abs() / fine.abs()).ln() / factor.ln()
+}
