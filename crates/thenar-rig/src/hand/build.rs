@@ -58,7 +58,7 @@ pub fn build_hand_with_report(
     let collision_digits =
         collision_mesh.positions.iter().map(|p| regions::nearest(p, &digits)).collect();
     let flesh = Flesh {
-        materials: materials(&lattice, &bones, options),
+        materials: materials(&lattice, &bones, &digits, options),
         nodes: lattice.nodes.clone(),
         tets: lattice.tets.clone(),
         mass_damping: options.mass_damping,
@@ -185,10 +185,24 @@ fn node_digits(lattice: &Lattice, tets: &[Digit]) -> Vec<Digit> {
 /// Materials whose density makes the whole hand, bones included, as heavy as it should be. The
 /// flesh's elements fill the bones' place too, so the flesh is lighter than real flesh by the
 /// bones' mass.
-fn materials(lattice: &Lattice, bones: &[Bone], options: &HandOptions) -> Vec<Material> {
+fn materials(
+    lattice: &Lattice,
+    bones: &[Bone],
+    digits: &[DigitRig],
+    options: &HandOptions,
+) -> Vec<Material> {
     let volume: f64 = lattice.filled.iter().sum();
     let bone_mass: f64 = bones.iter().map(|b| b.mass).sum();
     let whole = options.material.density * volume;
     let density = (whole - bone_mass).max(FLESH_MIN * whole) / volume;
-    lattice.materials(|_| Material { density, ..options.material })
+    let samples = regions::digits_of_samples(lattice, digits);
+    let chains = weights::chains(digits);
+    lattice.sample_materials(|i| {
+        let p = lattice.sample_position(i);
+        // 1 in the middle of a joint, where two bones carry the flesh equally, 0 beyond it.
+        let [a, b] = weights::binding(&p, samples[i], digits, &chains).weights;
+        let joint = 4.0 * a * b;
+        let young = options.material.young * (1.0 - (1.0 - options.joint_softness) * joint);
+        Material { young, density, ..options.material }
+    })
 }

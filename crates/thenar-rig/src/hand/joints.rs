@@ -42,18 +42,18 @@ const REST_MARGIN: f64 = 0.03;
 
 /// Abduction and flexion of moving joint `k`. Ranges: AAOS and e-hand tables; the thumb's carpal
 /// joint has 60° of flexion-extension (radial abduction) and 45° of palmar abduction about its
-/// rest. Springs: healthy finger joints at mid-range (0.03-0.05 N m/rad at the knuckle), smaller
-/// further out with the cross-section of tendons and capsule.
+/// rest. Springs: those of tendons and capsule alone. What is measured at a living knuckle
+/// (0.02-0.06 N m/rad) is their sum with the bent flesh, which the elements give.
 fn passive(digit: Digit, k: usize) -> [Passive; 2] {
     let axis = |low, high, stiffness| Passive { range: [low, high], stiffness };
     let none = axis(0.0, 0.0, 0.0);
     match (digit, k) {
-        (Digit::Thumb, 0) => [axis(-22.5, 22.5, 0.06), axis(-30.0, 30.0, 0.06)],
-        (Digit::Thumb, 1) => [none, axis(-10.0, 55.0, 0.03)],
-        (Digit::Thumb, _) => [none, axis(-15.0, 80.0, 0.015)],
-        (_, 0) => [axis(-20.0, 20.0, 0.04), axis(-45.0, 90.0, 0.032)],
-        (_, 1) => [none, axis(0.0, 100.0, 0.02)],
-        (_, _) => [none, axis(0.0, 85.0, 0.01)],
+        (Digit::Thumb, 0) => [axis(-22.5, 22.5, 0.025), axis(-30.0, 30.0, 0.025)],
+        (Digit::Thumb, 1) => [none, axis(-10.0, 55.0, 0.012)],
+        (Digit::Thumb, _) => [none, axis(-15.0, 80.0, 0.006)],
+        (_, 0) => [axis(-20.0, 20.0, 0.015), axis(-45.0, 90.0, 0.012)],
+        (_, 1) => [none, axis(0.0, 100.0, 0.008)],
+        (_, _) => [none, axis(0.0, 85.0, 0.004)],
     }
 }
 

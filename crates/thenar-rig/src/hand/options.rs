@@ -27,6 +27,9 @@ pub struct HandOptions {
     /// Flesh of a fully filled element. Its density is that of the whole hand, bones included;
     /// the flesh gets what the bones leave.
     pub material: Material,
+    /// Young's modulus in the middle of a joint, relative to that elsewhere, in (0, 1]. Skin folds
+    /// and slides over a joint; flesh of one modulus throughout would stiffen it several times.
+    pub joint_softness: f64,
     /// Rayleigh damping of the flesh, mass-proportional \[1/s\].
     pub mass_damping: f64,
     /// Rayleigh damping of the flesh, stiffness-proportional \[s\].
@@ -42,7 +45,7 @@ pub struct HandOptions {
 }
 
 impl Default for HandOptions {
-    /// The mesh as it is, with the paper's mesh sizes and flesh of 80 kPa.
+    /// The mesh as it is, with the paper's mesh sizes and flesh of 50 kPa.
     fn default() -> Self {
         Self {
             name: "hand".into(),
@@ -51,10 +54,11 @@ impl Default for HandOptions {
             tets: 600,
             material: Material {
                 law: Law::Corotational,
-                young: 80e3,
+                young: 50e3,
                 poisson: 0.43,
                 density: 1080.0,
             },
+            joint_softness: 0.2,
             mass_damping: 1.0,
             stiffness_damping: 1e-3,
             friction: 0.6,
@@ -75,6 +79,13 @@ impl HandOptions {
         };
         positive("Young's modulus", self.material.young)?;
         positive("density", self.material.density)?;
+        if !(self.joint_softness > 0.0 && self.joint_softness <= 1.0) {
+            return Err(RigError::Parameter {
+                name: "joint softness",
+                expected: "above 0 and at most 1",
+                value: self.joint_softness,
+            });
+        }
         non_negative("mass damping", self.mass_damping)?;
         non_negative("stiffness damping", self.stiffness_damping)?;
         non_negative("friction coefficient", self.friction)?;

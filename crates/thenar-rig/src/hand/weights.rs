@@ -12,8 +12,6 @@ const FIRST: f64 = 0.56;
 const SECOND: f64 = 0.42;
 /// Half width of the two further joints' ramps, at most, relative to the bone between them.
 const FURTHER: f64 = 0.5;
-/// How much of the web between two fingers they leave to the palm where they are equally near.
-const WEB: f64 = 0.4;
 
 /// What the binding of nodes needs to know of each digit.
 pub(super) fn chains(digits: &[DigitRig]) -> Vec<Chain> {
@@ -55,9 +53,8 @@ pub(super) fn binding(p: &Vec3, own: Digit, digits: &[DigitRig], chains: &[Chain
     best
 }
 
-/// How much of a point digit `d` may take from the palm. The thumb goes its own way: between it
-/// and the rest its hold fades to nothing, so that the weights are continuous there. Fingers bend
-/// together more than apart: they keep most of the web between them.
+/// How firmly digit `d` holds a point against the palm and the other digits: fading to nothing
+/// where a rival is as near, so that the weights are continuous there.
 fn hold(d: usize, own: Digit, distances: &[f64], palm: f64) -> f64 {
     const THUMB: usize = 0;
     let nearer = |rival: f64| (rival - distances[d]) / (rival + distances[d]).max(1e-9);
@@ -77,8 +74,7 @@ fn hold(d: usize, own: Digit, distances: &[f64], palm: f64) -> f64 {
         .filter(|&other| other != d)
         .map(|other| distances[other])
         .fold(f64::INFINITY, f64::min);
-    let web = (1.0 - WEB + 2.0 * nearer(neighbour)).clamp(0.0, 1.0);
-    web * fade(distances[THUMB])
+    fade(neighbour) * fade(distances[THUMB])
 }
 
 fn root_weight(binding: &Binding) -> f64 {

@@ -14,9 +14,15 @@ impl Lattice {
     /// al. 2009). Poisson's ratio is the mean weighted by modulus; the law is that of any one
     /// place. The total mass is exactly the integral of `at`'s density over the body.
     pub fn materials(&self, at: impl Fn(&Vec3) -> Material) -> Vec<Material> {
+        self.sample_materials(|i| at(&self.sample_position(i)))
+    }
+
+    /// The same with the material of each inside point by its index.
+    pub fn sample_materials(&self, at: impl Fn(usize) -> Material) -> Vec<Material> {
+        // Every tetrahedron that was kept holds inside points.
         let mut sums: Vec<Option<Material>> = vec![None; self.tets.len()];
         for i in 0..self.sample_count() {
-            let m = at(&self.sample_position(i));
+            let m = at(i);
             let sum = &mut sums[self.sample_tet(i) as usize];
             *sum = Some(match *sum {
                 None => Material { poisson: m.poisson * m.young, ..m },
@@ -35,11 +41,11 @@ impl Lattice {
         let mut materials: Vec<Material> = sums
             .iter()
             .enumerate()
+            .filter_map(|(t, sum)| Some((t, (*sum)?)))
             .map(|(t, sum)| {
                 let volume = tet::volume(&self.corners(t));
                 let fill = self.filled[t] / volume;
                 let scale = per_sample / volume * fill.clamp(FILL_FLOOR, 1.0) / fill;
-                let sum = sum.unwrap_or_else(|| at(&self.centre(t)));
                 let scaled = Material {
                     law: sum.law,
                     young: sum.young * scale,
@@ -53,9 +59,5 @@ impl Lattice {
             .collect();
         materials.iter_mut().for_each(|m| m.density *= masses[0] / masses[1]);
         materials
-    }
-
-    fn centre(&self, t: usize) -> Vec3 {
-        self.corners(t).iter().sum::<Vec3>() / 4.0
     }
 }
