@@ -181,10 +181,10 @@ fn inside_of(
     let exact = MassProperties::of_solid(mesh, 1.0);
 
     if topology.closed() && topology.oriented() {
-        if let (Ok(exact), Ok(on_grid)) = (&exact, &on_grid) {
-            if (exact.mass / on_grid.mass - 1.0).abs() < VOLUME_AGREEMENT {
-                return Ok((Interior::Closed, grid, *exact));
-            }
+        if let (Ok(exact), Ok(on_grid)) = (&exact, &on_grid)
+            && (exact.mass / on_grid.mass - 1.0).abs() < VOLUME_AGREEMENT
+        {
+            return Ok((Interior::Closed, grid, *exact));
         }
         // Thinner than the grid resolves, but of one piece and sound.
         if let (Ok(exact), 1) = (exact, topology.components) {
