@@ -1,17 +1,32 @@
-//! Files and built-in objects.
+//! Files and built-in objects, through the rig.
 
-use super::lattice::Tets;
 use super::shape::Solid;
-use super::soft::{Rest, explicit};
 use crate::format::{
-    BreadShape, CarShape, ExplicitShape, FileShape, Hand, MeshShape, MeshSoftShape,
+    BallShape, BreadShape, CarShape, ExplicitShape, FileShape, Hand, MeshShape, MeshSoftShape,
 };
 use crate::text::{At, Cx, Fault, Node, Read};
 use std::path::{Path, PathBuf};
-use thenar::model::HandModel;
+use thenar::math::Vec3;
+use thenar::model::{HandModel, Law, Material, Side};
+use thenar_rig::embed::{EmbedOptions, embed};
+use thenar_rig::hand::{HandOptions, Size, asset, build_hand, build_hand_file};
+use thenar_rig::mesh::{GridOptions, Topology, load_mesh, weld};
+use thenar_rig::object::{
+    Ball, Bread, Car, ImportOptions, RigidModel, SoftModel, SoftOptions, Weight, ball as ball_of,
+    bread as bread_of, rigid_from_mesh, soft_from_tets, toy_car,
+};
+use thenar_rig::{Model, read_model};
 
 /// Largest file with nodes and tetrahedra \[bytes\].
 const TET_FILE_BYTES_MAX: u64 = 32 << 20;
+/// Vertices of a mesh nearer than this part of its size are one.
+const WELD: f64 = 1e-6;
+
+/// The material of a shape that has none yet. Where the rig scales materials (elements filled in
+/// part, crusts), what it gives is the scale.
+pub fn unit() -> Material {
+    Material { law: Law::Corotational, young: 1.0, poisson: 0.0, density: 1.0 }
+}
 
 /// A path in a scene, which starts at the scene's folder.
 pub fn path(folder: &Path, file: &At<String>) -> PathBuf {
@@ -30,7 +45,7 @@ pub fn read_text(folder: &Path, file: &At<String>, bytes_max: u64) -> Result<Str
 }
 
 /// Nodes and tetrahedra from a TOML file.
-pub fn tet_file(shape: &FileShape, folder: &Path) -> Result<Tets, Fault> {
+pub fn tet_file(shape: &FileShape, folder: &Path) -> Result<SoftModel, Fault> {
     let text = read_text(folder, &shape.file, TET_FILE_BYTES_MAX)?;
     let inside = |fault: Fault| {
         let located = fault.locate(&path(folder, &shape.file), &text, &[]);
@@ -38,24 +53,145 @@ pub fn tet_file(shape: &FileShape, folder: &Path) -> Result<Tets, Fault> {
     };
     let root = Node::parse(&text).map_err(inside)?;
     let table = ExplicitShape::read(&root, &Cx::root()).map_err(inside)?;
-    let (mut nodes, tets) = explicit(&table.nodes, &table.tets).map_err(inside)?;
-    nodes.iter_mut().for_each(|x| *x *= shape.scale);
-    Ok((nodes, tets))
+    explicit(&table, shape.scale).map_err(inside)
 }
 
-/// Only until these are wired.
-pub fn car(_: &CarShape, at: &At<crate::format::Shape>) -> Result<Solid, Fault> {
-    Err(at.fault("not yet"))
+/// A body from nodes and tetrahedra that a user wrote out, in either orientation.
+pub fn explicit(shape: &ExplicitShape, scale: f64) -> Result<SoftModel, Fault> {
+    let nodes: Vec<Vec3> = shape.nodes.value.iter().map(|x| x * scale).collect();
+    let mut tets = shape.tets.value.clone();
+    for tet in &mut tets {
+        if tet.iter().all(|n| (*n as usize) < nodes.len()) {
+            let [a, b, c, d] = tet.map(|n| nodes[n as usize]);
+            if (b - a).cross(&(c - a)).dot(&(d - a)) < 0.0 {
+                tet.swap(1, 2);
+            }
+        }
+    }
+    soft_from_tets("tets", nodes, tets, vec![unit()], &SoftOptions::default())
+        .map(|(model, _)| model)
+        .map_err(|e| shape.tets.fault(e.to_string()))
 }
-pub fn rigid_mesh(mesh: &MeshShape, _: &Path) -> Result<Solid, Fault> {
-    Err(mesh.file.fault("not yet"))
+
+/// A ball, perhaps hollow.
+pub fn ball(shape: &BallShape, at: &At<impl Sized>) -> Result<SoftModel, Fault> {
+    let ball = Ball {
+        outer: shape.radius,
+        inner: shape.core_radius,
+        frequency: shape.frequency,
+        layers: shape.layers,
+        growth: shape.growth,
+        focus: shape.focus,
+    };
+    ball_of(&ball, |_| unit(), &SoftOptions::default()).map_err(|e| at.fault(e.to_string()))
 }
-pub fn soft_mesh(mesh: &MeshSoftShape, _: &Path) -> Result<Rest, Fault> {
-    Err(mesh.file.fault("not yet"))
+
+/// The loaf that a table describes, with the crumb's own material.
+pub fn loaf(shape: &BreadShape) -> Bread {
+    let usual = Bread::loaf();
+    Bread {
+        size: shape.size.unwrap_or(usual.size),
+        cells: shape.cells.unwrap_or(usual.cells),
+        crust: shape.crust.unwrap_or(usual.crust),
+        ..usual
+    }
 }
-pub fn bread(_: &BreadShape, at: &At<crate::format::SoftShape>) -> Result<Rest, Fault> {
-    Err(at.fault("not yet"))
+
+/// A loaf of bread.
+pub fn bread(shape: &BreadShape, at: &At<impl Sized>) -> Result<SoftModel, Fault> {
+    bread_of(&Bread { crumb: unit(), ..loaf(shape) })
+        .map(|(model, _)| model)
+        .map_err(|e| at.fault(e.to_string()))
 }
-pub fn hand(hand: &Hand, _: &Path) -> Result<HandModel, Fault> {
-    Err(hand.name.fault("not yet"))
+
+/// A closed mesh filled with tetrahedra.
+pub fn soft_mesh(shape: &MeshSoftShape, folder: &Path) -> Result<SoftModel, Fault> {
+    let path = path(folder, &shape.file);
+    let fault = |problem: String| shape.file.fault(format!("{}: {problem}", path.display()));
+    let mesh = load_mesh(&path, shape.scale).map_err(|e| shape.file.fault(e.to_string()))?;
+    let [low, high] = mesh.bounds();
+    let mut mesh = weld(&mesh, WELD * (high - low).norm()).mesh.compacted();
+    mesh.orient().map_err(|e| fault(e.to_string()))?;
+    let topology = Topology::of(&mesh);
+    if !topology.closed() {
+        return Err(fault(format!(
+            "a soft body needs a closed mesh; this one has {} open edges and {} edges of more than two triangles",
+            topology.boundary_edges, topology.non_manifold_edges
+        )));
+    }
+    let options = EmbedOptions { tets: shape.tets as usize, ..EmbedOptions::default() };
+    let embedded = embed(&mesh, &options, |_| unit()).map_err(|e| fault(e.to_string()))?;
+    Ok(SoftModel { name: String::new(), flesh: embedded.flesh, render: embedded.render })
+}
+
+/// The toy car.
+pub fn car(car: &CarShape, weight: Weight, at: &At<impl Sized>) -> Result<Solid, Fault> {
+    let fault = |e: thenar_rig::RigError| at.fault(e.to_string());
+    let mass = match weight {
+        Weight::Mass(mass) => mass,
+        Weight::Density(density) => {
+            let unit = Car { length: car.length, mass: 1.0 };
+            density * toy_car(&unit).map_err(fault)?.1.volume
+        }
+    };
+    toy_car(&Car { length: car.length, mass }).map(|(model, _)| Solid::from(model)).map_err(fault)
+}
+
+/// A rigid body from a mesh file.
+pub fn rigid_mesh(mesh: &MeshShape, weight: Weight, folder: &Path) -> Result<Solid, Fault> {
+    let path = path(folder, &mesh.file);
+    let read = load_mesh(&path, mesh.scale).map_err(|e| mesh.file.fault(e.to_string()))?;
+    let grid = GridOptions { cells: mesh.grid, ..GridOptions::default() };
+    let options = ImportOptions { grid, ..ImportOptions::default() };
+    rigid_from_mesh("mesh", &read, weight, &options)
+        .map(|(model, _)| Solid::from(model))
+        .map_err(|e| mesh.file.fault(format!("{}: {e}", path.display())))
+}
+
+impl From<RigidModel> for Solid {
+    fn from(model: RigidModel) -> Self {
+        Self {
+            shape: model.shape,
+            pose_BS: model.pose_BS,
+            pose_MB: model.pose_MB,
+            moments: None,
+            weighed: Some((model.mass, model.inertia)),
+            look: Some((model.render, model.paint)),
+        }
+    }
+}
+
+/// The model of a hand.
+pub fn hand(hand: &Hand, folder: &Path) -> Result<HandModel, Fault> {
+    let built_in = |side| {
+        let options = HandOptions { side: Some(side), ..options(hand) };
+        build_hand(asset(side), &options).map_err(|e| hand.name.fault(e.to_string()))
+    };
+    let Some(file) = &hand.model else { return built_in(Side::Right) };
+    let path = path(folder, file);
+    match file.value.as_str() {
+        "right" => built_in(Side::Right),
+        "left" => built_in(Side::Left),
+        name if name.ends_with(".glb") => {
+            build_hand_file(&path, &options(hand)).map_err(|e| file.fault(e.to_string()))
+        }
+        name if name.ends_with(".thenar") => match read_model(&path) {
+            Ok(Model::Hand(model)) => Ok(model),
+            #[allow(unreachable_patterns)] // a model file may hold other bodies too
+            Ok(_) => Err(file.fault(format!("{} holds no hand", path.display()))),
+            Err(e) => Err(file.fault(e.to_string())),
+        },
+        other => Err(file.fault(format!(
+            "expected \"right\", \"left\", or the path of a .thenar or .glb file, got \"{other}\""
+        ))),
+    }
+}
+
+fn options(hand: &Hand) -> HandOptions {
+    HandOptions {
+        name: hand.name.value.clone(),
+        size: hand.length.map_or(Size::Scale(1.0), Size::Length),
+        tets: hand.tets as usize,
+        ..HandOptions::default()
+    }
 }

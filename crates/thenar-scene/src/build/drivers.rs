@@ -117,8 +117,9 @@ pub fn add_all(built: &mut Built, scene: &Scene) -> Result<(), Fault> {
                 }
             },
         };
-        let start = built.world.rigids[i].pose_WB;
-        let track = track(rigid, follow, start)?;
+        let pose_WB = built.world.rigids[i].pose_WB;
+        let pose_MB = built.looks[i].pose_MB;
+        let track = track(rigid, follow, &(pose_WB * pose_MB.inverse()), &pose_MB)?;
         if follow == Follow::Exactly {
             built.world.rigids[i].pose_WB = track.at(0.0).0;
         }
@@ -137,10 +138,11 @@ pub fn settings(table: &DriveTable) -> Drive {
     }
 }
 
-fn track(rigid: &Rigid, follow: Follow, start: Pose) -> Result<Track, Fault> {
+/// Keyframes place the frame M that the body's shape was drawn in, as its start pose does.
+fn track(rigid: &Rigid, follow: Follow, start: &Pose, pose_MB: &Pose) -> Result<Track, Fault> {
     let mut keys: Vec<(f64, Pose)> = Vec::new();
     for key in &rigid.keyframes {
-        let before = keys.last().map_or(start, |k| k.1);
+        let before = keys.last().map_or(*start, |k| k.1);
         if keys.last().is_some_and(|k| key.value.time - k.0 < 1e-9) {
             return Err(key.fault("expected a later `time` than that of the keyframe before"));
         }
@@ -151,6 +153,8 @@ fn track(rigid: &Rigid, follow: Follow, start: Pose) -> Result<Track, Fault> {
         let position = key.value.position.unwrap_or(before.position);
         keys.push((key.value.time, Pose::new(position, rotation)));
     }
+    keys.iter_mut().for_each(|(_, pose)| *pose = *pose * *pose_MB);
+    let start = *start * *pose_MB;
     match (keys.is_empty(), follow) {
         (true, Follow::Exactly) => {
             Ok(Track::Constant { start, velocity: [rigid.velocity, rigid.angular_velocity] })

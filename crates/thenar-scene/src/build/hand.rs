@@ -2,7 +2,7 @@
 
 use super::soft::law;
 use super::solver::set;
-use super::{Built, Mesh, assets, drivers, motion, place};
+use super::{Built, Mesh, RigidLook, assets, drivers, motion, place};
 use crate::format::{Hand, HandMaterial, Scene};
 use crate::math::Pose;
 use crate::motion::HandMotion;
@@ -83,7 +83,7 @@ fn add(built: &mut Built, hand: &Hand, folder: &Path) -> Result<(), Fault> {
     for i in handle.bones.clone() {
         let name = built.world.rigids[i as usize].name.clone();
         built.names.add_bone(&name, i);
-        built.looks.push(Default::default());
+        built.looks.push(RigidLook { colour: hand.colour, mesh: None, pose_MB: Pose::identity() });
     }
     for j in handle.joints.clone() {
         let name = built.world.joints[j as usize].name.clone();

@@ -1,39 +1,36 @@
 //! A box of cells cut into tetrahedra.
 
+use super::assets::unit;
 use crate::format::{LatticeShape, SplitWord};
 use crate::math::Vec3;
 use crate::session::Random;
 use crate::text::{At, Fault};
-
-/// Nodes \[m\] and tetrahedra of positive volume.
-pub type Tets = (Vec<Vec3>, Vec<[u32; 4]>);
+use thenar_rig::object::{Cubes, SoftModel, SoftOptions, graded_block};
 
 /// Most cells of a lattice.
 const CELLS_MAX: usize = 200_000;
 
-/// The order in which the axes are walked from the least to the greatest corner.
-const PATHS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
-
-/// Five tetrahedra of a cell; corner k has x, y, z in its bits 0, 1, 2.
-const FIVE: [[usize; 4]; 5] =
-    [[0, 1, 2, 4], [3, 2, 1, 7], [5, 4, 7, 1], [6, 7, 4, 2], [1, 2, 4, 7]];
-
-/// Builds the lattice.
+/// Builds the lattice, of material 1.
 ///
 /// # Errors
 /// It is not clear what is wanted, or it is too large.
-pub fn build(shape: &LatticeShape, at: &At<impl Sized>) -> Result<Tets, Fault> {
+pub fn build(shape: &LatticeShape, at: &At<impl Sized>) -> Result<SoftModel, Fault> {
     let planes = planes(shape, at)?;
     let cells = planes.each_ref().map(|p| p.len() - 1);
     if cells.iter().product::<usize>() > CELLS_MAX {
         return Err(at.fault(format!("expected at most {CELLS_MAX} cells, got {cells:?}")));
     }
-    let mut nodes = nodes(&planes);
-    let tets = tets(cells, shape.split);
+    let cubes = match shape.split {
+        SplitWord::Kuhn => Cubes::Kuhn6,
+        SplitWord::Five => Cubes::Five,
+    };
+    let [x, y, z] = &planes;
+    let mut model = graded_block(x, y, z, cubes, |_| unit(), &SoftOptions::default())
+        .map_err(|e| at.fault(e.to_string()))?;
     if shape.jitter > 0.0 {
-        jitter(&mut nodes, &planes, shape);
+        jitter(&mut model.flesh.nodes, &planes, shape);
     }
-    Ok((nodes, tets))
+    Ok(model)
 }
 
 fn planes(shape: &LatticeShape, at: &At<impl Sized>) -> Result<[Vec<f64>; 3], Fault> {
@@ -58,49 +55,8 @@ fn planes(shape: &LatticeShape, at: &At<impl Sized>) -> Result<[Vec<f64>; 3], Fa
     }
 }
 
-fn nodes([x, y, z]: &[Vec<f64>; 3]) -> Vec<Vec3> {
-    let mut nodes = Vec::with_capacity(x.len() * y.len() * z.len());
-    for &c in z {
-        for &b in y {
-            nodes.extend(x.iter().map(|&a| Vec3::new(a, b, c)));
-        }
-    }
-    nodes
-}
-
-fn tets(cells: [usize; 3], split: SplitWord) -> Vec<[u32; 4]> {
-    let [nx, ny, nz] = cells;
-    let node = |i: usize, j: usize, k: usize| (i + (nx + 1) * (j + (ny + 1) * k)) as u32;
-    let mut tets = Vec::new();
-    for (k, j, i) in
-        (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| (k, j, i))))
-    {
-        let corner = |c: usize| node(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2 & 1));
-        match split {
-            SplitWord::Kuhn => tets.extend(PATHS.iter().enumerate().map(|(p, path)| {
-                let first = 1 << path[0];
-                let second = first | 1 << path[1];
-                let tet = [0, first, second, 7].map(corner);
-                if p < 3 { tet } else { flipped(tet) } // the last three paths are odd
-            })),
-            SplitWord::Five => {
-                let odd = (i + j + k) % 2 == 1;
-                tets.extend(FIVE.iter().map(|tet| {
-                    // Mirrored along x, which also turns the orientation around.
-                    let tet = tet.map(|c| corner(if odd { c ^ 1 } else { c }));
-                    if odd { flipped(tet) } else { tet }
-                }));
-            }
-        }
-    }
-    tets
-}
-
-fn flipped([a, b, c, d]: [u32; 4]) -> [u32; 4] {
-    [a, c, b, d]
-}
-
-/// Moves inner nodes by up to a part of the smallest cell beside them.
+/// Moves inner nodes by up to a part of the smallest cell beside them; up to 0.3 of it no element
+/// turns inside out.
 fn jitter(nodes: &mut [Vec3], planes: &[Vec<f64>; 3], shape: &LatticeShape) {
     let mut random = Random::new(u64::from(shape.seed));
     let counts = planes.each_ref().map(Vec::len);
@@ -119,58 +75,40 @@ fn jitter(nodes: &mut [Vec3], planes: &[Vec<f64>; 3], shape: &LatticeShape) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::boundary;
     use super::*;
     use crate::text::Place;
 
-    fn lattice(cells: [u32; 3], split: SplitWord, jitter: f64) -> Tets {
-        let shape = LatticeShape {
-            size: Some(Vec3::new(3.0, 2.0, 1.0)),
-            cells: Some(cells),
-            coordinates: None,
-            split,
-            jitter,
-            seed: 1,
-        };
-        let at = At { value: (), place: Place::Text(0..0), key: String::new() };
-        build(&shape, &at).unwrap()
+    fn sixfold_volume(x: [Vec3; 4]) -> f64 {
+        (x[1] - x[0]).cross(&(x[2] - x[0])).dot(&(x[3] - x[0]))
     }
 
     #[test]
-    fn tetrahedra_fill_the_box_without_gap_or_overlap() {
-        for (split, per_cell) in [(SplitWord::Kuhn, 6), (SplitWord::Five, 5)] {
-            for jitter in [0.0, 0.3] {
-                let (nodes, tets) = lattice([3, 4, 5], split, jitter);
-                assert_eq!(tets.len(), 60 * per_cell);
-                assert_eq!(nodes.len(), 4 * 5 * 6);
-                let volume =
-                    |t: &[u32; 4]| boundary::determinant(&t.map(|n| nodes[n as usize])) / 6.0;
-                assert!(tets.iter().all(|t| volume(t) > 0.0));
-                let total: f64 = tets.iter().map(volume).sum();
-                assert!((total - 6.0).abs() < 1e-12, "{total}");
-                // Conforming: the boundary has two triangles for each cell face and nothing inside.
-                let faces = boundary::faces(&tets);
-                assert_eq!(faces.len(), 2 * 2 * (12 + 15 + 20));
-                let area: Vec3 = faces
-                    .iter()
-                    .map(|f| boundary::area_vector(&f.nodes.map(|n| nodes[n as usize])))
-                    .sum();
-                assert!(area.norm() < 1e-12);
-                let outward: f64 = faces
-                    .iter()
-                    .map(|f| {
-                        let x = f.nodes.map(|n| nodes[n as usize]);
-                        boundary::area_vector(&x).dot(&(x[0] + x[1] + x[2])) / 9.0
-                    })
-                    .sum();
-                assert!((outward - 6.0).abs() < 1e-12, "divergence theorem: {outward}");
+    fn jitter_moves_inner_nodes_only_and_inverts_nothing() {
+        for (split, seed) in [(SplitWord::Kuhn, 1), (SplitWord::Five, 2), (SplitWord::Kuhn, 3)] {
+            let mut shape = LatticeShape {
+                size: Some(Vec3::new(3.0, 2.0, 1.0)),
+                cells: Some([5, 6, 7]),
+                coordinates: None,
+                split,
+                jitter: 0.0,
+                seed,
+            };
+            let at = At { value: (), place: Place::Text(0..0), key: String::new() };
+            let regular = build(&shape, &at).unwrap().flesh;
+            shape.jitter = 0.3;
+            let moved = build(&shape, &at).unwrap().flesh;
+            let mut count = 0;
+            for (a, b) in regular.nodes.iter().zip(&moved.nodes) {
+                let half = Vec3::new(1.5, 1.0, 0.5);
+                let inner = (0..3).all(|k| a[k].abs() < half[k] - 1e-9);
+                assert_eq!(inner, (a - b).norm() > 0.0);
+                count += usize::from(inner);
             }
+            assert_eq!(count, 4 * 5 * 6);
+            let volume = |t: &[u32; 4]| sixfold_volume(t.map(|n| moved.nodes[n as usize])) / 6.0;
+            assert!(moved.tets.iter().all(|t| volume(t) > 0.0));
+            let total: f64 = moved.tets.iter().map(volume).sum();
+            assert!((total - 6.0).abs() < 1e-12, "{total}");
         }
-    }
-
-    #[test]
-    fn kuhn_cells_share_the_main_diagonal() {
-        let (_, tets) = lattice([1, 1, 1], SplitWord::Kuhn, 0.0);
-        assert!(tets.iter().all(|t| t.contains(&0) && t.contains(&7)));
     }
 }

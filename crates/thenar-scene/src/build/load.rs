@@ -1,8 +1,7 @@
 //! Loads, with nodes and faces found and directions fixed.
 
-use super::boundary::{Face, area_vector};
 use super::drivers::ease;
-use super::{Built, place};
+use super::{Built, Face, place};
 use crate::format::{
     Constant, InterpolationWord, JointTorqueLoad, Load, NodeForceLoad, PressureLoad, Profile,
     Scene, TractionLoad, TwistLoad,
@@ -160,6 +159,11 @@ fn joint_torque(built: &Built, load: &JointTorqueLoad) -> Result<LoadKind, Fault
     }
 }
 
+/// Area times outward normal \[m²\].
+fn area_vector(x: &[Vec3; 3]) -> Vec3 {
+    (x[1] - x[0]).cross(&(x[2] - x[0])) * 0.5
+}
+
 /// Index of a deformable body's first node among those of all.
 fn first_node(built: &Built, soft: u32) -> u32 {
     built.world.softs[..soft as usize].iter().map(|s| s.flesh.nodes.len() as u32).sum()
@@ -182,7 +186,7 @@ fn placed_faces(
     let pose_WM = built.world.softs[soft as usize].pose_WM;
     let chosen = mesh.select_faces(faces)?;
     let place = |n: u32| pose_WM.point(&mesh.nodes[n as usize]);
-    Ok(chosen.into_iter().map(|f| (f, f.nodes.map(place))).collect())
+    Ok(chosen.into_iter().map(|f| (f, f.map(place))).collect())
 }
 
 fn traction(built: &Built, load: &TractionLoad) -> Result<LoadKind, Fault> {
@@ -196,7 +200,7 @@ fn traction(built: &Built, load: &TractionLoad) -> Result<LoadKind, Fault> {
     };
     let shares = faces.iter().flat_map(|(face, x)| {
         let share = traction * (area_vector(x).norm() / 3.0);
-        face.nodes.map(|n| (n, share))
+        face.map(|n| (n, share))
     });
     Ok(LoadKind::Nodes(summed(shares, first_node(built, soft))))
 }
@@ -205,7 +209,7 @@ fn pressure(built: &Built, load: &PressureLoad) -> Result<LoadKind, Fault> {
     let soft = built.names.soft(&load.body)?;
     let first = first_node(built, soft);
     let faces = built.meshes[soft as usize].select_faces(&load.faces)?;
-    let faces = faces.into_iter().map(|f| f.nodes.map(|n| n + first)).collect();
+    let faces = faces.into_iter().map(|f| f.map(|n| n + first)).collect();
     Ok(LoadKind::Pressure { faces, pressure: load.pressure })
 }
 
@@ -228,7 +232,7 @@ fn twist(built: &Built, load: &TwistLoad) -> Result<LoadKind, Fault> {
         for a in 0..3 {
             let force = (sum + t[a]) * (area(x) / 12.0);
             torque += axis.dot(&(x[a] - centre).cross(&force));
-            shares.push((face.nodes[a], force));
+            shares.push((face[a], force));
         }
     }
     if torque <= 0.0 {

@@ -2,8 +2,6 @@
 //! measured in it, all by index.
 
 mod assets;
-mod ball;
-mod boundary;
 mod drivers;
 mod hand;
 mod inertia;
@@ -24,8 +22,8 @@ pub use drivers::{Driver, Follow, Track};
 pub use hand::BuiltHand;
 pub use load::{ActiveLoad, Factor, LoadKind};
 pub use names::Names;
-pub use rigid::{LookMesh, RigidLook};
-pub use select::Mesh;
+pub use rigid::RigidLook;
+pub use select::{Face, Mesh};
 pub use soft::SoftBuild;
 
 use crate::format::Scene;

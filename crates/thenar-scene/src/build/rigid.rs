@@ -2,29 +2,24 @@
 
 use super::shape::{self, Solid};
 use super::{Built, inertia, place};
-use crate::format::{MotionWord, Rigid, Scene};
+use crate::format::{MotionWord, Rigid, Scene, Shape as Table};
 use crate::math::{Mat3, Pose, Vec3};
 use crate::text::Fault;
 use std::path::Path;
 use thenar::contact::Shape;
 use thenar::model::{Motion, RigidDesc};
+use thenar_rig::TriMesh;
+use thenar_rig::object::{Car, Paint, Weight};
 
 /// How a rigid body looks.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct RigidLook {
     /// Red, green, blue from 0 to 1, if the scene says.
     pub colour: Option<[f64; 3]>,
-    /// A mesh finer than the contact shape, in the body's frame.
-    pub mesh: Option<LookMesh>,
-}
-
-/// Triangles to draw.
-#[derive(Clone, Debug)]
-pub struct LookMesh {
-    /// Vertices in the body's frame \[m\].
-    pub positions: Vec<Vec3>,
-    /// Triangles, counter-clockwise from outside.
-    pub triangles: Vec<[u32; 3]>,
+    /// Of a body made from a mesh: the mesh, in the body's frame, and its colours.
+    pub mesh: Option<(TriMesh, Vec<Paint>)>,
+    /// The body's frame in the frame M that its shape was drawn in, which the scene places.
+    pub pose_MB: Pose,
 }
 
 /// Adds all rigid bodies.
@@ -39,68 +34,100 @@ pub fn add_all(built: &mut Built, scene: &Scene, folder: &Path) -> Result<(), Fa
 }
 
 fn describe(rigid: &Rigid, folder: &Path) -> Result<(RigidDesc, RigidLook), Fault> {
-    let solid = rigid.shape.as_ref().map(|s| shape::solid(s, folder)).transpose()?;
-    let pose_BS = place::frame(rigid.shape_frame.as_ref())?;
     let dynamic = rigid.motion == MotionWord::Dynamic;
+    let weight = weight(rigid, dynamic)?;
+    let solid = rigid.shape.as_ref().map(|s| shape::solid(s, weight.meshes, folder)).transpose()?;
     if dynamic && matches!(solid, Some(Solid { shape: Shape::HalfSpace, .. })) {
-        return Err(rigid
-            .name
-            .fault("a plane cannot be dynamic; set motion = \"fixed\" or \"scripted\""));
+        let problem = "a plane cannot be dynamic; set motion = \"fixed\" or \"scripted\"";
+        return Err(rigid.name.fault(problem));
     }
-    let (mass, inertia) = if dynamic {
-        mass(rigid, solid.as_ref(), &pose_BS)?
-    } else {
-        (rigid.mass.unwrap_or(0.0), Mat3::zeros())
-    };
     let still = rigid.velocity == Vec3::zeros() && rigid.angular_velocity == Vec3::zeros();
     if rigid.motion == MotionWord::Fixed && !still {
         return Err(rigid.name.fault("a fixed body has no velocity; set motion = \"scripted\""));
     }
+    let frame = place::frame(rigid.shape_frame.as_ref())?;
+    let (mass, inertia) = match dynamic {
+        true => mass(rigid, &weight, solid.as_ref(), &frame)?,
+        false => (rigid.mass.unwrap_or(0.0), Mat3::zeros()),
+    };
     let position = rigid.position.as_ref().map_or(Vec3::zeros(), |p| p.value);
-    let (shape, mesh) = solid.map_or((None, None), |s| (Some(s.shape), s.look));
+    let pose_WM = Pose::new(position, place::rotation(rigid.rotation.as_ref())?);
+    let here = Pose::identity();
+    let pose_MB = solid.as_ref().map_or(here, |s| s.pose_MB);
     let desc = RigidDesc {
         name: rigid.name.value.clone(),
         motion: if dynamic { Motion::Dynamic } else { Motion::Prescribed },
         mass,
         inertia,
-        pose_WB: Pose::new(position, place::rotation(rigid.rotation.as_ref())?),
+        pose_WB: pose_WM * pose_MB,
         velocity_W: rigid.velocity,
         angular_velocity_W: rigid.angular_velocity,
-        shape,
-        pose_BS,
+        pose_BS: frame * solid.as_ref().map_or(here, |s| s.pose_BS),
+        shape: solid.as_ref().map(|s| s.shape.clone()),
         friction: rigid.friction,
     };
-    let mesh = mesh.map(|m| LookMesh {
-        positions: m.positions.iter().map(|p| pose_BS.point(p)).collect(),
-        triangles: m.triangles,
-    });
-    Ok((desc, RigidLook { colour: rigid.colour, mesh }))
+    Ok((desc, RigidLook { colour: rigid.colour, mesh: solid.and_then(|s| s.look), pose_MB }))
+}
+
+/// What a body weighs, as far as its table says.
+struct Given {
+    mass: Option<f64>,
+    density: Option<f64>,
+    /// For shapes from meshes, which are weighed when they are made.
+    meshes: Weight,
+}
+
+fn weight(rigid: &Rigid, dynamic: bool) -> Result<Given, Fault> {
+    let (mass, density) = (rigid.mass, rigid.density);
+    let toy = rigid.shape.as_ref().is_some_and(|s| matches!(s.value, Table::Car(_)));
+    let meshes = match (mass, density) {
+        (Some(m), None) => Weight::Mass(m),
+        (None, Some(rho)) => Weight::Density(rho),
+        (Some(_), Some(_)) => {
+            return Err(rigid.name.fault("give `mass` or `density`, not both"));
+        }
+        (None, None) if toy => Weight::Mass(Car::default().mass),
+        (None, None) if dynamic => {
+            return Err(rigid.name.fault("a dynamic body needs `mass` or `density`"));
+        }
+        (None, None) => Weight::Density(1000.0), // does not matter
+    };
+    Ok(Given { mass, density, meshes })
 }
 
 /// Mass and inertia about the centre of mass, in B.
-fn mass(rigid: &Rigid, solid: Option<&Solid>, pose_BS: &Pose) -> Result<(f64, Mat3), Fault> {
+fn mass(
+    rigid: &Rigid,
+    given: &Given,
+    solid: Option<&Solid>,
+    frame: &Pose,
+) -> Result<(f64, Mat3), Fault> {
     let name = &rigid.name;
-    let homogeneous = solid.and_then(|s| s.moments);
-    let mass = match (rigid.mass, rigid.density, homogeneous) {
-        (Some(m), None, _) => m,
-        (None, Some(rho), Some((volume, _))) => rho * volume,
-        (None, Some(_), None) => {
-            return Err(name.fault("`density` needs a shape with a volume; give `mass`"));
-        }
-        (Some(_), Some(_), _) => return Err(name.fault("give `mass` or `density`, not both")),
-        (None, None, _) => return Err(name.fault("a dynamic body needs `mass` or `density`")),
-    };
-    if let Some(numbers) = &rigid.inertia {
-        return Ok((mass, inertia::from_numbers(numbers)?));
+    let own = rigid.inertia.as_ref().map(inertia::from_numbers).transpose()?;
+    if let Some((mass, inertia)) = solid.and_then(|s| s.weighed) {
+        return match rigid.shape_frame {
+            None => Ok((mass, own.unwrap_or(inertia))),
+            Some(_) => {
+                Err(name.fault("a shape from a mesh has its own frame: leave `shape_frame` out"))
+            }
+        };
     }
-    let Some((volume, unit)) = homogeneous else {
+    let moments = solid.and_then(|s| s.moments);
+    let mass = match (given.mass, given.density, moments) {
+        (Some(mass), _, _) => mass,
+        (None, Some(rho), Some((volume, _))) => rho * volume,
+        _ => return Err(name.fault("`density` needs a shape with a volume; give `mass`")),
+    };
+    if let Some(inertia) = own {
+        return Ok((mass, inertia));
+    }
+    let Some((volume, unit)) = moments else {
         return Err(name.fault("a dynamic body without a shape needs `inertia`"));
     };
-    let centre = pose_BS.position + pose_BS.rotation * solid.map_or(Vec3::zeros(), |s| s.centre);
-    if centre.norm() > 1e-9 {
+    if frame.position.norm() > 1e-9 {
         let problem = "the shape's centre of mass is not the body's origin: give `inertia`, or no `shape_frame.position`";
         return Err(name.fault(problem));
     }
-    let turn = pose_BS.rotation.to_rotation_matrix();
+    let turn = frame.rotation.to_rotation_matrix();
     Ok((mass, turn.matrix() * unit * turn.matrix().transpose() * (mass / volume)))
 }

@@ -1,9 +1,12 @@
 //! Which nodes, faces or elements a selector means.
 
-use super::boundary::{self, Face};
 use crate::format::{Selector, SideWord};
 use crate::math::Vec3;
 use crate::text::{At, Fault};
+use thenar_rig::object::boundary_surface;
+
+/// Nodes of a boundary face, counter-clockwise from outside.
+pub type Face = [u32; 3];
 
 /// A soft body at rest as a selector sees it.
 #[derive(Clone, Debug)]
@@ -22,11 +25,9 @@ pub struct Mesh {
 impl Mesh {
     /// Prepares a mesh.
     pub fn new(nodes: &[Vec3], tets: &[[u32; 4]]) -> Self {
-        let faces = boundary::faces(tets);
+        let faces = boundary_faces(tets);
         let mut on_boundary = vec![false; nodes.len()];
-        for node in faces.iter().flat_map(|f| f.nodes) {
-            on_boundary[node as usize] = true;
-        }
+        faces.iter().flatten().for_each(|n| on_boundary[*n as usize] = true);
         let infinite = Vec3::repeat(f64::INFINITY);
         let low = nodes.iter().fold(infinite, |a, b| a.inf(b));
         let high = nodes.iter().fold(-infinite, |a, b| a.sup(b));
@@ -75,10 +76,9 @@ impl Mesh {
     /// It means none, or names an index that does not exist.
     pub fn select_faces(&self, at: &At<Selector>) -> Result<Vec<Face>, Fault> {
         self.check_indices(at, self.faces.len(), "boundary faces")?;
-        let inside =
-            |f: &Face| f.nodes.iter().all(|n| self.covers(&at.value, &self.nodes[*n as usize]));
+        let inside = |f: &Face| f.iter().all(|n| self.covers(&at.value, &self.nodes[*n as usize]));
         let centre =
-            |f: &(u32, Face)| f.1.nodes.iter().map(|n| self.nodes[*n as usize]).sum::<Vec3>() / 3.0;
+            |f: &(u32, Face)| f.1.iter().map(|n| self.nodes[*n as usize]).sum::<Vec3>() / 3.0;
         let mut chosen: Vec<(u32, Face)> = (0..)
             .zip(self.faces.iter().copied())
             .filter(|(i, f)| inside(f) && has_index(&at.value, *i))
@@ -114,6 +114,17 @@ impl Mesh {
             Some(i) => Err(at.fault(format!("there is no index {i}: the body has {count} {what}"))),
         }
     }
+}
+
+/// The boundary of elements whose surface vertices are nodes.
+fn boundary_faces(tets: &[[u32; 4]]) -> Vec<Face> {
+    let surface = boundary_surface(tets);
+    let node = |v: u32| {
+        let vertex = &surface.vertices[v as usize];
+        let corner = vertex.weights.iter().position(|w| *w == 1.0).unwrap_or(0);
+        tets[vertex.tet as usize][corner]
+    };
+    surface.triangles.iter().map(|t| t.map(node)).collect()
 }
 
 fn has_index(s: &Selector, i: u32) -> bool {

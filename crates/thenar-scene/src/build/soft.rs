@@ -1,15 +1,14 @@
 //! Soft bodies.
 
 use super::solver::set;
-use super::{Built, Mesh, assets, ball, boundary, lattice, place};
+use super::{Built, Mesh, assets, lattice, place};
 use crate::format::{Bind, FixedSet, LawWord, MaterialTable, Scene, Soft, SoftShape};
 use crate::math::{Mat3, Pose, Vec3};
 use crate::text::{At, Fault};
 use std::collections::BTreeMap;
 use std::path::Path;
-use thenar::model::{
-    Binding, Coupling, EmbeddedSurface, FixedNode, Flesh, Law, Material, SoftDesc,
-};
+use thenar::model::{Binding, Coupling, EmbeddedSurface, FixedNode, Law, Material, SoftDesc};
+use thenar_rig::object::SoftModel;
 
 /// A soft body that is no hand.
 #[derive(Clone, Debug)]
@@ -22,25 +21,6 @@ pub struct SoftBuild {
     pub colour: Option<[f64; 3]>,
 }
 
-/// A rest shape before it has a material.
-pub struct Rest {
-    /// Node positions, model frame \[m\].
-    pub nodes: Vec<Vec3>,
-    /// Elements of positive volume.
-    pub tets: Vec<[u32; 4]>,
-    /// Surface that touches.
-    pub collision: EmbeddedSurface,
-    /// Surface to draw.
-    pub render: EmbeddedSurface,
-}
-
-impl Rest {
-    fn from_tets((nodes, tets): lattice::Tets) -> Self {
-        let surface = boundary::surface(&tets, &boundary::faces(&tets), nodes.len());
-        Self { nodes, tets, collision: surface.clone(), render: surface }
-    }
-}
-
 /// Adds all soft bodies.
 pub fn add_all(built: &mut Built, scene: &Scene, folder: &Path) -> Result<(), Fault> {
     for soft in &scene.soft {
@@ -50,23 +30,19 @@ pub fn add_all(built: &mut Built, scene: &Scene, folder: &Path) -> Result<(), Fa
 }
 
 fn add(built: &mut Built, soft: &Soft, folder: &Path) -> Result<(), Fault> {
-    let mut rest = rest_shape(&soft.shape, folder)?;
-    let mesh = Mesh::new(&rest.nodes, &rest.tets);
+    let SoftModel { mut flesh, render, .. } = rest_shape(&soft.shape, folder)?;
+    let mesh = Mesh::new(&flesh.nodes, &flesh.tets);
     let pose_WM = Pose::new(soft.position, place::rotation(soft.rotation.as_ref())?);
     let start = start(soft, &mesh, &pose_WM)?;
     if !soft.contact {
-        rest.collision = EmbeddedSurface::default();
+        flesh.collision = EmbeddedSurface::default();
     }
-    let flesh = Flesh {
-        materials: materials(soft, &mesh)?,
-        nodes: rest.nodes,
-        tets: rest.tets,
-        mass_damping: soft.mass_damping,
-        stiffness_damping: soft.stiffness_damping,
-        fixed: fixed(&soft.fixed, &mesh)?,
-        collision: rest.collision,
-        friction: soft.friction,
-    };
+    let usual = usual(&soft.shape.value);
+    colour_in(&mut flesh.materials, soft, &usual.material, &mesh)?;
+    flesh.mass_damping = soft.mass_damping.unwrap_or(usual.mass_damping);
+    flesh.stiffness_damping = soft.stiffness_damping.unwrap_or(usual.stiffness_damping);
+    flesh.friction = soft.friction;
+    flesh.fixed = fixed(&soft.fixed, &mesh)?;
     let coupling = coupling(built, soft, &mesh)?;
     let index = built.world.add_soft(SoftDesc {
         name: soft.name.value.clone(),
@@ -76,53 +52,78 @@ fn add(built: &mut Built, soft: &Soft, folder: &Path) -> Result<(), Fault> {
         coupling,
     });
     built.names.add_soft(&soft.name, index)?;
-    built.softs.push(SoftBuild { soft: index, render: rest.render, colour: soft.colour });
+    built.softs.push(SoftBuild { soft: index, render, colour: soft.colour });
     built.meshes.push(mesh);
     built.node_starts.push(start);
     Ok(())
 }
 
-fn rest_shape(shape: &At<SoftShape>, folder: &Path) -> Result<Rest, Fault> {
+fn rest_shape(shape: &At<SoftShape>, folder: &Path) -> Result<SoftModel, Fault> {
     match &shape.value {
-        SoftShape::Lattice(s) => lattice::build(s, shape).map(Rest::from_tets),
-        SoftShape::Ball(s) => ball::build(s, shape).map(Rest::from_tets),
-        SoftShape::Explicit(s) => explicit(&s.nodes, &s.tets).map(Rest::from_tets),
-        SoftShape::File(s) => assets::tet_file(s, folder).map(Rest::from_tets),
+        SoftShape::Lattice(s) => lattice::build(s, shape),
+        SoftShape::Ball(s) => assets::ball(s, shape),
+        SoftShape::Explicit(s) => assets::explicit(s, 1.0),
+        SoftShape::File(s) => assets::tet_file(s, folder),
         SoftShape::Mesh(s) => assets::soft_mesh(s, folder),
         SoftShape::Bread(s) => assets::bread(s, shape),
     }
 }
 
-/// Checks nodes and elements that a user wrote out, and orients the elements.
-pub fn explicit(nodes: &At<Vec<Vec3>>, tets: &At<Vec<[u32; 4]>>) -> Result<lattice::Tets, Fault> {
-    let x = &nodes.value;
-    if tets.value.is_empty() {
-        return Err(tets.fault("expected at least one tetrahedron"));
-    }
-    let mut used = vec![false; x.len()];
-    let mut oriented = Vec::with_capacity(tets.value.len());
-    for (t, tet) in tets.value.iter().enumerate() {
-        if let Some(n) = tet.iter().find(|n| **n as usize >= x.len()) {
-            let problem = format!("tetrahedron {t} uses node {n}, but there are {} nodes", x.len());
-            return Err(tets.fault(problem));
+/// What holds where a scene does not say.
+struct Usual {
+    material: Material,
+    mass_damping: f64,
+    stiffness_damping: f64,
+}
+
+fn usual(shape: &SoftShape) -> Usual {
+    match shape {
+        SoftShape::Bread(s) => {
+            let loaf = assets::loaf(s);
+            Usual {
+                material: loaf.crumb,
+                mass_damping: loaf.options.mass_damping,
+                stiffness_damping: loaf.options.stiffness_damping,
+            }
         }
-        let corners = tet.map(|n| x[n as usize]);
-        let determinant = boundary::determinant(&corners);
-        let edge = (0..4)
-            .flat_map(|a| (0..a).map(move |b| (a, b)))
-            .map(|(a, b)| (corners[a] - corners[b]).norm())
-            .fold(0.0, f64::max);
-        if determinant.abs() <= 1e-9 * edge.powi(3) {
-            return Err(tets.fault(format!("tetrahedron {t} has no volume")));
+        _ => Usual {
+            material: Material {
+                law: Law::Corotational,
+                young: 5e4,
+                poisson: 0.4,
+                density: 1000.0,
+            },
+            mass_damping: 0.0,
+            stiffness_damping: 0.0,
+        },
+    }
+}
+
+/// Gives every element its material. `materials` holds what the shape makes of a unit material
+/// (elements filled in part, crusts) and scales what the scene says.
+fn colour_in(
+    materials: &mut [Material],
+    soft: &Soft,
+    usual: &Material,
+    mesh: &Mesh,
+) -> Result<(), Fault> {
+    let base = material(soft.material.as_ref(), *usual);
+    let scales = materials.to_vec();
+    let scaled = |own: &Material, scale: &Material| Material {
+        young: own.young * scale.young,
+        density: own.density * scale.density,
+        ..*own
+    };
+    for (m, scale) in materials.iter_mut().zip(&scales) {
+        *m = scaled(&base, scale);
+    }
+    for region in &soft.region {
+        let own = material(Some(&region.material), base);
+        for t in mesh.select_tets(Some(&region.elements))? {
+            materials[t as usize] = scaled(&own, &scales[t as usize]);
         }
-        let [a, b, c, d] = *tet;
-        oriented.push(if determinant > 0.0 { *tet } else { [a, c, b, d] });
-        tet.iter().for_each(|n| used[*n as usize] = true);
     }
-    match used.iter().position(|u| !u) {
-        Some(n) => Err(nodes.fault(format!("node {n} belongs to no tetrahedron"))),
-        None => Ok((x.clone(), oriented)),
-    }
+    Ok(())
 }
 
 /// The material of a table, on top of `base`.
@@ -144,19 +145,6 @@ pub fn law(word: LawWord) -> Law {
         LawWord::NeoHookean => Law::NeoHookean,
         LawWord::StableNeoHookean => Law::StableNeoHookean,
     }
-}
-
-fn materials(soft: &Soft, mesh: &Mesh) -> Result<Vec<Material>, Fault> {
-    let default = Material { law: Law::Corotational, young: 5e4, poisson: 0.4, density: 1000.0 };
-    let base = material(soft.material.as_ref(), default);
-    let mut materials = vec![base; mesh.tets.len()];
-    for region in &soft.region {
-        let own = material(Some(&region.material), base);
-        for t in mesh.select_tets(Some(&region.elements))? {
-            materials[t as usize] = own;
-        }
-    }
-    Ok(materials)
 }
 
 fn fixed(sets: &[FixedSet], mesh: &Mesh) -> Result<Vec<FixedNode>, Fault> {
@@ -244,7 +232,8 @@ fn bones(built: &Built, bind: &Bind) -> Result<([u32; 2], [f64; 2]), Fault> {
 fn node_volumes(mesh: &Mesh) -> Vec<f64> {
     let mut volumes = vec![0.0; mesh.nodes.len()];
     for tet in &mesh.tets {
-        let volume = boundary::determinant(&tet.map(|n| mesh.nodes[n as usize])) / 6.0;
+        let [a, b, c, d] = tet.map(|n| mesh.nodes[n as usize]);
+        let volume = (b - a).cross(&(c - a)).dot(&(d - a)) / 6.0;
         tet.iter().for_each(|n| volumes[*n as usize] += volume / 4.0);
     }
     volumes

@@ -36,22 +36,24 @@ table! {
 }
 
 table! {
-    /// The built-in toy car; it drives along +x, wheels at -y.
+    /// The built-in toy car; it drives along +x, its wheels stand on y = 0. It weighs 0.1 kg
+    /// unless the body says otherwise.
     pub struct CarShape {
-        /// Length [m]. Default 0.09.
-        length: f64 where SIZE = 0.09;
+        /// Length [m]. Default 0.072.
+        length: f64 where SIZE = 0.072;
     }
 }
 
 table! {
-    /// A triangle mesh from a file (GLB, OBJ, STL); its frame is moved to the centre of mass.
+    /// A triangle mesh from a file (GLB, OBJ, STL). It may be open or of many parts: inside is
+    /// where the generalised winding number is at least ½; a mesh without inside becomes a shell.
     pub struct MeshShape {
         /// Path, relative to the scene file.
         file: At<String>;
         /// Factor on all coordinates. Default 1.
         scale: f64 where SCALE = 1.0;
-        /// Cells of the distance grid along the longest edge. Default 48.
-        grid: u32 where CELLS = 48;
+        /// Cells of the distance grid along the longest edge. Default 56.
+        grid: u32 where GRID = 56;
     }
 }
 
@@ -86,7 +88,9 @@ words! {
 }
 
 table! {
-    /// A rigid body. Its frame has its origin at the centre of mass.
+    /// A rigid body. Its frame has its origin at the centre of mass. Of a mesh or car, `position`,
+    /// `rotation` and `keyframes` place the frame of the mesh file instead; everything else,
+    /// probes too, uses the centre of mass.
     pub struct Rigid {
         /// Name, unique in the scene.
         name: At<String>;

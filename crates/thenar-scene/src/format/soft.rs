@@ -40,16 +40,16 @@ table! {
         radius: f64 where SIZE;
         /// Radius of the core left out [m]. Default 0: none.
         core_radius: f64 where CORE = 0.0;
-        /// Subdivisions of the icosahedron: 10·4ⁿ + 2 nodes on each shell. Default 3.
-        subdivisions: u32 where SUBDIVISIONS = 3;
-        /// Shells of elements. Default 4.
+        /// Each face of an icosahedron is split into the square of this many triangles.
+        /// Default 6.
+        frequency: u32 where FREQUENCY = 6;
+        /// Layers of elements. Default 4.
         layers: u32 where CELLS = 4;
-        /// Ratio of the thickness of the outermost to that of the innermost shell. Default 1.
-        grading: f64 where GRADING = 1.0;
-        /// Direction towards which the surface is refined.
-        refine_towards: Option<Vec3> where PLACE;
-        /// How many times finer it is there. Default 1.
-        refine: f64 where GRADING = 1.0;
+        /// Thickness of each layer over that of the one outside it. Default 1.
+        growth: f64 where GRADING = 1.0;
+        /// Elements at the pole -y are finer by this factor, those at +y as much coarser.
+        /// Default 1.
+        focus: f64 where GRADING = 1.0;
     }
 }
 
@@ -66,12 +66,14 @@ table! {
 }
 
 table! {
-    /// The built-in loaf of bread, lying along x on y = 0.
+    /// The built-in loaf of bread, lying along x, its bottom on y = 0.
     pub struct BreadShape {
-        /// Length [m]. Default 0.16.
-        length: f64 where SIZE = 0.16;
-        /// Tetrahedra wanted. Default 600.
-        tets: u32 where TETS = 600;
+        /// Length, height and width (x, y, z) [m]. Default [0.18, 0.09, 0.09].
+        size: Option<Vec3> where SIZE;
+        /// Lattice cells along x, y, z, five elements each. Default [8, 4, 4].
+        cells: Option<[u32; 3]> where CELLS;
+        /// Young's modulus of the crust over that of the crumb. Default 3; 1 is no crust.
+        crust: Option<f64> where GRADING;
     }
 }
 
@@ -130,11 +132,11 @@ table! {
     pub struct MaterialTable {
         /// "corotational" (default), "neo-hookean" or "stable-neo-hookean".
         law: Option<LawWord>;
-        /// Young's modulus [Pa]. Default 50 000.
+        /// Young's modulus [Pa]. Default 50 000; of bread 12 000.
         young: Option<f64> where YOUNG;
-        /// Poisson's ratio. Default 0.4.
+        /// Poisson's ratio. Default 0.4; of bread 0.25.
         poisson: Option<f64> where POISSON;
-        /// Density [kg/m³]. Default 1000.
+        /// Density [kg/m³]. Default 1000; of bread 250.
         density: Option<f64> where DENSITY;
     }
 }
@@ -198,10 +200,10 @@ table! {
         material: Option<MaterialTable>;
         /// Parts with other materials.
         region: Vec<Region>;
-        /// Rayleigh damping: part of the mass matrix [1/s]. Default 0.
-        mass_damping: f64 where SPRING = 0.0;
-        /// Rayleigh damping: part of the stiffness matrix [s]. Default 0.
-        stiffness_damping: f64 where SPRING = 0.0;
+        /// Rayleigh damping: part of the mass matrix [1/s]. Default 0; of bread 0.5.
+        mass_damping: Option<f64> where SPRING;
+        /// Rayleigh damping: part of the stiffness matrix [s]. Default 0; of bread 0.005.
+        stiffness_damping: Option<f64> where SPRING;
         /// Start position of the model frame, world [m]. Default [0, 0, 0].
         position: Vec3 where PLACE = Vec3::zeros();
         /// Start rotation. Default none.

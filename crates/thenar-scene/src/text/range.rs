@@ -76,8 +76,10 @@ impl Range {
     pub const JITTER: &'static Range = &closed(0.0, 0.3);
     /// A radius that may be zero \[m\].
     pub const CORE: &'static Range = &closed(0.0, 100.0);
-    /// Subdivisions of an icosahedron.
-    pub const SUBDIVISIONS: &'static Range = &closed(0.0, 6.0);
+    /// Subdivision of an icosahedron's edges.
+    pub const FREQUENCY: &'static Range = &closed(1.0, 200.0);
+    /// Cells of a distance grid.
+    pub const GRID: &'static Range = &closed(4.0, 256.0);
     /// A ratio of sizes.
     pub const GRADING: &'static Range = &closed(0.01, 100.0);
     /// The length of a hand \[m\].
