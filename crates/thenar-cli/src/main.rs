@@ -1,28 +1,71 @@
 //! The `thenar` program.
+//!
+//! Every command is a module with `Args`, read by clap, and `run`, which does the work; the list
+//! of commands is [`Command`]. Exit codes: 0 done, 2 bad usage or input, 1 anything else.
 
+mod build;
+mod error;
+mod files;
+mod interrupt;
 #[allow(dead_code, unused_imports)]
 mod picture;
+mod run;
+mod scenes;
 mod validate;
 
-use clap::Parser;
+use clap::{Parser, Subcommand};
+use error::CliError;
 use std::process::ExitCode;
 
-/// A soft hand that grasps.
+/// Simulates a soft hand: a jointed skeleton inside deformable flesh, in frictional contact.
+/// Without a command, runs the bread scene.
 #[derive(Debug, Parser)]
 #[command(name = "thenar", version)]
-struct Arguments {
+struct Cli {
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
 }
 
-#[derive(Debug, clap::Subcommand)]
+#[derive(Debug, Subcommand)]
 enum Command {
-    /// Compares figures that theory gives with those that we compute.
+    /// Run a scene without a window.
+    Run(run::Args),
+    /// Build a simulation-ready model from a mesh.
+    Build(build::Args),
+    /// List the scenes that come with the program.
+    Scenes(scenes::Args),
+    /// Compare figures that theory gives with those that we compute.
     Validate(validate::Args),
 }
 
 fn main() -> ExitCode {
-    match Arguments::parse().command {
-        Command::Validate(args) => validate::run(&args),
+    let cli = Cli::parse();
+    let done = match cli.command {
+        Some(Command::Run(args)) => run::run(&args),
+        Some(Command::Build(args)) => build::run(&args),
+        Some(Command::Scenes(args)) => scenes::run(&args),
+        Some(Command::Validate(args)) => return validate::run(&args),
+        None => run::run(&run::Args::of_scene(DEMO)),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            error.exit_code()
+        }
+    }
+}
+
+/// The scene that runs when no command is given.
+const DEMO: &str = "bread-grasp";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_demo_is_there_and_the_command_line_is_sound() {
+        assert!(thenar_scene::session::builtin(DEMO).is_some());
+        <Cli as clap::CommandFactory>::command().debug_assert();
     }
 }

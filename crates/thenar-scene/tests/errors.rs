@@ -156,15 +156,31 @@ fn bodies_that_cannot_be() {
     let tets = "[[soft]]\nname = \"s\"\n[soft.shape]\nkind = \"tets\"\nnodes = [[0,0,0],[1,0,0],[0,1,0],[0,0,1],[1,1,0]]\n";
     check(
         &format!("{tets}tets = [[0,1,2,4]]"),
-        "7:8: `soft[0].shape.tets`: tetrahedron 0 has no volume",
+        "7:8: `soft[0].shape.tets`: tetrahedron 0 is flat: its volume is 0e0 m³",
     );
     check(
         &format!("{tets}tets = [[0,1,2,9]]"),
-        "7:8: `soft[0].shape.tets`: tetrahedron 0 uses node 9, but there are 5 nodes",
+        "7:8: `soft[0].shape.tets`: tetrahedron 0 names node 9, but there are only 5",
     );
     check(
         &format!("{tets}tets = [[0,1,2,3]]"),
-        "6:9: `soft[0].shape.nodes`: node 4 belongs to no tetrahedron",
+        "7:8: `soft[0].shape.tets`: node 4 belongs to no tetrahedron",
+    );
+}
+
+#[test]
+fn mesh_files_that_are_not_there_or_no_meshes() {
+    check(
+        "[[soft]]\nname = \"s\"\nshape = { kind = \"mesh\", file = \"none.obj\" }",
+        "4:33: `soft[0].shape.file`: cannot read none.obj: No such file or directory (os error 2)",
+    );
+    check(
+        "[[rigid]]\nname = \"s\"\nmass = 1\nshape = { kind = \"mesh\", file = \"Cargo.toml\" }",
+        "5:33: `rigid[0].shape.file`: Cargo.toml: unknown kind of mesh file (expected GLB, OBJ or STL)",
+    );
+    check(
+        "[[hand]]\nname = \"h\"\nmodel = \"middle\"",
+        "4:9: `hand[0].model`: expected \"right\", \"left\", or the path of a .thenar or .glb file, got \"middle\"",
     );
 }
 

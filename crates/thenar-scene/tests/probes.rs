@@ -43,7 +43,7 @@ duration = 100.0
 solver = { cg_tolerance = 1e-13, cg_iterations_max = 5000 }
 [[soft]]
 name = "block"
-shape = { kind = "lattice", size = [0.02, 0.02, 0.02], cells = [3, 3, 3], jitter = 0.2 }
+shape = { kind = "lattice", size = [0.02, 0.02, 0.02], cells = [3, 3, 3], jitter = 0.15 }
 material = { young = 50e3, poisson = 0.45 }
 contact = false
 "#;

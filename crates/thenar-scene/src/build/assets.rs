@@ -10,7 +10,7 @@ use thenar::math::Vec3;
 use thenar::model::{HandModel, Law, Material, Side};
 use thenar_rig::embed::{EmbedOptions, embed};
 use thenar_rig::hand::{HandOptions, Size, asset, build_hand, build_hand_file};
-use thenar_rig::mesh::{GridOptions, Topology, load_mesh, weld};
+use thenar_rig::mesh::{GridOptions, load_mesh, weld};
 use thenar_rig::object::{
     Ball, Bread, Car, ImportOptions, RigidModel, SoftModel, SoftOptions, Weight, ball as ball_of,
     bread as bread_of, rigid_from_mesh, soft_from_tets, toy_car,
@@ -108,17 +108,17 @@ pub fn bread(shape: &BreadShape, at: &At<impl Sized>) -> Result<SoftModel, Fault
 pub fn soft_mesh(shape: &MeshSoftShape, folder: &Path) -> Result<SoftModel, Fault> {
     let path = path(folder, &shape.file);
     let fault = |problem: String| shape.file.fault(format!("{}: {problem}", path.display()));
+    if shape.file.value.ends_with(".thenar") {
+        return match read_model(&path) {
+            Ok(Model::Soft(model)) => Ok(model),
+            Ok(_) => Err(fault("the file holds no soft body".into())),
+            Err(e) => Err(shape.file.fault(e.to_string())),
+        };
+    }
     let mesh = load_mesh(&path, shape.scale).map_err(|e| shape.file.fault(e.to_string()))?;
     let [low, high] = mesh.bounds();
     let mut mesh = weld(&mesh, WELD * (high - low).norm()).mesh.compacted();
     mesh.orient().map_err(|e| fault(e.to_string()))?;
-    let topology = Topology::of(&mesh);
-    if !topology.closed() {
-        return Err(fault(format!(
-            "a soft body needs a closed mesh; this one has {} open edges and {} edges of more than two triangles",
-            topology.boundary_edges, topology.non_manifold_edges
-        )));
-    }
     let options = EmbedOptions { tets: shape.tets as usize, ..EmbedOptions::default() };
     let embedded = embed(&mesh, &options, |_| unit()).map_err(|e| fault(e.to_string()))?;
     Ok(SoftModel { name: String::new(), flesh: embedded.flesh, render: embedded.render })
@@ -140,6 +140,15 @@ pub fn car(car: &CarShape, weight: Weight, at: &At<impl Sized>) -> Result<Solid,
 /// A rigid body from a mesh file.
 pub fn rigid_mesh(mesh: &MeshShape, weight: Weight, folder: &Path) -> Result<Solid, Fault> {
     let path = path(folder, &mesh.file);
+    if mesh.file.value.ends_with(".thenar") {
+        return match read_model(&path) {
+            Ok(Model::Rigid(model)) => Ok(Solid::from(model)),
+            Ok(_) => {
+                Err(mesh.file.fault(format!("{}: the file holds no rigid body", path.display())))
+            }
+            Err(e) => Err(mesh.file.fault(e.to_string())),
+        };
+    }
     let read = load_mesh(&path, mesh.scale).map_err(|e| mesh.file.fault(e.to_string()))?;
     let grid = GridOptions { cells: mesh.grid, ..GridOptions::default() };
     let options = ImportOptions { grid, ..ImportOptions::default() };
@@ -177,7 +186,6 @@ pub fn hand(hand: &Hand, folder: &Path) -> Result<HandModel, Fault> {
         }
         name if name.ends_with(".thenar") => match read_model(&path) {
             Ok(Model::Hand(model)) => Ok(model),
-            #[allow(unreachable_patterns)] // a model file may hold other bodies too
             Ok(_) => Err(file.fault(format!("{} holds no hand", path.display()))),
             Err(e) => Err(file.fault(e.to_string())),
         },

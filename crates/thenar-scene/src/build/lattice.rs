@@ -55,7 +55,7 @@ fn planes(shape: &LatticeShape, at: &At<impl Sized>) -> Result<[Vec<f64>; 3], Fa
     }
 }
 
-/// Moves inner nodes by up to a part of the smallest cell beside them; up to 0.3 of it no element
+/// Moves inner nodes by up to a part of the smallest cell beside them; up to 0.15 of it no element
 /// turns inside out.
 fn jitter(nodes: &mut [Vec3], planes: &[Vec<f64>; 3], shape: &LatticeShape) {
     let mut random = Random::new(u64::from(shape.seed));
@@ -95,7 +95,7 @@ mod tests {
             };
             let at = At { value: (), place: Place::Text(0..0), key: String::new() };
             let regular = build(&shape, &at).unwrap().flesh;
-            shape.jitter = 0.3;
+            shape.jitter = 0.15;
             let moved = build(&shape, &at).unwrap().flesh;
             let mut count = 0;
             for (a, b) in regular.nodes.iter().zip(&moved.nodes) {

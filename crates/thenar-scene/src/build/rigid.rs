@@ -79,6 +79,15 @@ struct Given {
 
 fn weight(rigid: &Rigid, dynamic: bool) -> Result<Given, Fault> {
     let (mass, density) = (rigid.mass, rigid.density);
+    let built = rigid
+        .shape
+        .as_ref()
+        .is_some_and(|s| matches!(&s.value, Table::Mesh(m) if m.file.value.ends_with(".thenar")));
+    if built && (mass.is_some() || density.is_some()) {
+        return Err(rigid
+            .name
+            .fault("a model file has its own mass: leave `mass` and `density` out"));
+    }
     let toy = rigid.shape.as_ref().is_some_and(|s| matches!(s.value, Table::Car(_)));
     let meshes = match (mass, density) {
         (Some(m), None) => Weight::Mass(m),
@@ -87,7 +96,7 @@ fn weight(rigid: &Rigid, dynamic: bool) -> Result<Given, Fault> {
             return Err(rigid.name.fault("give `mass` or `density`, not both"));
         }
         (None, None) if toy => Weight::Mass(Car::default().mass),
-        (None, None) if dynamic => {
+        (None, None) if dynamic && !built => {
             return Err(rigid.name.fault("a dynamic body needs `mass` or `density`"));
         }
         (None, None) => Weight::Density(1000.0), // does not matter

@@ -7,7 +7,9 @@ use crate::math::{Mat3, Pose, Vec3};
 use crate::text::{At, Fault};
 use std::collections::BTreeMap;
 use std::path::Path;
-use thenar::model::{Binding, Coupling, EmbeddedSurface, FixedNode, Law, Material, SoftDesc};
+use thenar::model::{
+    Binding, Coupling, EmbeddedSurface, FixedNode, Flesh, Law, Material, SoftDesc,
+};
 use thenar_rig::object::SoftModel;
 
 /// A soft body that is no hand.
@@ -37,8 +39,8 @@ fn add(built: &mut Built, soft: &Soft, folder: &Path) -> Result<(), Fault> {
     if !soft.contact {
         flesh.collision = EmbeddedSurface::default();
     }
-    let usual = usual(&soft.shape.value);
-    colour_in(&mut flesh.materials, soft, &usual.material, &mesh)?;
+    let usual = usual(&soft.shape.value, &flesh);
+    colour_in(&mut flesh.materials, soft, &usual.material, is_built(&soft.shape.value), &mesh)?;
     flesh.mass_damping = soft.mass_damping.unwrap_or(usual.mass_damping);
     flesh.stiffness_damping = soft.stiffness_damping.unwrap_or(usual.stiffness_damping);
     flesh.friction = soft.friction;
@@ -76,8 +78,14 @@ struct Usual {
     stiffness_damping: f64,
 }
 
-fn usual(shape: &SoftShape) -> Usual {
+fn usual(shape: &SoftShape, flesh: &Flesh) -> Usual {
     match shape {
+        // A built model has its own materials: the scene changes them, as a whole.
+        _ if is_built(shape) => Usual {
+            material: stiffest(&flesh.materials),
+            mass_damping: flesh.mass_damping,
+            stiffness_damping: flesh.stiffness_damping,
+        },
         SoftShape::Bread(s) => {
             let loaf = assets::loaf(s);
             Usual {
@@ -99,16 +107,33 @@ fn usual(shape: &SoftShape) -> Usual {
     }
 }
 
+/// A model file, whose elements have materials already.
+fn is_built(shape: &SoftShape) -> bool {
+    matches!(shape, SoftShape::Mesh(s) if s.file.value.ends_with(".thenar"))
+}
+
+fn stiffest(materials: &[Material]) -> Material {
+    let stiffer = |a: Material, b: &Material| if b.young > a.young { *b } else { a };
+    materials.iter().fold(assets::unit(), stiffer)
+}
+
 /// Gives every element its material. `materials` holds what the shape makes of a unit material
 /// (elements filled in part, crusts) and scales what the scene says.
 fn colour_in(
     materials: &mut [Material],
     soft: &Soft,
     usual: &Material,
+    built: bool,
     mesh: &Mesh,
 ) -> Result<(), Fault> {
     let base = material(soft.material.as_ref(), *usual);
-    let scales = materials.to_vec();
+    let mut scales = materials.to_vec();
+    if built {
+        scales.iter_mut().for_each(|m| {
+            m.young /= usual.young;
+            m.density /= usual.density;
+        });
+    }
     let scaled = |own: &Material, scale: &Material| Material {
         young: own.young * scale.young,
         density: own.density * scale.density,

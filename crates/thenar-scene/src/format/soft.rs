@@ -54,7 +54,8 @@ table! {
 }
 
 table! {
-    /// A closed triangle mesh from a file (GLB, OBJ, STL), embedded in tetrahedra.
+    /// A closed triangle mesh from a file (GLB, OBJ, STL), embedded in tetrahedra; or a model
+    /// file (`.thenar`) of a soft body, with its own materials.
     pub struct MeshSoftShape {
         /// Path, relative to the scene file.
         file: At<String>;

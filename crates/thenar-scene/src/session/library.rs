@@ -18,7 +18,7 @@ macro_rules! scenes {
     };
 }
 
-const SCENES: &[Builtin] = scenes!["falling-box", "finger-pendulum", "soft-cube"];
+const SCENES: &[Builtin] = scenes!["bread-grasp", "falling-box", "finger-pendulum", "soft-cube"];
 
 /// All of them.
 pub fn builtins() -> &'static [Builtin] {

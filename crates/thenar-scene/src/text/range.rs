@@ -73,7 +73,7 @@ impl Range {
     /// A moment of inertia \[kg m²\]; products may be negative.
     pub const INERTIA: &'static Range = &closed(-1e9, 1e9);
     /// A part of a cell.
-    pub const JITTER: &'static Range = &closed(0.0, 0.3);
+    pub const JITTER: &'static Range = &closed(0.0, 0.15);
     /// A radius that may be zero \[m\].
     pub const CORE: &'static Range = &closed(0.0, 100.0);
     /// Subdivision of an icosahedron's edges.

@@ -1,0 +1,89 @@
+//! Hands.
+
+use super::{Args, name};
+use crate::error::CliError;
+use std::path::Path;
+use thenar::model::Side;
+use thenar_rig::export::{write_hand_glb, write_hand_vtk};
+use thenar_rig::hand::{HandOptions, NameMap, Size, asset, build_hand_with_report};
+use thenar_rig::{HandReport, Model};
+
+/// Largest file of joint names, and of a mesh \[bytes\].
+const NAMES_BYTES_MAX: u64 = 1 << 20;
+const MESH_BYTES_MAX: u64 = 512 << 20;
+
+/// Builds a hand and prints what it is like.
+pub fn build(args: &Args) -> Result<Model, CliError> {
+    let options = options(args)?;
+    let bytes = match args.input.to_str() {
+        Some("left") => asset(Side::Left).to_vec(),
+        Some("right") => asset(Side::Right).to_vec(),
+        _ => read(&args.input, MESH_BYTES_MAX)?,
+    };
+    let (hand, report) = build_hand_with_report(&bytes, &options)
+        .map_err(|e| CliError::from(e.in_file(args.input.display())))?;
+    print(&report);
+    if let Some(folder) = &args.vtk {
+        std::fs::create_dir_all(folder)
+            .map_err(|e| CliError::Other(format!("cannot make {}: {e}", folder.display())))?;
+        write_hand_vtk(folder, &hand)?;
+    }
+    if let Some(path) = &args.glb {
+        write_hand_glb(path, &hand)?;
+    }
+    Ok(Model::Hand(hand))
+}
+
+fn options(args: &Args) -> Result<HandOptions, CliError> {
+    let usual = HandOptions::default();
+    let mut material = usual.material;
+    material.young = args.young.unwrap_or(material.young);
+    material.poisson = args.poisson.unwrap_or(material.poisson);
+    material.density = args.density.unwrap_or(material.density);
+    Ok(HandOptions {
+        name: name(args),
+        size: args.length.map_or(Size::Scale(args.scale), Size::Length),
+        tets: args.tets,
+        material,
+        name_map: args.joint_names.as_deref().map_or(Ok(NameMap::new()), names)?,
+        ..usual
+    })
+}
+
+fn names(path: &Path) -> Result<NameMap, CliError> {
+    let text = String::from_utf8(read(path, NAMES_BYTES_MAX)?)
+        .map_err(|_| CliError::Input(format!("{}: not text", path.display())))?;
+    toml::from_str(&text).map_err(|e| CliError::Input(format!("{}: {e}", path.display())))
+}
+
+fn read(path: &Path, bytes_max: u64) -> Result<Vec<u8>, CliError> {
+    let fault = |problem: String| CliError::Input(format!("{}: {problem}", path.display()));
+    let size = std::fs::metadata(path).map_err(|e| fault(e.to_string()))?.len();
+    if size > bytes_max {
+        return Err(fault(format!("the file has {size} bytes, more than {bytes_max}")));
+    }
+    std::fs::read(path).map_err(|e| fault(e.to_string()))
+}
+
+fn print(r: &HandReport) {
+    println!("skin: {} vertices, {} triangles, closed", r.skin.vertices, r.skin.triangles);
+    println!("size: {:.1} mm, {:.1} ml", r.length * 1e3, r.volume * 1e6);
+    println!("mass: {:.0} g flesh, {:.0} g bones", r.flesh_mass * 1e3, r.bone_mass * 1e3);
+    println!("flesh: {} tetrahedra, {} nodes", r.tets, r.nodes);
+    println!(
+        "surfaces: {} triangles that touch, {} that are drawn",
+        r.collision_triangles, r.render_triangles
+    );
+    println!("elements: {:?}", r.quality);
+    println!("in a fist: {:?}", r.fist);
+    println!("bones against radiographs, scaled by {:.3}:", r.anatomy_scale);
+    for bone in &r.bone_lengths {
+        println!(
+            "  {:22} {:5.1} mm, mean {:5.1} mm, {:+.1} SD",
+            bone.bone,
+            bone.length * 1e3,
+            bone.expected * 1e3,
+            bone.deviation_sd
+        );
+    }
+}

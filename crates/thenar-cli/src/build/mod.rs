@@ -1,0 +1,87 @@
+//! `thenar build`: a simulation-ready model from a mesh.
+
+mod hand;
+mod object;
+
+use crate::error::CliError;
+use std::path::PathBuf;
+use thenar_rig::{Model, write_model};
+
+/// Build a simulation-ready model from a mesh.
+#[derive(Debug, clap::Args)]
+#[command(group(clap::ArgGroup::new("kind").required(true).args(["hand", "rigid", "soft"])))]
+pub struct Args {
+    /// A mesh: a skinned GLB for a hand; GLB, OBJ or STL for objects. For a hand also `left` or
+    /// `right`, the built-in ones.
+    input: PathBuf,
+    /// Build a hand.
+    #[arg(long)]
+    hand: bool,
+    /// Build a rigid body; the mesh may be open or of many parts.
+    #[arg(long)]
+    rigid: bool,
+    /// Build a soft body; the mesh must be closed.
+    #[arg(long)]
+    soft: bool,
+    /// The model file to write.
+    #[arg(short, long, value_name = "MODEL.thenar")]
+    output: Option<PathBuf>,
+    /// Wanted number of tetrahedra.
+    #[arg(long, default_value_t = 600)]
+    tets: usize,
+    /// Hand: wrist to middle fingertip [m].
+    #[arg(long, value_name = "M", conflicts_with = "scale")]
+    length: Option<f64>,
+    /// Factor on all coordinates, e.g. 0.001 for a mesh in mm.
+    #[arg(long, default_value_t = 1.0)]
+    scale: f64,
+    /// Young's modulus [Pa].
+    #[arg(long, value_name = "PA")]
+    young: Option<f64>,
+    /// Poisson's ratio.
+    #[arg(long)]
+    poisson: Option<f64>,
+    /// Density [kg/m³].
+    #[arg(long, value_name = "KG/M3", conflicts_with = "mass")]
+    density: Option<f64>,
+    /// Rigid: mass [kg].
+    #[arg(long, value_name = "KG", requires = "rigid")]
+    mass: Option<f64>,
+    /// Hand: a TOML file of `webxr-joint = "name in the rig"`, for rigs with other names.
+    #[arg(long, value_name = "FILE.toml", requires = "hand")]
+    joint_names: Option<PathBuf>,
+    /// Write VTK files for ParaView into this folder.
+    #[arg(long, value_name = "DIR")]
+    vtk: Option<PathBuf>,
+    /// Write a GLB of the built hand.
+    #[arg(long, value_name = "FILE.glb", requires = "hand")]
+    glb: Option<PathBuf>,
+}
+
+/// Builds a model.
+///
+/// # Errors
+/// The mesh or an option is wrong, or an output cannot be written.
+pub fn run(args: &Args) -> Result<(), CliError> {
+    let model = if args.hand {
+        hand::build(args)?
+    } else if args.rigid {
+        object::rigid(args)?
+    } else {
+        object::soft(args)?
+    };
+    let Some(path) = &args.output else { return Ok(()) };
+    write_model(path, &model)?;
+    let kind = match model {
+        Model::Hand(_) => "hand",
+        Model::Rigid(_) => "rigid body",
+        Model::Soft(_) => "soft body",
+    };
+    println!("wrote the {kind} to {}", path.display());
+    Ok(())
+}
+
+/// Name of a model: that of its file.
+fn name(args: &Args) -> String {
+    args.input.file_stem().map_or_else(|| "model".into(), |s| s.to_string_lossy().into_owned())
+}

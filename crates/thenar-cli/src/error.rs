@@ -1,0 +1,41 @@
+//! Why a command ended, and with which exit code.
+
+use std::process::ExitCode;
+use thenar_rig::RigError;
+use thenar_scene::SceneError;
+
+/// Why a command did not do what it was asked.
+#[derive(Debug, thiserror::Error)]
+pub enum CliError {
+    /// What was asked for, or a file that was named, is wrong.
+    #[error("{0}")]
+    Input(String),
+    /// Anything else: the disk is full, the run was interrupted, a value became non-finite.
+    #[error("{0}")]
+    Other(String),
+}
+
+impl CliError {
+    /// 2 for bad usage or input, 1 for anything else.
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            Self::Input(_) => ExitCode::from(2),
+            Self::Other(_) => ExitCode::from(1),
+        }
+    }
+}
+
+impl From<SceneError> for CliError {
+    fn from(error: SceneError) -> Self {
+        Self::Input(error.to_string())
+    }
+}
+
+impl From<RigError> for CliError {
+    fn from(error: RigError) -> Self {
+        match error {
+            RigError::Write { .. } => Self::Other(error.to_string()),
+            _ => Self::Input(error.to_string()),
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! `thenar run`: a scene without a window.
+
+mod find;
+mod histogram;
+mod outputs;
+mod report;
+mod timer;
+mod vtk;
+
+pub use find::open;
+pub use report::report;
+pub use timer::{StageTimes, StopWatch};
+
+use crate::error::CliError;
+use crate::interrupt;
+use indicatif::{ProgressBar, ProgressStyle};
+use outputs::Outputs;
+use std::path::PathBuf;
+use std::time::Instant;
+use thenar_scene::session::{Session, Summary};
+
+/// Run a scene without a window.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// A scene file, or the name of a built-in scene (see `thenar scenes`).
+    scene: PathBuf,
+    /// Simulated time [s] instead of the scene's own.
+    #[arg(long, value_name = "S")]
+    seconds: Option<f64>,
+    /// Change a value of the scene, e.g. solver.cone=linearised; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Write the probes' table: CSV, or JSON lines if the name ends in .jsonl.
+    #[arg(long, value_name = "FILE")]
+    probe: Option<PathBuf>,
+    /// Write figures of the run as JSON.
+    #[arg(long, value_name = "FILE.json")]
+    report: Option<PathBuf>,
+    /// Write a series of VTK files for ParaView into this folder.
+    #[arg(long, value_name = "DIR")]
+    vtk: Option<PathBuf>,
+    /// Simulated time between moments of the VTK series [s].
+    #[arg(long, value_name = "S", default_value_t = 1.0 / 30.0, requires = "vtk")]
+    vtk_interval: f64,
+    /// No progress bar and no summary.
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+impl Args {
+    /// A plain run of a scene.
+    pub fn of_scene(scene: &str) -> Self {
+        Self {
+            scene: scene.into(),
+            seconds: None,
+            set: Vec::new(),
+            probe: None,
+            report: None,
+            vtk: None,
+            vtk_interval: 1.0 / 30.0,
+            quiet: false,
+        }
+    }
+}
+
+/// What a run amounted to.
+#[derive(Debug)]
+pub struct Outcome {
+    /// Extremes.
+    pub summary: Summary,
+    /// Time of each stage.
+    pub times: StageTimes,
+    /// Time of the whole loop \[s\].
+    pub wall: f64,
+    /// Ctrl-C ended it early.
+    pub interrupted: bool,
+}
+
+/// Runs a scene.
+///
+/// # Errors
+/// The scene is wrong, an output cannot be written, or the run was interrupted.
+pub fn run(args: &Args) -> Result<(), CliError> {
+    let positive = |x: f64| x > 0.0 && x.is_finite();
+    if args.seconds.is_some_and(|s| !positive(s) || s > 1e9) {
+        return Err(CliError::Input("--seconds must be more than 0 and at most 1e9".into()));
+    }
+    if !positive(args.vtk_interval) {
+        return Err(CliError::Input("--vtk-interval must be more than 0".into()));
+    }
+    let mut session = open(&args.scene, &args.set)?;
+    let steps = match args.seconds {
+        Some(s) => (s / session.world().time_step()).round().max(1.0) as u64,
+        None => session.steps_wanted(),
+    };
+    let mut outputs = Outputs::create(args, &session)?;
+    interrupt::listen();
+    let outcome = advance(&mut session, steps, &mut outputs, args.quiet)?;
+    outputs.finish(&session, &outcome)?;
+    if !args.quiet {
+        report::print(&session, &outcome);
+    }
+    match outcome.interrupted {
+        true => {
+            Err(CliError::Other("interrupted; what was asked for is written up to here".into()))
+        }
+        false => Ok(()),
+    }
+}
+
+fn advance(
+    session: &mut Session,
+    steps: u64,
+    outputs: &mut Outputs,
+    quiet: bool,
+) -> Result<Outcome, CliError> {
+    let bar = progress(steps, quiet);
+    let mut watch = StopWatch::default();
+    let mut summary = Summary::new(session);
+    let start = Instant::now();
+    let mut interrupted = false;
+    outputs.take(session)?;
+    for _ in 0..steps {
+        session.step(&mut watch);
+        summary.take(session);
+        outputs.take(session)?;
+        bar.inc(1);
+        if interrupt::asked() {
+            interrupted = true;
+            break;
+        }
+    }
+    let wall = start.elapsed().as_secs_f64();
+    bar.finish_and_clear();
+    Ok(Outcome { summary, times: watch.times, wall, interrupted })
+}
+
+/// A bar on the terminal with rate and time left; nothing when there is no terminal.
+fn progress(steps: u64, quiet: bool) -> ProgressBar {
+    if quiet {
+        return ProgressBar::hidden();
+    }
+    let style = "{bar:40} {percent:>3} %  step {pos} of {len}  {per_sec}  {eta} left";
+    let bar = ProgressBar::new(steps);
+    bar.set_style(
+        ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar()),
+    );
+    bar
+}

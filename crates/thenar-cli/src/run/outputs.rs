@@ -1,0 +1,81 @@
+//! The files of a run: written as drafts, named when the run ends.
+
+use super::vtk::VtkSeries;
+use super::{Args, Outcome, report};
+use crate::error::CliError;
+use crate::files::Draft;
+use std::io::Write;
+use thenar_scene::session::{Session, TableFormat, TableWriter};
+
+/// All files of a run.
+pub struct Outputs {
+    table: Option<TableWriter<Draft>>,
+    report: Option<Draft>,
+    vtk: Option<VtkSeries>,
+}
+
+fn failed(error: &std::io::Error) -> CliError {
+    CliError::Other(format!("cannot write the probe table: {error}"))
+}
+
+impl Outputs {
+    /// Starts the files, so that one that cannot be written is known before the run.
+    ///
+    /// # Errors
+    /// One cannot be created.
+    pub fn create(args: &Args, session: &Session) -> Result<Self, CliError> {
+        let table = match &args.probe {
+            Some(path) => {
+                if session.columns().is_empty() {
+                    return Err(CliError::Input("the scene has no probes to write".into()));
+                }
+                let lines = path.extension().is_some_and(|e| e == "jsonl");
+                let format = if lines { TableFormat::JsonLines } else { TableFormat::Csv };
+                let draft = Draft::create(path)?;
+                Some(TableWriter::new(draft, format, session.columns()).map_err(|e| failed(&e))?)
+            }
+            None => None,
+        };
+        let report = args.report.as_deref().map(Draft::create).transpose()?;
+        let vtk = match &args.vtk {
+            Some(folder) => Some(VtkSeries::create(folder, session, args.vtk_interval)?),
+            None => None,
+        };
+        Ok(Self { table, report, vtk })
+    }
+
+    /// Takes in the present state, at the start and after each step.
+    ///
+    /// # Errors
+    /// Writing fails.
+    pub fn take(&mut self, session: &mut Session) -> Result<(), CliError> {
+        if let Some(table) = &mut self.table
+            && session.steps().is_multiple_of(session.probe_every())
+        {
+            let time = session.world().time();
+            table.row(time, session.probe()).map_err(|e| failed(&e))?;
+        }
+        match &mut self.vtk {
+            Some(vtk) => vtk.take(session),
+            None => Ok(()),
+        }
+    }
+
+    /// Ends all files and gives them their names.
+    ///
+    /// # Errors
+    /// Writing fails.
+    pub fn finish(self, session: &Session, outcome: &Outcome) -> Result<(), CliError> {
+        if let Some(table) = self.table {
+            table.finish().map_err(|e| failed(&e))?.finish()?;
+        }
+        if let Some(mut draft) = self.report {
+            let text = serde_json::to_string_pretty(&report(session, outcome))
+                .map_err(|e| CliError::Other(e.to_string()))?;
+            writeln!(draft, "{text}")
+                .map_err(|e| CliError::Other(format!("cannot write the report: {e}")))?;
+            draft.finish()?;
+        }
+        Ok(())
+    }
+}

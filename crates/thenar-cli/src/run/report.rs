@@ -1,0 +1,136 @@
+//! Figures of a run: as JSON with stable keys, and as a table.
+
+use super::Outcome;
+use super::histogram::Histogram;
+use super::timer::STAGES;
+use serde_json::{Map, Value, json};
+use thenar::model::{Digit, SolverKind};
+use thenar_scene::session::Session;
+
+/// The report as JSON. Units are part of the keys: `_s`, `_us`, `_m`, `_j`, `_n`, `_m2`.
+pub fn report(session: &Session, outcome: &Outcome) -> Value {
+    let world = session.world();
+    let s = &outcome.summary;
+    let simulated = session.steps() as f64 * world.time_step();
+    let mut stages = Map::new();
+    for ((_, name), histogram) in STAGES.iter().zip(&outcome.times.stages) {
+        stages.insert((*name).into(), times(histogram));
+    }
+    stages.insert("total".into(), times(&outcome.times.total));
+    let mut fingers = Map::new();
+    for (digit, peak) in Digit::FINGERS.iter().zip(&s.fingers) {
+        let peak = json!({ "normal_n": peak.normal, "shear_n": peak.shear, "area_m2": peak.area });
+        fingers.insert(digit.name().into(), peak);
+    }
+    json!({
+        "scene": session.name(),
+        "solver": solver_name(world.desc().solver.kind),
+        "dt_s": world.time_step(),
+        "steps": session.steps(),
+        "simulated_s": simulated,
+        "wall_s": outcome.wall,
+        "realtime_factor": if outcome.wall > 0.0 { simulated / outcome.wall } else { 0.0 },
+        "interrupted": outcome.interrupted,
+        "stages": stages,
+        "tets": tets(session),
+        "nodes": world.state().x.len(),
+        "contacts_max": s.contacts_max,
+        "max_joint_gap_m": s.joint_gap_max,
+        "max_penetration_m": s.penetration_max,
+        "inverted_tets_max": s.inverted_tets_max,
+        "non_finite": s.non_finite,
+        "energy_j": {
+            "initial": s.energy_initial.total(),
+            "final": s.energy_final.total(),
+            "max": s.energy_max,
+        },
+        "fingers": fingers,
+        "state_hash": format!("{:016x}", world.state_hash()),
+        "version": env!("CARGO_PKG_VERSION"),
+    })
+}
+
+fn times(histogram: &Histogram) -> Value {
+    let us = |seconds: f64| (seconds * 1e9).round() / 1e3;
+    json!({
+        "median_us": us(histogram.quantile(0.5)),
+        "p99_us": us(histogram.quantile(0.99)),
+        "max_us": us(histogram.max()),
+    })
+}
+
+fn solver_name(kind: SolverKind) -> &'static str {
+    match kind {
+        SolverKind::TwoStep => "two-step",
+        SolverKind::Monolithic => "monolithic",
+    }
+}
+
+fn tets(session: &Session) -> usize {
+    session.world().desc().softs.iter().map(|s| s.flesh.tets.len()).sum()
+}
+
+/// Prints the figures for a person.
+pub fn print(session: &Session, outcome: &Outcome) {
+    let world = session.world();
+    let s = &outcome.summary;
+    let simulated = session.steps() as f64 * world.time_step();
+    let title = session.scene().title.as_deref().unwrap_or_default();
+    println!("{}: {title}", session.name());
+    println!(
+        "  {:.3} s simulated in {:.3} s ({:.2} x real time), {} steps of {:.3} ms, {} solver",
+        simulated,
+        outcome.wall,
+        if outcome.wall > 0.0 { simulated / outcome.wall } else { 0.0 },
+        session.steps(),
+        world.time_step() * 1e3,
+        solver_name(world.desc().solver.kind),
+    );
+    println!(
+        "  {} rigid bodies, {} joints, {} tetrahedra, {} nodes",
+        world.desc().rigids.len(),
+        world.desc().joints.len(),
+        tets(session),
+        world.state().x.len()
+    );
+    println!("  {:10} {:>11} {:>11} {:>11}", "stage", "median us", "p99 us", "max us");
+    let line = |name: &str, h: &Histogram| {
+        let us = |seconds: f64| seconds * 1e6;
+        println!(
+            "  {name:10} {:11.1} {:11.1} {:11.1}",
+            us(h.quantile(0.5)),
+            us(h.quantile(0.99)),
+            us(h.max())
+        );
+    };
+    for ((_, name), histogram) in STAGES.iter().zip(&outcome.times.stages) {
+        line(name, histogram);
+    }
+    line("whole step", &outcome.times.total);
+    println!(
+        "  at most: {} contacts, {:.4} mm joint gap, {:.4} mm penetration, {} inverted tetrahedra",
+        s.contacts_max,
+        s.joint_gap_max * 1e3,
+        s.penetration_max * 1e3,
+        s.inverted_tets_max
+    );
+    println!(
+        "  energy: {:.6} J at the start, {:.6} J in the end, {:.6} J at most",
+        s.energy_initial.total(),
+        s.energy_final.total(),
+        s.energy_max
+    );
+    for (digit, peak) in Digit::FINGERS.iter().zip(&s.fingers).filter(|(_, p)| p.normal > 0.0) {
+        println!(
+            "  {:6} at most {:.3} N normal, {:.3} N shear, {:.1} mm² in contact",
+            digit.name(),
+            peak.normal,
+            peak.shear,
+            peak.area * 1e6
+        );
+    }
+    if s.non_finite > 0 {
+        println!("  {} steps gave numbers that are not finite and were taken back", s.non_finite);
+    }
+    println!("  state {:016x}", world.state_hash());
+}
