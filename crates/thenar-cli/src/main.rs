@@ -14,7 +14,6 @@ mod scenes;
 mod validate;
 
 use clap::{Parser, Subcommand};
-use error::CliError;
 use std::process::ExitCode;
 
 /// Simulates a soft hand: a jointed skeleton inside deformable flesh, in frictional contact.
