@@ -7,7 +7,7 @@ mod common;
 use common::{FLESH, bar, body, finger};
 use divan::{Bencher, black_box};
 use thenar::contact::Shape;
-use thenar::flesh::{RestTet, respond, rotation_of};
+use thenar::flesh::{PAIRS, RestTet, respond, rotation_of};
 use thenar::model::{Binding, Law, Material, Motion, WorldDesc};
 use thenar::solver::{BlockDiagonal, BlockMatrix, CgWorkspace, conjugate_gradients};
 use thenar::{Mat3, Pose, Quat, Vec3, World};
@@ -84,11 +84,14 @@ fn matrix(cells: [usize; 3]) -> (BlockMatrix, BlockDiagonal) {
         let x = tet.map(|n| flesh.nodes[n as usize]);
         let rest = RestTet::new(&x, material).expect("a tetrahedron of positive volume");
         let response = respond(&rest, &x);
-        for i in 0..4 {
-            a.add_scalar(a.diagonal[tet[i] as usize], 0.25 * rest.volume * material.density);
-            for j in 0..4 {
-                let entry = a.entry(tet[i], tet[j]);
-                a.add(entry, &(response.stiffness[i][j] / 3600.0));
+        for node in tet {
+            a.add_scalar(a.diagonal[*node as usize], 0.25 * rest.volume * material.density);
+        }
+        for (block, (i, j)) in response.stiffness.iter().zip(PAIRS) {
+            let block = block / 3600.0;
+            a.add(a.entry(tet[i], tet[j]), &block);
+            if i != j {
+                a.add(a.entry(tet[j], tet[i]), &block.transpose());
             }
         }
     }

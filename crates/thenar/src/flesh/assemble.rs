@@ -1,6 +1,6 @@
 //! Eq. 5: `A_f = M_f + Δt D_f + Δt² K_f` and `b_f = M_f v_0 + Δt F_f`, over all deformable bodies.
 
-use crate::flesh::{RestTet, respond};
+use crate::flesh::{PAIRS, RestTet, respond};
 use crate::math::Vec3;
 use crate::solver::BlockMatrix;
 
@@ -51,8 +51,12 @@ impl FleshModel {
             let scale = h * h + h * self.stiffness_damping[t];
             for a in 0..4 {
                 b[row0 + tet[a] as usize] += response.forces[a] * h;
-                for c in 0..4 {
-                    A.add(self.entries[t][a][c], &(response.stiffness[a][c] * scale));
+            }
+            for (block, (a, c)) in response.stiffness.iter().zip(PAIRS) {
+                let block = block * scale;
+                A.add(self.entries[t][a][c], &block);
+                if a != c {
+                    A.add(self.entries[t][c][a], &block.transpose());
                 }
             }
             tally.energy += response.energy;

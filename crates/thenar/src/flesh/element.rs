@@ -50,6 +50,10 @@ impl RestTet {
     }
 }
 
+/// The pairs of nodes whose stiffness blocks are computed; the others are their transposes.
+pub const PAIRS: [(usize, usize); 10] =
+    [(0, 0), (1, 1), (2, 2), (3, 3), (0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
+
 /// The elastic response of one element.
 #[derive(Clone, Copy, Debug)]
 pub struct Response {
@@ -57,8 +61,9 @@ pub struct Response {
     pub energy: f64,
     /// Force on each node, `-V P g_a` \[N\].
     pub forces: [Vec3; 4],
-    /// `stiffness[a][b]` ≈ -∂force_a/∂x_b \[N/m\], symmetric and positive semi-definite.
-    pub stiffness: [[Mat3; 4]; 4],
+    /// ≈ -∂force_a/∂x_b \[N/m\] for each (a, b) of [`PAIRS`]; the whole 12×12 matrix is symmetric
+    /// and positive semi-definite.
+    pub stiffness: [Mat3; 10],
     /// The element has negative volume.
     pub inverted: bool,
 }
@@ -92,13 +97,12 @@ fn corotational(rest: &RestTet, F: &Mat3) -> Response {
     Response {
         energy: volume * (mu * strain.norm_squared() + 0.5 * lambda * trace * trace),
         forces: rest.gradients.map(|g| P * g * -volume),
-        stiffness: std::array::from_fn(|a| {
-            std::array::from_fn(|b| {
-                let (ga, gb) = (g[a] * volume, g[b]);
-                ga * gb.transpose() * lambda
-                    + gb * ga.transpose() * mu
-                    + Mat3::from_diagonal_element(mu * ga.dot(&gb))
-            })
+        stiffness: PAIRS.map(|(a, b)| {
+            let (ga, gb) = (g[a] * volume, g[b]);
+            let outer = ga * gb.transpose();
+            outer * lambda
+                + outer.transpose() * mu
+                + Mat3::from_diagonal_element(mu * outer.trace())
         }),
         inverted: F.determinant() < 0.0,
     }
@@ -132,22 +136,19 @@ fn hyperelastic(rest: &RestTet, F: &Mat3) -> Response {
     Response {
         energy: rest.volume * at.energy,
         forces: rest.gradients.map(|g| P * g * -rest.volume),
-        stiffness: std::array::from_fn(|a| {
-            std::array::from_fn(|b| {
-                let local = Mat3::from_fn(|i, k| {
-                    if i == k {
-                        let shear: f64 = (0..3)
-                            .filter(|&j| j != i)
-                            .map(|j| twist_flip[i][j][0] * g[a][j] * g[b][j])
-                            .sum();
-                        stretch[(i, i)] * g[a][i] * g[b][i] + shear
-                    } else {
-                        stretch[(i, k)] * g[a][i] * g[b][k]
-                            + twist_flip[i][k][1] * g[a][k] * g[b][i]
-                    }
-                });
-                U * local * U.transpose() * rest.volume
-            })
+        stiffness: PAIRS.map(|(a, b)| {
+            let local = Mat3::from_fn(|i, k| {
+                if i == k {
+                    let shear: f64 = (0..3)
+                        .filter(|&j| j != i)
+                        .map(|j| twist_flip[i][j][0] * g[a][j] * g[b][j])
+                        .sum();
+                    stretch[(i, i)] * g[a][i] * g[b][i] + shear
+                } else {
+                    stretch[(i, k)] * g[a][i] * g[b][k] + twist_flip[i][k][1] * g[a][k] * g[b][i]
+                }
+            });
+            U * local * U.transpose() * rest.volume
         }),
         inverted: s[2] < 0.0,
     }
@@ -185,6 +186,20 @@ mod tests {
         x.iter().flat_map(|x| [x.x, x.y, x.z]).collect()
     }
 
+    /// The 12×12 stiffness with the sign of a force's derivative.
+    fn derivative(response: &Response) -> Vec<Vec<f64>> {
+        let mut whole = vec![vec![0.0; 12]; 12];
+        for (block, (a, b)) in response.stiffness.iter().zip(PAIRS) {
+            for i in 0..3 {
+                for j in 0..3 {
+                    whole[3 * a + i][3 * b + j] = -block[(i, j)];
+                    whole[3 * b + j][3 * a + i] = -block[(i, j)];
+                }
+            }
+        }
+        whole
+    }
+
     const LAWS: [Law; 3] = [Law::Corotational, Law::NeoHookean, Law::StableNeoHookean];
 
     #[test]
@@ -210,9 +225,7 @@ mod tests {
             let rest = rest(law);
             let here = respond(&rest, &REST);
             let numeric = jacobian(|x| flat(&respond(&rest, &nodes(x)).forces), &flat(&REST), 1e-8);
-            let analytic: Vec<Vec<f64>> = (0..12)
-                .map(|i| (0..12).map(|j| -here.stiffness[i / 3][j / 3][(i % 3, j % 3)]).collect())
-                .collect();
+            let analytic = derivative(&here);
             assert_close(&analytic, &numeric, 1e-6);
         }
     }
@@ -231,11 +244,7 @@ mod tests {
                 let here = respond(&rest, &x);
                 let numeric =
                     jacobian(|x| flat(&respond(&rest, &nodes(x)).forces), &flat(&x), 1e-8);
-                let analytic: Vec<Vec<f64>> = (0..12)
-                    .map(|i| {
-                        (0..12).map(|j| -here.stiffness[i / 3][j / 3][(i % 3, j % 3)]).collect()
-                    })
-                    .collect();
+                let analytic = derivative(&here);
                 assert_close(&analytic, &numeric, 1e-5);
             }
         }

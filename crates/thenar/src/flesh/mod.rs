@@ -6,5 +6,5 @@ mod polar;
 mod principal;
 
 pub use assemble::{FleshModel, Tally};
-pub use element::{Response, RestTet, respond};
+pub use element::{PAIRS, Response, RestTet, respond};
 pub use polar::{rotation_of, signed_svd};
