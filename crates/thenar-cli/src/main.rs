@@ -3,6 +3,7 @@
 //! Every command is a module with `Args`, read by clap, and `run`, which does the work; the list
 //! of commands is [`Command`]. Exit codes: 0 done, 2 bad usage or input, 1 anything else.
 
+mod bench;
 mod build;
 mod error;
 mod files;
@@ -11,6 +12,7 @@ mod interrupt;
 mod picture;
 mod run;
 mod scenes;
+mod soak;
 mod validate;
 
 use clap::{Parser, Subcommand};
@@ -33,6 +35,10 @@ enum Command {
     Build(build::Args),
     /// List the scenes that come with the program.
     Scenes(scenes::Args),
+    /// Measure what a step costs.
+    Bench(bench::Args),
+    /// Thrash a hand at random against table, car and bread.
+    Soak(soak::Args),
     /// Compare figures that theory gives with those that we compute.
     Validate(validate::Args),
 }
@@ -43,6 +49,8 @@ fn main() -> ExitCode {
         Some(Command::Run(args)) => run::run(&args),
         Some(Command::Build(args)) => build::run(&args),
         Some(Command::Scenes(args)) => scenes::run(&args),
+        Some(Command::Bench(args)) => return bench::run(&args),
+        Some(Command::Soak(args)) => return soak::run(&args),
         Some(Command::Validate(args)) => return validate::run(&args),
         None => run::run(&run::Args::of_scene(DEMO)),
     };

@@ -88,8 +88,8 @@ fn soak(args: &Args, h: f64) -> Result<(Extremes, u64), String> {
     let mut overrides = vec![format!("time_step={h}")];
     overrides.extend(args.overrides.iter().cloned());
     let text = scene(args.seconds, args.seed);
-    let mut session = Session::from_text(&text, Path::new("soak.toml"), &overrides)
-        .map_err(|e| e.to_string())?;
+    let mut session =
+        Session::from_text(&text, Path::new("soak.toml"), &overrides).map_err(|e| e.to_string())?;
     let mut extremes = Extremes::default();
     let steps = (args.seconds / h).round() as u64;
     for step in 0..steps {
@@ -178,10 +178,8 @@ motion = {{ kind = "keyframes", limits = "clamp", key = [
             .iter()
             .map(|finger| format!("{finger} = {:.3}", between(&mut random, 0.0, 1.0)))
             .collect();
-        let fingers: Vec<String> =
-            (0..3).map(|_| format!("{:.3}", random.symmetric())).collect();
-        let back: Vec<String> =
-            (0..3).map(|_| format!("{:.3}", random.symmetric())).collect();
+        let fingers: Vec<String> = (0..3).map(|_| format!("{:.3}", random.symmetric())).collect();
+        let back: Vec<String> = (0..3).map(|_| format!("{:.3}", random.symmetric())).collect();
         let _ = writeln!(
             text,
             "{{ time = {t:.3}, wrist = {{ position = [{}], fingers = [{}], back = [{}] }}, \

@@ -44,10 +44,7 @@ pub fn run(args: &Args) -> Result<(), String> {
     let model = &hand.model;
     let world = session.world();
     println!("bread-grasp, time step {:.2} ms, {steps} steps, one thread", args.time_step * 1e3);
-    println!(
-        "{:<34} {:>12} {:>12}",
-        "model", "paper (2011)", "thenar"
-    );
+    println!("{:<34} {:>12} {:>12}", "model", "paper (2011)", "thenar");
     let sizes = [
         ("bones", "16", model.bones.len()),
         ("tetrahedra of the hand", "597", model.flesh.tets.len()),

@@ -33,8 +33,18 @@ pub fn run(args: &Args) -> Result<(), String> {
     );
     println!(
         "{:>7} {:>7} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>8} {:>7} {:>8}",
-        "tets", "nodes", "contacts", "skel us", "flesh us", "detect us", "contact us", "whole us",
-        "p99 us", "cg", "sweeps", "MB"
+        "tets",
+        "nodes",
+        "contacts",
+        "skel us",
+        "flesh us",
+        "detect us",
+        "contact us",
+        "whole us",
+        "p99 us",
+        "cg",
+        "sweeps",
+        "MB"
     );
     for &tets in &args.tets {
         for &depth in &args.depth_mm {
@@ -46,8 +56,8 @@ pub fn run(args: &Args) -> Result<(), String> {
 
 fn row(args: &Args, tets: u32, depth_mm: f64) -> Result<(), String> {
     let text = scene(tets, args.time_step);
-    let mut session = Session::from_text(&text, Path::new("scaling.toml"), &[])
-        .map_err(|e| e.to_string())?;
+    let mut session =
+        Session::from_text(&text, Path::new("scaling.toml"), &[]).map_err(|e| e.to_string())?;
     // The table's height is known only once the hand is built: raise it to the palm.
     let lowest =
         session.world().collision_vertices(0).iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
@@ -108,7 +118,6 @@ position = [0, -1, 0]
 name = "hand"
 model = "right"
 tets = {tets}
-rotation = {{ axis = [0, 0, 1], angle_deg = 90 }}
 "#
     )
 }
