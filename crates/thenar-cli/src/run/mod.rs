@@ -25,7 +25,7 @@ pub struct Args {
     /// A scene file, or the name of a built-in scene (see `thenar scenes`).
     scene: PathBuf,
     /// Simulated time [s] instead of the scene's own.
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     seconds: Option<f64>,
     /// Change a value of the scene, e.g. solver.cone=linearised; may be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -40,7 +40,7 @@ pub struct Args {
     #[arg(long, value_name = "DIR")]
     vtk: Option<PathBuf>,
     /// Simulated time between moments of the VTK series [s].
-    #[arg(long, value_name = "S", default_value_t = 1.0 / 30.0, requires = "vtk")]
+    #[arg(long, value_name = "S", default_value_t = 1.0 / 30.0, requires = "vtk", allow_negative_numbers = true)]
     vtk_interval: f64,
     /// No progress bar and no summary.
     #[arg(long, short)]

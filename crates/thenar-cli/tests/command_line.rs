@@ -1,0 +1,243 @@
+//! Goal: the program keeps its promises to scripts: exit codes, report keys, table headers, whole
+//! files or none. Method: it is run as a user runs it.
+
+use serde_json::Value;
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+/// An empty folder of its own for each test.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("thenar-cli-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn files(&self) -> Vec<String> {
+        let mut names: Vec<String> = std::fs::read_dir(&self.0)
+            .unwrap()
+            .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+
+    fn read(&self, file: &str) -> String {
+        std::fs::read_to_string(self.0.join(file)).unwrap()
+    }
+
+    fn thenar(&self, args: &[&str]) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_thenar")).args(args).current_dir(&self.0).output().unwrap()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn error(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn a_run_reports_every_promised_figure() {
+    let folder = Folder::new("report");
+    let args = ["run", "soft-cube", "--seconds", "0.3", "--report", "r.json", "--quiet"];
+    let output = folder.thenar(&args);
+    assert!(output.status.success(), "{}", error(&output));
+    assert!(output.stdout.is_empty(), "quiet");
+    let report: Value = serde_json::from_str(&folder.read("r.json")).unwrap();
+    let mut numbers: Vec<String> = [
+        "/dt_s",
+        "/steps",
+        "/wall_s",
+        "/realtime_factor",
+        "/tets",
+        "/nodes",
+        "/contacts_max",
+        "/max_joint_gap_m",
+        "/max_penetration_m",
+        "/inverted_tets_max",
+        "/non_finite",
+        "/energy_j/initial",
+        "/energy_j/final",
+        "/energy_j/max",
+    ]
+    .map(String::from)
+    .to_vec();
+    for stage in ["skeleton", "flesh", "detect", "contact", "embed", "total"] {
+        numbers.extend(["median_us", "p99_us", "max_us"].map(|k| format!("/stages/{stage}/{k}")));
+    }
+    for finger in ["thumb", "index", "middle", "ring", "little"] {
+        numbers
+            .extend(["normal_n", "shear_n", "area_m2"].map(|k| format!("/fingers/{finger}/{k}")));
+    }
+    for key in numbers {
+        assert!(report.pointer(&key).is_some_and(Value::is_number), "{key}");
+    }
+    for key in ["scene", "solver", "state_hash"] {
+        assert!(report[key].is_string(), "{key}");
+    }
+    assert_eq!(report["scene"], "soft-cube");
+    assert_eq!(report["steps"], 150);
+    assert_eq!(report["tets"], 320);
+    assert_eq!(report["nodes"], 125);
+    assert!(report["contacts_max"].as_u64().unwrap() > 0, "the cube has landed");
+    let stages = &report["stages"];
+    let median = |stage: &str| stages[stage]["median_us"].as_f64().unwrap();
+    assert!(median("total") >= median("flesh") && median("flesh") > 0.0);
+    assert!(stages["total"]["max_us"].as_f64() >= stages["total"]["p99_us"].as_f64());
+    assert_eq!(folder.files(), ["r.json"]);
+}
+
+#[test]
+fn the_same_run_gives_the_same_state() {
+    let folder = Folder::new("hash");
+    for file in ["a.json", "b.json"] {
+        let output =
+            folder.thenar(&["run", "falling-box", "--seconds", "0.2", "-q", "--report", file]);
+        assert!(output.status.success(), "{}", error(&output));
+    }
+    let hash = |file: &str| {
+        serde_json::from_str::<Value>(&folder.read(file)).unwrap()["state_hash"].clone()
+    };
+    assert_eq!(hash("a.json"), hash("b.json"));
+}
+
+#[test]
+fn tables_have_headers_with_units_and_a_row_for_the_start() {
+    let folder = Folder::new("table");
+    for file in ["t.csv", "t.jsonl"] {
+        let args = ["run", "finger-pendulum", "--seconds", "0.001", "-q", "--probe", file];
+        assert!(folder.thenar(&args).status.success());
+    }
+    let csv = folder.read("t.csv");
+    let lines: Vec<&str> = csv.lines().collect();
+    assert!(lines[0].starts_with("time [s],tip.x [m],tip.y [m],tip.z [m],knuckle.angle0 [rad]"));
+    assert_eq!(lines.len(), 1 + 11);
+    let first: Vec<f64> = lines[1].split(',').map(|x| x.parse().unwrap()).collect();
+    assert_eq!(first[0], 0.0);
+    assert!((first[1] - 0.095).abs() < 1e-12, "{first:?}");
+    let jsonl = folder.read("t.jsonl");
+    let rows: Vec<Value> = jsonl.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    assert_eq!(rows[0]["units"]["tip.x"], "m");
+    assert_eq!(rows.len(), 1 + 11);
+    // The parser of this test rounds the last digit.
+    assert!((rows[1]["tip.x"].as_f64().unwrap() - first[1]).abs() < 1e-15);
+}
+
+#[test]
+fn paraview_files_are_written() {
+    let folder = Folder::new("vtk");
+    let args =
+        ["run", "soft-cube", "--seconds", "0.1", "-q", "--vtk", "out", "--vtk-interval", "0.05"];
+    let output = folder.thenar(&args);
+    assert!(output.status.success(), "{}", error(&output));
+    let list = folder.read("out/soft-cube.pvd");
+    for moment in ["timestep=\"0\"", "000002.vtu"] {
+        assert!(list.contains(moment), "{list}");
+    }
+    assert!(folder.read("out/soft-cube-cube-flesh-000001.vtu").contains("<VTKFile"));
+}
+
+#[test]
+fn wrong_input_exits_with_2_and_leaves_nothing() {
+    let folder = Folder::new("wrong");
+    std::fs::write(folder.0.join("s.toml"), "version = 1\ntime_stp = 1\n").unwrap();
+    let cases: [(&[&str], &str); 8] = [
+        (
+            &["run", "s.toml", "--report", "r.json"],
+            "s.toml:2:1: `time_stp`: unknown key; did you mean `time_step`?",
+        ),
+        (&["run", "none.toml", "--probe", "p.csv"], "none.toml: No such file"),
+        (&["run", "none"], "no scene `none`"),
+        (&["run", "falling-box", "--seconds", "-1"], "--seconds"),
+        (&["run", "falling-box", "--seconds", "nan"], "--seconds"),
+        (
+            &["run", "falling-box", "--set", "rigid.box.density=0"],
+            "`rigid[1].density`: expected a finite number",
+        ),
+        (&["build", "none.glb", "--hand", "-o", "m.thenar"], "none.glb"),
+        (&["build", "s.toml", "--rigid", "-o", "m.thenar"], "s.toml"),
+    ];
+    for (args, expected) in cases {
+        let output = folder.thenar(args);
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {}", error(&output));
+        assert!(error(&output).contains(expected), "{args:?}: {}", error(&output));
+        assert_eq!(folder.files(), ["s.toml"], "{args:?}");
+    }
+    assert_eq!(folder.thenar(&["run"]).status.code(), Some(2));
+    assert_eq!(folder.thenar(&["dance"]).status.code(), Some(2));
+}
+
+#[test]
+fn an_output_that_cannot_be_written_exits_with_1() {
+    let folder = Folder::new("output");
+    let output = folder.thenar(&["run", "falling-box", "--probe", "no/such/folder/p.csv"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(error(&output).contains("no/such/folder/p.csv"), "{}", error(&output));
+}
+
+#[test]
+fn a_mesh_file_becomes_a_model_that_a_scene_uses() {
+    let folder = Folder::new("build");
+    // A tetrahedron with legs of 60 mm: 36 ml.
+    let obj = "v 0 0 0\nv 0.06 0 0\nv 0 0.06 0\nv 0 0 0.06\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    std::fs::write(folder.0.join("t.obj"), obj).unwrap();
+    for (kind, file) in [("--rigid", "r.thenar"), ("--soft", "s.thenar")] {
+        let output = folder.thenar(&["build", "t.obj", kind, "--density", "500", "-o", file]);
+        assert!(output.status.success(), "{kind}: {}", error(&output));
+    }
+    let scene = r#"
+        version = 1
+        duration = 0.01
+        gravity = [0, 0, 0]
+        [[rigid]]
+        name = "r"
+        shape = { kind = "mesh", file = "r.thenar" }
+        [[soft]]
+        name = "s"
+        shape = { kind = "mesh", file = "s.thenar" }
+        position = [1, 0, 0]
+        [[load]]
+        kind = "force"
+        body = "r"
+        force = [0, 0.18, 0]
+        [[probe]]
+        name = "r"
+        measure = "velocity"
+        body = "r"
+    "#;
+    std::fs::write(folder.0.join("scene.toml"), scene).unwrap();
+    let output = folder.thenar(&["run", "scene.toml", "-q", "--probe", "p.csv"]);
+    assert!(output.status.success(), "{}", error(&output));
+    let table = folder.read("p.csv");
+    let last: Vec<f64> =
+        table.lines().last().unwrap().split(',').map(|x| x.parse().unwrap()).collect();
+    // 36 ml at 500 kg/m³ are 18 g: 0.18 N give 10 m/s², after 10 ms 0.1 m/s.
+    assert!((last[2] - 0.1).abs() < 1e-9, "{last:?}");
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_ends_a_run_with_whole_files() {
+    let folder = Folder::new("interrupt");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_thenar"))
+        .args(["run", "falling-box", "--seconds", "100000", "-q", "--report", "r.json"])
+        .current_dir(&folder.0)
+        .spawn()
+        .unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    let status = child.wait().unwrap();
+    assert_eq!(status.code(), Some(1));
+    let report: Value = serde_json::from_str(&folder.read("r.json")).unwrap();
+    assert_eq!(report["interrupted"], true);
+    assert!(report["steps"].as_u64().unwrap() > 0);
+    assert_eq!(folder.files(), ["r.json"]);
+}
