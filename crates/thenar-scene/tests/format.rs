@@ -180,3 +180,21 @@ fn every_example_in_the_documentation_runs() {
         }
     }
 }
+
+/// Defaults that the library owns are stated in the documentation as they are.
+#[test]
+fn documented_solver_defaults_are_the_library_s() {
+    let schema: Value = serde_json::from_str(&reference::schema()).unwrap();
+    let keys = &schema["$defs"]["SolverTable"]["properties"];
+    let stated = |key: &str| -> f64 {
+        let text = keys[key]["description"].as_str().unwrap();
+        text.rsplit("Default ").next().unwrap().trim_end_matches('.').parse().unwrap()
+    };
+    let s = thenar::model::SolverSettings::default();
+    assert_eq!(stated("cg_tolerance"), s.cg_tolerance);
+    assert_eq!(stated("cg_iterations_max"), f64::from(s.cg_iterations_max));
+    assert_eq!(stated("contact_tolerance"), s.contact_tolerance);
+    assert_eq!(stated("contact_sweeps_max"), f64::from(s.contact_sweeps_max));
+    assert_eq!(stated("contact_inner_passes"), f64::from(s.contact_inner_passes));
+    assert_eq!(stated("contact_margin"), s.contact_margin);
+}

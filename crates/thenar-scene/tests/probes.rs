@@ -311,3 +311,32 @@ fn contact_carries_the_weight() {
     near(value(&mut session, "c.cx"), 1.0 + 0.01 / weight, 2e-4);
     near(value(&mut session, "c.cz"), 2.0, 2e-4);
 }
+
+/// Every solver setting arrives in the world.
+#[test]
+fn solver_settings_arrive() {
+    use thenar::model::{Cone, FleshInStep1, SolverKind, SolverSettings};
+    let given = "[solver]
+        kind = \"monolithic\"
+        cone = \"linearised\"
+        step1_flesh = \"frozen\"
+        cg_tolerance = 1e-9
+        cg_iterations_max = 11
+        contact_tolerance = 1e-7
+        contact_sweeps_max = 13
+        contact_inner_passes = 17
+        contact_margin = 0.002";
+    let expected = SolverSettings {
+        kind: SolverKind::Monolithic,
+        cone: Cone::Linearised,
+        step1_flesh: FleshInStep1::Frozen,
+        cg_tolerance: 1e-9,
+        cg_iterations_max: 11,
+        contact_tolerance: 1e-7,
+        contact_sweeps_max: 13,
+        contact_inner_passes: 17,
+        contact_margin: 0.002,
+    };
+    assert_eq!(load(given).world().desc().solver, expected);
+    assert_eq!(load("").world().desc().solver, SolverSettings::default());
+}

@@ -1,12 +1,18 @@
 //! Solver settings.
 
-use crate::format::{ConeWord, FleshWord, SolverTable};
-use thenar::model::{Cone, FleshInStep1, SolverSettings};
+use crate::format::{ConeWord, FleshWord, SolverTable, SolverWord};
+use thenar::model::{Cone, FleshInStep1, SolverKind, SolverSettings};
 
 /// The library's defaults with the table's changes.
 pub fn settings(table: Option<&SolverTable>) -> SolverSettings {
     let mut s = SolverSettings::default();
     let Some(t) = table else { return s };
+    if let Some(kind) = t.kind {
+        s.kind = match kind {
+            SolverWord::TwoStep => SolverKind::TwoStep,
+            SolverWord::Monolithic => SolverKind::Monolithic,
+        };
+    }
     if let Some(cone) = t.cone {
         s.cone = match cone {
             ConeWord::Circular => Cone::Circular,

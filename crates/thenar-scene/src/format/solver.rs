@@ -45,11 +45,11 @@ table! {
         cg_tolerance: Option<f64> where TOLERANCE;
         /// Most conjugate-gradient iterations. Default 500.
         cg_iterations_max: Option<u32> where ITERATIONS;
-        /// Constraint anticipation stops at this relative residual. Default 1e-3.
+        /// Constraint anticipation stops at this relative residual. Default 1e-4.
         contact_tolerance: Option<f64> where TOLERANCE;
         /// Most outer sweeps of constraint anticipation. Default 200.
         contact_sweeps_max: Option<u32> where ITERATIONS;
-        /// Gauss-Seidel passes over the contacts within one sweep. Default 4.
+        /// Gauss-Seidel passes over the contacts within one sweep. Default 2.
         contact_inner_passes: Option<u32> where ITERATIONS;
         /// Points nearer than this become constraints before they touch [m]. Default 0.001.
         contact_margin: Option<f64> where MARGIN;
