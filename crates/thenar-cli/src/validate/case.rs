@@ -14,7 +14,12 @@ macro_rules! scene {
     ($name:literal) => {
         $crate::validate::case::SceneText {
             name: $name,
-            text: include_str!(concat!("../../../../scenes/validation/", $name, ".toml")),
+            text: include_str!(concat!(
+                env!("CARGO_MANIFEST_DIR"),
+                "/../../scenes/validation/",
+                $name,
+                ".toml"
+            )),
         }
     };
 }

@@ -126,6 +126,11 @@ impl Series {
         (0..y.len().saturating_sub(1)).filter(crossed).map(place).collect()
     }
 
+    /// Last value of column `k`.
+    pub fn last(&self, k: usize) -> f64 {
+        self.columns[k].last().copied().unwrap_or(f64::NAN)
+    }
+
     /// Largest |value| of column `k`.
     pub fn largest(&self, k: usize) -> f64 {
         self.columns[k].iter().fold(0.0, |m, y| f64::max(m, y.abs()))
