@@ -17,6 +17,10 @@ struct Instant<const N: usize> {
     expected: [f64; N],
 }
 
+fn instant<const N: usize>(time: f64, expected: [f64; N]) -> Instant<N> {
+    Instant { time, expected }
+}
+
 /// Each value at the fine step, and the order at which the errors of all of them vanish. Columns
 /// are probe columns with a tolerance.
 fn compare<const N: usize>(
@@ -51,7 +55,6 @@ fn order_row(what: String, p: f64) -> Figure {
 
 /// Relative angles \[rad\] and absolute rates \[rad/s\].
 pub fn double_pendulum() -> Result<Vec<Figure>, CaseError> {
-    let instant = |time, expected| Instant { time, expected };
     compare(
         &DOUBLE_PENDULUM,
         [("first.angle0", 1e-3), ("second.angle0", 1e-3), ("v1.wz", 1e-3), ("v2.wz", 1e-3)],
@@ -67,7 +70,6 @@ pub fn double_pendulum() -> Result<Vec<Figure>, CaseError> {
 /// Relative angles from straight down \[rad\]; tip \[m\].
 pub fn planar_finger() -> Result<Vec<Figure>, CaseError> {
     let angle = |name| (name, 1e-3);
-    let instant = |time, expected| Instant { time, expected };
     compare(
         &PLANAR_FINGER,
         [
@@ -88,7 +90,6 @@ pub fn planar_finger() -> Result<Vec<Figure>, CaseError> {
 /// Angles of the universal joint and of both hinges \[rad\], tip \[m\], energy \[J\].
 pub fn universal_finger() -> Result<Vec<Figure>, CaseError> {
     let columns = ["root.angle0", "root.angle1", "second.angle0", "third.angle0"];
-    let instant = |time, expected| Instant { time, expected };
     let mut figures = compare(
         &UNIVERSAL_FINGER,
         columns.map(|name| (name, 1e-3)),
