@@ -1,6 +1,33 @@
 //! Flesh-bone coupling and skinning.
 
-use super::case::Case;
+mod balance;
+mod coupled;
+mod differences;
+mod jointed;
+mod skinning;
+mod splitting;
+
+use super::case::{Case, CaseError, Figure, SceneText, scene};
+
+const fn case(
+    id: &'static str,
+    title: &'static str,
+    measure: fn() -> Result<Vec<Figure>, CaseError>,
+) -> Case {
+    Case { id, title, full: false, measure }
+}
 
 /// The cases.
-pub const CASES: &[Case] = &[];
+pub const CASES: &[Case] = &[
+    case("D1", "skinning weights", skinning::weights),
+    case("D2", "a rigid motion of all bones moves all targets", skinning::rigid_motion),
+    case("D3", "twist by 90 degrees", skinning::twist),
+    case("D4", "coupling forces balance", balance::coupling),
+    case("D5", "two steps against the monolithic solution", splitting::both_scenes),
+    case("D6", "derivatives against finite differences", differences::all),
+];
+
+/// A hand of about 600 tetrahedra closing to a fist.
+const HAND: SceneText = scene!("d01-hand");
+/// Two bones in flesh.
+const FINGER: SceneText = scene!("d05-finger");

@@ -2,6 +2,8 @@
 
 use super::case::{CaseError, SceneText};
 use std::path::Path;
+use thenar::World;
+use thenar::world::Input;
 use thenar_scene::session::Session;
 
 /// A running scene.
@@ -88,8 +90,13 @@ impl Run {
 
     /// Mesh and time step, for the table.
     pub fn setup(&self) -> String {
+        self.setup_at(self.world().time_step())
+    }
+
+    /// The mesh, and another time step.
+    pub fn setup_at(&self, h: f64) -> String {
         let world = self.session.world();
-        let step = step_words(world.time_step());
+        let step = step_words(h);
         match world.desc().softs.iter().map(|s| s.flesh.tets.len()).sum::<usize>() {
             0 => step,
             tets => {
@@ -97,6 +104,16 @@ impl Run {
                 format!("{tets} tets, {nodes} nodes, {step}")
             }
         }
+    }
+
+    /// The world as it is now.
+    pub fn world(&self) -> &World {
+        self.session.world()
+    }
+
+    /// What acted in the last step.
+    pub fn input(&self) -> &Input {
+        self.session.input()
     }
 
     /// The session, for what probes do not give.

@@ -21,7 +21,7 @@ pub use state::State;
 use crate::contact::{Detector, RigidPlace};
 use crate::coupling::skin_target;
 use crate::math::{Pose, Vec3};
-use crate::model::{SolverKind, WorldDesc};
+use crate::model::{FleshInStep1, SolverKind, WorldDesc};
 use crate::skeleton::axis_states;
 use crate::solver::Convergence;
 use state::Scratch;
@@ -158,6 +158,11 @@ impl World {
     /// Chooses another solver.
     pub fn set_solver(&mut self, kind: SolverKind) {
         self.desc.solver.kind = kind;
+    }
+
+    /// Chooses what step 1 assumes of the flesh.
+    pub fn set_step1_flesh(&mut self, flesh: FleshInStep1) {
+        self.desc.solver.step1_flesh = flesh;
     }
 
     /// What the world was built from.

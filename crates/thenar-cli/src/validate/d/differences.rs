@@ -1,0 +1,100 @@
+//! Derivatives against central differences, at random states of scenes.
+//!
+//! Generalised coordinates are those of Eq. 9: three of place and three of turning (about world
+//! axes) for each bone, then three for each node.
+
+use super::{coupled, jointed};
+use crate::validate::case::{CaseError, Figure};
+use thenar::{Mat3, Pose, Quat, Vec3, World};
+use thenar_scene::session::Random;
+
+/// Everything of D6.
+pub fn all() -> Result<Vec<Figure>, CaseError> {
+    let mut figures = coupled::coupling()?;
+    figures.extend(coupled::flesh()?);
+    figures.extend(jointed::skeleton()?);
+    Ok(figures)
+}
+
+/// A matrix as rows.
+pub type Matrix = Vec<Vec<f64>>;
+
+/// Size of a displacement: metres and radians.
+const STEP: f64 = 1e-6;
+
+/// Moves coordinate `q` of the world by `step`.
+fn displace(world: &mut World, soft: Option<u32>, q: usize, step: f64) {
+    let bones = world.desc().rigids.len();
+    let unit = |k: usize| Vec3::from_fn(|i, _| if i == k { step } else { 0.0 });
+    if q < 6 * bones {
+        let (bone, k) = ((q / 6) as u32, q % 6);
+        let pose = world.rigid_pose(bone);
+        let moved = if k < 3 {
+            Pose::new(pose.position + unit(k), pose.rotation)
+        } else {
+            Pose::new(pose.position, Quat::from_scaled_axis(unit(k - 3)) * pose.rotation)
+        };
+        world.set_rigid_state(bone, moved, world.rigid_velocity(bone));
+    } else if let Some(soft) = soft {
+        let mut nodes = world.nodes(soft).to_vec();
+        let at = q - 6 * bones;
+        nodes[at / 3] += unit(at % 3);
+        world.set_nodes(soft, &nodes);
+    }
+}
+
+/// Coordinates of a world with the given deformable body.
+pub fn coordinates(world: &World, soft: Option<u32>) -> usize {
+    6 * world.desc().rigids.len() + soft.map_or(0, |s| 3 * world.nodes(s).len())
+}
+
+/// `∂f_i/∂q_j` by central differences; entry `[i][j]`.
+pub fn differences(
+    world: &World,
+    soft: Option<u32>,
+    mut f: impl FnMut(&World) -> Vec<f64>,
+) -> Matrix {
+    let count = coordinates(world, soft);
+    let mut moved = world.clone();
+    let mut columns = Vec::with_capacity(count);
+    for q in 0..count {
+        displace(&mut moved, soft, q, STEP);
+        let ahead = f(&moved);
+        displace(&mut moved, soft, q, -2.0 * STEP);
+        let behind = f(&moved);
+        displace(&mut moved, soft, q, STEP);
+        let slopes = ahead.iter().zip(&behind).map(|(a, b)| (a - b) / (2.0 * STEP));
+        columns.push(slopes.collect::<Vec<f64>>());
+    }
+    (0..columns[0].len()).map(|i| columns.iter().map(|c| c[i]).collect()).collect()
+}
+
+/// Largest difference of entries chosen by row and column, relative to the largest of them.
+pub fn mismatch(got: &Matrix, want: &Matrix, chosen: impl Fn(usize, usize) -> bool) -> f64 {
+    let (mut off, mut size) = (0.0_f64, 0.0_f64);
+    for (i, (got, want)) in got.iter().zip(want).enumerate() {
+        for (_, (g, w)) in got.iter().zip(want).enumerate().filter(|(j, _)| chosen(i, *j)) {
+            off = off.max((g - w).abs());
+            size = size.max(w.abs());
+        }
+    }
+    off / size
+}
+
+/// Turns every bone by up to 90 degrees about a random axis and moves it by up to `size` along
+/// each world axis.
+pub fn scatter_bones(world: &mut World, size: f64, random: &mut Random) {
+    let mut vector = |size: f64| Vec3::from_fn(|_, _| size * random.symmetric());
+    for bone in 0..world.desc().rigids.len() as u32 {
+        let pose = world.rigid_pose(bone);
+        let turn = vector(1.0).normalize() * (std::f64::consts::FRAC_PI_2 * vector(1.0).x);
+        let rotation = Quat::from_scaled_axis(turn) * pose.rotation;
+        let moved = Pose::new(pose.position + vector(size), rotation);
+        world.set_rigid_state(bone, moved, [Vec3::zeros(); 2]);
+    }
+}
+
+/// `-(v×)`.
+pub fn minus_cross(v: &Vec3) -> Mat3 {
+    -thenar::math::skew(v)
+}
