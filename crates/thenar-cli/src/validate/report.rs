@@ -22,7 +22,7 @@ impl Finding {
     }
 }
 
-const WIDTHS: [usize; 7] = [4, 46, 26, 15, 15, 12, 12];
+const WIDTHS: [usize; 7] = [4, 46, 29, 15, 15, 12, 12];
 const HEADS: [&str; 8] =
     ["case", "what", "mesh, step", "expected", "got", "error", "tolerance", "result"];
 

@@ -95,15 +95,18 @@ impl Run {
 
     /// The mesh, and another time step.
     pub fn setup_at(&self, h: f64) -> String {
-        let world = self.session.world();
-        let step = step_words(h);
-        match world.desc().softs.iter().map(|s| s.flesh.tets.len()).sum::<usize>() {
-            0 => step,
-            tets => {
-                let nodes: usize = world.desc().softs.iter().map(|s| s.flesh.nodes.len()).sum();
-                format!("{tets} tets, {nodes} nodes, {step}")
-            }
+        match self.mesh() {
+            mesh if mesh.is_empty() => step_words(h),
+            mesh => format!("{mesh}, {}", step_words(h)),
         }
+    }
+
+    /// Elements and nodes of all deformable bodies; empty when there are none.
+    pub fn mesh(&self) -> String {
+        let softs = &self.session.world().desc().softs;
+        let tets: usize = softs.iter().map(|s| s.flesh.tets.len()).sum();
+        let nodes: usize = softs.iter().map(|s| s.flesh.nodes.len()).sum();
+        if tets == 0 { String::new() } else { format!("{tets} tets, {nodes} nodes") }
     }
 
     /// The world as it is now.

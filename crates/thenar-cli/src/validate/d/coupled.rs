@@ -1,6 +1,7 @@
 //! Derivatives of skinning targets, coupling forces and elastic forces.
 
 use super::FINGER;
+use super::differences::Rows::{Coordinates, OneKind};
 use super::differences::{Matrix, coordinates, differences, minus_cross, mismatch, scatter_bones};
 use crate::validate::case::{CaseError, Check, Figure};
 use crate::validate::run::Run;
@@ -93,7 +94,7 @@ fn targets(world: &World) -> Vec<f64> {
 pub fn coupling() -> Result<Vec<Figure>, CaseError> {
     let mut run = Run::open(&FINGER, &["soft.flesh.bind_damping_time=0".into()])?;
     let input = run.session().world().input();
-    let setup = format!("{} states, {}", STATES, run.setup());
+    let setup = format!("{STATES} states, {}", run.mesh());
     let (mut random, mut worst) = (Random::new(6), [0.0_f64; 7]);
     for _ in 0..STATES {
         let mut world = run.world().clone();
@@ -103,22 +104,22 @@ pub fn coupling() -> Result<Vec<Figure>, CaseError> {
         let mut keep = |k: usize, value: f64| worst[k] = worst[k].max(value);
 
         let numeric = differences(&world, soft, targets);
-        keep(0, mismatch(&target_jacobian(&world), &numeric, |_, j| j < bones));
+        keep(0, mismatch(&world, OneKind, &target_jacobian(&world), &numeric, |_, j| j < bones));
         let slope = differences(&world, soft, |w| vec![-w.energy(&input).coupling]);
-        keep(1, mismatch(&vec![coupling_forces(&world)], &slope, |_, _| true));
+        keep(1, mismatch(&world, OneKind, &vec![coupling_forces(&world)], &slope, |_, _| true));
         let (blocks, numeric) =
             (coupling_blocks(&world), differences(&world, soft, coupling_forces));
-        keep(2, mismatch(&blocks, &numeric, |i, j| i >= bones && j >= bones));
-        keep(3, mismatch(&blocks, &numeric, |i, j| i >= bones && j < bones));
-        keep(4, mismatch(&blocks, &numeric, |i, j| i < bones && j >= bones));
-        keep(6, mismatch(&blocks, &numeric, |i, j| i < bones && j < bones));
+        keep(2, mismatch(&world, Coordinates, &blocks, &numeric, |i, j| i >= bones && j >= bones));
+        keep(3, mismatch(&world, Coordinates, &blocks, &numeric, |i, j| i >= bones && j < bones));
+        keep(4, mismatch(&world, Coordinates, &blocks, &numeric, |i, j| i < bones && j >= bones));
+        keep(6, mismatch(&world, Coordinates, &blocks, &numeric, |i, j| i < bones && j < bones));
 
         let mut relaxed = world.nodes(SOFT).to_vec();
         world.skin_targets(SOFT, &mut relaxed);
         world.set_nodes(SOFT, &relaxed);
         let (blocks, numeric) =
             (coupling_blocks(&world), differences(&world, soft, coupling_forces));
-        keep(5, mismatch(&blocks, &numeric, |i, j| i < bones && j < bones));
+        keep(5, mismatch(&world, Coordinates, &blocks, &numeric, |i, j| i < bones && j < bones));
     }
     let [jacobian, force, node, node_bone, bone_node, relaxed, stretched] = worst;
     let row = |what: &str, worst: f64| row(what, &setup, worst);
@@ -130,8 +131,8 @@ pub fn coupling() -> Result<Vec<Figure>, CaseError> {
         row("coupling block bone, node", bone_node),
         row("coupling block bone, bone, springs relaxed", relaxed),
         row("coupling block bone, bone, springs stretched", stretched).or_cannot(
-            "A_s leaves out the turning of the lever of a stretched spring, which would make it \
-             indefinite (Eq. 9 as the paper prints it has only k (df/dq)^T df/dq, too)",
+            "as in the paper, A_s holds k (df/dq)^T df/dq only: the turning of a stretched \
+             spring's lever, which is left out, would make it indefinite",
         ),
     ])
 }
@@ -176,7 +177,7 @@ pub fn flesh() -> Result<Vec<Figure>, CaseError> {
     let mut figures = Vec::new();
     for law in ["corotational", "neo-hookean", "stable-neo-hookean"] {
         let run = Run::open(&FINGER, &[format!("soft.flesh.material.law=\"{law}\"")])?;
-        let setup = format!("{} states, {}", STATES, run.setup());
+        let setup = format!("{STATES} states, {}", run.mesh());
         let (mut random, mut worst) = (Random::new(7), [0.0_f64; 3]);
         for _ in 0..STATES {
             let mut keep = |k: usize, value: f64| worst[k] = worst[k].max(value);
@@ -186,9 +187,9 @@ pub fn flesh() -> Result<Vec<Figure>, CaseError> {
             let nodes = |_: usize, j: usize| j >= bones;
             stretch(&mut world, Vec3::new(1.3, 0.9, 0.8), 5e-4, &mut random);
             let slope = differences(&world, Some(SOFT), |w| vec![-w.energy(&input).elastic]);
-            keep(0, mismatch(&vec![flesh_forces(&world)], &slope, nodes));
+            keep(0, mismatch(&world, OneKind, &vec![flesh_forces(&world)], &slope, nodes));
             let numeric = differences(&world, Some(SOFT), flesh_forces);
-            keep(2, mismatch(&flesh_blocks(&world), &numeric, nodes));
+            keep(2, mismatch(&world, Coordinates, &flesh_blocks(&world), &numeric, nodes));
 
             let mut world = run.world().clone();
             let gentle = if law == "corotational" {
@@ -198,7 +199,7 @@ pub fn flesh() -> Result<Vec<Figure>, CaseError> {
             };
             stretch(&mut world, gentle, 0.0, &mut random);
             let numeric = differences(&world, Some(SOFT), flesh_forces);
-            keep(1, mismatch(&flesh_blocks(&world), &numeric, nodes));
+            keep(1, mismatch(&world, Coordinates, &flesh_blocks(&world), &numeric, nodes));
         }
         let left_out = match law {
             "corotational" => "the element's stiffness leaves out the derivative of its rotation",

@@ -69,16 +69,46 @@ pub fn differences(
     (0..columns[0].len()).map(|i| columns.iter().map(|c| c[i]).collect()).collect()
 }
 
-/// Largest difference of entries chosen by row and column, relative to the largest of them.
-pub fn mismatch(got: &Matrix, want: &Matrix, chosen: impl Fn(usize, usize) -> bool) -> f64 {
-    let (mut off, mut size) = (0.0_f64, 0.0_f64);
+/// What a coordinate or a force on it is: place and force of a bone, turn and torque of a bone, or
+/// place and force of a node.
+fn kind(coordinate: usize, bones: usize) -> usize {
+    match coordinate {
+        q if q >= 6 * bones => 2,
+        q => usize::from(q % 6 >= 3),
+    }
+}
+
+/// Largest difference of chosen entries, relative to the largest entry of the same kind: metres
+/// and radians, newtons and newton metres are not compared with each other. Columns are
+/// coordinates; rows are too when `rows` says so, and all of one kind otherwise.
+pub fn mismatch(
+    world: &World,
+    rows: Rows,
+    got: &Matrix,
+    want: &Matrix,
+    chosen: impl Fn(usize, usize) -> bool,
+) -> f64 {
+    let bones = world.desc().rigids.len();
+    let (mut off, mut size) = ([[0.0_f64; 3]; 3], [[0.0_f64; 3]; 3]);
     for (i, (got, want)) in got.iter().zip(want).enumerate() {
-        for (_, (g, w)) in got.iter().zip(want).enumerate().filter(|(j, _)| chosen(i, *j)) {
-            off = off.max((g - w).abs());
-            size = size.max(w.abs());
+        let row = if rows == Rows::Coordinates { kind(i, bones) } else { 0 };
+        for (j, (g, w)) in got.iter().zip(want).enumerate().filter(|(j, _)| chosen(i, *j)) {
+            let column = kind(j, bones);
+            off[row][column] = off[row][column].max((g - w).abs());
+            size[row][column] = size[row][column].max(w.abs()).max(g.abs());
         }
     }
-    off / size
+    let ratios = off.iter().flatten().zip(size.iter().flatten());
+    ratios.filter(|(off, _)| **off > 0.0).map(|(off, size)| off / size).fold(0.0, f64::max)
+}
+
+/// What the rows of a matrix are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rows {
+    /// Forces on the coordinates.
+    Coordinates,
+    /// One quantity, or several of one kind.
+    OneKind,
 }
 
 /// Turns every bone by up to 90 degrees about a random axis and moves it by up to `size` along

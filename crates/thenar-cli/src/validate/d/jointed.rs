@@ -1,6 +1,7 @@
 //! Derivatives of joint rows, joint springs and drives, on the built-in hand.
 
 use super::HAND;
+use super::differences::Rows::OneKind;
 use super::differences::{Matrix, coordinates, differences, mismatch, scatter_bones};
 use crate::validate::case::{CaseError, Check, Figure};
 use crate::validate::run::Run;
@@ -101,16 +102,25 @@ pub fn skeleton() -> Result<Vec<Figure>, CaseError> {
         let mut keep = |k: usize, value: f64| worst[k] = worst[k].max(value);
         let mut world = run.world().clone();
         bend(&mut world, &tree, &mut random);
-        keep(0, mismatch(&jacobian(&world), &differences(&world, None, rows), |_, _| true));
+        keep(
+            0,
+            mismatch(
+                &world,
+                OneKind,
+                &jacobian(&world),
+                &differences(&world, None, rows),
+                |_, _| true,
+            ),
+        );
         let slope = differences(&world, None, |w| vec![-w.energy(&input).joint]);
-        keep(1, mismatch(&vec![spring_torques(&world)], &slope, |_, _| true));
+        keep(1, mismatch(&world, OneKind, &vec![spring_torques(&world)], &slope, |_, _| true));
 
         scatter_bones(&mut world, 0.02, &mut random);
         let slope = differences(&world, None, |w| vec![-w.energy(&input).drive]);
         let bones = 0..world.desc().rigids.len() as u32;
         let drives =
             bones.flat_map(|b| world.drive_wrench(b, &input)).flat_map(|v| [v.x, v.y, v.z]);
-        keep(2, mismatch(&vec![drives.collect()], &slope, |_, _| true));
+        keep(2, mismatch(&world, OneKind, &vec![drives.collect()], &slope, |_, _| true));
     }
     let names = ["joint rows J = dC/dq", "joint springs and limits = -dE/dq", "drives = -dE/dq"];
     let row = |(what, worst): (&str, f64)| Figure::new(what, &setup, 1e-6, worst, Check::AtMost);
