@@ -25,6 +25,7 @@ pub fn settings(table: Option<&SolverTable>) -> SolverSettings {
             FleshWord::Frozen => FleshInStep1::Frozen,
         };
     }
+    set(&mut s.close_joints, t.close_joints);
     set(&mut s.cg_tolerance, t.cg_tolerance);
     set(&mut s.cg_iterations_max, t.cg_iterations_max);
     set(&mut s.contact_tolerance, t.contact_tolerance);

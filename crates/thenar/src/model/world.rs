@@ -77,6 +77,9 @@ pub struct SolverSettings {
     pub kind: SolverKind,
     /// Flesh in step 1.
     pub step1_flesh: FleshInStep1,
+    /// Close the joints once more at the end of each step, where step 2 and contact have moved
+    /// bones off them; the paper leaves that to the next step.
+    pub close_joints: bool,
     /// Conjugate gradients stop when the residual has fallen to this part of the right-hand side.
     pub cg_tolerance: f64,
     /// and at the latest after so many iterations.
@@ -98,6 +101,7 @@ impl Default for SolverSettings {
         Self {
             kind: SolverKind::TwoStep,
             step1_flesh: FleshInStep1::Lumped,
+            close_joints: true,
             cg_tolerance: 1e-5,
             cg_iterations_max: 500,
             contact_tolerance: 1e-4,

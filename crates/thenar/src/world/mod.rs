@@ -97,6 +97,9 @@ impl World {
                 None => response::anticipate(settings, state, scratch),
             };
             response::apply(state, scratch);
+            if settings.close_joints && !exact && !model.joints.is_empty() {
+                sound &= two_step::close_joints(model, state, h, scratch);
+            }
             response::report(state, h, contact, scratch, &mut report);
         }
 

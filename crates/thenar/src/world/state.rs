@@ -2,7 +2,7 @@
 
 use crate::contact::Contact;
 use crate::coupling::BoneSystem;
-use crate::math::{Pose, Vec3, Vec6};
+use crate::math::{Mat6, Pose, Vec3, Vec6};
 use crate::model::WorldDesc;
 use crate::solver::{
     Anticipation, Articulated, BlockDiagonal, BlockMatrix, CgWorkspace, ContactRows, JointBlock,
@@ -127,8 +127,12 @@ pub struct Scratch {
     pub D: BlockDiagonal,
     /// The bones' system of step 1.
     pub bones: BoneSystem,
+    /// Its diagonal, kept while a solve overwrites it.
+    pub S_kept: Vec<Mat6>,
     /// Linearised joints.
     pub joints: Vec<JointBlock>,
+    /// What prescribed bodies contribute to their rates.
+    pub known: Vec<Vec6>,
     /// Step 1's solver.
     pub articulated: Articulated,
     /// Step 1: right-hand sides and results.
@@ -176,7 +180,9 @@ impl Scratch {
             b: vec![Vec3::zeros(); rows],
             D: BlockDiagonal::new(rigids, nodes),
             bones: BoneSystem::new(rigids, model.joints.len()),
+            S_kept: vec![Mat6::zeros(); rigids],
             joints: vec![JointBlock::empty(); model.joints.len()],
+            known: vec![Vec6::zeros(); model.joints.len()],
             articulated: Articulated::new(&moves, &ends, &joint_rows),
             r: vec![Vec6::zeros(); rigids],
             c: vec![Vec6::zeros(); model.joints.len()],

@@ -1,5 +1,6 @@
 //! The paper's two-step solution of Eq. 9.
 
+use crate::coupling::skin_target;
 use crate::math::{Mat6, Vec3, Vec6};
 use crate::model::SolverSettings;
 use crate::solver::{Convergence, conjugate_gradients};
@@ -37,16 +38,11 @@ pub fn articulated_body(model: &Model, state: &mut State, h: f64, scratch: &mut 
         scratch.bones.diagonal[b] = Mat6::identity();
         scratch.r[b] = Vec6::zeros();
     }
-    for (j, joint) in model.joints.iter().enumerate() {
-        let known = known_rates(model, state, j, scratch);
-        let block = &scratch.joints[j];
-        let mut rate = known + block.J_child * body_velocity(state, joint.child as usize);
-        if let Some(parent) = joint.parent {
-            rate += block.J_parent * body_velocity(state, parent as usize);
-        }
-        scratch.c[j] = -block.C / h - rate;
+    for j in 0..model.joints.len() {
+        scratch.known[j] = known_rates(model, state, j, scratch);
     }
-
+    wanted_rates(model, state, h, scratch);
+    scratch.S_kept.copy_from_slice(&scratch.bones.diagonal);
     let solved = scratch.articulated.solve(
         &mut scratch.bones.diagonal,
         &scratch.bones.edge,
@@ -60,11 +56,7 @@ pub fn articulated_body(model: &Model, state: &mut State, h: f64, scratch: &mut 
         return false;
     }
 
-    for b in (0..model.rigids.len()).filter(|&b| moves(b)) {
-        let [lin, ang] = unstack(&scratch.dv[b]);
-        state.v[2 * b] += lin;
-        state.v[2 * b + 1] += ang;
-    }
+    add_change(model, state, scratch);
     for (j, joint) in model.joints.iter().enumerate() {
         let (block, lambda) = (&scratch.joints[j], &scratch.lambda[j]);
         let mut take = |body: usize, impulse: Vec6| {
@@ -78,6 +70,67 @@ pub fn articulated_body(model: &Model, state: &mut State, h: f64, scratch: &mut 
         }
     }
     true
+}
+
+/// Ends a step with joints that hold: contact moves bones without regard to joints (Eq. 12), so
+/// the bones are brought back by the impulses of step 1's system, and the flesh yields to them by
+/// its inertia as assumed there: `(m + s) Δv_f = s J Δ`. (The paper leaves this to the next step.)
+/// Returns false when a pivot is singular.
+pub fn close_joints(model: &Model, state: &mut State, h: f64, scratch: &mut Scratch) -> bool {
+    scratch.r.fill(Vec6::zeros());
+    scratch.bones.diagonal.copy_from_slice(&scratch.S_kept);
+    wanted_rates(model, state, h, scratch);
+    let solved = scratch.articulated.solve(
+        &mut scratch.bones.diagonal,
+        &scratch.bones.edge,
+        &scratch.joints,
+        &mut scratch.r,
+        &scratch.c,
+        &mut scratch.dv,
+        &mut scratch.lambda,
+    );
+    if !solved {
+        return false;
+    }
+    add_change(model, state, scratch);
+    let row0 = 2 * model.rigids.len();
+    for (k, bound) in model.coupling.bound.iter().enumerate() {
+        let mass = scratch.step1_mass[bound.node as usize];
+        let s = h * h * model.coupling.stiffness[k] + h * model.coupling.damping[k];
+        if mass.is_finite() {
+            let target = skin_target(bound, &state.poses_WB);
+            for j in 0..bound.carriers() {
+                let [lin, ang] = unstack(&scratch.dv[bound.bones[j] as usize]);
+                let moved = lin * bound.weights[j] + ang.cross(&target.levers_W[j]);
+                state.v[row0 + bound.node as usize] += moved * (s / (mass + s));
+            }
+        }
+    }
+    true
+}
+
+/// `c = -C/Δt - J v` for the present velocities.
+fn wanted_rates(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
+    for (j, joint) in model.joints.iter().enumerate() {
+        let block = &scratch.joints[j];
+        let mut rate =
+            scratch.known[j] + block.J_child * body_velocity(state, joint.child as usize);
+        if let Some(parent) = joint.parent {
+            rate += block.J_parent * body_velocity(state, parent as usize);
+        }
+        scratch.c[j] = -block.C / h - rate;
+    }
+}
+
+/// Adds the change found by step 1's system to the bones' velocities.
+fn add_change(model: &Model, state: &mut State, scratch: &Scratch) {
+    for (b, body) in model.rigids.iter().enumerate() {
+        if body.moves {
+            let [lin, ang] = unstack(&scratch.dv[b]);
+            state.v[2 * b] += lin;
+            state.v[2 * b + 1] += ang;
+        }
+    }
 }
 
 /// Moves what prescribed bodies contribute to `J v` of joint `j` out of its rows: returns it, and
