@@ -51,7 +51,7 @@ fn main() -> ExitCode {
         Some(Command::Scenes(args)) => scenes::run(&args),
         Some(Command::Bench(args)) => return bench::run(&args),
         Some(Command::Soak(args)) => return soak::run(&args),
-        Some(Command::Validate(args)) => return validate::run(&args),
+        Some(Command::Validate(args)) => validate::run(&args),
         None => run::run(&run::Args::of_scene(DEMO)),
     };
     match done {

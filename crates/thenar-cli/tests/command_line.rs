@@ -241,3 +241,27 @@ fn ctrl_c_ends_a_run_with_whole_files() {
     assert!(report["steps"].as_u64().unwrap() > 0);
     assert_eq!(folder.files(), ["r.json"]);
 }
+
+#[test]
+fn validation_prints_a_table_and_writes_it_whole() {
+    let folder = Folder::new("validate");
+    let output = folder.thenar(&["validate", "--case", "a1", "--case", "A9", "--json", "t.json"]);
+    assert!(output.status.success(), "{}", error(&output));
+    let table = String::from_utf8_lossy(&output.stdout).into_owned();
+    let place = |text: &str| table.find(text).unwrap_or_else(|| panic!("{text}:\n{table}"));
+    assert!(place("expected") < place("A1 ") && place("A1 ") < place("A9 "), "{table}");
+    let json: Value = serde_json::from_str(&folder.read("t.json")).unwrap();
+    let fall = &json["cases"][0]["figures"][0];
+    assert!((fall["got"].as_f64().unwrap() + 1.2287025).abs() < 1e-9, "{fall}");
+    assert_eq!((&fall["result"], &fall["tolerance"]), (&"pass".into(), &"1e-9".into()));
+    assert_eq!(folder.files(), ["t.json"]);
+}
+
+#[test]
+fn an_unknown_validation_case_is_bad_usage() {
+    let folder = Folder::new("validate-unknown");
+    let output = folder.thenar(&["validate", "--case", "Z9", "--json", "t.json"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(error(&output).contains("no case `Z9`; there are A1, A2"), "{}", error(&output));
+    assert!(folder.files().is_empty());
+}

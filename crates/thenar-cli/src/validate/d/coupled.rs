@@ -14,6 +14,8 @@ use thenar_scene::session::Random;
 /// States tried for each figure.
 const STATES: usize = 3;
 const SOFT: u32 = 0;
+/// Differences cost the square of the number of nodes.
+const SMALL: &str = "soft.flesh.shape.cells=[4, 2, 2]";
 
 fn flat<'a>(vectors: impl IntoIterator<Item = &'a Vec3>) -> Vec<f64> {
     vectors.into_iter().flat_map(|v| [v.x, v.y, v.z]).collect()
@@ -92,7 +94,7 @@ fn targets(world: &World) -> Vec<f64> {
 
 /// Targets, forces and every block of Eq. 7-9.
 pub fn coupling() -> Result<Vec<Figure>, CaseError> {
-    let mut run = Run::open(&FINGER, &["soft.flesh.bind_damping_time=0".into()])?;
+    let mut run = Run::open(&FINGER, &[SMALL.into(), "soft.flesh.bind_damping_time=0".into()])?;
     let input = run.session().world().input();
     let setup = format!("{STATES} states, {}", run.mesh());
     let (mut random, mut worst) = (Random::new(6), [0.0_f64; 7]);
@@ -176,7 +178,8 @@ fn stretch(world: &mut World, stretches: Vec3, noise: f64, random: &mut Random) 
 pub fn flesh() -> Result<Vec<Figure>, CaseError> {
     let mut figures = Vec::new();
     for law in ["corotational", "neo-hookean", "stable-neo-hookean"] {
-        let run = Run::open(&FINGER, &[format!("soft.flesh.material.law=\"{law}\"")])?;
+        let run =
+            Run::open(&FINGER, &[SMALL.into(), format!("soft.flesh.material.law=\"{law}\"")])?;
         let setup = format!("{STATES} states, {}", run.mesh());
         let (mut random, mut worst) = (Random::new(7), [0.0_f64; 3]);
         for _ in 0..STATES {
