@@ -26,6 +26,19 @@ pub struct AnticipationSettings {
     pub cone: Cone,
 }
 
+/// Contacts that do not press are looked at in every so many sweeps only: most points near
+/// another surface never touch it. A solution is accepted only after a sweep that looked at all.
+const FULL_PASS_EVERY: u32 = 4;
+
+/// Which contacts a pass visits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Who {
+    /// Every contact.
+    All,
+    /// Those with an impulse.
+    Pressing,
+}
+
 /// Workspace.
 #[derive(Clone, Debug)]
 pub struct Anticipation {
@@ -67,8 +80,10 @@ impl Anticipation {
         let mut convergence = Convergence { iterations: 0, residual: f64::INFINITY };
         while convergence.iterations < settings.sweeps_max {
             self.anticipate(a, d, contacts, x);
-            for _ in 0..settings.inner_passes {
-                self.pass_over_contacts(d, contacts, settings.cone);
+            let all = convergence.iterations.is_multiple_of(FULL_PASS_EVERY);
+            for pass in 0..settings.inner_passes {
+                let who = if all && pass == 0 { Who::All } else { Who::Pressing };
+                self.pass_over_contacts(d, contacts, settings.cone, who);
             }
             self.gather_impulse(contacts);
             let change2 = self.relax(a, d, x);
@@ -76,7 +91,7 @@ impl Anticipation {
             convergence.iterations += 1;
             convergence.residual =
                 if change2 > 0.0 { (change2 / energy.abs()).sqrt() } else { 0.0 };
-            if convergence.residual <= settings.tolerance {
+            if all && convergence.residual <= settings.tolerance {
                 break;
             }
         }
@@ -125,9 +140,18 @@ impl Anticipation {
         }
     }
 
-    fn pass_over_contacts(&mut self, d: &BlockDiagonal, contacts: &mut ContactRows, cone: Cone) {
+    fn pass_over_contacts(
+        &mut self,
+        d: &BlockDiagonal,
+        contacts: &mut ContactRows,
+        cone: Cone,
+        who: Who,
+    ) {
         for i in 0..contacts.rows.len() {
             let row = &contacts.rows[i];
+            if who == Who::Pressing && row.lambda.x == 0.0 {
+                continue;
+            }
             let w = contacts.relative_velocity(row, &self.anticipated);
             let value = row.frame * w - row.target;
             let lambda = project(cone, row.friction, &row.response, &value, &row.lambda);
@@ -148,7 +172,7 @@ impl Anticipation {
         for &n in &self.touched_nodes {
             self.impulse[2 * rigids + n as usize] = Vec3::zeros();
         }
-        for row in &contacts.rows {
+        for row in contacts.rows.iter().filter(|row| row.lambda.x > 0.0) {
             contacts.scatter(row, &row.frame.tr_mul(&row.lambda), &mut self.impulse);
         }
     }
