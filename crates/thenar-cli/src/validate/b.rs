@@ -1,6 +1,49 @@
-//! Elastic solids.
+//! Elastic solids: linear tetrahedra against theory and against their own exact solutions.
 
-use super::case::Case;
+mod bars;
+mod forces;
+mod large;
+mod modes;
+mod press;
+
+use super::case::{Case, CaseError, Figure, SceneText, scene};
+
+const PATCH: SceneText = scene!("b01-patch");
+const RIGID_MOTION: SceneText = scene!("b02-rigid-motion");
+const CANTILEVER: SceneText = scene!("b03-cantilever");
+const OWN_WEIGHT: SceneText = scene!("b04-own-weight");
+const ELASTICA_TIP: SceneText = scene!("b05-elastica-tip");
+const ELASTICA_WEIGHT: SceneText = scene!("b05-elastica-weight");
+const UNIAXIAL: SceneText = scene!("b06-uniaxial");
+const MODES: SceneText = scene!("b08-modes");
+const HYDROSTATIC: SceneText = scene!("b09-hydrostatic");
+const SHORT_BAR: SceneText = scene!("b10-short-bar");
+const TORSION: SceneText = scene!("b11-torsion");
+/// A fingertip pressed on a plate; also carries the balance of forces of C9.
+pub const PAD_PRESS: SceneText = scene!("b12-pad-press");
+
+const fn case(
+    id: &'static str,
+    title: &'static str,
+    full: bool,
+    measure: fn() -> Result<Vec<Figure>, CaseError>,
+) -> Case {
+    Case { id, title, full, measure }
+}
 
 /// The cases.
-pub const CASES: &[Case] = &[];
+pub const CASES: &[Case] = &[
+    case("B1", "patch test", false, forces::patch),
+    case("B2", "rigid motions and balance of forces", false, forces::rigid_motions),
+    case("B3", "cantilever under an end load", false, bars::cantilever),
+    case("B4", "cantilever under its own weight", false, bars::own_weight),
+    case("B5", "elastica under a tip load", false, large::elastica_tip),
+    case("B5w", "elastica under its own weight", true, large::elastica_weight),
+    case("B6", "uniaxial stress, co-rotational", false, large::corotational),
+    case("B7", "uniaxial stress, neo-Hookean", false, large::neo_hookean),
+    case("B8", "modes of a cantilever", true, modes::modes),
+    case("B9", "hydrostatic pressure", false, large::hydrostatic),
+    case("B10", "short cantilever", false, bars::short_bar),
+    case("B11", "torsion of a square bar", false, bars::torsion),
+    case("B12", "a fingertip's indentation at any time step", false, press::step_independence),
+];

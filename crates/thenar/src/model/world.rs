@@ -48,7 +48,7 @@ pub struct Drive {
 pub enum Cone {
     /// The exact circular Coulomb cone.
     Circular,
-    /// The paper's linearised cone: each tangent bounded by itself (a four-sided pyramid).
+    /// The paper's linearised cone: each tangent bounded by itself (a four-sided pyramid, inscribed).
     Linearised,
 }
 

@@ -7,7 +7,8 @@ use crate::model::Cone;
 /// whose constraint value is `d` and whose own response is `W` (d changes by `W Δλ`).
 ///
 /// At a fixed point the normal impulse is complementary to `d_n`; the tangential one lies in
-/// the disc of radius `μ λ_n` (or, linearised, in its inscribing square), and where it lies on
+/// the disc of radius `μ λ_n` (or, linearised, in the square inscribed in it, so that friction falls
+/// short of Coulomb's by up to 1 - cos 45° and never exceeds it), and where it lies on
 /// the rim, sliding opposes it.
 pub fn project(cone: Cone, friction: f64, W: &Mat3, d: &Vec3, lambda: &Vec3) -> Vec3 {
     let normal = (lambda.x - d.x / W.m11).max(0.0);
@@ -28,6 +29,7 @@ pub fn project(cone: Cone, friction: f64, W: &Mat3, d: &Vec3, lambda: &Vec3) -> 
             Vec3::new(normal, t[0] * scale, t[1] * scale)
         }
         Cone::Linearised => {
+            let bound = bound * std::f64::consts::FRAC_1_SQRT_2;
             let t1 = (lambda.y - slide[0] / W.m22).clamp(-bound, bound);
             let slide2 = slide[1] + W.m32 * (t1 - lambda.y);
             let t2 = (lambda.z - slide2 / W.m33).clamp(-bound, bound);
@@ -63,6 +65,19 @@ mod tests {
                 let along = t.dot(&slide) + t.norm() * slide.norm();
                 assert!(along < 1e-7, "friction must oppose sliding: {along}");
             }
+        }
+    }
+
+    /// Sliding in any direction, the pyramid of four sides gives between cos 45° and all of
+    /// Coulomb's friction.
+    #[test]
+    fn the_linearised_cone_lies_within_the_circular_one() {
+        for k in 0..64 {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 64.0).sin_cos();
+            let slide = Vec3::new(-1.0, -10.0 * cos, -10.0 * sin);
+            let lambda = project(Cone::Linearised, 0.7, &Mat3::identity(), &slide, &Vec3::zeros());
+            let ratio = lambda.yz().norm() / (0.7 * lambda.x);
+            assert!((0.7071..=1.0 + 1e-12).contains(&ratio), "direction {k}: {ratio}");
         }
     }
 }
