@@ -38,7 +38,7 @@ pub const CASES: &[Case] = &[
     case("B3", "cantilever under an end load", false, bars::cantilever),
     case("B4", "cantilever under its own weight", false, bars::own_weight),
     case("B5", "elastica under a tip load", false, large::elastica_tip),
-    case("B5w", "elastica under its own weight", true, large::elastica_weight),
+    case("B5W", "elastica under its own weight", true, large::elastica_weight),
     case("B6", "uniaxial stress, co-rotational", false, large::corotational),
     case("B7", "uniaxial stress, neo-Hookean", false, large::neo_hookean),
     case("B8", "modes of a cantilever", true, modes::modes),

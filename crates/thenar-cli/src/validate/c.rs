@@ -35,10 +35,10 @@ const fn case(
 /// The cases.
 pub const CASES: &[Case] = &[
     case("C1", "Hertz: sphere on a half space, 0.5 mm", false, indentation::hertz),
-    case("C1f", "Hertz at three depths, and the exponent", true, indentation::hertz_depths),
+    case("C1F", "Hertz at three depths, and the exponent", true, indentation::hertz_depths),
     case("C2", "sphere on a layer bonded to bone", true, indentation::layer),
     case("C3", "ball of flesh around a bone on a plate, 0.4 mm", false, indentation::finger_pad),
-    case("C3f", "the same at 0.2 and 0.8 mm", true, indentation::finger_pad_depths),
+    case("C3F", "the same at 0.2 and 0.8 mm", true, indentation::finger_pad_depths),
     case("C4", "block on an incline", false, incline::incline),
     case("C5", "friction in 16 directions", false, slip::isotropy),
     case("C6", "stack of five boxes", false, rest::stack),
