@@ -18,7 +18,18 @@ macro_rules! scenes {
     };
 }
 
-const SCENES: &[Builtin] = scenes!["bread-grasp", "falling-box", "finger-pendulum", "soft-cube"];
+const SCENES: &[Builtin] = scenes![
+    "bread-grasp",
+    "bread-squeeze",
+    "car-grasp",
+    "falling-box",
+    "finger-pendulum",
+    "free-motion",
+    "glove-versus-hand",
+    "skinning-comparison",
+    "soft-cube",
+    "table-press",
+];
 
 /// All of them.
 pub fn builtins() -> &'static [Builtin] {
