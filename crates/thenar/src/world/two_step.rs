@@ -151,7 +151,8 @@ pub fn known_rates(model: &Model, state: &State, j: usize, scratch: &mut Scratch
     known
 }
 
-/// Step 2 (Eq. 11): all velocities, joints ignored, by conjugate gradients from `(v_s,1, v_f,0)`.
+/// Step 2 (Eq. 11): all velocities, joints ignored, by conjugate gradients from `(v_s,1, v_f,0)`
+/// less the last step's contact response.
 /// Returns `None` when the matrix is not positive definite.
 pub fn unconstrained_deformation(
     settings: &SolverSettings,
@@ -163,6 +164,10 @@ pub fn unconstrained_deformation(
         return None;
     }
     mask_known(model, scratch);
+    // A first guess: what contact gave in the last step it will have to give again.
+    for (v, change) in state.v.iter_mut().zip(&state.contact_change) {
+        *v -= change;
+    }
     Some(conjugate_gradients(
         &scratch.A,
         &scratch.D,
