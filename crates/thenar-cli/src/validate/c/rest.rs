@@ -40,7 +40,7 @@ pub fn pinch() -> Result<Vec<Figure>, CaseError> {
 fn hold(mass: f64, friction: f64) -> Result<Figure, CaseError> {
     let mut setup = String::new();
     let mut least = f64::INFINITY;
-    threshold(-2.0, -0.3, 0.015, |looser| {
+    threshold(-2.0, -0.3, 0.007, |looser| {
         let travel = -1e-3 * looser;
         let mut run = Run::open(&PINCH, &overrides(mass, friction, travel))?;
         let held = run.to(1.5)?.value("object.y")?;
