@@ -21,7 +21,7 @@ pub use state::State;
 use crate::contact::{Detector, RigidPlace};
 use crate::coupling::skin_target;
 use crate::math::{Pose, Vec3};
-use crate::model::{FleshInStep1, SolverKind, WorldDesc};
+use crate::model::{SolverKind, SolverSettings, WorldDesc};
 use crate::skeleton::axis_states;
 use crate::solver::Convergence;
 use state::Scratch;
@@ -163,9 +163,9 @@ impl World {
         self.desc.solver.kind = kind;
     }
 
-    /// Chooses what step 1 assumes of the flesh.
-    pub fn set_step1_flesh(&mut self, flesh: FleshInStep1) {
-        self.desc.solver.step1_flesh = flesh;
+    /// Changes all solver settings.
+    pub fn set_solver_settings(&mut self, settings: SolverSettings) {
+        self.desc.solver = settings;
     }
 
     /// What the world was built from.
