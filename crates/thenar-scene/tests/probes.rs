@@ -325,7 +325,8 @@ fn solver_settings_arrive() {
         contact_tolerance = 1e-7
         contact_sweeps_max = 13
         contact_inner_passes = 17
-        contact_margin = 0.002";
+        contact_margin = 0.002
+        close_joints = false";
     let expected = SolverSettings {
         kind: SolverKind::Monolithic,
         cone: Cone::Linearised,
@@ -336,6 +337,7 @@ fn solver_settings_arrive() {
         contact_sweeps_max: 13,
         contact_inner_passes: 17,
         contact_margin: 0.002,
+        close_joints: false,
     };
     assert_eq!(load(given).world().desc().solver, expected);
     assert_eq!(load("").world().desc().solver, SolverSettings::default());
