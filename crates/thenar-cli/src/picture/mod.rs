@@ -7,14 +7,17 @@
 //!
 //! World units are metres. Colours are linear unless their name says sRGB.
 
+mod actors;
 mod ambient;
 mod assemble;
+mod bodies;
 mod camera;
 mod clip;
 mod colour;
 mod draw;
 mod encode;
 mod image;
+mod layers;
 mod normals;
 mod pattern;
 mod raster;
@@ -23,16 +26,22 @@ mod scene3d;
 mod shade;
 mod shadow;
 mod shapes;
+mod stage;
+mod surface;
 mod tile;
 
+pub use actors::{Hand, Rigid, Soft};
 pub use camera::Camera;
 pub use colour::{Rgb, pressure_colour, weight_colour};
 pub use draw::{Pen, arrow, bone, points, wires};
 pub use encode::{EncodeError, Movie, write_png};
 pub use image::Image;
+pub use layers::{LAYER_NAMES, Layers};
 pub use render::{Quality, render};
 pub use scene3d::{Backdrop, Ground, Light, Material, Mesh, Pattern, Scene3d};
 pub use shapes::{Solid, capsule, cuboid, cylinder, sphere};
+pub use stage::{Scales, Stage};
+pub use surface::crust_colours;
 
 /// A vector in single precision, relative to the camera's target.
 type V = nalgebra::Vector3<f32>;

@@ -1,0 +1,40 @@
+//! What a world does not know of its bodies: surfaces and colours to draw.
+
+use super::colour::Rgb;
+use super::scene3d::Material;
+use std::ops::Range;
+use thenar::Vec3;
+use thenar::model::{EmbeddedSurface, HandModel};
+
+/// A hand in the world.
+pub struct Hand<'a> {
+    /// Its model.
+    pub model: &'a HandModel,
+    /// Its bones among the rigid bodies.
+    pub bones: Range<u32>,
+    /// Its joints.
+    pub joints: Range<u32>,
+}
+
+/// A deformable body.
+pub struct Soft<'a> {
+    /// Its index among the deformable bodies.
+    pub index: u32,
+    /// Surface to draw.
+    pub render: &'a EmbeddedSurface,
+    /// Look.
+    pub material: Material,
+    /// Colours per vertex of `render`, multiplied with the material's.
+    pub colours: Option<Vec<Rgb>>,
+    /// The hand that it is the flesh of.
+    pub hand: Option<&'a HandModel>,
+}
+
+/// How a rigid body looks. The default draws its contact shape in a colour of its own.
+#[derive(Clone, Copy, Default)]
+pub struct Rigid<'a> {
+    /// Colour, if one was chosen.
+    pub colour: Option<Rgb>,
+    /// Vertices and triangles in the body's frame \[m\], finer than the contact shape.
+    pub mesh: Option<(&'a [Vec3], &'a [[u32; 3]])>,
+}

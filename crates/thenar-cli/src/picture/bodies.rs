@@ -1,0 +1,73 @@
+//! Rigid bodies, bones and joints as meshes.
+
+use super::actors::{Hand, Rigid};
+use super::colour::{Rgb, hex};
+use super::draw::bone;
+use super::scene3d::{Material, Mesh};
+use super::shapes::{Solid, capsule, cuboid, sphere};
+use thenar::contact::Shape;
+use thenar::model::{JointKind, Motion, RigidDesc};
+use thenar::{Pose, Vec3, World};
+
+/// Colours of bodies that were given none.
+const PALETTE: [u32; 5] = [0xb3231f, 0x2a6fb0, 0x3f8f4f, 0xd08a1d, 0x6d4c9f];
+
+/// A rigid body's look or contact shape; `None` for planes and bodies without shape.
+pub fn rigid_mesh(desc: &RigidDesc, pose_WB: &Pose, look: &Rigid) -> Option<Mesh<'static>> {
+    let material = Material::paint(look.colour.unwrap_or_else(|| colour_of(desc)));
+    if let Some((positions, triangles)) = look.mesh {
+        let positions: Vec<Vec3> = positions.iter().map(|p| pose_WB.point(p)).collect();
+        return Some(Mesh::new(positions, triangles.to_vec(), material));
+    }
+    let pose_WS = *pose_WB * desc.pose_BS;
+    let solid = match desc.shape.as_ref()? {
+        Shape::Sphere { radius } => sphere(Vec3::zeros(), *radius, 64),
+        Shape::Capsule { radius, half_length } => {
+            capsule(-Vec3::y() * *half_length, Vec3::y() * *half_length, *radius, 48)
+        }
+        Shape::Cuboid { half } => cuboid(&Pose::identity(), *half, 16),
+        Shape::Mesh(mesh) => {
+            Solid { positions: mesh.points.clone(), triangles: mesh.triangles.clone() }
+        }
+        Shape::HalfSpace => return None,
+    };
+    Some(solid.placed(&pose_WS).mesh(material))
+}
+
+/// Fixed bodies look like furniture; others take the colour that belongs to their name.
+fn colour_of(desc: &RigidDesc) -> Rgb {
+    if desc.motion == Motion::Prescribed {
+        return hex(0xa77f52);
+    }
+    let sum: usize = desc.name.bytes().map(usize::from).sum();
+    hex(PALETTE[sum % PALETTE.len()])
+}
+
+/// The bones of a hand, and its joints: hinges blue, universal joints red (paper, Fig. 2).
+pub fn bone_meshes(world: &World, hand: &Hand) -> Vec<Mesh<'static>> {
+    let mut bones = Solid::default();
+    for (model, i) in hand.model.bones.iter().zip(hand.bones.clone()) {
+        let pose = world.rigid_pose(i);
+        bones.join(&bone(model.ends_B.map(|p| pose.point(&p)), 1.3 * model.radius));
+    }
+    let bone_look = Material { crease: Some(0.3), ..Material::bone() };
+    let mut meshes = vec![bones.mesh(bone_look)];
+    let kinds = [
+        (vec![JointKind::Hinge], hex(0x2463c4)),
+        (vec![JointKind::Universal], hex(0xcc2a22)),
+        (vec![JointKind::Ball, JointKind::Fixed, JointKind::Free], hex(0x808080)),
+    ];
+    for (kind, colour) in kinds {
+        let mut balls = Solid::default();
+        for joint in hand.joints.clone().map(|j| &world.desc().joints[j as usize]) {
+            if kind.contains(&joint.kind) {
+                let place = (world.rigid_pose(joint.child) * joint.pose_CK).position;
+                balls.join(&sphere(place, 0.0036, 20));
+            }
+        }
+        if !balls.triangles.is_empty() {
+            meshes.push(balls.mesh(Material { crease: None, ..Material::paint(colour) }));
+        }
+    }
+    meshes
+}
