@@ -147,6 +147,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let image = render(&scene, &camera, SIZE[0], SIZE[1], &Quality::still());
         write_png(&out.join(format!("{}.png", layers.replace(',', "-"))), &image)?;
     }
+    let portrait = picture::hand_portrait(&hand, &"skin,bones".parse()?, SIZE, &Quality::still())?;
+    write_png(&out.join("portrait.png"), &portrait)?;
     println!("{} contacts", world.contacts().len());
     Ok(())
 }

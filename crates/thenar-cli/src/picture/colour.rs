@@ -20,6 +20,11 @@ pub fn hex(rrggbb: u32) -> Rgb {
     [16, 8, 0].map(|shift| from_srgb(((rrggbb >> shift) & 255) as f32 / 255.0))
 }
 
+/// A linear colour from sRGB components in [0, 1].
+pub fn from_srgb_triple(c: [f64; 3]) -> Rgb {
+    c.map(|x| from_srgb(x.clamp(0.0, 1.0) as f32))
+}
+
 pub(super) fn vector(c: Rgb) -> V {
     V::new(c[0], c[1], c[2])
 }

@@ -89,6 +89,11 @@ impl Movie {
         Ok(Self { draft, writer, handle, size, announced: frames, pushed: 0, last: None })
     }
 
+    /// Frames still to be pushed.
+    pub fn frames_left(&self) -> u32 {
+        self.announced - self.pushed
+    }
+
     /// Adds a frame.
     pub fn push(&mut self, image: &Image) -> Result<(), EncodeError> {
         let got = [image.width, image.height];
@@ -110,6 +115,8 @@ impl Movie {
     fn write(&mut self, changed: &Changed, image: &Image) -> Result<(), png::EncodingError> {
         let first = self.last.is_none();
         if !first {
+            // The encoder checks each against the other: back to the corner in between.
+            self.writer.set_frame_position(0, 0)?;
             self.writer.set_frame_dimension(changed.width, changed.height)?;
             self.writer.set_frame_position(changed.x, changed.y)?;
             self.writer.set_blend_op(png::BlendOp::Over)?;

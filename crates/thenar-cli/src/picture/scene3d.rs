@@ -62,6 +62,11 @@ impl Material {
         Self { wrap: [0.15, 0.08, 0.04], specular: 0.05, gloss: 14.0, ..Self::matte(hex(0xd79a4e)) }
     }
 
+    /// Soft plastic.
+    pub fn rubber() -> Self {
+        Self { wrap: [0.2; 3], specular: 0.12, ..Self::matte(hex(0x6f9fc8)) }
+    }
+
     /// Bone.
     pub fn bone() -> Self {
         Self { wrap: [0.15; 3], specular: 0.12, gloss: 30.0, ..Self::matte(hex(0xefe6d0)) }

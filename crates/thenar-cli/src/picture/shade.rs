@@ -167,6 +167,8 @@ impl<'a> Shader<'a> {
     /// Light reflected to the eye by a surface of this `albedo`, of which `open` of the ambient
     /// light arrives.
     fn reflect(&self, p: &V, normal: &V, albedo: &V, open: f32, material: &Material) -> V {
+        // What is drawn over everything lies in nothing's shadow.
+        let open = if material.on_top { 1.0 } else { open };
         let light = &self.sky;
         let eye = (self.view.eye - p).normalize();
         let facing = normal.dot(&light.towards);
@@ -176,7 +178,13 @@ impl<'a> Shader<'a> {
             let c = ((facing + w) / (1.0 + w)).max(0.0);
             c * (1.0 - 0.35 * w)
         });
-        let lit = if diffuse.x > 0.0 { self.shadow.lit(p, normal, 0.004 * wrap.x) } else { 0.0 };
+        let lit = if material.on_top {
+            1.0
+        } else if diffuse.x > 0.0 {
+            self.shadow.lit(p, normal, 0.004 * wrap.x)
+        } else {
+            0.0
+        };
         // Some light finds its way round an occluder by reflection off the surface itself.
         let open_colour = albedo.map(|a| open / (1.0 - a.min(0.95) * (1.0 - open)));
         let half_up = 0.5 + 0.5 * normal.dot(&light.up);

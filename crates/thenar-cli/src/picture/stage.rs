@@ -123,7 +123,7 @@ impl Stage<'_> {
         let tets = &desc.flesh.tets;
         let mut material = soft.material;
         if layers.see_through() {
-            material = Material { opacity: 0.32, casts_shadow: true, ..material };
+            material = Material { opacity: 0.32, casts_shadow: false, ..material };
         }
         if layers.skin && !layers.targets {
             let positions = surface::embedded(soft.render, tets, nodes);
@@ -170,7 +170,7 @@ impl Stage<'_> {
 
     /// Contact pressure \[Pa\] at places on a deformable body: each contact's normal force is
     /// spread over a bell whose height is force by area.
-    fn pressure(&self, soft: u32, places: &[Vec3]) -> Vec<f64> {
+    pub fn pressure(&self, soft: u32, places: &[Vec3]) -> Vec<f64> {
         let body = BodyId::Soft(soft);
         let own = |c: &&ContactPoint| c.bodies.contains(&body) && c.area > 0.0;
         let contacts: Vec<&ContactPoint> = self.world.contacts().iter().filter(own).collect();

@@ -218,8 +218,8 @@ mod files {
     fn a_movie_replayed_by_its_rules_gives_back_every_frame() {
         let dir = folder("movie");
         let path = dir.join("m.png");
-        let steps = [0, 1, 1, 9];
-        let mut movie = Movie::create(&path, [31, 17], 4, 25).expect("created");
+        let steps = [0, 1, 20, 20, 9];
+        let mut movie = Movie::create(&path, [31, 17], 5, 25).expect("created");
         for step in steps {
             movie.push(&frame(step)).expect("pushed");
         }
@@ -227,7 +227,7 @@ mod files {
 
         let file = std::io::BufReader::new(std::fs::File::open(&path).expect("there"));
         let mut reader = png::Decoder::new(file).read_info().expect("a PNG");
-        assert_eq!(reader.info().animation_control.expect("animated").num_frames, 4);
+        assert_eq!(reader.info().animation_control.expect("animated").num_frames, 5);
         let mut canvas = vec![0_u8; 31 * 17 * 4];
         for step in steps {
             let mut bytes = vec![0; 31 * 17 * 4];

@@ -1,0 +1,90 @@
+//! How the bodies of a scene file look.
+
+use super::actors::{Hand, Rigid, Soft};
+use super::colour::{Rgb, from_srgb_triple};
+use super::surface::crust_colours;
+use super::{Camera, Material, Stage};
+use thenar::Vec3;
+use thenar_scene::build::{BuiltHand, SoftBuild};
+use thenar_scene::format::SoftShape;
+use thenar_scene::session::Session;
+
+/// Where a picture is taken from when the scene says nothing: above the wrist, to one side.
+const DIRECTION: Vec3 = Vec3::new(-0.5, -0.6, -0.75);
+const FOV_Y: f64 = 0.6;
+
+/// A moment of a session.
+pub fn stage(session: &Session) -> Stage<'_> {
+    let hands = session.hands();
+    Stage {
+        world: session.world(),
+        input: session.input(),
+        hands: hands
+            .iter()
+            .map(|h| Hand {
+                model: &h.model,
+                bones: h.handle.bones.clone(),
+                joints: h.handle.joints.clone(),
+            })
+            .collect(),
+        softs: hands
+            .iter()
+            .filter_map(hand_flesh)
+            .chain(session.softs().iter().enumerate().map(|(i, s)| soft(session, i, s)))
+            .collect(),
+        rigids: session
+            .looks()
+            .iter()
+            .map(|look| Rigid {
+                colour: look.colour.map(from_srgb_triple),
+                mesh: look.mesh.as_ref().map(|m| (&m.positions[..], &m.triangles[..])),
+            })
+            .collect(),
+    }
+}
+
+/// The scene's camera, or one that shows everything for a picture of this width by height.
+pub fn camera(session: &Session, aspect: f64) -> Camera {
+    match session.camera() {
+        Some(c) => Camera {
+            position: c.position,
+            target: c.target,
+            up: c.up,
+            fov_y: c.fov_deg.to_radians(),
+        },
+        None => Camera::fitted(&stage(session).points(), DIRECTION, FOV_Y, aspect, 0.2),
+    }
+}
+
+fn tinted(material: Material, colour: Option<[f64; 3]>) -> Material {
+    match colour.map(from_srgb_triple) {
+        Some(colour) => Material { colour, ..material },
+        None => material,
+    }
+}
+
+fn hand_flesh(hand: &BuiltHand) -> Option<Soft<'_>> {
+    Some(Soft {
+        index: hand.flesh()?,
+        render: &hand.model.render,
+        material: tinted(Material::skin(), hand.colour),
+        colours: None,
+        hand: Some(&hand.model),
+    })
+}
+
+fn soft<'a>(session: &'a Session, i: usize, built: &'a SoftBuild) -> Soft<'a> {
+    let shape = session.scene().soft.get(i).map(|s| &s.shape.value);
+    let bread = matches!(shape, Some(SoftShape::Bread(_)));
+    let flesh = &session.world().desc().softs[built.soft as usize].flesh;
+    let crust: Option<Vec<Rgb>> =
+        bread.then(|| crust_colours(&built.render, &flesh.tets, &flesh.nodes));
+    let material = if bread { Material::crust() } else { Material::rubber() };
+    Soft {
+        index: built.soft,
+        render: &built.render,
+        material: tinted(material, built.colour),
+        colours: crust,
+        hand: None,
+    }
+}

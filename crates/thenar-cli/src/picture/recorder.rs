@@ -1,0 +1,311 @@
+//! Pictures, movies and VTK series of a run, taken as it goes.
+
+use super::from_session::{camera, stage};
+use super::{Camera, EncodeError, Image, Layers, Movie, Quality, Scales, render, write_png};
+use std::path::{Path, PathBuf};
+use thenar_rig::RigError;
+use thenar_rig::export::{Field, Series, flesh_cell_fields, surface, tetrahedra};
+use thenar_scene::session::Session;
+
+/// What `thenar run` is to show.
+#[derive(Clone, Debug, clap::Args)]
+pub struct PictureOptions {
+    /// Draw the end of the run (or the time given by --at) as a PNG file
+    #[arg(long, value_name = "FILE")]
+    pub picture: Option<PathBuf>,
+    /// Time of the picture [s]
+    #[arg(long, value_name = "SECONDS", requires = "picture")]
+    pub at: Option<f64>,
+    /// Draw a PNG file for each frame into this folder
+    #[arg(long, value_name = "DIR")]
+    pub frames: Option<PathBuf>,
+    /// Draw an animated PNG, which any browser plays
+    #[arg(long, value_name = "FILE")]
+    pub movie: Option<PathBuf>,
+    /// Frames in each simulated second
+    #[arg(long, default_value_t = 25, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub fps: u16,
+    /// What to draw: skin, flesh, bones, tracked, targets, contacts, forces, pressure, weights
+    #[arg(long, default_value = "skin", value_name = "LIST")]
+    pub layers: Layers,
+    /// Pixels, width x height
+    #[arg(long, default_value = "960x640", value_parser = size, value_name = "WxH")]
+    pub size: [u32; 2],
+    /// Write a VTK time series for ParaView into this folder, at the same rate
+    #[arg(long, value_name = "DIR")]
+    pub vtk: Option<PathBuf>,
+}
+
+/// Reads a size such as `960x640`.
+pub fn size(text: &str) -> Result<[u32; 2], String> {
+    let number = |s: &str| s.trim().parse::<u32>().ok().filter(|n| (1..=8192).contains(n));
+    text.split_once('x')
+        .and_then(|(w, h)| Some([number(w)?, number(h)?]))
+        .ok_or_else(|| format!("expected WIDTHxHEIGHT from 1x1 to 8192x8192, got \"{text}\""))
+}
+
+/// Why something could not be recorded.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// A picture or movie.
+    #[error(transparent)]
+    Picture(#[from] EncodeError),
+    /// A VTK file.
+    #[error(transparent)]
+    Vtk(#[from] RigError),
+    /// The folder for frames.
+    #[error("cannot make folder {folder}: {cause}")]
+    Folder {
+        /// Folder.
+        folder: PathBuf,
+        /// Cause.
+        cause: std::io::Error,
+    },
+}
+
+/// Takes pictures of a session while it runs.
+pub struct Recorder {
+    options: PictureOptions,
+    camera: Camera,
+    movie: Option<Movie>,
+    last: Option<Image>,
+    series: Option<Series>,
+    frames: u32,
+    pictured: bool,
+}
+
+impl Recorder {
+    /// A recorder for a run of `seconds`, starting with the session as it is; `None` when
+    /// nothing is to be shown.
+    pub fn start(
+        options: &PictureOptions,
+        session: &Session,
+        seconds: f64,
+    ) -> Result<Option<Self>, RecordError> {
+        let o = options;
+        let wanted = o.picture.is_some() || o.frames.is_some() || o.movie.is_some();
+        if !wanted && o.vtk.is_none() {
+            return Ok(None);
+        }
+        if let Some(folder) = &o.frames {
+            std::fs::create_dir_all(folder)
+                .map_err(|cause| RecordError::Folder { folder: folder.clone(), cause })?;
+        }
+        let count = (seconds.max(0.0) * f64::from(o.fps) + 1e-6).floor() as u32 + 1;
+        let movie = |path: &PathBuf| Movie::create(path, o.size, count, o.fps);
+        let series = |folder: &PathBuf| Series::create(folder, session.name());
+        let mut recorder = Self {
+            camera: camera(session, f64::from(o.size[0]) / f64::from(o.size[1])),
+            movie: o.movie.as_ref().map(movie).transpose()?,
+            series: o.vtk.as_ref().map(series).transpose()?,
+            options: o.clone(),
+            last: None,
+            frames: 0,
+            pictured: false,
+        };
+        recorder.observe(session)?;
+        Ok(Some(recorder))
+    }
+
+    /// To be called after each step.
+    pub fn observe(&mut self, session: &Session) -> Result<(), RecordError> {
+        let time = session.world().time() + 1e-9;
+        if time >= f64::from(self.frames) / f64::from(self.options.fps) {
+            self.frame(session)?;
+            self.frames += 1;
+        }
+        if !self.pictured && self.options.at.is_some_and(|at| time >= at) {
+            self.take_picture(session)?;
+        }
+        Ok(())
+    }
+
+    /// Completes all files. A movie that is short of frames stands still at its end.
+    pub fn finish(mut self, session: &Session) -> Result<(), RecordError> {
+        if !self.pictured {
+            self.take_picture(session)?;
+        }
+        if let Some(mut movie) = self.movie {
+            if let Some(last) = &self.last {
+                while movie.frames_left() > 0 {
+                    movie.push(last)?;
+                }
+            }
+            movie.finish()?;
+        }
+        Ok(())
+    }
+
+    fn frame(&mut self, session: &Session) -> Result<(), RecordError> {
+        if self.movie.is_some() || self.options.frames.is_some() {
+            let image = self.draw(session, &Quality::movie());
+            if let Some(folder) = &self.options.frames {
+                write_png(&folder.join(format!("frame-{:06}.png", self.frames)), &image)?;
+            }
+            if let Some(movie) = self.movie.as_mut().filter(|m| m.frames_left() > 0) {
+                movie.push(&image)?;
+            }
+            self.last = Some(image);
+        }
+        if let Some(series) = &mut self.series {
+            push_moment(series, session)?;
+        }
+        Ok(())
+    }
+
+    fn take_picture(&mut self, session: &Session) -> Result<(), RecordError> {
+        self.pictured = true;
+        let Some(path) = &self.options.picture else { return Ok(()) };
+        Ok(write_png(Path::new(path), &self.draw(session, &Quality::still()))?)
+    }
+
+    fn draw(&self, session: &Session, quality: &Quality) -> Image {
+        let [width, height] = self.options.size;
+        let scales = Scales::default();
+        let scene = stage(session).scene(&self.options.layers, &scales, &self.camera, height);
+        render(&scene, &self.camera, width, height, quality)
+    }
+}
+
+/// The flesh and render surface of each deformable body, and each rigid body that is drawn.
+fn push_moment(series: &mut Series, session: &Session) -> Result<(), RigError> {
+    let (world, stage) = (session.world(), stage(session));
+    let mut parts: Vec<(String, &str, String)> = Vec::new();
+    for soft in &stage.softs {
+        let desc = &world.desc().softs[soft.index as usize];
+        let nodes = world.nodes(soft.index);
+        let velocity = Field::vector("velocity [m/s]", world.node_velocities(soft.index));
+        let cells = flesh_cell_fields(&desc.flesh);
+        let flesh = tetrahedra(nodes, &desc.flesh.tets, &[velocity], &cells)?;
+        parts.push((format!("{}-flesh", desc.name), "vtu", flesh));
+        let skin = super::surface::embedded(soft.render, &desc.flesh.tets, nodes);
+        let pressure = Field::scalar("pressure [Pa]", stage.pressure(soft.index, &skin));
+        let skin = surface(&skin, &soft.render.triangles, &[pressure], &[])?;
+        parts.push((format!("{}-skin", desc.name), "vtp", skin));
+    }
+    for (i, rigid) in stage.rigids.iter().enumerate() {
+        let desc = &world.desc().rigids[i];
+        let pose = world.rigid_pose(i as u32);
+        if let Some(mesh) = super::bodies::rigid_mesh(desc, &pose, rigid) {
+            let text = surface(&mesh.positions, &mesh.triangles, &[], &[])?;
+            parts.push((desc.name.clone(), "vtp", text));
+        }
+    }
+    let parts: Vec<(&str, &str, String)> =
+        parts.iter().map(|(name, kind, text)| (name.as_str(), *kind, text.clone())).collect();
+    series.push(world.time(), &parts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_read_or_refused_with_what_was_expected() {
+        assert_eq!(size("960x640"), Ok([960, 640]));
+        for wrong in ["960", "0x640", "960x99999", "x", "-1x5"] {
+            assert!(size(wrong).expect_err(wrong).contains("WIDTHxHEIGHT"));
+        }
+    }
+
+    /// A red ball that falls on a table, drawn small.
+    const SCENE: &str = r#"
+time_step = 0.005
+duration = 0.1
+[[rigid]]
+name = "table"
+motion = "fixed"
+shape = { kind = "plane" }
+[[rigid]]
+name = "ball"
+mass = 0.1
+colour = [0.8, 0.0, 0.0]
+position = [0.0, 0.1, 0.0]
+shape = { kind = "sphere", radius = 0.03 }
+[[soft]]
+name = "cube"
+position = [0.08, 0.0, 0.0]
+shape = { kind = "lattice", size = [0.03, 0.03, 0.03], cells = [2, 2, 2] }
+"#;
+
+    fn options(dir: &Path) -> PictureOptions {
+        PictureOptions {
+            picture: Some(dir.join("end.png")),
+            at: None,
+            frames: Some(dir.join("frames")),
+            movie: Some(dir.join("movie.png")),
+            fps: 50,
+            layers: "skin,flesh,contacts,forces".parse().expect("layers"),
+            size: [96, 64],
+            vtk: Some(dir.join("vtk")),
+        }
+    }
+
+    /// Runs the scene for so many steps, announced as 0.1 s.
+    fn run(options: &PictureOptions, steps: u32) {
+        let mut session = Session::from_text(SCENE, Path::new("ball.toml"), &[]).expect("a scene");
+        let mut recorder =
+            Recorder::start(options, &session, 0.1).expect("started").expect("something wanted");
+        for _ in 0..steps {
+            session.step(&mut ());
+            recorder.observe(&session).expect("observed");
+        }
+        recorder.finish(&session).expect("finished");
+    }
+
+    fn decode(path: &Path) -> (Vec<u8>, u32) {
+        let file = std::io::BufReader::new(std::fs::File::open(path).expect("there"));
+        let mut reader = png::Decoder::new(file).read_info().expect("a PNG");
+        let mut bytes = vec![0; reader.output_buffer_size().expect("a size")];
+        let frames = reader.info().animation_control.map_or(1, |a| a.num_frames);
+        let size = reader.next_frame(&mut bytes).expect("a frame").buffer_size();
+        bytes.truncate(size);
+        (bytes, frames)
+    }
+
+    /// Mean row of the red pixels.
+    fn red_row(path: &Path) -> f64 {
+        let (bytes, _) = decode(path);
+        let red = |p: &[u8]| p[0] > 100 && p[1] < 70 && p[2] < 70;
+        let rows: Vec<f64> = bytes
+            .chunks(3)
+            .enumerate()
+            .filter(|(_, p)| red(p))
+            .map(|(i, _)| (i / 96) as f64)
+            .collect();
+        assert!(rows.len() > 50, "the ball is {} pixels", rows.len());
+        rows.iter().sum::<f64>() / rows.len() as f64
+    }
+
+    #[test]
+    fn a_run_leaves_its_frames_movie_picture_and_series() {
+        let dir = std::env::temp_dir().join(format!("thenar-record-{}", std::process::id()));
+        std::fs::create_dir_all(&dir).expect("a folder for the test");
+        // 0.1 s at 50 frames a second is 6 frames, both ends included.
+        run(&options(&dir), 20);
+        let frame = |k: u32| dir.join(format!("frames/frame-{k:06}.png"));
+        assert_eq!(std::fs::read_dir(dir.join("frames")).expect("listed").count(), 6);
+        assert_eq!(decode(&dir.join("movie.png")).1, 6);
+        // It falls 49 mm, more than its radius: visible in the picture as it must be.
+        assert!(red_row(&frame(5)) > red_row(&frame(0)) + 3.0);
+        assert!((red_row(&dir.join("end.png")) - red_row(&frame(5))).abs() < 1.0);
+        let list = std::fs::read_to_string(dir.join("vtk/ball.pvd")).expect("a series");
+        // Ball, and the cube's flesh and skin, at six moments.
+        assert_eq!(list.matches("<DataSet").count(), 18);
+        std::fs::remove_dir_all(&dir).expect("removed");
+    }
+
+    #[test]
+    fn a_run_that_ends_early_still_leaves_a_whole_movie() {
+        let dir = std::env::temp_dir().join(format!("thenar-early-{}", std::process::id()));
+        std::fs::create_dir_all(&dir).expect("a folder for the test");
+        let only_movie = PictureOptions { picture: None, frames: None, vtk: None, ..options(&dir) };
+        run(&only_movie, 7);
+        assert_eq!(decode(&dir.join("movie.png")).1, 6);
+        assert_eq!(std::fs::read_dir(&dir).expect("listed").count(), 1);
+        let nothing = PictureOptions { movie: None, ..only_movie };
+        let session = Session::from_text(SCENE, Path::new("ball.toml"), &[]).expect("a scene");
+        assert!(Recorder::start(&nothing, &session, 1.0).expect("started").is_none());
+        std::fs::remove_dir_all(&dir).expect("removed");
+    }
+}
