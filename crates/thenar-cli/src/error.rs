@@ -1,5 +1,6 @@
 //! Why a command ended, and with which exit code.
 
+use crate::picture::RecordError;
 use std::process::ExitCode;
 use thenar_rig::RigError;
 use thenar_scene::SceneError;
@@ -37,5 +38,11 @@ impl From<RigError> for CliError {
             RigError::Write { .. } => Self::Other(error.to_string()),
             _ => Self::Input(error.to_string()),
         }
+    }
+}
+
+impl From<RecordError> for CliError {
+    fn from(error: RecordError) -> Self {
+        Self::Other(error.to_string())
     }
 }

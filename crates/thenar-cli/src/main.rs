@@ -8,7 +8,6 @@ mod build;
 mod error;
 mod files;
 mod interrupt;
-#[allow(dead_code, unused_imports)]
 mod picture;
 mod run;
 mod scenes;
@@ -52,7 +51,7 @@ fn main() -> ExitCode {
         Some(Command::Bench(args)) => return bench::run(&args),
         Some(Command::Soak(args)) => return soak::run(&args),
         Some(Command::Validate(args)) => validate::run(&args),
-        None => run::run(&run::Args::of_scene(DEMO)),
+        None => run::run(&run::Args::of_scene(DEMO, DEMO_MOVIE)),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -65,6 +64,9 @@ fn main() -> ExitCode {
 
 /// The scene that runs when no command is given.
 const DEMO: &str = "bread-grasp";
+
+/// The moving picture it leaves in the current folder.
+const DEMO_MOVIE: &str = "bread-grasp.png";
 
 #[cfg(test)]
 mod tests {

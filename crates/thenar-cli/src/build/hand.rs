@@ -2,6 +2,7 @@
 
 use super::{Args, name};
 use crate::error::CliError;
+use crate::picture::{Quality, hand_portrait, write_png};
 use std::path::Path;
 use thenar::model::Side;
 use thenar_rig::export::{write_hand_glb, write_hand_vtk};
@@ -30,6 +31,11 @@ pub fn build(args: &Args) -> Result<Model, CliError> {
     }
     if let Some(path) = &args.glb {
         write_hand_glb(path, &hand)?;
+    }
+    if let Some(path) = &args.picture {
+        let image = hand_portrait(&hand, &args.layers, [960, 640], &Quality::still())
+            .map_err(|e| CliError::Input(e.to_string()))?;
+        write_png(path, &image).map_err(|e| CliError::Other(e.to_string()))?;
     }
     Ok(Model::Hand(hand))
 }

@@ -4,6 +4,7 @@ mod hand;
 mod object;
 
 use crate::error::CliError;
+use crate::picture::Layers;
 use std::path::PathBuf;
 use thenar_rig::{Model, write_model};
 
@@ -53,6 +54,12 @@ pub struct Args {
     /// Write VTK files for ParaView into this folder.
     #[arg(long, value_name = "DIR")]
     vtk: Option<PathBuf>,
+    /// Draw the built hand as a PNG file.
+    #[arg(long, value_name = "FILE.png", requires = "hand")]
+    picture: Option<PathBuf>,
+    /// What to draw: skin, flesh, bones, weights.
+    #[arg(long, default_value = "skin,bones", value_name = "LIST", requires = "picture")]
+    layers: Layers,
     /// Write a GLB of the built hand.
     #[arg(long, value_name = "FILE.glb", requires = "hand")]
     glb: Option<PathBuf>,

@@ -3,8 +3,9 @@
 use super::colour::Rgb;
 use super::scene3d::Material;
 use std::ops::Range;
-use thenar::Vec3;
 use thenar::model::{EmbeddedSurface, HandModel};
+use thenar_rig::TriMesh;
+use thenar_rig::object::Paint;
 
 /// A hand in the world.
 pub struct Hand<'a> {
@@ -35,6 +36,6 @@ pub struct Soft<'a> {
 pub struct Rigid<'a> {
     /// Colour, if one was chosen.
     pub colour: Option<Rgb>,
-    /// Vertices and triangles in the body's frame \[m\], finer than the contact shape.
-    pub mesh: Option<(&'a [Vec3], &'a [[u32; 3]])>,
+    /// A mesh in the body's frame \[m\], finer than the contact shape, and the colours of its parts.
+    pub mesh: Option<(&'a TriMesh, &'a [Paint])>,
 }

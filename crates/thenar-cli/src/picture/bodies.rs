@@ -1,13 +1,15 @@
 //! Rigid bodies, bones and joints as meshes.
 
 use super::actors::{Hand, Rigid};
-use super::colour::{Rgb, hex};
+use super::colour::{Rgb, from_srgb_triple, hex};
 use super::draw::bone;
 use super::scene3d::{Material, Mesh};
 use super::shapes::{Solid, capsule, cuboid, sphere};
 use thenar::contact::Shape;
 use thenar::model::{JointKind, Motion, RigidDesc};
 use thenar::{Pose, Vec3, World};
+use thenar_rig::TriMesh;
+use thenar_rig::object::Paint;
 
 /// Colours of bodies that were given none.
 const PALETTE: [u32; 5] = [0xb3231f, 0x2a6fb0, 0x3f8f4f, 0xd08a1d, 0x6d4c9f];
@@ -15,9 +17,15 @@ const PALETTE: [u32; 5] = [0xb3231f, 0x2a6fb0, 0x3f8f4f, 0xd08a1d, 0x6d4c9f];
 /// A rigid body's look or contact shape; `None` for planes and bodies without shape.
 pub fn rigid_mesh(desc: &RigidDesc, pose_WB: &Pose, look: &Rigid) -> Option<Mesh<'static>> {
     let material = Material::paint(look.colour.unwrap_or_else(|| colour_of(desc)));
-    if let Some((positions, triangles)) = look.mesh {
-        let positions: Vec<Vec3> = positions.iter().map(|p| pose_WB.point(p)).collect();
-        return Some(Mesh::new(positions, triangles.to_vec(), material));
+    if let Some((mesh, paint)) = look.mesh {
+        let positions: Vec<Vec3> = mesh.positions.iter().map(|p| pose_WB.point(p)).collect();
+        let drawn = Mesh::new(positions, mesh.triangles.clone(), material);
+        if paint.is_empty() || look.colour.is_some() {
+            return Some(drawn);
+        }
+        let colours = Some(painted(mesh, paint).into());
+        let white = Material { colour: [1.0; 3], ..Material::paint([1.0; 3]) };
+        return Some(Mesh { colours, material: white, ..drawn });
     }
     let pose_WS = *pose_WB * desc.pose_BS;
     let solid = match desc.shape.as_ref()? {
@@ -32,6 +40,19 @@ pub fn rigid_mesh(desc: &RigidDesc, pose_WB: &Pose, look: &Rigid) -> Option<Mesh
         Shape::HalfSpace => return None,
     };
     Some(solid.placed(&pose_WS).mesh(material))
+}
+
+/// Colours of a mesh's vertices; its parts share none.
+fn painted(mesh: &TriMesh, paint: &[Paint]) -> Vec<Rgb> {
+    let mut colours = vec![[0.8; 3]; mesh.positions.len()];
+    for (k, part) in paint.iter().enumerate() {
+        let end = paint.get(k + 1).map_or(mesh.triangles.len(), |next| next.first as usize);
+        let triangles = mesh.triangles.get(part.first as usize..end).unwrap_or_default();
+        for vertex in triangles.iter().flatten() {
+            colours[*vertex as usize] = from_srgb_triple(part.colour.map(f64::from));
+        }
+    }
+    colours
 }
 
 /// Fixed bodies look like furniture; others take the colour that belongs to their name.

@@ -57,6 +57,7 @@ impl Camera {
 
     /// Where a world point appears, in pixels from the upper left corner, and its distance along
     /// the view \[m\]; `None` behind the near plane.
+    #[cfg(test)]
     pub fn project(&self, point: &Vec3, width: u32, height: u32) -> Option<([f64; 2], f64)> {
         let [right, up, forward] = self.axes();
         let d = point - self.position;

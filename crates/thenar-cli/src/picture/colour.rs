@@ -65,11 +65,6 @@ fn along(stops: &[u32], t: f64) -> Rgb {
     std::array::from_fn(|k| a[k] * (1.0 - f) + b[k] * f)
 }
 
-/// Blue through white-green to red for a weight in [0, 1], as in the paper's Fig. 3.
-pub fn weight_colour(w: f64) -> Rgb {
-    along(&[0x1f3fd0, 0x22a7d8, 0x48c774, 0xf2d43d, 0xd9281f], w)
-}
-
 /// Skin through yellow and red to violet for a pressure in [0, 1] of its scale.
 pub fn pressure_colour(p: f64) -> Rgb {
     along(&[0xe2b9a0, 0xf7d154, 0xf0792b, 0xc61f3c, 0x5a0f5e], p)
@@ -96,8 +91,6 @@ mod tests {
 
     #[test]
     fn scales_start_and_end_at_their_stops_and_swallow_nan() {
-        assert_eq!(weight_colour(0.0), hex(0x1f3fd0));
-        assert_eq!(weight_colour(1.0), hex(0xd9281f));
         assert_eq!(pressure_colour(f64::NAN), hex(0xe2b9a0));
     }
 }

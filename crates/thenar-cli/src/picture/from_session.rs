@@ -37,7 +37,7 @@ pub fn stage(session: &Session) -> Stage<'_> {
             .iter()
             .map(|look| Rigid {
                 colour: look.colour.map(from_srgb_triple),
-                mesh: look.mesh.as_ref().map(|m| (&m.positions[..], &m.triangles[..])),
+                mesh: look.mesh.as_ref().map(|(mesh, paint)| (mesh, &paint[..])),
             })
             .collect(),
     }

@@ -33,21 +33,17 @@ mod stage;
 mod surface;
 mod tile;
 
-pub use actors::{Hand, Rigid, Soft};
+pub use actors::{Hand, Soft};
 pub use camera::Camera;
-pub use colour::{Rgb, pressure_colour, weight_colour};
-pub use draw::{Pen, arrow, bone, points, wires};
 pub use encode::{EncodeError, Movie, write_png};
-pub use from_session::{camera, stage};
 pub use image::Image;
-pub use layers::{LAYER_NAMES, Layers};
+pub use layers::Layers;
 pub use portrait::hand_portrait;
-pub use recorder::{PictureOptions, RecordError, Recorder, size};
+pub use recorder::{PictureOptions, RecordError, Recorder};
 pub use render::{Quality, render};
-pub use scene3d::{Backdrop, Ground, Light, Material, Mesh, Pattern, Scene3d};
-pub use shapes::{Solid, capsule, cuboid, cylinder, sphere};
+pub use scene3d::{Backdrop, Ground, Material, Pattern};
+pub use shapes::{capsule, cuboid, sphere};
 pub use stage::{Scales, Stage};
-pub use surface::crust_colours;
 
 /// A vector in single precision, relative to the camera's target.
 type V = nalgebra::Vector3<f32>;

@@ -1,10 +1,8 @@
-//! Pictures, movies and VTK series of a run, taken as it goes.
+//! Pictures and movies of a run, taken as it goes.
 
 use super::from_session::{camera, stage};
 use super::{Camera, EncodeError, Image, Layers, Movie, Quality, Scales, render, write_png};
 use std::path::{Path, PathBuf};
-use thenar_rig::RigError;
-use thenar_rig::export::{Field, Series, flesh_cell_fields, surface, tetrahedra};
 use thenar_scene::session::Session;
 
 /// What `thenar run` is to show.
@@ -31,9 +29,21 @@ pub struct PictureOptions {
     /// Pixels, width x height
     #[arg(long, default_value = "960x640", value_parser = size, value_name = "WxH")]
     pub size: [u32; 2],
-    /// Write a VTK time series for ParaView into this folder, at the same rate
-    #[arg(long, value_name = "DIR")]
-    pub vtk: Option<PathBuf>,
+}
+
+impl Default for PictureOptions {
+    /// Nothing is shown.
+    fn default() -> Self {
+        Self {
+            picture: None,
+            at: None,
+            frames: None,
+            movie: None,
+            fps: 25,
+            layers: Layers::skin(),
+            size: [960, 640],
+        }
+    }
 }
 
 /// Reads a size such as `960x640`.
@@ -50,9 +60,6 @@ pub enum RecordError {
     /// A picture or movie.
     #[error(transparent)]
     Picture(#[from] EncodeError),
-    /// A VTK file.
-    #[error(transparent)]
-    Vtk(#[from] RigError),
     /// The folder for frames.
     #[error("cannot make folder {folder}: {cause}")]
     Folder {
@@ -69,7 +76,6 @@ pub struct Recorder {
     camera: Camera,
     movie: Option<Movie>,
     last: Option<Image>,
-    series: Option<Series>,
     frames: u32,
     pictured: bool,
 }
@@ -84,7 +90,7 @@ impl Recorder {
     ) -> Result<Option<Self>, RecordError> {
         let o = options;
         let wanted = o.picture.is_some() || o.frames.is_some() || o.movie.is_some();
-        if !wanted && o.vtk.is_none() {
+        if !wanted {
             return Ok(None);
         }
         if let Some(folder) = &o.frames {
@@ -93,11 +99,9 @@ impl Recorder {
         }
         let count = (seconds.max(0.0) * f64::from(o.fps) + 1e-6).floor() as u32 + 1;
         let movie = |path: &PathBuf| Movie::create(path, o.size, count, o.fps);
-        let series = |folder: &PathBuf| Series::create(folder, session.name());
         let mut recorder = Self {
             camera: camera(session, f64::from(o.size[0]) / f64::from(o.size[1])),
             movie: o.movie.as_ref().map(movie).transpose()?,
-            series: o.vtk.as_ref().map(series).transpose()?,
             options: o.clone(),
             last: None,
             frames: 0,
@@ -147,9 +151,6 @@ impl Recorder {
             }
             self.last = Some(image);
         }
-        if let Some(series) = &mut self.series {
-            push_moment(series, session)?;
-        }
         Ok(())
     }
 
@@ -167,35 +168,6 @@ impl Recorder {
     }
 }
 
-/// The flesh and render surface of each deformable body, and each rigid body that is drawn.
-fn push_moment(series: &mut Series, session: &Session) -> Result<(), RigError> {
-    let (world, stage) = (session.world(), stage(session));
-    let mut parts: Vec<(String, &str, String)> = Vec::new();
-    for soft in &stage.softs {
-        let desc = &world.desc().softs[soft.index as usize];
-        let nodes = world.nodes(soft.index);
-        let velocity = Field::vector("velocity [m/s]", world.node_velocities(soft.index));
-        let cells = flesh_cell_fields(&desc.flesh);
-        let flesh = tetrahedra(nodes, &desc.flesh.tets, &[velocity], &cells)?;
-        parts.push((format!("{}-flesh", desc.name), "vtu", flesh));
-        let skin = super::surface::embedded(soft.render, &desc.flesh.tets, nodes);
-        let pressure = Field::scalar("pressure [Pa]", stage.pressure(soft.index, &skin));
-        let skin = surface(&skin, &soft.render.triangles, &[pressure], &[])?;
-        parts.push((format!("{}-skin", desc.name), "vtp", skin));
-    }
-    for (i, rigid) in stage.rigids.iter().enumerate() {
-        let desc = &world.desc().rigids[i];
-        let pose = world.rigid_pose(i as u32);
-        if let Some(mesh) = super::bodies::rigid_mesh(desc, &pose, rigid) {
-            let text = surface(&mesh.positions, &mesh.triangles, &[], &[])?;
-            parts.push((desc.name.clone(), "vtp", text));
-        }
-    }
-    let parts: Vec<(&str, &str, String)> =
-        parts.iter().map(|(name, kind, text)| (name.as_str(), *kind, text.clone())).collect();
-    series.push(world.time(), &parts)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -210,6 +182,7 @@ mod tests {
 
     /// A red ball that falls on a table, drawn small.
     const SCENE: &str = r#"
+version = 1
 time_step = 0.005
 duration = 0.1
 [[rigid]]
@@ -237,7 +210,6 @@ shape = { kind = "lattice", size = [0.03, 0.03, 0.03], cells = [2, 2, 2] }
             fps: 50,
             layers: "skin,flesh,contacts,forces".parse().expect("layers"),
             size: [96, 64],
-            vtk: Some(dir.join("vtk")),
         }
     }
 
@@ -278,7 +250,7 @@ shape = { kind = "lattice", size = [0.03, 0.03, 0.03], cells = [2, 2, 2] }
     }
 
     #[test]
-    fn a_run_leaves_its_frames_movie_picture_and_series() {
+    fn a_run_leaves_its_frames_movie_and_picture() {
         let dir = std::env::temp_dir().join(format!("thenar-record-{}", std::process::id()));
         std::fs::create_dir_all(&dir).expect("a folder for the test");
         // 0.1 s at 50 frames a second is 6 frames, both ends included.
@@ -289,9 +261,6 @@ shape = { kind = "lattice", size = [0.03, 0.03, 0.03], cells = [2, 2, 2] }
         // It falls 49 mm, more than its radius: visible in the picture as it must be.
         assert!(red_row(&frame(5)) > red_row(&frame(0)) + 3.0);
         assert!((red_row(&dir.join("end.png")) - red_row(&frame(5))).abs() < 1.0);
-        let list = std::fs::read_to_string(dir.join("vtk/ball.pvd")).expect("a series");
-        // Ball, and the cube's flesh and skin, at six moments.
-        assert_eq!(list.matches("<DataSet").count(), 18);
         std::fs::remove_dir_all(&dir).expect("removed");
     }
 
@@ -299,7 +268,7 @@ shape = { kind = "lattice", size = [0.03, 0.03, 0.03], cells = [2, 2, 2] }
     fn a_run_that_ends_early_still_leaves_a_whole_movie() {
         let dir = std::env::temp_dir().join(format!("thenar-early-{}", std::process::id()));
         std::fs::create_dir_all(&dir).expect("a folder for the test");
-        let only_movie = PictureOptions { picture: None, frames: None, vtk: None, ..options(&dir) };
+        let only_movie = PictureOptions { picture: None, frames: None, ..options(&dir) };
         run(&only_movie, 7);
         assert_eq!(decode(&dir.join("movie.png")).1, 6);
         assert_eq!(std::fs::read_dir(&dir).expect("listed").count(), 1);

@@ -13,6 +13,7 @@ pub use timer::{StageTimes, StopWatch};
 
 use crate::error::CliError;
 use crate::interrupt;
+use crate::picture::PictureOptions;
 use indicatif::{ProgressBar, ProgressStyle};
 use outputs::Outputs;
 use std::path::PathBuf;
@@ -42,14 +43,17 @@ pub struct Args {
     /// Simulated time between moments of the VTK series [s].
     #[arg(long, value_name = "S", default_value_t = 1.0 / 30.0, requires = "vtk", allow_negative_numbers = true)]
     vtk_interval: f64,
+    /// Pictures.
+    #[command(flatten)]
+    pictures: PictureOptions,
     /// No progress bar and no summary.
     #[arg(long, short)]
     quiet: bool,
 }
 
 impl Args {
-    /// A plain run of a scene.
-    pub fn of_scene(scene: &str) -> Self {
+    /// A run of a scene that leaves a movie.
+    pub fn of_scene(scene: &str, movie: &str) -> Self {
         Self {
             scene: scene.into(),
             seconds: None,
@@ -58,6 +62,7 @@ impl Args {
             report: None,
             vtk: None,
             vtk_interval: 1.0 / 30.0,
+            pictures: PictureOptions { movie: Some(movie.into()), ..PictureOptions::default() },
             quiet: false,
         }
     }
@@ -93,7 +98,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         Some(s) => (s / session.world().time_step()).round().max(1.0) as u64,
         None => session.steps_wanted(),
     };
-    let mut outputs = Outputs::create(args, &session)?;
+    let mut outputs = Outputs::create(args, &session, steps)?;
     interrupt::listen();
     let outcome = advance(&mut session, steps, &mut outputs, args.quiet)?;
     outputs.finish(&session, &outcome)?;

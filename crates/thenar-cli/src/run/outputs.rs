@@ -4,6 +4,7 @@ use super::vtk::VtkSeries;
 use super::{Args, Outcome, report};
 use crate::error::CliError;
 use crate::files::Draft;
+use crate::picture::Recorder;
 use std::io::Write;
 use thenar_scene::session::{Session, TableFormat, TableWriter};
 
@@ -12,6 +13,7 @@ pub struct Outputs {
     table: Option<TableWriter<Draft>>,
     report: Option<Draft>,
     vtk: Option<VtkSeries>,
+    pictures: Option<Recorder>,
 }
 
 fn failed(error: &std::io::Error) -> CliError {
@@ -23,7 +25,7 @@ impl Outputs {
     ///
     /// # Errors
     /// One cannot be created.
-    pub fn create(args: &Args, session: &Session) -> Result<Self, CliError> {
+    pub fn create(args: &Args, session: &Session, steps: u64) -> Result<Self, CliError> {
         let table = match &args.probe {
             Some(path) => {
                 if session.columns().is_empty() {
@@ -41,7 +43,9 @@ impl Outputs {
             Some(folder) => Some(VtkSeries::create(folder, session, args.vtk_interval)?),
             None => None,
         };
-        Ok(Self { table, report, vtk })
+        let seconds = steps as f64 * session.world().time_step();
+        let pictures = Recorder::start(&args.pictures, session, seconds)?;
+        Ok(Self { table, report, vtk, pictures })
     }
 
     /// Takes in the present state, at the start and after each step.
@@ -54,6 +58,11 @@ impl Outputs {
         {
             let time = session.world().time();
             table.row(time, session.probe()).map_err(|e| failed(&e))?;
+        }
+        if let Some(pictures) = &mut self.pictures
+            && session.steps() > 0
+        {
+            pictures.observe(session)?;
         }
         match &mut self.vtk {
             Some(vtk) => vtk.take(session),
@@ -75,6 +84,9 @@ impl Outputs {
             writeln!(draft, "{text}")
                 .map_err(|e| CliError::Other(format!("cannot write the report: {e}")))?;
             draft.finish()?;
+        }
+        if let Some(pictures) = self.pictures {
+            pictures.finish(session)?;
         }
         Ok(())
     }

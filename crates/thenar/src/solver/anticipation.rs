@@ -85,6 +85,11 @@ impl Anticipation {
                 let who = if all && pass == 0 { Who::All } else { Who::Pressing };
                 self.pass_over_contacts(d, contacts, settings.cone, who);
             }
+            if all && contacts.rows.iter().all(|row| row.lambda.x == 0.0) {
+                // Nothing presses: contact changes nothing.
+                x.fill(Vec3::zeros());
+                return Convergence { iterations: convergence.iterations + 1, residual: 0.0 };
+            }
             self.gather_impulse(contacts);
             let change2 = self.relax(a, d, x);
             let energy: f64 = x.iter().zip(&self.impulse).map(|(x, f)| x.dot(f)).sum();
