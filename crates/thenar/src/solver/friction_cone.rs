@@ -3,14 +3,22 @@
 use crate::math::{Mat3, Vec3};
 use crate::model::Cone;
 
+/// A direction that yields less than this part of the others does not move at all: both sides are
+/// held there, and no impulse can do anything.
+const IMMOVABLE: f64 = 1e-12;
+
 /// One projected Gauss-Seidel update of the impulse `lambda` = (normal, two tangents) of a point
 /// whose constraint value is `d` and whose own response is `W` (d changes by `W Δλ`).
 ///
 /// At a fixed point the normal impulse is complementary to `d_n`; the tangential one lies in
 /// the disc of radius `μ λ_n` (or, linearised, in the square inscribed in it, so that friction falls
 /// short of Coulomb's by up to 1 - cos 45° and never exceeds it), and where it lies on
-/// the rim, sliding opposes it.
+/// the rim, sliding opposes it. Where neither side can move, the impulse is zero.
 pub fn project(cone: Cone, friction: f64, W: &Mat3, d: &Vec3, lambda: &Vec3) -> Vec3 {
+    let least = IMMOVABLE * W.trace();
+    if W.m11.is_nan() || W.m11 <= least {
+        return Vec3::zeros();
+    }
     let normal = (lambda.x - d.x / W.m11).max(0.0);
     let bound = friction * normal;
     if bound == 0.0 {
@@ -18,21 +26,22 @@ pub fn project(cone: Cone, friction: f64, W: &Mat3, d: &Vec3, lambda: &Vec3) -> 
     }
     let dn = normal - lambda.x;
     let slide = [d.y + W.m21 * dn, d.z + W.m31 * dn];
+    let from = |t: f64, slide: f64, stiff: f64| if stiff > least { t - slide / stiff } else { 0.0 };
     match cone {
         Cone::Circular => {
             // Larger eigenvalue of the tangential block: the step that surely does not overshoot.
             let mean = 0.5 * (W.m22 + W.m33);
             let stiff = mean + (0.25 * (W.m22 - W.m33).powi(2) + W.m23 * W.m32).sqrt();
-            let t = [lambda.y - slide[0] / stiff, lambda.z - slide[1] / stiff];
+            let t = [from(lambda.y, slide[0], stiff), from(lambda.z, slide[1], stiff)];
             let length = t[0].hypot(t[1]);
             let scale = if length > bound { bound / length } else { 1.0 };
             Vec3::new(normal, t[0] * scale, t[1] * scale)
         }
         Cone::Linearised => {
             let bound = bound * std::f64::consts::FRAC_1_SQRT_2;
-            let t1 = (lambda.y - slide[0] / W.m22).clamp(-bound, bound);
+            let t1 = from(lambda.y, slide[0], W.m22).max(-bound).min(bound);
             let slide2 = slide[1] + W.m32 * (t1 - lambda.y);
-            let t2 = (lambda.z - slide2 / W.m33).clamp(-bound, bound);
+            let t2 = from(lambda.z, slide2, W.m33).max(-bound).min(bound);
             Vec3::new(normal, t1, t2)
         }
     }
@@ -77,7 +86,8 @@ mod tests {
             let slide = Vec3::new(-1.0, -10.0 * cos, -10.0 * sin);
             let lambda = project(Cone::Linearised, 0.7, &Mat3::identity(), &slide, &Vec3::zeros());
             let ratio = lambda.yz().norm() / (0.7 * lambda.x);
-            assert!((0.7071..=1.0 + 1e-12).contains(&ratio), "direction {k}: {ratio}");
+            let least = std::f64::consts::FRAC_1_SQRT_2;
+            assert!((least - 1e-12..=1.0 + 1e-12).contains(&ratio), "direction {k}: {ratio}");
         }
     }
 }
