@@ -12,10 +12,11 @@
 //!   S_bb -= S_abᵀ S_aa⁻¹ S_ab + J_b'ᵀ N⁻¹ J_b'
 //! ```
 //!
-//! Jointed bodies that close a loop are solved by a dense factorisation instead.
+//! Jointed bodies that close a loop are solved by a dense factorisation instead; loops that ask for
+//! the same thing twice (a planar four-bar of hinges) share the impulse.
 
 use crate::math::{Mat6, Vec6};
-use crate::solver::DenseLu;
+use crate::solver::{DenseLu, joint_compliance};
 
 /// The linearised rows of one joint, padded with zero rows to six.
 #[derive(Clone, Copy, Debug)]
@@ -153,6 +154,14 @@ impl Articulated {
                 add_rows(lu, row, parent, joint.rows, &joint.J_parent);
                 add_block(lu, child, parent, 6, &S_edge[j]);
                 add_block(lu, parent, child, 6, &S_edge[j].transpose());
+            }
+            for k in 0..joint.rows {
+                let of_child =
+                    (0..6).map(|i| (joint.J_child[(k, i)], S_diagonal[child / 6][(i, i)]));
+                let of_parent = parent.into_iter().flat_map(|p| {
+                    (0..6).map(move |i| (joint.J_parent[(k, i)], S_diagonal[p as usize][(i, i)]))
+                });
+                lu.add(row + k, row + k, -joint_compliance(of_child.chain(of_parent)));
             }
             x[row..row + joint.rows].copy_from_slice(&c[j].as_slice()[..joint.rows]);
             row += joint.rows;

@@ -5,7 +5,7 @@
 use crate::math::{Mat3, Vec3};
 use crate::model::Cone;
 use crate::solver::friction_cone::project;
-use crate::solver::{BlockMatrix, ContactRows, Convergence, DenseLu};
+use crate::solver::{BlockMatrix, ContactRows, Convergence, DenseLu, joint_compliance};
 
 /// The factored system.
 pub struct Monolithic {
@@ -28,6 +28,9 @@ impl Monolithic {
             }
         }
         for (r, row) in J.iter().enumerate() {
+            let diagonal = |j: usize| A.blocks[A.diagonal[j / 3] as usize][4 * (j % 3)];
+            let entries = row.iter().enumerate().map(|(j, value)| (*value, diagonal(j)));
+            lu.add(unknowns + r, unknowns + r, -joint_compliance(entries));
             for (j, value) in row.iter().enumerate() {
                 lu.add(unknowns + r, j, *value);
                 lu.add(j, unknowns + r, *value);
