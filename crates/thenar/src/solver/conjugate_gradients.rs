@@ -23,7 +23,7 @@ impl CgWorkspace {
 /// Solves `A x = b` from the start value in `x`.
 ///
 /// Stops when `‖b − A x‖ ≤ tolerance ‖b‖`, both in the norm of `D⁻¹`, in which the metres and
-/// radians of `b` weigh alike.
+/// radians of `b` weigh alike. The residual returned is not finite when `b` or the start is not.
 pub fn conjugate_gradients(
     a: &BlockMatrix,
     d: &BlockDiagonal,
@@ -62,7 +62,7 @@ pub fn conjugate_gradients(
         }
         iterations += 1;
     }
-    let residual = if b_norm2 > 0.0 { (rz / b_norm2).sqrt() } else { 0.0 };
+    let residual = if b_norm2 == 0.0 { 0.0 } else { (rz / b_norm2).sqrt() };
     Convergence { iterations, residual }
 }
 

@@ -153,7 +153,7 @@ pub fn known_rates(model: &Model, state: &State, j: usize, scratch: &mut Scratch
 
 /// Step 2 (Eq. 11): all velocities, joints ignored, by conjugate gradients from `(v_s,1, v_f,0)`
 /// less the last step's contact response.
-/// Returns `None` when the matrix is not positive definite.
+/// Returns `None` when the matrix is not positive definite or a number is not finite.
 pub fn unconstrained_deformation(
     settings: &SolverSettings,
     model: &Model,
@@ -168,7 +168,7 @@ pub fn unconstrained_deformation(
     for (v, change) in state.v.iter_mut().zip(&state.contact_change) {
         *v -= change;
     }
-    Some(conjugate_gradients(
+    let reached = conjugate_gradients(
         &scratch.A,
         &scratch.D,
         &scratch.b,
@@ -176,7 +176,8 @@ pub fn unconstrained_deformation(
         settings.cg_tolerance,
         settings.cg_iterations_max,
         &mut scratch.cg,
-    ))
+    );
+    reached.residual.is_finite().then_some(reached)
 }
 
 /// Known velocities do not respond: their rows and columns of D⁻¹ are zero.
