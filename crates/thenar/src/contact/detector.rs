@@ -126,6 +126,12 @@ impl Detector {
         collector.finish()
     }
 
+    /// Forgets on which side of thin shapes the soft vertices were: to be called when bodies are put
+    /// elsewhere instead of moving there.
+    pub fn forget(&mut self) {
+        self.memory.forget();
+    }
+
     /// Deepest penetration of this state \[m\] over the same pairs; zero when nothing overlaps.
     pub fn penetration(&mut self, rigids: &[RigidPlace], surfaces: SurfaceState<'_>) -> f64 {
         let mut collector = Collector::measuring();

@@ -33,6 +33,11 @@ impl Memory {
         self.step = self.step.wrapping_add(1);
     }
 
+    /// Forgets everything: bodies were put elsewhere.
+    pub fn forget(&mut self) {
+        self.step = self.step.wrapping_add(2);
+    }
+
     /// What `vertex` saw of `other` in the last step.
     pub fn recall(&self, vertex: usize, other: u32) -> Option<Seen> {
         let fresh = |s: &&Slot| s.other == other && self.step.wrapping_sub(s.step) <= 1;
