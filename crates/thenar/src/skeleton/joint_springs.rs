@@ -14,7 +14,6 @@ pub struct AxisState {
 }
 
 /// The axes of a joint with their present angles; entries past `kind.angles()` are `None`.
-/// A ball joint is measured about its rotation vector.
 pub fn axis_states(kind: JointKind, frames: &JointFrames) -> [Option<AxisState>; 2] {
     let (J, K) = frames.axes();
     let R = J.tr_mul(&K);

@@ -1,18 +1,21 @@
 //! Checks of a description before anything is built from it.
 
-use crate::contact::Shape;
+use crate::contact::{MeshShape, Shape};
 use crate::math::Mat3;
-use crate::model::{JointDesc, Motion, RigidDesc, SoftDesc, WorldDesc};
+use crate::model::{BodyId, JointDesc, Motion, RigidDesc, SoftDesc, WorldDesc};
 use crate::world::ModelError;
 
 /// The largest coordinate or size accepted \[m\].
 const EXTENT_MAX: f64 = 1e4;
 
+/// True for a time step that can be used \[s\].
+pub fn is_time_step(h: f64) -> bool {
+    h > 0.0 && h <= 10.0
+}
+
 /// Returns the first fault found.
 pub fn check(desc: &WorldDesc) -> Result<(), ModelError> {
-    number("world", "time step", "positive and at most 10 s", desc.time_step, |x| {
-        x > 0.0 && x <= 10.0
-    })?;
+    number("world", "time step", "positive and at most 10 s", desc.time_step, is_time_step)?;
     for x in desc.gravity.iter() {
         number("world", "gravity", "finite and below 1e4 m/s²", *x, |x| x.abs() < 1e4)?;
     }
@@ -40,6 +43,20 @@ pub fn check(desc: &WorldDesc) -> Result<(), ModelError> {
     }
     for soft in &desc.softs {
         check_soft(soft, desc)?;
+    }
+    check_pairs(desc)
+}
+
+fn check_pairs(desc: &WorldDesc) -> Result<(), ModelError> {
+    for rule in &desc.pairs {
+        for body in rule.bodies {
+            let (i, count) = match body {
+                BodyId::Rigid(i) => (i, desc.rigids.len()),
+                BodyId::Soft(i) => (i, desc.softs.len()),
+            };
+            index("pair", "body", u64::from(i), count)?;
+        }
+        not_negative("pair", "friction", rule.friction.unwrap_or(0.0))?;
     }
     Ok(())
 }
@@ -106,8 +123,33 @@ fn check_shape(name: &str, shape: &Shape) -> Result<(), ModelError> {
             not_negative(name, "half length", *half_length)
         }
         Shape::Cuboid { half } => half.iter().try_for_each(|&x| size("half edge", x)),
-        Shape::HalfSpace | Shape::Mesh(_) => Ok(()),
+        Shape::HalfSpace => Ok(()),
+        Shape::Mesh(mesh) => check_mesh(name, mesh),
     }
+}
+
+fn check_mesh(name: &str, mesh: &MeshShape) -> Result<(), ModelError> {
+    let grid = &mesh.grid;
+    for x in mesh.points.iter().chain([&grid.origin]).flat_map(|p| p.iter()) {
+        number(name, "mesh point", "within 1e4 m", *x, |x| x.abs() <= EXTENT_MAX)?;
+    }
+    for corner in mesh.triangles.iter().flatten() {
+        index(name, "mesh point", u64::from(*corner), mesh.points.len())?;
+    }
+    number(name, "grid spacing", "positive", grid.cell, |x| x > 0.0 && x <= EXTENT_MAX)?;
+    for n in grid.dims {
+        number(name, "grid size", "at least 2", f64::from(n), |n| n >= 2.0)?;
+    }
+    let values: f64 = grid.dims.iter().map(|&n| f64::from(n)).product();
+    number(
+        name,
+        "number of grid values",
+        "the product of its sizes",
+        grid.values.len() as f64,
+        |n| n == values,
+    )?;
+    let bad = grid.values.iter().find(|v| !v.is_finite());
+    number(name, "grid value", "finite", bad.map_or(0.0, |v| f64::from(*v)), f64::is_finite)
 }
 
 fn check_joint(joint: &JointDesc, desc: &WorldDesc) -> Result<(), ModelError> {

@@ -27,7 +27,8 @@ pub struct Input {
     pub prescribed: Vec<[Vec3; 2]>,
     /// Per rigid body: force \[N\] at the centre of mass and torque \[N m\], world.
     pub wrenches: Vec<[Vec3; 2]>,
-    /// Per joint and axis: torque on the child, opposite on the parent \[N m\].
+    /// Per joint and measured axis (`JointKind::angles`): torque on the child, opposite on the
+    /// parent \[N m\].
     pub joint_torques: Vec<[f64; 2]>,
     /// Per node of all deformable bodies, in order: force, world \[N\].
     pub node_forces: Vec<Vec3>,
@@ -38,7 +39,7 @@ pub struct Input {
 pub struct ContactPoint {
     /// The bodies A and B.
     pub bodies: [BodyId; 2],
-    /// Collision-surface vertex of body A nearest to the point, when A is deformable.
+    /// Collision-surface vertex nearest to the point, of each body that is deformable.
     pub vertices: [Option<u32>; 2],
     /// Place, world \[m\].
     pub position_W: Vec3,
@@ -101,7 +102,8 @@ pub struct StepReport {
     pub joint_misalignment_max: f64,
     /// Elements with negative volume.
     pub inverted_tets: u32,
-    /// The step produced a number that is not finite and was taken back.
+    /// The step produced a number that is not finite or beyond any sense, and was taken back: all
+    /// is where it was, at rest.
     pub non_finite: bool,
 }
 

@@ -9,6 +9,7 @@ mod io;
 mod model;
 mod reference;
 mod response;
+mod stability;
 mod start;
 mod state;
 mod two_step;
@@ -24,6 +25,7 @@ use crate::math::{Pose, Vec3};
 use crate::model::{SolverKind, SolverSettings, WorldDesc};
 use crate::skeleton::axis_states;
 use crate::solver::Convergence;
+use check::is_time_step;
 use state::Scratch;
 use std::ops::Range;
 
@@ -61,7 +63,10 @@ impl World {
     }
 
     /// Moves the world forward by one time step: the paper's Sec. 4. Allocates nothing (with the
-    /// two-step solver).
+    /// two-step solver; a clone fills its work space in its first steps).
+    ///
+    /// # Panics
+    /// When a list of `input` is shorter than [`World::input`] makes it.
     pub fn step(&mut self, input: &Input, timer: &mut impl StageTimer) -> StepReport {
         let Self { desc, model, state, scratch, detector, places, time_step: h } = self;
         let (h, settings) = (*h, &desc.solver);
@@ -82,7 +87,7 @@ impl World {
         } else {
             two_step::unconstrained_deformation(settings, model, state, scratch) //       (11)
         };
-        sound &= cg.is_some() && state.is_finite();
+        sound &= cg.is_some() && state.is_sound();
 
         timer.begin(Some(Stage::Detect));
         if sound {
@@ -105,7 +110,7 @@ impl World {
 
         timer.begin(Some(Stage::Embed));
         advance::advance(model, state, h);
-        sound &= state.is_finite();
+        sound &= state.is_sound();
         if !sound {
             advance::take_back(state, &scratch.before);
             scratch.contacts.clear();
@@ -151,9 +156,9 @@ impl World {
         self.time_step
     }
 
-    /// Changes the time step \[s\]; ignored unless positive and finite.
+    /// Changes the time step \[s\]; ignored unless positive and at most 10 s.
     pub fn set_time_step(&mut self, h: f64) {
-        if h > 0.0 && h.is_finite() {
+        if is_time_step(h) {
             self.time_step = h;
         }
     }
@@ -191,16 +196,6 @@ impl World {
     /// Linear \[m/s\] and angular \[rad/s\] velocity of a rigid body, world, at its centre of mass.
     pub fn rigid_velocity(&self, i: u32) -> [Vec3; 2] {
         [self.state.v[2 * i as usize], self.state.v[2 * i as usize + 1]]
-    }
-
-    /// Places a rigid body; values that are not finite are ignored.
-    pub fn set_rigid_state(&mut self, i: u32, pose_WB: Pose, velocity_W: [Vec3; 2]) {
-        let finite = velocity_W.iter().flat_map(|v| v.iter()).all(|x| x.is_finite());
-        if finite && pose_WB.is_finite() {
-            let i = i as usize;
-            self.state.poses_WB[i] = pose_WB;
-            self.state.v[2 * i..2 * i + 2].copy_from_slice(&velocity_W);
-        }
     }
 
     /// Angles of a joint's measured axes \[rad\]; zero where there is none.

@@ -1,19 +1,34 @@
 //! Start states other than rest.
 
-use crate::math::Vec3;
+use crate::math::{Pose, Vec3};
 use crate::world::World;
+use crate::world::state::{is_sound_pose, is_sound_position, is_sound_velocity};
 
 impl World {
+    /// Places a rigid body, with linear \[m/s\] and angular \[rad/s\] velocity. Ignored when a number
+    /// is not finite or beyond 1e9. The flesh around a bone stays where it is.
+    ///
+    /// # Panics
+    /// When there is no rigid body `i`.
+    pub fn set_rigid_state(&mut self, i: u32, pose_WB: Pose, velocity_W: [Vec3; 2]) {
+        if velocity_W.iter().all(is_sound_velocity) && is_sound_pose(&pose_WB) {
+            let i = i as usize;
+            self.state.poses_WB[i] = pose_WB;
+            self.state.v[2 * i..2 * i + 2].copy_from_slice(&velocity_W);
+            self.detector.forget();
+        }
+    }
+
     /// Places the nodes of a deformable body \[m\]; their velocities stay. Ignored when the number
-    /// of positions is not that of its nodes or one is not finite. Held nodes are held where they
+    /// of positions is not that of its nodes or one is not finite or beyond 1e9. Held nodes are held where they
     /// are put.
     pub fn set_nodes(&mut self, soft: u32, positions_W: &[Vec3]) {
         let range = self.node_range(soft);
-        let finite = positions_W.iter().flat_map(|x| x.iter()).all(|x| x.is_finite());
-        if !finite || positions_W.len() != range.len() {
+        if !positions_W.iter().all(is_sound_position) || positions_W.len() != range.len() {
             return;
         }
         self.state.x[range].copy_from_slice(positions_W);
+        self.detector.forget();
         self.embed();
     }
 }

@@ -9,6 +9,11 @@ use crate::solver::{
 };
 use crate::world::{ContactPoint, Model};
 
+/// A state beyond these is taken for a failed step, not for motion \[m, m/s, rad/s\]: products of
+/// numbers within them stay finite, so that a step can always go on from such a state.
+const POSITION_MAX: f64 = 1e9;
+const SPEED_MAX: f64 = 1e9;
+
 /// The state at one instant.
 #[derive(Clone, Debug)]
 pub struct State {
@@ -64,12 +69,11 @@ impl State {
         }
     }
 
-    /// True when every number is finite.
-    pub fn is_finite(&self) -> bool {
-        let finite = |v: &Vec3| v.iter().all(|x| x.is_finite());
-        self.poses_WB.iter().all(Pose::is_finite)
-            && self.x.iter().all(finite)
-            && self.v.iter().all(finite)
+    /// True when every number is finite and nothing is farther than 1e9 m or faster than 1e9 m/s.
+    pub fn is_sound(&self) -> bool {
+        self.poses_WB.iter().all(is_sound_pose)
+            && self.x.iter().all(is_sound_position)
+            && self.v.iter().all(is_sound_velocity)
     }
 
     /// FNV-1a over every bit of the state: equal states, equal hashes.
@@ -89,6 +93,21 @@ impl State {
         }
         hash.0
     }
+}
+
+/// True for a place that a step can go on from.
+pub fn is_sound_position(x: &Vec3) -> bool {
+    x.iter().all(|x| x.abs() <= POSITION_MAX)
+}
+
+/// True for a velocity \[m/s or rad/s\] that a step can go on from.
+pub fn is_sound_velocity(v: &Vec3) -> bool {
+    v.iter().all(|v| v.abs() <= SPEED_MAX)
+}
+
+/// True for a pose that a step can go on from.
+pub fn is_sound_pose(pose: &Pose) -> bool {
+    is_sound_position(&pose.position) && pose.is_finite()
 }
 
 /// FNV-1a, 64 bits, fed by eight bytes at a time.
