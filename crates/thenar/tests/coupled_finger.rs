@@ -12,6 +12,32 @@ use thenar::{Pose, Quat, Vec3, World};
 const DRIVE: Drive =
     Drive { stiffness: 400.0, damping: 1.0, angular_stiffness: 0.4, angular_damping: 1e-3 };
 
+const WEAK: Drive =
+    Drive { stiffness: 20.0, damping: 0.05, angular_stiffness: 0.02, angular_damping: 5e-5 };
+
+/// The finger with this flesh in step 1, with or without closing its joint.
+fn with(flesh: FleshInStep1, close_joints: bool, kappa: f64, h: f64) -> WorldDesc {
+    let mut desc = finger(kappa, h);
+    desc.solver.step1_flesh = flesh;
+    desc.solver.close_joints = close_joints;
+    desc
+}
+
+/// Largest speed of the second bone \[m/s\] once the start is over, infinite when a step failed.
+fn fastest(desc: WorldDesc, drive: Drive) -> f64 {
+    let (mut world, input) = driven(desc, drive);
+    let mut speed = 0.0_f64;
+    for i in 0..400 {
+        if world.step(&input, &mut ()).non_finite {
+            return f64::INFINITY;
+        }
+        if i > 100 {
+            speed = speed.max(world.rigid_velocity(1)[0].norm());
+        }
+    }
+    speed
+}
+
 /// Root driven to its place, second bone to a bent pose.
 fn driven(mut desc: WorldDesc, drive: Drive) -> (World, Input) {
     desc.drives = vec![Some(drive), Some(drive)];
@@ -109,35 +135,45 @@ fn without_joints_both_solvers_agree() {
 /// (the paper's scheme "limits the stiffness of this coupling").
 #[test]
 fn lumped_flesh_is_stable_where_frozen_flesh_diverges() {
-    let weak =
-        Drive { stiffness: 20.0, damping: 0.05, angular_stiffness: 0.02, angular_damping: 5e-5 };
-    // Largest speed after the start, infinite when a step failed.
-    let fastest = |flesh: FleshInStep1, kappa: f64, h: f64, drive: Drive| {
-        let mut desc = finger(kappa, h);
-        desc.solver.step1_flesh = flesh;
-        desc.solver.close_joints = flesh == FleshInStep1::Lumped;
-        let (mut world, input) = driven(desc, drive);
-        let mut speed = 0.0_f64;
-        for i in 0..400 {
-            if world.step(&input, &mut ()).non_finite {
-                return f64::INFINITY;
-            }
-            if i > 100 {
-                speed = speed.max(world.rigid_velocity(1)[0].norm());
-            }
-        }
-        speed
-    };
-    for drive in [DRIVE, weak] {
+    for drive in [DRIVE, WEAK] {
         for h in [1e-3, 5e-3, 1.0 / 60.0] {
             for kappa in [1e7, 1e8, 1e9, 1e10] {
-                let speed = fastest(FleshInStep1::Lumped, kappa, h, drive);
+                let speed = fastest(with(FleshInStep1::Lumped, true, kappa, h), drive);
                 assert!(speed < 0.5, "h {h}, kappa {kappa}: {speed} m/s");
             }
         }
     }
     for (h, kappa) in [(1e-3, 1e10), (5e-3, 1e9), (1.0 / 60.0, 1e9)] {
-        let speed = fastest(FleshInStep1::Frozen, kappa, h, weak);
+        let speed = fastest(with(FleshInStep1::Frozen, false, kappa, h), WEAK);
         assert!(speed > 10.0, "frozen flesh at h {h}, kappa {kappa}: {speed} m/s");
+    }
+}
+
+/// What diverges is warned of, and what is not warned of is stable: the stiffest coupling without
+/// a warning is found and run, with the paper's scheme and with its joints closed afterwards.
+#[test]
+fn frozen_flesh_is_warned_of_before_it_diverges() {
+    let warned =
+        |desc: &WorldDesc| !World::new(desc.clone()).unwrap().stability_warnings().is_empty();
+    for close_joints in [false, true] {
+        for h in [1e-3, 5e-3, 1.0 / 60.0] {
+            let frozen = |kappa: f64| with(FleshInStep1::Frozen, close_joints, kappa, h);
+            let (mut calm, mut wild) = (5.0_f64, 12.0_f64);
+            assert!(!warned(&frozen(10_f64.powf(calm))) && warned(&frozen(10_f64.powf(wild))));
+            for _ in 0..30 {
+                let middle = 0.5 * (calm + wild);
+                *(if warned(&frozen(10_f64.powf(middle))) { &mut wild } else { &mut calm }) =
+                    middle;
+            }
+            for drive in [DRIVE, WEAK] {
+                let speed = fastest(frozen(10_f64.powf(calm)), drive);
+                assert!(speed < 0.5, "close {close_joints}, h {h}, kappa 1e{calm:.2}: {speed} m/s");
+            }
+            let diverging = with(FleshInStep1::Frozen, close_joints, 1e12, h);
+            assert!(warned(&diverging));
+            let speed = fastest(diverging, WEAK);
+            assert!(speed > 10.0, "close {close_joints}, h {h}: only {speed} m/s");
+            assert!(!warned(&with(FleshInStep1::Lumped, close_joints, 1e12, h)));
+        }
     }
 }

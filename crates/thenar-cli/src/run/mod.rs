@@ -98,6 +98,9 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         Some(s) => (s / session.world().time_step()).round().max(1.0) as u64,
         None => session.steps_wanted(),
     };
+    for warning in session.world().stability_warnings() {
+        eprintln!("warning: {warning}");
+    }
     let mut outputs = Outputs::create(args, &session, steps)?;
     interrupt::listen();
     let outcome = advance(&mut session, steps, &mut outputs, args.quiet)?;
