@@ -86,9 +86,13 @@ impl Anticipation {
                 self.pass_over_contacts(d, contacts, settings.cone, who);
             }
             if all && contacts.rows.iter().all(|row| row.lambda.x == 0.0) {
-                // Nothing presses: contact changes nothing.
+                // Nothing presses at x. With x = 0 that is the solution; a first guess that already
+                // pushes bodies apart proves nothing, so look again from rest.
+                if x.iter().all(|x| *x == Vec3::zeros()) {
+                    return Convergence { iterations: convergence.iterations + 1, residual: 0.0 };
+                }
                 x.fill(Vec3::zeros());
-                return Convergence { iterations: convergence.iterations + 1, residual: 0.0 };
+                continue;
             }
             self.gather_impulse(contacts);
             let change2 = self.relax(a, d, x);
@@ -227,6 +231,34 @@ mod tests {
     use crate::math::Mat3;
     use crate::solver::Monolithic;
     use crate::testing::Random;
+
+    /// A first guess that already carries the node away from the wall, by way of its neighbour, must
+    /// not pass for the answer that nothing presses.
+    #[test]
+    fn a_good_first_guess_does_not_hide_a_contact() {
+        let mut a = BlockMatrix::with_pattern(2, [(0, 1)]);
+        for (i, j, k) in [(0, 0, 2.0), (1, 1, 2.0), (0, 1, -1.0), (1, 0, -1.0)] {
+            a.add_scalar(a.entry(i, j), k);
+        }
+        let mut d = BlockDiagonal::new(0, 2);
+        assert!(d.refresh(&a));
+        let mut rows = ContactRows::with_capacity(0, 1);
+        let i = rows.begin(&Vec3::y(), 0.0, &Vec3::zeros());
+        rows.hold_node(0, 1.0);
+        rows.rows[i].target = Vec3::new(0.5, 0.0, 0.0);
+        let settings = AnticipationSettings {
+            tolerance: 1e-9,
+            sweeps_max: 100,
+            inner_passes: 2,
+            cone: Cone::Circular,
+        };
+        for start in [0.0, 0.5, 3.0] {
+            let mut x = [Vec3::zeros(), Vec3::y() * start];
+            Anticipation::new(0, 2).solve(&a, &d, &mut rows.clone(), &settings, &mut x);
+            assert!((x[0].y - 0.5).abs() < 1e-6, "from {start}: {}", x[0].y);
+            assert!((x[1].y - 0.25).abs() < 1e-6, "from {start}: {}", x[1].y);
+        }
+    }
 
     /// One rigid body on springs to a chain of nodes, all of it being pushed against walls: the
     /// impulses must be those of the dense solution.
