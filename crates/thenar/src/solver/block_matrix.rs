@@ -2,7 +2,7 @@
 
 use crate::math::{Mat3, Vec3};
 
-/// A 3×3 block, row-major.
+/// A 3×3 block, column-major, so that its product with a vector adds whole columns.
 pub type Block = [f64; 9];
 
 /// Block compressed sparse rows; both triangles are stored, columns ascending in each row.
@@ -75,7 +75,7 @@ impl BlockMatrix {
         let block = &mut self.blocks[entry as usize];
         for r in 0..3 {
             for c in 0..3 {
-                block[3 * r + c] += m[(r, c)];
+                block[3 * c + r] += m[(r, c)];
             }
         }
     }
@@ -90,7 +90,7 @@ impl BlockMatrix {
 
     /// The block stored at `entry`.
     pub fn get(&self, entry: u32) -> Mat3 {
-        Mat3::from_row_slice(&self.blocks[entry as usize])
+        Mat3::from_column_slice(&self.blocks[entry as usize])
     }
 
     /// Row `i` of `A x`.
@@ -101,10 +101,9 @@ impl BlockMatrix {
         for (block, &j) in self.blocks[row.clone()].iter().zip(&self.columns[row]) {
             let x = &x[j as usize];
             for c in 0..3 {
-                let x = x[c];
-                y[0] += block[c] * x;
-                y[1] += block[3 + c] * x;
-                y[2] += block[6 + c] * x;
+                for r in 0..3 {
+                    y[r] += block[3 * c + r] * x[c];
+                }
             }
         }
         Vec3::from(y)
@@ -124,9 +123,9 @@ impl BlockMatrix {
             let j = self.columns[k];
             let transposed = self.entry(j, i as u32) as usize;
             for r in 0..3 {
-                rhs[j as usize][r] -= self.blocks[transposed][3 * r + axis] * value;
-                self.blocks[transposed][3 * r + axis] = 0.0;
-                self.blocks[k][3 * axis + r] = 0.0;
+                rhs[j as usize][r] -= self.blocks[transposed][3 * axis + r] * value;
+                self.blocks[transposed][3 * axis + r] = 0.0;
+                self.blocks[k][3 * r + axis] = 0.0;
             }
         }
         self.blocks[self.diagonal[i] as usize][4 * axis] = 1.0;

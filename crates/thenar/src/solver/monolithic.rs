@@ -23,7 +23,7 @@ impl Monolithic {
             for k in A.row(i) {
                 let j = A.columns[k] as usize;
                 for (e, value) in A.blocks[k].iter().enumerate() {
-                    lu.add(3 * i + e / 3, 3 * j + e % 3, *value);
+                    lu.add(3 * i + e % 3, 3 * j + e / 3, *value);
                 }
             }
         }
