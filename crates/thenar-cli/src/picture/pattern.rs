@@ -2,6 +2,7 @@
 
 use super::V;
 use super::colour::{hex, vector};
+use super::raster::floor;
 use super::scene3d::Pattern;
 
 /// The colour at (u, v) \[m\] averaged over about `footprint` \[m\].
@@ -48,10 +49,10 @@ fn wood(u: f32, v: f32, footprint: f32) -> V {
 
 /// Smooth noise of unit cells in [0, 1].
 fn noise(x: f32, y: f32) -> f32 {
-    let (ix, iy) = (x.floor(), y.floor());
+    let (ix, iy) = (floor(x), floor(y));
     let ease = |t: f32| t * t * (3.0 - 2.0 * t);
-    let (u, v) = (ease(x - ix), ease(y - iy));
-    let at = |dx: i32, dy: i32| hash(ix as i32 + dx, iy as i32 + dy);
+    let (u, v) = (ease(x - ix as f32), ease(y - iy as f32));
+    let at = |dx: i32, dy: i32| hash(ix.wrapping_add(dx), iy.wrapping_add(dy));
     (at(0, 0) * (1.0 - u) + at(1, 0) * u) * (1.0 - v) + (at(0, 1) * (1.0 - u) + at(1, 1) * u) * v
 }
 

@@ -116,7 +116,7 @@ impl<'a> Shader<'a> {
         let albedo = pattern::colour(&ground.pattern, place(0), place(1), footprint);
         let open = self.occlusion.as_ref().map_or(1.0, |o| o.open(&p));
         let normal = ground.plane.normal;
-        let material = Material { specular: 0.02, rim: 0.0, ..Material::matte([1.0; 3]) };
+        let material = Material { specular: 0.0, rim: 0.0, ..Material::matte([1.0; 3]) };
         let lit = self.reflect(&p, &normal, &albedo, open, &material);
         // The ground fades into the backdrop before it flickers.
         let far = ((p - V::zeros()).norm() / ground.fade).min(1.0);
@@ -168,7 +168,8 @@ impl<'a> Shader<'a> {
     /// light arrives.
     fn reflect(&self, p: &V, normal: &V, albedo: &V, open: f32, material: &Material) -> V {
         // What is drawn over everything lies in nothing's shadow.
-        let open = if material.on_top { 1.0 } else { open };
+        // In the narrowest gap some light still gets about.
+        let open = if material.on_top { 1.0 } else { open.max(0.1) };
         let light = &self.sky;
         let eye = (self.view.eye - p).normalize();
         let facing = normal.dot(&light.towards);
@@ -192,6 +193,9 @@ impl<'a> Shader<'a> {
             (light.floor + (light.sky - light.floor) * half_up).component_mul(&open_colour);
         let body = albedo.component_mul(&(light.key.component_mul(&diffuse) * lit + ambient));
 
+        if material.specular + material.rim <= 0.0 {
+            return body;
+        }
         let across = 1.0 - normal.dot(&eye).clamp(0.0, 1.0);
         let fresnel = across * across * across * across;
         let halfway = (light.towards + eye).normalize();

@@ -2,7 +2,7 @@
 
 use super::V;
 use super::assemble::Geometry;
-use super::raster::Setup;
+use super::raster::{Setup, floor};
 
 /// What a parallel light sees first, on a square of `size`² texels.
 pub(super) struct DepthMap {
@@ -42,10 +42,13 @@ impl DepthMap {
         let corner = low.map(|c| if c.is_finite() { c - 2.0 * texel } else { 0.0 });
         let mut map =
             Self { towards, axes, corner, texel, size, heights: vec![BELOW; size * size] };
+        let places: Vec<[f32; 3]> = geometry.points.iter().map(|p| map.locate(p)).collect();
         for triangle in casters {
-            let corners = triangle.map(|i| map.locate(&geometry.points[i as usize]));
+            let corners = triangle.map(|i| places[i as usize]);
             // Seen from the light, outward faces turn one way only; y grows upwards here.
-            if let Some(setup) = Setup::new(corners) {
+            if covers_a_middle(&corners)
+                && let Some(setup) = Setup::new(corners)
+            {
                 setup.raise(size, &mut map.heights);
             }
         }
@@ -69,14 +72,25 @@ impl DepthMap {
     /// Part of the four texels around (x, y) that lets light through to `height`, 0 to 1.
     pub(super) fn lit(&self, x: f32, y: f32, height: f32) -> f32 {
         let (fx, fy) = (x - 0.5, y - 0.5);
-        let (ix, iy) = (fx.floor(), fy.floor());
-        let (u, v) = (fx - ix, fy - iy);
-        let open =
-            |dx: i32, dy: i32| f32::from(self.height(ix as i32 + dx, iy as i32 + dy) <= height);
+        let (ix, iy) = (floor(fx), floor(fy));
+        let (u, v) = (fx - ix as f32, fy - iy as f32);
+        let open = |dx: i32, dy: i32| {
+            f32::from(self.height(ix.saturating_add(dx), iy.saturating_add(dy)) <= height)
+        };
         let top = open(0, 0) * (1.0 - u) + open(1, 0) * u;
         let bottom = open(0, 1) * (1.0 - u) + open(1, 1) * u;
         top * (1.0 - v) + bottom * v
     }
+}
+
+/// Whether the box round a triangle holds the middle of a texel: most triangles of a fine mesh
+/// slip between them.
+fn covers_a_middle(corners: &[[f32; 3]; 3]) -> bool {
+    (0..2).all(|k| {
+        let [a, b, c] = corners.map(|p| p[k] - 0.5);
+        // Vertices are snapped to 1/256 texel, so a little more room on each side.
+        floor(a.min(b).min(c) - 0.004) < floor(a.max(b).max(c) + 0.004)
+    })
 }
 
 /// Texels that one coarse cell stands for.
@@ -128,7 +142,7 @@ impl Shadow {
         let (mut sum, mut count) = (0.0, 0);
         for d in &self.disc {
             let (tx, ty) = (x + reach * d[0], y + reach * d[1]);
-            let caster = self.map.height(tx.floor() as i32, ty.floor() as i32);
+            let caster = self.map.height(floor(tx), floor(ty));
             if caster > height {
                 sum += caster - height;
                 count += 1;
@@ -138,7 +152,7 @@ impl Shadow {
     }
 
     fn highest_near(&self, x: f32, y: f32) -> f32 {
-        let cell = |c: f32| (c / BLOCK as f32).floor() as i32 + MARGIN;
+        let cell = |c: f32| floor(c / BLOCK as f32).saturating_add(MARGIN);
         let (i, j) = (cell(x), cell(y));
         let last = self.coarse_size as i32 + 2 * MARGIN;
         if i < 0 || j < 0 || i >= last || j >= last {
