@@ -70,7 +70,14 @@ fn one_bad_step_does_not_spoil_the_next() {
             let (time, before) = (world.time(), world.nodes(0).to_vec());
             let mut spoiled = input.clone();
             spoil(&mut spoiled, x);
-            assert!(world.step(&spoiled, &mut ()).non_finite, "{name} {x} must be reported");
+            let report = world.step(&spoiled, &mut ());
+            if name.starts_with("target") && !x.is_finite() {
+                // A tracker's bad sample lets go of its bone for a step; the world goes on.
+                assert!(report.bad_targets == 1 && !report.non_finite, "{name} {x}: {report:?}");
+                assert!(world.time() > time && world.energy(&spoiled).total().is_finite());
+                continue;
+            }
+            assert!(report.non_finite, "{name} {x} must be reported");
             assert_eq!((world.time(), world.nodes(0)), (time, &before[..]), "{name} {x}");
             for i in 0..100 {
                 assert!(!world.step(&input, &mut ()).non_finite, "{name} {x}: step {i} after it");

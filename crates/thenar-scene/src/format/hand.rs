@@ -39,8 +39,8 @@ table! {
         position: Vec3 where PLACE = Vec3::zeros();
         /// Start rotation. Default none.
         rotation: Option<At<Rotation>>;
-        /// Spring between flesh and bones per volume of flesh [N/m⁴]. Default 1e8.
-        coupling_stiffness: f64 where SPRING = 1e8;
+        /// Spring between flesh and bones per volume of flesh [N/m⁴]. Default 2e9.
+        coupling_stiffness: f64 where SPRING = 2e9;
         /// Damping time of these springs [s]. Default 0.001.
         coupling_damping_time: f64 where SPRING = 1e-3;
         /// Changes to the flesh.

@@ -25,7 +25,7 @@ words! {
 words! {
     /// What step 1 assumes of the flesh.
     pub enum FleshWord {
-        /// It yields by its own inertia; stable at any coupling stiffness.
+        /// It yields by its own inertia; stable at stiff couplings too.
         "lumped" => Lumped,
         /// It does not move (Eq. 10); diverges when the coupling is stiff.
         "frozen" => Frozen,

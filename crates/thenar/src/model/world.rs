@@ -57,7 +57,7 @@ pub enum Cone {
 pub enum FleshInStep1 {
     /// It does not move, as in the paper (Eq. 10). Diverges when the coupling is stiff.
     Frozen,
-    /// It yields by its own inertia. Stable at any coupling stiffness.
+    /// It yields by its own inertia. Stable at couplings far stiffer than with frozen flesh.
     Lumped,
 }
 

@@ -41,7 +41,8 @@ pub fn skeleton(
     for b in 0..model.rigids.len() {
         if model.rigids[b].moves {
             add_inertia(model, state, input, b, h, scratch);
-            if let (Some(drive), Some(target)) = (&desc.drives[b], &input.targets[b]) {
+            // A target that is not finite pulls nowhere: a tracker's bad sample lets go for a step.
+            if let (Some(drive), Some(target)) = (&desc.drives[b], input.target(b)) {
                 let (diagonal, rhs) = linearise_drive(drive, target, &state.poses_WB[b], h);
                 for part in 0..2 {
                     add_to_body(scratch, b, part, &Mat3::from_diagonal_element(diagonal[part]));

@@ -19,7 +19,7 @@ impl World {
             energy.kinetic += 0.5
                 * (body.mass * state.v[2 * b].norm_squared() + spin.dot(&(body.inertia * spin)));
             energy.gravity -= body.mass * input.gravity.dot(&pose.position);
-            if let (Some(drive), Some(target)) = (&self.desc.drives[b], &input.targets[b]) {
+            if let (Some(drive), Some(target)) = (&self.desc.drives[b], input.target(b)) {
                 energy.drive += drive_energy(drive, target, pose);
             }
         }
@@ -66,7 +66,7 @@ impl World {
     /// Force \[N\] and torque \[N m\] that the drive of rigid body `i` puts on it at this state.
     pub fn drive_wrench(&self, i: u32, input: &Input) -> [Vec3; 2] {
         let b = i as usize;
-        let (Some(drive), Some(target)) = (&self.desc.drives[b], &input.targets[b]) else {
+        let (Some(drive), Some(target)) = (&self.desc.drives[b], input.target(b)) else {
             return [Vec3::zeros(); 2];
         };
         let [force, torque] = drive_force(drive, target, &self.state.poses_WB[b]);

@@ -14,6 +14,26 @@ pub struct Target {
     pub angular_velocity_W: Vec3,
 }
 
+impl Target {
+    /// True when every number is finite.
+    pub fn is_finite(&self) -> bool {
+        let rates = self.velocity_W.iter().chain(self.angular_velocity_W.iter());
+        self.pose_WB.is_finite() && rates.copied().all(f64::is_finite)
+    }
+}
+
+impl Input {
+    /// How many targets are not finite.
+    pub fn bad_targets(&self) -> u32 {
+        self.targets.iter().flatten().filter(|target| !target.is_finite()).count() as u32
+    }
+
+    /// The target of rigid body `b`, unless it is not finite.
+    pub fn target(&self, b: usize) -> Option<&Target> {
+        self.targets[b].as_ref().filter(|target| target.is_finite())
+    }
+}
+
 /// Everything from outside that acts during one step. Made by `World::input`, sized for its
 /// world, and refilled by the caller; entries default to nothing acting.
 #[derive(Clone, Debug)]
@@ -102,6 +122,8 @@ pub struct StepReport {
     pub joint_misalignment_max: f64,
     /// Elements with negative volume.
     pub inverted_tets: u32,
+    /// Targets that were not finite; their drives let go for the step.
+    pub bad_targets: u32,
     /// The step produced a number that is not finite or beyond any sense, and was taken back: all
     /// is where it was, at rest.
     pub non_finite: bool,

@@ -70,7 +70,7 @@ impl World {
     pub fn step(&mut self, input: &Input, timer: &mut impl StageTimer) -> StepReport {
         let Self { desc, model, state, scratch, detector, places, time_step: h } = self;
         let (h, settings) = (*h, &desc.solver);
-        let mut report = StepReport::default();
+        let mut report = StepReport { bad_targets: input.bad_targets(), ..StepReport::default() };
         scratch.remember(state);
 
         timer.begin(Some(Stage::Skeleton));
