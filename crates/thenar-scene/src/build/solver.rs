@@ -25,6 +25,8 @@ pub fn settings(table: Option<&SolverTable>) -> SolverSettings {
             FleshWord::Frozen => FleshInStep1::Frozen,
         };
     }
+    // Frozen flesh is the paper's scheme, which leaves the joints to the next step.
+    s.close_joints = s.step1_flesh == FleshInStep1::Lumped;
     set(&mut s.close_joints, t.close_joints);
     set(&mut s.cg_tolerance, t.cg_tolerance);
     set(&mut s.cg_iterations_max, t.cg_iterations_max);

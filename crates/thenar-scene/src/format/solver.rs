@@ -41,8 +41,8 @@ table! {
         cone: Option<ConeWord>;
         /// Flesh in step 1: "lumped" (default) or "frozen" (the paper's).
         step1_flesh: Option<FleshWord>;
-        /// Close the joints once more at the end of each step (default true); the paper leaves that
-        /// to the next step.
+        /// Close the joints once more at the end of each step: default true with lumped flesh; false
+        /// with frozen flesh, as in the paper, which leaves that to the next step.
         close_joints: Option<bool>;
         /// Conjugate gradients stop at this residual relative to the right-hand side. Default 1e-5.
         cg_tolerance: Option<f64> where TOLERANCE;

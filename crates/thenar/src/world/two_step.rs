@@ -43,16 +43,7 @@ pub fn articulated_body(model: &Model, state: &mut State, h: f64, scratch: &mut 
     }
     wanted_rates(model, state, h, scratch);
     scratch.S_kept.copy_from_slice(&scratch.bones.diagonal);
-    let solved = scratch.articulated.solve(
-        &mut scratch.bones.diagonal,
-        &scratch.bones.edge,
-        &scratch.joints,
-        &mut scratch.r,
-        &scratch.c,
-        &mut scratch.dv,
-        &mut scratch.lambda,
-    );
-    if !solved {
+    if !solve_bones(scratch) {
         return false;
     }
 
@@ -80,16 +71,7 @@ pub fn close_joints(model: &Model, state: &mut State, h: f64, scratch: &mut Scra
     scratch.r.fill(Vec6::zeros());
     scratch.bones.diagonal.copy_from_slice(&scratch.S_kept);
     wanted_rates(model, state, h, scratch);
-    let solved = scratch.articulated.solve(
-        &mut scratch.bones.diagonal,
-        &scratch.bones.edge,
-        &scratch.joints,
-        &mut scratch.r,
-        &scratch.c,
-        &mut scratch.dv,
-        &mut scratch.lambda,
-    );
-    if !solved {
+    if !solve_bones(scratch) {
         return false;
     }
     add_change(model, state, scratch);
@@ -107,6 +89,19 @@ pub fn close_joints(model: &Model, state: &mut State, h: f64, scratch: &mut Scra
         }
     }
     true
+}
+
+/// `[S Jᵀ; J 0] [Δ; λ] = [r; c]` by the tree; false when a pivot is singular.
+fn solve_bones(scratch: &mut Scratch) -> bool {
+    scratch.articulated.solve(
+        &mut scratch.bones.diagonal,
+        &scratch.bones.edge,
+        &scratch.joints,
+        &mut scratch.r,
+        &scratch.c,
+        &mut scratch.dv,
+        &mut scratch.lambda,
+    )
 }
 
 /// `c = -C/Δt - J v` for the present velocities.
