@@ -75,6 +75,12 @@ impl Anticipation {
         settings: &AnticipationSettings,
         x: &mut [Vec3],
     ) -> Convergence {
+        if contacts.rows.iter().all(|row| row.target.x <= 0.0) {
+            // The contact-free velocities keep every gap open: nothing presses.
+            contacts.rows.iter_mut().for_each(|row| row.lambda = Vec3::zeros());
+            x.fill(Vec3::zeros());
+            return Convergence::default();
+        }
         contacts.refresh_responses(d);
         self.find_touched(contacts);
         let mut convergence = Convergence { iterations: 0, residual: f64::INFINITY };
@@ -84,15 +90,6 @@ impl Anticipation {
             for pass in 0..settings.inner_passes {
                 let who = if all && pass == 0 { Who::All } else { Who::Pressing };
                 self.pass_over_contacts(d, contacts, settings.cone, who);
-            }
-            if all && contacts.rows.iter().all(|row| row.lambda.x == 0.0) {
-                // Nothing presses at x. With x = 0 that is the solution; a first guess that already
-                // pushes bodies apart proves nothing, so look again from rest.
-                if x.iter().all(|x| *x == Vec3::zeros()) {
-                    return Convergence { iterations: convergence.iterations + 1, residual: 0.0 };
-                }
-                x.fill(Vec3::zeros());
-                continue;
             }
             self.gather_impulse(contacts);
             let change2 = self.relax(a, d, x);

@@ -41,7 +41,7 @@ fn dense(A: &BlockMatrix) -> Matrix {
     for i in 0..A.rows() {
         for k in A.row(i) {
             for (e, value) in A.blocks[k].iter().enumerate() {
-                rows[3 * i + e / 3][3 * A.columns[k] as usize + e % 3] = *value;
+                rows[3 * i + e % 3][3 * A.columns[k] as usize + e / 3] = *value;
             }
         }
     }
