@@ -2,8 +2,8 @@
 //!
 //! The method, in order:
 //! 1. Vertices closer than 1e-6 of the size are welded; triangles are made to agree on their
-//!    outside, closed pieces face outward (cavities stay), open pieces that mostly enclose
-//!    something too.
+//!    outside, and closed pieces face outward (cavities stay). Open pieces keep the side they
+//!    have: one that faces inward encloses nothing and becomes a shell (4).
 //! 2. The inside is where the generalised winding number is at least ½, on a grid of distances.
 //!    Overlapping parts so become one body, and holes are closed by the surface that the
 //!    remaining mesh suggests.
