@@ -160,7 +160,10 @@ impl Anticipation {
             }
             let w = contacts.relative_velocity(row, &self.anticipated);
             let value = row.frame * w - row.target;
-            let lambda = project(cone, row.friction, &row.response, &value, &row.lambda);
+            let mut lambda = project(cone, row.friction, &row.response, &value, &row.lambda);
+            if lambda.x > row.impulse_max {
+                lambda *= row.impulse_max / lambda.x;
+            }
             let change = row.frame.tr_mul(&(lambda - row.lambda));
             if change != Vec3::zeros() {
                 contacts.scatter_response(row, &change, d, &mut self.anticipated);

@@ -18,6 +18,8 @@ pub struct ContactRow {
     pub friction: f64,
     /// Wanted `J Δv`: at least this along the normal, exactly this along a sticking tangent \[m/s\].
     pub target: Vec3,
+    /// Largest normal impulse \[N s\].
+    pub impulse_max: f64,
     /// Impulse in the contact frame \[N s\].
     pub lambda: Vec3,
     /// Own response `J D⁻¹ Jᵀ` \[1/kg\].
@@ -67,6 +69,7 @@ impl ContactRows {
             rigids: [None; 2],
             friction,
             target: Vec3::zeros(),
+            impulse_max: f64::INFINITY,
             response: Mat3::zeros(),
         });
         self.rows.len() - 1

@@ -11,6 +11,12 @@ use crate::world::{ContactPoint, StepReport};
 /// A penetrating point is moved out no faster than this \[m/s\], lest it be thrown out.
 const PUSH_OUT_SPEED_MAX: f64 = 0.5;
 
+/// A surface point deeper than this is caught: perhaps between two bodies that cannot both let it
+/// out \[m\]. It is then pushed no harder than `CAUGHT_FORCE_MAX` \[N\], lest a contradiction
+/// between contacts pump energy into the flesh without end.
+const CAUGHT_DEPTH: f64 = 2e-3;
+const CAUGHT_FORCE_MAX: f64 = 5.0;
+
 /// Finds the points that touch, or would within the step at the contact-free velocities.
 pub fn detect(
     margin: f64,
@@ -51,6 +57,12 @@ pub fn build_rows(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
         let v = row.frame * rows.relative_velocity(row, &state.v);
         let wanted = (-scratch.found[i].gap / h).min(PUSH_OUT_SPEED_MAX);
         rows.rows[i].target = Vec3::new(wanted, 0.0, 0.0) - v;
+        let soft = [&scratch.found[i].a, &scratch.found[i].b]
+            .iter()
+            .any(|site| matches!(site, Site::Soft(_)));
+        if soft && scratch.found[i].gap < -CAUGHT_DEPTH {
+            rows.rows[i].impulse_max = CAUGHT_FORCE_MAX * h;
+        }
     }
 }
 
