@@ -1,0 +1,4 @@
+//! Serves a live simulation: a thread that steps a scene in real time, the binary protocol of
+//! `docs/protocol.md`, and the page that draws it.
+
+pub mod hub;
