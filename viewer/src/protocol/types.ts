@@ -1,0 +1,281 @@
+// What the live protocol carries, as docs/protocol.md sets it down.
+// Metres, newtons, seconds, radians; right-handed world frame, +y up; quaternions x, y, z, w.
+
+export const PROTOCOL_VERSION = 1;
+
+export type Vec3 = readonly [number, number, number];
+/** Position then quaternion. */
+export type Pose7 = readonly [number, number, number, number, number, number, number];
+export type Rgb = readonly [number, number, number];
+
+export type Side = "left" | "right";
+export type Digit = "palm" | "thumb" | "index" | "middle" | "ring" | "little";
+/** In the order of a snapshot's finger table. */
+export const DIGITS: readonly Digit[] = ["palm", "thumb", "index", "middle", "ring", "little"];
+
+/** Triangles whose vertices are weighted sums of one tetrahedron's nodes. */
+export interface Surface {
+  /** Tetrahedron of each vertex. */
+  readonly tets: Uint32Array;
+  /** Four weights per vertex. */
+  readonly weights: Float32Array;
+  readonly triangles: Uint32Array;
+  /** Four bytes per vertex, sRGB, or null. */
+  readonly colours: Uint8Array | null;
+}
+
+export interface RigidMesh {
+  /** In the body frame, m. */
+  readonly positions: Float32Array;
+  readonly triangles: Uint32Array;
+  readonly colours: Uint8Array | null;
+}
+
+export type ShapeKind = "bone" | "plane" | "sphere" | "capsule" | "box" | "mesh" | "none";
+
+export interface RigidModel {
+  readonly name: string;
+  readonly kind: ShapeKind;
+  readonly fixed: boolean;
+  readonly radius: number | null;
+  readonly half_length: number | null;
+  readonly half: Vec3 | null;
+  readonly pose_BS: Pose7;
+  readonly colour: Rgb | null;
+  readonly mesh: RigidMesh | null;
+}
+
+/** The skinning target of a node: sum of weight * (bone position + bone rotation * offset). */
+export interface Skin {
+  /** Two rigids per node. */
+  readonly bones: Uint16Array;
+  /** Two per node. */
+  readonly weights: Float32Array;
+  /** Two offsets per node, six numbers. */
+  readonly offsets: Float32Array;
+}
+
+export interface SoftModel {
+  readonly name: string;
+  readonly look: "skin" | "bread" | "rubber";
+  readonly colour: Rgb | null;
+  /** Index into hands. */
+  readonly hand: number | null;
+  /** First node in a snapshot. */
+  readonly node_start: number;
+  /** Rest shape, three numbers per node, m. */
+  readonly nodes: Float32Array;
+  /** Four local nodes each. */
+  readonly tets: Uint32Array;
+  readonly render: Surface;
+  readonly collision: Surface;
+  readonly skin: Skin | null;
+}
+
+export interface HandBone {
+  readonly name: string;
+  /** Index in the hand's list. */
+  readonly parent: number | null;
+  readonly digit: Digit;
+  readonly ends_B: readonly [Vec3, Vec3];
+  readonly radius: number;
+  readonly mass: number;
+}
+
+/** One of a hand's 20 joint angles, rad. */
+export interface HandAngle {
+  readonly joint: string;
+  readonly rest: number;
+  readonly min: number;
+  readonly max: number;
+}
+
+export interface HandModel {
+  readonly name: string;
+  readonly side: Side;
+  readonly soft: number | null;
+  /** Wrist to middle fingertip, m. */
+  readonly length: number;
+  readonly bone_start: number;
+  readonly bone_count: number;
+  /** First bone in a snapshot's targets. */
+  readonly target_start: number;
+  readonly bones: readonly HandBone[];
+  /** Wrist frame (WebXR: -z towards the fingers, +y out of the back) in the palm bone. */
+  readonly wrist_B: Pose7;
+  /** Per digit, thumb first: base flexion, base spread, second flexion, third flexion. */
+  readonly angles: readonly (HandAngle | null)[];
+  /** Per collision vertex, an index into DIGITS. */
+  readonly collision_digits: Uint8Array;
+}
+
+export interface SceneCamera {
+  readonly position: Vec3;
+  readonly target: Vec3;
+  readonly fov_deg: number;
+}
+
+export interface SceneModel {
+  readonly epoch: number;
+  readonly scene: string;
+  readonly title: string;
+  readonly description: string;
+  readonly time_step: number;
+  readonly duration: number;
+  readonly camera: SceneCamera | null;
+  readonly rigids: readonly RigidModel[];
+  readonly softs: readonly SoftModel[];
+  readonly hands: readonly HandModel[];
+  /** Sums over the bodies, to check snapshots against. */
+  readonly node_count: number;
+  readonly target_count: number;
+}
+
+/** Bits of `Snapshot.flags`. */
+export const FLAG = {
+  paused: 1,
+  failed: 2,
+  slow: 4,
+  contactsLeftOut: 8,
+  scripted: 16,
+  tracked: 32,
+} as const;
+
+/** Soft bodies are numbered from here in a contact. */
+export const SOFT_BODY = 32768;
+/** In place of a collision vertex: the body is rigid. */
+export const NO_VERTEX = 65535;
+
+/** Contacts of one snapshot, read in place. Force is on body A; the normal runs from B to A. */
+export interface Contacts {
+  readonly count: number;
+  bodyA(i: number): number;
+  bodyB(i: number): number;
+  vertexA(i: number): number;
+  vertexB(i: number): number;
+  /** Twelve numbers per contact from `12 * i`: [bodies, vertices as bits], place 2..4, force 5..7,
+   * normal force 8 N, area 9 m², slip 10 m/s, gap 11 m. */
+  readonly numbers: Float32Array;
+}
+
+export interface Snapshot {
+  readonly epoch: number;
+  readonly flags: number;
+  readonly number: number;
+  readonly steps: number;
+  /** Simulated, s. */
+  readonly time: number;
+  /** Cost of the last step, ms. */
+  readonly stepCost: number;
+  /** What a step may cost, ms. */
+  readonly stepBudget: number;
+  /** Simulated over real time. */
+  readonly speed: number;
+  readonly energy: { readonly total: number; readonly kinetic: number; readonly elastic: number };
+  /** Deepest penetration, m. */
+  readonly penetration: number;
+  /** Largest joint gap, m. */
+  readonly jointGap: number;
+  /** Newest pose message that acted, 0 if none. */
+  readonly poseNumber: number;
+  readonly sweeps: number;
+  /** Seven numbers per rigid body. */
+  readonly rigids: Float32Array;
+  /** Three numbers per node. */
+  readonly nodes: Float32Array;
+  /** Seven numbers per tracked bone; NaN where none. */
+  readonly targets: Float32Array;
+  /** Eighteen numbers per hand: per digit normal force N, shear force N, area m². */
+  readonly fingers: Float32Array;
+  readonly contacts: Contacts;
+  /** Bytes of the message. */
+  readonly bytes: number;
+  /** `performance.now()` when it came, ms. */
+  readonly received: number;
+}
+
+export interface SceneEntry {
+  readonly name: string;
+  readonly title: string;
+}
+
+export interface Welcome {
+  readonly type: "welcome";
+  readonly protocol: number;
+  readonly server: string;
+  /** This client's number. */
+  readonly client: number;
+  readonly scenes: readonly SceneEntry[];
+}
+
+interface SettingBase {
+  readonly key: string;
+  readonly label: string;
+  readonly help: string;
+  readonly group: string;
+  readonly unit: string;
+}
+
+export interface RangeSetting extends SettingBase {
+  readonly value: number;
+  readonly min: number;
+  readonly max: number;
+  readonly scale: "linear" | "log";
+}
+
+export interface ChoiceSetting extends SettingBase {
+  readonly value: string;
+  readonly choices: readonly string[];
+}
+
+export type Setting = RangeSetting | ChoiceSetting;
+
+export function isChoice(setting: Setting): setting is ChoiceSetting {
+  return "choices" in setting;
+}
+
+export type HandsChoice = "scene" | "left" | "right" | "both";
+
+export interface Status {
+  readonly type: "status";
+  /** The client that holds control, or null. */
+  readonly control: number | null;
+  readonly viewers: number;
+  readonly paused: boolean;
+  readonly speed: number;
+  readonly scene: string;
+  /** What is being loaded, or null. */
+  readonly loading: string | null;
+  readonly hands: HandsChoice;
+  readonly settings: readonly Setting[];
+}
+
+export interface ErrorMessage {
+  readonly type: "error";
+  readonly message: string;
+}
+
+export interface Pong {
+  readonly type: "pong";
+  readonly t: number;
+  /** The server's clock, s. */
+  readonly server: number;
+}
+
+export type ServerText = Welcome | Status | ErrorMessage | Pong;
+
+export type Command =
+  | { readonly type: "control"; readonly take: boolean }
+  | { readonly type: "run"; readonly paused: boolean }
+  | { readonly type: "step" }
+  | { readonly type: "reset" }
+  | { readonly type: "speed"; readonly value: number }
+  | { readonly type: "scene"; readonly name: string }
+  | {
+      readonly type: "hands";
+      readonly which: HandsChoice;
+      readonly lengths: { readonly left: number | null; readonly right: number | null };
+    }
+  | { readonly type: "script" }
+  | { readonly type: "set"; readonly key: string; readonly value: number | string }
+  | { readonly type: "ping"; readonly t: number };

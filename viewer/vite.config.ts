@@ -1,0 +1,22 @@
+import { defineConfig } from "vitest/config";
+
+// Where the built page goes: the cargo build sets THENAR_PAGE_OUT; by hand it is viewer/dist.
+const outDir = process.env["THENAR_PAGE_OUT"] ?? "dist";
+// Which `thenar serve` the development server passes the socket on to.
+const server = process.env["THENAR_SERVER"] ?? "http://127.0.0.1:8427";
+
+export default defineConfig({
+  base: "./",
+  build: {
+    outDir,
+    emptyOutDir: true,
+    target: "es2022",
+    modulePreload: { polyfill: false },
+    // The server's content security policy allows files of its own only, no data: addresses.
+    assetsInlineLimit: 0,
+    reportCompressedSize: false,
+    chunkSizeWarningLimit: 1200,
+  },
+  server: { proxy: { "/live": { target: server, ws: true } } },
+  test: { include: ["test/**/*.test.ts", "src/**/*.test.ts"], environment: "node" },
+});
