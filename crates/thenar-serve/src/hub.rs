@@ -1,12 +1,19 @@
 //! Where the simulation thread and the clients meet: the newest model, snapshot and status go out,
 //! commands and poses come in. Neither side ever waits for the other.
 
+use crate::protocol::text;
 use bytes::Bytes;
-use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
-use tokio::sync::watch;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::time::Duration;
+use tokio::sync::{broadcast, watch};
 
-/// Messages from clients that may wait for the simulation; more are refused.
-const INBOX: usize = 256;
+/// Messages of one client that may wait for the simulation; more are refused. A client that floods
+/// fills its own share and nobody else's.
+const WAITING_MAX: u32 = 64;
+/// Shares. Two clients have the same one only when their numbers are a multiple of this apart.
+const SHARES: usize = 1024;
 
 /// A client, numbered from 1 in order of arrival.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -25,6 +32,17 @@ pub enum Event {
     Binary(ClientId, Bytes),
 }
 
+impl Event {
+    /// Who sent it, when it counts against that client's share. Coming and leaving does not: it
+    /// must never get lost.
+    fn sender(&self) -> Option<ClientId> {
+        match self {
+            Self::Joined(_) | Self::Left(_) => None,
+            Self::Text(client, _) | Self::Binary(client, _) => Some(*client),
+        }
+    }
+}
+
 /// A remark to one client.
 #[derive(Clone, Debug)]
 pub struct Note {
@@ -36,17 +54,52 @@ pub struct Note {
     pub refusal: bool,
 }
 
+/// A scene that a client may ask for.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct SceneName {
+    /// Name to ask by.
+    pub name: String,
+    /// What is to be seen.
+    pub title: String,
+}
+
+/// How many messages of each client wait.
+#[derive(Debug)]
+struct Shares([AtomicU32; SHARES]);
+
+impl Shares {
+    fn of(&self, client: ClientId) -> &AtomicU32 {
+        &self.0[client.0 as usize % SHARES]
+    }
+
+    /// Takes a place, if there is one.
+    fn take(&self, client: ClientId) -> bool {
+        let share = self.of(client);
+        let had = share.fetch_add(1, Ordering::Relaxed);
+        if had >= WAITING_MAX {
+            share.fetch_sub(1, Ordering::Relaxed);
+        }
+        had < WAITING_MAX
+    }
+
+    fn give_back(&self, client: ClientId) {
+        self.of(client).fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
 /// The clients' end: cheap to clone, safe to share.
 #[derive(Clone, Debug)]
 pub struct Hub {
-    /// The newest model message.
+    /// The newest model message; empty before the first.
     pub model: watch::Receiver<Bytes>,
-    /// The newest snapshot message.
+    /// The newest snapshot message; empty before the first.
     pub snapshot: watch::Receiver<Bytes>,
-    /// The newest status message.
+    /// The newest status message; empty before the first.
     pub status: watch::Receiver<String>,
-    notes: tokio::sync::broadcast::Sender<Note>,
-    inbox: SyncSender<Event>,
+    notes: broadcast::Sender<Note>,
+    inbox: Sender<Event>,
+    shares: Arc<Shares>,
+    scenes: Arc<[SceneName]>,
 }
 
 /// The simulation's end.
@@ -58,8 +111,9 @@ pub struct Desk {
     pub snapshot: watch::Sender<Bytes>,
     /// The newest status message.
     pub status: watch::Sender<String>,
-    notes: tokio::sync::broadcast::Sender<Note>,
+    notes: broadcast::Sender<Note>,
     inbox: Receiver<Event>,
+    shares: Arc<Shares>,
 }
 
 /// Why an event was not taken.
@@ -73,44 +127,120 @@ pub enum Refused {
     Ended,
 }
 
-/// Two ends that belong together.
+/// Two ends that belong together, without scenes to choose from.
 pub fn pair() -> (Hub, Desk) {
+    pair_with(Vec::new())
+}
+
+/// Two ends that belong together; clients may choose between `scenes`.
+pub fn pair_with(scenes: Vec<SceneName>) -> (Hub, Desk) {
     let (model_in, model) = watch::channel(Bytes::new());
     let (snapshot_in, snapshot) = watch::channel(Bytes::new());
     let (status_in, status) = watch::channel(String::new());
-    let (notes, _) = tokio::sync::broadcast::channel(256);
-    let (sender, inbox) = sync_channel(INBOX);
-    let hub = Hub { model, snapshot, status, notes: notes.clone(), inbox: sender };
-    (hub, Desk { model: model_in, snapshot: snapshot_in, status: status_in, notes, inbox })
+    let (notes, _) = broadcast::channel(256);
+    let (sender, inbox) = channel();
+    let shares = Arc::new(Shares(std::array::from_fn(|_| AtomicU32::new(0))));
+    let hub = Hub {
+        model,
+        snapshot,
+        status,
+        notes: notes.clone(),
+        inbox: sender,
+        shares: shares.clone(),
+        scenes: scenes.into(),
+    };
+    (hub, Desk { model: model_in, snapshot: snapshot_in, status: status_in, notes, inbox, shares })
 }
 
 impl Hub {
-    /// Hands an event to the simulation, without waiting.
+    /// Hands an event to the simulation, without waiting. Joining and leaving is always taken.
     ///
     /// # Errors
-    /// Too many wait, or the simulation has ended.
+    /// Too many messages of this client wait, or the simulation has ended.
     pub fn submit(&self, event: Event) -> Result<(), Refused> {
-        self.inbox.try_send(event).map_err(|error| match error {
-            TrySendError::Full(_) => Refused::Busy,
-            TrySendError::Disconnected(_) => Refused::Ended,
-        })
+        let sender = event.sender();
+        if sender.is_some_and(|client| !self.shares.take(client)) {
+            return Err(Refused::Busy);
+        }
+        self.inbox.send(event).map_err(|_| Refused::Ended)
     }
 
     /// Remarks to clients from now on; each connection picks its own.
-    pub fn notes(&self) -> tokio::sync::broadcast::Receiver<Note> {
+    pub fn notes(&self) -> broadcast::Receiver<Note> {
         self.notes.subscribe()
+    }
+
+    /// The first message to a client.
+    pub fn welcome(&self, client: ClientId) -> String {
+        text::welcome(client, &self.scenes)
     }
 }
 
 impl Desk {
     /// The next event, if one waits.
     pub fn next(&self) -> Option<Event> {
-        self.inbox.try_recv().ok()
+        self.inbox.try_recv().ok().inspect(|event| self.took(event))
+    }
+
+    /// The next event, waiting for it at most this long.
+    ///
+    /// # Errors
+    /// All clients' ends are gone: nothing will ever come.
+    pub fn wait(&self, longest: Duration) -> Result<Option<Event>, Refused> {
+        match self.inbox.recv_timeout(longest) {
+            Ok(event) => {
+                self.took(&event);
+                Ok(Some(event))
+            }
+            Err(RecvTimeoutError::Timeout) => Ok(None),
+            Err(RecvTimeoutError::Disconnected) => Err(Refused::Ended),
+        }
+    }
+
+    fn took(&self, event: &Event) {
+        if let Some(client) = event.sender() {
+            self.shares.give_back(client);
+        }
     }
 
     /// Remarks something to a client.
     pub fn note(&self, note: Note) {
         // Nobody listening is fine: the client has left.
         let _ = self.notes.send(note);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_flood_fills_its_own_share_only_and_joining_is_never_refused() {
+        let (hub, desk) = pair();
+        let (loud, calm) = (ClientId(1), ClientId(2));
+        let text = |client| Event::Text(client, "{}".into());
+        let taken = (0..10_000).filter(|_| hub.submit(text(loud)).is_ok()).count();
+        assert_eq!(taken, 64);
+        assert_eq!(hub.submit(text(loud)), Err(Refused::Busy));
+        assert_eq!(hub.submit(text(calm)), Ok(()));
+        assert_eq!(hub.submit(Event::Left(loud)), Ok(()));
+        // Order is kept, and places come back as messages are taken.
+        for _ in 0..64 {
+            assert_eq!(desk.next(), Some(text(loud)));
+        }
+        assert_eq!(desk.next(), Some(text(calm)));
+        assert_eq!(desk.next(), Some(Event::Left(loud)));
+        assert_eq!(desk.next(), None);
+        assert_eq!(hub.submit(text(loud)), Ok(()));
+    }
+
+    #[test]
+    fn each_end_learns_that_the_other_has_gone() {
+        let (hub, desk) = pair();
+        drop(desk);
+        assert_eq!(hub.submit(Event::Joined(ClientId(1))), Err(Refused::Ended));
+        let (hub, desk) = pair();
+        drop(hub);
+        assert_eq!(desk.wait(Duration::from_secs(9)), Err(Refused::Ended));
     }
 }

@@ -2,3 +2,4 @@
 //! `docs/protocol.md`, and the page that draws it.
 
 pub mod hub;
+pub mod protocol;

@@ -2,9 +2,9 @@
 
 use super::actors::{Hand, Rigid, Soft};
 use super::colour::{Rgb, from_srgb_triple};
-use super::surface::crust_colours;
 use super::{Camera, Material, Stage};
 use thenar::Vec3;
+use thenar_rig::object::crust;
 use thenar_scene::build::{BuiltHand, SoftBuild};
 use thenar_scene::format::SoftShape;
 use thenar_scene::session::Session;
@@ -77,14 +77,13 @@ fn soft<'a>(session: &'a Session, i: usize, built: &'a SoftBuild) -> Soft<'a> {
     let shape = session.scene().soft.get(i).map(|s| &s.shape.value);
     let bread = matches!(shape, Some(SoftShape::Bread(_)));
     let flesh = &session.world().desc().softs[built.soft as usize].flesh;
-    let crust: Option<Vec<Rgb>> =
-        bread.then(|| crust_colours(&built.render, &flesh.tets, &flesh.nodes));
+    let colours: Option<Vec<Rgb>> = bread.then(|| crust(&built.render, &flesh.tets, &flesh.nodes));
     let material = if bread { Material::crust() } else { Material::rubber() };
     Soft {
         index: built.soft,
         render: &built.render,
         material: tinted(material, built.colour),
-        colours: crust,
+        colours,
         hand: None,
     }
 }

@@ -46,21 +46,3 @@ pub fn bone_colours(soft: &Soft) -> Option<Vec<Rgb>> {
     };
     Some(skin.iter().map(blend).collect())
 }
-
-/// Bread: brown on top, golden at the sides, pale below, a little uneven. From the rest shape.
-pub fn crust_colours(surface: &EmbeddedSurface, tets: &[[u32; 4]], nodes: &[Vec3]) -> Vec<Rgb> {
-    let positions = embedded(surface, tets, nodes);
-    let normals = super::normals::smooth(&positions, &surface.triangles);
-    let (low, high) = positions
-        .iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p.y), h.max(p.y)));
-    let colour = |(p, n): (&Vec3, &Vec3)| -> Rgb {
-        let rise = (p.y - low) / (high - low).max(1e-9);
-        let spots =
-            (p.x * 310.0).sin() * (p.z * 270.0 + 1.3).sin() + (p.x * 95.0 + p.z * 120.0).sin();
-        let bake = (0.25 + 0.45 * rise + 0.3 * n.y.max(0.0) + 0.05 * spots).clamp(0.0, 1.0) as f32;
-        let (pale, brown) = ([1.15, 1.2, 1.3], [0.62, 0.46, 0.33]);
-        std::array::from_fn(|k| pale[k] + bake * (brown[k] - pale[k]))
-    };
-    positions.iter().zip(&normals).map(colour).collect()
-}

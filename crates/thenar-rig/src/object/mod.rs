@@ -3,6 +3,7 @@
 mod boundary;
 mod bread;
 mod car;
+mod crust;
 mod import;
 mod lattice_box;
 mod primitive;
@@ -13,6 +14,7 @@ mod solids;
 pub use boundary::boundary_surface;
 pub use bread::{Bread, bread};
 pub use car::{Car, toy_car};
+pub use crust::crust;
 pub use import::{ImportOptions, Interior, MeshReport, Weight, rigid_from_mesh};
 pub use lattice_box::{Cubes, graded, graded_block, lattice_box};
 pub use primitive::{rigid_box, rigid_capsule, rigid_sphere, static_plane};

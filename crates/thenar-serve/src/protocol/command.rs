@@ -1,0 +1,139 @@
+//! Commands from clients, strictly read.
+
+use super::TEXT_BYTES_MAX;
+use serde::{Deserialize, Serialize};
+
+/// A command.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(tag = "type", rename_all = "lowercase", deny_unknown_fields)]
+pub enum Command {
+    /// Take control, or give it up.
+    Control {
+        /// Take it.
+        take: bool,
+    },
+    /// Pause or go on.
+    Run {
+        /// Pause.
+        paused: bool,
+    },
+    /// One step while paused.
+    Step {},
+    /// Back to the start.
+    Reset {},
+    /// Slow motion.
+    Speed {
+        /// Simulated over real time.
+        value: f64,
+    },
+    /// Another scene.
+    Scene {
+        /// Its name.
+        name: String,
+    },
+    /// Other hands.
+    Hands {
+        /// Which.
+        which: HandChoice,
+        /// How long they are.
+        #[serde(default)]
+        lengths: Lengths,
+    },
+    /// The script moves the hands again.
+    Script {},
+    /// A setting.
+    Set {
+        /// Which.
+        key: String,
+        /// To what.
+        value: Value,
+    },
+    /// A question whether anybody is there.
+    Ping {
+        /// The client's time \[s\].
+        t: f64,
+    },
+}
+
+/// Which hands are in the scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum HandChoice {
+    /// Those that the scene says.
+    #[default]
+    Scene,
+    /// A left one.
+    Left,
+    /// A right one.
+    Right,
+    /// One of each.
+    Both,
+}
+
+/// Lengths of hands from wrist to middle fingertip \[m\]; `None` is the model's own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Lengths {
+    /// Of the left one.
+    #[serde(default)]
+    pub left: Option<f64>,
+    /// Of the right one.
+    #[serde(default)]
+    pub right: Option<f64>,
+}
+
+/// The value of a setting.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(untagged)]
+pub enum Value {
+    /// A number.
+    Number(f64),
+    /// One of the setting's choices.
+    Text(String),
+}
+
+impl Command {
+    /// Slowest motion.
+    pub const SPEED_MIN: f64 = 0.02;
+
+    /// Reads a text message.
+    ///
+    /// # Errors
+    /// It is no command, or a number in it is out of range; the text says why.
+    pub fn read(text: &str) -> Result<Self, String> {
+        if text.len() > TEXT_BYTES_MAX {
+            return Err(format!(
+                "a message of {} bytes; at most {TEXT_BYTES_MAX} are taken",
+                text.len()
+            ));
+        }
+        let command: Self =
+            serde_json::from_str(text).map_err(|error| format!("not a command: {error}"))?;
+        command.check()?;
+        Ok(command)
+    }
+
+    fn check(&self) -> Result<(), String> {
+        match self {
+            Self::Speed { value } if !(Self::SPEED_MIN..=1.0).contains(value) => {
+                Err(format!("speed {value}; expected {} to 1", Self::SPEED_MIN))
+            }
+            Self::Hands { lengths, .. } => {
+                let bad = |l: &&f64| !(HAND_MIN..=HAND_MAX).contains(*l);
+                match lengths.left.iter().chain(&lengths.right).find(bad) {
+                    Some(l) => Err(format!(
+                        "a hand {l} m long; expected {HAND_MIN} to {HAND_MAX} m from wrist to middle \
+                         fingertip"
+                    )),
+                    None => Ok(()),
+                }
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Shortest hand, wrist to middle fingertip \[m\]: a small child's.
+const HAND_MIN: f64 = 0.08;
+/// Longest \[m\].
+const HAND_MAX: f64 = 0.30;

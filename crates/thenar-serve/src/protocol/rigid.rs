@@ -1,0 +1,107 @@
+//! Rigid bodies in a model message.
+
+use super::arrays::{Array, Arrays, seven};
+use serde::Serialize;
+use thenar::contact::Shape;
+use thenar::model::{Motion, RigidDesc};
+use thenar_rig::TriMesh;
+use thenar_rig::object::Paint;
+use thenar_scene::build::RigidLook;
+
+/// A rigid body.
+#[derive(Debug, Serialize)]
+pub struct Rigid {
+    name: String,
+    kind: &'static str,
+    fixed: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    radius: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    half_length: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    half: Option<[f64; 3]>,
+    pose_BS: [f64; 7],
+    colour: Option<[f64; 3]>,
+    mesh: Option<Mesh>,
+}
+
+#[derive(Debug, Serialize)]
+struct Mesh {
+    positions: Array,
+    triangles: Array,
+    colours: Option<Array>,
+}
+
+/// Describes a body. `scripted` bodies are led along a path, so that prescribed motion does not
+/// mean they never move.
+pub fn rigid(
+    desc: &RigidDesc,
+    look: Option<&RigidLook>,
+    bone: bool,
+    scripted: bool,
+    arrays: &mut Arrays,
+) -> Rigid {
+    let (mut kind, mut radius, mut half_length, mut half) = ("none", None, None, None);
+    match &desc.shape {
+        _ if bone => kind = "bone",
+        None => {}
+        Some(Shape::HalfSpace) => kind = "plane",
+        Some(Shape::Sphere { radius: r }) => (kind, radius) = ("sphere", Some(*r)),
+        Some(Shape::Capsule { radius: r, half_length: l }) => {
+            (kind, radius, half_length) = ("capsule", Some(*r), Some(*l));
+        }
+        Some(Shape::Cuboid { half: h }) => (kind, half) = ("box", Some([h.x, h.y, h.z])),
+        Some(Shape::Mesh(_)) => kind = "mesh",
+    }
+    let colour = look.and_then(|look| look.colour);
+    let mesh = match (look.and_then(|look| look.mesh.as_ref()), &desc.shape) {
+        (Some((mesh, paint)), _) => {
+            // A colour that the scene gives goes over the mesh's own.
+            let paint: &[Paint] = if colour.is_some() { &[] } else { paint };
+            Some(drawn(mesh, paint, arrays))
+        }
+        (None, Some(Shape::Mesh(shape))) => {
+            let points: Vec<_> = shape.points.iter().map(|p| desc.pose_BS.point(p)).collect();
+            Some(Mesh {
+                positions: arrays.points(&points),
+                triangles: arrays.triangles(&shape.triangles),
+                colours: None,
+            })
+        }
+        (None, _) => None,
+    };
+    Rigid {
+        name: desc.name.clone(),
+        kind,
+        fixed: desc.motion == Motion::Prescribed && !scripted,
+        radius,
+        half_length,
+        half,
+        pose_BS: seven(&desc.pose_BS),
+        colour,
+        mesh,
+    }
+}
+
+fn drawn(mesh: &TriMesh, paint: &[Paint], arrays: &mut Arrays) -> Mesh {
+    Mesh {
+        positions: arrays.points(&mesh.positions),
+        triangles: arrays.triangles(&mesh.triangles),
+        colours: (!paint.is_empty())
+            .then(|| arrays.u8(4, painted(mesh, paint).into_iter().flatten())),
+    }
+}
+
+/// Colours of a mesh's vertices; its parts share none.
+fn painted(mesh: &TriMesh, paint: &[Paint]) -> Vec<[u8; 4]> {
+    let mut colours = vec![[204, 204, 204, 255]; mesh.positions.len()];
+    for (k, part) in paint.iter().enumerate() {
+        let end = paint.get(k + 1).map_or(mesh.triangles.len(), |next| next.first as usize);
+        let triangles = mesh.triangles.get(part.first as usize..end).unwrap_or_default();
+        let [r, g, b] = part.colour.map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8);
+        for vertex in triangles.iter().flatten() {
+            colours[*vertex as usize] = [r, g, b, 255];
+        }
+    }
+    colours
+}
