@@ -2,4 +2,5 @@
 //! `docs/protocol.md`, and the page that draws it.
 
 pub mod hub;
+pub mod live;
 pub mod protocol;

@@ -1,0 +1,84 @@
+//! Makes scenes ready on a thread of their own, one at a time; of several wishes the last counts.
+
+use super::source::{Catalogue, LiveError, Ready, Recipe};
+use crate::hub::ClientId;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+
+/// Who wished what.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wish {
+    /// To be told should it fail; `None` is the loop itself.
+    pub client: Option<ClientId>,
+    /// What.
+    pub recipe: Recipe,
+}
+
+/// What became of a wish.
+pub type Made = Result<Box<Ready>, String>;
+
+/// The thread, if it is at work, and what comes after.
+#[derive(Debug)]
+pub struct Builder {
+    catalogue: Arc<Catalogue>,
+    working: Option<(Wish, Receiver<Made>)>,
+    next: Option<Wish>,
+}
+
+impl Builder {
+    /// Nothing to do yet.
+    pub fn new(catalogue: Catalogue) -> Self {
+        Self { catalogue: Arc::new(catalogue), working: None, next: None }
+    }
+
+    /// The scenes there are.
+    pub fn catalogue(&self) -> &Catalogue {
+        &self.catalogue
+    }
+
+    /// What is wished for last, unless it is done.
+    pub fn wished(&self) -> Option<&Recipe> {
+        self.next.as_ref().or(self.working.as_ref().map(|(wish, _)| wish)).map(|wish| &wish.recipe)
+    }
+
+    /// Makes this, after what is being made.
+    pub fn wish(&mut self, wish: Wish) {
+        self.next = Some(wish);
+        self.begin();
+    }
+
+    /// What has been made since the last call. What has been overtaken by another wish is dropped.
+    pub fn take(&mut self) -> Option<(Wish, Made)> {
+        let made = match self.working.as_ref()?.1.try_recv() {
+            Ok(made) => made,
+            Err(TryRecvError::Empty) => return None,
+            Err(TryRecvError::Disconnected) => Err("the scene could not be made".into()),
+        };
+        let (wish, _) = self.working.take()?;
+        let overtaken = self.next.is_some();
+        self.begin();
+        (!overtaken).then_some((wish, made))
+    }
+
+    fn begin(&mut self) {
+        if self.working.is_some() {
+            return;
+        }
+        let Some(wish) = self.next.take() else { return };
+        let (done, made) = channel();
+        let (catalogue, recipe) = (self.catalogue.clone(), wish.recipe.clone());
+        let work = move || {
+            let make = || catalogue.make(&recipe).map(Box::new);
+            let made = match catch_unwind(AssertUnwindSafe(make)) {
+                Ok(made) => made.map_err(|error: LiveError| error.to_string()),
+                Err(_) => Err(format!("making the scene `{}` failed", recipe.scene)),
+            };
+            // The loop may have ended meanwhile.
+            let _ = done.send(made);
+        };
+        // Should no thread start, `done` is dropped and the wish fails.
+        let _ = std::thread::Builder::new().name("scene".into()).spawn(work);
+        self.working = Some((wish, made));
+    }
+}

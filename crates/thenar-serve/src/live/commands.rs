@@ -1,0 +1,141 @@
+//! What clients send, and what comes of it.
+
+use super::builder::Wish;
+use super::run::Loop;
+use super::source::Recipe;
+use crate::hub::ClientId;
+use crate::protocol::{Command, PoseMessage, text};
+use std::time::{Duration, Instant};
+
+/// A client whose poses fit no hand of the scene is told so no more often.
+const SCOLD_EVERY: Duration = Duration::from_secs(5);
+
+impl Loop {
+    /// A text message.
+    pub(super) fn text(&mut self, client: ClientId, message: &str) {
+        if !self.control.knows(client) {
+            return;
+        }
+        match Command::read(message) {
+            Err(reason) => self.refuse(client, &reason),
+            Ok(Command::Ping { t }) => {
+                self.tell(client, text::pong(t, self.started.elapsed().as_secs_f64()));
+            }
+            Ok(Command::Control { take }) => self.pass_control(client, take),
+            Ok(command) if self.may(client) => {
+                if let Err(reason) = self.act(client, command) {
+                    self.refuse(client, &reason);
+                }
+            }
+            Ok(_) => {}
+        }
+    }
+
+    /// A binary message.
+    pub(super) fn binary(&mut self, client: ClientId, message: &[u8]) {
+        if !self.control.knows(client) || !self.may(client) {
+            return;
+        }
+        let message = match PoseMessage::read(message) {
+            Ok(message) => message,
+            Err(reason) => return self.refuse(client, &reason.to_string()),
+        };
+        if message.number <= self.pose_number {
+            let (now, last) = (message.number, self.pose_number);
+            return self.refuse(client, &format!("pose message {now} after {last}: numbers rise"));
+        }
+        self.pose_number = message.number;
+        let Some(play) = &mut self.play else { return };
+        if let Err(reason) = play.pose(&message) {
+            // A headset tracks both hands whatever the scene has: that is no offence.
+            let now = Instant::now();
+            if self.scolded.is_none_or(|last| now - last > SCOLD_EVERY) {
+                self.scolded = Some(now);
+                self.tell(client, text::error(&reason));
+            }
+        }
+    }
+
+    /// True for who holds control. Others are refused, but for what they sent before they knew
+    /// that they had lost it.
+    fn may(&self, client: ClientId) -> bool {
+        let holder = self.control.holder();
+        if holder != Some(client) && !self.control.held_just_now(client, Instant::now()) {
+            let who = holder.map_or("nobody".into(), |holder| format!("client {}", holder.0));
+            let reason = format!("{who} holds control; take it to change anything");
+            self.refuse(client, &reason);
+        }
+        holder == Some(client)
+    }
+
+    fn pass_control(&mut self, client: ClientId, take: bool) {
+        let (before, now) = (self.control.holder(), Instant::now());
+        if take {
+            self.control.take(client, now);
+        } else {
+            self.control.give_up(client, now);
+        }
+        if self.control.holder() == before {
+            return;
+        }
+        self.hands_off();
+        if let Some(before) = before.filter(|before| *before != client) {
+            self.tell(before, text::error(&format!("client {} has taken control", client.0)));
+        }
+    }
+
+    fn act(&mut self, client: ClientId, command: Command) -> Result<(), String> {
+        match command {
+            Command::Run { paused } => {
+                self.paused = paused;
+                self.pacer.resume(Instant::now());
+                self.show();
+            }
+            Command::Step {} if self.paused => self.step(),
+            Command::Step {} => {
+                self.tell(client, text::error("pause first, then go step by step"));
+            }
+            Command::Reset {} => {
+                if let Some(play) = &mut self.play {
+                    play.reset();
+                }
+                self.show();
+            }
+            Command::Speed { value } => {
+                self.speed = value;
+                self.pacer.resume(Instant::now());
+            }
+            Command::Script {} => {
+                if let Some(play) = &mut self.play {
+                    play.follow_script();
+                }
+                self.show();
+            }
+            Command::Scene { name } => {
+                if !self.builder.catalogue().has(&name) {
+                    return Err(format!("no scene is named `{name}`"));
+                }
+                self.wish(client, |recipe| recipe.scene = name);
+            }
+            Command::Hands { which, lengths } => {
+                self.wish(client, |recipe| (recipe.hands, recipe.lengths) = (which, lengths));
+            }
+            Command::Set { key, value } => {
+                if let Some(play) = &mut self.play {
+                    play.set(&key, &value)?;
+                    self.set.retain(|(known, _)| *known != key);
+                    self.set.push((key, value));
+                }
+            }
+            Command::Control { .. } | Command::Ping { .. } => {}
+        }
+        Ok(())
+    }
+
+    /// Has a scene made ready that differs in something from what plays or is being made.
+    fn wish(&mut self, client: ClientId, change: impl FnOnce(&mut Recipe)) {
+        let mut recipe = self.builder.wished().unwrap_or(&self.recipe).clone();
+        change(&mut recipe);
+        self.builder.wish(Wish { client: Some(client), recipe });
+    }
+}

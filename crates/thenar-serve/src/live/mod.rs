@@ -1,0 +1,78 @@
+//! The simulation's thread: steps a scene in real time, takes what clients send and sends them
+//! what happens.
+//!
+//! It never waits for a client, and never for a scene to be made ready: that happens on another
+//! thread while the old scene goes on. It sleeps between steps. Where a step costs more than it
+//! may, simulated time goes slower than real time and every snapshot says so. Nobody watching, it
+//! rests after five seconds, and begins anew when somebody comes.
+
+mod builder;
+mod commands;
+mod control;
+mod pacer;
+mod play;
+mod publish;
+mod run;
+mod shim;
+mod source;
+mod status;
+
+pub use source::{LiveError, SceneSource};
+
+use crate::hub::{Hub, pair_with};
+use builder::Builder;
+use run::Loop;
+use source::Catalogue;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use thenar_scene::session::Session;
+
+/// Is shown the session after every step; must not take long.
+pub type Watcher = Box<dyn FnMut(&Session) + Send>;
+
+/// How to serve.
+#[derive(Default)]
+pub struct Options {
+    /// Set in the first scene, `key=value` as of `thenar run --set`.
+    pub overrides: Vec<String>,
+    /// Sees every step.
+    pub watcher: Option<Watcher>,
+}
+
+/// A running simulation; it ends when this is dropped.
+#[derive(Debug)]
+pub struct Live {
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Live {
+    /// Makes the scene ready and starts the simulation's thread.
+    ///
+    /// # Errors
+    /// There is no such scene, something in it is wrong, or no thread can be started.
+    pub fn start(source: &SceneSource, options: Options) -> Result<(Self, Hub), LiveError> {
+        let (catalogue, recipe) = Catalogue::new(source, &options.overrides)?;
+        let ready = catalogue.make(&recipe)?;
+        let (hub, desk) = pair_with(catalogue.names());
+        let stop = Arc::new(AtomicBool::new(false));
+        let told = stop.clone();
+        let mut running = Loop::new(desk, Builder::new(catalogue), options.watcher);
+        running.adopt(ready);
+        let thread = std::thread::Builder::new()
+            .name("simulation".into())
+            .spawn(move || running.run(&told))?;
+        Ok((Self { stop, thread: Some(thread) }, hub))
+    }
+}
+
+impl Drop for Live {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            // It catches its own panics; there is nothing to learn from its end.
+            let _ = thread.join();
+        }
+    }
+}

@@ -1,0 +1,292 @@
+//! The loop: events, steps, snapshots.
+
+use super::Watcher;
+use super::builder::{Builder, Wish};
+use super::control::Control;
+use super::pacer::Pacer;
+use super::play::Play;
+use super::publish::Publisher;
+use super::source::{Ready, Recipe};
+use super::status::Status;
+use crate::hub::{ClientId, Desk, Event, Note};
+use crate::protocol::{Pace, Value, flags, text};
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Nobody watching, the simulation rests after so long.
+const REST_AFTER: Duration = Duration::from_secs(5);
+/// Longest sleep, so that the end of the program or of a scene's making is not missed.
+const NAP: Duration = Duration::from_millis(50);
+/// Events taken between two looks at the clock.
+const EVENTS_AT_ONCE: usize = 256;
+/// Slower than this part of the wanted speed is called slow.
+const SLOW: f64 = 0.95;
+/// A simulation that fails so often within [`FAILURES_WITHIN`] is left alone.
+const FAILURES_MAX: usize = 3;
+const FAILURES_WITHIN: Duration = Duration::from_secs(30);
+
+/// Everything that the simulation's thread holds.
+pub struct Loop {
+    pub(super) desk: Desk,
+    pub(super) builder: Builder,
+    pub(super) control: Control,
+    /// `None` after a failure, until the scene has been made again.
+    pub(super) play: Option<Play>,
+    /// What plays, or played last.
+    pub(super) recipe: Recipe,
+    pub(super) paused: bool,
+    pub(super) speed: f64,
+    /// What clients have set in the scene, to be set again when its hands change.
+    pub(super) set: Vec<(String, Value)>,
+    /// Number of the last pose message of whoever holds control.
+    pub(super) pose_number: u32,
+    /// When a client was last told that there is no such hand.
+    pub(super) scolded: Option<Instant>,
+    pub(super) pacer: Pacer,
+    publisher: Publisher,
+    cost: Duration,
+    watcher: Option<Watcher>,
+    pub(super) started: Instant,
+    resting: bool,
+    empty_since: Option<Instant>,
+    problem: Option<String>,
+    failures: Vec<Instant>,
+}
+
+impl Loop {
+    /// A loop without a scene.
+    pub fn new(desk: Desk, builder: Builder, watcher: Option<Watcher>) -> Self {
+        let now = Instant::now();
+        Self {
+            desk,
+            builder,
+            control: Control::default(),
+            play: None,
+            recipe: Recipe::default(),
+            paused: false,
+            speed: 1.0,
+            set: Vec::new(),
+            pose_number: 0,
+            scolded: None,
+            pacer: Pacer::new(now),
+            publisher: Publisher::default(),
+            cost: Duration::ZERO,
+            watcher,
+            started: now,
+            resting: true,
+            empty_since: None,
+            problem: None,
+            failures: Vec::new(),
+        }
+    }
+
+    /// Runs until told to stop, or until all clients' ends are gone.
+    pub fn run(mut self, stop: &AtomicBool) {
+        while !stop.load(Ordering::Relaxed) {
+            match catch_unwind(AssertUnwindSafe(|| self.round())) {
+                Ok(true) => {}
+                Ok(false) => return,
+                Err(panic) => self.recover(panic.as_ref()),
+            }
+        }
+    }
+
+    /// Sleeps until a step is due or something comes. False when nothing can come any more.
+    fn round(&mut self) -> bool {
+        let Ok(mut event) = self.desk.wait(self.sleep()) else { return false };
+        for _ in 0..EVENTS_AT_ONCE {
+            let Some(one) = event else { break };
+            self.take(one);
+            event = self.desk.next();
+        }
+        if let Some(one) = event {
+            self.take(one);
+        }
+        self.adopt_what_is_made();
+        self.rest_or_wake();
+        if self.is_running() && Instant::now() >= self.pacer.due() {
+            self.step();
+        }
+        self.tell_status();
+        true
+    }
+
+    fn is_running(&self) -> bool {
+        !self.paused && !self.resting && self.play.is_some()
+    }
+
+    fn sleep(&self) -> Duration {
+        let due = self.pacer.due().saturating_duration_since(Instant::now());
+        if self.is_running() { due.min(NAP) } else { NAP }
+    }
+
+    fn take(&mut self, event: Event) {
+        match event {
+            Event::Joined(client) => self.control.join(client),
+            Event::Left(client) => {
+                let held = self.control.holder() == Some(client);
+                self.control.leave(client);
+                if held {
+                    self.hands_off();
+                }
+            }
+            Event::Text(client, text) => self.text(client, &text),
+            Event::Binary(client, bytes) => self.binary(client, &bytes),
+        }
+    }
+
+    /// Control has passed on: whoever moved the hands does so no more.
+    pub(super) fn hands_off(&mut self) {
+        self.pose_number = 0;
+        if let Some(play) = &mut self.play {
+            play.abandon(Instant::now());
+        }
+    }
+
+    /// One step, and a snapshot of it.
+    pub(super) fn step(&mut self) {
+        let Some(play) = &mut self.play else { return };
+        let begun = Instant::now();
+        play.step(begun);
+        self.cost = begun.elapsed();
+        if let Some(watcher) = &mut self.watcher {
+            watcher(play.session());
+        }
+        let h = play.session().world().time_step();
+        let period = Duration::from_secs_f64(h / self.speed);
+        self.pacer.stepped(h, period, begun);
+        if self.publisher.is_due(period) || self.paused {
+            self.show();
+        }
+    }
+
+    /// Sends a snapshot of how things stand.
+    pub(super) fn show(&mut self) {
+        let Some(play) = &self.play else { return };
+        let reached = self.pacer.speed().unwrap_or(self.speed);
+        let paused = if self.paused { flags::PAUSED } else { 0 };
+        let slow = if reached < SLOW * self.speed { flags::SLOW } else { 0 };
+        let pace = Pace {
+            flags: paused | slow | play.flags(),
+            cost_ms: self.cost.as_secs_f64() * 1e3,
+            budget_ms: play.session().world().time_step() / self.speed * 1e3,
+            speed: if self.paused { 0.0 } else { reached },
+            pose: play.newest_pose(),
+            ..Pace::default()
+        };
+        self.publisher.snapshot(play.session(), pace, &self.desk);
+    }
+
+    /// Puts a scene on that has been made ready.
+    pub fn adopt(&mut self, ready: Ready) {
+        let same = ready.recipe.scene == self.recipe.scene;
+        let mut play = Play::new(ready.session);
+        if !same {
+            self.set.clear();
+        }
+        // What the scene with other hands does not take is forgotten.
+        self.set.retain(|(key, value)| play.set(key, value).is_ok());
+        self.recipe = ready.recipe;
+        self.paused &= same;
+        self.problem = None;
+        self.publisher.model(ready.model, &self.desk);
+        self.play = Some(play);
+        self.pacer.resume(Instant::now());
+        self.show();
+    }
+
+    fn adopt_what_is_made(&mut self) {
+        match self.builder.take() {
+            None => {}
+            Some((_, Ok(ready))) => self.adopt(*ready),
+            Some((Wish { client, .. }, Err(problem))) => {
+                if let Some(client) = client {
+                    self.tell(client, text::error(&problem));
+                }
+                if self.play.is_none() {
+                    self.problem = Some(problem);
+                }
+            }
+        }
+    }
+
+    /// Rests when nobody has watched for a while; wakes at the scene's start.
+    fn rest_or_wake(&mut self) {
+        let now = Instant::now();
+        if self.control.viewers() > 0 {
+            self.empty_since = None;
+            if std::mem::take(&mut self.resting) {
+                self.pacer.resume(now);
+            }
+            return;
+        }
+        let since = *self.empty_since.get_or_insert(now);
+        if !self.resting && now - since >= REST_AFTER {
+            self.resting = true;
+            (self.paused, self.speed) = (false, 1.0);
+            if let Some(play) = &mut self.play {
+                play.follow_script();
+            }
+            self.show();
+        }
+    }
+
+    /// After a panic: says so, and makes the scene again, without what clients have set in it.
+    fn recover(&mut self, panic: &(dyn Any + Send)) {
+        let now = Instant::now();
+        let cause = panic
+            .downcast_ref::<String>()
+            .map(String::as_str)
+            .or_else(|| panic.downcast_ref::<&str>().copied())
+            .unwrap_or("unknown cause");
+        self.play = None;
+        self.set.clear();
+        self.failures.retain(|then| now - *then < FAILURES_WITHIN);
+        self.failures.push(now);
+        if self.failures.len() < FAILURES_MAX {
+            self.problem = Some(format!("the simulation failed and starts again: {cause}"));
+            let recipe = self.recipe.clone();
+            self.builder.wish(Wish { client: None, recipe });
+        } else {
+            self.problem = Some(format!("the simulation fails again and again: {cause}"));
+        }
+        self.tell_status();
+    }
+
+    fn tell_status(&mut self) {
+        let status = Status {
+            control: self.control.holder().map(|client| client.0),
+            viewers: self.control.viewers(),
+            paused: self.paused,
+            speed: self.speed,
+            scene: &self.recipe.scene,
+            loading: self.builder.wished().map(|recipe| &recipe.scene[..]),
+            hands: self.recipe.hands,
+            problem: self.problem.as_deref(),
+            settings: self
+                .play
+                .as_ref()
+                .map_or(Vec::new(), |play| super::shim::settings(play.session())),
+        };
+        let text = status.text();
+        self.desk.status.send_if_modified(|last| {
+            let changed = *last != text;
+            if changed {
+                *last = text;
+            }
+            changed
+        });
+    }
+
+    /// Remarks something to a client.
+    pub(super) fn tell(&self, client: ClientId, text: String) {
+        self.desk.note(Note { client, text, refusal: false });
+    }
+
+    /// Refuses what a client sent.
+    pub(super) fn refuse(&self, client: ClientId, reason: &str) {
+        self.desk.note(Note { client, text: text::error(reason), refusal: true });
+    }
+}

@@ -1,0 +1,134 @@
+//! Scenes that can be served, and how one is made ready.
+
+use super::shim::with_hands;
+use crate::hub::SceneName;
+use crate::protocol::{self, HandChoice, Lengths};
+use std::path::{Path, PathBuf};
+use thenar_scene::SceneError;
+use thenar_scene::session::{Session, builtin, builtins, read};
+
+/// Where the first scene comes from.
+#[derive(Clone, Debug)]
+pub enum SceneSource {
+    /// One that comes with the program.
+    Builtin(String),
+    /// A file.
+    File(PathBuf),
+}
+
+/// All scenes that clients may ask for. Names from clients are only ever looked up here: none
+/// becomes a path.
+#[derive(Clone, Debug)]
+pub struct Catalogue {
+    own: Option<(String, PathBuf)>,
+    /// The first scene, and what is set in it.
+    first: (String, Vec<String>),
+}
+
+/// What is to be made ready.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Recipe {
+    /// Scene.
+    pub scene: String,
+    /// Which hands.
+    pub hands: HandChoice,
+    /// How long.
+    pub lengths: Lengths,
+}
+
+/// A scene made ready.
+#[derive(Debug)]
+pub struct Ready {
+    /// From what.
+    pub recipe: Recipe,
+    /// To be stepped.
+    pub session: Session,
+    /// Its model message, of epoch 0.
+    pub model: Vec<u8>,
+}
+
+/// Why a scene cannot be served.
+#[derive(Debug, thiserror::Error)]
+pub enum LiveError {
+    /// No scene of that name.
+    #[error("no scene is named `{0}`")]
+    Unknown(String),
+    /// Something is wrong with it.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// Too large for a page.
+    #[error(transparent)]
+    Model(#[from] protocol::ModelError),
+    /// The simulation's thread cannot be started.
+    #[error("cannot start the simulation: {0}")]
+    Thread(#[from] std::io::Error),
+}
+
+impl Catalogue {
+    /// The built-in scenes and that of `source`; `overrides` act on the latter.
+    ///
+    /// # Errors
+    /// There is no such built-in scene.
+    pub fn new(source: &SceneSource, overrides: &[String]) -> Result<(Self, Recipe), LiveError> {
+        let (own, scene) = match source {
+            SceneSource::Builtin(name) if builtin(name).is_none() => {
+                return Err(LiveError::Unknown(name.clone()));
+            }
+            SceneSource::Builtin(name) => (None, name.clone()),
+            SceneSource::File(path) => {
+                let stem = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy();
+                (Some((stem.clone().into_owned(), path.clone())), stem.into_owned())
+            }
+        };
+        let recipe =
+            Recipe { scene: scene.clone(), hands: HandChoice::Scene, lengths: Lengths::default() };
+        Ok((Self { own, first: (scene, overrides.to_vec()) }, recipe))
+    }
+
+    /// Names and titles, an own scene first.
+    pub fn names(&self) -> Vec<SceneName> {
+        let title = |text: &str| read(text, &[]).ok().and_then(|scene| scene.title);
+        let own = self.own.iter().map(|(name, path)| SceneName {
+            name: name.clone(),
+            title: std::fs::read_to_string(path)
+                .ok()
+                .and_then(|text| title(&text))
+                .unwrap_or_else(|| name.clone()),
+        });
+        let shipped = builtins().iter().map(|scene| SceneName {
+            name: scene.name.into(),
+            title: title(scene.text).unwrap_or_else(|| scene.name.into()),
+        });
+        let hidden = |name: &SceneName| self.own.as_ref().is_none_or(|own| own.0 != name.name);
+        own.chain(shipped.filter(hidden)).collect()
+    }
+
+    /// True when there is such a scene.
+    pub fn has(&self, name: &str) -> bool {
+        self.own.as_ref().is_some_and(|own| own.0 == name) || builtin(name).is_some()
+    }
+
+    /// Makes a scene ready; takes seconds for one with a hand.
+    ///
+    /// # Errors
+    /// There is no such scene, or something in it is wrong.
+    pub fn make(&self, recipe: &Recipe) -> Result<Ready, LiveError> {
+        let name = &recipe.scene;
+        let own = self.own.as_ref().filter(|own| own.0 == *name);
+        let (text, path) = match (own, builtin(name)) {
+            (Some((_, path)), _) => (scene_text(path)?, path.clone()),
+            (None, Some(shipped)) => (shipped.text.into(), Path::new(name).with_extension("toml")),
+            (None, None) => return Err(LiveError::Unknown(name.clone())),
+        };
+        let overrides = if self.first.0 == *name { &self.first.1[..] } else { &[] };
+        let session = with_hands(&text, &path, overrides, recipe)?;
+        let model = protocol::model(&session, name, 0)?;
+        Ok(Ready { recipe: recipe.clone(), session, model })
+    }
+}
+
+/// The text of a scene file.
+fn scene_text(path: &Path) -> Result<String, SceneError> {
+    std::fs::read_to_string(path)
+        .map_err(|e| SceneError::File { file: path.to_path_buf(), problem: e.to_string() })
+}

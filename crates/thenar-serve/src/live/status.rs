@@ -1,0 +1,37 @@
+//! What clients are told of the state of things.
+
+use super::shim::Setting;
+use crate::protocol::HandChoice;
+use serde::Serialize;
+
+/// The status message.
+#[derive(Debug, Serialize)]
+#[serde(tag = "type", rename = "status")]
+pub struct Status<'a> {
+    /// Number of the client that holds control.
+    pub control: Option<u32>,
+    /// Clients.
+    pub viewers: usize,
+    /// Paused.
+    pub paused: bool,
+    /// Simulated over real time, as wanted.
+    pub speed: f64,
+    /// The scene.
+    pub scene: &'a str,
+    /// The scene that is being made ready.
+    pub loading: Option<&'a str>,
+    /// Which hands are in it.
+    pub hands: HandChoice,
+    /// What went wrong in the simulation, if anything.
+    pub problem: Option<&'a str>,
+    /// What can be set.
+    pub settings: Vec<Setting>,
+}
+
+impl Status<'_> {
+    /// As text.
+    pub fn text(&self) -> String {
+        // Texts and finite numbers always have a JSON form.
+        serde_json::to_string(self).unwrap_or_default()
+    }
+}
