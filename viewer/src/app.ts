@@ -1,5 +1,7 @@
 // The parts of the page that others hang on to: one stage, one connection, and how they meet.
 
+import { Feed } from "./feed";
+import { InputSources } from "./input/source";
 import { Connection, socketUrl, type ConnectionState } from "./net/connection";
 import type { SceneModel, Snapshot } from "./protocol/types";
 import { Stage } from "./scene/stage";
@@ -7,6 +9,10 @@ import { Stage } from "./scene/stage";
 export interface App {
   readonly stage: Stage;
   readonly connection: Connection;
+  /** Live or recorded, what is shown. */
+  readonly feed: Feed;
+  /** Everything that can move the hand; register a source here and it gets its button. */
+  readonly inputs: InputSources;
 }
 
 /** `window.thenar`: what the page knows of itself, for tests and the curious. */
@@ -38,9 +44,21 @@ declare global {
 export function createApp(canvas: HTMLCanvasElement): App {
   const stage = new Stage(canvas);
   const connection = new Connection(socketUrl(window.location));
-  connection.on("model", (model) => stage.setModel(model));
-  connection.on("snapshot", (snapshot) => stage.show(snapshot));
-  return { stage, connection };
+  const feed = new Feed(connection);
+  feed.on("model", (model) => stage.setModel(model));
+  feed.on("snapshot", (snapshot) => stage.show(snapshot));
+  const inputs = new InputSources({
+    get inControl() {
+      return connection.inControl;
+    },
+    askControl() {
+      if (connection.inControl) return true;
+      if (connection.status === null || connection.status.control !== null) return false;
+      return connection.send({ type: "control", take: true });
+    },
+    script: () => void connection.send({ type: "script" }),
+  });
+  return { stage, connection, feed, inputs };
 }
 
 export function publishStatus(app: App): void {

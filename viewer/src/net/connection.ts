@@ -18,6 +18,8 @@ export interface ConnectionEvents {
   status: Status;
   model: SceneModel;
   snapshot: Snapshot;
+  /** A model or snapshot as it came, after its own event; for recording. */
+  binary: ArrayBuffer;
   /** What the server refused, or what it sent that cannot be read. */
   error: { readonly message: string; readonly from: "server" | "page" };
 }
@@ -35,6 +37,8 @@ export class Connection extends Emitter<ConnectionEvents> {
   welcome: Welcome | null = null;
   status: Status | null = null;
   model: SceneModel | null = null;
+  /** The message the model came in. */
+  modelBytes: ArrayBuffer | null = null;
   snapshot: Snapshot | null = null;
   snapshotsReceived = 0;
   readonly clock = new Clock();
@@ -161,6 +165,7 @@ export class Connection extends Emitter<ConnectionEvents> {
     if (message.kind === "model") {
       this.model = message.model;
       this.snapshot = null;
+      this.modelBytes = data;
       this.emit("model", message.model);
     } else if (message.kind === "snapshot") {
       this.snapshot = message.snapshot;
@@ -168,6 +173,7 @@ export class Connection extends Emitter<ConnectionEvents> {
       this.latency.acted(message.snapshot.poseNumber, now);
       this.emit("snapshot", message.snapshot);
     }
+    if (message.kind !== "stale") this.emit("binary", data);
   }
 
   private receivedText(data: string, now: number): void {
@@ -219,6 +225,7 @@ export class Connection extends Emitter<ConnectionEvents> {
     this.socket = null;
     // What comes next may be another server: its epochs start anew.
     this.model = null;
+    this.modelBytes = null;
     this.snapshot = null;
     this.status = null;
   }
