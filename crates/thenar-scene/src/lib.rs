@@ -10,9 +10,12 @@ mod math {
 
 pub mod build;
 pub mod format;
+pub mod hands;
+pub mod live;
 pub mod motion;
 pub mod reference;
 pub mod session;
 pub mod text;
+pub mod tuning;
 
 pub use text::SceneError;

@@ -5,7 +5,7 @@ use super::solver::set;
 use super::{Built, Mesh, RigidLook, assets, drivers, motion, place};
 use crate::format::{Hand, HandMaterial, Scene};
 use crate::math::Pose;
-use crate::motion::HandMotion;
+use crate::motion::{ANGLES, AngleRange, Articulation, HandMotion, hand_angles};
 use crate::text::Fault;
 use std::path::Path;
 use thenar::model::{Drive, Flesh, HandHandle, HandModel, HandPlacement};
@@ -35,6 +35,20 @@ pub struct BuiltHand {
 }
 
 impl BuiltHand {
+    /// Its twenty angles (see [`hand_angles`]); `None` for a joint it lacks, and for all when its
+    /// joints are no tree.
+    pub fn angles(&self) -> [Option<AngleRange>; ANGLES] {
+        match Articulation::new(&self.model) {
+            Ok(articulation) => hand_angles(&self.model, &articulation),
+            Err(_) => std::array::from_fn(|_| None),
+        }
+    }
+
+    /// The wrist's frame in the palm bone: -z towards the fingers, +y out of the back.
+    pub fn wrist_B(&self) -> Pose {
+        self.model.bones.first().map_or(Pose::identity(), |palm| palm.pose_BT)
+    }
+
     /// The index of its flesh among the deformable bodies, if it has any.
     pub fn flesh(&self) -> Option<u32> {
         Some(self.handle.soft).filter(|s| *s != u32::MAX)

@@ -139,7 +139,7 @@ impl Rotation {
 }
 
 /// `J(e)` with angular velocity = `J(e) ė` when the rotation is `exp(e)`.
-fn left_jacobian(e: &Vec3) -> Mat3 {
+pub fn left_jacobian(e: &Vec3) -> Mat3 {
     let (angle2, E) = (e.norm_squared(), skew(e));
     let angle = angle2.sqrt();
     let (b, c) = if angle < 1e-4 {
@@ -151,7 +151,7 @@ fn left_jacobian(e: &Vec3) -> Mat3 {
 }
 
 /// Inverse of [`left_jacobian`], for angles below 2π.
-fn left_jacobian_inverse(e: &Vec3) -> Mat3 {
+pub fn left_jacobian_inverse(e: &Vec3) -> Mat3 {
     let (angle2, E) = (e.norm_squared(), skew(e));
     let angle = angle2.sqrt();
     let c = if angle < 1e-3 {

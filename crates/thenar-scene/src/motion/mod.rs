@@ -5,9 +5,11 @@
 //! here reads a clock or allocates once a motion is made.
 
 mod anatomy;
+mod angles;
 mod articulation;
+mod calibration;
 mod error;
-mod filter;
+pub(crate) mod filter;
 mod interpolate;
 mod keyframes;
 mod preset;
@@ -16,14 +18,16 @@ mod recording;
 mod retarget;
 
 #[cfg(test)]
-mod fixture;
+pub(crate) mod fixture;
 #[cfg(test)]
 mod mutate;
 #[cfg(test)]
-mod tracker;
+pub(crate) mod tracker;
 
 pub use anatomy::{Anatomy, JointRole};
+pub use angles::{ANGLES, AngleRange, hand_angles};
 pub use articulation::Articulation;
+pub use calibration::{BoneLengths, Knuckles};
 pub use error::MotionError;
 pub use keyframes::{JointKey, Key, Keyframes, KeyframesDesc, LimitPolicy, WristKey};
 pub use preset::Preset;

@@ -1,13 +1,73 @@
 //! Where driven and scripted bodies should be at the end of a step.
 
-use crate::build::{Built, Follow};
+use crate::build::{Built, BuiltHand, Follow};
+use crate::live::{LiveError, LiveHand};
+use std::ops::Range;
 use thenar::World;
 use thenar::math::Vec3;
+use thenar::model::RigidDesc;
 use thenar::skeleton::velocity_between;
 use thenar::world::{Input, Target};
 
 /// Fills targets and prescribed velocities for a step that ends at time `t` \[s\].
-pub fn fill(input: &mut Input, built: &mut Built, world: &World, t: f64) {
+pub fn fill(
+    input: &mut Input,
+    built: &mut Built,
+    live: &mut [Result<Box<LiveHand>, LiveError>],
+    world: &World,
+    t: f64,
+) {
+    bodies(input, built, world, t);
+    let Built { hands, world: start, .. } = built;
+    for (hand, live) in hands.iter_mut().zip(live) {
+        let bones = bones(hand);
+        let targets = &mut input.targets[bones.clone()];
+        match live {
+            Ok(live) => {
+                if live.wants_script() {
+                    script(hand, &start.rigids[bones], t, targets);
+                }
+                live.step(world.time_step(), targets);
+            }
+            Err(_) => script(hand, &start.rigids[bones], t, targets),
+        }
+    }
+}
+
+/// Fills all targets with those of the scripts at time `t` \[s\].
+pub fn fill_scripts(input: &mut Input, built: &mut Built, world: &World, t: f64) {
+    bodies(input, built, world, t);
+    let Built { hands, world: start, .. } = built;
+    for hand in hands {
+        let bones = bones(hand);
+        script(hand, &start.rigids[bones.clone()], t, &mut input.targets[bones]);
+    }
+}
+
+/// The bones of a hand among the rigid bodies.
+pub fn bones(hand: &BuiltHand) -> Range<usize> {
+    hand.handle.bones.start as usize..hand.handle.bones.end as usize
+}
+
+/// What the scene wants of a hand: its motion, or its start pose.
+fn script(hand: &mut BuiltHand, start: &[RigidDesc], t: f64, targets: &mut [Option<Target>]) {
+    match &mut hand.motion {
+        Some(motion) => motion.sample(t, targets),
+        None if hand.driven => {
+            for (target, bone) in targets.iter_mut().zip(start) {
+                *target = Some(Target {
+                    pose_WB: bone.pose_WB,
+                    velocity_W: Vec3::zeros(),
+                    angular_velocity_W: Vec3::zeros(),
+                });
+            }
+        }
+        None => {}
+    }
+}
+
+/// Scripted and driven rigid bodies.
+fn bodies(input: &mut Input, built: &Built, world: &World, t: f64) {
     for driver in &built.drivers {
         let (pose_WB, [velocity_W, angular_velocity_W]) = driver.track.at(t);
         let i = driver.rigid as usize;
@@ -20,22 +80,6 @@ pub fn fill(input: &mut Input, built: &mut Built, world: &World, t: f64) {
                 let now = world.rigid_pose(driver.rigid);
                 input.prescribed[i] = velocity_between(&now, &pose_WB, world.time_step());
             }
-        }
-    }
-    for hand in &mut built.hands {
-        let bones = hand.handle.bones.start as usize..hand.handle.bones.end as usize;
-        match &mut hand.motion {
-            Some(motion) => motion.sample(t, &mut input.targets[bones]),
-            None if hand.driven => {
-                for i in bones {
-                    input.targets[i] = Some(Target {
-                        pose_WB: built.world.rigids[i].pose_WB,
-                        velocity_W: Vec3::zeros(),
-                        angular_velocity_W: Vec3::zeros(),
-                    });
-                }
-            }
-            None => {}
         }
     }
 }

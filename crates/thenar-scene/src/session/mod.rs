@@ -2,7 +2,9 @@
 
 mod drive;
 mod library;
+mod live;
 mod load;
+mod loads;
 mod open;
 mod probe;
 mod random;
@@ -10,14 +12,17 @@ mod summary;
 mod table;
 
 pub use library::{Builtin, builtin, builtins};
+pub use loads::{HandLoad, PARTS};
 pub use open::read;
 pub use probe::{Column, Probes};
 pub use random::{Random, random_at};
-pub use summary::{FingerPeak, Summary};
+pub use summary::Summary;
 pub use table::{TableFormat, TableWriter};
 
 use crate::build::{Built, BuiltHand, Mesh, RigidLook, SoftBuild};
 use crate::format::{Camera, Scene};
+use crate::live::{LiveError, LiveHand};
+use crate::tuning::Tuning;
 use thenar::World;
 use thenar::world::{Input, StageTimer, StepReport};
 
@@ -30,6 +35,9 @@ pub struct Session {
     input: Input,
     built: Built,
     probes: Probes,
+    /// One per hand; why not, for a hand that poses cannot move.
+    live: Vec<Result<Box<LiveHand>, LiveError>>,
+    tuning: Tuning,
     report: StepReport,
     steps: u64,
 }
@@ -38,7 +46,7 @@ impl Session {
     /// Moves the scene forward by one time step. Allocates nothing.
     pub fn step(&mut self, timer: &mut impl StageTimer) -> StepReport {
         let t = self.world.time() + self.world.time_step();
-        drive::fill(&mut self.input, &mut self.built, &self.world, t);
+        drive::fill(&mut self.input, &mut self.built, &mut self.live, &self.world, t);
         load::fill(&mut self.input, &self.built.loads, &self.world, t);
         self.report = self.world.step(&self.input, timer);
         self.steps += 1;
@@ -104,6 +112,21 @@ impl Session {
     /// The hands.
     pub fn hands(&self) -> &[BuiltHand] {
         &self.built.hands
+    }
+
+    /// What presses on the palm, thumb, index, middle, ring and little finger of a hand; zero for
+    /// a hand without flesh.
+    ///
+    /// # Panics
+    /// When there is no hand `hand`.
+    pub fn hand_loads(&self, hand: usize) -> [HandLoad; 6] {
+        let hand = &self.built.hands[hand];
+        match hand.flesh() {
+            Some(soft) => {
+                loads::hand_loads(self.world.contacts(), soft, &hand.model.collision_digits)
+            }
+            None => [HandLoad::default(); 6],
+        }
     }
 
     /// The soft bodies that are no hands.

@@ -1,9 +1,11 @@
 //! From a file to a session.
 
 use super::{Probes, Session, drive};
-use crate::build::build;
+use crate::build::{BuiltHand, build};
 use crate::format::Scene;
+use crate::live::{LiveError, LiveHand};
 use crate::text::{Fault, Node, Override, SceneError, apply_override, parse};
+use crate::tuning::{HandPart, Tuning};
 use std::path::Path;
 use thenar::world::StepReport;
 use thenar::{Vec3, World};
@@ -35,11 +37,40 @@ impl Session {
     pub fn from_text(text: &str, file: &Path, overrides: &[String]) -> Result<Self, SceneError> {
         let locate = |fault: Fault| fault.locate(file, text, overrides);
         let scene = read(text, overrides).map_err(locate)?;
+        Self::build(scene, file, &locate)
+    }
+
+    /// Makes a scene that was read before, and perhaps changed, ready to be stepped; `file` names
+    /// it in messages and is where relative paths start.
+    ///
+    /// # Errors
+    /// Something in the scene is wrong; says what.
+    pub fn from_scene(scene: Scene, file: &Path) -> Result<Self, SceneError> {
+        // The text is not at hand, so the key alone has to say where.
+        let locate = |fault: Fault| SceneError::World {
+            file: file.to_path_buf(),
+            problem: format!("`{}`: {}", fault.key, fault.problem),
+        };
+        Self::build(scene, file, &locate)
+    }
+
+    fn build(
+        scene: Scene,
+        file: &Path,
+        locate: &dyn Fn(Fault) -> SceneError,
+    ) -> Result<Self, SceneError> {
         let folder = file.parent().unwrap_or(Path::new(""));
         let built = build(&scene, folder).map_err(locate)?;
         let world = World::new(built.world.clone())
             .map_err(|e| SceneError::World { file: file.to_path_buf(), problem: e.to_string() })?;
         let probes = Probes::new(&scene, &built, &world).map_err(locate)?;
+        let hands = scene.hand.iter().zip(&built.hands).map(|(table, hand)| HandPart {
+            coupling_stiffness: table.coupling_stiffness,
+            bones: drive::bones(hand),
+            soft: hand.flesh().map(|soft| soft as usize),
+        });
+        let tuning = Tuning::new(built.world.clone(), hands.collect());
+        let live = built.hands.iter().map(live_hand).collect();
         let stem = file.file_stem().unwrap_or(file.as_os_str());
         let mut session = Self {
             name: stem.to_string_lossy().into_owned(),
@@ -48,6 +79,8 @@ impl Session {
             world,
             built,
             probes,
+            live,
+            tuning,
             report: StepReport::default(),
             steps: 0,
         };
@@ -56,13 +89,13 @@ impl Session {
     }
 
     /// Puts bodies into their start states.
-    fn start(&mut self) {
+    pub(super) fn start(&mut self) {
         for (soft, start) in self.built.node_starts.iter().enumerate() {
             if let Some(nodes) = start {
                 self.world.set_nodes(soft as u32, nodes);
             }
         }
-        drive::fill(&mut self.input, &mut self.built, &self.world, 0.0);
+        drive::fill_scripts(&mut self.input, &mut self.built, &self.world, 0.0);
         for hand in self.built.hands.iter().filter(|hand| hand.motion.is_some()) {
             for bone in hand.handle.bones.clone() {
                 if let Some(target) = self.input.targets[bone as usize] {
@@ -75,6 +108,19 @@ impl Session {
                 self.world.set_nodes(soft, &nodes);
             }
         }
+        for (hand, live) in self.built.hands.iter().zip(&mut self.live) {
+            if let Ok(live) = live {
+                live.restart(&self.input.targets[drive::bones(hand)]);
+            }
+        }
+    }
+}
+
+/// Prepares a hand to be moved by poses.
+fn live_hand(hand: &BuiltHand) -> Result<Box<LiveHand>, LiveError> {
+    match hand.driven {
+        true => LiveHand::new(&hand.name, &hand.model).map(Box::new),
+        false => Err(LiveError::NotDriven { hand: hand.name.clone() }),
     }
 }
 

@@ -1,19 +1,7 @@
 //! The extremes of a run.
 
-use super::Session;
-use thenar::model::{BodyId, Digit};
-use thenar::world::{ContactPoint, Energy};
-
-/// Largest values of one finger.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FingerPeak {
-    /// Sum of normal forces \[N\].
-    pub normal: f64,
-    /// Size of the summed tangential force \[N\].
-    pub shear: f64,
-    /// Area in contact \[m²\].
-    pub area: f64,
-}
+use super::{HandLoad, Session};
+use thenar::world::Energy;
 
 /// Extremes since the start of a run.
 #[derive(Clone, Debug, Default)]
@@ -39,7 +27,7 @@ pub struct Summary {
     /// Largest total energy \[J\].
     pub energy_max: f64,
     /// Peaks of the five fingers, thumb first, over all hands.
-    pub fingers: [FingerPeak; 5],
+    pub fingers: [HandLoad; 5],
 }
 
 impl Summary {
@@ -66,37 +54,13 @@ impl Summary {
         self.contact_sweeps_max = self.contact_sweeps_max.max(r.contact_sweeps);
         self.energy_final = session.world().energy(session.input());
         self.energy_max = self.energy_max.max(self.energy_final.total());
-        for hand in session.hands() {
-            let Some(soft) = hand.flesh() else { continue };
-            let now = fingers(session.world().contacts(), soft, &hand.model.collision_digits);
-            for (peak, now) in self.fingers.iter_mut().zip(now) {
+        for hand in 0..session.hands().len() {
+            let [_, fingers @ ..] = session.hand_loads(hand);
+            for (peak, now) in self.fingers.iter_mut().zip(fingers) {
                 peak.normal = peak.normal.max(now.normal);
                 peak.shear = peak.shear.max(now.shear);
                 peak.area = peak.area.max(now.area);
             }
         }
     }
-}
-
-/// Contact of each finger of the hand whose flesh is `soft`, thumb first. `digits` names the
-/// digit of each vertex of its collision surface.
-pub fn fingers(contacts: &[ContactPoint], soft: u32, digits: &[Digit]) -> [FingerPeak; 5] {
-    let mut sums = [(0.0, thenar::Vec3::zeros(), 0.0); 5];
-    for contact in contacts {
-        for side in 0..2 {
-            let vertex = contact.vertices[side].map(|v| v as usize);
-            if contact.bodies[side] != BodyId::Soft(soft) {
-                continue;
-            }
-            let digit = vertex.and_then(|v| digits.get(v));
-            let finger = Digit::FINGERS.iter().position(|f| Some(f) == digit);
-            let Some(finger) = finger else { continue };
-            let normal = contact.force_W.dot(&contact.normal_W);
-            let sign = if side == 0 { 1.0 } else { -1.0 };
-            sums[finger].0 += normal;
-            sums[finger].1 += (contact.force_W - contact.normal_W * normal) * sign;
-            sums[finger].2 += if normal > 0.0 { contact.area } else { 0.0 };
-        }
-    }
-    sums.map(|(normal, shear, area)| FingerPeak { normal, shear: shear.norm(), area })
 }

@@ -100,6 +100,22 @@ impl Detector {
         }
     }
 
+    /// Takes over friction and pair rules from a description of the same bodies, and remembers
+    /// what it did.
+    pub fn retune(&mut self, desc: &WorldDesc) {
+        for (body, rigid) in self.bodies.iter_mut().zip(&desc.rigids) {
+            if let Some(body) = body {
+                body.friction = rigid.friction;
+            }
+        }
+        for (surface, soft) in self.surfaces.iter_mut().zip(&desc.softs) {
+            surface.friction = soft.flesh.friction;
+        }
+        self.pairs = PairTable::new(desc);
+        self.soft_rigid = soft_rigid_pairs(&self.pairs, &self.surfaces, &self.bodies);
+        self.soft_soft = soft_soft_pairs(&self.pairs, &self.surfaces);
+    }
+
     /// Most contacts ever delivered: two per surface vertex and 32 per rigid body with a shape.
     pub fn capacity(&self) -> usize {
         self.capacity

@@ -4,7 +4,7 @@ use crate::math::Vec3;
 use std::sync::Arc;
 
 /// The contact shape of a rigid body, in its shape frame S.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Shape {
     /// Centre at the origin.
@@ -31,7 +31,7 @@ pub enum Shape {
 }
 
 /// A rigid triangle mesh made ready for contact.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MeshShape {
     /// Surface points tested against other bodies \[m\].
@@ -43,7 +43,7 @@ pub struct MeshShape {
 }
 
 /// Signed distance to a surface on a regular grid, negative inside.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DistanceGrid {
     /// Position of value (0,0,0) \[m\].

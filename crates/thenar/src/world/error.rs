@@ -87,4 +87,12 @@ pub enum ModelError {
         /// Joint.
         thing: String,
     },
+    /// A running world is given a description of another one.
+    #[error("{thing}: {what} cannot change while the world runs")]
+    Changed {
+        /// Body, joint or world.
+        thing: String,
+        /// What differs.
+        what: &'static str,
+    },
 }

@@ -9,6 +9,7 @@ mod io;
 mod model;
 mod reference;
 mod response;
+mod retune;
 mod stability;
 mod start;
 mod state;

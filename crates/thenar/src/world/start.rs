@@ -1,10 +1,21 @@
 //! Start states other than rest.
 
 use crate::math::{Pose, Vec3};
-use crate::world::World;
 use crate::world::state::{is_sound_pose, is_sound_position, is_sound_velocity};
+use crate::world::{State, World};
 
 impl World {
+    /// Back to time 0 and to what the description starts with; contacts are forgotten. States set
+    /// since by [`World::set_rigid_state`] and [`World::set_nodes`] are lost.
+    pub fn restart(&mut self) {
+        let contacts_max = self.detector.capacity();
+        self.state = State::new(&self.desc, &self.model);
+        self.state.impulses.reserve(contacts_max);
+        self.scratch.contacts.clear();
+        self.detector.forget();
+        self.embed();
+    }
+
     /// Places a rigid body, with linear \[m/s\] and angular \[rad/s\] velocity. Ignored when a number
     /// is not finite or beyond 1e9. The flesh around a bone stays where it is.
     ///

@@ -7,7 +7,7 @@ mod resolve;
 
 use crate::build::Built;
 use crate::math::Vec3;
-use crate::session::summary::fingers;
+use crate::session::loads::hand_loads;
 use thenar::World;
 use thenar::model::BodyId;
 use thenar::world::{Input, StepReport};
@@ -130,8 +130,9 @@ fn evaluate(
         Measure::Fingers(hand) => {
             let hand = &built.hands[*hand];
             let soft = hand.handle.soft;
-            for f in fingers(world.contacts(), soft, &hand.model.collision_digits) {
-                out.extend([f.normal, f.shear, f.area]);
+            let loads = hand_loads(world.contacts(), soft, &hand.model.collision_digits);
+            for finger in &loads[1..] {
+                out.extend([finger.normal, finger.shear, finger.area]);
             }
         }
         Measure::BoneForce(i) => {

@@ -1,0 +1,110 @@
+//! What poses are taken.
+
+use super::LivePose;
+use crate::motion::TRACKED_JOINTS;
+use thenar::Pose;
+
+/// Farthest place \[m\].
+const REACH: f64 = 10.0;
+/// Largest deviation of a quaternion's length from 1.
+const NORM_SLACK: f64 = 1e-2;
+/// Largest radius \[m\].
+const RADIUS_MAX: f64 = 0.5;
+
+/// Why a live pose was refused. Nothing has changed then.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LiveError {
+    /// There is no such hand.
+    #[error("there is no hand {hand}: the scene has {count}")]
+    NoHand {
+        /// Index given.
+        hand: usize,
+        /// Number of hands.
+        count: usize,
+    },
+    /// The scene lets the hand go.
+    #[error("hand `{hand}` follows nothing: the scene says `driven = false`")]
+    NotDriven {
+        /// Its name.
+        hand: String,
+    },
+    /// The hand cannot be moved this way.
+    #[error("hand `{hand}` cannot follow this pose: {cause}")]
+    Unfit {
+        /// Its name.
+        hand: String,
+        /// What it lacks.
+        cause: String,
+    },
+    /// A number is not finite.
+    #[error("{what} is not a finite number")]
+    NotFinite {
+        /// Joint or quantity.
+        what: String,
+    },
+    /// A quaternion is no rotation.
+    #[error("the quaternion of {what} has length {norm:.4}, expected 1")]
+    Quaternion {
+        /// Joint.
+        what: &'static str,
+        /// Its length.
+        norm: f64,
+    },
+    /// A joint is too far away.
+    #[error("{what} is {distance:.1} m from the origin, expected at most {REACH} m")]
+    TooFar {
+        /// Joint.
+        what: &'static str,
+        /// Its distance \[m\].
+        distance: f64,
+    },
+    /// A radius is none.
+    #[error("the radius of {what} is {radius} m, expected 0 to {RADIUS_MAX} m")]
+    Radius {
+        /// Joint.
+        what: &'static str,
+        /// Given \[m\].
+        radius: f64,
+    },
+}
+
+/// Refuses what is no pose of a hand nearby; returns it with unit quaternions.
+pub fn checked(time: f64, pose: &LivePose) -> Result<LivePose, LiveError> {
+    if !time.is_finite() {
+        return Err(LiveError::NotFinite { what: "the time".into() });
+    }
+    let mut pose = pose.clone();
+    match &mut pose {
+        LivePose::Joints { joints, radii } => {
+            for ((frame, radius), what) in joints.iter_mut().zip(radii).zip(TRACKED_JOINTS) {
+                check_frame(frame, what)?;
+                if !(0.0..=RADIUS_MAX).contains(radius) {
+                    return Err(LiveError::Radius { what, radius: *radius });
+                }
+            }
+        }
+        LivePose::Angles { wrist, angles } => {
+            check_frame(wrist, "wrist")?;
+            if let Some(k) = angles.iter().position(|angle| !angle.is_finite()) {
+                return Err(LiveError::NotFinite { what: format!("angle {k}") });
+            }
+        }
+    }
+    Ok(pose)
+}
+
+fn check_frame(frame: &mut Pose, what: &'static str) -> Result<(), LiveError> {
+    if !frame.is_finite() {
+        return Err(LiveError::NotFinite { what: what.into() });
+    }
+    let distance = frame.position.norm();
+    if distance > REACH {
+        return Err(LiveError::TooFar { what, distance });
+    }
+    let norm = frame.rotation.coords.norm();
+    if (norm - 1.0).abs() > NORM_SLACK {
+        return Err(LiveError::Quaternion { what, norm });
+    }
+    frame.rotation.renormalize();
+    Ok(())
+}

@@ -1,0 +1,446 @@
+//! One hand that poses may move.
+
+use super::check::checked;
+use super::clock::{Clock, Timing};
+use super::follower::{Law, follow, follow_rotation};
+use super::observer::{Gains, Observed, ObservedRotation};
+use super::{JOINT_RATE_MAX, LiveError, LivePose, Mover, OPENING, SPEED_MAX, SPIN_MAX, STALE};
+use crate::motion::{
+    ANGLES, AngleRange, Articulation, BoneLengths, Knuckles, Retarget, hand_angles,
+};
+use std::f64::consts::TAU;
+use thenar::model::HandModel;
+use thenar::world::Target;
+use thenar::{Pose, Quat, Vec3};
+
+/// A pose is carried forward by so much at most \[s\].
+const AHEAD_MAX: f64 = 0.025;
+/// Natural frequency of the follower \[rad/s\]: on the way to another place, and once there.
+const OMEGA: [f64; 2] = [TAU * 4.0, TAU * 15.0];
+/// A script is reached when nothing is further off than this \[m, rad\].
+const ARRIVED: f64 = 1e-4;
+/// A sample this far from what was expected is a teleport: \[m\] and \[m/s\] times the gap.
+const TELEPORT: [f64; 2] = [0.05, SPEED_MAX];
+/// The same for rotations \[rad, rad/s\].
+const TELEPORT_TURN: [f64; 2] = [0.5, 25.0];
+/// Poses that refine the calibration.
+const CALIBRATION: usize = 90;
+/// Largest change of the wrist's frame per pose while it is refined \[rad\].
+const REFINEMENT: f64 = 0.0035;
+/// A tracked hand is larger than ours by a factor within these, or it is none.
+const RATIOS: [f64; 2] = [0.3, 3.0];
+
+/// Wrist and joint angles with their velocities.
+#[derive(Clone, Debug)]
+struct Stance {
+    position: [Vec3; 2],
+    rotation: (Quat, Vec3),
+    angles: Vec<[f64; 2]>,
+    rates: Vec<[f64; 2]>,
+}
+
+impl Stance {
+    fn at_rest(articulation: &Articulation) -> Self {
+        let wrist = articulation.wrist_at_rest(&Pose::identity());
+        Self {
+            position: [wrist.position, Vec3::zeros()],
+            rotation: (wrist.rotation, Vec3::zeros()),
+            angles: articulation.rest_angles.clone(),
+            rates: vec![[0.0; 2]; articulation.rest_angles.len()],
+        }
+    }
+
+    /// Reads bone targets; the joints' rates are what took them there within `h` \[s\], or zero.
+    fn read(
+        &mut self,
+        articulation: &Articulation,
+        targets: &[Option<Target>],
+        h: Option<f64>,
+        poses: &mut [Pose],
+        angles: &mut [[f64; 2]],
+    ) {
+        for (pose, target) in poses.iter_mut().zip(targets) {
+            let Some(target) = target else { return };
+            *pose = target.pose_WB;
+        }
+        let Some(Some(root)) = targets.first() else { return };
+        let wrist = root.pose_WB * articulation.pose_BT;
+        let arm = wrist.position - root.pose_WB.position;
+        let spin = root.angular_velocity_W;
+        self.position = [wrist.position, root.velocity_W + spin.cross(&arm)];
+        self.rotation = (wrist.rotation, spin);
+        articulation.tree.angles(poses, angles);
+        for j in 0..angles.len() {
+            for k in 0..2 {
+                let change = angles[j][k] - self.angles[j][k];
+                self.rates[j][k] = h.map_or(0.0, |h| change / h);
+                self.angles[j][k] = angles[j][k];
+            }
+        }
+    }
+}
+
+/// What follows the hand's targets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Way {
+    /// The scene's script, as it is.
+    Script,
+    /// On the way back to the script.
+    Returning,
+    /// Poses.
+    Live,
+}
+
+/// A hand that poses may move, with all that is known of its tracker.
+#[derive(Clone, Debug)]
+pub struct LiveHand {
+    name: String,
+    length: f64,
+    articulation: Articulation,
+    ranges: [Option<AngleRange>; ANGLES],
+    /// Carries joints over; `None` for a hand that names no tracked joints.
+    retarget: Option<Retarget>,
+    knuckles: Knuckles,
+    bones: BoneLengths,
+    /// Size of the tracked hand over ours, of the first poses.
+    ratios: [f64; CALIBRATION],
+    calibrated: usize,
+
+    way: Way,
+    lost: bool,
+    /// Time stepped \[s\]; goes on when the scene starts over.
+    now: f64,
+    clock: Clock,
+    /// When the newest pose came, and its age then \[s\].
+    arrived: f64,
+    late: f64,
+    /// When the hand set out for another place \[s\].
+    set_out: f64,
+    position: Observed<Vec3>,
+    rotation: ObservedRotation,
+    joints: Vec<[Observed<f64>; 2]>,
+    /// Where the targets are.
+    stance: Stance,
+    /// Where the script wants them.
+    script: Stance,
+    script_known: bool,
+    /// Memory to work in: one entry per bone or joint.
+    wanted: Vec<Pose>,
+    poses: Vec<Pose>,
+    angles: Vec<[f64; 2]>,
+}
+
+impl LiveHand {
+    /// Prepares a hand that the script moves.
+    ///
+    /// # Errors
+    /// Its bones are no tree.
+    pub fn new(name: &str, hand: &HandModel) -> Result<Self, LiveError> {
+        let unfit = |cause: String| LiveError::Unfit { hand: name.into(), cause };
+        let articulation = Articulation::new(hand).map_err(|e| unfit(e.to_string()))?;
+        let stance = Stance::at_rest(&articulation);
+        let (bones, joints) = (articulation.tree.bones(), articulation.tree.joints());
+        Ok(Self {
+            name: name.into(),
+            length: hand.length,
+            ranges: hand_angles(hand, &articulation),
+            retarget: Retarget::uncalibrated(hand, false).ok(),
+            knuckles: Knuckles::of(hand),
+            bones: BoneLengths::of(hand),
+            ratios: [1.0; CALIBRATION],
+            calibrated: 0,
+            way: Way::Script,
+            lost: false,
+            now: 0.0,
+            clock: Clock::default(),
+            arrived: f64::NEG_INFINITY,
+            late: 0.0,
+            set_out: 0.0,
+            position: Observed { place: Vec3::zeros(), rate: Vec3::zeros() },
+            rotation: ObservedRotation { place: Quat::identity(), rate: Vec3::zeros() },
+            joints: vec![[Observed { place: 0.0, rate: 0.0 }; 2]; joints],
+            script: stance.clone(),
+            stance,
+            script_known: false,
+            wanted: vec![Pose::identity(); bones],
+            poses: vec![Pose::identity(); bones],
+            angles: vec![[0.0; 2]; joints],
+            articulation,
+        })
+    }
+
+    /// Who moves the hand.
+    pub fn mover(&self) -> Mover {
+        match self.way {
+            Way::Script | Way::Returning => Mover::Script,
+            Way::Live if self.is_lost() => Mover::Lost,
+            Way::Live => Mover::Live,
+        }
+    }
+
+    /// Length of the wearer's hand, wrist to middle fingertip \[m\]: the median over the first
+    /// poses with joints since they took over. `None` before the first.
+    pub fn length(&self) -> Option<f64> {
+        let mut ratios = self.ratios;
+        let known = &mut ratios[..self.calibrated];
+        known.sort_unstable_by(f64::total_cmp);
+        known.get(known.len() / 2).map(|ratio| ratio * self.length)
+    }
+
+    /// True when the script's targets are wanted in the next step.
+    pub fn wants_script(&self) -> bool {
+        self.way != Way::Live
+    }
+
+    /// Takes a pose that the client took at `time` \[s\] by its own clock. It acts in the next
+    /// step. `targets` are the hand's present ones.
+    ///
+    /// # Errors
+    /// The pose is none, or the hand cannot follow it. Nothing has changed then.
+    pub fn pose(
+        &mut self,
+        time: f64,
+        pose: &LivePose,
+        targets: &[Option<Target>],
+    ) -> Result<(), LiveError> {
+        let pose = checked(time, pose)?;
+        if matches!(pose, LivePose::Joints { .. }) && self.retarget.is_none() {
+            let cause = "its root bone must name the tracked joint `wrist`".into();
+            return Err(LiveError::Unfit { hand: self.name.clone(), cause });
+        }
+        let begins = self.way != Way::Live;
+        if begins {
+            self.take_over(targets);
+        }
+        let wrist = self.carry_over(&pose);
+        let was_lost = begins || self.is_lost();
+        if was_lost {
+            self.clock.forget();
+        }
+        let timing = self.clock.take(time, self.now);
+        self.observe(&wrist, &timing, was_lost);
+        (self.arrived, self.late, self.lost) = (self.now, timing.late, false);
+        Ok(())
+    }
+
+    /// The tracker has lost the hand: it holds still at the last pose.
+    pub fn lose(&mut self) {
+        self.lost = true;
+    }
+
+    /// Hands the hand back to its script, which it reaches smoothly.
+    pub fn follow_script(&mut self) {
+        if self.way == Way::Live {
+            (self.way, self.script_known, self.set_out) = (Way::Returning, false, self.now);
+        }
+    }
+
+    /// The scene has started over and put the bones at `targets`: a script is followed from
+    /// there, a tracked hand sets out from there.
+    pub fn restart(&mut self, targets: &[Option<Target>]) {
+        let Self { articulation, stance, poses, angles, .. } = self;
+        stance.read(articulation, targets, None, poses, angles);
+        self.script_known = false;
+        self.set_out = self.now;
+        if self.way == Way::Returning {
+            self.way = Way::Script;
+        }
+    }
+
+    /// Moves on by a step of `h` \[s\]. `targets` are the script's at the end of the step, when
+    /// [`Self::wants_script`]; they are replaced unless the script alone moves the hand.
+    pub fn step(&mut self, h: f64, targets: &mut [Option<Target>]) {
+        match self.way {
+            Way::Script => {
+                let Self { articulation, stance, poses, angles, .. } = self;
+                let before = self.script_known.then_some(h);
+                stance.read(articulation, targets, before, poses, angles);
+                self.script_known = true;
+                self.now += h;
+                return;
+            }
+            Way::Returning => {
+                let Self { articulation, script, poses, angles, .. } = self;
+                let before = self.script_known.then_some(h);
+                script.read(articulation, targets, before, poses, angles);
+                self.script_known = true;
+            }
+            Way::Live => self.aim(h),
+        }
+        self.now += h;
+        self.follow(h);
+        if self.way == Way::Returning && self.has_arrived() {
+            self.way = Way::Script;
+            self.stance.clone_from_slice(&self.script);
+            return;
+        }
+        let stance = &self.stance;
+        let wrist = Pose::new(stance.position[0], stance.rotation.0);
+        let velocity = [stance.position[1], stance.rotation.1];
+        self.articulation.targets(&wrist, velocity, &stance.angles, &stance.rates, targets);
+    }
+
+    fn is_lost(&self) -> bool {
+        self.lost || self.now - self.arrived > STALE
+    }
+
+    /// Poses move the hand from now on, from where its targets are.
+    fn take_over(&mut self, targets: &[Option<Target>]) {
+        if self.way == Way::Script {
+            // The angles are those of the last step already; this keeps their rates.
+            let Self { articulation, stance, poses, angles, script_known, .. } = self;
+            if !*script_known {
+                stance.read(articulation, targets, None, poses, angles);
+            }
+        }
+        self.way = Way::Live;
+        self.calibrated = 0;
+        self.knuckles.forget();
+    }
+
+    /// Our wrist for a pose; its angles go to `self.angles`.
+    fn carry_over(&mut self, pose: &LivePose) -> Pose {
+        match pose {
+            LivePose::Joints { joints, .. } => {
+                self.calibrate(joints);
+                let Self { articulation, retarget, angles, wanted, poses, .. } = self;
+                match retarget {
+                    Some(retarget) => retarget.apply(articulation, joints, angles, wanted, poses),
+                    None => joints[0],
+                }
+            }
+            LivePose::Angles { wrist, angles } => {
+                self.angles.copy_from_slice(&self.articulation.rest_angles);
+                for (range, angle) in self.ranges.iter().zip(angles) {
+                    if let Some(r) = range {
+                        self.angles[r.index][r.axis] = r.sense * angle.clamp(r.min, r.max);
+                    }
+                }
+                *wrist
+            }
+        }
+    }
+
+    /// Learns of the tracker's wrist frame and of the hand's size.
+    fn calibrate(&mut self, joints: &[Pose; 25]) {
+        let (Some(retarget), true) = (&mut self.retarget, self.calibrated < CALIBRATION) else {
+            return;
+        };
+        let ratio = self.bones.ratio(joints);
+        let Some(ratio) = ratio.filter(|r| (RATIOS[0]..=RATIOS[1]).contains(r)) else { return };
+        self.ratios[self.calibrated] = ratio;
+        self.knuckles.take(joints, false);
+        let found = self.knuckles.wrist_offset();
+        let present = retarget.wrist_offset();
+        let change = (found * present.inverse()).scaled_axis();
+        let step = if self.calibrated == 0 {
+            change
+        } else {
+            super::observer::bounded(change, REFINEMENT)
+        };
+        let turned = Quat::from_scaled_axis(step) * present;
+        retarget.set_wrist_offset(Quat::new_normalize(turned.into_inner()));
+        self.calibrated += 1;
+    }
+
+    /// Takes the pose carried over into the observers; sets out anew where it does not continue
+    /// the ones before.
+    fn observe(&mut self, wrist: &Pose, timing: &Timing, was_lost: bool) {
+        let gains = Gains::after(timing.gap);
+        let gap = timing.gap.unwrap_or(0.0);
+        let far = |[base, rate]: [f64; 2]| base + rate * gap;
+        let teleported = self.position.surprise(wrist.position, &gains) > far(TELEPORT)
+            || self.rotation.surprise(&wrist.rotation, &gains) > far(TELEPORT_TURN);
+        if was_lost || timing.fresh || teleported {
+            self.position = Observed { place: wrist.position, rate: Vec3::zeros() };
+            self.rotation = ObservedRotation { place: wrist.rotation, rate: Vec3::zeros() };
+            for (joint, angles) in self.joints.iter_mut().zip(&self.angles) {
+                *joint = angles.map(|place| Observed { place, rate: 0.0 });
+            }
+            self.set_out = self.now;
+            return;
+        }
+        self.position.take(wrist.position, &gains, SPEED_MAX);
+        self.rotation.take(&wrist.rotation, &gains, SPIN_MAX);
+        for (joint, angles) in self.joints.iter_mut().zip(&self.angles) {
+            for k in 0..2 {
+                joint[k].take(angles[k], &gains, JOINT_RATE_MAX);
+            }
+        }
+    }
+
+    /// Where the tracked hand will be at the end of the step, into `script`.
+    fn aim(&mut self, h: f64) {
+        let lost = self.is_lost();
+        let age = self.now - self.arrived + self.late + h;
+        let ahead = age.min(AHEAD_MAX);
+        // A pose that is carried forward no further does not move.
+        let moving = if lost || age > AHEAD_MAX + h { 0.0 } else { 1.0 };
+        let goal = &mut self.script;
+        goal.position = [self.position.ahead(ahead), self.position.rate * moving];
+        goal.rotation = (self.rotation.ahead(ahead), self.rotation.rate * moving);
+        for (j, joint) in self.joints.iter().enumerate() {
+            let goal_angles = [0, 1].map(|k| joint[k].ahead(ahead));
+            let admissible = self.articulation.tree.clamp(j, goal_angles);
+            for k in 0..2 {
+                let free = admissible[k] == goal_angles[k];
+                goal.angles[j][k] = admissible[k];
+                goal.rates[j][k] = if free { joint[k].rate * moving } else { 0.0 };
+            }
+        }
+    }
+
+    /// How much of the full speed the hand has, from 0 to 1.
+    fn opening(&self) -> f64 {
+        ((self.now - self.set_out) / OPENING).min(1.0)
+    }
+
+    /// Moves the targets towards `script`.
+    fn follow(&mut self, h: f64) {
+        let opening = self.opening();
+        let mut omega = OMEGA[0] + (OMEGA[1] - OMEGA[0]) * opening;
+        if self.way == Way::Returning {
+            // A script is to be met exactly: follow ever more tightly.
+            let beyond = (self.now - self.set_out - OPENING).max(0.0);
+            omega *= (beyond / 0.05).min(7.0).exp();
+        }
+        let law = |speed: f64| Law { omega, speed: speed * opening * opening };
+        let (stance, goal) = (&mut self.stance, &self.script);
+        stance.position = follow(stance.position, goal.position, law(SPEED_MAX), h);
+        stance.rotation = follow_rotation(stance.rotation, goal.rotation, law(SPIN_MAX), h);
+        for j in 0..stance.angles.len() {
+            let limits = self.articulation.tree.limits(j);
+            for k in 0..2 {
+                let before = stance.angles[j][k];
+                let goal = [goal.angles[j][k], goal.rates[j][k]];
+                let [mut angle, mut rate] =
+                    follow([before, stance.rates[j][k]], goal, law(JOINT_RATE_MAX), h);
+                if let Some(limit) = limits[k] {
+                    // A script may have left the hand beyond a limit: then it goes no further.
+                    let inside = angle.clamp(limit.min.min(before), limit.max.max(before));
+                    rate = if inside == angle { rate } else { 0.0 };
+                    angle = inside;
+                }
+                (stance.angles[j][k], stance.rates[j][k]) = (angle, rate);
+            }
+        }
+    }
+
+    fn has_arrived(&self) -> bool {
+        let (a, b) = (&self.stance, &self.script);
+        let near = |a: &[f64; 2], b: &[f64; 2]| (0..2).all(|k| (a[k] - b[k]).abs() < ARRIVED);
+        (a.position[0] - b.position[0]).norm() < ARRIVED
+            && a.rotation.0.angle_to(&b.rotation.0) < ARRIVED
+            && a.angles.iter().zip(&b.angles).all(|(a, b)| near(a, b))
+            && self.opening() >= 1.0
+    }
+}
+
+impl Stance {
+    /// Copies without allocating.
+    fn clone_from_slice(&mut self, other: &Self) {
+        (self.position, self.rotation) = (other.position, other.rotation);
+        self.angles.copy_from_slice(&other.angles);
+        self.rates.copy_from_slice(&other.rates);
+    }
+}

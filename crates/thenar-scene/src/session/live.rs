@@ -1,0 +1,86 @@
+//! A session that runs on for hours: moved from outside, started over, tuned.
+
+use super::{Session, drive};
+use crate::live::{LiveError, LivePose, Mover};
+use crate::tuning::{Setting, SettingError, SettingValue};
+use thenar::model::Side;
+use thenar::world::StepReport;
+
+impl Session {
+    /// Moves hand `hand` by a pose that the client took at `time` \[s\] by its own clock. The
+    /// newest pose counts; it acts in the next step.
+    ///
+    /// # Errors
+    /// There is no such hand, it cannot be moved this way, or the pose is none. Nothing has
+    /// changed then.
+    pub fn live_pose(&mut self, hand: usize, time: f64, pose: &LivePose) -> Result<(), LiveError> {
+        let count = self.live.len();
+        let live = self.live.get_mut(hand).ok_or(LiveError::NoHand { hand, count })?;
+        let live = live.as_mut().map_err(|error| error.clone())?;
+        live.pose(time, pose, &self.input.targets[drive::bones(&self.built.hands[hand])])
+    }
+
+    /// The hand is not tracked any more: if poses moved it, it holds still until the next one.
+    pub fn live_lost(&mut self, hand: usize) {
+        if let Some(Ok(live)) = self.live.get_mut(hand) {
+            live.lose();
+        }
+    }
+
+    /// Hands a hand that poses moved back to its script.
+    pub fn follow_script(&mut self, hand: usize) {
+        if let Some(Ok(live)) = self.live.get_mut(hand) {
+            live.follow_script();
+        }
+    }
+
+    /// Who moves a hand.
+    pub fn mover(&self, hand: usize) -> Mover {
+        match self.live.get(hand) {
+            Some(Ok(live)) => live.mover(),
+            _ => Mover::Script,
+        }
+    }
+
+    /// Length of the hand whose poses move hand `hand`, wrist to middle fingertip \[m\]; `None`
+    /// before its first pose with joints.
+    pub fn wearer_length(&self, hand: usize) -> Option<f64> {
+        self.live.get(hand)?.as_ref().ok()?.length()
+    }
+
+    /// Hands of a side, in the order of the scene.
+    pub fn hands_of(&self, side: Side) -> impl Iterator<Item = usize> {
+        let hands = self.built.hands.iter().enumerate();
+        hands.filter(move |(_, hand)| hand.model.side == Some(side)).map(|(i, _)| i)
+    }
+
+    /// Back to the start: time 0, bodies at their start, scripts from the beginning. A hand that
+    /// poses move goes on being moved by them and sets out from its start place. Settings stay.
+    pub fn restart(&mut self) {
+        self.world.restart();
+        self.report = StepReport::default();
+        self.steps = 0;
+        self.start();
+    }
+
+    /// All settings that have a meaning in this scene, as they are now.
+    pub fn settings(&self) -> Vec<Setting> {
+        self.tuning.settings()
+    }
+
+    /// Changes a setting. It acts in the next step; nothing else changes. Takes a few
+    /// milliseconds, as the system matrix is laid out anew.
+    ///
+    /// # Errors
+    /// There is no such setting, or the value is out of its range. Nothing has changed then.
+    pub fn set(&mut self, key: &str, value: &SettingValue) -> Result<(), SettingError> {
+        let (tuning, desc) = self.tuning.with(key, value)?;
+        let gravity = desc.gravity;
+        self.world
+            .retune(desc)
+            .map_err(|e| SettingError::World { key: key.into(), cause: e.to_string() })?;
+        self.input.gravity = gravity;
+        self.tuning = tuning;
+        Ok(())
+    }
+}

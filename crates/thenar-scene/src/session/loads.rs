@@ -1,0 +1,43 @@
+//! What presses on a hand.
+
+use thenar::Vec3;
+use thenar::model::{BodyId, Digit};
+use thenar::world::ContactPoint;
+
+/// What presses on one part of a hand, or the most that did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HandLoad {
+    /// Sum of normal forces \[N\].
+    pub normal: f64,
+    /// Size of the summed tangential force \[N\].
+    pub shear: f64,
+    /// Area in contact \[m²\].
+    pub area: f64,
+}
+
+/// Palm, thumb, index, middle, ring, little.
+pub const PARTS: [Digit; 6] =
+    [Digit::Palm, Digit::Thumb, Digit::Index, Digit::Middle, Digit::Ring, Digit::Little];
+
+/// What presses on each part (see [`PARTS`]) of the hand whose flesh is `soft`. `digits` names the
+/// digit of each vertex of its collision surface.
+pub fn hand_loads(contacts: &[ContactPoint], soft: u32, digits: &[Digit]) -> [HandLoad; 6] {
+    let mut sums = [(0.0, Vec3::zeros(), 0.0); 6];
+    for contact in contacts {
+        for side in 0..2 {
+            let vertex = contact.vertices[side].map(|v| v as usize);
+            if contact.bodies[side] != BodyId::Soft(soft) {
+                continue;
+            }
+            let digit = vertex.and_then(|v| digits.get(v));
+            let part = PARTS.iter().position(|part| Some(part) == digit);
+            let Some(part) = part else { continue };
+            let normal = contact.force_W.dot(&contact.normal_W);
+            let sign = if side == 0 { 1.0 } else { -1.0 };
+            sums[part].0 += normal;
+            sums[part].1 += (contact.force_W - contact.normal_W * normal) * sign;
+            sums[part].2 += if normal > 0.0 { contact.area } else { 0.0 };
+        }
+    }
+    sums.map(|(normal, shear, area)| HandLoad { normal, shear: shear.norm(), area })
+}

@@ -1,0 +1,255 @@
+//! The settings, one entry each.
+
+use super::apply::{self, Parts};
+use super::{Range, Scale, Setting, SettingError, SettingValue};
+use crate::text::plain;
+use SettingValue::{Choice, Number};
+use thenar::model::{Cone, WorldDesc};
+
+/// Unknowns up to which the dense reference solver is offered.
+const DENSE_UNKNOWNS_MAX: usize = 450;
+
+/// A setting that scenes may have.
+pub struct Known {
+    pub key: &'static str,
+    pub label: &'static str,
+    pub help: &'static str,
+    pub group: &'static str,
+    pub unit: &'static str,
+    /// `None` for words.
+    pub range: Option<(f64, f64, Scale)>,
+    /// The scene's own value; `None` when the setting has no meaning in it.
+    pub own: fn(&WorldDesc, &Parts) -> Option<SettingValue>,
+    /// Changes a description.
+    pub apply: fn(&mut WorldDesc, &Parts, &SettingValue),
+}
+
+/// All settings, in the order in which they are applied and shown.
+pub const ALL: &[Known] = &[
+    Known {
+        key: "solver",
+        label: "Solver",
+        help: "Two-step moves the bones first, then bones and flesh together. With frozen flesh \
+               the first step is the paper's, which shakes when the flesh is bound stiffly. The \
+               dense reference solves everything at once; only small scenes offer it.",
+        group: "Solver",
+        unit: "",
+        range: None,
+        own: |desc, _| Some(Choice(apply::solver_word(&desc.solver).into())),
+        apply: |desc, parts, value| {
+            if let Choice(word) = value {
+                apply::set_solver(desc, parts, word);
+            }
+        },
+    },
+    Known {
+        key: "cone",
+        label: "Friction cone",
+        help: "Circular is exact: friction is equally strong in all directions. Linearised is \
+               the paper's four-sided pyramid: weaker between its edges.",
+        group: "Solver",
+        unit: "",
+        range: None,
+        own: |desc, _| Some(Choice(apply::cone_word(desc.solver.cone).into())),
+        apply: |desc, _, value| {
+            let linearised = *value == Choice("linearised".into());
+            desc.solver.cone = if linearised { Cone::Linearised } else { Cone::Circular };
+        },
+    },
+    Known {
+        key: "time_step",
+        label: "Time step",
+        help: "Simulated time per step. Shorter steps are more exact and cost more computing \
+               per second; longer ones damp motion more.",
+        group: "Solver",
+        unit: "s",
+        range: Some((1e-3, 1.0 / 30.0, Scale::Log)),
+        own: |desc, _| Some(Number(desc.time_step)),
+        apply: |desc, _, value| number(value, |h| desc.time_step = h),
+    },
+    Known {
+        key: "gravity",
+        label: "Gravity",
+        help: "How strongly everything is pulled down. 9.81 is the Earth's, 0 is free floating.",
+        group: "World",
+        unit: "m/s²",
+        range: Some((0.0, 20.0, Scale::Linear)),
+        own: |desc, _| Some(Number(desc.gravity.norm())),
+        apply: |desc, _, value| number(value, |g| apply::set_gravity(desc, g)),
+    },
+    Known {
+        key: "friction",
+        label: "Friction",
+        help: "Sideways force that a contact holds, as a part of the force that presses it. More \
+               grips better, 0 is ice. One value for everything that touches; until it is \
+               changed each pair has the scene's own.",
+        group: "World",
+        unit: "1",
+        range: Some((0.0, 2.0, Scale::Linear)),
+        own: |desc, parts| {
+            let soft = parts.flesh().next().or(parts.objects.first().copied());
+            let soft = soft.map(|i| desc.softs[i].flesh.friction);
+            let rigid = parts.rigids.iter().find(|i| desc.rigids[**i].shape.is_some());
+            soft.or(rigid.map(|i| desc.rigids[*i].friction)).map(Number)
+        },
+        apply: |desc, _, value| number(value, |mu| apply::set_friction(desc, mu)),
+    },
+    Known {
+        key: "hand_young",
+        label: "Flesh stiffness",
+        help: "Young's modulus of the hand's flesh. Softer flesh bulges and wraps around what \
+               it touches; stiffer flesh is more like rubber.",
+        group: "Hand",
+        unit: "Pa",
+        range: Some((5e3, 1e6, Scale::Log)),
+        own: |desc, parts| Some(Number(apply::largest(desc, parts.flesh().next()?, |m| m.young))),
+        apply: |desc, parts, value| {
+            number(value, |e| parts.flesh().for_each(|soft| apply::set_young(desc, soft, e)));
+        },
+    },
+    Known {
+        key: "hand_poisson",
+        label: "Flesh incompressibility",
+        help: "Poisson's ratio of the hand's flesh. Near 0.5 it keeps its volume: what is \
+               pressed in comes out beside. At 0 it is squeezed like a sponge.",
+        group: "Hand",
+        unit: "1",
+        range: Some((0.0, 0.49, Scale::Linear)),
+        own: |desc, parts| Some(Number(apply::largest(desc, parts.flesh().next()?, |m| m.poisson))),
+        apply: |desc, parts, value| {
+            number(value, |nu| parts.flesh().for_each(|soft| apply::set_poisson(desc, soft, nu)));
+        },
+    },
+    Known {
+        key: "coupling_stiffness",
+        label: "Flesh on bone",
+        help: "Springs between flesh and bones, per volume of flesh. Soft springs let flesh slide \
+               around the bones, stiff ones glue it to them.",
+        group: "Hand",
+        unit: "N/m⁴",
+        range: Some((1e7, 1e11, Scale::Log)),
+        own: |_, parts| {
+            let hand = parts.hands.iter().find(|hand| hand.soft.is_some())?;
+            (hand.coupling_stiffness > 0.0).then_some(Number(hand.coupling_stiffness))
+        },
+        apply: |desc, parts, value| number(value, |k| apply::set_coupling(desc, parts, k)),
+    },
+    Known {
+        key: "drive_stiffness",
+        label: "Strength",
+        help: "How strongly the hand is pulled to where it is tracked, relative to the scene's \
+               own. A stronger hand follows more closely and presses harder.",
+        group: "Hand",
+        unit: "1",
+        range: Some((0.1, 20.0, Scale::Log)),
+        own: |desc, parts| {
+            let mut bones = parts.hands.iter().flat_map(|hand| hand.bones.clone());
+            bones.any(|bone| desc.drives[bone].is_some()).then_some(Number(1.0))
+        },
+        apply: |desc, parts, value| number(value, |f| apply::scale_drives(desc, parts, f)),
+    },
+    Known {
+        key: "flesh_damping",
+        label: "Damping",
+        help: "How quickly soft bodies stop wobbling: stiffness-proportional damping of hands and \
+               soft objects. 0 wobbles long, more is like dough.",
+        group: "Soft bodies",
+        unit: "s",
+        range: Some((0.0, 0.05, Scale::Linear)),
+        own: |desc, parts| {
+            let soft = parts.flesh().next().or(parts.objects.first().copied())?;
+            Some(Number(desc.softs[soft].flesh.stiffness_damping))
+        },
+        apply: |desc, _, value| {
+            number(value, |d| {
+                desc.softs.iter_mut().for_each(|soft| soft.flesh.stiffness_damping = d);
+            });
+        },
+    },
+    Known {
+        key: "object_young",
+        label: "Object stiffness",
+        help: "Young's modulus of the soft object, of its stiffest part. Bread is near 10 kPa, \
+               rubber near 1 MPa.",
+        group: "Object",
+        unit: "Pa",
+        range: Some((1e3, 1e6, Scale::Log)),
+        own: |desc, parts| Some(Number(apply::largest(desc, *parts.objects.first()?, |m| m.young))),
+        apply: |desc, parts, value| {
+            number(value, |e| parts.objects.iter().for_each(|i| apply::set_young(desc, *i, e)));
+        },
+    },
+    Known {
+        key: "object_poisson",
+        label: "Object incompressibility",
+        help: "Poisson's ratio of the soft object: 0 is squeezed like a sponge, near 0.5 it keeps \
+               its volume.",
+        group: "Object",
+        unit: "1",
+        range: Some((0.0, 0.49, Scale::Linear)),
+        own: |desc, parts| {
+            Some(Number(apply::largest(desc, *parts.objects.first()?, |m| m.poisson)))
+        },
+        apply: |desc, parts, value| {
+            number(value, |nu| parts.objects.iter().for_each(|i| apply::set_poisson(desc, *i, nu)));
+        },
+    },
+    Known {
+        key: "object_mass",
+        label: "Object mass",
+        help: "Mass of the rigid object (of several: of the heaviest, the others in proportion). \
+               A heavier object is harder to lift and to stop.",
+        group: "Object",
+        unit: "kg",
+        range: Some((1e-3, 5.0, Scale::Log)),
+        own: |desc, parts| apply::heaviest(desc, parts).map(Number),
+        apply: |desc, parts, value| number(value, |m| apply::set_mass(desc, parts, m)),
+    },
+];
+
+fn number(value: &SettingValue, then: impl FnOnce(f64)) {
+    if let Number(x) = value {
+        then(*x);
+    }
+}
+
+/// The range of a setting, wide enough for the scene's own value.
+pub fn range_around(known: &Known, own: &SettingValue, desc: &WorldDesc) -> Range {
+    match (known.range, own) {
+        (Some((min, max, scale)), Number(own)) => {
+            Range::Number { min: min.min(*own), max: max.max(*own), scale }
+        }
+        _ if known.key == "cone" => Range::Choices { choices: vec!["circular", "linearised"] },
+        _ => {
+            let nodes: usize = desc.softs.iter().map(|soft| soft.flesh.nodes.len()).sum();
+            let small = 3 * (2 * desc.rigids.len() + nodes) <= DENSE_UNKNOWNS_MAX;
+            let mut choices = vec![apply::TWO_STEP, apply::FROZEN];
+            if small || *own == Choice(apply::DENSE.into()) {
+                choices.push(apply::DENSE);
+            }
+            Range::Choices { choices }
+        }
+    }
+}
+
+/// Refuses a value out of range.
+pub fn check(setting: &Setting, value: &SettingValue) -> Result<(), SettingError> {
+    let got = match value {
+        Number(x) => plain(*x),
+        Choice(word) => format!("\"{}\"", word.chars().take(40).collect::<String>()),
+    };
+    let (fits, expected) = match (&setting.range, value) {
+        (Range::Number { min, max, .. }, value) => {
+            let inside = matches!(value, Number(x) if (*min..=*max).contains(x));
+            (inside, format!("{} to {} {}", plain(*min), plain(*max), setting.unit))
+        }
+        (Range::Choices { choices }, value) => {
+            let inside = matches!(value, Choice(word) if choices.contains(&word.as_str()));
+            (inside, format!("one of \"{}\"", choices.join("\", \"")))
+        }
+    };
+    match fits {
+        true => Ok(()),
+        false => Err(SettingError::Value { key: setting.key, expected, got }),
+    }
+}

@@ -1,0 +1,181 @@
+//! Settings of a running scene: what can be changed while it runs, by how much, and what it does.
+//!
+//! A setting changes the description that the scene's world was built from; the world then goes
+//! on from its present state with the changed description. What was never set stays as the scene
+//! has it, body by body.
+
+mod apply;
+mod list;
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use thenar::model::WorldDesc;
+
+/// A value of a setting.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum SettingValue {
+    /// A number, in the setting's unit.
+    Number(f64),
+    /// One of the setting's choices.
+    Choice(String),
+}
+
+/// How a slider should divide a range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Scale {
+    /// Evenly.
+    Linear,
+    /// By factors.
+    Log,
+}
+
+/// What a setting may be.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Range {
+    /// A number from `min` to `max`, both included.
+    Number {
+        /// Smallest.
+        min: f64,
+        /// Largest.
+        max: f64,
+        /// For sliders.
+        scale: Scale,
+    },
+    /// One of these words.
+    Choices {
+        /// The words.
+        choices: Vec<&'static str>,
+    },
+}
+
+/// One setting as it is now.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Setting {
+    /// Name in commands.
+    pub key: &'static str,
+    /// Name for people.
+    pub label: &'static str,
+    /// What a change does, in plain words.
+    pub help: &'static str,
+    /// Heading it belongs under.
+    pub group: &'static str,
+    /// SI unit; empty for words, `1` for pure numbers.
+    pub unit: &'static str,
+    /// Present value.
+    pub value: SettingValue,
+    /// What it may be.
+    #[serde(flatten)]
+    pub range: Range,
+}
+
+/// Why a setting was refused. Nothing has changed then.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SettingError {
+    /// There is no such setting here.
+    #[error("no setting `{key}` in this scene{hint}")]
+    Unknown {
+        /// Key given.
+        key: String,
+        /// What may have been meant.
+        hint: String,
+    },
+    /// The value is not one of those allowed.
+    #[error("`{key}`: expected {expected}, got {got}")]
+    Value {
+        /// Key.
+        key: &'static str,
+        /// What is allowed.
+        expected: String,
+        /// What was given.
+        got: String,
+    },
+    /// The simulator refused the changed world.
+    #[error("`{key}`: {cause}")]
+    World {
+        /// Key.
+        key: String,
+        /// Its reason.
+        cause: String,
+    },
+}
+
+/// A scene's settings.
+#[derive(Clone, Debug)]
+pub struct Tuning {
+    /// The world as the scene describes it.
+    base: WorldDesc,
+    /// What is known of its bodies.
+    parts: apply::Parts,
+    /// What was set, by key.
+    set: BTreeMap<&'static str, SettingValue>,
+}
+
+impl Tuning {
+    /// Nothing set yet. `hands` are the coupling stiffness per volume \[N/m⁴\], the bones and the
+    /// flesh of each hand.
+    pub(crate) fn new(base: WorldDesc, hands: Vec<apply::HandPart>) -> Self {
+        let parts = apply::Parts::new(&base, hands);
+        Self { base, parts, set: BTreeMap::new() }
+    }
+
+    /// All settings that have a meaning in this scene.
+    pub fn settings(&self) -> Vec<Setting> {
+        list::ALL.iter().filter_map(|known| self.setting(known)).collect()
+    }
+
+    fn setting(&self, known: &list::Known) -> Option<Setting> {
+        let own = (known.own)(&self.base, &self.parts)?;
+        Some(Setting {
+            key: known.key,
+            label: known.label,
+            help: known.help,
+            group: known.group,
+            unit: known.unit,
+            range: list::range_around(known, &own, &self.base),
+            value: self.set.get(known.key).cloned().unwrap_or(own),
+        })
+    }
+
+    /// The description with `key` set to `value`, and the settings that lead to it.
+    ///
+    /// # Errors
+    /// There is no such setting, or the value is out of its range.
+    pub fn with(&self, key: &str, value: &SettingValue) -> Result<(Self, WorldDesc), SettingError> {
+        let known = list::ALL.iter().find(|known| known.key == key);
+        let found = known.and_then(|known| Some((known, self.setting(known)?)));
+        let (known, setting) = found.ok_or_else(|| self.unknown(key))?;
+        list::check(&setting, value)?;
+        let mut tuning = self.clone();
+        tuning.set.insert(known.key, value.clone());
+        let desc = tuning.desc();
+        Ok((tuning, desc))
+    }
+
+    /// The description with all that was set.
+    pub fn desc(&self) -> WorldDesc {
+        let mut desc = self.base.clone();
+        for known in list::ALL {
+            if let Some(value) = self.set.get(known.key) {
+                (known.apply)(&mut desc, &self.parts, value);
+            }
+        }
+        desc
+    }
+
+    fn unknown(&self, key: &str) -> SettingError {
+        let here = self.settings();
+        let hint = match crate::text::nearest(key, here.iter().map(|s| s.key)) {
+            Some(near) => format!("; did you mean `{near}`?"),
+            None => {
+                let keys: Vec<_> = here.iter().map(|s| s.key).collect();
+                format!("; there are {}", keys.join(", "))
+            }
+        };
+        SettingError::Unknown { key: key.chars().take(40).collect(), hint }
+    }
+}
+
+pub(crate) use apply::HandPart;
