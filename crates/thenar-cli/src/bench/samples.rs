@@ -4,11 +4,16 @@ use std::time::Instant;
 use thenar::world::{Stage, StageTimer};
 use thenar_scene::session::Session;
 
-/// Durations \[µs\] of one stage, over steps.
+/// Samples of one quantity; of a stage's duration \[µs\], one for each step.
 #[derive(Clone, Debug, Default)]
 pub struct Samples(Vec<f64>);
 
 impl Samples {
+    /// One more.
+    pub fn push(&mut self, sample: f64) {
+        self.0.push(sample);
+    }
+
     /// The value that this part of the samples stays below.
     pub fn quantile(&mut self, part: f64) -> f64 {
         self.0.sort_unstable_by(f64::total_cmp);

@@ -11,6 +11,14 @@ const NO_VERTEX: u16 = u16::MAX;
 /// Added to the index of a deformable body.
 const SOFT: u16 = 1 << 15;
 
+/// Smaller forces are left out \[N\].
+const FORCE_MIN: f64 = 1e-6;
+
+/// True for a contact that is sent: near ones that carry no force would fill half of a snapshot.
+pub fn presses(contact: &ContactPoint) -> bool {
+    contact.force_W.norm() > FORCE_MIN
+}
+
 /// Appends one contact.
 pub fn put(contact: &ContactPoint, out: &mut Bytes) {
     contact.bodies.iter().for_each(|id| out.u16(body(*id)));

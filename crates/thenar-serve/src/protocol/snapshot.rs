@@ -91,14 +91,17 @@ impl Snapshots {
     pub fn write(&mut self, session: &Session, pace: &Pace) -> &[u8] {
         let (world, state) = (session.world(), session.world().state());
         let contacts = world.contacts();
-        let sent = &contacts[..contacts.len().min(CONTACTS_MAX)];
+        let pressing = contacts.iter().filter(|c| contact::presses(c)).count();
+        let sent = pressing.min(CONTACTS_MAX);
         let targets: usize = session.hands().iter().map(|h| h.handle.bones.len()).sum();
-        let counts = [state.poses_WB.len(), state.x.len(), targets, sent.len()];
+        let counts = [state.poses_WB.len(), state.x.len(), targets, sent];
 
         let out = &mut self.out;
         out.0.clear();
         out.0.extend_from_slice(&[kind::SNAPSHOT, VERSION]);
-        out.u16(self::flags(session, pace));
+        let left_out = if pressing > sent { flags::CONTACTS_LEFT_OUT } else { 0 };
+        let failed = if session.report().non_finite { flags::FAILED } else { 0 };
+        out.u16(pace.flags | failed | left_out);
         out.u32s([pace.epoch, pace.number, session.steps() as u32]);
         out.0.extend_from_slice(&world.time().to_le_bytes());
         out.f32s([pace.cost_ms, pace.budget_ms, pace.speed]);
@@ -123,13 +126,8 @@ impl Snapshots {
                 out.f32s([load.normal, load.shear, load.area]);
             }
         }
-        sent.iter().for_each(|c| contact::put(c, out));
+        let pressing = contacts.iter().filter(|c| contact::presses(c));
+        pressing.take(sent).for_each(|c| contact::put(c, out));
         &self.out.0
     }
-}
-
-fn flags(session: &Session, pace: &Pace) -> u16 {
-    let failed = if session.report().non_finite { flags::FAILED } else { 0 };
-    let more = session.world().contacts().len() > CONTACTS_MAX;
-    pace.flags | failed | if more { flags::CONTACTS_LEFT_OUT } else { 0 }
 }
