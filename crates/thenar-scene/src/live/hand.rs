@@ -16,7 +16,7 @@ use thenar::{Pose, Quat, Vec3};
 /// A pose is carried forward by so much at most \[s\].
 const AHEAD_MAX: f64 = 0.025;
 /// Natural frequency of the follower \[rad/s\]: on the way to another place, and once there.
-const OMEGA: [f64; 2] = [TAU * 4.0, TAU * 15.0];
+const OMEGA: [f64; 2] = [TAU * 4.0, TAU * 25.0];
 /// A script is reached when nothing is further off than this \[m, rad\].
 const ARRIVED: f64 = 1e-4;
 /// A sample this far from what was expected is a teleport: \[m\] and \[m/s\] times the gap.
@@ -398,7 +398,7 @@ impl LiveHand {
     /// Moves the targets towards `script`.
     fn follow(&mut self, h: f64) {
         let opening = self.opening();
-        let mut omega = OMEGA[0] + (OMEGA[1] - OMEGA[0]) * opening;
+        let mut omega = OMEGA[0] + (OMEGA[1] - OMEGA[0]) * opening.powi(4);
         if self.way == Way::Returning {
             // A script is to be met exactly: follow ever more tightly.
             let beyond = (self.now - self.set_out - OPENING).max(0.0);
