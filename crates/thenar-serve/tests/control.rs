@@ -68,7 +68,7 @@ fn pause_step_reset_and_slow_motion_act() {
     let start = one.until("the start", |s| s.time == 0.0);
     // As a new simulation starts.
     let (_other, fresh) = start_state("soft-cube");
-    assert_eq!(start.nodes, fresh.nodes);
+    assert_eq!((start.steps, start.nodes), (0, fresh.nodes));
 
     one.say(r#"{"type":"speed","value":0.1}"#);
     one.say(r#"{"type":"run","paused":false}"#);
@@ -186,7 +186,7 @@ fn nobody_there_it_rests_and_starts_anew() {
     std::thread::sleep(Duration::from_secs(6));
     let watch = || decoder::Snapshot::read(&hub.snapshot.borrow());
     let resting = watch();
-    assert_eq!(resting.time, 0.0);
+    assert_eq!((resting.time, resting.steps), (0.0, 0));
     std::thread::sleep(Duration::from_millis(300));
     assert_eq!(watch().number, resting.number);
     let three = Visitor::join(&hub, 3);

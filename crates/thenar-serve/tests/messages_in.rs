@@ -3,10 +3,10 @@
 //! cut, stretched, spliced and with bits flipped at random (the seed is printed).
 
 use thenar::model::Side;
+use thenar_scene::hands::Hands;
 use thenar_scene::session::Random;
-use thenar_serve::protocol::{
-    Command, HandChoice, Lengths, PoseBody, PoseError, PoseMessage, Value,
-};
+use thenar_scene::tuning::SettingValue;
+use thenar_serve::protocol::{Command, Lengths, PoseBody, PoseError, PoseMessage};
 
 fn pick(random: &mut Random, n: usize) -> usize {
     (((random.symmetric() + 1.0) / 2.0 * n as f64) as usize).min(n - 1)
@@ -195,13 +195,13 @@ fn commands_are_read_as_written() {
         Command::Speed { value: 0.25 },
         Command::Scene { name: "car-grasp".into() },
         Command::Hands {
-            which: HandChoice::Both,
+            which: Hands::Both,
             lengths: Lengths { left: Some(own), right: Some(own) },
         },
-        Command::Hands { which: HandChoice::Scene, lengths: Lengths::default() },
+        Command::Hands { which: Hands::Scene, lengths: Lengths::default() },
         Command::Script {},
-        Command::Set { key: "friction".into(), value: Value::Number(0.8) },
-        Command::Set { key: "solver".into(), value: Value::Text("two-step".into()) },
+        Command::Set { key: "friction".into(), value: SettingValue::Number(0.8) },
+        Command::Set { key: "solver".into(), value: SettingValue::Choice("two-step".into()) },
         Command::Ping { t: 1.25 },
     ];
     for (text, wanted) in COMMANDS.iter().zip(wanted) {
@@ -255,7 +255,7 @@ fn damaged_commands_are_refused_or_within_bounds() {
                 all.for_each(|l| assert!((0.08..=0.30).contains(l), "seed {seed}"));
             }
             Ok(Command::Ping { t }) => assert!(t.is_finite(), "seed {seed}"),
-            Ok(Command::Set { value: Value::Number(x), .. }) => {
+            Ok(Command::Set { value: SettingValue::Number(x), .. }) => {
                 assert!(x.is_finite(), "seed {seed}")
             }
             Ok(_) => taken += 1,

@@ -85,6 +85,9 @@ impl Loop {
     }
 
     fn act(&mut self, client: ClientId, command: Command) -> Result<(), String> {
+        if !matches!(command, Command::Set { .. }) {
+            self.apply_settings();
+        }
         match command {
             Command::Run { paused } => {
                 self.paused = paused;
@@ -121,15 +124,27 @@ impl Loop {
                 self.wish(client, |recipe| (recipe.hands, recipe.lengths) = (which, lengths));
             }
             Command::Set { key, value } => {
-                if let Some(play) = &mut self.play {
-                    play.set(&key, &value)?;
-                    self.set.retain(|(known, _)| *known != key);
-                    self.set.push((key, value));
-                }
+                // A slider sends many values, and each costs as much as a step: the last counts.
+                self.to_set.retain(|(_, known, _)| *known != key);
+                self.to_set.push((client, key, value));
             }
             Command::Control { .. } | Command::Ping { .. } => {}
         }
         Ok(())
+    }
+
+    /// Sets what is to be set.
+    pub(super) fn apply_settings(&mut self) {
+        for (client, key, value) in std::mem::take(&mut self.to_set) {
+            let Some(play) = &mut self.play else { return };
+            match play.set(&key, &value) {
+                Err(reason) => self.refuse(client, &reason),
+                Ok(()) => {
+                    self.set.retain(|(known, _)| *known != key);
+                    self.set.push((key, value));
+                }
+            }
+        }
     }
 
     /// Has a scene made ready that differs in something from what plays or is being made.

@@ -13,7 +13,6 @@ mod pacer;
 mod play;
 mod publish;
 mod run;
-mod shim;
 mod source;
 mod status;
 
@@ -58,8 +57,7 @@ impl Live {
         let (hub, desk) = pair_with(catalogue.names());
         let stop = Arc::new(AtomicBool::new(false));
         let told = stop.clone();
-        let mut running = Loop::new(desk, Builder::new(catalogue), options.watcher);
-        running.adopt(ready);
+        let running = Loop::new(desk, Builder::new(catalogue), ready, options.watcher);
         let thread = std::thread::Builder::new()
             .name("simulation".into())
             .spawn(move || running.run(&told))?;

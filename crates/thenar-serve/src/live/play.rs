@@ -1,24 +1,31 @@
-//! A scene that plays: its script over and over.
+//! A scene that plays: its script over and over, until somebody's hand takes over.
 
-use crate::protocol::{PoseMessage, Value, flags};
-use std::time::Instant;
-use thenar::World;
+use crate::protocol::{PoseBody, PoseMessage, flags};
+use std::time::{Duration, Instant};
+use thenar::model::Side;
+use thenar_scene::live::{LivePose, Mover};
 use thenar_scene::session::Session;
+use thenar_scene::tuning::SettingValue;
 
 /// After its end the script stays for so long before it starts again \[s\].
 const HOLD: f64 = 1.5;
+/// When whoever moved a hand has gone, the script takes over after so long.
+const ABANDONED: Duration = Duration::from_secs(2);
 
 /// A session and what moves its hands.
 #[derive(Debug)]
 pub struct Play {
     session: Session,
-    start: World,
+    /// When whoever moved the hands had gone.
+    abandoned: Option<Instant>,
+    /// Newest pose message that acts.
+    pose: u32,
 }
 
 impl Play {
     /// Begins with the script.
     pub fn new(session: Session) -> Self {
-        Self { start: session.world().clone(), session }
+        Self { session, abandoned: None, pose: 0 }
     }
 
     /// The session.
@@ -29,48 +36,104 @@ impl Play {
     /// Changes a setting.
     ///
     /// # Errors
-    /// There is no such setting.
-    pub fn set(&mut self, key: &str, _: &Value) -> Result<(), String> {
-        Err(format!("no setting is named `{key}`"))
+    /// There is no such setting, or the value does not fit.
+    pub fn set(&mut self, key: &str, value: &SettingValue) -> Result<(), String> {
+        self.session.set(key, value).map_err(|error| error.to_string())
     }
 
     /// One step; the script starts again where it is due.
-    pub fn step(&mut self, _: Instant) {
+    pub fn step(&mut self, now: Instant) {
+        if self.abandoned.is_some_and(|since| now - since > ABANDONED) {
+            self.follow_script();
+        }
         let end = self.session.scene().duration + HOLD;
-        if self.session.world().time() >= end {
-            self.reset();
+        if self.all(Mover::Script) && self.session.world().time() >= end {
+            self.session.restart();
         }
         self.session.step(&mut ());
     }
 
-    /// Back to the start.
+    /// Back to the start. Tracked hands stay tracked.
     pub fn reset(&mut self) {
-        *self.session.world_mut() = self.start.clone();
+        if self.any(Mover::Live) {
+            self.session.restart();
+        } else {
+            self.follow_script();
+        }
     }
 
     /// The script moves the hands again, from its start.
     pub fn follow_script(&mut self) {
-        self.reset();
+        (0..self.session.hands().len()).for_each(|hand| self.session.follow_script(hand));
+        self.session.restart();
+        (self.abandoned, self.pose) = (None, 0);
     }
 
-    /// Hands cannot be moved yet.
+    /// A tracked pose moves a hand from the next step on.
     ///
     /// # Errors
-    /// Always.
-    pub fn pose(&mut self, _: &PoseMessage) -> Result<(), String> {
-        Err("hands cannot be moved yet".into())
+    /// The scene has no such hand, or it cannot follow.
+    pub fn pose(&mut self, message: &PoseMessage) -> Result<(), String> {
+        let Some(hand) = self.session.hands_of(message.side).next() else {
+            return Err(format!("the scene has no {} hand", side_name(message.side)));
+        };
+        let pose = match &message.body {
+            PoseBody::Lost => None,
+            PoseBody::Joints { poses, radii } => {
+                Some(LivePose::Joints { joints: **poses, radii: **radii })
+            }
+            PoseBody::Angles { wrist, angles } => {
+                Some(LivePose::Angles { wrist: *wrist, angles: **angles })
+            }
+        };
+        match &pose {
+            None => self.session.live_lost(hand),
+            Some(pose) => self
+                .session
+                .live_pose(hand, message.clock, pose)
+                .map_err(|error| error.to_string())?,
+        }
+        self.abandoned = None;
+        self.pose = message.number;
+        Ok(())
     }
 
     /// Whoever moved the hands does so no more.
-    pub fn abandon(&mut self, _: Instant) {}
+    pub fn abandon(&mut self, now: Instant) {
+        if !self.all(Mover::Script) {
+            (0..self.session.hands().len()).for_each(|hand| self.session.live_lost(hand));
+            self.abandoned = Some(now);
+        }
+        self.pose = 0;
+    }
 
     /// Flags of a snapshot.
     pub fn flags(&self) -> u16 {
-        flags::SCRIPT
+        let script = if self.all(Mover::Script) { flags::SCRIPT } else { 0 };
+        script | if self.any(Mover::Live) { flags::TRACKED } else { 0 }
     }
 
     /// Newest pose message that acts, 0 if none.
     pub fn newest_pose(&self) -> u32 {
-        0
+        self.pose
+    }
+
+    fn movers(&self) -> impl Iterator<Item = Mover> {
+        (0..self.session.hands().len()).map(|hand| self.session.mover(hand))
+    }
+
+    fn all(&self, mover: Mover) -> bool {
+        self.movers().all(|one| one == mover)
+    }
+
+    fn any(&self, mover: Mover) -> bool {
+        self.movers().any(|one| one == mover)
+    }
+}
+
+fn side_name(side: Side) -> &'static str {
+    match side {
+        Side::Left => "left",
+        Side::Right => "right",
     }
 }

@@ -9,11 +9,12 @@ use super::publish::Publisher;
 use super::source::{Ready, Recipe};
 use super::status::Status;
 use crate::hub::{ClientId, Desk, Event, Note};
-use crate::protocol::{Pace, Value, flags, text};
+use crate::protocol::{Pace, flags, text};
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+use thenar_scene::tuning::SettingValue;
 
 /// Nobody watching, the simulation rests after so long.
 const REST_AFTER: Duration = Duration::from_secs(5);
@@ -39,7 +40,11 @@ pub struct Loop {
     pub(super) paused: bool,
     pub(super) speed: f64,
     /// What clients have set in the scene, to be set again when its hands change.
-    pub(super) set: Vec<(String, Value)>,
+    pub(super) set: Vec<(String, SettingValue)>,
+    /// What is to be set before the next step, and for whom.
+    pub(super) to_set: Vec<(ClientId, String, SettingValue)>,
+    /// Something of the status may have changed.
+    pub(super) changed: bool,
     /// Number of the last pose message of whoever holds control.
     pub(super) pose_number: u32,
     /// When a client was last told that there is no such hand.
@@ -56,18 +61,20 @@ pub struct Loop {
 }
 
 impl Loop {
-    /// A loop without a scene.
-    pub fn new(desk: Desk, builder: Builder, watcher: Option<Watcher>) -> Self {
+    /// A loop that rests at the start of a scene.
+    pub fn new(desk: Desk, builder: Builder, first: Ready, watcher: Option<Watcher>) -> Self {
         let now = Instant::now();
-        Self {
+        let mut new = Self {
             desk,
             builder,
             control: Control::default(),
             play: None,
-            recipe: Recipe::default(),
+            recipe: first.recipe.clone(),
             paused: false,
             speed: 1.0,
             set: Vec::new(),
+            to_set: Vec::new(),
+            changed: true,
             pose_number: 0,
             scolded: None,
             pacer: Pacer::new(now),
@@ -79,7 +86,10 @@ impl Loop {
             empty_since: None,
             problem: None,
             failures: Vec::new(),
-        }
+        };
+        new.adopt(first);
+        new.tell_status();
+        new
     }
 
     /// Runs until told to stop, or until all clients' ends are gone.
@@ -104,12 +114,15 @@ impl Loop {
         if let Some(one) = event {
             self.take(one);
         }
+        self.apply_settings();
         self.adopt_what_is_made();
         self.rest_or_wake();
         if self.is_running() && Instant::now() >= self.pacer.due() {
             self.step();
         }
-        self.tell_status();
+        if std::mem::take(&mut self.changed) {
+            self.tell_status();
+        }
         true
     }
 
@@ -123,6 +136,7 @@ impl Loop {
     }
 
     fn take(&mut self, event: Event) {
+        self.changed |= !matches!(event, Event::Binary(..));
         match event {
             Event::Joined(client) => self.control.join(client),
             Event::Left(client) => {
@@ -191,6 +205,7 @@ impl Loop {
         self.recipe = ready.recipe;
         self.paused &= same;
         self.problem = None;
+        self.changed = true;
         self.publisher.model(ready.model, &self.desk);
         self.play = Some(play);
         self.pacer.resume(Instant::now());
@@ -202,6 +217,7 @@ impl Loop {
             None => {}
             Some((_, Ok(ready))) => self.adopt(*ready),
             Some((Wish { client, .. }, Err(problem))) => {
+                self.changed = true;
                 if let Some(client) = client {
                     self.tell(client, text::error(&problem));
                 }
@@ -225,7 +241,7 @@ impl Loop {
         let since = *self.empty_since.get_or_insert(now);
         if !self.resting && now - since >= REST_AFTER {
             self.resting = true;
-            (self.paused, self.speed) = (false, 1.0);
+            (self.paused, self.speed, self.changed) = (false, 1.0, true);
             if let Some(play) = &mut self.play {
                 play.follow_script();
             }
@@ -265,10 +281,7 @@ impl Loop {
             loading: self.builder.wished().map(|recipe| &recipe.scene[..]),
             hands: self.recipe.hands,
             problem: self.problem.as_deref(),
-            settings: self
-                .play
-                .as_ref()
-                .map_or(Vec::new(), |play| super::shim::settings(play.session())),
+            settings: self.play.as_ref().map_or(Vec::new(), |play| play.session().settings()),
         };
         let text = status.text();
         self.desk.status.send_if_modified(|last| {

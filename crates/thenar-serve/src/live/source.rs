@@ -1,10 +1,10 @@
 //! Scenes that can be served, and how one is made ready.
 
-use super::shim::with_hands;
 use crate::hub::SceneName;
-use crate::protocol::{self, HandChoice, Lengths};
+use crate::protocol::{self, Lengths};
 use std::path::{Path, PathBuf};
 use thenar_scene::SceneError;
+use thenar_scene::hands::{Hands, with_hands};
 use thenar_scene::session::{Session, builtin, builtins, read};
 
 /// Where the first scene comes from.
@@ -26,12 +26,12 @@ pub struct Catalogue {
 }
 
 /// What is to be made ready.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Recipe {
     /// Scene.
     pub scene: String,
     /// Which hands.
-    pub hands: HandChoice,
+    pub hands: Hands,
     /// How long.
     pub lengths: Lengths,
 }
@@ -81,7 +81,7 @@ impl Catalogue {
             }
         };
         let recipe =
-            Recipe { scene: scene.clone(), hands: HandChoice::Scene, lengths: Lengths::default() };
+            Recipe { scene: scene.clone(), hands: Hands::Scene, lengths: Lengths::default() };
         Ok((Self { own, first: (scene, overrides.to_vec()) }, recipe))
     }
 
@@ -121,10 +121,26 @@ impl Catalogue {
             (None, None) => return Err(LiveError::Unknown(name.clone())),
         };
         let overrides = if self.first.0 == *name { &self.first.1[..] } else { &[] };
-        let session = with_hands(&text, &path, overrides, recipe)?;
+        let session = session(&text, &path, overrides, recipe)?;
         let model = protocol::model(&session, name, 0)?;
         Ok(Ready { recipe: recipe.clone(), session, model })
     }
+}
+
+/// The scene with its own hands, or with others.
+fn session(
+    text: &str,
+    path: &Path,
+    overrides: &[String],
+    recipe: &Recipe,
+) -> Result<Session, SceneError> {
+    let Lengths { left, right } = recipe.lengths;
+    if recipe.hands == Hands::Scene && left.or(right).is_none() {
+        return Session::from_text(text, path, overrides);
+    }
+    let mut scene = read(text, overrides).map_err(|fault| fault.locate(path, text, overrides))?;
+    with_hands(&mut scene, recipe.hands, [left, right]);
+    Session::from_scene(scene, path)
 }
 
 /// The text of a scene file.

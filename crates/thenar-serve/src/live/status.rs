@@ -1,8 +1,8 @@
 //! What clients are told of the state of things.
 
-use super::shim::Setting;
-use crate::protocol::HandChoice;
 use serde::Serialize;
+use thenar_scene::hands::Hands;
+use thenar_scene::tuning::Setting;
 
 /// The status message.
 #[derive(Debug, Serialize)]
@@ -21,7 +21,7 @@ pub struct Status<'a> {
     /// The scene that is being made ready.
     pub loading: Option<&'a str>,
     /// Which hands are in it.
-    pub hands: HandChoice,
+    pub hands: Hands,
     /// What went wrong in the simulation, if anything.
     pub problem: Option<&'a str>,
     /// What can be set.

@@ -2,6 +2,8 @@
 
 use super::TEXT_BYTES_MAX;
 use serde::{Deserialize, Serialize};
+use thenar_scene::hands::Hands;
+use thenar_scene::tuning::SettingValue;
 
 /// A command.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -34,7 +36,7 @@ pub enum Command {
     /// Other hands.
     Hands {
         /// Which.
-        which: HandChoice,
+        which: Hands,
         /// How long they are.
         #[serde(default)]
         lengths: Lengths,
@@ -46,28 +48,13 @@ pub enum Command {
         /// Which.
         key: String,
         /// To what.
-        value: Value,
+        value: SettingValue,
     },
     /// A question whether anybody is there.
     Ping {
         /// The client's time \[s\].
         t: f64,
     },
-}
-
-/// Which hands are in the scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum HandChoice {
-    /// Those that the scene says.
-    #[default]
-    Scene,
-    /// A left one.
-    Left,
-    /// A right one.
-    Right,
-    /// One of each.
-    Both,
 }
 
 /// Lengths of hands from wrist to middle fingertip \[m\]; `None` is the model's own.
@@ -80,16 +67,6 @@ pub struct Lengths {
     /// Of the right one.
     #[serde(default)]
     pub right: Option<f64>,
-}
-
-/// The value of a setting.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(untagged)]
-pub enum Value {
-    /// A number.
-    Number(f64),
-    /// One of the setting's choices.
-    Text(String),
 }
 
 impl Command {

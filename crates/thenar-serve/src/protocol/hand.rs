@@ -2,11 +2,10 @@
 
 use super::arrays::{Array, Arrays, seven};
 use serde::Serialize;
-use std::f64::consts::PI;
 use thenar::Pose;
-use thenar::model::{Digit, HandModel, Side};
+use thenar::model::{HandModel, Side};
 use thenar_scene::build::BuiltHand;
-use thenar_scene::motion::{Anatomy, Articulation, JointRole};
+use thenar_scene::motion::{ANGLES, AngleRange, Articulation, hand_angles};
 
 /// A hand.
 #[derive(Debug, Serialize)]
@@ -69,29 +68,14 @@ pub fn hand(built: &BuiltHand, target_start: usize, arrays: &mut Arrays) -> Hand
     }
 }
 
-/// The 20 angles by which a pose message bends a hand: for each finger, thumb first, base
-/// flexion, base spread, second flexion, third flexion.
+/// The 20 angles by which a pose message bends a hand.
 fn angles(model: &HandModel) -> Vec<Option<Angle>> {
-    let anatomy = Anatomy::of(model);
-    let rest = Articulation::new(model).map(|a| a.rest_angles).unwrap_or_default();
-    let one = |digit: Digit, place: usize, which: fn(&JointRole) -> Option<(usize, f64)>| {
-        let j = anatomy.joints_of(digit).find(|j| anatomy.roles[*j].place == place)?;
-        let (axis, sign) = which(&anatomy.roles[j])?;
-        let joint = &model.joints[j];
-        let limit = joint.axes[axis].limit;
-        let ends = limit.map_or([-PI, PI], |limit| [sign * limit.min, sign * limit.max]);
-        Some(Angle {
-            joint: joint.name.clone(),
-            rest: sign * rest.get(j).map_or(0.0, |angles| angles[axis]),
-            min: ends[0].min(ends[1]),
-            max: ends[0].max(ends[1]),
-        })
+    let Ok(articulation) = Articulation::new(model) else { return vec![None; ANGLES] };
+    let angle = |range: AngleRange| Angle {
+        joint: range.joint,
+        rest: range.rest,
+        min: range.min,
+        max: range.max,
     };
-    let flexion: fn(&JointRole) -> _ = |role| role.flexion;
-    let spread: fn(&JointRole) -> _ = |role| role.spread;
-    let of = |digit| {
-        [(0, flexion), (0, spread), (1, flexion), (2, flexion)]
-            .map(|(place, which)| one(digit, place, which))
-    };
-    Digit::FINGERS.into_iter().flat_map(of).collect()
+    hand_angles(model, &articulation).map(|range| range.map(angle)).into()
 }

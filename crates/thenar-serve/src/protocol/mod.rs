@@ -5,7 +5,6 @@ mod arrays;
 mod command;
 mod contact;
 mod hand;
-mod loads;
 mod model;
 mod pose;
 mod rigid;
@@ -13,7 +12,7 @@ mod snapshot;
 mod soft;
 pub mod text;
 
-pub use command::{Command, HandChoice, Lengths, Value};
+pub use command::{Command, Lengths};
 pub use model::{ModelError, model, set_epoch};
 pub use pose::{ANGLES_BYTES, JOINTS_BYTES, LOST_BYTES, PoseBody, PoseError, PoseMessage};
 pub use snapshot::{Pace, Snapshots, flags};

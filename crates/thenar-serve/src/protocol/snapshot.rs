@@ -1,7 +1,6 @@
 //! The snapshot message: where everything is after a step.
 
 use super::contact::{self, CONTACTS_MAX};
-use super::loads::loads;
 use super::{VERSION, kind};
 use thenar::world::Energy;
 use thenar::{Pose, Vec3};
@@ -120,9 +119,8 @@ impl Snapshots {
                 None => out.f32s([f64::NAN; 7]),
             }
         }
-        for hand in session.hands() {
-            let own = hand.flesh().map(|s| loads(contacts, s, &hand.model.collision_digits));
-            for load in own.unwrap_or_default() {
+        for hand in 0..session.hands().len() {
+            for load in session.hand_loads(hand) {
                 out.f32s([load.normal, load.shear, load.area]);
             }
         }
