@@ -1,0 +1,185 @@
+// The pointer on the picture: dragging the hand moves it, dragging anything else moves the camera.
+// Left drag moves in the plane of the picture, with Shift in depth; right drag or Alt turns. Two
+// fingers: apart and together for depth, twisting to roll. The wheel over the hand closes it.
+
+import { Quaternion, Ray, Raycaster, Vector2, Vector3 } from "three";
+import type { App } from "../app";
+import { pickHand, type Picked } from "./pick";
+import { POSING_ID, type Posing } from "./posing";
+
+/** A press becomes a drag after so many pixels. */
+const SLACK = 4;
+/** rad per pixel */
+const TURN = 0.008;
+/** Share of the grasp per wheel unit (a notch is about 100). */
+const WHEEL = 0.0006;
+/** m per doubling of the fingers' distance */
+const PINCH_DEPTH = 0.25;
+
+interface Point {
+  x: number;
+  y: number;
+}
+
+export class PointerPosing {
+  private readonly fingers = new Map<number, Point>();
+  private picked: Picked | null = null;
+  private dragging = false;
+  private turning = false;
+  private travelled = 0;
+  private overHand = false;
+  private hoverAt = 0;
+
+  constructor(
+    private readonly app: App,
+    private readonly posing: Posing,
+    private readonly refused: (reason: string) => void,
+  ) {
+    const { canvas } = app.stage;
+    const capture = { capture: true } as const;
+    canvas.addEventListener("pointerdown", (event) => this.down(event), capture);
+    canvas.addEventListener("pointermove", (event) => this.move(event), capture);
+    canvas.addEventListener("pointerup", (event) => this.up(event), capture);
+    canvas.addEventListener("pointercancel", (event) => this.up(event), capture);
+    canvas.addEventListener("wheel", (event) => this.wheel(event), { capture: true, passive: false });
+    canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+  }
+
+  /** The hand's bone under a place of the window. */
+  pick(event: { clientX: number; clientY: number }): Picked | null {
+    const { stage, feed } = this.app;
+    if (feed.model === null || feed.snapshot === null || stage.renderer.xr.isPresenting) return null;
+    const box = stage.canvas.getBoundingClientRect();
+    const x = (2 * (event.clientX - box.left)) / box.width - 1;
+    const y = 1 - (2 * (event.clientY - box.top)) / box.height;
+    const caster = new Raycaster();
+    caster.setFromCamera(new Vector2(x, y), stage.camera);
+    const ray = new Ray().copy(caster.ray).applyMatrix4(stage.world.matrixWorld.clone().invert());
+    return pickHand(ray, feed.model, feed.snapshot);
+  }
+
+  private down(event: PointerEvent): void {
+    if (this.fingers.size > 0) {
+      this.fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+      this.capture(event);
+      return;
+    }
+    if (event.button === 1) return;
+    const picked = this.pick(event);
+    if (picked === null || !this.mayPose()) return;
+    this.picked = picked;
+    this.dragging = false;
+    this.turning = event.button === 2 || event.altKey;
+    this.travelled = 0;
+    this.fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    this.capture(event);
+  }
+
+  private capture(event: PointerEvent): void {
+    const { canvas } = this.app.stage;
+    canvas.setPointerCapture(event.pointerId);
+    canvas.focus({ preventScroll: true });
+    event.stopImmediatePropagation();
+    event.preventDefault();
+  }
+
+  /** Dragging takes the hand from the script, not from another input or another viewer. */
+  private mayPose(): boolean {
+    const { inputs, connection, feed } = this.app;
+    if (!feed.live || connection.state !== "open") return false;
+    if (inputs.active !== null) return inputs.active.id === POSING_ID;
+    const holder = connection.status?.control;
+    return connection.inControl || holder === null;
+  }
+
+  private move(event: PointerEvent): void {
+    const finger = this.fingers.get(event.pointerId);
+    if (finger === undefined) {
+      this.hover(event);
+      return;
+    }
+    event.stopImmediatePropagation();
+    const before = [...this.fingers.values()].map((point) => ({ ...point }));
+    const [dx, dy] = [event.clientX - finger.x, event.clientY - finger.y];
+    finger.x = event.clientX;
+    finger.y = event.clientY;
+    this.travelled += Math.hypot(dx, dy);
+    if (!this.dragging && this.travelled > SLACK) this.begin();
+    if (!this.dragging || !this.posing.on) return;
+    if (this.fingers.size > 1) this.pinch(before, [...this.fingers.values()]);
+    else if (this.turning) this.turn(dx, dy);
+    else this.shift(dx, dy, event.shiftKey);
+  }
+
+  private begin(): void {
+    const { inputs } = this.app;
+    this.dragging = true;
+    if (this.picked !== null) this.posing.choose(this.picked.hand);
+    if (inputs.active !== null) return;
+    inputs.start(POSING_ID).catch((error: unknown) => {
+      this.fingers.clear();
+      this.refused(error instanceof Error ? error.message : String(error));
+    });
+  }
+
+  private up(event: PointerEvent): void {
+    if (!this.fingers.delete(event.pointerId)) return;
+    event.stopImmediatePropagation();
+    if (this.fingers.size === 0) this.dragging = false;
+  }
+
+  /** The camera's axes in the world frame: right, up, into the picture. */
+  private axes(): [Vector3, Vector3, Vector3] {
+    const { camera, world } = this.app.stage;
+    const toWorld = world.getWorldQuaternion(new Quaternion()).invert();
+    const turn = toWorld.multiply(camera.getWorldQuaternion(new Quaternion()));
+    const axis = (x: number, y: number, z: number) => new Vector3(x, y, z).applyQuaternion(turn);
+    return [axis(1, 0, 0), axis(0, 1, 0), axis(0, 0, -1)];
+  }
+
+  private shift(dx: number, dy: number, inDepth: boolean): void {
+    const { camera, canvas } = this.app.stage;
+    const distance = this.picked?.distance ?? 0.5;
+    // So much of the world passes under one pixel at the hand's distance.
+    const perPixel = (2 * distance * Math.tan((camera.fov * Math.PI) / 360)) / canvas.clientHeight;
+    const [right, up, into] = this.axes();
+    const by = inDepth
+      ? into.multiplyScalar(-dy * perPixel)
+      : right.multiplyScalar(dx * perPixel).addScaledVector(up, -dy * perPixel);
+    this.posing.moveWrist(by);
+  }
+
+  private turn(dx: number, dy: number): void {
+    const [right, up] = this.axes();
+    const yaw = new Quaternion().setFromAxisAngle(up, dx * TURN);
+    this.posing.turnWrist(yaw.multiply(new Quaternion().setFromAxisAngle(right, dy * TURN)));
+  }
+
+  private pinch(before: readonly Point[], after: readonly Point[]): void {
+    const line = ([a, b]: readonly Point[]) => new Vector2(b.x - a.x, b.y - a.y);
+    const [from, to] = [line(before), line(after)];
+    if (from.length() < 1 || to.length() < 1) return;
+    const [, , into] = this.axes();
+    const nearer = Math.log2(to.length() / from.length()) * PINCH_DEPTH;
+    this.posing.moveWrist(into.clone().multiplyScalar(-nearer));
+    // The window's y runs down: a turn to the right there is one about the view's direction.
+    const twist = Math.atan2(from.cross(to), from.dot(to));
+    this.posing.turnWrist(new Quaternion().setFromAxisAngle(into, twist));
+  }
+
+  private wheel(event: WheelEvent): void {
+    if (!this.posing.on || (!this.dragging && !this.overHand)) return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+    const pixels = event.deltaMode === WheelEvent.DOM_DELTA_PIXEL ? 1 : 33;
+    const now = this.posing.sliders().grasp;
+    this.posing.setGrasp(Math.min(1, Math.max(0, now + event.deltaY * pixels * WHEEL)));
+  }
+
+  private hover(event: PointerEvent): void {
+    if (event.buttons !== 0 || event.timeStamp - this.hoverAt < 40) return;
+    this.hoverAt = event.timeStamp;
+    this.overHand = this.mayPose() && this.pick(event) !== null;
+    this.app.stage.canvas.style.cursor = this.overHand ? "grab" : "";
+  }
+}

@@ -1,0 +1,94 @@
+// Plain-language help: what is seen, what to try, every key.
+
+import type { Desk, Panel } from "./desk";
+import { button, h } from "./dom";
+import { ICONS } from "./icons";
+
+export function helpPanel(desk: Desk): Panel {
+  const keys = h("div", { class: "keys" });
+  const dialog = h(
+    "dialog",
+    { class: "help-dialog", "aria-labelledby": "help-title" },
+    h(
+      "header",
+      {},
+      h("h2", { id: "help-title" }, "What this is, and how to use it"),
+      button("×", () => dialog.close(), { class: "plain", "aria-label": "Close help" }),
+    ),
+    ...text(),
+    h("h3", {}, "Keys"),
+    keys,
+  );
+  document.body.append(dialog);
+  const open = () => {
+    keys.replaceChildren(...tables(desk));
+    dialog.showModal();
+  };
+  dialog.addEventListener("click", (event) => {
+    if (event.target === dialog) dialog.close();
+  });
+  desk.keys.add({ key: "?", label: "This help", group: "Page", act: open });
+  return {
+    id: "help",
+    title: "Help",
+    icon: ICONS.help,
+    body: h(
+      "div",
+      {},
+      h("p", {}, "A soft hand, simulated live: bones follow a pose, flesh follows the bones and gives way to what it touches."),
+      h("p", {}, "Try: drag the hand, or open the Hand panel and move the Grasp slider."),
+      h("div", { class: "buttons" }, button("Open the help", open, { class: "primary", title: "Key ?" })),
+    ),
+  };
+}
+
+function text(): HTMLElement[] {
+  const list = (...items: string[]) => h("ul", {}, ...items.map((item) => h("li", {}, item)));
+  return [
+    h("p", {},
+      "You see a hand of 16 rigid bones inside soft flesh. A script, or you, move a tracked hand; springs pull " +
+      "the bones after it. The flesh follows the bones and is stopped by what it touches, so the simulated hand " +
+      "stays outside of objects even when the tracked one goes in."),
+    h("h3", {}, "What to try"),
+    list(
+      "Play the bread scene, pause it (P) when the hand holds the loaf, and go on step by step (.).",
+      "Take the hand: drag it with the mouse or a finger, or press M. Close it with the Grasp slider or the mouse wheel. Esc gives it back.",
+      "Open Physics and make the skin softer or the bread slippery: it acts at once. The arrow beside a value takes it back.",
+      "Switch on the tracked hand (Y) and press the hand into the table: yellow goes through, flesh does not.",
+      "Switch on the contact forces (V) and watch the Forces panel while you squeeze.",
+      "Drag beside the hand to turn the camera; wheel or pinch to zoom; keys 1 to 6 for fixed views.",
+    ),
+    h("h3", {}, "Your own hand"),
+    list(
+      "A webcam or a headset with hand tracking can move the hand: see the Hand panel.",
+      "For a headset, start the program with --lan, open the printed address in the headset's browser, accept its " +
+      "certificate once, and enter from the Hand panel.",
+    ),
+    h("h3", {}, "What the colours mean"),
+    list(
+      "Yellow: the tracked hand. Skin colour: the simulated one.",
+      "Pressure: from blue (none) to red (most).",
+      "In the plot: thumb orange-red, index yellow, middle green, ring blue, little pink, palm grey.",
+    ),
+    h("h3", {}, "What it does not do"),
+    list(
+      "Coarse flesh is somewhat stiffer than its material; thenar validate says by how much.",
+      "Fingers do not touch each other.",
+      "When a machine is too slow for real time, the clock runs slower and says so; nothing is skipped.",
+      "It is a research tool, not a medical one.",
+    ),
+  ];
+}
+
+function tables(desk: Desk): HTMLElement[] {
+  const groups = new Map<string, HTMLElement>();
+  for (const { key, name, label, group } of desk.keys.list) {
+    let table = groups.get(group);
+    if (table === undefined) {
+      table = h("table", {}, h("caption", {}, group));
+      groups.set(group, table);
+    }
+    table.append(h("tr", {}, h("td", {}, h("kbd", {}, name ?? key.toUpperCase())), h("td", {}, label)));
+  }
+  return [...groups.values()];
+}

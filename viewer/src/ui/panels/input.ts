@@ -1,0 +1,55 @@
+// Everything that can move the hand, one button each.
+
+import type { InputSource } from "../../input/source";
+import type { Desk, Panel } from "../desk";
+import { button, h, setText } from "../dom";
+import { ICONS } from "../icons";
+
+export function inputPanel(desk: Desk): Panel {
+  const { inputs, connection } = desk.app;
+  const intro = h("p", { class: "help" });
+  const list = h("div");
+  const rows = new Map<string, () => void>();
+
+  const rowOf = (source: InputSource): HTMLElement => {
+    const note = h("p", { class: "note", role: "status" });
+    const act = button(source.label, () => {
+      if (inputs.active === source) inputs.stop();
+      else {
+        inputs.start(source.id).catch((error: unknown) => {
+          desk.toasts.show(error instanceof Error ? error.message : String(error), "error");
+        });
+      }
+    }, { "data-input": source.id, "aria-pressed": "false" });
+    const box = h("section", { class: "input-source" }, act, h("p", { class: "help" }, source.help), note);
+    if (source.controls !== undefined) box.append(source.controls);
+    rows.set(source.id, () => {
+      const on = inputs.active === source;
+      act.disabled = !source.available || connection.state !== "open";
+      act.setAttribute("aria-pressed", String(on));
+      setText(act, on ? `Stop: ${source.label}` : source.label);
+      setText(note, source.note);
+      note.hidden = source.note === "";
+      box.dataset["state"] = source.state;
+      if (source.controls !== undefined) source.controls.hidden = !source.available;
+    });
+    return box;
+  };
+
+  const refresh = () => {
+    for (const source of inputs.list) if (!rows.has(source.id)) list.append(rowOf(source));
+    for (const update of rows.values()) update();
+    setText(
+      intro,
+      inputs.active === null
+        ? "The scene's script moves the hand. Choose what shall move it instead; Esc gives it back."
+        : "Esc gives the hand back to the script.",
+    );
+  };
+  inputs.onChange(refresh);
+  for (const name of ["open", "close", "status"] as const) connection.on(name, refresh);
+  refresh();
+
+  desk.keys.add({ key: "escape", name: "Esc", label: "Give the hand back to the script", group: "Hand", act: () => inputs.stop() });
+  return { id: "input", title: "Hand", icon: ICONS.input, body: h("div", {}, intro, list) };
+}

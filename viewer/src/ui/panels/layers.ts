@@ -1,0 +1,91 @@
+// What the picture shows, each layer with what it means.
+
+import { LAYERS, LAYER_LABELS, VIEWS, type LayerName, type ViewName } from "../../scene/layers";
+import type { Desk, Panel } from "../desk";
+import { button, h } from "../dom";
+import { ICONS } from "../icons";
+import { group } from "../widgets";
+
+interface Explanation {
+  readonly key: string;
+  readonly text: string;
+}
+
+const EXPLAIN: Readonly<Record<LayerName, Explanation>> = {
+  skin: { key: "k", text: "The soft surface you would see, carried by the flesh." },
+  flesh: { key: "t", text: "The tetrahedra that are computed, inside the skin (Fig. 2)." },
+  bones: { key: "b", text: "The rigid bones and the joints between them (Fig. 2)." },
+  tracked: { key: "y", text: "In yellow: where the tracker puts the hand. Contact holds the real one back (Fig. 4)." },
+  skinning: { key: "l", text: "The same pose by plain skinning, without flesh (Fig. 6)." },
+  contacts: { key: "c", text: "Points where bodies touch." },
+  forces: { key: "v", text: "An arrow per contact, as long as its force is strong." },
+  pressure: { key: "h", text: "Force per area as colour: blue none, red most." },
+  wireframe: { key: "w", text: "The edges of the objects' triangles (Fig. 8)." },
+  objects: { key: "o", text: "What the hand touches." },
+  shadows: { key: "x", text: "Soft shadows; off is quicker to draw." },
+  ground: { key: "z", text: "The table or floor." },
+};
+
+const VIEW_LABELS: Readonly<Record<ViewName, string>> = {
+  scene: "Scene's own",
+  front: "Front",
+  side: "Side",
+  top: "Top",
+  below: "Below",
+  close: "Close",
+};
+
+export function layersPanel(desk: Desk): Panel & { refresh(): void } {
+  const { stage } = desk.app;
+  const boxes = new Map<LayerName, HTMLInputElement>();
+  const set = (layer: LayerName, on: boolean) => {
+    stage.setLayer(layer, on);
+    const box = boxes.get(layer);
+    if (box !== undefined) box.checked = on;
+  };
+  const rows = LAYERS.map((layer) => {
+    const { key, text } = EXPLAIN[layer];
+    const box = h("input", { type: "checkbox", "data-layer": layer, "aria-keyshortcuts": key });
+    box.checked = stage.layer(layer);
+    box.addEventListener("change", () => set(layer, box.checked));
+    boxes.set(layer, box);
+    desk.keys.add({
+      key,
+      label: LAYER_LABELS[layer],
+      group: "Layers",
+      act: () => set(layer, !stage.layer(layer)),
+    });
+    return h(
+      "label",
+      { class: "layer" },
+      box,
+      h("span", { class: "name" }, LAYER_LABELS[layer]),
+      h("kbd", {}, key.toUpperCase()),
+      h("span", { class: "help" }, text),
+    );
+  });
+  const views = VIEWS.map((view, i) => {
+    const key = String(i + 1);
+    desk.keys.add({
+      key,
+      label: `View: ${VIEW_LABELS[view].toLowerCase()}`,
+      group: "Camera",
+      act: () => stage.setView(view),
+    });
+    return button(VIEW_LABELS[view], () => stage.setView(view), { title: `Key ${key}` });
+  });
+  return {
+    id: "layers",
+    title: "Layers",
+    icon: ICONS.layers,
+    body: h(
+      "div",
+      {},
+      h("div", { class: "layers" }, ...rows),
+      group("View", h("div", { class: "buttons" }, ...views)),
+    ),
+    refresh() {
+      for (const [layer, box] of boxes) box.checked = stage.layer(layer);
+    },
+  };
+}

@@ -1,0 +1,153 @@
+// The settings the server offers, grouped, acting at once.
+
+import { isChoice, type RangeSetting, type Setting } from "../../protocol/types";
+import { command, type Desk, type Panel } from "../desk";
+import { button, h, newId, setText } from "../dom";
+import { significant } from "../format";
+import { ICONS } from "../icons";
+import { SLIDER_STEPS, clampTo, fromPosition, toPosition } from "../slider-map";
+import { Throttle } from "../throttle";
+
+/** Between two commands of one slider, ms. */
+const INTERVAL = 100;
+/** A value just set here is not overwritten by older ones from the server for so long, ms. */
+const SETTLE = 400;
+
+interface Row {
+  readonly element: HTMLElement;
+  /** Takes over the server's value. */
+  update(setting: Setting): void;
+}
+
+export function physicsPanel(desk: Desk): Panel {
+  const { connection } = desk.app;
+  const rows = new Map<string, Row>();
+  const initial = new Map<string, number | string>();
+  let shape = "";
+  let scene = "";
+
+  const send = (key: string, value: number | string) => void command(desk, { type: "set", key, value });
+  const watching = h("p", { class: "help" }, "You are watching. Take control, in the Run panel, to change these.");
+  const list = h("div");
+  const reset = button("Back to the scene's values", () => {
+    for (const setting of connection.status?.settings ?? []) {
+      const value = initial.get(setting.key);
+      if (value !== undefined && value !== setting.value) send(setting.key, value);
+    }
+  });
+  const form = h("fieldset", { class: "bare" }, list, reset);
+
+  const rebuild = (settings: readonly Setting[]) => {
+    rows.clear();
+    const groups = new Map<string, HTMLElement>();
+    for (const setting of settings) {
+      const row = isChoice(setting) ? choiceRow(setting.key, send) : rangeRow(setting.key, send, initial);
+      rows.set(setting.key, row);
+      let box = groups.get(setting.group);
+      if (box === undefined) {
+        const id = newId("settings");
+        box = h("section", { class: "group", "aria-labelledby": id }, h("h3", { id }, setting.group));
+        groups.set(setting.group, box);
+      }
+      box.append(row.element);
+    }
+    list.replaceChildren(...groups.values());
+  };
+
+  const refresh = () => {
+    const { status } = connection;
+    form.disabled = !connection.inControl;
+    watching.hidden = connection.inControl;
+    if (status === null) return;
+    if (status.scene !== scene) initial.clear();
+    scene = status.scene;
+    for (const { key, value } of status.settings) if (!initial.has(key)) initial.set(key, value);
+    const now = JSON.stringify(status.settings.map((s) => [s.key, s.group, isChoice(s) ? s.choices : 0]));
+    if (now !== shape) rebuild(status.settings);
+    shape = now;
+    for (const setting of status.settings) rows.get(setting.key)?.update(setting);
+  };
+  for (const name of ["status", "welcome", "close"] as const) connection.on(name, refresh);
+  refresh();
+  return { id: "physics", title: "Physics", icon: ICONS.physics, body: h("div", {}, watching, form) };
+}
+
+function rangeRow(
+  key: string,
+  send: (key: string, value: number) => void,
+  initial: ReadonlyMap<string, number | string>,
+): Row {
+  const [id, helpId] = [newId("set"), newId("help")];
+  const label = h("label", { for: id });
+  const range = h("input", { id, type: "range", min: 0, max: SLIDER_STEPS, step: 1, "data-setting": key, "aria-describedby": helpId });
+  const field = h("input", { type: "number", step: "any", class: "value" });
+  const unit = h("span", { class: "unit" });
+  const help = h("p", { class: "help", id: helpId });
+  const back = button("↺", () => {
+    const value = initial.get(key);
+    if (typeof value === "number") change(value, true);
+  }, { class: "plain" });
+  let setting: RangeSetting | null = null;
+  let touched = -Infinity;
+  const throttle = new Throttle<number>(INTERVAL, (value) => send(key, value));
+
+  const show = (value: number) => {
+    if (setting === null) return;
+    range.value = String(Math.round(toPosition(value, setting)));
+    range.setAttribute("aria-valuetext", `${significant(value)} ${setting.unit}`);
+    if (document.activeElement !== field) field.value = significant(value, 4);
+    back.hidden = initial.get(key) === value;
+  };
+  const change = (value: number, all: boolean) => {
+    touched = performance.now();
+    throttle.push(value);
+    if (all) show(value);
+    else field.value = significant(value, 4);
+  };
+  range.addEventListener("input", () => {
+    if (setting !== null) change(fromPosition(Number(range.value), setting), false);
+  });
+  field.addEventListener("change", () => {
+    if (setting === null) return;
+    const value = field.value.trim() === "" ? NaN : Number(field.value);
+    if (Number.isFinite(value)) change(clampTo(value, setting), true);
+    else show(setting.value);
+  });
+  return {
+    element: h("div", { class: "setting" }, label, back, field, unit, range, help),
+    update(next) {
+      if (isChoice(next)) return;
+      setting = next;
+      setText(label, next.label);
+      setText(unit, next.unit);
+      setText(help, next.help);
+      field.setAttribute("aria-label", `${next.label}, ${next.unit}`);
+      field.min = String(next.min);
+      field.max = String(next.max);
+      back.setAttribute("aria-label", `${next.label}: back to the scene's value`);
+      back.title = "Back to the scene's value";
+      back.hidden = initial.get(key) === next.value;
+      if (!throttle.busy && performance.now() - touched > SETTLE) show(next.value);
+    },
+  };
+}
+
+function choiceRow(key: string, send: (key: string, value: string) => void): Row {
+  const [id, helpId] = [newId("set"), newId("help")];
+  const label = h("label", { for: id });
+  const input = h("select", { id, "data-setting": key, "aria-describedby": helpId });
+  const help = h("p", { class: "help", id: helpId });
+  input.addEventListener("change", () => send(key, input.value));
+  return {
+    element: h("div", { class: "setting choice" }, label, input, help),
+    update(next) {
+      if (!isChoice(next)) return;
+      setText(label, next.label);
+      setText(help, next.help);
+      if (input.options.length !== next.choices.length) {
+        input.replaceChildren(...next.choices.map((choice) => h("option", { value: choice }, choice)));
+      }
+      input.value = next.value;
+    },
+  };
+}

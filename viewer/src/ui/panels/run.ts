@@ -1,0 +1,100 @@
+// Scene, hands, speed, and who holds control.
+
+import type { HandsChoice } from "../../protocol/types";
+import { command, type Desk, type Panel } from "../desk";
+import { button, h, setText } from "../dom";
+import { bytes, fixed, significant } from "../format";
+import { ICONS } from "../icons";
+import { Throttle } from "../throttle";
+import { group, segmented, select, slider } from "../widgets";
+
+const HANDS: readonly (readonly [HandsChoice, string])[] = [
+  ["scene", "As in scene"],
+  ["left", "Left"],
+  ["right", "Right"],
+  ["both", "Both"],
+];
+
+export function runPanel(desk: Desk): Panel {
+  const { connection, feed, stage } = desk.app;
+  const who = h("p", { class: "who" });
+  const take = button("Take control", () => {
+    command(desk, { type: "control", take: !connection.inControl });
+  });
+  const scene = select("Scene", [], (name) => void command(desk, { type: "scene", name }));
+  const about = h("p", { class: "help" });
+  const hands = segmented("Hands", HANDS, (which) => {
+    command(desk, { type: "hands", which, lengths: { left: null, right: null } });
+  });
+  const throttle = new Throttle<number>(100, (value) => void command(desk, { type: "speed", value }));
+  const speed = slider(
+    "Speed",
+    { min: 0.02, max: 1, scale: "log" },
+    (value) => (value === 1 ? "real time" : `${significant(value, 2)} × real time`),
+    (value) => throttle.push(value),
+  );
+  const settable = h("fieldset", { class: "bare" }, scene.element, about, hands.element, speed.element);
+  const line = h("dl", { class: "facts" });
+  const body = h("div", {}, group("Control", who, take), settable, group("Connection", line));
+
+  const refresh = () => {
+    const { status, welcome } = connection;
+    const mine = connection.inControl;
+    settable.disabled = !mine;
+    take.disabled = connection.state !== "open";
+    setText(take, mine ? "Give up control" : "Take control");
+    const holder = status?.control ?? null;
+    setText(
+      who,
+      connection.state !== "open"
+        ? "Not connected."
+        : mine
+          ? "You hold control. Others can watch."
+          : holder === null
+            ? "Nobody holds control. You are watching."
+            : `Viewer ${holder} holds control. You are watching as viewer ${welcome?.client ?? "?"}.`,
+    );
+    const scenes = welcome?.scenes ?? [];
+    if (scene.input.options.length !== scenes.length || scenes.some((s, i) => scene.input.options[i].value !== s.name)) {
+      scene.input.replaceChildren(...scenes.map((s) => h("option", { value: s.name }, `${s.name}: ${s.title}`)));
+    }
+    if (status !== null) {
+      if (!scenes.some((s) => s.name === status.scene) && ![...scene.input.options].some((o) => o.value === status.scene)) {
+        scene.input.prepend(h("option", { value: status.scene }, status.scene));
+      }
+      scene.input.value = status.scene;
+      hands.set(status.hands);
+      if (!throttle.busy) speed.set(status.speed);
+    }
+  };
+  for (const name of ["status", "welcome", "open", "close"] as const) connection.on(name, refresh);
+  feed.on("model", (model) => setText(about, model.description.replace(/\s+/g, " ").trim()));
+  refresh();
+
+  let timer: ReturnType<typeof setInterval> | undefined;
+  const facts = () => {
+    const trip = connection.clock.roundTrip;
+    const latency = connection.latency.median;
+    const rows: [string, string][] = [
+      ["Server", connection.welcome?.server ?? "–"],
+      ["Round trip", trip === null ? "–" : `${fixed(1000 * trip, 1)} ms`],
+      ["Your pose to picture", latency === null ? "–" : `${fixed(latency, 1)} ms`],
+      ["Received", `${bytes(Math.round(connection.throughput.bytesPerSecond))}/s`],
+      ["Drawn", `${fixed(stage.stats.fps, 0)} frames/s, ${fixed(stage.stats.frameCost, 1)} ms each`],
+    ];
+    line.replaceChildren(...rows.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]));
+  };
+  return {
+    id: "run",
+    title: "Run",
+    icon: ICONS.run,
+    body,
+    shown(open) {
+      clearInterval(timer);
+      if (open) {
+        facts();
+        timer = setInterval(facts, 1000);
+      }
+    },
+  };
+}
