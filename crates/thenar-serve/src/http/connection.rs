@@ -1,0 +1,135 @@
+//! Connections: taken in, counted, encrypted where asked, and handed to the site.
+
+use super::metered::Metered;
+use super::options::Limits;
+use super::site::Site;
+use hyper::server::conn::http1;
+use hyper::service::service_fn;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use std::collections::HashMap;
+use std::io::Result;
+use std::net::IpAddr;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+use tokio::io::{AsyncRead, AsyncWrite, AsyncWriteExt};
+use tokio::net::{TcpListener, TcpStream};
+use tokio::time::timeout;
+use tokio_rustls::TlsAcceptor;
+
+/// The most a request's head may hold.
+const HEAD_BYTES: usize = 16 * 1024;
+
+/// The first byte of a TLS connection: a handshake record.
+const TLS_HANDSHAKE: u8 = 0x16;
+
+/// What plain HTTP gets where TLS is spoken.
+const SPEAK_TLS: &[u8] = b"HTTP/1.1 400 Bad Request\r\nContent-Type: text/plain\r\n\
+    Connection: close\r\n\r\nThis server speaks HTTPS only: the address begins with https://\n";
+
+/// What one connection too many gets.
+const FULL: &[u8] = b"HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain\r\n\
+    Connection: close\r\n\r\nToo many connections.\n";
+
+/// Takes connections until the site stops.
+pub async fn accept(listener: TcpListener, tls: Option<TlsAcceptor>, site: Arc<Site>) {
+    let crowd = Arc::new(Crowd::default());
+    loop {
+        let accepted = tokio::select! {
+            () = site.stopped() => return,
+            accepted = listener.accept() => accepted,
+        };
+        let Ok((mut stream, peer)) = accepted else {
+            // Out of descriptors, or the client has gone again: not to be retried at full speed.
+            tokio::time::sleep(Duration::from_millis(20)).await;
+            continue;
+        };
+        let peer = peer.ip().to_canonical();
+        let Some(place) = crowd.enter(peer, &site.limits) else {
+            // Best effort, no waiting.
+            let _ = timeout(Duration::from_millis(1), stream.write_all(FULL)).await;
+            continue;
+        };
+        let (tls, site) = (tls.clone(), site.clone());
+        tokio::spawn(async move {
+            // A connection that fails is over; there is nobody to tell.
+            let _ = serve(stream, peer, tls, site).await;
+            drop(place);
+        });
+    }
+}
+
+async fn serve(
+    stream: TcpStream,
+    peer: IpAddr,
+    tls: Option<TlsAcceptor>,
+    site: Arc<Site>,
+) -> Result<()> {
+    stream.set_nodelay(true)?;
+    let limits = &site.limits;
+    let Some(tls) = tls else {
+        return requests(Metered::new(stream, limits), peer, site).await;
+    };
+    let mut first = [0];
+    timeout(limits.head, stream.peek(&mut first)).await??;
+    let mut stream = Metered::new(stream, limits);
+    if first[0] != TLS_HANDSHAKE {
+        stream.write_all(SPEAK_TLS).await?;
+        return stream.shutdown().await;
+    }
+    let stream = timeout(limits.head, tls.accept(stream)).await??;
+    requests(stream, peer, site).await
+}
+
+/// Answers the requests of one connection, until one of them turns it into a session.
+async fn requests<S>(stream: S, peer: IpAddr, site: Arc<Site>) -> Result<()>
+where
+    S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
+{
+    let stopping = site.clone();
+    let mut http = http1::Builder::new();
+    http.timer(TokioTimer::new()).header_read_timeout(site.limits.head).max_buf_size(HEAD_BYTES);
+    let service = service_fn(move |request| site.clone().answer(peer, request));
+    let connection = http.serve_connection(TokioIo::new(stream), service).with_upgrades();
+    let mut connection = std::pin::pin!(connection);
+    tokio::select! {
+        done = connection.as_mut() => return done.map_err(std::io::Error::other),
+        () = stopping.stopped() => connection.as_mut().graceful_shutdown(),
+    }
+    connection.await.map_err(std::io::Error::other)
+}
+
+/// Counts connections, all and by address.
+#[derive(Debug, Default)]
+struct Crowd(Mutex<HashMap<IpAddr, usize>>);
+
+/// A place in the crowd, given back when dropped.
+#[derive(Debug)]
+struct Place {
+    crowd: Arc<Crowd>,
+    from: IpAddr,
+}
+
+impl Crowd {
+    fn enter(self: &Arc<Self>, from: IpAddr, limits: &Limits) -> Option<Place> {
+        let mut table = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let all: usize = table.values().sum();
+        let here = table.get(&from).copied().unwrap_or(0);
+        if all >= limits.connections || here >= limits.connections_per_address {
+            return None;
+        }
+        table.insert(from, here + 1);
+        Some(Place { crowd: self.clone(), from })
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        let mut table = self.crowd.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(count) = table.get_mut(&self.from) {
+            *count -= 1;
+            if *count == 0 {
+                table.remove(&self.from);
+            }
+        }
+    }
+}

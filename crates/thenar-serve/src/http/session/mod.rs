@@ -1,0 +1,207 @@
+//! A session: one client's WebSocket, from the upgrade to the goodbye.
+//!
+//! Reading and writing go on side by side in one task; whichever ends first ends the session.
+
+mod reader;
+mod writer;
+
+use super::guard::Refusal;
+use super::reply::{self, Reply};
+use super::site::Site;
+use crate::hub::{ClientId, Event, Refused};
+use futures_util::stream::{SplitSink, SplitStream};
+use futures_util::{SinkExt, StreamExt};
+use hyper::http::request::Parts;
+use hyper::upgrade::{OnUpgrade, Upgraded};
+use hyper::{Method, Request, StatusCode};
+use hyper_util::rt::TokioIo;
+use reader::Reader;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+use tokio::sync::{mpsc, watch};
+use tokio::time::{sleep, timeout};
+use tokio_tungstenite::WebSocketStream;
+use tokio_tungstenite::tungstenite::handshake::server::create_response_with_body;
+use tokio_tungstenite::tungstenite::protocol::frame::coding::CloseCode;
+use tokio_tungstenite::tungstenite::protocol::{CloseFrame, Role, WebSocketConfig};
+use tokio_tungstenite::tungstenite::{Error, Message};
+use writer::Writer;
+
+/// Beyond this a message is not even read; within it a message that is too long gets a remark.
+const MESSAGE_BYTES: usize = 16 * 1024;
+
+/// How long closing may take, on either side.
+const CLOSING: Duration = Duration::from_secs(1);
+
+/// How long the simulation may be too busy to hear of a new client.
+const JOINING: Duration = Duration::from_secs(5);
+
+type Socket = WebSocketStream<TokioIo<Upgraded>>;
+type Outgoing = SplitSink<Socket, Message>;
+type Ingoing = SplitStream<Socket>;
+
+/// A remark that the server itself makes to its client.
+#[derive(Debug)]
+struct Remark {
+    text: String,
+    refusal: bool,
+}
+
+impl Remark {
+    fn error(message: &str, refusal: bool) -> Self {
+        let text = serde_json::json!({ "type": "error", "message": message }).to_string();
+        Self { text, refusal }
+    }
+}
+
+/// Why a session ends.
+#[derive(Debug)]
+enum End {
+    /// The client went, in order or not.
+    Gone,
+    /// The client broke the rules of WebSocket, or exceeded a bound.
+    Broken(Error),
+    /// It was refused too often.
+    Refusals,
+    /// It sent more messages than anyone needs.
+    Flood,
+    /// It gave no sign of life.
+    Silent,
+    /// It took too long to take a message.
+    Slow,
+    /// The simulation is too busy to greet it.
+    Busy,
+    /// The simulation has ended.
+    Ended,
+    /// The server ends.
+    Stopping,
+}
+
+/// Turns a request into a session, or says why not.
+pub fn open(site: &Arc<Site>, request: &Parts, upgrade: OnUpgrade) -> Reply {
+    let mut bare = Request::new(());
+    *bare.method_mut() = request.method.clone();
+    *bare.version_mut() = request.version;
+    *bare.headers_mut() = request.headers.clone();
+    let accepted = create_response_with_body(&bare, Default::default);
+    let Ok(reply) = accepted.and_then(|reply| match request.method == Method::GET {
+        true => Ok(reply),
+        false => Err(Error::ConnectionClosed),
+    }) else {
+        return reply::refuse(&Refusal(
+            StatusCode::UPGRADE_REQUIRED,
+            "This is the address of the live WebSocket; see docs/protocol.md.",
+        ));
+    };
+    let Ok(slot) = site.slots.clone().try_acquire_owned() else {
+        return reply::refuse(&Refusal(
+            StatusCode::SERVICE_UNAVAILABLE,
+            "As many clients as this server takes are here already; try again later.",
+        ));
+    };
+    let site = site.clone();
+    tokio::spawn(async move {
+        if let Ok(stream) = upgrade.await {
+            run(&site, TokioIo::new(stream)).await;
+        }
+        drop(slot);
+    });
+    reply
+}
+
+async fn run(site: &Site, stream: TokioIo<Upgraded>) {
+    let config = WebSocketConfig::default()
+        .max_message_size(Some(MESSAGE_BYTES))
+        .max_frame_size(Some(MESSAGE_BYTES))
+        .read_buffer_size(MESSAGE_BYTES);
+    let socket = WebSocketStream::from_raw_socket(stream, Role::Server, Some(config)).await;
+    let (mut outgoing, mut ingoing) = socket.split();
+    let id = ClientId(site.clients.fetch_add(1, Ordering::Relaxed) + 1);
+    // Before joining: the welcome must not be missed.
+    let notes = site.hub.notes();
+    let end = match join(site, id).await {
+        Err(end) => end,
+        Ok(()) => {
+            let (remarks_in, remarks) = mpsc::channel(16);
+            let (pongs_in, pongs) = watch::channel(0);
+            let reader = Reader::new(site, id, &mut ingoing, remarks_in, pongs_in);
+            let writer = Writer::new(site, id, &mut outgoing, notes, remarks, pongs);
+            let end = tokio::select! {
+                end = reader.run() => end,
+                end = writer.run() => end,
+            };
+            leave(site, id).await;
+            end
+        }
+    };
+    goodbye(&end, &mut outgoing, &mut ingoing).await;
+}
+
+async fn join(site: &Site, id: ClientId) -> Result<(), End> {
+    let joining = async {
+        while let Err(refused) = site.hub.submit(Event::Joined(id)) {
+            match refused {
+                Refused::Ended => return Err(End::Ended),
+                Refused::Busy => sleep(Duration::from_millis(5)).await,
+            }
+        }
+        Ok(())
+    };
+    timeout(JOINING, joining).await.unwrap_or(Err(End::Busy))
+}
+
+/// Must not be lost, or control might stay with someone who has gone.
+async fn leave(site: &Site, id: ClientId) {
+    while site.hub.submit(Event::Left(id)) == Err(Refused::Busy) {
+        sleep(Duration::from_millis(5)).await;
+    }
+}
+
+/// Says why, and gives the client a moment to hear it.
+async fn goodbye(end: &End, outgoing: &mut Outgoing, ingoing: &mut Ingoing) {
+    if matches!(end, End::Slow) {
+        return;
+    }
+    let frame = CloseFrame { code: end.code(), reason: end.to_string().into() };
+    let closing = async {
+        if outgoing.send(Message::Close(Some(frame))).await.is_ok() {
+            while let Some(Ok(_)) = ingoing.next().await {}
+        }
+    };
+    let _ = timeout(CLOSING, closing).await;
+}
+
+impl End {
+    fn code(&self) -> CloseCode {
+        match self {
+            Self::Gone => CloseCode::Normal,
+            Self::Broken(Error::Capacity(_)) => CloseCode::Size,
+            Self::Broken(Error::Utf8(_)) => CloseCode::Invalid,
+            Self::Broken(_) => CloseCode::Protocol,
+            Self::Refusals | Self::Flood | Self::Silent | Self::Slow => CloseCode::Policy,
+            Self::Busy => CloseCode::Again,
+            Self::Ended => CloseCode::Error,
+            Self::Stopping => CloseCode::Away,
+        }
+    }
+}
+
+impl std::fmt::Display for End {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Gone => f.write_str(""),
+            // A close frame holds 123 bytes at most; none of these texts comes near.
+            Self::Broken(Error::Capacity(_)) => f.write_str("the message is too long"),
+            Self::Broken(Error::Utf8(_)) => f.write_str("the text is not UTF-8"),
+            Self::Broken(_) => f.write_str("this is not WebSocket"),
+            Self::Refusals => f.write_str("too many messages were refused"),
+            Self::Flood => f.write_str("too many messages"),
+            Self::Silent => f.write_str("no sign of life"),
+            Self::Slow => f.write_str("too slow"),
+            Self::Busy => f.write_str("the simulation is busy; try again later"),
+            Self::Ended => f.write_str("the simulation has ended"),
+            Self::Stopping => f.write_str("the server ends"),
+        }
+    }
+}

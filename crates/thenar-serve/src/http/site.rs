@@ -1,0 +1,92 @@
+//! What all connections share.
+
+use super::guard::{self, Admission};
+use super::options::Limits;
+use super::reply::{self, Reply};
+use super::session;
+use super::token::{Guesses, Token};
+use crate::hub::Hub;
+use crate::page::Asset;
+use hyper::body::Incoming;
+use hyper::{Method, Request};
+use std::collections::BTreeMap;
+use std::convert::Infallible;
+use std::net::IpAddr;
+use std::sync::Arc;
+use std::sync::atomic::AtomicU32;
+use std::time::Duration;
+use tokio::sync::{Semaphore, watch};
+
+/// How long a guess too many waits for its answer.
+const SLOW: Duration = Duration::from_secs(1);
+
+/// Who is let in.
+#[derive(Debug)]
+pub enum Door {
+    /// Who sits at this computer.
+    Desk,
+    /// Who has the token.
+    Lan {
+        /// The token.
+        token: Token,
+        /// The name of the cookie that carries it. Cookies do not tell ports apart, names do.
+        cookie: String,
+        /// Wrong tokens so far.
+        guesses: Guesses,
+    },
+}
+
+/// What all connections share.
+#[derive(Debug)]
+pub struct Site {
+    /// The way to the simulation.
+    pub hub: Hub,
+    /// The page's files by path.
+    pub assets: BTreeMap<String, Asset>,
+    /// Who is let in.
+    pub door: Door,
+    /// What clients may do.
+    pub limits: Limits,
+    /// One permit for each session that may still begin.
+    pub slots: Arc<Semaphore>,
+    /// The number of the last client.
+    pub clients: AtomicU32,
+    /// Turns true when the server ends.
+    pub stopping: watch::Receiver<bool>,
+}
+
+impl Site {
+    /// Waits until the server ends.
+    pub async fn stopped(&self) {
+        // Gone without a word counts too.
+        let _ = self.stopping.clone().wait_for(|stop| *stop).await;
+    }
+
+    /// Answers one request.
+    pub async fn answer(
+        self: Arc<Self>,
+        peer: IpAddr,
+        mut request: Request<Incoming>,
+    ) -> Result<Reply, Infallible> {
+        let upgrade = hyper::upgrade::on(&mut request);
+        let (request, _) = request.into_parts();
+        let mut reply = match guard::admit(&self, peer, &request) {
+            Err(refusal) => {
+                if refusal == guard::TOO_MANY {
+                    tokio::time::sleep(SLOW).await;
+                }
+                reply::refuse(&refusal)
+            }
+            Ok(_) if ![Method::GET, Method::HEAD].contains(&request.method) => {
+                reply::wrong_method()
+            }
+            Ok(Admission::Pairing) => reply::pair(&self.door),
+            Ok(Admission::Granted) => match request.uri.path() {
+                "/live" => session::open(&self, &request, upgrade),
+                _ => reply::file(&self, &request),
+            },
+        };
+        reply::protect(&mut reply, &request.headers);
+        Ok(reply)
+    }
+}

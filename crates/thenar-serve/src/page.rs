@@ -1,0 +1,129 @@
+//! The page: the built viewer's files, inside the program.
+//!
+//! The build script puts them there (`build/main.rs`), most of them gzipped, each then under its
+//! own name with `.gz` behind it. Where the viewer could not be built there is one plain page
+//! instead, which says why.
+
+use include_dir::{Dir, include_dir};
+use std::collections::BTreeMap;
+use std::collections::hash_map::DefaultHasher;
+use std::hash::Hasher;
+
+static FILES: Dir<'static> = include_dir!("$OUT_DIR/page");
+
+/// Whether the viewer is in, not the plain page in its place.
+pub const BUILT: bool = matches!(env!("THENAR_PAGE").as_bytes(), b"built");
+
+/// One file of the page.
+#[derive(Clone, Debug)]
+pub struct Asset {
+    /// Its bytes as stored.
+    pub bytes: &'static [u8],
+    /// Whether they are gzipped.
+    pub gzipped: bool,
+    /// Its media type.
+    pub media_type: &'static str,
+    /// Changes when the file does: an HTTP entity tag, quotes included.
+    pub tag: String,
+    /// Its name changes when its content does, so it can be kept for good.
+    pub lasting: bool,
+    /// Whether [`SOCKET`] in it stands for the address of the socket.
+    pub names_socket: bool,
+}
+
+/// Stands in the plain page for the address of the socket, which only the visitor knows.
+pub const SOCKET: &str = "{socket}";
+
+/// All files by their path, `/index.html` also as `/`.
+pub fn assets() -> BTreeMap<String, Asset> {
+    let mut assets = BTreeMap::new();
+    let mut folders = vec![&FILES];
+    while let Some(folder) = folders.pop() {
+        folders.extend(folder.dirs());
+        for file in folder.files() {
+            let stored = format!("/{}", file.path().to_string_lossy().replace('\\', "/"));
+            let (path, gzipped) = match stored.strip_suffix(".gz") {
+                Some(path) => (path.to_owned(), true),
+                None => (stored, false),
+            };
+            let asset = Asset {
+                bytes: file.contents(),
+                gzipped,
+                media_type: media_type(&path),
+                tag: tag(file.contents()),
+                lasting: is_hashed(&path),
+                names_socket: !BUILT,
+            };
+            assets.insert(path, asset);
+        }
+    }
+    if let Some(index) = assets.get("/index.html").cloned() {
+        assets.insert("/".into(), index);
+    }
+    assets
+}
+
+fn tag(bytes: &[u8]) -> String {
+    let mut hasher = DefaultHasher::new();
+    hasher.write(bytes);
+    format!("\"{:016x}\"", hasher.finish())
+}
+
+/// Vite's own files: `/assets/NAME-HASH.EXT` with a hash of eight characters.
+fn is_hashed(path: &str) -> bool {
+    let Some(name) = path.strip_prefix("/assets/").filter(|name| !name.contains('/')) else {
+        return false;
+    };
+    let stem = name.split_once('.').map_or(name, |(stem, _)| stem);
+    stem.len() > 9
+        && stem.is_char_boundary(stem.len() - 9)
+        && stem[stem.len() - 9..].starts_with('-')
+}
+
+/// The media type that goes with a name.
+fn media_type(path: &str) -> &'static str {
+    match path.rsplit('.').next().unwrap_or_default() {
+        "html" => "text/html; charset=utf-8",
+        "js" | "mjs" => "text/javascript; charset=utf-8",
+        "css" => "text/css; charset=utf-8",
+        "json" | "map" => "application/json",
+        "webmanifest" => "application/manifest+json",
+        "svg" => "image/svg+xml",
+        "png" => "image/png",
+        "jpg" | "jpeg" => "image/jpeg",
+        "webp" => "image/webp",
+        "ico" => "image/x-icon",
+        "woff2" => "font/woff2",
+        "wasm" => "application/wasm",
+        "glb" => "model/gltf-binary",
+        "txt" | "md" => "text/plain; charset=utf-8",
+        _ => "application/octet-stream",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn there_is_a_page() {
+        let assets = assets();
+        let index = &assets["/"];
+        assert!(index.media_type.starts_with("text/html") && !index.bytes.is_empty());
+        assert!(!index.lasting, "the entry must not be kept for good");
+        assert!(assets.keys().all(|path| path.starts_with('/') && !path.ends_with(".gz")));
+        if BUILT {
+            assert!(assets.values().any(|a| a.lasting && a.media_type.starts_with("text/java")));
+        }
+    }
+
+    #[test]
+    fn only_hashed_names_last() {
+        assert!(is_hashed("/assets/index-B6GqVcaz.js"));
+        assert!(is_hashed("/assets/worker-a_b-cdef.js.map"));
+        for path in ["/index.html", "/assets/a.js", "/assets/x/index-B6GqVcaz.js", "/x-B6GqVcaz.js"]
+        {
+            assert!(!is_hashed(path), "{path}");
+        }
+    }
+}
