@@ -11,6 +11,7 @@ mod interrupt;
 mod picture;
 mod run;
 mod scenes;
+mod serve;
 mod soak;
 mod validate;
 
@@ -18,7 +19,7 @@ use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
 /// Simulates a soft hand: a jointed skeleton inside deformable flesh, in frictional contact.
-/// Without a command, runs the bread scene.
+/// Without a command, serves the bread scene live to this computer's browser.
 #[derive(Debug, Parser)]
 #[command(name = "thenar", version)]
 struct Cli {
@@ -28,6 +29,8 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Serve a scene live to browsers and headsets.
+    Serve(serve::Args),
     /// Run a scene without a window.
     Run(run::Args),
     /// Build a simulation-ready model from a mesh.
@@ -45,13 +48,14 @@ enum Command {
 fn main() -> ExitCode {
     let cli = Cli::parse();
     let done = match cli.command {
+        Some(Command::Serve(args)) => serve::run(&args),
         Some(Command::Run(args)) => run::run(&args),
         Some(Command::Build(args)) => build::run(&args),
         Some(Command::Scenes(args)) => scenes::run(&args),
         Some(Command::Bench(args)) => return bench::run(&args),
         Some(Command::Soak(args)) => return soak::run(&args),
         Some(Command::Validate(args)) => validate::run(&args),
-        None => run::run(&run::Args::of_scene(DEMO, DEMO_MOVIE)),
+        None => serve::run(&serve::Args::of_scene(DEMO)),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -62,11 +66,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// The scene that runs when no command is given.
+/// The scene that is served when no other is named.
 const DEMO: &str = "bread-grasp";
-
-/// The moving picture it leaves in the current folder.
-const DEMO_MOVIE: &str = "bread-grasp.png";
 
 #[cfg(test)]
 mod tests {

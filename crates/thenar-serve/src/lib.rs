@@ -1,6 +1,8 @@
 //! Serves a live simulation: a thread that steps a scene in real time, the binary protocol of
 //! `docs/protocol.md`, and the page that draws it.
 
+pub mod http;
 pub mod hub;
 pub mod live;
+pub mod page;
 pub mod protocol;

@@ -2,28 +2,48 @@
 
 use crate::error::CliError;
 use std::path::{Path, PathBuf};
-use thenar_scene::session::{Session, builtin, builtins};
+use thenar_scene::session::{Builtin, Session, builtin, builtins};
 
-/// Opens a scene: a file, or `NAME` for `scenes/NAME.toml` here, or for the built-in scene.
+/// Where a scene is.
+#[derive(Debug)]
+pub enum Found {
+    /// In a file.
+    File(PathBuf),
+    /// In the program.
+    Builtin(&'static Builtin),
+}
+
+/// Finds a scene: a file, or `NAME` for `scenes/NAME.toml` here, or for the built-in scene.
+///
+/// # Errors
+/// There is no such built-in scene; files are not looked into.
+pub fn find(scene: &Path) -> Result<Found, CliError> {
+    let bare = scene.extension().is_none() && scene.components().count() == 1;
+    if !bare || scene.is_file() {
+        return Ok(Found::File(scene.into()));
+    }
+    let beside = PathBuf::from("scenes").join(scene).with_extension("toml");
+    if beside.is_file() {
+        return Ok(Found::File(beside));
+    }
+    let name = scene.to_string_lossy();
+    builtin(&name).map(Found::Builtin).ok_or_else(|| {
+        let known: Vec<_> = builtins().iter().map(|s| s.name).collect();
+        let known = known.join(", ");
+        thenar_scene::SceneError::Unknown { name: name.into(), known }.into()
+    })
+}
+
+/// Opens a scene.
 ///
 /// # Errors
 /// There is no such scene, or it is wrong.
 pub fn open(scene: &Path, overrides: &[String]) -> Result<Session, CliError> {
-    let bare = scene.extension().is_none() && scene.components().count() == 1;
-    if !bare || scene.is_file() {
-        return Ok(Session::load(scene, overrides)?);
-    }
-    let beside = PathBuf::from("scenes").join(scene).with_extension("toml");
-    if beside.is_file() {
-        return Ok(Session::load(&beside, overrides)?);
-    }
-    let name = scene.to_string_lossy();
-    match builtin(&name) {
-        Some(known) => Ok(Session::from_text(known.text, &beside, overrides)?),
-        None => {
-            let known: Vec<_> = builtins().iter().map(|s| s.name).collect();
-            let known = known.join(", ");
-            Err(thenar_scene::SceneError::Unknown { name: name.into(), known }.into())
+    match find(scene)? {
+        Found::File(path) => Ok(Session::load(&path, overrides)?),
+        Found::Builtin(known) => {
+            let beside = PathBuf::from("scenes").join(known.name).with_extension("toml");
+            Ok(Session::from_text(known.text, &beside, overrides)?)
         }
     }
 }

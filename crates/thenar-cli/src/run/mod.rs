@@ -7,7 +7,7 @@ mod report;
 mod timer;
 mod vtk;
 
-pub use find::open;
+pub use find::{Found, find, open};
 pub use report::report;
 pub use timer::{StageTimes, StopWatch};
 
@@ -49,23 +49,6 @@ pub struct Args {
     /// No progress bar and no summary.
     #[arg(long, short)]
     quiet: bool,
-}
-
-impl Args {
-    /// A run of a scene that leaves a movie.
-    pub fn of_scene(scene: &str, movie: &str) -> Self {
-        Self {
-            scene: scene.into(),
-            seconds: None,
-            set: Vec::new(),
-            probe: None,
-            report: None,
-            vtk: None,
-            vtk_interval: 1.0 / 30.0,
-            pictures: PictureOptions { movie: Some(movie.into()), ..PictureOptions::default() },
-            quiet: false,
-        }
-    }
 }
 
 /// What a run amounted to.

@@ -8,7 +8,7 @@ mod writer;
 use super::guard::Refusal;
 use super::reply::{self, Reply};
 use super::site::Site;
-use crate::hub::{ClientId, Event, Refused};
+use crate::hub::{ClientId, Event};
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, StreamExt};
 use hyper::http::request::Parts;
@@ -20,7 +20,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 use tokio::sync::{mpsc, watch};
-use tokio::time::{sleep, timeout};
+use tokio::time::timeout;
 use tokio_tungstenite::WebSocketStream;
 use tokio_tungstenite::tungstenite::handshake::server::create_response_with_body;
 use tokio_tungstenite::tungstenite::protocol::frame::coding::CloseCode;
@@ -33,9 +33,6 @@ const MESSAGE_BYTES: usize = 16 * 1024;
 
 /// How long closing may take, on either side.
 const CLOSING: Duration = Duration::from_secs(1);
-
-/// How long the simulation may be too busy to hear of a new client.
-const JOINING: Duration = Duration::from_secs(5);
 
 type Socket = WebSocketStream<TokioIo<Upgraded>>;
 type Outgoing = SplitSink<Socket, Message>;
@@ -70,8 +67,6 @@ enum End {
     Silent,
     /// It took too long to take a message.
     Slow,
-    /// The simulation is too busy to greet it.
-    Busy,
     /// The simulation has ended.
     Ended,
     /// The server ends.
@@ -118,10 +113,10 @@ async fn run(site: &Site, stream: TokioIo<Upgraded>) {
     let socket = WebSocketStream::from_raw_socket(stream, Role::Server, Some(config)).await;
     let (mut outgoing, mut ingoing) = socket.split();
     let id = ClientId(site.clients.fetch_add(1, Ordering::Relaxed) + 1);
-    // Before joining: the welcome must not be missed.
+    // Before joining: no remark must be missed.
     let notes = site.hub.notes();
-    let end = match join(site, id).await {
-        Err(end) => end,
+    let end = match site.hub.submit(Event::Joined(id)) {
+        Err(_) => End::Ended,
         Ok(()) => {
             let (remarks_in, remarks) = mpsc::channel(16);
             let (pongs_in, pongs) = watch::channel(0);
@@ -131,31 +126,12 @@ async fn run(site: &Site, stream: TokioIo<Upgraded>) {
                 end = reader.run() => end,
                 end = writer.run() => end,
             };
-            leave(site, id).await;
+            // Where the simulation has ended, nobody needs to know.
+            let _ = site.hub.submit(Event::Left(id));
             end
         }
     };
     goodbye(&end, &mut outgoing, &mut ingoing).await;
-}
-
-async fn join(site: &Site, id: ClientId) -> Result<(), End> {
-    let joining = async {
-        while let Err(refused) = site.hub.submit(Event::Joined(id)) {
-            match refused {
-                Refused::Ended => return Err(End::Ended),
-                Refused::Busy => sleep(Duration::from_millis(5)).await,
-            }
-        }
-        Ok(())
-    };
-    timeout(JOINING, joining).await.unwrap_or(Err(End::Busy))
-}
-
-/// Must not be lost, or control might stay with someone who has gone.
-async fn leave(site: &Site, id: ClientId) {
-    while site.hub.submit(Event::Left(id)) == Err(Refused::Busy) {
-        sleep(Duration::from_millis(5)).await;
-    }
 }
 
 /// Says why, and gives the client a moment to hear it.
@@ -180,7 +156,6 @@ impl End {
             Self::Broken(Error::Utf8(_)) => CloseCode::Invalid,
             Self::Broken(_) => CloseCode::Protocol,
             Self::Refusals | Self::Flood | Self::Silent | Self::Slow => CloseCode::Policy,
-            Self::Busy => CloseCode::Again,
             Self::Ended => CloseCode::Error,
             Self::Stopping => CloseCode::Away,
         }
@@ -199,7 +174,6 @@ impl std::fmt::Display for End {
             Self::Flood => f.write_str("too many messages"),
             Self::Silent => f.write_str("no sign of life"),
             Self::Slow => f.write_str("too slow"),
-            Self::Busy => f.write_str("the simulation is busy; try again later"),
             Self::Ended => f.write_str("the simulation has ended"),
             Self::Stopping => f.write_str("the server ends"),
         }

@@ -6,7 +6,6 @@ use crate::http::site::Site;
 use crate::hub::{ClientId, Note};
 use bytes::Bytes;
 use futures_util::SinkExt;
-use std::time::Duration;
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::{broadcast, mpsc, watch};
 use tokio::time::{Instant, sleep_until, timeout};
@@ -15,9 +14,6 @@ use tokio_tungstenite::tungstenite::Message;
 /// Snapshots on their way at a time. Each is followed by a ping; what lies in buffers along the
 /// way is then never more than these, however slowly a client reads.
 const UNDERWAY: u32 = 4;
-
-/// How long the simulation may take to greet a client: it may be building a scene.
-const WELCOME: Duration = Duration::from_secs(60);
 
 /// The writing half of a session.
 pub struct Writer<'a> {
@@ -72,7 +68,7 @@ impl<'a> Writer<'a> {
 
     /// Writes until the session ends.
     pub async fn run(mut self) -> End {
-        let mut done = self.greet().await;
+        let mut done = self.send(Message::text(self.site.hub.welcome(self.id))).await;
         // What was there before the client came is news to it.
         self.status.mark_changed();
         self.model.mark_changed();
@@ -83,25 +79,6 @@ impl<'a> Writer<'a> {
             }
             done = self.next().await;
         }
-    }
-
-    /// The simulation's first word to this client.
-    async fn greet(&mut self) -> Result<(), End> {
-        let site = self.site;
-        let welcome = async {
-            loop {
-                match self.notes.recv().await {
-                    Ok(note) if note.client == self.id => return Ok(note.text),
-                    Err(RecvError::Closed) => return Err(End::Ended),
-                    Ok(_) | Err(RecvError::Lagged(_)) => {}
-                }
-            }
-        };
-        let text = tokio::select! {
-            () = site.stopped() => return Err(End::Stopping),
-            welcome = timeout(WELCOME, welcome) => welcome.unwrap_or(Err(End::Busy))?,
-        };
-        self.send(Message::text(text)).await
     }
 
     /// Waits for the most urgent news and sends it.

@@ -1,0 +1,145 @@
+//! `thenar serve`: a scene live, for pages and headsets.
+
+use crate::error::CliError;
+use crate::interrupt;
+use crate::run::{Found, find};
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::time::Duration;
+use thenar_serve::http::{Limits, Options, Port, Reach, Server, StartError};
+use thenar_serve::live::{self, Live, LiveError, SceneSource};
+use thenar_serve::page;
+
+/// The port where nothing else is asked for.
+const PORT: u16 = 8014;
+
+/// Serve a scene live to browsers and headsets.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// A scene file, or the name of a built-in scene (see `thenar scenes`).
+    #[arg(default_value = crate::DEMO)]
+    scene: PathBuf,
+    /// Listen on this port, or fail; without it on 8014 or the next free one.
+    #[arg(long, value_name = "PORT")]
+    port: Option<u16>,
+    /// Let headsets and other computers on the network in: HTTPS, with a pairing token.
+    #[arg(long)]
+    lan: bool,
+    /// Open the page in a browser, whether or not this looks like a desktop.
+    #[arg(long, overrides_with = "no_open")]
+    open: bool,
+    /// Do not open a browser.
+    #[arg(long, overrides_with = "open")]
+    no_open: bool,
+    /// Change a value of the scene, e.g. solver.cone=linearised; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Time step of the scene [s]; short for --set time_step=S.
+    #[arg(long, value_name = "S")]
+    time_step: Option<f64>,
+}
+
+impl Args {
+    /// A built-in scene with nothing else asked for.
+    pub fn of_scene(scene: &str) -> Self {
+        Self {
+            scene: scene.into(),
+            port: None,
+            lan: false,
+            open: false,
+            no_open: false,
+            set: Vec::new(),
+            time_step: None,
+        }
+    }
+}
+
+/// Serves until Ctrl-C.
+///
+/// # Errors
+/// The scene is wrong, or the port cannot be had.
+pub fn run(args: &Args) -> Result<(), CliError> {
+    interrupt::listen();
+    let mut overrides = args.set.clone();
+    overrides.extend(args.time_step.map(|s| format!("time_step={s}")));
+    let source = match find(&args.scene)? {
+        Found::File(path) => SceneSource::File(path),
+        Found::Builtin(known) => SceneSource::Builtin(known.name.into()),
+    };
+    let live_options = live::Options { overrides, ..live::Options::default() };
+    let (live, hub) = Live::start(&source, live_options)?;
+    let options = Options {
+        reach: if args.lan { Reach::Lan } else { Reach::Desk },
+        address: None,
+        port: args.port.map_or(Port::From(PORT), Port::Exactly),
+        limits: Limits::default(),
+    };
+    let server = Server::start(&options, hub)?;
+    announce(args, &server);
+    if wants_browser(args) {
+        // Where there is none, the address stands there to be clicked on.
+        let _ = server.urls().first().map(open::that_detached);
+    }
+    while !interrupt::asked() {
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    server.stop();
+    drop(live);
+    println!("ended");
+    Ok(())
+}
+
+fn announce(args: &Args, server: &Server) {
+    let port = server.address().port();
+    if args.port.is_none() && port != PORT {
+        println!("Port {PORT} is taken, so this is on {port}.");
+    }
+    println!("{} is live at", args.scene.display());
+    for url in server.urls() {
+        println!("  {url}");
+    }
+    if !page::BUILT {
+        println!("Its page was not built; open the address to see why.");
+    }
+    if let Some(code) = args.lan.then(|| server.qr_code()).flatten() {
+        println!("{code}");
+    }
+    if let Some(fingerprint) = server.fingerprint() {
+        println!(
+            "Whoever has such an address can watch, and move the hand. The browser will warn, as \
+             nobody\nvouches for a certificate made just now. Its SHA-256 fingerprint:\n  \
+             {fingerprint}"
+        );
+    }
+    println!("Ctrl-C ends it.");
+}
+
+/// A browser is opened on a desktop, by a person, for this computer's own address.
+fn wants_browser(args: &Args) -> bool {
+    if args.open || args.no_open {
+        return args.open;
+    }
+    let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    let windows = cfg!(any(windows, target_os = "macos"));
+    let desktop = windows || set("DISPLAY") || set("WAYLAND_DISPLAY");
+    let person = std::io::stdout().is_terminal() && !set("CI") && !set("SSH_CONNECTION");
+    !args.lan && desktop && person
+}
+
+impl From<LiveError> for CliError {
+    fn from(error: LiveError) -> Self {
+        match error {
+            LiveError::Thread(_) => Self::Other(error.to_string()),
+            _ => Self::Input(error.to_string()),
+        }
+    }
+}
+
+impl From<StartError> for CliError {
+    fn from(error: StartError) -> Self {
+        match error {
+            StartError::PortTaken(_) | StartError::Listen { .. } => Self::Input(error.to_string()),
+            _ => Self::Other(error.to_string()),
+        }
+    }
+}
