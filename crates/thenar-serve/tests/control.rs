@@ -6,9 +6,11 @@ mod visitor;
 
 use std::time::{Duration, Instant};
 use thenar_serve::hub::{Event, Refused};
+use thenar_serve::live::{Live, Options, SceneSource};
 use visitor::{Visitor, start};
 
 const PAUSED: u16 = 1;
+const SLOW: u16 = 4;
 const SCRIPT: u16 = 16;
 
 #[test]
@@ -81,7 +83,7 @@ fn pause_step_reset_and_slow_motion_act() {
     assert!((to.budget_ms - 10.0 * h * 1e3).abs() < 1e-3);
 }
 
-fn start_state(scene: &str) -> (thenar_serve::live::Live, decoder::Snapshot) {
+fn start_state(scene: &str) -> (Live, decoder::Snapshot) {
     let (live, hub) = start(scene, &[]);
     let snapshot = decoder::Snapshot::read(&hub.snapshot.borrow());
     (live, snapshot)
@@ -174,6 +176,24 @@ fn the_script_plays_again_after_its_end() {
     assert!(again.time < 0.5, "{}", again.time);
     let last = one.until("the middle", |s| s.time > 1.0);
     assert!(last.time <= 1.62, "{}", last.time);
+}
+
+#[test]
+fn too_slow_a_machine_says_so_and_slows_down() {
+    // Every step of 5 ms takes 20 ms: a quarter of real time at best.
+    let slow = |_: &thenar_scene::session::Session| std::thread::sleep(Duration::from_millis(20));
+    let options = Options {
+        overrides: vec!["time_step=0.005".into(), "duration=1000".into()],
+        watcher: Some(Box::new(slow)),
+    };
+    let source = SceneSource::Builtin("falling-box".into());
+    let (_live, hub) = Live::start(&source, options).unwrap();
+    let one = Visitor::join(&hub, 1);
+    let slow = one.until("honesty", |s| s.flags & SLOW != 0);
+    assert!(slow.speed <= 0.26, "{}", slow.speed);
+    // Commands are heard all the same.
+    one.say(r#"{"type":"run","paused":true}"#);
+    one.until("pause", |s| s.flags & PAUSED != 0);
 }
 
 #[test]

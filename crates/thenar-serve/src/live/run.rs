@@ -20,6 +20,8 @@ use thenar_scene::tuning::SettingValue;
 const REST_AFTER: Duration = Duration::from_secs(5);
 /// Longest sleep, so that the end of the program or of a scene's making is not missed.
 const NAP: Duration = Duration::from_millis(50);
+/// Statuses are at least so far apart: a slider changes them with every pixel.
+const STATUS_EVERY: Duration = Duration::from_millis(40);
 /// Events taken between two looks at the clock.
 const EVENTS_AT_ONCE: usize = 256;
 /// Slower than this part of the wanted speed is called slow.
@@ -45,6 +47,8 @@ pub struct Loop {
     pub(super) to_set: Vec<(ClientId, String, SettingValue)>,
     /// Something of the status may have changed.
     pub(super) changed: bool,
+    /// When the status was last told.
+    told: Instant,
     /// Number of the last pose message of whoever holds control.
     pub(super) pose_number: u32,
     /// When a client was last told that there is no such hand.
@@ -75,6 +79,7 @@ impl Loop {
             set: Vec::new(),
             to_set: Vec::new(),
             changed: true,
+            told: now,
             pose_number: 0,
             scolded: None,
             pacer: Pacer::new(now),
@@ -120,7 +125,7 @@ impl Loop {
         if self.is_running() && Instant::now() >= self.pacer.due() {
             self.step();
         }
-        if std::mem::take(&mut self.changed) {
+        if self.changed && self.told.elapsed() >= STATUS_EVERY {
             self.tell_status();
         }
         true
@@ -132,7 +137,8 @@ impl Loop {
 
     fn sleep(&self) -> Duration {
         let due = self.pacer.due().saturating_duration_since(Instant::now());
-        if self.is_running() { due.min(NAP) } else { NAP }
+        let nap = if self.changed { STATUS_EVERY.saturating_sub(self.told.elapsed()) } else { NAP };
+        if self.is_running() { due.min(nap) } else { nap }
     }
 
     fn take(&mut self, event: Event) {
@@ -272,6 +278,7 @@ impl Loop {
     }
 
     fn tell_status(&mut self) {
+        (self.changed, self.told) = (false, Instant::now());
         let status = Status {
             control: self.control.holder().map(|client| client.0),
             viewers: self.control.viewers(),
