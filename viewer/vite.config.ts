@@ -17,6 +17,9 @@ export default defineConfig({
     reportCompressedSize: false,
     chunkSizeWarningLimit: 1200,
   },
-  server: { proxy: { "/live": { target: server, ws: true } } },
+  // The server takes a page of its own origin only.
+  server: {
+    proxy: { "/live": { target: server, ws: true, changeOrigin: true, rewriteWsOrigin: true } },
+  },
   test: { include: ["test/**/*.test.ts", "src/**/*.test.ts"], environment: "node" },
 });

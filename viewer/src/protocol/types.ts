@@ -218,6 +218,8 @@ interface SettingBase {
 
 export interface RangeSetting extends SettingBase {
   readonly value: number;
+  /** The scene's own value. */
+  readonly own: number;
   readonly min: number;
   readonly max: number;
   readonly scale: "linear" | "log";
@@ -225,6 +227,7 @@ export interface RangeSetting extends SettingBase {
 
 export interface ChoiceSetting extends SettingBase {
   readonly value: string;
+  readonly own: string;
   readonly choices: readonly string[];
 }
 

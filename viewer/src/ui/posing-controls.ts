@@ -34,6 +34,7 @@ export function posingControls(desk: Desk, posing: Posing): HTMLElement {
     button(name[0].toUpperCase() + name.slice(1), () => withHand(() => posing.shape(name))),
   );
   const which = select("Hand", [], (value) => posing.choose(Number(value)));
+  which.element.hidden = true;
   const element = h(
     "div",
     { class: "posing" },

@@ -66,6 +66,8 @@ pub struct Setting {
     pub unit: &'static str,
     /// Present value.
     pub value: SettingValue,
+    /// The scene's own value.
+    pub own: SettingValue,
     /// What it may be.
     #[serde(flatten)]
     pub range: Range,
@@ -135,7 +137,8 @@ impl Tuning {
             group: known.group,
             unit: known.unit,
             range: list::range_around(known, &own, &self.base),
-            value: self.set.get(known.key).cloned().unwrap_or(own),
+            value: self.set.get(known.key).cloned().unwrap_or_else(|| own.clone()),
+            own,
         })
     }
 

@@ -52,6 +52,8 @@ export function forcesPanel(desk: Desk): Panel {
     write();
   });
 
+  which.element.hidden = true;
+
   const cells = DIGIT_LABELS.map((label, d) => {
     const values = [h("td"), h("td"), h("td")];
     const dot = h("i", { class: "dot" });
@@ -93,6 +95,7 @@ export function forcesPanel(desk: Desk): Panel {
     facts.replaceChildren(...rows.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]));
   };
 
+  diagram.show(new Float32Array(18));
   feed.on("model", (model) => {
     series.clear();
     hand = Math.min(hand, Math.max(0, model.hands.length - 1));

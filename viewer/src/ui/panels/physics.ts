@@ -22,18 +22,13 @@ interface Row {
 export function physicsPanel(desk: Desk): Panel {
   const { connection } = desk.app;
   const rows = new Map<string, Row>();
-  const initial = new Map<string, number | string>();
   let shape = "";
-  let scene = "";
 
   const send = (key: string, value: number | string) => void command(desk, { type: "set", key, value });
   const watching = h("p", { class: "help" }, "You are watching. Take control, in the Run panel, to change these.");
   const list = h("div");
   const reset = button("Back to the scene's values", () => {
-    for (const setting of connection.status?.settings ?? []) {
-      const value = initial.get(setting.key);
-      if (value !== undefined && value !== setting.value) send(setting.key, value);
-    }
+    for (const { key, value, own } of connection.status?.settings ?? []) if (value !== own) send(key, own);
   });
   const form = h("fieldset", { class: "bare" }, list, reset);
 
@@ -41,7 +36,7 @@ export function physicsPanel(desk: Desk): Panel {
     rows.clear();
     const groups = new Map<string, HTMLElement>();
     for (const setting of settings) {
-      const row = isChoice(setting) ? choiceRow(setting.key, send) : rangeRow(setting.key, send, initial);
+      const row = isChoice(setting) ? choiceRow(setting.key, send) : rangeRow(setting.key, send);
       rows.set(setting.key, row);
       let box = groups.get(setting.group);
       if (box === undefined) {
@@ -59,9 +54,6 @@ export function physicsPanel(desk: Desk): Panel {
     form.disabled = !connection.inControl;
     watching.hidden = connection.inControl;
     if (status === null) return;
-    if (status.scene !== scene) initial.clear();
-    scene = status.scene;
-    for (const { key, value } of status.settings) if (!initial.has(key)) initial.set(key, value);
     const now = JSON.stringify(status.settings.map((s) => [s.key, s.group, isChoice(s) ? s.choices : 0]));
     if (now !== shape) rebuild(status.settings);
     shape = now;
@@ -72,11 +64,7 @@ export function physicsPanel(desk: Desk): Panel {
   return { id: "physics", title: "Physics", icon: ICONS.physics, body: h("div", {}, watching, form) };
 }
 
-function rangeRow(
-  key: string,
-  send: (key: string, value: number) => void,
-  initial: ReadonlyMap<string, number | string>,
-): Row {
+function rangeRow(key: string, send: (key: string, value: number) => void): Row {
   const [id, helpId] = [newId("set"), newId("help")];
   const label = h("label", { for: id });
   const range = h("input", { id, type: "range", min: 0, max: SLIDER_STEPS, step: 1, "data-setting": key, "aria-describedby": helpId });
@@ -84,8 +72,7 @@ function rangeRow(
   const unit = h("span", { class: "unit" });
   const help = h("p", { class: "help", id: helpId });
   const back = button("↺", () => {
-    const value = initial.get(key);
-    if (typeof value === "number") change(value, true);
+    if (setting !== null) change(setting.own, true);
   }, { class: "plain" });
   let setting: RangeSetting | null = null;
   let touched = -Infinity;
@@ -96,7 +83,7 @@ function rangeRow(
     range.value = String(Math.round(toPosition(value, setting)));
     range.setAttribute("aria-valuetext", `${significant(value)} ${setting.unit}`);
     if (document.activeElement !== field) field.value = significant(value, 4);
-    back.hidden = initial.get(key) === value;
+    back.hidden = setting.own === value;
   };
   const change = (value: number, all: boolean) => {
     touched = performance.now();
@@ -119,14 +106,16 @@ function rangeRow(
       if (isChoice(next)) return;
       setting = next;
       setText(label, next.label);
-      setText(unit, next.unit);
+      // Pure numbers have the unit 1.
+      const unitText = next.unit === "1" ? "" : next.unit;
+      setText(unit, unitText);
       setText(help, next.help);
-      field.setAttribute("aria-label", `${next.label}, ${next.unit}`);
+      field.setAttribute("aria-label", unitText === "" ? next.label : `${next.label}, ${unitText}`);
       field.min = String(next.min);
       field.max = String(next.max);
       back.setAttribute("aria-label", `${next.label}: back to the scene's value`);
       back.title = "Back to the scene's value";
-      back.hidden = initial.get(key) === next.value;
+      back.hidden = next.own === next.value;
       if (!throttle.busy && performance.now() - touched > SETTLE) show(next.value);
     },
   };
