@@ -250,6 +250,8 @@ export interface Status {
   /** What is being loaded, or null. */
   readonly loading: string | null;
   readonly hands: HandsChoice;
+  /** What stands in the simulation's way, or null. */
+  readonly problem?: string | null;
   readonly settings: readonly Setting[];
 }
 

@@ -30,11 +30,12 @@ export function banner(desk: Desk): HTMLElement {
     clearInterval(ticking);
     ticking = setInterval(write, 500);
   });
-  connection.on("status", ({ loading }) => {
+  connection.on("status", ({ loading, problem = null }) => {
     clearInterval(ticking);
     again.hidden = true;
-    element.hidden = loading === null;
-    if (loading !== null) setText(text, `Loading ${loading}…`);
+    const what = loading !== null ? `Loading ${loading}…` : problem;
+    element.hidden = what === null;
+    if (what !== null) setText(text, what);
   });
   connection.on("open", ({ again: back }) => {
     clearInterval(ticking);
