@@ -3,7 +3,7 @@ import { defineConfig } from "vitest/config";
 // Where the built page goes: the cargo build sets THENAR_PAGE_OUT; by hand it is viewer/dist.
 const outDir = process.env["THENAR_PAGE_OUT"] ?? "dist";
 // Which `thenar serve` the development server passes the socket on to.
-const server = process.env["THENAR_SERVER"] ?? "http://127.0.0.1:8427";
+const server = process.env["THENAR_SERVER"] ?? "http://127.0.0.1:8014";
 
 export default defineConfig({
   base: "./",

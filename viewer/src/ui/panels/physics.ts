@@ -13,6 +13,23 @@ const INTERVAL = 100;
 /** A value just set here is not overwritten by older ones from the server for so long, ms. */
 const SETTLE = 400;
 
+/** The label of a row with a button that shows its help. */
+function labelled(id: string, helpId: string) {
+  const label = h("label", { for: id });
+  const help = h("p", { class: "help", id: helpId, hidden: true });
+  const more = button("?", () => {
+    help.hidden = !help.hidden;
+    more.setAttribute("aria-expanded", String(!help.hidden));
+  }, { class: "plain more", "aria-expanded": "false", "aria-controls": helpId });
+  const name = (setting: Setting) => {
+    setText(label, setting.label);
+    setText(help, setting.help);
+    more.title = setting.help;
+    more.setAttribute("aria-label", `What ${setting.label} does`);
+  };
+  return { head: h("span", { class: "head" }, label, more), help, name };
+}
+
 interface Row {
   readonly element: HTMLElement;
   /** Takes over the server's value. */
@@ -66,11 +83,10 @@ export function physicsPanel(desk: Desk): Panel {
 
 function rangeRow(key: string, send: (key: string, value: number) => void): Row {
   const [id, helpId] = [newId("set"), newId("help")];
-  const label = h("label", { for: id });
+  const { head, help, name } = labelled(id, helpId);
   const range = h("input", { id, type: "range", min: 0, max: SLIDER_STEPS, step: 1, "data-setting": key, "aria-describedby": helpId });
   const field = h("input", { type: "number", step: "any", class: "value" });
   const unit = h("span", { class: "unit" });
-  const help = h("p", { class: "help", id: helpId });
   const back = button("↺", () => {
     if (setting !== null) change(setting.own, true);
   }, { class: "plain" });
@@ -101,15 +117,14 @@ function rangeRow(key: string, send: (key: string, value: number) => void): Row 
     else show(setting.value);
   });
   return {
-    element: h("div", { class: "setting" }, label, back, field, unit, range, help),
+    element: h("div", { class: "setting" }, head, back, field, unit, range, help),
     update(next) {
       if (isChoice(next)) return;
       setting = next;
-      setText(label, next.label);
+      name(next);
       // Pure numbers have the unit 1.
       const unitText = next.unit === "1" ? "" : next.unit;
       setText(unit, unitText);
-      setText(help, next.help);
       field.setAttribute("aria-label", unitText === "" ? next.label : `${next.label}, ${unitText}`);
       field.min = String(next.min);
       field.max = String(next.max);
@@ -123,16 +138,14 @@ function rangeRow(key: string, send: (key: string, value: number) => void): Row 
 
 function choiceRow(key: string, send: (key: string, value: string) => void): Row {
   const [id, helpId] = [newId("set"), newId("help")];
-  const label = h("label", { for: id });
+  const { head, help, name } = labelled(id, helpId);
   const input = h("select", { id, "data-setting": key, "aria-describedby": helpId });
-  const help = h("p", { class: "help", id: helpId });
   input.addEventListener("change", () => send(key, input.value));
   return {
-    element: h("div", { class: "setting choice" }, label, input, help),
+    element: h("div", { class: "setting choice" }, head, input, help),
     update(next) {
       if (!isChoice(next)) return;
-      setText(label, next.label);
-      setText(help, next.help);
+      name(next);
       if (input.options.length !== next.choices.length) {
         input.replaceChildren(...next.choices.map((choice) => h("option", { value: choice }, choice)));
       }
