@@ -43,6 +43,7 @@ declare global {
 
 export function createApp(canvas: HTMLCanvasElement): App {
   const stage = new Stage(canvas);
+  canvas.after(stage.legend.element);
   const connection = new Connection(socketUrl(window.location));
   const feed = new Feed(connection);
   feed.on("model", (model) => stage.setModel(model));

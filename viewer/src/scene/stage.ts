@@ -1,75 +1,129 @@
-// Draws the newest snapshot of a model.
+// Draws the newest snapshot of a model, with the layers that are switched on.
 
 import {
-  AmbientLight,
   Box3,
-  BoxGeometry,
-  CapsuleGeometry,
-  Color,
-  DirectionalLight,
   Group,
-  Mesh,
-  MeshStandardMaterial,
+  Matrix4,
+  NeutralToneMapping,
+  PCFShadowMap,
   PerspectiveCamera,
-  Points,
-  PointsMaterial,
-  BufferGeometry,
-  BufferAttribute,
   Scene,
-  SphereGeometry,
   Vector3,
+  Vector4,
   WebGLRenderer,
 } from "three";
-import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import type { RigidModel, SceneModel, Snapshot } from "../protocol/types";
+import type { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import type { SceneModel, Snapshot } from "../protocol/types";
+import { CameraRig } from "./camera-rig";
+import { FrameClock } from "./frame-clock";
 import { LAYERS_AT_FIRST, type LayerName, type ViewName } from "./layers";
+import { Legend } from "./legend";
+import { smoothShadows, type Shared } from "./materials";
+import { Occluders } from "./occluders";
+import { chooseQuality, PixelBudget, type Quality } from "./quality";
+import { Surroundings } from "./surroundings";
+import { WorldView } from "./world-view";
 
 export interface StageStats {
-  frames: number;
+  readonly frames: number;
   /** Frames drawn in the last second. */
-  fps: number;
-  /** CPU cost of one frame, median of 120, ms. */
-  frameCost: number;
-  triangles: number;
+  readonly fps: number;
+  /** Processor time of one frame, median of 120, ms. */
+  readonly frameCost: number;
+  readonly triangles: number;
+  /** Pixels drawn per pixel of the page. */
+  readonly pixelRatio: number;
+  readonly software: boolean;
 }
 
 /** Called before each frame with the time in ms, the frame's length in s and the XR frame, if any. */
 export type FrameHook = (time: number, dt: number, frame: XRFrame | undefined) => void;
 
+/** Without news, frames come this far apart, ms. */
+const IDLE_FRAME = 250;
+const IDLE_AFTER = 500;
+
 export class Stage {
   readonly renderer: WebGLRenderer;
   readonly scene = new Scene();
-  readonly camera = new PerspectiveCamera(35, 1, 0.005, 20);
-  readonly controls: OrbitControls;
+  readonly camera = new PerspectiveCamera(35, 1, 0.01, 12);
   /** Root of the simulated world: XR places and scales it. Its frame is the world frame of poses. */
   readonly world = new Group();
-  readonly stats: StageStats = { frames: 0, fps: 0, frameCost: 0, triangles: 0 };
+  readonly quality: Quality;
+  readonly legend = new Legend();
   model: SceneModel | null = null;
   snapshot: Snapshot | null = null;
 
+  private readonly rig: CameraRig;
+  private readonly surroundings: Surroundings;
+  private readonly shared: Shared;
+  private readonly occluders = new Occluders();
+  private readonly clock = new FrameClock();
+  private readonly pixels: PixelBudget;
   private readonly hooks = new Set<FrameHook>();
   private readonly layers = new Set<LayerName>(LAYERS_AT_FIRST);
-  private rigids: (Mesh | null)[] = [];
-  private points: Points | null = null;
+  private readonly clip = { value: new Vector4(0, 0, 0, 1) };
+  private view: WorldView | null = null;
+  private framed = false;
+  private smooth = true;
+  private lastChange = 0;
+  private lastDrawn = 0;
+  private readonly focus = new Box3(new Vector3(-0.1, 0, -0.1), new Vector3(0.1, 0.1, 0.1));
 
   constructor(readonly canvas: HTMLCanvasElement) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true });
-    this.scene.background = new Color(0x15181c);
-    const key = new DirectionalLight(0xffffff, 2);
-    key.position.set(0.3, 1, 0.5);
-    this.scene.add(new AmbientLight(0xffffff, 0.6), key, this.world);
-    this.controls = new OrbitControls(this.camera, canvas);
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
+    this.quality = chooseQuality(this.renderer, new URLSearchParams(location.search).get("quality"));
+    this.pixels = new PixelBudget(this.quality.software ? 0.6 : 0.5);
+    smoothShadows(this.quality.shadowTaps);
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = PCFShadowMap;
+    this.renderer.toneMapping = NeutralToneMapping;
+    this.renderer.toneMappingExposure = 1.05;
+    this.shared = {
+      quality: this.quality,
+      occluders: { value: this.occluders.spheres },
+      sceneFromWorld: { value: new Matrix4() },
+      pressureShown: { value: 0 },
+      pressureMost: { value: 10e3 },
+    };
+    this.surroundings = new Surroundings(this.shared, this.renderer, this.scene);
+    this.world.add(this.surroundings.group);
+    this.scene.add(this.world);
+    this.rig = new CameraRig(this.camera, canvas);
+    this.rig.controls.addEventListener("change", () => this.invalidate());
+    this.surroundings.surround(this.focus);
+    this.surroundings.ground.visible = false;
     this.setView("scene");
     new ResizeObserver(() => this.resize()).observe(canvas);
+  }
+
+  get controls(): OrbitControls {
+    return this.rig.controls;
+  }
+
+  get stats(): StageStats {
+    const { clock, renderer, quality } = this;
+    return {
+      frames: clock.frames,
+      fps: clock.fps(performance.now()),
+      frameCost: clock.cost,
+      triangles: renderer.info.render.triangles,
+      pixelRatio: renderer.getPixelRatio(),
+      software: quality.software,
+    };
   }
 
   /** Starts drawing; in XR the headset paces the frames. */
   start(): void {
     let before = performance.now();
     this.renderer.setAnimationLoop((time, frame) => {
-      const dt = Math.min(0.1, (time - before) / 1000);
+      const dt = Math.max(0, (time - before) / 1000);
       before = time;
       for (const hook of this.hooks) hook(time, dt, frame);
+      if (!this.renderer.xr.isPresenting) {
+        this.rig.controls.update();
+        if (this.pixels.frame(dt)) this.resize();
+      }
       this.render();
     });
   }
@@ -79,93 +133,139 @@ export class Stage {
     return () => this.hooks.delete(hook);
   }
 
+  /** Something changed that the stage cannot know of: draw at full rate for a while. */
+  invalidate(): void {
+    this.lastChange = performance.now();
+  }
+
   setModel(model: SceneModel): void {
+    const sameScene = this.model !== null && this.model.scene === model.scene;
+    if (this.view !== null) {
+      this.world.remove(this.view.group);
+      this.view.dispose();
+    }
     this.model = model;
     this.snapshot = null;
-    this.world.clear();
-    this.rigids = model.rigids.map((rigid) => {
-      const mesh = shape(rigid);
-      if (mesh !== null) this.world.add(mesh);
-      return mesh;
-    });
-    const geometry = new BufferGeometry();
-    geometry.setAttribute("position", new BufferAttribute(new Float32Array(3 * model.node_count), 3));
-    this.points = new Points(geometry, new PointsMaterial({ size: 0.002, color: 0xe0a98f }));
-    this.points.frustumCulled = false;
-    this.world.add(this.points);
-    this.setView("scene");
+    this.occluders.setModel(model);
+    this.view = new WorldView(model, this.shared, this.clip, this.camera);
+    this.view.interpolator.on = this.smooth;
+    this.world.add(this.view.group);
+    this.framed = false;
+    if (!sameScene) this.setView("scene");
+    this.applyLayers();
   }
 
   show(snapshot: Snapshot): void {
+    if (this.view === null || snapshot.epoch !== this.model?.epoch) return;
     this.snapshot = snapshot;
-    this.rigids.forEach((mesh, i) => {
-      const at = 7 * i;
-      mesh?.position.fromArray(snapshot.rigids, at);
-      mesh?.quaternion.fromArray(snapshot.rigids, at + 3);
-    });
-    const position = this.points?.geometry.getAttribute("position");
-    if (position instanceof BufferAttribute) {
-      (position.array as Float32Array).set(snapshot.nodes);
-      position.needsUpdate = true;
-    }
+    this.view.push(snapshot);
+    this.invalidate();
   }
 
   setLayer(name: LayerName, on: boolean): void {
     if (on) this.layers.add(name);
     else this.layers.delete(name);
+    this.applyLayers();
   }
 
   layer(name: LayerName): boolean {
     return this.layers.has(name);
   }
 
-  setView(_name: ViewName): void {
-    const camera = this.model?.camera;
-    this.camera.position.copy(new Vector3(...(camera?.position ?? [0.3, 0.25, 0.4])));
-    this.controls.target.copy(new Vector3(...(camera?.target ?? [0, 0.05, 0])));
-    this.controls.update();
+  /** Shows motion between snapshots (the default) or only the snapshots themselves. */
+  setInterpolation(on: boolean): void {
+    this.smooth = on;
+    if (this.view !== null) this.view.interpolator.on = on;
   }
 
-  /** Where the content is, world frame. */
+  /** Cuts the flesh layer: leaves out cells beyond `part` (0 to 1) of the body along an axis of its
+   * rest shape, or shows all with null. */
+  setClip(axis: "x" | "y" | "z" | null, part = 0.5): void {
+    this.clip.value.copy(this.view?.clipPlane(axis, part) ?? new Vector4(0, 0, 0, 1));
+    this.invalidate();
+  }
+
+  setView(name: ViewName): void {
+    this.rig.go(name, this.model?.camera ?? null, this.focus);
+    this.invalidate();
+  }
+
+  /** Where the moving content is, world frame. */
   bounds(): Box3 {
-    return new Box3().setFromObject(this.world);
+    return this.focus.clone();
+  }
+
+  private applyLayers(): void {
+    this.invalidate();
+    const on = (name: LayerName) => this.layers.has(name);
+    this.surroundings.setShadows(on("shadows"));
+    this.surroundings.ground.visible =
+      on("ground") && (this.model?.rigids.some((rigid) => rigid.kind === "plane") ?? false);
+    this.shared.pressureShown.value = on("pressure") ? 1 : 0;
+    this.view?.setLayers(this.layers);
   }
 
   resize(): void {
     const { clientWidth, clientHeight } = this.canvas;
-    if (clientWidth === 0 || clientHeight === 0) return;
-    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
+    if (clientWidth === 0 || clientHeight === 0 || this.renderer.xr.isPresenting) return;
+    const ratio = Math.min(this.quality.pixelRatioMost, window.devicePixelRatio) * this.pixels.scale;
+    this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(clientWidth, clientHeight, false);
-    this.camera.aspect = clientWidth / clientHeight;
-    this.camera.updateProjectionMatrix();
+    this.rig.resize(clientWidth / clientHeight);
+    this.invalidate();
   }
 
   render(): void {
-    this.renderer.render(this.scene, this.camera);
-    this.stats.frames += 1;
+    const now = performance.now();
+    const idle = now - this.lastChange > IDLE_AFTER && now - this.lastDrawn < IDLE_FRAME;
+    if (idle && !this.renderer.xr.isPresenting) return;
+    this.lastDrawn = now;
+    this.draw(now);
+    this.clock.add(now, performance.now() - now);
   }
 
-  /** A PNG of the present view. */
-  screenshot(_width: number, _height: number): Promise<Blob> {
-    this.render();
-    return new Promise((resolve, reject) =>
-      this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("No picture."))), "image/png"),
-    );
-  }
-}
-
-function shape(rigid: RigidModel): Mesh | null {
-  const material = new MeshStandardMaterial({ color: 0xb08a5a, roughness: 0.7 });
-  switch (rigid.kind) {
-    case "box": {
-      const [x, y, z] = rigid.half ?? [0.01, 0.01, 0.01];
-      return new Mesh(new BoxGeometry(2 * x, 2 * y, 2 * z), material);
+  private draw(now: number): void {
+    const { view } = this;
+    if (view !== null && view.update(now)) {
+      this.occluders.update(view.interpolator.rigids, view.interpolator.nodes);
+      if (!this.framed) {
+        this.framed = true;
+        view.bounds(this.focus);
+        if (this.model?.camera == null) this.setView("scene");
+      }
+      view.follow(this.focus);
+      this.surroundings.surround(this.focus);
     }
-    case "sphere":
-      return new Mesh(new SphereGeometry(rigid.radius ?? 0.01, 32, 16), material);
-    case "capsule":
-      return new Mesh(new CapsuleGeometry(rigid.radius ?? 0.01, 2 * (rigid.half_length ?? 0.01)), material);
-    default:
-      return null;
+    this.world.updateMatrixWorld();
+    this.shared.sceneFromWorld.value.copy(this.world.matrixWorld).invert();
+    this.showLegend();
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  private showLegend(): void {
+    const forces = this.layers.has("forces") ? (this.view?.contacts.forceMost ?? null) : null;
+    const pressure = this.layers.has("pressure") ? (this.view?.pressureMost ?? null) : null;
+    if (pressure !== null) this.shared.pressureMost.value = pressure;
+    this.legend.show(pressure, forces);
+  }
+
+  /** A PNG of the present view, in its own size. */
+  screenshot(width: number, height: number): Promise<Blob> {
+    const { renderer, camera } = this;
+    const aspect = camera.aspect;
+    renderer.setPixelRatio(1);
+    renderer.setSize(width, height, false);
+    camera.aspect = width / height;
+    camera.updateProjectionMatrix();
+    this.draw(performance.now());
+    const picture = new Promise<Blob>((resolve, reject) => {
+      const done = (blob: Blob | null) =>
+        blob === null ? reject(new Error("The browser made no picture.")) : resolve(blob);
+      this.canvas.toBlob(done, "image/png");
+    });
+    camera.aspect = aspect;
+    this.resize();
+    this.draw(performance.now());
+    return picture;
   }
 }

@@ -1,0 +1,70 @@
+// Where the eye goes: orbiting by mouse and touch, and a few places to jump to.
+
+import { Box3, PerspectiveCamera, Vector3 } from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import type { SceneCamera } from "../protocol/types";
+import type { ViewName } from "./layers";
+
+/** Scenes are framed for a window this much wider than high; narrower ones step back. */
+const FRAMED_FOR = 1.5;
+
+const DIRECTIONS: Readonly<Record<Exclude<ViewName, "scene">, readonly [number, number, number]>> = {
+  front: [0, 0.22, 1],
+  side: [-1, 0.22, 0],
+  top: [0, 1, 0.001],
+  below: [0.25, -1, 0.45],
+  close: [-0.7, 0.42, 0.75],
+};
+
+export class CameraRig {
+  readonly controls: OrbitControls;
+  private view: ViewName = "scene";
+
+  constructor(
+    readonly camera: PerspectiveCamera,
+    canvas: HTMLCanvasElement,
+  ) {
+    this.controls = new OrbitControls(camera, canvas);
+    this.controls.enableDamping = true;
+    this.controls.dampingFactor = 0.12;
+    this.controls.minDistance = 0.03;
+    this.controls.maxDistance = 6;
+    this.controls.zoomSpeed = 0.8;
+  }
+
+  get current(): ViewName {
+    return this.view;
+  }
+
+  /** Goes to a preset; `content` is what should be seen. */
+  go(view: ViewName, own: SceneCamera | null, content: Box3): void {
+    this.view = view;
+    const { camera, controls } = this;
+    const away = new Vector3();
+    if (view === "scene" && own !== null) {
+      controls.target.fromArray(own.target);
+      away.fromArray(own.position).sub(controls.target);
+      camera.fov = own.fov_deg;
+    } else {
+      content.getCenter(controls.target);
+      camera.fov = 32;
+      const size = Math.max(0.05, content.getSize(new Vector3()).length());
+      const part = view === "close" ? 0.36 : 0.62;
+      away.fromArray(DIRECTIONS[view === "scene" ? "close" : view]).normalize();
+      away.multiplyScalar((part * size) / Math.tan((camera.fov * Math.PI) / 360));
+    }
+    away.multiplyScalar(Math.max(1, Math.min(2.4, FRAMED_FOR / Math.max(0.2, camera.aspect))));
+    camera.position.copy(controls.target).add(away);
+    camera.updateProjectionMatrix();
+    controls.update();
+  }
+
+  resize(aspect: number): void {
+    // A turned phone keeps what it saw.
+    const factor = (a: number) => Math.max(1, Math.min(2.4, FRAMED_FOR / Math.max(0.2, a)));
+    const scale = factor(aspect) / factor(this.camera.aspect);
+    this.camera.position.sub(this.controls.target).multiplyScalar(scale).add(this.controls.target);
+    this.camera.aspect = aspect;
+    this.camera.updateProjectionMatrix();
+  }
+}

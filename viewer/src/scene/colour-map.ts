@@ -1,0 +1,36 @@
+// Colours for a quantity: dark to bright, evenly in lightness (after matplotlib's inferno).
+
+export const STOPS: readonly (readonly [number, number, number])[] = [
+  [0.03, 0.02, 0.09],
+  [0.157, 0.043, 0.329],
+  [0.396, 0.082, 0.431],
+  [0.624, 0.165, 0.388],
+  [0.831, 0.282, 0.259],
+  [0.961, 0.49, 0.082],
+  [0.98, 0.757, 0.153],
+  [0.988, 1.0, 0.645],
+];
+
+export function cssGradient(): string {
+  const colours = STOPS.map((stop) => `rgb(${stop.map((c) => Math.round(255 * c)).join(" ")})`);
+  return `linear-gradient(to right, ${colours.join(", ")})`;
+}
+
+/** The map as a GLSL function of a number from 0 to 1, linear light out. */
+export const COLOUR_MAP = /* glsl */ `
+vec3 colourMap( float x ) {
+  vec3 stops[ ${STOPS.length} ] = vec3[](
+    ${STOPS.map((s) => `vec3( ${s.map((c) => c.toFixed(3)).join(", ")} )`).join(",\n    ")} );
+  float at = clamp( x, 0.0, 1.0 ) * ${(STOPS.length - 1).toFixed(1)};
+  int i = min( int( at ), ${STOPS.length - 2} );
+  return pow( mix( stops[ i ], stops[ i + 1 ], at - float( i ) ), vec3( 2.2 ) );
+}
+`;
+
+/** The next number of 1, 2, 5 × 10^k not below `x`. */
+export function roundUp(x: number): number {
+  if (!(x > 0)) return 1;
+  const power = 10 ** Math.floor(Math.log10(x));
+  for (const step of [1, 2, 5, 10]) if (x <= step * power * (1 + 1e-9)) return step * power;
+  return 10 * power;
+}

@@ -1,0 +1,156 @@
+// Rigid bodies: primitives, painted meshes, and the bones of hands.
+
+import {
+  BoxGeometry,
+  BufferAttribute,
+  BufferGeometry,
+  CapsuleGeometry,
+  Color,
+  CylinderGeometry,
+  Group,
+  LineBasicMaterial,
+  LineSegments,
+  Mesh,
+  MeshStandardMaterial,
+  Quaternion,
+  SphereGeometry,
+  Vector3,
+  WireframeGeometry,
+} from "three";
+import type { HandBone, RigidModel } from "../protocol/types";
+import { paintMaterial, type Shared } from "./materials";
+import { linearColours } from "./soft-view";
+import { vertexNormals } from "./surface";
+
+const PAINT = new Color(0.62, 0.45, 0.28).convertSRGBToLinear();
+
+export class RigidView {
+  readonly group = new Group();
+  readonly body: Mesh | null;
+  private wire: LineSegments | null = null;
+
+  constructor(
+    readonly model: RigidModel,
+    shared: Shared,
+  ) {
+    const geometry = shape(model);
+    if (geometry === null) {
+      this.body = null;
+      return;
+    }
+    const colour = model.colour === null ? PAINT : new Color(...model.colour).convertSRGBToLinear();
+    const painted = geometry.hasAttribute("color");
+    this.body = new Mesh(geometry, paintMaterial(colour, painted, shared));
+    this.body.castShadow = this.body.receiveShadow = true;
+    if (model.mesh === null) {
+      // Primitives are given in the shape's frame, meshes in the body's.
+      this.body.position.fromArray(model.pose_BS);
+      this.body.quaternion.fromArray(model.pose_BS, 3);
+    }
+    this.group.add(this.body);
+  }
+
+  setVisible(body: boolean, wire: boolean): void {
+    if (this.body === null) return;
+    this.body.visible = body;
+    if (wire && this.wire === null) {
+      this.wire = new LineSegments(
+        new WireframeGeometry(this.body.geometry),
+        new LineBasicMaterial({ color: 0xd7e3ee, transparent: true, opacity: 0.65 }),
+      );
+      this.wire.position.copy(this.body.position);
+      this.wire.quaternion.copy(this.body.quaternion);
+      this.group.add(this.wire);
+    }
+    if (this.wire !== null) this.wire.visible = wire;
+  }
+
+  update(rigids: Float32Array, index: number): void {
+    this.group.position.fromArray(rigids, 7 * index);
+    this.group.quaternion.fromArray(rigids, 7 * index + 3);
+  }
+
+  dispose(): void {
+    this.body?.geometry.dispose();
+    this.wire?.geometry.dispose();
+  }
+}
+
+function shape(model: RigidModel): BufferGeometry | null {
+  if (model.mesh !== null) {
+    const { positions, triangles, colours } = model.mesh;
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(positions, 3));
+    geometry.setAttribute("normal", new BufferAttribute(vertexNormals(positions, triangles), 3));
+    geometry.setIndex(new BufferAttribute(triangles, 1));
+    if (colours !== null) geometry.setAttribute("color", linearColours(colours));
+    return creased(geometry);
+  }
+  switch (model.kind) {
+    case "box": {
+      const [x, y, z] = model.half ?? [0.01, 0.01, 0.01];
+      return new BoxGeometry(2 * x, 2 * y, 2 * z);
+    }
+    case "sphere":
+      return new SphereGeometry(model.radius ?? 0.01, 48, 24);
+    case "capsule":
+      return new CapsuleGeometry(model.radius ?? 0.01, 2 * (model.half_length ?? 0.01), 12, 32);
+    default:
+      return null;
+  }
+}
+
+/** Own normals for the corners of triangles that stand at more than this to the smooth normal. */
+const CREASE = Math.cos((38 * Math.PI) / 180);
+
+/** Keeps edges sharp: made of single triangles whose corners share a normal only across soft bends. */
+function creased(smooth: BufferGeometry): BufferGeometry {
+  const geometry = smooth.toNonIndexed();
+  const position = geometry.getAttribute("position");
+  const normal = geometry.getAttribute("normal");
+  const [a, b, c, n, face] = [0, 1, 2, 3, 4].map(() => new Vector3());
+  for (let v = 0; v < position.count; v += 3) {
+    a.fromBufferAttribute(position, v);
+    b.fromBufferAttribute(position, v + 1).sub(a);
+    c.fromBufferAttribute(position, v + 2).sub(a);
+    face.crossVectors(b, c).normalize();
+    for (let k = 0; k < 3; k++) {
+      n.fromBufferAttribute(normal, v + k);
+      if (n.dot(face) < CREASE) normal.setXYZ(v + k, face.x, face.y, face.z);
+    }
+  }
+  return geometry;
+}
+
+const BONE = new MeshStandardMaterial({ color: 0xe9dfc8, roughness: 0.55 });
+const JOINT = new MeshStandardMaterial({ color: 0x35b6c9, roughness: 0.4 });
+const AXIS = new MeshStandardMaterial({ color: 0x35b6c9, roughness: 0.4 });
+
+/** A bone between its ends, its head at the joint with the bone before it, and that joint's axis. */
+export function boneView(bone: HandBone): Group {
+  const group = new Group();
+  const [from, to] = bone.ends_B.map((end) => new Vector3(...end));
+  const along = new Vector3().subVectors(to, from);
+  const length = along.length();
+  const turn = new Quaternion().setFromUnitVectors(new Vector3(0, 1, 0), along.clone().normalize());
+  const radius = bone.radius;
+  const shaft = new Mesh(new CylinderGeometry(0.62 * radius, 0.72 * radius, length, 20, 1), BONE);
+  shaft.position.addVectors(from, to).multiplyScalar(0.5);
+  shaft.quaternion.copy(turn);
+  const head = new Mesh(new SphereGeometry(radius, 20, 14), BONE);
+  head.position.copy(to);
+  head.scale.setScalar(0.82);
+  const base = new Mesh(new SphereGeometry(radius, 20, 14), bone.parent === null ? BONE : JOINT);
+  base.position.copy(from);
+  base.scale.setScalar(bone.parent === null ? 1 : 0.9);
+  group.add(shaft, head, base);
+  if (bone.parent !== null) {
+    // Bones bend about their x axis.
+    const axis = new Mesh(new CylinderGeometry(0.0006, 0.0006, 6 * radius, 8), AXIS);
+    axis.position.copy(from);
+    axis.rotation.z = Math.PI / 2;
+    group.add(axis);
+  }
+  group.traverse((part) => (part.castShadow = true));
+  return group;
+}

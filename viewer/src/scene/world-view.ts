@@ -1,0 +1,204 @@
+// Everything that moves in one scene.
+
+import { Box3, Group, Vector3, Vector4, type Camera, type IUniform } from "three";
+import type { SceneModel, Snapshot } from "../protocol/types";
+import { roundUp } from "./colour-map";
+import { ContactView } from "./contact-view";
+import { GhostView } from "./ghost-view";
+import { Interpolator } from "./interpolate";
+import type { LayerName } from "./layers";
+import type { Shared } from "./materials";
+import { PressureMap } from "./pressure";
+import { boneView, RigidView } from "./rigid-view";
+import { SoftView } from "./soft-view";
+
+/** How far beside the flesh its skinning alone is drawn, m. */
+const BESIDE = 0.15;
+/** The pressure scale never ends below this, Pa. */
+const PRESSURE_LEAST = 2000;
+
+export class WorldView {
+  readonly group = new Group();
+  readonly interpolator: Interpolator;
+  readonly contacts = new ContactView();
+  /** End of the pressure scale, Pa. */
+  pressureMost = PRESSURE_LEAST;
+  private readonly rigids: RigidView[];
+  private readonly softs: SoftView[];
+  private readonly ghosts: GhostView[] = [];
+  private readonly bones: { readonly rigid: number; readonly group: Group }[] = [];
+  private readonly pressures = new Map<number, PressureMap>();
+  private layers: ReadonlySet<LayerName> = new Set();
+  private snapshot: Snapshot | null = null;
+  private fresh = false;
+  private peakSince = 0;
+  private peak = 0;
+
+  constructor(
+    readonly model: SceneModel,
+    shared: Shared,
+    clip: IUniform,
+    private readonly camera: Camera,
+  ) {
+    this.interpolator = new Interpolator(model);
+    this.rigids = model.rigids.map((rigid) => new RigidView(rigid, shared));
+    this.softs = model.softs.map((soft) => {
+      const hand = soft.hand === null ? null : model.hands[soft.hand];
+      return new SoftView(soft, hand, shared, clip);
+    });
+    for (const body of this.softs) {
+      if (body.hand === null || body.model.skin === null) continue;
+      for (const of of ["tracked", "skinning"] as const) {
+        this.ghosts.push(new GhostView(of, body, body.model.skin, body.hand, shared));
+      }
+    }
+    for (const hand of model.hands) {
+      hand.bones.forEach((bone, b) => this.bones.push({ rigid: hand.bone_start + b, group: boneView(bone) }));
+    }
+    for (const part of [...this.rigids, ...this.softs, ...this.ghosts, ...this.bones, this.contacts]) {
+      this.group.add(part.group);
+    }
+    this.group.visible = false;
+  }
+
+  push(snapshot: Snapshot): void {
+    this.interpolator.push(snapshot);
+    this.snapshot = snapshot;
+    this.fresh = true;
+  }
+
+  setLayers(layers: ReadonlySet<LayerName>): void {
+    this.layers = new Set(layers);
+    const on = (name: LayerName) => layers.has(name);
+    for (const view of this.rigids) view.setVisible(on("objects"), on("wireframe"));
+    for (const view of this.softs) {
+      const hand = view.hand !== null;
+      const through = hand && (on("bones") || on("flesh"));
+      view.setVisible(on(hand ? "skin" : "objects"), through, on("flesh") && (hand || !on("objects")));
+    }
+    for (const ghost of this.ghosts) ghost.setVisible(on(ghost.of));
+    for (const bone of this.bones) bone.group.visible = on("bones") || this.boneless(bone.rigid);
+    this.contacts.setVisible(on("contacts"), on("forces"));
+    this.placeBeside();
+    this.fresh = true;
+  }
+
+  /** A hand without flesh is its bones. */
+  private boneless(rigid: number): boolean {
+    return this.model.hands.some(
+      (hand) => hand.soft === null && rigid >= hand.bone_start && rigid < hand.bone_start + hand.bone_count,
+    );
+  }
+
+  /** Skinning stands beside the flesh when both show, to the right of who looks. */
+  private placeBeside(): void {
+    const right = new Vector3().setFromMatrixColumn(this.camera.matrixWorld, 0).setY(0);
+    if (right.lengthSq() < 1e-6) right.set(1, 0, 0);
+    right.setLength(this.layers.has("skin") ? BESIDE : 0);
+    for (const ghost of this.ghosts) if (ghost.of === "skinning") ghost.group.position.copy(right);
+  }
+
+  /** Brings everything to the moment `now`, ms. False if nothing has changed. */
+  update(now: number): boolean {
+    if (this.snapshot === null) return false;
+    const moved = this.interpolator.update(now);
+    if (!moved && !this.fresh) return false;
+    this.group.visible = true;
+    const { rigids, nodes, targets } = this.interpolator;
+    for (let i = 0; i < this.rigids.length; i++) {
+      if (this.rigids[i].body !== null) this.rigids[i].update(rigids, i);
+    }
+    for (const view of this.softs) view.update(nodes);
+    for (const ghost of this.ghosts) ghost.update(rigids, targets);
+    for (const { rigid, group } of this.bones) {
+      if (!group.visible) continue;
+      group.position.fromArray(rigids, 7 * rigid);
+      group.quaternion.fromArray(rigids, 7 * rigid + 3);
+    }
+    if (this.fresh) {
+      this.fresh = false;
+      this.contacts.update(this.snapshot, this.model);
+      if (this.layers.has("pressure")) this.updatePressure(this.snapshot, now);
+    }
+    return true;
+  }
+
+  private updatePressure(snapshot: Snapshot, now: number): void {
+    let peak = 0;
+    this.softs.forEach((view, index) => {
+      if (view.hand === null) return;
+      let map = this.pressures.get(index);
+      if (map === undefined) {
+        map = new PressureMap(view.model);
+        this.pressures.set(index, map);
+      }
+      peak = Math.max(peak, map.update(snapshot.contacts, index, view.pressure.array as Float32Array));
+      view.pressure.needsUpdate = true;
+    });
+    // The scale follows the peak of the last seconds, in steps.
+    if (peak > this.peak || now - this.peakSince > 4000) {
+      this.peak = peak;
+      this.peakSince = now;
+    }
+    this.pressureMost = Math.max(PRESSURE_LEAST, roundUp(this.peak));
+  }
+
+  /** The box around all that moves. */
+  bounds(out: Box3): void {
+    out.makeEmpty();
+    const { nodes, rigids } = this.interpolator;
+    const point = new Vector3();
+    for (let i = 0; i < nodes.length; i += 3) out.expandByPoint(point.fromArray(nodes, i));
+    this.model.rigids.forEach((rigid, i) => {
+      if (rigid.kind === "plane" || rigid.kind === "none") return;
+      point.fromArray(rigids, 7 * i);
+      const reach = extent(rigid.radius, rigid.half_length, rigid.half, rigid.mesh?.positions ?? null);
+      out.expandByPoint(point.clone().addScalar(reach)).expandByPoint(point.addScalar(-reach));
+    });
+    if (out.isEmpty()) out.set(new Vector3(-0.1, 0, -0.1), new Vector3(0.1, 0.1, 0.1));
+  }
+
+  /** Moves a box along with the content, smoothly, and grows it where content leaves it. */
+  follow(box: Box3): void {
+    this.bounds(NOW);
+    box.min.lerp(NOW.min, 0.1);
+    box.max.lerp(NOW.max, 0.1);
+  }
+
+  clipPlane(axis: "x" | "y" | "z" | null, part: number): Vector4 | null {
+    if (axis === null) return null;
+    const c = "xyz".indexOf(axis);
+    let [low, high] = [Infinity, -Infinity];
+    for (const { model } of this.softs) {
+      for (let i = c; i < model.nodes.length; i += 3) {
+        low = Math.min(low, model.nodes[i]);
+        high = Math.max(high, model.nodes[i]);
+      }
+    }
+    const plane = new Vector4(0, 0, 0, low + part * (high - low));
+    plane.setComponent(c, 1);
+    return plane;
+  }
+
+  dispose(): void {
+    for (const part of [...this.rigids, ...this.softs, ...this.ghosts]) part.dispose();
+  }
+}
+
+const NOW = new Box3();
+
+function extent(
+  radius: number | null,
+  halfLength: number | null,
+  half: readonly [number, number, number] | null,
+  positions: Float32Array | null,
+): number {
+  if (positions !== null) {
+    let square = 0;
+    for (let i = 0; i < positions.length; i += 3) {
+      square = Math.max(square, positions[i] ** 2 + positions[i + 1] ** 2 + positions[i + 2] ** 2);
+    }
+    return Math.sqrt(square);
+  }
+  return half === null ? (radius ?? 0) + (halfLength ?? 0) : Math.hypot(...half);
+}
