@@ -7,6 +7,7 @@
 pub mod contact;
 pub mod coupling;
 pub mod flesh;
+pub mod haptic;
 pub mod math;
 pub mod model;
 pub mod skeleton;

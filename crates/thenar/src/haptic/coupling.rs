@@ -1,0 +1,98 @@
+//! How stiff and how damped the two couplings of a proxy are.
+
+use crate::haptic::Proxy;
+use crate::math::Mat3;
+use crate::model::Drive;
+
+/// What is chosen about a proxy's couplings; the rest follows from the bone's mass and inertia.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CouplingDesign {
+    /// Between tracked pose and proxy \[N/m\]: with `bone_stiffness` in series, what the wearer
+    /// feels of a bone that cannot move. More is crisper; `stability` bounds it.
+    pub device_stiffness: f64,
+    /// Between proxy and simulated bone \[N/m\].
+    pub bone_stiffness: f64,
+    /// Distance from the bone's centre at which turning is as stiff as pushing \[m\]:
+    /// angular stiffness = stiffness × lever². About half a phalanx.
+    pub lever: f64,
+    /// Damping of the proxy between both couplings over its critical damping; 1 settles fastest.
+    pub damping_ratio: f64,
+    /// Damping of the device coupling \[N s/m\], part of the above. It amplifies the noise of the
+    /// measured velocity, so it is kept small and the bone coupling supplies the rest.
+    pub device_damping: f64,
+}
+
+impl Default for CouplingDesign {
+    /// 400 N/m to a bone that cannot move, critically damped.
+    fn default() -> Self {
+        Self {
+            device_stiffness: 800.0,
+            bone_stiffness: 800.0,
+            lever: 0.02,
+            damping_ratio: 1.0,
+            device_damping: 0.2,
+        }
+    }
+}
+
+impl CouplingDesign {
+    /// The proxy of a bone of this mass \[kg\] and inertia about its centre \[kg m²\].
+    ///
+    /// Held by both couplings, stiffness K in all, a mass m has critical damping 2 √(m K). About
+    /// the centre the axis of largest inertia gets this ratio, the others more.
+    pub fn proxy(&self, mass: f64, inertia_B: &Mat3) -> Proxy {
+        let stiffness = self.device_stiffness + self.bone_stiffness;
+        let damping = 2.0 * self.damping_ratio * (mass * stiffness).sqrt();
+        let largest = inertia_B.symmetric_eigenvalues().max();
+        let square = self.lever * self.lever;
+        let turning = 2.0 * self.damping_ratio * (largest * stiffness * square).sqrt();
+        let share = if damping > 0.0 { (self.device_damping / damping).min(1.0) } else { 0.0 };
+        let drive = |stiffness: f64, share: f64| Drive {
+            stiffness,
+            damping: damping * share,
+            angular_stiffness: stiffness * square,
+            angular_damping: turning * share,
+        };
+        Proxy {
+            mass,
+            inertia_B: *inertia_B,
+            device: drive(self.device_stiffness, share),
+            bone: drive(self.bone_stiffness, 1.0 - share),
+        }
+    }
+}
+
+/// Stiffness of two springs one after the other: what is felt through a proxy at rest \[N/m\].
+pub fn series_stiffness(a: f64, b: f64) -> f64 {
+    if a + b > 0.0 { a * b / (a + b) } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+
+    /// The textbook ratio c / (2 √(m K)), for both kinds of motion.
+    #[test]
+    fn the_proxy_has_the_damping_ratio_asked_for() {
+        let inertia = Mat3::from_diagonal(&Vec3::new(2e-7, 3e-8, 1e-7));
+        for ratio in [0.3, 1.0, 1.7] {
+            let design = CouplingDesign { damping_ratio: ratio, ..CouplingDesign::default() };
+            let proxy = design.proxy(0.004, &inertia);
+            let (d, b) = (&proxy.device, &proxy.bone);
+            let critical = 2.0 * (0.004 * (d.stiffness + b.stiffness)).sqrt();
+            assert!(((d.damping + b.damping) / critical - ratio).abs() < 1e-12);
+            let k = d.angular_stiffness + b.angular_stiffness;
+            let turning = d.angular_damping + b.angular_damping;
+            assert!((turning / (2.0 * (2e-7 * k).sqrt()) - ratio).abs() < 1e-12);
+            assert!((d.damping - 0.2).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn springs_in_series() {
+        assert_eq!(series_stiffness(800.0, 800.0), 400.0);
+        assert_eq!(series_stiffness(1000.0, 600.0), 375.0);
+        assert_eq!(series_stiffness(0.0, 0.0), 0.0);
+    }
+}

@@ -1,0 +1,229 @@
+//! Between two samples of a tracker, or two frames of the simulation, the haptic loop goes on:
+//! poses are carried forward by their velocity, not far, and then held.
+
+use crate::haptic::RigidState;
+use crate::math::{Pose, Vec3, rotation_vector};
+
+/// How far states are carried forward, and what counts as motion at all.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prediction {
+    /// Up to this age a state moves on at its velocity; over as long again it slows down to a
+    /// halt, so it ends `1.5 × horizon × velocity` ahead \[s\]. About two sample periods.
+    pub horizon: f64,
+    /// Larger speeds are not believed: the state is held \[m/s\].
+    pub speed_max: f64,
+    /// Likewise \[rad/s\].
+    pub angular_speed_max: f64,
+}
+
+impl Prediction {
+    /// For a tracker at 72 to 120 Hz. Hands reach about 5 m/s, fingers about 40 rad/s.
+    pub const TRACKER: Self = Self { horizon: 0.02, speed_max: 8.0, angular_speed_max: 80.0 };
+    /// For a simulation at 20 Hz or more.
+    pub const SIMULATION: Self = Self { horizon: 0.05, speed_max: 8.0, angular_speed_max: 80.0 };
+
+    /// `state` as it should be after `age` \[s\]; a negative or senseless age is taken as zero.
+    /// Pose and velocity are continuous in age.
+    pub fn at(&self, state: &RigidState, age: f64) -> RigidState {
+        let believed = state.velocity_W.norm() <= self.speed_max
+            && state.angular_velocity_W.norm() <= self.angular_speed_max;
+        if !believed || self.horizon.is_nan() || self.horizon <= 0.0 {
+            return RigidState::at_rest(state.pose_WB);
+        }
+        let (time, rate) = slowing(age, self.horizon);
+        RigidState {
+            pose_WB: state.pose_after(time),
+            velocity_W: state.velocity_W * rate,
+            angular_velocity_W: state.angular_velocity_W * rate,
+        }
+    }
+}
+
+/// A time that runs with `age` up to `horizon`, slows down over as long again and stops; and its
+/// rate.
+fn slowing(age: f64, horizon: f64) -> (f64, f64) {
+    let age = age.max(0.0); // NaN becomes zero
+    if age <= horizon {
+        return (age, 1.0);
+    }
+    let past = (age - horizon).min(horizon);
+    (horizon + past - past * past / (2.0 * horizon), 1.0 - past / horizon)
+}
+
+/// Trust in something of this age \[s\]: 1 up to `hold`, then falling to 0 over `fade`.
+pub fn hold_then_fade(age: f64, hold: f64, fade: f64) -> f64 {
+    if age <= hold {
+        1.0
+    } else if age < hold + fade {
+        1.0 - (age - hold) / fade
+    } else {
+        0.0 // NaN as well
+    }
+}
+
+/// What became of a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sample {
+    /// Taken, with a velocity.
+    Taken,
+    /// Taken without a velocity: the first, the first after a pause, or after a jump.
+    Restarted,
+    /// Left out: not finite.
+    NotFinite,
+    /// Left out: not later than the one before.
+    OutOfOrder,
+}
+
+/// One tracked bone: its last sample and an estimate of its velocity.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Track {
+    last: Option<(u64, RigidState)>,
+    moving: bool,
+}
+
+/// After a pause this long \[s\] two samples say nothing about velocity. Also how far back a clock
+/// must go to count as set anew.
+const PAUSE: f64 = 0.2;
+
+impl Track {
+    /// Takes a pose measured at `time_ns`. Trackers that know velocities pass linear \[m/s\]
+    /// and angular \[rad/s\], world; otherwise it is the mean of the last difference quotient and
+    /// the estimate before, which halves the noise and is exact for steady motion.
+    pub fn push(
+        &mut self,
+        time_ns: u64,
+        pose_WB: Pose,
+        velocity: Option<[Vec3; 2]>,
+        limits: &Prediction,
+    ) -> Sample {
+        if !pose_WB.is_finite() {
+            return Sample::NotFinite;
+        }
+        let mut state = RigidState::at_rest(pose_WB);
+        let mut sample = Sample::Restarted;
+        if let Some((last_ns, last)) = &self.last {
+            let dt = seconds_between(*last_ns, time_ns);
+            if (-PAUSE..=0.0).contains(&dt) {
+                return Sample::OutOfOrder;
+            }
+            let v = (pose_WB.position - last.pose_WB.position) / dt;
+            let turn = pose_WB.rotation * last.pose_WB.rotation.inverse();
+            let w = rotation_vector(&turn) / dt;
+            let jump = v.norm() > limits.speed_max || w.norm() > limits.angular_speed_max;
+            if dt > 0.0 && dt < PAUSE && !jump {
+                let blend = if self.moving { 0.5 } else { 1.0 };
+                state.velocity_W = last.velocity_W.lerp(&v, blend);
+                state.angular_velocity_W = last.angular_velocity_W.lerp(&w, blend);
+                sample = Sample::Taken;
+            }
+        }
+        self.moving = sample == Sample::Taken;
+        let finite = |v: &[Vec3; 2]| v.iter().flatten().all(|x| x.is_finite());
+        if let Some([v, w]) = velocity.filter(finite) {
+            (state.velocity_W, state.angular_velocity_W) = (v, w);
+        }
+        self.last = Some((time_ns, state));
+        sample
+    }
+
+    /// The bone now, and the age of what is known about it \[s\].
+    pub fn at(&self, now_ns: u64, prediction: &Prediction) -> Option<(RigidState, f64)> {
+        let (time_ns, state) = self.last.as_ref()?;
+        let age = seconds_between(*time_ns, now_ns);
+        Some((prediction.at(state, age), age))
+    }
+}
+
+/// From one time in nanoseconds to another, in seconds; negative when it runs backwards.
+pub fn seconds_between(from_ns: u64, to_ns: u64) -> f64 {
+    if to_ns >= from_ns {
+        (to_ns - from_ns) as f64 * 1e-9
+    } else {
+        -((from_ns - to_ns) as f64 * 1e-9)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Quat;
+    use crate::testing::Random;
+
+    const MS: u64 = 1_000_000;
+    const TRACKER: Prediction = Prediction::TRACKER;
+
+    /// A screw at constant rates is its own prediction.
+    #[test]
+    fn steady_motion_is_predicted_exactly() {
+        let mut random = Random::new(11);
+        let (v, w) = (random.vec3(1.0), random.vec3(5.0));
+        let start = RigidState {
+            pose_WB: Pose::new(random.vec3(1.0), random.rotation(3.0)),
+            velocity_W: v,
+            angular_velocity_W: w,
+        };
+        let mut track = Track::default();
+        for k in 0..5u64 {
+            let pose = start.pose_after(k as f64 * 0.011);
+            track.push(k * 11 * MS, pose, None, &TRACKER);
+        }
+        let (now, age) = track.at(44 * MS + 15 * MS, &TRACKER).unwrap();
+        let want = start.pose_after(0.059);
+        assert!((age - 0.015).abs() < 1e-12);
+        assert!((now.pose_WB.position - want.position).norm() < 1e-12);
+        assert!(now.pose_WB.rotation.angle_to(&want.rotation) < 1e-7);
+        assert!((now.velocity_W - v).norm() < 1e-10);
+    }
+
+    /// Never further than 1.5 horizons, without a jump in pose or velocity.
+    #[test]
+    fn prediction_is_bounded_and_smooth() {
+        let state = RigidState {
+            velocity_W: Vec3::x(),
+            ..RigidState::at_rest(Pose::new(Vec3::zeros(), Quat::identity()))
+        };
+        let mut before = TRACKER.at(&state, 0.0);
+        for k in 1..2000 {
+            let now = TRACKER.at(&state, 1e-4 * f64::from(k));
+            let moved = now.pose_WB.position.x - before.pose_WB.position.x;
+            assert!((0.0..=1e-4 + 1e-15).contains(&moved));
+            assert!((before.velocity_W.x - now.velocity_W.x).abs() <= 1e-4 / 0.02 + 1e-12);
+            before = now;
+        }
+        assert!((before.pose_WB.position.x - 0.03).abs() < 1e-12);
+        assert_eq!(before.velocity_W.x, 0.0);
+        assert_eq!(TRACKER.at(&state, f64::NAN).pose_WB, state.pose_WB);
+        assert_eq!(TRACKER.at(&state, -3.0).pose_WB, state.pose_WB);
+        let mad = RigidState { velocity_W: Vec3::x() * 1e9, ..state };
+        assert_eq!(TRACKER.at(&mad, 0.01), RigidState::at_rest(state.pose_WB));
+    }
+
+    #[test]
+    fn bad_samples_are_left_out_or_restart_the_estimate() {
+        let mut track = Track::default();
+        let at = |x: f64| Pose::translation(x, 0.0, 0.0);
+        assert_eq!(track.at(0, &TRACKER), None);
+        assert_eq!(track.push(10 * MS, at(0.0), None, &TRACKER), Sample::Restarted);
+        assert_eq!(track.push(20 * MS, at(0.01), None, &TRACKER), Sample::Taken);
+        assert_eq!(track.push(20 * MS, at(0.02), None, &TRACKER), Sample::OutOfOrder);
+        assert_eq!(track.push(15 * MS, at(0.02), None, &TRACKER), Sample::OutOfOrder);
+        assert_eq!(track.push(30 * MS, at(f64::NAN), None, &TRACKER), Sample::NotFinite);
+        // A metre in ten milliseconds: the pose is taken, the velocity is not believed.
+        assert_eq!(track.push(30 * MS, at(1.0), None, &TRACKER), Sample::Restarted);
+        let (state, _) = track.at(40 * MS, &TRACKER).unwrap();
+        assert_eq!(state, RigidState::at_rest(at(1.0)));
+        // After half a second, and after the clock is set back by more than a pause.
+        assert_eq!(track.push(530 * MS, at(1.01), None, &TRACKER), Sample::Restarted);
+        assert_eq!(track.push(100 * MS, at(1.01), None, &TRACKER), Sample::Restarted);
+    }
+
+    #[test]
+    fn trust_holds_then_fades() {
+        let ages = [-1.0, 0.0, 0.05, 0.075, 0.1, 9.0, f64::NAN];
+        let trust = ages.map(|age| hold_then_fade(age, 0.05, 0.05));
+        assert_eq!(trust[..3], [1.0, 1.0, 1.0]);
+        assert!((trust[3] - 0.5).abs() < 1e-12);
+        assert!(trust[4] < 1e-12);
+        assert_eq!(trust[5..], [0.0, 0.0]);
+    }
+}
