@@ -8,6 +8,7 @@ mod display;
 mod extrapolate;
 mod proxies;
 mod rigid_state;
+pub mod safety;
 mod stability;
 
 pub use coupling::{CouplingDesign, series_stiffness};

@@ -1,0 +1,119 @@
+//! Why force stopped, with the numbers.
+
+/// Why all force stopped until the user arms again.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Trip {
+    /// A number that came in was not finite.
+    #[error("{0} was not a finite number")]
+    NotFinite(Quantity),
+    /// The clock went backwards.
+    #[error("the clock went back by {by_s} s")]
+    ClockBackwards {
+        /// By how much \[s\].
+        by_s: f64,
+    },
+    /// The clock stood still.
+    #[error("the clock stood still for {ticks} ticks")]
+    ClockStuck {
+        /// For how many ticks.
+        ticks: u32,
+    },
+    /// Nobody called for too long.
+    #[error("the haptic loop stood still for {gap_s} s")]
+    LoopStalled {
+        /// How long \[s\].
+        gap_s: f64,
+    },
+    /// The point moved too fast.
+    #[error("speed {speed} m/s is above {limit} m/s")]
+    Overspeed {
+        /// Its speed \[m/s\].
+        speed: f64,
+        /// The limit \[m/s\].
+        limit: f64,
+    },
+    /// More energy was given out than the reserve holds.
+    #[error("the display gave out {given_out} J on balance; {reserve} J are allowed")]
+    Energy {
+        /// Net energy given to the wearer \[J\].
+        given_out: f64,
+        /// The reserve \[J\].
+        reserve: f64,
+    },
+    /// Somebody asked for it: emergency stop, a signal, shutdown.
+    #[error("stop was asked for")]
+    Requested,
+    /// Another actuator of the device tripped.
+    #[error("actuator {actuator} tripped")]
+    Companion {
+        /// Which.
+        actuator: usize,
+    },
+}
+
+/// What was not finite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// The wanted force.
+    Force,
+    /// The measured velocity.
+    Velocity,
+}
+
+impl std::fmt::Display for Quantity {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Force => "the wanted force",
+            Self::Velocity => "the measured velocity",
+        })
+    }
+}
+
+/// Why force fades for now; it comes back by itself, through waiting and ramp.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Pause {
+    /// The newest simulation state is old.
+    #[error("no simulation state for {age_s} s")]
+    Simulation {
+        /// Its age \[s\].
+        age_s: f64,
+    },
+    /// The newest tracked pose is old.
+    #[error("no tracked pose for {age_s} s")]
+    Tracking {
+        /// Its age \[s\].
+        age_s: f64,
+    },
+    /// The device has said nothing.
+    #[error("nothing from the device for {age_s} s")]
+    Device {
+        /// For how long \[s\].
+        age_s: f64,
+    },
+    /// The dead-man switch is released.
+    #[error("the dead-man switch is released")]
+    DeadMan,
+}
+
+/// What a guard is doing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Status {
+    /// Not armed: zero.
+    Off,
+    /// Armed; zero until the wanted force has been small for some ticks.
+    Waiting {
+        /// For how many it has been.
+        small_ticks: u32,
+        /// What keeps it waiting, if anything does.
+        pause: Option<Pause>,
+    },
+    /// Growing towards full force.
+    Ramping {
+        /// Part of the wanted force that passes, 0 to 1.
+        gain: f64,
+    },
+    /// At full force.
+    Live,
+    /// Stopped until armed again: zero.
+    Tripped(Trip),
+}

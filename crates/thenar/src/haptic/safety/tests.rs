@@ -1,0 +1,349 @@
+//! Goal: what `mod.rs` guarantees, whatever comes in. Method: seeded hostile signals with an
+//! independent ledger, and one scripted test per stage.
+
+use super::*;
+use crate::testing::Random;
+
+const MS: u64 = 1_000_000;
+
+fn signal<const N: usize>(now_ns: u64, force: [f64; N], velocity: [f64; N]) -> Signal<N> {
+    Signal {
+        force,
+        velocity,
+        simulation_ns: now_ns,
+        tracking_ns: now_ns,
+        device_ns: now_ns,
+        enabled: true,
+    }
+}
+
+fn norm<const N: usize>(v: &[f64; N]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Armed, and past the small-force wait at `now_ns`.
+fn engaged(limits: Limits, now_ns: &mut u64) -> Guard<1> {
+    let mut guard = Guard::new(limits, 64).unwrap();
+    guard.arm();
+    for _ in 0..=limits.engage_ticks {
+        *now_ns += MS;
+        assert_eq!(guard.tick(*now_ns, &signal(*now_ns, [0.0], [0.0])), [0.0]);
+    }
+    assert!(matches!(guard.status(), Status::Ramping { .. } | Status::Live));
+    guard
+}
+
+fn quick() -> Limits {
+    Limits { ramp: 0.0, ..Limits::rated(12.0) }
+}
+
+/// A number that is mostly sane, sometimes huge, seldom none at all.
+fn number(random: &mut Random, size: f64) -> f64 {
+    match random.next() % 20_000 {
+        0 => f64::NAN,
+        1 => f64::INFINITY,
+        2 => -f64::INFINITY,
+        3..=40 => random.range(-1e250, 1e250),
+        _ => random.range(-size, size),
+    }
+}
+
+struct Seen {
+    live: u32,
+    waiting: u32,
+    trips: std::collections::HashSet<std::mem::Discriminant<Trip>>,
+}
+
+/// Drives one guard with `ticks` hostile ticks and checks every guarantee after each.
+fn attack<const N: usize>(seed: u64, limits: Limits, ticks: u32, seen: &mut Seen) {
+    let mut random = Random::new(seed);
+    let mut guard = Guard::<N>::new(limits, 16).unwrap();
+    let (mut now, mut last) = (10_000 * MS, None::<u64>);
+    let mut stamps = [now; 3];
+    let mut before = [0.0; N];
+    let mut ledger = 0.0; // taken in minus given out since armed
+    let (mut calm, mut push, mut stale) = (true, 0.0, [false; 3]);
+    for tick in 0..ticks {
+        let context = || format!("seed {seed}, axes {N}, tick {tick}");
+        if random.next() % 150 == 0 {
+            calm = random.next() % 3 != 0;
+            push = random.range(-30.0, 30.0);
+            stale = [0; 3].map(|_| random.next() % 12 == 0);
+        }
+        now = match random.next() % 4000 {
+            0 => now.saturating_sub(random.next() % (50 * MS)),
+            1 => now + random.next() % (1000 * MS),
+            2..=100 => now,
+            _ => now + MS / 2 + random.next() % MS,
+        };
+        for (stamp, stale) in stamps.iter_mut().zip(stale) {
+            *stamp = match random.next() % 4000 {
+                0 => random.next(),
+                _ if stale => *stamp,
+                _ => now.saturating_sub(random.next() % (4 * MS)),
+            };
+        }
+        let armed = random.next() % 700 == 0;
+        if armed {
+            guard.arm();
+            (before, ledger, last) = ([0.0; N], 0.0, None);
+        }
+        let force = if calm { 0.15 / (N as f64).sqrt() } else { 40.0 };
+        let signal = Signal {
+            force: [0.0; N].map(|_| number(&mut random, force) + if calm { 0.0 } else { push }),
+            velocity: [0.0; N].map(|_| number(&mut random, if calm { 0.02 } else { 0.4 })),
+            simulation_ns: stamps[0],
+            tracking_ns: stamps[1],
+            device_ns: stamps[2],
+            enabled: random.next() % 500 != 0,
+        };
+        let was_tripped = matches!(guard.status(), Status::Tripped(_));
+        let was_off = guard.status() == Status::Off;
+        let output = guard.tick(now, &signal);
+        let size = norm(&output);
+
+        assert!(output.iter().all(|f| f.is_finite()), "{}", context());
+        assert!(size <= limits.force_max() * (1.0 + 1e-12), "{}: {size} N", context());
+        if limits.unilateral {
+            assert!(output.iter().all(|f| *f >= 0.0), "{}: {output:?}", context());
+        }
+        if was_tripped || was_off {
+            assert_eq!(size, 0.0, "{}", context());
+        }
+        let dt =
+            last.filter(|_| !was_off).map_or(0.0, |last: u64| (now as f64 - last as f64) * 1e-9);
+        if let Status::Tripped(reason) = guard.status() {
+            assert_eq!(size, 0.0, "{}", context());
+            seen.trips.insert(std::mem::discriminant(&reason));
+        } else {
+            let change = norm(&std::array::from_fn::<f64, N, _>(|i| output[i] - before[i]));
+            let most = limits.change_max(dt) + limits.quantum * (N as f64).sqrt();
+            assert!(change <= most + 1e-9, "{}: {change} N in {dt} s", context());
+            let power: f64 = before.iter().zip(&signal.velocity).map(|(f, v)| f * v).sum();
+            ledger -= power * dt;
+        }
+        if size > 0.0 {
+            assert!(ledger >= -limits.energy_reserve - 1e-9, "{}: {ledger} J", context());
+        }
+        seen.live += u32::from(guard.status() == Status::Live && size > 0.0);
+        seen.waiting += u32::from(matches!(guard.status(), Status::Waiting { .. }));
+        (before, last) = (output, if was_off { None } else { Some(now) });
+    }
+}
+
+#[test]
+fn whatever_comes_in_the_guarantees_hold() {
+    let mut seen = Seen { live: 0, waiting: 0, trips: Default::default() };
+    for seed in 1..=40 {
+        let ramp = [0.0, 0.02, 0.2, 2.0][seed as usize % 4];
+        let calm = Limits { ramp, engage_ticks: 2, ..Limits::rated(12.0) };
+        let tendon = Limits { unilateral: true, quantum: 0.05, user_fraction: 1.0, ..calm };
+        attack::<1>(seed, tendon, 20_000, &mut seen);
+        attack::<1>(seed, calm, 20_000, &mut seen);
+        let frail = Limits { energy_reserve: 1e-3, damping_max: 0.0, speed_max: 5.0, ..calm };
+        attack::<3>(seed, calm, 20_000, &mut seen);
+        attack::<3>(seed, frail, 20_000, &mut seen);
+    }
+    // The attack must have got through to where there is something to guard.
+    assert!(seen.live > 10_000 && seen.waiting > 10_000, "{} {}", seen.live, seen.waiting);
+    // Not finite, backwards, stalled, too fast, energy; stuck clocks have their own test.
+    assert_eq!(seen.trips.len(), 5, "{:?}", seen.trips);
+}
+
+#[test]
+fn force_waits_for_a_small_wish_then_ramps_up_over_two_seconds() {
+    let limits = Limits::rated(12.0);
+    let mut guard = Guard::new(limits, 0).unwrap();
+    let mut now = MS;
+    assert_eq!(guard.tick(now, &signal(now, [0.0], [0.0])), [0.0]);
+    assert_eq!(guard.status(), Status::Off);
+    guard.arm();
+    for _ in 0..500 {
+        now += MS;
+        assert_eq!(guard.tick(now, &signal(now, [3.0], [0.0])), [0.0], "a large wish waits");
+    }
+    for _ in 0..4 {
+        now += MS;
+        guard.tick(now, &signal(now, [0.1], [0.0]));
+    }
+    let (start, mut before) = (now, 0.0);
+    for _ in 0..2100 {
+        now += MS;
+        let [force] = guard.tick(now, &signal(now, [3.0], [0.0]));
+        let want = 3.0 * ((now - start) as f64 * 1e-9 / 2.0).min(1.0);
+        assert!(force >= before, "the ramp is monotone");
+        // 20 ms is what the slew limit takes at the start.
+        assert!(force <= want + 1e-9 && force >= want - 0.03, "{force} N, ramp {want} N");
+        before = force;
+    }
+    assert_eq!((before, guard.status()), (3.0, Status::Live));
+}
+
+#[test]
+fn an_old_simulation_is_held_then_fades_and_comes_back_by_itself() {
+    let mut now = MS;
+    let mut guard = engaged(quick(), &mut now);
+    for _ in 0..100 {
+        now += MS;
+        guard.tick(now, &signal(now, [4.0], [0.0]));
+    }
+    let frame = now;
+    for age in 1..=400u64 {
+        now += MS;
+        let stale = Signal { simulation_ns: frame, ..signal(now, [4.0], [0.0]) };
+        let [force] = guard.tick(now, &stale);
+        let want = 4.0 * (1.0 - (age as f64 - 50.0) / 50.0).clamp(0.0, 1.0);
+        assert!((force - want).abs() < 1e-9, "{age} ms: {force} N");
+    }
+    let Status::Waiting { pause: Some(Pause::Simulation { age_s }), .. } = guard.status() else {
+        panic!("{:?}", guard.status())
+    };
+    assert!((age_s - 0.4).abs() < 1e-9);
+    for force in [4.0, 0.0, 0.0, 0.0, 0.0, 4.0] {
+        now += MS;
+        guard.tick(now, &signal(now, [force], [0.0]));
+    }
+    assert_eq!(guard.status(), Status::Live);
+}
+
+#[test]
+fn lost_tracking_a_silent_device_and_a_released_switch_pause_within_the_slew_limit() {
+    let cases: [(u64, &dyn Fn(&mut Signal<1>, u64)); 3] = [
+        (151, &|s, lost| s.tracking_ns = lost),
+        (21, &|s, lost| s.device_ns = lost),
+        (1, &|s, _| s.enabled = false),
+    ];
+    for (limit_ms, lose) in cases {
+        let mut now = MS;
+        let mut guard = engaged(quick(), &mut now);
+        for _ in 0..100 {
+            now += MS;
+            guard.tick(now, &signal(now, [6.0], [0.0]));
+        }
+        let (lost, mut before) = (now, 6.0);
+        for _ in 0..limit_ms + 20 {
+            now += MS;
+            let mut poor = signal(now, [6.0], [0.0]);
+            lose(&mut poor, lost);
+            let [force] = guard.tick(now, &poor);
+            assert!(before - force <= guard.limits().change_max(1e-3) + 1e-9);
+            before = force;
+        }
+        assert_eq!(before, 0.0, "limit {limit_ms} ms");
+        assert!(matches!(guard.status(), Status::Waiting { pause: Some(_), .. }));
+    }
+}
+
+#[test]
+fn trips_are_zero_at_once_and_latched_with_their_numbers() {
+    let trip = |change: &dyn Fn(&mut Signal<1>), step_ns: i64| {
+        let mut now = 1000 * MS;
+        let mut guard = engaged(quick(), &mut now);
+        for _ in 0..100 {
+            now += MS;
+            guard.tick(now, &signal(now, [5.0], [0.0]));
+        }
+        now = now.checked_add_signed(step_ns).unwrap();
+        let mut bad = signal(now, [5.0], [0.0]);
+        change(&mut bad);
+        assert_eq!(guard.tick(now, &bad), [0.0]);
+        let Status::Tripped(reason) = guard.status() else { panic!("{:?}", guard.status()) };
+        for _ in 0..3000 {
+            now += MS;
+            assert_eq!(guard.tick(now, &signal(now, [0.0], [0.0])), [0.0]);
+        }
+        assert_eq!(guard.status(), Status::Tripped(reason));
+        let records: Vec<_> = guard.log().iter().collect();
+        assert_eq!(records.len(), 64);
+        assert_eq!(records[63].status, Status::Tripped(reason), "the trip is the last record");
+        assert!(records.windows(2).all(|w| w[0].time_ns < w[1].time_ns || step_ns < 0));
+        assert!(records[..63].iter().all(|r| r.output == [5.0] && r.status == Status::Live));
+        reason
+    };
+    let ms = MS as i64;
+    assert_eq!(trip(&|s| s.force = [f64::NAN], ms), Trip::NotFinite(Quantity::Force));
+    let fast = trip(&|s| s.velocity = [-1.5], ms);
+    assert_eq!(fast, Trip::Overspeed { speed: 1.5, limit: 1.2 });
+    assert_eq!(fast.to_string(), "speed 1.5 m/s is above 1.2 m/s");
+    assert_eq!(trip(&|s| s.velocity = [f64::INFINITY], ms), Trip::NotFinite(Quantity::Velocity));
+    let Trip::ClockBackwards { by_s } = trip(&|_| (), -ms) else { panic!() };
+    assert!((by_s - 1e-3).abs() < 1e-12);
+    let Trip::LoopStalled { gap_s } = trip(&|_| (), 25 * ms) else { panic!() };
+    assert!((gap_s - 0.025).abs() < 1e-12);
+}
+
+#[test]
+fn a_clock_that_stands_still_trips() {
+    let mut now = MS;
+    let mut guard = engaged(quick(), &mut now);
+    for _ in 0..200 {
+        guard.tick(now, &signal(now, [5.0], [0.0]));
+    }
+    assert_eq!(guard.status(), Status::Tripped(Trip::ClockStuck { ticks: 101 }));
+}
+
+/// A display with negative damping, moved to and fro: the controller makes it passive; without one
+/// the reserve is spent, and that trips.
+#[test]
+fn an_active_display_is_damped_or_stopped() {
+    let run = |damping_max: f64| {
+        let mut now = MS;
+        let mut guard = engaged(Limits { damping_max, ..quick() }, &mut now);
+        let mut least = 0.0_f64;
+        for k in 0..5000 {
+            now += MS;
+            let v = 0.2 * (0.001 * std::f64::consts::TAU * 2.0 * f64::from(k)).sin();
+            guard.tick(now, &signal(now, [2.0 * v], [v]));
+            least = least.min(guard.energy());
+        }
+        (guard.status(), least)
+    };
+    let (status, least) = run(5.0);
+    assert_eq!(status, Status::Live);
+    assert!(least > -2e-3, "{least} J");
+    // 2 v² is 40 mW on average; the reserve of 60 mJ lasts a second and a half.
+    let (status, _) = run(0.0);
+    let Status::Tripped(Trip::Energy { given_out, reserve }) = status else { panic!("{status:?}") };
+    assert!(reserve == 0.06 && given_out > reserve && given_out < reserve + 1e-3);
+}
+
+#[test]
+fn one_actuator_stops_all() {
+    let limits = Limits { engage_ticks: 1, ..quick() };
+    let mut bank = Bank::<1>::new(&[limits; 5], 8).unwrap();
+    bank.arm();
+    let mut forces = [[0.0]; 5];
+    let mut now = 0;
+    for force in [0.0, 0.0, 0.5, 0.5, 0.5] {
+        now += MS;
+        bank.tick(now, &[signal(now, [force], [0.0]); 5], &mut forces);
+    }
+    assert_eq!(forces, [[0.5]; 5]);
+    now += MS;
+    let mut signals = [signal(now, [0.5], [0.0]); 5];
+    signals[3].force = [f64::NAN];
+    bank.tick(now, &signals, &mut forces);
+    assert_eq!(forces, [[0.0]; 5]);
+    assert_eq!(bank.tripped(), Some((3, Trip::NotFinite(Quantity::Force))));
+    assert_eq!(bank.guards()[0].status(), Status::Tripped(Trip::Companion { actuator: 3 }));
+    bank.arm();
+    assert_eq!(bank.tripped(), None);
+    bank.trip(Trip::Requested);
+    assert_eq!(bank.tripped(), Some((0, Trip::Requested)));
+}
+
+#[test]
+fn senseless_limits_are_refused() {
+    let refused = |limits: Limits| Guard::<1>::new(limits, 0).unwrap_err().to_string();
+    let good = Limits::cybergrasp();
+    assert_eq!(good.force_max(), 6.0);
+    assert_eq!(
+        refused(Limits { user_fraction: 1.5, ..good }),
+        "safety limit user_fraction = 1.5 must be between 0 and 1"
+    );
+    assert_eq!(
+        refused(Limits { rated: f64::NAN, ..good }),
+        "safety limit rated = NaN must be positive and finite"
+    );
+    assert!(refused(Limits { fade: -1.0, ..good }).contains("fade"));
+}
