@@ -10,6 +10,7 @@ mod proxies;
 mod rigid_state;
 pub mod safety;
 mod stability;
+pub mod virtual_user;
 
 pub use coupling::{CouplingDesign, series_stiffness};
 pub use display::{
