@@ -5,10 +5,12 @@
 
 mod coupling;
 mod display;
+mod exchange;
 mod extrapolate;
 mod proxies;
 mod rigid_state;
 pub mod safety;
+pub mod shared;
 mod stability;
 pub mod virtual_user;
 
@@ -16,6 +18,7 @@ pub use coupling::{CouplingDesign, series_stiffness};
 pub use display::{
     CYBERGRASP_FORCE_MAX, PAD_NORMAL_B, StopLatch, brake_force, pad_force, servo_stop, tendon_pull,
 };
+pub use exchange::{FastToSlow, SlowToFast};
 pub use extrapolate::{Prediction, Sample, Track, hold_then_fade, seconds_between};
 pub use proxies::{Proxies, Proxy, ProxyError, ProxyReport};
 pub use rigid_state::RigidState;

@@ -21,6 +21,7 @@ pub use conjugate_gradients::{CgWorkspace, conjugate_gradients};
 pub use contact_rows::{ContactRow, ContactRows};
 pub use dense::DenseLu;
 pub use diagonal::BlockDiagonal;
+pub(crate) use friction_cone::project;
 pub use monolithic::Monolithic;
 
 /// Joints that close a loop often ask twice for the same thing, and a joint between bodies that do

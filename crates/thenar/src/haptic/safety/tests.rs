@@ -37,6 +37,10 @@ fn quick() -> Limits {
     Limits { ramp: 0.0, ..Limits::rated(12.0) }
 }
 
+fn one_in(random: &mut Random, n: u64) -> bool {
+    random.next().is_multiple_of(n)
+}
+
 /// A number that is mostly sane, sometimes huge, seldom none at all.
 fn number(random: &mut Random, size: f64) -> f64 {
     match random.next() % 20_000 {
@@ -65,10 +69,10 @@ fn attack<const N: usize>(seed: u64, limits: Limits, ticks: u32, seen: &mut Seen
     let (mut calm, mut push, mut stale) = (true, 0.0, [false; 3]);
     for tick in 0..ticks {
         let context = || format!("seed {seed}, axes {N}, tick {tick}");
-        if random.next() % 150 == 0 {
-            calm = random.next() % 3 != 0;
+        if one_in(&mut random, 150) {
+            calm = !one_in(&mut random, 3);
             push = random.range(-30.0, 30.0);
-            stale = [0; 3].map(|_| random.next() % 12 == 0);
+            stale = [0; 3].map(|_| one_in(&mut random, 12));
         }
         now = match random.next() % 4000 {
             0 => now.saturating_sub(random.next() % (50 * MS)),
@@ -83,7 +87,7 @@ fn attack<const N: usize>(seed: u64, limits: Limits, ticks: u32, seen: &mut Seen
                 _ => now.saturating_sub(random.next() % (4 * MS)),
             };
         }
-        let armed = random.next() % 700 == 0;
+        let armed = one_in(&mut random, 700);
         if armed {
             guard.arm();
             (before, ledger, last) = ([0.0; N], 0.0, None);
@@ -95,7 +99,7 @@ fn attack<const N: usize>(seed: u64, limits: Limits, ticks: u32, seen: &mut Seen
             simulation_ns: stamps[0],
             tracking_ns: stamps[1],
             device_ns: stamps[2],
-            enabled: random.next() % 500 != 0,
+            enabled: !one_in(&mut random, 500),
         };
         let was_tripped = matches!(guard.status(), Status::Tripped(_));
         let was_off = guard.status() == Status::Off;
@@ -208,10 +212,11 @@ fn an_old_simulation_is_held_then_fades_and_comes_back_by_itself() {
 
 #[test]
 fn lost_tracking_a_silent_device_and_a_released_switch_pause_within_the_slew_limit() {
-    let cases: [(u64, &dyn Fn(&mut Signal<1>, u64)); 3] = [
-        (151, &|s, lost| s.tracking_ns = lost),
-        (21, &|s, lost| s.device_ns = lost),
-        (1, &|s, _| s.enabled = false),
+    type Lose = fn(&mut Signal<1>, u64);
+    let cases: [(u64, Lose); 3] = [
+        (151, |s, lost| s.tracking_ns = lost),
+        (21, |s, lost| s.device_ns = lost),
+        (1, |s, _| s.enabled = false),
     ];
     for (limit_ms, lose) in cases {
         let mut now = MS;

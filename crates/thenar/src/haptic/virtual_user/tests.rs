@@ -239,6 +239,6 @@ fn the_device_moves_exactly() {
     user.velocity = 0.001;
     user.advance(-1.2, 0.0);
     let stop = 0.1 * (1.0_f64 + 0.001 / 1.4).ln();
-    let want = -1.0 * (1.0 - (-(1e-3 - stop) / 0.1_f64).exp());
+    let want = (-(1e-3 - stop) / 0.1_f64).exp() - 1.0;
     assert!((user.velocity() - want).abs() < 1e-12);
 }

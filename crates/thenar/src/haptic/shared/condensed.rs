@@ -1,0 +1,168 @@
+//! The condensed response of a frame: plain arrays with room for a fixed number of contacts.
+
+use crate::haptic::RigidState;
+use crate::math::{Mat3, Vec3};
+use crate::model::Drive;
+
+/// One contact of a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CondensedContact {
+    /// Rows: normal (away from the obstacle), first and second tangent, world.
+    pub frame: Mat3,
+    /// Gap along the normal \[m\], negative when penetrating.
+    pub gap: f64,
+    /// Friction coefficient.
+    pub friction: f64,
+    /// Force on the hand in the contact frame, normal first \[N\].
+    pub force: Vec3,
+}
+
+/// How bones and contacts answer to forces about one frame.
+///
+/// With n bones and m contacts; row-major; bone degrees of freedom are displacement \[m\] then
+/// rotation vector \[rad\], world, and forces likewise N and N m.
+///
+/// | array | meaning | shape |
+/// |---|---|---|
+/// | `compliance` | C: bones by wrenches on bones, couplings to the proxies included | 6n × 6n |
+/// | `rows` | J: contact values (normal, tangents) by bones | 3m × 6n |
+/// | `local` | W: contact values by contact forces, bones held | 3m × 3m |
+/// | `lift` | J C | 3m × 6n |
+/// | `delassus` | B = J C Jᵀ + W | 3m × 3m |
+///
+/// The publisher fills the first three, `contacts`, `springs` and `targets`, and calls `prepare`.
+#[derive(Clone, Debug)]
+pub struct Condensed {
+    bones: usize,
+    contacts_max: usize,
+    /// Couplings of the bones to their proxies.
+    pub springs: Vec<Drive>,
+    /// Where the proxies were in this frame.
+    pub targets: Vec<RigidState>,
+    /// C.
+    pub compliance: Vec<f64>,
+    /// Contacts that touch or may touch before the next frame.
+    pub contacts: Vec<CondensedContact>,
+    /// J.
+    pub rows: Vec<f64>,
+    /// W.
+    pub local: Vec<f64>,
+    pub(super) lift: Vec<f64>,
+    pub(super) delassus: Vec<f64>,
+    ready: bool,
+}
+
+impl Condensed {
+    /// Nothing published yet, with room for so many contacts.
+    pub fn new(bones: usize, contacts_max: usize) -> Self {
+        let (n, m) = (6 * bones, 3 * contacts_max);
+        Self {
+            bones,
+            contacts_max,
+            springs: Vec::with_capacity(bones),
+            targets: Vec::with_capacity(bones),
+            compliance: Vec::with_capacity(n * n),
+            contacts: Vec::with_capacity(contacts_max),
+            rows: Vec::with_capacity(m * n),
+            local: Vec::with_capacity(m * m),
+            lift: Vec::with_capacity(m * n),
+            delassus: Vec::with_capacity(m * m),
+            ready: false,
+        }
+    }
+
+    /// Bones it is for.
+    pub fn bones(&self) -> usize {
+        self.bones
+    }
+
+    /// Contacts it has room for.
+    pub fn contacts_max(&self) -> usize {
+        self.contacts_max
+    }
+
+    /// True once prepared: the haptic loop may use it.
+    pub fn is_ready(&self) -> bool {
+        self.ready
+    }
+
+    /// Empty, keeping its memory.
+    pub fn clear(&mut self) {
+        self.springs.clear();
+        self.targets.clear();
+        self.contacts.clear();
+        for array in self.arrays() {
+            array.clear();
+        }
+        self.ready = false;
+    }
+
+    /// Computes the products the haptic loop needs, in O(m n² + m² n). False, and not ready, when
+    /// an array has the wrong length, holds a number that is not finite, or there is no room.
+    pub fn prepare(&mut self) -> bool {
+        let (n, m) = (6 * self.bones, 3 * self.contacts.len());
+        self.ready = self.contacts.len() <= self.contacts_max
+            && self.springs.len() == self.bones
+            && self.targets.len() == self.bones
+            && self.compliance.len() == n * n
+            && self.rows.len() == m * n
+            && self.local.len() == m * m
+            && self.is_finite();
+        if !self.ready {
+            return false;
+        }
+        self.lift.clear();
+        self.delassus.clear();
+        for row in self.rows.chunks_exact(n) {
+            // C is symmetric: its rows are its columns.
+            self.lift.extend(self.compliance.chunks_exact(n).map(|column| dot(row, column)));
+        }
+        for (lift, local) in self.lift.chunks_exact(n).zip(self.local.chunks_exact(m)) {
+            let values = self.rows.chunks_exact(n).zip(local).map(|(row, w)| dot(lift, row) + w);
+            self.delassus.extend(values);
+        }
+        true
+    }
+
+    /// Takes over `other` without allocating, given room for its contacts.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.springs.clone_from(&other.springs);
+        self.targets.clone_from(&other.targets);
+        self.contacts.clone_from(&other.contacts);
+        self.compliance.clone_from(&other.compliance);
+        self.rows.clone_from(&other.rows);
+        self.local.clone_from(&other.local);
+        self.lift.clone_from(&other.lift);
+        self.delassus.clone_from(&other.delassus);
+        self.ready = other.ready;
+    }
+
+    /// Own response of contact `i` \[m/N\].
+    pub(super) fn block(&self, i: usize, j: usize) -> Mat3 {
+        let m = 3 * self.contacts.len();
+        Mat3::from_fn(|r, c| self.delassus[(3 * i + r) * m + 3 * j + c])
+    }
+
+    fn arrays(&mut self) -> [&mut Vec<f64>; 5] {
+        [&mut self.compliance, &mut self.rows, &mut self.local, &mut self.lift, &mut self.delassus]
+    }
+
+    fn is_finite(&self) -> bool {
+        let numbers = self.compliance.iter().chain(&self.rows).chain(&self.local);
+        let contacts = self.contacts.iter().all(|c| {
+            c.gap.is_finite()
+                && c.friction.is_finite()
+                && c.frame.iter().chain(c.force.iter()).all(|x| x.is_finite())
+        });
+        let springs =
+            self.springs.iter().all(|s| s.stiffness.is_finite() && s.angular_stiffness.is_finite());
+        numbers.copied().all(f64::is_finite)
+            && contacts
+            && springs
+            && self.targets.iter().all(RigidState::is_finite)
+    }
+}
+
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

@@ -1,0 +1,27 @@
+//! Shared constraints: each simulation frame publishes how its bones answer to forces and what they
+//! touch, and the haptic loop resolves contact anew, every tick, against the proxies of that tick
+//! (Peterlík et al. 2011, for a whole hand). Contact then begins and slides at the haptic rate, and
+//! the softness between two frames is that of the hand, not that of a coupling to an old pose.
+//!
+//! Quasi-static and linear about the frame. With `δ` how far the proxies have moved since the frame,
+//! `k` the bone couplings, `C` the bones' compliance (couplings, joints and flesh included), `J` how
+//! contact values follow the bones, `W` how they follow contact forces while the bones are held, and
+//! `f₀`, `g₀` the frame's contact forces and gaps:
+//!
+//! ```text
+//! bones:     q = C (k δ + Jᵀ (f - f₀))
+//! contacts:  d = g₀ + J q + W (f - f₀) = g₀ + J C k δ + B (f - f₀),   B = J C Jᵀ + W
+//!            0 ≤ f_n ⊥ d_n ≥ 0,   |f_t| ≤ μ f_n, against sliding
+//! ```
+//!
+//! Guaranteed: with unmoved proxies the frame's own forces and poses come out. Not included: inertia
+//! between two frames, contacts that the frame does not list (it must list what may touch before
+//! the next), and large turns since the frame.
+
+mod condensed;
+mod resolve;
+#[cfg(test)]
+mod tests;
+
+pub use condensed::{Condensed, CondensedContact};
+pub use resolve::{Resolution, SharedConstraints};
