@@ -1,0 +1,173 @@
+// One XR session: the world stands before the visitor, the visitor's hands go to the server, forces
+// come back as colour, numbers and vibration. Made when a session begins, ended with it.
+
+import { Vector3, type Color, type Texture } from "three";
+import type { App } from "../app";
+import type { LayerName } from "../scene/layers";
+import { HandsRequest, PoseOutlet, SIDES } from "../tracking/outlet";
+import { identity, inverse, type Rigid } from "../tracking/rigid";
+import { placeWorld } from "./anchor";
+import { digitForces, totalForce } from "./forces";
+import { Haptics } from "./haptics";
+import { XrHands } from "./hands";
+import { XrPanel } from "./panel";
+import { RecentreGesture } from "./recentre";
+import { Sizing } from "./sizing";
+import { TrackedView } from "./tracked-view";
+
+/** Layers that tell of touch: on while in XR, whatever they were on the desk. */
+const TOUCH_LAYERS: readonly LayerName[] = ["pressure", "forces"];
+
+interface Desk {
+  readonly position: Vector3;
+  readonly background: Color | Texture | null;
+  readonly layers: readonly (readonly [LayerName, boolean])[];
+}
+
+export class XrLive {
+  readonly hands = new XrHands();
+  readonly sizing = new Sizing();
+  frames = 0;
+  private readonly panel = new XrPanel();
+  private readonly view = new TrackedView();
+  private readonly haptics = new Haptics();
+  private readonly recentreGesture = new RecentreGesture();
+  private readonly outlet: PoseOutlet;
+  private readonly request: HandsRequest;
+  private readonly desk: Desk;
+  private readonly undo: (() => void)[] = [];
+  /** Takes the reference space to the simulated world; null until the head is seen. */
+  private toWorld: Rigid | null = null;
+
+  constructor(
+    private readonly app: App,
+    readonly session: XRSession,
+    readonly floorKnown: boolean,
+    transparent: boolean,
+  ) {
+    const { stage, connection } = app;
+    this.outlet = new PoseOutlet(connection);
+    this.request = new HandsRequest(connection);
+    this.desk = {
+      position: stage.world.position.clone(),
+      background: stage.scene.background,
+      layers: TOUCH_LAYERS.map((name) => [name, stage.layer(name)] as const),
+    };
+    if (transparent) stage.scene.background = null;
+    for (const name of TOUCH_LAYERS) stage.setLayer(name, true);
+    stage.controls.enabled = false;
+    this.undo.push(
+      stage.onFrame((time, _dt, frame) => this.frame(time / 1000, frame)),
+      connection.on("open", () => this.request.forget()),
+    );
+    session.addEventListener("visibilitychange", this.visibility);
+  }
+
+  /** The scene comes before the visitor again at the next frame. */
+  recentre(): void {
+    this.toWorld = null;
+  }
+
+  /** Lets everything go and puts the desk back. */
+  dispose(): void {
+    const { stage } = this.app;
+    this.session.removeEventListener("visibilitychange", this.visibility);
+    for (const undo of this.undo) undo();
+    this.outlet.lostAll();
+    this.request.restore();
+    this.panel.dispose();
+    this.view.dispose();
+    stage.world.position.copy(this.desk.position);
+    stage.world.quaternion.identity();
+    stage.scene.background = this.desk.background;
+    for (const [name, on] of this.desk.layers) stage.setLayer(name, on);
+    stage.controls.enabled = true;
+    stage.resize();
+  }
+
+  private readonly visibility = (): void => {
+    // No frames come while hidden, so nothing else would say so.
+    if (this.session.visibilityState !== "visible") this.outlet.lostAll();
+  };
+
+  private get centre(): Vector3 {
+    const target = this.app.connection.model?.camera?.target;
+    return target === undefined ? new Vector3() : new Vector3(target[0], 0, target[2]);
+  }
+
+  private frame(time: number, frame: XRFrame | undefined): void {
+    const space = this.app.stage.renderer.xr.getReferenceSpace();
+    if (frame === undefined || space === null || frame.session !== this.session) return;
+    this.frames += 1;
+    if (this.toWorld === null && !this.placeWorld(frame, space)) return;
+    this.hands.read(frame, space, this.toWorld ?? identity(), time);
+    this.send(time);
+    this.feedBack(time);
+  }
+
+  private placeWorld(frame: XRFrame, space: XRReferenceSpace): boolean {
+    const viewer = frame.getViewerPose(space)?.transform;
+    if (viewer === undefined) return false;
+    const head = identity();
+    head.position.set(viewer.position.x, viewer.position.y, viewer.position.z);
+    const { x, y, z, w } = viewer.orientation;
+    head.rotation.set(x, y, z, w);
+    const world = placeWorld(head, this.centre, this.floorKnown);
+    this.app.stage.world.position.copy(world.position);
+    this.app.stage.world.quaternion.copy(world.rotation);
+    this.toWorld = inverse(world);
+    return true;
+  }
+
+  private send(time: number): void {
+    for (const side of SIDES) {
+      const joints = this.hands.fresh(side);
+      if (joints !== null) {
+        this.sizing.add(side, joints, time);
+        this.outlet.joints(side, joints);
+      } else if (this.hands.lost(side, time)) {
+        this.outlet.lost(side);
+      }
+    }
+    const wanted = this.sizing.wanted(time);
+    if (wanted !== null) this.request.ask(wanted);
+  }
+
+  private feedBack(time: number): void {
+    const { stage } = this.app;
+    // The stage clears its world with every new model.
+    if (this.panel.mesh.parent === null) {
+      this.panel.place(this.centre);
+      stage.world.add(this.panel.mesh);
+    }
+    if (this.view.mesh.parent === null) stage.world.add(this.view.mesh);
+
+    const { model, snapshot } = stage;
+    const forces = (side: "left" | "right") =>
+      model !== null && snapshot !== null ? digitForces(model, snapshot, side) : null;
+    const seen = SIDES.flatMap((side) => {
+      const joints = this.hands.fresh(side);
+      return joints === null ? [] : [{ joints, forces: forces(side) }];
+    });
+    this.view.mesh.visible = stage.layer("tracked");
+    if (this.view.mesh.visible) this.view.show(seen);
+    const force = (side: "left" | "right") => totalForce(model, snapshot, side);
+    this.haptics.update(this.session.inputSources, force, time);
+    if (this.recentreGesture.update(this.hands.fresh("left"), this.centre, force("left") > 0, time)) {
+      this.recentre();
+    }
+    const speed = snapshot?.speed ?? null;
+    const data = { forces: { left: forces("left"), right: forces("right") }, speed };
+    this.panel.draw({ ...data, advice: this.advice(seen.length) }, time);
+  }
+
+  private advice(seen: number): string {
+    const { connection } = this.app;
+    if (connection.state !== "open") return "The server does not answer. Waiting for it.";
+    if (!connection.inControl) return "Somebody else holds control.";
+    if (connection.status?.loading) return "Building hands of your size.";
+    if (this.recentreGesture.progress > 0.2) return "Hold on: the scene comes before you.";
+    if (seen === 0) return "Put the controllers down and show your hands.";
+    return "Touch what lies before you.";
+  }
+}
