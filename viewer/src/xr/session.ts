@@ -28,6 +28,8 @@ export class XrLive {
   readonly hands = new XrHands();
   readonly sizing = new Sizing();
   frames = 0;
+  /** Of the newest frame, s. */
+  time = 0;
   private readonly panel = new XrPanel();
   private readonly view = new TrackedView();
   private readonly haptics = new Haptics();
@@ -99,6 +101,7 @@ export class XrLive {
     const space = this.app.stage.renderer.xr.getReferenceSpace();
     if (frame === undefined || space === null || frame.session !== this.session) return;
     this.frames += 1;
+    this.time = time;
     if (this.toWorld === null && !this.placeWorld(frame, space)) return;
     this.hands.read(frame, space, this.toWorld ?? identity(), time);
     this.send(time);

@@ -4,11 +4,18 @@ import type { App } from "../app";
 import { InputSourceBase } from "../input/source";
 import { button, h } from "../ui/dom";
 import { SIDES } from "../tracking/outlet";
+import type { Emulator } from "./emulate";
 import { XrLive } from "./session";
 
 type Mode = "immersive-vr" | "immersive-ar";
 
-const WORDS = {
+interface Words {
+  readonly id: string;
+  readonly label: string;
+  readonly help: string;
+}
+
+const WORDS: Readonly<Record<Mode, Words>> = {
   "immersive-vr": {
     id: "xr",
     label: "Enter XR",
@@ -19,7 +26,7 @@ const WORDS = {
     label: "Enter XR in your room",
     help: "The same, with the room around you in view.",
   },
-} as const;
+};
 
 export class XrSource extends InputSourceBase {
   readonly id: string;
@@ -27,14 +34,18 @@ export class XrSource extends InputSourceBase {
   readonly help: string;
   readonly controls: HTMLElement;
   live: XrLive | null = null;
+  /** Set while a headset is emulated. */
+  emulator: Emulator | null = null;
+  private detach: (() => void) | null = null;
   private readonly recentreButton: HTMLButtonElement;
 
   constructor(
-    private readonly app: App,
+    protected readonly app: App,
     readonly mode: Mode,
+    words: Words = WORDS[mode],
   ) {
     super();
-    ({ id: this.id, label: this.label, help: this.help } = WORDS[mode]);
+    ({ id: this.id, label: this.label, help: this.help } = words);
     this.recentreButton = button("Bring the scene before me", () => this.live?.recentre(), {
       disabled: true,
     });
@@ -74,6 +85,7 @@ export class XrSource extends InputSourceBase {
     session.addEventListener("end", () => this.ended());
     const floorKnown = await this.present(session);
     const transparent = session.environmentBlendMode !== "opaque";
+    this.detach = this.emulator?.attach(() => this.app.inputs.stop()) ?? null;
     this.live = new XrLive(this.app, session, floorKnown, transparent);
     this.recentreButton.disabled = false;
     const enabled = session.enabledFeatures;
@@ -111,6 +123,8 @@ export class XrSource extends InputSourceBase {
   private letGo(note: string): void {
     this.live?.dispose();
     this.live = null;
+    this.detach?.();
+    this.detach = null;
     this.recentreButton.disabled = true;
     this.set("off", note);
   }
@@ -118,11 +132,10 @@ export class XrSource extends InputSourceBase {
   /** For tests and the curious. */
   get report(): XrReport {
     const { live } = this;
-    const now = performance.now() / 1000;
     return {
       running: live !== null,
       frames: live?.frames ?? 0,
-      tracked: SIDES.filter((side) => live !== null && !live.hands.lost(side, now)),
+      tracked: SIDES.filter((side) => live !== null && !live.hands.lost(side, live.time)),
       lengths: Object.fromEntries(
         SIDES.map((side) => [side, live?.sizing.size(side)?.length ?? null] as const),
       ),
@@ -130,6 +143,31 @@ export class XrSource extends InputSourceBase {
         SIDES.map((side) => [side, live?.sizing.size(side)?.thickness ?? null] as const),
       ),
     };
+  }
+}
+
+/** The same without a headset: the emulated one comes first. */
+export class EmulatedSource extends XrSource {
+  constructor(
+    app: App,
+    private readonly emulate: () => Promise<Emulator>,
+  ) {
+    super(app, "immersive-vr", {
+      id: "xr-emulated",
+      label: "Emulate a headset",
+      help: "Tries out XR without a headset: mouse and keys move two tracked hands that can pinch.",
+    });
+  }
+
+  /** Always to be had. */
+  override probe(): Promise<void> {
+    return Promise.resolve();
+  }
+
+  override async start(): Promise<void> {
+    this.set("starting", "Loading the emulator.");
+    this.emulator = await this.emulate();
+    await super.start();
   }
 }
 
