@@ -39,6 +39,7 @@ export class EmulatorControls {
       h("span", {}, HELP),
       button("Leave XR", leave),
     );
+    container.classList.add("emulator");
     container.append(board);
     const stop = new AbortController();
     const options = { signal: stop.signal, capture: true };

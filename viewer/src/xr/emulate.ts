@@ -10,7 +10,9 @@ import { EmulatorControls } from "./emulate-controls";
 
 /** Where IWER's pinch closes, seen from the ray that its hands are placed by, m. */
 const PINCH_FROM_RAY = new Vector3(0, -0.023, -0.01);
+/** Where the head is, m, and how far it looks down, rad: seated, eyes on the table. */
 const EYES = new Vector3(0, 1.2, 0);
+const LOOK_DOWN = 0.5;
 
 type HandInput = NonNullable<XRDevice["hands"][Side]>;
 
@@ -35,6 +37,7 @@ export class Emulator {
     device.installRuntime({ forceInstall: true });
     device.primaryInputMode = "hand";
     device.position.set(EYES.x, EYES.y, EYES.z);
+    device.quaternion.set(-Math.sin(LOOK_DOWN / 2), 0, 0, Math.cos(LOOK_DOWN / 2));
     const emulator = new Emulator(device, app);
     emulator.restHands();
     return emulator;

@@ -3,6 +3,7 @@
 import type { App } from "../app";
 import { MotionSource } from "../tracking/motion-source";
 import type { Emulator } from "./emulate";
+import "./xr.css";
 import { EmulatedSource, XrSource, type XrReport } from "./source";
 
 export interface Tracking {

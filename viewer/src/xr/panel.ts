@@ -14,7 +14,7 @@ export interface PanelData {
 
 const [WIDTH, HEIGHT] = [512, 288];
 /** m */
-const BOARD_WIDTH = 0.26;
+const BOARD_WIDTH = 0.4;
 /** Redrawn at most this often, s. */
 const EVERY_S = 0.2;
 const FONT = "system-ui, sans-serif";
@@ -36,7 +36,7 @@ export class XrPanel {
 
   /** Behind the middle of the scene, leaning back to face the visitor's eyes. */
   place(centre: Vector3): void {
-    this.mesh.position.set(centre.x, 0.16, centre.z - 0.28);
+    this.mesh.position.set(centre.x, 0.2, centre.z - 0.3);
     this.mesh.rotation.set(-0.35, 0, 0);
   }
 
@@ -74,7 +74,7 @@ function drawHand(
 ): void {
   context.fillStyle = "#e8edf2";
   context.font = `600 22px ${FONT}`;
-  context.fillText(forces === null ? `${title}: not in the scene` : `${title}, N`, x, 30);
+  context.fillText(forces === null ? `${title}: none` : `${title}, N`, x, 30);
   context.font = `19px ${FONT}`;
   forces?.forEach((force, digit) => {
     const y = 58 + 27 * digit;

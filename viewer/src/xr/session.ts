@@ -1,7 +1,7 @@
 // One XR session: the world stands before the visitor, the visitor's hands go to the server, forces
 // come back as colour, numbers and vibration. Made when a session begins, ended with it.
 
-import { Vector3, type Color, type Texture } from "three";
+import { Vector3, type Color, type PerspectiveCamera, type Texture } from "three";
 import type { App } from "../app";
 import type { LayerName } from "../scene/layers";
 import { HandsRequest, PoseOutlet, SIDES } from "../tracking/outlet";
@@ -20,6 +20,7 @@ const TOUCH_LAYERS: readonly LayerName[] = ["pressure", "forces"];
 
 interface Desk {
   readonly position: Vector3;
+  readonly camera: PerspectiveCamera;
   readonly background: Color | Texture | null;
   readonly layers: readonly (readonly [LayerName, boolean])[];
 }
@@ -52,6 +53,7 @@ export class XrLive {
     this.request = new HandsRequest(connection);
     this.desk = {
       position: stage.world.position.clone(),
+      camera: stage.camera.clone(),
       background: stage.scene.background,
       layers: TOUCH_LAYERS.map((name) => [name, stage.layer(name)] as const),
     };
@@ -84,7 +86,14 @@ export class XrLive {
     stage.scene.background = this.desk.background;
     for (const [name, on] of this.desk.layers) stage.setLayer(name, on);
     stage.controls.enabled = true;
+  }
+
+  /** Once the session has ended: three moves the page's camera with the head until then. */
+  restoreCamera(): void {
+    const { stage } = this.app;
+    stage.camera.copy(this.desk.camera, false);
     stage.resize();
+    stage.controls.update();
   }
 
   private readonly visibility = (): void => {

@@ -82,11 +82,12 @@ export class XrSource extends InputSourceBase {
       this.set("failed", `The headset did not start: ${reason}`);
       return;
     }
-    session.addEventListener("end", () => this.ended());
     const floorKnown = await this.present(session);
     const transparent = session.environmentBlendMode !== "opaque";
     this.detach = this.emulator?.attach(() => this.app.inputs.stop()) ?? null;
-    this.live = new XrLive(this.app, session, floorKnown, transparent);
+    const live = new XrLive(this.app, session, floorKnown, transparent);
+    this.live = live;
+    session.addEventListener("end", () => this.ended(live));
     this.recentreButton.disabled = false;
     const enabled = session.enabledFeatures;
     const hands = enabled === undefined || enabled.includes("hand-tracking");
@@ -116,8 +117,10 @@ export class XrSource extends InputSourceBase {
     session?.end().catch(() => undefined);
   }
 
-  private ended(): void {
-    if (this.live !== null) this.letGo("");
+  private ended(live: XrLive): void {
+    if (this.live === live) this.letGo("");
+    // After three's own handling of the end.
+    setTimeout(() => live.restoreCamera(), 0);
   }
 
   private letGo(note: string): void {
