@@ -20,7 +20,7 @@ export function decodeText(text: string): ServerText | null {
   }
   check(typeof json === "object" && json !== null && "type" in json, "A text message has no type.");
   const type = String(json.type);
-  if (!(type in FIELDS)) return null;
+  if (!Object.hasOwn(FIELDS, type)) return null;
   for (const field of FIELDS[type as keyof typeof FIELDS]) {
     check(field in json, `A ${type} message lacks ${field}.`);
   }

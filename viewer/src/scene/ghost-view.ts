@@ -1,14 +1,26 @@
 // A hand's skin without its flesh: nodes at their skinning targets, either of the tracked pose (the
 // paper's Fig. 4) or of the simulated bones (Fig. 6).
 
-import { Color, Group, MeshStandardMaterial, type IUniform, type Mesh, type Texture } from "three";
+import {
+  Color,
+  GreaterDepth,
+  Group,
+  MeshStandardMaterial,
+  NotEqualStencilFunc,
+  type IUniform,
+  type Mesh,
+  type Texture,
+} from "three";
 import type { HandModel, Skin } from "../protocol/types";
 import { Deformation } from "./deformation";
 import { depthOnly, embeddedDepthMaterial, plainEmbeddedMaterial, type Shared } from "./materials";
 import { completeSkin, restPoses, skinNodes } from "./skinning";
-import { drawn, type SoftView } from "./soft-view";
+import { drawn, HAND_STENCIL, type SoftView } from "./soft-view";
 
 export type GhostOf = "tracked" | "skinning";
+
+/** Drawn this far inside its surface, m: where it agrees with the flesh it does not show. */
+const INSET = 0.0008;
 
 const COLOUR = { tracked: new Color(0xffc81e), skinning: new Color(0x6fa8ff) };
 
@@ -43,14 +55,34 @@ export class GhostView {
       }),
       nodes,
       shared,
+      null,
+      INSET,
     );
     const mesh = drawn(body.geometry, this.solid);
     mesh.customDepthMaterial = embeddedDepthMaterial(nodes);
     mesh.renderOrder = 4;
-    this.depth = drawn(body.geometry, depthOnly(embeddedDepthMaterial(nodes)));
+    this.depth = drawn(body.geometry, depthOnly(embeddedDepthMaterial(nodes, INSET)));
     this.depth.renderOrder = 3;
     this.group.add(this.depth, mesh);
+    if (of === "tracked") this.group.add(this.behind(body, nodes, shared));
     this.group.visible = false;
+  }
+
+  /** What lies inside a table or a loaf shows through it, faintly; through the hand it does not. */
+  private behind(body: SoftView, nodes: IUniform<Texture>, shared: Shared): Mesh {
+    const material = new MeshStandardMaterial({
+      color: COLOUR[this.of],
+      transparent: true,
+      opacity: 0.26,
+      depthWrite: false,
+      depthFunc: GreaterDepth,
+      stencilWrite: true,
+      stencilRef: HAND_STENCIL,
+      stencilFunc: NotEqualStencilFunc,
+    });
+    const mesh = drawn(body.geometry, plainEmbeddedMaterial(material, nodes, shared, null, INSET));
+    mesh.renderOrder = 2;
+    return mesh;
   }
 
   setVisible(on: boolean): void {

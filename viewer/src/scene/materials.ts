@@ -2,6 +2,7 @@
 
 import {
   Color,
+  LineBasicMaterial,
   MeshDepthMaterial,
   MeshStandardMaterial,
   ShaderChunk,
@@ -51,11 +52,15 @@ export function smoothShadows(taps: number): void {
   }
 }
 
-function embed(shader: Shader, nodes: IUniform<Texture>): void {
+/** `inset`: how far inside its own surface it is drawn, m. */
+function embed(shader: Shader, nodes: IUniform<Texture>, inset = 0): void {
   shader.uniforms["nodeTexture"] = nodes;
   replaceVertex(shader, "#include <common>", after("#include <common>", EMBED_PARS));
-  replaceVertex(shader, "#include <begin_vertex>", EMBED_POSITION);
+  const position = inset === 0 ? EMBED_POSITION : after(EMBED_POSITION, insetBy(inset));
+  replaceVertex(shader, "#include <begin_vertex>", position);
 }
+
+const insetBy = (inset: number) => `{ ${EMBED_NORMAL} transformed -= objectNormal * ${inset.toFixed(6)}; }`;
 
 /** Who casts occlusion on a material. */
 type OccludedBy = "hands" | "others" | "all" | "none";
@@ -137,7 +142,7 @@ export function skinMaterial(colour: Color, nodes: IUniform<Texture>, shared: Sh
         vec3 plate = diffuseColor.rgb * vec3( 1.10, 0.93, 0.93 );
         plate = mix( plate, vec3( 0.80, 0.68, 0.58 ), 0.6 * freeEdge + 0.35 * lunula );
         diffuseColor.rgb = mix( skin, plate, nail );
-        diffuseColor.rgb = mix( diffuseColor.rgb, vec3( dot( diffuseColor.rgb, vec3( 0.10, 0.22, 0.08 ) ) ) * vec3( 0.92, 1.0, 1.12 ), pressureShown );`,
+        diffuseColor.rgb = mix( diffuseColor.rgb, vec3( 0.24, 0.25, 0.27 ) * mix( 0.75, 1.0, vSite.y ), pressureShown );`,
       ),
     );
     replaceFragment(
@@ -191,7 +196,10 @@ export function skinMaterial(colour: Color, nodes: IUniform<Texture>, shared: Sh
       "#include <opaque_fragment>",
       before(
         "#include <opaque_fragment>",
-        `float load = vPressure / pressureMost;
+        `// The unloaded skin is drawn grey, as if lit from the eye: readable from every side.
+        float facing = saturate( dot( smoothNormal, geometryViewDir ) );
+        outgoingLight = mix( outgoingLight, vec3( 0.21, 0.225, 0.25 ) * ( 0.35 + 0.65 * facing ), 0.7 * pressureShown );
+        float load = vPressure / pressureMost;
         float told = pressureShown * smoothstep( 0.01, 0.08, load );
         outgoingLight = mix( outgoingLight, colourMap( load ) * 0.9, told * 0.92 );`,
       ),
@@ -269,15 +277,15 @@ const BREAD_COLOUR = /* glsl */ `
 vec3 breadColour( vec3 given, vec3 at, float cut, out float crumb, out float flour, out float pore ) {
   float patches = noise3( at * 70.0 ) * 0.6 + noise3( at * 190.0 ) * 0.4;
   crumb = smoothstep( 0.86, 0.97, cut + 0.05 * ( patches - 0.5 ) );
-  float bubbles = noise3( at * 330.0 ) * 0.55 + noise3( at * 800.0 ) * 0.45;
-  pore = smoothstep( 0.56, 0.70, bubbles ) * seen( at, 1.0 / 500.0 );
+  float bubbles = noise3( at * 480.0 ) * 0.6 + noise3( at * 1150.0 ) * 0.4;
+  pore = smoothstep( 0.50, 0.78, bubbles ) * seen( at, 1.0 / 480.0 );
   // Crust: what was given, less orange, uneven.
-  vec3 crust = given * vec3( 0.92, 1.08, 1.9 );
+  vec3 crust = given * vec3( 1.02, 1.06, 1.75 );
   crust *= mix( vec3( 0.66, 0.56, 0.46 ), vec3( 1.16, 1.14, 1.08 ), smoothstep( 0.2, 0.8, patches ) );
   float light = dot( given, vec3( 0.3, 0.55, 0.15 ) );
   flour = smoothstep( 0.62, 0.85, noise3( at * 240.0 ) ) * smoothstep( 0.42, 0.7, patches ) * smoothstep( 0.34, 0.22, light );
   crust = mix( crust, vec3( 0.80, 0.70, 0.56 ), 0.4 * flour );
-  vec3 soft = vec3( 0.84, 0.69, 0.45 ) * ( 0.88 + 0.2 * patches ) * ( 1.0 - 0.42 * pore );
+  vec3 soft = vec3( 0.84, 0.69, 0.45 ) * ( 0.88 + 0.2 * patches ) * ( 1.0 - 0.5 * pore );
   flour *= 1.0 - crumb;
   return mix( crust, soft, crumb );
 }
@@ -289,16 +297,17 @@ export function plainEmbeddedMaterial(
   nodes: IUniform<Texture>,
   shared: Shared,
   clip: IUniform | null = null,
+  inset = 0,
 ): MeshStandardMaterial {
   const flat = material.flatShading;
   material.onBeforeCompile = (shader) => {
-    embed(shader, nodes);
+    embed(shader, nodes, inset);
     if (!flat) replaceVertex(shader, "#include <beginnormal_vertex>", EMBED_NORMAL);
     if (clip !== null) clipCells(shader, clip);
     occlude(shader, shared, material.transparent ? "none" : flat ? "none" : "hands");
   };
   material.customProgramCacheKey = () =>
-    `embedded-${flat}-${material.transparent}-${clip !== null}-${shared.quality.occlusion}`;
+    `embedded-${flat}-${material.transparent}-${clip !== null}-${inset}-${shared.quality.occlusion}`;
   return material;
 }
 
@@ -320,19 +329,26 @@ function clipCells(shader: Shader, clip: IUniform): void {
   );
 }
 
-export function embeddedDepthMaterial(nodes: IUniform<Texture>, clip: IUniform | null = null): MeshDepthMaterial {
+export function embeddedDepthMaterial(nodes: IUniform<Texture>, inset = 0): MeshDepthMaterial {
   const material = new MeshDepthMaterial();
-  material.onBeforeCompile = (shader) => {
-    embed(shader, nodes);
-    if (clip !== null) clipCells(shader, clip);
-  };
-  material.customProgramCacheKey = () => `embedded-depth-${clip !== null}`;
+  material.onBeforeCompile = (shader) => embed(shader, nodes, inset);
+  material.customProgramCacheKey = () => `embedded-depth-${inset}`;
   return material;
 }
 
-/** Draws nothing but depth: what comes after hides behind it. */
+/** Edges of tetrahedra. */
+export function embeddedLineMaterial(colour: Color, nodes: IUniform<Texture>): LineBasicMaterial {
+  const material = new LineBasicMaterial({ color: colour, transparent: true, opacity: 0.55, depthWrite: false });
+  material.onBeforeCompile = (shader) => embed(shader, nodes);
+  material.customProgramCacheKey = () => "embedded-line";
+  return material;
+}
+
+/** Draws nothing but depth: what comes after hides behind it. It takes its turn among transparent
+ * things, so that the ground is drawn before. */
 export function depthOnly(material: Material): Material {
   material.colorWrite = false;
+  material.transparent = true;
   return material;
 }
 
@@ -350,7 +366,7 @@ export function paintMaterial(colour: Color, vertexColours: boolean, shared: Sha
 
 /** A wooden table top that fades into the dark around the place of interest. */
 export function groundMaterial(shared: Shared, centre: IUniform, reach: IUniform<number>): MeshStandardMaterial {
-  const material = new MeshStandardMaterial({ color: 0xffffff, roughness: 0.62, transparent: true });
+  const material = new MeshStandardMaterial({ color: 0xffffff, roughness: 0.62, envMapIntensity: 0.7, transparent: true });
   material.onBeforeCompile = (shader) => {
     occlude(shader, shared, "all");
     shader.uniforms["centre"] = centre;
@@ -403,7 +419,7 @@ vec3 wood( vec2 at, out float sheen ) {
   float width = 0.0007;
   float gap = ( 1.0 - smoothstep( width, width + max( footprint, 0.0004 ), seam ) ) * min( 1.0, width / max( footprint, 1e-6 ) );
   colour *= 1.0 - 0.75 * gap;
-  sheen = 0.50 + 0.22 * ( fibre - 0.5 ) + 0.16 * ( 1.0 - shade ) + 0.3 * gap;
+  sheen = 0.60 + 0.22 * ( fibre - 0.5 ) + 0.16 * ( 1.0 - shade ) + 0.3 * gap;
   return colour;
 }
 `;

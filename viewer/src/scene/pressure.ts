@@ -1,14 +1,17 @@
 // Pressure on the skin, from contact forces. A contact presses at one vertex of the collision surface;
-// its normal force is spread over the drawn skin around, along the rest shape, by a bell of 3 mm.
+// its normal force is spread over the drawn skin around, along the rest shape, by a bell of 3 mm, or
+// wider where the collision surface is coarser than that.
 // The spread pressure times the area adds up to the force again.
 
 import type { Contacts } from "../protocol/types";
 import { NO_VERTEX, SOFT_BODY, type SoftModel } from "../protocol/types";
 import { neighbours, restPositions, vertexAreas, type Neighbours } from "./surface";
 
-/** Width (standard deviation) of the bell, and where it is cut off, m. */
-const WIDTH = 0.003;
-const REACH = 3 * WIDTH;
+/** Least width (standard deviation) of the bell, m; as a part of the spacing of collision vertices;
+ * and where it is cut off, in widths. */
+const WIDTH_LEAST = 0.003;
+const WIDTH_OF_SPACING = 0.55;
+const REACH = 3;
 
 /** What one newton at a collision vertex gives: Pa at each of some vertices. */
 interface Bell {
@@ -21,6 +24,8 @@ export class PressureMap {
   private readonly areas: Float32Array;
   private readonly around: Neighbours;
   private readonly collision: Float32Array;
+  /** Of the bell at each collision vertex, m. */
+  private readonly widths: Float32Array;
   private readonly bells = new Map<number, Bell>();
 
   constructor(soft: SoftModel) {
@@ -28,6 +33,9 @@ export class PressureMap {
     this.areas = vertexAreas(this.rest, soft.render.triangles);
     this.around = neighbours(this.rest, soft.render.triangles);
     this.collision = restPositions(soft.collision, soft.nodes, soft.tets);
+    this.widths = vertexAreas(this.collision, soft.collision.triangles).map((area) =>
+      Math.max(WIDTH_LEAST, WIDTH_OF_SPACING * Math.sqrt(area)),
+    );
   }
 
   /** Adds all contacts of this body, number `index` among the soft ones; gives the peak, Pa. */
@@ -59,6 +67,8 @@ export class PressureMap {
    * finger beside it. */
   private spread(vertex: number): Bell {
     const at = 3 * vertex;
+    const width = this.widths[vertex];
+    const reach = REACH * width;
     const square = (v: number) => {
       let sum = 0;
       for (let c = 0; c < 3; c++) sum += (this.rest[3 * v + c] - this.collision[at + c]) ** 2;
@@ -75,12 +85,12 @@ export class PressureMap {
     for (let i = 0; i < found.length; i++) {
       for (let k = this.around.start[found[i]]; k < this.around.start[found[i] + 1]; k++) {
         const next = this.around.list[k];
-        if (seen.has(next) || square(next) > REACH * REACH) continue;
+        if (seen.has(next) || square(next) > reach * reach) continue;
         seen.add(next);
         found.push(next);
       }
     }
-    const shape = found.map((v) => Math.exp(-(square(v) - least) / (2 * WIDTH * WIDTH)));
+    const shape = found.map((v) => Math.exp(-(square(v) - least) / (2 * width * width)));
     let whole = 0;
     found.forEach((v, k) => (whole += shape[k] * this.areas[v]));
     return {

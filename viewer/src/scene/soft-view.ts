@@ -6,8 +6,10 @@ import {
   BufferGeometry,
   Color,
   Group,
+  LineSegments,
   Mesh,
   MeshStandardMaterial,
+  ReplaceStencilOp,
   Vector3,
   type IUniform,
   type Texture,
@@ -18,6 +20,7 @@ import {
   breadMaterial,
   depthOnly,
   embeddedDepthMaterial,
+  embeddedLineMaterial,
   plainEmbeddedMaterial,
   skinMaterial,
   type Shared,
@@ -28,7 +31,12 @@ import { restPositions, vertexNormals } from "./surface";
 const SKIN = new Color(0.85, 0.66, 0.56).convertSRGBToLinear();
 const BREAD = new Color(0.843, 0.604, 0.306).convertSRGBToLinear();
 const RUBBER = new Color(0.25, 0.5, 0.62).convertSRGBToLinear();
+const EDGE = new Color(0x8c1f2d);
+const EDGE_CRUST = new Color(0x5a3a12);
 const FLESH = new Color(0.78, 0.33, 0.3).convertSRGBToLinear();
+
+/** What hands leave in the stencil buffer where they are seen. */
+export const HAND_STENCIL = 1;
 
 export class SoftView {
   readonly group = new Group();
@@ -41,6 +49,7 @@ export class SoftView {
   private readonly skin: Mesh;
   private readonly depth: Mesh;
   private flesh: Mesh | null = null;
+  private cells: LineSegments | null = null;
   private readonly material: MeshStandardMaterial;
 
   constructor(
@@ -63,6 +72,9 @@ export class SoftView {
     this.depth = drawn(this.geometry, depthOnly(embeddedDepthMaterial(this.nodes)));
     this.depth.renderOrder = 1;
     this.skin.renderOrder = 2;
+    this.material.stencilWrite = true;
+    this.material.stencilRef = model.hand === null ? 0 : HAND_STENCIL;
+    this.material.stencilZPass = ReplaceStencilOp;
     this.depth.visible = false;
     this.group.add(this.skin, this.depth);
   }
@@ -91,15 +103,31 @@ export class SoftView {
     }
   }
 
-  /** `through`: the surface lets what is inside show. */
+  /** `through`: the surface lets what is inside show. Flesh shows as solid cells, or as their edges
+   * around a surface that shows too. */
   setVisible(skin: boolean, through: boolean, flesh: boolean): void {
     this.skin.visible = skin;
+    this.skin.castShadow = skin;
     this.depth.visible = skin && through;
-    this.material.transparent = through;
-    this.material.opacity = through ? 0.38 : 1;
-    this.material.depthWrite = !through;
-    if (flesh && this.flesh === null) this.makeFlesh();
-    if (this.flesh !== null) this.flesh.visible = flesh;
+    if (this.material.transparent !== through) {
+      this.material.transparent = through;
+      this.material.opacity = through ? 0.45 : 1;
+      this.material.needsUpdate = true;
+    }
+    const solid = flesh && !skin;
+    const edges = flesh && skin;
+    if (solid && this.flesh === null) this.makeFlesh();
+    if (this.flesh !== null) this.flesh.visible = solid;
+    if (edges && this.cells === null) this.makeEdges();
+    if (this.cells !== null) this.cells.visible = edges;
+  }
+
+  private makeEdges(): void {
+    const geometry = edgeGeometry(this.model);
+    this.cells = new LineSegments(geometry, embeddedLineMaterial(this.hand === null ? EDGE_CRUST : EDGE, this.nodes));
+    this.cells.frustumCulled = false;
+    this.cells.renderOrder = 5;
+    this.group.add(this.cells);
   }
 
   private makeFlesh(): void {
@@ -114,7 +142,8 @@ export class SoftView {
       cellGeometry(this.model, tint),
       plainEmbeddedMaterial(material, this.nodes, this.shared, this.clip),
     );
-    this.flesh.receiveShadow = true;
+    this.flesh.castShadow = this.flesh.receiveShadow = true;
+    this.flesh.customDepthMaterial = embeddedDepthMaterial(this.nodes);
     this.group.add(this.flesh);
   }
 
@@ -127,6 +156,7 @@ export class SoftView {
     this.geometry.dispose();
     this.material.dispose();
     this.flesh?.geometry.dispose();
+    this.cells?.geometry.dispose();
   }
 }
 
@@ -174,6 +204,32 @@ export function linearColours(bytes: Uint8Array): BufferAttribute {
     colour.convertSRGBToLinear().toArray(out, 3 * v);
   }
   return new BufferAttribute(out, 3);
+}
+
+/** Each edge between two nodes once. */
+function edgeGeometry(soft: SoftModel): BufferGeometry {
+  const count = soft.nodes.length / 3;
+  const [corner, weight] = [new Float32Array(4 * count), new Float32Array(4 * count)];
+  for (let n = 0; n < count; n++) {
+    corner.fill(n, 4 * n, 4 * n + 4);
+    weight[4 * n] = 1;
+  }
+  const edges = new Set<number>();
+  for (let t = 0; t < soft.tets.length; t += 4) {
+    for (let a = 0; a < 4; a++) {
+      for (let b = a + 1; b < 4; b++) {
+        const [low, high] = [soft.tets[t + a], soft.tets[t + b]].sort((x, y) => x - y);
+        edges.add(low * count + high);
+      }
+    }
+  }
+  const index = [...edges].flatMap((edge) => [Math.floor(edge / count), edge % count]);
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(soft.nodes, 3));
+  geometry.setAttribute("corner", new BufferAttribute(corner, 4));
+  geometry.setAttribute("weight", new BufferAttribute(weight, 4));
+  geometry.setIndex(index);
+  return geometry;
 }
 
 const SHRINK = 0.14;
