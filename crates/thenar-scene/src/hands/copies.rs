@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use thenar::model::Side;
 
 /// Distance of an added hand from the one beside it \[m\].
-const APART: f64 = 0.3;
+const APART: f64 = 0.35;
 /// Lowest wrist of an added hand \[m\].
 const HEIGHT_MIN: f64 = 0.15;
 

@@ -50,6 +50,7 @@ pub const STALE: f64 = 0.1;
 
 /// A tracked hand at an instant, in the world.
 #[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant)] // one at a time, by reference: a box would cost more
 pub enum LivePose {
     /// The joints of WebXR Hand Input, in the order of
     /// [`TRACKED_JOINTS`](crate::motion::TRACKED_JOINTS).

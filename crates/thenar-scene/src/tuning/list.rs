@@ -241,7 +241,9 @@ pub fn check(setting: &Setting, value: &SettingValue) -> Result<(), SettingError
     let (fits, expected) = match (&setting.range, value) {
         (Range::Number { min, max, .. }, value) => {
             let inside = matches!(value, Number(x) if (*min..=*max).contains(x));
-            (inside, format!("{} to {} {}", plain(*min), plain(*max), setting.unit))
+            let unit = if setting.unit == "1" { "" } else { setting.unit };
+            let expected = format!("{} to {} {unit}", plain(*min), plain(*max));
+            (inside, expected.trim_end().to_string())
         }
         (Range::Choices { choices }, value) => {
             let inside = matches!(value, Choice(word) if choices.contains(&word.as_str()));

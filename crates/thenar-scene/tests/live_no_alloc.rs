@@ -1,0 +1,60 @@
+//! Goal: steps and live poses allocate nothing. Method: a global allocator that counts, around
+//! steps of a hand that a script moves, that poses move, that is lost, and that returns.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+use thenar::{Pose, Quat, Vec3};
+use thenar_scene::live::LivePose;
+use thenar_scene::session::{Session, builtin};
+
+struct Counting;
+
+static COUNT: AtomicU64 = AtomicU64::new(0);
+
+// The only way to see allocations is to stand in for the allocator, which is an unsafe trait.
+#[allow(unsafe_code)]
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.fetch_add(1, Ordering::Relaxed);
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn live_steps_allocate_nothing() {
+    let text = builtin("bread-grasp").expect("a scene").text;
+    let mut session = Session::from_text(text, Path::new("t.toml"), &[]).expect("a scene");
+    session.set("friction", &thenar_scene::tuning::SettingValue::Number(0.7)).expect("a setting");
+    let before = COUNT.load(Ordering::Relaxed);
+    for k in 0..240 {
+        let t = f64::from(k) / 60.0;
+        let wave = Vec3::new(0.066, 0.15 - 0.05 * (3.0 * t).sin(), 0.07);
+        match k {
+            40..160 => {
+                // Joints in a plane, good enough to be carried over.
+                let joints = std::array::from_fn(|j| {
+                    let (finger, place) = (j.saturating_sub(1) / 5, j.saturating_sub(1) % 5);
+                    let step = Vec3::new(0.02 * (finger as f64 - 2.0), 0.0, -0.03 * place as f64);
+                    Pose::new(wave + step, Quat::identity())
+                });
+                session
+                    .live_pose(0, t, &LivePose::Joints { joints, radii: [0.01; 25] })
+                    .expect("ok");
+            }
+            180 => session.live_lost(0),
+            200 => session.follow_script(0),
+            _ => {}
+        }
+        session.step(&mut ());
+    }
+    let after = COUNT.load(Ordering::Relaxed);
+    assert_eq!(after - before, 0, "allocations in 240 steps");
+}
