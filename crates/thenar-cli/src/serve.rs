@@ -102,7 +102,7 @@ fn announce(args: &Args, server: &Server) {
         println!("Its page was not built; open the address to see why.");
     }
     if let Some(code) = args.lan.then(|| server.qr_code()).flatten() {
-        println!("{code}");
+        print_code(&code);
     }
     if let Some(fingerprint) = server.fingerprint() {
         println!(
@@ -112,6 +112,17 @@ fn announce(args: &Args, server: &Server) {
         );
     }
     println!("Ctrl-C ends it.");
+}
+
+/// Whatever the terminal's colours, the code is light on dark there.
+fn print_code(code: &str) {
+    let (begin, end) = match std::io::stdout().is_terminal() {
+        true => ("\x1b[97;40m", "\x1b[0m"),
+        false => ("", ""),
+    };
+    for line in code.lines() {
+        println!("{begin}{line}{end}");
+    }
 }
 
 /// A browser is opened on a desktop, by a person, for this computer's own address.

@@ -7,7 +7,7 @@ use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use std::collections::HashMap;
-use std::io::Result;
+use std::io::{Result, Write};
 use std::net::IpAddr;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -38,15 +38,15 @@ pub async fn accept(listener: TcpListener, tls: Option<TlsAcceptor>, site: Arc<S
             () = site.stopped() => return,
             accepted = listener.accept() => accepted,
         };
-        let Ok((mut stream, peer)) = accepted else {
+        let Ok((stream, peer)) = accepted else {
             // Out of descriptors, or the client has gone again: not to be retried at full speed.
             tokio::time::sleep(Duration::from_millis(20)).await;
             continue;
         };
         let peer = peer.ip().to_canonical();
         let Some(place) = crowd.enter(peer, &site.limits) else {
-            // Best effort, no waiting.
-            let _ = timeout(Duration::from_millis(1), stream.write_all(FULL)).await;
+            // A new socket has room for this; where it has not, nobody is told.
+            let _ = stream.into_std().and_then(|mut stream| stream.write(FULL));
             continue;
         };
         let (tls, site) = (tls.clone(), site.clone());

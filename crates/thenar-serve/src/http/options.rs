@@ -40,9 +40,9 @@ pub struct Options {
 pub struct Limits {
     /// Sessions at a time.
     pub clients: usize,
-    /// Connections at a time, sessions included.
+    /// Other connections at a time: a connection that has become a session no longer counts.
     pub connections: usize,
-    /// Connections at a time from one address.
+    /// Of these, from one address.
     pub connections_per_address: usize,
     /// For the TLS handshake, for the head of each request, and between requests.
     pub head: Duration,
@@ -73,7 +73,7 @@ impl Default for Limits {
         Self {
             clients: 64,
             connections: 256,
-            connections_per_address: 160,
+            connections_per_address: 128,
             head: Duration::from_secs(10),
             idle: Duration::from_secs(60),
             stuck: Duration::from_secs(15),

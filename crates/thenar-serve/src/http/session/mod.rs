@@ -19,6 +19,7 @@ use reader::Reader;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::sync::{mpsc, watch};
 use tokio::time::timeout;
 use tokio_tungstenite::WebSocketStream;
@@ -131,18 +132,24 @@ async fn run(site: &Site, stream: TokioIo<Upgraded>) {
             end
         }
     };
-    goodbye(&end, &mut outgoing, &mut ingoing).await;
+    goodbye(&end, outgoing, ingoing).await;
 }
 
-/// Says why, and gives the client a moment to hear it.
-async fn goodbye(end: &End, outgoing: &mut Outgoing, ingoing: &mut Ingoing) {
+/// Says why, and gives the client a moment to hear it: a socket closed before all is read takes
+/// the last words back.
+async fn goodbye(end: &End, mut outgoing: Outgoing, ingoing: Ingoing) {
     if matches!(end, End::Slow) {
         return;
     }
     let frame = CloseFrame { code: end.code(), reason: end.to_string().into() };
     let closing = async {
-        if outgoing.send(Message::Close(Some(frame))).await.is_ok() {
-            while let Some(Ok(_)) = ingoing.next().await {}
+        // Fails where the client has said goodbye first; the rest is the same.
+        let _ = outgoing.send(Message::Close(Some(frame))).await;
+        let Ok(mut socket) = outgoing.reunite(ingoing) else { return };
+        let stream = socket.get_mut();
+        let mut rest = [0; 1024];
+        if stream.shutdown().await.is_ok() {
+            while stream.read(&mut rest).await.is_ok_and(|count| count > 0) {}
         }
     };
     let _ = timeout(CLOSING, closing).await;

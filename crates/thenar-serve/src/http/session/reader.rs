@@ -118,19 +118,24 @@ impl<'a> Reader<'a> {
             return Ok(());
         }
         if !self.texts.take(1.0, now) {
-            if self.reminded.is_none_or(|last| now - last >= REMIND) {
-                self.reminded = Some(now);
-                self.remark("more than 100 text messages a second: some were dropped", false);
-            }
+            self.remind(now);
             return Ok(());
         }
         match self.site.hub.submit(Event::Text(self.id, text.to_owned())) {
             Ok(()) => Ok(()),
             Err(Refused::Ended) => Err(End::Ended),
-            Err(busy) => {
-                self.remark(&busy.to_string(), false);
+            Err(Refused::Busy) => {
+                self.remind(now);
                 Ok(())
             }
+        }
+    }
+
+    /// Tells the client, not too often, that texts of it were dropped.
+    fn remind(&mut self, now: Instant) {
+        if self.reminded.is_none_or(|last| now - last >= REMIND) {
+            self.reminded = Some(now);
+            self.remark("text messages come too fast: some were dropped", false);
         }
     }
 
