@@ -14,8 +14,9 @@ import {
   type BufferGeometry,
 } from "three";
 import { mergeGeometries } from "three/examples/jsm/utils/BufferGeometryUtils.js";
-import { NO_VERTEX, SOFT_BODY, type SceneModel, type Snapshot } from "../protocol/types";
+import { NO_VERTEX, SOFT_BODY, type SceneModel, type SoftModel, type Snapshot } from "../protocol/types";
 import { roundUp } from "./colour-map";
+import { ContactSurface } from "./contact-surface";
 
 const MOST = 512;
 /** The longest arrow, m. */
@@ -32,6 +33,7 @@ export class ContactView {
   readonly group = new Group();
   /** Force of the longest arrow, N. */
   forceMost = 1;
+  private readonly surfaces = new Map<SoftModel, ContactSurface>();
   private readonly stick = new Color(CONTACT_COLOURS.sticking);
   private readonly slide = new Color(CONTACT_COLOURS.sliding);
 
@@ -59,11 +61,14 @@ export class ContactView {
       const at = 12 * i;
       PLACE.set(x[at + 2], x[at + 3], x[at + 4]);
       FORCE.set(x[at + 5], x[at + 6], x[at + 7]);
-      // Arrows show the force on the hand.
+      // Arrows show the force on the hand, which pushes into its skin.
       const onB = !isHand(model, contacts.bodyA(i)) && isHand(model, contacts.bodyB(i));
-      const vertex = contacts.vertexA(i) === NO_VERTEX ? contacts.vertexB(i) : contacts.vertexA(i);
-      if (vertex !== NO_VERTEX && onB) FORCE.negate();
-      split(FORCE, Math.abs(x[at + 8]));
+      if (onB) FORCE.negate();
+      const body = onB ? contacts.bodyB(i) : contacts.bodyA(i);
+      const vertex = onB ? contacts.vertexB(i) : contacts.vertexA(i);
+      if (vertex === NO_VERTEX || !this.normalsOf(model, body, vertex, snapshot.nodes, GUESS)) GUESS.copy(FORCE);
+      else GUESS.negate();
+      split(FORCE, Math.abs(x[at + 8]), GUESS, NORMAL, SHEAR);
       this.points.setMatrixAt(i, MATRIX.makeTranslation(PLACE));
       this.points.setColorAt(i, x[at + 10] > SLIDING ? this.slide : this.stick);
       put(this.normals, i, NORMAL, scale);
@@ -76,6 +81,18 @@ export class ContactView {
     if (this.points.instanceColor !== null) this.points.instanceColor.needsUpdate = true;
   }
 
+  /** Normal of a soft body's collision surface at a vertex; false if there is none. */
+  private normalsOf(model: SceneModel, body: number, vertex: number, nodes: Float32Array, out: Vector3): boolean {
+    const soft = model.softs[body - SOFT_BODY];
+    if (soft === undefined) return false;
+    let surface = this.surfaces.get(soft);
+    if (surface === undefined) {
+      surface = new ContactSurface(soft);
+      this.surfaces.set(soft, surface);
+    }
+    return surface.normal(vertex, nodes, out);
+  }
+
   /** Scales step up at once and down only when forces have become much smaller. */
   private rescale(most: number): void {
     if (most > this.forceMost || most < 0.25 * this.forceMost) this.forceMost = Math.max(0.02, roundUp(most));
@@ -86,6 +103,7 @@ const PLACE = new Vector3();
 const FORCE = new Vector3();
 const NORMAL = new Vector3();
 const SHEAR = new Vector3();
+const GUESS = new Vector3();
 const SIDE = new Vector3();
 const UP = new Vector3(0, 1, 0);
 const MATRIX = new Matrix4();
@@ -96,25 +114,27 @@ function isHand(model: SceneModel, body: number): boolean {
   return body >= SOFT_BODY && model.softs[body - SOFT_BODY]?.hand != null;
 }
 
-/** A contact tells the normal part's size, not its direction: among the directions that fit, the one
- * nearest to straight up or down out of the vertical plane of the force. */
-function split(force: Vector3, normalPart: number): void {
+/** A contact tells the normal part's size, not its direction. Among the directions that fit, the one
+ * nearest to the skin's normal, `guess`, is meant. */
+export function split(force: Vector3, normalPart: number, guess: Vector3, normal: Vector3, shear: Vector3): void {
   const whole = force.length();
   if (whole < 1e-9) {
-    NORMAL.set(0, 0, 0);
-    SHEAR.set(0, 0, 0);
+    normal.set(0, 0, 0);
+    shear.set(0, 0, 0);
     return;
   }
   const cosine = Math.min(1, normalPart / whole);
-  SIDE.copy(UP).addScaledVector(force, -force.y / (whole * whole));
-  if (force.y < 0) SIDE.negate();
-  if (SIDE.lengthSq() < 1e-12) SIDE.set(0, 0, 0);
-  else SIDE.normalize();
-  NORMAL.copy(force)
+  // The part of the guess across the force tells to which side the normal leans.
+  const along = guess.dot(force) / (whole * whole);
+  shear.copy(guess).addScaledVector(force, -along);
+  if (shear.lengthSq() < 1e-12) shear.set(0, 0, 0);
+  else shear.normalize();
+  normal
+    .copy(force)
     .multiplyScalar(cosine / whole)
-    .addScaledVector(SIDE, Math.sqrt(1 - cosine * cosine))
+    .addScaledVector(shear, Math.sqrt(1 - cosine * cosine))
     .multiplyScalar(normalPart);
-  SHEAR.subVectors(force, NORMAL);
+  shear.subVectors(force, normal);
 }
 
 function put(mesh: InstancedMesh, i: number, force: Vector3, scale: number): void {

@@ -329,10 +329,17 @@ function clipCells(shader: Shader, clip: IUniform): void {
   );
 }
 
-export function embeddedDepthMaterial(nodes: IUniform<Texture>, inset = 0): MeshDepthMaterial {
+export function embeddedDepthMaterial(
+  nodes: IUniform<Texture>,
+  inset = 0,
+  clip: IUniform | null = null,
+): MeshDepthMaterial {
   const material = new MeshDepthMaterial();
-  material.onBeforeCompile = (shader) => embed(shader, nodes, inset);
-  material.customProgramCacheKey = () => `embedded-depth-${inset}`;
+  material.onBeforeCompile = (shader) => {
+    embed(shader, nodes, inset);
+    if (clip !== null) clipCells(shader, clip);
+  };
+  material.customProgramCacheKey = () => `embedded-depth-${inset}-${clip !== null}`;
   return material;
 }
 

@@ -143,8 +143,10 @@ export function boneView(bone: HandBone): Group {
   const base = new Mesh(new SphereGeometry(radius, 20, 14), bone.parent === null ? BONE : JOINT);
   base.position.copy(from);
   base.scale.setScalar(bone.parent === null ? 1 : 0.9);
-  group.add(shaft, head, base);
-  if (bone.parent !== null) {
+  // The palm's one body stands for several bones; rays show them.
+  if (bone.parent === null) group.add(base);
+  else {
+    group.add(shaft, head, base);
     // Bones bend about their x axis.
     const axis = new Mesh(new CylinderGeometry(0.0006, 0.0006, 6 * radius, 8), AXIS);
     axis.position.copy(from);
@@ -153,4 +155,15 @@ export function boneView(bone: HandBone): Group {
   }
   group.traverse((part) => (part.castShadow = true));
   return group;
+}
+
+/** A thin bone in the palm, from the wrist to where a finger begins, in the palm's frame. */
+export function rayView(wrist: Vector3, finger: Vector3, radius: number): Mesh {
+  const along = new Vector3().subVectors(finger, wrist);
+  const from = new Vector3().copy(wrist).addScaledVector(along, 0.16);
+  const ray = new Mesh(new CylinderGeometry(0.8 * radius, 0.66 * radius, 0.8 * along.length(), 16, 1), BONE);
+  ray.position.addVectors(from, finger).multiplyScalar(0.5);
+  ray.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), along.normalize());
+  ray.castShadow = true;
+  return ray;
 }

@@ -143,7 +143,7 @@ export class SoftView {
       plainEmbeddedMaterial(material, this.nodes, this.shared, this.clip),
     );
     this.flesh.castShadow = this.flesh.receiveShadow = true;
-    this.flesh.customDepthMaterial = embeddedDepthMaterial(this.nodes);
+    this.flesh.customDepthMaterial = embeddedDepthMaterial(this.nodes, 0, this.clip);
     this.group.add(this.flesh);
   }
 

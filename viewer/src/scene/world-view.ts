@@ -1,7 +1,7 @@
 // Everything that moves in one scene.
 
-import { Box3, Group, Vector3, Vector4, type Camera, type IUniform } from "three";
-import type { SceneModel, Snapshot } from "../protocol/types";
+import { Box3, Group, Matrix4, Vector3, Vector4, type Camera, type IUniform } from "three";
+import type { HandModel, SceneModel, Snapshot } from "../protocol/types";
 import { roundUp } from "./colour-map";
 import { ContactView } from "./contact-view";
 import { GhostView } from "./ghost-view";
@@ -9,7 +9,8 @@ import { Interpolator } from "./interpolate";
 import type { LayerName } from "./layers";
 import type { Shared } from "./materials";
 import { PressureMap } from "./pressure";
-import { boneView, RigidView } from "./rigid-view";
+import { boneView, rayView, RigidView } from "./rigid-view";
+import { restPoses } from "./skinning";
 import { SoftView } from "./soft-view";
 
 /** How far beside the flesh its skinning alone is drawn, m. */
@@ -53,12 +54,32 @@ export class WorldView {
       }
     }
     for (const hand of model.hands) {
-      hand.bones.forEach((bone, b) => this.bones.push({ rigid: hand.bone_start + b, group: boneView(bone) }));
+      const groups = hand.bones.map((bone) => boneView(bone));
+      groups.forEach((group, b) => this.bones.push({ rigid: hand.bone_start + b, group }));
+      this.drawRays(hand, groups);
     }
     for (const part of [...this.rigids, ...this.softs, ...this.ghosts, ...this.bones, this.contacts]) {
       this.group.add(part.group);
     }
     this.group.visible = false;
+  }
+
+  /** Bones of the palm: from the wrist to the first bone of each finger, as the rest shape has them. */
+  private drawRays(hand: HandModel, groups: readonly Group[]): void {
+    const soft = hand.soft === null ? null : this.model.softs[hand.soft];
+    if (soft === null || soft.skin === null) return;
+    const poses = restPoses(soft, soft.skin, hand);
+    const matrix = (b: number) => {
+      const m = poses.subarray(12 * b);
+      return new Matrix4().set(m[0], m[1], m[2], m[9], m[3], m[4], m[5], m[10], m[6], m[7], m[8], m[11], 0, 0, 0, 1);
+    };
+    hand.bones.forEach((bone, b) => {
+      if (bone.parent === null || hand.bones[bone.parent].parent !== null) return;
+      const palm = hand.bones[bone.parent];
+      const finger = new Vector3(...bone.ends_B[0]).applyMatrix4(matrix(b));
+      finger.applyMatrix4(matrix(bone.parent).invert());
+      groups[bone.parent].add(rayView(new Vector3(...palm.ends_B[0]), finger, bone.radius));
+    });
   }
 
   push(snapshot: Snapshot): void {
