@@ -79,6 +79,12 @@ fn a_pose_moves_the_hand_and_is_acknowledged() {
         assert!(off.norm() < 5e-3, "bone {k} is {off} from its target");
     }
 
+    // The joint frames of the model tell the angles from the bones.
+    for k in 0..20 {
+        let off = joint_turn(&model, &settled.targets, k).angle_to(&told_turn(&model, &angles, k));
+        assert!(off < 2e-3, "angle {k}: {off} rad from the one told");
+    }
+
     // Not tracked any more, it holds still; the script takes it back when asked.
     let number = one.number() + 1;
     let mut lost = vec![18, 1, 1, 0];
@@ -96,6 +102,32 @@ fn a_pose_moves_the_hand_and_is_acknowledged() {
 /// The bones of the first hand.
 fn bones<'a>(model: &Model, snapshot: &'a Snapshot) -> &'a [[f64; 7]] {
     &snapshot.rigids[model.json["hands"][0]["bone_start"].as_u64().unwrap() as usize..]
+}
+
+/// Rotation of the joint of angle `k`, from the bones at its two sides.
+fn joint_turn(model: &Model, bones: &[[f64; 7]], k: usize) -> Quat {
+    let hand = &model.json["hands"][0];
+    let angle = &hand["angles"][k];
+    let bone = angle["bone"].as_u64().unwrap() as usize;
+    let parent = hand["bones"][bone]["parent"].as_u64().unwrap() as usize;
+    let frame = |key: &str| {
+        let part = |i: usize| angle[key][i].as_f64().unwrap();
+        pose([0.0, 0.0, 0.0, part(0), part(1), part(2), part(3)]).rotation
+    };
+    let before = pose(bones[parent]).rotation * frame("rotation_PJ");
+    before.inverse() * pose(bones[bone]).rotation * frame("rotation_BK")
+}
+
+/// The same from the angles told: about y, then x.
+fn told_turn(model: &Model, angles: &[f64; 20], k: usize) -> Quat {
+    let list = &model.json["hands"][0]["angles"];
+    let about = |axis: &str| {
+        let same = |other: &usize| list[*other]["bone"] == list[k]["bone"];
+        let turns = (0..20).filter(same).filter(|other| list[*other]["axis"] == axis);
+        turns.map(|other| list[other]["sense"].as_f64().unwrap() * angles[other]).sum::<f64>()
+    };
+    let (y, x) = (Vec3::y() * about("y"), Vec3::x() * about("x"));
+    Quat::from_scaled_axis(y) * Quat::from_scaled_axis(x)
 }
 
 /// Rotation of the second bone of the index finger in the first.

@@ -1,12 +1,10 @@
 // The pose a hand has now, from a snapshot: where the tracker put its bones, or, where nothing is
-// tracked, where the bones are. Angles come from the directions of the bones: exact for hinges,
-// within a few degrees for the bases, whose zero the model does not carry. The server blends into
-// a new input, so that is near enough.
+// tracked, where the bones are. Angles come from the joints' frames in the model.
 
 import { Quaternion, Vector3 } from "three";
-import { DIGITS, type HandBone, type HandModel, type Snapshot } from "../protocol/types";
+import type { HandBone, HandModel, Snapshot } from "../protocol/types";
 import type { HandPose } from "./hand-pose";
-import { clampAngles, restAngles } from "./shapes";
+import { clampAngles, restAngles, type Angles } from "./shapes";
 
 interface Frame {
   readonly position: Vector3;
@@ -37,42 +35,32 @@ export function presentPose(hand: HandModel, snapshot: Snapshot): HandPose {
   const wrist_B = frameAt(hand.wrist_B, 0);
   const position = wrist_B.position.applyQuaternion(palm.rotation).add(palm.position);
   const rotation = palm.rotation.clone().multiply(wrist_B.rotation).normalize();
-  return { position, rotation, angles: presentAngles(hand, snapshot, rotation) };
+  return { position, rotation, angles: presentAngles(hand, snapshot) };
 }
 
-function presentAngles(hand: HandModel, snapshot: Snapshot, wrist: Quaternion) {
+function presentAngles(hand: HandModel, snapshot: Snapshot): Angles {
   const angles = restAngles(hand);
-  const toWrist = wrist.clone().invert();
-  DIGITS.slice(1).forEach((digit, d) => {
-    // Directions of the digit's bones, from the palm outwards, seen from the wrist.
-    const along = hand.bones
-      .map((bone, b) => ({ bone, b }))
-      .filter(({ bone }) => bone.digit === digit)
-      .map(({ bone, b }) => {
-        const [from, to] = boneEnds(bone, boneFrame(hand, b, snapshot, true));
-        return to.sub(from).normalize().applyQuaternion(toWrist);
-      });
-    if (along.length !== 3) return;
-    // The thumb's base is counted from its own rest, which cannot be seen: it stays at rest.
-    if (d > 0) {
-      angles[4 * d] = Math.atan2(-along[0].y, -along[0].z);
-      angles[4 * d + 1] = spread(along[0], hand, d);
-    }
-    angles[4 * d + 2] = along[0].angleTo(along[1]) * bendSign(along[0], along[1], d);
-    angles[4 * d + 3] = along[1].angleTo(along[2]) * bendSign(along[1], along[2], d);
+  hand.angles.forEach((angle, k) => {
+    const parent = angle === null ? null : hand.bones[angle.bone].parent;
+    if (angle === null || parent === null) return;
+    const before = boneFrame(hand, parent, snapshot, true).rotation.clone();
+    before.multiply(new Quaternion(...angle.rotation_PJ));
+    const turn = before.invert().multiply(boneFrame(hand, angle.bone, snapshot, true).rotation);
+    turn.multiply(new Quaternion(...angle.rotation_BK)).normalize();
+    const twoAxes = hand.angles.some((other) => other?.bone === angle.bone && other.axis === "y");
+    const [about_y, about_x] = twoAxes ? universal(turn) : [0, 2 * Math.atan2(turn.x, turn.w)];
+    angles[k] = angle.sense * wrap(angle.axis === "x" ? about_x : about_y);
   });
   return clampAngles(angles, hand);
 }
 
-/** Away from the middle finger is positive; x points to the thumb on a left hand. */
-function spread(along: Vector3, hand: HandModel, d: number): number {
-  const flat = Math.hypot(along.y, along.z);
-  const toThumb = Math.atan2(along.x, flat) * (hand.side === "left" ? 1 : -1);
-  return d <= 2 ? toThumb : -toThumb;
+/** The turns about y, then x, that come nearest to a rotation. */
+function universal({ x, y, z, w }: Quaternion): [number, number] {
+  const sum = Math.atan2(x + y, w + z);
+  const difference = Math.atan2(y - x, w - z);
+  return [sum + difference, sum - difference];
 }
 
-/** Fingers close about -x of the wrist. The thumb hardly bends backwards: its bends count as
- * closing. */
-function bendSign(from: Vector3, to: Vector3, d: number): number {
-  return d === 0 || from.clone().cross(to).x <= 0 ? 1 : -1;
+function wrap(angle: number): number {
+  return angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI));
 }

@@ -7,6 +7,7 @@ import {
   type HandBone,
   type HandModel,
   type Pose7,
+  type Quat4,
   type Rgb,
   type RigidMesh,
   type RigidModel,
@@ -70,6 +71,7 @@ function numbers(value: unknown, count: number, what: string): number[] {
 
 const vec3 = (value: unknown, what: string) => numbers(value, 3, what) as unknown as Vec3;
 const pose = (value: unknown, what: string) => numbers(value, 7, what) as unknown as Pose7;
+const quat = (value: unknown, what: string) => numbers(value, 4, what) as unknown as Quat4;
 const rgb = (value: unknown, what: string) => numbers(value, 3, what) as unknown as Rgb;
 
 /** The arrays behind the JSON. */
@@ -189,13 +191,18 @@ function readBone(value: unknown, count: number, what: string): HandBone {
   };
 }
 
-function readAngle(value: unknown, what: string): HandAngle {
+function readAngle(value: unknown, bones: number, what: string): HandAngle {
   const json = object(value, what);
   return {
     joint: text(json["joint"], `${what}.joint`),
     rest: number(json["rest"], `${what}.rest`),
     min: number(json["min"], `${what}.min`),
     max: number(json["max"], `${what}.max`),
+    bone: index(json["bone"], bones, `${what}.bone`),
+    axis: oneOf(json["axis"], ["x", "y"] as const, `${what}.axis`),
+    sense: number(json["sense"], `${what}.sense`),
+    rotation_PJ: quat(json["rotation_PJ"], `${what}.rotation_PJ`),
+    rotation_BK: quat(json["rotation_BK"], `${what}.rotation_BK`),
   };
 }
 
@@ -218,7 +225,7 @@ function readHand(value: unknown, i: number, rigids: number, softs: number, arra
     target_start: number(json["target_start"], `${what}.target_start`),
     bones: bones.map((bone, b) => readBone(bone, count, `${what}.bones[${b}]`)),
     wrist_B: pose(json["wrist_B"], `${what}.wrist_B`),
-    angles: angles.map((angle, a) => orNull(angle, (v) => readAngle(v, `${what}.angles[${a}]`))),
+    angles: angles.map((angle, a) => orNull(angle, (v) => readAngle(v, count, `${what}.angles[${a}]`))),
     collision_digits: arrays.get(json["collision_digits"], "u8", 1, `${what}.collision_digits`),
   };
 }

@@ -6,6 +6,7 @@ export const PROTOCOL_VERSION = 1;
 export type Vec3 = readonly [number, number, number];
 /** Position then quaternion. */
 export type Pose7 = readonly [number, number, number, number, number, number, number];
+export type Quat4 = readonly [number, number, number, number];
 export type Rgb = readonly [number, number, number];
 
 export type Side = "left" | "right";
@@ -88,6 +89,14 @@ export interface HandAngle {
   readonly rest: number;
   readonly min: number;
   readonly max: number;
+  /** The bone the joint carries, index in the hand's list. */
+  readonly bone: number;
+  /** Of the joint's frame: the angle is a turn about it, in this sense. */
+  readonly axis: "x" | "y";
+  readonly sense: number;
+  /** Joint frame in the parent bone and in the bone. */
+  readonly rotation_PJ: Quat4;
+  readonly rotation_BK: Quat4;
 }
 
 export interface HandModel {

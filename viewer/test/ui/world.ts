@@ -59,7 +59,12 @@ export function modelMessage(epoch = 1, scene = "bread-grasp"): ArrayBuffer {
     name, kind, fixed: kind === "plane", radius: null, half_length: null, half: null,
     pose_BS: [0, 0, 0, 0, 0, 0, 1], colour: null, mesh: null, ...more,
   });
-  const angle = (joint: string, min: number, max: number) => ({ joint, rest: 0, min, max });
+  const angle = (d: number, place: number, axis: "x" | "y", sense: number, min: number, max: number) => {
+    const start = d === 0 && place === 0 ? THUMB_TURN.toArray() : [0, 0, 0, 1];
+    const joint = `${DIGITS[d]}-${place}`;
+    const frames = { rotation_PJ: start, rotation_BK: [0, 0, 0, 1] };
+    return { joint, rest: 0, min, max, bone: 1 + 3 * d + place, axis, sense, ...frames };
+  };
   const json = {
     scene,
     title: "A hand grasps a small loaf of bread and lifts it.",
@@ -79,11 +84,11 @@ export function modelMessage(epoch = 1, scene = "bread-grasp"): ArrayBuffer {
       {
         name: "hand", side: "right", soft: null, length: 0.19, bone_start: 0, bone_count: 16,
         target_start: 0, bones, wrist_B: [0, 0, 0, 0, 0, 0, 1],
-        angles: DIGITS.flatMap((digit) => [
-          angle(`${digit}-base`, -0.8, 1.6),
-          angle(`${digit}-base`, -0.35, 0.5),
-          angle(`${digit}-second`, -0.2, 1.75),
-          angle(`${digit}-third`, -0.1, 1.5),
+        angles: DIGITS.flatMap((_, d) => [
+          angle(d, 0, "x", -1, -0.8, 1.6),
+          angle(d, 0, "y", d <= 2 ? 1 : -1, -0.35, 0.5),
+          angle(d, 1, "x", -1, -0.2, 1.75),
+          angle(d, 2, "x", -1, -0.1, 1.5),
         ]),
         collision_digits: { offset: 0, count: 0, type: "u8", width: 1 },
       },

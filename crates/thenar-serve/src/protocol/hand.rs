@@ -3,7 +3,7 @@
 use super::arrays::{Array, Arrays, seven};
 use serde::Serialize;
 use thenar::Pose;
-use thenar::model::{HandModel, Side};
+use thenar::model::{HandModel, JointKind, Side};
 use thenar_scene::build::BuiltHand;
 use thenar_scene::motion::{ANGLES, AngleRange, Articulation, hand_angles};
 
@@ -40,6 +40,15 @@ pub struct Angle {
     rest: f64,
     min: f64,
     max: f64,
+    /// The bone the joint carries, in the hand's list.
+    bone: u32,
+    /// Of the joint's frame: the angle is a turn about it.
+    axis: &'static str,
+    /// +1 or -1: the sense of that turn.
+    sense: f64,
+    /// Joint frame in the parent bone and in the bone, quaternions.
+    rotation_PJ: [f64; 4],
+    rotation_BK: [f64; 4],
 }
 
 /// Describes a hand whose first bone is number `target_start` among a snapshot's targets.
@@ -71,11 +80,21 @@ pub fn hand(built: &BuiltHand, target_start: usize, arrays: &mut Arrays) -> Hand
 /// The 20 angles by which a pose message bends a hand.
 fn angles(model: &HandModel) -> Vec<Option<Angle>> {
     let Ok(articulation) = Articulation::new(model) else { return vec![None; ANGLES] };
-    let angle = |range: AngleRange| Angle {
-        joint: range.joint,
-        rest: range.rest,
-        min: range.min,
-        max: range.max,
+    let angle = |range: AngleRange| {
+        let joint = &model.joints[range.index];
+        // A hinge turns about x, a universal joint about y, then x.
+        let about_x = joint.kind == JointKind::Hinge || range.axis == 1;
+        Angle {
+            joint: range.joint,
+            rest: range.rest,
+            min: range.min,
+            max: range.max,
+            bone: joint.child,
+            axis: if about_x { "x" } else { "y" },
+            sense: range.sense,
+            rotation_PJ: joint.pose_PJ.rotation.coords.into(),
+            rotation_BK: joint.pose_CK.rotation.coords.into(),
+        }
     };
     hand_angles(model, &articulation).map(|range| range.map(angle)).into()
 }
