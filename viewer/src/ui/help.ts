@@ -67,7 +67,7 @@ function text(): HTMLElement[] {
     h("h3", {}, "What the colours mean"),
     list(
       "Yellow: the tracked hand. Skin colour: the simulated one.",
-      "Pressure: from blue (none) to red (most).",
+      "Pressure: from dark (none) to bright yellow; the scale is beside the picture.",
       "In the plot: thumb orange-red, index yellow, middle green, ring blue, little pink, palm grey.",
     ),
     h("h3", {}, "What it does not do"),

@@ -32,17 +32,15 @@ export function openLink(app: App, link: ViewLink, told: (message: string) => vo
     asked += 1;
     connection.send({ type: "scene", name: link.scene });
   });
-  // The stage sets the scene's own camera with the model; this listener comes after it.
-  feed.on("model", () => {
-    if (placed || !arrived() || link.camera === null) return;
+  // The stage frames a new scene when it first draws it: the link's camera comes after that.
+  let frames = 0;
+  const placing = stage.onFrame(() => {
+    if (placed || !arrived() || stage.snapshot === null) return;
+    frames += 1;
+    if (frames < 3) return;
     placed = true;
-    if (typeof link.camera === "string") {
-      stage.setView(link.camera);
-      return;
-    }
-    stage.camera.position.set(...link.camera.position);
-    stage.controls.target.set(...link.camera.target);
-    stage.controls.update();
+    placing();
+    place(app, link);
   });
   connection.on("snapshot", (snapshot) => {
     if (pauseAt === null || !arrived() || !connection.inControl || connection.model === null) return;
@@ -61,4 +59,18 @@ export function openLink(app: App, link: ViewLink, told: (message: string) => vo
   });
   // Someone who touches the run takes over from the link.
   document.querySelector(".transport")?.addEventListener("click", () => (pauseAt = null));
+}
+
+function place({ stage }: App, { camera }: ViewLink): void {
+  if (camera === null) return;
+  if (typeof camera === "string") {
+    stage.setView(camera);
+    return;
+  }
+  stage.camera.position.set(...camera.position);
+  stage.controls.target.set(...camera.target);
+  if (camera.fov !== null) stage.camera.fov = camera.fov;
+  stage.camera.updateProjectionMatrix();
+  stage.controls.update();
+  stage.invalidate();
 }

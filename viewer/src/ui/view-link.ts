@@ -7,6 +7,8 @@ import type { Vec3 } from "../protocol/types";
 export interface CameraPlace {
   readonly position: Vec3;
   readonly target: Vec3;
+  /** Vertical field of view, degrees; null: as it is. */
+  readonly fov: number | null;
 }
 
 export interface ViewLink {
@@ -57,16 +59,18 @@ function parseCamera(text: string | null): ViewName | CameraPlace | null {
   const view = VIEWS.find((name) => name === text);
   if (view !== undefined) return view;
   const n = text.split(",").map((part) => (part.trim() === "" ? NaN : Number(part)));
-  const good = n.length === 6 && n.every((x) => Number.isFinite(x) && Math.abs(x) < NUMBERS_MOST);
-  if (!good) return null;
-  const [a, b, c, d, e, f] = n;
+  const six = n.length === 6 || n.length === 7;
+  if (!six || !n.every((x) => Number.isFinite(x) && Math.abs(x) < NUMBERS_MOST)) return null;
+  const [a, b, c, d, e, f, fov = null] = n;
+  if (fov !== null && (fov < 1 || fov > 120)) return null;
   if (Math.hypot(a - d, b - e, c - f) < 1e-4) return null;
-  return { position: [a, b, c], target: [d, e, f] };
+  return { position: [a, b, c], target: [d, e, f], fov };
 }
 
 function formatCamera(camera: ViewName | CameraPlace): string {
   if (typeof camera === "string") return camera;
-  return [...camera.position, ...camera.target].map((x) => Number(x.toFixed(4))).join(",");
+  const fov = camera.fov === null ? [] : [camera.fov];
+  return [...camera.position, ...camera.target, ...fov].map((x) => Number(x.toFixed(4))).join(",");
 }
 
 function parseTime(text: string | null): number | null {

@@ -9,7 +9,8 @@ describe("view links", () => {
       nothing,
       { ...nothing, scene: "my scene/ä&b", ui: false },
       { ...nothing, layers: ["skin", "contacts"], camera: "close", pauseAt: 2.125 },
-      { ...nothing, layers: [], camera: { position: [0.1, -0.2, 0.3], target: [0, 0, 0.05] } },
+      { ...nothing, layers: [], camera: { position: [0.1, -0.2, 0.3], target: [0, 0, 0.05], fov: null } },
+      { ...nothing, camera: { position: [1, 2, 3], target: [0, 0, 0], fov: 24.5 } },
     ];
     for (const link of links) expect(parseLink(formatLink(link))).toEqual(link);
   });
@@ -26,7 +27,7 @@ describe("view links", () => {
 
   it("leave out what makes no sense", () => {
     const junk = [
-      "#camera=1,2,3", "#camera=1,2,3,4,5,x", "#camera=1,2,3,1,2,3", "#camera=1e9,0,0,0,0,0",
+      "#camera=1,2,3", "#camera=1,2,3,4,5,x", "#camera=1,2,3,1,2,3", "#camera=1e9,0,0,0,0,0", "#camera=1,2,3,0,0,0,500",
       "#t=-1", "#t=soon", "#t=", "#t=Infinity", "#scene=", "#%%%", "#&&==&",
     ];
     for (const hash of junk) expect(parseLink(hash)).toEqual(nothing);

@@ -3,8 +3,9 @@
 import { LAYERS, LAYER_LABELS, VIEWS, type LayerName, type ViewName } from "../../scene/layers";
 import type { Desk, Panel } from "../desk";
 import { button, h } from "../dom";
+import { fixed } from "../format";
 import { ICONS } from "../icons";
-import { group } from "../widgets";
+import { group, select, slider } from "../widgets";
 
 interface Explanation {
   readonly key: string;
@@ -18,8 +19,8 @@ const EXPLAIN: Readonly<Record<LayerName, Explanation>> = {
   tracked: { key: "y", text: "In yellow: where the tracker puts the hand. Contact holds the real one back (Fig. 4)." },
   skinning: { key: "l", text: "The same pose by plain skinning, without flesh (Fig. 6)." },
   contacts: { key: "c", text: "Points where bodies touch." },
-  forces: { key: "v", text: "An arrow per contact, as long as its force is strong." },
-  pressure: { key: "h", text: "Force per area as colour: blue none, red most." },
+  forces: { key: "v", text: "Arrows at the contacts, as long as the force is strong: pressing and friction." },
+  pressure: { key: "h", text: "Force per area as colour, from dark (none) to bright." },
   wireframe: { key: "w", text: "The edges of the objects' triangles (Fig. 8)." },
   objects: { key: "o", text: "What the hand touches." },
   shadows: { key: "x", text: "Soft shadows; off is quicker to draw." },
@@ -74,6 +75,22 @@ export function layersPanel(desk: Desk): Panel & { refresh(): void } {
     });
     return button(VIEW_LABELS[view], () => stage.setView(view), { title: `Key ${key}` });
   });
+  let axis: "x" | "y" | "z" | null = null;
+  let part = 0.5;
+  const cut = () => {
+    stage.setClip(axis, part);
+    where.element.hidden = axis === null;
+  };
+  const along = select("Cut the flesh", [["", "not"], ["x", "along x"], ["y", "along y"], ["z", "along z"]], (value) => {
+    axis = value === "x" || value === "y" || value === "z" ? value : null;
+    cut();
+  });
+  const where = slider("Shown part", { min: 0, max: 1, scale: "linear" }, (v) => `${fixed(100 * v, 0)} %`, (v) => {
+    part = v;
+    cut();
+  });
+  where.set(part);
+  where.element.hidden = true;
   return {
     id: "layers",
     title: "Layers",
@@ -82,6 +99,7 @@ export function layersPanel(desk: Desk): Panel & { refresh(): void } {
       "div",
       {},
       h("div", { class: "layers" }, ...rows),
+      group("Section", h("p", { class: "help" }, "Looks inside the flesh layer."), along.element, where.element),
       group("View", h("div", { class: "buttons" }, ...views)),
     ),
     refresh() {

@@ -55,7 +55,7 @@ export function picturePanel(desk: Desk): Panel {
     return {
       scene: feed.model?.scene ?? null,
       layers: LAYERS.filter((layer) => stage.layer(layer)),
-      camera: { position: [p.x, p.y, p.z], target: [t.x, t.y, t.z] },
+      camera: { position: [p.x, p.y, p.z], target: [t.x, t.y, t.z], fov: camera.fov },
       pauseAt: connection.status?.paused === true ? (connection.snapshot?.time ?? null) : null,
       ui: true,
     };
