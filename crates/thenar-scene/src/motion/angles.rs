@@ -23,11 +23,11 @@ pub struct AngleRange {
     /// Largest admissible \[rad\].
     pub max: f64,
     /// Index of the joint in the hand.
-    pub(crate) index: usize,
+    pub index: usize,
     /// Which of the joint's axes.
-    pub(crate) axis: usize,
+    pub axis: usize,
     /// +1 or -1: the joint's own angle is this times the anatomical one.
-    pub(crate) sense: f64,
+    pub sense: f64,
 }
 
 /// The twenty angles of `hand`; `None` for a joint it lacks.
