@@ -37,10 +37,11 @@ export function banner(desk: Desk): HTMLElement {
     element.hidden = what === null;
     if (what !== null) setText(text, what);
   });
-  connection.on("open", ({ again: back }) => {
+  connection.on("open", () => {
     clearInterval(ticking);
+    const missed = !element.hidden;
     element.hidden = true;
-    if (back && feed.live) desk.toasts.show("Connected again.");
+    if (missed && feed.live) desk.toasts.show("Connected again.");
   });
   connection.on("close", () => (again.hidden = false));
   return element;

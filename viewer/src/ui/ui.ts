@@ -41,7 +41,8 @@ export function mountUi(app: App, root: HTMLElement): Desk {
   ];
   const { top, bottom } = transport(desk);
   for (const panel of panels) shell.add(panel);
-  root.append(top, bottom, hint(app), shell.drawer, shell.rail, banner(desk), desk.toasts.element);
+  const corner = h("div", { class: "corner" }, desk.toasts.element, hint(app), bottom);
+  root.append(top, corner, shell.drawer, shell.rail, banner(desk));
 
   let bare = false;
   desk.keys.add({
@@ -74,7 +75,7 @@ function hint(app: App): HTMLElement {
     remember("hint-seen", true);
   };
   element.append(
-    "Drag the hand to take it. Drag beside it to look around. Press ? for help.",
+    "Drag the hand to take it. Drag beside it to look around. Help tells the rest (key ?).",
     button("Got it", gone, { class: "plain" }),
   );
   app.inputs.onChange(() => {
