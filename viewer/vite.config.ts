@@ -1,4 +1,5 @@
 import { defineConfig } from "vitest/config";
+import { mediapipe } from "./build/mediapipe.ts";
 
 // Where the built page goes: the cargo build sets THENAR_PAGE_OUT; by hand it is viewer/dist.
 const outDir = process.env["THENAR_PAGE_OUT"] ?? "dist";
@@ -7,6 +8,7 @@ const server = process.env["THENAR_SERVER"] ?? "http://127.0.0.1:8014";
 
 export default defineConfig({
   base: "./",
+  plugins: [mediapipe()],
   build: {
     outDir,
     emptyOutDir: true,

@@ -34,7 +34,8 @@ function levelAhead(head: Quaternion): Vector3 {
   const ahead = new Vector3(0, 0, -1).applyQuaternion(head);
   const up = new Vector3(0, 1, 0).applyQuaternion(head);
   // Within 10 degrees of straight up or down the look itself says nothing of the direction.
-  if (Math.hypot(ahead.x, ahead.z) < 0.17) ahead.copy(up).multiplyScalar(ahead.y < 0 ? 1 : -1);
+  const down = ahead.y < 0;
+  if (Math.hypot(ahead.x, ahead.z) < 0.17) ahead.copy(up).multiplyScalar(down ? 1 : -1);
   ahead.y = 0;
   return ahead.normalize();
 }

@@ -2,12 +2,14 @@
 
 import type { App } from "../app";
 import { MotionSource } from "../tracking/motion-source";
+import { WebcamSource } from "../tracking/webcam-source";
 import type { Emulator } from "./emulate";
 import "./xr.css";
 import { EmulatedSource, XrSource, type XrReport } from "./source";
 
 export interface Tracking {
   readonly motion: MotionSource;
+  readonly webcam: WebcamSource;
   readonly xr: XrSource;
   readonly report: XrReport;
   /** Puts an emulated headset in place of the browser's own WebXR. */
@@ -26,7 +28,9 @@ export function installTracking(app: App): Tracking {
   const vr = new XrSource(app, "immersive-vr");
   const ar = new XrSource(app, "immersive-ar");
   const motion = new MotionSource(app);
+  const webcam = new WebcamSource(app);
   app.inputs.register(motion);
+  app.inputs.register(webcam);
   app.inputs.register(vr);
   const emulated = new EmulatedSource(app, emulate);
   app.inputs.register(emulated);
@@ -55,6 +59,7 @@ export function installTracking(app: App): Tracking {
   });
   const tracking: Tracking = {
     motion,
+    webcam,
     xr: vr,
     emulate,
     get report() {

@@ -1,0 +1,196 @@
+// Input source: hands seen by a webcam. Pictures stay in the browser.
+
+import type { Hands, Results } from "@mediapipe/hands";
+import { Vector3 } from "three";
+import type { App } from "../app";
+import { InputSourceBase } from "../input/source";
+import type { Side } from "../protocol/types";
+import { h } from "../ui/dom";
+import { openCamera } from "./camera";
+import { loadHands } from "./mediapipe";
+import { OneEuro } from "./one-euro";
+import { HandsRequest, PoseOutlet, SIDES } from "./outlet";
+import { placeWebcamHand, seen, type Seen } from "./webcam-hand";
+
+/** Below this the tracker is not sure which hand, or whether it is one. */
+const SCORE_MIN = 0.7;
+/** Not seen for so long, a hand is lost, s. */
+const LOST_S = 0.25;
+/** Seen for so long, a hand that the scene lacks is asked for, s. */
+const WANTED_S = 1.5;
+const TILT_DEGREES = 75;
+
+const SHAPE = { cutoff: 2.5, beta: 20, speedCutoff: 1 };
+const PLACE = { cutoff: 1.2, beta: 6, speedCutoff: 1 };
+
+class WebcamHand {
+  readonly shape = new OneEuro(63, SHAPE);
+  readonly place = new OneEuro(3, PLACE);
+  /** When last seen, and since when without a break, s. */
+  last = -Infinity;
+  since = 0;
+
+  filter(from: Seen, time: number): Seen {
+    if (time - this.last > LOST_S) {
+      this.shape.reset();
+      this.place.reset();
+      this.since = time;
+    }
+    this.last = time;
+    const wrist = Float64Array.from(from.wrist);
+    this.shape.filter(from.points, time);
+    this.place.filter(wrist, time);
+    return { points: from.points, wrist: new Vector3().fromArray(wrist) };
+  }
+}
+
+export class WebcamSource extends InputSourceBase {
+  readonly id = "webcam";
+  readonly label = "Webcam";
+  readonly help =
+    "Your hand before the camera moves the simulated one. Pictures never leave this browser; loads 10 MB once.";
+  readonly controls: HTMLElement;
+  /** Pictures looked at since the start. */
+  pictures = 0;
+
+  private readonly outlet: PoseOutlet;
+  private readonly request: HandsRequest;
+  private readonly video = h("video", { muted: true, playsinline: true, "aria-label": "Webcam, mirrored" });
+  private readonly preview = h("div", { class: "webcam-preview", hidden: true }, this.video);
+  private readonly tilt = h("input", { type: "range", min: 0, max: 90, value: TILT_DEGREES });
+  private hands: Hands | null = null;
+  private stream: MediaStream | null = null;
+  /** Counts starts, so that what an old one still awaits is dropped. */
+  private run = 0;
+  private readonly seenHands: Record<Side, WebcamHand> = {
+    left: new WebcamHand(),
+    right: new WebcamHand(),
+  };
+  private distance: number | null = null;
+
+  constructor(private readonly app: App) {
+    super();
+    this.outlet = new PoseOutlet(app.connection);
+    this.request = new HandsRequest(app.connection);
+    const tilt = h("label", {}, "Palm turned down: ", this.tilt);
+    this.controls = h("div", { class: "webcam-controls" }, this.preview, tilt);
+    app.connection.on("open", () => this.request.forget());
+    if (!window.isSecureContext || navigator.mediaDevices === undefined) {
+      this.setAvailable(false, "Cameras need a secure address: https, or localhost.");
+    }
+  }
+
+  async start(): Promise<void> {
+    this.run += 1;
+    const { run } = this;
+    this.distance = null;
+    this.pictures = 0;
+    try {
+      this.set("starting", "Waiting for the camera.");
+      const stream = await openCamera();
+      if (run !== this.run) {
+        for (const track of stream.getTracks()) track.stop();
+        return;
+      }
+      this.stream = stream;
+      stream.getVideoTracks()[0]?.addEventListener("ended", () => this.fail("The camera is gone."));
+      this.video.srcObject = stream;
+      await this.video.play();
+      this.preview.hidden = false;
+      this.set("starting", "Loading the hand tracker.");
+      this.hands ??= await loadHands((results) => this.results(results));
+      if (run !== this.run) return;
+      this.set("on", "Show a hand to the camera.");
+      void this.look(run);
+    } catch (error) {
+      if (run !== this.run) return;
+      this.fail(error instanceof Error ? error.message : String(error));
+    }
+  }
+
+  stop(): void {
+    this.letGo();
+    this.set("off");
+  }
+
+  private fail(note: string): void {
+    this.letGo();
+    this.set("failed", note);
+  }
+
+  private letGo(): void {
+    this.run += 1;
+    for (const track of this.stream?.getTracks() ?? []) track.stop();
+    this.stream = null;
+    this.video.srcObject = null;
+    this.preview.hidden = true;
+    this.outlet.lostAll();
+    this.request.restore();
+  }
+
+  /** One picture after the other, each when the one before is done and a frame has passed. */
+  private async look(run: number): Promise<void> {
+    while (run === this.run && this.hands !== null) {
+      try {
+        if (this.video.readyState >= HTMLMediaElement.HAVE_CURRENT_DATA) {
+          await this.hands.send({ image: this.video });
+        }
+      } catch (error) {
+        if (run !== this.run) return;
+        // A tracker that broke is made anew the next time.
+        this.hands = null;
+        this.fail(`The hand tracker stopped: ${error instanceof Error ? error.message : String(error)}`);
+        return;
+      }
+      await new Promise((resolve) => requestAnimationFrame(resolve));
+    }
+  }
+
+  private results(results: Results): void {
+    if (this.stream === null) return;
+    this.pictures += 1;
+    const time = performance.now() / 1000;
+    const aspect = this.video.videoWidth / this.video.videoHeight;
+    const found = new Set<Side>();
+    results.multiHandedness.forEach(({ label, score }, i) => {
+      // The labels are meant for mirrored pictures; ours is as the camera sees it.
+      const side: Side = label === "Left" ? "right" : "left";
+      if (score < SCORE_MIN || found.has(side)) return;
+      const picture = results.multiHandLandmarks[i];
+      const metres = results.multiHandWorldLandmarks[i];
+      const from = seen(picture, metres, aspect);
+      if (from === null) return;
+      found.add(side);
+      this.moved(side, this.seenHands[side].filter(from, time));
+    });
+    this.others(found, time);
+  }
+
+  private moved(side: Side, from: Seen): void {
+    // Where the hand first shows is the middle.
+    this.distance ??= from.wrist.z;
+    const { model } = this.app.connection;
+    const hand = model?.hands.find((candidate) => candidate.side === side);
+    if (!model || hand === undefined) return;
+    const target = model.camera?.target;
+    const joints = placeWebcamHand(from, side, {
+      centre: target === undefined ? new Vector3() : new Vector3(...target),
+      distance: this.distance,
+      tilt: (this.tilt.valueAsNumber * Math.PI) / 180,
+      length: hand.length,
+    });
+    if (joints !== null) this.outlet.joints(side, joints);
+  }
+
+  /** Lost hands, hands the scene lacks, and what to tell. */
+  private others(found: ReadonlySet<Side>, time: number): void {
+    for (const side of SIDES) {
+      const hand = this.seenHands[side];
+      if (time - hand.last > LOST_S) this.outlet.lost(side);
+      const lacking = found.has(side) && !this.outlet.accepts(side);
+      if (lacking && time - hand.since > WANTED_S) this.request.ask({ left: null, right: null });
+    }
+    const words = found.size === 0 ? "No hand in sight." : `Tracking: ${[...found].join(" and ")} hand.`;
+    if (words !== this.note) this.set("on", words);
+  }
+}
