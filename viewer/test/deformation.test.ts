@@ -46,7 +46,8 @@ describe("a deformation", () => {
     const moved = new Float32Array(3 * 7);
     for (let n = 0; n < 5; n++) {
       for (let i = 0; i < 3; i++) {
-        moved[6 + 3 * n + i] = 0.3 + F[i][0] * rest[3 * n] + F[i][1] * rest[3 * n + 1] + F[i][2] * rest[3 * n + 2];
+        moved[6 + 3 * n + i] =
+          0.3 + F[i][0] * rest[3 * n] + F[i][1] * rest[3 * n + 1] + F[i][2] * rest[3 * n + 2];
       }
     }
     const deformation = new Deformation(rest, tets);
@@ -64,7 +65,10 @@ describe("a deformation", () => {
     const all = new Uint32Array(4 * 300);
     for (let t = 0; t < 300; t++) {
       many.set(rest.slice(0, 12), 12 * t);
-      all.set([0, 1, 2, 3].map((k) => 4 * t + k), 4 * t);
+      all.set(
+        [0, 1, 2, 3].map((k) => 4 * t + k),
+        4 * t,
+      );
     }
     const deformation = new Deformation(many, all);
     expect(deformation.texture.image.height).toBe(5);
@@ -127,7 +131,8 @@ describe("normals", () => {
     const corners = [0, 1, 2, 3, 4, 5, 6, 7].flatMap((i) => [i & 1, (i >> 1) & 1, i >> 2]);
     const quads = [0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5];
     const triangles: number[] = [];
-    for (let q = 0; q < 24; q += 4) triangles.push(quads[q], quads[q + 1], quads[q + 2], quads[q], quads[q + 2], quads[q + 3]);
+    for (let q = 0; q < 24; q += 4)
+      triangles.push(quads[q], quads[q + 1], quads[q + 2], quads[q], quads[q + 2], quads[q + 3]);
     const normals = vertexNormals(Float32Array.from(corners), Uint32Array.from(triangles));
     corners.forEach((c, i) => expect(normals[i]).toBeCloseTo((c === 1 ? 1 : -1) / Math.sqrt(3), 5));
   });

@@ -102,7 +102,11 @@ export function worldJson(arrays: Arrays) {
         skin: {
           bones: arrays.put("u16", 2, [1, 1, 1, 2, 1, 2, 1, 2, 2, 2]),
           weights: arrays.put("f32", 2, [1, 0, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 1, 0]),
-          offsets: arrays.put("f32", 6, Array.from({ length: 30 }, (_, i) => NODES[3 * Math.floor(i / 6) + (i % 3)])),
+          offsets: arrays.put(
+            "f32",
+            6,
+            Array.from({ length: 30 }, (_, i) => NODES[3 * Math.floor(i / 6) + (i % 3)]),
+          ),
         },
       },
     ],
@@ -117,7 +121,9 @@ export function worldJson(arrays: Arrays) {
         target_start: 0,
         bones: [bone("palm", null, "palm"), bone("index-distal", 0, "index")],
         wrist_B: [0, 0, 0, 0, 0, 0, 1],
-        angles: Array.from({ length: 20 }, (_, i) => (i === 4 ? { joint: "j", rest: 0, min: -1, max: 1 } : null)),
+        angles: Array.from({ length: 20 }, (_, i) =>
+          i === 4 ? { joint: "j", rest: 0, min: -1, max: 1 } : null,
+        ),
         collision_digits: arrays.put("u8", 1, [0, 0, 2, 2]),
       },
     ],
@@ -136,7 +142,11 @@ export interface TestContact {
 }
 
 /** A snapshot of that world: bodies at rest, all nodes moved up by `rise`. */
-export function encodeSnapshot(epoch: number, rise: number, contacts: readonly TestContact[] = []): ArrayBuffer {
+export function encodeSnapshot(
+  epoch: number,
+  rise: number,
+  contacts: readonly TestContact[] = [],
+): ArrayBuffer {
   const floats = [
     ...[0, 1, 2, 3].flatMap((i) => [0.1 * i, rise, 0, 0, 0, 0, 1]),
     ...NODES.map((x, i) => x + (i % 3 === 1 ? rise : 0)),

@@ -150,8 +150,7 @@ function readSkin(value: unknown, nodes: number, rigids: number, arrays: Arrays,
   const bones = arrays.get(json["bones"], "u16", 2, `${what}.bones`);
   const weights = arrays.get(json["weights"], "f32", 2, `${what}.weights`);
   const offsets = arrays.get(json["offsets"], "f32", 6, `${what}.offsets`);
-  const whole =
-    bones.length === 2 * nodes && weights.length === 2 * nodes && offsets.length === 6 * nodes;
+  const whole = bones.length === 2 * nodes && weights.length === 2 * nodes && offsets.length === 6 * nodes;
   check(whole, `${what} is not one per node.`);
   checkBelow(bones, rigids, `${what}.bones`);
   return { bones, weights, offsets };

@@ -24,7 +24,12 @@ const LONGEST = 0.05;
 /** Slip above which a point counts as sliding, m/s. */
 const SLIDING = 1e-3;
 
-export const CONTACT_COLOURS = { sticking: "#4fd1a5", sliding: "#ff8a3d", normal: "#58b7ff", shear: "#ff4f81" };
+export const CONTACT_COLOURS = {
+  sticking: "#4fd1a5",
+  sliding: "#ff8a3d",
+  normal: "#58b7ff",
+  shear: "#ff4f81",
+};
 
 export class ContactView {
   readonly points = instances(new SphereGeometry(0.0011, 10, 8));
@@ -66,7 +71,8 @@ export class ContactView {
       if (onB) FORCE.negate();
       const body = onB ? contacts.bodyB(i) : contacts.bodyA(i);
       const vertex = onB ? contacts.vertexB(i) : contacts.vertexA(i);
-      if (vertex === NO_VERTEX || !this.normalsOf(model, body, vertex, snapshot.nodes, GUESS)) GUESS.copy(FORCE);
+      if (vertex === NO_VERTEX || !this.normalsOf(model, body, vertex, snapshot.nodes, GUESS))
+        GUESS.copy(FORCE);
       else GUESS.negate();
       split(FORCE, Math.abs(x[at + 8]), GUESS, NORMAL, SHEAR);
       this.points.setMatrixAt(i, MATRIX.makeTranslation(PLACE));
@@ -82,7 +88,13 @@ export class ContactView {
   }
 
   /** Normal of a soft body's collision surface at a vertex; false if there is none. */
-  private normalsOf(model: SceneModel, body: number, vertex: number, nodes: Float32Array, out: Vector3): boolean {
+  private normalsOf(
+    model: SceneModel,
+    body: number,
+    vertex: number,
+    nodes: Float32Array,
+    out: Vector3,
+  ): boolean {
     const soft = model.softs[body - SOFT_BODY];
     if (soft === undefined) return false;
     let surface = this.surfaces.get(soft);
@@ -116,7 +128,13 @@ function isHand(model: SceneModel, body: number): boolean {
 
 /** A contact tells the normal part's size, not its direction. Among the directions that fit, the one
  * nearest to the skin's normal, `guess`, is meant. */
-export function split(force: Vector3, normalPart: number, guess: Vector3, normal: Vector3, shear: Vector3): void {
+export function split(
+  force: Vector3,
+  normalPart: number,
+  guess: Vector3,
+  normal: Vector3,
+  shear: Vector3,
+): void {
   const whole = force.length();
   if (whole < 1e-9) {
     normal.set(0, 0, 0);
@@ -159,7 +177,13 @@ function instances(geometry: BufferGeometry): InstancedMesh {
 
 /** Seen through everything: contacts lie between two bodies. */
 function overlay(colour: string): MeshBasicMaterial {
-  return new MeshBasicMaterial({ color: colour, depthTest: false, transparent: true, opacity: 0.92, toneMapped: false });
+  return new MeshBasicMaterial({
+    color: colour,
+    depthTest: false,
+    transparent: true,
+    opacity: 0.92,
+    toneMapped: false,
+  });
 }
 
 /** One long along y. */

@@ -26,7 +26,11 @@ export class Legend {
     numbers.append(zero, this.middle, this.most);
     this.pressure.append("Pressure", bar, numbers);
     this.forces.className = "scale-forces";
-    this.forces.append(swatch(CONTACT_COLOURS.normal, "normal force"), swatch(CONTACT_COLOURS.shear, "friction"), this.arrow);
+    this.forces.append(
+      swatch(CONTACT_COLOURS.normal, "normal force"),
+      swatch(CONTACT_COLOURS.shear, "friction"),
+      this.arrow,
+    );
     this.element.append(this.pressure, this.forces);
   }
 

@@ -43,7 +43,8 @@ type Shader = WebGLProgramParametersWithUniforms;
 
 /** Wider, smoother shadows than three's five taps. */
 export function smoothShadows(taps: number): void {
-  const from = /shadow = \(\s*texture\( shadowMap, vec3\( shadowCoord\.xy \+ vogelDiskSample\( 0, 5, phi \)[\s\S]*?\) \* 0\.2;/;
+  const from =
+    /shadow = \(\s*texture\( shadowMap, vec3\( shadowCoord\.xy \+ vogelDiskSample\( 0, 5, phi \)[\s\S]*?\) \* 0\.2;/;
   const to = `shadow = 0.0;
     for ( int i = 0; i < ${taps}; i ++ ) shadow += texture( shadowMap, vec3( shadowCoord.xy + vogelDiskSample( i, ${taps}, phi ) * radius, shadowCoord.z ) );
     shadow /= ${taps.toFixed(1)};`;
@@ -74,7 +75,11 @@ function occlude(shader: Shader, shared: Shared, by: OccludedBy): void {
   replaceVertex(shader, "#include <common>", after("#include <common>", defines + OCCLUSION_VERTEX_PARS));
   replaceVertex(shader, "#include <worldpos_vertex>", after("#include <worldpos_vertex>", OCCLUSION_VERTEX));
   replaceFragment(shader, "#include <common>", after("#include <common>", defines + OCCLUSION_PARS));
-  replaceFragment(shader, "#include <aomap_fragment>", after("#include <aomap_fragment>", OCCLUSION_FRAGMENT));
+  replaceFragment(
+    shader,
+    "#include <aomap_fragment>",
+    after("#include <aomap_fragment>", OCCLUSION_FRAGMENT),
+  );
 }
 
 function passRest(shader: Shader): void {
@@ -229,7 +234,11 @@ export function breadMaterial(
     passRest(shader);
     occlude(shader, shared, "hands");
     shader.uniforms["longAxis"] = { value: long };
-    replaceVertex(shader, "#include <common>", after("#include <common>", "uniform vec3 longAxis;\nvarying float vCut;"));
+    replaceVertex(
+      shader,
+      "#include <common>",
+      after("#include <common>", "uniform vec3 longAxis;\nvarying float vCut;"),
+    );
     replaceVertex(
       shader,
       "#include <project_vertex>",
@@ -345,7 +354,12 @@ export function embeddedDepthMaterial(
 
 /** Edges of tetrahedra. */
 export function embeddedLineMaterial(colour: Color, nodes: IUniform<Texture>): LineBasicMaterial {
-  const material = new LineBasicMaterial({ color: colour, transparent: true, opacity: 0.55, depthWrite: false });
+  const material = new LineBasicMaterial({
+    color: colour,
+    transparent: true,
+    opacity: 0.55,
+    depthWrite: false,
+  });
   material.onBeforeCompile = (shader) => embed(shader, nodes);
   material.customProgramCacheKey = () => "embedded-line";
   return material;
@@ -372,18 +386,34 @@ export function paintMaterial(colour: Color, vertexColours: boolean, shared: Sha
 }
 
 /** A wooden table top that fades into the dark around the place of interest. */
-export function groundMaterial(shared: Shared, centre: IUniform, reach: IUniform<number>): MeshStandardMaterial {
-  const material = new MeshStandardMaterial({ color: 0xffffff, roughness: 0.62, envMapIntensity: 0.7, transparent: true });
+export function groundMaterial(
+  shared: Shared,
+  centre: IUniform,
+  reach: IUniform<number>,
+): MeshStandardMaterial {
+  const material = new MeshStandardMaterial({
+    color: 0xffffff,
+    roughness: 0.62,
+    envMapIntensity: 0.7,
+    transparent: true,
+  });
   material.onBeforeCompile = (shader) => {
     occlude(shader, shared, "all");
     shader.uniforms["centre"] = centre;
     shader.uniforms["reach"] = reach;
     replaceVertex(shader, "#include <common>", after("#include <common>", "varying vec3 vGround;"));
-    replaceVertex(shader, "#include <project_vertex>", after("#include <project_vertex>", "vGround = position;"));
+    replaceVertex(
+      shader,
+      "#include <project_vertex>",
+      after("#include <project_vertex>", "vGround = position;"),
+    );
     replaceFragment(
       shader,
       "#include <common>",
-      after("#include <common>", `varying vec3 vGround; uniform vec3 centre; uniform float reach;\n${NOISE}\n${WOOD}`),
+      after(
+        "#include <common>",
+        `varying vec3 vGround; uniform vec3 centre; uniform float reach;\n${NOISE}\n${shared.quality.detail ? "#define FINE\n" : ""}${WOOD}`,
+      ),
     );
     replaceFragment(
       shader,
@@ -401,7 +431,7 @@ export function groundMaterial(shared: Shared, centre: IUniform, reach: IUniform
       after("#include <roughnessmap_fragment>", "roughnessFactor = sheen;"),
     );
   };
-  material.customProgramCacheKey = () => `ground-${shared.quality.occlusion}`;
+  material.customProgramCacheKey = () => `ground-${shared.quality.detail}-${shared.quality.occlusion}`;
   return material;
 }
 
@@ -415,11 +445,16 @@ vec3 wood( vec2 at, out float sheen ) {
   float across = fract( lane );
   float along = at.x * 3.2 + 17.0 * tone;
   float bend = noise3( vec3( along * 0.55, across * 1.3, 9.0 * tone ) );
-  float rings = 0.5 + 0.5 * sin( 6.2832 * ( across * 3.1 + 2.6 * bend + 0.35 * noise3( vec3( along * 2.0, across * 5.0, tone ) ) ) );
+  float streak = 0.5;
+  float wander = 0.2;
+#ifdef FINE
+  streak = noise3( vec3( along * 1.3, across * 16.0, tone * 20.0 ) );
+  wander = 0.35 * noise3( vec3( along * 2.0, across * 5.0, tone ) );
+#endif
+  float rings = 0.5 + 0.5 * sin( 6.2832 * ( across * 3.1 + 2.6 * bend + wander ) );
   rings = mix( 0.5, rings, 1.0 - smoothstep( 0.004, 0.016, footprint ) );
   float fibre = noise3( vec3( along * 4.5, across * 70.0, tone * 40.0 ) );
   fibre = mix( 0.5, fibre, 1.0 - smoothstep( 0.0004, 0.0020, footprint ) );
-  float streak = noise3( vec3( along * 1.3, across * 16.0, tone * 20.0 ) );
   float shade = clamp( 0.48 + 0.22 * ( rings - 0.5 ) + 0.34 * ( fibre - 0.5 ) + 0.30 * ( streak - 0.5 ) + 0.26 * ( tone - 0.5 ), 0.0, 1.0 );
   vec3 colour = mix( vec3( 0.112, 0.052, 0.026 ), vec3( 0.330, 0.180, 0.092 ), shade );
   float seam = min( across, 1.0 - across ) * 0.09;

@@ -75,7 +75,8 @@ function boneOf(soft: SoftModel, skin: Skin, hand: HandModel, v: number, sum: Fl
     const node = soft.tets[4 * soft.render.tets[v] + k];
     for (let s = 0; s < 2; s++) {
       const bone = skin.bones[2 * node + s] - hand.bone_start;
-      if (bone >= 0 && bone < sum.length) sum[bone] += soft.render.weights[4 * v + k] * skin.weights[2 * node + s];
+      if (bone >= 0 && bone < sum.length)
+        sum[bone] += soft.render.weights[4 * v + k] * skin.weights[2 * node + s];
     }
   }
   let best = 0;

@@ -29,7 +29,10 @@ function restPose(soft: SoftModel, skin: Skin, bone: number): Float64Array {
   if (pairs.length < 4) return out;
   const x = (n: number, c: number) => soft.nodes[3 * n + c];
   const o = (n: number, k: number, c: number) => skin.offsets[6 * n + 3 * k + c];
-  const [meanX, meanO] = [[0, 0, 0], [0, 0, 0]];
+  const [meanX, meanO] = [
+    [0, 0, 0],
+    [0, 0, 0],
+  ];
   for (const [n, k] of pairs) {
     for (let c = 0; c < 3; c++) {
       meanX[c] += x(n, c) / pairs.length;
@@ -54,8 +57,7 @@ function restPose(soft: SoftModel, skin: Skin, bone: number): Float64Array {
     }
   }
   for (let i = 0; i < 3; i++) {
-    out[9 + i] =
-      meanX[i] - out[3 * i] * meanO[0] - out[3 * i + 1] * meanO[1] - out[3 * i + 2] * meanO[2];
+    out[9 + i] = meanX[i] - out[3 * i] * meanO[0] - out[3 * i + 1] * meanO[1] - out[3 * i + 2] * meanO[2];
   }
   return out;
 }

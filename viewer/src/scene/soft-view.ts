@@ -28,7 +28,7 @@ import {
 import { skinSites } from "./skin-sites";
 import { restPositions, vertexNormals } from "./surface";
 
-const SKIN = new Color(0.85, 0.66, 0.56).convertSRGBToLinear();
+const SKIN = new Color(0.865, 0.685, 0.59).convertSRGBToLinear();
 const BREAD = new Color(0.843, 0.604, 0.306).convertSRGBToLinear();
 const RUBBER = new Color(0.25, 0.5, 0.62).convertSRGBToLinear();
 const EDGE = new Color(0x8c1f2d);
@@ -124,7 +124,10 @@ export class SoftView {
 
   private makeEdges(): void {
     const geometry = edgeGeometry(this.model);
-    this.cells = new LineSegments(geometry, embeddedLineMaterial(this.hand === null ? EDGE_CRUST : EDGE, this.nodes));
+    this.cells = new LineSegments(
+      geometry,
+      embeddedLineMaterial(this.hand === null ? EDGE_CRUST : EDGE, this.nodes),
+    );
     this.cells.frustumCulled = false;
     this.cells.renderOrder = 5;
     this.group.add(this.cells);

@@ -71,13 +71,13 @@ export class Stage {
   private readonly focus = new Box3(new Vector3(-0.1, 0, -0.1), new Vector3(0.1, 0.1, 0.1));
 
   constructor(readonly canvas: HTMLCanvasElement) {
+    this.quality = chooseQuality(new URLSearchParams(location.search).get("quality"));
     this.renderer = new WebGLRenderer({
       canvas,
-      antialias: true,
+      antialias: this.quality.antialias,
       stencil: true,
       powerPreference: "high-performance",
     });
-    this.quality = chooseQuality(this.renderer, new URLSearchParams(location.search).get("quality"));
     this.pixels = new PixelBudget(this.quality.software ? 0.6 : 0.5);
     smoothShadows(this.quality.shadowTaps);
     this.renderer.shadowMap.enabled = true;

@@ -67,8 +67,7 @@ export function vertexAreas(positions: Float32Array, triangles: Uint32Array): Fl
     const e = [0, 1, 2].map((c) => positions[a + c] - positions[o + c]);
     const f = [0, 1, 2].map((c) => positions[b + c] - positions[o + c]);
     const area =
-      0.5 *
-      Math.hypot(e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]);
+      0.5 * Math.hypot(e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]);
     for (let k = 0; k < 3; k++) out[triangles[t + k]] += area / 3;
   }
   return out;

@@ -47,7 +47,10 @@ export class Surroundings {
     this.key.shadow.bias = -0.0004;
     this.fill = new HemisphereLight(0xdfe8f2, 0x6b5442, quality.software ? 1.15 : 0.4);
     this.rim.position.set(0.6, 0.45, -0.8);
-    this.ground = new Mesh(new CircleGeometry(3, 64).rotateX(-Math.PI / 2), groundMaterial(shared, this.centre, this.reach));
+    this.ground = new Mesh(
+      new CircleGeometry(3, 64).rotateX(-Math.PI / 2),
+      groundMaterial(shared, this.centre, this.reach),
+    );
     this.ground.receiveShadow = true;
     this.ground.renderOrder = -1;
     this.group.add(this.key, this.key.target, this.rim, this.fill, this.ground);
@@ -74,7 +77,7 @@ export class Surroundings {
     camera.updateProjectionMatrix();
     const texel = (2 * span) / this.shared.quality.shadowSize;
     this.key.shadow.radius = Math.max(1.2, PENUMBRA / texel);
-    this.key.shadow.normalBias = Math.max(0.0007, 1.6 * texel);
+    this.key.shadow.normalBias = Math.max(0.0007, 2.4 * texel);
   }
 
   setShadows(on: boolean): void {
@@ -137,7 +140,8 @@ function room(renderer: WebGLRenderer): Texture {
     new SphereGeometry(10, 24, 16),
     new ShaderMaterial({
       side: BackSide,
-      vertexShader: "varying vec3 vAt; void main() { vAt = position; gl_Position = projectionMatrix * modelViewMatrix * vec4( position, 1.0 ); }",
+      vertexShader:
+        "varying vec3 vAt; void main() { vAt = position; gl_Position = projectionMatrix * modelViewMatrix * vec4( position, 1.0 ); }",
       fragmentShader: `varying vec3 vAt; void main() {
         float y = normalize( vAt ).y;
         vec3 c = mix( vec3( 0.20, 0.13, 0.08 ), vec3( 0.34, 0.37, 0.42 ), smoothstep( -0.5, 0.2, y ) );
@@ -148,7 +152,10 @@ function room(renderer: WebGLRenderer): Texture {
   );
   scene.add(shell);
   const panel = (x: number, y: number, z: number, w: number, h: number, light: number) => {
-    const mesh = new Mesh(new CircleGeometry(1, 4), new MeshBasicMaterial({ color: new Color().setScalar(light) }));
+    const mesh = new Mesh(
+      new CircleGeometry(1, 4),
+      new MeshBasicMaterial({ color: new Color().setScalar(light) }),
+    );
     mesh.scale.set(w, h, 1);
     mesh.position.set(x, y, z);
     mesh.lookAt(0, 0, 0);

@@ -71,7 +71,24 @@ export class WorldView {
     const poses = restPoses(soft, soft.skin, hand);
     const matrix = (b: number) => {
       const m = poses.subarray(12 * b);
-      return new Matrix4().set(m[0], m[1], m[2], m[9], m[3], m[4], m[5], m[10], m[6], m[7], m[8], m[11], 0, 0, 0, 1);
+      return new Matrix4().set(
+        m[0],
+        m[1],
+        m[2],
+        m[9],
+        m[3],
+        m[4],
+        m[5],
+        m[10],
+        m[6],
+        m[7],
+        m[8],
+        m[11],
+        0,
+        0,
+        0,
+        1,
+      );
     };
     hand.bones.forEach((bone, b) => {
       if (bone.parent === null || hand.bones[bone.parent].parent !== null) return;
