@@ -121,9 +121,7 @@ export function worldJson(arrays: Arrays) {
         target_start: 0,
         bones: [bone("palm", null, "palm"), bone("index-distal", 0, "index")],
         wrist_B: [0, 0, 0, 0, 0, 0, 1],
-        angles: Array.from({ length: 20 }, (_, i) =>
-          i === 4 ? { joint: "j", rest: 0, min: -1, max: 1 } : null,
-        ),
+        angles: Array.from({ length: 20 }, (_, i) => (i === 4 ? ANGLE : null)),
         collision_digits: arrays.put("u8", 1, [0, 0, 2, 2]),
       },
     ],
@@ -140,6 +138,11 @@ export interface TestContact {
   readonly vertices: readonly [number, number];
   readonly numbers: readonly number[];
 }
+
+const ANGLE = {
+  joint: "j", rest: 0, min: -1, max: 1, bone: 0, axis: "x", sense: 1,
+  rotation_PJ: [0, 0, 0, 1], rotation_BK: [0, 0, 0, 1],
+};
 
 /** A snapshot of that world: bodies at rest, all nodes moved up by `rise`. */
 export function encodeSnapshot(
