@@ -5,7 +5,7 @@
 //! 1. *checked*: what is not finite, no unit quaternion or too far away is refused;
 //! 2. *carried over* to our hand: wrist pose and joint angles within their limits (see
 //!    [`Retarget`](crate::motion::Retarget)). The tracker's wrist frame is calibrated on the first
-//!    good pose, then refined over 90 more, by a fifth of a degree per pose at most. Rotations are
+//!    good pose, then refined over the first 90, by a fifth of a degree per pose at most. Rotations are
 //!    carried over and the wrist's place is; fingers of another length end elsewhere, so that a
 //!    hand should be built as long as its wearer's: see [`LiveHand::length`];
 //! 3. *observed*: a critically damped g-h filter gives place and velocity, without lag in steady

@@ -68,7 +68,7 @@ impl Session {
         self.tuning.settings()
     }
 
-    /// Changes a setting. It acts in the next step; nothing else changes. Takes a few
+    /// Changes a setting. It acts in the next step; nothing else changes. Takes 1 to 3
     /// milliseconds, as the system matrix is laid out anew.
     ///
     /// # Errors
