@@ -1,12 +1,15 @@
 //! What the live page costs: bytes and time of its messages, and how late a pose shows.
 
 use super::samples::Samples;
+use std::net::TcpStream;
 use std::path::Path;
 use std::time::{Duration, Instant};
 use thenar_scene::session::{Session, builtin};
+use thenar_serve::http::{self, Limits, Port, Reach, Server};
 use thenar_serve::hub::{ClientId, Event, Hub};
 use thenar_serve::live::{Live, Options, SceneSource};
-use thenar_serve::protocol::{Pace, Snapshots, model};
+use thenar_serve::protocol::{Pace, Snapshots, kind, model};
+use tungstenite::{Message, WebSocket};
 
 /// Bytes and time of the live page's messages, and how late a pose shows.
 #[derive(Debug, clap::Args)]
@@ -87,30 +90,35 @@ fn latency(args: &Args) -> Result<(), String> {
         let options = Options { overrides: vec![format!("time_step={h}")], ..Options::default() };
         let source = SceneSource::Builtin(args.scene.clone());
         let (_live, hub) = Live::start(&source, options).map_err(|e| e.to_string())?;
-        let mut late = waits(&hub, args.poses)?;
         let goal = format!("< {:.1}", h * 1e3 + 5.0);
-        let [median, p99, max] = [0.5, 0.99, 1.0].map(|part| late.quantile(part));
-        let what = format!("time step {:.2} ms", h * 1e3);
-        println!("{what:<34} {goal:>10} {median:>10.2} {p99:>10.2} {max:>10.2}");
+        let row = |way: &str, mut late: Samples| {
+            let [median, p99, max] = [0.5, 0.99, 1.0].map(|part| late.quantile(part));
+            let what = format!("step {:.2} ms, {way}", h * 1e3);
+            println!("{what:<34} {goal:>10} {median:>10.2} {p99:>10.2} {max:>10.2}");
+        };
+        row("in process", waits(&mut InProcess::new(&hub)?, args.poses)?);
+        row("loopback socket", waits(&mut Socket::new(hub)?, args.poses)?);
     }
-    println!("In one process; a socket on loopback adds to it.");
     Ok(())
 }
 
+/// A way to the simulation.
+trait Way {
+    fn send(&mut self, pose: Vec<u8>) -> Result<(), String>;
+    /// Number of the newest pose that acts, as soon as there is news.
+    fn acting(&mut self) -> Result<u32, String>;
+}
+
 /// Times between sending poses and seeing them act \[ms\].
-fn waits(hub: &Hub, poses: u32) -> Result<Samples, String> {
-    let me = ClientId(1);
-    let ended = |e: thenar_serve::hub::Refused| e.to_string();
-    hub.submit(Event::Joined(me)).map_err(ended)?;
+fn waits(way: &mut dyn Way, poses: u32) -> Result<Samples, String> {
     let mut late = Samples::default();
     for number in 1..=poses {
         let sent = Instant::now();
-        hub.submit(Event::Binary(me, pose(number).into())).map_err(ended)?;
-        while acting(hub) < number {
+        way.send(pose(number))?;
+        while way.acting()? < number {
             if sent.elapsed() > GIVEN_UP {
                 return Err(format!("pose {number} does not show"));
             }
-            std::thread::sleep(Duration::from_micros(50));
         }
         late.push(sent.elapsed().as_secs_f64() * 1e3);
         // Not in step with the simulation: the golden ratio spreads the phases.
@@ -120,10 +128,75 @@ fn waits(hub: &Hub, poses: u32) -> Result<Samples, String> {
     Ok(late)
 }
 
-/// Number of the newest pose that acts, from the newest snapshot.
-fn acting(hub: &Hub) -> u32 {
-    let snapshot = hub.snapshot.borrow();
+/// Number of the newest pose that acts, from a snapshot.
+fn acting(snapshot: &[u8]) -> u32 {
     snapshot.get(56..60).map_or(0, |b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+}
+
+/// Through the hub.
+struct InProcess(Hub);
+
+impl InProcess {
+    const ME: ClientId = ClientId(u32::MAX);
+
+    fn new(hub: &Hub) -> Result<Self, String> {
+        hub.submit(Event::Joined(Self::ME)).map_err(|e| e.to_string())?;
+        Ok(Self(hub.clone()))
+    }
+}
+
+impl Way for InProcess {
+    fn send(&mut self, pose: Vec<u8>) -> Result<(), String> {
+        self.0.submit(Event::Binary(Self::ME, pose.into())).map_err(|e| e.to_string())
+    }
+
+    fn acting(&mut self) -> Result<u32, String> {
+        std::thread::sleep(Duration::from_micros(50));
+        Ok(acting(&self.0.snapshot.borrow()))
+    }
+}
+
+impl Drop for InProcess {
+    fn drop(&mut self) {
+        // Should the simulation have ended, there is nothing to leave.
+        let _ = self.0.submit(Event::Left(Self::ME));
+    }
+}
+
+/// Through a server on loopback.
+struct Socket {
+    socket: WebSocket<TcpStream>,
+    _server: Server,
+}
+
+impl Socket {
+    fn new(hub: Hub) -> Result<Self, String> {
+        let options = http::Options {
+            reach: Reach::Desk,
+            address: None,
+            port: Port::Exactly(0),
+            limits: Limits::default(),
+        };
+        let server = Server::start(&options, hub).map_err(|e| e.to_string())?;
+        let stream = TcpStream::connect(server.address()).map_err(|e| e.to_string())?;
+        stream.set_nodelay(true).map_err(|e| e.to_string())?;
+        let url = format!("ws://{}/live", server.address());
+        let (socket, _) = tungstenite::client(url, stream).map_err(|e| e.to_string())?;
+        Ok(Self { socket, _server: server })
+    }
+}
+
+impl Way for Socket {
+    fn send(&mut self, pose: Vec<u8>) -> Result<(), String> {
+        self.socket.send(Message::binary(pose)).map_err(|e| e.to_string())
+    }
+
+    fn acting(&mut self) -> Result<u32, String> {
+        match self.socket.read().map_err(|e| e.to_string())? {
+            Message::Binary(bytes) if bytes.first() == Some(&kind::SNAPSHOT) => Ok(acting(&bytes)),
+            _ => Ok(0),
+        }
+    }
 }
 
 /// A pose message: the right hand held out flat, swaying.

@@ -40,11 +40,13 @@ impl Loop {
             Ok(message) => message,
             Err(reason) => return self.refuse(client, &reason.to_string()),
         };
-        if message.number <= self.pose_number {
-            let (now, last) = (message.number, self.pose_number);
-            return self.refuse(client, &format!("pose message {now} after {last}: numbers rise"));
+        // Each hand by itself: where messages wait, one hand's may overtake the other's.
+        let last = &mut self.pose_numbers[message.side as usize];
+        if message.number <= *last {
+            let reason = format!("pose message {} after {last}: numbers rise", message.number);
+            return self.refuse(client, &reason);
         }
-        self.pose_number = message.number;
+        *last = message.number;
         let Some(play) = &mut self.play else { return };
         if let Err(reason) = play.pose(&message) {
             // A headset tracks both hands whatever the scene has: that is no offence.

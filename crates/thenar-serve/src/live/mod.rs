@@ -6,6 +6,7 @@
 //! may, simulated time goes slower than real time and every snapshot says so. Nobody watching, it
 //! rests after five seconds, and begins anew when somebody comes.
 
+mod adopt;
 mod builder;
 mod commands;
 mod control;

@@ -94,7 +94,7 @@ impl Play {
                 .map_err(|error| error.to_string())?,
         }
         self.abandoned = None;
-        self.pose = message.number;
+        self.pose = self.pose.max(message.number);
         Ok(())
     }
 

@@ -1,7 +1,7 @@
 //! The loop: events, steps, snapshots.
 
 use super::Watcher;
-use super::builder::{Builder, Wish};
+use super::builder::Builder;
 use super::control::Control;
 use super::pacer::Pacer;
 use super::play::Play;
@@ -10,7 +10,6 @@ use super::source::{Ready, Recipe};
 use super::status::Status;
 use crate::hub::{ClientId, Desk, Event, Note};
 use crate::protocol::{Pace, flags, text};
-use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -26,10 +25,6 @@ const STATUS_EVERY: Duration = Duration::from_millis(40);
 const EVENTS_AT_ONCE: usize = 256;
 /// Slower than this part of the wanted speed is called slow.
 const SLOW: f64 = 0.95;
-/// A simulation that fails so often within [`FAILURES_WITHIN`] is left alone.
-const FAILURES_MAX: usize = 3;
-const FAILURES_WITHIN: Duration = Duration::from_secs(30);
-
 /// Everything that the simulation's thread holds.
 pub struct Loop {
     pub(super) desk: Desk,
@@ -49,19 +44,19 @@ pub struct Loop {
     pub(super) changed: bool,
     /// When the status was last told.
     told: Instant,
-    /// Number of the last pose message of whoever holds control.
-    pub(super) pose_number: u32,
+    /// Number of the last pose message of whoever holds control, of the left and right hand.
+    pub(super) pose_numbers: [u32; 2],
     /// When a client was last told that there is no such hand.
     pub(super) scolded: Option<Instant>,
     pub(super) pacer: Pacer,
-    publisher: Publisher,
+    pub(super) publisher: Publisher,
     cost: Duration,
     watcher: Option<Watcher>,
     pub(super) started: Instant,
     resting: bool,
     empty_since: Option<Instant>,
-    problem: Option<String>,
-    failures: Vec<Instant>,
+    pub(super) problem: Option<String>,
+    pub(super) failures: Vec<Instant>,
 }
 
 impl Loop {
@@ -80,7 +75,7 @@ impl Loop {
             to_set: Vec::new(),
             changed: true,
             told: now,
-            pose_number: 0,
+            pose_numbers: [0; 2],
             scolded: None,
             pacer: Pacer::new(now),
             publisher: Publisher::default(),
@@ -159,7 +154,7 @@ impl Loop {
 
     /// Control has passed on: whoever moved the hands does so no more.
     pub(super) fn hands_off(&mut self) {
-        self.pose_number = 0;
+        self.pose_numbers = [0; 2];
         if let Some(play) = &mut self.play {
             play.abandon(Instant::now());
         }
@@ -199,41 +194,6 @@ impl Loop {
         self.publisher.snapshot(play.session(), pace, &self.desk);
     }
 
-    /// Puts a scene on that has been made ready.
-    pub fn adopt(&mut self, ready: Ready) {
-        let same = ready.recipe.scene == self.recipe.scene;
-        let mut play = Play::new(ready.session);
-        if !same {
-            self.set.clear();
-        }
-        // What the scene with other hands does not take is forgotten.
-        self.set.retain(|(key, value)| play.set(key, value).is_ok());
-        self.recipe = ready.recipe;
-        self.paused &= same;
-        self.problem = None;
-        self.changed = true;
-        self.publisher.model(ready.model, &self.desk);
-        self.play = Some(play);
-        self.pacer.resume(Instant::now());
-        self.show();
-    }
-
-    fn adopt_what_is_made(&mut self) {
-        match self.builder.take() {
-            None => {}
-            Some((_, Ok(ready))) => self.adopt(*ready),
-            Some((Wish { client, .. }, Err(problem))) => {
-                self.changed = true;
-                if let Some(client) = client {
-                    self.tell(client, text::error(&problem));
-                }
-                if self.play.is_none() {
-                    self.problem = Some(problem);
-                }
-            }
-        }
-    }
-
     /// Rests when nobody has watched for a while; wakes at the scene's start.
     fn rest_or_wake(&mut self) {
         let now = Instant::now();
@@ -255,29 +215,7 @@ impl Loop {
         }
     }
 
-    /// After a panic: says so, and makes the scene again, without what clients have set in it.
-    fn recover(&mut self, panic: &(dyn Any + Send)) {
-        let now = Instant::now();
-        let cause = panic
-            .downcast_ref::<String>()
-            .map(String::as_str)
-            .or_else(|| panic.downcast_ref::<&str>().copied())
-            .unwrap_or("unknown cause");
-        self.play = None;
-        self.set.clear();
-        self.failures.retain(|then| now - *then < FAILURES_WITHIN);
-        self.failures.push(now);
-        if self.failures.len() < FAILURES_MAX {
-            self.problem = Some(format!("the simulation failed and starts again: {cause}"));
-            let recipe = self.recipe.clone();
-            self.builder.wish(Wish { client: None, recipe });
-        } else {
-            self.problem = Some(format!("the simulation fails again and again: {cause}"));
-        }
-        self.tell_status();
-    }
-
-    fn tell_status(&mut self) {
+    pub(super) fn tell_status(&mut self) {
         (self.changed, self.told) = (false, Instant::now());
         let status = Status {
             control: self.control.holder().map(|client| client.0),
