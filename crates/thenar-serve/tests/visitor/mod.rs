@@ -10,7 +10,7 @@ use thenar_serve::hub::{ClientId, Event, Hub, Note, Refused};
 use thenar_serve::live::{Live, Options, SceneSource};
 
 /// Nothing that is waited for takes longer, however busy the machine.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_secs(180);
 
 pub fn start(scene: &str, overrides: &[&str]) -> (Live, Hub) {
     let options = Options {
