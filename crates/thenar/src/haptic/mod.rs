@@ -7,6 +7,7 @@ mod coupling;
 mod display;
 mod exchange;
 mod extrapolate;
+mod hand;
 mod proxies;
 mod rigid_state;
 pub mod safety;
@@ -20,6 +21,7 @@ pub use display::{
 };
 pub use exchange::{FastToSlow, SlowToFast};
 pub use extrapolate::{Prediction, Sample, Track, hold_then_fade, seconds_between};
+pub use hand::{HandReport, HandSettings, HapticHand, Mode};
 pub use proxies::{Proxies, Proxy, ProxyError, ProxyReport};
 pub use rigid_state::RigidState;
 pub use stability::{CouplingRule, CouplingWarning, LoopProfile};
