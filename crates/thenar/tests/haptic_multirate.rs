@@ -137,7 +137,7 @@ fn a_wall_is_as_stiff_as_both_couplings_in_series() {
             let mut press = Press::new(mode, rate as f64, RADIUS + 0.002);
             let (period, mut force) = (1000 / rate, 0.0);
             for k in 0..6000 {
-                if k % period == 0 {
+                if k.is_multiple_of(period) {
                     press.simulate();
                 }
                 force = press.tick(-3.0);
@@ -160,7 +160,7 @@ fn a_stalled_simulation_leaves_a_continuous_force() {
         let mut jump = 0.0_f64;
         for k in 0..4000u64 {
             let stalled = (2000..2500).contains(&k);
-            if k % 50 == 0 && !stalled {
+            if k.is_multiple_of(50) && !stalled {
                 press.simulate();
             }
             // The wearer goes on moving through the stall.
@@ -182,7 +182,7 @@ fn led_force(mode: Mode, rate: u64) -> Vec<f64> {
     let led = |ms: u64| {
         let y = place(ms);
         let velocity = Vec3::y() * ((y - place(ms.saturating_sub(1))) / 1e-3);
-        if ms % (1000 / rate) == 0 {
+        if ms.is_multiple_of(1000 / rate) {
             press.simulate();
         }
         press.now_ns += MS;

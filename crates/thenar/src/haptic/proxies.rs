@@ -405,6 +405,36 @@ mod tests {
         }
     }
 
+    /// Without couplings a spinning proxy tumbles as a free body does: against the integrator that
+    /// keeps momentum and energy, to first order in the step.
+    #[test]
+    fn a_free_proxy_tumbles() {
+        let free =
+            Drive { stiffness: 0.0, damping: 0.0, angular_stiffness: 0.0, angular_damping: 0.0 };
+        let moments = Vec3::new(3e-7, 1e-7, 2e-7);
+        let inertia_B = Mat3::from_diagonal(&moments);
+        let proxy = Proxy { mass: 0.004, inertia_B, device: free, bone: free };
+        let spin = Vec3::new(30.0, 60.0, 40.0);
+        let start = RigidState { angular_velocity_W: spin, ..at(0.0) };
+        let mut proxies = Proxies::new(vec![proxy], &[start]).unwrap();
+        let (mut rotation, mut omega) = (Quat::identity(), spin);
+        let inverse = Mat3::from_diagonal(&moments.map(f64::recip));
+        let h = 1e-6;
+        for _ in 0..20_000 {
+            proxies.step(h, &[at(0.0)], &[at(0.0)]);
+            (rotation, omega) =
+                crate::skeleton::turn_freely(&rotation, &omega, &inertia_B, &inverse, h);
+        }
+        let got = proxies.states()[0];
+        assert!((omega - spin).norm() > 10.0, "it must tumble: {omega}");
+        assert!(
+            (got.angular_velocity_W - omega).norm() < 2e-2,
+            "{}",
+            got.angular_velocity_W - omega
+        );
+        assert!(got.pose_WB.rotation.angle_to(&rotation) < 1e-3);
+    }
+
     /// Moving along with its ends, a proxy neither lags nor pulls.
     #[test]
     fn a_steadily_moving_hand_feels_nothing() {

@@ -35,9 +35,7 @@ pub struct Guard<const N: usize> {
     stuck_ticks: u32,
     /// Simulation, tracking, device.
     heard: [Heard; 3],
-    /// Result of stage 4 in the last tick \[N\].
-    demand: [f64; N],
-    /// Result of stage 7 in the last tick \[N\].
+    /// What left stage 7 in the last tick \[N\].
     exact: [f64; N],
     /// What was sent in the last tick \[N\].
     sent: [f64; N],
@@ -55,7 +53,6 @@ impl<const N: usize> Guard<N> {
             last_ns: None,
             stuck_ticks: 0,
             heard: [Heard::default(); 3],
-            demand: [0.0; N],
             exact: [0.0; N],
             sent: [0.0; N],
             passivity: Passivity::default(),
@@ -70,7 +67,7 @@ impl<const N: usize> Guard<N> {
         self.last_ns = None;
         self.stuck_ticks = 0;
         self.heard = [Heard::default(); 3];
-        (self.demand, self.exact, self.sent) = ([0.0; N], [0.0; N], [0.0; N]);
+        (self.exact, self.sent) = ([0.0; N], [0.0; N]);
         self.passivity = Passivity::default();
         self.log.resume();
     }
@@ -111,7 +108,6 @@ impl<const N: usize> Guard<N> {
             Ok(force) => force,
             Err(reason) => {
                 self.trip(reason);
-                self.demand = [0.0; N];
                 [0.0; N]
             }
         };
@@ -136,16 +132,15 @@ impl<const N: usize> Guard<N> {
         let dt = self.advance_clock(now_ns)?;
         let (trust, pause) = self.freshness(now_ns, signal); // 2
         let wanted = self.clamp(&signal.force); // 3
-        let change = self.limits.change_max(dt);
-        self.demand = approach(&self.demand, &scaled(&wanted, trust), change); // 4
-        let gain = self.engage(dt, pause, length(&wanted)); // 5
+        let change = self.limits.change_max(dt); // 4
+        let gain = trust * self.engage(dt, pause, length(&wanted)); // 5
         let speed = length(&signal.velocity);
         if speed > self.limits.speed_max {
             return Err(Trip::Overspeed { speed, limit: self.limits.speed_max }); // 6
         }
         let damping = self.balance_energy(&signal.velocity, dt)?; // 7
-        let even = std::array::from_fn(|i| gain * self.demand[i] - damping * signal.velocity[i]);
-        // Neither ramp nor damping may undo stages 3 and 4.
+        let even = std::array::from_fn(|i| gain * wanted[i] - damping * signal.velocity[i]);
+        // Neither fade nor ramp nor damping may undo stages 3 and 4.
         Ok(approach(&self.exact, &self.clamp(&even), change))
     }
 
@@ -190,7 +185,7 @@ impl<const N: usize> Guard<N> {
         (simulation.min(tracking), pause)
     }
 
-    /// Waiting, ramp, full force: the part of the demand that passes.
+    /// Waiting, ramp, full force: the part of the wanted force that passes.
     fn engage(&mut self, dt: f64, pause: Option<Pause>, wanted: f64) -> f64 {
         if pause.is_some() {
             self.status = Status::Waiting { small_ticks: 0, pause };
@@ -198,7 +193,7 @@ impl<const N: usize> Guard<N> {
         }
         match self.status {
             Status::Waiting { small_ticks, .. } => {
-                let small = wanted < self.limits.engage_force && length(&self.exact) == 0.0;
+                let small = wanted < self.limits.engage_force;
                 let small_ticks = if small { small_ticks + 1 } else { 0 };
                 self.status = if small_ticks >= self.limits.engage_ticks {
                     Status::Ramping { gain: 0.0 }

@@ -7,7 +7,8 @@
 //! 2. **fresh**: an old simulation state or old tracking is held, then fades; a silent device
 //!    or a released dead-man switch pauses;
 //! 3. **clamp**: length at most the device's rating times the user's fraction; tendons only pull;
-//! 4. **slew**: change per second and per tick;
+//! 4. **slew**: how far the output may change in this tick, per second and per tick; it is held at
+//!    the end of stage 7, so that nothing in between can exceed it;
 //! 5. **engage**: nothing until the wanted force has been small for a few ticks, then a ramp;
 //! 6. **speed**: a point moving faster than the limit trips;
 //! 7. **energy**: a passivity observer keeps account; a deficit is damped away, and one below the

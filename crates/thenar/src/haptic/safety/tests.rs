@@ -141,10 +141,16 @@ fn whatever_comes_in_the_guarantees_hold() {
     for seed in 1..=40 {
         let ramp = [0.0, 0.02, 0.2, 2.0][seed as usize % 4];
         let calm = Limits { ramp, engage_ticks: 2, ..Limits::rated(12.0) };
-        let tendon = Limits { unilateral: true, quantum: 0.05, user_fraction: 1.0, ..calm };
+        let tendon = Limits { unilateral: true, quantum: 0.05, user_fraction: 0.33, ..calm };
         attack::<1>(seed, tendon, 20_000, &mut seen);
         attack::<1>(seed, calm, 20_000, &mut seen);
-        let frail = Limits { energy_reserve: 1e-3, damping_max: 0.0, speed_max: 5.0, ..calm };
+        let frail = Limits {
+            energy_reserve: 1e-3,
+            damping_max: 0.0,
+            speed_max: 5.0,
+            quantum: 0.07,
+            ..calm
+        };
         attack::<3>(seed, calm, 20_000, &mut seen);
         attack::<3>(seed, frail, 20_000, &mut seen);
     }
@@ -208,6 +214,37 @@ fn an_old_simulation_is_held_then_fades_and_comes_back_by_itself() {
         guard.tick(now, &signal(now, [force], [0.0]));
     }
     assert_eq!(guard.status(), Status::Live);
+}
+
+/// A clock that runs ahead must not make old news look fresh for ever.
+#[test]
+fn stamps_from_the_future_are_no_news() {
+    let mut now = MS;
+    let mut guard = engaged(quick(), &mut now);
+    for _ in 0..200 {
+        now += MS;
+        let ahead = Signal { simulation_ns: 3600 * 1000 * MS, ..signal(now, [4.0], [0.0]) };
+        guard.tick(now, &ahead);
+    }
+    assert!(matches!(
+        guard.status(),
+        Status::Waiting { pause: Some(Pause::Simulation { .. }), .. }
+    ));
+}
+
+/// Commands are whole steps of the device, on the side of zero.
+#[test]
+fn commands_are_rounded_towards_zero() {
+    for (wanted, want) in [(1.99, 1.5), (-1.99, -1.5), (0.49, 0.0), (2.5, 2.5)] {
+        let mut now = MS;
+        let mut guard = engaged(Limits { quantum: 0.5, ..quick() }, &mut now);
+        let mut force = [0.0];
+        for _ in 0..100 {
+            now += MS;
+            force = guard.tick(now, &signal(now, [wanted], [0.0]));
+        }
+        assert_eq!(force, [want]);
+    }
 }
 
 #[test]

@@ -113,6 +113,8 @@ impl Condensed {
         }
         self.lift.clear();
         self.delassus.clear();
+        // Without bones or contacts there are no chunks; their length must still not be zero.
+        let (n, m) = (n.max(1), m.max(1));
         for row in self.rows.chunks_exact(n) {
             // C is symmetric: its rows are its columns.
             self.lift.extend(self.compliance.chunks_exact(n).map(|column| dot(row, column)));

@@ -172,7 +172,7 @@ impl SharedConstraints {
     fn follow(&mut self, frame: &Condensed, h: f64) {
         let n = 6 * frame.bones();
         std::mem::swap(&mut self.moved, &mut self.moved_before);
-        for (q, row) in self.moved.iter_mut().zip(frame.compliance.chunks_exact(n)) {
+        for (q, row) in self.moved.iter_mut().zip(frame.compliance.chunks_exact(n.max(1))) {
             *q = dot(row, &self.load);
         }
         for (i, contact) in frame.contacts.iter().enumerate() {

@@ -284,6 +284,27 @@ fn a_dragged_bone_sticks_slides_and_sticks_again() {
     assert!((bone.velocity_W - Vec3::new(0.0, -1.0, 0.0)).norm() < 1e-6);
 }
 
+/// In free space bones follow their couplings alone: q = C k δ.
+#[test]
+fn without_contacts_bones_follow_their_couplings() {
+    let mut frame = over_a_floor(0.0, 0.5);
+    frame.contacts.clear();
+    frame.rows.clear();
+    frame.local.clear();
+    assert!(frame.prepare());
+    let mut shared = SharedConstraints::new(1, 1);
+    shared.begin(&frame);
+    let low = RigidState::at_rest(Pose::translation(0.0, -0.01, 0.0));
+    assert_eq!(shared.resolve(&frame, &[low], 1e-3, 1e-9, 10).active, 0);
+    let bone = shared.bone(0, &RigidState::at_rest(Pose::identity()));
+    assert!((bone.pose_WB.position - low.pose_WB.position).norm() < 1e-12);
+    let mut nothing = Condensed::new(0, 0);
+    assert!(nothing.prepare());
+    let mut shared = SharedConstraints::new(0, 0);
+    shared.begin(&nothing);
+    assert_eq!(shared.resolve(&nothing, &[], 1e-3, 1e-9, 10).active, 0);
+}
+
 #[test]
 fn unusable_frames_move_nothing() {
     let mut frame = over_a_floor(0.0, 0.5);

@@ -1,0 +1,121 @@
+//! Goal: a haptic tick allocates nothing. Method: a global allocator that counts, around ticks of a
+//! hand of 16 bones with new frames, contacts, guards and a trip.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicU64, Ordering};
+use thenar::haptic::safety::{Bank, Limits, Signal, Trip};
+use thenar::haptic::shared::CondensedContact;
+use thenar::haptic::{
+    CouplingDesign, FastToSlow, HandSettings, HapticHand, Mode, RigidState, SlowToFast, pad_force,
+};
+use thenar::{Mat3, Pose, Vec3};
+
+struct Counting;
+
+static COUNT: AtomicU64 = AtomicU64::new(0);
+
+// The only way to see allocations is to stand in for the allocator, which is an unsafe trait.
+#[allow(unsafe_code)]
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.fetch_add(1, Ordering::Relaxed);
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+const BONES: usize = 16;
+
+/// Each bone on its coupling alone, over its own contact.
+fn fill(frame: &mut SlowToFast, contacts: usize) {
+    let proxy = CouplingDesign::default().proxy(0.004, &Mat3::from_diagonal_element(1e-7));
+    let response = &mut frame.response;
+    response.clear();
+    for i in 0..BONES {
+        response.springs.push(proxy.bone);
+        response.targets.push(frame.bones[i]);
+    }
+    let n = 6 * BONES;
+    let on = |k: usize| if k % 6 < 3 { proxy.bone.stiffness } else { proxy.bone.angular_stiffness };
+    response
+        .compliance
+        .extend((0..n * n).map(|i| if i / n == i % n { 1.0 / on(i / n) } else { 0.0 }));
+    for i in 0..contacts {
+        let normal = Mat3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0);
+        let contact =
+            CondensedContact { frame: normal, gap: 0.0, friction: 0.5, force: Vec3::zeros() };
+        response.contacts.push(contact);
+        for (axis, sign) in [(1, 1.0), (0, 1.0), (2, -1.0)] {
+            let at = 6 * (i % BONES) + axis;
+            response.rows.extend((0..n).map(|c| if c == at { sign } else { 0.0 }));
+        }
+    }
+    let m = 3 * contacts;
+    response.local.extend((0..m * m).map(|i| if i / m == i % m { 1e-4 } else { 0.0 }));
+    assert!(response.prepare());
+}
+
+#[test]
+fn a_haptic_tick_allocates_nothing() {
+    let start: Vec<RigidState> = (0..BONES)
+        .map(|i| RigidState::at_rest(Pose::translation(0.02 * i as f64, 0.0, 0.0)))
+        .collect();
+    let proxy = CouplingDesign::default().proxy(0.004, &Mat3::from_diagonal_element(1e-7));
+    let settings = HandSettings { mode: Mode::SharedConstraints, ..HandSettings::default() };
+    let mut hand = HapticHand::new(settings, vec![proxy; BONES], &start, 40).unwrap();
+    let mut newest = SlowToFast::new(&start, 40);
+    let frames = [5, 40, 0].map(|contacts| {
+        let mut frame = SlowToFast::new(&start, 40);
+        fill(&mut frame, contacts);
+        frame
+    });
+    let mut back = FastToSlow::new(&start);
+    let limits = Limits { ramp: 0.1, ..Limits::cybergrasp() };
+    let mut bank = Bank::<1>::new(&[limits; 5], 200).unwrap();
+    bank.arm();
+    let mut forces = [[0.0]; 5];
+
+    let (mut active, mut felt) = (0, 0.0_f64);
+    let before = COUNT.load(Ordering::Relaxed);
+    for tick in 1..1000u64 {
+        let now = tick * 1_000_000;
+        if tick % 50 == 0 {
+            newest.copy_from(&frames[(tick / 50) as usize % 3]);
+            newest.step = tick / 50;
+            newest.time_ns = now;
+        }
+        for (i, state) in start.iter().enumerate() {
+            let place = state.pose_WB.position - Vec3::y() * 1e-5 * tick as f64;
+            hand.track(i, now, Pose::new(place, state.pose_WB.rotation), None);
+        }
+        active = active.max(hand.tick(now, &newest).contact.active);
+        hand.publish(now, &mut back);
+        let signals: [Signal<1>; 5] = std::array::from_fn(|finger| {
+            let [force, _] = hand.proxies().device_wrenches()[3 * finger + 3];
+            let pad = pad_force(&force, &hand.tracked()[3 * finger + 3].pose_WB);
+            Signal {
+                force: [pad],
+                velocity: [-0.01],
+                simulation_ns: newest.time_ns.max(1),
+                tracking_ns: now,
+                device_ns: now,
+                enabled: true,
+            }
+        });
+        bank.tick(now, &signals, &mut forces);
+        felt = felt.max(forces[0][0]);
+        if tick == 900 {
+            bank.trip(Trip::Requested);
+        }
+    }
+    let after = COUNT.load(Ordering::Relaxed);
+    assert_eq!(active, 40, "all contacts of the largest frame must bear");
+    assert!(felt > 0.5 && forces == [[0.0]; 5], "{felt} N, then {forces:?}");
+    assert_eq!(after - before, 0, "allocations in 1000 ticks");
+}
