@@ -136,7 +136,7 @@ fn a_wall_is_as_stiff_as_both_couplings_in_series() {
         for rate in [20, 60, 100u64] {
             let mut press = Press::new(mode, rate as f64, RADIUS + 0.002);
             let (period, mut force) = (1000 / rate, 0.0);
-            for k in 0..6000 {
+            for k in 0..6000u64 {
                 if k.is_multiple_of(period) {
                     press.simulate();
                 }
