@@ -289,12 +289,12 @@ vec3 breadColour( vec3 given, vec3 at, float cut, out float crumb, out float flo
   float bubbles = noise3( at * 480.0 ) * 0.6 + noise3( at * 1150.0 ) * 0.4;
   pore = smoothstep( 0.50, 0.78, bubbles ) * seen( at, 1.0 / 480.0 );
   // Crust: what was given, less orange, uneven.
-  vec3 crust = given * vec3( 1.02, 1.06, 1.75 );
+  vec3 crust = given * vec3( 1.12, 1.05, 1.65 );
   crust *= mix( vec3( 0.66, 0.56, 0.46 ), vec3( 1.16, 1.14, 1.08 ), smoothstep( 0.2, 0.8, patches ) );
   float light = dot( given, vec3( 0.3, 0.55, 0.15 ) );
   flour = smoothstep( 0.62, 0.85, noise3( at * 240.0 ) ) * smoothstep( 0.42, 0.7, patches ) * smoothstep( 0.34, 0.22, light );
   crust = mix( crust, vec3( 0.80, 0.70, 0.56 ), 0.4 * flour );
-  vec3 soft = vec3( 0.84, 0.69, 0.45 ) * ( 0.88 + 0.2 * patches ) * ( 1.0 - 0.5 * pore );
+  vec3 soft = vec3( 0.93, 0.75, 0.51 ) * ( 0.88 + 0.2 * patches ) * ( 1.0 - 0.5 * pore );
   flour *= 1.0 - crumb;
   return mix( crust, soft, crumb );
 }

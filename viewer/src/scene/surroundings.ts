@@ -62,9 +62,8 @@ export class Surroundings {
 
   /** Lights and shadows the box of interest. */
   surround(box: Box3): void {
-    const centre = box.getCenter(new Vector3());
-    const radius = Math.min(0.6, Math.max(0.08, 0.5 * box.getSize(new Vector3()).length()));
-    this.centre.value.copy(centre);
+    const centre = box.getCenter(this.centre.value);
+    const radius = Math.min(0.6, Math.max(0.08, 0.5 * box.getSize(SIZE).length()));
     this.reach.value = Math.max(0.75, 4 * radius);
     this.key.target.position.copy(centre);
     this.key.position.copy(centre).addScaledVector(KEY, KEY_DISTANCE);
@@ -91,6 +90,8 @@ const BACKDROP = {
   light: [0x8f979f, 0xdfe4e9, 0xaab4be],
 } as const;
 
+const SIZE = new Vector3();
+
 /** A gradient from a lit horizon to the dark above; drawn behind everything. */
 function backdrop(): Mesh {
   const material = new ShaderMaterial({
@@ -113,9 +114,10 @@ function backdrop(): Mesh {
         float y = normalize( vAt ).y;
         vec3 c = mix( low, middle, smoothstep( -0.75, 0.08, y ) );
         c = mix( c, high, smoothstep( 0.08, 0.85, y ) );
-        c += ( grain( gl_FragCoord.xy ) - 0.5 ) / 320.0;
         gl_FragColor = vec4( c, 1.0 );
         #include <colorspace_fragment>
+        // Less than one step of a byte: hides bands.
+        gl_FragColor.rgb += ( grain( gl_FragCoord.xy ) - 0.5 ) / 160.0;
       }`,
   });
   const light = matchMedia("(prefers-color-scheme: light)");

@@ -1,7 +1,7 @@
 // Everything that moves in one scene.
 
-import { Box3, Group, Matrix4, Vector3, Vector4, type Camera, type IUniform } from "three";
-import type { HandModel, SceneModel, Snapshot } from "../protocol/types";
+import { Box3, Group, Matrix4, Mesh, Vector3, Vector4, type Camera, type IUniform } from "three";
+import type { HandModel, RigidModel, SceneModel, Snapshot } from "../protocol/types";
 import { roundUp } from "./colour-map";
 import { ContactView } from "./contact-view";
 import { GhostView } from "./ghost-view";
@@ -28,6 +28,7 @@ export class WorldView {
   private readonly softs: SoftView[];
   private readonly ghosts: GhostView[] = [];
   private readonly bones: { readonly rigid: number; readonly group: Group }[] = [];
+  private readonly extents: readonly (number | null)[];
   private readonly pressures = new Map<number, PressureMap>();
   private layers: ReadonlySet<LayerName> = new Set();
   private snapshot: Snapshot | null = null;
@@ -42,6 +43,7 @@ export class WorldView {
     private readonly camera: Camera,
   ) {
     this.interpolator = new Interpolator(model);
+    this.extents = model.rigids.map(extent);
     this.rigids = model.rigids.map((rigid) => new RigidView(rigid, shared));
     this.softs = model.softs.map((soft) => {
       const hand = soft.hand === null ? null : model.hands[soft.hand];
@@ -185,15 +187,14 @@ export class WorldView {
   bounds(out: Box3): void {
     out.makeEmpty();
     const { nodes, rigids } = this.interpolator;
-    const point = new Vector3();
-    for (let i = 0; i < nodes.length; i += 3) out.expandByPoint(point.fromArray(nodes, i));
-    this.model.rigids.forEach((rigid, i) => {
-      if (rigid.kind === "plane" || rigid.kind === "none") return;
-      point.fromArray(rigids, 7 * i);
-      const reach = extent(rigid.radius, rigid.half_length, rigid.half, rigid.mesh?.positions ?? null);
-      out.expandByPoint(point.clone().addScalar(reach)).expandByPoint(point.addScalar(-reach));
-    });
-    if (out.isEmpty()) out.set(new Vector3(-0.1, 0, -0.1), new Vector3(0.1, 0.1, 0.1));
+    for (let i = 0; i < nodes.length; i += 3) out.expandByPoint(POINT.fromArray(nodes, i));
+    for (let i = 0; i < this.extents.length; i++) {
+      const reach = this.extents[i];
+      if (reach === null) continue;
+      out.expandByPoint(POINT.fromArray(rigids, 7 * i).addScalar(reach));
+      out.expandByPoint(POINT.addScalar(-2 * reach));
+    }
+    if (out.isEmpty()) out.copy(NOTHING);
   }
 
   /** Moves a box along with the content, smoothly, and grows it where content leaves it. */
@@ -220,23 +221,29 @@ export class WorldView {
 
   dispose(): void {
     for (const part of [...this.rigids, ...this.softs, ...this.ghosts]) part.dispose();
+    this.group.traverse((part) => {
+      if (!(part instanceof Mesh)) return;
+      part.geometry.dispose();
+      for (const material of [part.material].flat()) material.dispose();
+    });
   }
 }
 
 const NOW = new Box3();
+const POINT = new Vector3();
+/** What to look at where nothing moves. */
+const NOTHING = new Box3(new Vector3(-0.1, 0, -0.1), new Vector3(0.1, 0.1, 0.1));
 
-function extent(
-  radius: number | null,
-  halfLength: number | null,
-  half: readonly [number, number, number] | null,
-  positions: Float32Array | null,
-): number {
-  if (positions !== null) {
+/** How far a rigid body reaches from its origin, m; null for what has no end or no shape. */
+function extent(rigid: RigidModel): number | null {
+  if (rigid.kind === "plane" || rigid.kind === "none") return null;
+  if (rigid.mesh !== null) {
+    const { positions } = rigid.mesh;
     let square = 0;
     for (let i = 0; i < positions.length; i += 3) {
       square = Math.max(square, positions[i] ** 2 + positions[i + 1] ** 2 + positions[i + 2] ** 2);
     }
     return Math.sqrt(square);
   }
-  return half === null ? (radius ?? 0) + (halfLength ?? 0) : Math.hypot(...half);
+  return rigid.half === null ? (rigid.radius ?? 0) + (rigid.half_length ?? 0) : Math.hypot(...rigid.half);
 }
