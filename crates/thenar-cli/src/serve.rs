@@ -3,7 +3,7 @@
 use crate::error::CliError;
 use crate::interrupt;
 use crate::run::{Found, find};
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 use std::time::Duration;
 use thenar_serve::http::{Limits, Options, Port, Reach, Server, StartError};
@@ -85,7 +85,8 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     }
     server.stop();
     drop(live);
-    println!("ended");
+    // Whoever read the address may have stopped reading.
+    let _ = writeln!(std::io::stdout(), "ended");
     Ok(())
 }
 
