@@ -2,7 +2,7 @@
 
 use crate::haptic::Proxy;
 use crate::math::Mat3;
-use crate::model::Drive;
+use crate::model::{Drive, HandModel};
 
 /// What is chosen about a proxy's couplings; the rest follows from the bone's mass and inertia.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,6 +36,11 @@ impl Default for CouplingDesign {
 }
 
 impl CouplingDesign {
+    /// The proxies of a hand, one per bone; their bone couplings are also the drives of the bones.
+    pub fn hand(&self, hand: &HandModel) -> Vec<Proxy> {
+        hand.bones.iter().map(|bone| self.proxy(bone.mass, &bone.inertia)).collect()
+    }
+
     /// The proxy of a bone of this mass \[kg\] and inertia about its centre \[kg m²\].
     ///
     /// Held by both couplings, stiffness K in all, a mass m has critical damping 2 √(m K). About

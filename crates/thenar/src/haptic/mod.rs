@@ -8,6 +8,7 @@ mod display;
 mod exchange;
 mod extrapolate;
 mod hand;
+mod pads;
 mod proxies;
 mod rigid_state;
 pub mod safety;
@@ -22,6 +23,7 @@ pub use display::{
 pub use exchange::{FastToSlow, SlowToFast};
 pub use extrapolate::{Prediction, Sample, Track, hold_then_fade, seconds_between};
 pub use hand::{HandReport, HandSettings, HapticHand, Mode};
+pub use pads::{Pad, PadReading};
 pub use proxies::{Proxies, Proxy, ProxyError, ProxyReport};
 pub use rigid_state::RigidState;
 pub use stability::{CouplingRule, CouplingWarning, LoopProfile};

@@ -1,0 +1,148 @@
+//! The finger pads: where a hand's forces are shown, and how they move.
+
+use crate::haptic::{HapticHand, PAD_NORMAL_B, pad_force};
+use crate::math::Vec3;
+use crate::model::{Digit, HandModel};
+
+/// One finger pad and how it moved since it was last read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pad {
+    /// The finger.
+    pub digit: Digit,
+    /// Its distal bone.
+    pub bone: usize,
+    /// The pad in the bone's frame \[m\].
+    pub point_B: Vec3,
+    last_W: Option<Vec3>,
+}
+
+/// What one pad feels and does, for the guard of its actuator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PadReading {
+    /// Force of the device coupling on the wearer, world \[N\].
+    pub force_W: Vec3,
+    /// Its part along the inward pad normal \[N\]: positive when something presses on the pad.
+    pub pad_force: f64,
+    /// Mean velocity of the tracked pad since the last reading, along the same normal \[m/s\]:
+    /// positive when the finger opens. Force times velocity is power given to the wearer.
+    pub opening_velocity: f64,
+}
+
+impl Pad {
+    /// The pad of this bone.
+    pub fn new(digit: Digit, bone: usize, point_B: Vec3) -> Self {
+        Self { digit, bone, point_B, last_W: None }
+    }
+
+    /// The pads of a hand, thumb first: on the last bone of each finger, where the bone ends.
+    pub fn of_hand(hand: &HandModel) -> Vec<Self> {
+        (Digit::FINGERS.into_iter())
+            .filter_map(|digit| {
+                let bone = hand.bones.iter().rposition(|bone| bone.digit == digit)?;
+                Some(Self::new(digit, bone, hand.bones[bone].ends_B[1]))
+            })
+            .collect()
+    }
+
+    /// Reads the pad after a tick that took `h` \[s\].
+    pub fn read(&mut self, hand: &HapticHand, h: f64) -> PadReading {
+        let pose_WB = hand.tracked()[self.bone].pose_WB;
+        let point_W = pose_WB.point(&self.point_B);
+        let way = point_W - self.last_W.replace(point_W).unwrap_or(point_W);
+        let [force_W, _] = hand.proxies().device_wrenches()[self.bone];
+        let opening = -way.dot(&pose_WB.vector(&PAD_NORMAL_B));
+        PadReading {
+            force_W,
+            pad_force: pad_force(&force_W, &pose_WB),
+            opening_velocity: if h > 0.0 { opening / h } else { 0.0 },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::haptic::{CouplingDesign, HandSettings, RigidState, SlowToFast};
+    use crate::math::{Mat3, Pose, Quat};
+    use crate::model::{Bone, EmbeddedSurface, Flesh};
+
+    /// A palm and two fingers of two bones, in the order of a model.
+    fn hand() -> HandModel {
+        let bone = |name: &str, digit: Digit| Bone {
+            name: name.into(),
+            parent: None,
+            pose_MB: Pose::identity(),
+            mass: 0.004,
+            inertia: Mat3::from_diagonal_element(1e-7),
+            digit,
+            ends_B: [Vec3::z() * 0.01, Vec3::z() * -0.012],
+            radius: 0.004,
+            tracked_joint: None,
+            pose_BT: Pose::identity(),
+        };
+        HandModel {
+            name: "two fingers".into(),
+            side: None,
+            bones: vec![
+                bone("palm", Digit::Palm),
+                bone("index-proximal", Digit::Index),
+                bone("index-distal", Digit::Index),
+                bone("thumb-proximal", Digit::Thumb),
+                bone("thumb-distal", Digit::Thumb),
+            ],
+            joints: Vec::new(),
+            flesh: Flesh {
+                nodes: Vec::new(),
+                tets: Vec::new(),
+                materials: Vec::new(),
+                mass_damping: 0.0,
+                stiffness_damping: 0.0,
+                fixed: Vec::new(),
+                collision: EmbeddedSurface::default(),
+                friction: 0.5,
+            },
+            bindings: Vec::new(),
+            node_volumes: Vec::new(),
+            render: EmbeddedSurface::default(),
+            collision_digits: Vec::new(),
+            length: 0.18,
+        }
+    }
+
+    #[test]
+    fn pads_are_at_the_ends_of_the_last_bones() {
+        let pads = Pad::of_hand(&hand());
+        let places: Vec<_> = pads.iter().map(|pad| (pad.digit, pad.bone)).collect();
+        assert_eq!(places, [(Digit::Thumb, 4), (Digit::Index, 2)]);
+        assert_eq!(pads[0].point_B, Vec3::z() * -0.012);
+    }
+
+    /// A finger flexing about its knuckle into something that holds it back: the pad closes at
+    /// rate × length, and the force presses on it.
+    #[test]
+    fn a_closing_finger_that_is_held_back_takes_no_power() {
+        let model = hand();
+        let start = [RigidState::at_rest(Pose::identity()); 5];
+        let design = CouplingDesign::default();
+        let settings = HandSettings::default();
+        let mut loops = HapticHand::new(settings, design.hand(&model), &start, 0).unwrap();
+        let frame = SlowToFast::new(&start, 0);
+        let mut pad = Pad::of_hand(&model)[1];
+        let mut reading = None;
+        for tick in 0..200u64 {
+            // Flexion turns about -x and pushes the bone down, 20 mm/s at its centre.
+            let t = tick as f64 * 1e-3;
+            let turn = Quat::from_scaled_axis(Vec3::x() * -0.5 * t);
+            let now = (tick + 1) * 1_000_000;
+            loops.track(2, now, Pose::new(Vec3::y() * -0.02 * t, turn), None);
+            let report = loops.tick(now, &frame);
+            reading = Some(pad.read(&loops, report.step));
+        }
+        let reading = reading.unwrap();
+        let closing = 0.02 + 0.5 * 0.012;
+        assert!((reading.opening_velocity + closing).abs() < 1e-3, "{reading:?}");
+        // 4 mm through 400 N/m, and the couplings' damping.
+        assert!((1.5..1.8).contains(&reading.pad_force), "{reading:?}");
+        assert!(reading.pad_force * reading.opening_velocity < 0.0);
+    }
+}
