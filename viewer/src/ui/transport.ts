@@ -50,7 +50,7 @@ export function transport(desk: Desk): { top: HTMLElement; bottom: HTMLElement }
     const others = (connection.status?.viewers ?? 1) - 1;
     const who = connection.inControl ? "you control" : "watching";
     const crowd = others > 0 ? `, ${others} more ${others === 1 ? "viewer" : "viewers"}` : "";
-    setText(state, !feed.live ? "Recording" : open ? `Live: ${who}${crowd}` : "Not connected");
+    setText(state, !feed.live ? "Replay" : open ? `Live: ${who}${crowd}` : "Not connected");
     state.dataset["state"] = !feed.live ? "recorded" : open ? "live" : "lost";
   };
   connection.on("status", refresh);

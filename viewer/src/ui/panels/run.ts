@@ -9,7 +9,7 @@ import { Throttle } from "../throttle";
 import { group, segmented, select, slider } from "../widgets";
 
 const HANDS: readonly (readonly [HandsChoice, string])[] = [
-  ["scene", "As in scene"],
+  ["scene", "Scene's"],
   ["left", "Left"],
   ["right", "Right"],
   ["both", "Both"],
