@@ -27,8 +27,7 @@ export function pickHand(ray: Ray, model: SceneModel, snapshot: Snapshot): Picke
       const onRay = new Vector3();
       const onBone = new Vector3();
       const gap = Math.sqrt(ray.distanceSqToSegment(from, to, onRay, onBone));
-      const reach =
-        bone.digit === "palm" ? PALM_THICKNESS : Math.max(THICKNESS, RADII * bone.radius);
+      const reach = bone.digit === "palm" ? PALM_THICKNESS : Math.max(THICKNESS, RADII * bone.radius);
       if (!(gap <= reach)) return;
       const distance = onRay.distanceTo(ray.origin);
       if (best === null || distance < best.distance) best = { hand: h, bone: b, point: onBone, distance };

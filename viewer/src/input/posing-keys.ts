@@ -36,7 +36,12 @@ export class PosingKeys {
     posing.onTick = (dt) => this.tick(dt);
     const listed = (key: string, name: string, label: string) =>
       keys.add({ key, name, label, group: "Hand", act: () => undefined });
-    keys.add({ key: "m", label: "Take the hand by mouse and keys; give it back", group: "Hand", act: () => this.toggle() });
+    keys.add({
+      key: "m",
+      label: "Take the hand by mouse and keys; give it back",
+      group: "Hand",
+      act: () => this.toggle(),
+    });
     listed("hand:move", "← → ↑ ↓", "Move the wrist, as the camera sees it");
     listed("hand:height", "Q E", "Lower and raise the wrist");
     listed("hand:turn", "Shift with these", "Turn the wrist");

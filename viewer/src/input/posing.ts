@@ -7,7 +7,16 @@ import type { HandModel } from "../protocol/types";
 import { clampPose, copyPose, follow, wristNumbers, type HandPose } from "./hand-pose";
 import { presentPose } from "./present-pose";
 import {
-  DIGIT_COUNT, curl, curlOf, grasp, graspOf, preset, setSpread, spreadOf, type Angles, type Preset,
+  DIGIT_COUNT,
+  curl,
+  curlOf,
+  grasp,
+  graspOf,
+  preset,
+  setSpread,
+  spreadOf,
+  type Angles,
+  type Preset,
 } from "./shapes";
 import { InputSourceBase } from "./source";
 

@@ -77,9 +77,7 @@ export function read(file: ArrayBuffer): Loaded {
     at += ENTRY + entry.message.byteLength;
   }
   if (!entries.some(({ message }) => !isModel(message))) {
-    throw new RecordingError(
-      `The recording holds no whole snapshot.${damage === null ? "" : ` ${damage}`}`,
-    );
+    throw new RecordingError(`The recording holds no whole snapshot.${damage === null ? "" : ` ${damage}`}`);
   }
   return { entries, damage };
 }

@@ -14,9 +14,10 @@ export function banner(desk: Desk): HTMLElement {
   const write = () => {
     const wait = retryAt === null ? null : Math.ceil((retryAt - performance.now()) / 1000);
     const soon = wait === null || wait <= 0 ? "Trying again…" : `Trying again in ${wait} s.`;
-    const what = connection.welcome === null
-      ? "The simulation cannot be reached."
-      : "The connection to the simulation is lost; the picture shows its last moment.";
+    const what =
+      connection.welcome === null
+        ? "The simulation cannot be reached."
+        : "The connection to the simulation is lost; the picture shows its last moment.";
     // Only the first words are worth reading aloud again and again.
     setText(text, `${what} ${soon}`);
   };

@@ -32,7 +32,8 @@ export class Chart {
     if (plot === null || quantity === null) return;
     const data = this.series.read(this.curves.map((curve) => curve.column));
     if (quantity.factor !== 1) {
-      for (const column of data.slice(1)) for (let i = 0; i < column.length; i++) column[i] *= quantity.factor;
+      for (const column of data.slice(1))
+        for (let i = 0; i < column.length; i++) column[i] *= quantity.factor;
     }
     plot.setData(data, false);
     const last = this.series.last;

@@ -40,11 +40,7 @@ export function svg<K extends keyof SVGElementTagNameMap>(
 }
 
 /** A button with a visible text. */
-export function button(
-  label: string,
-  onclick: () => void,
-  attributes: Attributes = {},
-): HTMLButtonElement {
+export function button(label: string, onclick: () => void, attributes: Attributes = {}): HTMLButtonElement {
   return h("button", { type: "button", ...attributes, onclick }, label);
 }
 

@@ -13,7 +13,8 @@ const FINGERS = [
   { from: [127, 102], to: [138, 42], width: 16, label: [149, 24] },
   { from: [146, 114], to: [170, 68], width: 14, label: [187, 54] },
 ] as const;
-const PALM = "M76 108 Q74 98 86 98 L142 100 Q154 104 153 118 L148 158 Q144 174 128 176 L94 176 Q80 174 78 160 Z";
+const PALM =
+  "M76 108 Q74 98 86 98 L142 100 Q154 104 153 118 L148 158 Q144 174 128 176 L94 176 Q80 174 78 160 Z";
 const WIDTH = 220;
 /** A pad is wholly filled at this normal force, N. */
 const FULL = 5;
@@ -40,10 +41,19 @@ export class HandDiagram {
     this.pads.push(pad);
     this.labels.push(label);
     FINGERS.forEach(({ from, to, width, label: at }, f) => {
-      skin.push(svg("line", {
-        x1: flip(from[0]), y1: from[1], x2: flip(to[0]), y2: to[1], "stroke-width": width, class: "finger",
-      }));
-      this.pads.push(svg("circle", { cx: flip(to[0]), cy: to[1], r: 0.42 * width, fill: DIGIT_COLOURS[f + 1] }));
+      skin.push(
+        svg("line", {
+          x1: flip(from[0]),
+          y1: from[1],
+          x2: flip(to[0]),
+          y2: to[1],
+          "stroke-width": width,
+          class: "finger",
+        }),
+      );
+      this.pads.push(
+        svg("circle", { cx: flip(to[0]), cy: to[1], r: 0.42 * width, fill: DIGIT_COLOURS[f + 1] }),
+      );
       this.labels.push(svg("text", { x: flip(at[0]), y: at[1] + 4, class: "force" }));
     });
     this.element.replaceChildren(this.title, ...skin, palm, ...this.pads, ...this.labels);

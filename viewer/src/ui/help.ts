@@ -35,7 +35,11 @@ export function helpPanel(desk: Desk): Panel {
     body: h(
       "div",
       {},
-      h("p", {}, "A soft hand, simulated live: bones follow a pose, flesh follows the bones and gives way to what it touches."),
+      h(
+        "p",
+        {},
+        "A soft hand, simulated live: bones follow a pose, flesh follows the bones and gives way to what it touches.",
+      ),
       h("p", {}, "Try: drag the hand, or open the Hand panel and move the Grasp slider."),
       h("div", { class: "buttons" }, button("Open the help", open, { class: "primary", title: "Key ?" })),
     ),
@@ -45,10 +49,13 @@ export function helpPanel(desk: Desk): Panel {
 function text(): HTMLElement[] {
   const list = (...items: string[]) => h("ul", {}, ...items.map((item) => h("li", {}, item)));
   return [
-    h("p", {},
+    h(
+      "p",
+      {},
       "You see a hand of 16 rigid bones inside soft flesh. A script, or you, move a tracked hand; springs pull " +
-      "the bones after it. The flesh follows the bones and is stopped by what it touches, so the simulated hand " +
-      "stays outside of objects even when the tracked one goes in."),
+        "the bones after it. The flesh follows the bones and is stopped by what it touches, so the simulated hand " +
+        "stays outside of objects even when the tracked one goes in.",
+    ),
     h("h3", {}, "What to try"),
     list(
       "Play the bread scene, pause it (P) when the hand holds the loaf, and go on step by step (.).",
@@ -62,7 +69,7 @@ function text(): HTMLElement[] {
     list(
       "A webcam or a headset with hand tracking can move the hand: see the Hand panel.",
       "For a headset, start the program with --lan, open the printed address in the headset's browser, accept its " +
-      "certificate once, and enter from the Hand panel.",
+        "certificate once, and enter from the Hand panel.",
     ),
     h("h3", {}, "What the colours mean"),
     list(

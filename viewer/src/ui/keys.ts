@@ -52,7 +52,8 @@ function belongsToField(event: KeyboardEvent): boolean {
   const at = event.target;
   if (at instanceof HTMLSelectElement || at instanceof HTMLTextAreaElement) return event.key !== "Escape";
   if (at instanceof HTMLInputElement) {
-    if (at.type === "checkbox" || at.type === "radio") return event.key === " " || event.key.startsWith("Arrow");
+    if (at.type === "checkbox" || at.type === "radio")
+      return event.key === " " || event.key.startsWith("Arrow");
     if (at.type === "range") return /^(Arrow|Home|End|Page)/.test(event.key);
     return event.key !== "Escape";
   }

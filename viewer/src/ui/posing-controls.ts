@@ -54,7 +54,9 @@ export function posingControls(desk: Desk, posing: Posing): HTMLElement {
   };
   feed.on("model", (model) => {
     which.element.hidden = model.hands.length < 2;
-    which.input.replaceChildren(...model.hands.map((hand, i) => h("option", { value: i }, `${hand.name} (${hand.side})`)));
+    which.input.replaceChildren(
+      ...model.hands.map((hand, i) => h("option", { value: i }, `${hand.name} (${hand.side})`)),
+    );
   });
   let last = 0;
   feed.on("snapshot", () => {

@@ -29,9 +29,20 @@ export interface Quantity {
   curves(hand: number): readonly Curve[];
 }
 
-function perDigit(id: string, label: string, unit: string, factor: number, least: number, k: number): Quantity {
+function perDigit(
+  id: string,
+  label: string,
+  unit: string,
+  factor: number,
+  least: number,
+  k: number,
+): Quantity {
   return {
-    id, label, unit, factor, least,
+    id,
+    label,
+    unit,
+    factor,
+    least,
     curves: (hand) =>
       DIGITS.map((_, d) => ({
         label: DIGIT_LABELS[d],
@@ -46,14 +57,22 @@ export const QUANTITIES: readonly Quantity[] = [
   perDigit("shear", "Shear force", "N", 1, 0.5, 1),
   perDigit("area", "Contact area", "mm²", 1e6, 50, 2),
   {
-    id: "cost", label: "Step time", unit: "ms", factor: 1, least: 1,
+    id: "cost",
+    label: "Step time",
+    unit: "ms",
+    factor: 1,
+    least: 1,
     curves: () => [
       { label: "Cost of a step", colour: DIGIT_COLOURS[4], column: STEP },
       { label: "Budget", colour: DIGIT_COLOURS[1], column: STEP + 1, dashed: true },
     ],
   },
   {
-    id: "energy", label: "Energy", unit: "mJ", factor: 1e3, least: 1,
+    id: "energy",
+    label: "Energy",
+    unit: "mJ",
+    factor: 1e3,
+    least: 1,
     curves: () => [
       { label: "Total", colour: DIGIT_COLOURS[0], column: STEP + 2, dashed: true },
       { label: "Kinetic", colour: DIGIT_COLOURS[4], column: STEP + 3 },

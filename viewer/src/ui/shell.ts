@@ -24,12 +24,17 @@ export class Shell {
   add(panel: Panel): void {
     const id = `panel-${panel.id}`;
     const tab = h("button", {
-      type: "button", class: "tab", "aria-expanded": "false", "aria-controls": id, title: panel.title,
+      type: "button",
+      class: "tab",
+      "aria-expanded": "false",
+      "aria-controls": id,
+      title: panel.title,
     });
     tab.append(icon(panel.icon), h("span", {}, panel.title));
     tab.addEventListener("click", () => this.toggle(panel.id));
     const close = button("×", () => this.toggle(panel.id, false), {
-      class: "plain", "aria-label": `Close ${panel.title}`,
+      class: "plain",
+      "aria-label": `Close ${panel.title}`,
     });
     const section = h(
       "section",

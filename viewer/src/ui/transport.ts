@@ -25,7 +25,11 @@ export function transport(desk: Desk): { top: HTMLElement; bottom: HTMLElement }
   const bottom = h(
     "div",
     { class: "transport", role: "toolbar", "aria-label": "Run" },
-    play, step, reset, clock, pace,
+    play,
+    step,
+    reset,
+    clock,
+    pace,
   );
 
   const add = (key: string, label: string, act: () => void, name?: string) =>
@@ -68,7 +72,9 @@ export function transport(desk: Desk): { top: HTMLElement; bottom: HTMLElement }
     const failed = (snapshot.flags & FLAG.failed) !== 0;
     const text = failed
       ? "last step failed and was taken back"
-      : still ? "paused" : `${fixed(snapshot.speed, 2)} × real time`;
+      : still
+        ? "paused"
+        : `${fixed(snapshot.speed, 2)} × real time`;
     setText(pace, text);
     pace.dataset["slow"] = String((slow && !still) || failed);
     pace.title = slow ? "This machine is slower than the chosen speed." : "";

@@ -36,8 +36,14 @@ export function mountUi(app: App, root: HTMLElement): Desk {
   const shell = new Shell(root);
   const layers = layersPanel(desk);
   const panels = [
-    runPanel(desk), inputPanel(desk), layers, forcesPanel(desk), physicsPanel(desk),
-    recordPanel(desk), picturePanel(desk), helpPanel(desk),
+    runPanel(desk),
+    inputPanel(desk),
+    layers,
+    forcesPanel(desk),
+    physicsPanel(desk),
+    recordPanel(desk),
+    picturePanel(desk),
+    helpPanel(desk),
   ];
   const { top, bottom } = transport(desk);
   for (const panel of panels) shell.add(panel);
@@ -46,7 +52,9 @@ export function mountUi(app: App, root: HTMLElement): Desk {
 
   let bare = false;
   desk.keys.add({
-    key: "u", label: "Hide or show everything but the picture", group: "Page",
+    key: "u",
+    label: "Hide or show everything but the picture",
+    group: "Page",
     act: () => shell.hideAll((bare = !bare)),
   });
   app.connection.on("error", ({ message }) => desk.toasts.show(message, "error"));
@@ -87,7 +95,11 @@ function hint(app: App): HTMLElement {
 /** The picture in words, for those who cannot see it. */
 function describe({ feed, stage }: App): void {
   feed.on("model", (model) => {
-    const bodies = [...model.hands, ...model.rigids.filter((r) => r.kind !== "bone"), ...model.softs.filter((s) => s.hand === null)];
+    const bodies = [
+      ...model.hands,
+      ...model.rigids.filter((r) => r.kind !== "bone"),
+      ...model.softs.filter((s) => s.hand === null),
+    ];
     const names = bodies.map(({ name }) => name).join(", ");
     stage.canvas.setAttribute("role", "img");
     stage.canvas.setAttribute("aria-label", `A live simulation in 3D. ${model.title} It contains: ${names}.`);

@@ -39,7 +39,10 @@ describe("recording files", () => {
     const entries = recording(4);
     const whole = await file(entries);
     const ends = entries.map(
-      ((at) => (entry: Entry) => (at += 16 + entry.message.byteLength))(16),
+      (
+        (at) => (entry: Entry) =>
+          (at += 16 + entry.message.byteLength)
+      )(16),
     );
     for (let length = 0; length < whole.byteLength; length += 7) {
       const kept = ends.filter((end) => end <= length).length;

@@ -27,8 +27,18 @@ describe("view links", () => {
 
   it("leave out what makes no sense", () => {
     const junk = [
-      "#camera=1,2,3", "#camera=1,2,3,4,5,x", "#camera=1,2,3,1,2,3", "#camera=1e9,0,0,0,0,0", "#camera=1,2,3,0,0,0,500",
-      "#t=-1", "#t=soon", "#t=", "#t=Infinity", "#scene=", "#%%%", "#&&==&",
+      "#camera=1,2,3",
+      "#camera=1,2,3,4,5,x",
+      "#camera=1,2,3,1,2,3",
+      "#camera=1e9,0,0,0,0,0",
+      "#camera=1,2,3,0,0,0,500",
+      "#t=-1",
+      "#t=soon",
+      "#t=",
+      "#t=Infinity",
+      "#scene=",
+      "#%%%",
+      "#&&==&",
     ];
     for (const hash of junk) expect(parseLink(hash)).toEqual(nothing);
     expect(parseLink("#layers=skin,<script>,").layers).toEqual(["skin"]);

@@ -45,7 +45,17 @@ export function forward(place: Place): { position: Vector3; rotation: Quaternion
 }
 
 function bone(name: string, parent: number | null, digit: string, length: number) {
-  return { name, parent, digit, ends_B: [[0, 0, 0], [0, 0, -length]], radius: 0.005, mass: 0.01 };
+  return {
+    name,
+    parent,
+    digit,
+    ends_B: [
+      [0, 0, 0],
+      [0, 0, -length],
+    ],
+    radius: 0.005,
+    mass: 0.01,
+  };
 }
 
 export function modelMessage(epoch = 1, scene = "bread-grasp"): ArrayBuffer {
@@ -56,8 +66,16 @@ export function modelMessage(epoch = 1, scene = "bread-grasp"): ArrayBuffer {
     });
   });
   const rigid = (name: string, kind: string, more: object) => ({
-    name, kind, fixed: kind === "plane", radius: null, half_length: null, half: null,
-    pose_BS: [0, 0, 0, 0, 0, 0, 1], colour: null, mesh: null, ...more,
+    name,
+    kind,
+    fixed: kind === "plane",
+    radius: null,
+    half_length: null,
+    half: null,
+    pose_BS: [0, 0, 0, 0, 0, 0, 1],
+    colour: null,
+    mesh: null,
+    ...more,
   });
   const angle = (d: number, place: number, axis: "x" | "y", sense: number, min: number, max: number) => {
     const start = d === 0 && place === 0 ? THUMB_TURN.toArray() : [0, 0, 0, 1];
@@ -82,8 +100,15 @@ export function modelMessage(epoch = 1, scene = "bread-grasp"): ArrayBuffer {
     softs: [],
     hands: [
       {
-        name: "hand", side: "right", soft: null, length: 0.19, bone_start: 0, bone_count: 16,
-        target_start: 0, bones, wrist_B: [0, 0, 0, 0, 0, 0, 1],
+        name: "hand",
+        side: "right",
+        soft: null,
+        length: 0.19,
+        bone_start: 0,
+        bone_count: 16,
+        target_start: 0,
+        bones,
+        wrist_B: [0, 0, 0, 0, 0, 0, 1],
         angles: DIGITS.flatMap((_, d) => [
           angle(d, 0, "x", -1, -0.8, 1.6),
           angle(d, 0, "y", d <= 2 ? 1 : -1, -0.35, 0.5),
@@ -145,6 +170,9 @@ export function snapshotMessage(instant: Instant): ArrayBuffer {
   const targets = 7 * 18;
   bones.forEach((pose, i) => put(targets + 7 * i, pose));
   if (instant.untracked === true) numbers.fill(NaN, targets, targets + 7 * 16);
-  numbers.set(Array.from({ length: 18 }, (_, i) => instant.fingers?.[i] ?? 0), targets + 7 * 16);
+  numbers.set(
+    Array.from({ length: 18 }, (_, i) => instant.fingers?.[i] ?? 0),
+    targets + 7 * 16,
+  );
   return message;
 }

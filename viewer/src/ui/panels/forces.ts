@@ -6,7 +6,15 @@ import { h, setText } from "../dom";
 import { fixed, significant } from "../format";
 import { HandDiagram } from "../hand-diagram";
 import { ICONS } from "../icons";
-import { COLUMNS, DIGIT_COLOURS, DIGIT_LABELS, HANDS_MOST, QUANTITIES, sample, type Quantity } from "../quantities";
+import {
+  COLUMNS,
+  DIGIT_COLOURS,
+  DIGIT_LABELS,
+  HANDS_MOST,
+  QUANTITIES,
+  sample,
+  type Quantity,
+} from "../quantities";
 import { RollingSeries } from "../series";
 import { select } from "../widgets";
 
@@ -41,10 +49,14 @@ export function forcesPanel(desk: Desk): Panel {
       }),
     );
   };
-  const what = select("Plot", QUANTITIES.map((q) => [q.id, q.label] as const), (id) => {
-    quantity = QUANTITIES.find((q) => q.id === id) ?? QUANTITIES[0];
-    restart();
-  });
+  const what = select(
+    "Plot",
+    QUANTITIES.map((q) => [q.id, q.label] as const),
+    (id) => {
+      quantity = QUANTITIES.find((q) => q.id === id) ?? QUANTITIES[0];
+      restart();
+    },
+  );
   const which = select("Hand", [], (value) => {
     hand = Number(value);
     diagram.build(feed.model?.hands[hand]?.side ?? "right");
@@ -100,7 +112,9 @@ export function forcesPanel(desk: Desk): Panel {
     series.clear();
     hand = Math.min(hand, Math.max(0, model.hands.length - 1));
     const hands = model.hands.slice(0, HANDS_MOST);
-    which.input.replaceChildren(...hands.map((item, i) => h("option", { value: i }, `${item.name} (${item.side})`)));
+    which.input.replaceChildren(
+      ...hands.map((item, i) => h("option", { value: i }, `${item.name} (${item.side})`)),
+    );
     which.input.value = String(hand);
     which.element.hidden = hands.length < 2;
     diagram.element.toggleAttribute("hidden", hands.length === 0);
@@ -122,7 +136,18 @@ export function forcesPanel(desk: Desk): Panel {
     id: "forces",
     title: "Forces",
     icon: ICONS.forces,
-    body: h("div", {}, which.element, diagram.element, what.element, chart.element, h("p", { class: "caption" }, unit), legend, table, facts),
+    body: h(
+      "div",
+      {},
+      which.element,
+      diagram.element,
+      what.element,
+      chart.element,
+      h("p", { class: "caption" }, unit),
+      legend,
+      table,
+      facts,
+    ),
     shown(now) {
       open = now;
       if (now) {

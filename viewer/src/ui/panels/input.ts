@@ -13,14 +13,18 @@ export function inputPanel(desk: Desk): Panel {
 
   const rowOf = (source: InputSource): HTMLElement => {
     const note = h("p", { class: "note", role: "status" });
-    const act = button(source.label, () => {
-      if (inputs.active === source) inputs.stop();
-      else {
-        inputs.start(source.id).catch((error: unknown) => {
-          desk.toasts.show(error instanceof Error ? error.message : String(error), "error");
-        });
-      }
-    }, { "data-input": source.id, "aria-pressed": "false" });
+    const act = button(
+      source.label,
+      () => {
+        if (inputs.active === source) inputs.stop();
+        else {
+          inputs.start(source.id).catch((error: unknown) => {
+            desk.toasts.show(error instanceof Error ? error.message : String(error), "error");
+          });
+        }
+      },
+      { "data-input": source.id, "aria-pressed": "false" },
+    );
     const box = h("section", { class: "input-source" }, act, h("p", { class: "help" }, source.help), note);
     if (source.controls !== undefined) box.append(source.controls);
     rows.set(source.id, () => {
@@ -50,6 +54,12 @@ export function inputPanel(desk: Desk): Panel {
   for (const name of ["open", "close", "status"] as const) connection.on(name, refresh);
   refresh();
 
-  desk.keys.add({ key: "escape", name: "Esc", label: "Give the hand back to the script", group: "Hand", act: () => inputs.stop() });
+  desk.keys.add({
+    key: "escape",
+    name: "Esc",
+    label: "Give the hand back to the script",
+    group: "Hand",
+    act: () => inputs.stop(),
+  });
   return { id: "input", title: "Hand", icon: ICONS.input, body: h("div", {}, intro, list) };
 }

@@ -16,10 +16,16 @@ const EXPLAIN: Readonly<Record<LayerName, Explanation>> = {
   skin: { key: "k", text: "The soft surface you would see, carried by the flesh." },
   flesh: { key: "t", text: "The tetrahedra that are computed, inside the skin (Fig. 2)." },
   bones: { key: "b", text: "The rigid bones and the joints between them (Fig. 2)." },
-  tracked: { key: "y", text: "In yellow: where the tracker puts the hand. Contact holds the real one back (Fig. 4)." },
+  tracked: {
+    key: "y",
+    text: "In yellow: where the tracker puts the hand. Contact holds the real one back (Fig. 4).",
+  },
   skinning: { key: "l", text: "The same pose by plain skinning, without flesh (Fig. 6)." },
   contacts: { key: "c", text: "Points where bodies touch." },
-  forces: { key: "v", text: "Arrows at the contacts, as long as the force is strong: pressing and friction." },
+  forces: {
+    key: "v",
+    text: "Arrows at the contacts, as long as the force is strong: pressing and friction.",
+  },
   pressure: { key: "h", text: "Force per area as colour, from dark (none) to bright." },
   wireframe: { key: "w", text: "The edges of the objects' triangles (Fig. 8)." },
   objects: { key: "o", text: "What the hand touches." },
@@ -81,14 +87,28 @@ export function layersPanel(desk: Desk): Panel & { refresh(): void } {
     stage.setClip(axis, part);
     where.element.hidden = axis === null;
   };
-  const along = select("Cut the flesh", [["", "not"], ["x", "along x"], ["y", "along y"], ["z", "along z"]], (value) => {
-    axis = value === "x" || value === "y" || value === "z" ? value : null;
-    cut();
-  });
-  const where = slider("Shown part", { min: 0, max: 1, scale: "linear" }, (v) => `${fixed(100 * v, 0)} %`, (v) => {
-    part = v;
-    cut();
-  });
+  const along = select(
+    "Cut the flesh",
+    [
+      ["", "not"],
+      ["x", "along x"],
+      ["y", "along y"],
+      ["z", "along z"],
+    ],
+    (value) => {
+      axis = value === "x" || value === "y" || value === "z" ? value : null;
+      cut();
+    },
+  );
+  const where = slider(
+    "Shown part",
+    { min: 0, max: 1, scale: "linear" },
+    (v) => `${fixed(100 * v, 0)} %`,
+    (v) => {
+      part = v;
+      cut();
+    },
+  );
   where.set(part);
   where.element.hidden = true;
   return {
@@ -99,7 +119,12 @@ export function layersPanel(desk: Desk): Panel & { refresh(): void } {
       "div",
       {},
       h("div", { class: "layers" }, ...rows),
-      group("Section", h("p", { class: "help" }, "Looks inside the flesh layer."), along.element, where.element),
+      group(
+        "Section",
+        h("p", { class: "help" }, "Looks inside the flesh layer."),
+        along.element,
+        where.element,
+      ),
       group("View", h("div", { class: "buttons" }, ...views)),
     ),
     refresh() {

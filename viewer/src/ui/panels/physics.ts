@@ -17,10 +17,14 @@ const SETTLE = 400;
 function labelled(id: string, helpId: string) {
   const label = h("label", { for: id });
   const help = h("p", { class: "help", id: helpId, hidden: true });
-  const more = button("?", () => {
-    help.hidden = !help.hidden;
-    more.setAttribute("aria-expanded", String(!help.hidden));
-  }, { class: "plain more", "aria-expanded": "false", "aria-controls": helpId });
+  const more = button(
+    "?",
+    () => {
+      help.hidden = !help.hidden;
+      more.setAttribute("aria-expanded", String(!help.hidden));
+    },
+    { class: "plain more", "aria-expanded": "false", "aria-controls": helpId },
+  );
   const name = (setting: Setting) => {
     setText(label, setting.label);
     setText(help, setting.help);
@@ -42,7 +46,11 @@ export function physicsPanel(desk: Desk): Panel {
   let shape = "";
 
   const send = (key: string, value: number | string) => void command(desk, { type: "set", key, value });
-  const watching = h("p", { class: "help" }, "You are watching. Take control, in the Run panel, to change these.");
+  const watching = h(
+    "p",
+    { class: "help" },
+    "You are watching. Take control, in the Run panel, to change these.",
+  );
   const list = h("div");
   const reset = button("Back to the scene's values", () => {
     for (const { key, value, own } of connection.status?.settings ?? []) if (value !== own) send(key, own);
@@ -84,12 +92,24 @@ export function physicsPanel(desk: Desk): Panel {
 function rangeRow(key: string, send: (key: string, value: number) => void): Row {
   const [id, helpId] = [newId("set"), newId("help")];
   const { head, help, name } = labelled(id, helpId);
-  const range = h("input", { id, type: "range", min: 0, max: SLIDER_STEPS, step: 1, "data-setting": key, "aria-describedby": helpId });
+  const range = h("input", {
+    id,
+    type: "range",
+    min: 0,
+    max: SLIDER_STEPS,
+    step: 1,
+    "data-setting": key,
+    "aria-describedby": helpId,
+  });
   const field = h("input", { type: "number", step: "any", class: "value" });
   const unit = h("span", { class: "unit" });
-  const back = button("↺", () => {
-    if (setting !== null) change(setting.own, true);
-  }, { class: "plain" });
+  const back = button(
+    "↺",
+    () => {
+      if (setting !== null) change(setting.own, true);
+    },
+    { class: "plain" },
+  );
   let setting: RangeSetting | null = null;
   let touched = -Infinity;
   const throttle = new Throttle<number>(INTERVAL, (value) => send(key, value));

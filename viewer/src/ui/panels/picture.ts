@@ -8,7 +8,11 @@ import { ICONS } from "../icons";
 import { formatLink, type ViewLink } from "../view-link";
 import { download, group, select } from "../widgets";
 
-const SIZES = [["now", "As on the screen"], ["1280x720", "1280 × 720"], ["1920x1080", "1920 × 1080"]] as const;
+const SIZES = [
+  ["now", "As on the screen"],
+  ["1280x720", "1280 × 720"],
+  ["1920x1080", "1920 × 1080"],
+] as const;
 
 export function picturePanel(desk: Desk): Panel {
   const { connection, feed, stage } = desk.app;
@@ -60,10 +64,21 @@ export function picturePanel(desk: Desk): Panel {
       ui: true,
     };
   };
-  const address = h("input", { type: "text", readonly: true, hidden: true, "aria-label": "Link to this view" });
+  const address = h("input", {
+    type: "text",
+    readonly: true,
+    hidden: true,
+    "aria-label": "Link to this view",
+  });
 
   desk.keys.add({ key: "i", label: "Save a picture", group: "Picture", act: () => void take() });
-  desk.keys.add({ key: "shift+c", name: "Shift C", label: "Copy a link to this view", group: "Picture", act: () => void copy() });
+  desk.keys.add({
+    key: "shift+c",
+    name: "Shift C",
+    label: "Copy a link to this view",
+    group: "Picture",
+    act: () => void copy(),
+  });
   return {
     id: "picture",
     title: "Picture",
@@ -72,11 +87,23 @@ export function picturePanel(desk: Desk): Panel {
       "div",
       {},
       size.element,
-      h("div", { class: "buttons" }, button("Save a picture", () => void take(), { class: "primary", title: "Key I" })),
+      h(
+        "div",
+        { class: "buttons" },
+        button("Save a picture", () => void take(), { class: "primary", title: "Key I" }),
+      ),
       group(
         "Link",
-        h("p", { class: "help" }, "Scene, layers and camera go into the address; while paused, the moment too."),
-        h("div", { class: "buttons" }, button("Copy a link to this view", () => void copy())),
+        h(
+          "p",
+          { class: "help" },
+          "Scene, layers and camera go into the address; while paused, the moment too.",
+        ),
+        h(
+          "div",
+          { class: "buttons" },
+          button("Copy a link to this view", () => void copy()),
+        ),
         address,
       ),
     ),

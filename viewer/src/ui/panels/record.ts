@@ -9,7 +9,13 @@ import { bytes, fileStem, fixed } from "../format";
 import { ICONS } from "../icons";
 import { download, group, select } from "../widgets";
 
-const SPEEDS = [["0.1", "0.1 ×"], ["0.25", "0.25 ×"], ["0.5", "0.5 ×"], ["1", "1 ×"], ["2", "2 ×"]] as const;
+const SPEEDS = [
+  ["0.1", "0.1 ×"],
+  ["0.25", "0.25 ×"],
+  ["0.5", "0.5 ×"],
+  ["1", "1 ×"],
+  ["2", "2 ×"],
+] as const;
 
 export function recordPanel(desk: Desk): Panel {
   const { connection, feed, stage } = desk.app;
@@ -17,7 +23,8 @@ export function recordPanel(desk: Desk): Panel {
   let recording = false;
   let player: Player | null = null;
   let shown = -1;
-  const fail = (error: unknown) => desk.toasts.show(error instanceof Error ? error.message : String(error), "error");
+  const fail = (error: unknown) =>
+    desk.toasts.show(error instanceof Error ? error.message : String(error), "error");
 
   const now = () => performance.now() / 1000;
   const startStop = () => {
@@ -59,7 +66,10 @@ export function recordPanel(desk: Desk): Panel {
   };
   const save = () => {
     const stem = fileStem(feed.model?.scene ?? "recording");
-    download(new Blob(write(recorder.entries()), { type: "application/octet-stream" }), `${stem}.thenar-recording`);
+    download(
+      new Blob(write(recorder.entries()), { type: "application/octet-stream" }),
+      `${stem}.thenar-recording`,
+    );
   };
   const load = async (file: File) => {
     try {
@@ -89,7 +99,10 @@ export function recordPanel(desk: Desk): Panel {
       }
     }
     if (document.activeElement !== scrub || player.playing) scrub.value = String(player.time);
-    setText(place, `${fixed(player.time, 2)} of ${fixed(player.duration, 2)} s, snapshot ${index + 1} of ${player.length}`);
+    setText(
+      place,
+      `${fixed(player.time, 2)} of ${fixed(player.duration, 2)} s, snapshot ${index + 1} of ${player.length}`,
+    );
     setText(play, player.playing ? "Pause" : "Play");
   };
   stage.onFrame((_, dt) => {
@@ -102,7 +115,12 @@ export function recordPanel(desk: Desk): Panel {
   const held = h("p", { class: "help", "aria-live": "off" });
   const watch = button("Replay", replay);
   const keep = button("Save to a file", save);
-  const file = h("input", { type: "file", accept: ".thenar-recording", hidden: true, "aria-label": "Recording to load" });
+  const file = h("input", {
+    type: "file",
+    accept: ".thenar-recording",
+    hidden: true,
+    "aria-label": "Recording to load",
+  });
   file.addEventListener("change", () => {
     const chosen = file.files?.[0];
     file.value = "";
@@ -141,7 +159,13 @@ export function recordPanel(desk: Desk): Panel {
     button("Back to live", live, { class: "primary" }),
   );
 
-  desk.keys.add({ key: "shift+r", name: "Shift R", label: "Record, and stop recording", group: "Recording", act: startStop });
+  desk.keys.add({
+    key: "shift+r",
+    name: "Shift R",
+    label: "Record, and stop recording",
+    group: "Recording",
+    act: startStop,
+  });
   desk.keys.add({ key: ",", label: "Replay: one snapshot back", group: "Recording", act: stepBy(-1) });
 
   const refresh = () => {
@@ -172,6 +196,13 @@ export function recordPanel(desk: Desk): Panel {
     id: "record",
     title: "Record",
     icon: ICONS.record,
-    body: h("div", {}, held, h("div", { class: "buttons" }, record, watch, keep, fetchFile), file, replayGroup),
+    body: h(
+      "div",
+      {},
+      held,
+      h("div", { class: "buttons" }, record, watch, keep, fetchFile),
+      file,
+      replayGroup,
+    ),
   };
 }

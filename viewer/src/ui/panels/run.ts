@@ -55,11 +55,19 @@ export function runPanel(desk: Desk): Panel {
             : `Viewer ${holder} holds control. You are watching as viewer ${welcome?.client ?? "?"}.`,
     );
     const scenes = welcome?.scenes ?? [];
-    if (scene.input.options.length !== scenes.length || scenes.some((s, i) => scene.input.options[i].value !== s.name)) {
-      scene.input.replaceChildren(...scenes.map((s) => h("option", { value: s.name }, `${s.name}: ${s.title}`)));
+    if (
+      scene.input.options.length !== scenes.length ||
+      scenes.some((s, i) => scene.input.options[i].value !== s.name)
+    ) {
+      scene.input.replaceChildren(
+        ...scenes.map((s) => h("option", { value: s.name }, `${s.name}: ${s.title}`)),
+      );
     }
     if (status !== null) {
-      if (!scenes.some((s) => s.name === status.scene) && ![...scene.input.options].some((o) => o.value === status.scene)) {
+      if (
+        !scenes.some((s) => s.name === status.scene) &&
+        ![...scene.input.options].some((o) => o.value === status.scene)
+      ) {
         scene.input.prepend(h("option", { value: status.scene }, status.scene));
       }
       scene.input.value = status.scene;
