@@ -140,8 +140,15 @@ export interface TestContact {
 }
 
 const ANGLE = {
-  joint: "j", rest: 0, min: -1, max: 1, bone: 0, axis: "x", sense: 1,
-  rotation_PJ: [0, 0, 0, 1], rotation_BK: [0, 0, 0, 1],
+  joint: "j",
+  rest: 0,
+  min: -1,
+  max: 1,
+  bone: 0,
+  axis: "x",
+  sense: 1,
+  rotation_PJ: [0, 0, 0, 1],
+  rotation_BK: [0, 0, 0, 1],
 };
 
 /** A snapshot of that world: bodies at rest, all nodes moved up by `rise`. */

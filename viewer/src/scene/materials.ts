@@ -261,7 +261,7 @@ export function breadMaterial(
     replaceFragment(
       shader,
       "#include <roughnessmap_fragment>",
-      after("#include <roughnessmap_fragment>", "roughnessFactor = mix( 0.55, 0.95, max( crumb, flour ) );"),
+      after("#include <roughnessmap_fragment>", "roughnessFactor = mix( 0.66, 0.95, max( crumb, flour ) );"),
     );
     if (detail) {
       replaceFragment(
@@ -269,7 +269,7 @@ export function breadMaterial(
         "#include <normal_fragment_maps>",
         after(
           "#include <normal_fragment_maps>",
-          `float relief = mix( 380e-6 * noise3( vRest * 150.0 ) + 120e-6 * noise3( vRest * 560.0 ) * seen( vRest, 1.0 / 560.0 ),
+          `float relief = mix( 420e-6 * noise3( vRest * 150.0 ) + 220e-6 * noise3( vRest * 560.0 ) * seen( vRest, 1.0 / 560.0 ),
             220e-6 * noise3( vRest * 240.0 ), crumb );
           normal = bumped( - vViewPosition, normal, relief );`,
         ),
@@ -294,7 +294,8 @@ vec3 breadColour( vec3 given, vec3 at, float cut, out float crumb, out float flo
   float light = dot( given, vec3( 0.3, 0.55, 0.15 ) );
   flour = smoothstep( 0.62, 0.85, noise3( at * 240.0 ) ) * smoothstep( 0.42, 0.7, patches ) * smoothstep( 0.34, 0.22, light );
   crust = mix( crust, vec3( 0.80, 0.70, 0.56 ), 0.4 * flour );
-  vec3 soft = vec3( 0.93, 0.75, 0.51 ) * ( 0.88 + 0.2 * patches ) * ( 1.0 - 0.5 * pore );
+  vec3 soft = vec3( 0.93, 0.75, 0.51 ) * ( 0.88 + 0.2 * patches ) * mix( vec3( 1.0 ), vec3( 0.66, 0.56, 0.44 ), pore );
+  crust *= 0.9 + 0.2 * noise3( at * 900.0 ) * seen( at, 1.0 / 900.0 );
   flour *= 1.0 - crumb;
   return mix( crust, soft, crumb );
 }

@@ -33,16 +33,11 @@ export function skinSites(
   const poses = restPoses(soft, skin, hand);
   const site = new Float32Array(4 * count);
   const bound = new Float64Array(hand.bone_count);
-  const p = [0, 0, 0];
   const scale = hand.length / 0.19;
   for (let v = 0; v < count; v++) {
     const b = boneOf(soft, skin, hand, v, bound);
     const bone = hand.bones[b];
-    const m = 12 * b;
-    for (let j = 0; j < 3; j++) {
-      p[j] = 0;
-      for (let i = 0; i < 3; i++) p[j] += poses[m + 3 * i + j] * (rest[3 * v + i] - poses[m + 9 + i]);
-    }
+    const p = inBone(poses, b, rest, v);
     // Bones run along -z, their backs look to +y.
     const half = 0.5 * Math.abs(bone.ends_B[0][2] - bone.ends_B[1][2]);
     const along = half > 0 ? -p[2] / half : 0;
@@ -56,16 +51,45 @@ export function skinSites(
     blood += 0.2 * smooth(0, 120, -broad[v]);
     site[4 * v] = Math.min(1, blood);
     site[4 * v + 1] = 1 - 0.75 * smooth(20, 220, -broad[v]);
-    let [u, w] = [9, 9];
-    if (distal && back) {
-      const nail = bone.digit === "thumb" ? NAIL.thumb : NAIL.finger;
-      u = p[0] / (nail.wide * scale);
-      w = (-p[2] - (half - 0.25 * nail.long * scale)) / (nail.long * scale);
-    }
-    site[4 * v + 2] = u;
-    site[4 * v + 3] = w;
+    nailPlace(hand, b, poses, rest, v, scale, site);
   }
   return { site, curve };
+}
+
+/** Writes where a vertex lies on the plane of its digit's nail. Vertices off the nail are far from its
+ * middle, in the direction in which they are: between two of them no triangle crosses the nail. */
+function nailPlace(
+  hand: HandModel,
+  bone: number,
+  poses: Float32Array,
+  rest: Float32Array,
+  v: number,
+  scale: number,
+  site: Float32Array,
+): void {
+  const { digit } = hand.bones[bone];
+  const d = hand.bones.findIndex((other) => other.digit === digit && other.name.endsWith("distal"));
+  let [u, w] = [0, -20];
+  if (d >= 0) {
+    const nail = digit === "thumb" ? NAIL.thumb : NAIL.finger;
+    const [x, y, z] = inBone(poses, d, rest, v);
+    const half = 0.5 * Math.abs(hand.bones[d].ends_B[0][2] - hand.bones[d].ends_B[1][2]);
+    const off = y >= 0 ? 1 : 1 + Math.min(8, -y / 0.001);
+    u = (off * x) / (nail.wide * scale);
+    w = (off * (-z - (half - 0.25 * nail.long * scale))) / (nail.long * scale);
+  }
+  site[4 * v + 2] = u;
+  site[4 * v + 3] = w;
+}
+
+/** A vertex in the frame of a bone, in the rest shape. */
+function inBone(poses: Float32Array, bone: number, rest: Float32Array, v: number): [number, number, number] {
+  const out: [number, number, number] = [0, 0, 0];
+  const m = 12 * bone;
+  for (let j = 0; j < 3; j++) {
+    for (let i = 0; i < 3; i++) out[j] += poses[m + 3 * i + j] * (rest[3 * v + i] - poses[m + 9 + i]);
+  }
+  return out;
 }
 
 /** The bone that a vertex follows most, as an index in the hand's list. */

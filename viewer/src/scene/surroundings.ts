@@ -28,7 +28,7 @@ const KEY_DISTANCE = 1.2;
 const PENUMBRA = 0.0032;
 
 export class Surroundings {
-  readonly key = new DirectionalLight(0xfff4e8, 2.35);
+  readonly key = new DirectionalLight(0xfff4e8, 2.2);
   readonly rim = new DirectionalLight(0xcfe0ff, 0.4);
   readonly ground: Mesh;
   readonly group = new Group();
@@ -45,7 +45,7 @@ export class Surroundings {
     this.key.castShadow = true;
     this.key.shadow.mapSize.setScalar(quality.shadowSize);
     this.key.shadow.bias = -0.0004;
-    this.fill = new HemisphereLight(0xdfe8f2, 0x6b5442, quality.software ? 1.15 : 0.4);
+    this.fill = new HemisphereLight(0xdfe8f2, 0x6b5442, quality.software ? 1.15 : 0.12);
     this.rim.position.set(0.6, 0.45, -0.8);
     this.ground = new Mesh(
       new CircleGeometry(3, 64).rotateX(-Math.PI / 2),
@@ -57,7 +57,7 @@ export class Surroundings {
     scene.add(backdrop());
     // Looking light up in a picture of the room costs a software renderer too much.
     if (!quality.software) scene.environment = room(renderer);
-    scene.environmentIntensity = 0.8;
+    scene.environmentIntensity = 0.4;
   }
 
   /** Lights and shadows the box of interest. */
