@@ -99,7 +99,11 @@ export class Stage {
     this.surroundings.surround(this.focus);
     this.surroundings.ground.visible = false;
     this.setView("scene");
-    new ResizeObserver(() => this.resize()).observe(canvas);
+    new ResizeObserver(() => {
+      this.resize();
+      // A new size empties the canvas: without this it would stay empty until the next frame.
+      if (!this.renderer.xr.isPresenting) this.draw(performance.now());
+    }).observe(canvas);
   }
 
   get controls(): OrbitControls {
