@@ -194,6 +194,11 @@ export class Stage {
     this.invalidate();
   }
 
+  /** Shows what is behind everything; not where the visitor's own room is in view. */
+  setBackdrop(on: boolean): void {
+    this.surroundings.backdrop.visible = on;
+  }
+
   setView(name: ViewName): void {
     this.rig.go(name, this.model?.camera ?? null, this.focus);
     this.invalidate();

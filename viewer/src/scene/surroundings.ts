@@ -30,6 +30,8 @@ const PENUMBRA = 0.0032;
 export class Surroundings {
   readonly key = new DirectionalLight(0xfff4e8, 2.2);
   readonly rim = new DirectionalLight(0xcfe0ff, 0.4);
+  /** Behind everything: the far side of a bright room. */
+  readonly backdrop = backdrop();
   readonly ground: Mesh;
   readonly group = new Group();
   private readonly fill: HemisphereLight;
@@ -54,7 +56,7 @@ export class Surroundings {
     this.ground.receiveShadow = true;
     this.ground.renderOrder = -1;
     this.group.add(this.key, this.key.target, this.rim, this.fill, this.ground);
-    scene.add(backdrop());
+    scene.add(this.backdrop);
     // Looking light up in a picture of the room costs a software renderer too much.
     if (!quality.software) scene.environment = room(renderer);
     scene.environmentIntensity = 0.4;

@@ -1,7 +1,7 @@
 // One XR session: the world stands before the visitor, the visitor's hands go to the server, forces
 // come back as colour, numbers and vibration. Made when a session begins, ended with it.
 
-import { Vector3, type Color, type PerspectiveCamera, type Texture } from "three";
+import { Vector3, type PerspectiveCamera } from "three";
 import type { App } from "../app";
 import type { LayerName } from "../scene/layers";
 import { HandsRequest, PoseOutlet, SIDES } from "../tracking/outlet";
@@ -15,13 +15,14 @@ import { RecentreGesture } from "./recentre";
 import { Sizing } from "./sizing";
 import { TrackedView } from "./tracked-view";
 
-/** Layers that tell of touch: on while in XR, whatever they were on the desk. */
-const TOUCH_LAYERS: readonly LayerName[] = ["pressure", "forces"];
+/** Layers set while in XR, whatever they are on the desk: arrows tell of touch. */
+const LAYERS_IN_XR: readonly (readonly [LayerName, boolean])[] = [["forces", true]];
+/** With the room in view its own floor and table are enough. */
+const LAYERS_IN_ROOM: readonly (readonly [LayerName, boolean])[] = [...LAYERS_IN_XR, ["ground", false]];
 
 interface Desk {
   readonly position: Vector3;
   readonly camera: PerspectiveCamera;
-  readonly background: Color | Texture | null;
   readonly layers: readonly (readonly [LayerName, boolean])[];
 }
 
@@ -51,14 +52,14 @@ export class XrLive {
     const { stage, connection } = app;
     this.outlet = new PoseOutlet(connection);
     this.request = new HandsRequest(connection);
+    const layers = transparent ? LAYERS_IN_ROOM : LAYERS_IN_XR;
     this.desk = {
       position: stage.world.position.clone(),
       camera: stage.camera.clone(),
-      background: stage.scene.background,
-      layers: TOUCH_LAYERS.map((name) => [name, stage.layer(name)] as const),
+      layers: layers.map(([name]) => [name, stage.layer(name)] as const),
     };
-    if (transparent) stage.scene.background = null;
-    for (const name of TOUCH_LAYERS) stage.setLayer(name, true);
+    stage.setBackdrop(!transparent);
+    for (const [name, on] of layers) stage.setLayer(name, on);
     stage.controls.enabled = false;
     this.undo.push(
       stage.onFrame((time, _dt, frame) => this.frame(time / 1000, frame)),
@@ -83,7 +84,7 @@ export class XrLive {
     this.view.dispose();
     stage.world.position.copy(this.desk.position);
     stage.world.quaternion.identity();
-    stage.scene.background = this.desk.background;
+    stage.setBackdrop(true);
     for (const [name, on] of this.desk.layers) stage.setLayer(name, on);
     stage.controls.enabled = true;
   }
