@@ -174,3 +174,54 @@ fn hostile_samples_and_frames_leave_finite_forces() {
     }
     assert!(live > 1000, "the attack must have been felt: {live} ticks");
 }
+
+/// A tracker that loses the hand and finds it 20 cm away neither kicks nor trips.
+#[test]
+fn a_teleport_is_not_felt() {
+    let start = [RigidState::at_rest(Pose::identity()); 2];
+    let mut hand = HapticHand::new(HandSettings::default(), proxies(), &start, 0).unwrap();
+    let mut frame = SlowToFast::new(&start, 0);
+    let mut pad = Pad::new(Digit::Index, 1, Vec3::x() * 0.01);
+    let mut guard = Guard::<1>::new(Limits { ramp: 0.05, ..Limits::cybergrasp() }, 0).unwrap();
+    guard.arm();
+    let (mut before, mut largest) = (0.0_f64, 0.0_f64);
+    for ms in 0..2000u64 {
+        let now = (ms + 1) * MS;
+        // Pressed by 4 mm; away between 1.0 and 1.3 s; then somewhere else and at ease.
+        let down = Vec3::y() * -0.004 * (ms as f64 / 500.0).min(1.0);
+        let away = (1000..1300).contains(&ms);
+        let shift = if ms < 1000 { Vec3::zeros() } else { Vec3::new(0.15, 0.1, -0.1) };
+        if ms % 11 == 0 && !away {
+            for bone in 0..2 {
+                hand.track(bone, now, Pose::new(down + shift, Quat::identity()), None);
+            }
+        }
+        // The simulated bones: blocked at first; at 60 Hz they go where the proxies are.
+        if ms % 16 == 0 {
+            for (bone, proxy) in frame.bones.iter_mut().zip(hand.proxies().states()) {
+                *bone = if ms < 1300 { start[0] } else { RigidState::at_rest(proxy.pose_WB) };
+            }
+            (frame.time_ns, frame.step) = (now, frame.step + 1);
+        }
+        let report = hand.tick(now, &frame);
+        let reading = pad.read(&hand, report.step);
+        let tracking_ns = now.saturating_sub((report.tracking_age * 1e9) as u64);
+        let [force] = guard.tick(
+            now,
+            &Signal {
+                force: [reading.pad_force],
+                velocity: [reading.opening_velocity],
+                simulation_ns: frame.time_ns,
+                tracking_ns,
+                device_ns: now,
+                enabled: true,
+            },
+        );
+        assert!(!matches!(guard.status(), Status::Tripped(_)), "{ms} ms: {:?}", guard.status());
+        assert!(force <= before + guard.limits().change_max(1e-3) + 1e-9);
+        assert!(ms < 1200 || force == 0.0, "{ms} ms: {force} N");
+        largest = largest.max(force);
+        before = force;
+    }
+    assert!(largest > 1.4, "{largest} N while pressed");
+}

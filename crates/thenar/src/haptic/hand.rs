@@ -3,7 +3,7 @@
 use crate::haptic::shared::{Resolution, SharedConstraints};
 use crate::haptic::{
     FastToSlow, Prediction, Proxies, Proxy, ProxyError, ProxyReport, RigidState, Sample,
-    SlowToFast, Track, seconds_between,
+    SlowToFast, Track, Tracked, seconds_between,
 };
 use crate::math::{Pose, Vec3};
 
@@ -74,6 +74,7 @@ pub struct HapticHand {
     /// Ends of the couplings in this tick.
     tracked: Vec<RigidState>,
     bones: Vec<RigidState>,
+    jumped: Vec<bool>,
     last_ns: Option<u64>,
     ticks: u64,
 }
@@ -95,6 +96,7 @@ impl HapticHand {
             shared_step: None,
             tracked: proxies.states().to_vec(),
             bones: proxies.states().to_vec(),
+            jumped: vec![false; n],
             proxies,
             last_ns: None,
             ticks: 0,
@@ -148,14 +150,19 @@ impl HapticHand {
     }
 
     /// The tracked bones now, and the age of the oldest. A bone that was never tracked goes where
-    /// its simulated bone is, so it feels nothing.
+    /// its simulated bone is, so it feels nothing. The proxy of one that jumped goes along, so
+    /// that the jump does not become a pull.
     fn place_hand(&mut self, now_ns: u64) -> f64 {
         let mut oldest = 0.0_f64;
-        for (i, track) in self.tracks.iter().enumerate() {
-            let (state, age) =
-                track.at(now_ns, &self.settings.tracking).unwrap_or((self.bones[i], f64::INFINITY));
-            self.tracked[i] = state;
-            oldest = oldest.max(age);
+        for (i, track) in self.tracks.iter_mut().enumerate() {
+            let unknown = Tracked { state: self.bones[i], age: f64::INFINITY, jumped: false };
+            let tracked = track.at(now_ns, &self.settings.tracking).unwrap_or(unknown);
+            self.tracked[i] = tracked.state;
+            self.jumped[i] = tracked.jumped;
+            if tracked.jumped {
+                self.proxies.place(i, tracked.state);
+            }
+            oldest = oldest.max(tracked.age);
         }
         oldest
     }
@@ -174,6 +181,11 @@ impl HapticHand {
     /// Where the hand was taken to be in the last tick.
     pub fn tracked(&self) -> &[RigidState] {
         &self.tracked
+    }
+
+    /// Whether a bone jumped in the last tick: it was lost and found elsewhere, or teleported.
+    pub fn jumped(&self, bone: usize) -> bool {
+        self.jumped[bone]
     }
 
     /// Where the simulated bones were taken to be in the last tick.

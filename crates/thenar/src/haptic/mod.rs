@@ -21,7 +21,7 @@ pub use display::{
     CYBERGRASP_FORCE_MAX, PAD_NORMAL_B, StopLatch, brake_force, pad_force, servo_stop, tendon_pull,
 };
 pub use exchange::{FastToSlow, SlowToFast};
-pub use extrapolate::{Prediction, Sample, Track, hold_then_fade, seconds_between};
+pub use extrapolate::{Prediction, Sample, Track, Tracked, hold_then_fade, seconds_between};
 pub use hand::{HandReport, HandSettings, HapticHand, Mode};
 pub use pads::{Pad, PadReading};
 pub use proxies::{Proxies, Proxy, ProxyError, ProxyReport};

@@ -24,7 +24,8 @@ pub struct PadReading {
     /// Its part along the inward pad normal \[N\]: positive when something presses on the pad.
     pub pad_force: f64,
     /// Mean velocity of the tracked pad since the last reading, along the same normal \[m/s\]:
-    /// positive when the finger opens. Force times velocity is power given to the wearer.
+    /// positive when the finger opens. Force times velocity is power given to the wearer. Zero in
+    /// the tick of a jump, which is the tracker's motion and not the wearer's.
     pub opening_velocity: f64,
 }
 
@@ -48,7 +49,8 @@ impl Pad {
     pub fn read(&mut self, hand: &HapticHand, h: f64) -> PadReading {
         let pose_WB = hand.tracked()[self.bone].pose_WB;
         let point_W = pose_WB.point(&self.point_B);
-        let way = point_W - self.last_W.replace(point_W).unwrap_or(point_W);
+        let before = self.last_W.replace(point_W).filter(|_| !hand.jumped(self.bone));
+        let way = point_W - before.unwrap_or(point_W);
         let [force_W, _] = hand.proxies().device_wrenches()[self.bone];
         let opening = -way.dot(&pose_WB.vector(&PAD_NORMAL_B));
         PadReading {
