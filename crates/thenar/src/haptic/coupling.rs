@@ -1,8 +1,9 @@
 //! How stiff and how damped the two couplings of a proxy are.
 
-use crate::haptic::Proxy;
-use crate::math::Mat3;
+use crate::haptic::{Proxy, RigidState};
+use crate::math::{Mat3, Vec3};
 use crate::model::{Drive, HandModel};
+use crate::skeleton::drive_force;
 
 /// What is chosen about a proxy's couplings; the rest follows from the bone's mass and inertia.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,6 +68,15 @@ impl CouplingDesign {
     }
 }
 
+/// Force \[N\] and torque \[N m\] on the wearer, world, of a coupling between the hand and a body,
+/// both after a step: what a drive did, felt from its other end.
+pub fn drive_reaction(drive: &Drive, hand: &RigidState, body: &RigidState) -> [Vec3; 2] {
+    let [pull, twist] = drive_force(drive, &hand.target(), &body.pose_WB);
+    let slip = body.velocity_W - hand.velocity_W;
+    let spin = body.angular_velocity_W - hand.angular_velocity_W;
+    [slip * drive.damping - pull, spin * drive.angular_damping - twist]
+}
+
 /// Stiffness of two springs one after the other: what is felt through a proxy at rest \[N/m\].
 pub fn series_stiffness(a: f64, b: f64) -> f64 {
     if a + b > 0.0 { a * b / (a + b) } else { 0.0 }
@@ -75,7 +85,7 @@ pub fn series_stiffness(a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Vec3;
+    use crate::math::{Pose, Quat};
 
     /// The textbook ratio c / (2 √(m K)), for both kinds of motion.
     #[test]
@@ -92,6 +102,23 @@ mod tests {
             assert!((turning / (2.0 * (2e-7 * k).sqrt()) - ratio).abs() < 1e-12);
             assert!((d.damping - 0.2).abs() < 1e-12);
         }
+    }
+
+    /// A body that lags behind holds the hand back; one that turns less twists it back.
+    #[test]
+    fn the_wearer_feels_the_other_end_of_a_drive() {
+        let drive =
+            Drive { stiffness: 500.0, damping: 2.0, angular_stiffness: 0.4, angular_damping: 0.01 };
+        let turn = Quat::from_scaled_axis(Vec3::z() * 0.5);
+        let hand = RigidState {
+            pose_WB: Pose::new(Vec3::x() * 0.01, turn),
+            velocity_W: Vec3::x() * 0.1,
+            angular_velocity_W: Vec3::z() * 2.0,
+        };
+        let body = RigidState::at_rest(Pose::identity());
+        let [force, torque] = drive_reaction(&drive, &hand, &body);
+        assert!((force - Vec3::x() * -(500.0 * 0.01 + 2.0 * 0.1)).norm() < 1e-12);
+        assert!((torque - Vec3::z() * -(0.4 * 0.5 + 0.01 * 2.0)).norm() < 1e-12);
     }
 
     #[test]

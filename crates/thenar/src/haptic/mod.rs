@@ -2,6 +2,52 @@
 //!
 //! Pure like the rest of this crate: time, samples and the newest simulation frame are arguments,
 //! forces are results. Threads, clocks and devices belong to the program around it.
+//!
+//! Three words: the **hand** is what is tracked, the **bones** are what is simulated, and between
+//! the two each bone has a **proxy**, held by the device coupling and by the bone coupling.
+//!
+//! ```
+//! use thenar::haptic::safety::{Guard, Limits, Signal};
+//! use thenar::haptic::{
+//!     CouplingDesign, FastToSlow, HandSettings, HapticHand, Pad, RigidState, SlowToFast,
+//! };
+//! use thenar::model::Digit;
+//! use thenar::{Mat3, Pose, Vec3};
+//!
+//! // Build: one bone here; `CouplingDesign::hand` and `Pad::of_hand` do it for a hand model.
+//! let start = [RigidState::at_rest(Pose::identity())];
+//! let proxy = CouplingDesign::default().proxy(0.004, &Mat3::from_diagonal_element(1e-7));
+//! let mut hand = HapticHand::new(HandSettings::default(), vec![proxy], &start, 0)?;
+//! let mut pad = Pad::new(Digit::Index, 0, Vec3::z() * -0.01);
+//! let mut guard = Guard::<1>::new(Limits::cybergrasp(), 4000)?;
+//! guard.arm();
+//! let (mut frame, mut back) = (SlowToFast::new(&start, 0), FastToSlow::new(&start));
+//!
+//! let mut force = [0.0];
+//! for ms in 1..=3000u64 {
+//!     let now_ns = ms * 1_000_000;
+//!     // The finger closes by 4 mm; its simulated bone stays where it is, blocked.
+//!     let down = 0.004 * (ms as f64 / 2000.0).min(1.0);
+//!     hand.track(0, now_ns, Pose::translation(0.0, -down, 0.0), None);
+//!     frame.time_ns = now_ns;                      // from the simulation's slot
+//!     let report = hand.tick(now_ns, &frame);
+//!     hand.publish(now_ns, &mut back);             // to the simulation's slot
+//!     let reading = pad.read(&hand, report.step);
+//!     force = guard.tick(now_ns, &Signal {
+//!         force: [reading.pad_force],
+//!         velocity: [reading.opening_velocity],
+//!         simulation_ns: frame.time_ns,
+//!         tracking_ns: now_ns,
+//!         device_ns: now_ns,
+//!         enabled: true,
+//!     });                                          // to the device
+//! }
+//! assert!((force[0] - 400.0 * 0.004).abs() < 0.01, "two springs of 800 N/m, one after the other");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Single-rate, where the whole hand steps within the haptic tick, needs no proxies: the tracked
+//! poses are the targets of the bones' drives, and `drive_reaction` is the force on the wearer.
 
 mod coupling;
 mod display;
@@ -16,7 +62,7 @@ pub mod shared;
 mod stability;
 pub mod virtual_user;
 
-pub use coupling::{CouplingDesign, series_stiffness};
+pub use coupling::{CouplingDesign, drive_reaction, series_stiffness};
 pub use display::{
     CYBERGRASP_FORCE_MAX, PAD_NORMAL_B, StopLatch, brake_force, pad_force, servo_stop, tendon_pull,
 };
