@@ -52,14 +52,17 @@
 mod coupling;
 mod display;
 mod exchange;
-mod extrapolate;
 mod hand;
 mod pads;
+mod prediction;
 mod proxies;
+#[cfg(test)]
+mod proxies_tests;
 mod rigid_state;
 pub mod safety;
 pub mod shared;
 mod stability;
+mod track;
 pub mod virtual_user;
 
 pub use coupling::{CouplingDesign, drive_reaction, series_stiffness};
@@ -67,9 +70,10 @@ pub use display::{
     CYBERGRASP_FORCE_MAX, PAD_NORMAL_B, StopLatch, brake_force, pad_force, servo_stop, tendon_pull,
 };
 pub use exchange::{FastToSlow, SlowToFast};
-pub use extrapolate::{Prediction, Sample, Track, Tracked, hold_then_fade, seconds_between};
 pub use hand::{HandReport, HandSettings, HapticHand, Mode};
 pub use pads::{Pad, PadReading};
+pub use prediction::{Prediction, hold_then_fade, seconds_between};
 pub use proxies::{Proxies, Proxy, ProxyError, ProxyReport};
 pub use rigid_state::RigidState;
 pub use stability::{CouplingRule, CouplingWarning, LoopProfile};
+pub use track::{Sample, Track, Tracked};

@@ -83,9 +83,11 @@ impl Limits {
         }
     }
 
-    /// CyberGrasp: 12 N per tendon, pull only.
+    /// CyberGrasp: 12 N per tendon, pull only. Fingertips move against the palm at more than the
+    /// 1.2 m/s of a desktop arm; 3 m/s is our choice.
     pub fn cybergrasp() -> Self {
-        Self { unilateral: true, ..Self::rated(crate::haptic::CYBERGRASP_FORCE_MAX) }
+        let rated = Self::rated(crate::haptic::CYBERGRASP_FORCE_MAX);
+        Self { unilateral: true, speed_max: 3.0, ..rated }
     }
 
     /// Largest force that leaves \[N\].
