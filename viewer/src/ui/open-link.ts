@@ -13,20 +13,22 @@ export function openLink(app: App, link: ViewLink, told: (message: string) => vo
   if (link.layers !== null) for (const layer of LAYERS) stage.setLayer(layer, link.layers.includes(layer));
   let pauseAt = link.pauseAt === null ? null : new PauseAt(link.pauseAt);
   let asked = 0;
+  let complained = false;
   let placed = link.camera === null;
 
   const arrived = () => link.scene === null || feed.model?.scene === link.scene;
   connection.on("status", ({ scene, loading }) => {
     if (link.scene === null || scene === link.scene || loading !== null) return;
-    if (arrived() || asked >= ASK_MOST || asked < 0) return;
+    if (arrived() || asked >= ASK_MOST) return;
+    // Control may still come: the viewer that held it may just be leaving.
     if (!connection.inControl) {
-      told(`This link shows ${link.scene}; whoever holds control shows ${scene}.`);
-      asked = -1;
+      if (!complained) told(`This link shows ${link.scene}; whoever holds control shows ${scene}.`);
+      complained = true;
       return;
     }
     if (!(connection.welcome?.scenes ?? []).some(({ name }) => name === link.scene)) {
       told(`There is no scene "${link.scene}" here.`);
-      asked = -1;
+      asked = ASK_MOST;
       return;
     }
     asked += 1;

@@ -69,14 +69,15 @@ impl Play {
         (self.abandoned, self.pose) = (None, 0);
     }
 
-    /// A tracked pose moves a hand from the next step on.
+    /// A tracked pose moves all hands of its side from the next step on.
     ///
     /// # Errors
     /// The scene has no such hand, or it cannot follow.
     pub fn pose(&mut self, message: &PoseMessage) -> Result<(), String> {
-        let Some(hand) = self.session.hands_of(message.side).next() else {
+        let hands: Vec<usize> = self.session.hands_of(message.side).collect();
+        if hands.is_empty() {
             return Err(format!("the scene has no {} hand", side_name(message.side)));
-        };
+        }
         let pose = match &message.body {
             PoseBody::Lost => None,
             PoseBody::Joints { poses, radii } => {
@@ -86,12 +87,15 @@ impl Play {
                 Some(LivePose::Angles { wrist: *wrist, angles: **angles })
             }
         };
-        match &pose {
-            None => self.session.live_lost(hand),
-            Some(pose) => self
-                .session
-                .live_pose(hand, message.clock, pose)
-                .map_err(|error| error.to_string())?,
+        // A scene may show one tracked hand twice: bare glove beside flesh.
+        for hand in hands {
+            match &pose {
+                None => self.session.live_lost(hand),
+                Some(pose) => self
+                    .session
+                    .live_pose(hand, message.clock, pose)
+                    .map_err(|error| error.to_string())?,
+            }
         }
         self.abandoned = None;
         self.pose = self.pose.max(message.number);

@@ -1,0 +1,91 @@
+// Runs `thenar serve` as a user would, and stops it as a user would.
+
+import { spawn, type ChildProcess } from "node:child_process";
+import { existsSync } from "node:fs";
+import { createServer } from "node:net";
+import { fileURLToPath } from "node:url";
+
+const PROGRAMS = ["../../../target/release/thenar", "../../../target/debug/thenar"];
+
+/** The program: `THENAR_BIN`, or the newest build of this checkout. */
+export function program(): string {
+  const given = process.env["THENAR_BIN"];
+  if (given !== undefined) return given;
+  const built = PROGRAMS.map((path) => fileURLToPath(new URL(path, import.meta.url))).find(existsSync);
+  if (built === undefined) throw new Error("No thenar program: run `cargo build --release`, or set THENAR_BIN.");
+  return built;
+}
+
+/** A port that nobody listens on. */
+export async function freePort(): Promise<number> {
+  return new Promise((resolve, reject) => {
+    const probe = createServer();
+    probe.once("error", reject);
+    probe.listen(0, "127.0.0.1", () => {
+      const address = probe.address();
+      if (address === null || typeof address === "string") return reject(new Error("no port"));
+      probe.close(() => resolve(address.port));
+    });
+  });
+}
+
+export class Server {
+  /** What it printed, both streams. */
+  output = "";
+  private child: ChildProcess | null = null;
+
+  private constructor(
+    readonly port: number,
+    private readonly args: readonly string[],
+  ) {}
+
+  static async start(scene: string, args: readonly string[] = []): Promise<Server> {
+    const port = await freePort();
+    const server = new Server(port, ["serve", scene, "--port", String(port), "--no-open", ...args]);
+    await server.restart();
+    return server;
+  }
+
+  get url(): string {
+    return `http://127.0.0.1:${this.port}/`;
+  }
+
+  /** Starts the program again on the same port. */
+  async restart(): Promise<void> {
+    const child = spawn(program(), this.args, { stdio: ["ignore", "pipe", "pipe"] });
+    this.child = child;
+    for (const stream of [child.stdout, child.stderr]) {
+      stream.on("data", (data: Buffer) => (this.output += data.toString()));
+    }
+    for (let tries = 0; tries < 300; tries++) {
+      if (child.exitCode !== null) break;
+      try {
+        const answer = await fetch(this.url);
+        if (answer.ok) return;
+      } catch {
+        // Not listening yet.
+      }
+      await new Promise((resolve) => setTimeout(resolve, 100));
+    }
+    throw new Error(`The server did not come up:\n${this.output}`);
+  }
+
+  /** Ends it at once, as a crash would. */
+  async kill(): Promise<void> {
+    await this.end("SIGKILL");
+  }
+
+  /** Ends it with Ctrl-C; gives its exit code. */
+  async stop(): Promise<number | null> {
+    return this.end("SIGINT");
+  }
+
+  private async end(signal: NodeJS.Signals): Promise<number | null> {
+    const child = this.child;
+    this.child = null;
+    if (child === null || child.exitCode !== null) return child?.exitCode ?? null;
+    const ended = new Promise<number | null>((resolve) => child.once("exit", (code) => resolve(code)));
+    child.kill(signal);
+    return ended;
+  }
+}
