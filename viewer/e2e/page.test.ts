@@ -2,7 +2,7 @@
 
 import type { Browser } from "playwright-core";
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { launch, open, read, until } from "./support/browser";
+import { grows, launch, open, read, until } from "./support/browser";
 import { Server } from "./support/server";
 
 let server: Server;
@@ -91,9 +91,8 @@ test("a second viewer watches: it sees the same and changes nothing", async () =
   expect(await read(second.page, (t) => t.inControl)).toBe(false);
   await read(second.page, (t) => t.app.connection.send({ type: "run", paused: true }));
   await until(second.page, (t) => t.errors.length > 0);
-  const before = await read(first.page, (t) => t.snapshotsReceived);
   await until(first.page, (t) => (t.app.connection.status?.viewers ?? 0) === 2);
-  await first.page.waitForFunction((n) => window.thenar.snapshotsReceived > n + 20, before);
+  await grows(first.page, (t) => t.snapshotsReceived, 20);
   expect(await read(first.page, (t) => t.app.connection.status!.paused)).toBe(false);
   // Control can be handed over.
   await read(second.page, (t) => t.app.connection.send({ type: "control", take: true }));

@@ -2,7 +2,7 @@
 
 import type { Browser } from "playwright-core";
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { launch, open, read, until } from "./support/browser";
+import { grows, launch, open, until } from "./support/browser";
 import { Server } from "./support/server";
 
 let server: Server;
@@ -22,14 +22,13 @@ test("the server is killed and comes back and the page recovers", async () => {
   const { page, problems } = await open(browser, server.url, { tolerate: /WebSocket|ERR_CONNECTION/ });
   await server.kill();
   await until(page, (t) => t.connection === "waiting" || t.connection === "connecting");
-  await page.getByText(/server/i).filter({ visible: true }).first().waitFor();
-  const received = await read(page, (t) => t.snapshotsReceived);
+  await page.locator(".banner").filter({ visible: true }).waitFor();
   await server.restart();
   await until(page, (t) => t.connection === "open");
-  await page.waitForFunction((n) => window.thenar.snapshotsReceived > n + 10, received);
+  await grows(page, (t) => t.snapshotsReceived, 10);
   await until(page, (t) => t.inControl);
-  const drawn = await read(page, (t) => t.framesDrawn);
-  await page.waitForFunction((n) => window.thenar.framesDrawn > n + 3, drawn);
+  await page.locator(".banner").filter({ visible: true }).waitFor({ state: "detached" });
+  await grows(page, (t) => t.framesDrawn, 3);
   expect(problems).toEqual([]);
   await page.close();
 });

@@ -43,10 +43,8 @@ export async function open(browser: Browser, url: string, options: OpenOptions =
   page.on("console", (message) => {
     if (message.type() === "error") note(message.text());
   });
-  await page.goto(`${url}${hash}`);
-  await page.waitForFunction(() => window.thenar?.snapshot != null && window.thenar.framesDrawn > 2, null, {
-    timeout: 60_000,
-  });
+  await page.goto(`${url}${hash}`, { timeout: 60_000 });
+  await until(page, (t) => t?.snapshot != null && t.framesDrawn > 2);
   return { page, problems };
 }
 
@@ -55,7 +53,21 @@ export async function read<T>(page: Page, pick: (thenar: PageStatus) => T): Prom
   return page.evaluate(`(${pick.toString()})(window.thenar)`) as Promise<T>;
 }
 
-/** Waits until something is true of `window.thenar`. */
-export async function until(page: Page, test: (thenar: PageStatus) => boolean, seconds = 30): Promise<void> {
-  await page.waitForFunction(`(${test.toString()})(window.thenar)`, null, { timeout: seconds * 1000 });
+/** Waits until something is true of `window.thenar`. Asks from here: the page forbids evaluation. */
+export async function until(page: Page, test: (thenar: PageStatus) => boolean, seconds = 60): Promise<void> {
+  const end = Date.now() + seconds * 1000;
+  while (!(await read(page, test))) {
+    if (Date.now() > end) throw new Error(`not within ${seconds} s: ${test.toString()}`);
+    await new Promise((resolve) => setTimeout(resolve, 30));
+  }
+}
+
+/** Waits until a count has grown by so much from now on. */
+export async function grows(page: Page, pick: (thenar: PageStatus) => number, by: number): Promise<void> {
+  const start = await read(page, pick);
+  const end = Date.now() + 60_000;
+  while ((await read(page, pick)) < start + by) {
+    if (Date.now() > end) throw new Error(`did not grow by ${by} within a minute: ${pick.toString()}`);
+    await new Promise((resolve) => setTimeout(resolve, 30));
+  }
 }
