@@ -1,6 +1,8 @@
 // Colours for a quantity: dark to bright, evenly in lightness (after matplotlib's inferno).
 
-export const STOPS: readonly (readonly [number, number, number])[] = [
+type Stop = readonly [number, number, number];
+
+export const STOPS: readonly Stop[] = [
   [0.03, 0.02, 0.09],
   [0.157, 0.043, 0.329],
   [0.396, 0.082, 0.431],
@@ -11,21 +13,32 @@ export const STOPS: readonly (readonly [number, number, number])[] = [
   [0.988, 1.0, 0.645],
 ];
 
-export function cssGradient(): string {
-  const colours = STOPS.map((stop) => `rgb(${stop.map((c) => Math.round(255 * c)).join(" ")})`);
+/** For weights: blue none, red all, pale between (after Moreland's cool-warm). */
+export const WEIGHT_STOPS: readonly Stop[] = [
+  [0.1, 0.24, 0.72],
+  [0.4, 0.58, 0.93],
+  [0.87, 0.87, 0.87],
+  [0.94, 0.52, 0.4],
+  [0.72, 0.05, 0.12],
+];
+
+export function cssGradient(stops: readonly Stop[]): string {
+  const colours = stops.map((stop) => `rgb(${stop.map((c) => Math.round(255 * c)).join(" ")})`);
   return `linear-gradient(to right, ${colours.join(", ")})`;
 }
 
-/** The map as a GLSL function of a number from 0 to 1, linear light out. */
-export const COLOUR_MAP = /* glsl */ `
-vec3 colourMap( float x ) {
-  vec3 stops[ ${STOPS.length} ] = vec3[](
-    ${STOPS.map((s) => `vec3( ${s.map((c) => c.toFixed(3)).join(", ")} )`).join(",\n    ")} );
-  float at = clamp( x, 0.0, 1.0 ) * ${(STOPS.length - 1).toFixed(1)};
-  int i = min( int( at ), ${STOPS.length - 2} );
+/** A map as a GLSL function of a number from 0 to 1, linear light out. */
+const glslMap = (name: string, map: readonly Stop[]) => /* glsl */ `
+vec3 ${name}( float x ) {
+  vec3 stops[ ${map.length} ] = vec3[](
+    ${map.map((s) => `vec3( ${s.map((c) => c.toFixed(3)).join(", ")} )`).join(",\n    ")} );
+  float at = clamp( x, 0.0, 1.0 ) * ${(map.length - 1).toFixed(1)};
+  int i = min( int( at ), ${map.length - 2} );
   return pow( mix( stops[ i ], stops[ i + 1 ], at - float( i ) ), vec3( 2.2 ) );
 }
 `;
+
+export const COLOUR_MAPS = glslMap("colourMap", STOPS) + glslMap("weightMap", WEIGHT_STOPS);
 
 /** The next number of 1, 2, 5 × 10^k not below `x`. */
 export function roundUp(x: number): number {

@@ -9,6 +9,7 @@ export const LAYERS = [
   "contacts",
   "forces",
   "pressure",
+  "weights",
   "wireframe",
   "objects",
   "shadows",
@@ -27,11 +28,15 @@ export const LAYER_LABELS: Readonly<Record<LayerName, string>> = {
   contacts: "Contact points",
   forces: "Contact forces",
   pressure: "Pressure on the skin",
+  weights: "Skinning weights",
   wireframe: "Wireframe of objects",
   objects: "Objects",
   shadows: "Shadows",
   ground: "Ground",
 };
+
+/** These colour the skin: one at a time. */
+export const ON_SKIN: readonly LayerName[] = ["pressure", "weights"];
 
 export const LAYERS_AT_FIRST: ReadonlySet<LayerName> = new Set<LayerName>([
   "skin",

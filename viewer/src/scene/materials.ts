@@ -12,7 +12,7 @@ import {
   type Vector3,
   type WebGLProgramParametersWithUniforms,
 } from "three";
-import { COLOUR_MAP } from "./colour-map";
+import { COLOUR_MAPS } from "./colour-map";
 import {
   EMBED_NORMAL,
   EMBED_PARS,
@@ -37,6 +37,8 @@ export interface Shared {
   readonly pressureShown: IUniform<number>;
   /** End of the pressure scale, Pa. */
   readonly pressureMost: IUniform<number>;
+  /** 1 while skinning weights show. */
+  readonly weightsShown: IUniform<number>;
 }
 
 type Shader = WebGLProgramParametersWithUniforms;
@@ -98,27 +100,28 @@ export function skinMaterial(colour: Color, nodes: IUniform<Texture>, shared: Sh
     occlude(shader, shared, "others");
     shader.uniforms["pressureShown"] = shared.pressureShown;
     shader.uniforms["pressureMost"] = shared.pressureMost;
+    shader.uniforms["weightsShown"] = shared.weightsShown;
     replaceVertex(
       shader,
       "#include <common>",
       after(
         "#include <common>",
-        "attribute vec4 site; attribute float curve; attribute float pressure;\nvarying vec4 vSite; varying float vCurve; varying float vPressure;",
+        "attribute vec4 site; attribute float curve; attribute float pressure; attribute float boneWeight;\nvarying vec4 vSite; varying float vCurve; varying float vPressure; varying float vBoneWeight;",
       ),
     );
     replaceVertex(
       shader,
       "#include <project_vertex>",
-      after("#include <project_vertex>", "vSite = site; vCurve = curve; vPressure = pressure;"),
+      after("#include <project_vertex>", "vSite = site; vCurve = curve; vPressure = pressure; vBoneWeight = boneWeight;"),
     );
     replaceFragment(
       shader,
       "#include <common>",
       after(
         "#include <common>",
-        `varying vec4 vSite; varying float vCurve; varying float vPressure;
-        uniform float pressureShown; uniform float pressureMost;
-        vec3 smoothNormal; float scatter;\n${COLOUR_MAP}`,
+        `varying vec4 vSite; varying float vCurve; varying float vPressure; varying float vBoneWeight;
+        uniform float pressureShown; uniform float pressureMost; uniform float weightsShown;
+        vec3 smoothNormal; float scatter;\n${COLOUR_MAPS}`,
       ),
     );
     replaceFragment(
@@ -206,7 +209,8 @@ export function skinMaterial(colour: Color, nodes: IUniform<Texture>, shared: Sh
         outgoingLight = mix( outgoingLight, vec3( 0.21, 0.225, 0.25 ) * ( 0.35 + 0.65 * facing ), 0.7 * pressureShown );
         float load = vPressure / pressureMost;
         float told = pressureShown * smoothstep( 0.01, 0.08, load );
-        outgoingLight = mix( outgoingLight, colourMap( load ) * 0.9, told * 0.92 );`,
+        outgoingLight = mix( outgoingLight, colourMap( load ) * 0.9, told * 0.92 );
+        outgoingLight = mix( outgoingLight, weightMap( vBoneWeight ) * ( 0.3 + 0.7 * facing ), weightsShown );`,
       ),
     );
   };

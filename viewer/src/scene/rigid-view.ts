@@ -123,11 +123,15 @@ function creased(smooth: BufferGeometry): BufferGeometry {
 }
 
 const BONE = new MeshStandardMaterial({ color: 0xe9dfc8, roughness: 0.55 });
-const JOINT = new MeshStandardMaterial({ color: 0x35b6c9, roughness: 0.4 });
-const AXIS = new MeshStandardMaterial({ color: 0x35b6c9, roughness: 0.4 });
+/** Joints as in the paper's Fig. 2: those with one angle blue, those with two red. */
+export const JOINT_COLOURS = { hinge: "#2f6fe4", universal: "#d8382e" } as const;
+const HINGE = new MeshStandardMaterial({ color: JOINT_COLOURS.hinge, roughness: 0.4 });
+const UNIVERSAL = new MeshStandardMaterial({ color: JOINT_COLOURS.universal, roughness: 0.4 });
 
-/** A bone between its ends, its head at the joint with the bone before it, and that joint's axis. */
-export function boneView(bone: HandBone): Group {
+/** A bone between its ends, its head at the joint with the bone before it, and that joint's axis;
+ * `angles`: how many that joint has. */
+export function boneView(bone: HandBone, angles: number): Group {
+  const joint = angles > 1 ? UNIVERSAL : HINGE;
   const group = new Group();
   const [from, to] = bone.ends_B.map((end) => new Vector3(...end));
   const along = new Vector3().subVectors(to, from);
@@ -140,15 +144,15 @@ export function boneView(bone: HandBone): Group {
   const head = new Mesh(new SphereGeometry(radius, 20, 14), BONE);
   head.position.copy(to);
   head.scale.setScalar(0.82);
-  const base = new Mesh(new SphereGeometry(radius, 20, 14), bone.parent === null ? BONE : JOINT);
+  const base = new Mesh(new SphereGeometry(radius, 20, 14), bone.parent === null ? BONE : joint);
   base.position.copy(from);
-  base.scale.setScalar(bone.parent === null ? 1 : 0.9);
+  base.scale.setScalar(bone.parent === null ? 1 : 1.15);
   // The palm's one body stands for several bones; rays show them.
   if (bone.parent === null) group.add(base);
   else {
     group.add(shaft, head, base);
     // Bones bend about their x axis.
-    const axis = new Mesh(new CylinderGeometry(0.0006, 0.0006, 6 * radius, 8), AXIS);
+    const axis = new Mesh(new CylinderGeometry(0.0006, 0.0006, 6 * radius, 8), joint);
     axis.position.copy(from);
     axis.rotation.z = Math.PI / 2;
     group.add(axis);

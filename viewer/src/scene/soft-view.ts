@@ -46,6 +46,8 @@ export class SoftView {
   readonly rest: Float32Array;
   /** Pressure per vertex of the surface, Pa. */
   readonly pressure: BufferAttribute;
+  /** Sum of the chosen bones' skinning weights per vertex of the surface. */
+  readonly boneWeight: BufferAttribute;
   private readonly skin: Mesh;
   private readonly depth: Mesh;
   private flesh: Mesh | null = null;
@@ -65,6 +67,8 @@ export class SoftView {
     this.geometry = embeddedGeometry(model.render, model.tets, this.rest, normals);
     this.pressure = new BufferAttribute(new Float32Array(this.rest.length / 3), 1);
     this.geometry.setAttribute("pressure", this.pressure);
+    this.boneWeight = new BufferAttribute(new Float32Array(this.rest.length / 3), 1);
+    this.geometry.setAttribute("boneWeight", this.boneWeight);
     this.material = this.makeMaterial(normals);
     this.skin = drawn(this.geometry, this.material);
     this.skin.castShadow = this.skin.receiveShadow = true;

@@ -16,12 +16,13 @@ import type { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js
 import type { SceneModel, Snapshot } from "../protocol/types";
 import { CameraRig } from "./camera-rig";
 import { FrameClock } from "./frame-clock";
-import { LAYERS_AT_FIRST, type LayerName, type ViewName } from "./layers";
+import { LAYERS_AT_FIRST, ON_SKIN, type LayerName, type ViewName } from "./layers";
 import { Legend } from "./legend";
 import { smoothShadows, type Shared } from "./materials";
 import { Occluders } from "./occluders";
 import { chooseQuality, PixelBudget, type Quality } from "./quality";
 import { Surroundings } from "./surroundings";
+import { FIRST_BONES } from "./weights";
 import { WorldView } from "./world-view";
 
 export interface StageStats {
@@ -64,6 +65,7 @@ export class Stage {
   private readonly layers = new Set<LayerName>(LAYERS_AT_FIRST);
   private readonly clip = { value: new Vector4(0, 0, 0, 1) };
   private view: WorldView | null = null;
+  private bones = FIRST_BONES;
   private framed = false;
   private smooth = true;
   private lastChange = 0;
@@ -90,6 +92,7 @@ export class Stage {
       sceneFromWorld: { value: new Matrix4() },
       pressureShown: { value: 0 },
       pressureMost: { value: 10e3 },
+      weightsShown: { value: 0 },
     };
     this.surroundings = new Surroundings(this.shared, this.renderer, this.scene);
     this.world.add(this.surroundings.group);
@@ -158,6 +161,7 @@ export class Stage {
     this.occluders.setModel(model);
     this.view = new WorldView(model, this.shared, this.clip, this.camera);
     this.view.interpolator.on = this.smooth;
+    this.view.setWeightBones(this.bones);
     this.world.add(this.view.group);
     this.framed = false;
     if (!sameScene) this.setView("scene");
@@ -172,6 +176,7 @@ export class Stage {
   }
 
   setLayer(name: LayerName, on: boolean): void {
+    if (on && ON_SKIN.includes(name)) for (const other of ON_SKIN) this.layers.delete(other);
     if (on) this.layers.add(name);
     else this.layers.delete(name);
     this.applyLayers();
@@ -179,6 +184,17 @@ export class Stage {
 
   layer(name: LayerName): boolean {
     return this.layers.has(name);
+  }
+
+  /** The bones whose skinning weights show, by name. */
+  get weightBones(): readonly string[] {
+    return this.bones;
+  }
+
+  setWeightBones(names: readonly string[]): void {
+    this.bones = names;
+    this.view?.setWeightBones(names);
+    this.invalidate();
   }
 
   /** Shows motion between snapshots (the default) or only the snapshots themselves. */
@@ -216,6 +232,7 @@ export class Stage {
     this.surroundings.ground.visible =
       on("ground") && (this.model?.rigids.some((rigid) => rigid.kind === "plane") ?? false);
     this.shared.pressureShown.value = on("pressure") ? 1 : 0;
+    this.shared.weightsShown.value = on("weights") ? 1 : 0;
     this.view?.setLayers(this.layers);
   }
 
@@ -257,10 +274,15 @@ export class Stage {
   }
 
   private showLegend(): void {
-    const forces = this.layers.has("forces") ? (this.view?.contacts.forceMost ?? null) : null;
-    const pressure = this.layers.has("pressure") ? (this.view?.pressureMost ?? null) : null;
+    const on = (name: LayerName) => this.layers.has(name);
+    const pressure = on("pressure") ? (this.view?.pressureMost ?? null) : null;
     if (pressure !== null) this.shared.pressureMost.value = pressure;
-    this.legend.show(pressure, forces);
+    this.legend.show({
+      pressure,
+      force: on("forces") ? (this.view?.contacts.forceMost ?? null) : null,
+      bones: on("weights") ? this.bones : null,
+      joints: on("bones"),
+    });
   }
 
   /** A PNG of the present view, in its own size. */

@@ -6,12 +6,13 @@ import { roundUp } from "./colour-map";
 import { ContactView } from "./contact-view";
 import { GhostView } from "./ghost-view";
 import { Interpolator } from "./interpolate";
-import type { LayerName } from "./layers";
+import { ON_SKIN, type LayerName } from "./layers";
 import type { Shared } from "./materials";
 import { PressureMap } from "./pressure";
 import { boneView, rayView, RigidView } from "./rigid-view";
 import { restPoses } from "./skinning";
 import { SoftView } from "./soft-view";
+import { bonesNamed, surfaceWeights } from "./weights";
 
 /** How far beside the flesh its skinning alone is drawn, m. */
 const BESIDE = 0.15;
@@ -56,7 +57,9 @@ export class WorldView {
       }
     }
     for (const hand of model.hands) {
-      const groups = hand.bones.map((bone) => boneView(bone));
+      const groups = hand.bones.map((bone, b) =>
+        boneView(bone, hand.angles.filter((angle) => angle?.bone === b).length),
+      );
       groups.forEach((group, b) => this.bones.push({ rigid: hand.bone_start + b, group }));
       this.drawRays(hand, groups);
     }
@@ -114,7 +117,9 @@ export class WorldView {
     for (const view of this.softs) {
       const hand = view.hand !== null;
       const through = hand && (on("bones") || on("flesh"));
-      view.setVisible(on(hand ? "skin" : "objects"), through, on("flesh") && (hand || !on("objects")));
+      // Colours on the skin need the skin.
+      const coloured = hand && ON_SKIN.some(on);
+      view.setVisible(on(hand ? "skin" : "objects") || coloured, through, on("flesh") && (hand || !on("objects")));
     }
     for (const ghost of this.ghosts) ghost.setVisible(on(ghost.of));
     for (const bone of this.bones) bone.group.visible = on("bones") || this.boneless(bone.rigid);
@@ -136,6 +141,15 @@ export class WorldView {
     if (right.lengthSq() < 1e-6) right.set(1, 0, 0);
     right.setLength(this.layers.has("skin") ? BESIDE : 0);
     for (const ghost of this.ghosts) if (ghost.of === "skinning") ghost.group.position.copy(right);
+  }
+
+  /** Whose skinning weights the layer of that name shows. */
+  setWeightBones(names: readonly string[]): void {
+    for (const { model, hand, boneWeight } of this.softs) {
+      if (hand === null || model.skin === null) continue;
+      surfaceWeights(model, model.skin, bonesNamed(hand, names), boneWeight.array as Float32Array);
+      boneWeight.needsUpdate = true;
+    }
   }
 
   /** Brings everything to the moment `now`, ms. False if nothing has changed. */

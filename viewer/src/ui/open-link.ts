@@ -11,6 +11,10 @@ const ASK_MOST = 3;
 export function openLink(app: App, link: ViewLink, told: (message: string) => void): void {
   const { connection, feed, stage } = app;
   if (link.layers !== null) for (const layer of LAYERS) stage.setLayer(layer, link.layers.includes(layer));
+  if (link.weights !== null) {
+    stage.setWeightBones(link.weights);
+    if (link.layers === null) stage.setLayer("weights", true);
+  }
   let pauseAt = link.pauseAt === null ? null : new PauseAt(link.pauseAt);
   let asked = 0;
   let complained = false;

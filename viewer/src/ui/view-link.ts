@@ -15,6 +15,8 @@ export interface ViewLink {
   readonly scene: string | null;
   /** Exactly these layers; null: as they are. */
   readonly layers: readonly LayerName[] | null;
+  /** The bones whose skinning weights show; null: as they are. */
+  readonly weights: readonly string[] | null;
   /** A named view or a place of its own, m. */
   readonly camera: ViewName | CameraPlace | null;
   /** Stop the simulation at this time, s. */
@@ -24,6 +26,7 @@ export interface ViewLink {
 }
 
 const NUMBERS_MOST = 1000;
+const NAMES_MOST = 100;
 
 /** Reads an address. What makes no sense is left out: an old link still opens. */
 export function parseLink(hash: string): ViewLink {
@@ -32,6 +35,7 @@ export function parseLink(hash: string): ViewLink {
   return {
     scene: scene !== null && scene !== "" && scene.length <= 200 ? scene : null,
     layers: parseLayers(given.get("layers")),
+    weights: parseNames(given.get("weights")),
     camera: parseCamera(given.get("camera")),
     pauseAt: parseTime(given.get("pause-at") ?? given.get("t")),
     ui: given.get("ui") !== "off",
@@ -42,6 +46,7 @@ export function formatLink(link: ViewLink): string {
   const parts: string[] = [];
   if (link.scene !== null) parts.push(`scene=${encodeURIComponent(link.scene)}`);
   if (link.layers !== null) parts.push(`layers=${link.layers.join(",")}`);
+  if (link.weights !== null) parts.push(`weights=${link.weights.map(encodeURIComponent).join(",")}`);
   if (link.camera !== null) parts.push(`camera=${formatCamera(link.camera)}`);
   if (link.pauseAt !== null) parts.push(`t=${Number(link.pauseAt.toFixed(4))}`);
   if (!link.ui) parts.push("ui=off");
@@ -52,6 +57,11 @@ function parseLayers(text: string | null): LayerName[] | null {
   if (text === null) return null;
   const names = text.split(",");
   return LAYERS.filter((layer) => names.includes(layer));
+}
+
+function parseNames(text: string | null): string[] | null {
+  const names = (text ?? "").split(",").filter((name) => name !== "" && name.length <= 100);
+  return names.length === 0 || names.length > NAMES_MOST ? null : names;
 }
 
 function parseCamera(text: string | null): ViewName | CameraPlace | null {

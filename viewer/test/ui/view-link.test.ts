@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { formatLink, parseLink, type ViewLink } from "../../src/ui/view-link";
 
-const nothing: ViewLink = { scene: null, layers: null, camera: null, pauseAt: null, ui: true };
+const nothing: ViewLink = { scene: null, layers: null, weights: null, camera: null, pauseAt: null, ui: true };
 
 describe("view links", () => {
   it("are read back as written", () => {
@@ -9,6 +9,7 @@ describe("view links", () => {
       nothing,
       { ...nothing, scene: "my scene/ä&b", ui: false },
       { ...nothing, layers: ["skin", "contacts"], camera: "close", pauseAt: 2.125 },
+      { ...nothing, weights: ["index-intermediate", "thumb-distal"] },
       { ...nothing, layers: [], camera: { position: [0.1, -0.2, 0.3], target: [0, 0, 0.05], fov: null } },
       { ...nothing, camera: { position: [1, 2, 3], target: [0, 0, 0], fov: 24.5 } },
     ];

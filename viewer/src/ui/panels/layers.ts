@@ -6,6 +6,7 @@ import { button, h } from "../dom";
 import { fixed } from "../format";
 import { ICONS } from "../icons";
 import { group, select, slider } from "../widgets";
+import { weightBones } from "./weight-bones";
 
 interface Explanation {
   readonly key: string;
@@ -15,7 +16,7 @@ interface Explanation {
 const EXPLAIN: Readonly<Record<LayerName, Explanation>> = {
   skin: { key: "k", text: "The soft surface you would see, carried by the flesh." },
   flesh: { key: "t", text: "The tetrahedra that are computed, inside the skin (Fig. 2)." },
-  bones: { key: "b", text: "The rigid bones and the joints between them (Fig. 2)." },
+  bones: { key: "b", text: "The rigid bones and the joints between them: hinges blue, universal joints red (Fig. 2)." },
   tracked: {
     key: "y",
     text: "In yellow: where the tracker puts the hand. Contact holds the real one back (Fig. 4).",
@@ -27,6 +28,10 @@ const EXPLAIN: Readonly<Record<LayerName, Explanation>> = {
     text: "Arrows at the contacts, as long as the force is strong: pressing and friction.",
   },
   pressure: { key: "h", text: "Force per area as colour, from dark (none) to bright." },
+  weights: {
+    key: "n",
+    text: "How much the bones chosen below carry the skin: blue not at all, red alone (Fig. 3).",
+  },
   wireframe: { key: "w", text: "The edges of the objects' triangles (Fig. 8)." },
   objects: { key: "o", text: "What the hand touches." },
   shadows: { key: "x", text: "Soft shadows; off is quicker to draw." },
@@ -47,10 +52,14 @@ export function layersPanel(desk: Desk): Panel & { refresh(): void } {
   const boxes = new Map<LayerName, HTMLInputElement>();
   const set = (layer: LayerName, on: boolean) => {
     stage.setLayer(layer, on);
-    const box = boxes.get(layer);
-    if (box !== undefined) box.checked = on;
+    refresh();
   };
-  const rows = LAYERS.map((layer) => {
+  const bones = weightBones(desk);
+  const refresh = () => {
+    for (const [layer, box] of boxes) box.checked = stage.layer(layer);
+    bones.show(stage.layer("weights"));
+  };
+  const rows = LAYERS.flatMap((layer) => {
     const { key, text } = EXPLAIN[layer];
     const box = h("input", { type: "checkbox", "data-layer": layer, "aria-keyshortcuts": key });
     box.checked = stage.layer(layer);
@@ -62,7 +71,7 @@ export function layersPanel(desk: Desk): Panel & { refresh(): void } {
       group: "Layers",
       act: () => set(layer, !stage.layer(layer)),
     });
-    return h(
+    const row = h(
       "label",
       { class: "layer" },
       box,
@@ -70,6 +79,7 @@ export function layersPanel(desk: Desk): Panel & { refresh(): void } {
       h("kbd", {}, key.toUpperCase()),
       h("span", { class: "help" }, text),
     );
+    return layer === "weights" ? [row, bones.element] : [row];
   });
   const views = VIEWS.map((view, i) => {
     const key = String(i + 1);
@@ -127,8 +137,6 @@ export function layersPanel(desk: Desk): Panel & { refresh(): void } {
       ),
       group("View", h("div", { class: "buttons" }, ...views)),
     ),
-    refresh() {
-      for (const [layer, box] of boxes) box.checked = stage.layer(layer);
-    },
+    refresh,
   };
 }

@@ -59,6 +59,7 @@ export function picturePanel(desk: Desk): Panel {
     return {
       scene: feed.model?.scene ?? null,
       layers: LAYERS.filter((layer) => stage.layer(layer)),
+      weights: stage.layer("weights") && stage.weightBones.length > 0 ? stage.weightBones : null,
       camera: { position: [p.x, p.y, p.z], target: [t.x, t.y, t.z], fov: camera.fov },
       pauseAt: connection.status?.paused === true ? (connection.snapshot?.time ?? null) : null,
       ui: true,
