@@ -114,6 +114,7 @@ export class PointerPosing {
   private begin(): void {
     const { inputs } = this.app;
     this.dragging = true;
+    this.app.stage.canvas.style.cursor = "grabbing";
     if (this.picked !== null) this.posing.choose(this.picked.hand);
     if (inputs.active !== null) return;
     inputs.start(POSING_ID).catch((error: unknown) => {
@@ -125,7 +126,9 @@ export class PointerPosing {
   private up(event: PointerEvent): void {
     if (!this.fingers.delete(event.pointerId)) return;
     event.stopImmediatePropagation();
-    if (this.fingers.size === 0) this.dragging = false;
+    if (this.fingers.size > 0) return;
+    this.dragging = false;
+    this.app.stage.canvas.style.cursor = this.overHand ? "grab" : "";
   }
 
   /** The camera's axes in the world frame: right, up, into the picture. */

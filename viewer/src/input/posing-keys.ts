@@ -30,6 +30,7 @@ export class PosingKeys {
     private readonly app: App,
     private readonly posing: Posing,
     keys: Keys,
+    private readonly refused: (reason: string) => void,
   ) {
     keys.addTaker((event, down) => this.take(event, down));
     window.addEventListener("blur", () => this.held.clear());
@@ -52,7 +53,11 @@ export class PosingKeys {
   private toggle(): void {
     const { inputs } = this.app;
     if (inputs.active === this.posing) inputs.stop();
-    else inputs.start(POSING_ID).catch((error: unknown) => console.warn(error));
+    else {
+      inputs.start(POSING_ID).catch((error: unknown) => {
+        this.refused(error instanceof Error ? error.message : String(error));
+      });
+    }
   }
 
   private take(event: KeyboardEvent, down: boolean): boolean {

@@ -31,7 +31,7 @@ export function mountUi(app: App, root: HTMLElement): Desk {
   posing.controls = posingControls(desk, posing);
   app.inputs.register(posing);
   new PointerPosing(app, posing, say);
-  new PosingKeys(app, posing, desk.keys);
+  new PosingKeys(app, posing, desk.keys, say);
 
   const shell = new Shell(root);
   const layers = layersPanel(desk);
