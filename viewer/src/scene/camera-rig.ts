@@ -49,7 +49,8 @@ export class CameraRig {
       content.getCenter(controls.target);
       camera.fov = 32;
       const size = Math.max(0.05, content.getSize(new Vector3()).length());
-      const part = view === "close" ? 0.26 : 0.5;
+      // What has no camera of its own moves, nobody knows where to: room around it.
+      const part = view === "close" ? 0.26 : view === "scene" ? 0.8 : 0.5;
       away.fromArray(DIRECTIONS[view === "scene" ? "close" : view]).normalize();
       away.multiplyScalar((part * size) / Math.tan((camera.fov * Math.PI) / 360));
     }

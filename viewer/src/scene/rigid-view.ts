@@ -17,6 +17,7 @@ import {
   Vector3,
   WireframeGeometry,
 } from "three";
+import { mergeGeometries } from "three/examples/jsm/utils/BufferGeometryUtils.js";
 import type { HandBone, RigidModel } from "../protocol/types";
 import { paintMaterial, type Shared } from "./materials";
 import { linearColours } from "./soft-view";
@@ -95,9 +96,25 @@ function shape(model: RigidModel): BufferGeometry | null {
       return new SphereGeometry(model.radius ?? 0.01, 48, 24);
     case "capsule":
       return new CapsuleGeometry(model.radius ?? 0.01, 2 * (model.half_length ?? 0.01), 12, 32);
+    case "none":
+      // A body of mass alone moves too: a thin cross along its axes.
+      return cross(SHAPELESS, model.fixed);
     default:
       return null;
   }
+}
+
+/** Half the size of what stands for a body without a shape, m. */
+export const SHAPELESS = 0.009;
+
+function cross(half: number, fixed: boolean): BufferGeometry | null {
+  if (fixed) return null;
+  const thin = 0.1 * half;
+  const bars = [0, 1, 2].map((axis) => {
+    const size = [thin, thin, thin].map((t, i) => 2 * (i === axis ? half : t));
+    return new BoxGeometry(size[0], size[1], size[2]);
+  });
+  return mergeGeometries(bars);
 }
 
 /** Own normals for the corners of triangles that stand at more than this to the smooth normal. */

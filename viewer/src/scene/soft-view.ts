@@ -33,6 +33,7 @@ const BREAD = new Color(0.843, 0.604, 0.306).convertSRGBToLinear();
 const RUBBER = new Color(0.25, 0.5, 0.62).convertSRGBToLinear();
 const EDGE = new Color(0x8c1f2d);
 const EDGE_CRUST = new Color(0x5a3a12);
+const WIRE = new Color(0xd7e3ee);
 const FLESH = new Color(0.78, 0.33, 0.3).convertSRGBToLinear();
 
 /** What hands leave in the stencil buffer where they are seen. */
@@ -52,6 +53,7 @@ export class SoftView {
   private readonly depth: Mesh;
   private flesh: Mesh | null = null;
   private cells: LineSegments | null = null;
+  private wire: LineSegments | null = null;
   private readonly material: MeshStandardMaterial;
 
   constructor(
@@ -109,7 +111,7 @@ export class SoftView {
 
   /** `through`: the surface lets what is inside show. Flesh shows as solid cells, or as their edges
    * around a surface that shows too. */
-  setVisible(skin: boolean, through: boolean, flesh: boolean): void {
+  setVisible(skin: boolean, through: boolean, flesh: boolean, wire: boolean): void {
     this.skin.visible = skin;
     this.skin.castShadow = skin;
     this.depth.visible = skin && through;
@@ -124,6 +126,21 @@ export class SoftView {
     if (this.flesh !== null) this.flesh.visible = solid;
     if (edges && this.cells === null) this.makeEdges();
     if (this.cells !== null) this.cells.visible = edges;
+    if (wire && this.wire === null) this.makeWire();
+    if (this.wire !== null) this.wire.visible = wire;
+  }
+
+  /** The edges of the surface that is drawn. */
+  private makeWire(): void {
+    const geometry = new BufferGeometry();
+    for (const name of ["position", "corner", "weight"]) {
+      geometry.setAttribute(name, this.geometry.getAttribute(name));
+    }
+    geometry.setIndex(triangleEdges(this.model.render.triangles));
+    this.wire = new LineSegments(geometry, embeddedLineMaterial(WIRE, this.nodes));
+    this.wire.frustumCulled = false;
+    this.wire.renderOrder = 5;
+    this.group.add(this.wire);
   }
 
   private makeEdges(): void {
@@ -164,6 +181,7 @@ export class SoftView {
     this.material.dispose();
     this.flesh?.geometry.dispose();
     this.cells?.geometry.dispose();
+    this.wire?.geometry.dispose();
   }
 }
 
@@ -237,6 +255,21 @@ function edgeGeometry(soft: SoftModel): BufferGeometry {
   geometry.setAttribute("weight", new BufferAttribute(weight, 4));
   geometry.setIndex(index);
   return geometry;
+}
+
+/** Both ends of each edge, once. */
+function triangleEdges(triangles: Uint32Array): number[] {
+  const seen = new Set<string>();
+  const out: number[] = [];
+  for (let t = 0; t < triangles.length; t += 3) {
+    for (let k = 0; k < 3; k++) {
+      const [low, high] = [triangles[t + k], triangles[t + ((k + 1) % 3)]].sort((a, b) => a - b);
+      const name = `${low},${high}`;
+      if (!seen.has(name)) out.push(low, high);
+      seen.add(name);
+    }
+  }
+  return out;
 }
 
 const SHRINK = 0.14;

@@ -262,7 +262,7 @@ export class Stage {
       if (!this.framed) {
         this.framed = true;
         view.bounds(this.focus);
-        if (this.model?.camera == null) this.setView("scene");
+        if (this.model?.camera == null) this.rig.go("scene", null, view.scope());
       }
       view.follow(this.focus);
       this.surroundings.surround(this.focus);

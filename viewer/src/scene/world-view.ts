@@ -9,13 +9,15 @@ import { Interpolator } from "./interpolate";
 import { ON_SKIN, type LayerName } from "./layers";
 import type { Shared } from "./materials";
 import { PressureMap } from "./pressure";
-import { boneView, rayView, RigidView } from "./rigid-view";
+import { boneView, rayView, RigidView, SHAPELESS } from "./rigid-view";
 import { restPoses } from "./skinning";
 import { SoftView } from "./soft-view";
 import { bonesNamed, surfaceWeights } from "./weights";
 
 /** How far beside the flesh its skinning alone is drawn, m. */
 const BESIDE = 0.15;
+/** From higher than this, nobody looks for the floor, m. */
+const FALL = 0.5;
 /** The pressure scale never ends below this, Pa. */
 const PRESSURE_LEAST = 2000;
 
@@ -119,7 +121,8 @@ export class WorldView {
       const through = hand && (on("bones") || on("flesh"));
       // Colours on the skin need the skin.
       const coloured = hand && ON_SKIN.some(on);
-      view.setVisible(on(hand ? "skin" : "objects") || coloured, through, on("flesh") && (hand || !on("objects")));
+      const cells = on("flesh") && (hand || !on("objects"));
+      view.setVisible(on(hand ? "skin" : "objects") || coloured, through, cells, !hand && on("wireframe"));
     }
     for (const ghost of this.ghosts) ghost.setVisible(on(ghost.of));
     for (const bone of this.bones) bone.group.visible = on("bones") || this.boneless(bone.rigid);
@@ -211,6 +214,19 @@ export class WorldView {
     if (out.isEmpty()) out.copy(NOTHING);
   }
 
+  /** What a first look should hold: the content, and the way down to a floor beneath it. */
+  scope(): Box3 {
+    const box = new Box3();
+    this.bounds(box);
+    const middle = box.getCenter(new Vector3());
+    this.model.rigids.forEach(({ kind }, i) => {
+      const floor = this.interpolator.rigids[7 * i + 1];
+      const beneath = kind === "plane" && floor < box.min.y && box.min.y - floor < FALL;
+      if (beneath) box.expandByPoint(middle.setY(floor));
+    });
+    return box;
+  }
+
   /** Moves a box along with the content, smoothly, and grows it where content leaves it. */
   follow(box: Box3): void {
     this.bounds(NOW);
@@ -250,7 +266,8 @@ const NOTHING = new Box3(new Vector3(-0.1, 0, -0.1), new Vector3(0.1, 0.1, 0.1))
 
 /** How far a rigid body reaches from its origin, m; null for what has no end or no shape. */
 function extent(rigid: RigidModel): number | null {
-  if (rigid.kind === "plane" || rigid.kind === "none") return null;
+  if (rigid.kind === "plane") return null;
+  if (rigid.kind === "none") return rigid.fixed ? null : SHAPELESS;
   if (rigid.mesh !== null) {
     const { positions } = rigid.mesh;
     let square = 0;

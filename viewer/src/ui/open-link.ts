@@ -21,9 +21,12 @@ export function openLink(app: App, link: ViewLink, told: (message: string) => vo
   let placed = link.camera === null;
 
   const arrived = () => link.scene === null || feed.model?.scene === link.scene;
+  // Whoever goes to another scene later is not called back.
+  let been = arrived();
+  feed.on("model", () => (been ||= arrived()));
   connection.on("status", ({ scene, loading }) => {
-    if (link.scene === null || scene === link.scene || loading !== null) return;
-    if (arrived() || asked >= ASK_MOST) return;
+    if (been || link.scene === null || scene === link.scene || loading !== null) return;
+    if (asked >= ASK_MOST) return;
     // Control may still come: the viewer that held it may just be leaving.
     if (!connection.inControl) {
       if (!complained) told(`This link shows ${link.scene}; whoever holds control shows ${scene}.`);
@@ -49,6 +52,7 @@ export function openLink(app: App, link: ViewLink, told: (message: string) => vo
     place(app, link);
   });
   connection.on("snapshot", (snapshot) => {
+    if (pauseAt !== null && been && !arrived()) pauseAt = null;
     if (pauseAt === null || !arrived() || !connection.inControl || connection.model === null) return;
     const moment = {
       time: snapshot.time,

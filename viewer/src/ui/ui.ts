@@ -78,14 +78,17 @@ function hint(app: App): HTMLElement {
     element.hidden = true;
     return element;
   }
+  let seen = false;
   const gone = () => {
-    element.hidden = true;
+    seen = element.hidden = true;
     remember("hint-seen", true);
   };
   element.append(
     "Drag the hand to take it. Drag beside it to look around. Help tells the rest (key ?).",
     button("Got it", gone, { class: "plain" }),
   );
+  // Scenes without a hand have nothing to take.
+  app.feed.on("model", ({ hands }) => (element.hidden = seen || hands.length === 0));
   app.inputs.onChange(() => {
     if (app.inputs.active !== null) gone();
   });

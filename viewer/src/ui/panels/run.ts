@@ -88,7 +88,7 @@ export function runPanel(desk: Desk): Panel {
       ["Round trip", trip === null ? "–" : `${fixed(1000 * trip, 1)} ms`],
       ["Your pose to picture", latency === null ? "–" : `${fixed(latency, 1)} ms`],
       ["Received", `${bytes(Math.round(connection.throughput.bytesPerSecond))}/s`],
-      ["Drawn", `${fixed(stage.stats.fps, 0)} frames/s, ${fixed(stage.stats.frameCost, 1)} ms each`],
+      ["Drawn", `${fixed(stage.stats.fps, 0)} frames/s, ${fixed(stage.stats.frameCost, 1)} ms of page code each`],
     ];
     line.replaceChildren(...rows.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]));
   };
