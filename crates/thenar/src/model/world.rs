@@ -66,6 +66,9 @@ pub enum FleshInStep1 {
 pub enum SolverKind {
     /// The paper's: joints first, then flesh, then contact by constraint anticipation (Sec. 4).
     TwoStep,
+    /// Eq. 9 with its joint rows and contacts, to a velocity tolerance: joints in minimal coordinates,
+    /// flesh relative to its skinned motion. Joints must form trees; loops are left to `TwoStep`.
+    Exact,
     /// Eq. 9 with its joint rows and contacts in one dense solve: slow, exact, for reference.
     Monolithic,
 }
@@ -75,6 +78,8 @@ pub enum SolverKind {
 pub struct SolverSettings {
     /// Which solver.
     pub kind: SolverKind,
+    /// The exact solver's velocity error, estimated \[m/s\].
+    pub velocity_tolerance: f64,
     /// Flesh in step 1.
     pub step1_flesh: FleshInStep1,
     /// Close the joints once more at the end of each step, where step 2 and contact have moved
@@ -100,6 +105,7 @@ impl Default for SolverSettings {
     fn default() -> Self {
         Self {
             kind: SolverKind::TwoStep,
+            velocity_tolerance: 1e-5,
             step1_flesh: FleshInStep1::Lumped,
             close_joints: true,
             cg_tolerance: 1e-5,

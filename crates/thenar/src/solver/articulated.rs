@@ -16,6 +16,7 @@
 //! the same thing twice (a planar four-bar of hinges) share the impulse.
 
 use crate::math::{Mat6, Vec6};
+use crate::solver::tree::{Link, leaves_first};
 use crate::solver::{DenseLu, joint_compliance};
 
 /// The linearised rows of one joint, padded with zero rows to six.
@@ -36,17 +37,6 @@ impl JointBlock {
     pub fn empty() -> Self {
         Self { rows: 0, J_parent: Mat6::zeros(), J_child: Mat6::zeros(), C: Vec6::zeros() }
     }
-}
-
-/// A bone and the joint it is eliminated with.
-#[derive(Clone, Copy, Debug)]
-struct Link {
-    bone: usize,
-    joint: Option<usize>,
-    /// The bone on the other side, when that one moves.
-    parent: Option<usize>,
-    /// The joint's own parent is this link's child side.
-    reversed: bool,
 }
 
 /// What elimination leaves for back-substitution.
@@ -75,7 +65,7 @@ impl Articulated {
     /// Plans the elimination. `moves[b]` tells whether body b has unknowns; `ends` holds parent
     /// and child of each joint; `rows` the joints' rows.
     pub fn new(moves: &[bool], ends: &[(Option<u32>, u32)], rows: &[usize]) -> Self {
-        let links = plan(moves, ends);
+        let links = leaves_first(moves, ends);
         let bones = moves.len();
         let dense = links.is_none().then(|| {
             let n = 6 * bones + rows.iter().sum::<usize>();
@@ -235,65 +225,6 @@ fn substitute(link: &Link, factor: &Factor, v: &mut [Vec6], lambda: &mut [Vec6])
         }
     }
     v[link.bone] = factor.S_inv * r;
-}
-
-/// Children before parents; `None` when a loop is closed, also through bodies that do not move.
-fn plan(moves: &[bool], ends: &[(Option<u32>, u32)]) -> Option<Vec<Link>> {
-    let mobile = |b: Option<u32>| b.map(|b| b as usize).filter(|&b| moves[b]);
-    // Joints to the world or to a prescribed body make their bone the root of its tree.
-    let mut anchor: Vec<Option<(usize, bool)>> = vec![None; moves.len()];
-    let mut neighbours: Vec<Vec<(usize, usize, bool)>> = vec![Vec::new(); moves.len()];
-    for (j, &(parent, child)) in ends.iter().enumerate() {
-        match (mobile(parent), mobile(Some(child))) {
-            (Some(p), Some(c)) => {
-                neighbours[p].push((c, j, false));
-                neighbours[c].push((p, j, true));
-            }
-            (Some(b), None) | (None, Some(b)) => {
-                let reversed = mobile(parent).is_some();
-                if anchor[b].replace((j, reversed)).is_some() {
-                    return None;
-                }
-            }
-            (None, None) => {}
-        }
-    }
-
-    let mut visited: Vec<bool> = moves.iter().map(|&m| !m).collect();
-    let mut links = Vec::new();
-    let roots = (0..moves.len())
-        .filter(|&b| anchor[b].is_some())
-        .chain((0..moves.len()).filter(|&b| anchor[b].is_none()));
-    for root in roots {
-        if visited[root] {
-            // An anchored bone reached from another anchored one closes a loop.
-            if anchor[root].is_some() {
-                return None;
-            }
-            continue;
-        }
-        visited[root] = true;
-        let (joint, reversed) = anchor[root].unzip();
-        let first = links.len();
-        links.push(Link { bone: root, joint, parent: None, reversed: reversed.unwrap_or(false) });
-        let mut next = first;
-        while next < links.len() {
-            let from: Link = links[next];
-            for &(to, j, reversed) in &neighbours[from.bone] {
-                if next != first && from.joint == Some(j) {
-                    continue;
-                }
-                if visited[to] {
-                    return None;
-                }
-                visited[to] = true;
-                links.push(Link { bone: to, joint: Some(j), parent: Some(from.bone), reversed });
-            }
-            next += 1;
-        }
-    }
-    links.reverse();
-    Some(links)
 }
 
 fn add_block(lu: &mut DenseLu, i0: usize, j0: usize, rows: usize, m: &Mat6) {

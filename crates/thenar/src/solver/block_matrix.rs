@@ -96,7 +96,13 @@ impl BlockMatrix {
     /// Row `i` of `A x`.
     #[inline]
     pub fn row_times(&self, i: usize, x: &[Vec3]) -> Vec3 {
-        let row = self.row(i);
+        self.part_times(self.row_start[i]..self.row_start[i + 1], x)
+    }
+
+    /// These entries of one row, times x.
+    #[inline]
+    pub fn part_times(&self, entries: std::ops::Range<u32>, x: &[Vec3]) -> Vec3 {
+        let row = entries.start as usize..entries.end as usize;
         let mut y = [0.0; 3];
         for (block, &j) in self.blocks[row.clone()].iter().zip(&self.columns[row]) {
             let x = &x[j as usize];

@@ -72,7 +72,7 @@ pub fn rigid_block(a: &BlockMatrix, b: usize) -> Mat6 {
 }
 
 /// Inverse of a symmetric positive definite 3×3 matrix by cofactors.
-fn invert_symmetric(m: &Mat3) -> Option<Mat3> {
+pub(super) fn invert_symmetric(m: &Mat3) -> Option<Mat3> {
     let c00 = m.m22 * m.m33 - m.m23 * m.m23;
     let c01 = m.m13 * m.m23 - m.m12 * m.m33;
     let c02 = m.m12 * m.m23 - m.m13 * m.m22;

@@ -11,8 +11,10 @@ mod conjugate_gradients;
 mod contact_rows;
 mod dense;
 mod diagonal;
+pub mod exact;
 mod friction_cone;
 mod monolithic;
+mod tree;
 
 pub use anticipation::{Anticipation, AnticipationSettings};
 pub use articulated::{Articulated, JointBlock};

@@ -41,6 +41,14 @@ pub fn joint_errors(model: &Model, state: &State) -> (f64, f64) {
     errors
 }
 
+/// Undoes what a solver did before another one tries.
+pub fn take_velocities_back(state: &mut State, before: &State) {
+    state.v.copy_from_slice(&before.v);
+    state.contact_change.copy_from_slice(&before.contact_change);
+    state.impulses.clear();
+    state.impulses.extend_from_slice(&before.impulses);
+}
+
 /// Undoes a failed step: positions as before, everything at rest.
 pub fn take_back(state: &mut State, before: &State) {
     state.time = before.time;

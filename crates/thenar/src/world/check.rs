@@ -68,6 +68,9 @@ fn settings(desc: &WorldDesc) -> Result<(), ModelError> {
     {
         number("solver", what, "positive and below 1", value, |x| x > 0.0 && x < 1.0)?;
     }
+    number("solver", "velocity_tolerance", "positive [m/s]", s.velocity_tolerance, |x| {
+        x > 0.0 && x <= 1.0
+    })?;
     not_negative("solver", "contact_margin", s.contact_margin)?;
     for (what, value) in [
         ("cg_iterations_max", s.cg_iterations_max),

@@ -102,13 +102,17 @@ impl Energy {
 /// What happened in one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepReport {
+    /// The exact solver failed (not converged, not positive definite, too many contacts) and the
+    /// two-step scheme made this step instead.
+    pub fell_back: bool,
     /// Conjugate-gradient iterations of step 2.
     pub cg_iterations: u32,
-    /// Relative residual they reached.
+    /// Relative residual they reached; with the exact solver the estimated velocity error \[m/s\].
     pub cg_residual: f64,
     /// Outer sweeps of the contact solver.
     pub contact_sweeps: u32,
-    /// Relative residual they reached.
+    /// Relative residual they reached; with the exact solver the largest violation of the contact
+    /// law \[m/s\].
     pub contact_residual: f64,
     /// Contact constraints, near or touching.
     pub contacts: u32,

@@ -5,6 +5,7 @@ mod assemble;
 mod check;
 mod energy;
 mod error;
+mod exact;
 mod io;
 mod model;
 mod reference;
@@ -59,72 +60,126 @@ impl World {
         let places = state.poses_WB.iter().map(place).collect();
         let time_step = desc.time_step;
         let mut world = Self { desc, model, state, scratch, detector, places, time_step };
+        world.prepare_solver();
         world.embed();
         Ok(world)
     }
 
     /// Moves the world forward by one time step: the paper's Sec. 4. Allocates nothing (with the
-    /// two-step solver; a clone fills its work space in its first steps).
+    /// dense reference solver it does; a clone fills its work space in its first steps).
     ///
     /// # Panics
     /// When a list of `input` is shorter than [`World::input`] makes it.
     pub fn step(&mut self, input: &Input, timer: &mut impl StageTimer) -> StepReport {
-        let Self { desc, model, state, scratch, detector, places, time_step: h } = self;
-        let (h, settings) = (*h, &desc.solver);
         let mut report = StepReport { bad_targets: input.bad_targets(), ..StepReport::default() };
-        scratch.remember(state);
-
-        timer.begin(Some(Stage::Skeleton));
-        assemble::skeleton(desc, model, state, input, h, scratch); //     A_s, b_s, J_s   (4)
-        assemble::coupling(desc, model, state, h, scratch); //            A_sf, A_fs      (7-9)
-        let exact = settings.kind == SolverKind::Monolithic;
-        let mut sound = exact || two_step::articulated_body(model, state, h, scratch); // (10)
-
-        timer.begin(Some(Stage::Flesh));
-        let tally = assemble::flesh(model, state, input, h, scratch); //  A_f, b_f        (5)
-        let whole = if exact { reference::solve(model, state, h, scratch) } else { None }; // (9)
-        let cg = if exact {
-            whole.as_ref().map(|_| Convergence::default())
-        } else {
-            two_step::unconstrained_deformation(settings, model, state, scratch) //       (11)
-        };
-        sound &= cg.is_some() && state.is_sound();
-
-        timer.begin(Some(Stage::Detect));
-        if sound {
-            response::detect(settings.contact_margin, model, state, h, detector, places, scratch);
-        }
-
-        timer.begin(Some(Stage::Contact));
-        if sound {
-            response::build_rows(model, state, h, scratch); //                            (12)
-            let contact = match &whole {
-                Some(whole) => reference::respond(whole, model, settings.cone, state, scratch),
-                None => response::anticipate(settings, state, scratch),
-            };
-            response::apply(state, scratch);
-            if settings.close_joints && !exact && !model.joints.is_empty() {
-                sound &= two_step::close_joints(model, state, h, scratch);
-            }
-            response::report(state, h, contact, scratch, &mut report);
+        self.scratch.remember(&self.state);
+        let kind = self.stepping_solver();
+        let mut sound = self.find_velocities(kind, input, timer, &mut report);
+        if !sound && kind == SolverKind::Exact {
+            advance::take_velocities_back(&mut self.state, &self.scratch.before);
+            report = StepReport { bad_targets: report.bad_targets, ..StepReport::default() };
+            report.fell_back = true;
+            sound = self.find_velocities(SolverKind::TwoStep, input, timer, &mut report);
         }
 
         timer.begin(Some(Stage::Embed));
-        advance::advance(model, state, h);
+        let Self { model, state, scratch, time_step: h, .. } = self;
+        advance::advance(model, state, *h);
         sound &= state.is_sound();
         if !sound {
             advance::take_back(state, &scratch.before);
             scratch.contacts.clear();
         }
-        let cg = cg.unwrap_or_default();
-        report.cg_iterations = cg.iterations;
-        report.cg_residual = cg.residual;
-        report.inverted_tets = tally.inverted;
         report.non_finite = !sound;
         (report.joint_gap_max, report.joint_misalignment_max) = advance::joint_errors(model, state);
         self.embed();
         timer.begin(None);
         report
+    }
+
+    /// The velocities at the end of the step, contact included; false when this solver fails.
+    fn find_velocities(
+        &mut self,
+        kind: SolverKind,
+        input: &Input,
+        timer: &mut impl StageTimer,
+        report: &mut StepReport,
+    ) -> bool {
+        let Self { desc, model, state, scratch, detector, places, time_step: h, .. } = self;
+        let (h, settings) = (*h, &desc.solver);
+
+        timer.begin(Some(Stage::Skeleton));
+        assemble::skeleton(desc, model, state, input, h, scratch); //     A_s, b_s, J_s   (4)
+        match kind {
+            SolverKind::Exact => exact::couple(model, state, h, scratch), // G, J          (7-9)
+            _ => assemble::coupling(desc, model, state, h, scratch), //   A_sf, A_fs      (7-9)
+        }
+        let mut sound =
+            kind != SolverKind::TwoStep || two_step::articulated_body(model, state, h, scratch); // (10)
+
+        timer.begin(Some(Stage::Flesh));
+        let tally = assemble::flesh(model, state, input, h, scratch); //  A_f, b_f        (5)
+        report.inverted_tets = tally.inverted;
+        let mut whole = None;
+        let cg = match kind {
+            SolverKind::TwoStep => {
+                two_step::unconstrained_deformation(settings, model, state, scratch) //   (11)
+            }
+            SolverKind::Exact => exact::solve(settings, model, state, h, scratch), //     (9)
+            SolverKind::Monolithic => {
+                whole = reference::solve(model, state, h, scratch); //                    (9)
+                whole.as_ref().map(|_| Convergence::default())
+            }
+        };
+        sound &= cg.is_some() && state.is_sound();
+        let cg = cg.unwrap_or_default();
+        report.cg_iterations = cg.iterations;
+        report.cg_residual = cg.residual;
+        if !sound {
+            return false;
+        }
+
+        timer.begin(Some(Stage::Detect));
+        response::detect(settings.contact_margin, model, state, h, detector, places, scratch);
+
+        timer.begin(Some(Stage::Contact));
+        response::build_rows(model, state, h, scratch); //                                (12)
+        let contact = match (kind, &whole) {
+            (SolverKind::Exact, _) => exact::respond(settings, model, state, scratch),
+            (_, Some(whole)) => {
+                Some(reference::respond(whole, model, settings.cone, state, scratch))
+            }
+            _ => Some(response::anticipate(settings, state, scratch)),
+        };
+        let Some(contact) = contact else { return false };
+        response::apply(state, scratch);
+        let close = settings.close_joints && kind == SolverKind::TwoStep;
+        if close && !model.joints.is_empty() {
+            sound &= two_step::close_joints(model, state, h, scratch);
+        }
+        response::report(state, h, contact, scratch, report);
+        sound
+    }
+
+    /// The solver that steps: the chosen one, or `TwoStep` where `Exact` cannot be had because
+    /// joints close a loop.
+    pub fn stepping_solver(&self) -> SolverKind {
+        match self.desc.solver.kind {
+            SolverKind::Exact if self.scratch.exact.is_none() => SolverKind::TwoStep,
+            kind => kind,
+        }
+    }
+
+    /// Builds the exact solver when it is chosen and not there yet.
+    fn prepare_solver(&mut self) {
+        if self.desc.solver.kind == SolverKind::Exact && self.scratch.exact.is_none() {
+            let places = self.desc.softs.iter();
+            let rest: Vec<Vec3> = places
+                .flat_map(|soft| soft.flesh.nodes.iter().map(|x| soft.pose_WM.point(x)))
+                .collect();
+            let contacts_max = self.detector.capacity();
+            self.scratch.exact = exact::build(&self.model, &rest, contacts_max);
+        }
     }
 
     /// An input of the right size in which nothing but the description's gravity acts.
@@ -164,14 +219,16 @@ impl World {
         }
     }
 
-    /// Chooses another solver.
+    /// Chooses another solver. Choosing the exact one for the first time allocates its memory.
     pub fn set_solver(&mut self, kind: SolverKind) {
         self.desc.solver.kind = kind;
+        self.prepare_solver();
     }
 
     /// Changes all solver settings.
     pub fn set_solver_settings(&mut self, settings: SolverSettings) {
         self.desc.solver = settings;
+        self.prepare_solver();
     }
 
     /// What the world was built from.

@@ -4,6 +4,7 @@ use crate::contact::Contact;
 use crate::coupling::BoneSystem;
 use crate::math::{Mat6, Pose, Vec3, Vec6};
 use crate::model::WorldDesc;
+use crate::solver::exact::Exact;
 use crate::solver::{
     Anticipation, Articulated, BlockDiagonal, BlockMatrix, CgWorkspace, ContactRows, JointBlock,
 };
@@ -178,6 +179,8 @@ pub struct Scratch {
     pub vertices: Vec<Vec3>,
     /// Velocities of these.
     pub vertex_velocities: Vec<Vec3>,
+    /// The exact solver, when it is chosen and the joints are a tree.
+    pub exact: Option<Exact>,
     /// The state before the step.
     pub before: State,
 }
@@ -215,6 +218,7 @@ impl Scratch {
             contacts: Vec::with_capacity(contacts_max),
             vertices: vec![Vec3::zeros(); model.vertices.len()],
             vertex_velocities: vec![Vec3::zeros(); model.vertices.len()],
+            exact: None,
             before,
         }
     }

@@ -1,0 +1,209 @@
+//! The exact solver: Eq. 9 with its joint rows, to a velocity tolerance, contact in the same system.
+//!
+//! Joints are in minimal coordinates, `v_s = Z u + z` (`reduction`), flesh is relative to its
+//! skinned motion, `v_f = J v_s + w` (`relative`). The system
+//!
+//! ```text
+//!   [ Zᵀ(A_s + Jᵀ B J)Z   (B J Z)ᵀ ] [ u ]
+//!   [ B J Z                B + G   ] [ w ]
+//! ```
+//!
+//! is symmetric positive definite, and the stiff coupling springs G act on w alone. Without contact
+//! it is solved by conjugate gradients (`pcg`) with the block diagonal (`jacobi`); with contact the
+//! flesh is factored (`factor`, `direct`), which gives the compliance of the whole system at the
+//! contacts (`delassus`) and preconditions the final solve.
+//!
+//! Nothing is allocated once built. Joints that close loops have no minimal coordinates here; then
+//! there is no exact solver and the two-step scheme takes over.
+
+mod coarse;
+mod dense;
+mod direct;
+mod factor;
+mod jacobi;
+mod ordering;
+mod pcg;
+mod reduction;
+mod relative;
+mod small_cholesky;
+mod symbolic;
+
+pub use pcg::Solved;
+pub use reduction::Reduction;
+pub use relative::{Carried, Coordinates, System};
+
+use crate::math::Vec3;
+use crate::solver::{BlockMatrix, JointBlock};
+use coarse::Coarse;
+use direct::Direct;
+use factor::Factor;
+use jacobi::BlockJacobi;
+use symbolic::Symbolic;
+
+/// What the solver is built from.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan<'a> {
+    /// Which bodies move by themselves.
+    pub moves: &'a [bool],
+    /// Parent and child of each joint.
+    pub ends: &'a [(Option<u32>, u32)],
+    /// Rows of each joint.
+    pub rows: &'a [usize],
+    /// Carried nodes, with their springs, weights and levers still unset.
+    pub carried: &'a [Carried],
+    /// Deformable body of each node.
+    pub soft_of_node: &'a [u32],
+    /// Rest position of each node, world \[m\].
+    pub positions: &'a [Vec3],
+    /// Pattern of Eq. 9's matrix.
+    pub pattern: &'a BlockMatrix,
+    /// Most contacts that the world may find.
+    pub contacts_max: usize,
+}
+
+/// Which preconditioner the next solves use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Ready {
+    Nothing,
+    Jacobi,
+    Direct,
+}
+
+/// The solver's memory.
+#[derive(Clone, Debug)]
+pub struct Exact {
+    bodies: Reduction,
+    /// Carried nodes; the world fills in springs and levers before each step.
+    pub carried: Vec<Carried>,
+    springs: Vec<f64>,
+    split: Vec<u32>,
+    coarse: Coarse,
+    jacobi: BlockJacobi,
+    direct: Direct,
+    ready: Ready,
+    x: Coordinates,
+    work: pcg::Workspace,
+}
+
+/// What a step gives: matrix, right-hand side, what is known.
+#[derive(Clone, Copy, Debug)]
+pub struct StepSystem<'a> {
+    /// Eq. 9's matrix without the coupling springs.
+    pub A: &'a BlockMatrix,
+    /// Its right-hand side, likewise.
+    pub b: &'a [Vec3],
+    /// Components given from outside, per block row.
+    pub known: &'a [[bool; 3]],
+    /// Nodes with such a component.
+    pub is_held: &'a [bool],
+}
+
+/// How accurately to solve.
+#[derive(Clone, Copy, Debug)]
+pub struct Accuracy {
+    /// Largest velocity error \[m/s\].
+    pub velocity: f64,
+    /// Most iterations.
+    pub iterations_max: u32,
+}
+
+impl Exact {
+    /// Plans everything; `None` when joints close a loop.
+    pub fn new(plan: &Plan<'_>) -> Option<Self> {
+        let softs = plan.soft_of_node.iter().max().map_or(0, |s| *s as usize + 1);
+        let mut together: Vec<Vec<u32>> = vec![Vec::new(); softs];
+        for c in plan.carried {
+            let soft = plan.soft_of_node[c.node as usize] as usize;
+            together[soft].extend(&c.bones[..c.carriers as usize]);
+        }
+        let bodies = Reduction::new(plan.moves, plan.ends, plan.rows, &together)?;
+        let group_of_soft: Vec<Option<u32>> = together
+            .iter()
+            .map(|bones| bones.iter().find_map(|&b| bodies.group_of_body(b as usize)))
+            .map(|g| g.map(|g| g as u32))
+            .collect();
+        let group_of_node: Vec<Option<u32>> =
+            plan.soft_of_node.iter().map(|&s| group_of_soft[s as usize]).collect();
+        let bones: Vec<_> =
+            plan.carried.iter().map(|c| (c.node, c.bones, c.carriers as usize)).collect();
+
+        let (count, nodes) = (plan.moves.len(), plan.positions.len());
+        let pattern = plan.pattern;
+        let split = (0..pattern.rows())
+            .map(|i| {
+                let row = pattern.row(i);
+                let before = pattern.columns[row.clone()].partition_point(|&j| (j as usize) < 2 * count);
+                (row.start + before) as u32
+            })
+            .collect();
+        let coarse = Coarse::new(&bodies, group_of_node, &bones);
+        let factor = Factor::new(Symbolic::new(pattern, 2 * count, plan.positions));
+        Some(Self {
+            jacobi: BlockJacobi::new(&coarse, nodes),
+            direct: Direct::new(factor, &coarse),
+            ready: Ready::Nothing,
+            x: Coordinates::new(bodies.freedoms(), nodes),
+            work: pcg::Workspace::new(bodies.freedoms(), count, nodes),
+            carried: plan.carried.to_vec(),
+            springs: vec![0.0; nodes],
+            coarse,
+            split,
+            bodies,
+        })
+    }
+
+    /// Velocities without contact, from the present ones in `v` as a start. `factor` asks for the
+    /// direct preconditioner, which contact will need anyway. `None` when the system cannot be
+    /// solved: not positive definite, not finite, or joint rows dependent.
+    pub fn solve(
+        &mut self,
+        step: &StepSystem<'_>,
+        joints: &[JointBlock],
+        h: f64,
+        factor: bool,
+        accuracy: &Accuracy,
+        v: &mut [Vec3],
+    ) -> Option<Solved> {
+        self.ready = Ready::Nothing;
+        for c in &self.carried {
+            self.springs[c.node as usize] = c.spring;
+        }
+        if !self.bodies.refresh(joints, v, h) {
+            return None;
+        }
+        let Self { bodies, carried, springs, split, coarse, jacobi, direct, x, work, .. } = self;
+        let system = system(step, bodies, carried, springs, split);
+        coarse.refresh(&system);
+        if factor && direct.refresh(&system, coarse) {
+            self.ready = Ready::Direct;
+        } else if jacobi.refresh(&system, coarse) {
+            self.ready = Ready::Jacobi;
+        } else {
+            return None;
+        }
+        system.coordinates(v, x, &mut work.v);
+        system.residual(step.b, x, &mut work.r, &mut work.v, &mut work.f);
+        let solved = match self.ready {
+            Ready::Direct => {
+                let apply = |r: &Coordinates, z: &mut Coordinates| direct.apply(&system, coarse, r, z);
+                pcg::solve(&system, apply, x, accuracy.velocity, accuracy.iterations_max, work)
+            }
+            _ => {
+                let apply = |r: &Coordinates, z: &mut Coordinates| jacobi.apply(&system, coarse, r, z);
+                pcg::solve(&system, apply, x, accuracy.velocity, accuracy.iterations_max, work)
+            }
+        };
+        system.velocities(x, v);
+        solved.error.is_finite().then_some(solved)
+    }
+}
+
+fn system<'a>(
+    step: &StepSystem<'a>,
+    bodies: &'a Reduction,
+    carried: &'a [Carried],
+    springs: &'a [f64],
+    split: &'a [u32],
+) -> System<'a> {
+    System { A: step.A, split, bodies, carried, known: step.known, is_held: step.is_held, springs }
+}

@@ -1,0 +1,249 @@
+//! The fixed structure of the flesh factor: which columns are eliminated together (supernodes),
+//! where their panels lie, and where everything is added to.
+//!
+//! A supernode with p nodes and m rows below owns a panel of 3p columns, each of 3(p + m) numbers,
+//! column by column; the first 3p rows are the (lower triangular) pivot block.
+
+use crate::math::Vec3;
+use crate::solver::BlockMatrix;
+use crate::solver::exact::ordering::nested_dissection;
+
+/// A merged supernode may hold this part of explicit zeros, counted against its true fill.
+const ZEROS_MAX: f64 = 0.25;
+
+/// Nodes eliminated together.
+#[derive(Clone, Copy, Debug)]
+pub struct Supernode {
+    /// First node, in elimination order.
+    pub first: usize,
+    /// How many nodes.
+    pub pivots: usize,
+    /// Where its rows below the pivots begin in `Symbolic::rows`.
+    pub rows: usize,
+    /// How many nodes are below.
+    pub below: usize,
+    /// Where its panel begins.
+    pub panel: usize,
+    /// The supernode of its first row below.
+    pub parent: Option<u32>,
+    /// Its segments in `Symbolic::segments`.
+    pub segments: [usize; 2],
+}
+
+impl Supernode {
+    /// Numbers in one column of its panel.
+    pub fn height(&self) -> usize {
+        3 * (self.pivots + self.below)
+    }
+}
+
+/// The rows of one supernode that are columns of another, later one.
+#[derive(Clone, Copy, Debug)]
+pub struct Segment {
+    /// The later supernode.
+    pub target: u32,
+    /// The rows, counted from the first below the pivots.
+    pub begin: usize,
+    /// One past the last of them.
+    pub end: usize,
+    /// Where in `Symbolic::places` the rows from `begin` on find their place in the target's panel.
+    pub places: usize,
+}
+
+/// Where one block of the matrix goes.
+#[derive(Clone, Copy, Debug)]
+pub struct Load {
+    /// Entry in the matrix.
+    pub entry: u32,
+    /// Upper left number in the panels.
+    pub place: u32,
+    /// From column to column there.
+    pub height: u32,
+}
+
+/// The structure of the factor.
+#[derive(Clone, Debug)]
+pub struct Symbolic {
+    /// Place of each node in the elimination order.
+    pub place_of_node: Vec<u32>,
+    /// Supernodes in elimination order.
+    pub supernodes: Vec<Supernode>,
+    /// Rows below the pivots, as places in the elimination order.
+    pub rows: Vec<u32>,
+    /// See [`Segment`].
+    pub segments: Vec<Segment>,
+    /// See [`Segment`].
+    pub places: Vec<u32>,
+    /// The matrix's blocks.
+    pub loads: Vec<Load>,
+    /// Where each node's diagonal begins in the panels, and from column to column there.
+    pub diagonals: Vec<(u32, u32)>,
+    /// Supernode of each place.
+    pub supernode_of: Vec<u32>,
+    /// Numbers in all panels.
+    pub size: usize,
+    /// Most rows below the pivots of a supernode, in nodes.
+    pub below_max: usize,
+}
+
+impl Symbolic {
+    /// Analyses the flesh part of `a`, whose rows begin at `row0`.
+    pub fn new(a: &BlockMatrix, row0: usize, positions: &[Vec3]) -> Self {
+        let order = nested_dissection(a, row0, positions);
+        let n = order.len();
+        let mut place_of_node = vec![0_u32; n];
+        for (k, &node) in order.iter().enumerate() {
+            place_of_node[node as usize] = k as u32;
+        }
+        let columns = column_structures(a, row0, &order, &place_of_node);
+        let (starts, rows_of) = supernodes(&columns);
+
+        let mut symbolic = Self {
+            place_of_node,
+            supernodes: Vec::with_capacity(starts.len()),
+            rows: Vec::new(),
+            segments: Vec::new(),
+            places: Vec::new(),
+            loads: Vec::new(),
+            diagonals: vec![(0, 0); n],
+            supernode_of: vec![0; n],
+            size: 0,
+            below_max: 0,
+        };
+        for (s, (start, rows)) in starts.iter().zip(&rows_of).enumerate() {
+            let end = starts.get(s + 1).map_or(n, |next| *next);
+            let node = Supernode {
+                first: *start,
+                pivots: end - start,
+                rows: symbolic.rows.len(),
+                below: rows.len(),
+                panel: symbolic.size,
+                parent: None,
+                segments: [0; 2],
+            };
+            symbolic.supernode_of[*start..end].fill(s as u32);
+            symbolic.rows.extend(rows);
+            symbolic.size += 3 * node.pivots * node.height();
+            symbolic.below_max = symbolic.below_max.max(node.below);
+            symbolic.supernodes.push(node);
+        }
+        symbolic.find_segments();
+        symbolic.find_loads(a, row0, &order);
+        symbolic
+    }
+
+    /// The row of a supernode's panel, in nodes, that holds this place.
+    fn row_in(&self, s: usize, place: u32) -> usize {
+        let node = &self.supernodes[s];
+        let place = place as usize;
+        if place < node.first + node.pivots {
+            return place - node.first;
+        }
+        let rows = &self.rows[node.rows..node.rows + node.below];
+        node.pivots + rows.partition_point(|&r| (r as usize) < place)
+    }
+
+    fn find_segments(&mut self) {
+        for s in 0..self.supernodes.len() {
+            let node = self.supernodes[s];
+            let first = self.segments.len();
+            let mut begin = 0;
+            while begin < node.below {
+                let target = self.supernode_of[self.rows[node.rows + begin] as usize];
+                let belongs =
+                    |k: usize| self.supernode_of[self.rows[node.rows + k] as usize] == target;
+                let end = (begin..node.below).find(|&k| !belongs(k)).unwrap_or(node.below);
+                self.segments.push(Segment { target, begin, end, places: self.places.len() });
+                for k in begin..node.below {
+                    let row = self.row_in(target as usize, self.rows[node.rows + k]);
+                    self.places.push(row as u32);
+                }
+                begin = end;
+            }
+            self.supernodes[s].segments = [first, self.segments.len()];
+            self.supernodes[s].parent = self.segments.get(first).map(|segment| segment.target);
+        }
+    }
+
+    fn find_loads(&mut self, a: &BlockMatrix, row0: usize, order: &[u32]) {
+        for (place, &node) in order.iter().enumerate() {
+            let s = self.supernode_of[place] as usize;
+            let (height, first, panel) = {
+                let node = &self.supernodes[s];
+                (node.height(), node.first, node.panel)
+            };
+            let column = panel + 3 * (place - first) * height;
+            for k in a.row(row0 + node as usize) {
+                // Row `node` of A holds the transposes of the blocks below the diagonal in column
+                // `node`; those blocks themselves are read, wherever they are stored.
+                let Some(other) = (a.columns[k] as usize).checked_sub(row0) else { continue };
+                let below = self.place_of_node[other];
+                if (below as usize) < place {
+                    continue;
+                }
+                let at = column + 3 * self.row_in(s, below);
+                if other == node as usize {
+                    self.diagonals[other] = (at as u32, height as u32);
+                }
+                self.loads.push(Load {
+                    entry: a.entry((row0 + other) as u32, (row0 + node as usize) as u32),
+                    place: at as u32,
+                    height: height as u32,
+                });
+            }
+        }
+    }
+}
+
+/// Places below the diagonal of each column of the factor.
+fn column_structures(
+    a: &BlockMatrix,
+    row0: usize,
+    order: &[u32],
+    place_of_node: &[u32],
+) -> Vec<Vec<u32>> {
+    let n = order.len();
+    let mut columns: Vec<Vec<u32>> = Vec::with_capacity(n);
+    let mut children: Vec<Vec<u32>> = vec![Vec::new(); n];
+    for (place, &node) in order.iter().enumerate() {
+        let row = a.row(row0 + node as usize);
+        let own = a.columns[row].iter().filter(|&&j| j as usize >= row0);
+        let own = own.map(|&j| place_of_node[j as usize - row0]);
+        let inherited = children[place].iter().flat_map(|&c| columns[c as usize].iter().copied());
+        let mut column: Vec<u32> =
+            own.chain(inherited).filter(|&p| p as usize > place).collect();
+        column.sort_unstable();
+        column.dedup();
+        if let Some(&parent) = column.first() {
+            children[parent as usize].push(place as u32);
+        }
+        columns.push(column);
+    }
+    columns
+}
+
+/// First place of each supernode, and its rows below.
+fn supernodes(columns: &[Vec<u32>]) -> (Vec<usize>, Vec<Vec<u32>>) {
+    // (first, true fill of the columns in it, rows below)
+    let mut stack: Vec<(usize, usize, Vec<u32>)> = Vec::new();
+    for (place, column) in columns.iter().enumerate() {
+        stack.push((place, column.len() + 1, column.clone()));
+        // Merge with the one before while that is a child and few zeros appear.
+        while stack.len() > 1 {
+            let (first, fill, rows) = &stack[stack.len() - 2];
+            let (here, own_fill, own_rows) = &stack[stack.len() - 1];
+            let is_child = rows.first().is_some_and(|&r| (*here..=place).contains(&(r as usize)));
+            let pivots = place + 1 - first;
+            let size = pivots * (pivots + 1) / 2 + pivots * own_rows.len();
+            let true_fill = fill + own_fill;
+            let zeros = size.saturating_sub(true_fill) as f64;
+            if !is_child || zeros > ZEROS_MAX * true_fill as f64 {
+                break;
+            }
+            let merged = (*first, true_fill, own_rows.clone());
+            stack.truncate(stack.len() - 2);
+            stack.push(merged);
+        }
+    }
+    stack.into_iter().map(|(first, _, rows)| (first, rows)).unzip()
+}

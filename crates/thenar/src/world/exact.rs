@@ -1,0 +1,99 @@
+//! A step by the exact solver: what it needs of the model, and what it gives the state.
+
+use crate::coupling::skin_target;
+use crate::math::Vec3;
+use crate::model::SolverSettings;
+use crate::solver::Convergence;
+use crate::solver::exact::{Accuracy, Carried, Exact, Plan, StepSystem};
+use crate::world::model::Model;
+use crate::world::state::{Scratch, State};
+
+/// The solver of a model whose nodes rest at `positions`; `None` when its joints close a loop.
+pub fn build(model: &Model, positions: &[Vec3], contacts_max: usize) -> Option<Exact> {
+    let moves: Vec<bool> = model.rigids.iter().map(|r| r.moves).collect();
+    let ends: Vec<_> = model.joints.iter().map(|j| (j.parent, j.child)).collect();
+    let rows: Vec<usize> = model.joints.iter().map(|j| j.kind.rows()).collect();
+    let mut soft_of_node = vec![0; positions.len()];
+    for (s, nodes) in model.soft_nodes.iter().enumerate() {
+        soft_of_node[nodes.clone()].fill(s as u32);
+    }
+    let carried: Vec<Carried> = model
+        .coupling
+        .bound
+        .iter()
+        .map(|bound| Carried {
+            node: bound.node,
+            bones: bound.bones,
+            carriers: bound.carriers() as u8,
+            relative: !model.is_held[bound.node as usize],
+            weights: bound.weights,
+            levers: [Vec3::zeros(); 2],
+            spring: 0.0,
+            stretch: Vec3::zeros(),
+        })
+        .collect();
+    Exact::new(&Plan {
+        moves: &moves,
+        ends: &ends,
+        rows: &rows,
+        carried: &carried,
+        soft_of_node: &soft_of_node,
+        positions,
+        pattern: &model.pattern,
+        contacts_max,
+    })
+}
+
+/// The coupling springs at this state (Eq. 6-8).
+pub fn couple(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
+    let Some(exact) = &mut scratch.exact else { return };
+    let coupling = &model.coupling;
+    for (k, (bound, carried)) in coupling.bound.iter().zip(&mut exact.carried).enumerate() {
+        let target = skin_target(bound, &state.poses_WB);
+        carried.levers = target.levers_W;
+        carried.spring = h * h * coupling.stiffness[k] + h * coupling.damping[k];
+        let stretched = state.x[bound.node as usize] - target.position_W;
+        carried.stretch = stretched * (h * coupling.stiffness[k]);
+    }
+}
+
+/// Velocities without contact; `None` when the system cannot be solved to tolerance.
+pub fn solve(
+    settings: &SolverSettings,
+    model: &Model,
+    state: &mut State,
+    h: f64,
+    scratch: &mut Scratch,
+) -> Option<Convergence> {
+    let exact = scratch.exact.as_mut()?;
+    let step = StepSystem {
+        A: &scratch.A,
+        b: &scratch.b,
+        known: &model.known,
+        is_held: &model.is_held,
+    };
+    let accuracy = accuracy(settings);
+    let touched = !state.impulses.is_empty();
+    let solved =
+        exact.solve(&step, &scratch.joints, h, touched, &accuracy, &mut state.v)?;
+    let convergence = Convergence { iterations: solved.iterations, residual: solved.error };
+    solved.converged.then_some(convergence)
+}
+
+fn accuracy(settings: &SolverSettings) -> Accuracy {
+    Accuracy {
+        velocity: settings.velocity_tolerance,
+        iterations_max: settings.cg_iterations_max,
+    }
+}
+
+/// Contact, temporarily absent.
+pub fn respond(
+    _settings: &SolverSettings,
+    _model: &Model,
+    state: &mut State,
+    _scratch: &mut Scratch,
+) -> Option<Convergence> {
+    state.contact_change.fill(Vec3::zeros());
+    Some(Convergence::default())
+}
