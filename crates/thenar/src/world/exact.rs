@@ -25,7 +25,7 @@ pub fn build(model: &Model, positions: &[Vec3], contacts_max: usize) -> Option<E
             node: bound.node,
             bones: bound.bones,
             carriers: bound.carriers() as u8,
-            relative: !model.is_held[bound.node as usize],
+            held: model.known[2 * model.rigids.len() + bound.node as usize],
             weights: bound.weights,
             levers: [Vec3::zeros(); 2],
             spring: 0.0,
@@ -70,7 +70,6 @@ pub fn solve(
         A: &scratch.A,
         b: &scratch.b,
         known: &model.known,
-        is_held: &model.is_held,
     };
     let accuracy = accuracy(settings);
     let touched = !state.impulses.is_empty();

@@ -143,9 +143,6 @@ impl Coarse {
             }
             for k in system.split[row0 + n] as usize..A.row_start[row0 + n + 1] as usize {
                 let m = A.columns[k] as usize - row0;
-                if system.is_held[m] {
-                    continue;
-                }
                 let block = &A.blocks[k];
                 for e in self.skin_start[m]..self.skin_start[m + 1] {
                     let (x, y) = (&self.skin[e], &mut row[self.skin_dofs[e] as usize]);
@@ -155,12 +152,10 @@ impl Coarse {
                 }
             }
         }
-        for c in system.carried.iter().filter(|c| !c.relative) {
-            let n = c.node as usize;
-            for e in self.skin_start[n]..self.skin_start[n + 1] {
-                let pull = system.unknown(row0 + n, &(self.skin[e] * c.spring));
-                self.cross[self.cross_start[n] + self.skin_dofs[e] as usize] -= pull;
-            }
+        // A given velocity does not follow the bones.
+        for c in system.carried.iter().filter(|c| c.is_held()) {
+            let row = self.cross_start[c.node as usize]..self.cross_start[c.node as usize + 1];
+            self.cross[row].iter_mut().for_each(|x| *x = c.free(x));
         }
     }
 
@@ -201,12 +196,12 @@ impl Coarse {
             for e in entries.clone() {
                 let (p, motion) = (self.skin_dofs[e] as usize, &self.skin[e]);
                 let line = &mut block[p * n..(p + 1) * n];
-                if c.relative {
-                    let cross = &self.cross[row.clone()];
-                    line.iter_mut().zip(cross).for_each(|(k, c)| *k += motion.dot(c));
-                } else {
+                let cross = &self.cross[row.clone()];
+                line.iter_mut().zip(cross).for_each(|(k, c)| *k += motion.dot(c));
+                if c.is_held() {
+                    let tied = motion - c.free(motion);
                     for f in entries.clone() {
-                        line[self.skin_dofs[f] as usize] += c.spring * motion.dot(&self.skin[f]);
+                        line[self.skin_dofs[f] as usize] += c.spring * tied.dot(&self.skin[f]);
                     }
                 }
             }

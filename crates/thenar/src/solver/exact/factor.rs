@@ -81,7 +81,7 @@ impl Factor {
         }
         let row0 = 2 * system.bodies.bodies();
         for (n, spring) in system.springs.iter().enumerate() {
-            let (at, height) = self.symbolic.diagonals[self.symbolic.place_of_node[n] as usize];
+            let (at, height) = self.symbolic.diagonals[n];
             let spring = system.unknown(row0 + n, &crate::math::Vec3::repeat(*spring));
             for k in 0..3 {
                 self.panels[at as usize + k * (height as usize + 1)] += spring[k] as Scalar;
@@ -211,6 +211,81 @@ impl Factor {
             let panel = &self.panels[node.panel..node.panel + width * height];
             let rows = &self.symbolic.rows[node.rows..node.rows + node.below];
             dense::backward_many(panel, height, width, 3 * node.first, rows, &mut self.many);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+    use crate::solver::BlockMatrix;
+    use crate::solver::exact::Reduction;
+    use crate::testing::Random;
+
+    /// Blocks of nodes on a lattice, two of them side by side without touching: the solution must be
+    /// the one the right-hand side was made from.
+    #[test]
+    fn solves_what_it_factored() {
+        for cells in [[1, 1, 1], [2, 2, 2], [7, 3, 2], [12, 2, 2]] {
+            let mut random = Random::new(11);
+            let mut positions = Vec::new();
+            for part in 0..2 {
+                for i in 0..=cells[0] {
+                    for j in 0..=cells[1] {
+                        for k in 0..=cells[2] {
+                            let at = Vec3::new(f64::from(i), f64::from(j), f64::from(k));
+                            positions.push(at + Vec3::z() * 10.0 * f64::from(part));
+                        }
+                    }
+                }
+            }
+            let n = positions.len();
+            let near = |a: usize, b: usize| (positions[a] - positions[b]).norm() < 1.5;
+            let pairs = (0..n).flat_map(|a| (0..a).map(move |b| (a, b)));
+            let pairs: Vec<_> = pairs.filter(|&(a, b)| near(a, b)).collect();
+            let numbers = pairs.iter().map(|&(a, b)| (a as u32, b as u32));
+            let mut A = BlockMatrix::with_pattern(n, numbers);
+            for &(a, b) in &pairs {
+                let direction = random.vec3(1.0);
+                let block = direction * direction.transpose();
+                for (i, j, sign) in [(a, a, 1.0), (b, b, 1.0), (a, b, -1.0), (b, a, -1.0)] {
+                    A.add(A.entry(i as u32, j as u32), &(block * sign));
+                }
+            }
+            (0..n).for_each(|a| A.add_scalar(A.diagonal[a], 0.05));
+            let springs: Vec<f64> = (0..n).map(|_| random.range(0.0, 0.1)).collect();
+            let bodies = Reduction::new(&[], &[], &[], &[]).unwrap();
+            let split: Vec<u32> = A.row_start[..n].to_vec();
+            let known = vec![[false; 3]; n];
+            let system = System {
+                A: &A,
+                split: &split,
+                bodies: &bodies,
+                carried: &[],
+                known: &known,
+                springs: &springs,
+            };
+            let mut factor = Factor::new(Symbolic::new(&A, 0, &positions));
+            assert!(factor.refresh(&system));
+            let want: Vec<Vec3> = (0..n).map(|_| random.vec3(1.0)).collect();
+            let mut x: Vec<Vec3> =
+                (0..n).map(|i| A.row_times(i, &want) + want[i] * springs[i]).collect();
+            let rhs = x.clone();
+            factor.solve(&mut x);
+            let error = x.iter().zip(&want).map(|(x, w)| (x - w).norm()).fold(0.0, f64::max);
+            assert!(error < 1e4 * f64::from(Scalar::EPSILON), "{cells:?}: {error}");
+            factor.clear_many();
+            for (i, r) in rhs.iter().enumerate() {
+                (0..3).for_each(|k| factor.many_mut(i)[k][5] = r[k] as Scalar);
+            }
+            factor.solve_many();
+            for (i, x) in x.iter().enumerate() {
+                for k in 0..3 {
+                    let lane = f64::from(factor.many_of(i)[k][5]);
+                    assert!((lane - x[k]).abs() < 1e4 * f64::from(Scalar::EPSILON));
+                }
+            }
         }
     }
 }

@@ -38,6 +38,7 @@ use coarse::Coarse;
 use direct::Direct;
 use factor::Factor;
 use jacobi::BlockJacobi;
+use pcg::Stop;
 use symbolic::Symbolic;
 
 /// What the solver is built from.
@@ -61,6 +62,9 @@ pub struct Plan<'a> {
     pub contacts_max: usize,
 }
 
+/// Fewest iterations with the block diagonal.
+const WINDOW: u32 = 4;
+
 /// Which preconditioner the next solves use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Ready {
@@ -81,6 +85,8 @@ pub struct Exact {
     jacobi: BlockJacobi,
     direct: Direct,
     ready: Ready,
+    /// So many iterations of the block diagonal cost what the factor does.
+    iterations_worth_a_factor: u32,
     x: Coordinates,
     work: pcg::Workspace,
 }
@@ -94,8 +100,6 @@ pub struct StepSystem<'a> {
     pub b: &'a [Vec3],
     /// Components given from outside, per block row.
     pub known: &'a [[bool; 3]],
-    /// Nodes with such a component.
-    pub is_held: &'a [bool],
 }
 
 /// How accurately to solve.
@@ -105,6 +109,12 @@ pub struct Accuracy {
     pub velocity: f64,
     /// Most iterations.
     pub iterations_max: u32,
+}
+
+impl Accuracy {
+    fn stop(&self, iterations_min: u32, iterations_max: u32) -> Stop {
+        Stop { tolerance: self.velocity, iterations_min, iterations_max }
+    }
 }
 
 impl Exact {
@@ -138,7 +148,11 @@ impl Exact {
             .collect();
         let coarse = Coarse::new(&bodies, group_of_node, &bones);
         let factor = Factor::new(Symbolic::new(pattern, 2 * count, plan.positions));
+        // Flops of the factor's numbers, of which an iteration does some twenty per block.
+        let flops = factor.symbolic.flops() / 2.0;
+        let iteration = 25.0 * pattern.blocks.len() as f64;
         Some(Self {
+            iterations_worth_a_factor: (flops / iteration).clamp(16.0, 400.0) as u32,
             jacobi: BlockJacobi::new(&coarse, nodes),
             direct: Direct::new(factor, &coarse),
             ready: Ready::Nothing,
@@ -171,28 +185,41 @@ impl Exact {
         if !self.bodies.refresh(joints, v, h) {
             return None;
         }
-        let Self { bodies, carried, springs, split, coarse, jacobi, direct, x, work, .. } = self;
+        let Self {
+            bodies, carried, springs, split, coarse, jacobi, direct, ready, x, work, ..
+        } = self;
         let system = system(step, bodies, carried, springs, split);
         coarse.refresh(&system);
         if factor && direct.refresh(&system, coarse) {
-            self.ready = Ready::Direct;
+            *ready = Ready::Direct;
         } else if jacobi.refresh(&system, coarse) {
-            self.ready = Ready::Jacobi;
+            *ready = Ready::Jacobi;
         } else {
             return None;
         }
         system.coordinates(v, x, &mut work.v);
         system.residual(step.b, x, &mut work.r, &mut work.v, &mut work.f);
-        let solved = match self.ready {
-            Ready::Direct => {
-                let apply = |r: &Coordinates, z: &mut Coordinates| direct.apply(&system, coarse, r, z);
-                pcg::solve(&system, apply, x, accuracy.velocity, accuracy.iterations_max, work)
+        let mut solved = Solved::default();
+        if *ready == Ready::Jacobi {
+            let apply = |r: &Coordinates, z: &mut Coordinates| jacobi.apply(&system, coarse, r, z);
+            let worth = self.iterations_worth_a_factor.min(accuracy.iterations_max);
+            solved = pcg::solve(&system, apply, x, accuracy.stop(WINDOW, worth), work);
+            if !solved.converged && direct.refresh(&system, coarse) {
+                *ready = Ready::Direct;
+                system.residual(step.b, x, &mut work.r, &mut work.v, &mut work.f);
             }
-            _ => {
-                let apply = |r: &Coordinates, z: &mut Coordinates| jacobi.apply(&system, coarse, r, z);
-                pcg::solve(&system, apply, x, accuracy.velocity, accuracy.iterations_max, work)
-            }
-        };
+        }
+        if *ready == Ready::Direct {
+            let apply = |r: &Coordinates, z: &mut Coordinates| direct.apply(&system, coarse, r, z);
+            let most = accuracy.iterations_max;
+            let before = solved.iterations;
+            solved = pcg::solve(&system, apply, x, accuracy.stop(1, most), work);
+            solved.iterations += before;
+        } else if !solved.converged {
+            let apply = |r: &Coordinates, z: &mut Coordinates| jacobi.apply(&system, coarse, r, z);
+            let most = accuracy.iterations_max;
+            solved = pcg::solve(&system, apply, x, accuracy.stop(WINDOW, most), work);
+        }
         system.velocities(x, v);
         solved.error.is_finite().then_some(solved)
     }
@@ -205,5 +232,5 @@ fn system<'a>(
     springs: &'a [f64],
     split: &'a [u32],
 ) -> System<'a> {
-    System { A: step.A, split, bodies, carried, known: step.known, is_held: step.is_held, springs }
+    System { A: step.A, split, bodies, carried, known: step.known, springs }
 }

@@ -1,12 +1,12 @@
 //! Preconditioned conjugate gradients to a velocity tolerance.
 //!
-//! Each iteration lowers the energy norm of the error, `eᵀ K e`, by exactly `α r·z` (Hestenes and
+//! Each iteration lowers the energy of the error, `eᵀ K e`, by exactly `d = α r·z` (Hestenes and
 //! Stiefel 1952), so the error left is the sum of the decreases to come. They are continued as a
-//! geometric series from the last ones, and turned into a speed by the ratio that the last change
-//! had between its energy and its largest speed:
+//! geometric series at the slowest rate of the last few iterations, and turned into a speed by the
+//! largest that one of these moved:
 //!
 //! ```text
-//!   error ≈ 3 max|T Δx| sqrt( Σ_later / Σ_last ),   Σ_later = next / (1 - ρ)
+//!   error ≈ 2 max|T Δx| sqrt(ρ / (1 - ρ)),   ρ = max d_k+1 / d_k
 //! ```
 //!
 //! It is an estimate, tested to hold over six decades, not a bound.
@@ -17,7 +17,9 @@ use crate::solver::exact::{Coordinates, System};
 /// Speed of a body's turning counts at this distance \[m\].
 const LEVER: f64 = 0.05;
 /// Safety factor of the error estimate.
-const SAFETY: f64 = 3.0;
+const SAFETY: f64 = 2.0;
+/// Iterations that the estimate looks back on.
+const WINDOW: usize = 4;
 /// Decreases are not trusted to shrink slower than this.
 const RATE_MAX: f64 = 0.95;
 /// Round-off: part of the largest speed beyond which no accuracy is asked for.
@@ -66,14 +68,24 @@ impl Workspace {
     }
 }
 
-/// Improves `x` from the residual in `work.r` until the estimated error is at most `tolerance`
-/// \[m/s\]; `precondition(r, z)` computes `z = P⁻¹ r`.
+/// When to stop.
+#[derive(Clone, Copy, Debug)]
+pub struct Stop {
+    /// Largest velocity error \[m/s\].
+    pub tolerance: f64,
+    /// Fewest iterations: a weak preconditioner may seem to converge at first.
+    pub iterations_min: u32,
+    /// Most iterations.
+    pub iterations_max: u32,
+}
+
+/// Improves `x` from the residual in `work.r` until the estimated error is small enough;
+/// `precondition(r, z)` computes `z = P⁻¹ r`.
 pub fn solve(
     system: &System<'_>,
     mut precondition: impl FnMut(&Coordinates, &mut Coordinates),
     x: &mut Coordinates,
-    tolerance: f64,
-    iterations_max: u32,
+    stop: Stop,
     work: &mut Workspace,
 ) -> Solved {
     let Workspace { r, z, p, q, v, f } = work;
@@ -81,6 +93,7 @@ pub fn solve(
     p.copy_from(z);
     let mut rz = r.dot(z);
     let (mut least, mut waited) = (f64::INFINITY, 0);
+    let (mut rates, mut speeds) = ([0.0_f64; WINDOW], [0.0_f64; WINDOW]);
     let mut drop_before = f64::INFINITY;
     let mut scale = 0.0_f64;
     let mut solved = Solved { iterations: 0, error: 0.0, converged: true };
@@ -97,9 +110,13 @@ pub fn solve(
         let beta = -alpha * z.dot(q) / rz;
         solved.iterations += 1;
 
-        let next = alpha * rz_new.max(0.0);
-        let rate = (next / drop).max(drop / drop_before).min(RATE_MAX);
-        solved.error = SAFETY * moved * (next / (drop * (1.0 - rate))).sqrt();
+        let at = solved.iterations as usize % WINDOW;
+        (rates[at], speeds[at]) = (drop / drop_before, moved);
+        // What the next iteration will lower, if its step is as long.
+        let ahead = alpha * rz_new.max(0.0) / drop;
+        let rate = rates.iter().copied().fold(ahead, f64::max).min(RATE_MAX);
+        let speed = speeds.iter().copied().fold(0.0, f64::max);
+        solved.error = SAFETY * speed * (rate / (1.0 - rate)).sqrt();
         scale = scale.max(moved);
         drop_before = drop;
         if rz_new < 0.5 * least {
@@ -110,10 +127,11 @@ pub fn solve(
         if solved.error.is_nan() {
             return Solved { converged: false, ..solved };
         }
-        if solved.error <= tolerance.max(ROUND_OFF * scale) {
+        let enough = solved.error <= stop.tolerance.max(ROUND_OFF * scale);
+        if enough && solved.iterations >= stop.iterations_min {
             return solved;
         }
-        if solved.iterations >= iterations_max || waited > PATIENCE {
+        if solved.iterations >= stop.iterations_max || waited > PATIENCE {
             return Solved { converged: false, ..solved };
         }
         p.renew(beta, z);

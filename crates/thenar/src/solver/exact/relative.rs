@@ -17,8 +17,9 @@ pub struct Carried {
     pub bones: [u32; 2],
     /// 1 or 2.
     pub carriers: u8,
-    /// False for held nodes: their velocity is given in the world, so w is their velocity itself.
-    pub relative: bool,
+    /// Axes along which the node is held: there its velocity is given in the world, w is that
+    /// velocity itself, and the spring ties the bones to the world.
+    pub held: [bool; 3],
     /// Skinning weights.
     pub weights: [f64; 2],
     /// Weighted levers, world \[m\].
@@ -30,6 +31,17 @@ pub struct Carried {
 }
 
 impl Carried {
+    /// True when the node is held along some axis.
+    pub fn is_held(&self) -> bool {
+        self.held != [false; 3]
+    }
+
+    /// The components along the axes that are not held.
+    #[inline]
+    pub fn free(&self, f: &Vec3) -> Vec3 {
+        Vec3::from_fn(|k, _| if self.held[k] { 0.0 } else { f[k] })
+    }
+
     /// `J v_s`: the velocity of the node's target.
     #[inline]
     pub fn follow(&self, v: &[Vec3]) -> Vec3 {
@@ -117,8 +129,6 @@ pub struct System<'a> {
     pub carried: &'a [Carried],
     /// Components given from outside, per block row of A.
     pub known: &'a [[bool; 3]],
-    /// Nodes with a component given from outside.
-    pub is_held: &'a [bool],
     /// G: spring of each node to its target \[kg\].
     pub springs: &'a [f64],
 }
@@ -145,8 +155,8 @@ impl System<'_> {
     fn place_flesh(&self, x: &Coordinates, v: &mut [Vec3]) {
         let row0 = self.row0();
         v[row0..].copy_from_slice(&x.w);
-        for c in self.carried.iter().filter(|c| c.relative) {
-            let moved = c.follow(v);
+        for c in self.carried {
+            let moved = c.free(&c.follow(v));
             v[row0 + c.node as usize] += moved;
         }
     }
@@ -158,16 +168,16 @@ impl System<'_> {
         self.bodies.spread(&x.u, work);
         self.bodies.add_offsets(work);
         x.w.copy_from_slice(&v[row0..]);
-        for c in self.carried.iter().filter(|c| c.relative) {
-            x.w[c.node as usize] -= c.follow(work);
+        for c in self.carried {
+            x.w[c.node as usize] -= c.free(&c.follow(work));
         }
     }
 
     /// `r = Tᵀ f`; overwrites the bodies' part of f.
     pub fn gather(&self, f: &mut [Vec3], r: &mut Coordinates) {
         let row0 = self.row0();
-        for c in self.carried.iter().filter(|c| c.relative) {
-            let impulse = f[row0 + c.node as usize];
+        for c in self.carried {
+            let impulse = c.free(&f[row0 + c.node as usize]);
             c.pull(&impulse, f);
         }
         self.bodies.gather(f, &mut r.u);
@@ -190,16 +200,14 @@ impl System<'_> {
         let row0 = self.row0();
         self.spread(x, v);
         self.times(v, q);
-        // Springs of held nodes see the bones from outside.
-        for c in self.carried.iter().filter(|c| !c.relative) {
-            let i = row0 + c.node as usize;
-            let pull = (v[i] - c.follow(v)) * c.spring;
-            c.pull(&-pull, q);
-            q[i] += self.unknown(i, &pull);
+        for c in self.carried.iter().filter(|c| c.is_held()) {
+            let pull = (v[row0 + c.node as usize] - c.follow(v)) * c.spring;
+            c.pull(&(c.free(&pull) - pull), q);
         }
         self.gather(q, y);
-        for c in self.carried.iter().filter(|c| c.relative) {
-            y.w[c.node as usize] += x.w[c.node as usize] * c.spring;
+        for c in self.carried {
+            let n = c.node as usize;
+            y.w[n] += c.free(&(x.w[n] * c.spring));
         }
     }
 
@@ -216,16 +224,14 @@ impl System<'_> {
         self.velocities(x, v);
         self.times(v, q);
         q.iter_mut().zip(b).for_each(|(q, b)| *q = b - *q);
-        for c in self.carried.iter().filter(|c| !c.relative) {
-            let i = row0 + c.node as usize;
-            let pull = (v[i] - c.follow(v)) * c.spring + c.stretch;
-            c.pull(&pull, q);
-            q[i] -= self.unknown(i, &pull);
+        for c in self.carried.iter().filter(|c| c.is_held()) {
+            let pull = (v[row0 + c.node as usize] - c.follow(v)) * c.spring + c.stretch;
+            c.pull(&(pull - c.free(&pull)), q);
         }
         self.gather(q, r);
-        for c in self.carried.iter().filter(|c| c.relative) {
+        for c in self.carried {
             let n = c.node as usize;
-            r.w[n] -= x.w[n] * c.spring + c.stretch;
+            r.w[n] -= c.free(&(x.w[n] * c.spring + c.stretch));
         }
     }
 

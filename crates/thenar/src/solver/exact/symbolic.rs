@@ -132,6 +132,15 @@ impl Symbolic {
         symbolic
     }
 
+    /// Multiplications and additions of one factorisation.
+    pub fn flops(&self) -> f64 {
+        let columns = |node: &Supernode| {
+            let (width, below) = (3 * node.pivots, 3 * node.below);
+            (0..width).map(|k| ((width - k + below) as f64).powi(2)).sum::<f64>()
+        };
+        self.supernodes.iter().map(columns).sum()
+    }
+
     /// The row of a supernode's panel, in nodes, that holds this place.
     fn row_in(&self, s: usize, place: u32) -> usize {
         let node = &self.supernodes[s];
@@ -140,7 +149,9 @@ impl Symbolic {
             return place - node.first;
         }
         let rows = &self.rows[node.rows..node.rows + node.below];
-        node.pivots + rows.partition_point(|&r| (r as usize) < place)
+        let at = rows.partition_point(|&r| (r as usize) < place);
+        debug_assert_eq!(rows.get(at), Some(&(place as u32)), "a place that the panel lacks");
+        node.pivots + at
     }
 
     fn find_segments(&mut self) {
