@@ -7,6 +7,11 @@ use crate::model::Cone;
 /// held there, and no impulse can do anything.
 const IMMOVABLE: f64 = 1e-12;
 
+/// True where neither side can move along the normal.
+pub fn is_immovable(W: &Mat3) -> bool {
+    W.m11.is_nan() || W.m11 <= IMMOVABLE * W.trace()
+}
+
 /// One projected Gauss-Seidel update of the impulse `lambda` = (normal, two tangents) of a point
 /// whose constraint value is `d` and whose own response is `W` (d changes by `W Δλ`).
 ///
@@ -16,7 +21,7 @@ const IMMOVABLE: f64 = 1e-12;
 /// the rim, sliding opposes it. Where neither side can move, the impulse is zero.
 pub fn project(cone: Cone, friction: f64, W: &Mat3, d: &Vec3, lambda: &Vec3) -> Vec3 {
     let least = IMMOVABLE * W.trace();
-    if W.m11.is_nan() || W.m11 <= least {
+    if is_immovable(W) {
         return Vec3::zeros();
     }
     let normal = (lambda.x - d.x / W.m11).max(0.0);

@@ -66,15 +66,10 @@ pub fn solve(
     scratch: &mut Scratch,
 ) -> Option<Convergence> {
     let exact = scratch.exact.as_mut()?;
-    let step = StepSystem {
-        A: &scratch.A,
-        b: &scratch.b,
-        known: &model.known,
-    };
+    let step = StepSystem { A: &scratch.A, b: &scratch.b, known: &model.known };
     let accuracy = accuracy(settings);
-    let touched = !state.impulses.is_empty();
-    let solved =
-        exact.solve(&step, &scratch.joints, h, touched, &accuracy, &mut state.v)?;
+    let touched = state.impulses.iter().any(|(_, impulse)| *impulse != Vec3::zeros());
+    let solved = exact.solve(&step, &scratch.joints, h, touched, &accuracy, &mut state.v)?;
     let convergence = Convergence { iterations: solved.iterations, residual: solved.error };
     solved.converged.then_some(convergence)
 }
@@ -83,16 +78,20 @@ fn accuracy(settings: &SolverSettings) -> Accuracy {
     Accuracy {
         velocity: settings.velocity_tolerance,
         iterations_max: settings.cg_iterations_max,
+        sweeps_max: settings.contact_sweeps_max,
     }
 }
 
-/// Contact, temporarily absent.
+/// Contact through the compliance of the whole system; leaves Δv in the state's contact change.
+/// `None` when it cannot be had.
 pub fn respond(
-    _settings: &SolverSettings,
-    _model: &Model,
+    settings: &SolverSettings,
+    model: &Model,
     state: &mut State,
-    _scratch: &mut Scratch,
+    scratch: &mut Scratch,
 ) -> Option<Convergence> {
-    state.contact_change.fill(Vec3::zeros());
-    Some(Convergence::default())
+    let exact = scratch.exact.as_mut()?;
+    let step = StepSystem { A: &scratch.A, b: &scratch.b, known: &model.known };
+    let change = &mut state.contact_change;
+    exact.respond(&step, &mut scratch.rows, settings.cone, &accuracy(settings), change)
 }

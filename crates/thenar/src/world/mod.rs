@@ -112,7 +112,7 @@ impl World {
         assemble::skeleton(desc, model, state, input, h, scratch); //     A_s, b_s, J_s   (4)
         match kind {
             SolverKind::Exact => exact::couple(model, state, h, scratch), // G, J          (7-9)
-            _ => assemble::coupling(desc, model, state, h, scratch), //   A_sf, A_fs      (7-9)
+            _ => assemble::coupling(desc, model, state, h, scratch),      //   A_sf, A_fs      (7-9)
         }
         let mut sound =
             kind != SolverKind::TwoStep || two_step::articulated_body(model, state, h, scratch); // (10)

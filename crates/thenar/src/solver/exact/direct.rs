@@ -77,7 +77,13 @@ impl Direct {
     }
 
     /// `z = K⁻¹ r` in the factor's precision.
-    pub fn apply(&mut self, system: &System<'_>, coarse: &Coarse, r: &Coordinates, z: &mut Coordinates) {
+    pub fn apply(
+        &mut self,
+        system: &System<'_>,
+        coarse: &Coarse,
+        r: &Coordinates,
+        z: &mut Coordinates,
+    ) {
         z.u.copy_from_slice(&r.u);
         for (n, r) in r.w.iter().enumerate() {
             if let Some((group, row)) = coarse.cross_of(n) {

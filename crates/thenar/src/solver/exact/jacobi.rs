@@ -41,7 +41,13 @@ impl BlockJacobi {
     }
 
     /// `z = P⁻¹ r`.
-    pub fn apply(&self, system: &System<'_>, coarse: &Coarse, r: &Coordinates, z: &mut Coordinates) {
+    pub fn apply(
+        &self,
+        system: &System<'_>,
+        coarse: &Coarse,
+        r: &Coordinates,
+        z: &mut Coordinates,
+    ) {
         z.u.copy_from_slice(&r.u);
         for (g, dofs) in system.bodies.groups().iter().enumerate() {
             let l = &self.bodies[coarse.block(g)];

@@ -17,9 +17,11 @@
 //! there is no exact solver and the two-step scheme takes over.
 
 mod coarse;
+mod delassus;
 mod dense;
 mod direct;
 mod factor;
+mod gauss_seidel;
 mod jacobi;
 mod ordering;
 mod pcg;
@@ -33,8 +35,10 @@ pub use reduction::Reduction;
 pub use relative::{Carried, Coordinates, System};
 
 use crate::math::Vec3;
-use crate::solver::{BlockMatrix, JointBlock};
+use crate::model::Cone;
+use crate::solver::{BlockMatrix, ContactRows, Convergence, JointBlock};
 use coarse::Coarse;
+use delassus::Delassus;
 use direct::Direct;
 use factor::Factor;
 use jacobi::BlockJacobi;
@@ -62,6 +66,11 @@ pub struct Plan<'a> {
     pub contacts_max: usize,
 }
 
+/// Most contacts that may press in one step; W takes 72 bytes times their square.
+const PRESSING_MAX: usize = 384;
+/// Times that contact is solved, compared with the true velocities, and solved again.
+const ROUNDS_MAX: u32 = 8;
+
 /// Fewest iterations with the block diagonal.
 const WINDOW: u32 = 4;
 
@@ -88,6 +97,7 @@ pub struct Exact {
     /// So many iterations of the block diagonal cost what the factor does.
     iterations_worth_a_factor: u32,
     x: Coordinates,
+    delassus: Delassus,
     work: pcg::Workspace,
 }
 
@@ -109,6 +119,8 @@ pub struct Accuracy {
     pub velocity: f64,
     /// Most iterations.
     pub iterations_max: u32,
+    /// Most Gauss-Seidel sweeps over the contacts.
+    pub sweeps_max: u32,
 }
 
 impl Accuracy {
@@ -142,7 +154,8 @@ impl Exact {
         let split = (0..pattern.rows())
             .map(|i| {
                 let row = pattern.row(i);
-                let before = pattern.columns[row.clone()].partition_point(|&j| (j as usize) < 2 * count);
+                let before =
+                    pattern.columns[row.clone()].partition_point(|&j| (j as usize) < 2 * count);
                 (row.start + before) as u32
             })
             .collect();
@@ -160,6 +173,11 @@ impl Exact {
             work: pcg::Workspace::new(bodies.freedoms(), count, nodes),
             carried: plan.carried.to_vec(),
             springs: vec![0.0; nodes],
+            delassus: Delassus::new(
+                plan.contacts_max.min(PRESSING_MAX),
+                plan.contacts_max,
+                bodies.groups().iter().map(|g| g.len()).max().unwrap_or(0),
+            ),
             coarse,
             split,
             bodies,
@@ -222,6 +240,65 @@ impl Exact {
         }
         system.velocities(x, v);
         solved.error.is_finite().then_some(solved)
+    }
+
+    /// What contact adds to the velocities just found, left in `change`, and its impulses, which
+    /// start from those in `contacts`. `None` when the flesh cannot be factored, too many contacts
+    /// press, or the velocities do not converge.
+    pub fn respond(
+        &mut self,
+        step: &StepSystem<'_>,
+        contacts: &mut ContactRows,
+        cone: Cone,
+        accuracy: &Accuracy,
+        change: &mut [Vec3],
+    ) -> Option<Convergence> {
+        change.fill(Vec3::zeros());
+        if contacts.rows.iter().all(|row| row.target.x <= 0.0) {
+            // The contact-free velocities keep every gap open: nothing presses.
+            contacts.rows.iter_mut().for_each(|row| row.lambda = Vec3::zeros());
+            return Some(Convergence::default());
+        }
+        let Self {
+            bodies, carried, springs, split, coarse, direct, ready, x, delassus, work, ..
+        } = self;
+        let system = system(step, bodies, carried, springs, split);
+        if *ready != Ready::Direct && !direct.refresh(&system, coarse) {
+            return None;
+        }
+        *ready = Ready::Direct;
+        if !delassus.begin(contacts) {
+            return None;
+        }
+        let mut total = Convergence::default();
+        for _ in 0..ROUNDS_MAX {
+            delassus.extend(&system, coarse, direct, contacts);
+            let sweeps = delassus.solve(contacts, cone, accuracy.velocity, accuracy.sweeps_max);
+            total.iterations += sweeps.iterations;
+
+            // The true change of velocities: K Δ = Jᵀ λ.
+            work.f.fill(Vec3::zeros());
+            for row in contacts.rows.iter().filter(|row| row.lambda.x > 0.0) {
+                contacts.scatter(row, &row.frame.tr_mul(&row.lambda), &mut work.f);
+            }
+            for (i, f) in work.f.iter_mut().enumerate() {
+                *f = system.unknown(i, f);
+            }
+            system.gather(&mut work.f, &mut work.r);
+            x.clear();
+            let apply = |r: &Coordinates, z: &mut Coordinates| direct.apply(&system, coarse, r, z);
+            let stop = accuracy.stop(1, accuracy.iterations_max);
+            if !pcg::solve(&system, apply, x, stop, work).converged {
+                return None;
+            }
+            system.spread(x, change);
+            let (well, violation) = delassus.check(contacts, change, cone, accuracy.velocity)?;
+            total.residual = violation;
+            if well {
+                break;
+            }
+        }
+        Some(total)
     }
 }
 

@@ -113,7 +113,11 @@ impl Reduction {
                 reduction.members.push(Member {
                     link: *link,
                     base: link.joint.and_then(|j| {
-                        if link.reversed { Some(ends[j].1 as usize) } else { ends[j].0.map(|p| p as usize) }
+                        if link.reversed {
+                            Some(ends[j].1 as usize)
+                        } else {
+                            ends[j].0.map(|p| p as usize)
+                        }
                     }),
                     own: next..next + free,
                     axes: [Vec3::zeros(); 3],

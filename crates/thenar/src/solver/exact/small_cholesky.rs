@@ -54,8 +54,7 @@ mod tests {
         };
         let mut l: Vec<f64> = (0..n * n).map(|e| entry(e / n, e % n)).collect();
         let want: Vec<f64> = (0..n).map(|_| random.range(-1.0, 1.0)).collect();
-        let mut x: Vec<f64> =
-            (0..n).map(|i| (0..n).map(|j| entry(i, j) * want[j]).sum()).collect();
+        let mut x: Vec<f64> = (0..n).map(|i| (0..n).map(|j| entry(i, j) * want[j]).sum()).collect();
         assert!(factor(&mut l, n));
         forward(&l, n, &mut x);
         backward(&l, n, &mut x);

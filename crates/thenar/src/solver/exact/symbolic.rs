@@ -221,8 +221,7 @@ fn column_structures(
         let own = a.columns[row].iter().filter(|&&j| j as usize >= row0);
         let own = own.map(|&j| place_of_node[j as usize - row0]);
         let inherited = children[place].iter().flat_map(|&c| columns[c as usize].iter().copied());
-        let mut column: Vec<u32> =
-            own.chain(inherited).filter(|&p| p as usize > place).collect();
+        let mut column: Vec<u32> = own.chain(inherited).filter(|&p| p as usize > place).collect();
         column.sort_unstable();
         column.dedup();
         if let Some(&parent) = column.first() {
