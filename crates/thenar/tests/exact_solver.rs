@@ -159,7 +159,6 @@ fn speed(world: &World) -> f64 {
 
 #[test]
 fn the_tolerance_is_honoured() {
-    let mut worst = 0.0_f64;
     for kappa in [1e6, 1e8, 1e10, 1e12] {
         for h in [2.5e-4, 1e-3, 5e-3, 2e-2] {
             for (name, desc) in rigs(kappa, h) {
@@ -177,12 +176,70 @@ fn the_tolerance_is_honoured() {
                     let error = difference(&world, &dense);
                     let case = format!("{name}, kappa {kappa:.0e}, h {h}, asked {tolerance:.0e}");
                     assert!(!report.fell_back && !report.non_finite, "{case}: {report:?}");
-                    println!("{case}: {error:.2e} in {}", report.cg_iterations);
-                    worst = worst.max(error / tolerance);
+                    assert!(error < tolerance, "{case}: {error}");
                 }
                 assert!(speed(&dense) > 1e-3, "{name} must move: {} m/s", speed(&dense));
             }
         }
     }
-    assert!(worst < 1.0, "an error was {worst} of the tolerance");
+}
+
+/// Joint rows hold to the round-off of Eq. 9's, however coarse the tolerance: after a step the gap
+/// is of second order in the step alone.
+#[test]
+fn joints_hold_at_any_tolerance() {
+    for tolerance in [1e-2, 1e-8] {
+        let mut gaps = Vec::new();
+        for h in [2e-3, 1e-3] {
+            let (mut world, input) = stirred(finger(1e8, h));
+            let mut settings = world.desc().solver;
+            settings.kind = SolverKind::Exact;
+            settings.velocity_tolerance = tolerance;
+            world.set_solver_settings(settings);
+            for _ in 0..(0.1 / h) as usize {
+                assert!(!world.step(&input, &mut ()).fell_back);
+            }
+            gaps.push(world.joint_error(0).0);
+        }
+        assert!(gaps[0] < 2e-6 && gaps[1] < 0.5 * gaps[0].max(1e-9), "{gaps:?} m");
+    }
+}
+
+/// A loop of joints is stepped by the two-step scheme, and the world says so.
+#[test]
+fn loops_are_left_to_the_two_step_scheme() {
+    let mut desc = finger(1e8, 1e-3);
+    desc.solver.kind = SolverKind::Exact;
+    assert_eq!(World::new(desc.clone()).unwrap().stepping_solver(), SolverKind::Exact);
+    desc.joints.push(JointDesc { name: "again".into(), ..desc.joints[0].clone() });
+    let mut world = World::new(desc.clone()).unwrap();
+    assert_eq!(world.stepping_solver(), SolverKind::TwoStep);
+    assert!(world.stability_warnings().iter().any(|w| w.contains("loop")));
+    desc.solver.kind = SolverKind::TwoStep;
+    let mut two_step = World::new(desc).unwrap();
+    let input = world.input();
+    for _ in 0..10 {
+        world.step(&input, &mut ());
+        two_step.step(&input, &mut ());
+    }
+    assert_eq!(world.state_hash(), two_step.state_hash());
+}
+
+/// A tolerance that cannot be reached in the iterations allowed makes the step fall back, and says
+/// so, instead of going on with a wrong answer.
+#[test]
+fn a_step_not_converged_falls_back() {
+    let (mut world, input) = stirred(finger(1e8, 1e-3));
+    let mut settings = world.desc().solver;
+    settings.kind = SolverKind::Exact;
+    settings.velocity_tolerance = 1e-9;
+    settings.cg_iterations_max = 1;
+    world.set_solver_settings(settings);
+    let mut two_step = world.clone();
+    settings.kind = SolverKind::TwoStep;
+    two_step.set_solver_settings(settings);
+    let report = world.step(&input, &mut ());
+    two_step.step(&input, &mut ());
+    assert!(report.fell_back && !report.non_finite, "{report:?}");
+    assert_eq!(world.state_hash(), two_step.state_hash());
 }

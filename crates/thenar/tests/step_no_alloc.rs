@@ -7,7 +7,7 @@ use common::{FLESH, bar, body, finger};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicU64, Ordering};
 use thenar::contact::Shape;
-use thenar::model::{Drive, Motion, SoftDesc};
+use thenar::model::{Drive, Motion, SoftDesc, SolverKind};
 use thenar::world::Target;
 use thenar::{Pose, Vec3, World};
 
@@ -33,7 +33,14 @@ static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn a_step_allocates_nothing() {
+    for kind in [SolverKind::TwoStep, SolverKind::Exact] {
+        steps_allocate_nothing(kind);
+    }
+}
+
+fn steps_allocate_nothing(kind: SolverKind) {
     let mut desc = finger(1e8, 2e-3);
+    desc.solver.kind = kind;
     let mut plane = body("ground", 1.0, [1.0; 3], Vec3::zeros());
     plane.motion = Motion::Prescribed;
     plane.shape = Some(Shape::HalfSpace);
@@ -64,7 +71,9 @@ fn a_step_allocates_nothing() {
             velocity_W: Vec3::zeros(),
             angular_velocity_W: Vec3::zeros(),
         });
-        active = active.max(world.step(&input, &mut ()).contacts_active);
+        let report = world.step(&input, &mut ());
+        assert!(!report.fell_back && !report.non_finite);
+        active = active.max(report.contacts_active);
     }
     let after = COUNT.load(Ordering::Relaxed);
     assert!(active > 20, "the scene must touch: {active} active contacts");
