@@ -8,7 +8,8 @@ use common::{FLESH, bar, body, finger};
 use divan::{Bencher, black_box};
 use thenar::contact::Shape;
 use thenar::flesh::{PAIRS, RestTet, respond, rotation_of};
-use thenar::model::{Binding, Law, Material, Motion, WorldDesc};
+use thenar::model::{Binding, Drive, Law, Material, Motion, SolverKind, WorldDesc};
+use thenar::world::{Input, Target};
 use thenar::solver::{BlockDiagonal, BlockMatrix, CgWorkspace, conjugate_gradients};
 use thenar::{Mat3, Pose, Quat, Vec3, World};
 
@@ -56,6 +57,60 @@ fn whole_step_resting_on_the_ground(bencher: Bencher, cells: [usize; 3]) {
         world.step(&input, &mut ());
     }
     bencher.bench_local(|| world.step(black_box(&input), &mut ()));
+}
+
+const KINDS: [SolverKind; 2] = [SolverKind::TwoStep, SolverKind::Exact];
+
+/// The finger, with firm coupling and its bones driven down by this much \[m\] onto the ground.
+fn driven(cells: [usize; 3], kind: SolverKind, height: f64, down: f64) -> (World, Input) {
+    let mut desc = world(cells, height, 1e-3).desc().clone();
+    desc.solver.kind = kind;
+    if let Some(coupling) = &mut desc.softs[0].coupling {
+        coupling.stiffness.iter_mut().for_each(|k| *k *= 10.0);
+    }
+    let drive =
+        Drive { stiffness: 400.0, damping: 2.0, angular_stiffness: 0.4, angular_damping: 1e-3 };
+    (desc.drives[0], desc.drives[1]) = (Some(drive), Some(drive));
+    let mut world = World::new(desc).expect("the bench's own world");
+    let mut input = world.input();
+    for b in 0..2 {
+        let pose = world.rigid_pose(b);
+        input.targets[b as usize] = Some(Target {
+            pose_WB: Pose::new(pose.position - Vec3::y() * down, pose.rotation),
+            velocity_W: Vec3::zeros(),
+            angular_velocity_W: Vec3::zeros(),
+        });
+    }
+    for _ in 0..200 {
+        world.step(&input, &mut ());
+    }
+    (world, input)
+}
+
+/// Bending to and fro, so that no step repeats the last.
+fn sway(world: &World, input: &mut Input) {
+    let angle = 0.3 * (world.time() * 6.0).sin();
+    if let Some(target) = &mut input.targets[1] {
+        target.pose_WB.rotation = Quat::from_scaled_axis(Vec3::z() * angle);
+    }
+}
+
+#[divan::bench(args = CELLS, consts = [0, 1])]
+fn solvers_free<const KIND: usize>(bencher: Bencher, cells: [usize; 3]) {
+    let (mut world, mut input) = driven(cells, KINDS[KIND], 10.0, 0.0);
+    bencher.bench_local(|| {
+        sway(&world, &mut input);
+        world.step(&input, &mut ())
+    });
+}
+
+#[divan::bench(args = CELLS, consts = [0, 1])]
+fn solvers_pressed<const KIND: usize>(bencher: Bencher, cells: [usize; 3]) {
+    let (mut world, mut input) = driven(cells, KINDS[KIND], 0.0, 0.004);
+    bencher.bench_local(|| {
+        sway(&world, &mut input);
+        world.step(&input, &mut ())
+    });
 }
 
 #[divan::bench]
