@@ -320,6 +320,7 @@ fn solver_settings_arrive() {
         kind = \"monolithic\"
         cone = \"linearised\"
         step1_flesh = \"frozen\"
+        velocity_tolerance = 1e-7
         cg_tolerance = 1e-9
         cg_iterations_max = 11
         contact_tolerance = 1e-7
@@ -330,6 +331,7 @@ fn solver_settings_arrive() {
     let expected = SolverSettings {
         kind: SolverKind::Monolithic,
         cone: Cone::Linearised,
+        velocity_tolerance: 1e-7,
         step1_flesh: FleshInStep1::Frozen,
         cg_tolerance: 1e-9,
         cg_iterations_max: 11,

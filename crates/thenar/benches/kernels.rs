@@ -9,8 +9,8 @@ use divan::{Bencher, black_box};
 use thenar::contact::Shape;
 use thenar::flesh::{PAIRS, RestTet, respond, rotation_of};
 use thenar::model::{Binding, Drive, Law, Material, Motion, SolverKind, WorldDesc};
-use thenar::world::{Input, Target};
 use thenar::solver::{BlockDiagonal, BlockMatrix, CgWorkspace, conjugate_gradients};
+use thenar::world::{Input, Target};
 use thenar::{Mat3, Pose, Quat, Vec3, World};
 
 fn main() {

@@ -62,6 +62,7 @@ fn times(histogram: &Histogram) -> Value {
 fn solver_name(kind: SolverKind) -> &'static str {
     match kind {
         SolverKind::TwoStep => "two-step",
+        SolverKind::Exact => "exact",
         SolverKind::Monolithic => "monolithic",
     }
 }

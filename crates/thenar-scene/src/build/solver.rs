@@ -10,6 +10,7 @@ pub fn settings(table: Option<&SolverTable>) -> SolverSettings {
     if let Some(kind) = t.kind {
         s.kind = match kind {
             SolverWord::TwoStep => SolverKind::TwoStep,
+            SolverWord::Exact => SolverKind::Exact,
             SolverWord::Monolithic => SolverKind::Monolithic,
         };
     }
@@ -28,6 +29,7 @@ pub fn settings(table: Option<&SolverTable>) -> SolverSettings {
     // Frozen flesh is the paper's scheme, which leaves the joints to the next step.
     s.close_joints = s.step1_flesh == FleshInStep1::Lumped;
     set(&mut s.close_joints, t.close_joints);
+    set(&mut s.velocity_tolerance, t.velocity_tolerance);
     set(&mut s.cg_tolerance, t.cg_tolerance);
     set(&mut s.cg_iterations_max, t.cg_iterations_max);
     set(&mut s.contact_tolerance, t.contact_tolerance);

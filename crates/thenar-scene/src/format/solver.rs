@@ -7,6 +7,8 @@ words! {
     pub enum SolverWord {
         /// Skeleton first, then flesh and skeleton without joints (paper, Sec. 4).
         "two-step" => TwoStep,
+        /// Eq. 9 with its joint rows and contacts, to a velocity tolerance.
+        "exact" => Exact,
         /// One dense solve of Eq. 9 with its joint rows; slow, a reference for comparison.
         "monolithic" => Monolithic,
     }
@@ -35,8 +37,11 @@ words! {
 table! {
     /// Solver settings; what is left out keeps the library's default.
     pub struct SolverTable {
-        /// "two-step" (the paper's, default) or "monolithic" (a dense reference).
+        /// "two-step" (the paper's, default), "exact" (joints, flesh and contact in one system; joints
+        /// that close loops are left to two-step) or "monolithic" (a dense reference).
         kind: Option<SolverWord>;
+        /// Velocity error of the exact solver [m/s]. Default 1e-5.
+        velocity_tolerance: Option<f64> where TOLERANCE;
         /// Friction cone: "circular" (default) or "linearised".
         cone: Option<ConeWord>;
         /// Flesh in step 1: "lumped" (default) or "frozen" (the paper's).

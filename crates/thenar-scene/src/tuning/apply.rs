@@ -8,6 +8,8 @@ use thenar::model::{Cone, FleshInStep1, Material, Motion, SolverKind, SolverSett
 pub const TWO_STEP: &str = "two-step";
 /// Step 1 as in the paper.
 pub const FROZEN: &str = "two-step, frozen flesh (paper)";
+/// Joints, flesh and contact in one system.
+pub const EXACT: &str = "exact";
 /// The dense reference.
 pub const DENSE: &str = "dense reference (slow)";
 
@@ -127,6 +129,7 @@ pub fn set_gravity(desc: &mut WorldDesc, size: f64) {
 /// The word for a solver.
 pub fn solver_word(solver: &SolverSettings) -> &'static str {
     match (solver.kind, solver.step1_flesh) {
+        (SolverKind::Exact, _) => EXACT,
         (SolverKind::Monolithic, _) => DENSE,
         (SolverKind::TwoStep, FleshInStep1::Lumped) => TWO_STEP,
         (SolverKind::TwoStep, FleshInStep1::Frozen) => FROZEN,
@@ -141,7 +144,11 @@ pub fn set_solver(desc: &mut WorldDesc, parts: &Parts, word: &str) {
         solver.close_joints = parts.solver.close_joints;
         return;
     }
-    solver.kind = if word == DENSE { SolverKind::Monolithic } else { SolverKind::TwoStep };
+    solver.kind = match word {
+        DENSE => SolverKind::Monolithic,
+        EXACT => SolverKind::Exact,
+        _ => SolverKind::TwoStep,
+    };
     solver.step1_flesh = if word == FROZEN { FleshInStep1::Frozen } else { FleshInStep1::Lumped };
     // The paper leaves the joints to the next step.
     solver.close_joints = word != FROZEN;

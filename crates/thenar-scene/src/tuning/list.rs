@@ -223,7 +223,7 @@ pub fn range_around(known: &Known, own: &SettingValue, desc: &WorldDesc) -> Rang
         _ => {
             let nodes: usize = desc.softs.iter().map(|soft| soft.flesh.nodes.len()).sum();
             let small = 3 * (2 * desc.rigids.len() + nodes) <= DENSE_UNKNOWNS_MAX;
-            let mut choices = vec![apply::TWO_STEP, apply::FROZEN];
+            let mut choices = vec![apply::TWO_STEP, apply::EXACT, apply::FROZEN];
             if small || *own == Choice(apply::DENSE.into()) {
                 choices.push(apply::DENSE);
             }
