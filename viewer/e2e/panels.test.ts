@@ -33,6 +33,14 @@ async function panel(page: Page, id: string): Promise<void> {
   await page.locator(`#panel-${id}`).waitFor();
 }
 
+/** Opens the page with the simulation running, whatever the visitor before left behind. */
+async function running(hash = ""): Promise<Awaited<ReturnType<typeof open>>> {
+  const opened = await open(browser, server.url, { hash });
+  await until(opened.page, (t) => t.inControl);
+  await read(opened.page, (t) => t.app.connection.send({ type: "run", paused: false }));
+  return opened;
+}
+
 /** Opens the page at a moment of a scene and stops there. */
 async function at(hash: string): Promise<Awaited<ReturnType<typeof open>>> {
   const opened = await open(browser, server.url, { hash });
@@ -85,7 +93,7 @@ test("pause, single step, reset and slow motion", async () => {
 });
 
 test("a setting acts on the physics at once: things fall as the Moon would have them", async () => {
-  const { page, problems } = await open(browser, server.url, { hash: "#scene=falling-box" });
+  const { page, problems } = await running("#scene=falling-box");
   await until(page, (t) => t.model!.scene === "falling-box");
   await panel(page, "physics");
   const row = page.locator(".setting", { has: page.locator('[data-setting="gravity"]') });
@@ -123,7 +131,7 @@ test("a setting acts on the physics at once: things fall as the Moon would have 
 });
 
 test("the visitor's hand takes over by mouse and keys, and gives it back", async () => {
-  const { page, problems } = await open(browser, server.url, { hash: "#scene=bread-grasp&camera=scene" });
+  const { page, problems } = await running("#scene=bread-grasp&camera=scene");
   const wrist = (): Promise<number[]> =>
     read(page, (t) => Array.from(t.snapshot!.rigids.subarray(7 * t.model!.hands[0]!.bone_start, 7 * t.model!.hands[0]!.bone_start + 3)));
   await panel(page, "input");
@@ -165,7 +173,7 @@ test("the visitor's hand takes over by mouse and keys, and gives it back", async
 });
 
 test("a recording is replayed, saved and loaded again", async () => {
-  const { page, problems } = await open(browser, server.url);
+  const { page, problems } = await running();
   await panel(page, "record");
   await page.locator("#panel-record").getByRole("button", { name: "Record", exact: true }).click();
   await grows(page, (t) => t.snapshotsReceived, 60);
@@ -220,7 +228,7 @@ test("a picture is saved, and shows skin, bread and wood", async () => {
 });
 
 test("every panel opens by keyboard alone and names its parts", async () => {
-  const { page, problems } = await open(browser, server.url);
+  const { page, problems } = await running();
   const ids = await page.locator(".rail [aria-controls]").evaluateAll((tabs) =>
     tabs.map((tab) => tab.getAttribute("aria-controls")!.replace("panel-", "")),
   );

@@ -3,7 +3,7 @@
 
 import type { Browser, Page } from "playwright-core";
 import { afterAll, afterEach, beforeAll, expect, test } from "vitest";
-import { launch, open, read, until } from "./support/browser";
+import { grows, launch, open, read, until } from "./support/browser";
 import { Server } from "./support/server";
 
 let server: Server;
@@ -144,8 +144,7 @@ test("a headset's hands are tracked, followed, and feel the loaf", { timeout: 24
   await until(page, (t) => (t.snapshot!.flags & 32) === 0);
   // The page is whole again: the canvas is back below the panels and draws.
   expect(await page.evaluate(() => document.querySelector(".emulator") === null)).toBe(true);
-  const drawn = await read(page, (t) => t.framesDrawn);
-  await page.waitForFunction((n) => window.thenar.framesDrawn > n + 3, drawn);
+  await grows(page, (t) => t.framesDrawn, 3);
   expect(problems).toEqual([]);
   await page.close();
 });

@@ -51,22 +51,25 @@ export function openLink(app: App, link: ViewLink, told: (message: string) => vo
     placing();
     place(app, link);
   });
-  connection.on("snapshot", (snapshot) => {
-    if (pauseAt !== null && been && !arrived()) pauseAt = null;
-    if (pauseAt === null || !arrived() || !connection.inControl || connection.model === null) return;
+  const approach = () => {
+    const { snapshot, model } = connection;
+    if (been && !arrived()) pauseAt = null;
+    if (pauseAt === null || snapshot === null || model === null || !arrived() || !connection.inControl) return;
     const moment = {
       time: snapshot.time,
       paused: (snapshot.flags & 1) !== 0,
-      step: connection.model.time_step,
+      step: model.time_step,
       now: performance.now(),
     };
     const command = pauseAt.next(moment);
     if (command !== null) connection.send(command);
-    if (pauseAt.done) {
-      pauseAt = null;
-      document.documentElement.dataset["moment"] = "reached";
-    }
-  });
+    if (!pauseAt.done) return;
+    pauseAt = null;
+    document.documentElement.dataset["moment"] = "reached";
+  };
+  connection.on("snapshot", approach);
+  // While paused no snapshot comes: control may have come since, or a command got lost.
+  const patience = setInterval(() => (pauseAt === null ? clearInterval(patience) : approach()), 250);
   // Someone who touches the run takes over from the link.
   document.querySelector(".transport")?.addEventListener("click", () => (pauseAt = null));
 }
