@@ -6,6 +6,8 @@ import type { App } from "../app";
 import { InputSourceBase } from "../input/source";
 import type { Side } from "../protocol/types";
 import { h } from "../ui/dom";
+import { fixed } from "../ui/format";
+import { slider } from "../ui/widgets";
 import { openCamera } from "./camera";
 import { loadHands } from "./mediapipe";
 import { OneEuro } from "./one-euro";
@@ -57,7 +59,8 @@ export class WebcamSource extends InputSourceBase {
   private readonly request: HandsRequest;
   private readonly video = h("video", { muted: true, playsinline: true, "aria-label": "Webcam, mirrored" });
   private readonly preview = h("div", { class: "webcam-preview", hidden: true }, this.video);
-  private readonly tilt = h("input", { type: "range", min: 0, max: 90, value: TILT_DEGREES });
+  /** How far the palm is turned down, degrees. */
+  private tilt = TILT_DEGREES;
   private hands: Hands | null = null;
   private stream: MediaStream | null = null;
   /** Counts starts, so that what an old one still awaits is dropped. */
@@ -72,8 +75,15 @@ export class WebcamSource extends InputSourceBase {
     super();
     this.outlet = new PoseOutlet(app.connection);
     this.request = new HandsRequest(app.connection);
-    const tilt = h("label", {}, "Palm turned down: ", this.tilt);
-    this.controls = h("div", { class: "webcam-controls" }, this.preview, tilt);
+    const range = { min: 0, max: 90, scale: "linear" } as const;
+    const tilt = slider(
+      "Palm turned down",
+      range,
+      (degrees) => `${fixed(degrees, 0)}°`,
+      (degrees) => (this.tilt = degrees),
+    );
+    tilt.set(this.tilt);
+    this.controls = h("div", { class: "webcam-controls" }, this.preview, tilt.element);
     app.connection.on("open", () => this.request.forget());
     if (!window.isSecureContext || navigator.mediaDevices === undefined) {
       this.setAvailable(false, "Cameras need a secure address: https, or localhost.");
@@ -176,7 +186,7 @@ export class WebcamSource extends InputSourceBase {
     const joints = placeWebcamHand(from, side, {
       centre: target === undefined ? new Vector3() : new Vector3(...target),
       distance: this.distance,
-      tilt: (this.tilt.valueAsNumber * Math.PI) / 180,
+      tilt: (this.tilt * Math.PI) / 180,
       length: hand.length,
     });
     if (joints !== null) this.outlet.joints(side, joints);

@@ -25,6 +25,11 @@ export interface Panel {
 /** Sends a command, or says why it cannot be. */
 export function command(desk: Desk, what: Command): boolean {
   const { connection } = desk.app;
+  const holder = connection.status?.control ?? null;
+  if (what.type !== "control" && holder !== null && !connection.inControl) {
+    desk.toasts.show(`You are watching; viewer ${holder} holds control. Take it in the Run panel.`, "warning");
+    return false;
+  }
   if (connection.send(what)) return true;
   desk.toasts.show("There is no connection to the simulation; it is being tried again.", "warning");
   return false;

@@ -47,7 +47,7 @@ export class XrSource extends InputSourceBase {
     super();
     ({ id: this.id, label: this.label, help: this.help } = words);
     this.recentreButton = button("Bring the scene before me", () => this.live?.recentre(), {
-      disabled: true,
+      hidden: true,
     });
     this.controls = h("div", { class: "xr-controls" }, this.recentreButton);
     app.stage.canvas.addEventListener("webglcontextlost", () => {
@@ -88,7 +88,7 @@ export class XrSource extends InputSourceBase {
     const live = new XrLive(this.app, session, floorKnown, transparent);
     this.live = live;
     session.addEventListener("end", () => this.ended(live));
-    this.recentreButton.disabled = false;
+    this.recentreButton.hidden = false;
     const enabled = session.enabledFeatures;
     const hands = enabled === undefined || enabled.includes("hand-tracking");
     this.set("on", hands ? "" : "The headset does not let the page track hands.");
@@ -128,7 +128,7 @@ export class XrSource extends InputSourceBase {
     this.live = null;
     this.detach?.();
     this.detach = null;
-    this.recentreButton.disabled = true;
+    this.recentreButton.hidden = true;
     this.set("off", note);
   }
 
