@@ -16,6 +16,9 @@ const DIRECTIONS: Readonly<Record<Exclude<ViewName, "scene">, readonly [number, 
   close: [-0.7, 0.42, 0.75],
 };
 
+/** In view: within this share of the picture, from its middle. */
+const EDGE = 0.85;
+
 export class CameraRig {
   readonly controls: OrbitControls;
   private view: ViewName = "scene";
@@ -57,6 +60,22 @@ export class CameraRig {
     away.multiplyScalar(Math.max(1, Math.min(2.4, FRAMED_FOR / Math.max(0.2, camera.aspect))));
     camera.position.copy(controls.target).add(away);
     camera.updateProjectionMatrix();
+    controls.update();
+  }
+
+  /** Steps back until the places are in view, or twice as far. */
+  include(places: readonly Vector3[]): void {
+    const { camera, controls } = this;
+    const seen = (place: Vector3) => {
+      const { x, y } = place.clone().project(camera);
+      return Math.abs(x) < EDGE && Math.abs(y) < EDGE;
+    };
+    for (let step = 0; step < 8; step++) {
+      camera.lookAt(controls.target);
+      camera.updateMatrixWorld();
+      if (places.every(seen)) break;
+      camera.position.sub(controls.target).multiplyScalar(1.09).add(controls.target);
+    }
     controls.update();
   }
 

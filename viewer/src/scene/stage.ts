@@ -151,7 +151,7 @@ export class Stage {
   }
 
   setModel(model: SceneModel): void {
-    const sameScene = this.model !== null && this.model.scene === model.scene;
+    const sameScene = this.model?.scene === model.scene && this.model.hands.length === model.hands.length;
     if (this.view !== null) {
       this.world.remove(this.view.group);
       this.view.dispose();
@@ -263,6 +263,8 @@ export class Stage {
         this.framed = true;
         view.bounds(this.focus);
         if (this.model?.camera == null) this.rig.go("scene", null, view.scope());
+        // A hand that was added to a scene stands where its camera does not look.
+        else if (this.model.hands.length > 1) this.rig.include(view.handPlaces());
       }
       view.follow(this.focus);
       this.surroundings.surround(this.focus);

@@ -214,6 +214,13 @@ export class WorldView {
     if (out.isEmpty()) out.copy(NOTHING);
   }
 
+  /** Where the hands' bones are. */
+  handPlaces(): Vector3[] {
+    return this.model.hands.flatMap(({ bones, bone_start }) =>
+      bones.map((_, b) => new Vector3().fromArray(this.interpolator.rigids, 7 * (bone_start + b))),
+    );
+  }
+
   /** What a first look should hold: the content, and the way down to a floor beneath it. */
   scope(): Box3 {
     const box = new Box3();

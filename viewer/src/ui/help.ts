@@ -60,7 +60,7 @@ function text(): HTMLElement[] {
     list(
       "Play the bread scene, pause it (P) when the hand holds the loaf, and go on step by step (.).",
       "Take the hand: drag it with the mouse or a finger, or press M. Close it with the Grasp slider or the mouse wheel. Esc gives it back.",
-      "Open Physics and make the skin softer or the bread slippery: it acts at once. The arrow beside a value takes it back.",
+      "Open Physics and make the flesh softer or the bread slippery: it acts at once. The arrow beside a value takes it back.",
       "Switch on the tracked hand (Y) and press the hand into the table: yellow goes through, flesh does not.",
       "Switch on the contact forces (V) and watch the Forces panel while you squeeze.",
       "Drag beside the hand to turn the camera; wheel or pinch to zoom; keys 1 to 6 for fixed views.",
@@ -75,6 +75,8 @@ function text(): HTMLElement[] {
     list(
       "Yellow: the tracked hand. Skin colour: the simulated one.",
       "Pressure: from dark (none) to bright yellow; the scale is beside the picture.",
+      "Joints: blue bend one way, red two ways. Skinning weights: from blue (none) to red (all).",
+      "Arrows: light blue presses, pink rubs; the longest arrow's force stands beside the picture.",
       "In the plot: thumb orange-red, index yellow, middle green, ring blue, little pink, palm grey.",
     ),
     h("h3", {}, "What it does not do"),

@@ -8,6 +8,8 @@ export interface Shortcut {
   readonly label: string;
   readonly group: string;
   readonly act: () => void;
+  /** When it counts; always, if absent. */
+  readonly when?: () => boolean;
 }
 
 /** Sees a key before the shortcuts do; true if it used it. */
@@ -40,7 +42,7 @@ export class Keys {
     if (event.altKey || event.repeat) return;
     const key = event.key.toLowerCase();
     const name = event.shiftKey && /^[a-z]$/.test(key) ? `shift+${key}` : key;
-    const found = this.list.find((shortcut) => shortcut.key === name);
+    const found = this.list.find((shortcut) => shortcut.key === name && shortcut.when?.() !== false);
     if (found === undefined) return;
     event.preventDefault();
     found.act();

@@ -166,7 +166,9 @@ export function recordPanel(desk: Desk): Panel {
     group: "Recording",
     act: startStop,
   });
-  desk.keys.add({ key: ",", label: "Replay: one snapshot back", group: "Recording", act: stepBy(-1) });
+  const replaying = { group: "Recording", when: () => !desk.app.feed.live };
+  desk.keys.add({ key: ",", label: "Replay: one snapshot back", act: stepBy(-1), ...replaying });
+  desk.keys.add({ key: ".", label: "Replay: one snapshot on", act: stepBy(1), ...replaying });
 
   const refresh = () => {
     record.textContent = recording ? "Stop recording" : "Record";
