@@ -4,10 +4,14 @@
 //! own name with `.gz` behind it. Where the viewer could not be built there is one plain page
 //! instead, which says why.
 
+use bytes::Bytes;
+use flate2::read::GzDecoder;
 use include_dir::{Dir, include_dir};
 use std::collections::BTreeMap;
 use std::collections::hash_map::DefaultHasher;
 use std::hash::Hasher;
+use std::io::Read;
+use std::sync::{Arc, OnceLock};
 
 static FILES: Dir<'static> = include_dir!("$OUT_DIR/page");
 
@@ -29,6 +33,25 @@ pub struct Asset {
     pub lasting: bool,
     /// Whether [`SOCKET`] in it stands for the address of the socket.
     pub names_socket: bool,
+    /// Its bytes unpacked, from the first time that they were asked for.
+    plain: Arc<OnceLock<Bytes>>,
+}
+
+impl Asset {
+    /// Its bytes, not gzipped. Unpacked once: whoever asks for them again and again must cost
+    /// neither time nor memory.
+    pub fn plain(&self) -> Bytes {
+        if !self.gzipped {
+            return Bytes::from_static(self.bytes);
+        }
+        let unpack = || {
+            let mut plain = Vec::new();
+            // The build script packed it, so it can be unpacked.
+            let _ = GzDecoder::new(self.bytes).read_to_end(&mut plain);
+            Bytes::from(plain)
+        };
+        self.plain.get_or_init(unpack).clone()
+    }
 }
 
 /// Stands in the plain page for the address of the socket, which only the visitor knows.
@@ -53,6 +76,7 @@ pub fn assets() -> BTreeMap<String, Asset> {
                 tag: tag(file.contents()),
                 lasting: is_hashed(&path),
                 names_socket: !BUILT,
+                plain: Arc::default(),
             };
             assets.insert(path, asset);
         }
@@ -114,6 +138,20 @@ mod tests {
         assert!(assets.keys().all(|path| path.starts_with('/') && !path.ends_with(".gz")));
         if BUILT {
             assert!(assets.values().any(|a| a.lasting && a.media_type.starts_with("text/java")));
+        }
+    }
+
+    #[test]
+    fn a_file_is_unpacked_once_for_everybody() {
+        for asset in assets().values() {
+            let (plain, again) = (asset.plain(), asset.clone().plain());
+            assert_eq!(plain.as_ptr(), again.as_ptr());
+            // A gzip file ends with the length of what it holds (RFC 1952, 2.3.1).
+            let length = match (asset.gzipped, asset.bytes.last_chunk()) {
+                (true, Some(end)) => u32::from_le_bytes(*end) as usize,
+                _ => asset.bytes.len(),
+            };
+            assert_eq!(plain.len(), length);
         }
     }
 

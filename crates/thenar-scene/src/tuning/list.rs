@@ -30,8 +30,9 @@ pub const ALL: &[Known] = &[
         key: "solver",
         label: "Solver",
         help: "Two-step moves the bones first, then bones and flesh together. With frozen flesh \
-               the first step is the paper's, which shakes when the flesh is bound stiffly. The \
-               dense reference solves everything at once; only small scenes offer it.",
+               the first step is the paper's, which flies apart unless the flesh is bound softly: \
+               lower \"Flesh on bone\" to its least first, and restart afterwards. The dense \
+               reference solves everything at once; only small scenes offer it.",
         group: "Solver",
         unit: "",
         range: None,

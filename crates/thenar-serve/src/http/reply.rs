@@ -4,7 +4,6 @@ use super::guard::{self, Refusal};
 use super::site::{Door, Site};
 use crate::page::{self, Asset};
 use bytes::Bytes;
-use flate2::read::GzDecoder;
 use http_body_util::Full;
 use hyper::header::{
     ACCEPT_ENCODING, ALLOW, CACHE_CONTROL, CONNECTION, CONTENT_ENCODING, CONTENT_SECURITY_POLICY,
@@ -12,7 +11,6 @@ use hyper::header::{
 };
 use hyper::http::request::Parts;
 use hyper::{HeaderMap, Response, StatusCode};
-use std::io::Read;
 
 /// A whole reply.
 pub type Reply = Response<Full<Bytes>>;
@@ -102,17 +100,11 @@ pub fn file(site: &Site, request: &Parts) -> Reply {
 
 fn whole(site: &Site, asset: &Asset, request: &Parts) -> Reply {
     let gzip = asset.gzipped && lists(&request.headers, ACCEPT_ENCODING, "gzip");
-    let bytes = match asset.gzipped && !gzip {
+    let bytes = match asset.names_socket {
+        true => naming_socket(site, asset, request),
+        false if gzip => Bytes::from_static(asset.bytes),
         // Programs that are no browsers.
-        true => {
-            let mut plain = Vec::new();
-            if GzDecoder::new(asset.bytes).read_to_end(&mut plain).is_err() {
-                return text(StatusCode::INTERNAL_SERVER_ERROR, "The file is damaged.");
-            }
-            Bytes::from(plain)
-        }
-        false if asset.names_socket => naming_socket(site, asset, request),
-        false => Bytes::from_static(asset.bytes),
+        false => asset.plain(),
     };
     let mut reply = Response::new(Full::from(bytes));
     let headers = reply.headers_mut();

@@ -87,15 +87,24 @@ impl Play {
                 Some(LivePose::Angles { wrist: *wrist, angles: **angles })
             }
         };
-        // A scene may show one tracked hand twice: bare glove beside flesh.
+        // A scene may show one tracked hand twice: bare glove beside flesh. One that cannot follow
+        // does not keep the others from it.
+        let (mut followed, mut refused) = (false, None);
         for hand in hands {
-            match &pose {
-                None => self.session.live_lost(hand),
-                Some(pose) => self
-                    .session
-                    .live_pose(hand, message.clock, pose)
-                    .map_err(|error| error.to_string())?,
+            let done = match &pose {
+                None => {
+                    self.session.live_lost(hand);
+                    Ok(())
+                }
+                Some(pose) => self.session.live_pose(hand, message.clock, pose),
+            };
+            match done {
+                Ok(()) => followed = true,
+                Err(error) => refused = Some(error),
             }
+        }
+        if let (false, Some(error)) = (followed, refused) {
+            return Err(error.to_string());
         }
         self.abandoned = None;
         self.pose = self.pose.max(message.number);
@@ -139,5 +148,33 @@ fn side_name(side: Side) -> &'static str {
     match side {
         Side::Left => "left",
         Side::Right => "right",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+    use thenar::Pose;
+
+    /// Two right hands, of which the first perhaps follows poses and the second does not.
+    fn play(first_driven: bool) -> Play {
+        let hand = |name: &str, driven: bool| {
+            format!("[[hand]]\nname = \"{name}\"\nflesh = false\ndriven = {driven}\n")
+        };
+        let text = format!("version = 1\n{}{}", hand("one", first_driven), hand("two", false));
+        Play::new(Session::from_text(&text, Path::new("test.toml"), &[]).unwrap())
+    }
+
+    #[test]
+    fn a_hand_that_cannot_follow_does_not_keep_another_from_it() {
+        let body = PoseBody::Angles { wrist: Pose::identity(), angles: Box::new([0.0; 20]) };
+        let message = PoseMessage { side: Side::Right, number: 7, clock: 0.0, body };
+        let mut one = play(true);
+        assert_eq!(one.pose(&message), Ok(()));
+        assert_eq!((one.newest_pose(), one.flags()), (7, flags::TRACKED));
+        let mut none = play(false);
+        assert!(none.pose(&message).is_err());
+        assert_eq!((none.newest_pose(), none.flags()), (0, flags::SCRIPT));
     }
 }

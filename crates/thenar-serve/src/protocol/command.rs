@@ -3,6 +3,7 @@
 use super::TEXT_BYTES_MAX;
 use serde::{Deserialize, Serialize};
 use thenar_scene::hands::Hands;
+use thenar_scene::text::plain;
 use thenar_scene::tuning::SettingValue;
 
 /// A command.
@@ -93,14 +94,15 @@ impl Command {
     fn check(&self) -> Result<(), String> {
         match self {
             Self::Speed { value } if !(Self::SPEED_MIN..=1.0).contains(value) => {
-                Err(format!("speed {value}; expected {} to 1", Self::SPEED_MIN))
+                Err(format!("speed {}; expected {} to 1", plain(*value), Self::SPEED_MIN))
             }
             Self::Hands { lengths, .. } => {
                 let bad = |l: &&f64| !(HAND_MIN..=HAND_MAX).contains(*l);
                 match lengths.left.iter().chain(&lengths.right).find(bad) {
                     Some(l) => Err(format!(
-                        "a hand {l} m long; expected {HAND_MIN} to {HAND_MAX} m from wrist to middle \
-                         fingertip"
+                        "a hand {} m long; expected {HAND_MIN} to {HAND_MAX} m from wrist to middle \
+                         fingertip",
+                        plain(*l)
                     )),
                     None => Ok(()),
                 }

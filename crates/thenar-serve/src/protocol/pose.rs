@@ -3,6 +3,7 @@
 use super::{VERSION, kind};
 use thenar::model::Side;
 use thenar::{Pose, Quat, Vec3};
+use thenar_scene::text::plain;
 
 /// Length of a message with 25 joints.
 pub const JOINTS_BYTES: usize = 16 + 25 * 8 * 4;
@@ -82,7 +83,7 @@ pub enum PoseError {
     #[error("{0} is not finite")]
     NotFinite(&'static str),
     /// Out of reach.
-    #[error("{what} is {value}, beyond {limit}")]
+    #[error("{what} is {}, beyond {limit}", plain(*.value))]
     Range {
         /// What.
         what: &'static str,

@@ -9,6 +9,7 @@ use super::guard::Refusal;
 use super::reply::{self, Reply};
 use super::site::Site;
 use crate::hub::{ClientId, Event};
+use crate::protocol::text;
 use futures_util::stream::{SplitSink, SplitStream};
 use futures_util::{SinkExt, StreamExt};
 use hyper::http::request::Parts;
@@ -48,8 +49,7 @@ struct Remark {
 
 impl Remark {
     fn error(message: &str, refusal: bool) -> Self {
-        let text = serde_json::json!({ "type": "error", "message": message }).to_string();
-        Self { text, refusal }
+        Self { text: text::error(message), refusal }
     }
 }
 

@@ -4,15 +4,13 @@ use super::{End, Ingoing, Remark};
 use crate::http::rates::Bucket;
 use crate::http::site::Site;
 use crate::hub::{ClientId, Event, Refused};
+use crate::protocol::TEXT_BYTES_MAX;
 use bytes::Bytes;
 use futures_util::StreamExt;
 use std::time::Duration;
 use tokio::sync::{mpsc, watch};
 use tokio::time::{Instant, sleep_until};
 use tokio_tungstenite::tungstenite::{Error, Message};
-
-/// The longest text that is looked at.
-const TEXT_BYTES: usize = 4096;
 
 /// The longest binary message that is looked at.
 const BINARY_BYTES: usize = 1024;
@@ -113,7 +111,7 @@ impl<'a> Reader<'a> {
     }
 
     fn text(&mut self, text: &str, now: Instant) -> Result<(), End> {
-        if text.len() > TEXT_BYTES {
+        if text.len() > TEXT_BYTES_MAX {
             self.remark("a text message has at most 4096 bytes", true);
             return Ok(());
         }
