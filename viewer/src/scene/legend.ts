@@ -14,6 +14,7 @@ export interface Shown {
   /** Whose skinning weights show. */
   readonly bones: readonly string[] | null;
   readonly joints: boolean;
+  readonly contacts: boolean;
 }
 
 export class Legend {
@@ -25,6 +26,7 @@ export class Legend {
   private readonly middle = document.createElement("span");
   private readonly weights = document.createElement("div");
   private readonly joints = document.createElement("div");
+  private readonly contacts = document.createElement("div");
   private readonly whose = document.createElement("span");
 
   constructor() {
@@ -40,16 +42,22 @@ export class Legend {
       swatch(CONTACT_COLOURS.shear, "friction"),
       this.arrow,
     );
+    this.contacts.className = "scale-contacts";
+    this.contacts.append(
+      swatch(CONTACT_COLOURS.sticking, "contact that sticks"),
+      swatch(CONTACT_COLOURS.sliding, "that slides"),
+    );
     this.joints.className = "scale-joints";
     this.joints.append(
       swatch(JOINT_COLOURS.hinge, "hinge joint"),
       swatch(JOINT_COLOURS.universal, "universal joint"),
     );
-    this.element.append(this.pressure, this.weights, this.forces, this.joints);
+    this.element.append(this.pressure, this.weights, this.contacts, this.forces, this.joints);
   }
 
-  show({ pressure, force, bones, joints }: Shown): void {
-    this.element.hidden = pressure === null && force === null && bones === null && !joints;
+  show({ pressure, force, bones, joints, contacts }: Shown): void {
+    this.element.hidden = pressure === null && force === null && bones === null && !joints && !contacts;
+    this.contacts.hidden = !contacts;
     this.joints.hidden = !joints;
     this.weights.hidden = bones === null;
     if (bones !== null) write(this.whose, bones.length === 0 ? "(no bone chosen)" : `of ${bones.map((bone) => bone.replace("-", "\u2011")).join(" + ")}`);

@@ -284,6 +284,7 @@ export class Stage {
       force: on("forces") ? (this.view?.contacts.forceMost ?? null) : null,
       bones: on("weights") ? this.bones : null,
       joints: on("bones"),
+      contacts: on("contacts"),
     });
   }
 

@@ -22,7 +22,7 @@ const EXPLAIN: Readonly<Record<LayerName, Explanation>> = {
     text: "In yellow: where the tracker puts the hand. Contact holds the real one back (Fig. 4).",
   },
   skinning: { key: "l", text: "The same pose by plain skinning, without flesh (Fig. 6)." },
-  contacts: { key: "c", text: "Points where bodies touch." },
+  contacts: { key: "c", text: "Points where bodies touch: green sticks, orange slides." },
   forces: {
     key: "v",
     text: "Arrows at the contacts, as long as the force is strong: pressing and friction.",
