@@ -11,6 +11,8 @@ export interface Figure {
 }
 
 const PLAIN = "layers=skin,objects,shadows,ground";
+/** The open hand of the free motion, whole. */
+const WHOLE = "&camera=0.22,0.21,0.70,0,0.2,0,25";
 
 export const FIGURES: readonly Figure[] = [
   {
@@ -31,28 +33,28 @@ export const FIGURES: readonly Figure[] = [
     name: "Figure 2, left",
     file: "fig-2-left.jpg",
     scene: "free-motion",
-    view: "t=0.8&layers=bones,shadows,ground",
+    view: `t=0.8&layers=bones,shadows,ground${WHOLE}`,
     text: "The skeleton of 16 bones; hinge joints are blue, universal joints red.",
   },
   {
     name: "Figure 2, middle",
     file: "fig-2-middle.jpg",
     scene: "free-motion",
-    view: `t=0.8&${PLAIN}`,
+    view: `t=0.8&${PLAIN}${WHOLE}`,
     text: "The surface that is drawn, 23 640 triangles.",
   },
   {
     name: "Figure 2, right",
     file: "fig-2-right.jpg",
     scene: "free-motion",
-    view: "t=0.8&layers=flesh,shadows,ground",
+    view: `t=0.8&layers=flesh,shadows,ground${WHOLE}`,
     text: "The tetrahedra that carry it, each drawn a little smaller than it is.",
   },
   {
     name: "Figure 3",
     file: "fig-3.jpg",
     scene: "free-motion",
-    view: "t=0.8&layers=skin,weights,shadows,ground&weights=index-proximal,ring-intermediate,thumb-distal",
+    view: `t=0.8&layers=skin,weights,shadows,ground&weights=index-proximal,ring-intermediate,thumb-distal${WHOLE}`,
     text: "Skinning weights of three bones: blue is 0, red is 1.",
   },
   {
@@ -60,7 +62,7 @@ export const FIGURES: readonly Figure[] = [
     file: "fig-4.jpg",
     scene: "glove-versus-hand",
     view: "t=2.4&layers=skin,tracked,objects,shadows,ground",
-    text: "Contact holds the simulated hand back; the tracked one, in yellow, goes on.",
+    text: "Contact holds the simulated hand back; the tracked one, in yellow and pale beside it, sinks into the table.",
   },
   {
     name: "Figure 5",
@@ -74,7 +76,7 @@ export const FIGURES: readonly Figure[] = [
     file: "fig-6.jpg",
     scene: "skinning-comparison",
     view: `t=2.6&${PLAIN}`,
-    text: "The same skeleton with flesh (left) and by linear blend skinning alone (right).",
+    text: "The same skeleton with flesh (right) and by linear blend skinning alone (left, grey).",
   },
   {
     name: "Figure 7",
