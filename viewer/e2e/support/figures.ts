@@ -61,14 +61,14 @@ export const FIGURES: readonly Figure[] = [
     name: "Figure 4",
     file: "fig-4.jpg",
     scene: "glove-versus-hand",
-    view: "t=2.4&layers=skin,tracked,objects,shadows,ground",
+    view: "t=3.2&layers=skin,tracked,objects,shadows,ground",
     text: "Contact holds the simulated hand back; the tracked one, in yellow and pale beside it, sinks into the table.",
   },
   {
     name: "Figure 5",
     file: "fig-5.jpg",
     scene: "table-press",
-    view: `t=2.3&${PLAIN}`,
+    view: `t=3.8&${PLAIN}`,
     text: "Pressed on a table, the fingertips flatten and the skeleton gives way.",
   },
   {
