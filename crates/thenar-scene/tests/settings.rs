@@ -253,13 +253,15 @@ fn choices_change_the_solver() {
     };
     run(&mut session, 0.1);
     let Range::Choices { choices } = get(&session, "solver").range else { panic!("no choices") };
-    assert_eq!(choices, ["two-step", "two-step, frozen flesh (paper)"]);
-    choose(&mut session, "solver", choices[1]);
+    assert_eq!(choices, ["two-step", "exact", "two-step, frozen flesh (paper)"]);
+    choose(&mut session, "solver", choices[2]);
     use thenar::model::{Cone, FleshInStep1};
     let solver = session.world().desc().solver;
     assert_eq!((solver.step1_flesh, solver.close_joints), (FleshInStep1::Frozen, false));
     // The scene's own tolerances stay.
-    assert_eq!((solver.cg_tolerance, solver.contact_sweeps_max), (1e-3, 30));
+    let scene = shipped("bread-grasp").world().desc().solver;
+    let budget = |s: thenar::model::SolverSettings| (s.cg_tolerance, s.contact_sweeps_max);
+    assert_eq!(budget(solver), budget(scene));
     choose(&mut session, "solver", "two-step");
     choose(&mut session, "cone", "linearised");
     let solver = session.world().desc().solver;
@@ -339,7 +341,7 @@ fn settings_are_written_as_the_protocol_says() {
     }
     let want = serde_json::json!({
         "key": "friction", "label": null, "help": null, "group": null, "unit": "1",
-        "value": 0.8, "min": 0.0, "max": 2.0, "scale": "linear",
+        "value": 0.8, "own": 0.8, "min": 0.0, "max": 2.0, "scale": "linear",
     });
     assert_eq!(friction, want);
     let cone = find("cone");
