@@ -6,20 +6,23 @@ mod contact_scene;
 
 use contact_scene::ContactScene;
 use std::time::Instant;
-use thenar::contact::{Detector, Site, SurfaceState};
+use thenar::contact::{Detector, Reach, Sides, Site, SurfaceState};
 
 fn main() {
     for loaf in [false, true] {
         let mut scene = ContactScene::new(loaf);
         let mut detector = Detector::new(&scene.desc);
         let mut out = Vec::with_capacity(detector.capacity());
+        let [mut seen, mut now] = [(); 2].map(|()| Sides::with_capacity(detector.sides_max()));
+        let reach = Reach { h: 1.0 / 60.0, margin: 1e-3 };
         let (mut times, mut counts) = (Vec::new(), [0usize; 3]);
         for step in 0..2000 {
             scene.advance(step, 1e-3);
             let surfaces =
                 SurfaceState { positions: &scene.positions, velocities: &scene.velocities };
             let start = Instant::now();
-            detector.find(1.0 / 60.0, 1e-3, &scene.places, surfaces, &mut out);
+            detector.find(reach, &scene.places, surfaces, &seen, &mut now, &mut out);
+            std::mem::swap(&mut seen, &mut now);
             times.push(start.elapsed().as_secs_f64() * 1e6);
             counts = [0; 3];
             for c in &out {

@@ -7,7 +7,7 @@ mod contact_scene;
 use contact_scene::ContactScene;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
-use thenar::contact::{Detector, SurfaceState};
+use thenar::contact::{Detector, Reach, Sides, SurfaceState};
 
 struct Counting;
 
@@ -40,14 +40,18 @@ fn detection_allocates_nothing() {
     let mut scene = ContactScene::new(true);
     let mut detector = Detector::new(&scene.desc);
     let mut out = Vec::with_capacity(detector.capacity());
+    let [mut seen, mut now] = [(); 2].map(|()| Sides::with_capacity(detector.sides_max()));
+    let reach = Reach { h: 1.0 / 60.0, margin: 1e-3 };
     let before = allocations();
     let mut contacts = 0;
     for step in 0..100 {
         scene.advance(step, 1e-3);
         let surfaces = SurfaceState { positions: &scene.positions, velocities: &scene.velocities };
-        contacts += detector.find(1.0 / 60.0, 1e-3, &scene.places, surfaces, &mut out).contacts;
+        contacts +=
+            detector.find(reach, &scene.places, surfaces, &seen, &mut now, &mut out).contacts;
+        std::mem::swap(&mut seen, &mut now);
         let surfaces = SurfaceState { positions: &scene.positions, velocities: &scene.velocities };
-        assert!(detector.penetration(&scene.places, surfaces) > 0.0);
+        assert!(detector.penetration(&scene.places, surfaces, &seen) > 0.0);
     }
     let made = allocations() - before;
     assert!(contacts > 100 * 50, "{contacts} contacts make no test");

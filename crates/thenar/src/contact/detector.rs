@@ -3,10 +3,10 @@
 use crate::contact::aabb::Aabb;
 use crate::contact::collector::{Collector, feature_key};
 use crate::contact::manifold::{DELIVERED_MAX, Manifold};
-use crate::contact::memory::Memory;
 use crate::contact::pairs::PairTable;
 use crate::contact::rigid_body::{Placed, RigidBody};
 use crate::contact::rigid_pair::{self, Reach, RigidSide};
+use crate::contact::sides::{Sides, Sight};
 use crate::contact::soft_feature::FeatureScratch;
 use crate::contact::soft_rigid::{KEY_RIGID, SoftRigid, VertexScratch};
 use crate::contact::soft_soft::{SoftSide, SoftSoft};
@@ -23,8 +23,8 @@ struct SoftPair {
     friction: f64,
 }
 
-/// Finds contacts. Holds the constant part of the world's surfaces and shapes, all work space,
-/// and what each soft vertex last touched.
+/// Finds contacts. Holds the constant part of the world's surfaces and shapes, and all work space;
+/// what it must remember from step to step is in [`Sides`].
 #[derive(Clone, Debug)]
 pub struct Detector {
     pairs: PairTable,
@@ -33,7 +33,6 @@ pub struct Detector {
     soft_rigid: Vec<SoftPair>,
     soft_soft: Vec<SoftPair>,
     capacity: usize,
-    memory: Memory,
     scratch: Scratch,
 }
 
@@ -90,7 +89,6 @@ impl Detector {
         let shaped = bodies.iter().flatten().count();
         Self {
             capacity: 2 * vertices + 4 * DELIVERED_MAX * shaped,
-            memory: Memory::new(vertices),
             scratch: Scratch::new(&bodies, &surfaces),
             pairs,
             bodies,
@@ -121,37 +119,46 @@ impl Detector {
         self.capacity
     }
 
-    /// Finds what touches, or may touch within a step of `h` \[s\], and puts it into `out`.
+    /// Finds what touches, or may touch within the step, and puts it into `out`.
     ///
-    /// A contact is made where the gap is below `margin` \[m\], or where the given velocities
-    /// close it to below `margin` within the step; best given are the velocities expected
+    /// A contact is made where the gap is below the margin, or where the given velocities
+    /// close it to below the margin within the step; best given are the velocities expected
     /// without contact, which include this step's forces. `rigids` has one entry per rigid body;
     /// `surfaces` holds the collision vertices of all deformable bodies, one after another. `out` is emptied, and allocates only if its capacity is
-    /// below [`Detector::capacity`].
+    /// below [`Detector::capacity`]. `before` are the sides seen in the step before (empty when
+    /// bodies were put elsewhere instead of moving there), `now` receives those of this one.
     pub fn find(
         &mut self,
-        h: f64,
-        margin: f64,
+        reach: Reach,
         rigids: &[RigidPlace],
         surfaces: SurfaceState<'_>,
+        before: &Sides,
+        now: &mut Sides,
         out: &mut Vec<Contact>,
     ) -> Found {
-        self.memory.advance();
+        now.clear();
         let mut collector = Collector::into(out, self.capacity);
-        self.search(Reach { h, margin }, rigids, surfaces, true, &mut collector);
+        let mut sight = Sight { before, now: Some(now) };
+        self.search(reach, rigids, surfaces, &mut sight, &mut collector);
+        now.sort();
         collector.finish()
     }
 
-    /// Forgets on which side of thin shapes the soft vertices were: to be called when bodies are put
-    /// elsewhere instead of moving there.
-    pub fn forget(&mut self) {
-        self.memory.forget();
+    /// Most sides worth keeping: a vertex is rarely near more than four bodies.
+    pub fn sides_max(&self) -> usize {
+        4 * self.surfaces.iter().map(Surface::vertex_count).sum::<usize>()
     }
 
     /// Deepest penetration of this state \[m\] over the same pairs; zero when nothing overlaps.
-    pub fn penetration(&mut self, rigids: &[RigidPlace], surfaces: SurfaceState<'_>) -> f64 {
+    pub fn penetration(
+        &mut self,
+        rigids: &[RigidPlace],
+        surfaces: SurfaceState<'_>,
+        before: &Sides,
+    ) -> f64 {
         let mut collector = Collector::measuring();
-        self.search(Reach { h: 0.0, margin: 0.0 }, rigids, surfaces, false, &mut collector);
+        let mut sight = Sight { before, now: None };
+        self.search(Reach { h: 0.0, margin: 0.0 }, rigids, surfaces, &mut sight, &mut collector);
         collector.finish().penetration
     }
 
@@ -160,7 +167,7 @@ impl Detector {
         reach: Reach,
         rigids: &[RigidPlace],
         surfaces: SurfaceState<'_>,
-        remember: bool,
+        sight: &mut Sight,
         out: &mut Collector,
     ) {
         for (i, body) in self.bodies.iter().enumerate() {
@@ -173,10 +180,10 @@ impl Detector {
         }
         self.rigid_rigid(reach, out);
         for i in 0..self.soft_rigid.len() {
-            self.soft_rigid(self.soft_rigid[i], reach, surfaces, remember, out);
+            self.soft_rigid(self.soft_rigid[i], reach, surfaces, sight, out);
         }
         for i in 0..self.soft_soft.len() {
-            self.soft_soft(self.soft_soft[i], reach, surfaces, remember, out);
+            self.soft_soft(self.soft_soft[i], reach, surfaces, sight, out);
         }
     }
 
@@ -238,7 +245,7 @@ impl Detector {
         pair: SoftPair,
         reach: Reach,
         states: SurfaceState,
-        remember: bool,
+        sight: &mut Sight,
         out: &mut Collector,
     ) {
         let (soft, rigid) = (pair.soft as usize, pair.other as usize);
@@ -264,7 +271,7 @@ impl Detector {
             placed,
             friction: pair.friction,
         };
-        search.find(&mut self.memory, remember, vertices, features, out);
+        search.find(sight, vertices, features, out);
     }
 
     fn soft_soft(
@@ -272,7 +279,7 @@ impl Detector {
         pair: SoftPair,
         reach: Reach,
         states: SurfaceState,
-        remember: bool,
+        sight: &mut Sight,
         out: &mut Collector,
     ) {
         let both = [pair.soft as usize, pair.other as usize];
@@ -300,14 +307,8 @@ impl Detector {
         let Reach { h, margin } = reach;
         let friction = pair.friction;
         let [first, second] = &mut self.scratch.touched;
-        SoftSoft { h, margin, a, b, friction }.find(&mut self.memory, remember, first, None, out);
-        SoftSoft { h, margin, a: b, b: a, friction }.find(
-            &mut self.memory,
-            remember,
-            second,
-            Some(first),
-            out,
-        );
+        SoftSoft { h, margin, a, b, friction }.find(sight, first, None, out);
+        SoftSoft { h, margin, a: b, b: a, friction }.find(sight, second, Some(first), out);
     }
 }
 

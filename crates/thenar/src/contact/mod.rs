@@ -21,13 +21,14 @@ mod distance;
 mod features;
 mod grid;
 mod manifold;
-mod memory;
+
 mod pairs;
 mod rigid_body;
 mod rigid_pair;
 #[cfg(test)]
 mod rigid_tests;
 mod shape;
+mod sides;
 mod soft_feature;
 mod soft_rigid;
 mod soft_soft;
@@ -39,4 +40,6 @@ mod triangle;
 pub use contact_point::{Contact, Found, RigidPlace, Site, SurfacePoint, SurfaceState};
 pub use detector::Detector;
 pub use distance::Distance;
+pub use rigid_pair::Reach;
 pub use shape::{DistanceGrid, MeshShape, Shape};
+pub use sides::{Side, Sides};

@@ -20,10 +20,12 @@ pub(crate) struct RigidSide<'a> {
     pub placed: &'a Placed,
 }
 
-/// Step length and margin.
+/// How far to look.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Reach {
+pub struct Reach {
+    /// Length of the step \[s\].
     pub h: f64,
+    /// Surfaces nearer than this are in contact \[m\].
     pub margin: f64,
 }
 

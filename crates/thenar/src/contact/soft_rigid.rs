@@ -2,8 +2,8 @@
 
 use crate::contact::approach::{Seen, approach, keep_side};
 use crate::contact::collector::{Collector, feature_key};
-use crate::contact::memory::Memory;
 use crate::contact::rigid_body::{Placed, RigidBody};
+use crate::contact::sides::Sight;
 use crate::contact::soft_feature::{self, FeatureScratch};
 use crate::contact::surface::Surface;
 use crate::contact::{Contact, Distance, Site, SurfacePoint, SurfaceState};
@@ -52,8 +52,7 @@ impl SoftRigid<'_> {
     /// All contacts of the pair: first of the vertices, then of what they miss.
     pub fn find(
         &self,
-        memory: &mut Memory,
-        remember: bool,
+        sight: &mut Sight,
         vertices: &mut VertexScratch,
         features: &mut FeatureScratch,
         out: &mut Collector,
@@ -67,7 +66,7 @@ impl SoftRigid<'_> {
             if !around_W.inflate(feature_reach).contains(&self.state.positions[v]) {
                 continue;
             }
-            let gap = self.vertex(v, feature_reach, memory, remember, out);
+            let gap = self.vertex(v, feature_reach, sight, out);
             if gap < f64::INFINITY {
                 vertices.gaps[v] = gap;
                 vertices.near.push(v as u32);
@@ -92,14 +91,7 @@ impl SoftRigid<'_> {
     }
 
     /// Tests one vertex; returns its distance to the shape, infinite when out of reach.
-    fn vertex(
-        &self,
-        v: usize,
-        feature_reach: f64,
-        memory: &mut Memory,
-        remember: bool,
-        out: &mut Collector,
-    ) -> f64 {
+    fn vertex(&self, v: usize, feature_reach: f64, sight: &mut Sight, out: &mut Collector) -> f64 {
         let (p, u) = self.in_shape(v);
         let reach = feature_reach.max(self.margin + u.norm());
         if self.body.bounds_S.distance_squared(&p) > reach * reach {
@@ -107,8 +99,8 @@ impl SoftRigid<'_> {
         }
         let shape = &self.body.shape;
         let now = shape.distance(&p);
-        let memory_index = self.surface.first_vertex + v;
-        let seen = memory.recall(memory_index, self.rigid);
+        let slot = self.surface.first_vertex + v;
+        let seen = sight.recall(slot, self.rigid);
         let sided = keep_side(shape, &p, &u, now, seen);
         let found = if sided.value <= self.margin {
             Some(sided)
@@ -116,13 +108,10 @@ impl SoftRigid<'_> {
             approach(shape, &p, &u, 0.0, self.margin)
         };
         if let Some(distance) = found {
-            if remember {
-                // While a point is on the wrong side, where it came from stays the last good place.
-                let corrected = sided.gradient != now.gradient;
-                let place = seen.filter(|_| corrected).map_or(p, |s| s.place);
-                let normal = distance.gradient;
-                memory.note(memory_index, self.rigid, Seen { normal, place });
-            }
+            // While a point is on the wrong side, where it came from stays the last good place.
+            let corrected = sided.gradient != now.gradient;
+            let place = seen.filter(|_| corrected).map_or(p, |s| s.place);
+            sight.note(slot, self.rigid, Seen { normal: distance.gradient, place });
             out.push(self.vertex_contact(v as u32, distance));
         }
         sided.value

@@ -3,7 +3,7 @@
 use crate::contact::aabb::Aabb;
 use crate::contact::approach::Seen;
 use crate::contact::collector::{Collector, feature_key};
-use crate::contact::memory::Memory;
+use crate::contact::sides::Sight;
 use crate::contact::soft_rigid::KEY_SOFT_SOFT;
 use crate::contact::surface::Surface;
 use crate::contact::triangle::{Closest, Feature, area_vector, closest_on_triangle};
@@ -42,8 +42,7 @@ impl SoftSoft<'_> {
     /// pair already in contact there is left out.
     pub fn find(
         &self,
-        memory: &mut Memory,
-        remember: bool,
+        sight: &mut Sight,
         touched: &mut [u32],
         mirrored: Option<&[u32]>,
         out: &mut Collector,
@@ -56,7 +55,7 @@ impl SoftSoft<'_> {
                 continue;
             }
             let slip = (velocity - self.b.drift).norm() + self.b.spread;
-            if let Some(t) = self.vertex(v, slip * self.h, memory, remember, mirrored, out) {
+            if let Some(t) = self.vertex(v, slip * self.h, sight, mirrored, out) {
                 touched[v] = t;
             }
         }
@@ -66,8 +65,7 @@ impl SoftSoft<'_> {
         &self,
         v: usize,
         travel: f64,
-        memory: &mut Memory,
-        remember: bool,
+        sight: &mut Sight,
         mirrored: Option<&[u32]>,
         out: &mut Collector,
     ) -> Option<u32> {
@@ -75,7 +73,7 @@ impl SoftSoft<'_> {
         let depth_max = 0.5 * self.b.surface.edge_mean;
         let reach = (self.margin + travel).max(depth_max);
         let slot = self.a.surface.first_vertex + v;
-        let seen = memory.recall(slot, self.b.id);
+        let seen = sight.recall(slot, self.b.id);
         let (t, closest) = self.nearest_triangle(&p, reach, seen)?;
         let (normal, gap) = self.signed(&p, t, &closest)?;
 
@@ -90,9 +88,7 @@ impl SoftSoft<'_> {
         if mirrored.is_some_and(|m| self.is_mirrored(v as u32, &p, &triangle, m)) {
             return None;
         }
-        if remember {
-            memory.note(slot, self.b.id, Seen { normal, place: p });
-        }
+        sight.note(slot, self.b.id, Seen { normal, place: p });
         out.push(Contact {
             key: feature_key([KEY_SOFT_SOFT, self.a.soft, self.b.soft, v as u32]),
             a: Site::Soft(SurfacePoint::vertex(self.a.soft, v as u32)),

@@ -1,7 +1,9 @@
 //! Whole searches on small scenes: expected contacts are worked out by hand.
 
 use crate::contact::triangle::tests::Random;
-use crate::contact::{Contact, Detector, Found, RigidPlace, Shape, Site, SurfaceState};
+use crate::contact::{
+    Contact, Detector, Found, Reach, RigidPlace, Shape, Sides, Site, SurfaceState,
+};
 use crate::math::{Mat3, Pose, Quat, Vec3};
 use crate::model::{
     BodyId, EmbeddedSurface, Flesh, JointDesc, JointKind, Motion, PairRule, RigidDesc, SoftDesc,
@@ -66,16 +68,27 @@ impl Scene {
         })
     }
 
-    pub fn find_with(&self, detector: &mut Detector, h: f64, out: &mut Vec<Contact>) -> Found {
+    /// The next search of a row of them: `sides` goes from one to the next.
+    pub fn find_next(
+        &self,
+        detector: &mut Detector,
+        sides: &mut Sides,
+        h: f64,
+        out: &mut Vec<Contact>,
+    ) -> Found {
         let positions: Vec<Vec3> = self.surfaces.iter().flat_map(|s| s.0.clone()).collect();
         let velocities: Vec<Vec3> = self.surfaces.iter().flat_map(|s| s.1.clone()).collect();
         let surfaces = SurfaceState { positions: &positions, velocities: &velocities };
-        detector.find(h, 1e-3, &self.places, surfaces, out)
+        let mut now = Sides::with_capacity(detector.sides_max());
+        let reach = Reach { h, margin: 1e-3 };
+        let found = detector.find(reach, &self.places, surfaces, sides, &mut now, out);
+        *sides = now;
+        found
     }
 
     pub fn find(&self, h: f64) -> Vec<Contact> {
         let mut out = Vec::new();
-        self.find_with(&mut Detector::new(&self.desc), h, &mut out);
+        self.find_next(&mut Detector::new(&self.desc), &mut Sides::default(), h, &mut out);
         out
     }
 }
@@ -171,16 +184,16 @@ fn a_fast_soft_cube_is_announced_to_a_thin_plate() {
 
 /// A vertex pressed past the middle of the plate keeps the side it came from.
 #[test]
-fn memory_keeps_the_side() {
+fn the_side_is_kept() {
     let mut scene = Scene::new();
     let plate = Shape::Cuboid { half: Vec3::new(0.1, 0.001, 0.1) };
     scene.rigid(Motion::Prescribed, plate, Pose::identity());
     scene.soft(cube(0.02, 2));
     moved(&mut scene.surfaces[0].0, Vec3::new(0.0, 0.0112, 0.0));
     let mut detector = Detector::new(&scene.desc);
-    let mut out = Vec::new();
+    let (mut sides, mut out) = (Sides::default(), Vec::new());
     for _ in 0..12 {
-        scene.find_with(&mut detector, 1e-3, &mut out);
+        scene.find_next(&mut detector, &mut sides, 1e-3, &mut out);
         for c in out.iter().filter(|c| c.area > 0.0) {
             assert_eq!(c.normal_W, Vec3::y(), "gap {}", c.gap);
         }
@@ -362,8 +375,8 @@ fn contacts_are_deterministic_and_keys_stable() {
     let (mut a, mut b) = (Vec::new(), Vec::new());
     let mut last: Vec<u64> = Vec::new();
     for step in 0..20 {
-        scene.find_with(&mut one, 1e-3, &mut a);
-        scene.find_with(&mut two, 1e-3, &mut b);
+        scene.find_next(&mut one, &mut Sides::default(), 1e-3, &mut a);
+        scene.find_next(&mut two, &mut Sides::default(), 1e-3, &mut b);
         assert_eq!(a, b);
         let mut keys: Vec<u64> = a.iter().map(|c| c.key).collect();
         keys.sort_unstable();
@@ -414,8 +427,8 @@ fn penetration_is_the_deepest_overlap() {
     moved(&mut scene.surfaces[0].0, Vec3::new(1.0, 0.018, 0.0));
     let (positions, velocities) = &scene.surfaces[0];
     let states = SurfaceState { positions, velocities };
-    let mut detector = Detector::new(&scene.desc);
-    assert!((detector.penetration(&scene.places, states) - 0.003).abs() < 1e-12);
+    let (mut detector, sides) = (Detector::new(&scene.desc), Sides::default());
+    assert!((detector.penetration(&scene.places, states, &sides) - 0.003).abs() < 1e-12);
     scene.places[1].pose_WB.position.y = 0.1001;
-    assert!((detector.penetration(&scene.places, states) - 0.002).abs() < 1e-12);
+    assert!((detector.penetration(&scene.places, states, &sides) - 0.002).abs() < 1e-12);
 }

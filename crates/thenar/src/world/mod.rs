@@ -21,7 +21,7 @@ pub use io::{ContactPoint, Energy, Input, Stage, StageTimer, StepReport, Target}
 pub use model::Model;
 pub use state::State;
 
-use crate::contact::{Detector, RigidPlace};
+use crate::contact::{Detector, Reach, RigidPlace, Sides};
 use crate::coupling::skin_target;
 use crate::math::{Pose, Vec3};
 use crate::model::{SolverKind, SolverSettings, WorldDesc};
@@ -51,7 +51,9 @@ impl World {
         let mut state = State::new(&desc, &model);
         let contacts_max = detector.capacity();
         state.impulses.reserve(contacts_max);
-        let scratch = Scratch::new(&model, &state, contacts_max);
+        let sides_max = detector.sides_max();
+        state.sides = Sides::with_capacity(sides_max);
+        let scratch = Scratch::new(&model, &state, [contacts_max, sides_max]);
         let place = |pose_WB: &Pose| RigidPlace {
             pose_WB: *pose_WB,
             velocity_W: Vec3::zeros(),
@@ -86,7 +88,9 @@ impl World {
         let Self { model, state, scratch, time_step: h, .. } = self;
         advance::advance(model, state, *h);
         sound &= state.is_sound();
-        if !sound {
+        if sound {
+            std::mem::swap(&mut state.sides, &mut scratch.sides);
+        } else {
             advance::take_back(state, &scratch.before);
             scratch.contacts.clear();
         }
@@ -140,7 +144,9 @@ impl World {
         }
 
         timer.begin(Some(Stage::Detect));
-        response::detect(settings.contact_margin, model, state, h, detector, places, scratch);
+        let reach = Reach { h, margin: settings.contact_margin };
+        let found = response::detect(reach, model, state, detector, places, scratch);
+        report.contacts_dropped = found.dropped;
 
         timer.begin(Some(Stage::Contact));
         response::build_rows(model, state, h, scratch); //                                (12)

@@ -1,6 +1,8 @@
 //! Contact of one step: from the points found to impulses (Sec. 3.4, Eq. 12).
 
-use crate::contact::{Contact, Detector, RigidPlace, Site, SurfacePoint, SurfaceState};
+use crate::contact::{
+    Contact, Detector, Found, Reach, RigidPlace, Site, SurfacePoint, SurfaceState,
+};
 use crate::math::Vec3;
 use crate::model::{BodyId, SolverSettings};
 use crate::solver::{AnticipationSettings, ContactRows, Convergence};
@@ -19,14 +21,13 @@ const CAUGHT_FORCE_MAX: f64 = 5.0;
 
 /// Finds the points that touch, or would within the step at the contact-free velocities.
 pub fn detect(
-    margin: f64,
+    reach: Reach,
     model: &Model,
     state: &State,
-    h: f64,
     detector: &mut Detector,
     places: &mut [RigidPlace],
     scratch: &mut Scratch,
-) {
+) -> Found {
     let row0 = 2 * model.rigids.len();
     for (b, place) in places.iter_mut().enumerate() {
         place.pose_WB = state.poses_WB[b];
@@ -39,7 +40,7 @@ pub fn detect(
     }
     let surfaces =
         SurfaceState { positions: &scratch.vertices, velocities: &scratch.vertex_velocities };
-    detector.find(h, margin, places, surfaces, &mut scratch.found);
+    detector.find(reach, places, surfaces, &state.sides, &mut scratch.sides, &mut scratch.found)
 }
 
 /// Builds the rows of the contacts found: `J Δv ≥ -g/Δt - J v`, started from the impulses of the

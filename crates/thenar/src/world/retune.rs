@@ -8,8 +8,8 @@ use std::sync::Arc;
 impl World {
     /// Goes on with the parameters of another description of the same bodies: gravity, time step,
     /// solver, masses and inertias, materials, damping, friction, pair rules, drives, joint
-    /// springs and limits, and coupling springs may differ. State, impulses and what the contact
-    /// detector remembers stay. Gravity acts through the next [`Input`](crate::world::Input).
+    /// springs and limits, and coupling springs may differ. The state stays, with all that contact
+    /// remembers. Gravity acts through the next [`Input`](crate::world::Input).
     /// Allocates.
     ///
     /// # Errors

@@ -1,5 +1,6 @@
 //! Start states other than rest.
 
+use crate::contact::Sides;
 use crate::math::{Pose, Vec3};
 use crate::world::state::{is_sound_pose, is_sound_position, is_sound_velocity};
 use crate::world::{State, World};
@@ -11,9 +12,27 @@ impl World {
         let contacts_max = self.detector.capacity();
         self.state = State::new(&self.desc, &self.model);
         self.state.impulses.reserve(contacts_max);
+        self.state.sides = Sides::with_capacity(self.detector.sides_max());
         self.scratch.contacts.clear();
-        self.detector.forget();
         self.embed();
+    }
+
+    /// Goes back (or on) to a state of this world, kept by cloning [`World::state`]: with the same
+    /// inputs it steps from there with the same bits. Returns false, and stays as it is, when the
+    /// state is of a world with other bodies or has a number that is not finite.
+    pub fn restore(&mut self, state: &State) -> bool {
+        let own = &self.state;
+        let same = own.poses_WB.len() == state.poses_WB.len()
+            && own.x.len() == state.x.len()
+            && own.v.len() == state.v.len()
+            && own.contact_change.len() == state.contact_change.len();
+        if !same || !state.is_sound() {
+            return false;
+        }
+        self.state.copy_from(state);
+        self.scratch.contacts.clear();
+        self.embed();
+        true
     }
 
     /// Places a rigid body, with linear \[m/s\] and angular \[rad/s\] velocity. Ignored when a number
@@ -26,7 +45,7 @@ impl World {
             let i = i as usize;
             self.state.poses_WB[i] = pose_WB;
             self.state.v[2 * i..2 * i + 2].copy_from_slice(&velocity_W);
-            self.detector.forget();
+            self.state.sides.clear();
         }
     }
 
@@ -39,7 +58,7 @@ impl World {
             return;
         }
         self.state.x[range].copy_from_slice(positions_W);
-        self.detector.forget();
+        self.state.sides.clear();
         self.embed();
     }
 }

@@ -1,6 +1,6 @@
 //! What changes: the state that a snapshot must hold, and the step's scratch memory.
 
-use crate::contact::Contact;
+use crate::contact::{Contact, Sides};
 use crate::coupling::BoneSystem;
 use crate::math::{Mat6, Pose, Vec3, Vec6};
 use crate::model::WorldDesc;
@@ -30,6 +30,8 @@ pub struct State {
     pub contact_change: Vec<Vec3>,
     /// Contact impulses of the last step by feature, sorted \[N s\], world, on A.
     pub impulses: Vec<(u64, Vec3)>,
+    /// From which side surface vertices came near other bodies in the last step.
+    pub sides: Sides,
 }
 
 impl State {
@@ -53,6 +55,7 @@ impl State {
             contact_change: vec![Vec3::zeros(); v.len()],
             v,
             impulses: Vec::new(),
+            sides: Sides::default(),
         };
         state.hold(model);
         state
@@ -68,6 +71,23 @@ impl State {
                 }
             }
         }
+    }
+
+    /// Becomes a copy of another state of the same world.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.copy_motion(other);
+        self.sides.copy_from(&other.sides);
+    }
+
+    /// All but the sides.
+    fn copy_motion(&mut self, other: &Self) {
+        self.time = other.time;
+        self.poses_WB.copy_from_slice(&other.poses_WB);
+        self.x.copy_from_slice(&other.x);
+        self.v.copy_from_slice(&other.v);
+        self.contact_change.copy_from_slice(&other.contact_change);
+        self.impulses.clear();
+        self.impulses.extend_from_slice(&other.impulses);
     }
 
     /// True when every number is finite and nothing is farther than 1e9 m or faster than 1e9 m/s.
@@ -91,6 +111,11 @@ impl State {
         for (key, impulse) in &self.impulses {
             hash.bits(*key);
             hash.vector(impulse);
+        }
+        for side in self.sides.as_slice() {
+            hash.bits(u64::from(side.vertex) << 32 | u64::from(side.other));
+            hash.vector(&side.normal);
+            hash.vector(&side.place);
         }
         hash.0
     }
@@ -169,6 +194,8 @@ pub struct Scratch {
     pub cg: CgWorkspace,
     /// Contacts found.
     pub found: Vec<Contact>,
+    /// The sides seen with them.
+    pub sides: Sides,
     /// Their rows.
     pub rows: ContactRows,
     /// Contact solver.
@@ -187,7 +214,7 @@ pub struct Scratch {
 
 impl Scratch {
     /// Room for everything a step of this model needs.
-    pub fn new(model: &Model, state: &State, contacts_max: usize) -> Self {
+    pub fn new(model: &Model, state: &State, [contacts_max, sides_max]: [usize; 2]) -> Self {
         let rigids = model.rigids.len();
         let nodes = model.flesh.mass.len();
         let rows = model.rows();
@@ -213,6 +240,7 @@ impl Scratch {
             step1_mass: vec![0.0; nodes],
             cg: CgWorkspace::new(rows),
             found: Vec::with_capacity(contacts_max),
+            sides: Sides::with_capacity(sides_max),
             rows: ContactRows::with_capacity(rigids, contacts_max),
             anticipation: Anticipation::new(rigids, nodes),
             contacts: Vec::with_capacity(contacts_max),
@@ -223,15 +251,9 @@ impl Scratch {
         }
     }
 
-    /// Keeps a copy of the state, to go back to when the step fails.
+    /// Keeps a copy of what a step changes before it is known to be sound, to go back to when it
+    /// fails.
     pub fn remember(&mut self, state: &State) {
-        let before = &mut self.before;
-        before.time = state.time;
-        before.poses_WB.copy_from_slice(&state.poses_WB);
-        before.x.copy_from_slice(&state.x);
-        before.v.copy_from_slice(&state.v);
-        before.contact_change.copy_from_slice(&state.contact_change);
-        before.impulses.clear();
-        before.impulses.extend_from_slice(&state.impulses);
+        self.before.copy_motion(state);
     }
 }

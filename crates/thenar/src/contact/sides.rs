@@ -1,0 +1,111 @@
+//! Which side of a body each soft vertex was on.
+
+use crate::contact::approach::Seen;
+use crate::math::Vec3;
+
+/// What a surface vertex saw of a body it was near.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Side {
+    /// Vertex, counted over all deformable bodies.
+    pub vertex: u32,
+    /// The other body: rigid bodies count first, then deformable ones.
+    pub other: u32,
+    /// The outward normal then: in the frame of a rigid body's shape, in the world for a
+    /// deformable one.
+    pub normal: Vec3,
+    /// Where the vertex was, in the same frame \[m\].
+    pub place: Vec3,
+}
+
+impl Side {
+    fn key(&self) -> (u32, u32) {
+        (self.vertex, self.other)
+    }
+}
+
+/// The sides seen in one step. It tells the next step from which side a vertex came that has sunk
+/// into a thin body; part of the state.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sides {
+    /// Sorted by vertex, then body, once the search is over.
+    seen: Vec<Side>,
+    /// No more are kept.
+    most: usize,
+}
+
+impl Sides {
+    /// Room for so many sides.
+    pub fn with_capacity(sides: usize) -> Self {
+        Self { seen: Vec::with_capacity(sides), most: sides }
+    }
+
+    /// All, in order.
+    pub fn as_slice(&self) -> &[Side] {
+        &self.seen
+    }
+
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.seen.clear();
+    }
+
+    /// Becomes a copy of `other`; allocates only beyond its capacity.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.seen.clear();
+        self.seen.extend_from_slice(&other.seen);
+        self.most = other.most;
+    }
+
+    /// What `vertex` saw of `other`.
+    fn recall(&self, vertex: usize, other: u32) -> Option<Seen> {
+        let at = self.seen.binary_search_by_key(&(vertex as u32, other), Side::key).ok()?;
+        let Side { normal, place, .. } = self.seen[at];
+        Some(Seen { normal, place })
+    }
+
+    /// Puts the notes of a search in order.
+    pub(crate) fn sort(&mut self) {
+        self.seen.sort_unstable_by_key(Side::key);
+    }
+}
+
+/// The sides of the step before, and room for those of this one.
+pub(crate) struct Sight<'a> {
+    pub before: &'a Sides,
+    /// `None` when only looking.
+    pub now: Option<&'a mut Sides>,
+}
+
+impl Sight<'_> {
+    /// What `vertex` saw of `other` in the step before.
+    pub fn recall(&self, vertex: usize, other: u32) -> Option<Seen> {
+        self.before.recall(vertex, other)
+    }
+
+    /// Notes what it sees now; beyond the room it is not kept.
+    pub fn note(&mut self, vertex: usize, other: u32, Seen { normal, place }: Seen) {
+        if let Some(now) = self.now.as_mut().filter(|now| now.seen.len() < now.most) {
+            now.seen.push(Side { vertex: vertex as u32, other, normal, place });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_noted_is_recalled_for_its_vertex_and_body_only() {
+        let seen = |x| Seen { normal: Vec3::y(), place: Vec3::repeat(x) };
+        let (before, mut now) = (Sides::default(), Sides::with_capacity(3));
+        let mut sight = Sight { before: &before, now: Some(&mut now) };
+        for (vertex, other, x) in [(4, 1, 1.0), (0, 8, 2.0), (0, 7, 3.0), (9, 9, 4.0)] {
+            sight.note(vertex, other, seen(x));
+        }
+        now.sort();
+        assert_eq!(now.recall(0, 7), Some(seen(3.0)));
+        assert_eq!(now.recall(4, 1), Some(seen(1.0)));
+        assert_eq!(now.recall(4, 7), None);
+        assert_eq!(now.recall(9, 9), None, "no room was left");
+    }
+}
