@@ -67,7 +67,7 @@ pub enum SolverKind {
     /// The paper's: joints first, then flesh, then contact by constraint anticipation (Sec. 4).
     TwoStep,
     /// Eq. 9 with its joint rows and contacts, to a velocity tolerance: joints in minimal coordinates,
-    /// flesh relative to its skinned motion. Joints must form trees; loops are left to `TwoStep`.
+    /// flesh relative to its skinned motion.
     Exact,
     /// Eq. 9 with its joint rows and contacts in one dense solve: slow, exact, for reference.
     Monolithic,

@@ -13,8 +13,25 @@ pub struct Link {
     pub reversed: bool,
 }
 
+/// Jointed bodies as trees, and the joints left over because they close loops.
+#[derive(Clone, Debug)]
+pub struct Spanning {
+    /// Roots first.
+    pub links: Vec<Link>,
+    /// The joints that close loops, also through bodies that do not move.
+    pub cuts: Vec<usize>,
+}
+
 /// Children before parents; `None` when a loop is closed, also through bodies that do not move.
 pub fn leaves_first(moves: &[bool], ends: &[(Option<u32>, u32)]) -> Option<Vec<Link>> {
+    let Spanning { mut links, cuts } = spanning(moves, ends);
+    links.reverse();
+    cuts.is_empty().then_some(links)
+}
+
+/// Trees that reach every body that moves; those tied to the world or to a prescribed body hang
+/// from there.
+pub fn spanning(moves: &[bool], ends: &[(Option<u32>, u32)]) -> Spanning {
     let mobile = |b: Option<u32>| b.map(|b| b as usize).filter(|&b| moves[b]);
     // Joints to the world or to a prescribed body make their bone the root of its tree.
     let mut anchor: Vec<Option<(usize, bool)>> = vec![None; moves.len()];
@@ -25,49 +42,39 @@ pub fn leaves_first(moves: &[bool], ends: &[(Option<u32>, u32)]) -> Option<Vec<L
                 neighbours[p].push((c, j, false));
                 neighbours[c].push((p, j, true));
             }
-            (Some(b), None) | (None, Some(b)) => {
-                let reversed = mobile(parent).is_some();
-                if anchor[b].replace((j, reversed)).is_some() {
-                    return None;
-                }
+            (Some(b), None) | (None, Some(b)) if anchor[b].is_none() => {
+                anchor[b] = Some((j, mobile(parent).is_some()));
             }
-            (None, None) => {}
+            _ => {}
         }
     }
 
     let mut visited: Vec<bool> = moves.iter().map(|&m| !m).collect();
-    let mut links = Vec::new();
+    let mut spans = vec![false; ends.len()];
+    let mut links: Vec<Link> = Vec::new();
     let roots = (0..moves.len())
         .filter(|&b| anchor[b].is_some())
         .chain((0..moves.len()).filter(|&b| anchor[b].is_none()));
     for root in roots {
-        if visited[root] {
-            // An anchored bone reached from another anchored one closes a loop.
-            if anchor[root].is_some() {
-                return None;
-            }
+        if std::mem::replace(&mut visited[root], true) {
             continue;
         }
-        visited[root] = true;
         let (joint, reversed) = anchor[root].unzip();
-        let first = links.len();
+        let mut next = links.len();
         links.push(Link { bone: root, joint, parent: None, reversed: reversed.unwrap_or(false) });
-        let mut next = first;
+        joint.into_iter().for_each(|j| spans[j] = true);
         while next < links.len() {
-            let from: Link = links[next];
-            for &(to, j, reversed) in &neighbours[from.bone] {
-                if next != first && from.joint == Some(j) {
-                    continue;
+            let bone = links[next].bone;
+            for &(to, j, reversed) in &neighbours[bone] {
+                if !std::mem::replace(&mut visited[to], true) {
+                    spans[j] = true;
+                    links.push(Link { bone: to, joint: Some(j), parent: Some(bone), reversed });
                 }
-                if visited[to] {
-                    return None;
-                }
-                visited[to] = true;
-                links.push(Link { bone: to, joint: Some(j), parent: Some(from.bone), reversed });
             }
             next += 1;
         }
     }
-    links.reverse();
-    Some(links)
+    let tied = |j: &usize| mobile(ends[*j].0).or(mobile(Some(ends[*j].1))).is_some();
+    let cuts = (0..ends.len()).filter(|&j| !spans[j]).filter(tied).collect();
+    Spanning { links, cuts }
 }

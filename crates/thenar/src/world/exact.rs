@@ -8,8 +8,8 @@ use crate::solver::exact::{Accuracy, Carried, Exact, Plan, StepSystem};
 use crate::world::model::Model;
 use crate::world::state::{Scratch, State};
 
-/// The solver of a model whose nodes rest at `positions`; `None` when its joints close a loop.
-pub fn build(model: &Model, positions: &[Vec3], contacts_max: usize) -> Option<Exact> {
+/// The solver of a model whose nodes rest at `positions`.
+pub fn build(model: &Model, positions: &[Vec3], contacts_max: usize) -> Exact {
     let moves: Vec<bool> = model.rigids.iter().map(|r| r.moves).collect();
     let ends: Vec<_> = model.joints.iter().map(|j| (j.parent, j.child)).collect();
     let rows: Vec<usize> = model.joints.iter().map(|j| j.kind.rows()).collect();

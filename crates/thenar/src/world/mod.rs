@@ -75,7 +75,7 @@ impl World {
     pub fn step(&mut self, input: &Input, timer: &mut impl StageTimer) -> StepReport {
         let mut report = StepReport { bad_targets: input.bad_targets(), ..StepReport::default() };
         self.scratch.remember(&self.state);
-        let kind = self.stepping_solver();
+        let kind = self.desc.solver.kind;
         let mut sound = self.find_velocities(kind, input, timer, &mut report);
         if !sound && kind == SolverKind::Exact {
             advance::take_velocities_back(&mut self.state, &self.scratch.before);
@@ -167,15 +167,6 @@ impl World {
         sound
     }
 
-    /// The solver that steps: the chosen one, or `TwoStep` where `Exact` cannot be had because
-    /// joints close a loop.
-    pub fn stepping_solver(&self) -> SolverKind {
-        match self.desc.solver.kind {
-            SolverKind::Exact if self.scratch.exact.is_none() => SolverKind::TwoStep,
-            kind => kind,
-        }
-    }
-
     /// Builds the exact solver when it is chosen and not there yet.
     fn prepare_solver(&mut self) {
         if self.desc.solver.kind == SolverKind::Exact && self.scratch.exact.is_none() {
@@ -184,7 +175,7 @@ impl World {
                 .flat_map(|soft| soft.flesh.nodes.iter().map(|x| soft.pose_WM.point(x)))
                 .collect();
             let contacts_max = self.detector.capacity();
-            self.scratch.exact = exact::build(&self.model, &rest, contacts_max);
+            self.scratch.exact = Some(exact::build(&self.model, &rest, contacts_max));
         }
     }
 

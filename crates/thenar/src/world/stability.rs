@@ -59,13 +59,6 @@ impl World {
     /// Allocates: for use outside the stepped loop.
     pub fn stability_warnings(&self) -> Vec<String> {
         let settings = &self.desc.solver;
-        if settings.kind == SolverKind::Exact && self.stepping_solver() != SolverKind::Exact {
-            return vec![
-                "joints close a loop, which the exact solver cannot do: the two-step scheme steps \
-                 this world"
-                    .into(),
-            ];
-        }
         if settings.kind != SolverKind::TwoStep || settings.step1_flesh != FleshInStep1::Frozen {
             return Vec::new();
         }

@@ -114,6 +114,10 @@ impl Coarse {
         self.fill_cross(system);
         self.add_bodies(system.A, system.split, system.bodies);
         self.add_flesh(system);
+        for g in 0..self.group_start.len() {
+            let block = self.block(g);
+            system.bodies.stiffen(g, &mut self.blocks[block]);
+        }
     }
 
     fn fill_skin(&mut self, system: &System<'_>) {

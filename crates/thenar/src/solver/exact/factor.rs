@@ -255,7 +255,7 @@ mod tests {
             }
             (0..n).for_each(|a| A.add_scalar(A.diagonal[a], 0.05));
             let springs: Vec<f64> = (0..n).map(|_| random.range(0.0, 0.1)).collect();
-            let bodies = Reduction::new(&[], &[], &[], &[]).unwrap();
+            let bodies = Reduction::new(&[], &[], &[], &[]);
             let split: Vec<u32> = A.row_start[..n].to_vec();
             let known = vec![[false; 3]; n];
             let system = System {

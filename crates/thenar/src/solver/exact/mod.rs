@@ -13,8 +13,8 @@
 //! flesh is factored (`factor`, `direct`), which gives the compliance of the whole system at the
 //! contacts (`delassus`) and preconditions the final solve.
 //!
-//! Nothing is allocated once built. Joints that close loops have no minimal coordinates here; then
-//! there is no exact solver and the two-step scheme takes over.
+//! Nothing is allocated once built. Joints form trees; those left over because they close loops take
+//! directions out of u (`loops`).
 
 mod coarse;
 mod delassus;
@@ -23,6 +23,7 @@ mod direct;
 mod factor;
 mod gauss_seidel;
 mod jacobi;
+mod loops;
 mod ordering;
 mod pcg;
 mod reduction;
@@ -130,15 +131,15 @@ impl Accuracy {
 }
 
 impl Exact {
-    /// Plans everything; `None` when joints close a loop.
-    pub fn new(plan: &Plan<'_>) -> Option<Self> {
+    /// Plans everything.
+    pub fn new(plan: &Plan<'_>) -> Self {
         let softs = plan.soft_of_node.iter().max().map_or(0, |s| *s as usize + 1);
         let mut together: Vec<Vec<u32>> = vec![Vec::new(); softs];
         for c in plan.carried {
             let soft = plan.soft_of_node[c.node as usize] as usize;
             together[soft].extend(&c.bones[..c.carriers as usize]);
         }
-        let bodies = Reduction::new(plan.moves, plan.ends, plan.rows, &together)?;
+        let bodies = Reduction::new(plan.moves, plan.ends, plan.rows, &together);
         let group_of_soft: Vec<Option<u32>> = together
             .iter()
             .map(|bones| bones.iter().find_map(|&b| bodies.group_of_body(b as usize)))
@@ -164,7 +165,7 @@ impl Exact {
         // Flops of the factor's numbers, of which an iteration does some twenty per block.
         let flops = factor.symbolic.flops() / 2.0;
         let iteration = 25.0 * pattern.blocks.len() as f64;
-        Some(Self {
+        Self {
             iterations_worth_a_factor: (flops / iteration).clamp(16.0, 400.0) as u32,
             jacobi: BlockJacobi::new(&coarse, nodes),
             direct: Direct::new(factor, &coarse),
@@ -181,7 +182,7 @@ impl Exact {
             coarse,
             split,
             bodies,
-        })
+        }
     }
 
     /// Velocities without contact, from the present ones in `v` as a start. `factor` asks for the
@@ -200,7 +201,7 @@ impl Exact {
         for c in &self.carried {
             self.springs[c.node as usize] = c.spring;
         }
-        if !self.bodies.refresh(joints, v, h) {
+        if !self.bodies.refresh(step.A, joints, v, h) {
             return None;
         }
         let Self {

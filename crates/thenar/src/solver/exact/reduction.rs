@@ -11,11 +11,12 @@
 //! with c = -C/Δt, so that position errors are removed within the step exactly as the joint rows
 //! of Eq. 9 ask. (Moving the bones onto their joints after the step instead would shift masses
 //! without an impulse and so lose momentum.) Joint rows then hold to round-off whatever the
-//! accuracy of u.
+//! accuracy of u. Joints that close loops are left out of this and dealt with in `loops`.
 
 use crate::math::{Mat3, Vec3, Vec6, tangents};
-use crate::solver::JointBlock;
-use crate::solver::tree::{Link, leaves_first};
+use crate::solver::exact::loops::{Columns, Cut, Loops};
+use crate::solver::tree::{Link, Spanning, spanning};
+use crate::solver::{BlockMatrix, JointBlock};
 use std::ops::Range;
 
 /// Below this a joint's axis rows are dependent (a universal joint in gimbal lock).
@@ -40,12 +41,10 @@ struct Member {
 pub struct Reduction {
     /// Roots first.
     members: Vec<Member>,
-    /// Where each body's columns begin in `dofs` and `columns`; one more at the end.
-    first: Vec<usize>,
-    /// Freedom that each column belongs to.
-    dofs: Vec<u32>,
-    /// Columns of Z: motion of the body (linear above angular) per unit of the freedom.
-    columns: Vec<Vec6>,
+    /// Z of the tree.
+    tree: Columns,
+    /// Z with the loops closed, when there are any.
+    loops: Option<Loops>,
     /// z of each body.
     offsets: Vec<Vec6>,
     /// Freedoms that are solved together: bodies that share a tree or flesh.
@@ -57,19 +56,19 @@ pub struct Reduction {
 impl Reduction {
     /// Plans the freedoms. `moves[b]` tells whether body b has unknowns; `ends` holds parent and
     /// child of each joint, `rows` its rows; each list of `together` names bodies that share flesh.
-    /// `None` when joints close a loop.
     pub fn new(
         moves: &[bool],
         ends: &[(Option<u32>, u32)],
         rows: &[usize],
         together: &[Vec<u32>],
-    ) -> Option<Self> {
+    ) -> Self {
         // Joints without rows tie nothing.
         let real: Vec<usize> = (0..ends.len()).filter(|&j| rows[j] > 0).collect();
         let real_ends: Vec<_> = real.iter().map(|&j| ends[j]).collect();
-        let mut links = leaves_first(moves, &real_ends)?;
-        links.reverse();
+        let Spanning { mut links, cuts } = spanning(moves, &real_ends);
         links.iter_mut().for_each(|link| link.joint = link.joint.map(|j| real[j]));
+        let cuts: Vec<Cut> =
+            cuts.iter().map(|&j| Cut { joint: real[j], ends: real_ends[j] }).collect();
 
         // Bodies of one tree, or of trees that share flesh, make a group.
         let mut leader: Vec<usize> = (0..moves.len()).collect();
@@ -85,7 +84,11 @@ impl Reduction {
             let first = moving.clone().next();
             moving.filter_map(move |b| first.map(|f| (b, f)))
         });
-        for (a, b) in tied.chain(shared) {
+        let cut = cuts.iter().filter_map(|cut| {
+            let (a, b) = (cut.ends.0? as usize, cut.ends.1 as usize);
+            (moves[a] && moves[b]).then_some((a, b))
+        });
+        for (a, b) in tied.chain(shared).chain(cut) {
             let (a, b) = (find(&leader, a), find(&leader, b));
             leader[a.max(b)] = a.min(b);
         }
@@ -93,9 +96,8 @@ impl Reduction {
         // Freedoms are numbered group by group, roots first in each.
         let mut reduction = Self {
             members: Vec::new(),
-            first: vec![0; moves.len() + 1],
-            dofs: Vec::new(),
-            columns: Vec::new(),
+            tree: Columns::default(),
+            loops: None,
             offsets: vec![Vec6::zeros(); moves.len()],
             groups: Vec::new(),
             group_of_body: vec![None; moves.len()],
@@ -127,12 +129,31 @@ impl Reduction {
             }
             reduction.groups.push(start..next);
         }
-        for (b, path) in paths.iter().enumerate() {
-            reduction.first[b + 1] = reduction.first[b] + path.len();
-            reduction.dofs.extend(path);
+        reduction.tree = Columns::new(&paths);
+        if !cuts.is_empty() {
+            reduction.loops = Some(reduction.plan_loops(&cuts));
         }
-        reduction.columns = vec![Vec6::zeros(); reduction.dofs.len()];
-        Some(reduction)
+        reduction
+    }
+
+    fn plan_loops(&self, cuts: &[Cut]) -> Loops {
+        let group_of = |cut: &Cut| {
+            let ends = [cut.ends.0, Some(cut.ends.1)];
+            ends.into_iter().flatten().find_map(|b| self.group_of_body[b as usize])
+        };
+        let groups = self.groups.iter().enumerate().map(|(g, dofs)| {
+            let here = Some(g as u32);
+            let bodies = (0..self.bodies()).filter(|&b| self.group_of_body[b] == here);
+            let cuts = cuts.iter().filter(|cut| group_of(cut) == here);
+            (dofs.clone(), bodies.collect(), cuts.copied().collect())
+        });
+        Loops::new(&self.tree, groups.collect())
+    }
+
+    /// Z as seen from outside.
+    #[inline]
+    fn shown(&self) -> &Columns {
+        self.loops.as_ref().map_or(&self.tree, |loops| &loops.columns)
     }
 
     /// Number of bodies, moving or not.
@@ -158,27 +179,41 @@ impl Reduction {
     /// Freedoms that move a body, with the body's motion per unit of each.
     #[inline]
     pub fn columns(&self, body: usize) -> impl Iterator<Item = (usize, &Vec6)> {
-        let range = self.first[body]..self.first[body + 1];
-        self.dofs[range.clone()].iter().map(|&d| d as usize).zip(&self.columns[range])
+        self.shown().of(body)
     }
 
     /// Freedoms that move a body.
     pub fn path(&self, body: usize) -> &[u32] {
-        &self.dofs[self.first[body]..self.first[body + 1]]
+        let shown = self.shown();
+        &shown.dofs[shown.range(body)]
     }
 
-    /// Fills Z and z for the joints as they are. `v` gives the velocities of the bodies that do not
+    /// Adds to `y = Zᵀ A Z u` what makes it definite along what loops hold.
+    pub fn add_held(&self, u: &[f64], y: &mut [f64]) {
+        if let Some(loops) = &self.loops {
+            loops.add_held(u, y);
+        }
+    }
+
+    /// Adds the same to a group's block of `Zᵀ A Z`.
+    pub fn stiffen(&self, group: usize, block: &mut [f64]) {
+        if let Some(loops) = &self.loops {
+            loops.stiffen(&self.groups[group], block);
+        }
+    }
+
+    /// Fills Z and z for the joints as they are; A is Eq. 9's matrix. `v` gives the velocities of the bodies that do not
     /// move by themselves. False when a joint's rows are dependent.
-    pub fn refresh(&mut self, joints: &[JointBlock], v: &[Vec3], h: f64) -> bool {
+    pub fn refresh(&mut self, A: &BlockMatrix, joints: &[JointBlock], v: &[Vec3], h: f64) -> bool {
         for (b, offset) in self.offsets.iter_mut().enumerate() {
             let known = self.group_of_body[b].is_none();
             *offset = if known { stack(&v[2 * b], &v[2 * b + 1]) } else { Vec6::zeros() };
         }
         for member in &mut self.members {
             let a = member.link.bone;
-            let at = self.first[a]..self.first[a + 1];
+            let at = self.tree.range(a);
             let Some(j) = member.link.joint else {
-                for (k, column) in self.columns[at].iter_mut().enumerate() {
+                for (k, column) in self.tree.values[at].iter_mut().enumerate() {
                     *column = Vec6::ith(k, 1.0);
                 }
                 continue;
@@ -205,13 +240,17 @@ impl Reduction {
             // Columns of the base, carried over; then the own ones.
             let inherited = at.len() - member.own.len();
             for k in 0..inherited {
-                let from = self.first[member.link.parent.unwrap_or(a)] + k;
-                let [lin_b, ang] = unstack(&self.columns[from]);
-                self.columns[at.start + k] = stack(&(lin_b - (F_a * ang + F_b * ang) * sign), &ang);
+                let from = self.tree.first[member.link.parent.unwrap_or(a)] + k;
+                let [lin_b, ang] = unstack(&self.tree.values[from]);
+                self.tree.values[at.start + k] =
+                    stack(&(lin_b - (F_a * ang + F_b * ang) * sign), &ang);
             }
             for (k, axis) in axes[..member.own.len()].iter().enumerate() {
-                self.columns[at.start + inherited + k] = stack(&(F_a * axis * -sign), axis);
+                self.tree.values[at.start + inherited + k] = stack(&(F_a * axis * -sign), axis);
             }
+        }
+        if let Some(loops) = &mut self.loops {
+            loops.refresh(&self.tree, A, joints, h, &mut self.offsets);
         }
         true
     }
@@ -259,6 +298,9 @@ impl Reduction {
             for (u, axis) in u.iter_mut().zip(&member.axes) {
                 *u = axis.dot(&relative);
             }
+        }
+        if let Some(loops) = &self.loops {
+            loops.close(u);
         }
     }
 }

@@ -205,6 +205,7 @@ impl System<'_> {
             c.pull(&(c.free(&pull) - pull), q);
         }
         self.gather(q, y);
+        self.bodies.add_held(&x.u, &mut y.u);
         for c in self.carried {
             let n = c.node as usize;
             y.w[n] += c.free(&(x.w[n] * c.spring));
