@@ -1,7 +1,7 @@
 //! Solver settings.
 
-use crate::format::{ConeWord, FleshWord, SolverTable, SolverWord};
-use thenar::model::{Cone, FleshInStep1, SolverKind, SolverSettings};
+use crate::format::{ConeWord, FleshWord, JointLimitsWord, SolverTable, SolverWord};
+use thenar::model::{Cone, FleshInStep1, Limits, SolverKind, SolverSettings};
 
 /// The library's defaults with the table's changes.
 pub fn settings(table: Option<&SolverTable>) -> SolverSettings {
@@ -18,6 +18,12 @@ pub fn settings(table: Option<&SolverTable>) -> SolverSettings {
         s.cone = match cone {
             ConeWord::Circular => Cone::Circular,
             ConeWord::Linearised => Cone::Linearised,
+        };
+    }
+    if let Some(limits) = t.limits {
+        s.limits = match limits {
+            JointLimitsWord::Rows => Limits::Rows,
+            JointLimitsWord::Springs => Limits::Springs,
         };
     }
     if let Some(flesh) = t.step1_flesh {

@@ -63,9 +63,9 @@ table! {
         rest_angles: At<Vec<f64>> where ANGLE = At::none();
         /// Damper of each angle [N m s/rad]. Default zero.
         damping: At<Vec<f64>> where SPRING = At::none();
-        /// Spring past a limit [N m/rad]. Default 10.
+        /// Spring past a limit [N m/rad], where limits are springs (`solver.limits`). Default 10.
         limit_stiffness: f64 where SPRING = 10.0;
-        /// Damper past a limit [N m s/rad]. Default 0.01.
+        /// Damper past a limit [N m s/rad], likewise. Default 0.01.
         limit_damping: f64 where SPRING = 0.01;
     }
 }

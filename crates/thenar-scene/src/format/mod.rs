@@ -43,4 +43,4 @@ pub use soft::{
     BallShape, Bind, BreadShape, Deform, ExplicitShape, FileShape, FixedSet, LatticeShape, LawWord,
     MaterialTable, MeshSoftShape, Region, Soft, SoftShape, SplitWord,
 };
-pub use solver::{ConeWord, FleshWord, SolverTable, SolverWord};
+pub use solver::{ConeWord, FleshWord, JointLimitsWord, SolverTable, SolverWord};

@@ -155,7 +155,7 @@ choice! {
         "velocity" => Velocity(ProbeBody),
         /// Position [m] of a point that moves with a rigid body.
         "point" => Point(PointProbe),
-        /// Angles [rad] and rates [rad/s] of a joint.
+        /// Angles [rad], rates [rad/s] and torques of the limits [N m] of a joint.
         "joint" => Joint(JointProbe),
         /// Energies of the whole scene [J].
         "energy" => Energy(ProbeName),

@@ -25,6 +25,16 @@ words! {
 }
 
 words! {
+    /// What keeps joints within their range.
+    pub enum JointLimitsWord {
+        /// Bounds that no load passes.
+        "rows" => Rows,
+        /// Stiff springs past the bounds.
+        "springs" => Springs,
+    }
+}
+
+words! {
     /// What step 1 assumes of the flesh.
     pub enum FleshWord {
         /// It yields by its own inertia; stable at stiff couplings too.
@@ -44,6 +54,10 @@ table! {
         velocity_tolerance: Option<f64> where TOLERANCE;
         /// Friction cone: "circular" (default) or "linearised".
         cone: Option<ConeWord>;
+        /// Joint limits: "rows" (default; bounds that no load passes, in one system with contact) or
+        /// "springs" (`limit_stiffness` and `limit_damping` of the joint; always so with the two-step
+        /// solver).
+        limits: Option<JointLimitsWord>;
         /// Flesh in step 1: "lumped" (default) or "frozen" (the paper's).
         step1_flesh: Option<FleshWord>;
         /// Close the joints once more at the end of each step: default true with lumped flesh; false

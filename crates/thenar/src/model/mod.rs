@@ -16,6 +16,6 @@ pub use surface::{EmbeddedSurface, SurfaceVertex};
 mod world;
 
 pub use world::{
-    BodyId, Cone, Coupling, Drive, FleshInStep1, HandHandle, HandPlacement, PairRule, SoftDesc,
-    SolverKind, SolverSettings, WorldDesc,
+    BodyId, Cone, Coupling, Drive, FleshInStep1, HandHandle, HandPlacement, Limits, PairRule,
+    SoftDesc, SolverKind, SolverSettings, WorldDesc,
 };

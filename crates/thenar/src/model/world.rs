@@ -73,6 +73,16 @@ pub enum SolverKind {
     Monolithic,
 }
 
+/// What keeps a joint within its range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Limits {
+    /// A bound that is not passed, whatever the load: an inequality in one system with contact. The
+    /// two-step scheme has no such rows and uses springs.
+    Rows,
+    /// Stiff springs past the bound, as in the paper (Sec. 3.1): `JointDesc::limit_stiffness`.
+    Springs,
+}
+
 /// Parameters of the solvers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolverSettings {
@@ -97,6 +107,8 @@ pub struct SolverSettings {
     pub contact_inner_passes: u32,
     /// Friction cone.
     pub cone: Cone,
+    /// Joint limits.
+    pub limits: Limits,
     /// Points nearer than this become constraints, before they touch \[m\]; motion adds to it.
     pub contact_margin: f64,
 }
@@ -114,6 +126,7 @@ impl Default for SolverSettings {
             contact_sweeps_max: 200,
             contact_inner_passes: 2,
             cone: Cone::Circular,
+            limits: Limits::Rows,
             contact_margin: 1e-3,
         }
     }

@@ -1,8 +1,9 @@
 //! Springs, dampers and limits about joint axes.
 
 use crate::math::Vec3;
-use crate::model::{Axis, JointDesc, JointKind};
+use crate::model::{AngleLimit, Axis, JointDesc, JointKind};
 use crate::skeleton::JointFrames;
+use std::f64::consts::TAU;
 
 /// One measured axis of a joint.
 #[derive(Clone, Copy, Debug)]
@@ -52,12 +53,31 @@ pub fn spring_energy(axis: &Axis, joint: &JointDesc, angle: f64) -> f64 {
     0.5 * (axis.stiffness * stretch * stretch + joint.limit_stiffness * past * past)
 }
 
+/// Torque on the child by the springs and dampers of an axis's limits at this angle \[rad\] and rate
+/// \[rad/s\].
+pub fn limit_spring_torque(axis: &Axis, joint: &JointDesc, angle: f64, rate: f64) -> f64 {
+    match past_limit(axis, angle) {
+        0.0 => 0.0,
+        past => -joint.limit_stiffness * past - joint.limit_damping * rate,
+    }
+}
+
 /// Signed distance past the admissible range, 0 within \[rad\].
 fn past_limit(axis: &Axis, angle: f64) -> f64 {
     match axis.limit {
-        Some(limit) => angle - angle.clamp(limit.min, limit.max),
+        Some(limit) => {
+            let angle = turned_towards(&limit, angle);
+            angle - angle.clamp(limit.min, limit.max)
+        }
         None => 0.0,
     }
+}
+
+/// The same angle by whole turns, as near as can be to the middle of the range: past π an angle
+/// goes on from -π, while the range may not.
+pub fn turned_towards(limit: &AngleLimit, angle: f64) -> f64 {
+    let middle = 0.5 * (limit.min + limit.max);
+    angle + TAU * ((middle - angle) / TAU).round()
 }
 
 #[cfg(test)]

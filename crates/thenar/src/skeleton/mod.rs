@@ -13,5 +13,7 @@ pub use angles::{closest_angles, joint_angles, joint_rotation, joint_spin};
 pub use drives::{drive_energy, drive_force, linearise_drive};
 pub use free_body::turn_freely;
 pub use joint_rows::{JointFrames, joint_block, misalignment};
-pub use joint_springs::{AxisState, axis_states, spring_energy, spring_torque};
+pub use joint_springs::{
+    AxisState, axis_states, limit_spring_torque, spring_energy, spring_torque, turned_towards,
+};
 pub use kinematics::{Tree, TreeError, velocity_between};

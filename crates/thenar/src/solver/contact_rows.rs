@@ -1,15 +1,23 @@
 //! The contact constraints of one step: `J v ≥ -g/Δt` with friction, and the products with J
 //! that the solvers need. J is never formed; a row is a contact frame and the points it holds.
+//! A joint limit is a row too, which holds how two bodies turn against each other.
 
 use crate::math::{Mat3, Mat6, Vec3, Vec6, tangents};
 use crate::solver::BlockDiagonal;
 use std::ops::Range;
 
+/// A turn enters as the speed of a point so far from its axis, so that one tolerance \[m/s\] serves
+/// all rows \[m\].
+pub const TURN_LEVER: f64 = 0.05;
+
 /// One contact: three rows (normal and two tangents).
 #[derive(Clone, Debug)]
 pub struct ContactRow {
-    /// Rows: normal (from B to A), first and second tangent, world.
+    /// Rows: normal (from B to A), first and second tangent, world. Of a turn: its axis times
+    /// [`TURN_LEVER`], and nothing.
     pub frame: Mat3,
+    /// Holds how its rigid bodies turn, not how their points move.
+    pub turns: bool,
     /// The nodes this contact holds, in `ContactRows::{nodes, weights}`.
     pub nodes: Range<u32>,
     /// Rigid bodies held: index, lever from the centre of mass to the contact \[m\], and sign.
@@ -65,6 +73,7 @@ impl ContactRows {
         self.rows.push(ContactRow {
             lambda: frame * lambda_W,
             frame,
+            turns: false,
             nodes: start..start,
             rigids: [None; 2],
             friction,
@@ -73,6 +82,18 @@ impl ContactRows {
             response: Mat3::zeros(),
         });
         self.rows.len() - 1
+    }
+
+    /// Begins a row on how fast bodies turn about an axis, with no friction; the bodies are added by
+    /// `hold_rigid`, their levers do not matter. `impulse` starts it \[N m s\].
+    pub fn begin_turn(&mut self, axis_W: &Vec3, impulse: f64) -> usize {
+        let i = self.begin(axis_W, 0.0, &Vec3::zeros());
+        let row = &mut self.rows[i];
+        row.turns = true;
+        row.frame = Mat3::zeros();
+        row.frame.set_row(0, &(axis_W * TURN_LEVER).transpose());
+        row.lambda.x = impulse / TURN_LEVER;
+        i
     }
 
     /// The last contact holds `node` with this signed weight.
@@ -104,7 +125,7 @@ impl ContactRows {
         }
         for (body, lever, sign) in row.rigids.iter().flatten() {
             let b = *body as usize;
-            w += (v[2 * b] + v[2 * b + 1].cross(lever)) * *sign;
+            w += row.motion(&v[2 * b], &v[2 * b + 1], lever) * *sign;
         }
         w
     }
@@ -118,8 +139,9 @@ impl ContactRows {
         }
         for (body, lever, sign) in row.rigids.iter().flatten() {
             let b = *body as usize;
-            f[2 * b] += impulse_W * *sign;
-            f[2 * b + 1] += lever.cross(impulse_W) * *sign;
+            let [force, moment] = row.wrench(impulse_W, lever);
+            f[2 * b] += force * *sign;
+            f[2 * b + 1] += moment * *sign;
         }
     }
 
@@ -138,7 +160,7 @@ impl ContactRows {
         }
         for (body, lever, sign) in row.rigids.iter().flatten() {
             let b = *body as usize;
-            let (lin, ang) = rigid_response(&d.rigid[b], &(impulse_W * *sign), lever);
+            let (lin, ang) = rigid_response(&d.rigid[b], &row.wrench(&(impulse_W * *sign), lever));
             u[2 * b] += lin;
             u[2 * b + 1] += ang;
         }
@@ -155,9 +177,9 @@ impl ContactRows {
             for (body, lever, _) in row.rigids.iter().flatten() {
                 let inverse = &d.rigid[*body as usize];
                 for axis in 0..3 {
-                    let (lin, ang) =
-                        rigid_response(inverse, &Mat3::identity().column(axis).into(), lever);
-                    W.set_column(axis, &(W.column(axis) + lin + ang.cross(lever)));
+                    let unit: Vec3 = Mat3::identity().column(axis).into();
+                    let (lin, ang) = rigid_response(inverse, &row.wrench(&unit, lever));
+                    W.set_column(axis, &(W.column(axis) + row.motion(&lin, &ang, lever)));
                 }
             }
             let W = row.frame * W * row.frame.transpose();
@@ -166,9 +188,22 @@ impl ContactRows {
     }
 }
 
+impl ContactRow {
+    /// What the row sees of a body that moves and turns so and is held at `lever`.
+    #[inline]
+    pub fn motion(&self, lin: &Vec3, ang: &Vec3, lever: &Vec3) -> Vec3 {
+        if self.turns { *ang } else { lin + ang.cross(lever) }
+    }
+
+    /// Force and moment that an impulse of the row puts on a body held at `lever`.
+    #[inline]
+    pub fn wrench(&self, impulse: &Vec3, lever: &Vec3) -> [Vec3; 2] {
+        if self.turns { [Vec3::zeros(), *impulse] } else { [*impulse, lever.cross(impulse)] }
+    }
+}
+
 #[inline]
-fn rigid_response(inverse: &Mat6, impulse: &Vec3, lever: &Vec3) -> (Vec3, Vec3) {
-    let moment = lever.cross(impulse);
-    let y = inverse * Vec6::new(impulse.x, impulse.y, impulse.z, moment.x, moment.y, moment.z);
+fn rigid_response(inverse: &Mat6, [force, moment]: &[Vec3; 2]) -> (Vec3, Vec3) {
+    let y = inverse * Vec6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z);
     (Vec3::new(y[0], y[1], y[2]), Vec3::new(y[3], y[4], y[5]))
 }

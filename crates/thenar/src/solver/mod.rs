@@ -20,7 +20,7 @@ pub use anticipation::{Anticipation, AnticipationSettings};
 pub use articulated::{Articulated, JointBlock};
 pub use block_matrix::{Block, BlockMatrix};
 pub use conjugate_gradients::{CgWorkspace, conjugate_gradients};
-pub use contact_rows::{ContactRow, ContactRows};
+pub use contact_rows::{ContactRow, ContactRows, TURN_LEVER};
 pub use dense::DenseLu;
 pub use diagonal::BlockDiagonal;
 pub(crate) use friction_cone::project;

@@ -47,6 +47,7 @@ pub fn take_velocities_back(state: &mut State, before: &State) {
     state.contact_change.copy_from_slice(&before.contact_change);
     state.impulses.clear();
     state.impulses.extend_from_slice(&before.impulses);
+    state.limit_impulses.copy_from_slice(&before.limit_impulses);
 }
 
 /// Undoes a failed step: positions as before, everything at rest.
@@ -57,4 +58,5 @@ pub fn take_back(state: &mut State, before: &State) {
     state.v.fill(Vec3::zeros());
     state.contact_change.fill(Vec3::zeros());
     state.impulses.clear();
+    state.limit_impulses.fill([0.0; 2]);
 }

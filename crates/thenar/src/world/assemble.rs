@@ -7,7 +7,7 @@
 use crate::coupling::{EffectiveMass, add_part};
 use crate::flesh::Tally;
 use crate::math::{Mat3, Vec3};
-use crate::model::WorldDesc;
+use crate::model::{Limits, WorldDesc};
 use crate::skeleton::{JointFrames, axis_states, joint_block, linearise_drive, spring_torque};
 use crate::world::Input;
 use crate::world::model::Model;
@@ -26,10 +26,11 @@ pub fn joint_frames(model: &Model, state: &State, j: usize) -> JointFrames {
     }
 }
 
-/// Bones and joints: `A_s`, `b_s`, `J_s`, `b_λs`.
+/// Bones and joints: `A_s`, `b_s`, `J_s`, `b_λs`. Limits that are rows add nothing here.
 pub fn skeleton(
     desc: &WorldDesc,
     model: &Model,
+    limits: Limits,
     state: &mut State,
     input: &Input,
     h: f64,
@@ -57,7 +58,8 @@ pub fn skeleton(
     for j in 0..model.joints.len() {
         let frames = joint_frames(model, state, j);
         scratch.joints[j] = joint_block(model.joints[j].kind, &frames);
-        add_joint_springs(model, input, j, &frames, h, scratch);
+        scratch.axes[j] = axis_states(model.joints[j].kind, &frames);
+        add_joint_springs(model, limits, input, j, &frames, h, scratch);
     }
 }
 
@@ -83,6 +85,7 @@ fn add_inertia(
 
 fn add_joint_springs(
     model: &Model,
+    limits: Limits,
     input: &Input,
     j: usize,
     frames: &JointFrames,
@@ -99,9 +102,13 @@ fn add_joint_springs(
         add_relative(model, j, &Mat3::from_diagonal_element(implicit), &(torque * h), scratch);
         return;
     }
-    for (k, axis) in axis_states(joint.kind, frames).iter().enumerate() {
+    for (k, axis) in scratch.axes[j].into_iter().enumerate() {
         let Some(axis) = axis else { continue };
-        let (torque, stiffness, damping) = spring_torque(&joint.axes[k], joint, axis.angle);
+        let mut springs = joint.axes[k];
+        if limits == Limits::Rows {
+            springs.limit = None;
+        }
+        let (torque, stiffness, damping) = spring_torque(&springs, joint, axis.angle);
         let a = axis.direction_W;
         let implicit = a * a.transpose() * (h * h * stiffness + h * damping);
         add_relative(model, j, &implicit, &(a * ((torque + torques[k]) * h)), scratch);

@@ -5,7 +5,7 @@ use crate::math::Vec3;
 use crate::model::JointKind;
 use crate::skeleton::{axis_states, drive_energy, drive_force, spring_energy};
 use crate::world::assemble::joint_frames;
-use crate::world::{Energy, Input, World};
+use crate::world::{Energy, Input, World, limits};
 
 impl World {
     /// Energies of the present state; weight and drives are those of `input`.
@@ -27,6 +27,7 @@ impl World {
             energy.kinetic += 0.5 * mass * state.v[row0 + n].norm_squared();
             energy.gravity -= mass * input.gravity.dot(&state.x[n]);
         }
+        let rows = limits::by_rows(&self.desc.solver);
         for (j, joint) in model.joints.iter().enumerate() {
             let frames = joint_frames(model, state, j);
             if joint.kind == JointKind::Ball {
@@ -34,7 +35,9 @@ impl World {
                 energy.joint += 0.5 * joint.axes[0].stiffness * angle * angle;
             }
             for (k, axis) in axis_states(joint.kind, &frames).iter().enumerate() {
-                energy.joint += axis.map_or(0.0, |a| spring_energy(&joint.axes[k], joint, a.angle));
+                let mut springs = joint.axes[k];
+                springs.limit = springs.limit.filter(|_| !rows);
+                energy.joint += axis.map_or(0.0, |a| spring_energy(&springs, joint, a.angle));
             }
         }
         energy.elastic = model.flesh.tally(&state.x).energy;

@@ -68,7 +68,8 @@ pub fn solve(
     let exact = scratch.exact.as_mut()?;
     let step = StepSystem { A: &scratch.A, b: &scratch.b, known: &model.known };
     let accuracy = accuracy(settings);
-    let touched = state.impulses.iter().any(|(_, impulse)| *impulse != Vec3::zeros());
+    let touched = state.impulses.iter().any(|(_, impulse)| *impulse != Vec3::zeros())
+        || state.limit_impulses.iter().any(|impulses| *impulses != [0.0; 2]);
     let solved = exact.solve(&step, &scratch.joints, h, touched, &accuracy, &mut state.v)?;
     let convergence = Convergence { iterations: solved.iterations, residual: solved.error };
     solved.converged.then_some(convergence)

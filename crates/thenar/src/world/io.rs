@@ -120,6 +120,8 @@ pub struct StepReport {
     pub contacts_active: u32,
     /// Contacts left out because there were more than the world has room for; the deepest were kept.
     pub contacts_dropped: u32,
+    /// Joint limits that bear load (0 where limits are springs).
+    pub limits_active: u32,
     /// Deepest penetration at the end of the step \[m\].
     pub penetration_max: f64,
     /// Largest distance between the two sides of a joint \[m\].

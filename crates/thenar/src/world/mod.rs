@@ -7,6 +7,7 @@ mod energy;
 mod error;
 mod exact;
 mod io;
+mod limits;
 mod model;
 mod reference;
 mod response;
@@ -24,7 +25,7 @@ pub use state::State;
 use crate::contact::{Detector, Reach, RigidPlace, Sides};
 use crate::coupling::skin_target;
 use crate::math::{Pose, Vec3};
-use crate::model::{SolverKind, SolverSettings, WorldDesc};
+use crate::model::{Limits, SolverKind, SolverSettings, WorldDesc};
 use crate::skeleton::axis_states;
 use crate::solver::Convergence;
 use check::is_time_step;
@@ -111,9 +112,11 @@ impl World {
     ) -> bool {
         let Self { desc, model, state, scratch, detector, places, time_step: h, .. } = self;
         let (h, settings) = (*h, &desc.solver);
+        // The two-step scheme, also as the exact solver's stand-in, has no rows for limits.
+        let limits = if kind == SolverKind::TwoStep { Limits::Springs } else { settings.limits };
 
         timer.begin(Some(Stage::Skeleton));
-        assemble::skeleton(desc, model, state, input, h, scratch); //     A_s, b_s, J_s   (4)
+        assemble::skeleton(desc, model, limits, state, input, h, scratch); // A_s, b_s, J_s (4)
         match kind {
             SolverKind::Exact => exact::couple(model, state, h, scratch), // G, J          (7-9)
             _ => assemble::coupling(desc, model, state, h, scratch),      //   A_sf, A_fs      (7-9)
@@ -150,6 +153,10 @@ impl World {
 
         timer.begin(Some(Stage::Contact));
         response::build_rows(model, state, h, scratch); //                                (12)
+        let contacts = scratch.rows.rows.len();
+        if limits == Limits::Rows {
+            limits::build_rows(model, state, h, scratch);
+        }
         let contact = match (kind, &whole) {
             (SolverKind::Exact, _) => exact::respond(settings, model, state, scratch),
             (_, Some(whole)) => {
@@ -159,6 +166,7 @@ impl World {
         };
         let Some(contact) = contact else { return false };
         response::apply(state, scratch);
+        report.limits_active = limits::keep_impulses(model, contacts, state, scratch);
         let close = settings.close_joints && kind == SolverKind::TwoStep;
         if close && !model.joints.is_empty() {
             sound &= two_step::close_joints(model, state, h, scratch);
@@ -174,7 +182,7 @@ impl World {
             let rest: Vec<Vec3> = places
                 .flat_map(|soft| soft.flesh.nodes.iter().map(|x| soft.pose_WM.point(x)))
                 .collect();
-            let contacts_max = self.detector.capacity();
+            let contacts_max = self.detector.capacity() + limits::rows_max(&self.model);
             self.scratch.exact = Some(exact::build(&self.model, &rest, contacts_max));
         }
     }

@@ -4,11 +4,12 @@ use crate::contact::{Contact, Sides};
 use crate::coupling::BoneSystem;
 use crate::math::{Mat6, Pose, Vec3, Vec6};
 use crate::model::WorldDesc;
+use crate::skeleton::AxisState;
 use crate::solver::exact::Exact;
 use crate::solver::{
     Anticipation, Articulated, BlockDiagonal, BlockMatrix, CgWorkspace, ContactRows, JointBlock,
 };
-use crate::world::{ContactPoint, Model};
+use crate::world::{ContactPoint, Model, limits};
 
 /// A state beyond these is taken for a failed step, not for motion \[m, m/s, rad/s\]: products of
 /// numbers within them stay finite, so that a step can always go on from such a state.
@@ -32,6 +33,8 @@ pub struct State {
     pub impulses: Vec<(u64, Vec3)>,
     /// From which side surface vertices came near other bodies in the last step.
     pub sides: Sides,
+    /// Impulses of joint limits in the last step, per joint and axis, on the child \[N m s\].
+    pub limit_impulses: Vec<[f64; 2]>,
 }
 
 impl State {
@@ -56,6 +59,7 @@ impl State {
             v,
             impulses: Vec::new(),
             sides: Sides::default(),
+            limit_impulses: vec![[0.0; 2]; model.joints.len()],
         };
         state.hold(model);
         state
@@ -88,6 +92,7 @@ impl State {
         self.contact_change.copy_from_slice(&other.contact_change);
         self.impulses.clear();
         self.impulses.extend_from_slice(&other.impulses);
+        self.limit_impulses.copy_from_slice(&other.limit_impulses);
     }
 
     /// True when every number is finite and nothing is farther than 1e9 m or faster than 1e9 m/s.
@@ -117,6 +122,7 @@ impl State {
             hash.vector(&side.normal);
             hash.vector(&side.place);
         }
+        self.limit_impulses.iter().flatten().for_each(|x| hash.number(*x));
         hash.0
     }
 }
@@ -176,6 +182,8 @@ pub struct Scratch {
     pub S_kept: Vec<Mat6>,
     /// Linearised joints.
     pub joints: Vec<JointBlock>,
+    /// Their measured axes.
+    pub axes: Vec<[Option<AxisState>; 2]>,
     /// What prescribed bodies contribute to their rates.
     pub known: Vec<Vec6>,
     /// Step 1's solver.
@@ -231,6 +239,7 @@ impl Scratch {
             bones: BoneSystem::new(rigids, model.joints.len()),
             S_kept: vec![Mat6::zeros(); rigids],
             joints: vec![JointBlock::empty(); model.joints.len()],
+            axes: vec![[None; 2]; model.joints.len()],
             known: vec![Vec6::zeros(); model.joints.len()],
             articulated: Articulated::new(&moves, &ends, &joint_rows),
             r: vec![Vec6::zeros(); rigids],
@@ -241,7 +250,7 @@ impl Scratch {
             cg: CgWorkspace::new(rows),
             found: Vec::with_capacity(contacts_max),
             sides: Sides::with_capacity(sides_max),
-            rows: ContactRows::with_capacity(rigids, contacts_max),
+            rows: ContactRows::with_capacity(rigids, contacts_max + limits::rows_max(model)),
             anticipation: Anticipation::new(rigids, nodes),
             contacts: Vec::with_capacity(contacts_max),
             vertices: vec![Vec3::zeros(); model.vertices.len()],

@@ -16,6 +16,7 @@ pub fn joint(world: &World, j: u32, axes: usize, out: &mut Vec<f64>) {
     (0..axes).for_each(|k| out.extend([angles[k], rates[k]]));
     let (gap, misalignment) = world.joint_error(j);
     out.extend([gap, misalignment]);
+    out.extend(&world.joint_limit_torques(j)[..axes]);
 }
 
 pub fn energy(world: &World, input: &Input, out: &mut Vec<f64>) {

@@ -83,7 +83,9 @@ fn resolve<'a>(
             let angle = |k: usize| [(format!("angle{k}"), "rad"), (format!("rate{k}"), "rad/s")];
             let angles: Parts = (0..axes).flat_map(angle).collect();
             let errors = vec![("gap".into(), "m"), ("misalignment".into(), "rad")];
-            (&p.name, Measure::Joint(joint, axes), both(angles, errors))
+            let torque = |k: usize| (format!("limit_torque{k}"), "N m");
+            let torques: Parts = (0..axes).map(torque).collect();
+            (&p.name, Measure::Joint(joint, axes), both(angles, both(errors, torques)))
         }
         Probe::Energy(p) => {
             let kinds = ["kinetic", "gravity", "elastic", "coupling", "joint", "drive", "total"];

@@ -152,8 +152,7 @@ impl Delassus {
             let Some(group) = system.bodies.group_of_body(*body as usize) else { continue };
             let (side, start) = (side_of(group), system.bodies.groups()[group].start);
             for axis in 0..3 {
-                let f: Vec3 = row.frame.row(axis).transpose() * *sign;
-                let moment = lever.cross(&f);
+                let [f, moment] = row.wrench(&(row.frame.row(axis).transpose() * *sign), lever);
                 let column = &mut h[(3 * side + axis) * widest..(3 * side + axis + 1) * widest];
                 for (dof, c) in system.bodies.columns(*body as usize) {
                     let (lin, ang) = (Vec3::new(c[0], c[1], c[2]), Vec3::new(c[3], c[4], c[5]));

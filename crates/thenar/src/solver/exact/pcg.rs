@@ -12,10 +12,9 @@
 //! It is an estimate, tested to hold over six decades, not a bound.
 
 use crate::math::Vec3;
+use crate::solver::TURN_LEVER;
 use crate::solver::exact::{Coordinates, System};
 
-/// Speed of a body's turning counts at this distance \[m\].
-const LEVER: f64 = 0.05;
 /// Safety factor of the error estimate.
 const SAFETY: f64 = 2.0;
 /// Iterations that the estimate looks back on.
@@ -99,7 +98,13 @@ pub fn solve(
     let mut solved = Solved { iterations: 0, error: 0.0, converged: true };
     while rz > 0.0 {
         system.product(p, q, v, f);
-        let alpha = rz / p.dot(q);
+        let along = p.dot(q);
+        if along <= 0.0 {
+            // All directions are used up, or the matrix is not positive definite.
+            solved.converged = solved.iterations > 0 && solved.error <= stop.tolerance;
+            return solved;
+        }
+        let alpha = rz / along;
         let drop = alpha * rz;
         let moved = alpha * largest_speed(v, system.bodies.bodies());
         x.add(alpha, p);
@@ -144,7 +149,7 @@ pub fn solve(
 fn largest_speed(v: &[Vec3], bodies: usize) -> f64 {
     let speed2 = |(i, v): (usize, &Vec3)| {
         let turning = i < 2 * bodies && i % 2 == 1;
-        v.norm_squared() * if turning { LEVER * LEVER } else { 1.0 }
+        v.norm_squared() * if turning { TURN_LEVER * TURN_LEVER } else { 1.0 }
     };
     v.iter().enumerate().map(speed2).fold(0.0, f64::max).sqrt()
 }

@@ -1,0 +1,106 @@
+//! Joint limits as inequalities: an axis turns no further than its bound within the step.
+//!
+//! ```text
+//!   0 ≤ λ  ⊥  (θ - bound)/Δt + θ̇ ≥ 0        (mirrored at the upper bound)
+//! ```
+//!
+//! The rows stand behind those of contact and are solved together with them.
+
+use crate::math::Vec3;
+use crate::model::{AngleLimit, Limits, SolverKind, SolverSettings};
+use crate::skeleton::{limit_spring_torque, turned_towards};
+use crate::solver::TURN_LEVER;
+use crate::world::model::Model;
+use crate::world::state::{Scratch, State};
+use crate::world::{World, assemble};
+
+/// An axis past its bound, perhaps placed there, is turned back no faster than this \[rad/s\], lest
+/// it be thrown.
+const TURN_BACK_RATE_MAX: f64 = 2.0;
+
+/// A bound farther than this cannot be reached in a step, whatever contact does \[rad\].
+const REACH: f64 = 0.5;
+
+/// Whether limits are kept by rows; if not, springs act.
+pub fn by_rows(settings: &SolverSettings) -> bool {
+    settings.limits == Limits::Rows && settings.kind != SolverKind::TwoStep
+}
+
+/// Most rows that limits can need.
+pub fn rows_max(model: &Model) -> usize {
+    2 * model.joints.iter().map(|joint| joint.kind.angles()).sum::<usize>()
+}
+
+/// Appends the rows of all bounds near, for the velocities without contact in `state`.
+pub fn build_rows(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
+    for (j, joint) in model.joints.iter().enumerate() {
+        for (k, axis) in joint.axes[..joint.kind.angles()].iter().enumerate() {
+            let (Some(limit), Some(present)) = (axis.limit, scratch.axes[j][k]) else { continue };
+            for (sign, gap) in gaps(&limit, present.angle) {
+                if gap > REACH {
+                    continue;
+                }
+                let before = (sign * state.limit_impulses[j][k]).max(0.0);
+                let rows = &mut scratch.rows;
+                let i = rows.begin_turn(&(present.direction_W * sign), before);
+                rows.hold_rigid(joint.child, Vec3::zeros(), 1.0);
+                if let Some(parent) = joint.parent {
+                    rows.hold_rigid(parent, Vec3::zeros(), -1.0);
+                }
+                let row = &rows.rows[i];
+                let v = row.frame * rows.relative_velocity(row, &state.v);
+                let wanted = TURN_LEVER * (-gap / h).min(TURN_BACK_RATE_MAX);
+                rows.rows[i].target = Vec3::new(wanted, 0.0, 0.0) - v;
+            }
+        }
+    }
+}
+
+/// Keeps the impulses found for the next step; returns how many bounds bear load. `first` is the
+/// first row of a limit.
+pub fn keep_impulses(model: &Model, first: usize, state: &mut State, scratch: &Scratch) -> u32 {
+    state.limit_impulses.fill([0.0; 2]);
+    let (mut row, mut active) = (first, 0);
+    for (j, joint) in model.joints.iter().enumerate() {
+        for (k, axis) in joint.axes[..joint.kind.angles()].iter().enumerate() {
+            let (Some(limit), Some(present)) = (axis.limit, scratch.axes[j][k]) else { continue };
+            for (sign, gap) in gaps(&limit, present.angle) {
+                if gap > REACH || row >= scratch.rows.rows.len() {
+                    continue;
+                }
+                let lambda = scratch.rows.rows[row].lambda.x;
+                state.limit_impulses[j][k] += sign * lambda * TURN_LEVER;
+                active += u32::from(lambda > 0.0);
+                row += 1;
+            }
+        }
+    }
+    active
+}
+
+/// Direction in which each bound pushes, and how far the angle is from it \[rad\].
+fn gaps(limit: &AngleLimit, angle: f64) -> [(f64, f64); 2] {
+    let angle = turned_towards(limit, angle);
+    [(1.0, angle - limit.min), (-1.0, limit.max - angle)]
+}
+
+impl World {
+    /// Torque by which its limits keep each measured axis of joint `j` within range, on the child,
+    /// opposite on the parent \[N m\]: its mean in the last step, or, where limits are springs, that
+    /// of the present angle and rate. Positive torques turn towards larger angles.
+    pub fn joint_limit_torques(&self, j: u32) -> [f64; 2] {
+        if by_rows(&self.desc.solver) {
+            return self.state.limit_impulses[j as usize].map(|impulse| impulse / self.time_step);
+        }
+        let joint = &self.model.joints[j as usize];
+        let frames = assemble::joint_frames(&self.model, &self.state, j as usize);
+        let rates = self.joint_rates(j);
+        let axes = crate::skeleton::axis_states(joint.kind, &frames);
+        std::array::from_fn(|k| {
+            let torque = |axis: crate::skeleton::AxisState| {
+                limit_spring_torque(&joint.axes[k], joint, axis.angle, rates[k])
+            };
+            axes[k].map_or(0.0, torque)
+        })
+    }
+}
