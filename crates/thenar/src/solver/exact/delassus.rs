@@ -1,61 +1,80 @@
 //! The compliance of the whole constrained system at the contacts, `W = J_c K⁻¹ J_cᵀ`, and the
 //! impulses found on it.
 //!
-//! With K eliminated flesh first, and R the contact's pull on the freedoms once the flesh has
-//! answered,
+//! With K eliminated flesh first, `K_ww = L Lᵀ`, half solves are enough:
 //!
 //! ```text
-//!   W = J_w K_ww⁻¹ J_wᵀ + Hᵀ H,   H = L_S⁻¹ R,   R = J_uᵀ - Xᵀ J_wᵀ
+//!   Y_J = L⁻¹ J_wᵀ,   H = L_S⁻¹ (J_uᵀ - Yᵀ Y_J),   W = Y_Jᵀ Y_J + Hᵀ H
 //! ```
+//!
+//! where `Y = L⁻¹ C` and `S = L_S L_Sᵀ` are those of `direct`. Column 3m + a of W belongs to axis a
+//! of member m; columns come in batches of `LANES`. All this is in the factor's precision: rounds
+//! with the true velocities correct what it lacks.
 
 use crate::math::{Mat3, Vec3};
 use crate::model::Cone;
+use crate::solver::exact::aligned::Aligned;
 use crate::solver::exact::coarse::Coarse;
 use crate::solver::exact::direct::Direct;
 use crate::solver::exact::factor::{LANES, Lanes, Scalar};
-use crate::solver::exact::gauss_seidel::impulse;
+use crate::solver::exact::gauss_seidel::Response;
+use crate::solver::exact::half_solves::{HalfSolves, add_common_product, add_product};
 use crate::solver::exact::{System, small_cholesky};
 use crate::solver::{ContactRow, ContactRows, Convergence};
-
-/// Contacts solved for in one panel of right-hand sides.
-const BATCH: usize = LANES / 3;
+use fearless_simd::{Simd, SimdBase, SimdFloat, dispatch, f32x16, f64x8};
 
 /// W of the contacts that may press, and the iteration on it.
 #[derive(Clone, Debug)]
 pub struct Delassus {
     capacity: usize,
     /// The contacts in W.
-    pub members: Vec<u32>,
+    members: Vec<u32>,
     /// True for contacts in W.
     is_member: Vec<bool>,
     /// How many of them W holds already.
     built: usize,
-    /// W, row by row; a row has `3 capacity` numbers.
-    w: Vec<f64>,
+    /// Y_J.
+    half: HalfSolves,
+    /// All supernodes.
+    flesh: Vec<u32>,
+    /// H: per batch, one register per freedom.
+    pull: Aligned<Scalar>,
+    freedoms: usize,
+    /// Per batch: the groups of bodies that it pulls on.
+    pulls_on: Vec<bool>,
+    /// W, row by row.
+    w: Aligned<Scalar>,
+    /// From row to row of W.
+    stride: usize,
+    /// Own response of each member.
+    own: Vec<Response>,
     /// `J Δv` less its target, at the present impulses.
-    d: Vec<f64>,
+    d: Aligned<f64>,
     /// What the true `J Δv` has more than W says.
     correction: Vec<Vec3>,
-    /// H: per contact and side, three columns of the widest group.
-    h: Vec<f64>,
-    groups: Vec<[Option<u32>; 2]>,
-    widest: usize,
 }
 
 impl Delassus {
     /// Room for `capacity` contacts in W, of `contacts_max` found.
-    pub fn new(capacity: usize, contacts_max: usize, widest: usize) -> Self {
+    pub fn new(capacity: usize, contacts_max: usize, system: &Direct, freedoms: usize) -> Self {
+        let symbolic = &system.factor.symbolic;
+        let batches = (3 * capacity).div_ceil(LANES);
+        let stride = batches * LANES;
         Self {
             members: Vec::with_capacity(capacity),
             is_member: vec![false; contacts_max],
             built: 0,
-            w: vec![0.0; 9 * capacity * capacity],
-            d: vec![0.0; 3 * capacity],
+            half: HalfSolves::new(symbolic, batches),
+            flesh: (0..symbolic.supernodes.len() as u32).collect(),
+            pull: Aligned::new(batches * freedoms * LANES),
+            freedoms,
+            pulls_on: vec![false; batches * system.flesh_of_group.len()],
+            w: Aligned::new(stride * stride),
+            stride,
+            own: vec![Response::default(); capacity],
+            d: Aligned::new(stride),
             correction: vec![Vec3::zeros(); capacity],
-            h: vec![0.0; 6 * widest * capacity],
-            groups: vec![[None; 2]; capacity],
             capacity,
-            widest,
         }
     }
 
@@ -93,171 +112,121 @@ impl Delassus {
         &mut self,
         system: &System<'_>,
         coarse: &Coarse,
-        direct: &mut Direct,
+        direct: &Direct,
         contacts: &ContactRows,
     ) {
+        // The batch that was not full is done again.
+        for batch in 3 * self.built / LANES..(3 * self.members.len()).div_ceil(LANES) {
+            self.load(batch, system, coarse, direct, contacts);
+            self.half.half_solve(&direct.factor, batch);
+            self.solve_bodies(batch, system, coarse, direct);
+            (0..=batch).for_each(|other| self.multiply(other, batch, system, direct));
+        }
         for m in self.built..self.members.len() {
-            self.pull_on_bodies(m, system, coarse, direct, contacts);
-        }
-        direct.factor.want_none();
-        for &member in &self.members {
-            let row = &contacts.rows[member as usize];
-            nodes_of(contacts, row).for_each(|(node, _)| direct.factor.want(node));
-        }
-        for first in (self.built..self.members.len()).step_by(BATCH) {
-            let end = (first + BATCH).min(self.members.len());
-            self.answer_of_flesh(first..end, system, direct, contacts);
-        }
-        for i in 0..self.members.len() {
-            for j in self.built.max(i)..self.members.len() {
-                self.add_answer_of_bodies(i, j);
-            }
+            let own =
+                Mat3::from_fn(|a, b| f64::from(self.w[(3 * m + a) * self.stride + 3 * m + b]));
+            self.own[m] = Response::new(&own);
         }
         self.built = self.members.len();
     }
 
-    /// H of one member.
-    fn pull_on_bodies(
+    fn pull_of(&self, batch: usize) -> &[Lanes] {
+        &self.pull.as_chunks().0[batch * self.freedoms..(batch + 1) * self.freedoms]
+    }
+
+    /// `J_wᵀ` and `J_uᵀ` of one batch.
+    fn load(
         &mut self,
-        m: usize,
+        batch: usize,
         system: &System<'_>,
         coarse: &Coarse,
         direct: &Direct,
         contacts: &ContactRows,
     ) {
-        let row = &contacts.rows[self.members[m] as usize];
-        let row0 = 2 * system.bodies.bodies();
-        let widest = self.widest;
-        let h = &mut self.h[6 * widest * m..6 * widest * (m + 1)];
-        h.fill(0.0);
-        let groups = &mut self.groups[m];
-        *groups = [None; 2];
-        let mut side_of = |group: usize| {
-            let at = groups.iter().position(|g| *g == Some(group as u32));
-            let at = at.or_else(|| groups.iter().position(Option::is_none)).unwrap_or(1);
-            groups[at] = Some(group as u32);
-            at
-        };
-        for (node, weight) in nodes_of(contacts, row) {
-            let Some((group, cross)) = coarse.cross_of(node) else { continue };
-            let side = side_of(group);
-            for axis in 0..3 {
-                let f = system.unknown(row0 + node, &(row.frame.row(axis).transpose() * weight));
-                let column = &mut h[(3 * side + axis) * widest..(3 * side + axis + 1) * widest];
-                column.iter_mut().zip(&direct.X[cross.clone()]).for_each(|(h, x)| *h -= x.dot(&f));
-                coarse.skin_of(node).for_each(|(dof, motion)| column[dof] += motion.dot(&f));
-            }
-        }
-        for (body, lever, sign) in row.rigids.iter().flatten() {
-            let Some(group) = system.bodies.group_of_body(*body as usize) else { continue };
-            let (side, start) = (side_of(group), system.bodies.groups()[group].start);
-            for axis in 0..3 {
-                let [f, moment] = row.wrench(&(row.frame.row(axis).transpose() * *sign), lever);
-                let column = &mut h[(3 * side + axis) * widest..(3 * side + axis + 1) * widest];
-                for (dof, c) in system.bodies.columns(*body as usize) {
-                    let (lin, ang) = (Vec3::new(c[0], c[1], c[2]), Vec3::new(c[3], c[4], c[5]));
-                    column[dof - start] += lin.dot(&f) + ang.dot(&moment);
-                }
-            }
-        }
-        for (side, group) in groups.iter().enumerate() {
-            let Some(group) = group.map(|g| g as usize) else { continue };
-            let n = system.bodies.groups()[group].len();
-            for axis in 0..3 {
-                let at = (3 * side + axis) * widest;
-                let l = &direct.schur[coarse.block(group)];
-                small_cholesky::forward(l, n, &mut h[at..at + n]);
-            }
-        }
-    }
-
-    /// `J_w K_ww⁻¹ J_wᵀ` in the columns of some members, and by symmetry in their rows.
-    fn answer_of_flesh(
-        &mut self,
-        batch: std::ops::Range<usize>,
-        system: &System<'_>,
-        direct: &mut Direct,
-        contacts: &ContactRows,
-    ) {
-        let row0 = 2 * system.bodies.bodies();
-        direct.factor.clear_many();
-        let mut soft = false;
-        for (k, m) in batch.clone().enumerate() {
-            let row = &contacts.rows[self.members[m] as usize];
+        let (symbolic, row0) = (&direct.factor.symbolic, 2 * system.bodies.bodies());
+        let groups = system.bodies.groups();
+        self.half.clear(symbolic, batch);
+        let freedoms = batch * self.freedoms..(batch + 1) * self.freedoms;
+        let pull = &mut self.pull.as_chunks_mut::<LANES>().0[freedoms];
+        pull.fill([0.0; LANES]);
+        let pulls_on = &mut self.pulls_on[batch * groups.len()..(batch + 1) * groups.len()];
+        pulls_on.fill(false);
+        let columns = batch * LANES..((batch + 1) * LANES).min(3 * self.members.len());
+        for (lane, column) in columns.enumerate() {
+            let row = &contacts.rows[self.members[column / 3] as usize];
+            let direction: Vec3 = row.frame.row(column % 3).transpose();
             for (node, weight) in nodes_of(contacts, row) {
-                soft = true;
-                let rhs = direct.factor.many_mut(node);
-                for axis in 0..3 {
-                    let f = row.frame.row(axis).transpose() * weight;
-                    let f = system.unknown(row0 + node, &f);
-                    (0..3).for_each(|r| rhs[r][3 * k + axis] += f[r] as Scalar);
+                let f = system.unknown(row0 + node, &(direction * weight));
+                let rhs = self.half.node_mut(symbolic, batch, node);
+                (0..3).for_each(|r| rhs[r][lane] += f[r] as Scalar);
+                let Some((group, _)) = coarse.cross_of(node) else { continue };
+                pulls_on[group] = true;
+                for (dof, motion) in coarse.skin_of(node) {
+                    pull[groups[group].start + dof][lane] += motion.dot(&f) as Scalar;
                 }
             }
-        }
-        if soft {
-            direct.factor.solve_many();
-        }
-        let stride = 3 * self.capacity;
-        for i in 0..batch.end {
-            let row = &contacts.rows[self.members[i] as usize];
-            let mut moved: [Lanes; 3] = [[0.0; LANES]; 3];
-            for (node, weight) in nodes_of(contacts, row).filter(|_| soft) {
-                let known = &system.known[row0 + node];
-                let solution = direct.factor.many_of(node);
-                for r in (0..3).filter(|&r| !known[r]) {
-                    for lane in 0..LANES {
-                        moved[r][lane] += weight as Scalar * solution[r][lane];
-                    }
-                }
-            }
-            for (k, j) in batch.clone().enumerate() {
-                for a in 0..3 {
-                    for b in 0..3 {
-                        let value: f64 =
-                            (0..3).map(|r| row.frame[(a, r)] * moved[r][3 * k + b] as f64).sum();
-                        self.w[(3 * i + a) * stride + 3 * j + b] = value;
-                        self.w[(3 * j + b) * stride + 3 * i + a] = value;
-                    }
+            for (body, lever, sign) in row.rigids.iter().flatten() {
+                let body = *body as usize;
+                let Some(group) = system.bodies.group_of_body(body) else { continue };
+                pulls_on[group] = true;
+                let [f, moment] = row.wrench(&(direction * *sign), lever);
+                for (dof, c) in system.bodies.columns(body) {
+                    let (lin, ang) = (Vec3::new(c[0], c[1], c[2]), Vec3::new(c[3], c[4], c[5]));
+                    pull[dof][lane] += (lin.dot(&f) + ang.dot(&moment)) as Scalar;
                 }
             }
         }
     }
 
-    /// `Hᵀ H` of two members.
-    fn add_answer_of_bodies(&mut self, i: usize, j: usize) {
-        let (stride, widest) = (3 * self.capacity, self.widest);
-        let column = |m: usize, side: usize, axis: usize| {
-            let at = 6 * widest * m + (3 * side + axis) * widest;
-            &self.h[at..at + widest]
-        };
-        let mut sum = Mat3::zeros();
-        for (p, group) in self.groups[i].iter().enumerate() {
-            for (q, other) in self.groups[j].iter().enumerate() {
-                if group.is_none() || group != other {
-                    continue;
-                }
-                for a in 0..3 {
-                    for b in 0..3 {
-                        let pairs = column(i, p, a).iter().zip(column(j, q, b));
-                        sum[(a, b)] += pairs.map(|(x, y)| x * y).sum::<f64>();
-                    }
-                }
+    /// H of one batch.
+    fn solve_bodies(
+        &mut self,
+        batch: usize,
+        system: &System<'_>,
+        coarse: &Coarse,
+        direct: &Direct,
+    ) {
+        let groups = system.bodies.groups();
+        for (g, dofs) in groups.iter().enumerate() {
+            if !self.pulls_on[batch * groups.len() + g] {
+                continue;
             }
-        }
-        for a in 0..3 {
-            for b in 0..3 {
-                self.w[(3 * i + a) * stride + 3 * j + b] += sum[(a, b)];
-                if i != j {
-                    self.w[(3 * j + b) * stride + 3 * i + a] += sum[(a, b)];
-                }
+            let flesh = &direct.flesh_of_group[g];
+            let first = batch * self.freedoms;
+            let pull = &mut self.pull.as_chunks_mut::<LANES>().0;
+            let pull = &mut pull[first + dofs.start..first + dofs.end];
+            for (k, pull) in pull.chunks_mut(LANES).enumerate().filter(|_| !flesh.is_empty()) {
+                let mut product = [[0.0; LANES]; LANES];
+                let (carried, own) = ((&direct.half, k), (&self.half, batch));
+                add_common_product(&direct.factor, carried, own, flesh, &mut product);
+                let pairs = pull.as_flattened_mut().iter_mut().zip(product.as_flattened());
+                pairs.for_each(|(pull, product)| *pull -= product);
             }
+            small_cholesky::forward_many(&direct.schur[coarse.block(g)], dofs.len(), pull);
         }
     }
 
-    /// Own response of a member.
-    fn own(&self, m: usize) -> Mat3 {
-        let stride = 3 * self.capacity;
-        Mat3::from_fn(|a, b| self.w[(3 * m + a) * stride + 3 * m + b])
+    /// W in the columns of one batch and the rows of another, and by symmetry the other way round.
+    fn multiply(&mut self, a: usize, b: usize, system: &System<'_>, direct: &Direct) {
+        let mut product = [[0.0; LANES]; LANES];
+        let (x, y) = ((&self.half, a), (&self.half, b));
+        add_common_product(&direct.factor, x, y, &self.flesh, &mut product);
+        let groups = system.bodies.groups();
+        let pulls_on = |batch: usize, g: usize| self.pulls_on[batch * groups.len() + g];
+        for (g, dofs) in groups.iter().enumerate() {
+            if pulls_on(a, g) && pulls_on(b, g) {
+                let (x, y) = (&self.pull_of(a)[dofs.clone()], &self.pull_of(b)[dofs.clone()]);
+                dispatch!(direct.factor.level, simd => add_product(simd, x, y, &mut product));
+            }
+        }
+        let stride = self.stride;
+        for (i, line) in product.iter().enumerate() {
+            let at = (a * LANES + i) * stride + b * LANES;
+            self.w[at..at + LANES].copy_from_slice(line);
+            for (j, value) in line.iter().enumerate().filter(|_| a != b) {
+                self.w[(b * LANES + j) * stride + a * LANES + i] = *value;
+            }
+        }
     }
 
     fn value(&self, m: usize) -> Vec3 {
@@ -272,21 +241,36 @@ impl Delassus {
         cone: Cone,
         tolerance: f64,
         sweeps_max: u32,
+        direct: &Direct,
     ) -> Convergence {
-        let (n, stride) = (self.members.len(), 3 * self.capacity);
+        dispatch!(direct.factor.level, simd => {
+            self.sweep(simd, contacts, cone, tolerance, sweeps_max)
+        })
+    }
+
+    #[inline(always)]
+    fn sweep<S: Simd>(
+        &mut self,
+        simd: S,
+        contacts: &mut ContactRows,
+        cone: Cone,
+        tolerance: f64,
+        sweeps_max: u32,
+    ) -> Convergence {
+        let n = self.members.len();
         for m in 0..n {
             let start = self.correction[m] - contacts.rows[self.members[m] as usize].target;
             self.d[3 * m..3 * m + 3].copy_from_slice(start.as_slice());
         }
         for m in 0..n {
             let lambda = contacts.rows[self.members[m] as usize].lambda;
-            self.spread(m, &lambda, stride);
+            self.spread(simd, m, &lambda);
         }
         let mut convergence = Convergence { iterations: 0, residual: f64::INFINITY };
         while convergence.iterations < sweeps_max && convergence.residual > tolerance {
             convergence.residual = 0.0;
             for m in 0..n {
-                let change = self.visit(m, contacts, cone);
+                let change = self.visit(simd, m, contacts, cone);
                 convergence.residual = convergence.residual.max(change);
             }
             convergence.iterations += 1;
@@ -295,32 +279,43 @@ impl Delassus {
     }
 
     /// Gives one contact its impulse; returns the change of its velocity \[m/s\].
-    fn visit(&mut self, m: usize, contacts: &mut ContactRows, cone: Cone) -> f64 {
+    #[inline(always)]
+    fn visit<S: Simd>(&mut self, simd: S, m: usize, contacts: &mut ContactRows, cone: Cone) -> f64 {
         let row = &mut contacts.rows[self.members[m] as usize];
         let d = self.value(m);
         if row.lambda == Vec3::zeros() && d.x >= 0.0 {
             return 0.0;
         }
-        let own = self.own(m);
-        let lambda = wanted(cone, row, &own, &d);
+        let lambda = wanted(cone, row, &self.own[m], &d);
         let delta = lambda - row.lambda;
         if delta == Vec3::zeros() {
             return 0.0;
         }
         row.lambda = lambda;
-        self.spread(m, &delta, 3 * self.capacity);
-        (own * delta).norm()
+        self.spread(simd, m, &delta);
+        (self.own[m].W * delta).norm()
     }
 
     /// `d += W δ` for a change at one member.
-    fn spread(&mut self, m: usize, delta: &Vec3, stride: usize) {
+    #[inline(always)]
+    fn spread<S: Simd>(&mut self, simd: S, m: usize, delta: &Vec3) {
         if *delta == Vec3::zeros() {
             return;
         }
-        let n = 3 * self.members.len();
-        let [a, b, c] = [0, 1, 2].map(|k| &self.w[(3 * m + k) * stride..(3 * m + k) * stride + n]);
-        for (d, ((a, b), c)) in self.d[..n].iter_mut().zip(a.iter().zip(b).zip(c)) {
-            *d += a * delta.x + b * delta.y + c * delta.z;
+        let used = (3 * self.members.len()).next_multiple_of(LANES);
+        let row = |a: usize| self.w[(3 * m + a) * self.stride..][..used].as_chunks::<LANES>().0;
+        let rows = row(0).iter().zip(row(1)).zip(row(2));
+        for (d, ((a, b), c)) in self.d.as_chunks_mut::<LANES>().0.iter_mut().zip(rows) {
+            let (low, high) = d.split_at_mut(LANES / 2);
+            let mut sums = [f64x8::from_slice(simd, low), f64x8::from_slice(simd, high)];
+            for (w, delta) in [(a, delta.x), (b, delta.y), (c, delta.z)] {
+                let halves = simd.widen_f32x16(f32x16::from_slice(simd, w));
+                let delta = f64x8::splat(simd, delta);
+                sums[0] = halves.0.mul_add(delta, sums[0]);
+                sums[1] = halves.1.mul_add(delta, sums[1]);
+            }
+            sums[0].store_slice(low);
+            sums[1].store_slice(high);
         }
     }
 
@@ -341,9 +336,9 @@ impl Delassus {
             let missed = d - self.value(m);
             self.correction[m] += missed;
             well &= missed.norm() <= tolerance;
-            let own = self.own(m);
-            let lambda = wanted(cone, row, &own, &d);
-            violation = violation.max((own * (lambda - row.lambda)).norm());
+            let own = &self.own[m];
+            let lambda = wanted(cone, row, own, &d);
+            violation = violation.max((own.W * (lambda - row.lambda)).norm());
         }
         for (i, row) in contacts.rows.iter().enumerate() {
             if self.is_member[i] {
@@ -363,8 +358,8 @@ impl Delassus {
 }
 
 /// The impulse a contact should have, all others being what they are.
-fn wanted(cone: Cone, row: &ContactRow, own: &Mat3, d: &Vec3) -> Vec3 {
-    let lambda = impulse(cone, row.friction, own, &(d - own * row.lambda), &row.lambda);
+fn wanted(cone: Cone, row: &ContactRow, own: &Response, d: &Vec3) -> Vec3 {
+    let lambda = own.impulse(cone, row.friction, &(d - own.W * row.lambda), &row.lambda);
     let excess = lambda.x / row.impulse_max;
     if excess > 1.0 { lambda / excess } else { lambda }
 }

@@ -1,162 +1,218 @@
-//! The dense kernels of the flesh factor. Panels are stored column by column.
+//! The dense kernels that compute the flesh factor.
+//!
+//! Panels are stored column by column. A column begins at a register's boundary and is padded with
+//! zeros to whole registers (`stride` numbers); its first 3p rows are the pivot block, of which the
+//! strict upper triangle is zero and the diagonal holds reciprocals, `1 / L_kk`.
+//!
+//! Everything comes down to one register-blocked product of panel rows ([`products`]): a tile of
+//! T registers of rows times N columns stays in registers while the depth is run through.
 
-use crate::solver::exact::factor::{LANES, Lanes, Scalar};
+use crate::solver::exact::factor::{LANES, Scalar};
+use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16};
 
-/// Factors a panel of `width` columns and `height` rows in place; false when a pivot is not
-/// positive.
-pub fn factor_panel(panel: &mut [Scalar], height: usize, width: usize) -> bool {
-    // Three columns at a time, then their product off all later columns.
-    for k0 in (0..width).step_by(3) {
-        for k in k0..k0 + 3 {
-            let (before, column) = panel.split_at_mut(k * height);
-            let column = &mut column[..height];
-            for j in k0..k {
-                let done = &before[j * height + k..(j + 1) * height];
-                let factor = done[0];
-                column[k..].iter_mut().zip(done).for_each(|(x, l)| *x -= factor * l);
+/// Columns treated together; widths are multiples of 3.
+pub const COLUMNS: usize = 6;
+
+/// The 16 numbers from `at` on.
+#[inline(always)]
+pub fn load<S: Simd>(simd: S, x: &[Scalar], at: usize) -> f32x16<S> {
+    f32x16::from_slice(simd, &x[at..at + LANES])
+}
+
+/// Stores 16 numbers from `at` on.
+#[inline(always)]
+pub fn store<S: Simd>(value: f32x16<S>, x: &mut [Scalar], at: usize) {
+    value.store_slice(&mut x[at..at + LANES]);
+}
+
+/// The last register's boundary at or before a row.
+#[inline(always)]
+pub const fn line(row: usize) -> usize {
+    row / LANES * LANES
+}
+
+/// Rows per column, padded to whole registers.
+pub const fn stride(height: usize) -> usize {
+    height.div_ceil(LANES) * LANES
+}
+
+/// `Σ_k L[row.., k] L[column + c, k]` over all columns k of `panel`: T registers of rows, N columns.
+#[inline(always)]
+fn products<S: Simd, const T: usize, const N: usize>(
+    simd: S,
+    panel: &[Scalar],
+    stride: usize,
+    row: usize,
+    column: usize,
+) -> [[f32x16<S>; T]; N] {
+    let mut sums = [[f32x16::splat(simd, 0.0); T]; N];
+    for l in panel.chunks_exact(stride) {
+        let rows: [_; T] = std::array::from_fn(|t| load(simd, l, row + LANES * t));
+        let factors = &l[column..column + N];
+        for c in 0..N {
+            let factor = f32x16::splat(simd, factors[c]);
+            for t in 0..T {
+                sums[c][t] = rows[t].mul_add(factor, sums[c][t]);
             }
-            let pivot = column[k];
-            if !(pivot > 0.0 && pivot.is_finite()) {
-                return false;
-            }
-            let scale = 1.0 / pivot.sqrt();
-            column[k..].iter_mut().for_each(|x| *x *= scale);
         }
-        let (done, rest) = panel.split_at_mut((k0 + 3) * height);
-        let [l0, l1, l2] = [0, 1, 2].map(|c| &done[(k0 + c) * height..(k0 + c + 1) * height]);
-        for (j, column) in (k0 + 3..width).zip(rest.chunks_exact_mut(height)) {
-            let (f0, f1, f2) = (l0[j], l1[j], l2[j]);
-            let lower = l0[j..].iter().zip(&l1[j..]).zip(&l2[j..]);
-            for (x, ((a, b), c)) in column[j..].iter_mut().zip(lower) {
-                *x -= f0 * a + f1 * b + f2 * c;
-            }
+    }
+    sums
+}
+
+/// Factors a panel of `width` columns in place; false when a pivot is not positive.
+#[inline(always)]
+pub fn factor_panel<S: Simd>(simd: S, panel: &mut [Scalar], stride: usize, width: usize) -> bool {
+    for k0 in (0..width).step_by(COLUMNS) {
+        let sound = if width - k0 >= COLUMNS {
+            factor_columns::<S, COLUMNS>(simd, panel, stride, k0)
+        } else {
+            factor_columns::<S, 3>(simd, panel, stride, k0)
+        };
+        if !sound {
+            return false;
         }
     }
     true
 }
 
-/// `update = L₂ L₂ᵀ` of the rows below the pivots, lower triangle, column by column.
-pub fn outer_product(panel: &[Scalar], height: usize, width: usize, update: &mut [Scalar]) {
-    let m = height - width;
-    for (j, column) in update[..m * m].chunks_exact_mut(m).enumerate() {
-        column[j..].fill(0.0);
-        for k0 in (0..width).step_by(3) {
-            let [l0, l1, l2] =
-                [0, 1, 2].map(|c| &panel[(k0 + c) * height + width + j..(k0 + c + 1) * height]);
-            let (f0, f1, f2) = (l0[0], l1[0], l2[0]);
-            for (x, ((a, b), c)) in column[j..].iter_mut().zip(l0.iter().zip(l1).zip(l2)) {
-                *x += f0 * a + f1 * b + f2 * c;
+/// Columns `k0..k0 + N`, left-looking: what the columns before take off, then the own block.
+#[inline(always)]
+fn factor_columns<S: Simd, const N: usize>(
+    simd: S,
+    panel: &mut [Scalar],
+    stride: usize,
+    k0: usize,
+) -> bool {
+    let (done, rest) = panel.split_at_mut(k0 * stride);
+    let block = &mut rest[..N * stride];
+    let mut row = line(k0);
+    while row + 2 * LANES <= stride && k0 > 0 {
+        subtract(products::<S, 2, N>(simd, done, stride, row, k0), simd, block, stride, row);
+        row += 2 * LANES;
+    }
+    if row < stride && k0 > 0 {
+        subtract(products::<S, 1, N>(simd, done, stride, row, k0), simd, block, stride, row);
+    }
+
+    let Some(pivots) = factor_pivots::<N>(block, stride, k0) else { return false };
+    for row in (line(k0)..stride).step_by(LANES) {
+        let mut x: [_; N] = std::array::from_fn(|c| load(simd, block, c * stride + row));
+        for c in 0..N {
+            let mut value = x[c];
+            for e in 0..c {
+                value -= x[e] * pivots[c][e];
+            }
+            x[c] = value * pivots[c][c];
+            store(x[c], block, c * stride + row);
+        }
+    }
+    for (c, column) in block.chunks_exact_mut(stride).enumerate() {
+        column[line(k0)..k0 + c].fill(0.0);
+        column[k0 + c] = pivots[c][c];
+    }
+    true
+}
+
+#[inline(always)]
+fn subtract<S: Simd, const T: usize, const N: usize>(
+    sums: [[f32x16<S>; T]; N],
+    simd: S,
+    block: &mut [Scalar],
+    stride: usize,
+    row: usize,
+) {
+    for c in 0..N {
+        for t in 0..T {
+            let at = c * stride + row + LANES * t;
+            store(load(simd, block, at) - sums[c][t], block, at);
+        }
+    }
+}
+
+/// The N×N Cholesky factor at row `k0` of a block of columns, reciprocals on its diagonal.
+#[inline(always)]
+fn factor_pivots<const N: usize>(
+    block: &[Scalar],
+    stride: usize,
+    k0: usize,
+) -> Option<[[Scalar; N]; N]> {
+    let mut l = [[0.0; N]; N];
+    for c in 0..N {
+        for r in c..N {
+            let mut value = block[c * stride + k0 + r];
+            for e in 0..c {
+                value -= l[r][e] * l[c][e];
+            }
+            if r > c {
+                l[r][c] = value * l[c][c];
+            } else if value > 0.0 && value.is_finite() {
+                l[c][c] = 1.0 / value.sqrt();
+            } else {
+                return None;
             }
         }
     }
+    Some(l)
 }
 
-/// `x = L₁⁻¹ x`, `below += L₂ x`.
-pub fn forward(panel: &[Scalar], height: usize, x: &mut [Scalar], below: &mut [Scalar]) {
-    let width = x.len();
-    for (k, column) in panel.chunks_exact(height).enumerate() {
-        x[k] /= column[k];
-        let value = x[k];
-        x[k + 1..].iter_mut().zip(&column[k + 1..width]).for_each(|(x, l)| *x -= l * value);
-        below.iter_mut().zip(&column[width..]).for_each(|(x, l)| *x += l * value);
-    }
-}
-
-/// `x = L₁⁻ᵀ (x - L₂ᵀ below)`.
-pub fn backward(panel: &[Scalar], height: usize, x: &mut [Scalar], below: &[Scalar]) {
-    let width = x.len();
-    for (k, column) in panel.chunks_exact(height).enumerate().rev() {
-        let own = dot(&column[k + 1..width], &x[k + 1..]);
-        x[k] = (x[k] - own - dot(&column[width..], below)) / column[k];
-    }
-}
-
-/// Scalar product in eight running sums, so that it can be done in parallel.
-fn dot(a: &[Scalar], b: &[Scalar]) -> Scalar {
-    let mut sums = [0.0; 8];
-    let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: Scalar = a8.remainder().iter().zip(b8.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in a8.zip(b8) {
-        for k in 0..8 {
-            sums[k] += a[k] * b[k];
-        }
-    }
-    sums.iter().sum::<Scalar>() + rest
-}
-
-/// `x -= l y` in every lane.
+/// `update = L₂ L₂ᵀ` of the rows below the pivots, lower triangle, column by column. A column has
+/// as many numbers as one of the panel has from the boundary `line(width)` on.
 #[inline(always)]
-fn subtract(x: &mut Lanes, l: Scalar, y: &Lanes) {
-    for k in 0..LANES {
-        x[k] -= l * y[k];
-    }
-}
-
-/// `x *= s` in every lane.
-#[inline(always)]
-fn scale(x: &mut Lanes, s: Scalar) {
-    x.iter_mut().for_each(|x| *x *= s);
-}
-
-/// Forward substitution of one supernode for many right-hand sides: its pivots are the rows from
-/// `first` on of x, the rows below those of the places `rows`.
-pub fn forward_many(
+pub fn outer_product<S: Simd>(
+    simd: S,
     panel: &[Scalar],
+    stride: usize,
     height: usize,
     width: usize,
-    first: usize,
-    rows: &[u32],
-    x: &mut [Lanes],
+    update: &mut [Scalar],
 ) {
-    for k in 0..width {
-        let mut value = x[first + k];
-        for j in 0..k {
-            subtract(&mut value, panel[j * height + k], &x[first + j]);
+    for column in (width..height).step_by(COLUMNS) {
+        if height - column >= COLUMNS {
+            product_columns::<S, COLUMNS>(simd, panel, stride, width, column, update);
+        } else {
+            product_columns::<S, 3>(simd, panel, stride, width, column, update);
         }
-        scale(&mut value, 1.0 / panel[k * height + k]);
-        x[first + k] = value;
-    }
-    for (i, row) in rows.iter().enumerate() {
-        let at = 3 * *row as usize;
-        let mut values = [x[at], x[at + 1], x[at + 2]];
-        for k in 0..width {
-            let l = &panel[k * height + width + 3 * i..k * height + width + 3 * i + 3];
-            let y = x[first + k];
-            for r in 0..3 {
-                subtract(&mut values[r], l[r], &y);
-            }
-        }
-        x[at..at + 3].copy_from_slice(&values);
     }
 }
 
-/// Backward substitution likewise.
-pub fn backward_many(
+#[inline(always)]
+fn product_columns<S: Simd, const N: usize>(
+    simd: S,
     panel: &[Scalar],
-    height: usize,
+    stride: usize,
     width: usize,
-    first: usize,
-    rows: &[u32],
-    x: &mut [Lanes],
+    column: usize,
+    update: &mut [Scalar],
 ) {
-    for k0 in (0..width).step_by(3) {
-        let mut values = [x[first + k0], x[first + k0 + 1], x[first + k0 + 2]];
-        for (i, row) in rows.iter().enumerate() {
-            for r in 0..3 {
-                let y = x[3 * *row as usize + r];
-                for (c, value) in values.iter_mut().enumerate() {
-                    subtract(value, panel[(k0 + c) * height + width + 3 * i + r], &y);
-                }
+    let first = line(width);
+    let update_stride = stride - first;
+    let update = &mut update[(column - width) * update_stride..][..N * update_stride];
+    let mut row = line(column);
+    while row + 2 * LANES <= stride {
+        let sums = products::<S, 2, N>(simd, panel, stride, row, column);
+        for c in 0..N {
+            for t in 0..2 {
+                store(sums[c][t], update, c * update_stride + row - first + LANES * t);
             }
         }
-        x[first + k0..first + k0 + 3].copy_from_slice(&values);
+        row += 2 * LANES;
     }
-    for k in (0..width).rev() {
-        let mut value = x[first + k];
-        for j in k + 1..width {
-            subtract(&mut value, panel[k * height + j], &x[first + j]);
+    if row < stride {
+        let sums = products::<S, 1, N>(simd, panel, stride, row, column);
+        for c in 0..N {
+            store(sums[c][0], update, c * update_stride + row - first);
         }
-        scale(&mut value, 1.0 / panel[k * height + k]);
-        x[first + k] = value;
     }
+}
+
+/// `to -= from`.
+#[inline(always)]
+pub fn take_off<S: Simd>(simd: S, from: &[Scalar], to: &mut [Scalar]) {
+    let (from, rest) = from.as_chunks::<LANES>();
+    let (lines, to) = to.split_at_mut(LANES * from.len());
+    for (to, from) in lines.chunks_exact_mut(LANES).zip(from) {
+        let value = f32x16::from_slice(simd, to) - f32x16::from_slice(simd, from);
+        value.store_slice(to);
+    }
+    to.iter_mut().zip(rest).for_each(|(to, from)| *to -= from);
 }

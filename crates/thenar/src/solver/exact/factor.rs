@@ -1,15 +1,17 @@
 //! Cholesky factor of the flesh matrix, `K_ww = B + G = L Lᵀ`, by supernodes, right-looking: each
 //! panel is factored, and its outer product is taken off the panels of later ones.
 
-use crate::solver::exact::System;
-use crate::solver::exact::dense;
+use crate::math::Vec3;
+use crate::solver::exact::aligned::Aligned;
 use crate::solver::exact::symbolic::{Supernode, Symbolic};
+use crate::solver::exact::{System, dense, substitution};
+use fearless_simd::{Level, Simd, dispatch};
 
 /// Numbers of the factor. Single precision halves the memory and doubles the speed; conjugate
 /// gradients in double precision around it give back the accuracy.
 pub type Scalar = f32;
 
-/// Right-hand sides solved together.
+/// Numbers in a register, and right-hand sides solved together.
 pub const LANES: usize = 16;
 /// One number of each of them.
 pub type Lanes = [Scalar; LANES];
@@ -19,33 +21,30 @@ pub type Lanes = [Scalar; LANES];
 pub struct Factor {
     /// Its structure.
     pub symbolic: Symbolic,
-    panels: Vec<Scalar>,
+    /// The vector instructions that this machine has.
+    pub level: Level,
+    panels: Aligned<Scalar>,
     /// The outer product of one supernode.
-    update: Vec<Scalar>,
+    update: Aligned<Scalar>,
     /// One right-hand side, in elimination order.
-    x: Vec<Scalar>,
-    below: Vec<Scalar>,
-    /// Many right-hand sides: rows of three per place.
-    pub many: Vec<Lanes>,
-    /// Supernodes that the many right-hand sides reach going up.
-    reached: Vec<bool>,
-    /// Supernodes at which the many solutions are wanted.
-    pub wanted: Vec<bool>,
+    pub x: Vec<Scalar>,
+    /// One supernode's rows of it.
+    column: Aligned<Scalar>,
 }
 
 impl Factor {
     /// Room for a factor of this structure.
     pub fn new(symbolic: Symbolic) -> Self {
         let n = 3 * symbolic.place_of_node.len();
-        let below = 3 * symbolic.below_max;
+        let update = |node: &Supernode| 3 * node.below * node.update_stride();
+        let update = symbolic.supernodes.iter().map(update).max().unwrap_or(0);
+        let column = symbolic.supernodes.iter().map(Supernode::stride).max().unwrap_or(0);
         Self {
-            panels: vec![0.0; symbolic.size],
-            update: vec![0.0; below * below],
+            level: Level::new(),
+            panels: Aligned::new(symbolic.size),
+            update: Aligned::new(update),
             x: vec![0.0; n],
-            below: vec![0.0; below],
-            many: vec![[0.0; LANES]; n],
-            reached: vec![false; symbolic.supernodes.len()],
-            wanted: vec![true; symbolic.supernodes.len()],
+            column: Aligned::new(column),
             symbolic,
         }
     }
@@ -53,16 +52,21 @@ impl Factor {
     /// Factors the matrix; false when a pivot is not positive.
     pub fn refresh(&mut self, system: &System<'_>) -> bool {
         self.load(system);
+        dispatch!(self.level, simd => self.factor(simd))
+    }
+
+    #[inline(always)]
+    fn factor<S: Simd>(&mut self, simd: S) -> bool {
         for s in 0..self.symbolic.supernodes.len() {
             let node = self.symbolic.supernodes[s];
-            let (height, width) = (node.height(), 3 * node.pivots);
-            let panel = &mut self.panels[node.panel..node.panel + width * height];
-            if !dense::factor_panel(panel, height, width) {
+            let (stride, width) = (node.stride(), node.width());
+            let panel = &mut self.panels[node.panel()];
+            if !dense::factor_panel(simd, panel, stride, width) {
                 return false;
             }
             if node.below > 0 {
-                dense::outer_product(panel, height, width, &mut self.update);
-                self.subtract_update(&node);
+                dense::outer_product(simd, panel, stride, node.height(), width, &mut self.update);
+                self.subtract_update(simd, &node);
             }
         }
         true
@@ -73,7 +77,7 @@ impl Factor {
         for load in &self.symbolic.loads {
             let block = &system.A.blocks[load.entry as usize];
             for c in 0..3 {
-                let at = load.place as usize + c * load.height as usize;
+                let at = load.place as usize + c * load.stride as usize;
                 for r in 0..3 {
                     self.panels[at + r] = block[3 * c + r] as Scalar;
                 }
@@ -81,69 +85,48 @@ impl Factor {
         }
         let row0 = 2 * system.bodies.bodies();
         for (n, spring) in system.springs.iter().enumerate() {
-            let (at, height) = self.symbolic.diagonals[n];
-            let spring = system.unknown(row0 + n, &crate::math::Vec3::repeat(*spring));
+            let (at, stride) = self.symbolic.diagonals[n];
+            let spring = system.unknown(row0 + n, &Vec3::repeat(*spring));
             for k in 0..3 {
-                self.panels[at as usize + k * (height as usize + 1)] += spring[k] as Scalar;
+                self.panels[at as usize + k * (stride as usize + 1)] += spring[k] as Scalar;
             }
         }
     }
 
-    fn subtract_update(&mut self, node: &Supernode) {
-        let m = 3 * node.below;
+    #[inline(always)]
+    fn subtract_update<S: Simd>(&mut self, simd: S, node: &Supernode) {
+        let (stride, offset) = (node.update_stride(), node.update_offset());
         for segment in &self.symbolic.segments[node.segments[0]..node.segments[1]] {
             let target = self.symbolic.supernodes[segment.target as usize];
-            let height = target.height();
-            let places = &self.symbolic.places[segment.places..];
-            for column in segment.begin..segment.end {
-                let first_column = 3 * places[column - segment.begin] as usize;
-                for c in 0..3 {
-                    let at = target.panel + (first_column + c) * height;
-                    let to = &mut self.panels[at..at + height];
-                    let from = &self.update[(3 * column + c) * m..(3 * column + c + 1) * m];
-                    for row in column..node.below {
-                        let place = 3 * places[row - segment.begin] as usize;
-                        for r in 0..3 {
-                            to[place + r] -= from[3 * row + r];
-                        }
+            let panel = &mut self.panels[target.panel()];
+            let runs = &self.symbolic.runs[segment.runs[0]..segment.runs[1]];
+            for columns in runs {
+                for column in columns.rows().take_while(|&column| column < 3 * segment.end) {
+                    let from = &self.update[column * stride + offset..(column + 1) * stride];
+                    let at = (columns.place + column - columns.row) * target.stride();
+                    let to = &mut panel[at..at + target.stride()];
+                    for run in runs.iter().filter(|run| run.rows().end > column) {
+                        // The lower triangle only.
+                        let rows = run.row.max(column)..run.rows().end;
+                        let places = run.place + rows.start - run.row..run.place + run.length;
+                        dense::take_off(simd, &from[rows], &mut to[places]);
                     }
                 }
             }
         }
     }
 
-    /// Solves for one right-hand side per node, in place.
-    pub fn solve(&mut self, w: &mut [crate::math::Vec3]) {
+    /// Brings a right-hand side per node into elimination order.
+    pub fn gather(&mut self, w: &[Vec3]) {
         for (w, place) in w.iter().zip(&self.symbolic.place_of_node) {
             for k in 0..3 {
                 self.x[3 * *place as usize + k] = w[k] as Scalar;
             }
         }
-        for node in &self.symbolic.supernodes {
-            let (height, width) = (node.height(), 3 * node.pivots);
-            let panel = &self.panels[node.panel..node.panel + width * height];
-            let rows = &self.symbolic.rows[node.rows..node.rows + node.below];
-            let below = &mut self.below[..3 * node.below];
-            below.fill(0.0);
-            let x = &mut self.x[3 * node.first..3 * node.first + width];
-            dense::forward(panel, height, x, below);
-            for (row, below) in rows.iter().zip(below.chunks_exact(3)) {
-                for k in 0..3 {
-                    self.x[3 * *row as usize + k] -= below[k];
-                }
-            }
-        }
-        for node in self.symbolic.supernodes.iter().rev() {
-            let (height, width) = (node.height(), 3 * node.pivots);
-            let panel = &self.panels[node.panel..node.panel + width * height];
-            let rows = &self.symbolic.rows[node.rows..node.rows + node.below];
-            let below = &mut self.below[..3 * node.below];
-            for (row, below) in rows.iter().zip(below.chunks_exact_mut(3)) {
-                below.copy_from_slice(&self.x[3 * *row as usize..3 * *row as usize + 3]);
-            }
-            let x = &mut self.x[3 * node.first..3 * node.first + width];
-            dense::backward(panel, height, x, below);
-        }
+    }
+
+    /// Brings the solution back.
+    pub fn spread(&self, w: &mut [Vec3]) {
         for (w, place) in w.iter_mut().zip(&self.symbolic.place_of_node) {
             for k in 0..3 {
                 w[k] = self.x[3 * *place as usize + k] as f64;
@@ -151,76 +134,61 @@ impl Factor {
         }
     }
 
-    /// Marks no supernode as wanted.
-    pub fn want_none(&mut self) {
-        self.wanted.fill(false);
-    }
-
-    /// Wants the many solutions at this node, and so at all it depends on.
-    pub fn want(&mut self, node: usize) {
-        let place = self.symbolic.place_of_node[node] as usize;
-        let mut next = Some(self.symbolic.supernode_of[place]);
-        while let Some(s) = next {
-            if std::mem::replace(&mut self.wanted[s as usize], true) {
-                break;
+    /// `x = L⁻¹ x`.
+    pub fn forward(&mut self) {
+        let Self { symbolic, level, panels, x, column, .. } = self;
+        dispatch!(*level, simd => for node in &symbolic.supernodes {
+            let rows = &symbolic.rows[node.rows..node.rows + node.below];
+            let below = node.width()..node.height();
+            let column = &mut column[..node.stride()];
+            column.fill(0.0);
+            substitution::forward(simd, &panels[node.panel()], &mut x[node.pivots()], column);
+            for (row, change) in rows.iter().zip(column[below].as_chunks::<3>().0) {
+                for k in 0..3 {
+                    x[3 * *row as usize + k] += change[k];
+                }
             }
-            next = self.symbolic.supernodes[s as usize].parent;
-        }
+        });
     }
 
-    /// Sets the many right-hand sides to zero.
-    pub fn clear_many(&mut self) {
-        self.many.fill([0.0; LANES]);
-        self.reached.fill(false);
+    /// `x = L⁻ᵀ x`.
+    pub fn backward(&mut self) {
+        let Self { symbolic, level, panels, x, column, .. } = self;
+        dispatch!(*level, simd => for node in symbolic.supernodes.iter().rev() {
+            let rows = &symbolic.rows[node.rows..node.rows + node.below];
+            let below = node.width()..node.height();
+            let column = &mut column[..node.stride()];
+            column[below.end..].fill(0.0);
+            for (row, value) in rows.iter().zip(column[below].as_chunks_mut::<3>().0) {
+                value.copy_from_slice(&x[3 * *row as usize..3 * *row as usize + 3]);
+            }
+            substitution::backward(simd, &panels[node.panel()], &mut x[node.pivots()], column);
+        });
     }
 
-    /// The three rows of a node in the many right-hand sides; they become part of the problem.
-    pub fn many_mut(&mut self, node: usize) -> &mut [Lanes] {
-        let place = self.symbolic.place_of_node[node] as usize;
-        self.reached[self.symbolic.supernode_of[place] as usize] = true;
-        &mut self.many[3 * place..3 * place + 3]
-    }
-
-    /// The three rows of a node in the many solutions.
-    pub fn many_of(&self, node: usize) -> &[Lanes] {
-        let place = self.symbolic.place_of_node[node] as usize;
-        &self.many[3 * place..3 * place + 3]
-    }
-
-    /// Solves for the many right-hand sides in place, at the wanted nodes only.
-    pub fn solve_many(&mut self) {
-        for s in 0..self.symbolic.supernodes.len() {
-            if !self.reached[s] {
+    /// `x = L⁻¹ x` for many right-hand sides, in elimination order; `reached` tells which supernodes
+    /// hold any, and then which the results do.
+    pub fn forward_many(&self, x: &mut [Lanes], reached: &mut [bool]) {
+        let Self { symbolic, level, panels, .. } = self;
+        dispatch!(*level, simd => for (s, node) in symbolic.supernodes.iter().enumerate() {
+            if !reached[s] {
                 continue;
             }
-            let node = &self.symbolic.supernodes[s];
             if let Some(parent) = node.parent {
-                self.reached[parent as usize] = true;
+                reached[parent as usize] = true;
             }
-            let (height, width) = (node.height(), 3 * node.pivots);
-            let panel = &self.panels[node.panel..node.panel + width * height];
-            let rows = &self.symbolic.rows[node.rows..node.rows + node.below];
-            dense::forward_many(panel, height, width, 3 * node.first, rows, &mut self.many);
-        }
-        for s in (0..self.symbolic.supernodes.len()).rev() {
-            if !self.wanted[s] {
-                continue;
-            }
-            let node = &self.symbolic.supernodes[s];
-            let (height, width) = (node.height(), 3 * node.pivots);
-            let panel = &self.panels[node.panel..node.panel + width * height];
-            let rows = &self.symbolic.rows[node.rows..node.rows + node.below];
-            dense::backward_many(panel, height, width, 3 * node.first, rows, &mut self.many);
-        }
+            let rows = &symbolic.rows[node.rows..node.rows + node.below];
+            substitution::forward_many(simd, &panels[node.panel()], node, rows, x);
+        });
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Vec3;
     use crate::solver::BlockMatrix;
     use crate::solver::exact::Reduction;
+    use crate::solver::exact::half_solves::{HalfSolves, add_common_product};
     use crate::testing::Random;
 
     /// Blocks of nodes on a lattice, two of them side by side without touching: the solution must be
@@ -272,20 +240,51 @@ mod tests {
             let mut x: Vec<Vec3> =
                 (0..n).map(|i| A.row_times(i, &want) + want[i] * springs[i]).collect();
             let rhs = x.clone();
-            factor.solve(&mut x);
+            factor.gather(&x);
+            factor.forward();
+            factor.backward();
+            factor.spread(&mut x);
             let error = x.iter().zip(&want).map(|(x, w)| (x - w).norm()).fold(0.0, f64::max);
             assert!(error < 1e4 * f64::from(Scalar::EPSILON), "{cells:?}: {error}");
-            factor.clear_many();
+            // Half solves: the product of two columns is that of one with the other's solution.
+            let mut columns = HalfSolves::new(&factor.symbolic, 2);
+            let at = n / 2;
             for (i, r) in rhs.iter().enumerate() {
-                (0..3).for_each(|k| factor.many_mut(i)[k][5] = r[k] as Scalar);
+                let rows = columns.node_mut(&factor.symbolic, 0, i);
+                (0..3).for_each(|k| rows[k][5] = r[k] as Scalar);
             }
-            factor.solve_many();
-            for (i, x) in x.iter().enumerate() {
-                for k in 0..3 {
-                    let lane = f64::from(factor.many_of(i)[k][5]);
-                    assert!((lane - x[k]).abs() < 1e4 * f64::from(Scalar::EPSILON));
-                }
-            }
+            columns.node_mut(&factor.symbolic, 1, at)[1][3] = 1.0;
+            (0..2).for_each(|batch| columns.half_solve(&factor, batch));
+            let all: Vec<u32> = (0..factor.symbolic.supernodes.len() as u32).collect();
+            let mut product = [[0.0; LANES]; LANES];
+            add_common_product(&factor, (&columns, 0), (&columns, 1), &all, &mut product);
+            let error = f64::from(product[5][3]) - want[at].y;
+            assert!(error.abs() < 1e4 * f64::from(Scalar::EPSILON), "{cells:?}: {error}");
+            assert!(product[4][3] == 0.0 && product[5][2] == 0.0);
+            agree_at_all_levels(factor, &system, &rhs, &x);
+        }
+    }
+
+    /// The vector instructions of this machine and lesser ones find the same within round-off.
+    fn agree_at_all_levels(mut factor: Factor, system: &System<'_>, rhs: &[Vec3], best: &[Vec3]) {
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        let lesser = [
+            Some(Level::baseline()),
+            Level::new().as_sse2().map(Level::Sse2),
+            Level::new().as_avx2().map(Level::Avx2),
+        ];
+        #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+        let lesser = [Some(Level::baseline())];
+        for level in lesser.into_iter().flatten() {
+            factor.level = level;
+            assert!(factor.refresh(system));
+            factor.gather(rhs);
+            factor.forward();
+            factor.backward();
+            let mut x = rhs.to_vec();
+            factor.spread(&mut x);
+            let error = x.iter().zip(best).map(|(x, b)| (x - b).norm()).fold(0.0, f64::max);
+            assert!(error < 1e4 * f64::from(Scalar::EPSILON), "{level:?}: {error}");
         }
     }
 }

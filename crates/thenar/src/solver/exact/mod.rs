@@ -16,12 +16,14 @@
 //! Nothing is allocated once built. Joints form trees; those left over because they close loops take
 //! directions out of u (`loops`).
 
+mod aligned;
 mod coarse;
 mod delassus;
 mod dense;
 mod direct;
 mod factor;
 mod gauss_seidel;
+mod half_solves;
 mod jacobi;
 mod loops;
 mod ordering;
@@ -29,6 +31,7 @@ mod pcg;
 mod reduction;
 mod relative;
 mod small_cholesky;
+mod substitution;
 mod symbolic;
 
 pub use pcg::Solved;
@@ -67,7 +70,7 @@ pub struct Plan<'a> {
     pub contacts_max: usize,
 }
 
-/// Most contacts that may press in one step; W takes 72 bytes times their square.
+/// Most contacts that may press in one step; W takes 36 bytes times their square.
 const PRESSING_MAX: usize = 384;
 /// Times that contact is solved, compared with the true velocities, and solved again.
 const ROUNDS_MAX: u32 = 8;
@@ -165,10 +168,10 @@ impl Exact {
         // Flops of the factor's numbers, of which an iteration does some twenty per block.
         let flops = factor.symbolic.flops() / 2.0;
         let iteration = 25.0 * pattern.blocks.len() as f64;
+        let direct = Direct::new(factor, &coarse, bodies.groups());
         Self {
             iterations_worth_a_factor: (flops / iteration).clamp(16.0, 400.0) as u32,
             jacobi: BlockJacobi::new(&coarse, nodes),
-            direct: Direct::new(factor, &coarse),
             ready: Ready::Nothing,
             x: Coordinates::new(bodies.freedoms(), nodes),
             work: pcg::Workspace::new(bodies.freedoms(), count, nodes),
@@ -177,8 +180,10 @@ impl Exact {
             delassus: Delassus::new(
                 plan.contacts_max.min(PRESSING_MAX),
                 plan.contacts_max,
-                bodies.groups().iter().map(|g| g.len()).max().unwrap_or(0),
+                &direct,
+                bodies.freedoms(),
             ),
+            direct,
             coarse,
             split,
             bodies,
@@ -274,7 +279,8 @@ impl Exact {
         let mut total = Convergence::default();
         for _ in 0..ROUNDS_MAX {
             delassus.extend(&system, coarse, direct, contacts);
-            let sweeps = delassus.solve(contacts, cone, accuracy.velocity, accuracy.sweeps_max);
+            let sweeps =
+                delassus.solve(contacts, cone, accuracy.velocity, accuracy.sweeps_max, direct);
             total.iterations += sweeps.iterations;
 
             // The true change of velocities: K Δ = Jᵀ λ.

@@ -1,5 +1,7 @@
 //! Cholesky factor of the small dense blocks, in place and row by row.
 
+use crate::solver::exact::factor::{Lanes, Scalar};
+
 /// Factors the lower triangle of the n×n matrix `m`; false unless it is positive definite.
 pub fn factor(m: &mut [f64], n: usize) -> bool {
     for i in 0..n {
@@ -28,6 +30,19 @@ pub fn forward(l: &[f64], n: usize, x: &mut [f64]) {
     for i in 0..n {
         let done: f64 = l[i * n..i * n + i].iter().zip(x.iter()).map(|(a, b)| a * b).sum();
         x[i] = (x[i] - done) / l[i * n + i];
+    }
+}
+
+/// `x = L⁻¹ x` for many right-hand sides.
+pub fn forward_many(l: &[f64], n: usize, x: &mut [Lanes]) {
+    for i in 0..n {
+        let (done, rest) = x.split_at_mut(i);
+        let scale = (1.0 / l[i * n + i]) as Scalar;
+        for (l, done) in l[i * n..i * n + i].iter().zip(done) {
+            let l = *l as Scalar;
+            rest[0].iter_mut().zip(done).for_each(|(x, y)| *x -= l * *y);
+        }
+        rest[0].iter_mut().for_each(|x| *x *= scale);
     }
 }
 

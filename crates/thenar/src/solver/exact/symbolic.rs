@@ -1,12 +1,15 @@
 //! The fixed structure of the flesh factor: which columns are eliminated together (supernodes),
 //! where their panels lie, and where everything is added to.
 //!
-//! A supernode with p nodes and m rows below owns a panel of 3p columns, each of 3(p + m) numbers,
-//! column by column; the first 3p rows are the (lower triangular) pivot block.
+//! A supernode with p nodes and m rows below owns a panel of 3p columns, each of 3(p + m) numbers
+//! padded to whole registers, column by column; the first 3p rows are the (lower triangular) pivot
+//! block.
 
 use crate::math::Vec3;
 use crate::solver::BlockMatrix;
+use crate::solver::exact::dense;
 use crate::solver::exact::ordering::nested_dissection;
+use std::ops::Range;
 
 /// A merged supernode may hold this part of explicit zeros, counted against its true fill.
 const ZEROS_MAX: f64 = 0.25;
@@ -17,13 +20,13 @@ pub struct Supernode {
     /// First node, in elimination order.
     pub first: usize,
     /// How many nodes.
-    pub pivots: usize,
+    nodes: usize,
     /// Where its rows below the pivots begin in `Symbolic::rows`.
     pub rows: usize,
     /// How many nodes are below.
     pub below: usize,
     /// Where its panel begins.
-    pub panel: usize,
+    panel: usize,
     /// The supernode of its first row below.
     pub parent: Option<u32>,
     /// Its segments in `Symbolic::segments`.
@@ -31,9 +34,40 @@ pub struct Supernode {
 }
 
 impl Supernode {
-    /// Numbers in one column of its panel.
+    /// Columns of its panel.
+    pub fn width(&self) -> usize {
+        3 * self.nodes
+    }
+
+    /// Rows of its panel.
     pub fn height(&self) -> usize {
-        3 * (self.pivots + self.below)
+        3 * (self.nodes + self.below)
+    }
+
+    /// From column to column of its panel.
+    pub fn stride(&self) -> usize {
+        dense::stride(self.height())
+    }
+
+    /// Its pivots among all unknowns, in elimination order.
+    pub fn pivots(&self) -> Range<usize> {
+        3 * self.first..3 * self.first + self.width()
+    }
+
+    /// Where its panel lies.
+    pub fn panel(&self) -> Range<usize> {
+        self.panel..self.panel + self.width() * self.stride()
+    }
+
+    /// From column to column of its outer product, whose columns begin at the register's boundary
+    /// before the first row below.
+    pub fn update_stride(&self) -> usize {
+        self.stride() - dense::line(self.width())
+    }
+
+    /// Where in a column of the outer product the first row below is.
+    pub fn update_offset(&self) -> usize {
+        self.width() - dense::line(self.width())
     }
 }
 
@@ -42,12 +76,28 @@ impl Supernode {
 pub struct Segment {
     /// The later supernode.
     pub target: u32,
-    /// The rows, counted from the first below the pivots.
-    pub begin: usize,
-    /// One past the last of them.
+    /// One past the last of these rows, in nodes counted from the first below the pivots.
     pub end: usize,
-    /// Where in `Symbolic::places` the rows from `begin` on find their place in the target's panel.
-    pub places: usize,
+    /// Where in `Symbolic::runs` these rows and those below find their place in the target's panel.
+    pub runs: [usize; 2],
+}
+
+/// Rows that follow each other both in one supernode and in a later one.
+#[derive(Clone, Copy, Debug)]
+pub struct Run {
+    /// First row, counted from the first below the pivots.
+    pub row: usize,
+    /// Its row in the later supernode's panel.
+    pub place: usize,
+    /// How many.
+    pub length: usize,
+}
+
+impl Run {
+    /// Its rows, counted from the first below the pivots.
+    pub fn rows(&self) -> Range<usize> {
+        self.row..self.row + self.length
+    }
 }
 
 /// Where one block of the matrix goes.
@@ -58,7 +108,7 @@ pub struct Load {
     /// Upper left number in the panels.
     pub place: u32,
     /// From column to column there.
-    pub height: u32,
+    pub stride: u32,
 }
 
 /// The structure of the factor.
@@ -73,7 +123,7 @@ pub struct Symbolic {
     /// See [`Segment`].
     pub segments: Vec<Segment>,
     /// See [`Segment`].
-    pub places: Vec<u32>,
+    pub runs: Vec<Run>,
     /// The matrix's blocks.
     pub loads: Vec<Load>,
     /// Where each node's diagonal begins in the panels, and from column to column there.
@@ -82,8 +132,6 @@ pub struct Symbolic {
     pub supernode_of: Vec<u32>,
     /// Numbers in all panels.
     pub size: usize,
-    /// Most rows below the pivots of a supernode, in nodes.
-    pub below_max: usize,
 }
 
 impl Symbolic {
@@ -103,18 +151,17 @@ impl Symbolic {
             supernodes: Vec::with_capacity(starts.len()),
             rows: Vec::new(),
             segments: Vec::new(),
-            places: Vec::new(),
+            runs: Vec::new(),
             loads: Vec::new(),
             diagonals: vec![(0, 0); n],
             supernode_of: vec![0; n],
             size: 0,
-            below_max: 0,
         };
         for (s, (start, rows)) in starts.iter().zip(&rows_of).enumerate() {
             let end = starts.get(s + 1).map_or(n, |next| *next);
             let node = Supernode {
                 first: *start,
-                pivots: end - start,
+                nodes: end - start,
                 rows: symbolic.rows.len(),
                 below: rows.len(),
                 panel: symbolic.size,
@@ -123,8 +170,7 @@ impl Symbolic {
             };
             symbolic.supernode_of[*start..end].fill(s as u32);
             symbolic.rows.extend(rows);
-            symbolic.size += 3 * node.pivots * node.height();
-            symbolic.below_max = symbolic.below_max.max(node.below);
+            symbolic.size += node.panel().len();
             symbolic.supernodes.push(node);
         }
         symbolic.find_segments();
@@ -135,7 +181,7 @@ impl Symbolic {
     /// Multiplications and additions of one factorisation.
     pub fn flops(&self) -> f64 {
         let columns = |node: &Supernode| {
-            let (width, below) = (3 * node.pivots, 3 * node.below);
+            let (width, below) = (node.width(), 3 * node.below);
             (0..width).map(|k| ((width - k + below) as f64).powi(2)).sum::<f64>()
         };
         self.supernodes.iter().map(columns).sum()
@@ -145,13 +191,13 @@ impl Symbolic {
     fn row_in(&self, s: usize, place: u32) -> usize {
         let node = &self.supernodes[s];
         let place = place as usize;
-        if place < node.first + node.pivots {
+        if place < node.first + node.nodes {
             return place - node.first;
         }
         let rows = &self.rows[node.rows..node.rows + node.below];
         let at = rows.partition_point(|&r| (r as usize) < place);
         debug_assert_eq!(rows.get(at), Some(&(place as u32)), "a place that the panel lacks");
-        node.pivots + at
+        node.nodes + at
     }
 
     fn find_segments(&mut self) {
@@ -164,11 +210,16 @@ impl Symbolic {
                 let belongs =
                     |k: usize| self.supernode_of[self.rows[node.rows + k] as usize] == target;
                 let end = (begin..node.below).find(|&k| !belongs(k)).unwrap_or(node.below);
-                self.segments.push(Segment { target, begin, end, places: self.places.len() });
+                let first = self.runs.len();
                 for k in begin..node.below {
-                    let row = self.row_in(target as usize, self.rows[node.rows + k]);
-                    self.places.push(row as u32);
+                    let place = 3 * self.row_in(target as usize, self.rows[node.rows + k]);
+                    match self.runs[first..].last_mut() {
+                        Some(run) if run.place + run.length == place => run.length += 3,
+                        _ => self.runs.push(Run { row: 3 * k, place, length: 3 }),
+                    }
                 }
+                let runs = [first, self.runs.len()];
+                self.segments.push(Segment { target, end, runs });
                 begin = end;
             }
             self.supernodes[s].segments = [first, self.segments.len()];
@@ -179,11 +230,11 @@ impl Symbolic {
     fn find_loads(&mut self, a: &BlockMatrix, row0: usize, order: &[u32]) {
         for (place, &node) in order.iter().enumerate() {
             let s = self.supernode_of[place] as usize;
-            let (height, first, panel) = {
+            let (stride, first, panel) = {
                 let node = &self.supernodes[s];
-                (node.height(), node.first, node.panel)
+                (node.stride(), node.first, node.panel)
             };
-            let column = panel + 3 * (place - first) * height;
+            let column = panel + 3 * (place - first) * stride;
             for k in a.row(row0 + node as usize) {
                 // Row `node` of A holds the transposes of the blocks below the diagonal in column
                 // `node`; those blocks themselves are read, wherever they are stored.
@@ -194,12 +245,12 @@ impl Symbolic {
                 }
                 let at = column + 3 * self.row_in(s, below);
                 if other == node as usize {
-                    self.diagonals[other] = (at as u32, height as u32);
+                    self.diagonals[other] = (at as u32, stride as u32);
                 }
                 self.loads.push(Load {
                     entry: a.entry((row0 + other) as u32, (row0 + node as usize) as u32),
                     place: at as u32,
-                    height: height as u32,
+                    stride: stride as u32,
                 });
             }
         }

@@ -1,0 +1,168 @@
+//! Forward and backward substitution with one supernode's panel (see `dense` for its layout): for
+//! one right-hand side, or for `LANES` of them together.
+
+use crate::solver::exact::dense::{COLUMNS, line, load, store};
+use crate::solver::exact::factor::{LANES, Lanes, Scalar};
+use crate::solver::exact::symbolic::Supernode;
+use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16};
+
+/// `x = L₁⁻¹ x`, and `y`, as long as a column, has `L₂ x` taken off from row `x.len()` on. What `y`
+/// holds before that row is used up.
+#[inline(always)]
+pub fn forward<S: Simd>(simd: S, panel: &[Scalar], x: &mut [Scalar], y: &mut [Scalar]) {
+    let (width, stride) = (x.len(), y.len());
+    y[..width].copy_from_slice(x);
+    for k0 in (0..width).step_by(COLUMNS) {
+        if width - k0 >= COLUMNS {
+            forward_columns::<S, COLUMNS>(simd, &panel[k0 * stride..], k0, x, y);
+        } else {
+            forward_columns::<S, 3>(simd, &panel[k0 * stride..], k0, x, y);
+        }
+    }
+}
+
+#[inline(always)]
+fn forward_columns<S: Simd, const N: usize>(
+    simd: S,
+    columns: &[Scalar],
+    k0: usize,
+    x: &mut [Scalar],
+    y: &mut [Scalar],
+) {
+    let stride = y.len();
+    let columns = &columns[..N * stride];
+    let mut values = [0.0; N];
+    for c in 0..N {
+        let mut value = y[k0 + c];
+        for e in 0..c {
+            value -= columns[e * stride + k0 + c] * values[e];
+        }
+        values[c] = value * columns[c * stride + k0 + c];
+    }
+    x[k0..k0 + N].copy_from_slice(&values);
+    for row in (line(k0 + N)..stride).step_by(LANES) {
+        let mut sum = load(simd, y, row);
+        for c in 0..N {
+            sum -= load(simd, columns, c * stride + row) * values[c];
+        }
+        store(sum, y, row);
+    }
+}
+
+/// `x = L₁⁻ᵀ (x - L₂ᵀ y)`, with `y` as long as a column; only its rows from `x.len()` on count.
+#[inline(always)]
+pub fn backward<S: Simd>(simd: S, panel: &[Scalar], x: &mut [Scalar], y: &mut [Scalar]) {
+    let (width, stride) = (x.len(), y.len());
+    y[..width].fill(0.0);
+    let whole = width / COLUMNS * COLUMNS;
+    if whole < width {
+        backward_columns::<S, 3>(simd, &panel[whole * stride..], whole, x, y);
+    }
+    for k0 in (0..whole).step_by(COLUMNS).rev() {
+        backward_columns::<S, COLUMNS>(simd, &panel[k0 * stride..], k0, x, y);
+    }
+}
+
+#[inline(always)]
+fn backward_columns<S: Simd, const N: usize>(
+    simd: S,
+    columns: &[Scalar],
+    k0: usize,
+    x: &mut [Scalar],
+    y: &mut [Scalar],
+) {
+    let stride = y.len();
+    let columns = &columns[..N * stride];
+    let mut sums = [f32x16::splat(simd, 0.0); N];
+    for row in (line(k0 + N)..stride).step_by(LANES) {
+        let below = load(simd, y, row);
+        for c in 0..N {
+            sums[c] = load(simd, columns, c * stride + row).mul_add(below, sums[c]);
+        }
+    }
+    for c in (0..N).rev() {
+        let mut value = x[k0 + c] - sum(&sums[c]);
+        for e in c + 1..N {
+            value -= columns[c * stride + k0 + e] * x[k0 + e];
+        }
+        x[k0 + c] = value * columns[c * stride + k0 + c];
+    }
+    y[k0..k0 + N].copy_from_slice(&x[k0..k0 + N]);
+}
+
+/// The sum of a register's numbers, always in the same order.
+#[inline(always)]
+pub fn sum<S: Simd>(x: &f32x16<S>) -> Scalar {
+    let x = x.as_slice();
+    let four: [Scalar; 4] = std::array::from_fn(|k| (x[k] + x[k + 4]) + (x[k + 8] + x[k + 12]));
+    (four[0] + four[2]) + (four[1] + four[3])
+}
+
+/// Forward substitution for many right-hand sides: the pivots are the rows from `first` on of x, the
+/// rows below are those of the places `rows`.
+#[inline(always)]
+pub fn forward_many<S: Simd>(
+    simd: S,
+    panel: &[Scalar],
+    node: &Supernode,
+    rows: &[u32],
+    x: &mut [Lanes],
+) {
+    let (stride, width, first) = (node.stride(), node.width(), node.pivots().start);
+    for k0 in (0..width).step_by(3) {
+        let mut values = reduce::<S, 3>(simd, &panel[..k0 * stride], stride, k0, &x[first..], {
+            std::array::from_fn(|r| f32x16::from_slice(simd, &x[first + k0 + r]))
+        });
+        for c in 0..3 {
+            let l = &panel[(k0 + c) * stride + k0..][..3];
+            values[c] *= l[c];
+            for r in c + 1..3 {
+                values[r] -= values[c] * l[r];
+            }
+            values[c].store_slice(&mut x[first + k0 + c]);
+        }
+    }
+    // Four nodes at a time keep the arithmetic units busy.
+    let (fours, rest) = rows.as_chunks::<4>();
+    let mut row = width;
+    let panel = &panel[..width * stride];
+    for places in fours {
+        let start: [_; 12] = std::array::from_fn(|r| {
+            f32x16::from_slice(simd, &x[3 * places[r / 3] as usize + r % 3])
+        });
+        let values = reduce::<S, 12>(simd, panel, stride, row, &x[first..], start);
+        for (r, value) in values.iter().enumerate() {
+            value.store_slice(&mut x[3 * places[r / 3] as usize + r % 3]);
+        }
+        row += 12;
+    }
+    for place in rest {
+        let at = 3 * *place as usize;
+        let start = std::array::from_fn(|r| f32x16::from_slice(simd, &x[at + r]));
+        let values = reduce::<S, 3>(simd, panel, stride, row, &x[first..], start);
+        for (r, value) in values.iter().enumerate() {
+            value.store_slice(&mut x[at + r]);
+        }
+        row += 3;
+    }
+}
+
+/// `values_r -= Σ_k L[row + r, k] x_k` over all columns k of `panel`.
+#[inline(always)]
+fn reduce<S: Simd, const R: usize>(
+    simd: S,
+    panel: &[Scalar],
+    stride: usize,
+    row: usize,
+    x: &[Lanes],
+    mut values: [f32x16<S>; R],
+) -> [f32x16<S>; R] {
+    for (l, x) in panel.chunks_exact(stride).zip(x) {
+        let y = -f32x16::from_slice(simd, x);
+        let l = &l[row..row + R];
+        for r in 0..R {
+            values[r] = y.mul_add(f32x16::splat(simd, l[r]), values[r]);
+        }
+    }
+    values
+}
