@@ -253,7 +253,7 @@ fn choices_change_the_solver() {
     };
     run(&mut session, 0.1);
     let Range::Choices { choices } = get(&session, "solver").range else { panic!("no choices") };
-    assert_eq!(choices, ["two-step", "exact", "two-step, frozen flesh (paper)"]);
+    assert_eq!(choices, ["exact", "two-step", "two-step, frozen flesh (paper)"]);
     choose(&mut session, "solver", choices[2]);
     use thenar::model::{Cone, FleshInStep1};
     let solver = session.world().desc().solver;

@@ -31,6 +31,7 @@ fn friction(desc: &mut WorldDesc, a: BodyId, b: BodyId, mu: f64) {
 #[test]
 fn sliding_to_rest() {
     let mut desc = WorldDesc { time_step: 1e-4, ..WorldDesc::default() };
+    desc.solver.velocity_tolerance = 1e-8;
     let plane = ground(&mut desc);
     let body = cube(&mut desc, 0.02, 0.1, Vec3::new(0.0, 0.02, 0.0));
     desc.rigids[body as usize].velocity_W = Vec3::new(0.5, 0.0, 0.0);
@@ -127,6 +128,7 @@ fn stack_of_five() {
 fn pressed_finger_agrees_with_the_monolithic_solver() {
     for cone in [Cone::Circular, Cone::Linearised] {
         let mut desc = finger(1e8, 2e-3);
+        desc.solver.kind = SolverKind::TwoStep;
         desc.solver.cone = cone;
         desc.solver.contact_tolerance = 1e-6;
         desc.solver.contact_sweeps_max = 2000;

@@ -18,6 +18,7 @@ fn hold(flesh: &mut Flesh, axes: [bool; 3], held: impl Fn(&Vec3) -> bool) {
 
 fn world(flesh: Flesh, gravity: Vec3, h: f64) -> World {
     let mut desc = WorldDesc { time_step: h, gravity, ..WorldDesc::default() };
+    desc.solver.velocity_tolerance = 1e-15;
     desc.solver.cg_tolerance = 1e-12;
     desc.solver.cg_iterations_max = 20_000;
     desc.add_soft(SoftDesc {

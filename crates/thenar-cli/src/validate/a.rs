@@ -5,13 +5,13 @@ mod chains;
 mod landing;
 
 use super::case::{Case, CaseError, Check, Figure, SceneText, scene};
-use super::run::{Run, order, step_words};
+use super::run::{Solver, order, step_words};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 const fn case(
     id: &'static str,
     title: &'static str,
-    measure: fn() -> Result<Vec<Figure>, CaseError>,
+    measure: fn(Solver) -> Result<Vec<Figure>, CaseError>,
 ) -> Case {
     Case { id, title, full: false, measure }
 }
@@ -37,8 +37,8 @@ const PENDULUM: SceneText = scene!("a02-pendulum");
 const OSCILLATOR: SceneText = scene!("a09-damped-oscillator");
 
 /// An exact step of backward Euler falls by `g h² n (n + 1) / 2` in n steps.
-fn free_fall() -> Result<Vec<Figure>, CaseError> {
-    let height = |h: f64| Run::with_step(&FREE_FALL, h)?.to(0.5)?.value("ball.y");
+fn free_fall(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    let height = |h: f64| solver.with_step(&FREE_FALL, h)?.to(0.5)?.value("ball.y");
     let mut figures = Vec::new();
     for h in [1e-3, 1.0 / 60.0] {
         let n = (0.5_f64 / h).round();
@@ -63,11 +63,11 @@ pub fn elliptic_k(k2: f64) -> f64 {
 }
 
 /// `T / T₀ = (2/π) K(sin² θ₀/2)`, `T₀ = 2π √(2 L / 3 g)` for a uniform rod.
-fn pendulum() -> Result<Vec<Figure>, CaseError> {
+fn pendulum(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let small = TAU * (2.0 / (3.0 * 9.81_f64)).sqrt();
     let period = |degrees: f64, h: f64| {
         let angle = format!("joint.pivot.angles=[{}]", degrees.to_radians());
-        let mut run = Run::open(&PENDULUM, &[format!("time_step={h:e}"), angle])?;
+        let mut run = solver.open(&PENDULUM, &[format!("time_step={h:e}"), angle])?;
         let crossings = run.record(3.0, &["pivot.angle0"])?.zero_crossings(0);
         let [first, second, ..] = crossings[..] else {
             return Err(CaseError::Missing(format!("no swing from {degrees} degrees")));
@@ -101,12 +101,12 @@ fn oscillator_recurrence(h: f64, time: f64) -> f64 {
     x
 }
 
-fn damped_oscillator() -> Result<Vec<Figure>, CaseError> {
+fn damped_oscillator(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let exact = 4.652942e-3;
     let mut figures = Vec::new();
     let mut off = Vec::new();
     for h in [1e-2, 1e-3, 1e-4] {
-        let got = Run::with_step(&OSCILLATOR, h)?.to(0.1)?.value("mass.x")?;
+        let got = solver.with_step(&OSCILLATOR, h)?.to(0.1)?.value("mass.x")?;
         let expected = oscillator_recurrence(h, 0.1);
         let what = "x(0.1 s) [m], recurrence";
         figures.push(Figure::new(what, step_words(h), expected, got, Check::Absolute(1e-9)));

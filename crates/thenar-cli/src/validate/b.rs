@@ -7,6 +7,7 @@ mod modes;
 mod press;
 
 use super::case::{Case, CaseError, Figure, SceneText, scene};
+use super::run::Solver;
 
 const PATCH: SceneText = scene!("b01-patch");
 const RIGID_MOTION: SceneText = scene!("b02-rigid-motion");
@@ -26,7 +27,7 @@ const fn case(
     id: &'static str,
     title: &'static str,
     full: bool,
-    measure: fn() -> Result<Vec<Figure>, CaseError>,
+    measure: fn(Solver) -> Result<Vec<Figure>, CaseError>,
 ) -> Case {
     Case { id, title, full, measure }
 }

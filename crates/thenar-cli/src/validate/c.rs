@@ -7,6 +7,7 @@ mod rest;
 mod slip;
 
 use super::case::{Case, CaseError, Figure, SceneText, scene};
+use super::run::Solver;
 
 const HERTZ: SceneText = scene!("c01-hertz");
 const LAYER: SceneText = scene!("c02-layer");
@@ -27,7 +28,7 @@ const fn case(
     id: &'static str,
     title: &'static str,
     full: bool,
-    measure: fn() -> Result<Vec<Figure>, CaseError>,
+    measure: fn(Solver) -> Result<Vec<Figure>, CaseError>,
 ) -> Case {
     Case { id, title, full, measure }
 }

@@ -1,5 +1,7 @@
 //! What a validation case is, and what it finds.
 
+use super::run::Solver;
+
 /// Text of a scene, embedded in the program.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneText {
@@ -35,7 +37,7 @@ pub struct Case {
     /// Too slow for the default run: only under `--full`.
     pub full: bool,
     /// Runs its scenes and measures.
-    pub measure: fn() -> Result<Vec<Figure>, CaseError>,
+    pub measure: fn(Solver) -> Result<Vec<Figure>, CaseError>,
 }
 
 /// Why a case could not be run.
@@ -55,6 +57,14 @@ pub enum CaseError {
     /// A step was taken back.
     #[error("scene `{scene}`: a number that is not finite at t = {time} s")]
     NonFinite {
+        /// Scene.
+        scene: String,
+        /// Time \[s\].
+        time: f64,
+    },
+    /// The exact solver failed.
+    #[error("scene `{scene}`: the exact solver failed before t = {time} s")]
+    FellBack {
         /// Scene.
         scene: String,
         /// Time \[s\].

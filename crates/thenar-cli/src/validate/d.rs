@@ -8,11 +8,12 @@ mod skinning;
 mod splitting;
 
 use super::case::{Case, CaseError, Figure, SceneText, scene};
+use super::run::Solver;
 
 const fn case(
     id: &'static str,
     title: &'static str,
-    measure: fn() -> Result<Vec<Figure>, CaseError>,
+    measure: fn(Solver) -> Result<Vec<Figure>, CaseError>,
 ) -> Case {
     Case { id, title, full: false, measure }
 }

@@ -13,6 +13,7 @@ use crate::error::CliError;
 use crate::files::Draft;
 use case::Case;
 use report::Finding;
+use run::Solver;
 use std::io::Write;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -27,6 +28,9 @@ pub struct Args {
     /// Only these cases, e.g. `A3`, or a whole letter, e.g. `B`; also those that take long.
     #[arg(long = "case", value_name = "CASE")]
     cases: Vec<String>,
+    /// Solver of all cases.
+    #[arg(long, value_enum, default_value_t = Solver::Exact)]
+    solver: Solver,
     /// Also writes the table as JSON.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -40,7 +44,8 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let chosen = choose(args)?;
     let json = args.json.as_deref().map(Draft::create).transpose()?;
     println!("{}", report::head());
-    let findings = examine_all(&chosen, |finding| println!("{}", report::rows(finding)));
+    let findings =
+        examine_all(&chosen, args.solver, |finding| println!("{}", report::rows(finding)));
     println!("{}", report::tally(&findings));
     if let Some(mut json) = json {
         writeln!(json, "{:#}", report::to_json(&findings))
@@ -77,7 +82,7 @@ fn choose(args: &Args) -> Result<Vec<Case>, CliError> {
 
 /// Runs cases on all processors; `tell` hears of each in their order. The figures do not depend
 /// on the number of processors: each case runs on one.
-fn examine_all(chosen: &[Case], mut tell: impl FnMut(&Finding)) -> Vec<Finding> {
+fn examine_all(chosen: &[Case], solver: Solver, mut tell: impl FnMut(&Finding)) -> Vec<Finding> {
     let next = AtomicUsize::new(0);
     let workers = std::thread::available_parallelism().map_or(1, usize::from).min(chosen.len());
     let (send, receive) = std::sync::mpsc::channel();
@@ -89,7 +94,7 @@ fn examine_all(chosen: &[Case], mut tell: impl FnMut(&Finding)) -> Vec<Finding> 
                 let take = || next.fetch_add(1, Ordering::Relaxed);
                 let mut i = take();
                 while let Some(case) = chosen.get(i) {
-                    if send.send((i, examine(*case))).is_err() {
+                    if send.send((i, examine(*case, solver))).is_err() {
                         return;
                     }
                     i = take();
@@ -109,9 +114,9 @@ fn examine_all(chosen: &[Case], mut tell: impl FnMut(&Finding)) -> Vec<Finding> 
     found.into_iter().flatten().collect()
 }
 
-fn examine(case: Case) -> Finding {
+fn examine(case: Case, solver: Solver) -> Finding {
     let start = Instant::now();
-    let figures = (case.measure)();
+    let figures = (case.measure)(solver);
     Finding { case, figures, wall_s: start.elapsed().as_secs_f64() }
 }
 
@@ -123,7 +128,7 @@ mod tests {
     fn check(letter: char) {
         let of_letter = cases().filter(|c| c.id.starts_with(letter) && !c.full);
         let chosen: Vec<Case> = of_letter.copied().collect();
-        let findings = examine_all(&chosen, |_| ());
+        let findings = examine_all(&chosen, Solver::Exact, |_| ());
         let failed: Vec<String> =
             findings.iter().filter(|f| !f.passes()).map(report::rows).collect();
         assert!(!findings.is_empty() && failed.is_empty(), "\n{}", failed.join("\n"));

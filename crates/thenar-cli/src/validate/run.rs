@@ -6,6 +6,35 @@ use thenar::World;
 use thenar::world::Input;
 use thenar_scene::session::Session;
 
+/// The solver that cases run with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Solver {
+    /// Joints, flesh and contact in one system: the default.
+    Exact,
+    /// The paper's.
+    TwoStep,
+}
+
+impl Solver {
+    /// Opens a scene with overrides such as `time_step=0.0001`.
+    pub fn open(self, scene: &SceneText, overrides: &[String]) -> Result<Run, CaseError> {
+        let file = format!("scenes/validation/{}.toml", scene.name);
+        let kind = match self {
+            Self::Exact => "solver.kind=exact",
+            Self::TwoStep => "solver.kind=two-step",
+        };
+        let overrides: Vec<String> =
+            std::iter::once(kind.into()).chain(overrides.iter().cloned()).collect();
+        let session = Session::from_text(scene.text, Path::new(&file), &overrides)?;
+        Ok(Run { session })
+    }
+
+    /// Opens a scene with another time step \[s\].
+    pub fn with_step(self, scene: &SceneText, h: f64) -> Result<Run, CaseError> {
+        self.open(scene, &[format!("time_step={h:e}")])
+    }
+}
+
 /// A running scene.
 pub struct Run {
     session: Session,
@@ -21,18 +50,6 @@ pub struct Series {
 }
 
 impl Run {
-    /// Opens a scene with overrides such as `time_step=0.0001`.
-    pub fn open(scene: &SceneText, overrides: &[String]) -> Result<Self, CaseError> {
-        let file = format!("scenes/validation/{}.toml", scene.name);
-        let session = Session::from_text(scene.text, Path::new(&file), overrides)?;
-        Ok(Self { session })
-    }
-
-    /// Opens a scene with another time step \[s\].
-    pub fn with_step(scene: &SceneText, h: f64) -> Result<Self, CaseError> {
-        Self::open(scene, &[format!("time_step={h:e}")])
-    }
-
     /// Steps until `time` \[s\], to the nearest step.
     pub fn to(&mut self, time: f64) -> Result<&mut Self, CaseError> {
         let h = self.session.world().time_step();
@@ -44,11 +61,13 @@ impl Run {
 
     /// One step.
     pub fn step(&mut self) -> Result<(), CaseError> {
-        if self.session.step(&mut ()).non_finite {
-            let scene = self.session.name().to_string();
-            return Err(CaseError::NonFinite { scene, time: self.session.world().time() });
+        let report = self.session.step(&mut ());
+        let (scene, time) = (self.session.name().to_string(), self.session.world().time());
+        match (report.non_finite, report.fell_back) {
+            (true, _) => Err(CaseError::NonFinite { scene, time }),
+            (false, true) => Err(CaseError::FellBack { scene, time }),
+            (false, false) => Ok(()),
         }
-        Ok(())
     }
 
     /// Time \[s\].

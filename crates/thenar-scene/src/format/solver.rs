@@ -5,10 +5,10 @@ use crate::text::{table, words};
 words! {
     /// Which solver steps the world.
     pub enum SolverWord {
-        /// Skeleton first, then flesh and skeleton without joints (paper, Sec. 4).
-        "two-step" => TwoStep,
         /// Eq. 9 with its joint rows and contacts, to a velocity tolerance.
         "exact" => Exact,
+        /// Skeleton first, then flesh and skeleton without joints (paper, Sec. 4).
+        "two-step" => TwoStep,
         /// One dense solve of Eq. 9 with its joint rows; slow, a reference for comparison.
         "monolithic" => Monolithic,
     }
@@ -47,8 +47,8 @@ words! {
 table! {
     /// Solver settings; what is left out keeps the library's default.
     pub struct SolverTable {
-        /// "two-step" (the paper's, default), "exact" (joints, flesh and contact in one system; joints
-        /// that close loops are left to two-step) or "monolithic" (a dense reference).
+        /// "exact" (default: joints, flesh and contact in one system), "two-step" (the paper's) or
+        /// "monolithic" (a dense reference).
         kind: Option<SolverWord>;
         /// Velocity error of the exact solver [m/s]. Default 1e-5.
         velocity_tolerance: Option<f64> where TOLERANCE;
@@ -63,13 +63,14 @@ table! {
         /// Close the joints once more at the end of each step: default true with lumped flesh; false
         /// with frozen flesh, as in the paper, which leaves that to the next step.
         close_joints: Option<bool>;
-        /// Conjugate gradients stop at this residual relative to the right-hand side. Default 1e-5.
+        /// Two-step: conjugate gradients stop at this residual relative to the right-hand side.
+        /// Default 1e-5.
         cg_tolerance: Option<f64> where TOLERANCE;
-        /// Most conjugate-gradient iterations. Default 500.
+        /// Most conjugate-gradient iterations of either solver. Default 500.
         cg_iterations_max: Option<u32> where ITERATIONS;
         /// Constraint anticipation stops at this relative residual. Default 1e-4.
         contact_tolerance: Option<f64> where TOLERANCE;
-        /// Most outer sweeps of constraint anticipation. Default 200.
+        /// Most sweeps of either solver over the contacts. Default 200.
         contact_sweeps_max: Option<u32> where ITERATIONS;
         /// Gauss-Seidel passes over the contacts within one sweep. Default 2.
         contact_inner_passes: Option<u32> where ITERATIONS;

@@ -29,10 +29,11 @@ pub const ALL: &[Known] = &[
     Known {
         key: "solver",
         label: "Solver",
-        help: "Two-step moves the bones first, then bones and flesh together. With frozen flesh \
-               the first step is the paper's, which flies apart unless the flesh is bound softly: \
-               lower \"Flesh on bone\" to its least first, and restart afterwards. The dense \
-               reference solves everything at once; only small scenes offer it.",
+        help: "Exact solves bones, flesh and contact together. Two-step moves the bones first, \
+               then bones and flesh. With frozen flesh the first step is the paper's, which flies \
+               apart unless the flesh is bound softly: lower \"Flesh on bone\" to its least first, \
+               and restart afterwards. The dense reference solves everything at once too; only \
+               small scenes offer it.",
         group: "Solver",
         unit: "",
         range: None,
@@ -224,7 +225,7 @@ pub fn range_around(known: &Known, own: &SettingValue, desc: &WorldDesc) -> Rang
         _ => {
             let nodes: usize = desc.softs.iter().map(|soft| soft.flesh.nodes.len()).sum();
             let small = 3 * (2 * desc.rigids.len() + nodes) <= DENSE_UNKNOWNS_MAX;
-            let mut choices = vec![apply::TWO_STEP, apply::EXACT, apply::FROZEN];
+            let mut choices = vec![apply::EXACT, apply::TWO_STEP, apply::FROZEN];
             if small || *own == Choice(apply::DENSE.into()) {
                 choices.push(apply::DENSE);
             }

@@ -64,11 +64,11 @@ pub enum FleshInStep1 {
 /// Which solver steps the world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolverKind {
-    /// The paper's: joints first, then flesh, then contact by constraint anticipation (Sec. 4).
-    TwoStep,
     /// Eq. 9 with its joint rows and contacts, to a velocity tolerance: joints in minimal coordinates,
     /// flesh relative to its skinned motion.
     Exact,
+    /// The paper's: joints first, then flesh, then contact by constraint anticipation (Sec. 4).
+    TwoStep,
     /// Eq. 9 with its joint rows and contacts in one dense solve: slow, exact, for reference.
     Monolithic,
 }
@@ -116,7 +116,7 @@ pub struct SolverSettings {
 impl Default for SolverSettings {
     fn default() -> Self {
         Self {
-            kind: SolverKind::TwoStep,
+            kind: SolverKind::Exact,
             velocity_tolerance: 1e-5,
             step1_flesh: FleshInStep1::Lumped,
             close_joints: true,

@@ -1,7 +1,7 @@
 //! Bodies that turn in space.
 
 use crate::validate::case::{CaseError, Check, Figure, SceneText, scene};
-use crate::validate::run::{Run, Series, step_words};
+use crate::validate::run::{Series, Solver, step_words};
 use thenar::{Quat, Vec3};
 
 const AXIS_FLIP: SceneText = scene!("a06-axis-flip");
@@ -37,10 +37,10 @@ fn mean_rate(time: &[f64], angles: &[f64]) -> f64 {
     turned / (time[time.len() - 1] - time[0])
 }
 
-pub fn axis_flip() -> Result<Vec<Figure>, CaseError> {
+pub fn axis_flip(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let h = 1e-3;
     let setup = step_words(h);
-    let mut run = Run::with_step(&AXIS_FLIP, h)?;
+    let mut run = solver.with_step(&AXIS_FLIP, h)?;
     let columns = [&POSE_AND_SPIN[..], &MOMENTUM[3..], &["energy.kinetic"]].concat();
     let series = run.record(10.0, &columns)?;
     let middle = body_spin(&series).iter().map(|w| w.y).collect();
@@ -76,10 +76,10 @@ pub fn axis_flip() -> Result<Vec<Figure>, CaseError> {
 
 /// Azimuth about z against the slow and the fast root of
 /// `I Ω² cos θ - I₃ ω₃ Ω + m g l = 0`, I about the pivot.
-pub fn heavy_top() -> Result<Vec<Figure>, CaseError> {
+pub fn heavy_top(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let h = 1e-4;
     let precession = |overrides: &[String], time: f64| -> Result<(f64, f64), CaseError> {
-        let mut run = Run::open(&HEAVY_TOP, overrides)?;
+        let mut run = solver.open(&HEAVY_TOP, overrides)?;
         let series = run.record(time, &["disc.x", "disc.y", "disc.z"])?;
         let [x, y, z] = &series.columns[..] else { return Ok((f64::NAN, f64::NAN)) };
         let azimuth: Vec<f64> = x.iter().zip(y).map(|(x, y)| y.atan2(*x)).collect();
@@ -102,9 +102,9 @@ pub fn heavy_top() -> Result<Vec<Figure>, CaseError> {
 }
 
 /// Momentum after a push of 50 ms must stay, whatever the joints do.
-pub fn free_hand() -> Result<Vec<Figure>, CaseError> {
+pub fn free_hand(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let h = 1e-3;
-    let mut run = Run::with_step(&FREE_HAND, h)?;
+    let mut run = solver.with_step(&FREE_HAND, h)?;
     let start = run.to(0.06)?.values(MOMENTUM)?;
     let (p, l) = (vector(&start), vector(&start[3..]));
     let columns = [&MOMENTUM[..], &["energy.kinetic", "step.joint_gap_max"]].concat();
@@ -127,9 +127,10 @@ pub fn free_hand() -> Result<Vec<Figure>, CaseError> {
 }
 
 /// Precession at `|L| / I₁` in space and `(I₃ - I₁) ω₃ / I₁` in the body.
-pub fn symmetric_body() -> Result<Vec<Figure>, CaseError> {
+pub fn symmetric_body(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let h = 1e-4;
-    let series = Run::with_step(&SYMMETRIC_BODY, h)?
+    let series = solver
+        .with_step(&SYMMETRIC_BODY, h)?
         .record(2.0, &[&POSE_AND_SPIN[..], &MOMENTUM[3..]].concat())?;
     let in_body: Vec<f64> = body_spin(&series).iter().map(|w| w.y.atan2(w.x)).collect();
     let l = Vec3::from_fn(|k, _| series.columns[7 + k][0]).normalize();

@@ -1,7 +1,7 @@
 //! Chains of links against figures computed in minimal coordinates by two other codes.
 
 use crate::validate::case::{CaseError, Check, Figure, SceneText, scene};
-use crate::validate::run::{Run, order, step_words};
+use crate::validate::run::{Solver, order, step_words};
 
 const DOUBLE_PENDULUM: SceneText = scene!("a03-double-pendulum");
 const PLANAR_FINGER: SceneText = scene!("a04-planar-finger");
@@ -24,12 +24,13 @@ fn instant<const N: usize>(time: f64, expected: [f64; N]) -> Instant<N> {
 /// Each value at the fine step, and the order at which the errors of all of them vanish. Columns
 /// are probe columns with a tolerance.
 fn compare<const N: usize>(
+    solver: Solver,
     scene: &SceneText,
     columns: [(&str, f64); N],
     instants: &[Instant<N>],
 ) -> Result<Vec<Figure>, CaseError> {
     let run = |h: f64| -> Result<Vec<[f64; N]>, CaseError> {
-        let mut run = Run::with_step(scene, h)?;
+        let mut run = solver.with_step(scene, h)?;
         instants.iter().map(|i| run.to(i.time)?.values(columns.map(|(name, _)| name))).collect()
     };
     let coarse = [run(COARSE[0])?, run(COARSE[1])?];
@@ -54,8 +55,9 @@ fn order_row(what: String, p: f64) -> Figure {
 }
 
 /// Relative angles \[rad\] and absolute rates \[rad/s\].
-pub fn double_pendulum() -> Result<Vec<Figure>, CaseError> {
+pub fn double_pendulum(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     compare(
+        solver,
         &DOUBLE_PENDULUM,
         [("first.angle0", 1e-3), ("second.angle0", 1e-3), ("v1.wz", 1e-3), ("v2.wz", 1e-3)],
         &[
@@ -68,9 +70,10 @@ pub fn double_pendulum() -> Result<Vec<Figure>, CaseError> {
 }
 
 /// Relative angles from straight down \[rad\]; tip \[m\].
-pub fn planar_finger() -> Result<Vec<Figure>, CaseError> {
+pub fn planar_finger(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let angle = |name| (name, 1e-3);
     compare(
+        solver,
         &PLANAR_FINGER,
         [
             angle("q1.angle0"),
@@ -88,9 +91,10 @@ pub fn planar_finger() -> Result<Vec<Figure>, CaseError> {
 }
 
 /// Angles of the universal joint and of both hinges \[rad\], tip \[m\], energy \[J\].
-pub fn universal_finger() -> Result<Vec<Figure>, CaseError> {
+pub fn universal_finger(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let columns = ["root.angle0", "root.angle1", "second.angle0", "third.angle0"];
     let mut figures = compare(
+        solver,
         &UNIVERSAL_FINGER,
         columns.map(|name| (name, 1e-3)),
         &[
@@ -101,16 +105,17 @@ pub fn universal_finger() -> Result<Vec<Figure>, CaseError> {
     )?;
     let tip = ["tip.x", "tip.y", "tip.z"];
     figures.extend(compare(
+        solver,
         &UNIVERSAL_FINGER,
         tip.map(|name| (name, 1e-4)),
         &[instant(0.10, [44.7309e-3, 45.7345e-3, -55.1226e-3])],
     )?);
 
-    let start = Run::with_step(&UNIVERSAL_FINGER, FINE)?.value("energy.total")?;
+    let start = solver.with_step(&UNIVERSAL_FINGER, FINE)?.value("energy.total")?;
     let (what, check) = ("energy at the start [J]", Check::Absolute(5e-9));
     figures.push(Figure::new(what, step_words(FINE), 8.28416e-4, start, check));
     let drift = |h: f64| -> Result<f64, CaseError> {
-        let series = Run::with_step(&UNIVERSAL_FINGER, h)?.record(0.15, &["energy.total"])?;
+        let series = solver.with_step(&UNIVERSAL_FINGER, h)?.record(0.15, &["energy.total"])?;
         Ok(series.columns[0].iter().fold(0.0, |m, e| f64::max(m, (e - start).abs())))
     };
     let what = "largest change of energy in 0.15 s [J]";
@@ -121,14 +126,14 @@ pub fn universal_finger() -> Result<Vec<Figure>, CaseError> {
 }
 
 /// A minute of the planar finger, its joints damped.
-pub fn joint_drift() -> Result<Vec<Figure>, CaseError> {
+pub fn joint_drift(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let columns = ["gap", "misalignment"];
     let mut figures = Vec::new();
     for (h, bound) in [(1e-4, true), (1e-3, false)] {
         let mut overrides: Vec<String> =
             (1..4).map(|k| format!("joint.q{k}.damping=[1e-5]")).collect();
         overrides.push(format!("time_step={h:e}"));
-        let mut run = Run::open(&PLANAR_FINGER, &overrides)?;
+        let mut run = solver.open(&PLANAR_FINGER, &overrides)?;
         let all: Vec<String> = (1..4).flat_map(|k| columns.map(|c| format!("q{k}.{c}"))).collect();
         let names: Vec<&str> = all.iter().map(String::as_str).collect();
         let series = run.record(60.0, &names)?;

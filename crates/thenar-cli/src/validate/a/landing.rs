@@ -1,15 +1,15 @@
 //! A rod that lands on an edge.
 
 use crate::validate::case::{CaseError, Check, Figure, SceneText, scene};
-use crate::validate::run::{Run, step_words};
+use crate::validate::run::{Solver, step_words};
 
 const ROD: SceneText = scene!("a11-rod-landing");
 
 /// A plastic impact at one end of a uniform rod: impulse `m v / 4`, centre speed `¾ v`,
 /// `ω = 1.5 v / L`.
-pub fn rod() -> Result<Vec<Figure>, CaseError> {
+pub fn rod(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let (h, length, mass) = (1e-4, 0.2, 0.1);
-    let mut run = Run::with_step(&ROD, h)?;
+    let mut run = solver.with_step(&ROD, h)?;
     // Its underside reaches the edge at 8.55 ms; half a millisecond later the rod has turned by
     // 4 mrad.
     let [vy, wz] = run.to(9e-3)?.values(["rod.vy", "rod.wz"])?;

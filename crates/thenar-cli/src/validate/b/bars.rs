@@ -4,7 +4,7 @@
 
 use super::{CANTILEVER, OWN_WEIGHT, SHORT_BAR, TORSION};
 use crate::validate::case::{CaseError, Check, Figure, SceneText};
-use crate::validate::run::Run;
+use crate::validate::run::Solver;
 
 /// The scenes' loads are a thousandth of the stated ones.
 const LOAD_SCALE: f64 = 1e-3;
@@ -12,20 +12,21 @@ const LOAD_SCALE: f64 = 1e-3;
 /// Cells along the bar and across it, and the deflection they give \[mm\].
 type Deflection = ([u32; 3], f64);
 
-pub fn cantilever() -> Result<Vec<Figure>, CaseError> {
+pub fn cantilever(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let meshes = [([10, 2, 2], 0.522496), ([20, 4, 4], 0.806378), ([40, 8, 8], 0.951094)];
-    deflections(&CANTILEVER, &meshes, 1.0175)
+    deflections(solver, &CANTILEVER, &meshes, 1.0175)
 }
 
-pub fn own_weight() -> Result<Vec<Figure>, CaseError> {
-    deflections(&OWN_WEIGHT, &[([10, 2, 2], 19.499608), ([20, 4, 4], 29.860907)], 37.63)
+pub fn own_weight(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    deflections(solver, &OWN_WEIGHT, &[([10, 2, 2], 19.499608), ([20, 4, 4], 29.860907)], 37.63)
 }
 
-pub fn short_bar() -> Result<Vec<Figure>, CaseError> {
-    deflections(&SHORT_BAR, &[([8, 4, 4], 0.143467), ([16, 8, 8], 0.170330)], 0.185)
+pub fn short_bar(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    deflections(solver, &SHORT_BAR, &[([8, 4, 4], 0.143467), ([16, 8, 8], 0.170330)], 0.185)
 }
 
 fn deflections(
+    solver: Solver,
     scene: &SceneText,
     meshes: &[Deflection],
     continuum: f64,
@@ -33,7 +34,7 @@ fn deflections(
     let mut figures = Vec::new();
     let mut finest = (0.0, String::new());
     for (cells, expected) in meshes {
-        let mut run = Run::open(scene, &[format!("soft.bar.shape.cells={cells:?}")])?;
+        let mut run = solver.open(scene, &[format!("soft.bar.shape.cells={cells:?}")])?;
         let mm = -1e3 * run.to(40.0)?.value("end.y")? / LOAD_SCALE;
         let what = format!("end deflection, Kuhn {cells:?} [mm]");
         figures.push(Figure::new(what, run.setup(), *expected, mm, Check::Relative(1e-5)));
@@ -45,8 +46,8 @@ fn deflections(
 }
 
 /// Torsion against Saint-Venant; the held end cannot warp, which makes the continuum 0.5 % stiffer.
-pub fn torsion() -> Result<Vec<Figure>, CaseError> {
-    let mut run = Run::open(&TORSION, &[])?;
+pub fn torsion(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    let mut run = solver.open(&TORSION, &[])?;
     let millidegrees = 1e3 * run.to(40.0)?.value("end.rx")?.to_degrees();
     let expected = 6.6231;
     let what = "twist of the end [mdeg]";

@@ -3,7 +3,7 @@
 
 use super::{PATCH, RIGID_MOTION};
 use crate::validate::case::{CaseError, Check, Figure};
-use crate::validate::run::Run;
+use crate::validate::run::Solver;
 use thenar::flesh::{RestTet, respond};
 use thenar::{Quat, Vec3};
 use thenar_scene::session::{Random, Session};
@@ -19,8 +19,8 @@ const VOLUME: f64 = 0.03 * 0.02 * 0.025;
 const MAP: [[f64; 3]; 3] = [[1.01, 0.006, -0.004], [-0.002, 0.992, 0.005], [0.003, -0.007, 1.004]];
 const OFFSET: [f64; 3] = [0.001, 0.002, 0.003];
 
-pub fn patch() -> Result<Vec<Figure>, CaseError> {
-    let mut run = Run::open(&PATCH, &[])?;
+pub fn patch(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    let mut run = solver.open(&PATCH, &[])?;
     run.to(200.0)?;
     let stress = run.values(["stress.xx", "stress.yy", "stress.zz"])?;
     let spread = run.value("stress.spread")? / Vec3::from_column_slice(&stress).norm();
@@ -61,12 +61,12 @@ struct Worst {
     torque: f64,
 }
 
-pub fn rigid_motions() -> Result<Vec<Figure>, CaseError> {
+pub fn rigid_motions(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let mut random = Random::new(2);
     let mut worst = Worst::default();
     let strain =
         [[1.2, 0.1, 0.0], [-0.05, 0.85, 0.2], [0.1, 0.0, 1.1]].map(|r| Vec3::new(r[0], r[1], r[2]));
-    let mut unmoved = Run::open(&RIGID_MOTION, &[matrix(&strain), offset(&Vec3::zeros())])?;
+    let mut unmoved = solver.open(&RIGID_MOTION, &[matrix(&strain), offset(&Vec3::zeros())])?;
     let setup = unmoved.setup();
     let still = internal_forces(unmoved.session());
     let largest = still.iter().map(Vec3::norm).fold(0.0, f64::max);
@@ -79,14 +79,14 @@ pub fn rigid_motions() -> Result<Vec<Figure>, CaseError> {
         let shift = draw();
 
         let turned = [Vec3::x(), Vec3::y(), Vec3::z()].map(|e| R.inverse() * e);
-        let mut run = Run::open(&RIGID_MOTION, &[matrix(&turned), offset(&shift)])?;
+        let mut run = solver.open(&RIGID_MOTION, &[matrix(&turned), offset(&shift)])?;
         worst.energy = worst.energy.max(run.value("energy.elastic")?.abs() / (YOUNG * VOLUME));
         let force = internal_forces(run.session()).iter().map(Vec3::norm).fold(0.0, f64::max);
         worst.force = worst.force.max(force / (YOUNG * AREA));
 
         // A deformed state, turned: row i of R·D is Σ_k R_ik (row k of D).
         let both = turned.map(|row| strain[0] * row.x + strain[1] * row.y + strain[2] * row.z);
-        let mut run = Run::open(&RIGID_MOTION, &[matrix(&both), offset(&shift)])?;
+        let mut run = solver.open(&RIGID_MOTION, &[matrix(&both), offset(&shift)])?;
         let forces = internal_forces(run.session());
         let off = |(f, s): (&Vec3, &Vec3)| (f - R * s).norm() / largest;
         worst.turned = forces.iter().zip(&still).map(off).fold(worst.turned, f64::max);

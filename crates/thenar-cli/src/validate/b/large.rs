@@ -2,23 +2,23 @@
 
 use super::{ELASTICA_TIP, ELASTICA_WEIGHT, HYDROSTATIC, UNIAXIAL};
 use crate::validate::case::{CaseError, Check, Figure};
-use crate::validate::run::Run;
+use crate::validate::run::Solver;
 
 /// Length of the elastica \[m\].
 const LENGTH: f64 = 0.2;
 
 /// Tip load: the scene holds `P L² / (E I)` at 0.5, then at 1. The linear case, from a load a
 /// thousand times smaller, shows what the mesh is worth; linear theory at 1 must be far off.
-pub fn elastica_tip() -> Result<Vec<Figure>, CaseError> {
+pub fn elastica_tip(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let mut figures = Vec::new();
     let small = ["load.0.total=[0, -5.208333333333333e-7, 0]", "time_step=10"];
-    let mut linear = Run::open(&ELASTICA_TIP, &small.map(String::from))?;
+    let mut linear = solver.open(&ELASTICA_TIP, &small.map(String::from))?;
     let deflection = -1e3 * linear.to(40.0)?.value("tip.y")? / LENGTH;
     let setup = linear.setup();
     let what = "linear case: deflection/L at alpha = 0.001, x 1000";
     figures.push(Figure::new(what, &setup, 1.0 / 3.0, deflection, Check::Relative(0.02)));
 
-    let mut run = Run::open(&ELASTICA_TIP, &[])?;
+    let mut run = solver.open(&ELASTICA_TIP, &[])?;
     let setup = run.setup();
     for (time, alpha, expected) in
         [(7.0, 0.5, [0.162144, 0.984081, 14.0107]), (14.0, 1.0, [0.301721, 0.943567, 26.4335])]
@@ -38,8 +38,8 @@ pub fn elastica_tip() -> Result<Vec<Figure>, CaseError> {
     Ok(figures)
 }
 
-pub fn elastica_weight() -> Result<Vec<Figure>, CaseError> {
-    let mut run = Run::open(&ELASTICA_WEIGHT, &[])?;
+pub fn elastica_weight(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    let mut run = solver.open(&ELASTICA_WEIGHT, &[])?;
     let [x, y] = run.to(12.0)?.values(["tip.x", "tip.y"])?;
     let setup = run.setup();
     let check = Check::Relative(0.03);
@@ -50,8 +50,8 @@ pub fn elastica_weight() -> Result<Vec<Figure>, CaseError> {
 }
 
 /// `P = E (λ - 1)`, lateral stretch `1 - ν (λ - 1)`.
-pub fn corotational() -> Result<Vec<Figure>, CaseError> {
-    let cube = uniaxial("corotational", -10_000.0)?;
+pub fn corotational(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    let cube = uniaxial(solver, "corotational", -10_000.0)?;
     let check = Check::Absolute(1e-8);
     Ok(vec![
         Figure::new("stretch at -10 kPa", &cube.setup, 0.8, cube.stretch, check),
@@ -60,7 +60,7 @@ pub fn corotational() -> Result<Vec<Figure>, CaseError> {
 }
 
 /// Nominal stress \[Pa\] that the law needs for each stretch, and lateral stretch.
-pub fn neo_hookean() -> Result<Vec<Figure>, CaseError> {
+pub fn neo_hookean(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let cases = [
         (0.7, -21_696.9, Some(1.170853)),
         (0.9, -5_535.64, Some(1.048313)),
@@ -70,7 +70,7 @@ pub fn neo_hookean() -> Result<Vec<Figure>, CaseError> {
     ];
     let mut figures = Vec::new();
     for (expected, stress, lateral) in cases {
-        let cube = uniaxial("neo-hookean", stress)?;
+        let cube = uniaxial(solver, "neo-hookean", stress)?;
         let what = format!("stretch at {:.6} kPa", 1e-3 * stress);
         let check = Check::Absolute(1e-6);
         figures.push(Figure::new(what, &cube.setup, expected, cube.stretch, check));
@@ -89,17 +89,17 @@ struct Cube {
     setup: String,
 }
 
-fn uniaxial(law: &str, stress: f64) -> Result<Cube, CaseError> {
+fn uniaxial(solver: Solver, law: &str, stress: f64) -> Result<Cube, CaseError> {
     let overrides =
         [format!("soft.cube.material.law={law}"), format!("load.0.traction=[{stress:?}, 0, 0]")];
-    let mut run = Run::open(&UNIAXIAL, &overrides)?;
+    let mut run = solver.open(&UNIAXIAL, &overrides)?;
     let [x, y] = run.to(60.0)?.values(["corner.x", "corner.y"])?;
     Ok(Cube { stretch: x / 0.02, lateral: y / 0.02, setup: run.setup() })
 }
 
 /// Volume change of a free block under pressure.
-pub fn hydrostatic() -> Result<Vec<Figure>, CaseError> {
-    let mut run = Run::open(&HYDROSTATIC, &[])?;
+pub fn hydrostatic(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    let mut run = solver.open(&HYDROSTATIC, &[])?;
     let before = run.value("block.volume")?;
     let change = run.to(100.0)?.value("block.volume")? / before - 1.0;
     let expected = -3.0 * (1.0 - 2.0 * 0.45) * 500.0 / 50e3;

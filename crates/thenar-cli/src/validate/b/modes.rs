@@ -2,7 +2,7 @@
 
 use super::MODES;
 use crate::validate::case::{CaseError, Check, Figure};
-use crate::validate::run::{Run, Series};
+use crate::validate::run::{Series, Solver};
 use std::f64::consts::TAU;
 
 /// Ringing starts here \[s\]; the tap ends at 5 ms.
@@ -16,8 +16,8 @@ const WANTED: [(&str, f64, [f64; 2], usize); 4] = [
     ("axial [Hz]", 25.14, [20.0, 30.0], 0),
 ];
 
-pub fn modes() -> Result<Vec<Figure>, CaseError> {
-    let mut run = Run::open(&MODES, &[])?;
+pub fn modes(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    let mut run = solver.open(&MODES, &[])?;
     let series = run.to(FREE_FROM)?.record(1.2, &["end.x", "end.y", "turn.rx"])?;
     let figure = |(what, expected, band, column): (&str, f64, [f64; 2], usize)| {
         let got = spectral_peak(&series, column, band);

@@ -2,12 +2,12 @@
 
 use super::PAD_PRESS;
 use crate::validate::case::{CaseError, Check, Figure};
-use crate::validate::run::Run;
+use crate::validate::run::Solver;
 
-pub fn step_independence() -> Result<Vec<Figure>, CaseError> {
+pub fn step_independence(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let mut figures: Vec<Figure> = Vec::new();
     for h in [0.001, 0.005, 1.0 / 60.0] {
-        let mut run = Run::with_step(&PAD_PRESS, h)?;
+        let mut run = solver.with_step(&PAD_PRESS, h)?;
         let mm = -1e3 * run.to(0.3)?.value("bone.y")?;
         let first = figures.first().map(|f| f.got);
         let what = match first {

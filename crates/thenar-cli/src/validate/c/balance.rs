@@ -3,7 +3,7 @@
 use super::COLLISION;
 use crate::validate::b::PAD_PRESS;
 use crate::validate::case::{CaseError, Check, Figure};
-use crate::validate::run::Run;
+use crate::validate::run::Solver;
 
 /// Columns of the collision: total momentum, the cube's, forces on ball and box.
 const COLUMNS: [&str; 15] = [
@@ -11,16 +11,16 @@ const COLUMNS: [&str; 15] = [
     "ball.fx", "ball.fy", "ball.fz", "box.fx", "box.fy", "box.fz",
 ];
 
-pub fn balance() -> Result<Vec<Figure>, CaseError> {
-    let mut figures = collision()?;
-    figures.extend(press()?);
+pub fn balance(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    let mut figures = collision(solver)?;
+    figures.extend(press(solver)?);
     Ok(figures)
 }
 
 /// At every step, what the cube gains in momentum is the opposite of the forces that the probes
 /// state for ball and box, and nothing is gained in all.
-fn collision() -> Result<Vec<Figure>, CaseError> {
-    let mut run = Run::open(&COLLISION, &[])?;
+fn collision(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    let mut run = solver.open(&COLLISION, &[])?;
     let series = run.record(0.4, &COLUMNS)?;
     let column = |k: usize| &series.columns[k];
     let (mut sum, mut total, mut angular, mut force) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
@@ -60,8 +60,8 @@ fn collision() -> Result<Vec<Figure>, CaseError> {
 }
 
 /// At rest the plate, the bone and the load of 1 N agree.
-fn press() -> Result<Vec<Figure>, CaseError> {
-    let mut run = Run::open(&PAD_PRESS, &[])?;
+fn press(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    let mut run = solver.open(&PAD_PRESS, &[])?;
     let [plate, bone] = run.to(0.3)?.values(["press.fy", "carried.fy"])?;
     let setup = run.setup();
     let check = Check::Relative(0.01);

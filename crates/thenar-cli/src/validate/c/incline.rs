@@ -2,7 +2,7 @@
 
 use super::{G, INCLINE, INCLINE_SOFT, TIPPING, threshold};
 use crate::validate::case::{CaseError, Check, Figure, SceneText};
-use crate::validate::run::Run;
+use crate::validate::run::{Run, Solver};
 
 /// Mass of the block \[kg\].
 const MASS: f64 = 0.008;
@@ -32,10 +32,10 @@ const BLOCKS: [Block; 2] = [
 ];
 
 impl Block {
-    fn open(&self, degrees: f64, friction: f64) -> Result<Run, CaseError> {
+    fn open(&self, solver: Solver, degrees: f64, friction: f64) -> Result<Run, CaseError> {
         let mut overrides = at_angle(degrees, self.body, 0.02);
         overrides.push(format!("pair.0.friction={friction}"));
-        Run::open(self.scene, &overrides)
+        solver.open(self.scene, &overrides)
     }
 
     /// Velocity of the centre of mass down the slope \[m/s\].
@@ -51,13 +51,13 @@ impl Block {
     }
 }
 
-pub fn incline() -> Result<Vec<Figure>, CaseError> {
+pub fn incline(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let mut figures = Vec::new();
     for block in &BLOCKS {
         for (degrees, friction, expected) in
             [(20.0, 0.3, 0.589702), (30.0, 0.5, 0.657145), (35.0, 0.6, 0.805256)]
         {
-            let mut run = block.open(degrees, friction)?;
+            let mut run = block.open(solver, degrees, friction)?;
             let early = Block::speed(run.to(0.2)?, degrees)?;
             let late = Block::speed(run.to(0.5)?, degrees)?;
             let what = format!("{}: a at {degrees} deg, mu {friction} [m/s2]", block.word);
@@ -66,7 +66,7 @@ pub fn incline() -> Result<Vec<Figure>, CaseError> {
         }
 
         // A soft cube first settles into its own weight.
-        let mut run = block.open(20.0, 0.4)?;
+        let mut run = block.open(solver, 20.0, 0.4)?;
         let [x0, y0] = Block::place(run.to(0.5)?)?;
         let [x1, y1] = Block::place(run.to(10.5)?)?;
         let what = format!("{}: drift in 10 s at 20 deg, mu 0.4 [mm]", block.word);
@@ -75,28 +75,28 @@ pub fn incline() -> Result<Vec<Figure>, CaseError> {
 
         // Past the threshold by a twentieth of a degree it gains more than a quarter of this.
         let angle = threshold(18.0, 26.0, 0.05, |degrees| {
-            let mut run = block.open(degrees, 0.4)?;
+            let mut run = block.open(solver, degrees, 0.4)?;
             let early = Block::speed(run.to(0.3)?, degrees)?;
             let late = Block::speed(run.to(0.6)?, degrees)?;
             Ok(late - early < 0.3 * 0.25 * G * 0.05_f64.to_radians())
         })?;
         let what = format!("{}: starts to slide at, mu 0.4 [deg]", block.word);
         let expected = 0.4_f64.atan().to_degrees();
-        let setup = block.open(20.0, 0.4)?.setup();
+        let setup = block.open(solver, 20.0, 0.4)?.setup();
         figures.push(Figure::new(what, setup, expected, angle, Check::Absolute(0.2)));
     }
     Ok(figures)
 }
 
 /// A box tips when the plumb line through its centre leaves its base: tan θ = 20/50.
-pub fn tipping() -> Result<Vec<Figure>, CaseError> {
+pub fn tipping(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let angle = threshold(15.0, 30.0, 0.05, |degrees| {
-        let mut run = Run::open(&TIPPING, &at_angle(degrees, "rigid.box", 0.05))?;
+        let mut run = solver.open(&TIPPING, &at_angle(degrees, "rigid.box", 0.05))?;
         let [qz, qw] = run.to(3.0)?.values(["box.qz", "box.qw"])?;
         let turned = 2.0 * qz.atan2(qw) + degrees.to_radians();
         Ok(turned.abs() < 1.0_f64.to_radians())
     })?;
-    let mut run = Run::open(&TIPPING, &at_angle(20.0, "rigid.box", 0.05))?;
+    let mut run = solver.open(&TIPPING, &at_angle(20.0, "rigid.box", 0.05))?;
     let start = run.values(["box.x", "box.y"])?;
     let end = run.to(3.0)?.values(["box.x", "box.y"])?;
     let moved = 1e3 * (end[0] - start[0]).hypot(end[1] - start[1]);

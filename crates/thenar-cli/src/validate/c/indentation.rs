@@ -2,7 +2,7 @@
 
 use super::{FINGER_PAD, HERTZ, LAYER};
 use crate::validate::case::{CaseError, Check, Figure};
-use crate::validate::run::Run;
+use crate::validate::run::{Run, Solver};
 use std::f64::consts::PI;
 use thenar_scene::format::{LatticeShape, SoftShape};
 
@@ -25,19 +25,19 @@ fn quarter(mut run: Run, until: f64, force: &str) -> Result<Press, CaseError> {
 }
 
 /// The Hertz scene at a depth \[mm\], its mesh scaled with the contact radius.
-fn hertz_at([depth, _, radius]: [f64; 3]) -> Result<Press, CaseError> {
-    let planes = planes()?.map(|p| p.iter().map(|x| x * radius / 2.0).collect::<Vec<f64>>());
+fn hertz_at(solver: Solver, [depth, _, radius]: [f64; 3]) -> Result<Press, CaseError> {
+    let planes = planes(solver)?.map(|p| p.iter().map(|x| x * radius / 2.0).collect::<Vec<f64>>());
     let y = 8e-3 - 1e-3 * depth;
     let overrides = [
         format!("soft.block.shape.coordinates={planes:?}"),
         format!("rigid.sphere.keyframes.1.position=[0, {y}, 0]"),
     ];
-    quarter(Run::open(&HERTZ, &overrides)?, 0.1, "press.fy")
+    quarter(solver.open(&HERTZ, &overrides)?, 0.1, "press.fy")
 }
 
 /// The cell planes of the scene, which are made for a contact radius of 2 mm.
-fn planes() -> Result<[Vec<f64>; 3], CaseError> {
-    let mut run = Run::open(&HERTZ, &[])?;
+fn planes(solver: Solver) -> Result<[Vec<f64>; 3], CaseError> {
+    let mut run = solver.open(&HERTZ, &[])?;
     match &run.session().scene().soft[0].shape.value {
         SoftShape::Lattice(LatticeShape { coordinates: Some(planes), .. }) => Ok(planes.clone()),
         _ => Err(CaseError::Missing("the scene has no cell planes".into())),
@@ -52,14 +52,16 @@ fn hertz_figures(press: &Press, [depth, force, radius]: [f64; 3]) -> [Figure; 2]
     ]
 }
 
-pub fn hertz() -> Result<Vec<Figure>, CaseError> {
-    Ok(hertz_figures(&hertz_at(HERTZ_VALUES[1])?, HERTZ_VALUES[1]).into())
+pub fn hertz(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    Ok(hertz_figures(&hertz_at(solver, HERTZ_VALUES[1])?, HERTZ_VALUES[1]).into())
 }
 
 /// All three depths on meshes scaled with the contact radius, and the exponent of F over d.
-pub fn hertz_depths() -> Result<Vec<Figure>, CaseError> {
-    let presses =
-        HERTZ_VALUES.iter().map(|v| hertz_at(*v)).collect::<Result<Vec<Press>, CaseError>>()?;
+pub fn hertz_depths(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    let presses = HERTZ_VALUES
+        .iter()
+        .map(|v| hertz_at(solver, *v))
+        .collect::<Result<Vec<Press>, CaseError>>()?;
     let pairs = presses.iter().zip(HERTZ_VALUES);
     let mut figures: Vec<Figure> = pairs.flat_map(|(p, v)| hertz_figures(p, v)).collect();
     let exponent = (presses[2].force / presses[0].force).ln() / 5.0_f64.ln();
@@ -69,7 +71,7 @@ pub fn hertz_depths() -> Result<Vec<Figure>, CaseError> {
 }
 
 /// Depths with a tolerance, and one past small strain for the reader.
-pub fn layer() -> Result<Vec<Figure>, CaseError> {
+pub fn layer(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let mut figures = Vec::new();
     for (depth, force, radius, check) in [
         (0.2, 0.02706, 1.33, Check::Relative(0.1)),
@@ -78,7 +80,7 @@ pub fn layer() -> Result<Vec<Figure>, CaseError> {
     ] {
         let y = 8e-3 - 1e-3 * depth;
         let down = format!("rigid.sphere.keyframes.1.position=[0, {y}, 0]");
-        let press = quarter(Run::open(&LAYER, &[down])?, 0.1, "press.fy")?;
+        let press = quarter(solver.open(&LAYER, &[down])?, 0.1, "press.fy")?;
         let (f, a) = (format!("F at {depth} mm [N]"), format!("contact radius at {depth} mm [mm]"));
         figures.push(Figure::new(f, &press.setup, force, press.force, check));
         figures.push(Figure::new(a, press.setup, radius, press.radius_mm, check));
@@ -86,20 +88,26 @@ pub fn layer() -> Result<Vec<Figure>, CaseError> {
     Ok(figures)
 }
 
-pub fn finger_pad() -> Result<Vec<Figure>, CaseError> {
-    pad_at(0.4, 0.08184, 1.90, 0.1)
+pub fn finger_pad(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    pad_at(solver, 0.4, 0.08184, 1.90, 0.1)
 }
 
-pub fn finger_pad_depths() -> Result<Vec<Figure>, CaseError> {
-    let mut figures = pad_at(0.2, 0.02648, 1.34, 0.1)?;
-    figures.extend(pad_at(0.8, 0.25573, 2.74, 0.15)?);
+pub fn finger_pad_depths(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    let mut figures = pad_at(solver, 0.2, 0.02648, 1.34, 0.1)?;
+    figures.extend(pad_at(solver, 0.8, 0.25573, 2.74, 0.15)?);
     Ok(figures)
 }
 
-fn pad_at(depth: f64, force: f64, radius: f64, tolerance: f64) -> Result<Vec<Figure>, CaseError> {
+fn pad_at(
+    solver: Solver,
+    depth: f64,
+    force: f64,
+    radius: f64,
+    tolerance: f64,
+) -> Result<Vec<Figure>, CaseError> {
     let y = -8e-3 + 1e-3 * depth;
     let up = format!("rigid.plate.keyframes.1.position=[0, {y}, 0]");
-    let mut run = Run::open(&FINGER_PAD, &[up])?;
+    let mut run = solver.open(&FINGER_PAD, &[up])?;
     let [plate, area, bone] = run.to(0.075)?.values(["press.fy", "press.area", "bone.fy"])?;
     let radius_mm = 1e3 * (area / PI).sqrt();
     let (setup, check) = (run.setup(), Check::Relative(tolerance));

@@ -2,13 +2,13 @@
 
 use super::{G, PINCH, STACK, threshold};
 use crate::validate::case::{CaseError, Check, Figure};
-use crate::validate::run::Run;
+use crate::validate::run::{Run, Solver};
 
 /// Mass of each box of the stack \[kg\].
 const BOX_MASS: f64 = 0.1;
 
-pub fn stack() -> Result<Vec<Figure>, CaseError> {
-    let mut run = Run::open(&STACK, &[])?;
+pub fn stack(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    let mut run = solver.open(&STACK, &[])?;
     let places = |run: &mut Run| -> Result<Vec<f64>, CaseError> {
         let names = (1..=5).flat_map(|k| ["x", "y", "z"].map(|axis| format!("box{k}.{axis}")));
         names.map(|name| run.value(&name)).collect()
@@ -33,16 +33,19 @@ pub fn stack() -> Result<Vec<Figure>, CaseError> {
 }
 
 /// The smallest normal force of each pad that holds the object, by bisection of the pads' travel.
-pub fn pinch() -> Result<Vec<Figure>, CaseError> {
-    [(0.2, 0.6), (0.3, 0.5)].into_iter().map(|(mass, friction)| hold(mass, friction)).collect()
+pub fn pinch(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    [(0.2, 0.6), (0.3, 0.5)]
+        .into_iter()
+        .map(|(mass, friction)| hold(solver, mass, friction))
+        .collect()
 }
 
-fn hold(mass: f64, friction: f64) -> Result<Figure, CaseError> {
+fn hold(solver: Solver, mass: f64, friction: f64) -> Result<Figure, CaseError> {
     let mut setup = String::new();
     let mut least = f64::INFINITY;
     threshold(-2.0, -0.3, 0.007, |looser| {
         let travel = -1e-3 * looser;
-        let mut run = Run::open(&PINCH, &overrides(mass, friction, travel))?;
+        let mut run = solver.open(&PINCH, &overrides(mass, friction, travel))?;
         let held = run.to(1.5)?.value("object.y")?;
         let later = run.to(1.8)?.value("object.y")?;
         let holds = held - later < 1e-4 && later > -0.01; // pads give way by millimetres

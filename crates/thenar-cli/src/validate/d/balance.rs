@@ -2,7 +2,7 @@
 
 use super::HAND;
 use crate::validate::case::{CaseError, Check, Figure};
-use crate::validate::run::Run;
+use crate::validate::run::Solver;
 use thenar::{Pose, Quat, Vec3, World};
 use thenar_scene::session::Random;
 
@@ -41,10 +41,10 @@ fn scatter(world: &mut World, soft: u32, random: &mut Random) {
 }
 
 /// At ten random states of the hand.
-pub fn coupling() -> Result<Vec<Figure>, CaseError> {
+pub fn coupling(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let worst = |damping_time: f64| -> Result<([f64; 2], String), CaseError> {
         let given = format!("hand.hand.coupling_damping_time={damping_time:e}");
-        let mut run = Run::open(&HAND, &[given])?;
+        let mut run = solver.open(&HAND, &[given])?;
         let setup = run.setup();
         let session = run.session();
         let soft = session.hands()[0].handle.soft;

@@ -4,7 +4,7 @@ use super::FINGER;
 use super::differences::Rows::{Coordinates, OneKind};
 use super::differences::{Matrix, coordinates, differences, minus_cross, mismatch, scatter_bones};
 use crate::validate::case::{CaseError, Check, Figure};
-use crate::validate::run::Run;
+use crate::validate::run::Solver;
 use thenar::coupling::{BoneSystem, EffectiveMass, skin_target};
 use thenar::model::FleshInStep1;
 use thenar::solver::BlockMatrix;
@@ -93,8 +93,8 @@ fn targets(world: &World) -> Vec<f64> {
 }
 
 /// Targets, forces and every block of Eq. 7-9.
-pub fn coupling() -> Result<Vec<Figure>, CaseError> {
-    let mut run = Run::open(&FINGER, &[SMALL.into(), "soft.flesh.bind_damping_time=0".into()])?;
+pub fn coupling(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    let mut run = solver.open(&FINGER, &[SMALL.into(), "soft.flesh.bind_damping_time=0".into()])?;
     let input = run.session().world().input();
     let setup = format!("{STATES} states, {}", run.mesh());
     let (mut random, mut worst) = (Random::new(6), [0.0_f64; 7]);
@@ -175,11 +175,11 @@ fn stretch(world: &mut World, stretches: Vec3, noise: f64, random: &mut Random) 
 
 /// Elastic forces at random strain, and their stiffness where theory says that nothing of it is
 /// left out.
-pub fn flesh() -> Result<Vec<Figure>, CaseError> {
+pub fn flesh(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let mut figures = Vec::new();
     for law in ["corotational", "neo-hookean", "stable-neo-hookean"] {
         let run =
-            Run::open(&FINGER, &[SMALL.into(), format!("soft.flesh.material.law=\"{law}\"")])?;
+            solver.open(&FINGER, &[SMALL.into(), format!("soft.flesh.material.law=\"{law}\"")])?;
         let setup = format!("{STATES} states, {}", run.mesh());
         let (mut random, mut worst) = (Random::new(7), [0.0_f64; 3]);
         for _ in 0..STATES {

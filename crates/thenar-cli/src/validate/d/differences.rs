@@ -5,14 +5,15 @@
 
 use super::{coupled, jointed};
 use crate::validate::case::{CaseError, Figure};
+use crate::validate::run::Solver;
 use thenar::{Mat3, Pose, Quat, Vec3, World};
 use thenar_scene::session::Random;
 
 /// Everything of D6.
-pub fn all() -> Result<Vec<Figure>, CaseError> {
-    let mut figures = coupled::coupling()?;
-    figures.extend(coupled::flesh()?);
-    figures.extend(jointed::skeleton()?);
+pub fn all(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    let mut figures = coupled::coupling(solver)?;
+    figures.extend(coupled::flesh(solver)?);
+    figures.extend(jointed::skeleton(solver)?);
     Ok(figures)
 }
 

@@ -4,7 +4,7 @@ use super::HAND;
 use super::differences::Rows::OneKind;
 use super::differences::{Matrix, coordinates, differences, mismatch, scatter_bones};
 use crate::validate::case::{CaseError, Check, Figure};
-use crate::validate::run::Run;
+use crate::validate::run::Solver;
 use thenar::skeleton::{JointFrames, Tree, axis_states, joint_block, spring_torque};
 use thenar::{Pose, Vec3, World};
 use thenar_scene::session::Random;
@@ -87,8 +87,8 @@ fn bend(world: &mut World, tree: &Tree, random: &mut Random) {
 }
 
 /// Joint rows and springs where the joints hold, drives anywhere.
-pub fn skeleton() -> Result<Vec<Figure>, CaseError> {
-    let mut run = Run::open(&HAND, &["hand.hand.flesh=false".into()])?;
+pub fn skeleton(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    let mut run = solver.open(&HAND, &["hand.hand.flesh=false".into()])?;
     run.step()?; // gives the drives their targets
     let setup = format!("{STATES} states, 16 bones");
     let tree = Tree::of_hand(&run.session().hands()[0].model)

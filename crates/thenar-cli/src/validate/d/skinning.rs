@@ -2,15 +2,15 @@
 
 use super::HAND;
 use crate::validate::case::{CaseError, Check, Figure, SceneText, scene};
-use crate::validate::run::Run;
+use crate::validate::run::Solver;
 use thenar::{Pose, Quat, Vec3};
 use thenar_scene::session::Random;
 
 const TWIST: SceneText = scene!("d03-twist");
 
 /// Weights of the built-in hand: not negative, of sum 1, of one bone or two that a joint joins.
-pub fn weights() -> Result<Vec<Figure>, CaseError> {
-    let mut run = Run::open(&HAND, &[])?;
+pub fn weights(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    let mut run = solver.open(&HAND, &[])?;
     let setup = run.setup();
     let hand = &run.session().hands()[0].model;
     let bindings = &hand.bindings;
@@ -40,8 +40,8 @@ fn random_motion(random: &mut Random) -> Pose {
 }
 
 /// A hundred random motions (up to 1 m and 180 degrees along each axis) of a bent hand.
-pub fn rigid_motion() -> Result<Vec<Figure>, CaseError> {
-    let mut run = Run::open(&HAND, &[])?;
+pub fn rigid_motion(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    let mut run = solver.open(&HAND, &[])?;
     run.to(0.3)?;
     let setup = run.setup();
     let session = run.session();
@@ -66,8 +66,8 @@ pub fn rigid_motion() -> Result<Vec<Figure>, CaseError> {
 }
 
 /// Where the weights are one half each the targets shrink by cos 45 degrees; flesh resists.
-pub fn twist() -> Result<Vec<Figure>, CaseError> {
-    let mut run = Run::open(&TWIST, &[])?;
+pub fn twist(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    let mut run = solver.open(&TWIST, &[])?;
     let [target_0, flesh_0] = run.values(["target.mean", "flesh.mean"])?;
     let [target, flesh] = run.to(1.5)?.values(["target.mean", "flesh.mean"])?;
     let (target, flesh) = (target / target_0, flesh / flesh_0);

@@ -2,7 +2,7 @@
 
 use super::{FINGER, HAND};
 use crate::validate::case::{CaseError, Check, Figure, SceneText};
-use crate::validate::run::Run;
+use crate::validate::run::{Run, Solver};
 use thenar::model::{FleshInStep1, SolverKind};
 use thenar::{Vec3, World};
 
@@ -90,11 +90,11 @@ const STEPS: [f64; 3] = [1e-3, 1e-4, 1e-5];
 const FLOOR: Difference = Difference { velocity: 1e-9, joint: 1e-13 };
 
 /// All schemes, at one coupling stiffness.
-fn compare(setting: &Setting, kappa: f64) -> Result<Vec<Figure>, CaseError> {
+fn compare(solver: Solver, setting: &Setting, kappa: f64) -> Result<Vec<Figure>, CaseError> {
     let stiffness = setting.stiffness.iter().map(|key| format!("{key}={kappa:e}"));
     let exactly = ["solver.cg_tolerance=1e-12", "solver.cg_iterations_max=20000"];
     let overrides: Vec<String> = stiffness.chain(exactly.map(String::from)).collect();
-    let mut start = Run::open(setting.scene, &overrides)?;
+    let mut start = solver.open(setting.scene, &overrides)?;
     start.to(setting.time)?;
     let mut found = [[Difference::default(); 3]; SCHEMES.len()];
     for (i, h) in STEPS.into_iter().enumerate() {
@@ -130,7 +130,7 @@ fn rows(name: &str, coarse: &str, found: &[Difference; 3]) -> [Figure; 4] {
 }
 
 /// A finger bending, and the hand halfway to a fist; coupling stiffness k, 10 k, 100 k \[N/m⁴\].
-pub fn both_scenes() -> Result<Vec<Figure>, CaseError> {
+pub fn both_scenes(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let finger = Setting {
         name: "finger",
         scene: &FINGER,
@@ -150,7 +150,7 @@ pub fn both_scenes() -> Result<Vec<Figure>, CaseError> {
     let mut figures = Vec::new();
     for setting in [&finger, &hand] {
         for kappa in [1e7, 1e8, 1e9] {
-            figures.extend(compare(setting, kappa)?);
+            figures.extend(compare(solver, setting, kappa)?);
         }
     }
     Ok(figures)
