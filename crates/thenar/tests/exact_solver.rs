@@ -248,3 +248,19 @@ fn a_step_not_converged_falls_back() {
     assert!(report.fell_back && !report.non_finite, "{report:?}");
     assert_eq!(world.state_hash(), two_step.state_hash());
 }
+
+/// Where one iteration solves all, what follows must not spoil it: a free body falls by
+/// `g h² n (n + 1) / 2` in n steps, whatever the round-off.
+#[test]
+fn a_free_body_falls_exactly_at_any_step() {
+    for k in 1..=200 {
+        let h = 1e-4 * f64::from(k);
+        let mut desc = WorldDesc { time_step: h, ..WorldDesc::default() };
+        desc.add_rigid(body("ball", 0.1 + 1e-3 * f64::from(k), [1e-4; 3], Vec3::zeros()));
+        let mut world = World::new(desc).unwrap();
+        let input = world.input();
+        (0..30).for_each(|_| assert!(!world.step(&input, &mut ()).fell_back, "h {h}"));
+        let (y, expected) = (world.rigid_pose(0).position.y, -9.81 * h * h * 30.0 * 31.0 / 2.0);
+        assert!((y - expected).abs() < 1e-12, "h {h}: {y} m, theory {expected} m");
+    }
+}

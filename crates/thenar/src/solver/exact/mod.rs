@@ -129,7 +129,7 @@ pub struct Accuracy {
 
 impl Accuracy {
     fn stop(&self, iterations_min: u32, iterations_max: u32) -> Stop {
-        Stop { tolerance: self.velocity, iterations_min, iterations_max }
+        Stop { tolerance: self.velocity, iterations_min, iterations_max, scale: 0.0 }
     }
 }
 
@@ -223,11 +223,13 @@ impl Exact {
         }
         system.coordinates(v, x, &mut work.v);
         system.residual(step.b, x, &mut work.r, &mut work.v, &mut work.f);
+        let scale = pcg::largest_speed(&work.v, bodies.bodies());
         let mut solved = Solved::default();
         if *ready == Ready::Jacobi {
             let apply = |r: &Coordinates, z: &mut Coordinates| jacobi.apply(&system, coarse, r, z);
             let worth = self.iterations_worth_a_factor.min(accuracy.iterations_max);
-            solved = pcg::solve(&system, apply, x, accuracy.stop(WINDOW, worth), work);
+            solved =
+                pcg::solve(&system, apply, x, Stop { scale, ..accuracy.stop(WINDOW, worth) }, work);
             if !solved.converged && direct.refresh(&system, coarse) {
                 *ready = Ready::Direct;
                 system.residual(step.b, x, &mut work.r, &mut work.v, &mut work.f);
@@ -237,12 +239,13 @@ impl Exact {
             let apply = |r: &Coordinates, z: &mut Coordinates| direct.apply(&system, coarse, r, z);
             let most = accuracy.iterations_max;
             let before = solved.iterations;
-            solved = pcg::solve(&system, apply, x, accuracy.stop(1, most), work);
+            solved = pcg::solve(&system, apply, x, Stop { scale, ..accuracy.stop(1, most) }, work);
             solved.iterations += before;
         } else if !solved.converged {
             let apply = |r: &Coordinates, z: &mut Coordinates| jacobi.apply(&system, coarse, r, z);
             let most = accuracy.iterations_max;
-            solved = pcg::solve(&system, apply, x, accuracy.stop(WINDOW, most), work);
+            solved =
+                pcg::solve(&system, apply, x, Stop { scale, ..accuracy.stop(WINDOW, most) }, work);
         }
         system.velocities(x, v);
         solved.error.is_finite().then_some(solved)

@@ -76,6 +76,8 @@ pub struct Stop {
     pub iterations_min: u32,
     /// Most iterations.
     pub iterations_max: u32,
+    /// A speed of the solution \[m/s\]: of this, nothing below round-off is asked for.
+    pub scale: f64,
 }
 
 /// Improves `x` from the residual in `work.r` until the estimated error is small enough;
@@ -91,22 +93,27 @@ pub fn solve(
     precondition(r, z);
     p.copy_from(z);
     let mut rz = r.dot(z);
+    let first = rz;
     let (mut least, mut waited) = (f64::INFINITY, 0);
     let (mut rates, mut speeds) = ([0.0_f64; WINDOW], [0.0_f64; WINDOW]);
     let mut drop_before = f64::INFINITY;
-    let mut scale = 0.0_f64;
+    let mut scale = stop.scale;
     let mut solved = Solved { iterations: 0, error: 0.0, converged: true };
-    while rz > 0.0 {
+    // A residual that has come down to round-off cannot come down further.
+    while rz > ROUND_OFF * ROUND_OFF * first || (solved.iterations == 0 && rz > 0.0) {
         system.product(p, q, v, f);
         let along = p.dot(q);
-        if along <= 0.0 {
+        let slope = p.dot(r);
+        if along <= 0.0 || slope == 0.0 {
             // All directions are used up, or the matrix is not positive definite.
             solved.converged = solved.iterations > 0 && solved.error <= stop.tolerance;
             return solved;
         }
-        let alpha = rz / along;
-        let drop = alpha * rz;
-        let moved = alpha * largest_speed(v, system.bodies.bodies());
+        // Not r·z: where directions are used up p is left with round-off, of which r·z knows nothing,
+        // and the step would be anything.
+        let alpha = slope / along;
+        let drop = alpha * slope;
+        let moved = alpha.abs() * largest_speed(v, system.bodies.bodies());
         x.add(alpha, p);
         r.add(-alpha, q);
         precondition(r, z);
@@ -119,7 +126,8 @@ pub fn solve(
         (rates[at], speeds[at]) = (drop / drop_before, moved);
         // What the next iteration will lower, if its step is as long.
         let ahead = alpha * rz_new.max(0.0) / drop;
-        let rate = rates.iter().copied().fold(ahead, f64::max).min(RATE_MAX);
+        let slowest = rates.iter().copied().fold(ahead, f64::max);
+        let rate = slowest.min(RATE_MAX);
         let speed = speeds.iter().copied().fold(0.0, f64::max);
         solved.error = SAFETY * speed * (rate / (1.0 - rate)).sqrt();
         scale = scale.max(moved);
@@ -132,8 +140,9 @@ pub fn solve(
         if solved.error.is_nan() {
             return Solved { converged: false, ..solved };
         }
-        let enough = solved.error <= stop.tolerance.max(ROUND_OFF * scale);
-        if enough && solved.iterations >= stop.iterations_min {
+        // Where the decreases hardly shrink (a slender bar at rest) they tell nothing of their sum.
+        let enough = solved.error <= stop.tolerance && slowest < RATE_MAX;
+        if (enough || speed <= ROUND_OFF * scale) && solved.iterations >= stop.iterations_min {
             return solved;
         }
         if solved.iterations >= stop.iterations_max || waited > PATIENCE {
@@ -142,11 +151,13 @@ pub fn solve(
         p.renew(beta, z);
         rz = rz_new;
     }
-    solved.converged = rz == 0.0;
+    solved.converged = rz.is_finite() && rz >= 0.0;
+    solved.error = solved.error.min(ROUND_OFF * scale);
     solved
 }
 
-fn largest_speed(v: &[Vec3], bodies: usize) -> f64 {
+/// Largest speed in a velocity-like vector \[m/s\].
+pub fn largest_speed(v: &[Vec3], bodies: usize) -> f64 {
     let speed2 = |(i, v): (usize, &Vec3)| {
         let turning = i < 2 * bodies && i % 2 == 1;
         v.norm_squared() * if turning { TURN_LEVER * TURN_LEVER } else { 1.0 }
