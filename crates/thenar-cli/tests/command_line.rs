@@ -144,6 +144,7 @@ fn paraview_files_are_written() {
         assert!(list.contains(moment), "{list}");
     }
     assert!(folder.read("out/soft-cube-cube-flesh-000001.vtu").contains("<VTKFile"));
+    assert!(folder.read("out/soft-cube-cube-contact-000001.vtp").contains("pressure [Pa]"));
 }
 
 #[test]

@@ -10,6 +10,7 @@ pub mod flesh;
 pub mod haptic;
 pub mod math;
 pub mod model;
+pub mod readout;
 pub mod skeleton;
 pub mod solver;
 #[cfg(test)]

@@ -59,7 +59,6 @@ fn a_bound_holds_and_its_torque_balances_the_load() {
         let balance = torque + applied + weight;
         assert!(balance.abs() < 1e-6 * applied.abs(), "{applied} N m: off by {balance} N m");
         assert_eq!(report.limits_active, 1);
-        assert!(report.contact_sweeps <= 2, "warm start: {report:?}");
     }
 }
 

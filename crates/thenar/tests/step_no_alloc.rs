@@ -1,4 +1,4 @@
-//! Goal: a step allocates nothing. Method: a global allocator that counts, around steps of a soft
+//! Goal: a step allocates nothing, nor does reading its contacts. Method: a global allocator that counts, around steps of a soft
 //! finger that falls on a plane, is pressed, and touches a soft block and a box.
 
 mod common;
@@ -7,7 +7,8 @@ use common::{FLESH, bar, body, finger};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use thenar::contact::Shape;
-use thenar::model::{Drive, Motion, SoftDesc, SolverKind};
+use thenar::model::{BodyId, Drive, FrictionTable, Motion, SoftDesc, SolverKind};
+use thenar::readout::ContactReadout;
 use thenar::world::Target;
 use thenar::{Pose, Vec3, World};
 
@@ -58,12 +59,17 @@ fn steps_allocate_nothing(kind: SolverKind) {
         velocity_W: Vec3::zeros(),
         coupling: None,
     });
+    desc.friction_tables.push(FrictionTable {
+        bodies: [BodyId::Rigid(2), BodyId::Soft(0)],
+        points: vec![[1.0, 0.8], [20.0, 0.4]],
+    });
     let drive =
         Drive { stiffness: 400.0, damping: 2.0, angular_stiffness: 0.4, angular_damping: 1e-3 };
     desc.drives[0] = Some(drive);
     let start = desc.rigids[0].pose_WB;
     let mut world = World::new(desc).unwrap();
     let mut input = world.input();
+    let mut readout = ContactReadout::new(&world);
 
     let mut active = 0;
     let before = COUNT.with(Cell::get);
@@ -76,6 +82,8 @@ fn steps_allocate_nothing(kind: SolverKind) {
         });
         let report = world.step(&input, &mut ());
         assert!(!report.fell_back && !report.non_finite);
+        readout.read(&world);
+        assert_eq!(readout.body(&world, BodyId::Soft(0)).points > 0, report.contacts_active > 0);
         active = active.max(report.contacts_active);
     }
     let after = COUNT.with(Cell::get);

@@ -5,6 +5,7 @@ use crate::picture;
 use std::path::Path;
 use thenar::contact::Shape;
 use thenar::model::EmbeddedSurface;
+use thenar::readout::{ContactReadout, VertexContact};
 use thenar::{Pose, Vec3};
 use thenar_rig::export::{Field, Series, flesh_cell_fields, lines, surface, tetrahedra};
 use thenar_scene::session::Session;
@@ -13,6 +14,7 @@ use thenar_scene::session::Session;
 pub struct VtkSeries {
     series: Series,
     every: u64,
+    readout: ContactReadout,
 }
 
 type Parts = Vec<(String, &'static str, String)>;
@@ -24,7 +26,8 @@ impl VtkSeries {
     /// The folder cannot be made.
     pub fn create(folder: &Path, session: &Session, interval: f64) -> Result<Self, CliError> {
         let every = (interval / session.world().time_step()).round().max(1.0) as u64;
-        Ok(Self { series: Series::create(folder, session.name())?, every })
+        let readout = ContactReadout::new(session.world());
+        Ok(Self { series: Series::create(folder, session.name())?, every, readout })
     }
 
     /// Writes the present state when its time has come.
@@ -40,6 +43,8 @@ impl VtkSeries {
         softs(session, &mut parts)?;
         rigids(session, &mut parts)?;
         contacts(session, &mut parts)?;
+        self.readout.read(session.world());
+        touched(session, &self.readout, &mut parts)?;
         let parts: Vec<_> =
             parts.iter().map(|(name, end, text)| (name.as_str(), *end, text.clone())).collect();
         Ok(self.series.push(session.world().time(), &parts)?)
@@ -137,6 +142,29 @@ fn outline(shape: &Shape, pose_WS: &Pose) -> Option<(Vec<Vec3>, Vec<[u32; 3]>)> 
         }
     };
     Some((solid.positions, solid.triangles))
+}
+
+/// The collision surface of each deformable body with what presses on its vertices.
+fn touched(session: &Session, readout: &ContactReadout, parts: &mut Parts) -> Result<(), CliError> {
+    let world = session.world();
+    for (s, soft) in (0..).zip(&world.desc().softs) {
+        let vertices = readout.vertices(s);
+        let scalar = |name: &str, of: fn(&VertexContact) -> f64| {
+            Field::scalar(name, vertices.iter().map(of).collect())
+        };
+        let forces: Vec<Vec3> = vertices.iter().map(|v| v.force_W).collect();
+        let states = vertices.iter().map(|v| i32::from(v.state.number())).collect();
+        let fields = [
+            scalar("pressure [Pa]", |v| v.pressure),
+            Field::vector("force [N]", &forces),
+            scalar("slip [m/s]", |v| v.slip_W.norm()),
+            Field::whole("state: 0 open, 1 sticks, 2 slips", states),
+        ];
+        let triangles = &soft.flesh.collision.triangles;
+        let text = surface(world.collision_vertices(s), triangles, &fields, &[])?;
+        parts.push((format!("{}-contact", soft.name), "vtp", text));
+    }
+    Ok(())
 }
 
 /// Contact forces as short lines that carry the force on the first body.

@@ -92,6 +92,7 @@ fn add(built: &mut Built, hand: &Hand, folder: &Path) -> Result<(), Fault> {
         built.node_starts.push(None);
     } else {
         built.world.softs.pop();
+        built.world.parts.pop();
         handle.soft = u32::MAX;
     }
     for i in handle.bones.clone() {

@@ -30,8 +30,9 @@ pub use motion::{
 };
 pub use pose::{DriveTable, InterpolationWord, Keyframe, Placement, Rotation};
 pub use probe::{
-    ContactProbe, JointProbe, NodesProbe, PointProbe, Probe, ProbeBody, ProbeHand, ProbeMomentum,
-    ProbeName, QuantityWord, RadiusProbe, StressProbe, StressWord,
+    ContactProbe, DigitWord, FingerProbe, JointProbe, NodesProbe, PointProbe, Probe, ProbeBody,
+    ProbeHand, ProbeMomentum, ProbeName, QuantityWord, RadiusProbe, StressProbe, StressWord,
+    VertexWord, VerticesProbe,
 };
 pub use profile::{Constant, KeyframeProfile, Profile, RampProfile, RandomProfile, SineProfile};
 pub use rigid::{

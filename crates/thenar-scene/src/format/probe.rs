@@ -123,6 +123,65 @@ table! {
 }
 
 words! {
+    /// A part of a hand.
+    pub enum DigitWord {
+        /// The palm.
+        "palm" => Palm,
+        /// The thumb.
+        "thumb" => Thumb,
+        /// The index finger.
+        "index" => Index,
+        /// The middle finger.
+        "middle" => Middle,
+        /// The ring finger.
+        "ring" => Ring,
+        /// The little finger.
+        "little" => Little,
+    }
+}
+
+table! {
+    /// All that one finger feels.
+    pub struct FingerProbe {
+        /// Name, unique among probes; the start of its column names.
+        name: At<String>;
+        /// The hand.
+        hand: At<String>;
+        /// "thumb", "index", "middle", "ring", "little" or "palm".
+        finger: DigitWord;
+    }
+}
+
+words! {
+    /// What is given of each vertex.
+    pub enum VertexWord {
+        /// Normal force over area [Pa].
+        "pressure" => Pressure,
+        /// Force [N]: three columns for each vertex.
+        "force" => Force,
+        /// Speed along what it touches [m/s].
+        "slip" => Slip,
+        /// 0 open, 1 sticks, 2 slips.
+        "state" => State,
+        /// Area that it stands for, while it bears load [m²].
+        "area" => Area,
+    }
+}
+
+table! {
+    /// Contact at each vertex of a soft body's collision surface: one column for each, numbered as
+    /// in the file that `--vtk` writes. Pressure times area, summed, is the normal force.
+    pub struct VerticesProbe {
+        /// Name, unique among probes; the start of its column names.
+        name: At<String>;
+        /// The soft body or hand.
+        body: At<String>;
+        /// "pressure" (default), "force", "slip", "state" or "area".
+        quantity: VertexWord = VertexWord::Pressure;
+    }
+}
+
+words! {
     /// Which stress.
     pub enum StressWord {
         /// Cauchy stress: force over deformed area, world axes.
@@ -173,10 +232,21 @@ choice! {
         "volume" => Volume(ProbeBody),
         /// Stress of elements [Pa].
         "stress" => Stress(StressProbe),
-        /// Force [N], area [m²], centre of pressure [m] and penetration [m] between two bodies.
+        /// Force [N], area [m²], centre of pressure [m], penetration [m], largest pressure [Pa], mean
+        /// slip speed [m/s], and slip between two bodies: the part of the load on sliding points, and
+        /// the state that most of it is in (0 open, 1 sticks, 2 slips).
         "contact" => Contact(ContactProbe),
+        /// Force [N] and torque about its centre of mass [N m] on a body by all its contacts.
+        "contact-force" => ContactForce(ProbeBody),
+        /// Pressure, force or slip at each vertex of a surface.
+        "vertices" => Vertices(VerticesProbe),
         /// Normal and shear force [N] and contact area [m²] of each finger of a hand.
         "fingers" => Fingers(ProbeHand),
+        /// All of one finger: force [N], normal and shear force [N], torque about the fingertip (the
+        /// centre of mass of its last bone) [N m], centre of pressure [m], area [m²], largest pressure
+        /// [Pa], slip as of "contact", and what flesh puts on its bones: force [N] and torque about the
+        /// fingertip [N m].
+        "finger" => Finger(FingerProbe),
         /// Force [N] and torque [N m] that flesh puts on a rigid body inside it.
         "bone-force" => BoneForce(ProbeBody),
         /// Force [N] and torque [N m] that a drive puts on its body.

@@ -50,6 +50,11 @@ table! {
         bodies: [At<String>; 2];
         /// Coulomb friction coefficient of this pair.
         friction: Option<f64> where FRICTION;
+        /// Instead of `friction`: coefficients that depend on load, as [load [N], coefficient], by
+        /// rising load; straight lines between, constant outside. The load is the sum of the normal
+        /// forces of the whole patch in the step before: between the two bodies, or, of a hand, between
+        /// one finger (or the palm) and the other body.
+        friction_by_load: Option<At<Vec<[f64; 2]>>> where PRESSING;
         /// False lets the two pass through each other. Default true.
         contact: bool = true;
     }

@@ -60,7 +60,11 @@ impl Gone<'_> {
             Probe::Pose(p) | Probe::Velocity(p) | Probe::BodyEnergy(p) | Probe::Volume(p) => {
                 !self.means(&p.body)
             }
-            Probe::BoneForce(p) | Probe::DriveForce(p) => !self.means(&p.body),
+            Probe::BoneForce(p) | Probe::DriveForce(p) | Probe::ContactForce(p) => {
+                !self.means(&p.body)
+            }
+            Probe::Vertices(p) => !self.means(&p.body),
+            Probe::Finger(p) => !self.means(&p.hand),
             Probe::Point(p) => !self.means(&p.body),
             Probe::Joint(p) => !self.means(&p.joint),
             Probe::Nodes(p) | Probe::Rotation(p) => !self.means(&p.body),

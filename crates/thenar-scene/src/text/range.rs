@@ -46,6 +46,8 @@ impl Range {
         &Range { min: -1.0, max: 0.5, open_min: true, open_max: true };
     /// Friction coefficient.
     pub const FRICTION: &'static Range = &closed(0.0, 100.0);
+    /// A normal force \[N\], or a coefficient at it.
+    pub const PRESSING: &'static Range = &closed(0.0, 1e6);
     /// An angle \[rad\].
     pub const ANGLE: &'static Range = &closed(-1e4, 1e4);
     /// A part of a whole.

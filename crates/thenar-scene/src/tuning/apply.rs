@@ -80,6 +80,7 @@ pub fn set_friction(desc: &mut WorldDesc, friction: f64) {
     for rule in &mut desc.pairs {
         rule.friction = rule.friction.map(|_| friction);
     }
+    desc.friction_tables.clear();
 }
 
 /// Drives of all hands, stiffer by `factor`, each as well damped as before.

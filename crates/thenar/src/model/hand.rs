@@ -38,6 +38,11 @@ impl Digit {
     pub const FINGERS: [Self; 5] =
         [Self::Thumb, Self::Index, Self::Middle, Self::Ring, Self::Little];
 
+    /// Its number among the parts of a hand (`BodyParts`): the palm 0, the fingers from 1.
+    pub fn part(self) -> u8 {
+        self as u8
+    }
+
     /// Lower-case name.
     pub fn name(self) -> &'static str {
         match self {

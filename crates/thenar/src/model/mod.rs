@@ -3,12 +3,14 @@
 //! These descriptions are checked and compiled into a `Model` before a simulation runs.
 
 mod flesh;
+mod friction;
 mod hand;
 mod joint;
 mod rigid;
 mod surface;
 
 pub use flesh::{Binding, FixedNode, Flesh, Law, Material};
+pub use friction::{BodyParts, FrictionTable};
 pub use hand::{Bone, Digit, HandModel, Side};
 pub use joint::{AngleLimit, Axis, JointDesc, JointKind};
 pub use rigid::{Motion, RigidDesc};

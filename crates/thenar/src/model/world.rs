@@ -1,7 +1,9 @@
 //! The whole scene as one description.
 
 use crate::math::{Pose, Quat, Vec3};
-use crate::model::{Binding, Flesh, HandModel, JointDesc, Motion, RigidDesc};
+use crate::model::{
+    Binding, BodyParts, Flesh, FrictionTable, HandModel, JointDesc, Motion, RigidDesc,
+};
 use std::ops::Range;
 
 /// A deformable body placed in the world, perhaps bound to bones.
@@ -169,6 +171,10 @@ pub struct WorldDesc {
     pub drives: Vec<Option<Drive>>,
     /// Contact overrides.
     pub pairs: Vec<PairRule>,
+    /// Pairs whose friction depends on load.
+    pub friction_tables: Vec<FrictionTable>,
+    /// Deformable bodies of which several parts count, each once.
+    pub parts: Vec<BodyParts>,
 }
 
 impl Default for WorldDesc {
@@ -182,6 +188,8 @@ impl Default for WorldDesc {
             softs: Vec::new(),
             drives: Vec::new(),
             pairs: Vec::new(),
+            friction_tables: Vec::new(),
+            parts: Vec::new(),
         }
     }
 }
@@ -228,7 +236,7 @@ impl WorldDesc {
         (self.softs.len() - 1) as u32
     }
 
-    /// Adds a hand at rest in `placement.pose_WM`.
+    /// Adds a hand at rest in `placement.pose_WM`; each digit is a part of it (`Digit::part`).
     pub fn add_hand(&mut self, hand: &HandModel, placement: &HandPlacement) -> HandHandle {
         let bone0 = self.rigids.len() as u32;
         for (i, bone) in hand.bones.iter().enumerate() {
@@ -273,6 +281,11 @@ impl WorldDesc {
                 stiffness,
                 damping_time: placement.coupling_damping_time,
             }),
+        });
+        self.parts.push(BodyParts {
+            soft,
+            vertices: hand.collision_digits.iter().map(|digit| digit.part()).collect(),
+            bones: (bone0..).zip(hand.bones.iter().map(|bone| bone.digit.part())).collect(),
         });
         HandHandle {
             bones: bone0..self.rigids.len() as u32,

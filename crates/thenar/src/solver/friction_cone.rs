@@ -52,6 +52,21 @@ pub fn project(cone: Cone, friction: f64, W: &Mat3, d: &Vec3, lambda: &Vec3) -> 
     }
 }
 
+/// A force on the rim of the cone within this part of its radius slides.
+const RIM: f64 = 1e-6;
+
+/// Whether friction gives all it can to a contact that presses, so that it slides (or is about to).
+pub fn is_on_rim(cone: Cone, friction: f64, lambda: &Vec3) -> bool {
+    let rim = friction * lambda.x * (1.0 - RIM);
+    lambda.x > 0.0
+        && match cone {
+            Cone::Circular => lambda.y.hypot(lambda.z) >= rim,
+            Cone::Linearised => {
+                lambda.y.abs().max(lambda.z.abs()) >= rim * std::f64::consts::FRAC_1_SQRT_2
+            }
+        }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -23,7 +23,7 @@ pub use conjugate_gradients::{CgWorkspace, conjugate_gradients};
 pub use contact_rows::{ContactRow, ContactRows, TURN_LEVER};
 pub use dense::DenseLu;
 pub use diagonal::BlockDiagonal;
-pub(crate) use friction_cone::project;
+pub(crate) use friction_cone::{is_on_rim, project};
 pub use monolithic::Monolithic;
 
 /// Joints that close a loop often ask twice for the same thing, and a joint between bodies that do

@@ -48,6 +48,7 @@ pub fn take_velocities_back(state: &mut State, before: &State) {
     state.impulses.clear();
     state.impulses.extend_from_slice(&before.impulses);
     state.limit_impulses.copy_from_slice(&before.limit_impulses);
+    state.patch_loads.clone_from(&before.patch_loads);
 }
 
 /// Undoes a failed step: positions as before, everything at rest.
@@ -59,4 +60,5 @@ pub fn take_back(state: &mut State, before: &State) {
     state.contact_change.fill(Vec3::zeros());
     state.impulses.clear();
     state.limit_impulses.fill([0.0; 2]);
+    state.patch_loads.clear();
 }

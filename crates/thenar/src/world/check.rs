@@ -2,7 +2,9 @@
 
 use crate::contact::{MeshShape, Shape};
 use crate::math::Mat3;
-use crate::model::{BodyId, JointDesc, Motion, RigidDesc, SoftDesc, WorldDesc};
+use crate::model::{
+    BodyId, BodyParts, FrictionTable, JointDesc, Motion, RigidDesc, SoftDesc, WorldDesc,
+};
 use crate::world::ModelError;
 
 /// The largest coordinate or size accepted \[m\].
@@ -44,21 +46,57 @@ pub fn check(desc: &WorldDesc) -> Result<(), ModelError> {
     for soft in &desc.softs {
         check_soft(soft, desc)?;
     }
+    desc.friction_tables.iter().try_for_each(|table| check_table(table, desc))?;
+    desc.parts.iter().try_for_each(|parts| check_parts(parts, desc))?;
     check_pairs(desc)
+}
+
+fn check_body(body: BodyId, thing: &str, desc: &WorldDesc) -> Result<(), ModelError> {
+    let (i, count) = match body {
+        BodyId::Rigid(i) => (i, desc.rigids.len()),
+        BodyId::Soft(i) => (i, desc.softs.len()),
+    };
+    index(thing, "body", u64::from(i), count)
 }
 
 fn check_pairs(desc: &WorldDesc) -> Result<(), ModelError> {
     for rule in &desc.pairs {
         for body in rule.bodies {
-            let (i, count) = match body {
-                BodyId::Rigid(i) => (i, desc.rigids.len()),
-                BodyId::Soft(i) => (i, desc.softs.len()),
-            };
-            index("pair", "body", u64::from(i), count)?;
+            check_body(body, "pair", desc)?;
         }
         not_negative("pair", "friction", rule.friction.unwrap_or(0.0))?;
     }
     Ok(())
+}
+
+fn check_table(table: &FrictionTable, desc: &WorldDesc) -> Result<(), ModelError> {
+    for body in table.bodies {
+        check_body(body, "friction table", desc)?;
+    }
+    let points = table.points.len() as f64;
+    number("friction table", "number of points", "at least 1", points, |n| n >= 1.0)?;
+    let mut before = f64::NEG_INFINITY;
+    for [load, mu] in &table.points {
+        let rises = |x: f64| x >= 0.0 && x > before && x.is_finite();
+        number("friction table", "load", "not negative and rising [N]", *load, rises)?;
+        before = *load;
+        not_negative("friction table", "coefficient", *mu)?;
+    }
+    Ok(())
+}
+
+fn check_parts(parts: &BodyParts, desc: &WorldDesc) -> Result<(), ModelError> {
+    index("parts", "deformable body", u64::from(parts.soft), desc.softs.len())?;
+    let soft = &desc.softs[parts.soft as usize];
+    if !parts.vertices.is_empty() {
+        let vertices = soft.flesh.collision.vertices.len();
+        count(&soft.name, "parts of vertices", vertices, parts.vertices.len())?;
+    }
+    for (bone, _) in &parts.bones {
+        index(&soft.name, "bone of a part", u64::from(*bone), desc.rigids.len())?;
+    }
+    let lists = desc.parts.iter().filter(|other| other.soft == parts.soft).count();
+    count(&soft.name, "lists of parts", 1, lists)
 }
 
 fn settings(desc: &WorldDesc) -> Result<(), ModelError> {

@@ -94,6 +94,18 @@ impl World {
         wrench
     }
 
+    /// Gives `load` the force \[N\] and the torque about the bone's centre of mass \[N m\] of each
+    /// coupling spring on each bone that carries its node, as [`World::coupling_wrench`] sums them.
+    pub(crate) fn for_each_bone_load(&self, mut load: impl FnMut(u32, Vec3, Vec3)) {
+        for (k, bound) in self.model.coupling.bound.iter().enumerate() {
+            let (target, force) = self.spring_force(k);
+            for j in 0..bound.carriers() {
+                let torque = -target.levers_W[j].cross(&force);
+                load(bound.bones[j], force * -bound.weights[j], torque);
+            }
+        }
+    }
+
     /// Force of the coupling springs on the nodes of a deformable body (Eq. 7), dampers included:
     /// node index and force \[N\], world.
     pub fn coupling_forces(&self, soft: u32) -> impl Iterator<Item = (u32, Vec3)> + '_ {

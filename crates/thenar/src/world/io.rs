@@ -73,6 +73,10 @@ pub struct ContactPoint {
     pub slip_W: Vec3,
     /// Surface area the point stands for \[m²\] (zero when both bodies are rigid).
     pub area: f64,
+    /// Coulomb coefficient in this step.
+    pub friction: f64,
+    /// It bears load and friction gives all it can: the point slides, or is about to.
+    pub slips: bool,
 }
 
 /// Energies \[J\].

@@ -6,6 +6,7 @@ mod check;
 mod energy;
 mod error;
 mod exact;
+mod friction;
 mod io;
 mod limits;
 mod model;
@@ -22,7 +23,7 @@ pub use io::{ContactPoint, Energy, Input, Stage, StageTimer, StepReport, Target}
 pub use model::Model;
 pub use state::State;
 
-use crate::contact::{Detector, Reach, RigidPlace, Sides};
+use crate::contact::{Contact, Detector, Reach, RigidPlace, Sides};
 use crate::coupling::skin_target;
 use crate::math::{Pose, Vec3};
 use crate::model::{Limits, SolverKind, SolverSettings, WorldDesc};
@@ -153,6 +154,7 @@ impl World {
 
         timer.begin(Some(Stage::Contact));
         response::build_rows(model, state, h, scratch); //                                (12)
+        friction::set_coefficients(model, state, scratch);
         let contacts = scratch.rows.rows.len();
         if limits == Limits::Rows {
             limits::build_rows(model, state, h, scratch);
@@ -166,12 +168,13 @@ impl World {
         };
         let Some(contact) = contact else { return false };
         response::apply(state, scratch);
+        friction::keep_loads(model, &scratch.found, &scratch.rows, h, &mut state.patch_loads);
         report.limits_active = limits::keep_impulses(model, contacts, state, scratch);
         let close = settings.close_joints && kind == SolverKind::TwoStep;
         if close && !model.joints.is_empty() {
             sound &= two_step::close_joints(model, state, h, scratch);
         }
-        response::report(state, h, contact, scratch, report);
+        response::report(state, h, settings.cone, contact, scratch, report);
         sound
     }
 
@@ -327,6 +330,16 @@ impl World {
     /// The contacts of the last step, near and touching.
     pub fn contacts(&self) -> &[ContactPoint] {
         &self.scratch.contacts
+    }
+
+    /// These, each with where it holds its bodies.
+    pub(crate) fn contact_sites(&self) -> impl Iterator<Item = (&Contact, &ContactPoint)> {
+        self.scratch.found.iter().zip(&self.scratch.contacts)
+    }
+
+    /// Collision-surface vertices of all deformable bodies, one after another, world \[m\].
+    pub(crate) fn all_collision_vertices(&self) -> &[Vec3] {
+        &self.scratch.vertices
     }
 
     /// Changes whenever any bit of the state does.

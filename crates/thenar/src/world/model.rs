@@ -3,7 +3,7 @@
 use crate::coupling::{BoundNode, CouplingEntries, CouplingModel};
 use crate::flesh::{FleshModel, RestTet};
 use crate::math::{Mat3, Vec3};
-use crate::model::{JointDesc, Motion, SoftDesc, WorldDesc};
+use crate::model::{FrictionTable, JointDesc, Motion, SoftDesc, WorldDesc};
 use crate::solver::BlockMatrix;
 use crate::world::{ModelError, check::check};
 use std::ops::Range;
@@ -60,6 +60,10 @@ pub struct Model {
     pub soft_vertices: Vec<Range<usize>>,
     /// Collision vertices of all bodies.
     pub vertices: Vec<Embedded>,
+    /// Part of each collision vertex, of each deformable body that has parts.
+    pub parts: Vec<Vec<u8>>,
+    /// Pairs whose friction depends on load.
+    pub friction: Vec<FrictionTable>,
     /// Held nodes (numbered through) and axes.
     pub held: Vec<(u32, [bool; 3])>,
     /// True for nodes with a held axis.
@@ -94,6 +98,8 @@ impl Model {
             soft_tets: Vec::new(),
             soft_vertices: Vec::new(),
             vertices: Vec::new(),
+            parts: vec![Vec::new(); desc.softs.len()],
+            friction: desc.friction_tables.clone(),
             held: Vec::new(),
             is_held: Vec::new(),
             known: Vec::new(),
@@ -101,6 +107,9 @@ impl Model {
         };
         for soft in &desc.softs {
             model.add_soft(soft, desc)?;
+        }
+        for parts in &desc.parts {
+            model.parts[parts.soft as usize].clone_from(&parts.vertices);
         }
         model.is_held = vec![false; model.flesh.mass.len()];
         model.known = model.rigids.iter().flat_map(|r| [[!r.moves; 3]; 2]).collect();
@@ -119,6 +128,11 @@ impl Model {
     /// Block rows of the system.
     pub fn rows(&self) -> usize {
         2 * self.rigids.len() + self.flesh.mass.len()
+    }
+
+    /// Part of a deformable body that a vertex of its collision surface belongs to.
+    pub fn part_of(&self, soft: u32, vertex: u32) -> u32 {
+        self.parts[soft as usize].get(vertex as usize).map_or(0, |part| u32::from(*part))
     }
 
     fn add_soft(&mut self, soft: &SoftDesc, desc: &WorldDesc) -> Result<(), ModelError> {

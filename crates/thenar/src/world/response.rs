@@ -4,8 +4,8 @@ use crate::contact::{
     Contact, Detector, Found, Reach, RigidPlace, Site, SurfacePoint, SurfaceState,
 };
 use crate::math::Vec3;
-use crate::model::{BodyId, SolverSettings};
-use crate::solver::{AnticipationSettings, ContactRows, Convergence};
+use crate::model::{BodyId, Cone, SolverSettings};
+use crate::solver::{AnticipationSettings, ContactRows, Convergence, is_on_rim};
 use crate::world::model::Model;
 use crate::world::state::{Scratch, State};
 use crate::world::{ContactPoint, StepReport};
@@ -113,6 +113,7 @@ pub fn apply(state: &mut State, scratch: &Scratch) {
 pub fn report(
     state: &State,
     h: f64,
+    cone: Cone,
     convergence: Convergence,
     scratch: &mut Scratch,
     report: &mut StepReport,
@@ -136,6 +137,8 @@ pub fn report(
             force_W: row.frame.tr_mul(&row.lambda) / h,
             slip_W: v - contact.normal_W * along,
             area: contact.area,
+            friction: row.friction,
+            slips: is_on_rim(cone, row.friction, &row.lambda),
         });
     }
 }
@@ -166,14 +169,16 @@ fn hold_surface(model: &Model, point: &SurfacePoint, sign: f64, rows: &mut Conta
     }
 }
 
-fn body_of(site: &Site) -> BodyId {
+/// The body a contact touches.
+pub fn body_of(site: &Site) -> BodyId {
     match site {
         Site::Rigid { body, .. } => BodyId::Rigid(*body),
         Site::Soft(point) => BodyId::Soft(point.soft),
     }
 }
 
-fn nearest_vertex(site: &Site) -> Option<u32> {
+/// The collision vertex nearest to a contact, of a deformable body.
+pub fn nearest_vertex(site: &Site) -> Option<u32> {
     match site {
         Site::Rigid { .. } => None,
         Site::Soft(point) => {

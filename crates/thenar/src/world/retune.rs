@@ -2,6 +2,7 @@
 
 use crate::contact::Shape;
 use crate::model::{JointDesc, RigidDesc, SoftDesc, WorldDesc};
+use crate::world::friction::patches_max;
 use crate::world::{Model, ModelError, World};
 use std::sync::Arc;
 
@@ -18,6 +19,15 @@ impl World {
     pub fn retune(&mut self, desc: WorldDesc) -> Result<(), ModelError> {
         same_bodies(&self.desc, &desc)?;
         self.model = Model::new(&desc)?;
+        let pairs = |desc: &WorldDesc| -> Vec<_> {
+            desc.friction_tables.iter().map(|table| table.bodies).collect()
+        };
+        if pairs(&self.desc) != pairs(&desc) {
+            self.state.patch_loads.clear();
+            self.scratch.before.patch_loads.clear();
+            self.state.patch_loads.reserve(patches_max(&self.model));
+            self.scratch.before.patch_loads.reserve(patches_max(&self.model));
+        }
         self.detector.retune(&desc);
         self.time_step = desc.time_step;
         self.desc = desc;

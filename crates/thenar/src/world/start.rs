@@ -25,7 +25,8 @@ impl World {
         let same = own.poses_WB.len() == state.poses_WB.len()
             && own.x.len() == state.x.len()
             && own.v.len() == state.v.len()
-            && own.contact_change.len() == state.contact_change.len();
+            && own.contact_change.len() == state.contact_change.len()
+            && own.limit_impulses.len() == state.limit_impulses.len();
         if !same || !state.is_sound() {
             return false;
         }

@@ -9,6 +9,7 @@ use crate::solver::exact::Exact;
 use crate::solver::{
     Anticipation, Articulated, BlockDiagonal, BlockMatrix, CgWorkspace, ContactRows, JointBlock,
 };
+use crate::world::friction::{PatchKey, patches_max};
 use crate::world::{ContactPoint, Model, limits};
 
 /// A state beyond these is taken for a failed step, not for motion \[m, m/s, rad/s\]: products of
@@ -35,6 +36,8 @@ pub struct State {
     pub sides: Sides,
     /// Impulses of joint limits in the last step, per joint and axis, on the child \[N m s\].
     pub limit_impulses: Vec<[f64; 2]>,
+    /// Normal forces of the last step in patches whose friction depends on them, sorted \[N\].
+    pub patch_loads: Vec<(PatchKey, f64)>,
 }
 
 impl State {
@@ -60,6 +63,7 @@ impl State {
             impulses: Vec::new(),
             sides: Sides::default(),
             limit_impulses: vec![[0.0; 2]; model.joints.len()],
+            patch_loads: Vec::with_capacity(patches_max(model)),
         };
         state.hold(model);
         state
@@ -93,6 +97,7 @@ impl State {
         self.impulses.clear();
         self.impulses.extend_from_slice(&other.impulses);
         self.limit_impulses.copy_from_slice(&other.limit_impulses);
+        self.patch_loads.clone_from(&other.patch_loads);
     }
 
     /// True when every number is finite and nothing is farther than 1e9 m or faster than 1e9 m/s.
@@ -123,6 +128,10 @@ impl State {
             hash.vector(&side.place);
         }
         self.limit_impulses.iter().flatten().for_each(|x| hash.number(*x));
+        for (key, load) in &self.patch_loads {
+            key.iter().for_each(|k| hash.bits(u64::from(*k)));
+            hash.number(*load);
+        }
         hash.0
     }
 }
@@ -232,6 +241,7 @@ impl Scratch {
         let joint_rows: Vec<usize> = model.joints.iter().map(|j| j.kind.rows()).collect();
         let mut before = state.clone();
         before.impulses.reserve(contacts_max);
+        before.patch_loads.reserve(patches_max(model));
         Self {
             A: model.pattern.clone(),
             b: vec![Vec3::zeros(); rows],

@@ -4,12 +4,15 @@ mod bodies;
 mod contact;
 mod flesh;
 mod resolve;
+mod touch;
 
 use crate::build::Built;
+use crate::format::VertexWord;
 use crate::math::Vec3;
 use crate::session::loads::hand_loads;
 use thenar::World;
 use thenar::model::BodyId;
+use thenar::readout::ContactReadout;
 use thenar::world::{Input, StepReport};
 
 /// One column of the probe table.
@@ -28,6 +31,8 @@ pub struct Probes {
     columns: Vec<Column>,
     values: Vec<f64>,
     targets: Vec<Vec3>,
+    /// Of the world's contacts, if a probe asks for it.
+    readout: Option<ContactReadout>,
 }
 
 /// A mean over nodes.
@@ -58,7 +63,10 @@ enum Measure {
     Volume(u32),
     Stress { soft: u32, elements: Vec<flesh::Element>, nominal: bool },
     Contact([BodyId; 2]),
+    ContactForce(BodyId),
+    Vertices(u32, VertexWord),
     Fingers(usize),
+    Finger { soft: u32, part: usize },
     BoneForce(u32),
     DriveForce(u32),
     Step,
@@ -78,12 +86,46 @@ impl Probes {
         report: &StepReport,
         built: &Built,
     ) -> &[f64] {
-        let Self { probes, values, targets, .. } = self;
+        let Self { probes, values, targets, readout, .. } = self;
         values.clear();
+        if let Some(readout) = readout {
+            readout.read(world);
+        }
         for probe in probes.iter() {
-            evaluate(probe, values, targets, world, input, report, built);
+            match readout {
+                Some(readout) if probe.needs_readout() => {
+                    evaluate_touch(probe, values, world, readout)
+                }
+                _ => evaluate(probe, values, targets, world, input, report, built),
+            }
         }
         values
+    }
+}
+
+impl Measure {
+    fn needs_readout(&self) -> bool {
+        use Measure::{Contact, ContactForce, Finger, Vertices};
+        matches!(self, Contact(_) | ContactForce(_) | Vertices(..) | Finger { .. })
+    }
+}
+
+/// Evaluates what needs the contact read-out.
+fn evaluate_touch(
+    probe: &Measure,
+    out: &mut Vec<f64>,
+    world: &World,
+    readout: &mut ContactReadout,
+) {
+    match probe {
+        Measure::Contact(pair) => {
+            contact::between(world.contacts(), *pair, out);
+            touch::slip(&readout.pair(world, *pair), out);
+        }
+        Measure::ContactForce(body) => touch::on_body(world, readout, *body, out),
+        Measure::Vertices(soft, what) => touch::vertices(readout, *soft, *what, out),
+        Measure::Finger { soft, part } => touch::finger(&readout.parts(*soft)[*part], out),
+        _ => {}
     }
 }
 
@@ -126,7 +168,6 @@ fn evaluate(
         Measure::Stress { soft, elements, nominal } => {
             flesh::stress(world.nodes(*soft), elements, *nominal, out);
         }
-        Measure::Contact(pair) => contact::between(world.contacts(), *pair, out),
         Measure::Fingers(hand) => {
             let hand = &built.hands[*hand];
             let soft = hand.handle.soft;
@@ -142,6 +183,10 @@ fn evaluate(
             out.extend(world.drive_wrench(*i, input).iter().flat_map(|v| v.iter()));
         }
         Measure::Step => bodies::step(report, out),
+        Measure::Contact(_)
+        | Measure::ContactForce(_)
+        | Measure::Vertices(..)
+        | Measure::Finger { .. } => {}
     }
 }
 

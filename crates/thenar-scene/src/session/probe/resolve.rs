@@ -4,14 +4,15 @@ use super::flesh::Element;
 use super::{Column, Measure, NodeSet, Probes};
 use crate::build::Built;
 use crate::format::{
-    ContactProbe, NodesProbe, Probe, ProbeHand, ProbeMomentum, QuantityWord, RadiusProbe, Scene,
-    Selector, StressProbe, StressWord,
+    ContactProbe, DigitWord, FingerProbe, NodesProbe, Probe, ProbeHand, ProbeMomentum,
+    QuantityWord, RadiusProbe, Scene, Selector, StressProbe, StressWord, VertexWord, VerticesProbe,
 };
 use crate::math::Vec3;
 use crate::text::{At, Fault};
 use thenar::World;
 use thenar::flesh::RestTet;
 use thenar::model::{BodyId, Digit};
+use thenar::readout::ContactReadout;
 
 /// Names of components and their unit.
 type Parts = Vec<(String, &'static str)>;
@@ -34,6 +35,7 @@ impl Probes {
             columns: Vec::new(),
             values: Vec::new(),
             targets: vec![Vec3::zeros(); nodes],
+            readout: None,
         };
         let mut names: Vec<&str> = Vec::new();
         for probe in &scene.probe {
@@ -51,6 +53,9 @@ impl Probes {
                     .into_iter()
                     .map(|(part, unit)| Column { name: format!("{}.{part}", name.value), unit }),
             );
+        }
+        if probes.probes.iter().any(Measure::needs_readout) {
+            probes.readout = Some(ContactReadout::new(world));
         }
         probes.values.reserve(probes.columns.len());
         Ok(probes)
@@ -125,9 +130,20 @@ fn resolve<'a>(
                 parts(&["area"], "m²"),
                 parts(&["cx", "cy", "cz", "penetration"], "m"),
                 parts(&["points"], "1"),
+                slip_parts(),
             ]
             .concat(),
         ),
+        Probe::ContactForce(p) => {
+            (&p.name, Measure::ContactForce(names.body(&p.body)?), wrench_parts())
+        }
+        Probe::Vertices(p) => {
+            let soft = names.soft(&p.body)?;
+            let surface = &built.world.softs[soft as usize].flesh.collision;
+            let columns = vertex_parts(p, surface.vertices.len());
+            (&p.name, Measure::Vertices(soft, p.quantity), columns)
+        }
+        Probe::Finger(p) => (&p.name, finger(p, built)?, one_finger_parts()),
         Probe::Fingers(p) => (&p.name, fingers(p, built)?, finger_parts()),
         Probe::BoneForce(p) => (&p.name, Measure::BoneForce(names.rigid(&p.body)?), wrench_parts()),
         Probe::DriveForce(p) => {
@@ -143,6 +159,39 @@ fn resolve<'a>(
 
 fn wrench_parts() -> Parts {
     [parts(&["fx", "fy", "fz"], "N"), parts(&["tx", "ty", "tz"], "N m")].concat()
+}
+
+fn slip_parts() -> Parts {
+    [parts(&["pressure_max"], "Pa"), parts(&["slip"], "m/s"), parts(&["slipping", "state"], "1")]
+        .concat()
+}
+
+fn one_finger_parts() -> Parts {
+    [
+        parts(&["fx", "fy", "fz", "normal", "shear"], "N"),
+        parts(&["tx", "ty", "tz"], "N m"),
+        parts(&["cx", "cy", "cz"], "m"),
+        parts(&["area"], "m²"),
+        slip_parts(),
+        parts(&["bone_fx", "bone_fy", "bone_fz"], "N"),
+        parts(&["bone_tx", "bone_ty", "bone_tz"], "N m"),
+    ]
+    .concat()
+}
+
+fn vertex_parts(p: &VerticesProbe, count: usize) -> Parts {
+    let unit = match p.quantity {
+        VertexWord::Pressure => "Pa",
+        VertexWord::Force => "N",
+        VertexWord::Slip => "m/s",
+        VertexWord::State => "1",
+        VertexWord::Area => "m²",
+    };
+    let columns = |v: usize| match p.quantity {
+        VertexWord::Force => XYZ.map(|axis| format!("{v}.{axis}")).to_vec(),
+        _ => vec![v.to_string()],
+    };
+    (0..count).flat_map(columns).map(|name| (name, unit)).collect()
 }
 
 fn step_parts() -> Parts {
@@ -246,6 +295,26 @@ fn stress(p: &StressProbe, built: &Built, world: &World) -> Result<Measure, Faul
 
 fn contact(p: &ContactProbe, built: &Built) -> Result<Measure, Fault> {
     Ok(Measure::Contact([built.names.body(&p.bodies[0])?, built.names.body(&p.bodies[1])?]))
+}
+
+fn finger(p: &FingerProbe, built: &Built) -> Result<Measure, Fault> {
+    let hand = built.names.hand(&p.hand)? as usize;
+    let digit = match p.finger {
+        DigitWord::Palm => Digit::Palm,
+        DigitWord::Thumb => Digit::Thumb,
+        DigitWord::Index => Digit::Index,
+        DigitWord::Middle => Digit::Middle,
+        DigitWord::Ring => Digit::Ring,
+        DigitWord::Little => Digit::Little,
+    };
+    let hand = &built.hands[hand];
+    let Some(soft) = hand.flesh() else {
+        return Err(p.hand.fault("this hand has no flesh, so its fingers touch nothing"));
+    };
+    match hand.model.bones.iter().any(|bone| bone.digit == digit) {
+        true => Ok(Measure::Finger { soft, part: usize::from(digit.part()) }),
+        false => Err(p.hand.fault(format!("this hand has no {}", digit.name()))),
+    }
 }
 
 fn fingers(p: &ProbeHand, built: &Built) -> Result<Measure, Fault> {

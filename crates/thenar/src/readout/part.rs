@@ -1,0 +1,67 @@
+//! Contact per part of a deformable body: the fingers of a hand.
+
+use crate::World;
+use crate::math::Vec3;
+use crate::model::BodyId;
+use crate::readout::ContactReadout;
+use crate::readout::patch::{PatchContact, Sum};
+
+/// What a finger feels, and what reaches its bones.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PartContact {
+    /// On the skin.
+    pub contact: PatchContact,
+    /// Where the fingertip is: the centre of mass of the part's last bone, world \[m\]; without bones
+    /// the centre of pressure.
+    pub tip_W: Vec3,
+    /// Torque of the contact about it, world \[N m\].
+    pub torque_W: Vec3,
+    /// Force that flesh puts on the part's bones through the coupling (Eq. 8), world \[N\]. It differs
+    /// from the contact's by weight, inertia, and what the flesh hands on to other parts.
+    pub bone_force_W: Vec3,
+    /// Its torque about the fingertip, world \[N m\].
+    pub bone_torque_W: Vec3,
+}
+
+pub(super) fn read(readout: &mut ContactReadout, world: &World) {
+    let ContactReadout { surfaces, parts, part_ranges, part_of_bone, tips } = readout;
+    for (part, tip) in parts.iter_mut().zip(tips.iter()) {
+        *part = PartContact::default();
+        part.tip_W = tip.map_or(Vec3::zeros(), |bone| world.rigid_pose(bone).position);
+    }
+    for (range, soft) in part_ranges.iter().zip(0..) {
+        // Points are few; they are gone through once for each part.
+        for (index, part) in parts[range.clone()].iter_mut().enumerate() {
+            let mut sum = Sum::default();
+            for point in world.contacts() {
+                for side in 0..2 {
+                    let Some(vertex) = point.vertices[side] else { continue };
+                    let own = point.bodies[side] == BodyId::Soft(soft);
+                    if own && world.model().part_of(soft, vertex) == index as u32 {
+                        sum.add(point, side);
+                    }
+                }
+            }
+            part.contact = sum.finish(0.0);
+        }
+        for (vertex, v) in (0..).zip(surfaces.vertices(soft)) {
+            let part = world.model().part_of(soft, vertex) as usize;
+            let peak = &mut parts[range.start + part].contact.pressure_max;
+            *peak = peak.max(v.pressure);
+        }
+    }
+    for (part, tip) in parts.iter_mut().zip(tips.iter()) {
+        if tip.is_none() {
+            part.tip_W = part.contact.centre_W;
+        }
+        part.torque_W = part.contact.torque_about(&part.tip_W);
+    }
+    world.for_each_bone_load(|bone, force_W, torque_W| {
+        if let Some(index) = part_of_bone[bone as usize] {
+            let part = &mut parts[index as usize];
+            let arm_W = world.rigid_pose(bone).position - part.tip_W;
+            part.bone_force_W += force_W;
+            part.bone_torque_W += torque_W + arm_W.cross(&force_W);
+        }
+    });
+}

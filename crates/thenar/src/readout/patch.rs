@@ -1,0 +1,88 @@
+//! The contact of one patch: a finger, a body, a pair of bodies.
+
+use crate::math::Vec3;
+use crate::readout::SlipState;
+use crate::world::ContactPoint;
+
+/// Sums over the contact points of a patch. "On it" is on the body or part that was asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PatchContact {
+    /// Points that bear load.
+    pub points: u32,
+    /// Force on it, world \[N\].
+    pub force_W: Vec3,
+    /// Sum of the points' normal forces \[N\]; of a curved patch more than the size of their resultant.
+    pub normal: f64,
+    /// Mean direction in which they push it, by load, world; zero when nothing presses.
+    pub normal_W: Vec3,
+    /// Friction on it, world \[N\].
+    pub shear_W: Vec3,
+    /// Centre of pressure: mean place by load, world \[m\]; zero when nothing presses.
+    pub centre_W: Vec3,
+    /// Torque on it about the centre of pressure, world \[N m\].
+    pub torque_W: Vec3,
+    /// Area of the surface points that bear load \[m²\]; zero between rigid bodies.
+    pub area: f64,
+    /// Largest pressure at a vertex of a deformable surface \[Pa\].
+    pub pressure_max: f64,
+    /// Mean tangential velocity against the other body, by load, world \[m/s\].
+    pub slip_W: Vec3,
+    /// Part of the normal force that sliding points bear, from 0 (all hold) to 1 (all slide): slip
+    /// begins at a patch's edge, long before all of it slides.
+    pub slipping: f64,
+    /// How most of the load is held.
+    pub state: SlipState,
+}
+
+impl PatchContact {
+    /// Torque on it about another point, world \[N m\].
+    pub fn torque_about(&self, point_W: &Vec3) -> Vec3 {
+        self.torque_W + (self.centre_W - point_W).cross(&self.force_W)
+    }
+}
+
+/// A patch being summed up.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sum {
+    patch: PatchContact,
+    /// Torque about the world's origin.
+    torque_W: Vec3,
+}
+
+impl Sum {
+    /// Adds a point, of which this is side 0 (A) or 1 (B).
+    pub fn add(&mut self, point: &ContactPoint, side: usize) {
+        let sign = if side == 0 { 1.0 } else { -1.0 };
+        let normal = point.force_W.dot(&point.normal_W);
+        if normal <= 0.0 {
+            return;
+        }
+        let force_W = point.force_W * sign;
+        let push_W = point.normal_W * (normal * sign);
+        let p = &mut self.patch;
+        p.points += 1;
+        p.force_W += force_W;
+        p.normal += normal;
+        p.normal_W += push_W;
+        p.shear_W += force_W - push_W;
+        p.centre_W += point.position_W * normal;
+        p.area += point.area;
+        p.slip_W += point.slip_W * (normal * sign);
+        p.slipping += if point.slips { normal } else { 0.0 };
+        self.torque_W += point.position_W.cross(&force_W);
+    }
+
+    /// The patch, with the largest pressure on it \[Pa\].
+    pub fn finish(self, pressure_max: f64) -> PatchContact {
+        let mut p = self.patch;
+        p.state = SlipState::of(p.normal, p.slipping);
+        if p.normal > 0.0 {
+            p.normal_W = p.normal_W.try_normalize(1e-12 * p.normal).unwrap_or_else(Vec3::zeros);
+            p.centre_W /= p.normal;
+            p.slip_W /= p.normal;
+            p.slipping /= p.normal;
+        }
+        p.torque_W = self.torque_W - p.centre_W.cross(&p.force_W);
+        PatchContact { pressure_max, ..p }
+    }
+}
