@@ -5,7 +5,7 @@ use crate::error::CliError;
 use crate::picture::{Quality, hand_portrait, write_png};
 use std::path::Path;
 use thenar::model::Side;
-use thenar_rig::export::{write_hand_glb, write_hand_vtk};
+use thenar_rig::export::{write_hand_glb, write_hand_json, write_hand_vtk};
 use thenar_rig::hand::{HandOptions, NameMap, Size, asset, build_hand_with_report};
 use thenar_rig::{HandReport, Model};
 
@@ -31,6 +31,9 @@ pub fn build(args: &Args) -> Result<Model, CliError> {
     }
     if let Some(path) = &args.glb {
         write_hand_glb(path, &hand)?;
+    }
+    if let Some(path) = &args.json {
+        write_hand_json(path, &hand)?;
     }
     if let Some(path) = &args.picture {
         let image = hand_portrait(&hand, &args.layers, [960, 640], &Quality::still())

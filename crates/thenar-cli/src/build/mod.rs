@@ -63,6 +63,9 @@ pub struct Args {
     /// Write a GLB of the built hand.
     #[arg(long, value_name = "FILE.glb", requires = "hand")]
     glb: Option<PathBuf>,
+    /// Hand: write it as JSON, for simulating it with other programs.
+    #[arg(long, value_name = "FILE.json", requires = "hand")]
+    json: Option<PathBuf>,
 }
 
 /// Builds a model.

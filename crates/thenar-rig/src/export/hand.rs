@@ -72,7 +72,7 @@ pub fn write_hand_vtk(folder: &Path, hand: &HandModel) -> Result<(), RigError> {
 }
 
 /// Every index of the model points at something.
-fn check(hand: &HandModel) -> Result<(), RigError> {
+pub(super) fn check(hand: &HandModel) -> Result<(), RigError> {
     let (nodes, bones) = (hand.flesh.nodes.len(), hand.bones.len());
     let known = |tet: &[u32; 4]| tet.iter().all(|&i| (i as usize) < nodes);
     let inside = |surface: &EmbeddedSurface| {
