@@ -1,0 +1,1 @@
+"""The same soft hand in Thenar, Rapier and MuJoCo, side by side."""
