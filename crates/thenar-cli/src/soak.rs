@@ -1,9 +1,12 @@
 //! `thenar soak`: thrashes a hand at random against table, car and bread, and watches for numbers
 //! that are not finite and for energy that grows.
 
+mod sweep;
+
 use std::fmt::Write as _;
 use std::path::Path;
 use std::process::ExitCode;
+use thenar::world::Failure;
 use thenar_scene::session::{Random, Session};
 
 /// A hand can put no more energy than this into the scene: its drives at full stretch across the
@@ -25,6 +28,10 @@ pub struct Args {
     /// Seed of the motion.
     #[arg(long, default_value_t = 1)]
     seed: u32,
+    /// Soaks at couplings of 1e7 to 1e10 N/m⁴ and tissue of 5 kPa to 5 MPa, each at steps of 0.25 to
+    /// 20 ms, instead of `--time-step`.
+    #[arg(long, conflicts_with = "time_steps")]
+    sweep: bool,
     /// Overrides as of `thenar run`, e.g. `hand.hand.coupling_stiffness=1e9`.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
@@ -35,12 +42,26 @@ pub struct Args {
 struct Extremes {
     steps: u64,
     non_finite: u64,
+    fell_back: u64,
+    failure: Option<Failure>,
     energy: f64,
     penetration: f64,
     joint_gap: f64,
     inverted: u32,
     contacts: u32,
+    contact_residual: f64,
     speed: f64,
+    hash: u64,
+}
+
+impl Extremes {
+    fn sound(&self) -> bool {
+        self.non_finite == 0 && self.energy < ENERGY_MAX_J
+    }
+
+    fn word(&self) -> &'static str {
+        if self.sound() { "ok" } else { "FAIL" }
+    }
 }
 
 /// Runs the command; exit code 1 when a soak went wrong.
@@ -50,43 +71,50 @@ pub fn run(args: &Args) -> ExitCode {
         eprintln!("error: --time-step must be within (0, 0.1] s and --seconds within (0, 1e6] s");
         return ExitCode::from(2);
     }
-    let mut passed = true;
-    for &h in &args.time_steps {
-        match soak(args, h) {
-            Ok((e, hash)) => {
-                let sound = e.non_finite == 0 && e.energy < ENERGY_MAX_J;
-                passed &= sound;
-                println!(
-                    "{:4}  step {:.3} ms, {} s, seed {}: {} steps, not finite {}, energy max \
-                     {:.3} J, penetration max {:.3} mm, joint gap max {:.3} mm, inverted tets max \
-                     {}, contacts max {}, node speed max {:.2} m/s, hash {:016x}",
-                    if sound { "ok" } else { "FAIL" },
-                    h * 1e3,
-                    args.seconds,
-                    args.seed,
-                    e.steps,
-                    e.non_finite,
-                    e.energy,
-                    e.penetration * 1e3,
-                    e.joint_gap * 1e3,
-                    e.inverted,
-                    e.contacts,
-                    e.speed,
-                    hash,
-                );
-            }
-            Err(problem) => {
-                eprintln!("error: {problem}");
-                return ExitCode::from(2);
-            }
+    match if args.sweep { sweep::run(args) } else { each_step(args) } {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(problem) => {
+            eprintln!("error: {problem}");
+            ExitCode::from(2)
         }
     }
-    if passed { ExitCode::SUCCESS } else { ExitCode::from(1) }
 }
 
-fn soak(args: &Args, h: f64) -> Result<(Extremes, u64), String> {
+fn each_step(args: &Args) -> Result<bool, String> {
+    let mut passed = true;
+    for &h in &args.time_steps {
+        let e = soak(args, h, &[])?;
+        passed &= e.sound();
+        println!(
+            "{:4}  step {:.3} ms, {} s, seed {}: {} steps, not finite {}, fell back {}, energy max \
+             {:.3} J, penetration max {:.3} mm, joint gap max {:.3} mm, inverted tets max {}, \
+             contacts max {}, node speed max {:.2} m/s, hash {:016x}",
+            e.word(),
+            h * 1e3,
+            args.seconds,
+            args.seed,
+            e.steps,
+            e.non_finite,
+            e.fell_back,
+            e.energy,
+            e.penetration * 1e3,
+            e.joint_gap * 1e3,
+            e.inverted,
+            e.contacts,
+            e.speed,
+            e.hash,
+        );
+        if let Some(failure) = e.failure {
+            println!("      the last step that fell back: {failure}");
+        }
+    }
+    Ok(passed)
+}
+
+fn soak(args: &Args, h: f64, more: &[String]) -> Result<Extremes, String> {
     let mut overrides = vec![format!("time_step={h}")];
-    overrides.extend(args.overrides.iter().cloned());
+    overrides.extend(args.overrides.iter().chain(more).cloned());
     let text = scene(args.seconds, args.seed);
     let mut session =
         Session::from_text(&text, Path::new("soak.toml"), &overrides).map_err(|e| e.to_string())?;
@@ -96,10 +124,13 @@ fn soak(args: &Args, h: f64) -> Result<(Extremes, u64), String> {
         let report = session.step(&mut ());
         extremes.steps += 1;
         extremes.non_finite += u64::from(report.non_finite);
+        extremes.fell_back += u64::from(report.fell_back);
+        extremes.failure = report.failure.or(extremes.failure);
         extremes.penetration = extremes.penetration.max(report.penetration_max);
         extremes.joint_gap = extremes.joint_gap.max(report.joint_gap_max);
         extremes.inverted = extremes.inverted.max(report.inverted_tets);
         extremes.contacts = extremes.contacts.max(report.contacts_active);
+        extremes.contact_residual = extremes.contact_residual.max(report.contact_residual);
         if step % 16 == 0 {
             let world = session.world();
             extremes.energy = extremes.energy.max(world.energy(session.input()).total().abs());
@@ -107,7 +138,8 @@ fn soak(args: &Args, h: f64) -> Result<(Extremes, u64), String> {
             extremes.speed = speeds.fold(extremes.speed, f64::max);
         }
     }
-    Ok((extremes, session.world().state_hash()))
+    extremes.hash = session.world().state_hash();
+    Ok(extremes)
 }
 
 /// A closed pen with a table, a car, a loaf and a hand that goes anywhere in it at random.
@@ -206,12 +238,12 @@ mod tests {
     /// Five seconds at 60 Hz stay finite and bounded, and a second run gives the same bits.
     #[test]
     fn a_short_soak_is_sound_and_repeats() {
-        let args = Args { seconds: 5.0, time_steps: vec![], seed: 3, overrides: vec![] };
-        let (first, hash) = soak(&args, 1.0 / 60.0).unwrap();
+        let (seconds, time_steps, overrides) = (5.0, vec![], vec![]);
+        let args = Args { seconds, time_steps, seed: 3, sweep: false, overrides };
+        let first = soak(&args, 1.0 / 60.0, &[]).unwrap();
         assert_eq!(first.non_finite, 0);
         assert!(first.energy < ENERGY_MAX_J, "{first:?}");
         assert!(first.contacts > 10, "it must hit something: {first:?}");
-        let (_, again) = soak(&args, 1.0 / 60.0).unwrap();
-        assert_eq!(hash, again);
+        assert_eq!(first.hash, soak(&args, 1.0 / 60.0, &[]).unwrap().hash);
     }
 }

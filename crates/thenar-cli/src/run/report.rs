@@ -39,6 +39,7 @@ pub fn report(session: &Session, outcome: &Outcome) -> Value {
         "max_penetration_m": s.penetration_max,
         "inverted_tets_max": s.inverted_tets_max,
         "non_finite": s.non_finite,
+        "fell_back": s.fell_back,
         "energy_j": {
             "initial": s.energy_initial.total(),
             "final": s.energy_final.total(),
@@ -129,6 +130,9 @@ pub fn print(session: &Session, outcome: &Outcome) {
             peak.shear,
             peak.area * 1e6
         );
+    }
+    if s.fell_back > 0 {
+        println!("  {} steps did not converge and were made safely instead", s.fell_back);
     }
     if s.non_finite > 0 {
         println!("  {} steps gave numbers that are not finite and were taken back", s.non_finite);

@@ -1,6 +1,7 @@
 //! What a validation case is, and what it finds.
 
 use super::run::Solver;
+use thenar::world::Failure;
 
 /// Text of a scene, embedded in the program.
 #[derive(Clone, Copy, Debug)]
@@ -54,21 +55,15 @@ pub enum CaseError {
         /// Column asked for.
         column: String,
     },
-    /// A step was taken back.
-    #[error("scene `{scene}`: a number that is not finite at t = {time} s")]
-    NonFinite {
+    /// The solver failed.
+    #[error("scene `{scene}`: {failure}, before t = {time} s")]
+    Failed {
         /// Scene.
         scene: String,
         /// Time \[s\].
         time: f64,
-    },
-    /// The exact solver failed.
-    #[error("scene `{scene}`: the exact solver failed before t = {time} s")]
-    FellBack {
-        /// Scene.
-        scene: String,
-        /// Time \[s\].
-        time: f64,
+        /// Why.
+        failure: Failure,
     },
     /// A quantity could not be found in what was measured.
     #[error("{0}")]

@@ -63,10 +63,9 @@ impl Run {
     pub fn step(&mut self) -> Result<(), CaseError> {
         let report = self.session.step(&mut ());
         let (scene, time) = (self.session.name().to_string(), self.session.world().time());
-        match (report.non_finite, report.fell_back) {
-            (true, _) => Err(CaseError::NonFinite { scene, time }),
-            (false, true) => Err(CaseError::FellBack { scene, time }),
-            (false, false) => Ok(()),
+        match report.failure {
+            Some(failure) => Err(CaseError::Failed { scene, time, failure }),
+            None => Ok(()),
         }
     }
 

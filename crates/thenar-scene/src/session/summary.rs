@@ -16,6 +16,8 @@ pub struct Summary {
     pub inverted_tets_max: u32,
     /// Steps that produced a number that is not finite and were taken back.
     pub non_finite: u64,
+    /// Steps that the chosen solver could not make, and that were made safely instead.
+    pub fell_back: u64,
     /// Most conjugate-gradient iterations in one step.
     pub cg_iterations_max: u32,
     /// Most contact sweeps in one step.
@@ -50,6 +52,7 @@ impl Summary {
         self.penetration_max = self.penetration_max.max(r.penetration_max);
         self.inverted_tets_max = self.inverted_tets_max.max(r.inverted_tets);
         self.non_finite += u64::from(r.non_finite);
+        self.fell_back += u64::from(r.fell_back);
         self.cg_iterations_max = self.cg_iterations_max.max(r.cg_iterations);
         self.contact_sweeps_max = self.contact_sweeps_max.max(r.contact_sweeps);
         self.energy_final = session.world().energy(session.input());

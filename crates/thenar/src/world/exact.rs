@@ -3,8 +3,9 @@
 use crate::coupling::skin_target;
 use crate::math::Vec3;
 use crate::model::SolverSettings;
-use crate::solver::Convergence;
 use crate::solver::exact::{Accuracy, Carried, Exact, Plan, StepSystem};
+use crate::solver::{Convergence, Failure};
+use crate::world::fall_back::Care;
 use crate::world::model::Model;
 use crate::world::state::{Scratch, State};
 
@@ -57,26 +58,33 @@ pub fn couple(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
     }
 }
 
-/// Velocities without contact; `None` when the system cannot be solved to tolerance.
+/// Velocities without contact. What does not converge is an error, or taken as it is: `care` tells.
+///
+/// # Errors
+/// The system cannot be solved to tolerance.
 pub fn solve(
     settings: &SolverSettings,
+    care: Care,
     model: &Model,
     state: &mut State,
     h: f64,
     scratch: &mut Scratch,
-) -> Option<Convergence> {
-    let exact = scratch.exact.as_mut()?;
+) -> Result<Convergence, Failure> {
+    let Some(exact) = &mut scratch.exact else { return Err(Failure::NotPositiveDefinite) };
+    if !scratch.b.iter().all(|b| b.iter().all(|x| x.is_finite())) {
+        return Err(Failure::NotFinite);
+    }
     let step = StepSystem { A: &scratch.A, b: &scratch.b, known: &model.known };
-    let accuracy = accuracy(settings);
+    let accuracy = accuracy(settings, care);
     let touched = state.impulses.iter().any(|(_, impulse)| *impulse != Vec3::zeros())
         || state.limit_impulses.iter().any(|impulses| *impulses != [0.0; 2]);
     let solved = exact.solve(&step, &scratch.joints, h, touched, &accuracy, &mut state.v)?;
-    let convergence = Convergence { iterations: solved.iterations, residual: solved.error };
-    solved.converged.then_some(convergence)
+    Ok(Convergence { iterations: solved.iterations, residual: solved.error })
 }
 
-fn accuracy(settings: &SolverSettings) -> Accuracy {
+fn accuracy(settings: &SolverSettings, care: Care) -> Accuracy {
     Accuracy {
+        best_effort: care == Care::Safe,
         velocity: settings.velocity_tolerance,
         iterations_max: settings.cg_iterations_max,
         sweeps_max: settings.contact_sweeps_max,
@@ -84,15 +92,26 @@ fn accuracy(settings: &SolverSettings) -> Accuracy {
 }
 
 /// Contact through the compliance of the whole system; leaves Δv in the state's contact change.
-/// `None` when it cannot be had.
+///
+/// # Errors
+/// The flesh cannot be factored; where accuracy is asked for, also when it cannot be had.
 pub fn respond(
     settings: &SolverSettings,
+    care: Care,
     model: &Model,
     state: &mut State,
     scratch: &mut Scratch,
-) -> Option<Convergence> {
-    let exact = scratch.exact.as_mut()?;
+) -> Result<Convergence, Failure> {
+    let Some(exact) = &mut scratch.exact else { return Err(Failure::NotPositiveDefinite) };
     let step = StepSystem { A: &scratch.A, b: &scratch.b, known: &model.known };
+    let accuracy = accuracy(settings, care);
     let change = &mut state.contact_change;
-    exact.respond(&step, &mut scratch.rows, settings.cone, &accuracy(settings), change)
+    exact.respond(&step, &mut scratch.rows, settings.cone, &accuracy, change)
+}
+
+/// Shortens the velocities until they bring in no energy: see [`Exact::calm`].
+pub fn calm(model: &Model, state: &mut State, scratch: &mut Scratch) {
+    let Some(exact) = &mut scratch.exact else { return };
+    let step = StepSystem { A: &scratch.A, b: &scratch.b, known: &model.known };
+    exact.calm(&step, &mut state.v);
 }

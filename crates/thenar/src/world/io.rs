@@ -2,6 +2,7 @@
 
 use crate::math::{Pose, Vec3};
 use crate::model::BodyId;
+use crate::solver::Failure;
 
 /// Where a driven bone should be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,8 +107,10 @@ impl Energy {
 /// What happened in one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepReport {
-    /// The exact solver failed (not converged, not positive definite, too many contacts) and the
-    /// two-step scheme made this step instead.
+    /// Why the chosen solver did not make this step, when it did not.
+    pub failure: Option<Failure>,
+    /// Another step was made instead: with the best velocities found, shortened until they bring in
+    /// no energy. The next step is made by the chosen solver again.
     pub fell_back: bool,
     /// Conjugate-gradient iterations of step 2.
     pub cg_iterations: u32,

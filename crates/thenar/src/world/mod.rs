@@ -6,6 +6,7 @@ mod check;
 mod energy;
 mod error;
 mod exact;
+mod fall_back;
 mod friction;
 mod io;
 mod limits;
@@ -18,6 +19,7 @@ mod start;
 mod state;
 mod two_step;
 
+pub use crate::solver::Failure;
 pub use error::ModelError;
 pub use io::{ContactPoint, Energy, Input, Stage, StageTimer, StepReport, Target};
 pub use model::Model;
@@ -30,6 +32,7 @@ use crate::model::{Limits, SolverKind, SolverSettings, WorldDesc};
 use crate::skeleton::axis_states;
 use crate::solver::Convergence;
 use check::is_time_step;
+use fall_back::Care;
 use state::Scratch;
 use std::ops::Range;
 
@@ -78,39 +81,46 @@ impl World {
         let mut report = StepReport { bad_targets: input.bad_targets(), ..StepReport::default() };
         self.scratch.remember(&self.state);
         let kind = self.desc.solver.kind;
-        let mut sound = self.find_velocities(kind, input, timer, &mut report);
-        if !sound && kind == SolverKind::Exact {
-            advance::take_velocities_back(&mut self.state, &self.scratch.before);
-            report = StepReport { bad_targets: report.bad_targets, ..StepReport::default() };
-            report.fell_back = true;
-            sound = self.find_velocities(SolverKind::TwoStep, input, timer, &mut report);
+        let mut found = self.find_velocities(kind, Care::Accurate, input, timer, &mut report);
+        if let Err(failure) = found {
+            report.failure = Some(failure);
+            if kind == SolverKind::Exact && failure != Failure::NotFinite {
+                found = self.fall_back(input, timer, &mut report);
+            }
         }
 
         timer.begin(Some(Stage::Embed));
         let Self { model, state, scratch, time_step: h, .. } = self;
         advance::advance(model, state, *h);
-        sound &= state.is_sound();
+        let sound = found.is_ok() && state.is_sound();
         if sound {
             std::mem::swap(&mut state.sides, &mut scratch.sides);
         } else {
             advance::take_back(state, &scratch.before);
             scratch.contacts.clear();
         }
-        report.non_finite = !sound;
+        if !sound {
+            report.non_finite = true;
+            report.failure.get_or_insert(Failure::NotFinite);
+        }
         (report.joint_gap_max, report.joint_misalignment_max) = advance::joint_errors(model, state);
         self.embed();
         timer.begin(None);
         report
     }
 
-    /// The velocities at the end of the step, contact included; false when this solver fails.
+    /// The velocities at the end of the step, contact included.
+    ///
+    /// # Errors
+    /// This solver fails.
     fn find_velocities(
         &mut self,
         kind: SolverKind,
+        care: Care,
         input: &Input,
         timer: &mut impl StageTimer,
         report: &mut StepReport,
-    ) -> bool {
+    ) -> Result<(), Failure> {
         let Self { desc, model, state, scratch, detector, places, time_step: h, .. } = self;
         let (h, settings) = (*h, &desc.solver);
         // The two-step scheme, also as the exact solver's stand-in, has no rows for limits.
@@ -122,8 +132,9 @@ impl World {
             SolverKind::Exact => exact::couple(model, state, h, scratch), // G, J          (7-9)
             _ => assemble::coupling(desc, model, state, h, scratch),      //   A_sf, A_fs      (7-9)
         }
-        let mut sound =
-            kind != SolverKind::TwoStep || two_step::articulated_body(model, state, h, scratch); // (10)
+        if kind == SolverKind::TwoStep {
+            two_step::articulated_body(model, state, h, scratch)?; //                        (10)
+        }
 
         timer.begin(Some(Stage::Flesh));
         let tally = assemble::flesh(model, state, input, h, scratch); //  A_f, b_f        (5)
@@ -131,20 +142,19 @@ impl World {
         let mut whole = None;
         let cg = match kind {
             SolverKind::TwoStep => {
-                two_step::unconstrained_deformation(settings, model, state, scratch) //   (11)
+                two_step::unconstrained_deformation(settings, model, state, scratch)? //  (11)
             }
-            SolverKind::Exact => exact::solve(settings, model, state, h, scratch), //     (9)
+            SolverKind::Exact => exact::solve(settings, care, model, state, h, scratch)?, // (9)
             SolverKind::Monolithic => {
-                whole = reference::solve(model, state, h, scratch); //                    (9)
-                whole.as_ref().map(|_| Convergence::default())
+                let solved = reference::solve(model, state, h, scratch); //               (9)
+                whole = Some(solved.ok_or(Failure::NotPositiveDefinite)?);
+                Convergence::default()
             }
         };
-        sound &= cg.is_some() && state.is_sound();
-        let cg = cg.unwrap_or_default();
         report.cg_iterations = cg.iterations;
         report.cg_residual = cg.residual;
-        if !sound {
-            return false;
+        if !state.is_sound() {
+            return Err(Failure::NotFinite);
         }
 
         timer.begin(Some(Stage::Detect));
@@ -160,22 +170,25 @@ impl World {
             limits::build_rows(model, state, h, scratch);
         }
         let contact = match (kind, &whole) {
-            (SolverKind::Exact, _) => exact::respond(settings, model, state, scratch),
-            (_, Some(whole)) => {
-                Some(reference::respond(whole, model, settings.cone, state, scratch))
-            }
-            _ => Some(response::anticipate(settings, state, scratch)),
+            (SolverKind::Exact, _) => exact::respond(settings, care, model, state, scratch)?,
+            (_, Some(whole)) => reference::respond(whole, model, settings.cone, state, scratch),
+            _ => response::anticipate(settings, state, scratch),
         };
-        let Some(contact) = contact else { return false };
         response::apply(state, scratch);
         friction::keep_loads(model, &scratch.found, &scratch.rows, h, &mut state.patch_loads);
         report.limits_active = limits::keep_impulses(model, contacts, state, scratch);
-        let close = settings.close_joints && kind == SolverKind::TwoStep;
-        if close && !model.joints.is_empty() {
-            sound &= two_step::close_joints(model, state, h, scratch);
+        let close = settings.close_joints || care == Care::Safe;
+        if kind == SolverKind::TwoStep && close && !model.joints.is_empty() {
+            two_step::close_joints(model, state, h, scratch)?;
+        }
+        if care == Care::Safe {
+            match kind {
+                SolverKind::Exact => exact::calm(model, state, scratch),
+                _ => two_step::calm(model, state, scratch),
+            }
         }
         response::report(state, h, settings.cone, contact, scratch, report);
-        sound
+        Ok(())
     }
 
     /// Builds the exact solver when it is chosen and not there yet.

@@ -183,6 +183,8 @@ pub struct Scratch {
     pub A: BlockMatrix,
     /// Its right-hand side.
     pub b: Vec<Vec3>,
+    /// Bones' part of `b`, without the joint impulses of step 1.
+    pub b_kept: Vec<Vec3>,
     /// Its inverted block diagonal.
     pub D: BlockDiagonal,
     /// The bones' system of step 1.
@@ -245,6 +247,7 @@ impl Scratch {
         Self {
             A: model.pattern.clone(),
             b: vec![Vec3::zeros(); rows],
+            b_kept: vec![Vec3::zeros(); 2 * rigids],
             D: BlockDiagonal::new(rigids, nodes),
             bones: BoneSystem::new(rigids, model.joints.len()),
             S_kept: vec![Mat6::zeros(); rigids],

@@ -3,7 +3,7 @@
 use crate::coupling::skin_target;
 use crate::math::{Mat6, Vec3, Vec6};
 use crate::model::SolverSettings;
-use crate::solver::{Convergence, conjugate_gradients};
+use crate::solver::{Convergence, Failure, conjugate_gradients, share_of_energy};
 use crate::world::model::Model;
 use crate::world::state::{Scratch, State};
 
@@ -17,9 +17,16 @@ use crate::world::state::{Scratch, State};
 ///
 /// With the flesh frozen S is A_s, S_sf is A_sf, and this is Eq. 10 itself; otherwise both hold
 /// what the bones feel of flesh that yields (`coupling::EffectiveMass`). The state's bone velocities become
-/// `v_s,1`, and `b_s` becomes `b_s - J_sᵀ λ_s`, which is the `b_s,2` of Eq. 11. Returns false when
-/// a pivot is singular.
-pub fn articulated_body(model: &Model, state: &mut State, h: f64, scratch: &mut Scratch) -> bool {
+/// `v_s,1`, and `b_s` becomes `b_s - J_sᵀ λ_s`, which is the `b_s,2` of Eq. 11.
+///
+/// # Errors
+/// A pivot is singular.
+pub fn articulated_body(
+    model: &Model,
+    state: &mut State,
+    h: f64,
+    scratch: &mut Scratch,
+) -> Result<(), Failure> {
     let moves = |b: usize| model.rigids[b].moves;
     let bones = &mut scratch.bones;
     for b in 0..model.rigids.len() {
@@ -43,11 +50,10 @@ pub fn articulated_body(model: &Model, state: &mut State, h: f64, scratch: &mut 
     }
     wanted_rates(model, state, h, scratch);
     scratch.S_kept.copy_from_slice(&scratch.bones.diagonal);
-    if !solve_bones(scratch) {
-        return false;
-    }
+    solve_bones(scratch)?;
 
     add_change(model, state, scratch);
+    scratch.b_kept.copy_from_slice(&scratch.b[..2 * model.rigids.len()]);
     for (j, joint) in model.joints.iter().enumerate() {
         let (block, lambda) = (&scratch.joints[j], &scratch.lambda[j]);
         let mut take = |body: usize, impulse: Vec6| {
@@ -60,20 +66,25 @@ pub fn articulated_body(model: &Model, state: &mut State, h: f64, scratch: &mut 
             take(parent as usize, block.J_parent.tr_mul(lambda));
         }
     }
-    true
+    Ok(())
 }
 
 /// Ends a step with joints that hold: contact moves bones without regard to joints (Eq. 12), so
 /// the bones are brought back by the impulses of step 1's system, and the flesh yields to them by
 /// its inertia as assumed there: `(m + s) Δv_f = s J Δ`. (The paper leaves this to the next step.)
-/// Returns false when a pivot is singular.
-pub fn close_joints(model: &Model, state: &mut State, h: f64, scratch: &mut Scratch) -> bool {
+///
+/// # Errors
+/// A pivot is singular.
+pub fn close_joints(
+    model: &Model,
+    state: &mut State,
+    h: f64,
+    scratch: &mut Scratch,
+) -> Result<(), Failure> {
     scratch.r.fill(Vec6::zeros());
     scratch.bones.diagonal.copy_from_slice(&scratch.S_kept);
     wanted_rates(model, state, h, scratch);
-    if !solve_bones(scratch) {
-        return false;
-    }
+    solve_bones(scratch)?;
     add_change(model, state, scratch);
     let row0 = 2 * model.rigids.len();
     for (k, bound) in model.coupling.bound.iter().enumerate() {
@@ -88,12 +99,12 @@ pub fn close_joints(model: &Model, state: &mut State, h: f64, scratch: &mut Scra
             }
         }
     }
-    true
+    Ok(())
 }
 
-/// `[S Jᵀ; J 0] [Δ; λ] = [r; c]` by the tree; false when a pivot is singular.
-fn solve_bones(scratch: &mut Scratch) -> bool {
-    scratch.articulated.solve(
+/// `[S Jᵀ; J 0] [Δ; λ] = [r; c]` by the tree.
+fn solve_bones(scratch: &mut Scratch) -> Result<(), Failure> {
+    let solved = scratch.articulated.solve(
         &mut scratch.bones.diagonal,
         &scratch.bones.edge,
         &scratch.joints,
@@ -101,7 +112,8 @@ fn solve_bones(scratch: &mut Scratch) -> bool {
         &scratch.c,
         &mut scratch.dv,
         &mut scratch.lambda,
-    )
+    );
+    if solved { Ok(()) } else { Err(Failure::NotPositiveDefinite) }
 }
 
 /// `c = -C/Δt - J v` for the present velocities.
@@ -148,15 +160,17 @@ pub fn known_rates(model: &Model, state: &State, j: usize, scratch: &mut Scratch
 
 /// Step 2 (Eq. 11): all velocities, joints ignored, by conjugate gradients from `(v_s,1, v_f,0)`
 /// less the last step's contact response.
-/// Returns `None` when the matrix is not positive definite or a number is not finite.
+///
+/// # Errors
+/// The matrix is not positive definite or a number is not finite.
 pub fn unconstrained_deformation(
     settings: &SolverSettings,
     model: &Model,
     state: &mut State,
     scratch: &mut Scratch,
-) -> Option<Convergence> {
+) -> Result<Convergence, Failure> {
     if !scratch.D.refresh(&scratch.A) {
-        return None;
+        return Err(Failure::NotPositiveDefinite);
     }
     mask_known(model, scratch);
     // A first guess: what contact gave in the last step it will have to give again.
@@ -172,7 +186,18 @@ pub fn unconstrained_deformation(
         settings.cg_iterations_max,
         &mut scratch.cg,
     );
-    reached.residual.is_finite().then_some(reached)
+    if reached.residual.is_finite() { Ok(reached) } else { Err(Failure::NotFinite) }
+}
+
+/// Shortens the velocities so that the step brings in no energy, as `Exact::calm` does; joint
+/// impulses, which do no work where joints hold, are left out.
+pub fn calm(model: &Model, state: &mut State, scratch: &mut Scratch) {
+    let bones = scratch.b_kept.len();
+    scratch.b[..bones].copy_from_slice(&scratch.b_kept);
+    let s = share_of_energy(&scratch.A, &scratch.b, &model.known, &state.v, &mut scratch.cg);
+    for (v, known) in state.v.iter_mut().zip(&model.known) {
+        (0..3).filter(|&k| !known[k]).for_each(|k| v[k] *= s);
+    }
 }
 
 /// Known velocities do not respond: their rows and columns of D⁻¹ are zero.

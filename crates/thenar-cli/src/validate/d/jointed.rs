@@ -88,7 +88,8 @@ fn bend(world: &mut World, tree: &Tree, random: &mut Random) {
 
 /// Joint rows and springs where the joints hold, drives anywhere.
 pub fn skeleton(solver: Solver) -> Result<Vec<Figure>, CaseError> {
-    let mut run = solver.open(&HAND, &["hand.hand.flesh=false".into()])?;
+    let mut run =
+        solver.open(&HAND, &["hand.hand.flesh=false".into(), "solver.limits=springs".into()])?;
     run.step()?; // gives the drives their targets
     let setup = format!("{STATES} states, 16 bones");
     let tree = Tree::of_hand(&run.session().hands()[0].model)

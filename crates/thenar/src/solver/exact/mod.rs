@@ -40,7 +40,7 @@ pub use relative::{Carried, Coordinates, System};
 
 use crate::math::Vec3;
 use crate::model::Cone;
-use crate::solver::{BlockMatrix, ContactRows, Convergence, JointBlock};
+use crate::solver::{BlockMatrix, ContactRows, Convergence, Failure, JointBlock};
 use coarse::Coarse;
 use delassus::Delassus;
 use direct::Direct;
@@ -102,6 +102,8 @@ pub struct Exact {
     iterations_worth_a_factor: u32,
     x: Coordinates,
     delassus: Delassus,
+    /// Contacts in the order in which they press.
+    pressing: Vec<u32>,
     work: pcg::Workspace,
 }
 
@@ -119,6 +121,8 @@ pub struct StepSystem<'a> {
 /// How accurately to solve.
 #[derive(Clone, Copy, Debug)]
 pub struct Accuracy {
+    /// Take the best that is found where the accuracy cannot be had, rather than fail.
+    pub best_effort: bool,
     /// Largest velocity error \[m/s\].
     pub velocity: f64,
     /// Most iterations.
@@ -183,6 +187,7 @@ impl Exact {
                 &direct,
                 bodies.freedoms(),
             ),
+            pressing: Vec::with_capacity(plan.contacts_max),
             direct,
             coarse,
             split,
@@ -191,8 +196,10 @@ impl Exact {
     }
 
     /// Velocities without contact, from the present ones in `v` as a start. `factor` asks for the
-    /// direct preconditioner, which contact will need anyway. `None` when the system cannot be
-    /// solved: not positive definite, not finite, or joint rows dependent.
+    /// direct preconditioner, which contact will need anyway.
+    ///
+    /// # Errors
+    /// The system cannot be solved, or not to this accuracy.
     pub fn solve(
         &mut self,
         step: &StepSystem<'_>,
@@ -201,13 +208,13 @@ impl Exact {
         factor: bool,
         accuracy: &Accuracy,
         v: &mut [Vec3],
-    ) -> Option<Solved> {
+    ) -> Result<Solved, Failure> {
         self.ready = Ready::Nothing;
         for c in &self.carried {
             self.springs[c.node as usize] = c.spring;
         }
         if !self.bodies.refresh(step.A, joints, v, h) {
-            return None;
+            return Err(Failure::NotPositiveDefinite);
         }
         let Self {
             bodies, carried, springs, split, coarse, jacobi, direct, ready, x, work, ..
@@ -219,7 +226,7 @@ impl Exact {
         } else if jacobi.refresh(&system, coarse) {
             *ready = Ready::Jacobi;
         } else {
-            return None;
+            return Err(Failure::NotPositiveDefinite);
         }
         system.coordinates(v, x, &mut work.v);
         system.residual(step.b, x, &mut work.r, &mut work.v, &mut work.f);
@@ -248,12 +255,18 @@ impl Exact {
                 pcg::solve(&system, apply, x, Stop { scale, ..accuracy.stop(WINDOW, most) }, work);
         }
         system.velocities(x, v);
-        solved.error.is_finite().then_some(solved)
+        match (solved.error.is_finite(), solved.converged || accuracy.best_effort) {
+            (true, true) => Ok(solved),
+            (true, false) => Err(Failure::NotConverged { residual: solved.error }),
+            (false, _) => Err(Failure::NotFinite),
+        }
     }
 
     /// What contact adds to the velocities just found, left in `change`, and its impulses, which
-    /// start from those in `contacts`. `None` when the flesh cannot be factored, too many contacts
-    /// press, or the velocities do not converge.
+    /// start from those in `contacts`.
+    ///
+    /// # Errors
+    /// The flesh cannot be factored, too many contacts press, or the velocities do not converge.
     pub fn respond(
         &mut self,
         step: &StepSystem<'_>,
@@ -261,23 +274,38 @@ impl Exact {
         cone: Cone,
         accuracy: &Accuracy,
         change: &mut [Vec3],
-    ) -> Option<Convergence> {
+    ) -> Result<Convergence, Failure> {
         change.fill(Vec3::zeros());
         if contacts.rows.iter().all(|row| row.target.x <= 0.0) {
             // The contact-free velocities keep every gap open: nothing presses.
             contacts.rows.iter_mut().for_each(|row| row.lambda = Vec3::zeros());
-            return Some(Convergence::default());
+            return Ok(Convergence::default());
         }
         let Self {
-            bodies, carried, springs, split, coarse, direct, ready, x, delassus, work, ..
+            bodies,
+            carried,
+            springs,
+            split,
+            coarse,
+            direct,
+            ready,
+            x,
+            delassus,
+            pressing,
+            work,
+            ..
         } = self;
         let system = system(step, bodies, carried, springs, split);
         if *ready != Ready::Direct && !direct.refresh(&system, coarse) {
-            return None;
+            return Err(Failure::NotPositiveDefinite);
         }
         *ready = Ready::Direct;
+        let too_many = Failure::TooManyContacts { most: PRESSING_MAX as u32 };
+        if accuracy.best_effort {
+            keep_most_pressing(contacts, PRESSING_MAX, pressing);
+        }
         if !delassus.begin(contacts) {
-            return None;
+            return Err(too_many);
         }
         let mut total = Convergence::default();
         for _ in 0..ROUNDS_MAX {
@@ -298,17 +326,63 @@ impl Exact {
             x.clear();
             let apply = |r: &Coordinates, z: &mut Coordinates| direct.apply(&system, coarse, r, z);
             let stop = accuracy.stop(1, accuracy.iterations_max);
-            if !pcg::solve(&system, apply, x, stop, work).converged {
-                return None;
+            let solved = pcg::solve(&system, apply, x, stop, work);
+            if !solved.converged && !accuracy.best_effort {
+                return Err(Failure::NotConverged { residual: solved.error });
             }
             system.spread(x, change);
-            let (well, violation) = delassus.check(contacts, change, cone, accuracy.velocity)?;
+            let Some((well, violation)) = delassus.check(contacts, change, cone, accuracy.velocity)
+            else {
+                if accuracy.best_effort {
+                    break;
+                }
+                return Err(too_many);
+            };
             total.residual = violation;
             if well {
                 break;
             }
         }
-        Some(total)
+        Ok(total)
+    }
+
+    /// Shortens velocities so that they take no more energy than forces and motion put in. With
+    /// `v = T x + v̄` the solution without contact minimises `½ xᵀ K x - xᵀ g`; of all velocities
+    /// `s x`, `0 ≤ s ≤ 1`, that with the least is taken. Then `xᵀ K x ≤ xᵀ g`, which is the
+    /// balance of energy of a backward Euler step: contacts and errors can take energy out, not
+    /// bring it in. Returns s.
+    pub fn calm(&mut self, step: &StepSystem<'_>, v: &mut [Vec3]) -> f64 {
+        let Self { bodies, carried, springs, split, x, work, .. } = self;
+        let system = system(step, bodies, carried, springs, split);
+        system.coordinates(v, x, &mut work.v);
+        let (length, given) = {
+            let pcg::Workspace { r, q, v, f, .. } = work;
+            system.residual(step.b, x, r, v, f);
+            system.product(x, q, v, f);
+            let length = x.dot(q);
+            (length, length + x.dot(r))
+        };
+        let s = if given < length { (given / length).max(0.0) } else { 1.0 };
+        work.r.copy_from(x);
+        x.clear();
+        x.add(s, &work.r);
+        system.velocities(x, v);
+        s
+    }
+}
+
+/// Leaves so many contacts that press; the others, which close the slowest, wait for another step.
+fn keep_most_pressing(contacts: &mut ContactRows, most: usize, pressing: &mut Vec<u32>) {
+    let rows = &mut contacts.rows;
+    pressing.clear();
+    let presses = |i: &usize| rows[*i].target.x > 0.0 || rows[*i].lambda.x > 0.0;
+    pressing.extend((0..rows.len()).filter(presses).map(|i| i as u32));
+    let speed = |i: u32| rows[i as usize].target.x;
+    pressing.sort_unstable_by(|&i, &j| speed(j).total_cmp(&speed(i)).then(i.cmp(&j)));
+    for &i in pressing.iter().skip(most) {
+        let row = &mut rows[i as usize];
+        row.lambda = Vec3::zeros();
+        row.target.x = row.target.x.min(0.0);
     }
 }
 

@@ -31,7 +31,8 @@ const PATIENCE: u32 = 30;
 pub struct Solved {
     /// Iterations done.
     pub iterations: u32,
-    /// Estimated largest velocity error \[m/s\].
+    /// Estimated largest velocity error \[m/s\]; not a number when the system holds one that is not
+    /// finite.
     pub error: f64,
     /// The error asked for was reached, as far as numbers of this size allow.
     pub converged: bool,
@@ -44,7 +45,8 @@ pub struct Workspace {
     pub r: Coordinates,
     z: Coordinates,
     p: Coordinates,
-    q: Coordinates,
+    /// Another, for products.
+    pub q: Coordinates,
     /// Velocity-like vectors of the whole system.
     pub v: Vec<Vec3>,
     /// Likewise.
@@ -151,7 +153,10 @@ pub fn solve(
         p.renew(beta, z);
         rz = rz_new;
     }
-    solved.converged = rz.is_finite() && rz >= 0.0;
+    if !rz.is_finite() {
+        return Solved { error: f64::NAN, converged: false, ..solved };
+    }
+    solved.converged = rz >= 0.0;
     solved.error = solved.error.min(ROUND_OFF * scale);
     solved
 }
