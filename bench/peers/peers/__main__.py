@@ -67,7 +67,7 @@ def parse():
     parser = argparse.ArgumentParser(prog="bench/peers/run", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="one step size, one repeat")
     parser.add_argument("--tets", type=int, default=600, help="wanted number of tetrahedra")
-    parser.add_argument("--repeats", type=int, default=3, help="repeats of each timed run")
+    parser.add_argument("--repeats", type=int, default=2, help="repeats of each timed run")
     parser.add_argument("--only", choices=[case.name for case in cases.CASES], help="one case")
     return parser.parse_args()
 
