@@ -22,7 +22,7 @@ def rms(vectors):
 def step_times(outcomes):
     """Median and 99th percentile over the steps; of repeats of one step the quickest counts.
 
-    All repeats do the same work, so what differs between them is the machine's other work.
+    All repeats do the same work, so what differs between them is what else the machine does.
     """
     length = min(len(outcome["step_ms"]) for outcome in outcomes)
     times = np.min([outcome["step_ms"][:length] for outcome in outcomes], axis=0)

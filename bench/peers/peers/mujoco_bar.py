@@ -24,9 +24,9 @@ def run(dof, cells, step, seconds):
     model.dof_damping[:] = MASS_DAMPING * model.body_mass[model.dof_bodyid]
     times = []
     for _ in range(round(seconds / step)):
-        start = time.perf_counter()
+        start = time.thread_time()
         mujoco.mj_step(model, data)
-        times.append((time.perf_counter() - start) * 1e3)
+        times.append((time.thread_time() - start) * 1e3)
     mujoco.mj_kinematics(model, data)
     sunk = rest[end, 1] - data.xpos[nodes[end], 1]
     return {"step_ms": times, "deflection": float(sunk.mean()) * measure.MM}

@@ -129,8 +129,8 @@ def machine_lines(found):
         f"{found['date']}; {m['cpu']}, {m['cores']} cores, load {m['load_at_start']} at the start"
         f"{' (**busy: the times are upper bounds**)' if m['load_at_start'] > 0.7 else ''}; "
         f"{m['system']}; Thenar {m['thenar']}, Rapier {m['rapier3d']}, MuJoCo {m['mujoco']}; "
-        f"{m['rustc']}, Python {m['python']}. One thread each, {found['repeats']} repeats in turn, "
-        f"of each step the quickest; {found['took']:.0f} s in all.\n"
+        f"{m['rustc']}, Python {m['python']}. Processor time of one thread, "
+        f"{found['repeats']} repeat(s) in turn, of each step the quickest; {found['took']:.0f} s in all.\n"
     )
 
 

@@ -15,7 +15,7 @@ pub struct Frame {
 #[derive(Debug, Default, Serialize)]
 pub struct Outcome {
     pub engine: String,
-    /// Time of each step \[ms\], on one thread.
+    /// Processor time of each step \[ms\]: one thread, and nothing of what else the machine does.
     pub step_ms: Vec<f64>,
     /// Force of the hand on the table after each step \[N\], as the engine reports it.
     pub table_force: Vec<[f64; 3]>,

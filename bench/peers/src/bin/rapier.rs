@@ -10,10 +10,10 @@ mod flesh;
 #[path = "rapier/skeleton.rs"]
 mod skeleton;
 
+use cpu_time::ThreadTime;
 use flesh::Ties;
 use rapier3d::prelude::*;
 use std::process::ExitCode;
-use std::time::Instant;
 use thenar_peers::job::PoseRow;
 use thenar_peers::outcome::Frame;
 use thenar_peers::{Job, Outcome, drive};
@@ -58,7 +58,7 @@ impl<'a> Scene<'a> {
         let mass: f64 = job.node_masses.iter().sum();
         for i in 0..job.steps {
             self.lead(i);
-            let start = Instant::now();
+            let start = ThreadTime::now();
             self.world.step();
             done.step_ms.push(start.elapsed().as_secs_f64() * 1e3);
             let (force, contacts) = self.table_force();

@@ -1,7 +1,7 @@
 //! Runs a job in Thenar. Setting `solver`: `exact` or `two-step`.
 
+use cpu_time::ThreadTime;
 use std::process::ExitCode;
-use std::time::Instant;
 use thenar::contact::Shape;
 use thenar::model::{
     Axis, Binding, BodyId, Coupling, Drive, EmbeddedSurface, FixedNode, Flesh, JointDesc,
@@ -27,7 +27,7 @@ fn run(job: &Job) -> Result<Outcome, String> {
     let mass: f64 = job.node_masses.iter().sum();
     for i in 0..job.steps {
         lead(job, i, &mut input);
-        let start = Instant::now();
+        let start = ThreadTime::now();
         let report = world.step(&input, &mut ());
         done.step_ms.push(start.elapsed().as_secs_f64() * 1e3);
         if report.non_finite {
