@@ -1,8 +1,10 @@
 //! Eq. 5: `A_f = M_f + Δt D_f + Δt² K_f` and `b_f = M_f v_0 + Δt F_f`, over all deformable bodies.
 
-use crate::flesh::{PAIRS, RestTet, respond};
+use crate::flesh::lanes::{LANES, RestLanes};
+use crate::flesh::{PAIRS, Response, RestTet, eight, respond};
 use crate::math::Vec3;
 use crate::solver::BlockMatrix;
+use fearless_simd::{Level, Simd, dispatch};
 
 /// Elements and masses of all deformable bodies, nodes numbered through.
 #[derive(Clone, Debug, Default)]
@@ -19,6 +21,8 @@ pub struct FleshModel {
     pub mass: Vec<f64>,
     /// Mass-proportional damping of each node \[1/s\].
     pub mass_damping: Vec<f64>,
+    /// The elements by eights, as [`FleshModel::arrange`] leaves them.
+    lanes: Vec<RestLanes>,
 }
 
 /// Sums over elements.
@@ -45,12 +49,81 @@ impl FleshModel {
             A.add_scalar(A.diagonal[row0 + n], mass * (1.0 + h * self.mass_damping[n]));
             b[row0 + n] += v[n] * mass;
         }
-        let mut tally = Tally::default();
-        for (t, tet) in self.tets.iter().enumerate() {
-            let response = respond(&self.rest[t], &tet.map(|n| x[n as usize]));
-            let scale = h * h + h * self.stiffness_damping[t];
+        let mut sums = Tally::default();
+        let b = &mut b[row0..];
+        dispatch!(Level::new(), simd => self.add_elements(simd, x, h, A, b, &mut sums));
+        sums
+    }
+
+    /// Elastic energy \[J\] and inverted elements at these positions.
+    pub fn tally(&self, x: &[Vec3]) -> Tally {
+        let mut sums = Tally::default();
+        dispatch!(Level::new(), simd => {
+            for (i, rest) in self.lanes.iter().enumerate() {
+                if rest.corotational {
+                    eight::tally(simd, rest, x, &mut sums);
+                } else {
+                    self.each(i).for_each(|t| self.respond(t, x, &mut sums, |_| ()));
+                }
+            }
+        });
+        sums
+    }
+
+    /// Lays the elements out for evaluation by eights; to be called when they are complete.
+    pub fn arrange(&mut self) {
+        let of = |first: usize| first..(first + LANES).min(self.tets.len());
+        self.lanes = (0..self.tets.len())
+            .step_by(LANES)
+            .map(of)
+            .map(|t| {
+                let damping = &self.stiffness_damping[t.clone()];
+                RestLanes::new(&self.tets[t.clone()], &self.rest[t], damping)
+            })
+            .collect();
+    }
+
+    /// Elements of the i-th eight.
+    fn each(&self, i: usize) -> std::ops::Range<usize> {
+        i * LANES..i * LANES + self.lanes[i].count
+    }
+
+    #[inline(always)]
+    fn add_elements<S: Simd>(
+        &self,
+        simd: S,
+        x: &[Vec3],
+        h: f64,
+        A: &mut BlockMatrix,
+        b: &mut [Vec3],
+        sums: &mut Tally,
+    ) {
+        for (i, rest) in self.lanes.iter().enumerate() {
+            let each = self.each(i);
+            if rest.corotational {
+                eight::assemble(simd, rest, &self.entries[each], x, h, A, b, sums);
+            } else {
+                each.for_each(|t| self.add_element(t, x, h, A, b, sums));
+            }
+        }
+    }
+
+    /// One element, whatever its law.
+    #[inline(never)]
+    fn add_element(
+        &self,
+        t: usize,
+        x: &[Vec3],
+        h: f64,
+        A: &mut BlockMatrix,
+        b: &mut [Vec3],
+        sums: &mut Tally,
+    ) {
+        let tet = &self.tets[t];
+        let scale = h * h + h * self.stiffness_damping[t];
+        self.respond(t, x, sums, |response| {
             for a in 0..4 {
-                b[row0 + tet[a] as usize] += response.forces[a] * h;
+                b[tet[a] as usize] += response.forces[a] * h;
             }
             for (block, (a, c)) in response.stiffness.iter().zip(PAIRS) {
                 let block = block * scale;
@@ -59,20 +132,14 @@ impl FleshModel {
                     A.add(self.entries[t][c][a], &block.transpose());
                 }
             }
-            tally.energy += response.energy;
-            tally.inverted += u32::from(response.inverted);
-        }
-        tally
+        });
     }
 
-    /// Elastic energy \[J\] and inverted elements at these positions.
-    pub fn tally(&self, x: &[Vec3]) -> Tally {
-        let mut tally = Tally::default();
-        for (tet, rest) in self.tets.iter().zip(&self.rest) {
-            let response = respond(rest, &tet.map(|n| x[n as usize]));
-            tally.energy += response.energy;
-            tally.inverted += u32::from(response.inverted);
-        }
-        tally
+    #[inline]
+    fn respond(&self, t: usize, x: &[Vec3], sums: &mut Tally, mut then: impl FnMut(&Response)) {
+        let response = respond(&self.rest[t], &self.tets[t].map(|n| x[n as usize]));
+        then(&response);
+        sums.energy += response.energy;
+        sums.inverted += u32::from(response.inverted);
     }
 }

@@ -1,10 +1,14 @@
 //! Finite elements for flesh (Sec. 3.2): linear tetrahedra with a choice of constitutive law.
 
 mod assemble;
+mod eight;
 mod element;
+mod lanes;
 mod polar;
 mod principal;
+mod rotations;
 
 pub use assemble::{FleshModel, Tally};
 pub use element::{PAIRS, Response, RestTet, respond};
+pub(crate) use lanes::transposed;
 pub use polar::{rotation_of, signed_svd};

@@ -1,6 +1,7 @@
 //! A symmetric sparse matrix of 3×3 blocks with a fixed pattern.
 
 use crate::math::{Mat3, Vec3};
+use fearless_simd::{Simd, f64x4, f64x8, prelude::*};
 
 /// A 3×3 block, column-major, so that its product with a vector adds whole columns.
 pub type Block = [f64; 9];
@@ -80,6 +81,14 @@ impl BlockMatrix {
         }
     }
 
+    /// Adds a block given as its first eight numbers and its last.
+    #[inline(always)]
+    pub fn add_lanes<S: Simd>(&mut self, simd: S, entry: u32, first: f64x8<S>, last: f64) {
+        let block = &mut self.blocks[entry as usize];
+        (f64x8::from_slice(simd, &block[..8]) + first).store_slice(&mut block[..8]);
+        block[8] += last;
+    }
+
     /// Adds `s I` to the block stored at `entry`.
     pub fn add_scalar(&mut self, entry: u32, s: f64) {
         let block = &mut self.blocks[entry as usize];
@@ -115,6 +124,23 @@ impl BlockMatrix {
         Vec3::from(y)
     }
 
+    /// The same in the first three of four lanes.
+    #[inline(always)]
+    pub fn part_times_lanes<S: Simd>(
+        &self,
+        simd: S,
+        entries: std::ops::Range<u32>,
+        x: &[Vec3],
+    ) -> f64x4<S> {
+        let row = entries.start as usize..entries.end as usize;
+        let blocks = self.blocks.as_flattened();
+        let mut sums = [simd.splat_f64x4(0.0); 3];
+        for (k, &j) in row.clone().zip(&self.columns[row]) {
+            add_product(simd, blocks, k, &x[j as usize], &mut sums);
+        }
+        sums[0] + (sums[1] + sums[2])
+    }
+
     /// `y = A x`.
     pub fn times(&self, x: &[Vec3], y: &mut [Vec3]) {
         for (i, y) in y.iter_mut().enumerate() {
@@ -137,4 +163,34 @@ impl BlockMatrix {
         self.blocks[self.diagonal[i] as usize][4 * axis] = 1.0;
         rhs[i][axis] = value;
     }
+}
+
+/// Adds columns of block `k`, among blocks that lie one after the other, times the components of x.
+/// Each column is loaded with the number after it, which ends in the fourth lane and counts for
+/// nothing.
+#[inline(always)]
+pub fn add_product<S: Simd>(simd: S, blocks: &[f64], k: usize, x: &Vec3, sums: &mut [f64x4<S>; 3]) {
+    if let Some(block) = blocks.get(9 * k..9 * k + 10) {
+        for c in 0..3 {
+            let column = f64x4::from_slice(simd, &block[3 * c..3 * c + 4]);
+            sums[c] = column.mul_add(x[c], sums[c]);
+        }
+    } else {
+        // The last block has nothing after it.
+        let last = &blocks[9 * k + 6..9 * k + 9];
+        for c in 0..2 {
+            let at = 9 * k + 3 * c;
+            let column = f64x4::from_slice(simd, &blocks[at..at + 4]);
+            sums[c] = column.mul_add(x[c], sums[c]);
+        }
+        let column = f64x4::load_array(simd, [last[0], last[1], last[2], 0.0]);
+        sums[2] = column.mul_add(x[2], sums[2]);
+    }
+}
+
+/// The first three lanes.
+#[inline(always)]
+pub fn vector<S: Simd>(lanes: f64x4<S>) -> Vec3 {
+    let [x, y, z, _] = lanes.to_array();
+    Vec3::new(x, y, z)
 }

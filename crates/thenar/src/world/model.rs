@@ -122,6 +122,7 @@ impl Model {
             }
         }
         model.lay_out();
+        model.flesh.arrange();
         Ok(model)
     }
 

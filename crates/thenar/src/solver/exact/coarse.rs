@@ -5,7 +5,9 @@
 
 use crate::math::Vec3;
 use crate::solver::BlockMatrix;
-use crate::solver::exact::{Reduction, System};
+use crate::solver::exact::condense::{Columns, Condensed};
+use crate::solver::exact::{Carried, Reduction, System};
+use fearless_simd::{Level, dispatch, f64x8, prelude::*};
 use std::ops::Range;
 
 /// K_uu and C.
@@ -31,15 +33,19 @@ pub struct Coarse {
     skin: Vec<Vec3>,
     /// For each carried node and each freedom of its second bone: the entry.
     second: Vec<Vec<u32>>,
+    condensed: Condensed,
+    /// C and J Z belong to the present step.
+    crossed: bool,
 }
 
 impl Coarse {
-    /// Room for these bodies and `nodes` nodes; `group_of_node` as found from the bodies whose
-    /// flesh they are, and `bones` of each carried node (in the order of `System::carried`).
+    /// Plans for these bodies, carried nodes and this pattern of A; `group_of_node` as found from
+    /// the bodies whose flesh the nodes are.
     pub fn new(
         bodies: &Reduction,
         group_of_node: Vec<Option<u32>>,
-        bones: &[(u32, [u32; 2], usize)],
+        carried: &[Carried],
+        pattern: &BlockMatrix,
     ) -> Self {
         let nodes = group_of_node.len();
         let width = |g: usize| bodies.groups()[g].len();
@@ -52,8 +58,8 @@ impl Coarse {
             cross_start.push(cross_start[n] + group.map_or(0, |g| width(g as usize)));
         }
         let mut lists: Vec<Vec<u32>> = vec![Vec::new(); nodes];
-        let mut second = Vec::with_capacity(bones.len());
-        for &(node, bones, carriers) in bones {
+        let mut second = Vec::with_capacity(carried.len());
+        for &Carried { node, bones, carriers, .. } in carried {
             let list = &mut lists[node as usize];
             let Some(group) = group_of_node[node as usize] else {
                 second.push(Vec::new());
@@ -87,6 +93,8 @@ impl Coarse {
             skin_start,
             skin_dofs,
             second,
+            condensed: Condensed::new(bodies, carried, pattern, 2 * bodies.bodies()),
+            crossed: false,
         }
     }
 
@@ -107,17 +115,80 @@ impl Coarse {
         self.skin_dofs[range.clone()].iter().map(|&d| d as usize).zip(&self.skin[range])
     }
 
-    /// Fills K_uu and C.
-    pub fn refresh(&mut self, system: &System<'_>) {
-        self.blocks.fill(0.0);
-        self.fill_skin(system);
-        self.fill_cross(system);
-        self.add_bodies(system.A, system.split, system.bodies);
-        self.add_flesh(system);
+    /// Fills K_uu, and with `cross` also C and J Z, which only the direct solver needs.
+    pub fn refresh(&mut self, system: &System<'_>, cross: bool) {
+        self.condensed.refresh(system);
+        self.crossed = false;
+        self.sweep(system, true, cross);
+        self.condensed.add_bodies(system);
+
+        let Self { condensed, blocks, group_start, block_start, .. } = self;
+        let bodies = system.bodies;
+        blocks.fill(0.0);
+        dispatch!(Level::new(), simd => condensed.reduce(simd, bodies, #[inline(always)] |[i, j], p, range, row| {
+            let Some(group) = bodies.group_of_body(i) else { return };
+            let (start, n) = (group_start[group], bodies.groups()[group].len());
+            let block = &mut blocks[block_start[group]..block_start[group + 1]];
+            let p = bodies.path(i)[p] as usize - start;
+            for (q, x) in bodies.path(j)[range].iter().zip(row) {
+                let q = *q as usize - start;
+                block[p * n + q] += x;
+                if i != j {
+                    block[q * n + p] += x;
+                }
+            }
+        }));
         for g in 0..self.group_start.len() {
             let block = self.block(g);
-            system.bodies.stiffen(g, &mut self.blocks[block]);
+            bodies.stiffen(g, &mut self.blocks[block]);
         }
+    }
+
+    /// Fills C and J Z unless that is done.
+    pub fn complete(&mut self, system: &System<'_>) {
+        if !self.crossed {
+            self.sweep(system, false, true);
+        }
+    }
+
+    fn sweep(&mut self, system: &System<'_>, condense: bool, cross: bool) {
+        if !cross {
+            dispatch!(Level::new(), simd => {
+                let then = None::<fn(usize, usize, &[Columns], &[f64x8<_>; 3])>;
+                self.condensed.sweep(simd, system.A, condense, then)
+            });
+            return;
+        }
+        self.crossed = true;
+        self.fill_skin(system);
+        self.cross.fill(Vec3::zeros());
+        let Self { condensed, cross, cross_start, group_start, group_of_node, .. } = self;
+        dispatch!(Level::new(), simd => {
+            // C = (B J) Z, bone by bone.
+            let then = Some(
+                #[inline(always)]
+                |node: usize, bone: usize, columns: &[Columns], row: &[f64x8<_>; 3]| {
+                let Some(group) = group_of_node[node] else { return };
+                let start = group_start[group as usize];
+                let out = &mut cross[cross_start[node]..cross_start[node + 1]];
+                let row = [row[0].to_array(), row[1].to_array(), row[2].to_array()];
+                let paths = system.bodies.path(bone).chunks(8);
+                for (columns, dofs) in columns.iter().zip(paths) {
+                    let mut sums = [simd.splat_f64x8(0.0); 3];
+                    for (c, column) in columns.iter().enumerate() {
+                        let column = f64x8::load_array_ref(simd, column);
+                        for r in 0..3 {
+                            sums[r] = column.mul_add(row[r][c], sums[r]);
+                        }
+                    }
+                    let sums = [sums[0].to_array(), sums[1].to_array(), sums[2].to_array()];
+                    for (k, dof) in dofs.iter().enumerate() {
+                        out[*dof as usize - start] += Vec3::new(sums[0][k], sums[1][k], sums[2][k]);
+                    }
+                }
+            });
+            condensed.sweep(simd, system.A, condense, then)
+        });
     }
 
     fn fill_skin(&mut self, system: &System<'_>) {
@@ -135,84 +206,4 @@ impl Coarse {
             }
         }
     }
-
-    fn fill_cross(&mut self, system: &System<'_>) {
-        self.cross.fill(Vec3::zeros());
-        let row0 = 2 * system.bodies.bodies();
-        let A = system.A;
-        for n in 0..self.group_of_node.len() {
-            let row = &mut self.cross[self.cross_start[n]..self.cross_start[n + 1]];
-            if row.is_empty() {
-                continue;
-            }
-            for k in system.split[row0 + n] as usize..A.row_start[row0 + n + 1] as usize {
-                let m = A.columns[k] as usize - row0;
-                let block = &A.blocks[k];
-                for e in self.skin_start[m]..self.skin_start[m + 1] {
-                    let (x, y) = (&self.skin[e], &mut row[self.skin_dofs[e] as usize]);
-                    for r in 0..3 {
-                        y[r] += block[r] * x.x + block[3 + r] * x.y + block[6 + r] * x.z;
-                    }
-                }
-            }
-        }
-        // A given velocity does not follow the bones.
-        for c in system.carried.iter().filter(|c| c.is_held()) {
-            let row = self.cross_start[c.node as usize]..self.cross_start[c.node as usize + 1];
-            self.cross[row].iter_mut().for_each(|x| *x = c.free(x));
-        }
-    }
-
-    /// `Zᵀ A_s Z`.
-    fn add_bodies(&mut self, A: &BlockMatrix, split: &[u32], bodies: &Reduction) {
-        for i in 0..2 * bodies.bodies() {
-            let Some(group) = bodies.group_of_body(i / 2) else { continue };
-            let (start, n) = (self.group_start[group], bodies.groups()[group].len());
-            let block_start = self.block_start[group];
-            for k in A.row_start[i] as usize..split[i] as usize {
-                let (j, block) = (A.columns[k] as usize, &A.blocks[k]);
-                if block.iter().all(|&x| x == 0.0) {
-                    continue;
-                }
-                for (q, column) in bodies.columns(j / 2) {
-                    let x = part(column, j % 2);
-                    let y = Vec3::from_fn(|r, _| {
-                        block[r] * x.x + block[3 + r] * x.y + block[6 + r] * x.z
-                    });
-                    for (p, column) in bodies.columns(i / 2) {
-                        self.blocks[block_start + (p - start) * n + q - start] +=
-                            part(column, i % 2).dot(&y);
-                    }
-                }
-            }
-        }
-    }
-
-    /// `Zᵀ Jᵀ C`, and the springs of held nodes.
-    fn add_flesh(&mut self, system: &System<'_>) {
-        for c in system.carried {
-            let node = c.node as usize;
-            let Some((group, row)) = self.cross_of(node) else { continue };
-            let n = row.len();
-            let block = self.block(group);
-            let block = &mut self.blocks[block];
-            let entries = self.skin_start[node]..self.skin_start[node + 1];
-            for e in entries.clone() {
-                let (p, motion) = (self.skin_dofs[e] as usize, &self.skin[e]);
-                let line = &mut block[p * n..(p + 1) * n];
-                let cross = &self.cross[row.clone()];
-                line.iter_mut().zip(cross).for_each(|(k, c)| *k += motion.dot(c));
-                if c.is_held() {
-                    let tied = motion - c.free(motion);
-                    for f in entries.clone() {
-                        line[self.skin_dofs[f] as usize] += c.spring * tied.dot(&self.skin[f]);
-                    }
-                }
-            }
-        }
-    }
-}
-
-fn part(column: &crate::math::Vec6, part: usize) -> Vec3 {
-    Vec3::new(column[3 * part], column[3 * part + 1], column[3 * part + 2])
 }

@@ -1,22 +1,24 @@
 //! Block Jacobi: one dense block per group of bodies, 3×3 per node.
 
-use crate::math::{Mat3, Vec3};
-use crate::solver::diagonal::invert_symmetric;
+use crate::flesh::transposed;
+use crate::solver::block_matrix::{Block, add_product, vector};
 use crate::solver::exact::coarse::Coarse;
 use crate::solver::exact::{Coordinates, System, small_cholesky};
+use fearless_simd::{Level, Simd, dispatch, f64x8, prelude::*};
 
 /// The inverted block diagonal.
 #[derive(Clone, Debug)]
 pub struct BlockJacobi {
     /// Cholesky factors of the groups' blocks.
     bodies: Vec<f64>,
-    nodes: Vec<Mat3>,
+    /// Inverses of the nodes' blocks.
+    nodes: Vec<Block>,
 }
 
 impl BlockJacobi {
     /// Room.
     pub fn new(coarse: &Coarse, nodes: usize) -> Self {
-        Self { bodies: vec![0.0; coarse.blocks.len()], nodes: vec![Mat3::zeros(); nodes] }
+        Self { bodies: vec![0.0; coarse.blocks.len()], nodes: vec![[0.0; 9]; nodes] }
     }
 
     /// Inverts the diagonal; false when a block is not positive definite.
@@ -27,17 +29,57 @@ impl BlockJacobi {
                 return false;
             }
         }
+        dispatch!(Level::new(), simd => self.invert_nodes(simd, system))
+    }
+
+    /// The nodes' blocks, eight side by side, by their cofactors.
+    #[inline(always)]
+    fn invert_nodes<S: Simd>(&mut self, simd: S, system: &System<'_>) -> bool {
         let row0 = 2 * system.bodies.bodies();
-        for (n, out) in self.nodes.iter_mut().enumerate() {
-            let mut block = system.A.get(system.A.diagonal[row0 + n]);
-            let spring = system.unknown(row0 + n, &Vec3::repeat(system.springs[n]));
-            block.set_diagonal(&(block.diagonal() + spring));
-            match invert_symmetric(&block) {
-                Some(inverse) => *out = inverse,
-                None => return false,
+        let A = system.A;
+        let mut sound = true;
+        for (i, out) in self.nodes.chunks_mut(8).enumerate() {
+            // Six numbers of each block: its diagonal with the spring, and (0,1), (0,2), (1,2).
+            let mut numbers = [[0.0; 8]; 6];
+            for lane in 0..8 {
+                let n = 8 * i + lane.min(out.len() - 1);
+                let block = &A.blocks[A.diagonal[row0 + n] as usize];
+                let known = &system.known[row0 + n];
+                for axis in 0..3 {
+                    let spring = if known[axis] { 0.0 } else { system.springs[n] };
+                    numbers[axis][lane] = block[4 * axis] + spring;
+                }
+                (numbers[3][lane], numbers[4][lane], numbers[5][lane]) =
+                    (block[1], block[2], block[5]);
+            }
+            let [a, b, c] = [
+                f64x8::load_array_ref(simd, &numbers[0]),
+                f64x8::load_array_ref(simd, &numbers[1]),
+                f64x8::load_array_ref(simd, &numbers[2]),
+            ];
+            let [d, e, f] = [
+                f64x8::load_array_ref(simd, &numbers[3]),
+                f64x8::load_array_ref(simd, &numbers[4]),
+                f64x8::load_array_ref(simd, &numbers[5]),
+            ];
+            let aa = b.mul_sub(c, f * f);
+            let dd = e.mul_sub(f, d * c);
+            let ee = d.mul_sub(f, e * b);
+            let det = a.mul_add(aa, d.mul_add(dd, e * ee));
+            sound &= (det.simd_gt(0.0) & a.simd_gt(0.0) & det.is_finite()).all_true();
+            let scale = simd.splat_f64x8(1.0) / det;
+            let (aa, dd, ee) = (aa * scale, dd * scale, ee * scale);
+            let bb = a.mul_sub(c, e * e) * scale;
+            let ff = d.mul_sub(e, a * f) * scale;
+            let cc = a.mul_sub(b, d * d) * scale;
+            let first = transposed(simd, [aa, dd, ee, dd, bb, ff, ee, ff]);
+            let cc = cc.to_array();
+            for (lane, out) in out.iter_mut().enumerate() {
+                out[..8].copy_from_slice(&first[lane].to_array());
+                out[8] = cc[lane];
             }
         }
-        true
+        sound
     }
 
     /// `z = P⁻¹ r`.
@@ -54,8 +96,13 @@ impl BlockJacobi {
             small_cholesky::forward(l, dofs.len(), &mut z.u[dofs.clone()]);
             small_cholesky::backward(l, dofs.len(), &mut z.u[dofs.clone()]);
         }
-        for ((z, r), inverse) in z.w.iter_mut().zip(&r.w).zip(&self.nodes) {
-            *z = inverse * r;
-        }
+        let inverses = self.nodes.as_flattened();
+        dispatch!(Level::new(), simd => {
+            for (n, (z, r)) in z.w.iter_mut().zip(&r.w).enumerate() {
+                let mut sums = [simd.splat_f64x4(0.0); 3];
+                add_product(simd, inverses, n, r, &mut sums);
+                *z = vector(sums[0] + sums[1] + sums[2]);
+            }
+        });
     }
 }

@@ -18,6 +18,7 @@
 
 mod aligned;
 mod coarse;
+mod condense;
 mod delassus;
 mod dense;
 mod direct;
@@ -33,6 +34,7 @@ mod relative;
 mod small_cholesky;
 mod substitution;
 mod symbolic;
+mod vectors;
 
 pub use pcg::Solved;
 pub use reduction::Reduction;
@@ -154,9 +156,6 @@ impl Exact {
             .collect();
         let group_of_node: Vec<Option<u32>> =
             plan.soft_of_node.iter().map(|&s| group_of_soft[s as usize]).collect();
-        let bones: Vec<_> =
-            plan.carried.iter().map(|c| (c.node, c.bones, c.carriers as usize)).collect();
-
         let (count, nodes) = (plan.moves.len(), plan.positions.len());
         let pattern = plan.pattern;
         let split = (0..pattern.rows())
@@ -167,7 +166,7 @@ impl Exact {
                 (row.start + before) as u32
             })
             .collect();
-        let coarse = Coarse::new(&bodies, group_of_node, &bones);
+        let coarse = Coarse::new(&bodies, group_of_node, plan.carried, pattern);
         let factor = Factor::new(Symbolic::new(pattern, 2 * count, plan.positions));
         // Flops of the factor's numbers, of which an iteration does some twenty per block.
         let flops = factor.symbolic.flops() / 2.0;
@@ -220,7 +219,7 @@ impl Exact {
             bodies, carried, springs, split, coarse, jacobi, direct, ready, x, work, ..
         } = self;
         let system = system(step, bodies, carried, springs, split);
-        coarse.refresh(&system);
+        coarse.refresh(&system, factor);
         if factor && direct.refresh(&system, coarse) {
             *ready = Ready::Direct;
         } else if jacobi.refresh(&system, coarse) {
@@ -237,6 +236,9 @@ impl Exact {
             let worth = self.iterations_worth_a_factor.min(accuracy.iterations_max);
             solved =
                 pcg::solve(&system, apply, x, Stop { scale, ..accuracy.stop(WINDOW, worth) }, work);
+            if !solved.converged {
+                coarse.complete(&system);
+            }
             if !solved.converged && direct.refresh(&system, coarse) {
                 *ready = Ready::Direct;
                 system.residual(step.b, x, &mut work.r, &mut work.v, &mut work.f);
@@ -296,6 +298,7 @@ impl Exact {
             ..
         } = self;
         let system = system(step, bodies, carried, springs, split);
+        coarse.complete(&system);
         if *ready != Ready::Direct && !direct.refresh(&system, coarse) {
             return Err(Failure::NotPositiveDefinite);
         }

@@ -13,7 +13,9 @@
 
 use crate::math::Vec3;
 use crate::solver::TURN_LEVER;
+use crate::solver::exact::vectors::longest2;
 use crate::solver::exact::{Coordinates, System};
+use fearless_simd::{Level, dispatch};
 
 /// Safety factor of the error estimate.
 const SAFETY: f64 = 2.0;
@@ -163,9 +165,10 @@ pub fn solve(
 
 /// Largest speed in a velocity-like vector \[m/s\].
 pub fn largest_speed(v: &[Vec3], bodies: usize) -> f64 {
-    let speed2 = |(i, v): (usize, &Vec3)| {
-        let turning = i < 2 * bodies && i % 2 == 1;
-        v.norm_squared() * if turning { TURN_LEVER * TURN_LEVER } else { 1.0 }
-    };
-    v.iter().enumerate().map(speed2).fold(0.0, f64::max).sqrt()
+    let (bones, nodes) = v.split_at(2 * bodies);
+    let turning = bones.iter().skip(1).step_by(2).map(|v| v.norm_squared());
+    let turning2 = turning.fold(0.0, f64::max) * TURN_LEVER * TURN_LEVER;
+    let linear = bones.iter().step_by(2).map(|v| v.norm_squared());
+    let nodes2 = dispatch!(Level::new(), _simd => longest2(nodes));
+    linear.fold(nodes2.max(turning2), f64::max).sqrt()
 }

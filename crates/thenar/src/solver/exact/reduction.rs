@@ -17,6 +17,7 @@ use crate::math::{Mat3, Vec3, Vec6, tangents};
 use crate::solver::exact::loops::{Columns, Cut, Loops};
 use crate::solver::tree::{Link, Spanning, spanning};
 use crate::solver::{BlockMatrix, JointBlock};
+use fearless_simd::{Simd, f64x8, prelude::*};
 use std::ops::Range;
 
 /// Below this a joint's axis rows are dependent (a universal joint in gimbal lock).
@@ -45,6 +46,8 @@ pub struct Reduction {
     tree: Columns,
     /// Z with the loops closed, when there are any.
     loops: Option<Loops>,
+    /// Its columns, each with two zeros after it.
+    lanes: Vec<[f64; 8]>,
     /// z of each body.
     offsets: Vec<Vec6>,
     /// Freedoms that are solved together: bodies that share a tree or flesh.
@@ -98,6 +101,7 @@ impl Reduction {
             members: Vec::new(),
             tree: Columns::default(),
             loops: None,
+            lanes: Vec::new(),
             offsets: vec![Vec6::zeros(); moves.len()],
             groups: Vec::new(),
             group_of_body: vec![None; moves.len()],
@@ -133,6 +137,7 @@ impl Reduction {
         if !cuts.is_empty() {
             reduction.loops = Some(reduction.plan_loops(&cuts));
         }
+        reduction.lanes = vec![[0.0; 8]; reduction.shown().dofs.len()];
         reduction
     }
 
@@ -252,14 +257,26 @@ impl Reduction {
         if let Some(loops) = &mut self.loops {
             loops.refresh(&self.tree, A, joints, h, &mut self.offsets);
         }
+        let shown = self.loops.as_ref().map_or(&self.tree, |loops| &loops.columns);
+        for (lanes, column) in self.lanes.iter_mut().zip(&shown.values) {
+            lanes[..6].copy_from_slice(column.as_slice());
+        }
         true
     }
 
     /// `v_s = Z u`; zero for bodies that do not move by themselves.
-    pub fn spread(&self, u: &[f64], v: &mut [Vec3]) {
+    #[inline(always)]
+    pub fn spread<S: Simd>(&self, simd: S, u: &[f64], v: &mut [Vec3]) {
+        let shown = self.shown();
         for b in 0..self.offsets.len() {
-            let motion: Vec6 = self.columns(b).map(|(d, column)| column * u[d]).sum();
-            [v[2 * b], v[2 * b + 1]] = unstack(&motion);
+            let mut motion = simd.splat_f64x8(0.0);
+            for k in shown.range(b) {
+                let column = f64x8::load_array_ref(simd, &self.lanes[k]);
+                motion = column.mul_add(u[shown.dofs[k] as usize], motion);
+            }
+            let m = motion.to_array();
+            v[2 * b] = Vec3::new(m[0], m[1], m[2]);
+            v[2 * b + 1] = Vec3::new(m[3], m[4], m[5]);
         }
     }
 
@@ -273,14 +290,23 @@ impl Reduction {
     }
 
     /// `r = Zᵀ f`.
-    pub fn gather(&self, f: &[Vec3], r: &mut [f64]) {
+    #[inline(always)]
+    pub fn gather<S: Simd>(&self, simd: S, f: &[Vec3], r: &mut [f64]) {
+        let shown = self.shown();
         r.fill(0.0);
         for b in 0..self.offsets.len() {
-            let wrench = stack(&f[2 * b], &f[2 * b + 1]);
-            for (d, column) in self.columns(b) {
-                r[d] += column.dot(&wrench);
+            let (l, a) = (&f[2 * b], &f[2 * b + 1]);
+            let wrench = f64x8::load_array(simd, [l.x, l.y, l.z, a.x, a.y, a.z, 0.0, 0.0]);
+            for k in shown.range(b) {
+                let product = f64x8::load_array_ref(simd, &self.lanes[k]) * wrench;
+                r[shown.dofs[k] as usize] += simd.reduce_sum_f64x8(product);
             }
         }
+    }
+
+    /// A body's columns of Z as [`Reduction::columns`] gives them, each with two zeros after it.
+    pub fn lanes(&self, body: usize) -> &[[f64; 8]] {
+        &self.lanes[self.shown().range(body)]
     }
 
     /// The coordinates nearest to given bone velocities.

@@ -6,7 +6,10 @@
 
 use crate::math::Vec3;
 use crate::solver::BlockMatrix;
+use crate::solver::block_matrix::vector;
 use crate::solver::exact::Reduction;
+use crate::solver::exact::vectors::{self, flat, flat_mut};
+use fearless_simd::{Level, Simd, dispatch, f64x4, prelude::*};
 
 /// A node that bones carry.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +56,19 @@ impl Carried {
         moved
     }
 
+    /// The same.
+    #[inline(always)]
+    fn follow_lanes<S: Simd>(&self, simd: S, v: &[Vec3]) -> Vec3 {
+        let mut moved = [simd.splat_f64x4(0.0); 3];
+        for j in 0..2.min(self.carriers as usize) {
+            let b = 2 * self.bones[j] as usize;
+            let linear = f64x4::load_array(simd, [v[b].x, v[b].y, v[b].z, 0.0]);
+            moved[0] = linear.mul_add(self.weights[j], moved[0]);
+            add_turned(simd, &v[b + 1], &self.levers[j], &mut moved);
+        }
+        vector(moved[0] + (moved[1] + moved[2]))
+    }
+
     /// `f_s += Jᵀ f`.
     #[inline]
     pub fn pull(&self, impulse: &Vec3, f: &mut [Vec3]) {
@@ -61,6 +77,15 @@ impl Carried {
             f[b] += impulse * self.weights[j];
             f[b + 1] += self.levers[j].cross(impulse);
         }
+    }
+}
+
+/// Adds `s ω × l` to sums over columns, in the first three of four lanes.
+#[inline(always)]
+fn add_turned<S: Simd>(simd: S, turn: &Vec3, l: &Vec3, sums: &mut [f64x4<S>; 3]) {
+    let columns = [[0.0, -l.z, l.y, 0.0], [l.z, 0.0, -l.x, 0.0], [-l.y, l.x, 0.0, 0.0]];
+    for k in 0..3 {
+        sums[k] = f64x4::load_array(simd, columns[k]).mul_add(turn[k], sums[k]);
     }
 }
 
@@ -87,26 +112,26 @@ impl Coordinates {
 
     /// Scalar product.
     pub fn dot(&self, other: &Self) -> f64 {
-        let u: f64 = self.u.iter().zip(&other.u).map(|(a, b)| a * b).sum();
-        let mut w = [0.0; 3];
-        for (a, b) in self.w.iter().zip(&other.w) {
-            for k in 0..3 {
-                w[k] += a[k] * b[k];
-            }
-        }
-        u + w[0] + w[1] + w[2]
+        dispatch!(Level::new(), simd => {
+            vectors::dot(simd, &self.u, &other.u)
+                + vectors::dot(simd, flat(&self.w), flat(&other.w))
+        })
     }
 
     /// `self += s other`.
     pub fn add(&mut self, s: f64, other: &Self) {
-        self.u.iter_mut().zip(&other.u).for_each(|(a, b)| *a += s * b);
-        self.w.iter_mut().zip(&other.w).for_each(|(a, b)| *a += b * s);
+        dispatch!(Level::new(), simd => {
+            vectors::add(simd, &mut self.u, s, &other.u);
+            vectors::add(simd, flat_mut(&mut self.w), s, flat(&other.w));
+        });
     }
 
     /// `self = other + s self`.
     pub fn renew(&mut self, s: f64, other: &Self) {
-        self.u.iter_mut().zip(&other.u).for_each(|(a, b)| *a = b + s * *a);
-        self.w.iter_mut().zip(&other.w).for_each(|(a, b)| *a = b + *a * s);
+        dispatch!(Level::new(), simd => {
+            vectors::renew(simd, &mut self.u, s, &other.u);
+            vectors::renew(simd, flat_mut(&mut self.w), s, flat(&other.w));
+        });
     }
 
     /// Takes over all values.
@@ -141,23 +166,32 @@ impl System<'_> {
 
     /// `v = T x`.
     pub fn spread(&self, x: &Coordinates, v: &mut [Vec3]) {
-        self.bodies.spread(&x.u, v);
-        self.place_flesh(x, v);
+        dispatch!(Level::new(), simd => self.spread_lanes(simd, x, v));
+    }
+
+    #[inline(always)]
+    fn spread_lanes<S: Simd>(&self, simd: S, x: &Coordinates, v: &mut [Vec3]) {
+        self.bodies.spread(simd, &x.u, v);
+        self.place_flesh(simd, x, v);
     }
 
     /// `v = T x + v̄`: the velocities that coordinates stand for.
     pub fn velocities(&self, x: &Coordinates, v: &mut [Vec3]) {
-        self.bodies.spread(&x.u, v);
-        self.bodies.add_offsets(v);
-        self.place_flesh(x, v);
+        dispatch!(Level::new(), simd => {
+            self.bodies.spread(simd, &x.u, v);
+            self.bodies.add_offsets(v);
+            self.place_flesh(simd, x, v);
+        });
     }
 
-    fn place_flesh(&self, x: &Coordinates, v: &mut [Vec3]) {
-        let row0 = self.row0();
-        v[row0..].copy_from_slice(&x.w);
+    #[inline(always)]
+    fn place_flesh<S: Simd>(&self, simd: S, x: &Coordinates, v: &mut [Vec3]) {
+        let (bones, nodes) = v.split_at_mut(self.row0());
+        nodes.copy_from_slice(&x.w);
         for c in self.carried {
-            let moved = c.free(&c.follow(v));
-            v[row0 + c.node as usize] += moved;
+            let moved = c.follow_lanes(simd, bones);
+            let node = &mut nodes[c.node as usize];
+            *node += if c.is_held() { c.free(&moved) } else { moved };
         }
     }
 
@@ -165,7 +199,7 @@ impl System<'_> {
     pub fn coordinates(&self, v: &[Vec3], x: &mut Coordinates, work: &mut [Vec3]) {
         let row0 = self.row0();
         self.bodies.rates(v, &mut x.u);
-        self.bodies.spread(&x.u, work);
+        dispatch!(Level::new(), simd => self.bodies.spread(simd, &x.u, work));
         self.bodies.add_offsets(work);
         x.w.copy_from_slice(&v[row0..]);
         for c in self.carried {
@@ -175,40 +209,75 @@ impl System<'_> {
 
     /// `r = Tᵀ f`; overwrites the bodies' part of f.
     pub fn gather(&self, f: &mut [Vec3], r: &mut Coordinates) {
-        let row0 = self.row0();
+        dispatch!(Level::new(), simd => self.gather_lanes(simd, f, r));
+    }
+
+    #[inline(always)]
+    fn gather_lanes<S: Simd>(&self, simd: S, f: &mut [Vec3], r: &mut Coordinates) {
+        let (bones, nodes) = f.split_at_mut(self.row0());
+        // What bones get from a run of nodes that the same bones carry.
+        let (mut carriers, mut sums) = ((u32::MAX, u32::MAX), [simd.splat_f64x4(0.0); 4]);
         for c in self.carried {
-            let impulse = c.free(&f[row0 + c.node as usize]);
-            c.pull(&impulse, f);
+            let next = (c.bones[0], if c.carriers == 2 { c.bones[1] } else { u32::MAX });
+            if next != carriers {
+                hand_over(simd, carriers, &mut sums, bones);
+                carriers = next;
+            }
+            let at = &nodes[c.node as usize];
+            let impulse = if c.is_held() { c.free(at) } else { *at };
+            let force = f64x4::load_array(simd, [impulse.x, impulse.y, impulse.z, 0.0]);
+            for j in 0..c.carriers as usize {
+                sums[2 * j] = force.mul_add(c.weights[j], sums[2 * j]);
+                // l × f = -f × l.
+                let mut turned = [simd.splat_f64x4(0.0); 3];
+                add_turned(simd, &impulse, &c.levers[j], &mut turned);
+                sums[2 * j + 1] -= turned[0] + turned[1] + turned[2];
+            }
         }
-        self.bodies.gather(f, &mut r.u);
-        r.w.copy_from_slice(&f[row0..]);
+        hand_over(simd, carriers, &mut sums, bones);
+        r.w.copy_from_slice(nodes);
+        self.bodies.gather(simd, bones, &mut r.u);
     }
 
     /// `q = A v`; A without springs has no blocks between bodies and flesh.
-    fn times(&self, v: &[Vec3], q: &mut [Vec3]) {
-        let row0 = self.row0();
+    #[inline(always)]
+    fn times<S: Simd>(&self, simd: S, v: &[Vec3], q: &mut [Vec3]) {
+        let (A, row0) = (self.A, self.row0());
         for i in 0..row0 {
-            q[i] = self.A.part_times(self.A.row_start[i]..self.split[i], v);
+            q[i] = vector(A.part_times_lanes(simd, A.row_start[i]..self.split[i], v));
         }
         for i in row0..q.len() {
-            q[i] = self.A.part_times(self.split[i]..self.A.row_start[i + 1], v);
+            q[i] = vector(A.part_times_lanes(simd, self.split[i]..A.row_start[i + 1], v));
         }
     }
 
     /// `y = Tᵀ A T x + G x`. Leaves `T x` in `v`.
     pub fn product(&self, x: &Coordinates, y: &mut Coordinates, v: &mut [Vec3], q: &mut [Vec3]) {
+        dispatch!(Level::new(), simd => self.product_lanes(simd, x, y, v, q));
+    }
+
+    #[inline(always)]
+    fn product_lanes<S: Simd>(
+        &self,
+        simd: S,
+        x: &Coordinates,
+        y: &mut Coordinates,
+        v: &mut [Vec3],
+        q: &mut [Vec3],
+    ) {
         let row0 = self.row0();
-        self.spread(x, v);
-        self.times(v, q);
+        self.spread_lanes(simd, x, v);
+        self.times(simd, v, q);
         for c in self.carried.iter().filter(|c| c.is_held()) {
             let pull = (v[row0 + c.node as usize] - c.follow(v)) * c.spring;
             c.pull(&(c.free(&pull) - pull), q);
         }
-        self.gather(q, y);
+        self.gather_lanes(simd, q, y);
         self.bodies.add_held(&x.u, &mut y.u);
         for c in self.carried {
             let n = c.node as usize;
-            y.w[n] += c.free(&(x.w[n] * c.spring));
+            let pull = x.w[n] * c.spring;
+            y.w[n] += if c.is_held() { c.free(&pull) } else { pull };
         }
     }
 
@@ -223,7 +292,7 @@ impl System<'_> {
     ) {
         let row0 = self.row0();
         self.velocities(x, v);
-        self.times(v, q);
+        dispatch!(Level::new(), simd => self.times(simd, v, q));
         q.iter_mut().zip(b).for_each(|(q, b)| *q = b - *q);
         for c in self.carried.iter().filter(|c| c.is_held()) {
             let pull = (v[row0 + c.node as usize] - c.follow(v)) * c.spring + c.stretch;
@@ -241,4 +310,18 @@ impl System<'_> {
         let known = &self.known[row];
         Vec3::from_fn(|k, _| if known[k] { 0.0 } else { f[k] })
     }
+}
+
+/// Adds to the bones what was gathered for them (force and torque of the first, then of the second)
+/// and begins anew.
+#[inline(always)]
+fn hand_over<S: Simd>(simd: S, carriers: (u32, u32), sums: &mut [f64x4<S>; 4], bones: &mut [Vec3]) {
+    for (j, bone) in [carriers.0, carriers.1].into_iter().enumerate() {
+        if bone != u32::MAX {
+            for part in 0..2 {
+                bones[2 * bone as usize + part] += vector(sums[2 * j + part]);
+            }
+        }
+    }
+    *sums = [simd.splat_f64x4(0.0); 4];
 }

@@ -1,0 +1,188 @@
+//! Eight tetrahedra side by side: one number of each in the eight lanes of a vector.
+//!
+//! Closures over vectors are marked `#[inline(always)]` and go to functions that are too: one that
+//! the compiler keeps apart is compiled without the vector instructions.
+
+use crate::flesh::RestTet;
+use crate::math::Vec3;
+use crate::model::Law;
+use fearless_simd::{Simd, f64x8, prelude::*};
+
+/// Elements that are evaluated together.
+pub const LANES: usize = 8;
+
+/// A 3×3 matrix in each lane, column-major.
+pub type Mat3x8<S> = [f64x8<S>; 9];
+/// A vector in each lane.
+pub type Vec3x8<S> = [f64x8<S>; 3];
+
+/// Rest shapes and materials of eight elements; the last is repeated where there are fewer.
+#[derive(Clone, Debug)]
+pub struct RestLanes {
+    /// How many elements there are.
+    pub count: usize,
+    /// All of them are corotational, so that they can be evaluated together.
+    pub corotational: bool,
+    /// Their nodes.
+    pub tets: [[u32; 4]; LANES],
+    /// Gradients of the barycentric coordinates of nodes 1 to 3 \[1/m\], node by node.
+    gradients: [[f64; LANES]; 9],
+    /// Rest volume \[m³\].
+    pub volume: [f64; LANES],
+    /// First Lamé parameter \[Pa\].
+    pub lambda: [f64; LANES],
+    /// Shear modulus \[Pa\].
+    pub mu: [f64; LANES],
+    /// Stiffness-proportional damping \[s\].
+    pub damping: [f64; LANES],
+}
+
+impl RestLanes {
+    /// Arranges up to eight elements.
+    pub fn new(tets: &[[u32; 4]], rest: &[RestTet], damping: &[f64]) -> Self {
+        let count = tets.len();
+        let of = |lane: usize| lane.min(count - 1);
+        let number = |f: &dyn Fn(&RestTet) -> f64| std::array::from_fn(|lane| f(&rest[of(lane)]));
+        Self {
+            count,
+            corotational: rest.iter().all(|r| r.law == Law::Corotational),
+            tets: std::array::from_fn(|lane| tets[of(lane)]),
+            gradients: std::array::from_fn(|i| number(&|r| r.gradients[1 + i / 3][i % 3])),
+            volume: number(&|r| r.volume),
+            lambda: number(&|r| r.lambda),
+            mu: number(&|r| r.mu),
+            damping: std::array::from_fn(|lane| damping[of(lane)]),
+        }
+    }
+
+    /// Gradients of the barycentric coordinates of nodes 1 to 3.
+    #[inline(always)]
+    pub fn gradients<S: Simd>(&self, simd: S) -> [Vec3x8<S>; 3] {
+        let g = &self.gradients;
+        three(
+            #[inline(always)]
+            |a| {
+                three(
+                    #[inline(always)]
+                    |k| f64x8::load_array_ref(simd, &g[3 * a + k]),
+                )
+            },
+        )
+    }
+
+    /// Deformation gradients `F = Σ (x_a - x_0) ⊗ g_a`.
+    #[inline(always)]
+    pub fn deformation_gradients<S: Simd>(&self, simd: S, x: &[Vec3]) -> Mat3x8<S> {
+        let (x0, g) = (self.places(simd, 0, x), self.gradients(simd));
+        let edges = three(
+            #[inline(always)]
+            |a| {
+                let x = self.places(simd, a + 1, x);
+                [x[0] - x0[0], x[1] - x0[1], x[2] - x0[2]]
+            },
+        );
+        entries(
+            #[inline(always)]
+            |r, c| {
+                let rest = edges[1][r].mul_add(g[1][c], edges[2][r] * g[2][c]);
+                edges[0][r].mul_add(g[0][c], rest)
+            },
+        )
+    }
+
+    /// Positions of node `a` of each element.
+    #[inline(always)]
+    fn places<S: Simd>(&self, simd: S, a: usize, x: &[Vec3]) -> Vec3x8<S> {
+        let mut at = [[0.0; LANES]; 3];
+        for (lane, tet) in self.tets.iter().enumerate() {
+            let x = &x[tet[a] as usize];
+            for k in 0..3 {
+                at[k][lane] = x[k];
+            }
+        }
+        three(
+            #[inline(always)]
+            |k| f64x8::load_array(simd, at[k]),
+        )
+    }
+}
+
+/// Three of something.
+#[inline(always)]
+pub fn three<T>(f: impl Fn(usize) -> T) -> [T; 3] {
+    [f(0), f(1), f(2)]
+}
+
+/// A matrix from its entries (row, column).
+#[inline(always)]
+pub fn entries<S: Simd>(f: impl Fn(usize, usize) -> f64x8<S>) -> Mat3x8<S> {
+    [f(0, 0), f(1, 0), f(2, 0), f(0, 1), f(1, 1), f(2, 1), f(0, 2), f(1, 2), f(2, 2)]
+}
+
+/// Scalar product.
+#[inline(always)]
+pub fn dot<S: Simd>(a: &[f64x8<S>], b: &[f64x8<S>]) -> f64x8<S> {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
+}
+
+/// Cross product.
+#[inline(always)]
+fn cross<S: Simd>(a: &[f64x8<S>], b: &[f64x8<S>]) -> Vec3x8<S> {
+    [
+        a[1].mul_sub(b[2], a[2] * b[1]),
+        a[2].mul_sub(b[0], a[0] * b[2]),
+        a[0].mul_sub(b[1], a[1] * b[0]),
+    ]
+}
+
+/// The cofactor matrix, `det(M) M⁻ᵀ`.
+#[inline(always)]
+pub fn cofactors<S: Simd>(m: &Mat3x8<S>) -> Mat3x8<S> {
+    let (a, b, c) = (&m[0..3], &m[3..6], &m[6..9]);
+    let (x, y, z) = (cross(b, c), cross(c, a), cross(a, b));
+    [x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2]]
+}
+
+/// `M v`.
+#[inline(always)]
+pub fn times<S: Simd>(m: &Mat3x8<S>, v: &Vec3x8<S>) -> Vec3x8<S> {
+    three(
+        #[inline(always)]
+        |r| m[r].mul_add(v[0], m[3 + r].mul_add(v[1], m[6 + r] * v[2])),
+    )
+}
+
+/// Turns eight vectors with one number per element into one vector per element.
+#[inline(always)]
+pub fn transposed<S: Simd>(simd: S, rows: [f64x8<S>; 8]) -> [f64x8<S>; 8] {
+    // Dealing two halves together, three times over, is a transposition.
+    let mut r = rows;
+    for _ in 0..3 {
+        let (a, b) = simd.interleave_f64x8(r[0], r[4]);
+        let (c, d) = simd.interleave_f64x8(r[1], r[5]);
+        let (e, f) = simd.interleave_f64x8(r[2], r[6]);
+        let (g, h) = simd.interleave_f64x8(r[3], r[7]);
+        r = [a, b, c, d, e, f, g, h];
+    }
+    r
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fearless_simd::{Level, dispatch};
+
+    #[test]
+    fn transposition_moves_every_number_to_its_mirror_place() {
+        dispatch!(Level::new(), simd => {
+            let rows = std::array::from_fn(|i| {
+                f64x8::load_array(simd, std::array::from_fn(|j| (10 * i + j) as f64))
+            });
+            for (i, row) in transposed(simd, rows).iter().enumerate() {
+                for (j, x) in row.to_array().iter().enumerate() {
+                    assert_eq!(*x, (10 * j + i) as f64);
+                }
+            }
+        });
+    }
+}
