@@ -1,18 +1,26 @@
 //! `thenar bench`: what a step costs.
 
+mod goals;
+mod haptic;
 mod live;
+mod machine;
 mod memory;
 mod paper;
+mod roofline;
 mod samples;
 mod scaling;
+mod works;
 
 use std::process::ExitCode;
 
-/// Measures what a step costs on this machine.
+/// Measures what a step costs on this machine: without more, the goals and what is reached.
 #[derive(Debug, clap::Args)]
+#[command(args_conflicts_with_subcommands = true)]
 pub struct Args {
     #[command(subcommand)]
-    what: What,
+    what: Option<What>,
+    #[command(flatten)]
+    goals: goals::Args,
 }
 
 #[derive(Debug, clap::Subcommand)]
@@ -23,14 +31,18 @@ enum What {
     Live(live::Args),
     /// Cost over 600 to 17 000 tetrahedra and 0 to 100 contacts, with resident memory.
     Scaling(scaling::Args),
+    /// Floor and measured time of each stage, with the machine's peaks measured in the same run.
+    Roofline(roofline::Args),
 }
 
 /// Runs the command.
 pub fn run(args: &Args) -> ExitCode {
     let done = match &args.what {
-        What::Paper(args) => paper::run(args),
-        What::Live(args) => live::run(args),
-        What::Scaling(args) => scaling::run(args),
+        None => goals::run(&args.goals),
+        Some(What::Paper(args)) => paper::run(args),
+        Some(What::Live(args)) => live::run(args),
+        Some(What::Scaling(args)) => scaling::run(args),
+        Some(What::Roofline(args)) => roofline::run(args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

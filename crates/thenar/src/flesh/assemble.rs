@@ -143,3 +143,75 @@ impl FleshModel {
         sums.inverted += u32::from(response.inverted);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Mat3;
+    use crate::model::{Law, Material};
+    use crate::testing::Random;
+
+    /// Nineteen elements around eight nodes, some of another law, deformed at random, so that some
+    /// are inverted: eight at a time they make what they make one by one.
+    #[test]
+    fn eights_sum_to_the_same_as_single_elements() {
+        let mut random = Random::new(41);
+        let corner =
+            |i: usize| Vec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2 & 1) as f64) * 0.01;
+        let nodes: Vec<Vec3> = (0..8).map(|i| corner(i) + random.vec3(0.002)).collect();
+        let mut model = FleshModel { mass: vec![1e-3; 8], ..FleshModel::default() };
+        model.mass_damping = vec![2.0; 8];
+        while model.tets.len() < 19 {
+            let tet: [u32; 4] = std::array::from_fn(|_| (random.next() % 8) as u32);
+            let laws = [Law::Corotational, Law::StableNeoHookean];
+            let law = laws[usize::from(model.tets.len() / 8 == 1)];
+            let material = Material { law, young: 5e4, poisson: 0.43, density: 1000.0 };
+            if let Some(rest) = RestTet::new(&tet.map(|n| nodes[n as usize]), &material) {
+                model.stiffness_damping.push(1e-3 * model.tets.len() as f64);
+                model.tets.push(tet);
+                model.rest.push(rest);
+            }
+        }
+        let all = (0..8).flat_map(|i| (0..i).map(move |j| (i, j)));
+        let mut A = BlockMatrix::with_pattern(8, all);
+        model.entries = model.tets.iter().map(|t| t.map(|a| t.map(|c| A.entry(a, c)))).collect();
+        model.arrange();
+
+        let h = 0.005;
+        let x: Vec<Vec3> = nodes.iter().map(|x| x + random.vec3(0.004)).collect();
+        let v: Vec<Vec3> = nodes.iter().map(|_| random.vec3(0.1)).collect();
+        let mut b = vec![Vec3::zeros(); 8];
+        let sums = model.assemble(&x, &v, h, 0, &mut A, &mut b);
+
+        let mut want = vec![Mat3::zeros(); 64];
+        let mut forces: Vec<Vec3> = v.iter().map(|v| v * 1e-3).collect();
+        (0..8).for_each(|n| want[9 * n].fill_diagonal(1e-3 * (1.0 + 2.0 * h)));
+        let (mut energy, mut inverted) = (0.0, 0);
+        for (t, tet) in model.tets.iter().enumerate() {
+            let tet = tet.map(|n| n as usize);
+            let response = respond(&model.rest[t], &tet.map(|n| x[n]));
+            let scale = h * h + h * model.stiffness_damping[t];
+            (0..4).for_each(|a| forces[tet[a]] += response.forces[a] * h);
+            for (block, (a, c)) in response.stiffness.iter().zip(PAIRS) {
+                want[8 * tet[a] + tet[c]] += block * scale;
+                if a != c {
+                    want[8 * tet[c] + tet[a]] += block.transpose() * scale;
+                }
+            }
+            energy += response.energy;
+            inverted += u32::from(response.inverted);
+        }
+        let size = want.iter().map(|m| m.norm()).fold(0.0, f64::max);
+        for i in 0..8 {
+            for j in 0..8 {
+                let block = A.get(A.entry(i, j));
+                assert!((block - want[8 * i as usize + j as usize]).norm() < 1e-12 * size);
+            }
+            let (force, got) = (forces[i as usize], b[i as usize]);
+            assert!((force - got).norm() < 1e-11 * force.norm().max(1e-6));
+        }
+        assert!(inverted > 0 && sums.inverted == inverted);
+        assert!((sums.energy - energy).abs() < 1e-11 * energy);
+        assert!((model.tally(&x).energy - energy).abs() < 1e-11 * energy);
+    }
+}
