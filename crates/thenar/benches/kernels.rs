@@ -155,6 +155,17 @@ fn matrix(cells: [usize; 3]) -> (BlockMatrix, BlockDiagonal) {
     (a, d)
 }
 
+/// Eight elements at a time, with their rotations, into the matrix.
+#[divan::bench(args = CELLS)]
+fn assembly(bencher: Bencher, cells: [usize; 3]) {
+    let world = world(cells, 10.0, 1e-3);
+    let (model, x) = (world.model(), &world.state().x);
+    let (mut A, row0) = (model.pattern.clone(), 2 * model.rigids.len());
+    let mut b = vec![Vec3::zeros(); A.rows()];
+    let v = &world.state().v[row0..];
+    bencher.bench_local(|| model.flesh.assemble(black_box(x), v, 1e-3, row0, &mut A, &mut b));
+}
+
 #[divan::bench(args = CELLS)]
 fn sparse_product(bencher: Bencher, cells: [usize; 3]) {
     let (a, _) = matrix(cells);

@@ -36,7 +36,13 @@ pub fn skeleton(
     h: f64,
     scratch: &mut Scratch,
 ) {
-    scratch.A.clear();
+    // The blocks between bones and flesh are most of what is not flesh, and the exact solver writes
+    // none of them.
+    match &scratch.exact {
+        Some(exact) if !scratch.coupled => exact.clear(&mut scratch.A),
+        _ => scratch.A.clear(),
+    }
+    scratch.coupled = false;
     scratch.b.fill(Vec3::zeros());
     scratch.bones.clear();
     for b in 0..model.rigids.len() {
@@ -144,6 +150,7 @@ fn add_to_body(scratch: &mut Scratch, b: usize, part: usize, m: &Mat3) {
 /// The springs between bones and flesh: `A_sf`, `A_fs`, and their parts of `A_s` and `A_f`
 /// (Eq. 7-9).
 pub fn coupling(desc: &WorldDesc, model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
+    scratch.coupled = true;
     for (n, mass) in scratch.step1_mass.iter_mut().enumerate() {
         let damped = model.flesh.mass[n] * (1.0 + h * model.flesh.mass_damping[n]);
         *mass = if model.is_held[n] { f64::INFINITY } else { damped };

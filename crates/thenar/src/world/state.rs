@@ -181,6 +181,8 @@ impl Fnv {
 pub struct Scratch {
     /// The system matrix A.
     pub A: BlockMatrix,
+    /// Its blocks between bones and flesh may hold numbers.
+    pub coupled: bool,
     /// Its right-hand side.
     pub b: Vec<Vec3>,
     /// Bones' part of `b`, without the joint impulses of step 1.
@@ -246,6 +248,7 @@ impl Scratch {
         before.patch_loads.reserve(patches_max(model));
         Self {
             A: model.pattern.clone(),
+            coupled: false,
             b: vec![Vec3::zeros(); rows],
             b_kept: vec![Vec3::zeros(); 2 * rigids],
             D: BlockDiagonal::new(rigids, nodes),

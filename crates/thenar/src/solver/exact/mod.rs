@@ -194,6 +194,16 @@ impl Exact {
         }
     }
 
+    /// Sets to zero the blocks of A between two bodies and between two nodes.
+    pub fn clear(&self, A: &mut BlockMatrix) {
+        let row0 = 2 * self.bodies.bodies();
+        for (i, &split) in self.split.iter().enumerate() {
+            let row = A.row(i);
+            let here = if i < row0 { row.start..split as usize } else { split as usize..row.end };
+            A.blocks[here].fill([0.0; 9]);
+        }
+    }
+
     /// Velocities without contact, from the present ones in `v` as a start. `factor` asks for the
     /// direct preconditioner, which contact will need anyway.
     ///
