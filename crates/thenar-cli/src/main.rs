@@ -5,6 +5,8 @@
 
 mod bench;
 mod build;
+mod chart;
+mod compare;
 mod error;
 mod files;
 mod interrupt;
@@ -37,6 +39,8 @@ enum Command {
     Build(build::Args),
     /// List the scenes that come with the program.
     Scenes(scenes::Args),
+    /// Run the two-step scheme and the exact solver on one scene, and tell how they differ.
+    Compare(compare::Args),
     /// Measure what a step costs.
     Bench(bench::Args),
     /// Thrash a hand at random against table, car and bread.
@@ -52,6 +56,7 @@ fn main() -> ExitCode {
         Some(Command::Run(args)) => run::run(&args),
         Some(Command::Build(args)) => build::run(&args),
         Some(Command::Scenes(args)) => scenes::run(&args),
+        Some(Command::Compare(args)) => compare::run(&args),
         Some(Command::Bench(args)) => return bench::run(&args),
         Some(Command::Soak(args)) => return soak::run(&args),
         Some(Command::Validate(args)) => validate::run(&args),

@@ -9,6 +9,7 @@ mod math {
 }
 
 pub mod build;
+pub mod compare;
 pub mod format;
 pub mod hands;
 pub mod live;

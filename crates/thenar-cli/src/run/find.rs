@@ -42,8 +42,22 @@ pub fn open(scene: &Path, overrides: &[String]) -> Result<Session, CliError> {
     match find(scene)? {
         Found::File(path) => Ok(Session::load(&path, overrides)?),
         Found::Builtin(known) => {
-            let beside = PathBuf::from("scenes").join(known.name).with_extension("toml");
-            Ok(Session::from_text(known.text, &beside, overrides)?)
+            Ok(Session::from_text(known.text, &beside(known.name), overrides)?)
         }
     }
+}
+
+/// The file that a scene is read from, or would be: relative paths in it start there.
+///
+/// # Errors
+/// There is no such built-in scene; files are not looked into.
+pub fn file(scene: &Path) -> Result<PathBuf, CliError> {
+    Ok(match find(scene)? {
+        Found::File(path) => path,
+        Found::Builtin(known) => beside(known.name),
+    })
+}
+
+fn beside(name: &str) -> PathBuf {
+    PathBuf::from("scenes").join(name).with_extension("toml")
 }

@@ -7,9 +7,10 @@ mod report;
 mod timer;
 mod vtk;
 
-pub use find::{Found, find, open};
-pub use report::report;
-pub use timer::{StageTimes, StopWatch};
+pub use find::{Found, file, find, open};
+pub use histogram::Histogram;
+pub use report::{report, times};
+pub use timer::{STAGES, StageTimes, StopWatch};
 
 use crate::error::CliError;
 use crate::interrupt;
@@ -127,7 +128,7 @@ fn advance(
 }
 
 /// A bar on the terminal with rate and time left; nothing when there is no terminal.
-fn progress(steps: u64, quiet: bool) -> ProgressBar {
+pub fn progress(steps: u64, quiet: bool) -> ProgressBar {
     if quiet {
         return ProgressBar::hidden();
     }

@@ -51,7 +51,8 @@ pub fn report(session: &Session, outcome: &Outcome) -> Value {
     })
 }
 
-fn times(histogram: &Histogram) -> Value {
+/// Median, p99 and longest of durations.
+pub fn times(histogram: &Histogram) -> Value {
     let us = |seconds: f64| (seconds * 1e9).round() / 1e3;
     json!({
         "median_us": us(histogram.quantile(0.5)),

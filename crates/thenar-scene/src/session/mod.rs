@@ -11,6 +11,7 @@ mod random;
 mod summary;
 mod table;
 
+pub(crate) use drive::bones;
 pub use library::{Builtin, builtin, builtins};
 pub use loads::{HandLoad, PARTS};
 pub use open::read;

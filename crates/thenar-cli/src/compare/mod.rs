@@ -1,0 +1,156 @@
+//! `thenar compare`: the two-step scheme and the exact solver on one scene.
+
+mod charts;
+mod json;
+mod print;
+mod sweep;
+
+use crate::error::CliError;
+use crate::files::Draft;
+use crate::interrupt;
+use crate::run::{StopWatch, open, progress};
+use charts::Charts;
+use std::io::Write;
+use std::path::PathBuf;
+use thenar_scene::compare::{CompareError, Comparison, Mode, SIDES, Scheme};
+use thenar_scene::session::{TableFormat, TableWriter};
+
+/// Run the two-step scheme and the exact solver on one scene, and tell how they differ.
+///
+/// Both get the same motions, loads and settings, and springs as joint limits. The two-step scheme is the scene's; --paper makes it the
+/// paper's.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// A scene file, or the name of a built-in scene (see `thenar scenes`).
+    scene: PathBuf,
+    /// Simulated time [s] instead of the scene's own.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    seconds: Option<f64>,
+    /// Change a value of the scene, e.g. time_step=0.001; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// The two-step scheme as the paper prints it: flesh frozen in step 1, joints left to the next
+    /// step.
+    #[arg(long)]
+    paper: bool,
+    /// Both set out from the exact state in every step: what one step does differently, with
+    /// inner solvers at their most accurate. Times are not comparable then.
+    #[arg(long)]
+    single_steps: bool,
+    /// Write what is compared over time, in SI units: CSV, or JSON lines if the name ends in
+    /// .jsonl.
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Draw it.
+    #[arg(long, value_name = "FILE.svg")]
+    svg: Option<PathBuf>,
+    /// Write means, extremes and times as JSON.
+    #[arg(long, value_name = "FILE.json")]
+    report: Option<PathBuf>,
+    /// No progress bar and no table.
+    #[arg(long, short)]
+    quiet: bool,
+    /// Instead: measure single steps, and whether the motion diverges, over coupling stiffness and
+    /// time step.
+    #[command(flatten)]
+    sweep: sweep::Options,
+}
+
+/// Runs the comparison.
+///
+/// # Errors
+/// The scene is wrong, solvers cannot be compared on it, an output cannot be written, or the run
+/// was interrupted.
+pub fn run(args: &Args) -> Result<(), CliError> {
+    if args.seconds.is_some_and(|s| !(s > 0.0 && s <= 1e9)) {
+        return Err(CliError::Input("--seconds must be more than 0 and at most 1e9".into()));
+    }
+    if args.sweep.sweep {
+        return sweep::run(args);
+    }
+    let sessions = [open(&args.scene, &args.set)?, open(&args.scene, &args.set)?];
+    let steps = match args.seconds {
+        Some(s) => (s / sessions[0].world().time_step()).round().max(1.0) as u64,
+        None => sessions[0].steps_wanted().max(1),
+    };
+    let mode = if args.single_steps { Mode::SingleSteps } else { Mode::Trajectories };
+    let scheme = if args.paper { Scheme::Paper } else { Scheme::AsSet };
+    let mut comparison = Comparison::new(sessions, mode, scheme)?;
+    let mut table = args.csv.as_ref().map(|path| start_table(path, &comparison)).transpose()?;
+    let mut svg = args.svg.as_deref().map(Draft::create).transpose()?;
+    let mut report = args.report.as_deref().map(Draft::create).transpose()?;
+
+    interrupt::listen();
+    let mut watches = [StopWatch::default(), StopWatch::default()];
+    let mut charts = Charts::new(&comparison, steps);
+    let bar = progress(steps, args.quiet);
+    let mut lost = [false; 2];
+    for step in 0..=steps {
+        if step > 0 {
+            comparison.step(&mut watches);
+            bar.inc(1);
+        }
+        if let Some(table) = &mut table {
+            let time = comparison.moment().time;
+            table.row(time, comparison.row()).map_err(|e| failed("the table", &e))?;
+        }
+        if svg.is_some() {
+            charts.take(&comparison);
+        }
+        for side in 0..2 {
+            if comparison.has_diverged(side) && !lost[side] {
+                lost[side] = true;
+                bar.suspend(|| print::divergence(&comparison, side));
+            }
+        }
+        if interrupt::asked() || !comparison.goes_on() {
+            break;
+        }
+    }
+    bar.finish_and_clear();
+
+    if let Some(table) = table {
+        table.finish().map_err(|e| failed("the table", &e))?.finish()?;
+    }
+    if let Some(mut svg) = svg.take() {
+        let page = charts.page(&comparison);
+        svg.write_all(page.as_bytes()).map_err(|e| failed("the chart", &e))?;
+        svg.finish()?;
+    }
+    if let Some(mut report) = report.take() {
+        let text = json::report(&comparison, args.paper, &watches);
+        writeln!(report, "{text:#}").map_err(|e| failed("the report", &e))?;
+        report.finish()?;
+    }
+    if !args.quiet {
+        print::summary(&comparison, args.paper, &watches);
+    }
+    match interrupt::asked() {
+        true => {
+            Err(CliError::Other("interrupted; what was asked for is written up to here".into()))
+        }
+        false => Ok(()),
+    }
+}
+
+fn start_table(path: &PathBuf, of: &Comparison) -> Result<TableWriter<Draft>, CliError> {
+    let lines = path.extension().is_some_and(|e| e == "jsonl");
+    let format = if lines { TableFormat::JsonLines } else { TableFormat::Csv };
+    let draft = Draft::create(path)?;
+    TableWriter::new(draft, format, of.columns()).map_err(|e| failed("the table", &e))
+}
+
+fn failed(what: &str, error: &std::io::Error) -> CliError {
+    CliError::Other(format!("cannot write {what}: {error}"))
+}
+
+/// The two-step scheme's name in reports.
+fn names(paper: bool) -> [&'static str; 2] {
+    if paper { ["two-step, paper", SIDES[1]] } else { SIDES }
+}
+
+impl From<CompareError> for CliError {
+    fn from(error: CompareError) -> Self {
+        Self::Input(error.to_string())
+    }
+}
