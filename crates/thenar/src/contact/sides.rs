@@ -49,11 +49,11 @@ impl Sides {
         self.seen.clear();
     }
 
-    /// Becomes a copy of `other`; allocates only beyond its capacity.
+    /// Remembers what `other` does; its own room stays if it is larger.
     pub fn copy_from(&mut self, other: &Self) {
         self.seen.clear();
         self.seen.extend_from_slice(&other.seen);
-        self.most = other.most;
+        self.most = self.most.max(other.most);
     }
 
     /// What `vertex` saw of `other`.

@@ -59,6 +59,8 @@ pub fn keep_loads(
 fn patch(model: &Model, contact: &Contact) -> Option<PatchKey> {
     let [a, b] = [&contact.a, &contact.b].map(|site| (body_of(site), part_of(model, site)));
     model.friction.iter().enumerate().find_map(|(i, table)| match table.bodies {
+        // A body against itself: which part is met first means nothing.
+        pair if pair == [a.0, b.0] && a.0 == b.0 => Some([i as u32, a.1.min(b.1), a.1.max(b.1)]),
         pair if pair == [a.0, b.0] => Some([i as u32, a.1, b.1]),
         pair if pair == [b.0, a.0] => Some([i as u32, b.1, a.1]),
         _ => None,

@@ -18,9 +18,6 @@ use crate::world::{World, assemble};
 /// it be thrown.
 const TURN_BACK_RATE_MAX: f64 = 2.0;
 
-/// A bound farther than this cannot be reached in a step, whatever contact does \[rad\].
-const REACH: f64 = 0.5;
-
 /// Whether limits are kept by rows; if not, springs act.
 pub fn by_rows(settings: &SolverSettings) -> bool {
     settings.limits == Limits::Rows && settings.kind != SolverKind::TwoStep
@@ -31,15 +28,12 @@ pub fn rows_max(model: &Model) -> usize {
     2 * model.joints.iter().map(|joint| joint.kind.angles()).sum::<usize>()
 }
 
-/// Appends the rows of all bounds near, for the velocities without contact in `state`.
+/// Appends the rows of all bounds, for the velocities without contact in `state`.
 pub fn build_rows(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
     for (j, joint) in model.joints.iter().enumerate() {
         for (k, axis) in joint.axes[..joint.kind.angles()].iter().enumerate() {
             let (Some(limit), Some(present)) = (axis.limit, scratch.axes[j][k]) else { continue };
             for (sign, gap) in gaps(&limit, present.angle) {
-                if gap > REACH {
-                    continue;
-                }
                 let before = (sign * state.limit_impulses[j][k]).max(0.0);
                 let rows = &mut scratch.rows;
                 let i = rows.begin_turn(&(present.direction_W * sign), before);
@@ -64,8 +58,8 @@ pub fn keep_impulses(model: &Model, first: usize, state: &mut State, scratch: &S
     for (j, joint) in model.joints.iter().enumerate() {
         for (k, axis) in joint.axes[..joint.kind.angles()].iter().enumerate() {
             let (Some(limit), Some(present)) = (axis.limit, scratch.axes[j][k]) else { continue };
-            for (sign, gap) in gaps(&limit, present.angle) {
-                if gap > REACH || row >= scratch.rows.rows.len() {
+            for (sign, _) in gaps(&limit, present.angle) {
+                if row >= scratch.rows.rows.len() {
                     continue;
                 }
                 let lambda = scratch.rows.rows[row].lambda.x;

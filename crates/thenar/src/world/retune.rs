@@ -22,7 +22,7 @@ impl World {
         let pairs = |desc: &WorldDesc| -> Vec<_> {
             desc.friction_tables.iter().map(|table| table.bodies).collect()
         };
-        if pairs(&self.desc) != pairs(&desc) {
+        if pairs(&self.desc) != pairs(&desc) || self.desc.parts != desc.parts {
             self.state.patch_loads.clear();
             self.scratch.before.patch_loads.clear();
             self.state.patch_loads.reserve(patches_max(&self.model));
@@ -31,6 +31,7 @@ impl World {
         self.detector.retune(&desc);
         self.time_step = desc.time_step;
         self.desc = desc;
+        self.prepare_solver();
         Ok(())
     }
 }

@@ -27,7 +27,7 @@ impl World {
             && own.v.len() == state.v.len()
             && own.contact_change.len() == state.contact_change.len()
             && own.limit_impulses.len() == state.limit_impulses.len();
-        if !same || !state.is_sound() {
+        if !same || !state.is_finite() {
             return false;
         }
         self.state.copy_from(state);

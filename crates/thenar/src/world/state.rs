@@ -107,6 +107,18 @@ impl State {
             && self.v.iter().all(is_sound_velocity)
     }
 
+    /// True when besides all that contact and limits remember is finite.
+    pub fn is_finite(&self) -> bool {
+        let finite = |v: &Vec3| v.iter().all(|v| v.is_finite());
+        self.is_sound()
+            && self.time.is_finite()
+            && self.contact_change.iter().all(finite)
+            && self.impulses.iter().all(|(_, impulse)| finite(impulse))
+            && self.limit_impulses.iter().flatten().all(|impulse| impulse.is_finite())
+            && self.patch_loads.iter().all(|(_, load)| load.is_finite())
+            && self.sides.as_slice().iter().all(|side| finite(&side.normal) && finite(&side.place))
+    }
+
     /// FNV-1a over every bit of the state: equal states, equal hashes.
     pub fn hash(&self) -> u64 {
         let mut hash = Fnv::default();
