@@ -13,15 +13,23 @@ const HERTZ_VALUES: [[f64; 3]; 3] =
 /// What a press gives.
 struct Press {
     force: f64,
+    /// What the bone feels of it.
+    bone: f64,
     radius_mm: f64,
     setup: String,
 }
 
 /// Force and radius of a quarter model, times four.
-fn quarter(mut run: Run, until: f64, force: &str) -> Result<Press, CaseError> {
-    let [force, area] = run.to(until)?.values([force, "press.area"])?;
+fn quarter(mut run: Run, until: f64) -> Result<Press, CaseError> {
+    let [force, area, bone] = run.to(until)?.values(["press.fy", "press.area", "bone.fy"])?;
     let radius_mm = 1e3 * (4.0 * area / PI).sqrt();
-    Ok(Press { force: 4.0 * force.abs(), radius_mm, setup: run.setup() })
+    Ok(Press { force: 4.0 * force.abs(), bone: 4.0 * bone.abs(), radius_mm, setup: run.setup() })
+}
+
+/// The same force must act on the bone.
+fn bone_figure(press: &Press) -> Figure {
+    let what = "force on the bone / contact force";
+    Figure::new(what, &press.setup, 1.0, press.bone / press.force, Check::Relative(0.01))
 }
 
 /// The Hertz scene at a depth \[mm\], its mesh scaled with the contact radius.
@@ -32,7 +40,7 @@ fn hertz_at(solver: Solver, [depth, _, radius]: [f64; 3]) -> Result<Press, CaseE
         format!("soft.block.shape.coordinates={planes:?}"),
         format!("rigid.sphere.keyframes.1.position=[0, {y}, 0]"),
     ];
-    quarter(solver.open(&HERTZ, &overrides)?, 0.1, "press.fy")
+    quarter(solver.open(&HERTZ, &overrides)?, 0.1)
 }
 
 /// The cell planes of the scene, which are made for a contact radius of 2 mm.
@@ -44,11 +52,12 @@ fn planes(solver: Solver) -> Result<[Vec<f64>; 3], CaseError> {
     }
 }
 
-fn hertz_figures(press: &Press, [depth, force, radius]: [f64; 3]) -> [Figure; 2] {
+fn hertz_figures(press: &Press, [depth, force, radius]: [f64; 3]) -> [Figure; 3] {
     let (f, a) = (format!("F at {depth} mm [N]"), format!("contact radius at {depth} mm [mm]"));
     [
         Figure::new(f, &press.setup, force, press.force, Check::Relative(0.1)),
         Figure::new(a, &press.setup, radius, press.radius_mm, Check::Relative(0.15)),
+        bone_figure(press),
     ]
 }
 
@@ -80,10 +89,11 @@ pub fn layer(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     ] {
         let y = 8e-3 - 1e-3 * depth;
         let down = format!("rigid.sphere.keyframes.1.position=[0, {y}, 0]");
-        let press = quarter(solver.open(&LAYER, &[down])?, 0.1, "press.fy")?;
+        let press = quarter(solver.open(&LAYER, &[down])?, 0.1)?;
         let (f, a) = (format!("F at {depth} mm [N]"), format!("contact radius at {depth} mm [mm]"));
         figures.push(Figure::new(f, &press.setup, force, press.force, check));
-        figures.push(Figure::new(a, press.setup, radius, press.radius_mm, check));
+        figures.push(Figure::new(a, &press.setup, radius, press.radius_mm, check));
+        figures.push(bone_figure(&press));
     }
     Ok(figures)
 }
@@ -109,18 +119,13 @@ fn pad_at(
     let up = format!("rigid.plate.keyframes.1.position=[0, {y}, 0]");
     let mut run = solver.open(&FINGER_PAD, &[up])?;
     let [plate, area, bone] = run.to(0.075)?.values(["press.fy", "press.area", "bone.fy"])?;
-    let radius_mm = 1e3 * (area / PI).sqrt();
-    let (setup, check) = (run.setup(), Check::Relative(tolerance));
+    let press =
+        Press { force: plate, bone, radius_mm: 1e3 * (area / PI).sqrt(), setup: run.setup() };
+    let check = Check::Relative(tolerance);
     let a = format!("contact radius at {depth} mm [mm]");
     Ok(vec![
-        Figure::new(format!("F at {depth} mm [N]"), &setup, force, plate, check),
-        Figure::new(a, &setup, radius, radius_mm, check),
-        Figure::new(
-            "force on the bone / force on the plate",
-            setup,
-            1.0,
-            bone / plate,
-            Check::Relative(0.01),
-        ),
+        Figure::new(format!("F at {depth} mm [N]"), &press.setup, force, plate, check),
+        Figure::new(a, &press.setup, radius, press.radius_mm, check),
+        bone_figure(&press),
     ])
 }
