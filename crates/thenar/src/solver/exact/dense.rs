@@ -8,7 +8,7 @@
 //! T registers of rows times N columns stays in registers while the depth is run through.
 
 use crate::solver::exact::factor::{LANES, Scalar};
-use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16};
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 
 /// Columns treated together; widths are multiples of 3.
 pub const COLUMNS: usize = 6;
@@ -166,12 +166,18 @@ pub fn outer_product<S: Simd>(
     width: usize,
     update: &mut [Scalar],
 ) {
-    for column in (width..height).step_by(COLUMNS) {
-        if height - column >= COLUMNS {
-            product_columns::<S, COLUMNS>(simd, panel, stride, width, column, update);
-        } else {
-            product_columns::<S, 3>(simd, panel, stride, width, column, update);
-        }
+    let mut column = width;
+    // More columns for more registers.
+    while S::f32s::LEN >= LANES && height - column >= 2 * COLUMNS {
+        product_columns::<S, { 2 * COLUMNS }>(simd, panel, stride, width, column, update);
+        column += 2 * COLUMNS;
+    }
+    while height - column >= COLUMNS {
+        product_columns::<S, COLUMNS>(simd, panel, stride, width, column, update);
+        column += COLUMNS;
+    }
+    if column < height {
+        product_columns::<S, 3>(simd, panel, stride, width, column, update);
     }
 }
 
@@ -205,14 +211,13 @@ fn product_columns<S: Simd, const N: usize>(
     }
 }
 
-/// `to -= from`.
+/// `to -= from` for the first `length` numbers; both slices must go on for a register more.
 #[inline(always)]
-pub fn take_off<S: Simd>(simd: S, from: &[Scalar], to: &mut [Scalar]) {
-    let (from, rest) = from.as_chunks::<LANES>();
-    let (lines, to) = to.split_at_mut(LANES * from.len());
-    for (to, from) in lines.chunks_exact_mut(LANES).zip(from) {
-        let value = f32x16::from_slice(simd, to) - f32x16::from_slice(simd, from);
-        value.store_slice(to);
+pub fn take_off<S: Simd>(simd: S, from: &[Scalar], to: &mut [Scalar], length: usize) {
+    let lanes = f32x16::from_fn(simd, |lane| lane as Scalar);
+    for at in (0..length).step_by(LANES) {
+        let kept = load(simd, to, at);
+        let within = lanes.simd_lt(f32x16::splat(simd, (length - at) as Scalar));
+        store(within.select(kept - load(simd, from, at), kept), to, at);
     }
-    to.iter_mut().zip(rest).for_each(|(to, from)| *to -= from);
 }

@@ -41,8 +41,8 @@ impl Factor {
         let column = symbolic.supernodes.iter().map(Supernode::stride).max().unwrap_or(0);
         Self {
             level: Level::new(),
-            panels: Aligned::new(symbolic.size),
-            update: Aligned::new(update),
+            panels: Aligned::new(symbolic.size + LANES),
+            update: Aligned::new(update + LANES),
             x: vec![0.0; n],
             column: Aligned::new(column),
             symbolic,
@@ -98,18 +98,18 @@ impl Factor {
         let (stride, offset) = (node.update_stride(), node.update_offset());
         for segment in &self.symbolic.segments[node.segments[0]..node.segments[1]] {
             let target = self.symbolic.supernodes[segment.target as usize];
-            let panel = &mut self.panels[target.panel()];
+            let panel = &mut self.panels[target.panel().start..];
             let runs = &self.symbolic.runs[segment.runs[0]..segment.runs[1]];
             for columns in runs {
                 for column in columns.rows().take_while(|&column| column < 3 * segment.end) {
-                    let from = &self.update[column * stride + offset..(column + 1) * stride];
+                    let from = &self.update[column * stride + offset..];
                     let at = (columns.place + column - columns.row) * target.stride();
-                    let to = &mut panel[at..at + target.stride()];
+                    let to = &mut panel[at..];
                     for run in runs.iter().filter(|run| run.rows().end > column) {
                         // The lower triangle only.
-                        let rows = run.row.max(column)..run.rows().end;
-                        let places = run.place + rows.start - run.row..run.place + run.length;
-                        dense::take_off(simd, &from[rows], &mut to[places]);
+                        let above = column.saturating_sub(run.row);
+                        let (from, to) = (&from[run.row + above..], &mut to[run.place + above..]);
+                        dense::take_off(simd, from, to, run.length - above);
                     }
                 }
             }
