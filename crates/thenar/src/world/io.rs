@@ -121,6 +121,8 @@ pub struct StepReport {
     /// Relative residual they reached; with the exact solver the largest violation of the contact
     /// law \[m/s\].
     pub contact_residual: f64,
+    /// They stopped at their limit of sweeps (or rounds) short of the accuracy asked for.
+    pub contact_unconverged: bool,
     /// Contact constraints, near or touching.
     pub contacts: u32,
     /// Of these, carrying force.

@@ -174,6 +174,11 @@ impl World {
             (_, Some(whole)) => reference::respond(whole, model, settings.cone, state, scratch),
             _ => response::anticipate(settings, state, scratch),
         };
+        report.contact_unconverged = match kind {
+            // Impulses and velocities may each be off by the tolerance.
+            SolverKind::Exact => contact.residual > 2.0 * settings.velocity_tolerance,
+            _ => contact.residual > settings.contact_tolerance,
+        };
         response::apply(state, scratch);
         friction::keep_loads(model, &scratch.found, &scratch.rows, h, &mut state.patch_loads);
         report.limits_active = limits::keep_impulses(model, contacts, state, scratch);

@@ -1,5 +1,5 @@
-//! A fixed number of numbers that begin at a cache line, so that vector loads of them do not
-//! straddle two.
+//! Work space of a fixed size that begins at a cache line, so that vector loads from it do not
+//! straddle two. A clone has zeros: nothing in work space outlives a step.
 
 use std::ops::{Deref, DerefMut};
 
@@ -27,11 +27,8 @@ impl<T: Copy + Default> Aligned<T> {
 }
 
 impl<T: Copy + Default> Clone for Aligned<T> {
-    /// The copy lies elsewhere, so it begins after another offset.
     fn clone(&self) -> Self {
-        let mut copy = Self::new(self.len);
-        copy.copy_from_slice(self);
-        copy
+        Self::new(self.len)
     }
 }
 
@@ -56,13 +53,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn begins_at_a_line_and_copies_what_it_holds() {
-        let mut a = Aligned::<f32>::new(40);
-        a.iter_mut().enumerate().for_each(|(i, x)| *x = i as f32);
-        let copies: Vec<_> = (0..20).map(|_| a.clone()).collect();
-        for copy in &copies {
-            assert_eq!(**copy, *a);
-            assert_eq!(copy.as_ptr() as usize % LINE, 0);
+    fn begins_at_a_line() {
+        let spaces: Vec<_> = (1..40).map(Aligned::<f32>::new).collect();
+        for (space, len) in spaces.iter().zip(1..) {
+            assert_eq!(space.len(), len);
+            assert_eq!(space.as_ptr() as usize % LINE, 0);
+            assert_eq!(space.clone().as_ptr() as usize % LINE, 0);
         }
     }
 }

@@ -11,17 +11,18 @@
 //! of member m; columns come in batches of `LANES`. All this is in the factor's precision: rounds
 //! with the true velocities correct what it lacks.
 
-use crate::math::{Mat3, Vec3};
+use crate::math::Vec3;
 use crate::model::Cone;
 use crate::solver::exact::aligned::Aligned;
 use crate::solver::exact::coarse::Coarse;
+use crate::solver::exact::compliance::Compliance;
 use crate::solver::exact::direct::Direct;
 use crate::solver::exact::factor::{LANES, Lanes, Scalar};
 use crate::solver::exact::gauss_seidel::Response;
 use crate::solver::exact::half_solves::{HalfSolves, add_common_product, add_product};
 use crate::solver::exact::{System, small_cholesky};
 use crate::solver::{ContactRow, ContactRows, Convergence};
-use fearless_simd::{Simd, SimdBase, SimdFloat, dispatch, f32x16, f64x8};
+use fearless_simd::{Simd, dispatch};
 
 /// W of the contacts that may press, and the iteration on it.
 #[derive(Clone, Debug)]
@@ -42,10 +43,7 @@ pub struct Delassus {
     freedoms: usize,
     /// Per batch: the groups of bodies that it pulls on.
     pulls_on: Vec<bool>,
-    /// W, row by row.
-    w: Aligned<Scalar>,
-    /// From row to row of W.
-    stride: usize,
+    W: Compliance,
     /// Own response of each member.
     own: Vec<Response>,
     /// `J Δv` less its target, at the present impulses.
@@ -59,7 +57,6 @@ impl Delassus {
     pub fn new(capacity: usize, contacts_max: usize, system: &Direct, freedoms: usize) -> Self {
         let symbolic = &system.factor.symbolic;
         let batches = (3 * capacity).div_ceil(LANES);
-        let stride = batches * LANES;
         Self {
             members: Vec::with_capacity(capacity),
             is_member: vec![false; contacts_max],
@@ -69,10 +66,9 @@ impl Delassus {
             pull: Aligned::new(batches * freedoms * LANES),
             freedoms,
             pulls_on: vec![false; batches * system.flesh_of_group.len()],
-            w: Aligned::new(stride * stride),
-            stride,
+            W: Compliance::new(batches),
             own: vec![Response::default(); capacity],
-            d: Aligned::new(stride),
+            d: Aligned::new(batches * LANES),
             correction: vec![Vec3::zeros(); capacity],
             capacity,
         }
@@ -80,7 +76,7 @@ impl Delassus {
 
     /// Starts anew with the contacts that close, or pressed before; the others get no impulse. False
     /// when they are too many.
-    pub fn begin(&mut self, contacts: &mut ContactRows) -> bool {
+    pub fn begin(&mut self, contacts: &mut ContactRows, direct: &Direct) -> bool {
         self.built = 0;
         self.members.clear();
         self.is_member.fill(false);
@@ -94,6 +90,12 @@ impl Delassus {
                 row.lambda = Vec3::zeros();
             }
         }
+        // Neighbours in the elimination tree share a batch, which then reaches less of it.
+        let place = &direct.factor.symbolic.place_of_node;
+        self.members.sort_unstable_by_key(|&m| {
+            let first = nodes_of(contacts, &contacts.rows[m as usize]).next();
+            (first.map_or(0, |(node, _)| place[node]), m)
+        });
         true
     }
 
@@ -123,9 +125,7 @@ impl Delassus {
             (0..=batch).for_each(|other| self.multiply(other, batch, system, direct));
         }
         for m in self.built..self.members.len() {
-            let own =
-                Mat3::from_fn(|a, b| f64::from(self.w[(3 * m + a) * self.stride + 3 * m + b]));
-            self.own[m] = Response::new(&own);
+            self.own[m] = Response::new(&self.W.own(m));
         }
         self.built = self.members.len();
     }
@@ -219,22 +219,15 @@ impl Delassus {
                 dispatch!(direct.factor.level, simd => add_product(simd, x, y, &mut product));
             }
         }
-        let stride = self.stride;
-        for (i, line) in product.iter().enumerate() {
-            let at = (a * LANES + i) * stride + b * LANES;
-            self.w[at..at + LANES].copy_from_slice(line);
-            for (j, value) in line.iter().enumerate().filter(|_| a != b) {
-                self.w[(b * LANES + j) * stride + a * LANES + i] = *value;
-            }
-        }
+        self.W.set(a, b, &product);
     }
 
     fn value(&self, m: usize) -> Vec3 {
         Vec3::from_column_slice(&self.d[3 * m..3 * m + 3])
     }
 
-    /// Finds impulses from the present ones, until a sweep changes no contact's velocity by more
-    /// than `tolerance` \[m/s\] through its own impulse.
+    /// Finds impulses from the present ones by sweeps over the members, until one
+    /// changes no contact's velocity by more than `tolerance` \[m/s\] through its own impulse.
     pub fn solve(
         &mut self,
         contacts: &mut ContactRows,
@@ -258,65 +251,29 @@ impl Delassus {
         sweeps_max: u32,
     ) -> Convergence {
         let n = self.members.len();
+        let used = (3 * n).next_multiple_of(LANES);
+        let Self { members, W, own, d, correction, .. } = self;
+        let d = &mut d[..used];
+        d.fill(0.0);
         for m in 0..n {
-            let start = self.correction[m] - contacts.rows[self.members[m] as usize].target;
-            self.d[3 * m..3 * m + 3].copy_from_slice(start.as_slice());
+            let row = &contacts.rows[members[m] as usize];
+            W.add_answer(simd, m, &row.lambda, d);
         }
         for m in 0..n {
-            let lambda = contacts.rows[self.members[m] as usize].lambda;
-            self.spread(simd, m, &lambda);
+            let start = correction[m] - contacts.rows[members[m] as usize].target;
+            (0..3).for_each(|a| d[3 * m + a] += start[a]);
         }
         let mut convergence = Convergence { iterations: 0, residual: f64::INFINITY };
         while convergence.iterations < sweeps_max && convergence.residual > tolerance {
             convergence.residual = 0.0;
             for m in 0..n {
-                let change = self.visit(simd, m, contacts, cone);
+                let row = &mut contacts.rows[members[m] as usize];
+                let change = visit(simd, m, W, &own[m], cone, row, d);
                 convergence.residual = convergence.residual.max(change);
             }
             convergence.iterations += 1;
         }
         convergence
-    }
-
-    /// Gives one contact its impulse; returns the change of its velocity \[m/s\].
-    #[inline(always)]
-    fn visit<S: Simd>(&mut self, simd: S, m: usize, contacts: &mut ContactRows, cone: Cone) -> f64 {
-        let row = &mut contacts.rows[self.members[m] as usize];
-        let d = self.value(m);
-        if row.lambda == Vec3::zeros() && d.x >= 0.0 {
-            return 0.0;
-        }
-        let lambda = wanted(cone, row, &self.own[m], &d);
-        let delta = lambda - row.lambda;
-        if delta == Vec3::zeros() {
-            return 0.0;
-        }
-        row.lambda = lambda;
-        self.spread(simd, m, &delta);
-        (self.own[m].W * delta).norm()
-    }
-
-    /// `d += W δ` for a change at one member.
-    #[inline(always)]
-    fn spread<S: Simd>(&mut self, simd: S, m: usize, delta: &Vec3) {
-        if *delta == Vec3::zeros() {
-            return;
-        }
-        let used = (3 * self.members.len()).next_multiple_of(LANES);
-        let row = |a: usize| self.w[(3 * m + a) * self.stride..][..used].as_chunks::<LANES>().0;
-        let rows = row(0).iter().zip(row(1)).zip(row(2));
-        for (d, ((a, b), c)) in self.d.as_chunks_mut::<LANES>().0.iter_mut().zip(rows) {
-            let (low, high) = d.split_at_mut(LANES / 2);
-            let mut sums = [f64x8::from_slice(simd, low), f64x8::from_slice(simd, high)];
-            for (w, delta) in [(a, delta.x), (b, delta.y), (c, delta.z)] {
-                let halves = simd.widen_f32x16(f32x16::from_slice(simd, w));
-                let delta = f64x8::splat(simd, delta);
-                sums[0] = halves.0.mul_add(delta, sums[0]);
-                sums[1] = halves.1.mul_add(delta, sums[1]);
-            }
-            sums[0].store_slice(low);
-            sums[1].store_slice(high);
-        }
     }
 
     /// Compares with the true change of velocities. Members are corrected by what W missed, contacts
@@ -336,6 +293,7 @@ impl Delassus {
             let missed = d - self.value(m);
             self.correction[m] += missed;
             well &= missed.norm() <= tolerance;
+            violation = violation.max(missed.norm());
             let own = &self.own[m];
             let lambda = wanted(cone, row, own, &d);
             violation = violation.max((own.W * (lambda - row.lambda)).norm());
@@ -357,6 +315,31 @@ impl Delassus {
     }
 }
 
+/// Gives member m its impulse; returns the change of its velocity \[m/s\].
+#[inline(always)]
+fn visit<S: Simd>(
+    simd: S,
+    m: usize,
+    W: &Compliance,
+    own: &Response,
+    cone: Cone,
+    row: &mut ContactRow,
+    d: &mut [f64],
+) -> f64 {
+    let value = Vec3::from_column_slice(&d[3 * m..3 * m + 3]);
+    if row.lambda == Vec3::zeros() && value.x >= 0.0 {
+        return 0.0;
+    }
+    let lambda = wanted(cone, row, own, &value);
+    let delta = lambda - row.lambda;
+    if delta == Vec3::zeros() {
+        return 0.0;
+    }
+    row.lambda = lambda;
+    W.add_answer(simd, m, &delta, d);
+    (own.W * delta).norm()
+}
+
 /// The impulse a contact should have, all others being what they are.
 fn wanted(cone: Cone, row: &ContactRow, own: &Response, d: &Vec3) -> Vec3 {
     let lambda = own.impulse(cone, row.friction, &(d - own.W * row.lambda), &row.lambda);
@@ -372,3 +355,7 @@ fn nodes_of<'a>(
     let nodes = contacts.nodes[range.clone()].iter().map(|n| *n as usize);
     nodes.zip(contacts.weights[range].iter().copied())
 }
+
+#[cfg(test)]
+#[path = "delassus_tests.rs"]
+mod tests;

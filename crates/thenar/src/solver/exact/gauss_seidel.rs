@@ -16,7 +16,7 @@ pub struct Response {
     /// The response, symmetric \[1/kg\].
     pub W: Mat3,
     /// Its inverse, where it has one.
-    inverse: Option<Mat3>,
+    pub inverse: Option<Mat3>,
     /// Eigenvalues of its tangential part, the larger first.
     high: f64,
     low: f64,

@@ -18,6 +18,7 @@
 
 mod aligned;
 mod coarse;
+mod compliance;
 mod condense;
 mod delassus;
 mod dense;
@@ -73,7 +74,7 @@ pub struct Plan<'a> {
 }
 
 /// Most contacts that may press in one step; W takes 36 bytes times their square.
-const PRESSING_MAX: usize = 384;
+const PRESSING_MAX: usize = 768;
 /// Times that contact is solved, compared with the true velocities, and solved again.
 const ROUNDS_MAX: u32 = 8;
 
@@ -317,14 +318,14 @@ impl Exact {
         if accuracy.best_effort {
             keep_most_pressing(contacts, PRESSING_MAX, pressing);
         }
-        if !delassus.begin(contacts) {
+        if !delassus.begin(contacts, direct) {
             return Err(too_many);
         }
+        let tolerance = accuracy.velocity;
         let mut total = Convergence::default();
         for _ in 0..ROUNDS_MAX {
             delassus.extend(&system, coarse, direct, contacts);
-            let sweeps =
-                delassus.solve(contacts, cone, accuracy.velocity, accuracy.sweeps_max, direct);
+            let sweeps = delassus.solve(contacts, cone, tolerance, accuracy.sweeps_max, direct);
             total.iterations += sweeps.iterations;
 
             // The true change of velocities: K Δ = Jᵀ λ.
@@ -344,14 +345,13 @@ impl Exact {
                 return Err(Failure::NotConverged { residual: solved.error });
             }
             system.spread(x, change);
-            let Some((well, violation)) = delassus.check(contacts, change, cone, accuracy.velocity)
-            else {
+            let Some((well, violation)) = delassus.check(contacts, change, cone, tolerance) else {
                 if accuracy.best_effort {
                     break;
                 }
                 return Err(too_many);
             };
-            total.residual = violation;
+            total.residual = violation.max(sweeps.residual);
             if well {
                 break;
             }

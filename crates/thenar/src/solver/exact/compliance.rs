@@ -1,0 +1,65 @@
+//! The numbers of W, `W = J_c K⁻¹ J_cᵀ`, row by row in batches of `LANES` columns.
+
+use crate::math::{Mat3, Vec3};
+use crate::solver::exact::aligned::Aligned;
+use crate::solver::exact::factor::{LANES, Lanes, Scalar};
+use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16, f64x8};
+
+/// W. Contact m has the rows and columns 3m, 3m + 1 and 3m + 2.
+#[derive(Clone, Debug)]
+pub struct Compliance {
+    numbers: Aligned<Scalar>,
+    /// From row to row.
+    stride: usize,
+}
+
+impl Compliance {
+    /// Room for so many batches of rows and columns.
+    pub fn new(batches: usize) -> Self {
+        let stride = batches * LANES;
+        Self { numbers: Aligned::new(stride * stride), stride }
+    }
+
+    /// One entry.
+    pub fn at(&self, row: usize, column: usize) -> Scalar {
+        self.numbers[row * self.stride + column]
+    }
+
+    /// What contact m does to itself.
+    pub fn own(&self, m: usize) -> Mat3 {
+        Mat3::from_fn(|a, b| f64::from(self.at(3 * m + a, 3 * m + b)))
+    }
+
+    /// Sets the rows of batch a and the columns of batch b, and by symmetry the other way round.
+    pub fn set(&mut self, a: usize, b: usize, block: &[Lanes; LANES]) {
+        for (i, line) in block.iter().enumerate() {
+            let at = (a * LANES + i) * self.stride + b * LANES;
+            self.numbers[at..at + LANES].copy_from_slice(line);
+            for (j, value) in line.iter().enumerate().filter(|_| a != b) {
+                self.numbers[(b * LANES + j) * self.stride + a * LANES + i] = *value;
+            }
+        }
+    }
+
+    /// `to += W δ` for an impulse δ at contact m; `to` has the length that counts, in whole batches.
+    #[inline(always)]
+    pub fn add_answer<S: Simd>(&self, simd: S, m: usize, delta: &Vec3, to: &mut [f64]) {
+        let row = |a: usize| {
+            let at = (3 * m + a) * self.stride;
+            self.numbers[at..at + to.len()].as_chunks::<LANES>().0
+        };
+        let rows = row(0).iter().zip(row(1)).zip(row(2));
+        for (to, ((a, b), c)) in to.as_chunks_mut::<LANES>().0.iter_mut().zip(rows) {
+            let (low, high) = to.split_at_mut(LANES / 2);
+            let mut sums = [f64x8::from_slice(simd, low), f64x8::from_slice(simd, high)];
+            for (w, delta) in [(a, delta.x), (b, delta.y), (c, delta.z)] {
+                let halves = simd.widen_f32x16(f32x16::from_slice(simd, w));
+                let delta = f64x8::splat(simd, delta);
+                sums[0] = halves.0.mul_add(delta, sums[0]);
+                sums[1] = halves.1.mul_add(delta, sums[1]);
+            }
+            sums[0].store_slice(low);
+            sums[1].store_slice(high);
+        }
+    }
+}
