@@ -7,7 +7,7 @@ mod common;
 use common::{FLESH, bar, body, finger};
 use thenar::contact::Shape;
 use thenar::model::{BodyId, Cone, Drive, Motion, SoftDesc, SolverKind, WorldDesc};
-use thenar::world::{Input, State, Target};
+use thenar::world::{Input, Target};
 use thenar::{Pose, Quat, Vec3, World};
 
 const DRIVE: Drive =
@@ -100,16 +100,13 @@ fn a_pressed_finger_agrees_with_the_dense_reference() {
                 assert!(report.contact_residual < 1e-6, "{case}");
                 most = most.max(report.contacts_active);
                 check_friction(&world, cone, &case);
-                // The dense solver starts from the impulses of the step before, or, in some steps,
-                // from those that the exact one has just found. Step 23 of the first press needs
-                // that: several contacts hold the rigid cube, how they share its load is decided
-                // by no more than the tolerance, and friction depends on it. (Sweeps from the older
-                // impulses still shift load at a constant 2e-7 m/s each after 20 000 of them.)
-                if i == 23 || i == 47 {
-                    let before = dense.state().clone();
-                    let impulses = world.state().impulses.clone();
-                    assert!(dense.restore(&State { impulses, ..before }), "{case}");
-                } else if i % 24 != 11 {
+                // Three steps of each press. In one of the others (circular cone, 1e7 N/m⁴, 1 ms,
+                // step 23) there is nothing to compare with: the dense iteration has not converged
+                // when it stops after 100 000 sweeps. Sweeps there keep shifting load by some 1e-7
+                // m/s each; the exact solver needs 128 708 of them for 1e-8 m/s, and is then 1e-3
+                // m/s away from its answer to 1e-7 m/s, in which every contact obeys Coulomb's law
+                // to that accuracy.
+                if i % 24 != 11 {
                     continue;
                 }
                 dense.set_solver(SolverKind::Monolithic);
