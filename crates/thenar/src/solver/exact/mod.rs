@@ -74,7 +74,7 @@ pub struct Plan<'a> {
 }
 
 /// Most contacts that may press in one step; W takes 36 bytes times their square.
-const PRESSING_MAX: usize = 768;
+const PRESSING_MAX: usize = 512;
 /// Times that contact is solved, compared with the true velocities, and solved again.
 const ROUNDS_MAX: u32 = 8;
 
