@@ -72,9 +72,8 @@ fn half_solves_give_the_dense_compliance() {
     let system = System { A: &A, split: &split, bodies, carried, known: &known, springs: &springs };
     let group = bodies.group_of_body(0).map(|g| g as u32);
     let group_of_node = (0..NODES).map(|n| group.filter(|_| n < CARRIED)).collect();
-    let bones: Vec<_> = carried.iter().map(|c| (c.node, c.bones, 2)).collect();
-    let mut coarse = Coarse::new(bodies, group_of_node, &bones);
-    coarse.refresh(&system);
+    let mut coarse = Coarse::new(bodies, group_of_node, carried, &A);
+    coarse.refresh(&system, true);
     let factor = Factor::new(Symbolic::new(&A, 2 * BODIES, &positions));
     let mut direct = Direct::new(factor, &coarse, bodies.groups());
     assert!(direct.refresh(&system, &coarse));
