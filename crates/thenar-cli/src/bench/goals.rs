@@ -12,6 +12,7 @@ use thenar_scene::session::Session;
 
 /// The goals' table.
 #[derive(Debug, clap::Args)]
+#[group(id = "goals")]
 pub struct Args {
     /// Steps measured of each work and solver.
     #[arg(long, default_value_t = 400)]
