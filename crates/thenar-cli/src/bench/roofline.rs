@@ -106,11 +106,11 @@ fn stages(session: &mut Session, steps: u32) -> (Vec<(f64, f64)>, [f64; 5]) {
 fn counts(wanted: &Wanted, steps: u32) -> Result<Vec<Count>, String> {
     let mut session = free(wanted)?;
     let (usual, least) = stages(&mut session, steps);
-    // The same steps solved far more accurately: the difference is iterations alone.
+    // The same steps solved more accurately, by which the factor is not yet worth its cost: the difference is iterations alone.
     let mut settings = session.world().desc().solver.clone();
     let (usual_n, usual_time) =
         usual.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1)).ok_or("no step was measured")?;
-    settings.velocity_tolerance *= 1e-5;
+    settings.velocity_tolerance *= 1e-2;
     settings.cg_iterations_max = settings.cg_iterations_max.max(1000);
     session.world_mut().set_solver_settings(settings);
     let (accurate, _) = stages(&mut session, steps);
