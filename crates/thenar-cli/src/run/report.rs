@@ -40,6 +40,8 @@ pub fn report(session: &Session, outcome: &Outcome) -> Value {
         "inverted_tets_max": s.inverted_tets_max,
         "non_finite": s.non_finite,
         "fell_back": s.fell_back,
+        "contact_unconverged": s.contact_unconverged,
+        "contact_residual_max": s.contact_residual_max,
         "energy_j": {
             "initial": s.energy_initial.total(),
             "final": s.energy_final.total(),
@@ -134,6 +136,13 @@ pub fn print(session: &Session, outcome: &Outcome) {
     }
     if s.fell_back > 0 {
         println!("  {} steps did not converge and were made safely instead", s.fell_back);
+    }
+    if s.contact_unconverged > 0 {
+        println!(
+            "  contact missed its accuracy in {} steps, by {:.1e} m/s at most: more contact_sweeps_max \
+             or a looser velocity_tolerance",
+            s.contact_unconverged, s.contact_residual_max
+        );
     }
     if s.non_finite > 0 {
         println!("  {} steps gave numbers that are not finite and were taken back", s.non_finite);

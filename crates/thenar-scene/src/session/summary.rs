@@ -18,6 +18,10 @@ pub struct Summary {
     pub non_finite: u64,
     /// Steps that the chosen solver could not make, and that were made safely instead.
     pub fell_back: u64,
+    /// Steps whose contact missed the accuracy asked for.
+    pub contact_unconverged: u64,
+    /// Largest violation of the contact law \[m/s\].
+    pub contact_residual_max: f64,
     /// Most conjugate-gradient iterations in one step.
     pub cg_iterations_max: u32,
     /// Most contact sweeps in one step.
@@ -53,6 +57,8 @@ impl Summary {
         self.inverted_tets_max = self.inverted_tets_max.max(r.inverted_tets);
         self.non_finite += u64::from(r.non_finite);
         self.fell_back += u64::from(r.fell_back);
+        self.contact_unconverged += u64::from(r.contact_unconverged);
+        self.contact_residual_max = self.contact_residual_max.max(r.contact_residual);
         self.cg_iterations_max = self.cg_iterations_max.max(r.cg_iterations);
         self.contact_sweeps_max = self.contact_sweeps_max.max(r.contact_sweeps);
         self.energy_final = session.world().energy(session.input());

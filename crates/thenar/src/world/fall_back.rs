@@ -4,7 +4,7 @@
 //! tolerance, the contacts that it had room for). Then, where its system has no solution at all, the
 //! two-step scheme with flesh that yields. Either way the velocities found are shortened until the
 //! step brings in no energy (`Exact::calm`), so that steps that fail one after the other cannot
-//! build up motion. When neither works, or where a number is not finite, [`World::step`] puts all to rest
+//! build up motion. When neither works [`World::step`] puts all to rest
 //! where it is.
 
 use crate::model::SolverKind;

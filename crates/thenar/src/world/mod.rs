@@ -84,7 +84,7 @@ impl World {
         let mut found = self.find_velocities(kind, Care::Accurate, input, timer, &mut report);
         if let Err(failure) = found {
             report.failure = Some(failure);
-            if kind == SolverKind::Exact && failure != Failure::NotFinite {
+            if kind == SolverKind::Exact {
                 found = self.fall_back(input, timer, &mut report);
             }
         }
@@ -180,6 +180,9 @@ impl World {
             _ => contact.residual > settings.contact_tolerance,
         };
         response::apply(state, scratch);
+        if !state.is_sound() {
+            return Err(Failure::NotFinite);
+        }
         friction::keep_loads(model, &scratch.found, &scratch.rows, h, &mut state.patch_loads);
         report.limits_active = limits::keep_impulses(model, contacts, state, scratch);
         let close = settings.close_joints || care == Care::Safe;

@@ -141,8 +141,9 @@ pub fn solve(
         } else {
             waited += 1;
         }
-        if solved.error.is_nan() {
-            return Solved { converged: false, ..solved };
+        // `max` leaves out what is not a number: the step itself must be one.
+        if !(moved.is_finite() && solved.error.is_finite()) {
+            return Solved { error: f64::NAN, converged: false, ..solved };
         }
         // Where the decreases hardly shrink (a slender bar at rest) they tell nothing of their sum.
         let enough = solved.error <= stop.tolerance && slowest < RATE_MAX;
