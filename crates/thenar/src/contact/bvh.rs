@@ -1,7 +1,6 @@
 //! A binary tree of bounding boxes: built once, refitted when its items move.
 
 use crate::contact::aabb::Aabb;
-use crate::math::Vec3;
 
 const LEAF_ITEMS_MAX: usize = 4;
 /// Median splits halve the items, so 2³² items need no more than this.
@@ -76,33 +75,37 @@ impl Bvh {
         }
     }
 
-    /// Calls `visit(item, bound)` for items whose box may be nearer to `p` than the root of
-    /// `bound`; it returns the new squared bound. Near children come first.
-    pub fn nearest(&self, p: &Vec3, mut bound: f64, mut visit: impl FnMut(u32, f64) -> f64) {
-        let Some(root) = self.nodes.first() else { return };
-        let mut stack = [(0u32, 0.0f64); STACK];
-        stack[0] = (0, root.aabb.distance_squared(p));
-        let mut top = 1;
-        while top > 0 {
-            top -= 1;
-            let (n, distance) = stack[top];
-            if distance > bound {
-                continue;
-            }
-            let node = self.nodes[n as usize];
-            if node.count > 0 {
-                for k in node.first..node.first + node.count {
-                    bound = visit(self.items[k as usize], bound);
-                }
-                continue;
-            }
-            let child = |c: u32| (c, self.nodes[c as usize].aabb.distance_squared(p));
-            let (near, far) = (child(node.first), child(node.first + 1));
-            let (near, far) = if far.1 < near.1 { (far, near) } else { (near, far) };
-            stack[top] = far;
-            stack[top + 1] = near;
-            top += 2;
+    /// The number of nodes.
+    pub fn node_count(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// The two children of an inner node; `Err` with the items of a leaf.
+    pub fn children(&self, node: usize) -> Result<[usize; 2], &[u32]> {
+        let Node { first, count, .. } = self.nodes[node];
+        let first = first as usize;
+        if count > 0 {
+            Err(&self.items[first..first + count as usize])
+        } else {
+            Ok([first, first + 1])
         }
+    }
+
+    /// Calls `visit` for every item of A with every item of B in leaves whose boxes come within
+    /// `reach`.
+    pub fn pairs(a: &Self, b: &Self, reach: f64, mut visit: impl FnMut(u32, u32)) {
+        walk(a, b, reach, false, |_, _| false, &mut visit);
+    }
+
+    /// The same for each two items of this tree, once; pairs of nodes for which `skip` holds are
+    /// left out.
+    pub fn pairs_within(
+        &self,
+        reach: f64,
+        skip: impl Fn(usize, usize) -> bool,
+        mut visit: impl FnMut(u32, u32),
+    ) {
+        walk(self, self, reach, true, skip, &mut visit);
     }
 
     /// Calls `visit` for every item of a leaf whose box meets `query`.
@@ -129,10 +132,66 @@ impl Bvh {
     }
 }
 
+/// Goes down two trees at once, always into the larger of two boxes.
+fn walk(
+    a: &Bvh,
+    b: &Bvh,
+    reach: f64,
+    same: bool,
+    skip: impl Fn(usize, usize) -> bool,
+    visit: &mut impl FnMut(u32, u32),
+) {
+    if a.nodes.is_empty() || b.nodes.is_empty() {
+        return;
+    }
+    // Each level of either tree leaves at most two pairs waiting.
+    let mut stack = [(0u32, 0u32); 4 * STACK];
+    let mut top = 1;
+    while top > 0 {
+        top -= 1;
+        let (n, m) = (stack[top].0 as usize, stack[top].1 as usize);
+        let (of_a, of_b) = (&a.nodes[n], &b.nodes[m]);
+        let itself = same && n == m;
+        if skip(n, m) || (!itself && !of_a.aabb.inflate(reach).overlaps(&of_b.aabb)) {
+            continue;
+        }
+        let size =
+            |node: &Node| if node.count > 0 { -1.0 } else { node.aabb.half().norm_squared() };
+        match (a.children(n), b.children(m)) {
+            (Err(items), _) if itself => {
+                for (k, &i) in items.iter().enumerate() {
+                    items[k + 1..].iter().for_each(|&j| visit(i, j));
+                }
+            }
+            (Err(items), Err(others)) => {
+                items.iter().for_each(|&i| others.iter().for_each(|&j| visit(i, j)));
+            }
+            (Ok([l, r]), _) if itself => {
+                [(l, r), (r, r), (l, l)]
+                    .iter()
+                    .for_each(|&(i, j)| push(&mut stack, &mut top, i, j));
+            }
+            (Ok(halves), Err(_)) => {
+                halves.iter().for_each(|&i| push(&mut stack, &mut top, i, m));
+            }
+            (Ok(halves), Ok(_)) if size(of_a) >= size(of_b) => {
+                halves.iter().for_each(|&i| push(&mut stack, &mut top, i, m));
+            }
+            (_, Ok(halves)) => halves.iter().for_each(|&j| push(&mut stack, &mut top, n, j)),
+        }
+    }
+}
+
+fn push(stack: &mut [(u32, u32)], top: &mut usize, n: usize, m: usize) {
+    stack[*top] = (n as u32, m as u32);
+    *top += 1;
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::contact::triangle::tests::Random;
+    use crate::math::Vec3;
 
     fn boxes(random: &mut Random, n: usize) -> Vec<Aabb> {
         (0..n)
@@ -153,15 +212,6 @@ mod tests {
             tree.refit(|i| moved[i as usize]);
             for _ in 0..50 {
                 let p = random.vector(1.2);
-                let mut best = f64::INFINITY;
-                tree.nearest(&p, f64::INFINITY, |i, bound| {
-                    best = best.min(moved[i as usize].distance_squared(&p));
-                    bound.min(best)
-                });
-                let brute =
-                    moved.iter().map(|b| b.distance_squared(&p)).fold(f64::INFINITY, f64::min);
-                assert_eq!(best, brute);
-
                 let query = Aabb::symmetric(Vec3::repeat(0.2)).translate(&p);
                 let mut found: Vec<u32> = Vec::new();
                 tree.overlapping(&query, |i| {
@@ -174,6 +224,41 @@ mod tests {
                     (0..n as u32).filter(|&i| moved[i as usize].overlaps(&query)).collect();
                 assert_eq!(found, brute);
             }
+        }
+    }
+
+    #[test]
+    fn pairs_match_brute_force() {
+        let mut random = Random::new(2);
+        for (n, m) in [(0, 3), (1, 1), (5, 200), (300, 70)] {
+            let (one, two) = (boxes(&mut random, n), boxes(&mut random, m));
+            let near = |a: &Aabb, b: &Aabb| a.inflate(0.03).overlaps(b);
+            let (a, b) = (Bvh::build(&one), Bvh::build(&two));
+            let mut found = Vec::new();
+            Bvh::pairs(&a, &b, 0.03, |i, j| {
+                if near(&one[i as usize], &two[j as usize]) {
+                    found.push((i, j));
+                }
+            });
+            found.sort_unstable();
+            let all = (0..n).flat_map(|i| (0..m).map(move |j| (i, j)));
+            let brute: Vec<_> = all.filter(|&(i, j)| near(&one[i], &two[j])).collect();
+            assert_eq!(found, brute.iter().map(|&(i, j)| (i as u32, j as u32)).collect::<Vec<_>>());
+
+            let mut within = Vec::new();
+            b.pairs_within(
+                0.03,
+                |_, _| false,
+                |i, j| {
+                    if near(&two[i as usize], &two[j as usize]) {
+                        within.push((i.min(j) as usize, i.max(j) as usize));
+                    }
+                },
+            );
+            within.sort_unstable();
+            let all = (0..m).flat_map(|i| (i + 1..m).map(move |j| (i, j)));
+            let brute: Vec<_> = all.filter(|&(i, j)| near(&two[i], &two[j])).collect();
+            assert_eq!(within, brute);
         }
     }
 }

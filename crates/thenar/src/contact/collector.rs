@@ -37,6 +37,11 @@ impl<'a> Collector<'a> {
         }
     }
 
+    /// Counts a contact for which there was no room.
+    pub fn count_dropped(&mut self) {
+        self.found.dropped += 1;
+    }
+
     /// Counts a pair that was looked at.
     pub fn count_pair(&mut self) {
         self.found.pairs += 1;

@@ -1,6 +1,7 @@
 //! Broad phase, and the order in which everything is tested.
 
 use crate::contact::aabb::Aabb;
+use crate::contact::apart::{Apart, Regions};
 use crate::contact::collector::{Collector, feature_key};
 use crate::contact::manifold::{DELIVERED_MAX, Manifold};
 use crate::contact::pairs::PairTable;
@@ -9,11 +10,11 @@ use crate::contact::rigid_pair::{self, Reach, RigidSide};
 use crate::contact::sides::{Sides, Sight};
 use crate::contact::soft_feature::FeatureScratch;
 use crate::contact::soft_rigid::{KEY_RIGID, SoftRigid, VertexScratch};
-use crate::contact::soft_soft::{SoftSide, SoftSoft};
+use crate::contact::soft_soft::{PairScratch, SoftSide, SoftSoft};
 use crate::contact::surface::Surface;
 use crate::contact::{Contact, Found, RigidPlace, Site, SurfaceState};
 use crate::math::Vec3;
-use crate::model::{BodyId, WorldDesc};
+use crate::model::{BodyId, SoftDesc, SurfaceVertex, WorldDesc};
 
 /// A pair with a deformable body, settled when the world is built.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +33,8 @@ pub struct Detector {
     surfaces: Vec<Surface>,
     soft_rigid: Vec<SoftPair>,
     soft_soft: Vec<SoftPair>,
+    /// Per surface, its neighbouring parts, if it touches itself.
+    apart: Vec<Option<Apart>>,
     capacity: usize,
     scratch: Scratch,
 }
@@ -45,7 +48,7 @@ struct Scratch {
     bounds: Vec<SurfaceBounds>,
     vertices: VertexScratch,
     features: FeatureScratch,
-    touched: [Vec<u32>; 2],
+    pair: PairScratch,
     manifold: Manifold,
 }
 
@@ -85,16 +88,18 @@ impl Detector {
         }
         let pairs = PairTable::new(desc);
         let soft_rigid = soft_rigid_pairs(&pairs, &surfaces, &bodies);
-        let soft_soft = soft_soft_pairs(&pairs, &surfaces);
+        let apart = neighbors_at_rest(desc, &surfaces);
+        let soft_soft = soft_soft_pairs(&pairs, &surfaces, &apart);
         let shaped = bodies.iter().flatten().count();
         Self {
-            capacity: 2 * vertices + 4 * DELIVERED_MAX * shaped,
+            capacity: 3 * vertices + 4 * DELIVERED_MAX * shaped,
             scratch: Scratch::new(&bodies, &surfaces),
             pairs,
             bodies,
             surfaces,
             soft_rigid,
             soft_soft,
+            apart,
         }
     }
 
@@ -109,12 +114,18 @@ impl Detector {
         for (surface, soft) in self.surfaces.iter_mut().zip(&desc.softs) {
             surface.friction = soft.flesh.friction;
         }
+        let wanted = |(i, apart): (usize, &Option<Apart>)| {
+            apart.is_some() == desc.self_contact.contains(&(i as u32))
+        };
+        if !self.apart.iter().enumerate().all(wanted) {
+            self.apart = neighbors_at_rest(desc, &self.surfaces);
+        }
         self.pairs = PairTable::new(desc);
         self.soft_rigid = soft_rigid_pairs(&self.pairs, &self.surfaces, &self.bodies);
-        self.soft_soft = soft_soft_pairs(&self.pairs, &self.surfaces);
+        self.soft_soft = soft_soft_pairs(&self.pairs, &self.surfaces, &self.apart);
     }
 
-    /// Most contacts ever delivered: two per surface vertex and 32 per rigid body with a shape.
+    /// Most contacts ever delivered: three per surface vertex and 32 per rigid body with a shape.
     pub fn capacity(&self) -> usize {
         self.capacity
     }
@@ -289,26 +300,26 @@ impl Detector {
         }
         out.count_pair();
         for i in both {
-            if !std::mem::replace(&mut self.scratch.bounds[i].refitted, true) {
+            let bounds = &mut self.scratch.bounds[i];
+            if !std::mem::replace(&mut bounds.refitted, true) {
                 let own = self.surfaces[i].own(states);
-                self.surfaces[i].refit(own.positions);
+                self.surfaces[i].refit(&own, reach.h, &bounds.drift);
             }
         }
-        let side = |i: usize| SoftSide {
+        let [a, b] = both.map(|i| SoftSide {
             soft: i as u32,
             id: self.pairs.id(BodyId::Soft(i as u32)),
             surface: &self.surfaces[i],
             state: self.surfaces[i].own(states),
             drift: self.scratch.bounds[i].drift,
-            spread: self.scratch.bounds[i].spread,
-            swept: swept[usize::from(i == both[1])],
-        };
-        let (a, b) = (side(both[0]), side(both[1]));
+        });
+        let apart = self.apart[both[0]].as_ref().filter(|_| both[0] == both[1]);
         let Reach { h, margin } = reach;
-        let friction = pair.friction;
-        let [first, second] = &mut self.scratch.touched;
-        SoftSoft { h, margin, a, b, friction }.find(sight, first, None, out);
-        SoftSoft { h, margin, a: b, b: a, friction }.find(sight, second, Some(first), out);
+        SoftSoft { h, margin, a, b, apart, friction: pair.friction }.find(
+            sight,
+            &mut self.scratch.pair,
+            out,
+        );
     }
 }
 
@@ -324,7 +335,7 @@ impl Scratch {
             bounds: vec![SurfaceBounds::EMPTY; surfaces.len()],
             vertices: VertexScratch::with_size(vertices),
             features: FeatureScratch::with_size(points, triangles),
-            touched: [vec![0; vertices], vec![0; vertices]],
+            pair: PairScratch::with_size(vertices),
             manifold: Manifold::new(),
         }
     }
@@ -348,10 +359,18 @@ fn soft_rigid_pairs(
     pairs
 }
 
-fn soft_soft_pairs(table: &PairTable, surfaces: &[Surface]) -> Vec<SoftPair> {
+/// Two deformable bodies, or one that touches itself.
+fn soft_soft_pairs(
+    table: &PairTable,
+    surfaces: &[Surface],
+    apart: &[Option<Apart>],
+) -> Vec<SoftPair> {
     let mut pairs = Vec::new();
     for i in 0..surfaces.len() {
-        for j in i + 1..surfaces.len() {
+        for j in i..surfaces.len() {
+            if i == j && apart[i].is_none() {
+                continue;
+            }
             let (soft, other) = (i as u32, j as u32);
             let ids = [BodyId::Soft(soft), BodyId::Soft(other)];
             let friction =
@@ -360,6 +379,44 @@ fn soft_soft_pairs(table: &PairTable, surfaces: &[Surface]) -> Vec<SoftPair> {
         }
     }
     pairs
+}
+
+/// The bone that carries most of each surface vertex.
+fn regions(desc: &WorldDesc, soft: usize) -> Regions {
+    let SoftDesc { flesh, coupling, .. } = &desc.softs[soft];
+    let Some(coupling) = coupling else { return Regions::default() };
+    let carrier = |vertex: &SurfaceVertex| {
+        // Shares of the bones of the four nodes, of which the largest decides.
+        let nodes = flesh.tets[vertex.tet as usize].map(|n| &coupling.bindings[n as usize]);
+        let share = |bone: u32| -> f64 {
+            let of = |k: usize| -> f64 {
+                (0..2).filter(|&j| nodes[k].bones[j] == bone).map(|j| nodes[k].weights[j]).sum()
+            };
+            (0..4).map(|k| vertex.weights[k] * of(k)).sum()
+        };
+        let bones = nodes.iter().flat_map(|binding| binding.bones);
+        bones.max_by(|&i, &j| share(i).total_cmp(&share(j)).then(j.cmp(&i))).unwrap_or(0)
+    };
+    let joints = desc.joints.iter();
+    let mut joined: Vec<[u32; 2]> = joints
+        .filter_map(|joint| Some([joint.parent?.min(joint.child), joint.parent?.max(joint.child)]))
+        .collect();
+    joined.sort_unstable();
+    Regions { of_vertex: flesh.collision.vertices.iter().map(carrier).collect(), joined }
+}
+
+/// What lies near on each surface that touches itself.
+fn neighbors_at_rest(desc: &WorldDesc, surfaces: &[Surface]) -> Vec<Option<Apart>> {
+    let of = |(i, surface): (usize, &Surface)| {
+        let flesh = &desc.softs[i].flesh;
+        let wanted = desc.self_contact.contains(&(i as u32));
+        wanted.then(|| {
+            let mut rest = vec![Vec3::zeros(); flesh.collision.vertices.len()];
+            flesh.collision.positions(&flesh.tets, &flesh.nodes, &mut rest);
+            Apart::new(surface, &rest, regions(desc, i))
+        })
+    };
+    surfaces.iter().enumerate().map(of).collect()
 }
 
 fn rigid_index(site: &Site) -> u32 {

@@ -6,11 +6,14 @@
 //! Guaranteed: no allocation once the output has its capacity; the same input gives the same
 //! contacts in the same order; both sides of a contact use one common point, so that opposite
 //! forces balance in torque too; a point that would cross a surface within the step gets its
-//! contact before it crosses. Not guaranteed: that two soft surfaces, or a soft surface and an
-//! edge of a rigid body, cannot cut each other between their vertices by less than a fraction
-//! of a triangle.
+//! contact before it crosses. Two soft surfaces meet at vertices on
+//! faces and at edges that cross, which is all that flat faces can do; a surface may meet itself, but
+//! for its neighbouring parts. Not guaranteed: that a soft surface and an edge of a rigid body cannot
+//! cut each other between their vertices by less than a fraction of a triangle; that flesh which is
+//! crushed until its surface turns inside out keeps its contacts.
 
 mod aabb;
+mod apart;
 mod approach;
 mod bvh;
 mod collector;
@@ -23,6 +26,7 @@ mod grid;
 mod manifold;
 
 mod pairs;
+mod ridge;
 mod rigid_body;
 mod rigid_pair;
 #[cfg(test)]

@@ -15,6 +15,7 @@ pub(crate) const KEY_POINT: u32 = 2 << 24;
 pub(crate) const KEY_SEGMENT: u32 = 3 << 24;
 pub(crate) const KEY_RIGID: u32 = 4 << 24;
 pub(crate) const KEY_SOFT_SOFT: u32 = 5 << 24;
+pub(crate) const KEY_CROSSING: u32 = 6 << 24;
 
 /// One surface and one rigid body, in one step.
 pub(crate) struct SoftRigid<'a> {

@@ -1,18 +1,25 @@
-//! Vertices of one deformable surface against triangles of another.
+//! Two deformable surfaces, or one with itself: vertices against triangles both ways, and edges
+//! that cross.
 
-use crate::contact::aabb::Aabb;
+use crate::contact::apart::Apart;
 use crate::contact::approach::Seen;
+use crate::contact::bvh::Bvh;
 use crate::contact::collector::{Collector, feature_key};
+use crate::contact::ridge::{Crossing, Passing, Ridge, crossing, passing};
 use crate::contact::sides::Sight;
-use crate::contact::soft_rigid::KEY_SOFT_SOFT;
+use crate::contact::soft_rigid::{KEY_CROSSING, KEY_SOFT_SOFT};
 use crate::contact::surface::Surface;
 use crate::contact::triangle::{Closest, Feature, area_vector, closest_on_triangle};
 use crate::contact::{Contact, Site, SurfacePoint, SurfaceState};
 use crate::math::Vec3;
 
 const NONE: u32 = u32::MAX;
+/// A vertex may have come in by this part of the other surface's mean edge and is led out again.
+const DEPTH: f64 = 0.25;
+/// Of one surface, a vertex touches a triangle only if their normals (cosine) oppose this far.
+const FACING: f64 = 0.3;
 
-/// One of two surfaces.
+/// One of two surfaces. Its boxes are fitted to the step.
 #[derive(Clone, Copy)]
 pub(crate) struct SoftSide<'a> {
     pub soft: u32,
@@ -20,129 +27,326 @@ pub(crate) struct SoftSide<'a> {
     pub id: u32,
     pub surface: &'a Surface,
     pub state: SurfaceState<'a>,
-    /// Mean velocity, and the largest deviation of a vertex from it.
+    /// Mean velocity.
     pub drift: Vec3,
-    pub spread: f64,
-    /// Box around the surface during the step.
-    pub swept: Aabb,
 }
 
-/// Vertices of `a` against triangles of `b` in one step.
+/// Two surfaces in one step.
 pub(crate) struct SoftSoft<'a> {
     pub h: f64,
     pub margin: f64,
     pub a: SoftSide<'a>,
     pub b: SoftSide<'a>,
+    /// Given when both sides are the same surface: which parts of it are neighbours.
+    pub apart: Option<&'a Apart>,
     pub friction: f64,
 }
 
-impl SoftSoft<'_> {
-    /// Adds at most one contact per vertex of A. `touched[v]` receives the triangle of B that
-    /// vertex v of A touches; `mirrored` holds the same of the opposite search, and a vertex
-    /// pair already in contact there is left out.
-    pub fn find(
-        &self,
-        sight: &mut Sight,
-        touched: &mut [u32],
-        mirrored: Option<&[u32]>,
-        out: &mut Collector,
-    ) {
-        let around = self.b.swept.inflate(self.margin);
-        for v in 0..self.a.state.positions.len() {
-            touched[v] = NONE;
-            let (p, velocity) = (self.a.state.positions[v], self.a.state.velocities[v]);
-            if !around.inflate(velocity.norm() * self.h).contains(&p) {
-                continue;
-            }
-            let slip = (velocity - self.b.drift).norm() + self.b.spread;
-            if let Some(t) = self.vertex(v, slip * self.h, sight, mirrored, out) {
-                touched[v] = t;
-            }
+/// What is found of the vertices of one side, and of edges.
+#[derive(Clone, Debug)]
+pub(crate) struct PairScratch {
+    vertices: [VertexScratch; 2],
+    crossings: Vec<Cross>,
+    /// No more are kept; not the room that the list happens to have, which a clone lacks.
+    crossings_max: usize,
+}
+
+#[derive(Clone, Debug)]
+struct VertexScratch {
+    /// Per vertex the nearest triangle of the other side.
+    nearest: Vec<Option<(u32, Closest)>>,
+    /// The vertices that have one.
+    met: Vec<u32>,
+    /// Per vertex the triangle it touches, or `NONE`.
+    touched: Vec<u32>,
+}
+
+/// Edges (triangle and number) of A and B that cross.
+#[derive(Clone, Copy, Debug)]
+struct Cross {
+    edges: [(u32, usize); 2],
+    found: Crossing,
+}
+
+impl PairScratch {
+    /// For surfaces of up to so many vertices.
+    pub fn with_size(vertices: usize) -> Self {
+        let one = || VertexScratch {
+            nearest: vec![None; vertices],
+            met: Vec::with_capacity(vertices),
+            touched: vec![NONE; vertices],
+        };
+        Self {
+            vertices: [one(), one()],
+            crossings: Vec::with_capacity(vertices),
+            crossings_max: vertices,
         }
     }
+}
 
+impl SoftSoft<'_> {
+    /// Adds at most one contact per vertex, and one per two edges that cross.
+    pub fn find(&self, sight: &mut Sight, scratch: &mut PairScratch, out: &mut Collector) {
+        let depth = self.depth(&self.a).max(self.depth(&self.b));
+        let flown = self.h * (self.a.drift - self.b.drift).norm();
+        let reach = (self.margin + flown).max(depth);
+        match self.apart {
+            None => {
+                let (a, b) = (&self.a.surface.tree, &self.b.surface.tree);
+                Bvh::pairs(a, b, reach, |s, t| self.meet([s, t], reach, sight, scratch, out));
+                self.settle(0, sight, scratch, out);
+                self.settle(1, sight, scratch, out);
+            }
+            Some(apart) => {
+                let settled = |n, m| apart.are_settled(n, m);
+                self.a.surface.tree.pairs_within(reach, settled, |s, t| {
+                    self.meet([s, t], reach, sight, scratch, out);
+                });
+                self.settle(0, sight, scratch, out);
+            }
+        }
+        self.settle_crossings(scratch, out);
+    }
+
+    /// How deep below a surface a point may lie and still be led out.
+    fn depth(&self, side: &SoftSide) -> f64 {
+        DEPTH * side.surface.edge_mean
+    }
+
+    fn side(&self, i: usize) -> &SoftSide<'_> {
+        if i == 0 { &self.a } else { &self.b }
+    }
+
+    /// The two sides as seen by a vertex of side `i`: its own and the other one.
+    fn facing(&self, i: usize) -> [&SoftSide<'_>; 2] {
+        [self.side(i), self.side(1 - i)]
+    }
+
+    fn are_neighbors(&self, v: u32, t: u32) -> bool {
+        let corners =
+            |apart: &Apart| apart.are_neighbors(v, t, &self.a.surface.triangles[t as usize]);
+        self.apart.is_some_and(corners)
+    }
+
+    /// Offers to each other the vertices and edges of triangle `s` of A and `t` of B.
+    fn meet(
+        &self,
+        [s, t]: [u32; 2],
+        reach: f64,
+        sight: &Sight,
+        scratch: &mut PairScratch,
+        out: &mut Collector,
+    ) {
+        let (box_s, box_t) = (&self.a.surface.boxes[s as usize], &self.b.surface.boxes[t as usize]);
+        if !box_s.inflate(reach).overlaps(box_t) {
+            return;
+        }
+        let second = usize::from(self.apart.is_none());
+        for v in self.a.surface.owned_corners(s) {
+            self.offer(0, v, t, reach, sight, &mut scratch.vertices[0]);
+        }
+        for v in self.b.surface.owned_corners(t) {
+            self.offer(1, v, s, reach, sight, &mut scratch.vertices[second]);
+        }
+        self.cross([s, t], reach, scratch, out);
+    }
+
+    /// Keeps triangle `t` if it is the nearest so far to vertex `v` of side `i`; for a vertex that
+    /// was in contact, among those that face it.
+    fn offer(
+        &self,
+        i: usize,
+        v: u32,
+        t: u32,
+        reach: f64,
+        sight: &Sight,
+        scratch: &mut VertexScratch,
+    ) {
+        let [own, other] = self.facing(i);
+        let p = &own.state.positions[v as usize];
+        let step = self.h * (own.state.velocities[v as usize] - own.drift).norm();
+        let within = (reach + step) * (reach + step);
+        if other.surface.boxes[t as usize].distance_squared(p) > within || self.are_neighbors(v, t)
+        {
+            return;
+        }
+        let x = other.surface.corners(t, other.state.positions);
+        let closest = closest_on_triangle(p, &x);
+        let best = &mut scratch.nearest[v as usize];
+        // Of equally near triangles (a shared edge) the lowest index, whatever the order.
+        let nearer = match best {
+            None => true,
+            Some((u, c)) => (closest.distance_squared, t) < (c.distance_squared, *u),
+        };
+        if !nearer {
+            return;
+        }
+        let seen = sight.recall(own.surface.first_vertex + v as usize, other.id);
+        if seen.is_some_and(|s: Seen| s.normal.dot(&area_vector(&x)) <= 0.0) {
+            return;
+        }
+        if best.is_none() {
+            scratch.met.push(v);
+        }
+        *best = Some((t, closest));
+    }
+
+    /// Turns the nearest triangles of side `i` into contacts, in the order of its vertices.
+    fn settle(&self, i: usize, sight: &mut Sight, scratch: &mut PairScratch, out: &mut Collector) {
+        let [first, second] = &mut scratch.vertices;
+        let itself = self.apart.is_some();
+        let (own, before) = if i == 0 { (first, None) } else { (second, Some(&first.touched[..])) };
+        own.met.sort_unstable();
+        own.touched.fill(NONE);
+        for m in 0..own.met.len() {
+            let v = own.met[m];
+            let Some((t, closest)) = own.nearest[v as usize].take() else { continue };
+            let mirrored = if itself { Some(&own.touched[..]) } else { before };
+            if self.vertex(i, v, t, &closest, mirrored, sight, out) {
+                own.touched[v as usize] = t;
+            }
+        }
+        own.met.clear();
+    }
+
+    /// A vertex of side `i` at its nearest triangle; true if it becomes a contact.
+    #[allow(clippy::too_many_arguments)]
     fn vertex(
         &self,
-        v: usize,
-        travel: f64,
-        sight: &mut Sight,
+        i: usize,
+        v: u32,
+        t: u32,
+        closest: &Closest,
         mirrored: Option<&[u32]>,
+        sight: &mut Sight,
         out: &mut Collector,
-    ) -> Option<u32> {
-        let p = self.a.state.positions[v];
-        let depth_max = 0.5 * self.b.surface.edge_mean;
-        let reach = (self.margin + travel).max(depth_max);
-        let slot = self.a.surface.first_vertex + v;
-        let seen = sight.recall(slot, self.b.id);
-        let (t, closest) = self.nearest_triangle(&p, reach, seen)?;
-        let (normal, gap) = self.signed(&p, t, &closest)?;
-
-        let triangle = self.b.surface.triangles[t as usize];
-        let point =
-            SurfacePoint { soft: self.b.soft, vertices: triangle, weights: closest.weights };
-        let slip = self.a.state.velocities[v] - point.interpolate(self.b.state.velocities);
+    ) -> bool {
+        let [own, other] = self.facing(i);
+        let p = own.state.positions[v as usize];
+        let Some((normal, gap)) = signed(other, &p, t, closest) else { return false };
+        let triangle = other.surface.triangles[t as usize];
+        let point = SurfacePoint { soft: other.soft, vertices: triangle, weights: closest.weights };
+        let slip = own.state.velocities[v as usize] - point.interpolate(other.state.velocities);
         let closing = (-slip.dot(&normal)).max(0.0) * self.h;
-        if gap > self.margin + closing || gap < -depth_max {
-            return None;
+        if gap > self.margin + closing || gap < -self.depth(other) {
+            return false;
         }
-        if mirrored.is_some_and(|m| self.is_mirrored(v as u32, &p, &triangle, m)) {
-            return None;
+        if self.apart.is_some() {
+            let own_normal = own.surface.vertex_normal(v, own.state.positions);
+            if own_normal.dot(&normal) > FACING * own_normal.norm() {
+                return false;
+            }
         }
-        sight.note(slot, self.b.id, Seen { normal, place: p });
+        if mirrored.is_some_and(|touched| is_mirrored([own, other], v, &triangle, touched)) {
+            return false;
+        }
+        sight.note(own.surface.first_vertex + v as usize, other.id, Seen { normal, place: p });
         out.push(Contact {
-            key: feature_key([KEY_SOFT_SOFT, self.a.soft, self.b.soft, v as u32]),
-            a: Site::Soft(SurfacePoint::vertex(self.a.soft, v as u32)),
+            key: feature_key([KEY_SOFT_SOFT, own.soft, other.soft, v]),
+            a: Site::Soft(SurfacePoint::vertex(own.soft, v)),
             b: Site::Soft(point),
             position_W: p - 0.5 * gap * normal,
             normal_W: normal,
             gap,
             friction: self.friction,
-            area: 0.5 * self.a.surface.vertex_area(v as u32, &normal, self.a.state.positions),
+            area: 0.5 * own.surface.vertex_area(v, &normal, own.state.positions),
         });
-        Some(t)
+        true
     }
 
-    /// The nearest triangle of B; for a vertex that was in contact, among those that face it.
-    fn nearest_triangle(&self, p: &Vec3, reach: f64, seen: Option<Seen>) -> Option<(u32, Closest)> {
-        let mut best: Option<(u32, Closest)> = None;
-        self.b.surface.tree.nearest(p, reach * reach, |t, bound| {
-            let x = self.b.surface.corners(t, self.b.state.positions);
-            let closest = closest_on_triangle(p, &x);
-            let facing = seen.is_none_or(|s| s.normal.dot(&area_vector(&x)) > 0.0);
-            if !facing || closest.distance_squared > bound {
-                return bound;
+    /// Notes the edges of `s` and `t` that cross; each edge belongs to one triangle.
+    fn cross(&self, pair: [u32; 2], reach: f64, scratch: &mut PairScratch, out: &mut Collector) {
+        let sides = [&self.a, &self.b];
+        for k in 0..3 {
+            let Some(ends_a) = self.edge(sides[0], pair[0], k, pair[1]) else { continue };
+            for l in 0..3 {
+                let Some(ends_b) = self.edge(sides[1], pair[1], l, pair[0]) else { continue };
+                let Some(passing) = passing(&ends_a, &ends_b, reach) else { continue };
+                let edges = [(pair[0], k), (pair[1], l)];
+                let Some(found) = self.crossing(&passing, edges) else { continue };
+                if scratch.crossings.len() < scratch.crossings_max {
+                    scratch.crossings.push(Cross { edges, found });
+                } else {
+                    out.count_dropped();
+                }
             }
-            // Of equally near triangles (a shared edge) the lowest index, whatever the tree.
-            let ties =
-                best.is_some_and(|b| b.1.distance_squared == closest.distance_squared && b.0 < t);
-            if !ties {
-                best = Some((t, closest));
-            }
-            closest.distance_squared
-        });
-        best
+        }
     }
 
-    /// Normal of B at the nearest point, and the signed distance along it.
-    fn signed(&self, p: &Vec3, t: u32, closest: &Closest) -> Option<(Vec3, f64)> {
-        let outward = self.b.surface.pseudonormal(t, closest.feature, self.b.state.positions);
-        if outward == Vec3::zeros() {
+    /// The ends of an edge that this triangle answers for, unless it is a neighbour of `other`.
+    fn edge(&self, side: &SoftSide, t: u32, k: usize, other: u32) -> Option<[Vec3; 2]> {
+        if !side.surface.owns(t, Feature::Edge(k)) {
             return None;
         }
-        let to_p = p - closest.point;
-        let gap = closest.distance_squared.sqrt().copysign(to_p.dot(&outward));
-        let on_face = closest.feature == Feature::Face || gap.abs() < 1e-9;
-        Some((if on_face { outward } else { to_p / gap }, gap))
+        let corners = side.surface.triangles[t as usize];
+        let ends = [corners[k], corners[(k + 1) % 3]];
+        let neighbors = ends.iter().any(|&v| self.are_neighbors(v, other));
+        (!neighbors).then(|| ends.map(|v| side.state.positions[v as usize]))
     }
 
-    /// Whether a vertex of `triangle` (of B) close to `p` already touches a triangle at v.
-    fn is_mirrored(&self, v: u32, p: &Vec3, triangle: &[u32; 3], mirrored: &[u32]) -> bool {
-        let near = 0.25 * self.a.surface.edge_mean.min(self.b.surface.edge_mean);
-        triangle.iter().any(|&w| {
-            let t = mirrored[w as usize];
-            t != NONE
-                && self.a.surface.triangles[t as usize].contains(&v)
-                && (self.b.state.positions[w as usize] - p).norm_squared() < near * near
+    fn crossing(&self, passing: &Passing, edges: [(u32, usize); 2]) -> Option<Crossing> {
+        let ridge = |side: &SoftSide, (t, k): (u32, usize)| {
+            Ridge::of(side.surface, t, k, side.state.positions)
+        };
+        let found = crossing(passing, &ridge(&self.a, edges[0])?, &ridge(&self.b, edges[1])?)?;
+        let [a, b] = self.points(&Cross { edges, found });
+        let slip = a.interpolate(self.a.state.velocities) - b.interpolate(self.b.state.velocities);
+        let closing = (-slip.dot(&found.normal)).max(0.0) * self.h;
+        let depth = self.depth(&self.a).min(self.depth(&self.b));
+        (found.gap <= self.margin + closing && found.gap >= -depth).then_some(found)
+    }
+
+    fn points(&self, cross: &Cross) -> [SurfacePoint; 2] {
+        [0, 1].map(|i| {
+            let (side, (t, k), s) = (self.side(i), cross.edges[i], cross.found.at[i]);
+            let mut weights = [0.0; 3];
+            (weights[k], weights[(k + 1) % 3]) = (1.0 - s, s);
+            let vertices = side.surface.triangles[t as usize];
+            SurfacePoint { soft: side.soft, vertices, weights }
         })
     }
+
+    fn settle_crossings(&self, scratch: &mut PairScratch, out: &mut Collector) {
+        scratch.crossings.sort_unstable_by_key(|c| c.edges);
+        for cross in scratch.crossings.drain(..) {
+            let [a, b] = self.points(&cross);
+            let [i, j] = cross.edges.map(|(t, k)| 3 * t + k as u32);
+            let Crossing { normal, gap, .. } = cross.found;
+            out.push(Contact {
+                key: feature_key([KEY_CROSSING | self.a.soft, self.b.soft, i, j]),
+                a: Site::Soft(a),
+                b: Site::Soft(b),
+                position_W: b.interpolate(self.b.state.positions) + 0.5 * gap * normal,
+                normal_W: normal,
+                gap,
+                friction: self.friction,
+                area: 0.0,
+            });
+        }
+    }
+}
+
+/// Normal of a side at its point nearest to `p`, and the signed distance along it.
+fn signed(side: &SoftSide, p: &Vec3, t: u32, closest: &Closest) -> Option<(Vec3, f64)> {
+    let outward = side.surface.pseudonormal(t, closest.feature, side.state.positions);
+    if outward == Vec3::zeros() {
+        return None;
+    }
+    let to_p = p - closest.point;
+    let gap = closest.distance_squared.sqrt().copysign(to_p.dot(&outward));
+    let on_face = closest.feature == Feature::Face || gap.abs() < 1e-9;
+    Some((if on_face { outward } else { to_p / gap }, gap))
+}
+
+/// Whether a vertex of `triangle` (of the other side) close to `v` already touches a triangle at v:
+/// then the two vertices are one contact.
+fn is_mirrored([own, other]: [&SoftSide; 2], v: u32, triangle: &[u32; 3], touched: &[u32]) -> bool {
+    let near = 0.25 * own.surface.edge_mean.min(other.surface.edge_mean);
+    let p = &own.state.positions[v as usize];
+    triangle.iter().any(|&w| {
+        let t = touched[w as usize];
+        t != NONE
+            && own.surface.triangles[t as usize].contains(&v)
+            && (other.state.positions[w as usize] - p).norm_squared() < near * near
+    })
 }

@@ -19,6 +19,10 @@ pub(crate) struct Surface {
     around_start: Vec<u32>,
     around: Vec<u32>,
     pub tree: Bvh,
+    /// Boxes of the triangles during the step, as of the last [`Surface::refit`].
+    pub boxes: Vec<Aabb>,
+    /// For each triangle, which of its corners it answers for.
+    owned: Vec<[bool; 3]>,
     /// Mean edge length at rest \[m\].
     pub edge_mean: f64,
     /// Longest edge of the triangles around each vertex, at rest \[m\].
@@ -41,6 +45,8 @@ impl Surface {
             around_start,
             around,
             tree: Bvh::build(&boxes),
+            boxes,
+            owned: owners(&triangles, rest.len()),
             edge_mean: lengths.iter().sum::<f64>() / lengths.len().max(1) as f64,
             edge_around: longest_around(&triangles, &lengths, rest.len()),
             friction: flesh.friction,
@@ -62,10 +68,33 @@ impl Surface {
         }
     }
 
-    /// Moves the tree's boxes to the present positions.
-    pub fn refit(&mut self, x: &[Vec3]) {
-        let triangles = &self.triangles;
-        self.tree.refit(|t| triangle_box(&triangles[t as usize], x));
+    /// Puts the boxes around the triangles as they are and as they are after a step of length `h`,
+    /// both seen from a frame that moves with velocity `drift`.
+    pub fn refit(&mut self, state: &SurfaceState, h: f64, drift: &Vec3) {
+        for (aabb, t) in self.boxes.iter_mut().zip(&self.triangles) {
+            let now = triangle_box(t, state.positions);
+            let moved =
+                t.map(|v| state.positions[v as usize] + h * (state.velocities[v as usize] - drift));
+            *aabb = moved.iter().fold(now, |b, p| b.with(p));
+        }
+        let boxes = &self.boxes;
+        self.tree.refit(|t| boxes[t as usize]);
+    }
+
+    /// The corners that this triangle answers for: each vertex has one such triangle.
+    pub fn owned_corners(&self, triangle: u32) -> impl Iterator<Item = u32> {
+        let (corners, owned) = (self.triangles[triangle as usize], self.owned[triangle as usize]);
+        (0..3).filter(move |&k| owned[k]).map(move |k| corners[k])
+    }
+
+    /// The triangle across edge `k`, if there is one.
+    pub fn across(&self, triangle: u32, k: usize) -> Option<u32> {
+        Some(self.neighbors[triangle as usize][k]).filter(|&t| t != NONE)
+    }
+
+    /// The outward normal at a vertex, weighted by area; of any length.
+    pub fn vertex_normal(&self, vertex: u32, x: &[Vec3]) -> Vec3 {
+        self.around(vertex).iter().map(|&t| area_vector(&self.corners(t, x))).sum()
     }
 
     pub fn corners(&self, triangle: u32, x: &[Vec3]) -> [Vec3; 3] {
@@ -135,6 +164,13 @@ fn triangle_box(t: &[u32; 3], x: &[Vec3]) -> Aabb {
 
 fn edge_lengths(t: &[u32; 3], x: &[Vec3]) -> [f64; 3] {
     std::array::from_fn(|k| (x[t[k] as usize] - x[t[(k + 1) % 3] as usize]).norm())
+}
+
+/// For each triangle the corners that no earlier triangle has.
+fn owners(triangles: &[[u32; 3]], vertices: usize) -> Vec<[bool; 3]> {
+    let mut taken = vec![false; vertices];
+    let mut take = |v: u32| !std::mem::replace(&mut taken[v as usize], true);
+    triangles.iter().map(|t| t.map(&mut take)).collect()
 }
 
 /// For each vertex the longest of its triangles' edges; `lengths` has three per triangle.

@@ -169,12 +169,14 @@ pub struct WorldDesc {
     pub softs: Vec<SoftDesc>,
     /// Drives, one entry per rigid body.
     pub drives: Vec<Option<Drive>>,
-    /// Contact overrides.
+    /// Contact overrides. A pair of one deformable body with itself sets its own friction there.
     pub pairs: Vec<PairRule>,
     /// Pairs whose friction depends on load.
     pub friction_tables: Vec<FrictionTable>,
     /// Deformable bodies of which several parts count, each once.
     pub parts: Vec<BodyParts>,
+    /// Indices into `softs`: those whose surface also touches itself. Hands are among them.
+    pub self_contact: Vec<u32>,
 }
 
 impl Default for WorldDesc {
@@ -190,6 +192,7 @@ impl Default for WorldDesc {
             pairs: Vec::new(),
             friction_tables: Vec::new(),
             parts: Vec::new(),
+            self_contact: Vec::new(),
         }
     }
 }
@@ -236,7 +239,8 @@ impl WorldDesc {
         (self.softs.len() - 1) as u32
     }
 
-    /// Adds a hand at rest in `placement.pose_WM`; each digit is a part of it (`Digit::part`).
+    /// Adds a hand at rest in `placement.pose_WM`; each digit is a part of it (`Digit::part`). Its
+    /// fingers and palm touch each other.
     pub fn add_hand(&mut self, hand: &HandModel, placement: &HandPlacement) -> HandHandle {
         let bone0 = self.rigids.len() as u32;
         for (i, bone) in hand.bones.iter().enumerate() {
@@ -287,6 +291,7 @@ impl WorldDesc {
             vertices: hand.collision_digits.iter().map(|digit| digit.part()).collect(),
             bones: (bone0..).zip(hand.bones.iter().map(|bone| bone.digit.part())).collect(),
         });
+        self.self_contact.push(soft);
         HandHandle {
             bones: bone0..self.rigids.len() as u32,
             joints: joint0..self.joints.len() as u32,

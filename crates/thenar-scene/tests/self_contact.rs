@@ -1,0 +1,117 @@
+//! Goal: a hand touches itself. Method: the shipped pinch and fist are run; whether flesh is inside
+//! other flesh is asked of winding numbers, which know nothing of contact.
+
+use std::path::Path;
+use thenar::Vec3;
+use thenar::model::Digit;
+use thenar_scene::session::Session;
+
+fn load(name: &str, changes: &[&str]) -> Session {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    let changes: Vec<String> = changes.iter().map(|s| s.to_string()).collect();
+    Session::load(&scenes.join(name).with_extension("toml"), &changes).unwrap()
+}
+
+/// How often the hand's surface winds around `p` (van Oosterom & Strackee 1983).
+fn winding(session: &Session, p: &Vec3) -> f64 {
+    let x = session.world().collision_vertices(0);
+    let angle = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|v| x[v as usize] - p);
+        let (la, lb, lc) = (a.norm(), b.norm(), c.norm());
+        let low = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;
+        2.0 * a.dot(&b.cross(&c)).atan2(low)
+    };
+    let triangles = &session.world().desc().softs[0].flesh.collision.triangles;
+    triangles.iter().map(angle).sum::<f64>() / (4.0 * std::f64::consts::PI)
+}
+
+/// How many points on the skin of these digits, raised off it by `height` \[m\], are inside flesh.
+fn buried(session: &Session, digits: &[Digit], height: f64) -> usize {
+    let x = session.world().collision_vertices(0);
+    let of = &session.hands()[0].model.collision_digits;
+    let mut count = 0;
+    for t in &session.world().desc().softs[0].flesh.collision.triangles {
+        if !t.iter().all(|&v| digits.contains(&of[v as usize])) {
+            continue;
+        }
+        let [a, b, c] = t.map(|v| x[v as usize]);
+        let normal = (b - a).cross(&(c - a)).normalize();
+        for w in [[1.0, 1.0, 1.0], [4.0, 1.0, 1.0], [1.0, 4.0, 1.0], [1.0, 1.0, 4.0]] {
+            let p = (a * w[0] + b * w[1] + c * w[2]) / (w[0] + w[1] + w[2]);
+            count += usize::from(winding(session, &(p + normal * height)) > 0.5);
+        }
+    }
+    count
+}
+
+fn run(session: &mut Session, until: f64) {
+    while session.world().time() < until - 1e-9 {
+        let report = session.step(&mut ());
+        assert!(!report.non_finite && !report.fell_back && report.contacts_dropped == 0);
+        assert!(report.penetration_max < 1e-4, "{report:?}");
+    }
+}
+
+/// Force on a digit \[N\].
+fn force(session: &Session, digit: Digit) -> Vec3 {
+    let of = &session.hands()[0].model.collision_digits;
+    let on = |vertex: Option<u32>| vertex.is_some_and(|v| of[v as usize] == digit);
+    let sign = |on: bool| if on { 1.0 } else { 0.0 };
+    let contacts = session.world().contacts().iter();
+    contacts.map(|c| c.force_W * (sign(on(c.vertices[0])) - sign(on(c.vertices[1])))).sum()
+}
+
+/// The weight and the drives of a hand at rest: what else acts on it from outside.
+fn outside(session: &Session) -> Vec3 {
+    let world = session.world();
+    let input = session.input();
+    let drives = (0..world.desc().rigids.len() as u32).map(|b| world.drive_wrench(b, input)[0]);
+    let flesh: f64 = world.node_masses(0).iter().sum();
+    let bones: f64 = world.desc().rigids.iter().map(|rigid| rigid.mass).sum();
+    drives.sum::<Vec3>() + world.desc().gravity * (flesh + bones)
+}
+
+/// The pads press on each other with opposite forces, 0.3 mm above the skin is no flesh, and the
+/// hand as a whole feels nothing: its drives carry its weight.
+#[test]
+fn thumb_and_index_pinch() {
+    let pair = [Digit::Thumb, Digit::Index];
+    let mut session = load("pinch", &[]);
+    run(&mut session, 2.0);
+    let [thumb, index] = pair.map(|digit| force(&session, digit));
+    assert!(thumb.norm() > 1.0, "pinched with {thumb}");
+    assert!((thumb + index).norm() < 1e-9, "{thumb} and {index} are opposite");
+    assert_eq!(buried(&session, &pair, 3e-4), 0);
+    let rest = outside(&session);
+    assert!(rest.norm() < 0.02, "{rest} from outside, though it rests");
+
+    // With contact switched off, or that of the pair, they pass through each other.
+    let mut ghost = load("pinch", &["hand.0.self_contact=false"]);
+    run(&mut ghost, 2.0);
+    assert_eq!(force(&ghost, Digit::Thumb), Vec3::zeros());
+    assert!(buried(&ghost, &pair, 3e-4) > 2);
+}
+
+/// A fist is held for five seconds: it comes to rest and gains no energy.
+#[test]
+fn a_fist_rests() {
+    let mut session = load("fist", &["time_step=0.01"]);
+    run(&mut session, 1.2);
+    let energy = |session: &Session| session.world().energy(&session.world().input());
+    let start = energy(&session).elastic;
+    let mut most = 0.0_f64;
+    for k in 1..=19 {
+        run(&mut session, 1.2 + 0.2 * f64::from(k));
+        most = most.max(energy(&session).elastic);
+    }
+    assert!(most < 1.01 * start, "the fist tightens by itself: {start} to {most} J");
+    assert!(energy(&session).kinetic < 1e-9);
+    let pressed: f64 = session.hand_loads(0).iter().map(|load| load.normal).sum();
+    assert!(pressed > 5.0, "pressed with {pressed} N");
+    let longest = [Digit::Index, Digit::Middle, Digit::Ring, Digit::Little];
+    // Creases at the joints overlap by themselves: the skin of one digit in another's is meant.
+    let free = load("fist", &["time_step=0.01", "hand.0.self_contact=false"]);
+    let mut free = free;
+    run(&mut free, 1.5);
+    assert!(buried(&session, &longest, 3e-4) < buried(&free, &longest, 3e-4));
+}
