@@ -11,7 +11,7 @@ use crate::interrupt;
 use crate::run::{StopWatch, open, progress};
 use charts::Charts;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use thenar_scene::compare::{CompareError, Comparison, Mode, SIDES, Scheme};
 use thenar_scene::session::{TableFormat, TableWriter};
 
@@ -62,7 +62,7 @@ pub struct Args {
 /// The scene is wrong, solvers cannot be compared on it, an output cannot be written, or the run
 /// was interrupted.
 pub fn run(args: &Args) -> Result<(), CliError> {
-    if args.seconds.is_some_and(|s| !(s > 0.0 && s <= 1e9)) {
+    if args.seconds.is_some_and(|s| !(f64::MIN_POSITIVE..=1e9).contains(&s)) {
         return Err(CliError::Input("--seconds must be more than 0 and at most 1e9".into()));
     }
     if args.sweep.sweep {
@@ -76,7 +76,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let mode = if args.single_steps { Mode::SingleSteps } else { Mode::Trajectories };
     let scheme = if args.paper { Scheme::Paper } else { Scheme::AsSet };
     let mut comparison = Comparison::new(sessions, mode, scheme)?;
-    let mut table = args.csv.as_ref().map(|path| start_table(path, &comparison)).transpose()?;
+    let mut table = args.csv.as_deref().map(|path| start_table(path, &comparison)).transpose()?;
     let mut svg = args.svg.as_deref().map(Draft::create).transpose()?;
     let mut report = args.report.as_deref().map(Draft::create).transpose()?;
 
@@ -133,7 +133,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     }
 }
 
-fn start_table(path: &PathBuf, of: &Comparison) -> Result<TableWriter<Draft>, CliError> {
+fn start_table(path: &Path, of: &Comparison) -> Result<TableWriter<Draft>, CliError> {
     let lines = path.extension().is_some_and(|e| e == "jsonl");
     let format = if lines { TableFormat::JsonLines } else { TableFormat::Csv };
     let draft = Draft::create(path)?;

@@ -121,7 +121,7 @@ pub fn digits(x: f64) -> String {
     let text = match size {
         _ if x == 0.0 => "0".into(),
         _ if !size.is_finite() => "-".into(),
-        _ if size >= 1e5 || size < 1e-3 => format!("{x:.3e}"),
+        _ if !(1e-3..1e5).contains(&size) => format!("{x:.3e}"),
         _ => {
             let decimals = (3.0 - size.log10().floor()).clamp(0.0, 6.0) as usize;
             format!("{x:.decimals$}")

@@ -70,8 +70,8 @@ impl Watch {
             return Some(Divergence { time, cause: Cause::NotFinite });
         }
         let bound = ENERGY_FACTOR * other? + self.granted;
-        // A NaN is above every bound.
-        (!(energy <= bound)).then_some(Divergence { time, cause: Cause::Energy { energy, bound } })
+        (energy > bound || energy.is_nan())
+            .then_some(Divergence { time, cause: Cause::Energy { energy, bound } })
     }
 }
 
