@@ -107,7 +107,7 @@ fn counts(wanted: &Wanted, steps: u32) -> Result<Vec<Count>, String> {
     let mut session = free(wanted)?;
     let (usual, least) = stages(&mut session, steps);
     // The same steps solved more accurately, by which the factor is not yet worth its cost: the difference is iterations alone.
-    let mut settings = session.world().desc().solver.clone();
+    let mut settings = session.world().desc().solver;
     let (usual_n, usual_time) =
         usual.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1)).ok_or("no step was measured")?;
     settings.velocity_tolerance *= 1e-2;
