@@ -9,7 +9,7 @@ use crate::solver::BlockMatrix;
 use crate::solver::block_matrix::vector;
 use crate::solver::exact::Reduction;
 use crate::solver::exact::vectors::{self, flat, flat_mut};
-use fearless_simd::{Level, Simd, dispatch, f64x4, prelude::*};
+use fearless_simd::{Level, Simd, dispatch};
 
 /// A node that bones carry.
 #[derive(Clone, Copy, Debug)]
@@ -46,7 +46,7 @@ impl Carried {
     }
 
     /// `J v_s`: the velocity of the node's target.
-    #[inline]
+    #[inline(always)]
     pub fn follow(&self, v: &[Vec3]) -> Vec3 {
         let mut moved = Vec3::zeros();
         for j in 0..self.carriers as usize {
@@ -54,19 +54,6 @@ impl Carried {
             moved += v[b] * self.weights[j] + v[b + 1].cross(&self.levers[j]);
         }
         moved
-    }
-
-    /// The same.
-    #[inline(always)]
-    fn follow_lanes<S: Simd>(&self, simd: S, v: &[Vec3]) -> Vec3 {
-        let mut moved = [simd.splat_f64x4(0.0); 3];
-        for j in 0..2.min(self.carriers as usize) {
-            let b = 2 * self.bones[j] as usize;
-            let linear = f64x4::load_array(simd, [v[b].x, v[b].y, v[b].z, 0.0]);
-            moved[0] = linear.mul_add(self.weights[j], moved[0]);
-            add_turned(simd, &v[b + 1], &self.levers[j], &mut moved);
-        }
-        vector(moved[0] + (moved[1] + moved[2]))
     }
 
     /// `f_s += Jᵀ f`.
@@ -77,15 +64,6 @@ impl Carried {
             f[b] += impulse * self.weights[j];
             f[b + 1] += self.levers[j].cross(impulse);
         }
-    }
-}
-
-/// Adds `s ω × l` to sums over columns, in the first three of four lanes.
-#[inline(always)]
-fn add_turned<S: Simd>(simd: S, turn: &Vec3, l: &Vec3, sums: &mut [f64x4<S>; 3]) {
-    let columns = [[0.0, -l.z, l.y, 0.0], [l.z, 0.0, -l.x, 0.0], [-l.y, l.x, 0.0, 0.0]];
-    for k in 0..3 {
-        sums[k] = f64x4::load_array(simd, columns[k]).mul_add(turn[k], sums[k]);
     }
 }
 
@@ -172,7 +150,7 @@ impl System<'_> {
     #[inline(always)]
     fn spread_lanes<S: Simd>(&self, simd: S, x: &Coordinates, v: &mut [Vec3]) {
         self.bodies.spread(simd, &x.u, v);
-        self.place_flesh(simd, x, v);
+        self.place_flesh(x, v);
     }
 
     /// `v = T x + v̄`: the velocities that coordinates stand for.
@@ -180,16 +158,16 @@ impl System<'_> {
         dispatch!(Level::new(), simd => {
             self.bodies.spread(simd, &x.u, v);
             self.bodies.add_offsets(v);
-            self.place_flesh(simd, x, v);
+            self.place_flesh(x, v);
         });
     }
 
     #[inline(always)]
-    fn place_flesh<S: Simd>(&self, simd: S, x: &Coordinates, v: &mut [Vec3]) {
+    fn place_flesh(&self, x: &Coordinates, v: &mut [Vec3]) {
         let (bones, nodes) = v.split_at_mut(self.row0());
         nodes.copy_from_slice(&x.w);
         for c in self.carried {
-            let moved = c.follow_lanes(simd, bones);
+            let moved = c.follow(bones);
             let node = &mut nodes[c.node as usize];
             *node += if c.is_held() { c.free(&moved) } else { moved };
         }
@@ -216,25 +194,21 @@ impl System<'_> {
     fn gather_lanes<S: Simd>(&self, simd: S, f: &mut [Vec3], r: &mut Coordinates) {
         let (bones, nodes) = f.split_at_mut(self.row0());
         // What bones get from a run of nodes that the same bones carry.
-        let (mut carriers, mut sums) = ((u32::MAX, u32::MAX), [simd.splat_f64x4(0.0); 4]);
+        let (mut carriers, mut sums) = ((u32::MAX, u32::MAX), [Vec3::zeros(); 4]);
         for c in self.carried {
             let next = (c.bones[0], if c.carriers == 2 { c.bones[1] } else { u32::MAX });
             if next != carriers {
-                hand_over(simd, carriers, &mut sums, bones);
+                hand_over(carriers, &mut sums, bones);
                 carriers = next;
             }
             let at = &nodes[c.node as usize];
             let impulse = if c.is_held() { c.free(at) } else { *at };
-            let force = f64x4::load_array(simd, [impulse.x, impulse.y, impulse.z, 0.0]);
-            for j in 0..c.carriers as usize {
-                sums[2 * j] = force.mul_add(c.weights[j], sums[2 * j]);
-                // l × f = -f × l.
-                let mut turned = [simd.splat_f64x4(0.0); 3];
-                add_turned(simd, &impulse, &c.levers[j], &mut turned);
-                sums[2 * j + 1] -= turned[0] + turned[1] + turned[2];
+            for j in 0..2.min(c.carriers as usize) {
+                sums[2 * j] += impulse * c.weights[j];
+                sums[2 * j + 1] += c.levers[j].cross(&impulse);
             }
         }
-        hand_over(simd, carriers, &mut sums, bones);
+        hand_over(carriers, &mut sums, bones);
         r.w.copy_from_slice(nodes);
         self.bodies.gather(simd, bones, &mut r.u);
     }
@@ -315,13 +289,12 @@ impl System<'_> {
 /// Adds to the bones what was gathered for them (force and torque of the first, then of the second)
 /// and begins anew.
 #[inline(always)]
-fn hand_over<S: Simd>(simd: S, carriers: (u32, u32), sums: &mut [f64x4<S>; 4], bones: &mut [Vec3]) {
+fn hand_over(carriers: (u32, u32), sums: &mut [Vec3; 4], bones: &mut [Vec3]) {
     for (j, bone) in [carriers.0, carriers.1].into_iter().enumerate() {
         if bone != u32::MAX {
-            for part in 0..2 {
-                bones[2 * bone as usize + part] += vector(sums[2 * j + part]);
-            }
+            bones[2 * bone as usize] += sums[2 * j];
+            bones[2 * bone as usize + 1] += sums[2 * j + 1];
         }
     }
-    *sums = [simd.splat_f64x4(0.0); 4];
+    *sums = [Vec3::zeros(); 4];
 }
