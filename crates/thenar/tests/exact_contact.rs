@@ -91,21 +91,21 @@ fn a_pressed_finger_agrees_with_the_dense_reference() {
     for cone in [Cone::Circular, Cone::Linearised] {
         for (kappa, h) in [(1e7, 1e-3), (1e9, 1e-3), (1e8, 5e-3), (1e10, 1e-2)] {
             let (mut world, input) = press(kappa, h, cone);
-            let mut most = 0;
+            let (mut most, mut unconverged) = (0, 0);
             for i in 0..60 {
                 let mut dense = world.clone();
                 let report = world.step(&input, &mut ());
                 let case = format!("{cone:?}, kappa {kappa:.0e}, h {h}, step {i}: {report:?}");
                 assert!(!report.fell_back && !report.non_finite, "{case}");
-                assert!(report.contact_residual < 1e-6, "{case}");
+                assert!(report.contact_residual < 1e-6 || report.contact_unconverged, "{case}");
+                unconverged += u32::from(report.contact_unconverged);
                 most = most.max(report.contacts_active);
                 check_friction(&world, cone, &case);
                 // Three steps of each press. In one of the others (circular cone, 1e7 N/m⁴, 1 ms,
-                // step 23) there is nothing to compare with: the dense iteration has not converged
-                // when it stops after 100 000 sweeps. Sweeps there keep shifting load by some 1e-7
-                // m/s each; the exact solver needs 128 708 of them for 1e-8 m/s, and is then 1e-3
-                // m/s away from its answer to 1e-7 m/s, in which every contact obeys Coulomb's law
-                // to that accuracy.
+                // step 23) there is nothing to compare with: neither iteration has converged when it
+                // stops, and the exact solver says so. Sweeps there keep shifting load by some 1e-7
+                // m/s each; 128 708 of them, to 1e-8 m/s each, end 1e-3 m/s away from the answer to
+                // 1e-7 m/s each.
                 if i % 24 != 11 {
                     continue;
                 }
@@ -121,6 +121,7 @@ fn a_pressed_finger_agrees_with_the_dense_reference() {
                 }
             }
             assert!(most > 20, "only {most} contacts pressed");
+            assert!(unconverged <= 1, "{unconverged} steps have not converged");
         }
     }
 }

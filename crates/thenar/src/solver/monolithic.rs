@@ -49,7 +49,9 @@ impl Monolithic {
     }
 
     /// The change of velocities that contact makes, joints held: projected Gauss-Seidel on
-    /// `W = J_c K⁻¹ J_cᵀ` (velocities marked `known` do not respond) until no impulse changes by more than `tolerance` of the largest.
+    /// `W = J_c K⁻¹ J_cᵀ` (velocities marked `known` do not respond), from the present impulses,
+    /// until none changes by more than `tolerance` of the largest. The start matters: with friction
+    /// there may be several solutions.
     pub fn contact(
         &self,
         contacts: &mut ContactRows,
@@ -80,7 +82,10 @@ impl Monolithic {
                 row.frame * contacts.relative_velocity(row, &columns[i][axis])
             });
             contacts.rows[i].response = Mat3::from_columns(&own);
-            contacts.rows[i].lambda = Vec3::zeros();
+            let lambda = contacts.rows[i].lambda;
+            for (axis, column) in columns[i].iter().enumerate() {
+                u.iter_mut().zip(column).for_each(|(u, c)| *u += c * lambda[axis]);
+            }
         }
 
         let mut convergence = Convergence { iterations: 0, residual: 1.0 };

@@ -118,8 +118,8 @@ pub struct StepReport {
     pub cg_residual: f64,
     /// Outer sweeps of the contact solver.
     pub contact_sweeps: u32,
-    /// Relative residual they reached; with the exact solver the largest violation of the contact
-    /// law \[m/s\].
+    /// Relative residual they reached; with the exact solver the estimated velocity error that
+    /// contact leaves \[m/s\].
     pub contact_residual: f64,
     /// They stopped at their limit of sweeps (or rounds) short of the accuracy asked for.
     pub contact_unconverged: bool,

@@ -46,7 +46,7 @@ pub fn respond(
     state: &mut State,
     scratch: &mut Scratch,
 ) -> Convergence {
-    let (change, convergence) = system.contact(&mut scratch.rows, &model.known, cone, 1e-10);
+    let (change, convergence) = system.contact(&mut scratch.rows, &model.known, cone, 1e-12);
     state.contact_change = change;
     convergence
 }

@@ -16,6 +16,7 @@ use crate::model::Cone;
 use crate::solver::exact::aligned::Aligned;
 use crate::solver::exact::coarse::Coarse;
 use crate::solver::exact::compliance::Compliance;
+use crate::solver::exact::decay::{Decay, SAFETY};
 use crate::solver::exact::direct::Direct;
 use crate::solver::exact::factor::{LANES, Lanes, Scalar};
 use crate::solver::exact::gauss_seidel::Response;
@@ -48,6 +49,9 @@ pub struct Delassus {
     own: Vec<Response>,
     /// `J Δv` less its target, at the present impulses.
     d: Aligned<f64>,
+    /// That before the present sweep.
+    before: Aligned<f64>,
+    decay: Decay,
     /// What the true `J Δv` has more than W says.
     correction: Vec<Vec3>,
 }
@@ -69,6 +73,8 @@ impl Delassus {
             W: Compliance::new(batches),
             own: vec![Response::default(); capacity],
             d: Aligned::new(batches * LANES),
+            before: Aligned::new(batches * LANES),
+            decay: Decay::default(),
             correction: vec![Vec3::zeros(); capacity],
             capacity,
         }
@@ -78,6 +84,7 @@ impl Delassus {
     /// when they are too many.
     pub fn begin(&mut self, contacts: &mut ContactRows, direct: &Direct) -> bool {
         self.built = 0;
+        self.decay = Decay::default();
         self.members.clear();
         self.is_member.fill(false);
         for i in 0..contacts.rows.len() {
@@ -226,8 +233,9 @@ impl Delassus {
         Vec3::from_column_slice(&self.d[3 * m..3 * m + 3])
     }
 
-    /// Finds impulses from the present ones by sweeps over the members, until one
-    /// changes no contact's velocity by more than `tolerance` \[m/s\] through its own impulse.
+    /// Finds impulses from the present ones by sweeps over the members, until one changes no
+    /// contact's velocity by more than `tolerance` \[m/s\] through its own impulse, and all
+    /// further ones together are not expected to change any velocity by more.
     pub fn solve(
         &mut self,
         contacts: &mut ContactRows,
@@ -252,7 +260,7 @@ impl Delassus {
     ) -> Convergence {
         let n = self.members.len();
         let used = (3 * n).next_multiple_of(LANES);
-        let Self { members, W, own, d, correction, .. } = self;
+        let Self { members, W, own, d, before, decay, correction, .. } = self;
         let d = &mut d[..used];
         d.fill(0.0);
         for m in 0..n {
@@ -263,14 +271,16 @@ impl Delassus {
             let start = correction[m] - contacts.rows[members[m] as usize].target;
             (0..3).for_each(|a| d[3 * m + a] += start[a]);
         }
+        let before = &mut before[..used];
         let mut convergence = Convergence { iterations: 0, residual: f64::INFINITY };
         while convergence.iterations < sweeps_max && convergence.residual > tolerance {
-            convergence.residual = 0.0;
+            before.copy_from_slice(d);
+            let mut own_change = 0.0_f64;
             for m in 0..n {
                 let row = &mut contacts.rows[members[m] as usize];
-                let change = visit(simd, m, W, &own[m], cone, row, d);
-                convergence.residual = convergence.residual.max(change);
+                own_change = own_change.max(visit(simd, m, W, &own[m], cone, row, d));
             }
+            convergence.residual = own_change.max(decay.error_after(largest_change(before, d)));
             convergence.iterations += 1;
         }
         convergence
@@ -292,7 +302,7 @@ impl Delassus {
             let d = row.frame * contacts.relative_velocity(row, change) - row.target;
             let missed = d - self.value(m);
             self.correction[m] += missed;
-            well &= missed.norm() <= tolerance;
+            well &= missed.norm() <= tolerance / SAFETY;
             violation = violation.max(missed.norm());
             let own = &self.own[m];
             let lambda = wanted(cone, row, own, &d);
@@ -338,6 +348,15 @@ fn visit<S: Simd>(
     row.lambda = lambda;
     W.add_answer(simd, m, &delta, d);
     (own.W * delta).norm()
+}
+
+/// Largest change of a contact's velocity \[m/s\].
+fn largest_change(before: &[f64], after: &[f64]) -> f64 {
+    let pairs = before.as_chunks::<3>().0.iter().zip(after.as_chunks::<3>().0);
+    let change2 = |(b, a): (&[f64; 3], &[f64; 3])| {
+        (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2) + (a[2] - b[2]).powi(2)
+    };
+    pairs.map(change2).fold(0.0, f64::max).sqrt()
 }
 
 /// The impulse a contact should have, all others being what they are.

@@ -20,6 +20,7 @@ mod aligned;
 mod coarse;
 mod compliance;
 mod condense;
+mod decay;
 mod delassus;
 mod dense;
 mod direct;

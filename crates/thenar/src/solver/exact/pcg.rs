@@ -23,6 +23,8 @@ const SAFETY: f64 = 2.0;
 const WINDOW: usize = 4;
 /// Decreases are not trusted to shrink slower than this.
 const RATE_MAX: f64 = 0.95;
+/// Nor faster: a first decrease is mostly that of the stiffest motions, and says little of free ones.
+const RATE_MIN: f64 = 1e-9;
 /// Round-off: part of the largest speed beyond which no accuracy is asked for.
 const ROUND_OFF: f64 = 1e-13;
 /// Without a new least residual for so many iterations there is nothing more to gain.
@@ -131,7 +133,7 @@ pub fn solve(
         // What the next iteration will lower, if its step is as long.
         let ahead = alpha * rz_new.max(0.0) / drop;
         let slowest = rates.iter().copied().fold(ahead, f64::max);
-        let rate = slowest.min(RATE_MAX);
+        let rate = slowest.clamp(RATE_MIN, RATE_MAX);
         let speed = speeds.iter().copied().fold(0.0, f64::max);
         solved.error = SAFETY * speed * (rate / (1.0 - rate)).sqrt();
         scale = scale.max(moved);
