@@ -10,9 +10,13 @@ pub const SOLVERS: [(SolverKind, &str); 2] =
 
 /// Stiffness of the springs that pull the hand's bones to the tracked pose [N/m]: what the search
 /// for a number of contacts varies.
-const GRIPS: [f64; 7] = [200.0, 300.0, 140.0, 420.0, 100.0, 600.0, 70.0];
-/// When the hand of `car-grasp` holds the car and has begun to lift it [s].
-const HELD: f64 = 2.2;
+const GRIPS: [f64; 6] = [400.0, 200.0, 800.0, 100.0, 1600.0, 50.0];
+/// When the hand of `free-motion` moves its fingers and none touches another [s].
+const MOVING: f64 = 0.2;
+/// When the hand of `table-press` has come to lie on the table and presses [s].
+const PRESSED: f64 = 1.3;
+/// For how long each of these lasts [s].
+pub const LASTS: f64 = 0.5;
 /// Steps that a session is given to settle at the time step that is measured.
 const SETTLE: u32 = 40;
 
@@ -39,41 +43,41 @@ fn settle(session: &mut Session, time_step: f64) {
     }
 }
 
-/// A hand that opens and closes in free air, while its fingers move.
+/// A hand that closes in free air.
 pub fn free(wanted: &Wanted) -> Result<Session, String> {
     let mut session = open(
         "free-motion",
         &[format!("hand.hand.tets={}", wanted.tets), format!("solver.kind={}", wanted.solver)],
     )?;
-    while session.world().time() < 1.0 {
+    while session.world().time() < MOVING {
         session.step(&mut ());
     }
     settle(&mut session, wanted.time_step);
     Ok(session)
 }
 
-/// A hand that has grasped a toy car and lifts it, with that firm a grip.
-pub fn grasp(wanted: &Wanted, grip: f64) -> Result<Session, String> {
+/// A hand that lies on a table and is pressed down by springs that stiff.
+pub fn press(wanted: &Wanted, grip: f64) -> Result<Session, String> {
     let mut session = open(
-        "car-grasp",
+        "table-press",
         &[
             format!("hand.hand.tets={}", wanted.tets),
             format!("hand.hand.bone_drive.stiffness={grip}"),
             format!("solver.kind={}", wanted.solver),
         ],
     )?;
-    while session.world().time() < HELD {
+    while session.world().time() < PRESSED {
         session.step(&mut ());
     }
     settle(&mut session, wanted.time_step);
     Ok(session)
 }
 
-/// The grip at which the number of active contacts is nearest to `contacts`, with the session.
-pub fn grasp_with(wanted: &Wanted, contacts: u32) -> Result<(f64, Session), String> {
+/// The springs at which the number of active contacts is nearest to `contacts`, with the session.
+pub fn press_with(wanted: &Wanted, contacts: u32) -> Result<(f64, Session), String> {
     let mut best: Option<(u32, f64, Session)> = None;
     for grip in GRIPS {
-        let session = grasp(wanted, grip)?;
+        let session = press(wanted, grip)?;
         let off = session.report().contacts_active.abs_diff(contacts);
         if best.as_ref().is_none_or(|(least, ..)| off < *least) {
             best = Some((off, grip, session));
