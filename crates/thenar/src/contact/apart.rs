@@ -44,6 +44,10 @@ impl Regions {
         else {
             return false;
         };
+        self.are_joined(i, j)
+    }
+
+    fn are_joined(&self, i: u32, j: u32) -> bool {
         i == j || self.joined.binary_search(&[i.min(j), i.max(j)]).is_ok()
     }
 }
@@ -81,6 +85,11 @@ impl Apart {
         }
         let range = self.start[v as usize] as usize..self.start[v as usize + 1] as usize;
         self.triangles[range].binary_search(&t).is_ok()
+    }
+
+    /// Whether the flesh of two bones never touches.
+    pub fn are_joined(&self, i: u32, j: u32) -> bool {
+        !self.regions.of_vertex.is_empty() && self.regions.are_joined(i, j)
     }
 
     /// Whether all below two tree nodes are neighbours.

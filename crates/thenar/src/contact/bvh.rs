@@ -20,45 +20,65 @@ struct Node {
 pub(crate) struct Bvh {
     nodes: Vec<Node>,
     items: Vec<u32>,
+    /// The groups, and the node that holds all of each.
+    roots: Vec<(u32, u32)>,
 }
 
 impl Bvh {
     /// Builds over these boxes, splitting at the median centre along the longest axis.
     pub fn build(boxes: &[Aabb]) -> Self {
-        let mut tree = Self { nodes: Vec::new(), items: (0..boxes.len() as u32).collect() };
+        Self::build_grouped(boxes, |_| 0)
+    }
+
+    /// The same with the items of each group under a node of their own.
+    pub fn build_grouped(boxes: &[Aabb], group_of: impl Fn(u32) -> u32) -> Self {
+        let items = (0..boxes.len() as u32).collect();
+        let mut tree = Self { items, ..Self::default() };
         if boxes.is_empty() {
             return tree;
         }
         tree.nodes.push(Node { aabb: Aabb::EMPTY, first: 0, count: 0 });
-        let mut open = vec![(0usize, 0usize, boxes.len())];
-        while let Some((node, start, end)) = open.pop() {
-            if end - start <= LEAF_ITEMS_MAX {
+        tree.items.sort_by_key(|&i| (group_of(i), i));
+        let mut open = vec![(0usize, 0usize, boxes.len(), false)];
+        while let Some((node, start, end, grouped)) = open.pop() {
+            let group = group_of(tree.items[start]);
+            let one = grouped || group_of(tree.items[end - 1]) == group;
+            if one && !grouped {
+                tree.roots.push((group, node as u32));
+            }
+            if one && end - start <= LEAF_ITEMS_MAX {
                 tree.nodes[node].first = start as u32;
                 tree.nodes[node].count = (end - start) as u32;
                 continue;
             }
-            let centers = Aabb::of_points(
-                tree.items[start..end]
-                    .iter()
-                    .map(|&i| boxes[i as usize].center())
-                    .collect::<Vec<_>>()
-                    .iter(),
-            );
-            let axis = (centers.max - centers.min).imax();
-            let middle = (end - start) / 2;
-            tree.items[start..end].select_nth_unstable_by(middle, |&i, &j| {
-                let (ci, cj) = (boxes[i as usize].center(), boxes[j as usize].center());
-                ci[axis].total_cmp(&cj[axis]).then(i.cmp(&j))
-            });
+            let middle = match one {
+                true => tree.split(boxes, start, end),
+                false => boundary(&tree.items, start, end, &group_of),
+            };
             let left = tree.nodes.len();
             let empty = Node { aabb: Aabb::EMPTY, first: 0, count: 0 };
             tree.nodes.extend([empty, empty]);
             tree.nodes[node].first = left as u32;
-            open.push((left, start, start + middle));
-            open.push((left + 1, start + middle, end));
+            open.push((left, start, middle, one));
+            open.push((left + 1, middle, end, one));
         }
+        tree.roots.sort_unstable();
         tree.refit(|i| boxes[i as usize]);
         tree
+    }
+
+    /// Parts the items in two equal halves; returns where the second begins.
+    fn split(&mut self, boxes: &[Aabb], start: usize, end: usize) -> usize {
+        let items = &mut self.items[start..end];
+        let centers: Vec<_> = items.iter().map(|&i| boxes[i as usize].center()).collect();
+        let centers = Aabb::of_points(centers.iter());
+        let axis = (centers.max - centers.min).imax();
+        let middle = (end - start) / 2;
+        items.select_nth_unstable_by(middle, |&i, &j| {
+            let (ci, cj) = (boxes[i as usize].center(), boxes[j as usize].center());
+            ci[axis].total_cmp(&cj[axis]).then(i.cmp(&j))
+        });
+        start + middle
     }
 
     /// Recomputes every box from `box_of(item)`, children before parents.
@@ -94,18 +114,23 @@ impl Bvh {
     /// Calls `visit` for every item of A with every item of B in leaves whose boxes come within
     /// `reach`.
     pub fn pairs(a: &Self, b: &Self, reach: f64, mut visit: impl FnMut(u32, u32)) {
-        walk(a, b, reach, false, |_, _| false, &mut visit);
+        walk(a, b, (0, 0), reach, |_, _| false, &mut visit);
     }
 
-    /// The same for each two items of this tree, once; pairs of nodes for which `skip` holds are
-    /// left out.
+    /// The same for each two items of this tree, once; two groups for which `apart` holds and pairs
+    /// of nodes for which `skip` holds are left out.
     pub fn pairs_within(
         &self,
         reach: f64,
+        apart: impl Fn(u32, u32) -> bool,
         skip: impl Fn(usize, usize) -> bool,
         mut visit: impl FnMut(u32, u32),
     ) {
-        walk(self, self, reach, true, skip, &mut visit);
+        for (k, &(g, n)) in self.roots.iter().enumerate() {
+            for &(h, m) in self.roots[k..].iter().filter(|(h, _)| !apart(g, *h)) {
+                walk(self, self, (n, m), reach, &skip, &mut visit);
+            }
+        }
     }
 
     /// Calls `visit` for every item of a leaf whose box meets `query`.
@@ -132,12 +157,19 @@ impl Bvh {
     }
 }
 
-/// Goes down two trees at once, always into the larger of two boxes.
+/// Where the group changes, as near to the middle as can be.
+fn boundary(items: &[u32], start: usize, end: usize, group_of: impl Fn(u32) -> u32) -> usize {
+    let middle = (start + end) / 2;
+    let changes = |&k: &usize| group_of(items[k - 1]) != group_of(items[k]);
+    (start + 1..end).filter(changes).min_by_key(|k| k.abs_diff(middle)).unwrap_or(middle)
+}
+
+/// Goes down from two nodes at once, always into the larger of two boxes.
 fn walk(
     a: &Bvh,
     b: &Bvh,
+    from: (u32, u32),
     reach: f64,
-    same: bool,
     skip: impl Fn(usize, usize) -> bool,
     visit: &mut impl FnMut(u32, u32),
 ) {
@@ -145,7 +177,8 @@ fn walk(
         return;
     }
     // Each level of either tree leaves at most two pairs waiting.
-    let mut stack = [(0u32, 0u32); 4 * STACK];
+    let same = std::ptr::eq(a, b);
+    let mut stack = [from; 4 * STACK];
     let mut top = 1;
     while top > 0 {
         top -= 1;
@@ -248,6 +281,7 @@ mod tests {
             let mut within = Vec::new();
             b.pairs_within(
                 0.03,
+                |_, _| false,
                 |_, _| false,
                 |i, j| {
                     if near(&two[i as usize], &two[j as usize]) {

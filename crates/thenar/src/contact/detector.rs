@@ -82,8 +82,8 @@ impl Detector {
         let bodies: Vec<_> = desc.rigids.iter().map(RigidBody::new).collect();
         let mut surfaces = Vec::with_capacity(desc.softs.len());
         let mut vertices = 0;
-        for soft in &desc.softs {
-            surfaces.push(Surface::new(&soft.flesh, vertices));
+        for (i, soft) in desc.softs.iter().enumerate() {
+            surfaces.push(Surface::new(&soft.flesh, vertices, &regions(desc, i).of_vertex));
             vertices += soft.flesh.collision.vertices.len();
         }
         let pairs = PairTable::new(desc);

@@ -99,7 +99,8 @@ impl SoftSoft<'_> {
             }
             Some(apart) => {
                 let settled = |n, m| apart.are_settled(n, m);
-                self.a.surface.tree.pairs_within(reach, settled, |s, t| {
+                let joined = |i, j| apart.are_joined(i, j);
+                self.a.surface.tree.pairs_within(reach, joined, settled, |s, t| {
                     self.meet([s, t], reach, sight, scratch, out);
                 });
                 self.settle(0, sight, scratch, out);

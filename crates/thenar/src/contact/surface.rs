@@ -33,7 +33,8 @@ pub(crate) struct Surface {
 }
 
 impl Surface {
-    pub fn new(flesh: &Flesh, first_vertex: usize) -> Self {
+    /// `region_of_vertex` may be empty; parts of one region lie together in the tree.
+    pub fn new(flesh: &Flesh, first_vertex: usize, region_of_vertex: &[u32]) -> Self {
         let mut rest = vec![Vec3::zeros(); flesh.collision.vertices.len()];
         flesh.collision.positions(&flesh.tets, &flesh.nodes, &mut rest);
         let triangles = flesh.collision.triangles.clone();
@@ -44,7 +45,10 @@ impl Surface {
             neighbors: neighbors(&triangles),
             around_start,
             around,
-            tree: Bvh::build(&boxes),
+            tree: Bvh::build_grouped(&boxes, |t| {
+                let corner = triangles[t as usize][0] as usize;
+                region_of_vertex.get(corner).copied().unwrap_or(0)
+            }),
             boxes,
             owned: owners(&triangles, rest.len()),
             edge_mean: lengths.iter().sum::<f64>() / lengths.len().max(1) as f64,
