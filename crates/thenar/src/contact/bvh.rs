@@ -127,7 +127,7 @@ impl Bvh {
         mut visit: impl FnMut(u32, u32),
     ) {
         for (k, &(g, n)) in self.roots.iter().enumerate() {
-            for &(h, m) in self.roots[k..].iter().filter(|(h, _)| !apart(g, *h)) {
+            for &(_, m) in self.roots[k..].iter().filter(|(h, _)| !apart(g, *h)) {
                 walk(self, self, (n, m), reach, &skip, &mut visit);
             }
         }
