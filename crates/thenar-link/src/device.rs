@@ -1,0 +1,70 @@
+//! What programs see of a device.
+
+use crate::{HandOutput, HandSample, LinkError, Rendering};
+use thenar::haptic::safety::Limits;
+use thenar::model::Side;
+
+/// A kind of device: finds those that are there and opens them.
+pub trait Driver: Send + Sync {
+    /// Its name in addresses, such as `lucidgloves`.
+    fn name(&self) -> &'static str;
+
+    /// One line for a person: what it is, and what an address looks like.
+    fn about(&self) -> &'static str;
+
+    /// What seems to be there now. Opens nothing that could move.
+    fn enumerate(&self) -> Vec<Found>;
+
+    /// Opens the device at an address (what follows `name:`), in so far as it can be: a device that
+    /// is away for now opens, and is taken up when it comes.
+    fn open(&self, address: &str) -> Result<Opened, LinkError>;
+}
+
+/// A device that was found.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Found {
+    /// What `open` takes.
+    pub address: String,
+    /// What it is, for a person.
+    pub what: String,
+}
+
+/// An open device: a tracker, a force display, or both. Dropping either closes it.
+pub struct Opened {
+    /// Tells where hands are.
+    pub tracker: Option<Box<dyn Tracker>>,
+    /// Lets a hand feel.
+    pub display: Option<Box<dyn ForceDisplay>>,
+}
+
+/// Tells where hands are.
+pub trait Tracker: Send {
+    /// The newest sample of this hand, once. Never waits and never allocates.
+    fn latest(&mut self, side: Side) -> Option<&HandSample>;
+
+    /// When the device was last heard \[ns\]; `None` before the first time.
+    fn heard_ns(&mut self) -> Option<u64>;
+
+    /// What there is to tell a person: notes and troubles since the last call. Not for the loop.
+    fn messages(&mut self) -> Vec<String>;
+}
+
+/// Lets a hand feel. It shows nothing until forces come, and releases the hand when it is dropped,
+/// when its device is lost and when no output came for 20 ms.
+pub trait ForceDisplay: Send {
+    /// What it renders.
+    fn rendering(&self) -> Rendering;
+
+    /// What its actuators may do, per finger (or axis); for the guards before it.
+    fn limits(&self) -> Limits;
+
+    /// Hands over the newest output. Never waits and never allocates.
+    fn show(&mut self, output: &HandOutput);
+
+    /// When the device was last heard \[ns\]; `None` before the first time, or when it never
+    /// answers.
+    fn heard_ns(&mut self) -> Option<u64>;
+
+    /// What there is to tell a person, as for trackers.
+    fn messages(&mut self) -> Vec<String>;
+}

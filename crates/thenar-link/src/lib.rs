@@ -1,0 +1,24 @@
+//! The outside of touch: trackers that tell where a hand is, and force displays that let it feel.
+//!
+//! A device is a [`Protocol`] over a [`Transport`]. The protocol is pure: bytes in, poses out; forces
+//! in, bytes out; time is an argument. The transport moves bytes and knows nothing of what they
+//! mean. Whatever a device sends, garbage included, only ever becomes poses, notes or nothing.
+//!
+//! Programs see neither, but [`Tracker`] and [`ForceDisplay`], which a [`Driver`] finds and opens.
+//! Both only exchange newest values with the device's own thread, so that the haptic loop calls
+//! them in every tick without waiting.
+//!
+//! Frames are those of WebXR: metres, +y up; along a bone -z away from the wrist, +y out of the
+//! back of the hand. Times are nanoseconds of one monotonic clock of this process.
+
+mod device;
+mod error;
+mod output;
+mod protocol;
+mod sample;
+
+pub use device::{Driver, ForceDisplay, Found, Opened, Tracker};
+pub use error::LinkError;
+pub use output::{DIGITS, DigitOutput, HandOutput, Rendering};
+pub use protocol::{Event, Protocol, Transport};
+pub use sample::HandSample;

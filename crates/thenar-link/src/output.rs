@@ -1,0 +1,63 @@
+//! What force displays are told: everything that any of them can render, per finger.
+
+use thenar::Vec3;
+use thenar::model::Side;
+
+/// Fingers of a hand, thumb first.
+pub const DIGITS: usize = 5;
+
+/// One finger, in one haptic tick. Forces have passed the safety guard; a display clamps no more
+/// than its own wire does.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DigitOutput {
+    /// Force on the wearer, world \[N\].
+    pub force_W: Vec3,
+    /// Its part along the inward pad normal \[N\], never negative.
+    pub pad_force: f64,
+    /// Contact area \[m²\].
+    pub area: f64,
+    /// Mean pressure over it \[Pa\].
+    pub pressure_mean: f64,
+    /// Largest pressure \[Pa\].
+    pub pressure_max: f64,
+    /// How fast the skin slips over what it touches \[m/s\].
+    pub slip_speed: f64,
+    /// Where contact began, 0 open to 1 closed; `None` while the finger is free.
+    pub curl_at_contact: Option<f64>,
+}
+
+/// One hand, in one haptic tick. The default is what every way out sends: nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HandOutput {
+    /// Which hand.
+    pub side: Side,
+    /// When it was computed \[ns\].
+    pub time_ns: u64,
+    /// Thumb first.
+    pub digits: [DigitOutput; DIGITS],
+    /// Force of the palm's coupling on the wearer, world \[N\]; for devices that hold one point.
+    pub force_W: Vec3,
+    /// Its torque \[N m\].
+    pub torque_W: Vec3,
+}
+
+impl HandOutput {
+    /// No force, no stop, no vibration.
+    pub fn released(side: Side, time_ns: u64) -> Self {
+        let zero = Vec3::zeros();
+        Self { side, time_ns, digits: Default::default(), force_W: zero, torque_W: zero }
+    }
+}
+
+/// What a display renders of [`HandOutput`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rendering {
+    /// Pulls on fingers, along the pad normal.
+    Tendons,
+    /// Stops fingers where contact began.
+    Stops,
+    /// Vibrates at the finger pads.
+    Vibration,
+    /// A force in space, and perhaps a torque, on one point.
+    Wrench,
+}

@@ -1,0 +1,56 @@
+//! Devices that speak in bytes: what is said, apart from how it travels.
+
+use crate::{HandOutput, HandSample};
+use std::io;
+
+/// What a protocol makes of bytes.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant)] // handed over by value, one at a time: a box would allocate
+pub enum Event {
+    /// A hand.
+    Sample(HandSample),
+    /// The device tells about itself: firmware, kind, battery.
+    Note(String),
+    /// Bytes that fit nothing were left out; why, for a person.
+    Refused(String),
+}
+
+/// A device's language. Pure: the same calls give the same answers, and no bytes make it panic,
+/// allocate without bound or fall silent.
+///
+/// `send` takes what goes to the device: one call is one datagram or line, never split.
+pub trait Protocol: Send {
+    /// The transport is open, for the first time or again.
+    fn start(&mut self, now_ns: u64, send: &mut dyn FnMut(&[u8]));
+
+    /// Takes what arrived: any number of bytes of a stream, or one whole datagram.
+    fn receive(
+        &mut self,
+        now_ns: u64,
+        bytes: &[u8],
+        event: &mut dyn FnMut(Event),
+        send: &mut dyn FnMut(&[u8]),
+    );
+
+    /// Called at least once a millisecond, with the newest output if the device shows forces.
+    fn tick(
+        &mut self,
+        now_ns: u64,
+        output: Option<&HandOutput>,
+        event: &mut dyn FnMut(Event),
+        send: &mut dyn FnMut(&[u8]),
+    );
+
+    /// The last words: what sets the device free, then what stops its stream.
+    fn stop(&mut self, send: &mut dyn FnMut(&[u8]));
+}
+
+/// Moves bytes.
+pub trait Transport: Send {
+    /// Waits up to `timeout` for bytes; 0 when none came. An error means that it is lost.
+    fn receive(&mut self, buffer: &mut [u8], timeout: std::time::Duration) -> io::Result<usize>;
+
+    /// Sends these bytes whole, or nothing. Never waits longer than a few milliseconds: a device
+    /// that takes nothing is lost.
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
+}
