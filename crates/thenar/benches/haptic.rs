@@ -5,7 +5,7 @@ use divan::{Bencher, black_box};
 use thenar::haptic::safety::{Bank, Limits, Signal};
 use thenar::haptic::shared::{Condensed, CondensedContact, SharedConstraints};
 use thenar::haptic::{
-    CouplingDesign, HandSettings, HapticHand, Proxies, Proxy, RigidState, SlowToFast,
+    CouplingDesign, HandSettings, HapticHand, Proxies, Proxy, RigidState, SlowToFast, Touch,
 };
 use thenar::{Mat3, Pose, Quat, Vec3};
 

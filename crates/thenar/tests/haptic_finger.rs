@@ -9,6 +9,7 @@ use thenar::contact::Shape;
 use thenar::haptic::safety::{Guard, Limits, Signal, Status};
 use thenar::haptic::{
     CouplingDesign, FastToSlow, HandSettings, HapticHand, Mode, Pad, Proxy, RigidState, SlowToFast,
+    Touch,
 };
 use thenar::model::{Digit, Motion};
 use thenar::{Mat3, Pose, Quat, Vec3, World};

@@ -10,6 +10,7 @@ use thenar::haptic::shared::CondensedContact;
 use thenar::haptic::virtual_user::{Device, VirtualUser};
 use thenar::haptic::{
     CouplingDesign, FastToSlow, HandSettings, HapticHand, Mode, Proxy, RigidState, SlowToFast,
+    Touch,
 };
 use thenar::model::{Motion, WorldDesc};
 use thenar::{Mat3, Pose, Vec3, World};

@@ -6,7 +6,8 @@ use std::cell::Cell;
 use thenar::haptic::safety::{Bank, Limits, Signal, Trip};
 use thenar::haptic::shared::CondensedContact;
 use thenar::haptic::{
-    CouplingDesign, FastToSlow, HandSettings, HapticHand, Mode, RigidState, SlowToFast, pad_force,
+    CouplingDesign, FastToSlow, HandSettings, HapticHand, Mode, RigidState, SlowToFast, Touch,
+    pad_force,
 };
 use thenar::{Mat3, Pose, Vec3};
 

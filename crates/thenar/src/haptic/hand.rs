@@ -3,9 +3,10 @@
 use crate::haptic::shared::{Resolution, SharedConstraints};
 use crate::haptic::{
     FastToSlow, Prediction, Proxies, Proxy, ProxyError, ProxyReport, RigidState, Sample,
-    SlowToFast, Track, Tracked, seconds_between,
+    SlowToFast, Touch, Track, Tracked, seconds_between,
 };
 use crate::math::{Pose, Vec3};
+use crate::world::StepReport;
 
 /// What stands in for the simulated bones between two frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,6 +61,8 @@ pub struct HandReport {
     pub proxies: ProxyReport,
     /// Contact, with shared constraints.
     pub contact: Resolution,
+    /// The simulation's own step, in single-rate.
+    pub world: Option<StepReport>,
 }
 
 /// A hand at the device's rate.
@@ -103,30 +106,6 @@ impl HapticHand {
         })
     }
 
-    /// Takes a pose of bone `bone` measured at `time_ns`; see `Track::push`.
-    pub fn track(
-        &mut self,
-        bone: usize,
-        time_ns: u64,
-        pose_WB: Pose,
-        velocity: Option<[Vec3; 2]>,
-    ) -> Sample {
-        self.tracks[bone].push(time_ns, pose_WB, velocity, &self.settings.tracking)
-    }
-
-    /// One tick, on the newest simulation frame. Allocates nothing.
-    pub fn tick(&mut self, now_ns: u64, frame: &SlowToFast) -> HandReport {
-        let passed = seconds_between(self.last_ns.unwrap_or(now_ns), now_ns);
-        self.last_ns = Some(now_ns);
-        let h = passed.clamp(0.0, self.settings.step_max);
-        let simulation_age = seconds_between(frame.time_ns, now_ns);
-        let contact = self.place_bones(frame, simulation_age, h);
-        let tracking_age = self.place_hand(now_ns);
-        let proxies = self.proxies.step(h, &self.tracked, &self.bones);
-        self.ticks += 1;
-        HandReport { step: h, tracking_age, simulation_age, proxies, contact }
-    }
-
     /// The simulated bones now.
     fn place_bones(&mut self, frame: &SlowToFast, age: f64, h: f64) -> Resolution {
         let response = &frame.response;
@@ -167,29 +146,53 @@ impl HapticHand {
         oldest
     }
 
-    /// The proxies, for the simulation.
-    pub fn publish(&self, now_ns: u64, to: &mut FastToSlow) {
-        (to.time_ns, to.tick) = (now_ns, self.ticks);
-        to.proxies.copy_from_slice(self.proxies.states());
-    }
-
     /// The proxies and their forces.
     pub fn proxies(&self) -> &Proxies {
         &self.proxies
     }
+}
 
-    /// Where the hand was taken to be in the last tick.
-    pub fn tracked(&self) -> &[RigidState] {
+impl Touch for HapticHand {
+    fn track(
+        &mut self,
+        bone: usize,
+        time_ns: u64,
+        pose_WB: Pose,
+        velocity: Option<[Vec3; 2]>,
+    ) -> Sample {
+        self.tracks[bone].push(time_ns, pose_WB, velocity, &self.settings.tracking)
+    }
+
+    fn tick(&mut self, now_ns: u64, frame: &SlowToFast) -> HandReport {
+        let passed = seconds_between(self.last_ns.unwrap_or(now_ns), now_ns);
+        self.last_ns = Some(now_ns);
+        let h = passed.clamp(0.0, self.settings.step_max);
+        let simulation_age = seconds_between(frame.time_ns, now_ns);
+        let contact = self.place_bones(frame, simulation_age, h);
+        let tracking_age = self.place_hand(now_ns);
+        let proxies = self.proxies.step(h, &self.tracked, &self.bones);
+        self.ticks += 1;
+        HandReport { step: h, tracking_age, simulation_age, proxies, contact, world: None }
+    }
+
+    fn publish(&self, now_ns: u64, to: &mut FastToSlow) {
+        (to.time_ns, to.tick) = (now_ns, self.ticks);
+        to.proxies.copy_from_slice(self.proxies.states());
+    }
+
+    fn tracked(&self) -> &[RigidState] {
         &self.tracked
     }
 
-    /// Whether a bone jumped in the last tick: it was lost and found elsewhere, or teleported.
-    pub fn jumped(&self, bone: usize) -> bool {
+    fn jumped(&self, bone: usize) -> bool {
         self.jumped[bone]
     }
 
-    /// Where the simulated bones were taken to be in the last tick.
-    pub fn bones(&self) -> &[RigidState] {
+    fn bones(&self) -> &[RigidState] {
         &self.bones
+    }
+
+    fn device_wrenches(&self) -> &[[Vec3; 2]] {
+        self.proxies.device_wrenches()
     }
 }

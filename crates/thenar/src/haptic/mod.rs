@@ -9,7 +9,7 @@
 //! ```
 //! use thenar::haptic::safety::{Guard, Limits, Signal};
 //! use thenar::haptic::{
-//!     CouplingDesign, FastToSlow, HandSettings, HapticHand, Pad, RigidState, SlowToFast,
+//!     CouplingDesign, FastToSlow, HandSettings, HapticHand, Pad, RigidState, SlowToFast, Touch,
 //! };
 //! use thenar::model::Digit;
 //! use thenar::{Mat3, Pose, Vec3};
@@ -46,8 +46,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Single-rate, where the whole hand steps within the haptic tick, needs no proxies: the tracked
-//! poses are the targets of the bones' drives, and `drive_reaction` is the force on the wearer.
+//! [`SingleRate`], where the whole simulation steps within the haptic tick, needs no proxies: the
+//! tracked poses are the targets of the bones' drives, and `drive_reaction` is the force on the
+//! wearer. Both it and [`HapticHand`] are [`Touch`], which is all that the loop around must know.
 
 mod coupling;
 mod display;
@@ -61,7 +62,9 @@ mod proxies_tests;
 mod rigid_state;
 pub mod safety;
 pub mod shared;
+mod single_rate;
 mod stability;
+mod touch;
 mod track;
 pub mod virtual_user;
 
@@ -75,5 +78,7 @@ pub use pads::{Pad, PadReading};
 pub use prediction::{Prediction, hold_then_fade, seconds_between};
 pub use proxies::{Proxies, Proxy, ProxyError, ProxyReport};
 pub use rigid_state::RigidState;
+pub use single_rate::{SingleRate, SingleRateSettings, series_drive};
 pub use stability::{CouplingRule, CouplingWarning, LoopProfile};
+pub use touch::Touch;
 pub use track::{Sample, Track, Tracked};

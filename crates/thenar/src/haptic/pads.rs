@@ -1,6 +1,6 @@
 //! The finger pads: where a hand's forces are shown, and how they move.
 
-use crate::haptic::{HapticHand, PAD_NORMAL_B, pad_force};
+use crate::haptic::{PAD_NORMAL_B, Touch, pad_force};
 use crate::math::{Pose, Vec3};
 use crate::model::{Digit, HandModel};
 
@@ -53,13 +53,13 @@ impl Pad {
     }
 
     /// Reads the pad after a tick that took `h` \[s\].
-    pub fn read(&mut self, hand: &HapticHand, h: f64) -> PadReading {
+    pub fn read(&mut self, hand: &(impl Touch + ?Sized), h: f64) -> PadReading {
         let pose_WB = hand.tracked()[self.bone].pose_WB;
         let pose_WG = self.ground.map_or(Pose::identity(), |ground| hand.tracked()[ground].pose_WB);
         let point_G = pose_WG.inverse_point(&pose_WB.point(&self.point_B));
         let jumped = hand.jumped(self.bone) || self.ground.is_some_and(|g| hand.jumped(g));
         let before = self.last_G.replace(point_G).filter(|_| !jumped).unwrap_or(point_G);
-        let [force_W, _] = hand.proxies().device_wrenches()[self.bone];
+        let [force_W, _] = hand.device_wrenches()[self.bone];
         let normal_G = pose_WG.inverse_vector(&pose_WB.vector(&PAD_NORMAL_B));
         let opening = -(point_G - before).dot(&normal_G);
         PadReading {
@@ -73,7 +73,7 @@ impl Pad {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::haptic::{CouplingDesign, HandSettings, RigidState, SlowToFast};
+    use crate::haptic::{CouplingDesign, HandSettings, HapticHand, RigidState, SlowToFast};
     use crate::math::{Mat3, Quat};
     use crate::model::{Bone, EmbeddedSurface, Flesh};
 

@@ -1,7 +1,7 @@
 //! Where a rigid bone is and how it moves.
 
 use crate::math::{Pose, Quat, Vec3};
-use crate::world::Target;
+use crate::world::{Target, World};
 
 /// Pose and velocity of a bone frame B (at its centre of mass) in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +18,12 @@ impl RigidState {
     /// At this pose, not moving.
     pub fn at_rest(pose_WB: Pose) -> Self {
         Self { pose_WB, velocity_W: Vec3::zeros(), angular_velocity_W: Vec3::zeros() }
+    }
+
+    /// A rigid body of a world, as it is.
+    pub fn of(world: &World, body: u32) -> Self {
+        let [velocity_W, angular_velocity_W] = world.rigid_velocity(body);
+        Self { pose_WB: world.rigid_pose(body), velocity_W, angular_velocity_W }
     }
 
     /// True when every number is finite.
