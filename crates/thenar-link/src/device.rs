@@ -29,7 +29,8 @@ pub struct Found {
     pub what: String,
 }
 
-/// An open device: a tracker, a force display, or both. Dropping either closes it.
+/// An open device: a tracker, a force display, or both. Dropping the display releases the hand;
+/// dropping both closes the device.
 pub struct Opened {
     /// Tells where hands are.
     pub tracker: Option<Box<dyn Tracker>>,
@@ -42,10 +43,11 @@ pub trait Tracker: Send {
     /// The newest sample of this hand, once. Never waits and never allocates.
     fn latest(&mut self, side: Side) -> Option<&HandSample>;
 
-    /// When the device was last heard \[ns\]; `None` before the first time.
+    /// When the device last said something that made sense \[ns\]; `None` before the first time.
     fn heard_ns(&mut self) -> Option<u64>;
 
-    /// What there is to tell a person: notes and troubles since the last call. Not for the loop.
+    /// What there is to tell a person: notes and troubles since the last call, each told once,
+    /// be it here or by the display. Not for the loop.
     fn messages(&mut self) -> Vec<String>;
 }
 

@@ -11,14 +11,21 @@
 //! Frames are those of WebXR: metres, +y up; along a bone -z away from the wrist, +y out of the
 //! back of the hand. Times are nanoseconds of one monotonic clock of this process.
 
+mod clock;
 mod device;
 mod error;
+pub mod null;
 mod output;
 mod protocol;
+mod registry;
 mod sample;
+pub mod worker;
 
+pub use clock::now_ns;
 pub use device::{Driver, ForceDisplay, Found, Opened, Tracker};
 pub use error::LinkError;
 pub use output::{DIGITS, DigitOutput, HandOutput, Rendering};
 pub use protocol::{Event, Protocol, Transport};
+pub use registry::{drivers, open};
 pub use sample::HandSample;
+pub use worker::release_all;

@@ -9,6 +9,8 @@ use std::io;
 pub enum Event {
     /// A hand.
     Sample(HandSample),
+    /// The device lives, and had nothing else to tell.
+    Alive,
     /// The device tells about itself: firmware, kind, battery.
     Note(String),
     /// Bytes that fit nothing were left out; why, for a person.
@@ -20,7 +22,8 @@ pub enum Event {
 ///
 /// `send` takes what goes to the device: one call is one datagram or line, never split.
 pub trait Protocol: Send {
-    /// The transport is open, for the first time or again.
+    /// The transport is open, for the first time or again. A device that shows forces is set free
+    /// here: nobody knows what it still holds.
     fn start(&mut self, now_ns: u64, send: &mut dyn FnMut(&[u8]));
 
     /// Takes what arrived: any number of bytes of a stream, or one whole datagram.
@@ -32,7 +35,10 @@ pub trait Protocol: Send {
         send: &mut dyn FnMut(&[u8]),
     );
 
-    /// Called at least once a millisecond, with the newest output if the device shows forces.
+    /// Called at least once a millisecond; `output` is what the device shall show from now on,
+    /// given once, when it changes. Silence of the caller ends in
+    /// [`released`](HandOutput::released), from the worker: a protocol needs no time limit of its
+    /// own, but repeats what its device forgets or its transport may lose.
     fn tick(
         &mut self,
         now_ns: u64,
@@ -47,7 +53,9 @@ pub trait Protocol: Send {
 
 /// Moves bytes.
 pub trait Transport: Send {
-    /// Waits up to `timeout` for bytes; 0 when none came. An error means that it is lost.
+    /// Waits up to `timeout` (a fraction of a millisecond: system calls that round up to clock
+    /// ticks will not do) for bytes; 0 when none came. An error means that it is lost; the end of
+    /// a stream is `UnexpectedEof`.
     fn receive(&mut self, buffer: &mut [u8], timeout: std::time::Duration) -> io::Result<usize>;
 
     /// Sends these bytes whole, or nothing. Never waits longer than a few milliseconds: a device

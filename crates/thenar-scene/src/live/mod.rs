@@ -30,7 +30,7 @@ mod observer;
 #[cfg(test)]
 mod tests;
 
-pub use check::LiveError;
+pub use check::{LiveError, checked};
 pub use hand::LiveHand;
 
 use crate::motion::ANGLES;

@@ -1,0 +1,25 @@
+//! All drivers, and addresses as a person writes them: `name:address`.
+
+use crate::{Driver, LinkError, Opened, null};
+
+/// All drivers.
+pub fn drivers() -> Vec<Box<dyn Driver>> {
+    vec![Box::new(null::NullDriver)]
+}
+
+/// Opens `name:address`, such as `lucidgloves:/dev/ttyUSB0`.
+///
+/// # Errors
+/// There is no such driver, or it cannot open the address.
+pub fn open(address: &str) -> Result<Opened, LinkError> {
+    let (name, rest) = address.split_once(':').unwrap_or((address, ""));
+    let drivers = drivers();
+    match drivers.iter().find(|driver| driver.name() == name) {
+        Some(driver) => driver.open(rest),
+        None => {
+            let known: Vec<_> = drivers.iter().map(|driver| driver.name()).collect();
+            let cause = format!("no driver has that name; there are {}", known.join(", "));
+            Err(LinkError::Setting { what: format!("device `{address}`"), cause })
+        }
+    }
+}

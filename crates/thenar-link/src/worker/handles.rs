@@ -1,0 +1,122 @@
+//! What callers hold of a device.
+
+use super::{CLOSING, DisplayTraits, Shared};
+use crate::{ForceDisplay, HandOutput, HandSample, Rendering, Tracker};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+use thenar::haptic::safety::Limits;
+use thenar::model::Side;
+use triple_buffer::{Input, Output};
+
+/// Index of a side's slot.
+pub fn slot(side: Side) -> usize {
+    match side {
+        Side::Left => 0,
+        Side::Right => 1,
+    }
+}
+
+/// Ends the thread when nobody holds the device any more.
+pub struct Closer {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Closer {
+    pub fn new(shared: Arc<Shared>, thread: JoinHandle<()>) -> Self {
+        Self { shared, thread: Some(thread) }
+    }
+}
+
+impl Drop for Closer {
+    fn drop(&mut self) {
+        self.shared.stop.store(true, Ordering::Release);
+        let Some(thread) = self.thread.take() else { return };
+        thread.thread().unpark();
+        let start = Instant::now();
+        while !thread.is_finished() && start.elapsed() < CLOSING {
+            std::thread::sleep(Duration::from_micros(200));
+        }
+        // A thread that the system holds in some call is left behind: it ends after that call.
+        if thread.is_finished() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// The tracker's side.
+pub struct DeviceTracker {
+    closer: Arc<Closer>,
+    samples: [Output<Option<HandSample>>; 2],
+}
+
+impl DeviceTracker {
+    pub fn boxed(
+        closer: Arc<Closer>,
+        samples: [Output<Option<HandSample>>; 2],
+    ) -> Box<dyn Tracker> {
+        Box::new(Self { closer, samples })
+    }
+}
+
+impl Tracker for DeviceTracker {
+    fn latest(&mut self, side: Side) -> Option<&HandSample> {
+        let samples = &mut self.samples[slot(side)];
+        if samples.update() { samples.output_buffer().as_ref() } else { None }
+    }
+
+    fn heard_ns(&mut self) -> Option<u64> {
+        self.closer.shared.heard()
+    }
+
+    fn messages(&mut self) -> Vec<String> {
+        self.closer.shared.messages().take()
+    }
+}
+
+/// The display's side.
+pub struct DeviceDisplay {
+    closer: Arc<Closer>,
+    outputs: [Input<HandOutput>; 2],
+    traits: DisplayTraits,
+}
+
+impl DeviceDisplay {
+    pub fn boxed(
+        closer: Arc<Closer>,
+        outputs: [Input<HandOutput>; 2],
+        traits: DisplayTraits,
+    ) -> Box<dyn ForceDisplay> {
+        Box::new(Self { closer, outputs, traits })
+    }
+}
+
+impl Drop for DeviceDisplay {
+    fn drop(&mut self) {
+        self.closer.shared.display_closed.store(true, Ordering::Release);
+    }
+}
+
+impl ForceDisplay for DeviceDisplay {
+    fn rendering(&self) -> Rendering {
+        self.traits.rendering
+    }
+
+    fn limits(&self) -> Limits {
+        self.traits.limits
+    }
+
+    fn show(&mut self, output: &HandOutput) {
+        self.outputs[slot(output.side)].write(*output);
+    }
+
+    fn heard_ns(&mut self) -> Option<u64> {
+        self.closer.shared.heard()
+    }
+
+    fn messages(&mut self) -> Vec<String> {
+        self.closer.shared.messages().take()
+    }
+}

@@ -1,0 +1,165 @@
+//! The thread behind an open device.
+//!
+//! It runs a [`Protocol`] over a [`Transport`], takes the device up again whenever it returns, and
+//! exchanges newest values with its callers through wait-free slots: no call of theirs waits for
+//! it, nor it for them. What it guarantees, whatever device and callers do:
+//!
+//! - a sample is seen as soon as its last byte was read, an output is sent within a millisecond;
+//! - samples of a hand have strictly increasing times, none in the future, and finite poses;
+//! - the hand is released when no output came for [`OUTPUT_SILENCE_NS`], when the display is
+//!   dropped, on [`release_all`], when the protocol panics, on every loss and at every start;
+//! - a device that is away is asked for ever more rarely, once a second in the end; of that, and of
+//!   garbage, a person is told without being flooded.
+
+mod handles;
+mod messages;
+mod run;
+#[cfg(test)]
+mod tests;
+
+use crate::{LinkError, Opened, Protocol, Rendering, Transport};
+use handles::{Closer, DeviceDisplay, DeviceTracker};
+use messages::Messages;
+use run::{Ends, Worker};
+use std::io;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, Weak};
+use std::time::{Duration, Instant};
+use thenar::haptic::safety::Limits;
+use thenar::model::Side;
+use triple_buffer::triple_buffer;
+
+/// Without a new output for so long, the hand is released \[ns\].
+pub const OUTPUT_SILENCE_NS: u64 = 20_000_000;
+/// Longest wait for bytes, hence the longest that an output waits for the thread.
+const POLL: Duration = Duration::from_micros(500);
+/// A device that says nothing sensible for so long is told of \[ns\].
+const MUTE_NS: u64 = 2_000_000_000;
+/// Pauses between attempts to reach a device that is away.
+const BACK_OFF: [Duration; 2] = [Duration::from_millis(50), Duration::from_millis(1000)];
+/// Longest that closing waits for the thread to say its last words.
+const CLOSING: Duration = Duration::from_millis(1500);
+
+/// Opens a transport, each time anew. Returns within a second or so; an error means that the device
+/// is not there now.
+pub type Connect = Box<dyn FnMut() -> io::Result<Box<dyn Transport>> + Send>;
+
+/// What a display can do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DisplayTraits {
+    /// What it renders.
+    pub rendering: Rendering,
+    /// What its actuators may do.
+    pub limits: Limits,
+}
+
+/// A device about to be opened.
+pub struct Device {
+    /// Driver and address, as `lucidgloves:/dev/ttyUSB0`; begins every message.
+    pub name: String,
+    /// How it is reached.
+    pub connect: Connect,
+    /// What is spoken.
+    pub protocol: Box<dyn Protocol>,
+    /// Whether it tells where hands are.
+    pub tracks: bool,
+    /// Set if it shows forces.
+    pub display: Option<DisplayTraits>,
+    /// Whether it speaks on its own or answers, so that silence means something.
+    pub speaks: bool,
+}
+
+impl Device {
+    /// Starts its thread. A device that is away is taken up when it comes.
+    ///
+    /// # Errors
+    /// The system gives no thread.
+    pub fn open(self) -> Result<Opened, LinkError> {
+        let shared = Arc::new(Shared::new(&self.name));
+        let [sample_left, sample_right] = [(); 2].map(|()| triple_buffer(&None));
+        let [output_left, output_right] =
+            [Side::Left, Side::Right].map(|s| triple_buffer(&crate::HandOutput::released(s, 0)));
+        let ends = Ends {
+            samples: [sample_left.0, sample_right.0],
+            outputs: [output_left.1, output_right.1],
+        };
+        let (tracks, display) = (self.tracks, self.display.clone());
+        let name = self.name.clone();
+        let worker = Worker::new(self, shared.clone(), ends);
+        let thread =
+            std::thread::Builder::new().name("device".into()).spawn(move || worker.run()).map_err(
+                |e| LinkError::Open { device: name, cause: format!("no thread for it: {e}") },
+            )?;
+        shared.register();
+        let closer = Arc::new(Closer::new(shared, thread));
+        Ok(Opened {
+            tracker: tracks
+                .then(|| DeviceTracker::boxed(closer.clone(), [sample_left.1, sample_right.1])),
+            display: display
+                .map(|d| DeviceDisplay::boxed(closer.clone(), [output_left.0, output_right.0], d)),
+        })
+    }
+}
+
+/// What thread and callers share besides the slots.
+struct Shared {
+    /// The thread shall end.
+    stop: AtomicBool,
+    /// The display is gone: outputs mean nothing any more.
+    display_closed: AtomicBool,
+    /// The thread has said its last words.
+    ended: AtomicBool,
+    /// When the device was last heard \[ns\]; 0 for never.
+    heard_ns: AtomicU64,
+    messages: Mutex<Messages>,
+}
+
+impl Shared {
+    fn new(name: &str) -> Self {
+        Self {
+            stop: AtomicBool::new(false),
+            display_closed: AtomicBool::new(false),
+            ended: AtomicBool::new(false),
+            heard_ns: AtomicU64::new(0),
+            messages: Mutex::new(Messages::new(name)),
+        }
+    }
+
+    /// The messages; a panic elsewhere while they were held does no harm to them.
+    fn messages(&self) -> std::sync::MutexGuard<'_, Messages> {
+        self.messages.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+
+    fn heard(&self) -> Option<u64> {
+        Some(self.heard_ns.load(Ordering::Relaxed)).filter(|ns| *ns > 0)
+    }
+
+    fn register(self: &Arc<Self>) {
+        let mut open = all().lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        open.retain(|device| device.strong_count() > 0);
+        open.push(Arc::downgrade(self));
+    }
+}
+
+/// Every device that is open in this process.
+fn all() -> &'static Mutex<Vec<Weak<Shared>>> {
+    static ALL: Mutex<Vec<Weak<Shared>>> = Mutex::new(Vec::new());
+    &ALL
+}
+
+/// Releases every hand and ends every device's thread, for ways out that drop nothing: a signal, a
+/// panic hook, `exit`. Waits until the last words are said, or for `wait`; true when all were.
+pub fn release_all(wait: Duration) -> bool {
+    // A panic may come while the list is held by this very thread: then the 20 ms of silence
+    // release the hand.
+    let Ok(open) = all().try_lock() else { return false };
+    let devices: Vec<_> = open.iter().filter_map(Weak::upgrade).collect();
+    drop(open);
+    devices.iter().for_each(|device| device.stop.store(true, Ordering::Release));
+    let start = Instant::now();
+    let ended = || devices.iter().all(|device| device.ended.load(Ordering::Acquire));
+    while !ended() && start.elapsed() < wait {
+        std::thread::sleep(Duration::from_micros(200));
+    }
+    ended()
+}

@@ -1,0 +1,250 @@
+//! What the thread does.
+
+use super::handles::slot;
+use super::{BACK_OFF, Device, MUTE_NS, OUTPUT_SILENCE_NS, POLL, Shared};
+use crate::{Event, HandOutput, HandSample, Transport, now_ns};
+use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+use thenar::model::Side;
+use thenar_scene::live::checked;
+use triple_buffer::{Input, Output};
+
+/// The thread's ends of the slots: left, right.
+pub struct Ends {
+    pub samples: [Input<Option<HandSample>>; 2],
+    pub outputs: [Output<HandOutput>; 2],
+}
+
+/// Why a session with an open transport ended.
+enum End {
+    /// It was asked to.
+    Stopped,
+    /// The transport failed.
+    Lost(io::Error),
+    /// The protocol panicked.
+    Panicked,
+}
+
+/// The thread.
+pub struct Worker {
+    device: Device,
+    shared: Arc<Shared>,
+    ends: Ends,
+    /// Time of each side's newest sample \[ns\].
+    sample_ns: [u64; 2],
+    /// When each side's output came that is being shown \[ns\]; `None` when released.
+    shown_ns: [Option<u64>; 2],
+}
+
+impl Worker {
+    pub fn new(device: Device, shared: Arc<Shared>, ends: Ends) -> Self {
+        Self { device, shared, ends, sample_ns: [0; 2], shown_ns: [None; 2] }
+    }
+
+    /// Until it is asked to stop.
+    pub fn run(mut self) {
+        let mut pause = BACK_OFF[0];
+        let mut away = Away::default();
+        while !self.stopping() {
+            match (self.device.connect)() {
+                Err(error) => away.failed(&self.shared, &error),
+                Ok(mut transport) => {
+                    away.reached(&self.shared);
+                    let heard = self.shared.heard();
+                    let end = self.session(&mut *transport);
+                    self.last_words(&mut *transport);
+                    if self.shared.heard() != heard {
+                        pause = BACK_OFF[0];
+                    }
+                    match end {
+                        End::Stopped => break,
+                        End::Lost(error) => away.lost(&self.shared, &error),
+                        End::Panicked => {
+                            let text = "closed after an internal error; forces are released";
+                            self.shared.messages().tell(text);
+                            break;
+                        }
+                    }
+                }
+            }
+            self.wait(pause);
+            pause = (pause * 2).min(BACK_OFF[1]);
+        }
+        self.shared.ended.store(true, Ordering::Release);
+    }
+
+    fn stopping(&self) -> bool {
+        self.shared.stop.load(Ordering::Acquire)
+    }
+
+    /// Waits, unless asked to stop.
+    fn wait(&self, pause: Duration) {
+        let start = Instant::now();
+        while !self.stopping() && start.elapsed() < pause {
+            std::thread::park_timeout(Duration::from_millis(10).min(pause));
+        }
+    }
+
+    /// Talks with the device until something ends it.
+    fn session(&mut self, transport: &mut dyn Transport) -> End {
+        let talk = AssertUnwindSafe(|| self.talk(transport));
+        catch_unwind(talk).unwrap_or(End::Panicked)
+    }
+
+    fn talk(&mut self, transport: &mut dyn Transport) -> End {
+        let mut buffer = vec![0; 1 << 16];
+        let opened_ns = now_ns();
+        let mut mute = self.device.speaks;
+        self.shown_ns = [None; 2];
+        // What waited for a device that was away is not shown late.
+        self.ends.outputs.iter_mut().for_each(|output| _ = output.update());
+        let mut link = Link { transport, lost: None };
+        self.device.protocol.start(opened_ns, &mut |bytes| link.send(bytes));
+        while link.lost.is_none() {
+            if self.stopping() {
+                return End::Stopped;
+            }
+            let received = match link.transport.receive(&mut buffer, POLL) {
+                Ok(received) => received,
+                Err(error) => return End::Lost(error),
+            };
+            let now = now_ns();
+            let outputs = newest(&self.shared, &mut self.ends.outputs, &mut self.shown_ns, now);
+            let samples = &mut self.ends.samples;
+            let mut take = |event| take(event, now, &self.shared, samples, &mut self.sample_ns);
+            let protocol = &mut *self.device.protocol;
+            if received > 0 {
+                protocol.receive(now, &buffer[..received], &mut take, &mut |b| link.send(b));
+            }
+            let [left, right] = outputs.each_ref().map(Option::as_ref);
+            protocol.tick(now, left.or(right), &mut take, &mut |b| link.send(b));
+            if let (Some(_), Some(_)) = (left, right) {
+                protocol.tick(now, right, &mut take, &mut |b| link.send(b));
+            }
+            if mute {
+                mute = self.shared.heard().is_none_or(|heard| heard < opened_ns);
+                if mute && now - opened_ns > MUTE_NS {
+                    mute = false;
+                    let text = "is connected but says nothing that makes sense: wrong port, speed \
+                                or firmware?";
+                    self.shared.messages().tell(text);
+                }
+            }
+        }
+        link.lost.map_or(End::Stopped, End::Lost)
+    }
+
+    /// Sets the device free, as far as it still can be reached.
+    fn last_words(&mut self, transport: &mut dyn Transport) {
+        let protocol = &mut self.device.protocol;
+        let _ = catch_unwind(AssertUnwindSafe(|| {
+            let mut link = Link { transport, lost: None };
+            protocol.stop(&mut |bytes| link.send(bytes));
+        }));
+    }
+}
+
+/// Sends until the first failure, and keeps that.
+struct Link<'a> {
+    transport: &'a mut dyn Transport,
+    lost: Option<io::Error>,
+}
+
+impl Link<'_> {
+    fn send(&mut self, bytes: &[u8]) {
+        if self.lost.is_none() {
+            self.lost = self.transport.send(bytes).err();
+        }
+    }
+}
+
+/// What becomes of an event.
+fn take(
+    event: Event,
+    now: u64,
+    shared: &Shared,
+    samples: &mut [Input<Option<HandSample>>; 2],
+    newest: &mut [u64; 2],
+) {
+    match event {
+        Event::Sample(mut sample) => {
+            let k = slot(sample.side);
+            sample.time_ns = sample.time_ns.min(now);
+            // Older than what is known, or the same again: datagrams overtake each other.
+            if sample.time_ns <= newest[k] {
+                return;
+            }
+            match sample.pose.as_ref().map(|pose| checked(0.0, pose)).transpose() {
+                Ok(pose) => sample.pose = pose,
+                Err(error) => {
+                    shared.messages().refuse(now, &format!("a pose is refused: {error}"));
+                    return;
+                }
+            }
+            newest[k] = sample.time_ns;
+            samples[k].write(Some(sample));
+        }
+        Event::Alive => {}
+        Event::Note(text) => shared.messages().tell(&text),
+        Event::Refused(why) => return shared.messages().refuse(now, &why),
+    }
+    shared.heard_ns.store(now, Ordering::Relaxed);
+}
+
+/// Per side, what shall be shown from now on if that changed: a new output, or none because none
+/// came for too long or nobody holds the display any more.
+fn newest(
+    shared: &Shared,
+    outputs: &mut [Output<HandOutput>; 2],
+    shown_ns: &mut [Option<u64>; 2],
+    now: u64,
+) -> [Option<HandOutput>; 2] {
+    let closed = shared.display_closed.load(Ordering::Acquire);
+    [Side::Left, Side::Right].map(|side| {
+        let (output, shown) = (&mut outputs[slot(side)], &mut shown_ns[slot(side)]);
+        if !closed && output.update() {
+            *shown = Some(now);
+            return Some(*output.output_buffer());
+        }
+        let since = (*shown)?;
+        if !closed && now.saturating_sub(since) <= OUTPUT_SILENCE_NS {
+            return None;
+        }
+        *shown = None;
+        Some(HandOutput::released(side, now))
+    })
+}
+
+/// Tells of losses and returns, each once.
+#[derive(Default)]
+struct Away {
+    /// The failure that was told last, while the device is away.
+    told: Option<io::ErrorKind>,
+    /// It has been there before.
+    known: bool,
+}
+
+impl Away {
+    fn failed(&mut self, shared: &Shared, error: &io::Error) {
+        if self.told != Some(error.kind()) {
+            self.told = Some(error.kind());
+            shared
+                .messages()
+                .tell(&format!("is not there ({error}); it is taken up when it comes"));
+        }
+    }
+
+    fn lost(&mut self, shared: &Shared, error: &io::Error) {
+        shared.messages().tell(&format!("is lost ({error}); it is taken up when it returns"));
+        // That it is not there any more needs no second message, other hindrances do.
+        self.told = Some(io::ErrorKind::NotFound);
+    }
+
+    fn reached(&mut self, shared: &Shared) {
+        shared.messages().tell(if self.known { "is back" } else { "is connected" });
+        (self.known, self.told) = (true, None);
+    }
+}
