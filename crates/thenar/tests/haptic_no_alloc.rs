@@ -1,15 +1,20 @@
 //! Goal: a haptic tick allocates nothing. Method: a global allocator that counts, around ticks of a
-//! hand of 16 bones with new frames, contacts, guards and a trip.
+//! hand of 16 bones with new frames, contacts, guards and a trip; around frames that a world publishes.
 
+mod common;
+
+use common::{body, finger};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
+use thenar::contact::Shape;
 use thenar::haptic::safety::{Bank, Limits, Signal, Trip};
 use thenar::haptic::shared::CondensedContact;
 use thenar::haptic::{
-    CouplingDesign, FastToSlow, HandSettings, HapticHand, Mode, RigidState, SlowToFast, Touch,
-    pad_force,
+    CouplingDesign, FastToSlow, HandSettings, HapticHand, Mode, RigidState, SingleRate,
+    SingleRateSettings, SlowToFast, Touch, pad_force,
 };
-use thenar::{Mat3, Pose, Vec3};
+use thenar::model::Motion;
+use thenar::{Mat3, Pose, Vec3, World};
 
 struct Counting;
 
@@ -122,4 +127,44 @@ fn a_haptic_tick_allocates_nothing() {
     assert_eq!(active, 40, "all contacts of the largest frame must bear");
     assert!(felt > 0.5 && forces == [[0.0]; 5], "{felt} N, then {forces:?}");
     assert_eq!(after - before, 0, "allocations in 1000 ticks");
+}
+
+/// A soft finger pressed on a floor: steps, frames, and the whole world within the tick.
+#[test]
+fn publishing_and_single_rate_allocate_nothing() {
+    let mut desc = finger(1e8, 1.0 / 60.0);
+    let mut floor = body("floor", 1.0, [1.0; 3], Vec3::y() * -0.001);
+    floor.motion = Motion::Prescribed;
+    floor.shape = Some(Shape::HalfSpace);
+    desc.add_rigid(floor);
+    let proxy = CouplingDesign::default().proxy(0.003, &Mat3::from_diagonal_element(1e-7));
+    desc.drives[..2].fill(Some(proxy.bone));
+    let inside = World::new(desc.clone()).unwrap();
+    let mut world = World::new(desc).unwrap();
+    let start = [0, 1].map(|b| RigidState::of(&world, b));
+    let mut touch = SingleRate::new(SingleRateSettings::default(), inside, 0..2);
+    let mut frame = SlowToFast::new(&start, 40);
+    let mut input = world.input();
+    let mut run = |steps: u64| {
+        let mut contacts = 0;
+        for k in 0..steps {
+            for (b, state) in start.iter().enumerate() {
+                let low = state.pose_WB.position - Vec3::y() * 1e-4 * k as f64;
+                let pose = Pose::new(low, state.pose_WB.rotation);
+                input.targets[b] = Some(RigidState::at_rest(pose).target());
+                touch.track(b, (k + 1) * 1_000_000, pose, None);
+            }
+            world.step(&input, &mut ());
+            assert!(world.condense(0..2, &input, &mut frame));
+            contacts = contacts.max(frame.response.contacts.len());
+            touch.tick((k + 1) * 1_000_000, &frame);
+        }
+        contacts
+    };
+    run(1);
+    let before = COUNT.get();
+    let contacts = run(60);
+    let after = COUNT.get();
+    assert!(contacts > 10, "{contacts} contacts");
+    assert_eq!(after - before, 0, "allocations in 60 frames");
 }

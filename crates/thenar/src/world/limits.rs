@@ -8,7 +8,7 @@
 
 use crate::math::Vec3;
 use crate::model::{AngleLimit, Limits, SolverKind, SolverSettings};
-use crate::skeleton::{limit_spring_torque, turned_towards};
+use crate::skeleton::{AxisState, limit_spring_torque, turned_towards};
 use crate::solver::TURN_LEVER;
 use crate::world::model::Model;
 use crate::world::state::{Scratch, State};
@@ -46,6 +46,16 @@ pub fn build_rows(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
                 let wanted = TURN_LEVER * (-gap / h).min(TURN_BACK_RATE_MAX);
                 rows.rows[i].target = Vec3::new(wanted, 0.0, 0.0) - v;
             }
+        }
+    }
+}
+
+/// Appends how far each row's bound was at the start of the step, as its row counts it \[m\].
+pub fn list_gaps(model: &Model, axes: &[[Option<AxisState>; 2]], to: &mut Vec<f64>) {
+    for (joint, axes) in model.joints.iter().zip(axes) {
+        for (axis, present) in joint.axes[..joint.kind.angles()].iter().zip(axes) {
+            let (Some(limit), Some(present)) = (axis.limit, present) else { continue };
+            to.extend(gaps(&limit, present.angle).map(|(_, gap)| gap * TURN_LEVER));
         }
     }
 }

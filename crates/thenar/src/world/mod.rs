@@ -3,6 +3,7 @@
 mod advance;
 mod assemble;
 mod check;
+mod condense;
 mod energy;
 mod error;
 mod exact;

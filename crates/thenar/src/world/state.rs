@@ -235,6 +235,10 @@ pub struct Scratch {
     pub anticipation: Anticipation,
     /// Contacts as reported.
     pub contacts: Vec<ContactPoint>,
+    /// Contacts and limits that touch is told of, by weight.
+    pub chosen: Vec<u32>,
+    /// Their gaps at the end of the step \[m\].
+    pub gaps: Vec<f64>,
     /// Collision vertices of all deformable bodies, world, and their velocities.
     pub vertices: Vec<Vec3>,
     /// Velocities of these.
@@ -281,6 +285,8 @@ impl Scratch {
             rows: ContactRows::with_capacity(rigids, contacts_max + limits::rows_max(model)),
             anticipation: Anticipation::new(rigids, nodes),
             contacts: Vec::with_capacity(contacts_max),
+            chosen: Vec::with_capacity(contacts_max + limits::rows_max(model)),
+            gaps: Vec::with_capacity(contacts_max + limits::rows_max(model)),
             vertices: vec![Vec3::zeros(); model.vertices.len()],
             vertex_velocities: vec![Vec3::zeros(); model.vertices.len()],
             exact: None,

@@ -31,6 +31,7 @@ pub struct CondensedContact {
 /// | `delassus` | B = J C Jᵀ + W | 3m × 3m |
 ///
 /// The publisher fills the first three, `contacts`, `springs` and `targets`, and calls `prepare`.
+/// `World::condense` knows the last two without J and W, which it leaves empty.
 #[derive(Clone, Debug)]
 pub struct Condensed {
     bones: usize,
@@ -101,6 +102,8 @@ impl Condensed {
     /// an array has the wrong length, holds a number that is not finite, or there is no room.
     pub fn prepare(&mut self) -> bool {
         let (n, m) = (6 * self.bones, 3 * self.contacts.len());
+        self.lift.clear();
+        self.delassus.clear();
         self.ready = self.contacts.len() <= self.contacts_max
             && self.springs.len() == self.bones
             && self.targets.len() == self.bones
@@ -111,8 +114,6 @@ impl Condensed {
         if !self.ready {
             return false;
         }
-        self.lift.clear();
-        self.delassus.clear();
         // Without bones or contacts there are no chunks; their length must still not be zero.
         let (n, m) = (n.max(1), m.max(1));
         for row in self.rows.chunks_exact(n) {
@@ -124,6 +125,24 @@ impl Condensed {
             self.delassus.extend(values);
         }
         true
+    }
+
+    /// C, J C and B, to be filled by who knows them; then [`Self::finish`].
+    pub(crate) fn products(&mut self) -> (&mut Vec<f64>, &mut Vec<f64>, &mut Vec<f64>) {
+        (&mut self.compliance, &mut self.lift, &mut self.delassus)
+    }
+
+    /// Ready, when all lengths fit and all numbers are finite.
+    pub(crate) fn finish(&mut self) -> bool {
+        let (n, m) = (6 * self.bones, 3 * self.contacts.len());
+        self.ready = self.contacts.len() <= self.contacts_max
+            && self.springs.len() == self.bones
+            && self.targets.len() == self.bones
+            && self.compliance.len() == n * n
+            && self.lift.len() == m * n
+            && self.delassus.len() == m * m
+            && self.is_finite();
+        self.ready
     }
 
     /// Takes over `other` without allocating, given room for its contacts.
@@ -150,7 +169,8 @@ impl Condensed {
     }
 
     fn is_finite(&self) -> bool {
-        let numbers = self.compliance.iter().chain(&self.rows).chain(&self.local);
+        let given = self.compliance.iter().chain(&self.rows).chain(&self.local);
+        let numbers = given.chain(&self.lift).chain(&self.delassus);
         let contacts = self.contacts.iter().all(|c| {
             c.gap.is_finite()
                 && c.friction.is_finite()

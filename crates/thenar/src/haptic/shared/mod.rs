@@ -14,8 +14,11 @@
 //!            0 ≤ f_n ⊥ d_n ≥ 0,   |f_t| ≤ μ f_n, against sliding
 //! ```
 //!
-//! Guaranteed: with unmoved proxies the frame's own forces and poses come out. Not included: inertia
-//! between two frames, contacts that the frame does not list (it must list what may touch before
+//! `World::condense` publishes it: bones and flesh as they come to rest, objects with their inertia
+//! over one step; joint limits are listed as contacts. Only the exact solver has it.
+//!
+//! Guaranteed: with unmoved proxies the frame's own forces and poses come out. Not included: the
+//! hand's inertia between two frames, contacts that the frame does not list (it must list what may touch before
 //! the next), and large turns since the frame.
 
 mod condensed;

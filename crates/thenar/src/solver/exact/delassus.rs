@@ -83,10 +83,7 @@ impl Delassus {
     /// Starts anew with the contacts that close, or pressed before; the others get no impulse. False
     /// when they are too many.
     pub fn begin(&mut self, contacts: &mut ContactRows, direct: &Direct) -> bool {
-        self.built = 0;
-        self.decay = Decay::default();
-        self.members.clear();
-        self.is_member.fill(false);
+        self.forget();
         for i in 0..contacts.rows.len() {
             let row = &mut contacts.rows[i];
             if row.target.x > 0.0 || row.lambda.x > 0.0 {
@@ -97,13 +94,48 @@ impl Delassus {
                 row.lambda = Vec3::zeros();
             }
         }
-        // Neighbours in the elimination tree share a batch, which then reaches less of it.
+        self.arrange(contacts, direct);
+        true
+    }
+
+    /// Starts anew with these contacts; false when they are too many.
+    pub fn begin_with(&mut self, chosen: &[u32], contacts: &ContactRows, direct: &Direct) -> bool {
+        self.forget();
+        let fits = chosen.iter().all(|&i| self.admit(i as usize));
+        self.arrange(contacts, direct);
+        fits
+    }
+
+    fn forget(&mut self) {
+        self.built = 0;
+        self.decay = Decay::default();
+        self.members.clear();
+        self.is_member.fill(false);
+    }
+
+    /// Neighbours in the elimination tree share a batch, which then reaches less of it.
+    fn arrange(&mut self, contacts: &ContactRows, direct: &Direct) {
         let place = &direct.factor.symbolic.place_of_node;
         self.members.sort_unstable_by_key(|&m| {
             let first = nodes_of(contacts, &contacts.rows[m as usize]).next();
             (first.map_or(0, |(node, _)| place[node]), m)
         });
-        true
+    }
+
+    /// The contacts in W, in its order.
+    pub fn members(&self) -> &[u32] {
+        &self.members
+    }
+
+    /// One entry of W.
+    pub fn entry(&self, row: usize, column: usize) -> f64 {
+        f64::from(self.W.at(row, column))
+    }
+
+    /// One column of H: what pulls on each freedom, half solved.
+    pub fn pull(&self, column: usize) -> impl Iterator<Item = f64> + '_ {
+        let lane = column % LANES;
+        self.pull_of(column / LANES).iter().map(move |lanes| f64::from(lanes[lane]))
     }
 
     fn admit(&mut self, contact: usize) -> bool {

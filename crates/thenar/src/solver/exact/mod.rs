@@ -31,6 +31,7 @@ mod jacobi;
 mod loops;
 mod ordering;
 mod pcg;
+mod publish;
 mod reduction;
 mod relative;
 mod small_cholesky;
@@ -39,6 +40,7 @@ mod symbolic;
 mod vectors;
 
 pub use pcg::Solved;
+pub use publish::Answer;
 pub use reduction::Reduction;
 pub use relative::{Carried, Coordinates, System};
 
@@ -75,7 +77,7 @@ pub struct Plan<'a> {
 }
 
 /// Most contacts that may press in one step; W takes 36 bytes times their square.
-const PRESSING_MAX: usize = 512;
+pub const PRESSING_MAX: usize = 512;
 /// Times that contact is solved, compared with the true velocities, and solved again.
 const ROUNDS_MAX: u32 = 8;
 

@@ -1,0 +1,110 @@
+//! What touch needs of the system: how some bodies and contacts answer to wrenches on these bodies
+//! and to contact forces.
+//!
+//! With the flesh eliminated, `K⁻¹` of the bodies is `Z S⁻¹ Zᵀ`. One column of Z per body and
+//! direction, half solved, `G = L_S⁻¹ Zᵀ`, gives both products with the H of the contacts
+//! (`delassus`):
+//!
+//! ```text
+//!   bodies by wrenches     Gᵀ G
+//!   contacts by wrenches   Hᵀ G
+//!   contacts by forces     W
+//! ```
+
+use crate::math::Vec3;
+use crate::solver::exact::{Exact, StepSystem, small_cholesky, system};
+use crate::solver::{ContactRows, JointBlock};
+use std::ops::Range;
+
+/// Where the answers go; row-major, n bodies of six directions (linear, then angular, world), m rows
+/// of contacts.
+#[derive(Debug)]
+pub struct Answer<'a> {
+    /// 6n × 6n.
+    pub bodies: &'a mut Vec<f64>,
+    /// m × 6n.
+    pub lift: &'a mut Vec<f64>,
+    /// m × m.
+    pub contacts: &'a mut Vec<f64>,
+}
+
+impl Exact {
+    /// Fills `to` with `h² K⁻¹`: displacements \[m, rad\] per force \[N, N m\], for the system of a
+    /// step of `h`. Contacts come in the order returned. `None` when the system cannot be factored
+    /// or the contacts are too many.
+    pub fn answer(
+        &mut self,
+        step: &StepSystem<'_>,
+        joints: &[JointBlock],
+        (v, h): (&[Vec3], f64),
+        chosen: &[u32],
+        contacts: &ContactRows,
+        answering: Range<usize>,
+        to: &mut Answer<'_>,
+    ) -> Option<&[u32]> {
+        if !self.factor_for(step, joints, v, h) {
+            return None;
+        }
+        let Self { bodies, carried, springs, split, coarse, direct, delassus, x, .. } = self;
+        let system = system(step, bodies, carried, springs, split);
+        if !delassus.begin_with(chosen, contacts, direct) {
+            return None;
+        }
+        delassus.extend(&system, coarse, direct, contacts);
+
+        let (n, m) = (6 * answering.len(), 3 * delassus.members().len());
+        let square = h * h;
+        to.contacts.clear();
+        for row in 0..m {
+            to.contacts.extend((0..m).map(|column| square * delassus.entry(row, column)));
+        }
+        to.lift.clear();
+        to.lift.resize(m * n, 0.0);
+        to.bodies.clear();
+        for (k, body) in answering.clone().enumerate() {
+            for direction in 0..6 {
+                x.u.fill(0.0);
+                if let Some(group) = bodies.group_of_body(body) {
+                    bodies.columns(body).for_each(|(dof, c)| x.u[dof] = c[direction]);
+                    let dofs = bodies.groups()[group].clone();
+                    let (factor, u) = (&direct.schur[coarse.block(group)], &mut x.u);
+                    small_cholesky::forward(factor, dofs.len(), &mut u[dofs.clone()]);
+                    for row in 0..m {
+                        let pull = delassus.pull(row).skip(dofs.start).zip(&u[dofs.clone()]);
+                        to.lift[row * n + 6 * k + direction] =
+                            square * pull.map(|(a, b)| a * b).sum::<f64>();
+                    }
+                    small_cholesky::backward(factor, dofs.len(), &mut u[dofs]);
+                }
+                for other in answering.clone() {
+                    let mut motion = [0.0; 6];
+                    for (dof, c) in bodies.columns(other) {
+                        (0..6).for_each(|r| motion[r] += c[r] * x.u[dof]);
+                    }
+                    to.bodies.extend(motion.map(|q| square * q));
+                }
+            }
+        }
+        Some(self.delassus.members())
+    }
+
+    /// Factors the whole system, without a solve.
+    fn factor_for(
+        &mut self,
+        step: &StepSystem<'_>,
+        joints: &[JointBlock],
+        v: &[Vec3],
+        h: f64,
+    ) -> bool {
+        for c in &self.carried {
+            self.springs[c.node as usize] = c.spring;
+        }
+        if !self.bodies.refresh(step.A, joints, v, h) {
+            return false;
+        }
+        let Self { bodies, carried, springs, split, coarse, direct, .. } = self;
+        let system = system(step, bodies, carried, springs, split);
+        coarse.refresh(&system, true);
+        direct.refresh(&system, coarse)
+    }
+}

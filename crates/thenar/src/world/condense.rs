@@ -1,0 +1,159 @@
+//! The response that touch works on between two frames: how the bones of a hand and its contacts
+//! answer about the state after a step (`haptic::shared`).
+//!
+//! The bones answer as they would at rest, so the system is assembled anew for a step that is long
+//! beside all damping. What hangs on no drive and on no bones, an object, would not come to rest in
+//! the hand's motion alone: it has its inertia over one time step.
+
+use crate::contact::Site;
+use crate::haptic::shared::CondensedContact;
+use crate::haptic::{RigidState, SlowToFast};
+use crate::math::Mat3;
+use crate::model::{Drive, SolverKind, WorldDesc};
+use crate::solver::exact::{Answer, PRESSING_MAX, StepSystem};
+use crate::world::state::Scratch;
+use crate::world::{Input, World, assemble, exact, limits};
+use std::cmp::Ordering;
+use std::ops::Range;
+
+/// A step after which all is at rest \[s\]: dampings of a hand act within milliseconds.
+const REST: f64 = 10.0;
+
+/// A drive that is let go: nothing pulls.
+const LOOSE: Drive =
+    Drive { stiffness: 0.0, damping: 0.0, angular_stiffness: 0.0, angular_damping: 0.0 };
+
+impl World {
+    /// Fills a frame for touch after a step: the bones, and how they answer, with the contacts
+    /// that touch or may touch before the next frame. `input` is that of the step; `bones` are the
+    /// hand's among the rigid bodies. The caller sets time and step. Costs an assembly and a factor;
+    /// changes nothing that is simulated, allocates nothing.
+    ///
+    /// Returns whether there is a response. There is none, and the haptic loop goes on as in
+    /// [`Mode::Multirate`](crate::haptic::Mode), with another solver than the exact one, when
+    /// the system cannot be factored, or when the frame is for another number of bones.
+    pub fn condense(&mut self, bones: Range<u32>, input: &Input, to: &mut SlowToFast) -> bool {
+        to.response.clear();
+        let bones = bones.start as usize..(bones.end as usize).min(self.model.rigids.len());
+        if to.bones.len() != bones.len() || to.response.bones() != bones.len() {
+            return false;
+        }
+        for (state, b) in to.bones.iter_mut().zip(bones.clone()) {
+            *state = RigidState::of(self, b as u32);
+        }
+        if self.desc.solver.kind != SolverKind::Exact || self.scratch.exact.is_none() {
+            return false;
+        }
+        self.choose(to.response.contacts_max());
+        self.assemble_at_rest(input);
+        for b in bones.clone() {
+            let held = self.desc.drives[b].zip(input.target(b));
+            let (spring, pose_WB) = held
+                .map_or((LOOSE, self.state.poses_WB[b]), |(drive, target)| (drive, target.pose_WB));
+            to.response.springs.push(spring);
+            to.response.targets.push(RigidState::at_rest(pose_WB));
+        }
+        let Self { desc, model, state, scratch, time_step, .. } = self;
+        let Scratch { A, b, joints, rows, found, chosen, gaps, exact: Some(exact), .. } = scratch
+        else {
+            return false;
+        };
+        let is_turned = |i: usize| -> bool {
+            let on = |site| is_on(desc, &bones, site);
+            found.get(i).is_some_and(|contact| !on(&contact.a) && on(&contact.b))
+        };
+        let step = StepSystem { A, b, known: &model.known };
+        let (compliance, lift, delassus) = to.response.products();
+        let mut answer = Answer { bodies: compliance, lift, contacts: delassus };
+        let order =
+            exact.answer(&step, joints, (&state.v, REST), chosen, rows, bones.clone(), &mut answer);
+        let Some(order) = order else {
+            to.response.clear();
+            return false;
+        };
+        let contacts = order.iter().map(|&i| {
+            let (i, row) = (i as usize, &rows.rows[i as usize]);
+            let force = row.lambda / *time_step;
+            CondensedContact {
+                // The hand's normal points away from what it touches.
+                frame: if is_turned(i) { -row.frame } else { row.frame },
+                // What bears force touches, though the solver left a trace of a gap.
+                gap: if force.x > 0.0 { 0.0 } else { gaps[i].max(0.0) },
+                friction: row.friction,
+                force,
+            }
+        });
+        to.response.contacts.extend(contacts);
+        to.response.finish()
+    }
+
+    /// Lists the contacts and joint limits of the last step by what they matter, at most so many:
+    /// those that bear force, then the nearest.
+    fn choose(&mut self, most: usize) {
+        let Self { model, state, scratch, time_step: h, .. } = self;
+        scratch.chosen.clear();
+        scratch.gaps.clear();
+        // After a step that was taken back, or none, there are no contacts.
+        if scratch.contacts.len() != scratch.found.len() {
+            return;
+        }
+        scratch.gaps.extend(scratch.found.iter().map(|contact| contact.gap));
+        if limits::by_rows(&self.desc.solver) {
+            limits::list_gaps(model, &scratch.axes, &mut scratch.gaps);
+        }
+        let Scratch { rows, gaps, chosen, .. } = scratch;
+        for (gap, row) in gaps.iter_mut().zip(&rows.rows) {
+            *gap += *h * (row.frame * rows.relative_velocity(row, &state.v)).x;
+        }
+        chosen.extend(0..gaps.len().min(rows.rows.len()) as u32);
+        let by_weight = |&i: &u32, &j: &u32| -> Ordering {
+            let [(f, g), (k, l)] =
+                [i, j].map(|i| (rows.rows[i as usize].lambda.x, gaps[i as usize]));
+            k.total_cmp(&f).then(g.total_cmp(&l)).then(i.cmp(&j))
+        };
+        chosen.sort_unstable_by(by_weight);
+        chosen.truncate(most.min(PRESSING_MAX));
+    }
+
+    /// The system whose solution is where all comes to rest.
+    fn assemble_at_rest(&mut self, input: &Input) {
+        let Self { desc, model, state, scratch, time_step, .. } = self;
+        scratch.before.v.copy_from_slice(&state.v);
+        assemble::skeleton(desc, model, desc.solver.limits, state, input, REST, scratch);
+        exact::couple(model, state, REST, scratch);
+        assemble::flesh(model, state, input, REST, scratch);
+        // Prescribed bodies were given this input's velocities.
+        state.v.copy_from_slice(&scratch.before.v);
+
+        let steps = (REST / *time_step).powi(2);
+        let Scratch { A, .. } = scratch;
+        for (b, body) in model.rigids.iter().enumerate() {
+            let driven = desc.drives[b].is_some() && input.target(b).is_some();
+            if body.moves && !driven {
+                let R = state.poses_WB[b].rotation.to_rotation_matrix().into_inner();
+                let inertia_W = R * body.inertia * R.transpose();
+                A.add(A.diagonal[2 * b], &Mat3::from_diagonal_element(steps * body.mass));
+                A.add(A.diagonal[2 * b + 1], &(inertia_W * steps));
+            }
+        }
+        let row0 = 2 * model.rigids.len();
+        for (soft, nodes) in desc.softs.iter().zip(&model.soft_nodes) {
+            for n in nodes.clone().filter(|_| soft.coupling.is_none()) {
+                let inertia = Mat3::from_diagonal_element(steps * model.flesh.mass[n]);
+                A.add(A.diagonal[row0 + n], &inertia);
+            }
+        }
+    }
+}
+
+/// Whether a place is on one of these bones or on their flesh.
+fn is_on(desc: &WorldDesc, bones: &Range<usize>, site: &Site) -> bool {
+    match site {
+        Site::Rigid { body, .. } => bones.contains(&(*body as usize)),
+        Site::Soft(point) => {
+            let coupling = desc.softs[point.soft as usize].coupling.as_ref();
+            let binding = coupling.and_then(|coupling| coupling.bindings.first());
+            binding.is_some_and(|binding| bones.contains(&(binding.bones[0] as usize)))
+        }
+    }
+}
