@@ -14,11 +14,17 @@
 mod clock;
 mod device;
 mod error;
+pub mod hand_tracking_streamer;
+pub mod joints;
+mod lines;
 pub mod null;
 mod output;
 mod protocol;
 mod registry;
 mod sample;
+pub mod source_clock;
+#[cfg(test)]
+mod testing;
 pub mod worker;
 
 pub use clock::now_ns;
