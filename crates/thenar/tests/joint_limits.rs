@@ -191,6 +191,42 @@ fn random_torques_cannot_break_a_bound() {
     }
 }
 
+/// Nothing but a bound acts on a soft finger that is turned to and fro: hitting it, holding and letting
+/// go agree with the dense reference, mostly without the compliance of the flesh (no sweep).
+#[test]
+fn bounds_alone_agree_with_the_dense_reference() {
+    for (kappa, h) in [(1e8, 1e-3), (1e9, 5e-3)] {
+        let mut desc = finger(kappa, h);
+        desc.gravity = Vec3::zeros();
+        desc.solver.kind = SolverKind::Exact;
+        desc.solver.velocity_tolerance = 1e-6;
+        desc.rigids[0].motion = Motion::Prescribed;
+        desc.joints[0].axes[0].limit = Some(AngleLimit { min: -0.03, max: 0.02 });
+        let mut world = World::new(desc).unwrap();
+        let mut input = world.input();
+        let (mut held, mut free, mut unswept) = ([0, 0], 0, 0);
+        for step in 0..64 {
+            input.joint_torques[0][0] = [0.6, 0.0, -0.6, 0.0][step / 8 % 4];
+            let mut dense = world.clone();
+            let report = world.step(&input, &mut ());
+            assert!(!report.fell_back, "{report:?}");
+            unswept += u32::from(report.contact_sweeps == 0);
+            let [torque, _] = world.joint_limit_torques(0);
+            held[usize::from(torque > 0.0)] += u32::from(torque != 0.0);
+            free += u32::from(torque == 0.0);
+            dense.set_solver(SolverKind::Monolithic);
+            dense.step(&input, &mut ());
+            let pairs = world.state().v.iter().zip(&dense.state().v);
+            let worst = pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+            assert!(worst < 1e-4, "step {step}: off by {worst}");
+            let other = dense.joint_limit_torques(0)[0];
+            assert!((torque - other).abs() < 1e-5, "step {step}: {torque} and {other} N m");
+        }
+        assert!(held[0] > 5 && held[1] > 5 && free > 2, "held {held:?}, free {free}");
+        assert!(unswept > 10, "only {unswept} steps did without the flesh's compliance");
+    }
+}
+
 /// A finger pressed on a plane until its knuckle can give no more: contact and bound share the load.
 #[test]
 fn limits_and_contact_agree_with_the_dense_reference() {

@@ -30,6 +30,8 @@ pub struct ContactRow {
     pub impulse_max: f64,
     /// Impulse in the contact frame \[N s\].
     pub lambda: Vec3,
+    /// The part of its normal component that is in the velocities without contact already \[N s\].
+    pub included: f64,
     /// Own response `J D⁻¹ Jᵀ` \[1/kg\].
     pub response: Mat3,
 }
@@ -79,6 +81,7 @@ impl ContactRows {
             friction,
             target: Vec3::zeros(),
             impulse_max: f64::INFINITY,
+            included: 0.0,
             response: Mat3::zeros(),
         });
         self.rows.len() - 1
@@ -189,6 +192,11 @@ impl ContactRows {
 }
 
 impl ContactRow {
+    /// The impulse without what the velocities contain already.
+    pub fn added(&self) -> Vec3 {
+        Vec3::new(self.lambda.x - self.included, self.lambda.y, self.lambda.z)
+    }
+
     /// What the row sees of a body that moves and turns so and is held at `lever`.
     #[inline]
     pub fn motion(&self, lin: &Vec3, ang: &Vec3, lever: &Vec3) -> Vec3 {

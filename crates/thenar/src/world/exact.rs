@@ -6,6 +6,7 @@ use crate::model::SolverSettings;
 use crate::solver::exact::{Accuracy, Carried, Exact, Plan, StepSystem};
 use crate::solver::{Convergence, Failure};
 use crate::world::fall_back::Care;
+use crate::world::limits;
 use crate::world::model::Model;
 use crate::world::state::{Scratch, State};
 
@@ -42,6 +43,7 @@ pub fn build(model: &Model, positions: &[Vec3], contacts_max: usize) -> Exact {
         positions,
         pattern: &model.pattern,
         contacts_max,
+        bounds_max: limits::rows_max(model),
     })
 }
 
@@ -76,8 +78,7 @@ pub fn solve(
     }
     let step = StepSystem { A: &scratch.A, b: &scratch.b, known: &model.known };
     let accuracy = accuracy(settings, care);
-    let touched = state.impulses.iter().any(|(_, impulse)| *impulse != Vec3::zeros())
-        || state.limit_impulses.iter().any(|impulses| *impulses != [0.0; 2]);
+    let touched = state.impulses.iter().any(|(_, impulse)| *impulse != Vec3::zeros());
     let solved = exact.solve(&step, &scratch.joints, h, touched, &accuracy, &mut state.v)?;
     Ok(Convergence { iterations: solved.iterations, residual: solved.error })
 }

@@ -10,6 +10,7 @@ use crate::math::Vec3;
 use crate::model::{AngleLimit, Limits, SolverKind, SolverSettings};
 use crate::skeleton::{AxisState, limit_spring_torque, turned_towards};
 use crate::solver::TURN_LEVER;
+use crate::solver::exact::Bound;
 use crate::world::model::Model;
 use crate::world::state::{Scratch, State};
 use crate::world::{World, assemble};
@@ -28,12 +29,42 @@ pub fn rows_max(model: &Model) -> usize {
     2 * model.joints.iter().map(|joint| joint.kind.angles()).sum::<usize>()
 }
 
+/// Tells the exact solver all bounds, in the order of their rows, and what each bore in the last step.
+pub fn set_bounds(limits: Limits, model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
+    let Some(exact) = &mut scratch.exact else { return };
+    let bounds = exact.bounds_mut();
+    if limits == Limits::Springs {
+        return;
+    }
+    for (j, joint) in model.joints.iter().enumerate() {
+        for (k, axis) in joint.axes[..joint.kind.angles()].iter().enumerate() {
+            let (Some(limit), Some(present)) = (axis.limit, scratch.axes[j][k]) else { continue };
+            bounds.extend(gaps(&limit, present.angle).map(|(sign, gap)| Bound {
+                child: joint.child,
+                parent: joint.parent,
+                axis_W: present.direction_W * sign,
+                wanted: wanted(gap, h),
+                impulse: (sign * state.limit_impulses[j][k]).max(0.0) / TURN_LEVER,
+            }));
+        }
+    }
+}
+
+/// How fast to turn away from a bound at this distance \[rad\], at [`TURN_LEVER`] \[m/s\].
+fn wanted(gap: f64, h: f64) -> f64 {
+    TURN_LEVER * (-gap / h).min(TURN_BACK_RATE_MAX)
+}
+
 /// Appends the rows of all bounds, for the velocities without contact in `state`.
-pub fn build_rows(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
+pub fn build_rows(kind: SolverKind, model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
+    let mut next = 0;
     for (j, joint) in model.joints.iter().enumerate() {
         for (k, axis) in joint.axes[..joint.kind.angles()].iter().enumerate() {
             let (Some(limit), Some(present)) = (axis.limit, scratch.axes[j][k]) else { continue };
             for (sign, gap) in gaps(&limit, present.angle) {
+                let held = scratch.exact.as_ref().filter(|_| kind == SolverKind::Exact);
+                let included = held.map_or(0.0, |exact| exact.bounds()[next].impulse);
+                next += 1;
                 let before = (sign * state.limit_impulses[j][k]).max(0.0);
                 let rows = &mut scratch.rows;
                 let i = rows.begin_turn(&(present.direction_W * sign), before);
@@ -43,8 +74,11 @@ pub fn build_rows(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
                 }
                 let row = &rows.rows[i];
                 let v = row.frame * rows.relative_velocity(row, &state.v);
-                let wanted = TURN_LEVER * (-gap / h).min(TURN_BACK_RATE_MAX);
-                rows.rows[i].target = Vec3::new(wanted, 0.0, 0.0) - v;
+                rows.rows[i].target = Vec3::new(wanted(gap, h), 0.0, 0.0) - v;
+                if included != 0.0 {
+                    rows.rows[i].included = included;
+                    rows.rows[i].lambda.x = included.max(0.0);
+                }
             }
         }
     }

@@ -130,8 +130,11 @@ impl World {
         timer.begin(Some(Stage::Skeleton));
         assemble::skeleton(desc, model, limits, state, input, h, scratch); // A_s, b_s, J_s (4)
         match kind {
-            SolverKind::Exact => exact::couple(model, state, h, scratch), // G, J          (7-9)
-            _ => assemble::coupling(desc, model, state, h, scratch),      //   A_sf, A_fs      (7-9)
+            SolverKind::Exact => {
+                exact::couple(model, state, h, scratch); //                               (7-9)
+                limits::set_bounds(limits, model, state, h, scratch);
+            }
+            _ => assemble::coupling(desc, model, state, h, scratch), //   A_sf, A_fs      (7-9)
         }
         if kind == SolverKind::TwoStep {
             two_step::articulated_body(model, state, h, scratch)?; //                        (10)
@@ -168,7 +171,7 @@ impl World {
         friction::set_coefficients(model, state, scratch);
         let contacts = scratch.rows.rows.len();
         if limits == Limits::Rows {
-            limits::build_rows(model, state, h, scratch);
+            limits::build_rows(kind, model, state, h, scratch);
         }
         let contact = match (kind, &whole) {
             (SolverKind::Exact, _) => exact::respond(settings, care, model, state, scratch)?,

@@ -86,7 +86,7 @@ impl Delassus {
         self.forget();
         for i in 0..contacts.rows.len() {
             let row = &mut contacts.rows[i];
-            if row.target.x > 0.0 || row.lambda.x > 0.0 {
+            if row.target.x > 0.0 || row.lambda.x > 0.0 || row.included != 0.0 {
                 if !self.admit(i) {
                     return false;
                 }
@@ -297,7 +297,7 @@ impl Delassus {
         d.fill(0.0);
         for m in 0..n {
             let row = &contacts.rows[members[m] as usize];
-            W.add_answer(simd, m, &row.lambda, d);
+            W.add_answer(simd, m, &row.added(), d);
         }
         for m in 0..n {
             let start = correction[m] - contacts.rows[members[m] as usize].target;

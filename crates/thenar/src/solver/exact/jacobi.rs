@@ -82,6 +82,15 @@ impl BlockJacobi {
         sound
     }
 
+    /// The bodies' part: `u = K_uu⁻¹ u`.
+    pub fn solve_bodies(&self, system: &System<'_>, coarse: &Coarse, u: &mut [f64]) {
+        for (g, dofs) in system.bodies.groups().iter().enumerate() {
+            let l = &self.bodies[coarse.block(g)];
+            small_cholesky::forward(l, dofs.len(), &mut u[dofs.clone()]);
+            small_cholesky::backward(l, dofs.len(), &mut u[dofs.clone()]);
+        }
+    }
+
     /// `z = P⁻¹ r`.
     pub fn apply(
         &self,
@@ -91,11 +100,7 @@ impl BlockJacobi {
         z: &mut Coordinates,
     ) {
         z.u.copy_from_slice(&r.u);
-        for (g, dofs) in system.bodies.groups().iter().enumerate() {
-            let l = &self.bodies[coarse.block(g)];
-            small_cholesky::forward(l, dofs.len(), &mut z.u[dofs.clone()]);
-            small_cholesky::backward(l, dofs.len(), &mut z.u[dofs.clone()]);
-        }
+        self.solve_bodies(system, coarse, &mut z.u);
         let inverses = self.nodes.as_flattened();
         dispatch!(Level::new(), simd => {
             for (n, (z, r)) in z.w.iter_mut().zip(&r.w).enumerate() {

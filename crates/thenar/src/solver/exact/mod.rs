@@ -27,6 +27,7 @@ mod direct;
 mod factor;
 mod gauss_seidel;
 mod half_solves;
+mod held;
 mod jacobi;
 mod loops;
 mod ordering;
@@ -39,6 +40,7 @@ mod substitution;
 mod symbolic;
 mod vectors;
 
+pub use held::Bound;
 pub use pcg::Solved;
 pub use publish::Answer;
 pub use reduction::Reduction;
@@ -46,11 +48,12 @@ pub use relative::{Carried, Coordinates, System};
 
 use crate::math::Vec3;
 use crate::model::Cone;
-use crate::solver::{BlockMatrix, ContactRows, Convergence, Failure, JointBlock};
+use crate::solver::{BlockMatrix, ContactRow, ContactRows, Convergence, Failure, JointBlock};
 use coarse::Coarse;
 use delassus::Delassus;
 use direct::Direct;
 use factor::Factor;
+use held::Held;
 use jacobi::BlockJacobi;
 use pcg::Stop;
 use symbolic::Symbolic;
@@ -74,12 +77,17 @@ pub struct Plan<'a> {
     pub pattern: &'a BlockMatrix,
     /// Most contacts that the world may find.
     pub contacts_max: usize,
+    /// Most bounds that limit how joints turn.
+    pub bounds_max: usize,
 }
 
 /// Most contacts that may press in one step; W takes 36 bytes times their square.
 pub const PRESSING_MAX: usize = 512;
 /// Times that contact is solved, compared with the true velocities, and solved again.
 const ROUNDS_MAX: u32 = 8;
+
+/// Times that joint limits are let go or held and the step is solved again without contact.
+const REVISIONS_MAX: u32 = 6;
 
 /// Fewest iterations with the block diagonal.
 const WINDOW: u32 = 4;
@@ -107,6 +115,7 @@ pub struct Exact {
     /// So many iterations of the block diagonal cost what the factor does.
     iterations_worth_a_factor: u32,
     x: Coordinates,
+    held: Held,
     delassus: Delassus,
     /// Contacts in the order in which they press.
     pressing: Vec<u32>,
@@ -181,6 +190,7 @@ impl Exact {
             jacobi: BlockJacobi::new(&coarse, nodes),
             ready: Ready::Nothing,
             x: Coordinates::new(bodies.freedoms(), nodes),
+            held: Held::new(plan.bounds_max, bodies.freedoms()),
             work: pcg::Workspace::new(bodies.freedoms(), count, nodes),
             carried: plan.carried.to_vec(),
             springs: vec![0.0; nodes],
@@ -208,8 +218,20 @@ impl Exact {
         }
     }
 
-    /// Velocities without contact, from the present ones in `v` as a start. `factor` asks for the
-    /// direct preconditioner, which contact will need anyway.
+    /// The bounds of this step's joints, empty, for the world to fill.
+    pub fn bounds_mut(&mut self) -> &mut Vec<Bound> {
+        self.held.bounds.clear();
+        &mut self.held.bounds
+    }
+
+    /// These; after a solve their impulses are those in the velocities found.
+    pub fn bounds(&self) -> &[Bound] {
+        &self.held.bounds
+    }
+
+    /// Velocities without contact, from the present ones in `v` as a start; bounds are kept, unless
+    /// `factor` asks for the direct preconditioner, which contact will need anyway, and with which
+    /// they are left to contact.
     ///
     /// # Errors
     /// The system cannot be solved, or not to this accuracy.
@@ -230,7 +252,18 @@ impl Exact {
             return Err(Failure::NotPositiveDefinite);
         }
         let Self {
-            bodies, carried, springs, split, coarse, jacobi, direct, ready, x, work, ..
+            bodies,
+            carried,
+            springs,
+            split,
+            coarse,
+            jacobi,
+            direct,
+            ready,
+            x,
+            held,
+            work,
+            ..
         } = self;
         let system = system(step, bodies, carried, springs, split);
         coarse.refresh(&system, factor);
@@ -242,16 +275,42 @@ impl Exact {
             return Err(Failure::NotPositiveDefinite);
         }
         system.coordinates(v, x, &mut work.v);
+        if *ready == Ready::Jacobi {
+            held.guess();
+            held.hold(&system, coarse, jacobi, x);
+        } else {
+            held.release();
+        }
         system.residual(step.b, x, &mut work.r, &mut work.v, &mut work.f);
         let scale = pcg::largest_speed(&work.v, bodies.bodies());
         let mut solved = Solved::default();
         if *ready == Ready::Jacobi {
-            let apply = |r: &Coordinates, z: &mut Coordinates| jacobi.apply(&system, coarse, r, z);
             let worth = self.iterations_worth_a_factor.min(accuracy.iterations_max);
-            solved =
-                pcg::solve(&system, apply, x, Stop { scale, ..accuracy.stop(WINDOW, worth) }, work);
+            for revision in 0.. {
+                let apply = |r: &Coordinates, z: &mut Coordinates| {
+                    jacobi.apply(&system, coarse, r, z);
+                    held.project(z);
+                };
+                let stop = Stop { scale, ..accuracy.stop(WINDOW, worth - solved.iterations) };
+                let before = solved.iterations;
+                solved = pcg::solve(&system, apply, x, stop, work);
+                solved.iterations += before;
+                let tolerance = 0.5 * accuracy.velocity;
+                if !solved.converged
+                    || held.revise(&system, x, &work.r, tolerance)
+                    || revision == REVISIONS_MAX
+                {
+                    break;
+                }
+                if solved.iterations >= worth || !held.hold(&system, coarse, jacobi, x) {
+                    solved.converged = false;
+                    break;
+                }
+                system.residual(step.b, x, &mut work.r, &mut work.v, &mut work.f);
+            }
             if !solved.converged {
                 coarse.complete(&system);
+                held.release();
             }
             if !solved.converged && direct.refresh(&system, coarse) {
                 *ready = Ready::Direct;
@@ -292,10 +351,14 @@ impl Exact {
         change: &mut [Vec3],
     ) -> Result<Convergence, Failure> {
         change.fill(Vec3::zeros());
-        if contacts.rows.iter().all(|row| row.target.x <= 0.0) {
-            // The contact-free velocities keep every gap open: nothing presses.
-            contacts.rows.iter_mut().for_each(|row| row.lambda = Vec3::zeros());
-            return Ok(Convergence::default());
+        if contacts.rows.iter().all(|row| is_kept(row, accuracy.velocity)) {
+            // The contact-free velocities keep every gap open: nothing more presses.
+            let mut residual = 0.0_f64;
+            for row in &mut contacts.rows {
+                row.lambda = Vec3::new(row.included, 0.0, 0.0);
+                residual = residual.max(row.target.x);
+            }
+            return Ok(Convergence { iterations: 0, residual });
         }
         let Self {
             bodies,
@@ -333,8 +396,8 @@ impl Exact {
 
             // The true change of velocities: K Δ = Jᵀ λ.
             work.f.fill(Vec3::zeros());
-            for row in contacts.rows.iter().filter(|row| row.lambda.x > 0.0) {
-                contacts.scatter(row, &row.frame.tr_mul(&row.lambda), &mut work.f);
+            for row in contacts.rows.iter().filter(|row| row.added() != Vec3::zeros()) {
+                contacts.scatter(row, &row.frame.tr_mul(&row.added()), &mut work.f);
             }
             for (i, f) in work.f.iter_mut().enumerate() {
                 *f = system.unknown(i, f);
@@ -387,12 +450,25 @@ impl Exact {
     }
 }
 
+/// True when the velocities without contact obey this row: a gap stays open, a turn keeps within its
+/// bound up to the tolerance, or is held there by an impulse that pushes.
+fn is_kept(row: &ContactRow, tolerance: f64) -> bool {
+    if row.included == 0.0 {
+        row.target.x <= if row.turns { tolerance } else { 0.0 }
+    } else {
+        row.included > 0.0 && row.target.x.abs() <= tolerance
+    }
+}
+
 /// Leaves so many contacts that press; the others, which close the slowest, wait for another step.
 fn keep_most_pressing(contacts: &mut ContactRows, most: usize, pressing: &mut Vec<u32>) {
     let rows = &mut contacts.rows;
     pressing.clear();
-    let presses = |i: &usize| rows[*i].target.x > 0.0 || rows[*i].lambda.x > 0.0;
+    let presses = |i: &usize| {
+        (rows[*i].target.x > 0.0 || rows[*i].lambda.x > 0.0) && rows[*i].included == 0.0
+    };
     pressing.extend((0..rows.len()).filter(presses).map(|i| i as u32));
+    let most = most.saturating_sub(rows.iter().filter(|row| row.included != 0.0).count());
     let speed = |i: u32| rows[i as usize].target.x;
     pressing.sort_unstable_by(|&i, &j| speed(j).total_cmp(&speed(i)).then(i.cmp(&j)));
     for &i in pressing.iter().skip(most) {

@@ -187,6 +187,11 @@ impl Reduction {
         self.shown().of(body)
     }
 
+    /// What z gives a body: linear and angular velocity.
+    pub fn offset(&self, body: usize) -> [Vec3; 2] {
+        unstack(&self.offsets[body])
+    }
+
     /// Freedoms that move a body.
     pub fn path(&self, body: usize) -> &[u32] {
         let shown = self.shown();
