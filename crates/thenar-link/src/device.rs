@@ -1,6 +1,7 @@
 //! What programs see of a device.
 
 use crate::{HandOutput, HandSample, LinkError, Rendering};
+use thenar::haptic::LoopProfile;
 use thenar::haptic::safety::Limits;
 use thenar::model::Side;
 
@@ -46,6 +47,12 @@ pub trait Tracker: Send {
     /// When the device last said something that made sense \[ns\]; `None` before the first time.
     fn heard_ns(&mut self) -> Option<u64>;
 
+    /// Length of the wearer's hand, wrist to middle fingertip \[m\], where the device's profile
+    /// knows it: the simulated hand should be built as long.
+    fn hand_length(&self) -> Option<f64> {
+        None
+    }
+
     /// What there is to tell a person: notes and troubles since the last call, each told once,
     /// be it here or by the display. Not for the loop.
     fn messages(&mut self) -> Vec<String>;
@@ -59,6 +66,9 @@ pub trait ForceDisplay: Send {
 
     /// What its actuators may do, per finger (or axis); for the guards before it.
     fn limits(&self) -> Limits;
+
+    /// What bounds the stiffness of a coupling to it, by its profile.
+    fn loop_profile(&self) -> LoopProfile;
 
     /// Hands over the newest output. Never waits and never allocates.
     fn show(&mut self, output: &HandOutput);

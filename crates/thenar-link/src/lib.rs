@@ -17,14 +17,19 @@ mod error;
 pub mod hand_tracking_streamer;
 pub mod joints;
 mod lines;
+pub mod lucidgloves;
 pub mod null;
 mod output;
+mod paired;
+pub mod profile;
 mod protocol;
 mod registry;
 mod sample;
 pub mod source_clock;
 #[cfg(test)]
 mod testing;
+pub mod transport;
+pub mod twin;
 pub mod worker;
 
 pub use clock::now_ns;

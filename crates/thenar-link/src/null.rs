@@ -1,12 +1,13 @@
 //! A device that is always there: a hand held still, and a display that shows nothing.
 
-use crate::worker::{Device, DisplayTraits};
+use crate::worker::{Device, DisplayTraits, TrackerTraits};
 use crate::{
     Driver, Event, Found, HandOutput, HandSample, LinkError, Opened, Protocol, Rendering, Transport,
 };
 use std::io;
 use std::time::Duration;
 use thenar::Pose;
+use thenar::haptic::LoopProfile;
 use thenar::haptic::safety::Limits;
 use thenar::model::Side;
 use thenar_scene::live::LivePose;
@@ -48,11 +49,27 @@ impl Driver for NullDriver {
             name: format!("null:{address}"),
             connect: Box::new(|| Ok(Box::new(NullTransport))),
             protocol: Box::new(NullProtocol { side, next_ns: 0 }),
-            tracks: true,
-            display: Some(DisplayTraits { rendering: Rendering::Tendons, limits }),
+            tracks: Some(TrackerTraits::default()),
+            display: Some(DisplayTraits {
+                rendering: Rendering::Tendons,
+                limits,
+                loop_profile: loop_profile(),
+            }),
             speaks: true,
         };
         device.open()
+    }
+}
+
+/// A mechanism that nothing moves: no rule bounds a coupling to it.
+pub(crate) fn loop_profile() -> LoopProfile {
+    LoopProfile {
+        period: 1e-3,
+        delay: 0.0,
+        damping: f64::INFINITY,
+        friction: 0.0,
+        resolution: 0.0,
+        rated_stiffness: f64::INFINITY,
     }
 }
 

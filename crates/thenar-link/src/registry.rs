@@ -1,10 +1,10 @@
 //! All drivers, and addresses as a person writes them: `name:address`.
 
-use crate::{Driver, LinkError, Opened, null};
+use crate::{Driver, LinkError, Opened, lucidgloves, null};
 
 /// All drivers.
 pub fn drivers() -> Vec<Box<dyn Driver>> {
-    vec![Box::new(null::NullDriver)]
+    vec![Box::new(null::NullDriver), Box::new(lucidgloves::LucidGlovesDriver)]
 }
 
 /// Opens `name:address`, such as `lucidgloves:/dev/ttyUSB0`.

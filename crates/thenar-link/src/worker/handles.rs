@@ -1,11 +1,12 @@
 //! What callers hold of a device.
 
-use super::{CLOSING, DisplayTraits, Shared};
+use super::{CLOSING, DisplayTraits, Shared, TrackerTraits};
 use crate::{ForceDisplay, HandOutput, HandSample, Rendering, Tracker};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
+use thenar::haptic::LoopProfile;
 use thenar::haptic::safety::Limits;
 use thenar::model::Side;
 use triple_buffer::{Input, Output};
@@ -50,14 +51,16 @@ impl Drop for Closer {
 pub struct DeviceTracker {
     closer: Arc<Closer>,
     samples: [Output<Option<HandSample>>; 2],
+    traits: TrackerTraits,
 }
 
 impl DeviceTracker {
     pub fn boxed(
         closer: Arc<Closer>,
         samples: [Output<Option<HandSample>>; 2],
+        traits: TrackerTraits,
     ) -> Box<dyn Tracker> {
-        Box::new(Self { closer, samples })
+        Box::new(Self { closer, samples, traits })
     }
 }
 
@@ -69,6 +72,10 @@ impl Tracker for DeviceTracker {
 
     fn heard_ns(&mut self) -> Option<u64> {
         self.closer.shared.heard()
+    }
+
+    fn hand_length(&self) -> Option<f64> {
+        self.traits.hand_length
     }
 
     fn messages(&mut self) -> Vec<String> {
@@ -106,6 +113,10 @@ impl ForceDisplay for DeviceDisplay {
 
     fn limits(&self) -> Limits {
         self.traits.limits
+    }
+
+    fn loop_profile(&self) -> LoopProfile {
+        self.traits.loop_profile
     }
 
     fn show(&mut self, output: &HandOutput) {

@@ -25,6 +25,7 @@ use std::io;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, Weak};
 use std::time::{Duration, Instant};
+use thenar::haptic::LoopProfile;
 use thenar::haptic::safety::Limits;
 use thenar::model::Side;
 use triple_buffer::triple_buffer;
@@ -44,13 +45,22 @@ const CLOSING: Duration = Duration::from_millis(1500);
 /// is not there now.
 pub type Connect = Box<dyn FnMut() -> io::Result<Box<dyn Transport>> + Send>;
 
+/// What a tracker knows beforehand.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TrackerTraits {
+    /// Length of the wearer's hand, wrist to middle fingertip \[m\].
+    pub hand_length: Option<f64>,
+}
+
 /// What a display can do.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DisplayTraits {
     /// What it renders.
     pub rendering: Rendering,
     /// What its actuators may do.
     pub limits: Limits,
+    /// What bounds the stiffness of a coupling to it.
+    pub loop_profile: LoopProfile,
 }
 
 /// A device about to be opened.
@@ -61,8 +71,8 @@ pub struct Device {
     pub connect: Connect,
     /// What is spoken.
     pub protocol: Box<dyn Protocol>,
-    /// Whether it tells where hands are.
-    pub tracks: bool,
+    /// Set if it tells where hands are.
+    pub tracks: Option<TrackerTraits>,
     /// Set if it shows forces.
     pub display: Option<DisplayTraits>,
     /// Whether it speaks on its own or answers, so that silence means something.
@@ -83,7 +93,7 @@ impl Device {
             samples: [sample_left.0, sample_right.0],
             outputs: [output_left.1, output_right.1],
         };
-        let (tracks, display) = (self.tracks, self.display.clone());
+        let (tracks, display) = (self.tracks, self.display);
         let name = self.name.clone();
         let worker = Worker::new(self, shared.clone(), ends);
         let thread =
@@ -93,8 +103,9 @@ impl Device {
         shared.register();
         let closer = Arc::new(Closer::new(shared, thread));
         Ok(Opened {
-            tracker: tracks
-                .then(|| DeviceTracker::boxed(closer.clone(), [sample_left.1, sample_right.1])),
+            tracker: tracks.map(|traits| {
+                DeviceTracker::boxed(closer.clone(), [sample_left.1, sample_right.1], traits)
+            }),
             display: display
                 .map(|d| DeviceDisplay::boxed(closer.clone(), [output_left.0, output_right.0], d)),
         })

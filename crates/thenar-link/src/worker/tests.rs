@@ -33,10 +33,11 @@ impl Bench {
                 Err(_) => Err(io::Error::from(io::ErrorKind::NotFound)),
             }),
             protocol: Box::new(Bytewise),
-            tracks: true,
+            tracks: Some(TrackerTraits::default()),
             display: Some(DisplayTraits {
                 rendering: Rendering::Tendons,
                 limits: Limits::cybergrasp(),
+                loop_profile: crate::null::loop_profile(),
             }),
             speaks: true,
         };

@@ -1,0 +1,98 @@
+//! LucidGloves and other gloves that speak OpenGloves' encodings: curl and splay in, stops out,
+//! over USB or Bluetooth serial, or over Wi-Fi, where the glove calls us.
+
+pub mod encoding;
+pub mod profile;
+mod protocol;
+mod twin;
+
+pub use profile::Profile;
+pub use protocol::LucidGloves;
+pub use twin::{FORCE_FEEDBACK_WAIT_NS, LucidGlovesTwin};
+
+use crate::profile::{Address, load};
+use crate::transport::{SerialTransport, StreamTransport, serial};
+use crate::worker::{Connect, Device, DisplayTraits, TrackerTraits};
+use crate::{Driver, Found, LinkError, Opened, Rendering};
+use std::net::TcpListener;
+use std::sync::Arc;
+
+/// Where a glove calls over Wi-Fi.
+pub const WIFI_PORT: u16 = 65432;
+
+/// `lucidgloves:PORT` and `lucidgloves:wifi`.
+pub struct LucidGlovesDriver;
+
+impl Driver for LucidGlovesDriver {
+    fn name(&self) -> &'static str {
+        "lucidgloves"
+    }
+
+    fn about(&self) -> &'static str {
+        "LucidGloves and OpenGloves-compatible gloves: fingers in, movement stops out; \
+         lucidgloves:/dev/ttyUSB0, lucidgloves:COM3 or lucidgloves:wifi"
+    }
+
+    fn enumerate(&self) -> Vec<Found> {
+        // The boards have no name of their own: these are the USB chips they come with.
+        serial::ports(|vendor, product, name| {
+            let chip = match (vendor, product) {
+                (0x10c4, 0xea60) => "CP210x",
+                (0x1a86, _) => "CH340",
+                (0x303a, _) => "ESP32",
+                (0x2341 | 0x2a03, _) => "Arduino",
+                _ if name == "Bluetooth" => "Bluetooth serial",
+                _ => return None,
+            };
+            Some(format!("a microcontroller ({chip}) that may be a LucidGlove"))
+        })
+    }
+
+    fn open(&self, address: &str) -> Result<Opened, LinkError> {
+        let parsed = Address::parse(self.name(), address)?;
+        let profile: Profile = load(self.name(), profile::SHIPPED, &parsed)?;
+        let name = format!("lucidgloves:{}", parsed.place);
+        let connect = connect(&name, &parsed.place, profile.link.baud)?;
+        let profile = Arc::new(profile);
+        let display = DisplayTraits {
+            rendering: Rendering::Stops,
+            limits: profile.display.limits(true),
+            loop_profile: profile.display.loop_profile(),
+        };
+        let device = Device {
+            name,
+            connect,
+            protocol: Box::new(LucidGloves::new(profile.clone())),
+            tracks: Some(TrackerTraits { hand_length: Some(profile.hand.length) }),
+            display: Some(display),
+            speaks: true,
+        };
+        crate::paired::with_wrist(device.open()?, &profile.wrist, parsed.wrist.as_deref())
+    }
+}
+
+fn connect(name: &str, place: &str, baud: u32) -> Result<Connect, LinkError> {
+    let refuse = |cause: String| LinkError::Setting { what: format!("device `{name}`"), cause };
+    if place.is_empty() {
+        return Err(refuse("expected a serial port or `wifi`".into()));
+    }
+    let Some(port) = place.strip_prefix("wifi") else {
+        let path = place.to_string();
+        return Ok(Box::new(move || Ok(Box::new(SerialTransport::open(&path, baud)?))));
+    };
+    let port = match port.strip_prefix(':') {
+        None if port.is_empty() => WIFI_PORT,
+        Some(port) => port.parse().map_err(|_| refuse(format!("`{port}` is no port number")))?,
+        None => return Err(refuse("expected `wifi` or `wifi:PORT`".into())),
+    };
+    let listen = || {
+        let listener = TcpListener::bind(("0.0.0.0", port))?;
+        listener.set_nonblocking(true)?;
+        Ok(listener)
+    };
+    let listener = listen().map_err(|error: std::io::Error| LinkError::Open {
+        device: name.into(),
+        cause: format!("cannot listen on port {port}: {error}"),
+    })?;
+    Ok(Box::new(move || Ok(Box::new(StreamTransport::new(listener.accept()?.0)?))))
+}

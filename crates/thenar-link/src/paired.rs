@@ -1,0 +1,109 @@
+//! A glove without a place of its own, on a wrist that another device tracks.
+
+use crate::profile::Wrist;
+use crate::{HandSample, LinkError, Opened, Tracker};
+use thenar::Pose;
+use thenar::model::Side;
+use thenar_scene::live::LivePose;
+
+/// Adds a tracker for the wrist to a glove, if profile or address name one: then the profile's
+/// wrist pose is where the wrist is in the frame of the tracker's wrist.
+///
+/// # Errors
+/// The tracker cannot be opened, or tracks nothing.
+pub fn with_wrist(
+    mut glove: Opened,
+    wrist: &Wrist,
+    address: Option<&str>,
+) -> Result<Opened, LinkError> {
+    let address = address.unwrap_or(&wrist.tracker);
+    if address.is_empty() {
+        return Ok(glove);
+    }
+    let Some(fingers) = glove.tracker.take() else { return Ok(glove) };
+    let Some(base) = crate::open(address)?.tracker else {
+        let cause = "this device tracks no wrist".into();
+        return Err(LinkError::Setting { what: format!("wrist.tracker = \"{address}\""), cause });
+    };
+    glove.tracker = Some(Box::new(Paired::new(fingers, base, wrist.pose())));
+    Ok(glove)
+}
+
+/// Fingers of one tracker on the wrist of another.
+pub struct Paired {
+    fingers: Box<dyn Tracker>,
+    base: Box<dyn Tracker>,
+    /// The glove's wrist in the frame of the tracked one.
+    pose_TW: Pose,
+    known: [Known; 2],
+}
+
+/// What is known of one side.
+#[derive(Default)]
+struct Known {
+    /// The tracked wrist, and when.
+    wrist: Option<(Pose, u64)>,
+    /// The newest sample of the fingers.
+    fingers: Option<HandSample>,
+    /// What was given out last.
+    told: Option<HandSample>,
+}
+
+impl Paired {
+    /// Puts the two together.
+    pub fn new(fingers: Box<dyn Tracker>, base: Box<dyn Tracker>, pose_TW: Pose) -> Self {
+        Self { fingers, base, pose_TW, known: Default::default() }
+    }
+}
+
+impl Tracker for Paired {
+    /// New when either moved. Its time is the older one's: a hand is as stale as its stalest part.
+    fn latest(&mut self, side: Side) -> Option<&HandSample> {
+        let known = &mut self.known[usize::from(side == Side::Right)];
+        let mut new = false;
+        if let Some(sample) = self.base.latest(side) {
+            known.wrist = sample.pose.as_ref().map(|pose| {
+                let wrist = match pose {
+                    LivePose::Joints { joints, .. } => joints[0],
+                    LivePose::Angles { wrist, .. } => *wrist,
+                };
+                (wrist, sample.time_ns)
+            });
+            new = true;
+        }
+        if let Some(sample) = self.fingers.latest(side) {
+            known.fingers = Some(sample.clone());
+            new = true;
+        }
+        let fingers = known.fingers.as_ref().filter(|_| new)?;
+        let mut sample = HandSample { side, time_ns: fingers.time_ns, pose: None };
+        // A wrist that is not seen is a hand that is not seen.
+        if let (Some((wrist, time_ns)), Some(pose)) = (&known.wrist, &fingers.pose) {
+            sample.time_ns = fingers.time_ns.min(*time_ns);
+            let mut pose = pose.clone();
+            if let LivePose::Angles { wrist: at, .. } = &mut pose {
+                *at = *wrist * self.pose_TW;
+            }
+            sample.pose = Some(pose);
+        }
+        let last = known.told.as_ref().map_or(0, |told| told.time_ns);
+        // Times never go back; a repeated one would be no news to anyone.
+        sample.time_ns = sample.time_ns.max(last + 1);
+        known.told = Some(sample);
+        known.told.as_ref()
+    }
+
+    fn heard_ns(&mut self) -> Option<u64> {
+        self.fingers.heard_ns()
+    }
+
+    fn hand_length(&self) -> Option<f64> {
+        self.fingers.hand_length()
+    }
+
+    fn messages(&mut self) -> Vec<String> {
+        let mut all = self.fingers.messages();
+        all.extend(self.base.messages());
+        all
+    }
+}

@@ -1,0 +1,10 @@
+//! What is particular to a device and its wearer: rates, limits, stiffness, calibration, where the
+//! wrist is. Shipped for every driver; a user's file changes single keys.
+
+mod address;
+mod load;
+mod parts;
+
+pub use address::Address;
+pub use load::{Check, load, user_file};
+pub use parts::{DigitAngles, Display, Hand, Link, Wrist};

@@ -1,0 +1,183 @@
+//! What the profiles of several devices have in common.
+
+use serde::{Deserialize, Serialize};
+use thenar::haptic::LoopProfile;
+use thenar::haptic::safety::Limits;
+use thenar::model::Side;
+use thenar::{Pose, Quat, Vec3};
+
+type Refusal = (String, String);
+
+fn refuse<T>(key: &str, cause: impl Into<String>) -> Result<T, Refusal> {
+    Err((key.into(), cause.into()))
+}
+
+/// `[hand]`: who wears it.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Hand {
+    /// Which hand.
+    pub side: Side,
+    /// Its length, wrist to middle fingertip \[m\].
+    pub length: f64,
+}
+
+impl Hand {
+    /// Refuses what is no hand.
+    pub fn check(&self) -> Result<(), Refusal> {
+        if (0.08..=0.30).contains(&self.length) {
+            return Ok(());
+        }
+        refuse("hand.length", format!("{} m is no hand's, expected 0.08 to 0.30", self.length))
+    }
+}
+
+/// `[wrist]`: where the hand is when the device itself cannot tell.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Wrist {
+    /// The wrist in the world, or in the frame of its tracker \[m\].
+    pub position: [f64; 3],
+    /// Its rotation there, x y z w.
+    pub rotation: [f64; 4],
+    /// Address of a device that tracks the wrist; empty for a wrist that stays where it is.
+    pub tracker: String,
+}
+
+impl Wrist {
+    /// Refuses what is no pose.
+    pub fn check(&self) -> Result<(), Refusal> {
+        let finite = self.position.iter().all(|x| x.is_finite() && x.abs() <= 10.0);
+        if !finite {
+            return refuse("wrist.position", "expected three numbers within 10 m");
+        }
+        let norm = self.rotation.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if !(0.99..=1.01).contains(&norm) {
+            return refuse("wrist.rotation", format!("has length {norm}, expected 1"));
+        }
+        Ok(())
+    }
+
+    /// The pose.
+    pub fn pose(&self) -> Pose {
+        let [x, y, z, w] = self.rotation;
+        let rotation = Quat::from_quaternion(nalgebra::Quaternion::new(w, x, y, z));
+        Pose::new(Vec3::from(self.position), rotation)
+    }
+}
+
+/// `[link]`: the cable.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Link {
+    /// Bits per second.
+    pub baud: u32,
+}
+
+impl Link {
+    /// Refuses what no port does.
+    pub fn check(&self) -> Result<(), Refusal> {
+        if (1200..=4_000_000).contains(&self.baud) {
+            return Ok(());
+        }
+        refuse("link.baud", format!("{} bit/s, expected 1200 to 4000000", self.baud))
+    }
+}
+
+/// `[display]`: what its actuators may do and what bounds a coupling to them.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Display {
+    /// Rated force per finger or axis \[N\].
+    pub rated: f64,
+    /// Part of it that the user allows, 0 to 1.
+    pub user_fraction: f64,
+    /// Largest change per second \[N/s\].
+    pub slew: f64,
+    /// Largest change per tick \[N\].
+    pub step_max: f64,
+    /// A faster finger releases all \[m/s\].
+    pub speed_max: f64,
+    /// Silence of the device that releases all \[s\].
+    pub device_silence_max: f64,
+    /// Time in which force comes up after arming \[s\].
+    pub ramp: f64,
+    /// Smallest step of its command \[N\]; 0 for none.
+    pub quantum: f64,
+    /// Commands that it takes per second \[Hz\].
+    pub rate: f64,
+    /// Delay of link and actuator \[s\].
+    pub delay: f64,
+    /// Viscous damping of the mechanism \[N s/m\].
+    pub damping: f64,
+    /// Its Coulomb friction \[N\].
+    pub friction: f64,
+    /// Position resolution \[m\].
+    pub resolution: f64,
+    /// Stiffness that its maker rates \[N/m\].
+    pub stiffness_max: f64,
+}
+
+impl Display {
+    /// Refuses what is no actuator.
+    pub fn check(&self) -> Result<(), Refusal> {
+        let not_negative = [
+            ("delay", self.delay),
+            ("damping", self.damping),
+            ("friction", self.friction),
+            ("resolution", self.resolution),
+        ];
+        for (key, value) in not_negative {
+            if !(value >= 0.0 && value.is_finite()) {
+                return refuse(
+                    &format!("display.{key}"),
+                    format!("is {value}, expected 0 or more"),
+                );
+            }
+        }
+        if !(1.0..=20_000.0).contains(&self.rate) {
+            return refuse("display.rate", format!("is {} Hz, expected 1 to 20000", self.rate));
+        }
+        if !(self.stiffness_max > 0.0 && self.stiffness_max.is_finite()) {
+            let cause = format!("is {} N/m, expected more than 0", self.stiffness_max);
+            return refuse("display.stiffness_max", cause);
+        }
+        if !(self.rated > 0.0 && self.rated <= 100.0) {
+            return refuse("display.rated", format!("is {} N, expected 0 to 100", self.rated));
+        }
+        let limits = self.limits(true);
+        limits.check().map_err(|e| (format!("display.{}", e.name), e.to_string()))
+    }
+
+    /// For the guards.
+    pub fn limits(&self, unilateral: bool) -> Limits {
+        Limits {
+            user_fraction: self.user_fraction,
+            unilateral,
+            slew: self.slew,
+            step_max: self.step_max,
+            speed_max: self.speed_max,
+            device_silence_max: self.device_silence_max,
+            ramp: self.ramp,
+            quantum: self.quantum,
+            ..Limits::rated(self.rated)
+        }
+    }
+
+    /// For the rules of stiffness.
+    pub fn loop_profile(&self) -> LoopProfile {
+        LoopProfile {
+            period: 1.0 / self.rate,
+            delay: self.delay,
+            damping: self.damping,
+            friction: self.friction,
+            resolution: self.resolution,
+            rated_stiffness: self.stiffness_max,
+        }
+    }
+}
+
+/// Angles of one digit in the order of
+/// [`hand_angles`](thenar_scene::motion::hand_angles): flexion and spread of its base joint, then
+/// flexion of its second and third joint.
+pub type DigitAngles = [f64; 4];
