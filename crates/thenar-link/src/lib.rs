@@ -15,6 +15,7 @@ mod clock;
 mod device;
 mod error;
 pub mod hand_tracking_streamer;
+pub mod haptic_loop;
 pub mod joints;
 mod lines;
 pub mod lucidgloves;

@@ -40,7 +40,7 @@ pub enum LiveError {
     #[error("{what} is not a finite number")]
     NotFinite {
         /// Joint or quantity.
-        what: String,
+        what: &'static str,
     },
     /// A quaternion is no rotation.
     #[error("the quaternion of {what} has length {norm:.4}, expected 1")]
@@ -71,7 +71,7 @@ pub enum LiveError {
 /// Refuses what is no pose of a hand nearby; returns it with unit quaternions.
 pub fn checked(time: f64, pose: &LivePose) -> Result<LivePose, LiveError> {
     if !time.is_finite() {
-        return Err(LiveError::NotFinite { what: "the time".into() });
+        return Err(LiveError::NotFinite { what: "the time" });
     }
     let mut pose = pose.clone();
     match &mut pose {
@@ -85,8 +85,8 @@ pub fn checked(time: f64, pose: &LivePose) -> Result<LivePose, LiveError> {
         }
         LivePose::Angles { wrist, angles } => {
             check_frame(wrist, "wrist")?;
-            if let Some(k) = angles.iter().position(|angle| !angle.is_finite()) {
-                return Err(LiveError::NotFinite { what: format!("angle {k}") });
+            if !angles.iter().all(|angle| angle.is_finite()) {
+                return Err(LiveError::NotFinite { what: "a joint angle" });
             }
         }
     }
@@ -95,7 +95,7 @@ pub fn checked(time: f64, pose: &LivePose) -> Result<LivePose, LiveError> {
 
 fn check_frame(frame: &mut Pose, what: &'static str) -> Result<(), LiveError> {
     if !frame.is_finite() {
-        return Err(LiveError::NotFinite { what: what.into() });
+        return Err(LiveError::NotFinite { what });
     }
     let distance = frame.position.norm();
     if distance > REACH {

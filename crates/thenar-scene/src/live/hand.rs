@@ -187,6 +187,29 @@ impl LiveHand {
         known.get(known.len() / 2).map(|ratio| ratio * self.length)
     }
 
+    /// True while poses have moved the hand for less than [`OPENING`] since it set out for another
+    /// place: after they took over, came back or teleported.
+    pub fn is_setting_out(&self) -> bool {
+        self.way == Way::Live && self.now - self.set_out < OPENING
+    }
+
+    /// How far finger `finger` (thumb 0) is closed, as the mean over its joints' ranges: 0 open, 1
+    /// closed; `None` for a finger without joints.
+    pub fn curl(&self, finger: usize) -> Option<f64> {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for k in [0, 2, 3] {
+            let Some(Some(range)) = self.ranges.get(4 * finger + k) else { continue };
+            // From straight on: what bends backwards is no part of closing.
+            let open = range.min.max(0.0);
+            if range.max > open {
+                let angle = self.stance.angles[range.index][range.axis] * range.sense;
+                sum += ((angle - open) / (range.max - open)).clamp(0.0, 1.0);
+                count += 1.0;
+            }
+        }
+        (count > 0.0).then(|| sum / count)
+    }
+
     /// True when the script's targets are wanted in the next step.
     pub fn wants_script(&self) -> bool {
         self.way != Way::Live
@@ -244,6 +267,15 @@ impl LiveHand {
         self.set_out = self.now;
         if self.way == Way::Returning {
             self.way = Way::Script;
+        }
+    }
+
+    /// Somebody else has moved the bones to `targets`: from there the hand returns to its script,
+    /// or goes on to the tracked pose.
+    pub fn return_from(&mut self, targets: &[Option<Target>]) {
+        self.restart(targets);
+        if self.way == Way::Script {
+            self.way = Way::Returning;
         }
     }
 

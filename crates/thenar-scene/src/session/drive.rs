@@ -34,6 +34,16 @@ pub fn fill(
     }
 }
 
+/// Hands that are led go where they are led, whatever script and poses say.
+pub fn follow_leaders(input: &mut Input, built: &Built, led: &[Option<Vec<Target>>]) {
+    for (hand, led) in built.hands.iter().zip(led) {
+        let Some(led) = led else { continue };
+        for (target, led) in input.targets[bones(hand)].iter_mut().zip(led) {
+            *target = Some(*led);
+        }
+    }
+}
+
 /// Fills all targets with those of the scripts at time `t` \[s\].
 pub fn fill_scripts(input: &mut Input, built: &mut Built, world: &World, t: f64) {
     bodies(input, built, world, t);

@@ -1,10 +1,10 @@
 //! A session that runs on for hours: moved from outside, started over, tuned.
 
 use super::{Session, drive};
-use crate::live::{LiveError, LivePose, Mover};
+use crate::live::{LiveError, LiveHand, LivePose, Mover};
 use crate::tuning::{Setting, SettingError, SettingValue};
 use thenar::model::Side;
-use thenar::world::StepReport;
+use thenar::world::{StepReport, Target};
 
 impl Session {
     /// Moves hand `hand` by a pose that the client took at `time` \[s\] by its own clock. The
@@ -34,9 +34,53 @@ impl Session {
         }
     }
 
+    /// Leads the bones of hand `hand` to these targets from the next step on, whatever its script
+    /// and its poses say; this is how the haptic loop moves a hand. Allocates the first time.
+    /// Returns false, and changes nothing, when there is no such hand, when it has no drives or
+    /// another number of bones, or when a number is not finite.
+    pub fn lead(
+        &mut self,
+        hand: usize,
+        targets: impl ExactSizeIterator<Item = Target> + Clone,
+    ) -> bool {
+        let Some(built) = self.built.hands.get(hand) else { return false };
+        let fits = built.driven && drive::bones(built).len() == targets.len();
+        if !fits || !targets.clone().all(|target| target.is_finite()) {
+            return false;
+        }
+        let led = self.led[hand].get_or_insert_with(|| Vec::with_capacity(targets.len()));
+        led.clear();
+        led.extend(targets);
+        true
+    }
+
+    /// Leads a hand no more: its script or its poses move it, from where it is.
+    pub fn let_go(&mut self, hand: usize) {
+        let Some(Some(_)) = self.led.get_mut(hand).map(Option::take) else { return };
+        if let Some(Ok(live)) = self.live.get_mut(hand) {
+            live.return_from(&self.input.targets[drive::bones(&self.built.hands[hand])]);
+        }
+    }
+
+    /// True while hand `hand` is led.
+    pub fn is_led(&self, hand: usize) -> bool {
+        self.led.get(hand).is_some_and(Option::is_some)
+    }
+
+    /// A hand as poses may move it, for who leads it; see [`LiveHand`].
+    ///
+    /// # Errors
+    /// There is no such hand, or poses cannot move it.
+    pub fn live_hand(&self, hand: usize) -> Result<LiveHand, LiveError> {
+        let count = self.live.len();
+        let built = self.built.hands.get(hand).ok_or(LiveError::NoHand { hand, count })?;
+        super::open::live_hand(built).map(|live| *live)
+    }
+
     /// Who moves a hand.
     pub fn mover(&self, hand: usize) -> Mover {
         match self.live.get(hand) {
+            _ if self.is_led(hand) => Mover::Live,
             Some(Ok(live)) => live.mover(),
             _ => Mover::Script,
         }

@@ -24,8 +24,10 @@ use crate::build::{Built, BuiltHand, Mesh, RigidLook, SoftBuild};
 use crate::format::{Camera, Scene};
 use crate::live::{LiveError, LiveHand};
 use crate::tuning::Tuning;
+use std::ops::Range;
 use thenar::World;
-use thenar::world::{Input, StageTimer, StepReport};
+use thenar::haptic::SlowToFast;
+use thenar::world::{Input, StageTimer, StepReport, Target};
 
 /// A scene that can be stepped.
 #[derive(Debug)]
@@ -38,6 +40,8 @@ pub struct Session {
     probes: Probes,
     /// One per hand; why not, for a hand that poses cannot move.
     live: Vec<Result<Box<LiveHand>, LiveError>>,
+    /// One per hand: where its bones are led, by the haptic loop; `None` for a hand that is not.
+    led: Vec<Option<Vec<Target>>>,
     tuning: Tuning,
     report: StepReport,
     steps: u64,
@@ -48,6 +52,7 @@ impl Session {
     pub fn step(&mut self, timer: &mut impl StageTimer) -> StepReport {
         let t = self.world.time() + self.world.time_step();
         drive::fill(&mut self.input, &mut self.built, &mut self.live, &self.world, t);
+        drive::follow_leaders(&mut self.input, &self.built, &self.led);
         load::fill(&mut self.input, &self.built.loads, &self.world, t);
         self.report = self.world.step(&self.input, timer);
         self.steps += 1;
@@ -98,6 +103,11 @@ impl Session {
     /// The world, to be changed.
     pub fn world_mut(&mut self) -> &mut World {
         &mut self.world
+    }
+
+    /// Fills how bones answer, for the haptic loop; see [`World::condense`].
+    pub fn condense(&mut self, bones: Range<u32>, to: &mut SlowToFast) -> bool {
+        self.world.condense(bones, &self.input, to)
     }
 
     /// What acted in the last step.

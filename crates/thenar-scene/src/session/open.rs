@@ -71,6 +71,7 @@ impl Session {
         });
         let tuning = Tuning::new(built.world.clone(), hands.collect());
         let live = built.hands.iter().map(live_hand).collect();
+        let led = vec![None; built.hands.len()];
         let stem = file.file_stem().unwrap_or(file.as_os_str());
         let mut session = Self {
             name: stem.to_string_lossy().into_owned(),
@@ -80,6 +81,7 @@ impl Session {
             built,
             probes,
             live,
+            led,
             tuning,
             report: StepReport::default(),
             steps: 0,
@@ -117,7 +119,7 @@ impl Session {
 }
 
 /// Prepares a hand to be moved by poses.
-fn live_hand(hand: &BuiltHand) -> Result<Box<LiveHand>, LiveError> {
+pub(super) fn live_hand(hand: &BuiltHand) -> Result<Box<LiveHand>, LiveError> {
     match hand.driven {
         true => LiveHand::new(&hand.name, &hand.model).map(Box::new),
         false => Err(LiveError::NotDriven { hand: hand.name.clone() }),

@@ -1,0 +1,174 @@
+//! What one display shows of one hand: every force goes through a safety guard here, and what is no
+//! force is shown only while the guards let forces through.
+
+use super::hand::LoopHand;
+use crate::{DIGITS, HandOutput, Rendering};
+use thenar::haptic::StopLatch;
+use thenar::haptic::safety::{Bank, LimitError, Limits, Signal, Status, Trip};
+
+/// A finger stop engages above the first force and lets go below the second \[N\].
+const STOP_FORCES: [f64; 2] = [0.3, 0.1];
+
+/// What came in and went out in a tick, per axis: fingers, or x, y, z.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Axis {
+    /// Force asked for \[N\].
+    pub wanted: f64,
+    /// Measured velocity along it \[m/s\].
+    pub velocity: f64,
+    /// Force sent \[N\].
+    pub output: f64,
+    /// Energy taken in minus given out \[J\]; of the whole vector, for x, y, z.
+    pub energy: f64,
+}
+
+/// The guards of one display for one hand.
+pub struct Actuators {
+    bank: Guards,
+    latches: [StopLatch; DIGITS],
+    axes: [Axis; DIGITS],
+}
+
+enum Guards {
+    Fingers(Bank<1>),
+    Point(Bank<3>),
+}
+
+/// When things were last heard, for the guards' stale checks.
+#[derive(Clone, Copy, Debug)]
+pub struct Heard {
+    /// The device \[ns\].
+    pub device_ns: u64,
+    /// A dead-man switch is held, or there is none.
+    pub enabled: bool,
+}
+
+impl Actuators {
+    /// Guards that are off.
+    ///
+    /// # Errors
+    /// The limits make no sense.
+    pub fn new(rendering: Rendering, limits: Limits) -> Result<Self, LimitError> {
+        let bank = match rendering {
+            Rendering::Wrench => Guards::Point(Bank::new(&[limits], 0)?),
+            Rendering::Tendons | Rendering::Stops | Rendering::Vibration => {
+                // The pads press or do not; what would pull a finger in is nothing to show.
+                let limits = Limits { unilateral: true, ..limits };
+                Guards::Fingers(Bank::new(&[limits; DIGITS], 0)?)
+            }
+        };
+        let latch = StopLatch::new(STOP_FORCES[0], STOP_FORCES[1]);
+        Ok(Self { bank, latches: [latch; DIGITS], axes: [Axis::default(); DIGITS] })
+    }
+
+    /// Lets forces through again, after the small-force wait and the ramp.
+    pub fn arm(&mut self) {
+        match &mut self.bank {
+            Guards::Fingers(bank) => bank.arm(),
+            Guards::Point(bank) => bank.arm(),
+        }
+    }
+
+    /// Zero until armed.
+    pub fn trip(&mut self, reason: Trip) {
+        match &mut self.bank {
+            Guards::Fingers(bank) => bank.trip(reason),
+            Guards::Point(bank) => bank.trip(reason),
+        }
+    }
+
+    /// The status of the guard that passes least.
+    pub fn status(&self) -> Status {
+        let tripped = match &self.bank {
+            Guards::Fingers(bank) => bank.tripped(),
+            Guards::Point(bank) => bank.tripped(),
+        };
+        if let Some((_, reason)) = tripped {
+            return Status::Tripped(reason);
+        }
+        match &self.bank {
+            Guards::Fingers(bank) => least(bank),
+            Guards::Point(bank) => least(bank),
+        }
+    }
+
+    /// What went through in the last tick.
+    pub fn axes(&self) -> &[Axis; DIGITS] {
+        &self.axes
+    }
+
+    /// What to show after a tick of the hand.
+    pub fn tick(&mut self, now_ns: u64, hand: &mut LoopHand, heard: Heard) -> HandOutput {
+        let mut output = HandOutput::released(hand.side(), now_ns);
+        let (simulation_ns, tracking_ns) = (hand.simulated_ns(), hand.tracked_ns());
+        let Heard { device_ns, enabled } = heard;
+        match &mut self.bank {
+            Guards::Point(bank) => {
+                let (force, velocity) = hand.palm();
+                let signal =
+                    Signal { force, velocity, simulation_ns, tracking_ns, device_ns, enabled };
+                let mut sent = [[0.0; 3]];
+                bank.tick(now_ns, &[signal], &mut sent);
+                let energy = bank.guards()[0].energy();
+                for k in 0..3 {
+                    self.axes[k] = Axis {
+                        wanted: force[k],
+                        velocity: velocity[k],
+                        output: sent[0][k],
+                        energy,
+                    };
+                }
+                output.force_W = sent[0].into();
+            }
+            Guards::Fingers(bank) => {
+                let readings = *hand.readings();
+                let signals = readings.map(|reading| Signal {
+                    force: [reading.map_or(0.0, |r| r.pad_force)],
+                    velocity: [reading.map_or(0.0, |r| r.opening_velocity)],
+                    simulation_ns,
+                    tracking_ns,
+                    device_ns,
+                    enabled,
+                });
+                let mut sent = [[0.0]; DIGITS];
+                bank.tick(now_ns, &signals, &mut sent);
+                let contacts = hand.frame().contacts;
+                for k in 0..DIGITS {
+                    let (force, status) = (sent[k][0], bank.guards()[k].status());
+                    let (wanted, velocity) = (signals[k].force[0], signals[k].velocity[0]);
+                    let energy = bank.guards()[k].energy();
+                    self.axes[k] = Axis { wanted, velocity, output: force, energy };
+                    let digit = &mut output.digits[k];
+                    digit.pad_force = force;
+                    // Of the whole force the guarded part only: nothing else has passed the stages.
+                    digit.force_W = hand.inward(k) * force;
+                    digit.curl_at_contact = self.latches[k].update(force, hand.curl(k));
+                    let gain = match status {
+                        Status::Live => 1.0,
+                        Status::Ramping { gain } => gain,
+                        _ => 0.0,
+                    };
+                    if force > 0.0 && gain > 0.0 {
+                        digit.area = contacts[k].area;
+                        digit.pressure_mean = contacts[k].pressure_mean * gain;
+                        digit.pressure_max = contacts[k].pressure_max * gain;
+                        digit.slip_speed = contacts[k].slip_speed * gain;
+                    }
+                }
+            }
+        }
+        output
+    }
+}
+
+/// Off, waiting, ramping, live: the first of these that some guard is.
+fn least<const N: usize>(bank: &Bank<N>) -> Status {
+    let rank = |status: &Status| match status {
+        Status::Off => 0,
+        Status::Tripped(_) => 1,
+        Status::Waiting { .. } => 2,
+        Status::Ramping { .. } => 3,
+        Status::Live => 4,
+    };
+    bank.guards().iter().map(|guard| guard.status()).min_by_key(rank).unwrap_or(Status::Off)
+}

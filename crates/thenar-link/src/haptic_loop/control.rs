@@ -1,0 +1,164 @@
+//! What others may ask of the loop, from any thread and at any time, and what they are told.
+
+use super::histogram::Histogram;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use thenar::model::Side;
+
+/// What arming a device means; shown to the user who does it.
+pub const STATEMENT: &str = "Research use only. This program and its safety limits are certified \
+                             for nothing. Arm a device only if you can take the hand out of it, or \
+                             switch it off, at any moment.";
+
+/// Requests to the loop, and its heartbeat.
+#[derive(Debug)]
+pub struct Control {
+    pub(super) arm: AtomicBool,
+    pub(super) stop: AtomicBool,
+    pub(super) quit: AtomicBool,
+    /// A dead-man switch is held, or there is none.
+    pub(super) enabled: AtomicBool,
+    /// The loop has ended by a panic.
+    pub(super) failed: AtomicBool,
+    /// When the last tick ended \[ns\]; 0 before the first.
+    pub(super) beat_ns: AtomicU64,
+    /// How often the watchdog had to step in.
+    pub(super) barks: AtomicU64,
+    pub(super) status: Mutex<Status>,
+}
+
+impl Default for Control {
+    fn default() -> Self {
+        Self {
+            arm: AtomicBool::new(false),
+            stop: AtomicBool::new(false),
+            quit: AtomicBool::new(false),
+            enabled: AtomicBool::new(true),
+            failed: AtomicBool::new(false),
+            beat_ns: AtomicU64::new(0),
+            barks: AtomicU64::new(0),
+            status: Mutex::default(),
+        }
+    }
+}
+
+impl Control {
+    /// A panic while the status was held did no harm to it.
+    pub(super) fn status(&self) -> MutexGuard<'_, Status> {
+        self.status.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Arms and stops; cheap to clone, for any thread. None of it waits for the simulation.
+#[derive(Clone, Debug)]
+pub struct Remote(pub(super) Arc<Control>);
+
+impl Remote {
+    /// Lets forces through from the next tick on, after the guards' wait and ramp. Who asks for it
+    /// has shown [`STATEMENT`].
+    pub fn arm(&self) {
+        self.0.stop.store(false, Ordering::Release);
+        self.0.arm.store(true, Ordering::Release);
+    }
+
+    /// Zero from the next tick on, until armed.
+    pub fn stop(&self) {
+        self.0.arm.store(false, Ordering::Release);
+        self.0.stop.store(true, Ordering::Release);
+    }
+
+    /// Says whether a dead-man switch is held. Released, forces fade; held again they return through
+    /// wait and ramp.
+    pub fn hold(&self, held: bool) {
+        self.0.enabled.store(held, Ordering::Release);
+    }
+
+    /// How things stand, as of some hundredths of a second ago.
+    pub fn status(&self) -> Status {
+        self.0.status().clone()
+    }
+}
+
+/// What the displays are doing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum State {
+    /// Nothing has been armed: zeros go out.
+    #[default]
+    DryRun,
+    /// Armed; no force yet, or no more for now, and why.
+    Waiting(String),
+    /// Growing to full force.
+    Ramping,
+    /// Full force.
+    Live,
+    /// Stopped until armed again, and why.
+    Tripped(String),
+    /// The loop is dead.
+    Failed,
+}
+
+impl State {
+    /// In one word.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::DryRun => "dry-run",
+            Self::Waiting(_) => "waiting",
+            Self::Ramping => "ramping",
+            Self::Live => "live",
+            Self::Tripped(_) => "tripped",
+            Self::Failed => "failed",
+        }
+    }
+
+    /// Why, where there is a reason.
+    pub fn reason(&self) -> Option<&str> {
+        match self {
+            Self::Waiting(why) | Self::Tripped(why) if !why.is_empty() => Some(why),
+            _ => None,
+        }
+    }
+}
+
+/// One hand, as of the last tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HandStatus {
+    /// Which.
+    pub side: Side,
+    /// A tracker moves it now.
+    pub tracked: bool,
+    /// Index of that tracker among the devices that track.
+    pub tracker: Option<u8>,
+    /// Age of the simulation's frame \[s\].
+    pub simulation_age: f64,
+    /// Forces asked for and sent \[N\], thumb first.
+    pub forces: [[f64; 2]; crate::DIGITS],
+}
+
+/// How the loop does.
+#[derive(Clone, Debug, Default)]
+pub struct Status {
+    /// Of the display that passes least.
+    pub state: State,
+    /// Ticks per second wanted.
+    pub rate_hz: f64,
+    /// Ticks so far, ticks left out, and ticks whose record was lost.
+    pub ticks: u64,
+    /// Deadlines that passed without a tick.
+    pub missed: u64,
+    /// Records that found no room: the monitor was kept waiting.
+    pub lost: u64,
+    /// How often the watchdog stepped in.
+    pub barks: u64,
+    /// Time between ticks \[ns\].
+    pub period: Histogram,
+    /// How much later than due ticks began \[ns\].
+    pub late: Histogram,
+    /// What a tick costs \[ns\].
+    pub cost: Histogram,
+    /// The hands.
+    pub hands: Vec<HandStatus>,
+    /// What the system refused, such as real-time priority.
+    pub warnings: Vec<String>,
+    /// Messages of devices and of the loop since the start, the last few.
+    pub messages: Vec<String>,
+}

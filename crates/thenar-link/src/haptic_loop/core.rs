@@ -1,0 +1,207 @@
+//! One tick of everything: all hands, all trackers, all guards. Time is an argument; nothing here
+//! waits, allocates or reads a clock, so that tests run it on any clock they like.
+
+use super::actuators::{Actuators, Heard};
+use super::hand::LoopHand;
+use super::record::TickRecord;
+use crate::{ForceDisplay, HandOutput, Rendering, Tracker};
+use rtrb::Producer;
+use thenar::haptic::safety::{LimitError, Limits, Status, Trip};
+use thenar_scene::live::Mover;
+
+/// What the loop does each tick.
+pub struct Core {
+    trackers: Vec<Box<dyn Tracker>>,
+    /// What each display can do.
+    displays: Vec<(Rendering, Limits)>,
+    hands: Vec<LoopHand>,
+    /// Display by display, hand by hand.
+    actuators: Vec<Actuators>,
+    outputs: Vec<HandOutput>,
+    /// Per display, when it was last heard \[ns\].
+    heard: Vec<u64>,
+    armed: bool,
+    records: Producer<TickRecord>,
+    /// Records that found no room.
+    lost: u64,
+}
+
+/// When a tick happened.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct TickTime {
+    /// Now \[ns\].
+    pub now_ns: u64,
+    /// Later than due by \[ns\].
+    pub late_ns: u64,
+    /// Cost of the tick before \[ns\].
+    pub cost_ns: u64,
+    /// Ticks left out since the one before.
+    pub missed: u32,
+}
+
+impl Core {
+    /// Without hands.
+    ///
+    /// # Errors
+    /// A display's limits make no sense.
+    pub fn new(
+        trackers: Vec<Box<dyn Tracker>>,
+        displays: Vec<(Rendering, Limits)>,
+        records: Producer<TickRecord>,
+    ) -> Result<Self, LimitError> {
+        displays.iter().try_for_each(|(_, limits)| limits.check())?;
+        Ok(Self {
+            trackers,
+            heard: vec![0; displays.len()],
+            displays,
+            hands: Vec::new(),
+            actuators: Vec::new(),
+            outputs: Vec::new(),
+            armed: false,
+            records,
+            lost: 0,
+        })
+    }
+
+    /// Guards, all off, for so many hands; allocates, so it is called outside the loop.
+    ///
+    /// # Errors
+    /// As [`Core::new`].
+    pub fn guards(&self, hands: usize) -> Result<Vec<Actuators>, LimitError> {
+        let each = self.displays.iter().flat_map(|display| std::iter::repeat_n(display, hands));
+        each.map(|(rendering, limits)| Actuators::new(*rendering, *limits)).collect()
+    }
+
+    /// Puts other hands in place of those there are, and gives those back for whoever calls to
+    /// drop. Guards begin anew: armed if these were, with wait and ramp.
+    pub fn replace(
+        &mut self,
+        hands: &mut Vec<LoopHand>,
+        actuators: &mut Vec<Actuators>,
+        outputs: &mut Vec<HandOutput>,
+    ) {
+        let tripped = self.tripped();
+        std::mem::swap(&mut self.hands, hands);
+        std::mem::swap(&mut self.actuators, actuators);
+        std::mem::swap(&mut self.outputs, outputs);
+        if self.armed {
+            self.arm();
+            tripped.into_iter().for_each(|reason| self.trip(reason));
+        }
+    }
+
+    /// Lets forces through, after the guards' wait and ramp.
+    pub fn arm(&mut self) {
+        self.armed = true;
+        self.actuators.iter_mut().for_each(Actuators::arm);
+    }
+
+    /// Stops all displays until armed.
+    pub fn trip(&mut self, reason: Trip) {
+        self.actuators.iter_mut().for_each(|actuators| actuators.trip(reason));
+    }
+
+    /// The first trip in force.
+    pub fn tripped(&self) -> Option<Trip> {
+        self.actuators.iter().find_map(|actuators| match actuators.status() {
+            Status::Tripped(reason) => Some(reason),
+            _ => None,
+        })
+    }
+
+    /// When display `display` was last heard \[ns\], if it ever was.
+    pub fn hear(&mut self, display: usize, heard_ns: Option<u64>, now_ns: u64) {
+        let (rendering, _) = self.displays[display];
+        let silent = match rendering {
+            // Vibrating players never answer and cannot hold a hand.
+            Rendering::Vibration => now_ns,
+            Rendering::Tendons | Rendering::Stops | Rendering::Wrench => 0,
+        };
+        self.heard[display] = heard_ns.unwrap_or(silent);
+    }
+
+    /// One tick: poses in, steps, guards, outputs. Allocates nothing.
+    pub fn tick(&mut self, time: &TickTime, enabled: bool) {
+        let now_ns = time.now_ns;
+        for hand in &mut self.hands {
+            hand.update();
+            for (index, tracker) in self.trackers.iter_mut().enumerate() {
+                if let Some(sample) = tracker.latest(hand.side()) {
+                    hand.take(index, sample, now_ns);
+                }
+            }
+            hand.tick(now_ns);
+        }
+        let hands = self.hands.len().max(1);
+        for (i, actuators) in self.actuators.iter_mut().enumerate() {
+            let heard = Heard { device_ns: self.heard[i / hands], enabled };
+            self.outputs[i] = actuators.tick(now_ns, &mut self.hands[i % hands], heard);
+        }
+        // One trip stops all: a wearer has two hands.
+        if let Some(reason) = self.tripped() {
+            self.trip(reason);
+            for output in &mut self.outputs {
+                *output = HandOutput::released(output.side, now_ns);
+            }
+        }
+        self.write_records(time);
+    }
+
+    /// Hands the outputs of the last tick to the displays.
+    pub fn show(&self, displays: &mut [Box<dyn ForceDisplay>]) {
+        let hands = self.hands.len().max(1);
+        for (i, output) in self.outputs.iter().enumerate() {
+            if let Some(display) = displays.get_mut(i / hands) {
+                display.show(output);
+            }
+        }
+    }
+
+    fn write_records(&mut self, time: &TickTime) {
+        let hands = self.hands.len();
+        let narrow = |ns: u64| ns.min(u64::from(u32::MAX)) as u32;
+        for k in 0..self.actuators.len().max(hands) {
+            let hand = &self.hands[k % hands.max(1)];
+            let actuators = self.actuators.get(k);
+            let report = hand.report();
+            let record = TickRecord {
+                time_ns: time.now_ns,
+                late_ns: narrow(time.late_ns),
+                cost_ns: narrow(time.cost_ns),
+                missed: time.missed,
+                first: k == 0,
+                side: hand.side(),
+                tracker: hand.tracker().map(|t| t as u8),
+                tracked: hand.mover() == Mover::Live,
+                display: actuators.map(|_| (k / hands) as u8),
+                ages: [report.tracking_age as f32, report.simulation_age as f32],
+                contacts: report.contact.active,
+                status: actuators.map_or(Status::Off, Actuators::status),
+                axes: actuators.map_or_else(Default::default, |actuators| *actuators.axes()),
+            };
+            if self.records.push(record).is_err() {
+                self.lost += 1;
+            }
+        }
+    }
+
+    /// The outputs of the last tick.
+    pub fn outputs(&self) -> &[HandOutput] {
+        &self.outputs
+    }
+
+    /// Hands, for tests and read-outs.
+    pub fn hands(&self) -> &[LoopHand] {
+        &self.hands
+    }
+
+    /// Records that found no room so far.
+    pub fn lost(&self) -> u64 {
+        self.lost
+    }
+
+    /// What the trackers have to tell a person. Allocates: not for the loop.
+    pub fn messages(&mut self) -> Vec<String> {
+        self.trackers.iter_mut().flat_map(|tracker| tracker.messages()).collect()
+    }
+}

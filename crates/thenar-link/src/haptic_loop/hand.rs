@@ -1,0 +1,227 @@
+//! One hand in the loop: samples of its tracker in, forces of its couplings out.
+
+use super::exchange::{FastEnds, Frame};
+use crate::{DIGITS, HandSample};
+use thenar::haptic::{HandReport, PAD_NORMAL_B, Pad, PadReading, Touch, seconds_between};
+use thenar::model::{Digit, HandModel, Side};
+use thenar::world::Target;
+use thenar::{Pose, Vec3};
+use thenar_scene::live::{LiveHand, Mover};
+
+/// A tick longer than this is taken as if it were this long \[s\].
+const STEP_MAX: f64 = 0.02;
+/// The state of a simulation within the loop is handed over every so many ticks.
+const STATE_EVERY: u64 = 8;
+/// A tracker that has been silent for so long gives way to another of the same hand \[ns\].
+const TRACKER_SILENCE_NS: u64 = 100_000_000;
+
+/// One hand.
+pub struct LoopHand {
+    side: Side,
+    live: LiveHand,
+    touch: Box<dyn Touch + Send>,
+    ends: FastEnds,
+    /// Where `live` wants the bones.
+    targets: Vec<Option<Target>>,
+    pads: [Option<Pad>; DIGITS],
+    readings: [Option<PadReading>; DIGITS],
+    report: HandReport,
+    last_ns: Option<u64>,
+    ticks: u64,
+    beginnings: u64,
+    /// Who moves the hand, and when its newest sample came.
+    tracker: Option<(usize, u64)>,
+    /// Time of the newest sample that counts as tracking \[ns\].
+    tracked_ns: u64,
+    palm_last: Option<Pose>,
+    palm_velocity: [f64; 3],
+}
+
+impl LoopHand {
+    /// A hand of this side, built as `model`.
+    pub fn new(
+        side: Side,
+        model: &HandModel,
+        live: LiveHand,
+        touch: Box<dyn Touch + Send>,
+        mut ends: FastEnds,
+    ) -> Self {
+        let mut pads = [None; DIGITS];
+        for pad in Pad::of_hand(model) {
+            if let Some(finger) = Digit::FINGERS.iter().position(|digit| *digit == pad.digit) {
+                pads[finger] = Some(pad);
+            }
+        }
+        let frame = ends.frame.read();
+        let (targets, beginnings) = (frame.targets.clone(), frame.beginnings);
+        Self {
+            side,
+            live,
+            touch,
+            ends,
+            targets,
+            pads,
+            readings: [None; DIGITS],
+            report: HandReport::default(),
+            last_ns: None,
+            ticks: 0,
+            beginnings,
+            tracker: None,
+            tracked_ns: 0,
+            palm_last: None,
+            palm_velocity: [0.0; 3],
+        }
+    }
+
+    /// Which hand.
+    pub fn side(&self) -> Side {
+        self.side
+    }
+
+    /// Takes a sample of tracker `tracker`. Of two trackers of one hand the one that moves it goes
+    /// on until it has been silent for a while.
+    pub fn take(&mut self, tracker: usize, sample: &HandSample, now_ns: u64) {
+        if let Some((moving, heard_ns)) = self.tracker {
+            let silent = now_ns.saturating_sub(heard_ns) > TRACKER_SILENCE_NS;
+            if moving != tracker && !silent {
+                return;
+            }
+        }
+        self.tracker = Some((tracker, now_ns));
+        let Some(pose) = &sample.pose else {
+            self.live.lose();
+            return;
+        };
+        if self.live.mover() == Mover::Script {
+            self.targets.copy_from_slice(&self.ends.frame.output_buffer_mut().targets);
+            self.live.restart(&self.targets);
+        }
+        let time = sample.time_ns as f64 * 1e-9;
+        // A pose that is none has been told of by the device; here it only ages.
+        if self.live.pose(time, pose, &self.targets).is_ok() && !self.live.is_setting_out() {
+            self.tracked_ns = sample.time_ns;
+        }
+    }
+
+    /// Takes the newest simulation frame, if there is one.
+    pub fn update(&mut self) {
+        self.ends.frame.update();
+        let frame = self.ends.frame.output_buffer_mut();
+        if frame.beginnings != self.beginnings {
+            // The bones are elsewhere: the hand sets out from there, smoothly.
+            self.beginnings = frame.beginnings;
+            self.targets.copy_from_slice(&frame.targets);
+            self.live.restart(&self.targets);
+        }
+    }
+
+    /// One tick. Allocates nothing.
+    pub fn tick(&mut self, now_ns: u64) {
+        let passed = seconds_between(self.last_ns.unwrap_or(now_ns), now_ns);
+        self.last_ns = Some(now_ns);
+        let h = passed.clamp(0.0, STEP_MAX);
+        let frame = self.ends.frame.output_buffer_mut();
+        let leads = self.live.mover() != Mover::Script;
+        if leads {
+            self.live.step(h, &mut self.targets);
+        } else if self.ends.state.is_some() {
+            // A simulation within the loop follows the script as well.
+            self.targets.copy_from_slice(&frame.targets);
+        }
+        if leads || self.ends.state.is_some() {
+            for (bone, target) in self.targets.iter().enumerate() {
+                let Some(t) = target else { continue };
+                let velocity = [t.velocity_W, t.angular_velocity_W];
+                self.touch.track(bone, now_ns, t.pose_WB, Some(velocity));
+            }
+        }
+        self.report = self.touch.tick(now_ns, &frame.bones);
+        let lead = self.ends.lead.input_buffer_mut();
+        lead.leads = leads;
+        self.touch.publish(now_ns, &mut lead.proxies);
+        self.ends.lead.publish();
+        self.hand_over_state();
+        let (touch, h) = (&*self.touch, self.report.step);
+        for (pad, reading) in self.pads.iter_mut().zip(&mut self.readings) {
+            *reading = pad.as_mut().map(|pad| pad.read(touch, h));
+        }
+        self.observe_palm(h);
+        self.ticks += 1;
+    }
+
+    fn hand_over_state(&mut self) {
+        let (Some(to), Some(world)) = (&mut self.ends.state, self.touch.world()) else { return };
+        if self.ticks.is_multiple_of(STATE_EVERY) {
+            to.input_buffer_mut().copy_from(world.state());
+            to.publish();
+        }
+    }
+
+    fn observe_palm(&mut self, h: f64) {
+        let pose = self.touch.tracked()[0].pose_WB;
+        let jumped = self.touch.jumped(0);
+        let before = self.palm_last.replace(pose).filter(|_| !jumped).unwrap_or(pose);
+        let way = pose.position - before.position;
+        self.palm_velocity = if h > 0.0 { (way / h).into() } else { [0.0; 3] };
+    }
+
+    /// What each pad feels; `None` for a finger that the hand lacks.
+    pub fn readings(&self) -> &[Option<PadReading>; DIGITS] {
+        &self.readings
+    }
+
+    /// Force on the wearer at the palm \[N\], and its mean velocity in the last tick \[m/s\].
+    pub fn palm(&self) -> ([f64; 3], [f64; 3]) {
+        (self.touch.device_wrenches()[0][0].into(), self.palm_velocity)
+    }
+
+    /// Into the pad of a finger: the direction in which something presses on it, world.
+    pub fn inward(&self, finger: usize) -> Vec3 {
+        let Some(pad) = &self.pads[finger] else { return Vec3::zeros() };
+        -self.touch.tracked()[pad.bone].pose_WB.vector(&PAD_NORMAL_B)
+    }
+
+    /// How far a finger is closed, 0 to 1.
+    pub fn curl(&self, finger: usize) -> f64 {
+        self.live.curl(finger).unwrap_or(0.0)
+    }
+
+    /// The newest frame.
+    pub fn frame(&mut self) -> &Frame {
+        self.ends.frame.output_buffer_mut()
+    }
+
+    /// When the simulation was last heard \[ns\].
+    pub fn simulated_ns(&mut self) -> u64 {
+        // A simulation within the tick is as new as the tick.
+        match (self.touch.world(), self.last_ns) {
+            (Some(_), Some(now)) => now,
+            _ => self.frame().made_ns,
+        }
+    }
+
+    /// When the hand was last tracked where it is \[ns\].
+    pub fn tracked_ns(&self) -> u64 {
+        self.tracked_ns
+    }
+
+    /// Who moves it.
+    pub fn mover(&self) -> Mover {
+        self.live.mover()
+    }
+
+    /// The tracker that moves it.
+    pub fn tracker(&self) -> Option<usize> {
+        self.tracker.map(|(tracker, _)| tracker)
+    }
+
+    /// What the last tick did.
+    pub fn report(&self) -> &HandReport {
+        &self.report
+    }
+
+    /// Where the bones were taken to be, and where the hand was.
+    pub fn touch(&self) -> &dyn Touch {
+        &*self.touch
+    }
+}

@@ -1,0 +1,349 @@
+//! The real-time shell of touch: a thread that ticks at the device's rate, whatever the simulation
+//! does.
+//!
+//! ```text
+//!  trackers ──newest──► ┌──────────────┐ ──newest──► displays (each behind its guards)
+//!                       │  the loop    │
+//!  simulation ─frames─► │  1 kHz       │ ─proxies──► simulation
+//!   (its own pace)      └──────┬───────┘
+//!                       records│ring         watchdog: zeros when the loop misses 20 ms
+//!                              ▼
+//!                           monitor: histograms, status, what led to a trip
+//! ```
+//!
+//! - The **loop** ([`HapticLoop`]) allocates nothing, waits for nobody, writes no log and makes no
+//!   system call but the clock's; physics is in `thenar::haptic`, and what it takes and gives goes
+//!   through slots that hold the newest value. Its memory is behind a mutex that it only ever
+//!   *tries*: another thread may hold it for a moment, to put other hands in, and the loop then
+//!   leaves out a tick and counts it.
+//! - The **watchdog** is a thread of its own, of higher priority, that sends zeros when no tick has
+//!   ended for 20 ms. Behind it each device's thread does the same for itself.
+//! - The **monitor** is a thread without priority: it counts how late ticks are, keeps the last
+//!   five seconds of signals and writes them into a file when the guards trip.
+//! - Displays get zeros until [`Remote::arm`]: a dry run. Every way out sends zeros: the end of
+//!   the program, a signal (with [`stop_all`] in its handler), a panic in any of the threads, a lost
+//!   device, a lost simulation. A process that is killed outright can send nothing; what the device then
+//!   does is up to its firmware.
+//!
+//! The simulation's side is a [`SimulationPort`]: called before and after each step, on whatever
+//! thread steps.
+
+mod actuators;
+mod control;
+mod core;
+mod exchange;
+mod hand;
+mod histogram;
+mod monitor;
+mod page;
+mod port;
+mod realtime;
+mod record;
+mod watchdog;
+
+pub use actuators::{Actuators, Axis, Heard};
+pub use control::{HandStatus, Remote, STATEMENT, State, Status};
+pub use core::{Core, TickTime};
+pub use exchange::{FastEnds, FingerContact, Frame, Lead, SlowEnds, slots};
+pub use hand::LoopHand;
+pub use histogram::Histogram;
+pub use monitor::Watcher;
+pub use page::{PagePoses, page_tracker};
+pub use port::{LoopMode, PortError, SimulationPort};
+pub use realtime::{Alarm, Deadlines};
+pub use record::{TickRecord, header, line};
+
+use crate::{ForceDisplay, LinkError, Tracker, now_ns};
+use control::Control;
+use monitor::Monitor;
+use realtime::{Urgency, lock_memory, raise_priority};
+use rtrb::Consumer;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, Mutex, PoisonError, TryLockError, Weak};
+use std::thread::JoinHandle;
+use std::time::Duration;
+use thenar::haptic::CouplingDesign;
+use thenar::haptic::safety::Trip;
+
+/// Records that may wait for the monitor.
+const RECORDS: usize = 16_384;
+/// How long the threads have to end.
+const ENDING: Duration = Duration::from_millis(500);
+
+/// How the loop runs.
+pub struct Settings {
+    /// Ticks per second.
+    pub rate_hz: f64,
+    /// What stands between hand and simulation.
+    pub mode: LoopMode,
+    /// Couplings to the tracked pose. Those to the bones are the scene's drives.
+    pub design: CouplingDesign,
+    /// Part of a device's rating that the user allows, where it is less than the device's own.
+    pub user_fraction: Option<f64>,
+    /// Where trips are written down; `None` to keep no files.
+    pub trip_folder: Option<PathBuf>,
+    /// Sees every record.
+    pub watcher: Option<Watcher>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            rate_hz: 1000.0,
+            mode: LoopMode::Multirate,
+            design: CouplingDesign::default(),
+            user_fraction: None,
+            trip_folder: None,
+            watcher: None,
+        }
+    }
+}
+
+/// What the threads share.
+pub struct Shared {
+    core: Mutex<Core>,
+    displays: Mutex<Vec<Box<dyn ForceDisplay>>>,
+    control: Arc<Control>,
+}
+
+/// A running loop; dropping it sends zeros, ends its threads and closes the devices.
+pub struct HapticLoop {
+    shared: Arc<Shared>,
+    mode: LoopMode,
+    design: CouplingDesign,
+    threads: Vec<JoinHandle<()>>,
+}
+
+impl HapticLoop {
+    /// Starts the threads, without a hand: a [`SimulationPort`] puts them in.
+    ///
+    /// # Errors
+    /// A setting or a device's limits make no sense, or the system gives no thread.
+    pub fn start(
+        settings: Settings,
+        trackers: Vec<Box<dyn Tracker>>,
+        displays: Vec<Box<dyn ForceDisplay>>,
+    ) -> Result<Self, LinkError> {
+        let Settings { rate_hz, mode, design, .. } = settings;
+        let (shared, monitored) = share(&settings, trackers, displays)?;
+        let mut new = Self { shared, mode, design, threads: Vec::new() };
+        let (told, warnings) = std::sync::mpsc::channel();
+        let shared = new.shared.clone();
+        let period = Duration::from_secs_f64(1.0 / rate_hz);
+        new.spawn("haptics", move || {
+            let refused = [raise_priority(Urgency::Loop), lock_memory()];
+            let _ = told.send(refused.into_iter().flatten().collect());
+            drop(told);
+            run(&shared, period);
+        })?;
+        let shared = new.shared.clone();
+        new.spawn("watchdog", move || watchdog::run(&shared))?;
+        let monitor = Monitor {
+            shared: new.shared.clone(),
+            records: monitored,
+            watcher: settings.watcher,
+            folder: settings.trip_folder,
+            warnings: warnings.recv_timeout(ENDING).unwrap_or_default(),
+            rate_hz,
+        };
+        new.shared.control.status().warnings.clone_from(&monitor.warnings);
+        new.spawn("monitor", move || monitor.run())?;
+        Ok(new)
+    }
+
+    fn spawn(&mut self, name: &str, work: impl FnOnce() + Send + 'static) -> Result<(), LinkError> {
+        let thread = std::thread::Builder::new().name(name.into()).spawn(work);
+        let failed = |e: std::io::Error| LinkError::Setting {
+            what: "the haptic loop".into(),
+            cause: format!("no thread for it: {e}"),
+        };
+        self.threads.push(thread.map_err(failed)?);
+        Ok(())
+    }
+
+    /// Arms, stops and tells.
+    pub fn remote(&self) -> Remote {
+        Remote(self.shared.control.clone())
+    }
+
+    /// For whoever steps the simulation.
+    pub fn port(&self) -> SimulationPort {
+        SimulationPort::new(self.shared.clone(), self.mode, self.design)
+    }
+}
+
+impl Drop for HapticLoop {
+    fn drop(&mut self) {
+        self.shared.control.quit.store(true, Ordering::Release);
+        for thread in self.threads.drain(..) {
+            let begun = now_ns();
+            while !thread.is_finished() && now_ns() - begun < ENDING.as_nanos() as u64 {
+                std::thread::sleep(Duration::from_micros(200));
+            }
+            // One that hangs in a device is left behind; zeros go out below all the same.
+            if thread.is_finished() {
+                let _ = thread.join();
+            }
+        }
+        watchdog::release(&self.shared);
+        if let Ok(mut displays) = self.shared.displays.try_lock() {
+            displays.clear();
+        }
+    }
+}
+
+/// What loop, watchdog and monitor work on, and the monitor's end of the records.
+fn share(
+    settings: &Settings,
+    trackers: Vec<Box<dyn Tracker>>,
+    displays: Vec<Box<dyn ForceDisplay>>,
+) -> Result<(Arc<Shared>, Consumer<TickRecord>), LinkError> {
+    let wrong = |what: &str, cause: String| LinkError::Setting { what: what.into(), cause };
+    if !(settings.rate_hz >= 50.0 && settings.rate_hz <= 20_000.0) {
+        let cause = format!("{} Hz is not between 50 and 20000", settings.rate_hz);
+        return Err(wrong("the haptic rate", cause));
+    }
+    let mut limits = Vec::new();
+    for display in &displays {
+        let mut own = display.limits();
+        // Written so that what is no number changes nothing and is refused below.
+        if let Some(fraction) = settings.user_fraction {
+            own.user_fraction =
+                if fraction > own.user_fraction { own.user_fraction } else { fraction };
+        }
+        limits.push((display.rendering(), own));
+    }
+    let (records, monitored) = rtrb::RingBuffer::new(RECORDS);
+    let core = Core::new(trackers, limits, records)
+        .map_err(|cause| wrong("a device's limits", cause.to_string()))?;
+    let shared = Arc::new(Shared {
+        core: Mutex::new(core),
+        displays: Mutex::new(displays),
+        control: Arc::new(Control::default()),
+    });
+    register(&shared);
+    Ok((shared, monitored))
+}
+
+/// The same loop without its threads and clocks: whoever holds it says when it ticks. For tests and
+/// benches.
+pub struct ManualLoop {
+    shared: Arc<Shared>,
+    mode: LoopMode,
+    design: CouplingDesign,
+    /// What ticks did.
+    pub records: Consumer<TickRecord>,
+}
+
+impl ManualLoop {
+    /// Without a hand.
+    ///
+    /// # Errors
+    /// As [`HapticLoop::start`].
+    pub fn new(
+        settings: &Settings,
+        trackers: Vec<Box<dyn Tracker>>,
+        displays: Vec<Box<dyn ForceDisplay>>,
+    ) -> Result<Self, LinkError> {
+        let (shared, records) = share(settings, trackers, displays)?;
+        Ok(Self { shared, mode: settings.mode, design: settings.design, records })
+    }
+
+    /// One tick at `now_ns`; false when it was left out.
+    pub fn tick(&mut self, now_ns: u64) -> bool {
+        tick(&self.shared, &TickTime { now_ns, ..TickTime::default() })
+    }
+
+    /// Arms and stops; its status stays empty.
+    pub fn remote(&self) -> Remote {
+        Remote(self.shared.control.clone())
+    }
+
+    /// For whoever steps the simulation.
+    pub fn port(&self) -> SimulationPort {
+        SimulationPort::new(self.shared.clone(), self.mode, self.design)
+    }
+
+    /// Looks at what the loop ticks.
+    pub fn core<T>(&self, look: impl FnOnce(&mut Core) -> T) -> T {
+        look(&mut self.shared.core.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+/// The thread of the loop.
+fn run(shared: &Shared, period: Duration) {
+    let control = &shared.control;
+    let ticks = AssertUnwindSafe(|| tick_on(shared, period));
+    if catch_unwind(ticks).is_err() {
+        control.failed.store(true, Ordering::Release);
+    }
+    watchdog::release(shared);
+}
+
+fn tick_on(shared: &Shared, period: Duration) {
+    let control = &shared.control;
+    let alarm = Alarm::set();
+    let mut deadlines = Deadlines::new(period, now_ns());
+    let mut time = TickTime::default();
+    while !control.quit.load(Ordering::Acquire) {
+        alarm.wait(deadlines.next_ns());
+        time.now_ns = now_ns();
+        time.late_ns = time.now_ns.saturating_sub(deadlines.next_ns());
+        let ticked = tick(shared, &time);
+        let ended_ns = now_ns();
+        control.beat_ns.store(ended_ns, Ordering::Release);
+        let (_, missed) = deadlines.advance(time.now_ns, ended_ns);
+        // A tick that was left out counts with the next one that is not.
+        time.missed = if ticked { missed } else { time.missed + 1 + missed };
+        time.cost_ns = ended_ns - time.now_ns;
+    }
+}
+
+/// One tick, unless somebody holds what it needs.
+fn tick(shared: &Shared, time: &TickTime) -> bool {
+    let control = &shared.control;
+    let mut core = match shared.core.try_lock() {
+        Ok(core) => core,
+        Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
+        Err(TryLockError::WouldBlock) => return false,
+    };
+    if control.stop.swap(false, Ordering::AcqRel) {
+        core.trip(Trip::Requested);
+    }
+    if control.arm.swap(false, Ordering::AcqRel) {
+        core.arm();
+    }
+    if let Ok(mut displays) = shared.displays.try_lock() {
+        for (index, display) in displays.iter_mut().enumerate() {
+            core.hear(index, display.heard_ns(), time.now_ns);
+        }
+    }
+    core.tick(time, control.enabled.load(Ordering::Acquire));
+    if let Ok(mut displays) = shared.displays.try_lock() {
+        core.show(&mut displays);
+    }
+    true
+}
+
+/// Every loop of this process.
+fn all() -> &'static Mutex<Vec<Weak<Shared>>> {
+    static ALL: Mutex<Vec<Weak<Shared>>> = Mutex::new(Vec::new());
+    &ALL
+}
+
+fn register(shared: &Arc<Shared>) {
+    let mut loops = all().lock().unwrap_or_else(PoisonError::into_inner);
+    loops.retain(|known| known.strong_count() > 0);
+    loops.push(Arc::downgrade(shared));
+}
+
+/// Stops the forces of every loop in this process, within a tick: for signal handlers and panic hooks.
+/// Waits for nobody.
+pub fn stop_all() {
+    let Ok(loops) = all().try_lock() else { return };
+    for shared in loops.iter().filter_map(Weak::upgrade) {
+        Remote(shared.control.clone()).stop();
+    }
+}

@@ -1,0 +1,192 @@
+//! Looks after the loop from another thread: counts, tells, and writes down what led to a trip.
+
+use super::Shared;
+use super::control::{HandStatus, State, Status};
+use super::record::{self, TickRecord};
+use rtrb::Consumer;
+use std::collections::VecDeque;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use thenar::haptic::safety;
+
+/// Between two looks.
+const EVERY: Duration = Duration::from_millis(10);
+/// Devices are asked for messages every so many looks.
+const MESSAGES_EVERY: u32 = 50;
+/// Messages that are kept.
+const MESSAGES: usize = 50;
+/// How much before a trip is written down \[ns\].
+const KEPT_NS: u64 = 5_000_000_000;
+/// Records kept at most, whatever the number of displays.
+const KEPT: usize = 60_000;
+
+/// Is shown every record, in order; must not take long.
+pub type Watcher = Box<dyn FnMut(&TickRecord) + Send>;
+
+/// The thread.
+pub struct Monitor {
+    pub shared: std::sync::Arc<Shared>,
+    pub records: Consumer<TickRecord>,
+    pub watcher: Option<Watcher>,
+    /// Where trips are written down; `None` to keep no files.
+    pub folder: Option<PathBuf>,
+    pub warnings: Vec<String>,
+    pub rate_hz: f64,
+}
+
+impl Monitor {
+    /// Until the loop ends.
+    pub fn run(mut self) {
+        let mut status = Status {
+            rate_hz: self.rate_hz,
+            warnings: std::mem::take(&mut self.warnings),
+            ..Status::default()
+        };
+        let mut kept = VecDeque::with_capacity(KEPT);
+        let mut tripped = false;
+        let mut last_ns = None;
+        for look in 0_u32.. {
+            let quit = self.shared.control.quit.load(Ordering::Acquire);
+            self.take_records(&mut status, &mut kept, &mut last_ns);
+            self.judge(&mut status, &kept);
+            if look.is_multiple_of(MESSAGES_EVERY) || quit {
+                self.gather_messages(&mut status);
+            }
+            let now_tripped = matches!(status.state, State::Tripped(_) | State::Failed);
+            if now_tripped && !tripped {
+                self.write_down(&mut status, &kept);
+            }
+            tripped = now_tripped;
+            self.shared.control.status().clone_from(&status);
+            if quit {
+                return;
+            }
+            std::thread::sleep(EVERY);
+        }
+    }
+
+    fn take_records(
+        &mut self,
+        status: &mut Status,
+        kept: &mut VecDeque<TickRecord>,
+        last_ns: &mut Option<u64>,
+    ) {
+        while let Ok(record) = self.records.pop() {
+            if let Some(watcher) = &mut self.watcher {
+                watcher(&record);
+            }
+            if record.first {
+                status.ticks += 1;
+                status.missed += u64::from(record.missed);
+                status.late.add(u64::from(record.late_ns));
+                if let Some(last) = last_ns.replace(record.time_ns) {
+                    status.period.add(record.time_ns.saturating_sub(last));
+                    status.cost.add(u64::from(record.cost_ns));
+                }
+            }
+            let old = |r: &TickRecord| record.time_ns.saturating_sub(r.time_ns) > KEPT_NS;
+            while kept.len() >= KEPT || kept.front().is_some_and(old) {
+                kept.pop_front();
+            }
+            kept.push_back(record);
+        }
+    }
+
+    /// State and hands, by the records of the last tick.
+    fn judge(&self, status: &mut Status, kept: &VecDeque<TickRecord>) {
+        let control = &self.shared.control;
+        status.barks = control.barks.load(Ordering::Relaxed);
+        let Some(last) = kept.back().map(|record| record.time_ns) else { return };
+        status.hands.clear();
+        let mut state = None;
+        for record in kept.iter().rev().take_while(|record| record.time_ns == last) {
+            if record.display.is_some() {
+                state = Some(worse(state, &record.status));
+            }
+            if status.hands.iter().any(|hand| hand.side == record.side) {
+                continue;
+            }
+            status.hands.push(HandStatus {
+                side: record.side,
+                tracked: record.tracked,
+                tracker: record.tracker,
+                simulation_age: f64::from(record.ages[1]),
+                forces: record.axes.map(|axis| [axis.wanted, axis.output]),
+            });
+        }
+        status.hands.reverse();
+        status.state = match state {
+            _ if control.failed.load(Ordering::Acquire) => State::Failed,
+            None | Some(safety::Status::Off) => State::DryRun,
+            Some(safety::Status::Waiting { pause, .. }) => {
+                State::Waiting(pause.map_or(String::new(), |pause| pause.to_string()))
+            }
+            Some(safety::Status::Ramping { .. }) => State::Ramping,
+            Some(safety::Status::Live) => State::Live,
+            Some(safety::Status::Tripped(reason)) => State::Tripped(reason.to_string()),
+        };
+    }
+
+    fn gather_messages(&self, status: &mut Status) {
+        // A moment without the loop: it leaves out a tick rather than wait, should they meet.
+        if let Ok(mut core) = self.shared.core.try_lock() {
+            status.messages.extend(core.messages());
+            status.lost = core.lost();
+        }
+        if let Ok(mut displays) = self.shared.displays.try_lock() {
+            status.messages.extend(displays.iter_mut().flat_map(|display| display.messages()));
+        }
+        forget_old(status);
+    }
+
+    fn write_down(&self, status: &mut Status, kept: &VecDeque<TickRecord>) {
+        let reason = status.state.reason().unwrap_or("the haptic loop failed").to_owned();
+        let mut message = format!("forces stopped: {reason}");
+        if let Some(folder) = &self.folder {
+            match write_trip(folder, &reason, kept) {
+                Ok(path) => message += &format!("; what led to it is in {}", path.display()),
+                Err(error) => message += &format!("; it could not be written down: {error}"),
+            }
+        }
+        status.messages.push(message);
+        forget_old(status);
+    }
+}
+
+fn forget_old(status: &mut Status) {
+    let surplus = status.messages.len().saturating_sub(MESSAGES);
+    status.messages.drain(..surplus);
+}
+
+/// The one that passes less.
+fn worse(one: Option<safety::Status>, other: &safety::Status) -> safety::Status {
+    let rank = |status: &safety::Status| match status {
+        safety::Status::Tripped(_) => 0,
+        safety::Status::Off => 1,
+        safety::Status::Waiting { .. } => 2,
+        safety::Status::Ramping { .. } => 3,
+        safety::Status::Live => 4,
+    };
+    match one {
+        Some(one) if rank(&one) <= rank(other) => one,
+        _ => *other,
+    }
+}
+
+/// Writes the last seconds into a new file of `folder`; times count back from the trip.
+fn write_trip(folder: &Path, reason: &str, kept: &VecDeque<TickRecord>) -> io::Result<PathBuf> {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    let path = folder.join(format!("thenar-trip-{}.csv", since.as_millis()));
+    let mut file = io::BufWriter::new(std::fs::File::create_new(&path)?);
+    let trip = kept.iter().find(|r| matches!(r.status, safety::Status::Tripped(_)));
+    let zero_ns = trip.or(kept.back()).map_or(0, |record| record.time_ns);
+    writeln!(file, "# forces stopped: {reason}")?;
+    writeln!(file, "{}", record::header())?;
+    for record in kept {
+        writeln!(file, "{}", record::line(record, zero_ns))?;
+    }
+    file.flush()?;
+    Ok(path)
+}

@@ -1,0 +1,300 @@
+//! The simulation's side: proxies in before a step, a frame out after it.
+
+use super::Shared;
+use super::actuators::Actuators;
+use super::exchange::{FingerContact, Frame, SlowEnds, slots};
+use super::hand::LoopHand;
+use crate::{DIGITS, HandOutput};
+use std::sync::{Arc, PoisonError};
+use thenar::haptic::safety::LimitError;
+use thenar::haptic::{
+    CouplingDesign, HandSettings, HapticHand, Mode, Prediction, ProxyError, RigidState, SingleRate,
+    SingleRateSettings, SlowToFast, Touch,
+};
+use thenar::model::{Digit, Drive, Side};
+use thenar::readout::ContactReadout;
+use thenar_scene::live::LiveError;
+use thenar_scene::session::Session;
+
+/// What stands between the hand and the simulation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LoopMode {
+    /// Proxies, and the simulation's newest bones carried forward: the paper's.
+    #[default]
+    Multirate,
+    /// The whole simulation steps within the tick.
+    SingleRate,
+    /// Proxies, and contact solved anew each tick on the condensed frame.
+    Shared,
+}
+
+/// Why hands cannot be felt.
+#[derive(Debug, thiserror::Error)]
+pub enum PortError {
+    /// The scene has none that poses could move.
+    #[error("the scene has no hand that a device could move")]
+    NoHand,
+    /// A hand cannot be moved.
+    #[error(transparent)]
+    Live(#[from] LiveError),
+    /// Its bones cannot have proxies.
+    #[error(transparent)]
+    Proxies(#[from] ProxyError),
+    /// A device's limits make no sense.
+    #[error(transparent)]
+    Limits(#[from] LimitError),
+    /// One session, one simulation.
+    #[error("single-rate takes one hand; the scene has {0}")]
+    OneHand(usize),
+}
+
+/// One hand of the session.
+struct PortHand {
+    /// Index in the session.
+    index: usize,
+    /// First of its bones among the rigid bodies.
+    first: usize,
+    drives: Vec<Option<Drive>>,
+    ends: SlowEnds,
+}
+
+/// What whoever steps the simulation holds.
+pub struct SimulationPort {
+    shared: Arc<Shared>,
+    mode: LoopMode,
+    design: CouplingDesign,
+    hands: Vec<PortHand>,
+    readout: Option<ContactReadout>,
+    began_ns: u64,
+    beginnings: u64,
+    /// Steps of the session after the last one; fewer when the scene has begun anew.
+    steps: u64,
+    /// Frames made.
+    frames: u64,
+}
+
+impl SimulationPort {
+    pub(super) fn new(shared: Arc<Shared>, mode: LoopMode, design: CouplingDesign) -> Self {
+        Self {
+            shared,
+            mode,
+            design,
+            hands: Vec::new(),
+            readout: None,
+            began_ns: 0,
+            beginnings: 0,
+            steps: 0,
+            frames: 0,
+        }
+    }
+
+    /// Puts the hands of a session into the loop, in place of those before. Of several hands of one
+    /// side the first is felt the others keep their scripts. Allocates.
+    ///
+    /// # Errors
+    /// The session's hands cannot be felt. The loop is without hands then.
+    pub fn attach(&mut self, session: &Session) -> Result<(), PortError> {
+        let made = self.make(session);
+        let (slow, mut hands, mut actuators) = match made {
+            Ok(made) => made,
+            Err(error) => {
+                self.hands.clear();
+                self.replace(&mut Vec::new(), &mut Vec::new());
+                return Err(error);
+            }
+        };
+        self.hands = slow;
+        let world = session.world();
+        self.readout = self
+            .hands
+            .iter()
+            .any(|h| session.hands()[h.index].flesh().is_some())
+            .then(|| ContactReadout::new(world));
+        self.steps = session.steps();
+        self.replace(&mut hands, &mut actuators);
+        Ok(())
+    }
+
+    fn replace(&self, hands: &mut Vec<LoopHand>, actuators: &mut Vec<Actuators>) {
+        let mut outputs: Vec<_> = (0..actuators.len())
+            .map(|i| HandOutput::released(hands[i % hands.len()].side(), 0))
+            .collect();
+        // The loop leaves out a tick while it is held; the old hands are dropped after.
+        let mut core = self.shared.core.lock().unwrap_or_else(PoisonError::into_inner);
+        core.replace(hands, actuators, &mut outputs);
+    }
+
+    #[allow(clippy::type_complexity)] // what `attach` puts in, and nothing else
+    fn make(
+        &self,
+        session: &Session,
+    ) -> Result<(Vec<PortHand>, Vec<LoopHand>, Vec<Actuators>), PortError> {
+        let mut sides: Vec<(Side, usize)> = Vec::new();
+        for (index, hand) in session.hands().iter().enumerate() {
+            let Some(side) = hand.model.side.filter(|_| hand.driven) else { continue };
+            if sides.iter().all(|(known, _)| *known != side) {
+                sides.push((side, index));
+            }
+        }
+        if sides.is_empty() {
+            return Err(PortError::NoHand);
+        }
+        if self.mode == LoopMode::SingleRate && sides.len() > 1 {
+            return Err(PortError::OneHand(sides.len()));
+        }
+        let (mut slow, mut fast) = (Vec::new(), Vec::new());
+        for (side, index) in sides {
+            let (port, hand) = self.make_hand(session, side, index)?;
+            slow.push(port);
+            fast.push(hand);
+        }
+        let core = self.shared.core.lock().unwrap_or_else(PoisonError::into_inner);
+        let actuators = core.guards(fast.len())?;
+        Ok((slow, fast, actuators))
+    }
+
+    fn make_hand(
+        &self,
+        session: &Session,
+        side: Side,
+        index: usize,
+    ) -> Result<(PortHand, LoopHand), PortError> {
+        let world = session.world();
+        let model = &session.hands()[index].model;
+        let bones = session.hands()[index].handle.bones.clone();
+        let range = bones.start as usize..bones.end as usize;
+        let start: Vec<_> = bones.clone().map(|i| RigidState::of(world, i)).collect();
+        let drives: Vec<_> = world.desc().drives[range.clone()].to_vec();
+        let single = self.mode == LoopMode::SingleRate;
+        let frame = Frame {
+            bones: SlowToFast::new(&start, self.contacts_max()),
+            made_ns: 0,
+            targets: session.input().targets[range.clone()].to_vec(),
+            contacts: [FingerContact::default(); DIGITS],
+            beginnings: self.beginnings,
+        };
+        let touch: Box<dyn Touch + Send> = if single {
+            // Samples come every tick, already smooth.
+            let settings = SingleRateSettings {
+                tracking: Prediction { blend: 0.0, ..Prediction::TRACKER },
+                ..SingleRateSettings::default()
+            };
+            let mut inner = SingleRate::new(settings, world.clone(), bones.clone());
+            *inner.input_mut() = session.input().clone();
+            Box::new(inner)
+        } else {
+            let mut proxies = self.design.hand(model);
+            for (proxy, drive) in proxies.iter_mut().zip(&drives) {
+                proxy.bone = drive.unwrap_or(proxy.bone);
+            }
+            let settings = HandSettings {
+                mode: if self.mode == LoopMode::Shared {
+                    Mode::SharedConstraints
+                } else {
+                    Mode::Multirate
+                },
+                tracking: Prediction { blend: 0.0, ..Prediction::TRACKER },
+                ..HandSettings::default()
+            };
+            Box::new(HapticHand::new(settings, proxies, &start, self.contacts_max())?)
+        };
+        let (slow, fast) = slots(&frame, single.then(|| world.state()));
+        let live = session.live_hand(index)?;
+        let hand = LoopHand::new(side, model, live, touch, fast);
+        Ok((PortHand { index, first: range.start, drives, ends: slow }, hand))
+    }
+
+    fn contacts_max(&self) -> usize {
+        if self.mode == LoopMode::Shared { CONTACTS_MAX } else { 0 }
+    }
+
+    /// Before a step, at `now_ns`: the newest proxies become the targets of the bones. Hands whose drives were
+    /// changed are put into the loop anew, which allocates; otherwise nothing does.
+    ///
+    /// # Errors
+    /// As [`SimulationPort::attach`].
+    pub fn before_step(&mut self, session: &mut Session, now_ns: u64) -> Result<(), PortError> {
+        let drives = &session.world().desc().drives;
+        let same = |hand: &PortHand| drives[hand.first..][..hand.drives.len()] == hand.drives[..];
+        let anew = session.steps() < self.steps;
+        // A simulation within the loop begins anew only by being put in again.
+        if !self.hands.iter().all(same) || (anew && self.mode == LoopMode::SingleRate) {
+            self.attach(session)?;
+        }
+        self.beginnings += u64::from(anew);
+        self.began_ns = now_ns;
+        for hand in &mut self.hands {
+            if let Some(state) = &mut hand.ends.state
+                && state.update()
+            {
+                session.world_mut().restore(state.output_buffer_mut());
+            }
+            let lead = hand.ends.lead.read();
+            if lead.leads {
+                session.lead(hand.index, lead.proxies.proxies.iter().map(RigidState::target));
+            } else {
+                session.let_go(hand.index);
+            }
+        }
+        Ok(())
+    }
+
+    /// After a step, at `now_ns`: a frame for the loop. Allocates nothing.
+    pub fn after_step(&mut self, session: &mut Session, now_ns: u64) {
+        if self.mode == LoopMode::Shared {
+            for hand in &mut self.hands {
+                let bones = hand.first as u32..(hand.first + hand.drives.len()) as u32;
+                let frame = hand.ends.frame.input_buffer_mut();
+                // A frame that cannot be condensed has none, and the loop carries bones forward.
+                session.condense(bones, &mut frame.bones);
+            }
+        }
+        let session = &*session;
+        let world = session.world();
+        self.steps = session.steps();
+        self.frames += 1;
+        if let Some(readout) = &mut self.readout {
+            readout.read(world);
+        }
+        for hand in &mut self.hands {
+            let frame = hand.ends.frame.input_buffer_mut();
+            let n = frame.targets.len();
+            frame.bones.time_ns = self.began_ns;
+            frame.bones.step = self.frames;
+            for (i, bone) in frame.bones.bones.iter_mut().enumerate() {
+                *bone = RigidState::of(world, (hand.first + i) as u32);
+            }
+            frame.targets.copy_from_slice(&session.input().targets[hand.first..][..n]);
+            frame.beginnings = self.beginnings;
+            if let (Some(readout), Some(soft)) =
+                (&self.readout, session.hands()[hand.index].flesh())
+            {
+                frame.contacts = fingers(readout, soft);
+            }
+            frame.made_ns = now_ns;
+            hand.ends.frame.publish();
+        }
+    }
+}
+
+/// Contacts that a condensed frame has room for.
+const CONTACTS_MAX: usize = 64;
+
+/// What each finger of the hand whose flesh is `soft` touches.
+fn fingers(readout: &ContactReadout, soft: u32) -> [FingerContact; DIGITS] {
+    let parts = readout.parts(soft);
+    std::array::from_fn(|finger| {
+        // Parts are the palm and then the digits, in order.
+        let part = Digit::FINGERS[finger] as usize;
+        let Some(contact) = parts.get(part).map(|part| &part.contact) else {
+            return FingerContact::default();
+        };
+        let area = contact.area;
+        FingerContact {
+            area,
+            pressure_mean: if area > 0.0 { contact.normal / area } else { 0.0 },
+            pressure_max: contact.pressure_max,
+            slip_speed: contact.slip_W.norm(),
+        }
+    })
+}

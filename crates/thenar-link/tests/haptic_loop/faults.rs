@@ -1,0 +1,177 @@
+//! Faults put in: poses that are NaN, that teleport, that stop coming; devices that fall silent.
+
+use crate::rig::{MS, PRESS, Rig, check_outputs, limits};
+use thenar::{Pose, Quat, Vec3};
+use thenar_link::Rendering;
+use thenar_link::haptic_loop::{LoopMode, Settings};
+use thenar_scene::live::LivePose;
+use thenar_scene::session::Random;
+
+fn pressing() -> Rig {
+    let mut rig = Rig::new(&Settings::default(), Rendering::Tendons);
+    rig.pressing();
+    rig
+}
+
+/// Goes on with frames for so long, while `say` puts the faults in; returns the force of each tick.
+fn suffer(rig: &mut Rig, ms: u64, mut say: impl FnMut(&mut Rig, u64)) -> Vec<f64> {
+    let mut forces = Vec::new();
+    for k in 0..ms {
+        rig.blocked_frame();
+        say(rig, k);
+        rig.tick();
+        forces.push(rig.index_force());
+    }
+    check_outputs(&rig.wearer.shown.lock().unwrap().outputs);
+    forces
+}
+
+fn returns(rig: &mut Rig) {
+    rig.run(2000, |_| 0.0);
+    rig.run(600, |ms| PRESS * (ms as f64 / 500.0).min(1.0));
+    assert!(rig.index_force() > 0.2, "{}", rig.index_force());
+    check_outputs(&rig.wearer.shown.lock().unwrap().outputs);
+}
+
+#[test]
+fn poses_that_are_no_numbers_count_as_none() {
+    let mut rig = pressing();
+    let bad = LivePose::Angles { wrist: rig.wrist, angles: [f64::NAN; 20] };
+    let forces = suffer(&mut rig, 300, |rig, _| rig.wearer.say(rig.now_ns, Some(bad.clone())));
+    // Trusted for 100 ms, gone after another 50.
+    assert!(forces[90] > 0.2 && forces[160..].iter().all(|f| *f == 0.0));
+    returns(&mut rig);
+}
+
+#[test]
+fn poses_that_stop_or_repeat_themselves_fade() {
+    for repeat in [false, true] {
+        let mut rig = pressing();
+        let (pose, then) = (rig.pose(PRESS), rig.now_ns);
+        let forces = suffer(&mut rig, 300, |rig, _| {
+            if repeat {
+                rig.wearer.say(then, Some(pose.clone()));
+            }
+        });
+        assert!(forces[90] > 0.2 && forces[160..].iter().all(|f| *f == 0.0), "{repeat}");
+        returns(&mut rig);
+    }
+}
+
+#[test]
+fn a_hand_that_is_said_to_be_lost_fades() {
+    let mut rig = pressing();
+    let forces = suffer(&mut rig, 300, |rig, _| rig.wearer.say(rig.now_ns, None));
+    assert!(forces[160..].iter().all(|f| *f == 0.0));
+    returns(&mut rig);
+}
+
+#[test]
+fn a_teleport_becomes_a_journey_without_force() {
+    let mut rig = pressing();
+    let away = Pose::new(rig.wrist.position + Vec3::new(0.3, 0.2, -0.4), rig.wrist.rotation);
+    let flipped =
+        Pose::new(rig.wrist.position, Quat::from_scaled_axis(Vec3::z() * 3.0) * rig.wrist.rotation);
+    for wrist in [away, flipped] {
+        let forces = suffer(&mut rig, 700, |rig, _| {
+            let LivePose::Angles { angles, .. } = rig.pose(PRESS) else { unreachable!() };
+            rig.wearer.say(rig.now_ns, Some(LivePose::Angles { wrist, angles }));
+        });
+        assert!(forces[200..].iter().all(|f| *f == 0.0));
+        let home = rig.wrist;
+        suffer(&mut rig, 1500, |rig, _| {
+            let LivePose::Angles { angles, .. } = rig.pose(0.0) else { unreachable!() };
+            rig.wearer.say(rig.now_ns, Some(LivePose::Angles { wrist: home, angles }));
+        });
+        returns(&mut rig);
+    }
+}
+
+#[test]
+fn a_device_that_falls_silent_is_let_go_and_taken_up_again() {
+    let mut rig = pressing();
+    let then = rig.now_ns;
+    for _ in 0..200 {
+        rig.blocked_frame();
+        let pose = rig.pose(PRESS);
+        rig.wearer.say(rig.now_ns, Some(pose));
+        rig.now_ns += MS;
+        rig.wearer.alive(then);
+        assert!(rig.clock.tick(rig.now_ns));
+    }
+    assert_eq!(rig.index_force(), 0.0);
+    returns(&mut rig);
+}
+
+#[test]
+fn a_stop_is_zero_in_the_next_tick_and_stays() {
+    let mut rig = pressing();
+    rig.clock.remote().stop();
+    rig.run(1, |_| PRESS);
+    assert_eq!(rig.index_force(), 0.0);
+    rig.run(3000, |ms| PRESS * (ms as f64 / 500.0 - 2.0).clamp(0.0, 1.0));
+    assert_eq!(rig.index_force(), 0.0);
+    let reason = rig.clock.core(|core| core.tripped().map(|reason| reason.to_string()));
+    assert_eq!(reason.as_deref(), Some("stop was asked for"));
+}
+
+#[test]
+fn a_clock_that_jumps_trips() {
+    let mut rig = pressing();
+    rig.now_ns += 50 * MS;
+    rig.run(1, |_| PRESS);
+    assert_eq!(rig.index_force(), 0.0);
+    let reason = rig.clock.core(|core| core.tripped().unwrap().to_string());
+    assert!(reason.contains("stood still"), "{reason}");
+}
+
+/// Whatever comes, in whatever order: no output is ever beyond limits, slew or numbers.
+#[test]
+fn no_output_is_ever_beyond_its_limits() {
+    let limits = limits();
+    for (seed, mode) in (0..6).zip([LoopMode::Multirate, LoopMode::Shared].iter().cycle()) {
+        let mut random = Random::new(seed);
+        let mut rig =
+            Rig::new(&Settings { mode: *mode, ..Settings::default() }, Rendering::Tendons);
+        rig.engaged();
+        let mut wild = |low: f64, high: f64| low + (high - low) * 0.5 * (random.symmetric() + 1.0);
+        for _ in 0..4000 {
+            if wild(0.0, 1.0) < 0.3 {
+                rig.blocked_frame();
+            }
+            let kind = wild(0.0, 1.0);
+            if kind < 0.5 {
+                let LivePose::Angles { mut wrist, mut angles } = rig.pose(wild(-0.2, 0.6)) else {
+                    unreachable!()
+                };
+                if kind < 0.1 {
+                    wrist.position += Vec3::new(wild(-0.1, 0.1), wild(-0.1, 0.1), wild(-9.0, 9.0));
+                }
+                if kind < 0.05 {
+                    angles[(kind * 200.0) as usize] =
+                        [f64::NAN, f64::INFINITY, 1e300][(kind * 60.0) as usize];
+                }
+                let stamp = rig.now_ns - (wild(0.0, 3.0) * MS as f64) as u64;
+                rig.wearer.say(stamp, Some(LivePose::Angles { wrist, angles }));
+            } else if kind < 0.52 {
+                rig.wearer.say(rig.now_ns, None);
+            }
+            if wild(0.0, 1.0) < 0.002 {
+                rig.clock.remote().arm();
+            }
+            rig.tick();
+        }
+        let outputs = rig.wearer.shown.lock().unwrap().outputs.clone();
+        // A trip goes to zero at once; everything else is within the slew.
+        for pair in outputs.windows(2) {
+            let dt = (pair[1].time_ns - pair[0].time_ns) as f64 * 1e-9;
+            let stopped = pair[1].digits.iter().all(|d| d.pad_force == 0.0);
+            for (before, after) in pair[0].digits.iter().zip(&pair[1].digits) {
+                let force = after.pad_force;
+                assert!(force.is_finite() && (0.0..=limits.force_max()).contains(&force));
+                let change = (force - before.pad_force).abs();
+                assert!(stopped || change <= limits.change_max(dt) + 1e-12, "{seed}: {change}");
+            }
+        }
+    }
+}

@@ -1,0 +1,8 @@
+//! Goal: whatever trackers, devices and the simulation do, the loop ticks on, forces are continuous
+//! and bounded, and go to zero when there is no ground for them. Method: devices in memory; the
+//! loop on a made-up clock for what is timed, on its own threads for what is about threads.
+
+mod faults;
+mod rig;
+mod smooth;
+mod threads;

@@ -1,0 +1,192 @@
+//! The loop on its own threads: every way out sends zeros.
+
+use crate::rig::{MS, PRESS, SCENE, Wearer, devices, session};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+use thenar::Pose;
+use thenar_link::haptic_loop::{HapticLoop, Remote, Settings, State};
+use thenar_link::{Rendering, now_ns};
+use thenar_scene::live::LivePose;
+
+/// Longest that anything may take on a busy machine before a test gives up.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+fn until(what: &str, mut done: impl FnMut() -> bool) {
+    let begun = Instant::now();
+    while !done() {
+        assert!(begun.elapsed() < PATIENCE, "waited in vain: {what}");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// A wearer that presses, and a simulation that holds the hand where it is.
+struct World {
+    wearer: Wearer,
+    device: Arc<Mutex<Option<HapticLoop>>>,
+    remote: Remote,
+    flexion: Arc<Mutex<f64>>,
+    run: Arc<AtomicBool>,
+    simulate: Arc<AtomicBool>,
+    threads: Vec<JoinHandle<()>>,
+}
+
+impl World {
+    /// Armed and pressing.
+    fn pressing(folder: Option<std::path::PathBuf>) -> Self {
+        let (wearer, tracker, display) = devices(Rendering::Tendons);
+        let settings = Settings { trip_folder: folder, ..Settings::default() };
+        let device = HapticLoop::start(settings, vec![tracker], vec![display]).expect("a loop");
+        let (remote, mut port) = (device.remote(), device.port());
+        let mut session = session(SCENE);
+        port.attach(&session).expect("a hand");
+        let hand = &session.hands()[0];
+        let wrist: Pose = session.world().rigid_pose(hand.handle.bones.start) * hand.wrist_B();
+        let rest = hand.angles().map(|range| range.map_or(0.0, |range| range.rest));
+        let (run, simulate) = (Arc::new(AtomicBool::new(true)), Arc::new(AtomicBool::new(true)));
+        let flexion = Arc::new(Mutex::new(0.0));
+        let simulation = std::thread::spawn({
+            let (run, simulate) = (run.clone(), simulate.clone());
+            move || {
+                while run.load(Ordering::Relaxed) {
+                    if simulate.load(Ordering::Relaxed) {
+                        port.after_step(&mut session, now_ns());
+                    }
+                    std::thread::sleep(Duration::from_millis(4));
+                }
+            }
+        });
+        let glove = std::thread::spawn({
+            let (run, wearer, flexion) = (run.clone(), wearer.clone(), flexion.clone());
+            move || {
+                while run.load(Ordering::Relaxed) {
+                    let mut angles = rest;
+                    angles[4] += *flexion.lock().unwrap();
+                    let now = now_ns();
+                    wearer.alive(now);
+                    wearer.say(now, Some(LivePose::Angles { wrist, angles }));
+                    std::thread::sleep(Duration::from_millis(2));
+                }
+            }
+        });
+        let device = Arc::new(Mutex::new(Some(device)));
+        let threads = vec![simulation, glove];
+        let world = Self { wearer, device, remote, flexion, run, simulate, threads };
+        world.press_again();
+        world
+    }
+
+    /// Arms, opens, waits for full force to be allowed, and presses.
+    fn press_again(&self) {
+        *self.flexion.lock().unwrap() = 0.0;
+        // A busy machine may stall the loop, which trips it: that is armed again.
+        until("full force", || {
+            let state = self.remote.status().state;
+            if matches!(state, State::DryRun | State::Tripped(_)) {
+                self.remote.arm();
+                std::thread::sleep(Duration::from_millis(50));
+            }
+            state == State::Live
+        });
+        *self.flexion.lock().unwrap() = PRESS;
+        until("a force", || {
+            if matches!(self.remote.status().state, State::Tripped(_)) {
+                self.remote.arm();
+                *self.flexion.lock().unwrap() = 0.0;
+            } else if self.remote.status().state == State::Live {
+                *self.flexion.lock().unwrap() = PRESS;
+            }
+            self.force() > 0.2
+        });
+    }
+
+    fn force(&self) -> f64 {
+        let shown = self.wearer.shown.lock().unwrap();
+        shown.outputs.last().map_or(0.0, |output| output.digits[1].pad_force)
+    }
+
+    fn mischief(&self, mischief: impl FnOnce() + Send + 'static) {
+        let mut said = self.wearer.said.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        said.mischief = Some(Box::new(mischief));
+    }
+}
+
+impl Drop for World {
+    fn drop(&mut self) {
+        self.run.store(false, Ordering::Relaxed);
+        self.threads.drain(..).for_each(|thread| thread.join().unwrap());
+    }
+}
+
+#[test]
+fn the_end_of_the_loop_sends_zeros_and_closes_the_device() {
+    let world = World::pressing(None);
+    drop(world.device.lock().unwrap().take());
+    assert_eq!(world.force(), 0.0);
+    assert!(world.wearer.shown.lock().unwrap().dropped);
+}
+
+/// The watchdog speaks while the loop stands still: zeros are there before the loop moves again.
+#[test]
+fn a_loop_that_stands_still_is_taken_over_and_says_so() {
+    let folder = std::env::temp_dir().join(format!("thenar-stall-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let world = World::pressing(Some(folder.clone()));
+    let barks = world.remote.status().barks;
+    let (go_on, waiting) = std::sync::mpsc::channel::<()>();
+    world.mischief(move || {
+        let _ = waiting.recv_timeout(PATIENCE);
+    });
+    until("zeros from the watchdog", || world.force() == 0.0);
+    go_on.send(()).unwrap();
+    until("the trip", || matches!(world.remote.status().state, State::Tripped(_)));
+    assert_eq!(world.force(), 0.0);
+    until("its message", || {
+        let told = world.remote.status();
+        told.barks > barks && told.messages.iter().any(|m| m.contains("stood still"))
+    });
+    // The last seconds are written down, up to the trip.
+    let files: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|f| f.unwrap().path()).collect();
+    let texts: Vec<_> = files.iter().map(|f| std::fs::read_to_string(f).unwrap()).collect();
+    assert!(texts.iter().any(|text| {
+        text.starts_with("# forces stopped: the haptic loop stood still")
+            && text.lines().any(|line| line.contains(",live,"))
+            && text.lines().any(|line| line.contains(",tripped,"))
+    }));
+    std::fs::remove_dir_all(&folder).unwrap();
+    world.press_again();
+}
+
+#[test]
+fn a_panic_in_the_loop_sends_zeros_and_is_told() {
+    let world = World::pressing(None);
+    world.mischief(|| panic!("put in by the test"));
+    until("the end of the loop", || world.remote.status().state == State::Failed);
+    until("zeros", || world.force() == 0.0);
+}
+
+#[test]
+fn a_simulation_that_ends_fades_and_comes_back() {
+    let world = World::pressing(None);
+    world.simulate.store(false, Ordering::Relaxed);
+    until("zero", || world.force() == 0.0);
+    until("the reason", || {
+        matches!(world.remote.status().state, State::Waiting(why) if why.contains("simulation"))
+            || matches!(world.remote.status().state, State::Tripped(_))
+    });
+    world.simulate.store(true, Ordering::Relaxed);
+    world.press_again();
+}
+
+#[test]
+fn stop_acts_without_the_simulation() {
+    let world = World::pressing(None);
+    world.simulate.store(false, Ordering::Relaxed);
+    world.remote.stop();
+    until("zero", || world.force() == 0.0);
+    until("the trip", || {
+        world.remote.status().state == State::Tripped("stop was asked for".into())
+    });
+    assert!(world.remote.status().ticks > 0 && now_ns() > MS);
+}
