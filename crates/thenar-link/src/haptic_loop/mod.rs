@@ -64,8 +64,9 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, PoisonError, TryLockError, Weak};
 use std::thread::JoinHandle;
 use std::time::Duration;
-use thenar::haptic::CouplingDesign;
 use thenar::haptic::safety::Trip;
+use thenar::haptic::{CouplingDesign, LoopProfile};
+use thenar::model::Drive;
 
 /// Records that may wait for the monitor.
 const RECORDS: usize = 16_384;
@@ -126,7 +127,8 @@ impl HapticLoop {
         trackers: Vec<Box<dyn Tracker>>,
         displays: Vec<Box<dyn ForceDisplay>>,
     ) -> Result<Self, LinkError> {
-        let Settings { rate_hz, mode, design, .. } = settings;
+        let Settings { rate_hz, mode, .. } = settings;
+        let (design, too_stiff) = fitted(&settings.design, rate_hz, &displays);
         let (shared, monitored) = share(&settings, trackers, displays)?;
         let mut new = Self { shared, mode, design, threads: Vec::new() };
         let (told, warnings) = std::sync::mpsc::channel();
@@ -145,7 +147,7 @@ impl HapticLoop {
             records: monitored,
             watcher: settings.watcher,
             folder: settings.trip_folder,
-            warnings: warnings.recv_timeout(ENDING).unwrap_or_default(),
+            warnings: [too_stiff, warnings.recv_timeout(ENDING).unwrap_or_default()].concat(),
             rate_hz,
         };
         new.shared.control.status().warnings.clone_from(&monitor.warnings);
@@ -192,6 +194,29 @@ impl Drop for HapticLoop {
             displays.clear();
         }
     }
+}
+
+/// The couplings that these displays can render: no stiffer than their makers rate, and what speaks
+/// against them even so.
+fn fitted(
+    design: &CouplingDesign,
+    rate_hz: f64,
+    displays: &[Box<dyn ForceDisplay>],
+) -> (CouplingDesign, Vec<String>) {
+    let profiles: Vec<_> = displays.iter().map(|display| display.loop_profile()).collect();
+    let stiffest = |most: f64, profile: &LoopProfile| most.min(profile.rated_stiffness);
+    let device_stiffness = profiles.iter().fold(design.device_stiffness, stiffest);
+    let design = CouplingDesign { device_stiffness, ..*design };
+    let drive = Drive {
+        stiffness: device_stiffness,
+        damping: design.device_damping,
+        angular_stiffness: 0.0,
+        angular_damping: 0.0,
+    };
+    let slower =
+        |profile: LoopProfile| LoopProfile { period: profile.period.max(1.0 / rate_hz), ..profile };
+    let warnings = profiles.into_iter().map(slower).flat_map(|profile| profile.warnings(&drive));
+    (design, warnings.map(|warning| warning.to_string()).collect())
 }
 
 /// What loop, watchdog and monitor work on, and the monitor's end of the records.

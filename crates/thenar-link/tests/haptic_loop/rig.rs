@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 use thenar::Pose;
+use thenar::haptic::LoopProfile;
 use thenar::haptic::safety::Limits;
 use thenar::model::Side;
 use thenar_link::haptic_loop::{ManualLoop, Settings, SimulationPort};
@@ -80,6 +81,12 @@ impl ForceDisplay for FakeDisplay {
 
     fn limits(&self) -> Limits {
         limits()
+    }
+
+    fn loop_profile(&self) -> LoopProfile {
+        let rated_stiffness = f64::INFINITY;
+        let [period, delay, damping, friction, resolution] = [1e-3, 0.0, 2.0, 0.1, 1e-5];
+        LoopProfile { period, delay, damping, friction, resolution, rated_stiffness }
     }
 
     fn show(&mut self, output: &HandOutput) {
