@@ -11,9 +11,11 @@
 //! Frames are those of WebXR: metres, +y up; along a bone -z away from the wrist, +y out of the
 //! back of the hand. Times are nanoseconds of one monotonic clock of this process.
 
+pub mod bhaptics;
 mod clock;
 mod device;
 mod error;
+pub mod force_device;
 pub mod hand_tracking_streamer;
 pub mod haptic_loop;
 pub mod joints;
@@ -22,8 +24,10 @@ pub mod lucidgloves;
 pub mod null;
 mod output;
 mod paired;
+pub mod pose_stream;
 pub mod profile;
 mod protocol;
+mod rate;
 mod registry;
 mod sample;
 pub mod source_clock;

@@ -1,0 +1,195 @@
+//! Desktop haptic arms, through a small bridge: one UDP datagram each way, a thousand times per
+//! second. The bridge owns the maker's library and has a watchdog of its own: it lets the arm go
+//! when no command came for 20 ms. See [`wire`] for the datagrams.
+//!
+//! As a tracker it is a hand that holds the handle; the first button closes the fingers. As a
+//! display it shows the force and torque of the palm's coupling at the handle.
+
+pub mod twin;
+pub mod wire;
+
+use crate::source_clock::SourceClock;
+use crate::{Event, HandOutput, HandSample, Protocol};
+use thenar::model::Side;
+use thenar::{Pose, Vec3};
+use thenar_scene::live::LivePose;
+use thenar_scene::motion::ANGLES;
+use wire::{Command, State};
+
+/// Commands follow each other after so long at most \[ns\] ...
+const PERIOD_NS: u64 = 1_000_000;
+/// ... and at least; a new output goes out at once otherwise \[ns\].
+const GAP_NS: u64 = 400_000;
+/// Without an output or a state for so long no force is commanded \[ns\].
+const SILENCE_NS: u64 = 20_000_000;
+/// A device that was silent for so long may number its states anew \[ns\].
+const RESTART_NS: u64 = 100_000_000;
+/// How long the fingers take to close when the button is pressed \[s\].
+const CLOSING: f64 = 0.15;
+/// Lost states are told of so often \[ns\], if more than one in a hundred was.
+const REPORT_NS: u64 = 10_000_000_000;
+
+/// Where the device stands and how it is held.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Setup {
+    /// The hand that holds it.
+    pub side: Side,
+    /// The device's frame in the world.
+    pub pose_WD: Pose,
+    /// The wrist in the frame of the handle.
+    pub pose_TH: Pose,
+    /// Joint angles of the hand, button up, and down \[rad\].
+    pub grips: [[f64; ANGLES]; 2],
+}
+
+/// The protocol.
+#[derive(Clone, Debug)]
+pub struct ForceDevice {
+    setup: Setup,
+    /// Number of the next command.
+    seq: u32,
+    sent_ns: Option<u64>,
+    /// What shall be felt, device frame, and since when.
+    wanted: Option<(u64, [Vec3; 2])>,
+    /// Newest state: number and arrival.
+    state: Option<(u32, u64)>,
+    clock: SourceClock,
+    /// 0 open to 1 closed.
+    grip: f64,
+    /// States that came and that did not, since when.
+    counted: [u64; 2],
+    counted_since_ns: Option<u64>,
+}
+
+impl ForceDevice {
+    /// A device that stands there.
+    pub fn new(setup: Setup) -> Self {
+        Self {
+            setup,
+            seq: 0,
+            sent_ns: None,
+            wanted: None,
+            state: None,
+            clock: SourceClock::default(),
+            grip: 0.0,
+            counted: [0; 2],
+            counted_since_ns: None,
+        }
+    }
+
+    fn command(&mut self, now_ns: u64, [force, torque]: [Vec3; 2], send: &mut dyn FnMut(&[u8])) {
+        let command = Command { seq: self.seq, time_ns: now_ns, force, torque };
+        self.seq = self.seq.wrapping_add(1);
+        self.sent_ns = Some(now_ns);
+        send(&command.write());
+    }
+
+    /// True for a state that is newer than all before. Numbers wrap; datagrams overtake each other.
+    fn is_news(&mut self, now_ns: u64, seq: u32) -> bool {
+        let ahead = match self.state {
+            Some((last, at)) if now_ns.saturating_sub(at) < RESTART_NS => {
+                seq.wrapping_sub(last) as i32
+            }
+            _ => 1,
+        };
+        if ahead > 0 {
+            self.state = Some((seq, now_ns));
+            self.counted[0] += 1;
+            self.counted[1] += u64::from(ahead.unsigned_abs() - 1).min(1000);
+        }
+        ahead > 0
+    }
+
+    fn sample(&mut self, now_ns: u64, before_ns: u64, state: &State) -> Event {
+        let dt = now_ns.saturating_sub(before_ns) as f64 * 1e-9;
+        let step = (dt / CLOSING).min(1.0);
+        let goal = f64::from(state.buttons & 1);
+        self.grip += (goal - self.grip).clamp(-step, step);
+        let [open, closed] = &self.setup.grips;
+        let angles = std::array::from_fn(|k| open[k] + self.grip * (closed[k] - open[k]));
+        let wrist = self.setup.pose_WD * state.pose * self.setup.pose_TH;
+        // A device's clock counts nanoseconds from anywhere; beyond 292 years it is none.
+        let source = i64::try_from(state.time_ns).unwrap_or(i64::MAX);
+        let time_ns = self.clock.carry(now_ns, source).time_ns;
+        let pose = Some(LivePose::Angles { wrist, angles });
+        Event::Sample(HandSample { side: self.setup.side, time_ns, pose })
+    }
+
+    fn report(&mut self, now_ns: u64, event: &mut dyn FnMut(Event)) {
+        let since = *self.counted_since_ns.get_or_insert(now_ns);
+        if now_ns.saturating_sub(since) < REPORT_NS {
+            return;
+        }
+        let [came, lost] = std::mem::take(&mut self.counted);
+        self.counted_since_ns = Some(now_ns);
+        if lost * 100 > came {
+            event(Event::Note(format!("{lost} states were lost, {came} came, in the last 10 s")));
+        }
+    }
+}
+
+impl Protocol for ForceDevice {
+    fn start(&mut self, now_ns: u64, send: &mut dyn FnMut(&[u8])) {
+        *self = Self { seq: self.seq, ..Self::new(self.setup.clone()) };
+        // The device learns where its host is, and that nothing shall be felt.
+        self.command(now_ns, [Vec3::zeros(); 2], send);
+    }
+
+    fn receive(
+        &mut self,
+        now_ns: u64,
+        bytes: &[u8],
+        event: &mut dyn FnMut(Event),
+        _: &mut dyn FnMut(&[u8]),
+    ) {
+        match State::read(bytes) {
+            Err(error) => event(Event::Refused(error.to_string())),
+            Ok(state) => {
+                let before = self.state.map_or(now_ns, |(_, at)| at);
+                if self.is_news(now_ns, state.seq) {
+                    event(self.sample(now_ns, before, &state));
+                }
+                self.report(now_ns, event);
+            }
+        }
+    }
+
+    fn tick(
+        &mut self,
+        now_ns: u64,
+        output: Option<&HandOutput>,
+        _: &mut dyn FnMut(Event),
+        send: &mut dyn FnMut(&[u8]),
+    ) {
+        let passed = |since: u64| now_ns.saturating_sub(since);
+        let output = output.filter(|output| output.side == self.setup.side);
+        if let Some(output) = output {
+            let forces = [output.force_W, output.torque_W];
+            let finite = forces.iter().all(|v| v.norm().is_finite());
+            let forces = if finite { forces } else { [Vec3::zeros(); 2] };
+            let pose_WD = &self.setup.pose_WD;
+            self.wanted = Some((now_ns, forces.map(|v_W| pose_WD.inverse_vector(&v_W))));
+        }
+        let due = if output.is_some() { GAP_NS } else { PERIOD_NS };
+        if self.sent_ns.is_some_and(|sent| passed(sent) < due) {
+            return;
+        }
+        // A device that says nothing of its handle pushes blindly.
+        let seen = self.state.is_some_and(|(_, at)| passed(at) <= SILENCE_NS);
+        let forces = match self.wanted {
+            Some((since, forces)) if seen && passed(since) <= SILENCE_NS => forces,
+            _ => [Vec3::zeros(); 2],
+        };
+        self.command(now_ns, forces, send);
+    }
+
+    fn stop(&mut self, send: &mut dyn FnMut(&[u8])) {
+        self.wanted = None;
+        let time_ns = self.sent_ns.unwrap_or(0);
+        // Datagrams get lost.
+        (0..3).for_each(|_| self.command(time_ns, [Vec3::zeros(); 2], send));
+    }
+}
+
+#[cfg(test)]
+mod tests;
