@@ -10,16 +10,14 @@
 //!                                          52  u32    buttons, bit 0 the first
 //! ```
 
-use crate::joints::in_reach;
-use thenar::{Pose, Quat, Vec3};
+use crate::joints::{in_reach, rotation};
+use thenar::{Pose, Vec3};
 
 /// Length of a command.
 pub const COMMAND_BYTES: usize = 36;
 /// Length of a state.
 pub const STATE_BYTES: usize = 56;
 
-/// How far the length of a quaternion may be from one.
-const UNIT_TOLERANCE: f64 = 0.1;
 /// No handle moves faster \[m/s\].
 const SPEED_MAX: f64 = 100.0;
 
@@ -110,19 +108,16 @@ impl State {
     pub fn read(bytes: &[u8]) -> Result<Self, WireError> {
         let (seq, time_ns) = read_head(bytes, STATE_BYTES)?;
         let position = vector(bytes, 12);
-        let [x, y, z, w] = [24, 28, 32, 36].map(|at| float(bytes, at));
+        let turn = rotation([24, 28, 32, 36].map(|at| float(bytes, at)));
         let velocity = vector(bytes, 40);
-        let quaternion = nalgebra::Quaternion::new(w, x, y, z);
         if !in_reach(&position) {
             return Err(WireError::Range("position"));
         }
-        if !((quaternion.norm() - 1.0).abs() <= UNIT_TOLERANCE) {
-            return Err(WireError::Range("rotation"));
-        }
-        if !(velocity.norm() <= SPEED_MAX) {
+        let turn = turn.map_err(|_| WireError::Range("rotation"))?;
+        if !(0.0..=SPEED_MAX).contains(&velocity.norm()) {
             return Err(WireError::Range("velocity"));
         }
-        let pose = Pose::new(position, Quat::from_quaternion(quaternion));
+        let pose = Pose::new(position, turn);
         let buttons = u32::from_le_bytes(take(bytes, 52));
         Ok(Self { seq, time_ns, pose, velocity, buttons })
     }

@@ -1,11 +1,8 @@
 //! One line of the streamer.
 
-use crate::joints::{POINTS, in_reach};
+use crate::joints::{POINTS, in_reach, rotation};
 use thenar::model::Side;
-use thenar::{Pose, Quat, Vec3};
-
-/// How far the length of a quaternion may be from one.
-const UNIT_TOLERANCE: f64 = 0.1;
+use thenar::{Pose, Vec3};
 
 /// A line, in WebXR's axes.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,12 +94,9 @@ fn place([x, y, z]: [f64; 3]) -> Result<Vec3, String> {
 }
 
 fn pose([x, y, z, a, b, c, w]: &[f64; 7]) -> Result<Pose, String> {
-    let quaternion = nalgebra::Quaternion::new(*w, -a, -b, *c);
-    let norm = quaternion.norm();
-    if (norm - 1.0).abs() > UNIT_TOLERANCE {
-        return Err(format!("a quaternion of length {norm}; expected 1"));
-    }
-    Ok(Pose::new(place([*x, *y, *z])?, Quat::from_quaternion(quaternion)))
+    let turn = rotation([-a, -b, *c, *w])
+        .map_err(|norm| format!("a quaternion of length {norm}; expected 1"))?;
+    Ok(Pose::new(place([*x, *y, *z])?, turn))
 }
 
 fn points(numbers: &[f64; 3 * POINTS]) -> Result<[Vec3; POINTS], String> {

@@ -8,7 +8,7 @@
 //!
 //! The numbers below are the means of a real capture of two hands (headset, 1423 samples). On it,
 //! frames are off by 3° to 5° on average for fingers and 7° for thumbs, 21° at worst, and bases of
-//! metacarpals by 1 mm to 2 mm (tests/rebuild.rs).
+//! metacarpals by 1 mm to 2 mm (`tests.rs` beside this file).
 
 use super::{POINTS, WEBXR_OF_POINT, in_reach};
 use thenar::model::Side;
@@ -87,7 +87,7 @@ pub fn rebuild(side: Side, points: &[Vec3; POINTS]) -> Result<LivePose, RebuildE
 
     let [x, y, z] = WRIST_TURN;
     let turn = Quat::from_scaled_axis(Vec3::new(x, mirror * y, mirror * z));
-    let wrist_rotation = rotation(&palm) * turn;
+    let wrist_rotation = of_columns(&palm) * turn;
     let mut joints = [Pose::new(wrist, wrist_rotation); 25];
     for (point, joint) in points.iter().zip(WEBXR_OF_POINT) {
         joints[joint].position = *point;
@@ -150,10 +150,10 @@ fn bone(direction: &Vec3, axis: &Vec3, before: &Quat) -> Quat {
     let z = -direction.try_normalize(BONE_MIN).unwrap_or(before * -Vec3::z());
     let across = |axis: &Vec3| (axis - z * axis.dot(&z)).try_normalize(0.05);
     let Some(x) = across(axis).or_else(|| across(&(before * Vec3::x()))) else { return *before };
-    rotation(&Mat3::from_columns(&[x, z.cross(&x), z]))
+    of_columns(&Mat3::from_columns(&[x, z.cross(&x), z]))
 }
 
-fn rotation(columns: &Mat3) -> Quat {
+fn of_columns(columns: &Mat3) -> Quat {
     Quat::from_rotation_matrix(&nalgebra::Rotation3::from_matrix_unchecked(*columns))
 }
 

@@ -1,17 +1,16 @@
 //! One line of a pose stream.
 
 use crate::joints::{
-    OPENXR_JOINTS, POINTS, in_reach, rebuild, typical_radii, webxr_of_apple, webxr_of_openxr,
+    OPENXR_JOINTS, POINTS, in_reach, rebuild, rotation, typical_radii, webxr_of_apple,
+    webxr_of_openxr,
 };
 use serde::Deserialize;
 use std::fmt::Write;
 use thenar::model::Side;
-use thenar::{Pose, Quat, Vec3};
+use thenar::{Pose, Vec3};
 use thenar_scene::live::LivePose;
 use thenar_scene::motion::TRACKED_JOINTS;
 
-/// How far the length of a quaternion may be from one.
-const UNIT_TOLERANCE: f64 = 0.1;
 /// Nothing of a hand is thicker \[m\].
 const RADIUS_MAX: f64 = 0.5;
 /// Times are seconds of any clock within this (31 years) \[s\].
@@ -115,19 +114,14 @@ fn pose(sample: &Sample, order: &Order) -> Result<LivePose, String> {
         return Err(format!("quat has {} entries, pos {count}", quaternions.len()));
     }
     let mut frames = Vec::with_capacity(count);
-    for (point, [x, y, z, w]) in points.into_iter().zip(quaternions) {
-        let quaternion = nalgebra::Quaternion::new(*w, *x, *y, *z);
-        let norm = quaternion.norm();
-        // Not the other way round: the norm may be no number.
-        if !((norm - 1.0).abs() <= UNIT_TOLERANCE) {
-            return Err(format!("a quaternion of length {norm}, expected 1"));
-        }
-        frames.push(Pose::new(point, Quat::from_quaternion(quaternion)));
+    for (point, quaternion) in points.into_iter().zip(quaternions) {
+        let turn = rotation(*quaternion)
+            .map_err(|norm| format!("a quaternion of length {norm}, expected 1"))?;
+        frames.push(Pose::new(point, turn));
     }
-    let ours = ours(&frames, order).ok_or_else(|| {
+    let joints = ours(&frames, order).ok_or_else(|| {
         format!("pos has {count} entries; expected 25 (WebXR), 26 (OpenXR) or 27 (Apple)")
-    });
-    let joints = ours?;
+    })?;
     let radii = match &sample.radius {
         None => typical_radii((joints[11].position - joints[0].position).norm()),
         Some(radii) if radii.len() != count => {
@@ -137,7 +131,7 @@ fn pose(sample: &Sample, order: &Order) -> Result<LivePose, String> {
             if let Some(odd) = radii.iter().find(|r| !(0.0..=RADIUS_MAX).contains(*r)) {
                 return Err(format!("a radius of {odd} m, expected 0 to {RADIUS_MAX}"));
             }
-            match ours_of(radii, order) {
+            match ours(radii, order) {
                 Some(radii) => radii,
                 None => return Err("a radius for each joint is expected".into()),
             }
@@ -155,12 +149,8 @@ fn of_points(sample: &Sample, points: &[Vec3]) -> Result<LivePose, String> {
     rebuild(sample.hand, points).map_err(|error| error.to_string())
 }
 
-fn ours(frames: &[Pose], order: &Order) -> Option<[Pose; 25]> {
-    ours_of(frames, order)
-}
-
 /// Our joints of another order, told by how many there are.
-fn ours_of<T: Copy>(values: &[T], order: &Order) -> Option<[T; 25]> {
+fn ours<T: Copy>(values: &[T], order: &Order) -> Option<[T; 25]> {
     match values.len() {
         25 => Some(order.map(|place| values[place])),
         OPENXR_JOINTS => values.first_chunk().map(webxr_of_openxr),
