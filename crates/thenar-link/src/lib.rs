@@ -13,6 +13,7 @@
 
 pub mod bhaptics;
 mod clock;
+pub mod cyberglove;
 mod device;
 mod error;
 pub mod force_device;

@@ -1,10 +1,15 @@
 //! All drivers, and addresses as a person writes them: `name:address`.
 
-use crate::{Driver, LinkError, Opened, lucidgloves, null};
+use crate::{Driver, LinkError, Opened, cyberglove, lucidgloves, null};
 
 /// All drivers.
 pub fn drivers() -> Vec<Box<dyn Driver>> {
-    vec![Box::new(null::NullDriver), Box::new(lucidgloves::LucidGlovesDriver)]
+    vec![
+        Box::new(null::NullDriver),
+        Box::new(lucidgloves::LucidGlovesDriver),
+        Box::new(cyberglove::CyberGloveDriver),
+        Box::new(cyberglove::CyberGlove3Driver),
+    ]
 }
 
 /// Opens `name:address`, such as `lucidgloves:/dev/ttyUSB0`.

@@ -1,0 +1,107 @@
+//! CyberGlove I and II: commands in text, records of one byte per sensor.
+//!
+//! A record is `S`, a byte from 1 to 255 per sensor, and a zero. Only the zero is never data, so
+//! records end at zeros and are taken when just the right number of bytes lies between two.
+
+use super::profile::Profile;
+use super::{Speech, sample};
+use crate::{Event, HandOutput, Protocol};
+use std::sync::Arc;
+
+/// What makes the glove stream at 100 Hz: stop, is it there, light on, no filter, period of
+/// 1152 / 115200 s, no status byte, go.
+const START: [&[u8]; 7] = [b"\x03", b"l ?\r", b"l 1\r", b"f 0\r", b"t 1152 1\r", b"u 0\r", b"S"];
+/// Between two of these, since the glove has a small buffer \[ns\].
+const PACE_NS: u64 = 20_000_000;
+/// A stream that pauses for so long has ended \[ns\].
+const SILENCE_NS: u64 = 1_000_000_000;
+
+/// The protocol.
+pub struct Classic {
+    profile: Arc<Profile>,
+    /// Bytes since the last zero, no more than a record has.
+    record: Vec<u8>,
+    /// More came than a record has.
+    too_long: bool,
+    speech: Speech,
+}
+
+impl Classic {
+    /// A conversation that has not begun.
+    pub fn new(profile: Arc<Profile>) -> Self {
+        let speech = Speech::new(&START, PACE_NS, SILENCE_NS);
+        Self { profile, record: Vec::with_capacity(64), too_long: false, speech }
+    }
+
+    /// A zero came.
+    fn finish(&mut self, now_ns: u64, event: &mut dyn FnMut(Event)) {
+        let bytes = std::mem::take(&mut self.record);
+        let too_long = std::mem::take(&mut self.too_long);
+        let sensors = self.profile.glove.sensors;
+        match bytes.as_slice() {
+            [b'S', values @ ..] if values.len() == sensors && !too_long => {
+                self.speech.heard(now_ns);
+                let full = self.profile.glove.full_scale;
+                let mut scaled = [0.0; super::SENSORS];
+                for (scaled, byte) in scaled.iter_mut().zip(values) {
+                    *scaled = f64::from(byte - 1) / full;
+                }
+                event(sample(&self.profile, now_ns, &scaled[..sensors]));
+            }
+            [b'S', values @ ..] if [18, 22].contains(&values.len()) && !too_long => {
+                event(Event::Refused(format!(
+                    "the glove has {} sensors, the profile says {sensors} (glove.sensors)",
+                    values.len()
+                )));
+            }
+            _ => event(Event::Refused("bytes that are no record: noise or another speed".into())),
+        }
+        self.record = bytes;
+        self.record.clear();
+    }
+}
+
+impl Protocol for Classic {
+    fn start(&mut self, now_ns: u64, _: &mut dyn FnMut(&[u8])) {
+        self.record.clear();
+        self.too_long = false;
+        self.speech.begin(now_ns);
+    }
+
+    fn receive(
+        &mut self,
+        now_ns: u64,
+        bytes: &[u8],
+        event: &mut dyn FnMut(Event),
+        _: &mut dyn FnMut(&[u8]),
+    ) {
+        for byte in bytes {
+            match byte {
+                0 => self.finish(now_ns, event),
+                // Before the first record the glove echoes our commands.
+                byte if !self.speech.streams() => {
+                    if self.record.len() > self.profile.glove.sensors {
+                        self.record.remove(0);
+                    }
+                    self.record.push(*byte);
+                }
+                byte if self.record.len() <= super::SENSORS => self.record.push(*byte),
+                _ => self.too_long = true,
+            }
+        }
+    }
+
+    fn tick(
+        &mut self,
+        now_ns: u64,
+        _: Option<&HandOutput>,
+        _: &mut dyn FnMut(Event),
+        send: &mut dyn FnMut(&[u8]),
+    ) {
+        self.speech.tick(now_ns, send);
+    }
+
+    fn stop(&mut self, send: &mut dyn FnMut(&[u8])) {
+        send(b"\x03");
+    }
+}

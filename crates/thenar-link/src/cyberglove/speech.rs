@@ -1,0 +1,59 @@
+//! What a glove must be told before it streams, in its pace, and again when it falls silent.
+
+/// Listens this long to a glove that may stream already \[ns\].
+const LISTEN_NS: u64 = 100_000_000;
+
+/// The conversation up to the stream.
+#[derive(Clone, Debug)]
+pub struct Speech {
+    words: &'static [&'static [u8]],
+    pace_ns: u64,
+    silence_ns: u64,
+    /// The next word and when it is due; `None` while the glove streams or has been told all.
+    next: Option<(usize, u64)>,
+    /// When it was last heard, or told all.
+    heard_ns: u64,
+    streams: bool,
+}
+
+impl Speech {
+    /// These words, with a pause between them, said again after a silence \[ns\].
+    pub fn new(words: &'static [&'static [u8]], pace_ns: u64, silence_ns: u64) -> Self {
+        Self { words, pace_ns, silence_ns, next: None, heard_ns: 0, streams: false }
+    }
+
+    /// Says them from the first, at once.
+    pub fn begin(&mut self, now_ns: u64) {
+        (self.next, self.heard_ns, self.streams) = (Some((0, now_ns)), now_ns, false);
+    }
+
+    /// Says them unless the glove is heard before.
+    pub fn listen(&mut self, now_ns: u64) {
+        self.begin(now_ns);
+        self.next = Some((0, now_ns + LISTEN_NS));
+    }
+
+    /// The glove said something that made sense.
+    pub fn heard(&mut self, now_ns: u64) {
+        (self.next, self.heard_ns, self.streams) = (None, now_ns, true);
+    }
+
+    /// True once it was heard.
+    pub fn streams(&self) -> bool {
+        self.streams
+    }
+
+    /// Says what is due.
+    pub fn tick(&mut self, now_ns: u64, send: &mut dyn FnMut(&[u8])) {
+        match self.next {
+            Some((word, due_ns)) if now_ns >= due_ns => {
+                send(self.words[word]);
+                self.heard_ns = now_ns;
+                let following = Some((word + 1, now_ns + self.pace_ns));
+                self.next = following.filter(|(word, _)| *word < self.words.len());
+            }
+            None if now_ns.saturating_sub(self.heard_ns) > self.silence_ns => self.begin(now_ns),
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! CyberGlove III: packets of 61 bytes, found by the time in front of them.
+//!
+//! ```text
+//! hh:mm:ss:ff:dS | 22 sensors, 16 bits, high byte first | 3 bytes
+//! 14 bytes       | 44 bytes                              |
+//! ```
+
+use super::profile::Profile;
+use super::{SENSORS, Speech, sample};
+use crate::{Event, HandOutput, Protocol};
+use std::sync::Arc;
+
+/// Bytes of a packet.
+pub const PACKET: usize = 61;
+/// Bytes of the time.
+const TIME: usize = 14;
+const START: [&[u8]; 2] = [b"1E4010111\0", b"1S\0"];
+const PACE_NS: u64 = 20_000_000;
+const SILENCE_NS: u64 = 1_000_000_000;
+/// Two losses of the packet's beginning within this time mean that the stream is broken \[ns\].
+const RESYNC_NS: u64 = 2_000_000_000;
+
+/// The protocol.
+pub struct Third {
+    profile: Arc<Profile>,
+    /// What is not yet understood: less than two packets.
+    bytes: Vec<u8>,
+    /// The beginning of packets is known.
+    in_step: bool,
+    /// When it was last lost \[ns\].
+    lost_ns: Option<u64>,
+    speech: Speech,
+}
+
+impl Third {
+    /// A conversation that has not begun.
+    pub fn new(profile: Arc<Profile>) -> Self {
+        let speech = Speech::new(&START, PACE_NS, SILENCE_NS);
+        Self {
+            profile,
+            bytes: Vec::with_capacity(2 * PACKET),
+            in_step: false,
+            lost_ns: None,
+            speech,
+        }
+    }
+
+    /// Takes whole packets off the front, or looks for the next beginning.
+    fn digest(&mut self, now_ns: u64, event: &mut dyn FnMut(Event), send: &mut dyn FnMut(&[u8])) {
+        while self.bytes.len() >= PACKET {
+            if is_time(&self.bytes) {
+                self.in_step = true;
+                self.speech.heard(now_ns);
+                event(self.read(now_ns));
+                self.bytes.drain(..PACKET);
+                continue;
+            }
+            if std::mem::take(&mut self.in_step) {
+                event(Event::Refused("a packet is damaged; looking for the next".into()));
+                let again = |lost: u64| now_ns.saturating_sub(lost) < RESYNC_NS;
+                if self.lost_ns.replace(now_ns).is_some_and(again) {
+                    event(Event::Note("the stream keeps breaking; it is started anew".into()));
+                    send(b"\x03");
+                    self.lost_ns = None;
+                    self.speech.begin(now_ns);
+                }
+            }
+            let begins = (1..=self.bytes.len() - TIME).find(|at| is_time(&self.bytes[*at..]));
+            let skipped = begins.unwrap_or(self.bytes.len() - TIME + 1);
+            self.bytes.drain(..skipped);
+        }
+    }
+
+    fn read(&self, now_ns: u64) -> Event {
+        let full = self.profile.glove.full_scale;
+        let values: [f64; SENSORS] = std::array::from_fn(|k| {
+            let at = TIME + 2 * k;
+            f64::from(u16::from_be_bytes([self.bytes[at], self.bytes[at + 1]])) / full
+        });
+        sample(&self.profile, now_ns, &values)
+    }
+}
+
+/// `..:..:..:..:.S`, with digits for dots.
+fn is_time(bytes: &[u8]) -> bool {
+    let fits = |(k, byte): (usize, &u8)| match k {
+        2 | 5 | 8 | 11 => *byte == b':',
+        13 => *byte == b'S',
+        _ => byte.is_ascii_digit() || *byte == b' ',
+    };
+    bytes.len() >= TIME && bytes[..TIME].iter().enumerate().all(fits)
+}
+
+impl Protocol for Third {
+    fn start(&mut self, now_ns: u64, _: &mut dyn FnMut(&[u8])) {
+        self.bytes.clear();
+        (self.in_step, self.lost_ns) = (false, None);
+        // A glove that streams already is not started again.
+        self.speech.listen(now_ns);
+    }
+
+    fn receive(
+        &mut self,
+        now_ns: u64,
+        bytes: &[u8],
+        event: &mut dyn FnMut(Event),
+        send: &mut dyn FnMut(&[u8]),
+    ) {
+        for part in bytes.chunks(PACKET) {
+            self.bytes.extend_from_slice(part);
+            self.digest(now_ns, event, send);
+        }
+    }
+
+    fn tick(
+        &mut self,
+        now_ns: u64,
+        _: Option<&HandOutput>,
+        _: &mut dyn FnMut(Event),
+        send: &mut dyn FnMut(&[u8]),
+    ) {
+        self.speech.tick(now_ns, send);
+    }
+
+    fn stop(&mut self, send: &mut dyn FnMut(&[u8])) {
+        send(b"\x03");
+    }
+}
