@@ -1,10 +1,19 @@
 //! How bytes travel.
 
+mod pipe;
 pub mod serial;
 pub mod socket;
+pub mod tcp;
+mod udp;
+mod wait;
+pub mod websocket;
 
+pub use pipe::PipeTransport;
 pub use serial::SerialTransport;
 pub use socket::StreamTransport;
+pub use tcp::TcpServer;
+pub use udp::UdpTransport;
+pub use websocket::WebSocketTransport;
 
 use std::time::Duration;
 

@@ -1,0 +1,156 @@
+//! Streams over TCP: we call, or are called.
+
+use super::StreamTransport;
+use crate::Transport;
+use std::io::{self, ErrorKind};
+use std::net::{IpAddr, SocketAddr, TcpListener, TcpStream, ToSocketAddrs};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// How long a call may take.
+const CALL: Duration = Duration::from_secs(1);
+/// How often a served peer's place is looked for by another.
+const LOOK_EVERY: Duration = Duration::from_millis(20);
+
+/// Calls `host:port`.
+///
+/// # Errors
+/// Nobody is there, or the name is not known.
+pub fn call(address: &str) -> io::Result<TcpStream> {
+    let mut last = io::Error::new(ErrorKind::NotFound, "the name is not known");
+    for address in address.to_socket_addrs()? {
+        match TcpStream::connect_timeout(&address, CALL) {
+            Ok(stream) => return Ok(stream),
+            Err(error) => last = error,
+        }
+    }
+    Err(last)
+}
+
+/// Serves one peer at a time. The newest wins: what is left of a broken connection often looks
+/// alive for minutes, and a headset that comes back must not wait for that. Where strangers can
+/// reach the port, `only` keeps them out.
+#[derive(Clone, Debug)]
+pub struct TcpServer {
+    listener: Arc<TcpListener>,
+    only: Option<IpAddr>,
+    /// Who called while another was served.
+    next: Arc<Mutex<Option<TcpStream>>>,
+}
+
+impl TcpServer {
+    /// Listens at `at`, perhaps only to one address.
+    ///
+    /// # Errors
+    /// The port is taken or may not be used.
+    pub fn listen(at: SocketAddr, only: Option<IpAddr>) -> io::Result<Self> {
+        let listener = TcpListener::bind(at)?;
+        listener.set_nonblocking(true)?;
+        Ok(Self { listener: Arc::new(listener), only, next: Arc::default() })
+    }
+
+    /// Where it listens.
+    ///
+    /// # Errors
+    /// The system does not say.
+    pub fn local_address(&self) -> io::Result<SocketAddr> {
+        self.listener.local_addr()
+    }
+
+    /// The peer that called last, if one did.
+    ///
+    /// # Errors
+    /// Nobody has called.
+    pub fn accept(&self) -> io::Result<ServedPeer> {
+        let waiting = self.next.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let stream = match waiting.or_else(|| self.newest()) {
+            Some(stream) => stream,
+            None => return Err(io::Error::new(ErrorKind::NotConnected, "nobody has called yet")),
+        };
+        let stream = StreamTransport::new(stream)?;
+        Ok(ServedPeer { stream, server: self.clone(), looked: Instant::now() })
+    }
+
+    /// The newest of those that wait, if they may.
+    fn newest(&self) -> Option<TcpStream> {
+        let mut newest = None;
+        // A flood of calls is looked through in parts.
+        for _ in 0..16 {
+            let Ok((stream, from)) = self.listener.accept() else { break };
+            if self.only.is_none_or(|ip| ip == from.ip()) {
+                newest = Some(stream);
+            }
+        }
+        newest
+    }
+}
+
+/// A peer that called. It is lost when another calls.
+pub struct ServedPeer {
+    stream: StreamTransport,
+    server: TcpServer,
+    looked: Instant,
+}
+
+impl Transport for ServedPeer {
+    fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
+        if self.looked.elapsed() >= LOOK_EVERY {
+            self.looked = Instant::now();
+            if let Some(stream) = self.server.newest() {
+                let mut next = self.server.next.lock().unwrap_or_else(PoisonError::into_inner);
+                *next = Some(stream);
+                return Err(io::Error::new(ErrorKind::ConnectionAborted, "another has called"));
+            }
+        }
+        self.stream.receive(buffer, timeout)
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.stream.send(bytes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    #[test]
+    fn the_newest_peer_wins() {
+        let server = TcpServer::listen(SocketAddr::from(([127, 0, 0, 1], 0)), None).unwrap();
+        let address = server.local_address().unwrap().to_string();
+        assert_eq!(server.accept().err().unwrap().kind(), ErrorKind::NotConnected);
+        let serve = || -> ServedPeer {
+            (0..1000)
+                .find_map(|_| {
+                    std::thread::sleep(Duration::from_millis(5));
+                    server.accept().ok()
+                })
+                .expect("a peer")
+        };
+        let mut first = call(&address).unwrap();
+        first.write_all(b"first").unwrap();
+        let mut peer = serve();
+        let (mut buffer, long) = ([0; 100], Duration::from_secs(20));
+        assert_eq!(peer.receive(&mut buffer, long).unwrap(), 5);
+        let mut second = call(&address).unwrap();
+        second.write_all(b"second!").unwrap();
+        let end =
+            (0..10_000).find_map(|_| peer.receive(&mut buffer, Duration::from_millis(1)).err());
+        assert_eq!(end.expect("the first is lost").kind(), ErrorKind::ConnectionAborted);
+        let mut peer = serve();
+        assert_eq!(peer.receive(&mut buffer, long).unwrap(), 7);
+        assert_eq!(&buffer[..7], b"second!");
+    }
+
+    #[test]
+    fn strangers_are_not_served() {
+        let only = Some("10.1.2.3".parse().unwrap());
+        let server = TcpServer::listen(SocketAddr::from(([127, 0, 0, 1], 0)), only).unwrap();
+        let _call = call(&server.local_address().unwrap().to_string()).unwrap();
+        for _ in 0..20 {
+            std::thread::sleep(Duration::from_millis(5));
+            assert!(server.accept().is_err());
+        }
+    }
+}
