@@ -15,7 +15,9 @@ pub mod bhaptics;
 mod clock;
 pub mod cyberglove;
 mod device;
+pub mod either;
 mod error;
+pub mod fault;
 pub mod force_device;
 pub mod hand_tracking_streamer;
 pub mod haptic_loop;
@@ -23,6 +25,9 @@ pub mod joints;
 mod lines;
 pub mod lucidgloves;
 pub mod null;
+#[cfg(feature = "openxr")]
+pub mod openxr;
+mod options;
 mod output;
 mod paired;
 pub mod pose_stream;
@@ -30,6 +35,7 @@ pub mod profile;
 mod protocol;
 mod rate;
 mod registry;
+pub mod replay;
 mod sample;
 pub mod source_clock;
 #[cfg(test)]

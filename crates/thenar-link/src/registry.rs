@@ -1,5 +1,12 @@
 //! All drivers, and addresses as a person writes them: `name:address`.
 
+use crate::bhaptics::BhapticsDriver;
+use crate::either::EitherDriver;
+use crate::fault::FaultDriver;
+use crate::force_device::ForceDeviceDriver;
+use crate::hand_tracking_streamer::HandTrackingStreamerDriver;
+use crate::pose_stream::PoseStreamDriver;
+use crate::replay::ReplayDriver;
 use crate::{Driver, LinkError, Opened, cyberglove, lucidgloves, null};
 
 /// All drivers.
@@ -9,6 +16,15 @@ pub fn drivers() -> Vec<Box<dyn Driver>> {
         Box::new(lucidgloves::LucidGlovesDriver),
         Box::new(cyberglove::CyberGloveDriver),
         Box::new(cyberglove::CyberGlove3Driver),
+        Box::new(HandTrackingStreamerDriver),
+        Box::new(PoseStreamDriver),
+        Box::new(ReplayDriver),
+        Box::new(ForceDeviceDriver),
+        Box::new(BhapticsDriver),
+        Box::new(EitherDriver),
+        Box::new(FaultDriver),
+        #[cfg(feature = "openxr")]
+        Box::new(crate::openxr::OpenXrDriver),
     ]
 }
 

@@ -4,6 +4,10 @@
 //! first frame of a touch goes out at once. A frame shows the largest intensity since the one
 //! before it, so that a tap between frames is felt. The player needs to run on this computer.
 
+mod driver;
+
+pub use driver::BhapticsDriver;
+
 use crate::{DIGITS, DigitOutput, Event, HandOutput, Protocol};
 use serde::Deserialize;
 use std::fmt::Write;

@@ -5,8 +5,12 @@
 //! As a tracker it is a hand that holds the handle; the first button closes the fingers. As a
 //! display it shows the force and torque of the palm's coupling at the handle.
 
+mod driver;
+pub mod profile;
 pub mod twin;
 pub mod wire;
+
+pub use driver::{ForceDeviceDriver, PORT};
 
 use crate::source_clock::SourceClock;
 use crate::{Event, HandOutput, HandSample, Protocol};
@@ -40,6 +44,8 @@ pub struct Setup {
     pub pose_TH: Pose,
     /// Joint angles of the hand, button up, and down \[rad\].
     pub grips: [[f64; ANGLES]; 2],
+    /// No larger torque is commanded \[N m\]: the guards before it see forces only.
+    pub torque_max: f64,
 }
 
 /// The protocol.
@@ -168,7 +174,8 @@ impl Protocol for ForceDevice {
             let finite = forces.iter().all(|v| v.norm().is_finite());
             let forces = if finite { forces } else { [Vec3::zeros(); 2] };
             let pose_WD = &self.setup.pose_WD;
-            self.wanted = Some((now_ns, forces.map(|v_W| pose_WD.inverse_vector(&v_W))));
+            let [force, torque] = forces.map(|v_W| pose_WD.inverse_vector(&v_W));
+            self.wanted = Some((now_ns, [force, torque.cap_magnitude(self.setup.torque_max)]));
         }
         let due = if output.is_some() { GAP_NS } else { PERIOD_NS };
         if self.sent_ns.is_some_and(|sent| passed(sent) < due) {

@@ -15,6 +15,7 @@ fn setup() -> Setup {
         pose_WD: Pose::new(Vec3::new(0.0, 1.0, 0.0), turn),
         pose_TH: Pose::translation(0.0, 0.0, 0.1),
         grips: [[0.0; ANGLES], [0.5; ANGLES]],
+        torque_max: 0.2,
     }
 }
 
@@ -119,6 +120,41 @@ fn old_states_are_left_out_and_numbers_wrap() {
     assert!(seen(1 << 30, 1));
     assert!(!seen(6, 1));
     assert!(seen(7, 150) && seen(8, 1));
+}
+
+#[test]
+fn torque_is_bounded() {
+    let mut device = ForceDevice::new(setup());
+    collect(&mut device, MS, &[&state(1, MS)]);
+    let twist = HandOutput { torque_W: Vec3::new(3.0, 4.0, 0.0), ..push(1.0) };
+    let torque = commands(&tick(&mut device, MS, Some(&twist)))[0].torque;
+    assert!((torque - Vec3::new(0.0, 0.16, 0.12)).norm() < 1e-6, "{torque:?}");
+}
+
+#[test]
+fn shipped_arms_are_sound_and_a_wrong_one_is_named() {
+    use super::profile::{Profile, SHIPPED};
+    use crate::profile::Check;
+    let mut profile: Profile = toml::from_str(SHIPPED).unwrap();
+    let names: Vec<_> = profile.arms.keys().cloned().collect();
+    let rated = [("touch", 3.3, 700.0), ("desktop", 7.9, 1000.0), ("premium-6dof", 8.5, 800.0)];
+    for (name, force, stiffness) in rated {
+        let arm = &profile.arms[name];
+        assert_eq!((arm.force_max, arm.stiffness_max), (force, stiffness));
+    }
+    assert_eq!(names.len(), 6);
+    for name in names {
+        profile.arm = name;
+        profile.check().unwrap();
+        assert!(profile.chosen().unwrap().limits().check().is_ok());
+        assert!(profile.setup().is_some());
+    }
+    profile.arm = "hammer".into();
+    assert!(profile.check().unwrap_err().1.starts_with("`hammer` is no arm; there are desktop,"));
+    let told = |address: &str| crate::open(address).map(|_| ()).unwrap_err().to_string();
+    assert!(told("force-device:hammer@").contains("`hammer` is no arm"));
+    assert!(told("force-device:host:port").contains("no such port"));
+    assert!(told("force-device:x?speed=1").contains("`speed=1` is no option"));
 }
 
 #[test]

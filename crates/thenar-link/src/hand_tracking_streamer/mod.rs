@@ -5,9 +5,12 @@
 //! frame, or in the world: that is seen from whether the first of them, the wrist, is at the
 //! origin. The headset says nothing while it does not see a hand.
 
+mod driver;
 mod line;
 pub mod twin;
 
+pub use driver::HandTrackingStreamerDriver;
+pub(crate) use driver::listening;
 pub use line::{Body, Line};
 
 use crate::joints::{POINTS, rebuild};

@@ -10,8 +10,10 @@
 //! tells whose they are: 25 (ours), 26 (OpenXR), 27 (Apple), or 21 points without `quat`
 //! (MediaPipe's order), whose frames are rebuilt. Positions are metres in the world, +y up.
 
+mod driver;
 mod line;
 
+pub use driver::PoseStreamDriver;
 pub use line::{Line, Order, natural_order, write};
 
 use crate::lines::{Lines, Shown};

@@ -1,0 +1,348 @@
+//! Two or more devices on one hand: the best that can be trusted moves it, one at a time.
+//!
+//! Devices are named in order of preference. A device is trusted while it sees the hand: its newest
+//! sample has a finite pose and is not older than 100 ms. When the one that moves the hand is
+//! trusted no more, the next best takes over at once; a better one must be trusted without a break
+//! for half a second before the hand goes back to it, so that one on the edge does not make the
+//! hand flicker. Left and right are chosen apart. Every change is told.
+
+use crate::{Driver, Found, HandSample, LinkError, Opened, Tracker, now_ns};
+use thenar::model::Side;
+use thenar_scene::live::checked;
+
+/// A source is trusted so long after its newest good sample \[ns\].
+const STALE_NS: u64 = 100_000_000;
+/// A better source must be good for so long \[ns\].
+const PROVEN_NS: u64 = 500_000_000;
+/// Changes that are kept until somebody asks.
+const CHANGES_MAX: usize = 32;
+/// Most devices.
+const SOURCES_MAX: usize = 8;
+
+/// One device, and what is known of it for each hand.
+struct Source {
+    name: String,
+    tracker: Box<dyn Tracker>,
+    /// Left, right.
+    hands: [Record; 2],
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Record {
+    /// When it saw the hand last, and since when without a break \[ns\].
+    good: Option<[u64; 2]>,
+}
+
+impl Record {
+    fn is_trusted(&self, now: u64) -> bool {
+        self.good.is_some_and(|[last, _]| now.saturating_sub(last) <= STALE_NS)
+    }
+
+    fn is_proven(&self, now: u64) -> bool {
+        let long = |[_, since]: [u64; 2]| now.saturating_sub(since) >= PROVEN_NS;
+        self.is_trusted(now) && self.good.is_some_and(long)
+    }
+
+    fn hear(&mut self, sample: &HandSample, now: u64) {
+        let good = sample.pose.as_ref().is_some_and(|pose| checked(0.0, pose).is_ok());
+        let time = sample.time_ns.min(now);
+        self.good = match (good, self.good) {
+            (false, _) => None,
+            (true, Some([last, since])) if time.saturating_sub(last) <= STALE_NS => {
+                Some([time.max(last), since])
+            }
+            (true, _) => Some([time, time]),
+        };
+    }
+}
+
+/// Who moves a hand.
+#[derive(Clone, Copy, Debug, Default)]
+struct Choice {
+    source: Option<usize>,
+    /// Time of the last sample that was told \[ns\].
+    told_ns: u64,
+}
+
+/// A change: side, from, to.
+type Change = (Side, Option<usize>, usize);
+
+/// The tracker of several.
+pub struct Either {
+    sources: Vec<Source>,
+    choices: [Choice; 2],
+    newest: [Option<HandSample>; 2],
+    changes: Vec<Change>,
+    clock: fn() -> u64,
+}
+
+impl Either {
+    /// These trackers, the preferred first.
+    pub fn new(trackers: Vec<(String, Box<dyn Tracker>)>) -> Self {
+        Self::with_clock(trackers, now_ns)
+    }
+
+    fn with_clock(trackers: Vec<(String, Box<dyn Tracker>)>, clock: fn() -> u64) -> Self {
+        let source = |(name, tracker)| Source { name, tracker, hands: Default::default() };
+        Self {
+            sources: trackers.into_iter().map(source).collect(),
+            choices: Default::default(),
+            newest: [None, None],
+            changes: Vec::with_capacity(CHANGES_MAX),
+            clock,
+        }
+    }
+
+    /// Who moves this hand from now on.
+    fn choose(&mut self, side: Side, now: u64) -> Option<usize> {
+        let k = side as usize;
+        let trusted = |source: &Source| source.hands[k].is_trusted(now);
+        let current = self.choices[k].source;
+        let holds = current.filter(|i| trusted(&self.sources[*i]));
+        let next = match holds {
+            Some(i) => {
+                let better = self.sources[..i].iter().position(|s| s.hands[k].is_proven(now));
+                better.or(holds)
+            }
+            // Nobody else: whoever had the hand says that it is lost.
+            None => self.sources.iter().position(trusted).or(current),
+        };
+        if let Some(to) = next.filter(|to| current != Some(*to)) {
+            if self.changes.len() < CHANGES_MAX {
+                self.changes.push((side, current, to));
+            }
+            self.choices[k].source = Some(to);
+        }
+        next
+    }
+}
+
+impl Tracker for Either {
+    fn latest(&mut self, side: Side) -> Option<&HandSample> {
+        let (now, k) = ((self.clock)(), side as usize);
+        let mut fresh: [Option<HandSample>; SOURCES_MAX] = Default::default();
+        for (source, fresh) in self.sources.iter_mut().zip(&mut fresh) {
+            if let Some(sample) = source.tracker.latest(side) {
+                source.hands[k].hear(sample, now);
+                *fresh = Some(sample.clone());
+            }
+        }
+        let chosen = self.choose(side, now)?;
+        let sample = fresh.get_mut(chosen)?.take()?;
+        // Devices differ in delay: what the other one saw later has been told already.
+        if sample.time_ns <= self.choices[k].told_ns {
+            return None;
+        }
+        self.choices[k].told_ns = sample.time_ns;
+        self.newest[k] = Some(sample);
+        self.newest[k].as_ref()
+    }
+
+    fn heard_ns(&mut self) -> Option<u64> {
+        self.sources.iter_mut().filter_map(|source| source.tracker.heard_ns()).max()
+    }
+
+    fn hand_length(&self) -> Option<f64> {
+        self.sources.iter().find_map(|source| source.tracker.hand_length())
+    }
+
+    fn messages(&mut self) -> Vec<String> {
+        let mut all: Vec<_> =
+            self.sources.iter_mut().flat_map(|source| source.tracker.messages()).collect();
+        for (side, from, to) in self.changes.drain(..) {
+            let hand = match side {
+                Side::Left => "left",
+                Side::Right => "right",
+            };
+            let to = &self.sources[to].name;
+            all.push(match from {
+                None => format!("the {hand} hand is moved by {to}"),
+                Some(from) => {
+                    let from = &self.sources[from].name;
+                    format!("the {hand} hand is moved by {to}, no longer by {from}")
+                }
+            });
+        }
+        all
+    }
+}
+
+/// `either:DEVICE||DEVICE`.
+pub struct EitherDriver;
+
+impl Driver for EitherDriver {
+    fn name(&self) -> &'static str {
+        "either"
+    }
+
+    fn about(&self) -> &'static str {
+        "several trackers of the same hands, the preferred first: either:hts:9000||poses:9010; \
+         the first display among them is the display"
+    }
+
+    fn enumerate(&self) -> Vec<Found> {
+        Vec::new()
+    }
+
+    fn open(&self, address: &str) -> Result<Opened, LinkError> {
+        let names: Vec<_> = address.split("||").map(str::trim).collect();
+        if !(2..=SOURCES_MAX).contains(&names.len()) {
+            return Err(LinkError::Setting {
+                what: format!("device `either:{address}`"),
+                cause: format!("expected 2 to {SOURCES_MAX} devices with || between them"),
+            });
+        }
+        let (mut trackers, mut display) = (Vec::new(), None);
+        for name in names {
+            let opened = crate::open(name)?;
+            trackers.extend(opened.tracker.map(|tracker| (name.to_owned(), tracker)));
+            display = display.or(opened.display);
+        }
+        Ok(Opened { tracker: Some(Box::new(Either::new(trackers))), display })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+    use std::sync::{Arc, Mutex};
+    use thenar::Pose;
+    use thenar_scene::live::LivePose;
+    use thenar_scene::motion::ANGLES;
+
+    const MS: u64 = 1_000_000;
+
+    thread_local! {
+        static NOW: Cell<u64> = const { Cell::new(0) };
+    }
+
+    /// What the next call tells.
+    type Next = Arc<Mutex<Option<HandSample>>>;
+
+    struct Fake(Next, Option<HandSample>);
+
+    impl Tracker for Fake {
+        fn latest(&mut self, side: Side) -> Option<&HandSample> {
+            let mut next = self.0.lock().unwrap();
+            if next.as_ref()?.side != side {
+                return None;
+            }
+            self.1 = next.take();
+            self.1.as_ref()
+        }
+
+        fn heard_ns(&mut self) -> Option<u64> {
+            self.1.as_ref().map(|sample| sample.time_ns)
+        }
+
+        fn messages(&mut self) -> Vec<String> {
+            Vec::new()
+        }
+    }
+
+    /// Source `x` sees the hand at x metres.
+    fn bench() -> (Either, [Next; 2]) {
+        let nexts: [Next; 2] = Default::default();
+        let name = ["good".to_owned(), "spare".to_owned()];
+        let trackers = name
+            .into_iter()
+            .zip(&nexts)
+            .map(|(name, next)| -> (String, Box<dyn Tracker>) {
+                (name, Box::new(Fake(next.clone(), None)))
+            })
+            .collect();
+        (Either::with_clock(trackers, || NOW.get()), nexts)
+    }
+
+    fn sample(x: f64) -> HandSample {
+        let pose =
+            LivePose::Angles { wrist: Pose::translation(x, 0.0, 0.0), angles: [0.0; ANGLES] };
+        HandSample { side: Side::Right, time_ns: NOW.get(), pose: Some(pose) }
+    }
+
+    /// Runs from one time to another in steps of 10 ms; both sources say what `says` tells. Returns
+    /// who moved the hand, without repetition, and since when \[ms\].
+    fn run(
+        either: &mut Either,
+        nexts: &[Next; 2],
+        [from, to]: [u64; 2],
+        says: &dyn Fn(u64) -> [Option<f64>; 2],
+    ) -> Vec<(u64, f64)> {
+        let mut seen: Vec<(u64, f64)> = Vec::new();
+        let mut last_ns = 0;
+        for ms in (from..to).step_by(10) {
+            NOW.set(ms * MS);
+            for (next, x) in nexts.iter().zip(says(ms)) {
+                *next.lock().unwrap() = x.map(sample);
+            }
+            let Some(sample) = either.latest(Side::Right) else { continue };
+            assert!(sample.time_ns > last_ns, "times rise");
+            last_ns = sample.time_ns;
+            let Some(LivePose::Angles { wrist, .. }) = &sample.pose else { continue };
+            if seen.last().is_none_or(|(_, x)| *x != wrist.position.x) {
+                seen.push((ms, wrist.position.x));
+            }
+        }
+        seen
+    }
+
+    #[test]
+    fn the_spare_takes_over_at_once_and_gives_back_late() {
+        let (mut either, nexts) = bench();
+        let seen = run(&mut either, &nexts, [1000, 4000], &|ms| {
+            // The good one is silent for a second, then flickers once.
+            let silent = (2000..3000).contains(&ms) || (3200..3310).contains(&ms);
+            [(!silent).then_some(1.0), Some(2.0)]
+        });
+        // 100 ms after the last sample at 1990; back 500 ms after it came again at 3310.
+        assert_eq!(seen, [(1000, 1.0), (2100, 2.0), (3810, 1.0)]);
+        let told = either.messages();
+        assert_eq!(
+            told,
+            [
+                "the right hand is moved by good",
+                "the right hand is moved by spare, no longer by good",
+                "the right hand is moved by good, no longer by spare",
+            ]
+        );
+    }
+
+    #[test]
+    fn a_source_that_is_on_and_off_never_gets_the_hand_back() {
+        let (mut either, nexts) = bench();
+        let seen = run(&mut either, &nexts, [1000, 9000], &|ms| {
+            let on = ms < 1100 || (ms / 300) % 2 == 0;
+            [on.then_some(1.0), Some(2.0)]
+        });
+        assert_eq!(seen.len(), 2, "{seen:?}");
+    }
+
+    #[test]
+    fn poses_that_are_none_are_not_trusted() {
+        let (mut either, nexts) = bench();
+        let seen = run(&mut either, &nexts, [1000, 2000], &|ms| {
+            [Some(if ms < 1500 { 1.0 } else { f64::NAN }), Some(2.0)]
+        });
+        assert_eq!(seen, [(1000, 1.0), (1500, 2.0)]);
+        // Each hand by itself.
+        assert!(either.latest(Side::Left).is_none());
+    }
+
+    #[test]
+    fn without_any_trusted_source_the_loss_is_told() {
+        let (mut either, nexts) = bench();
+        run(&mut either, &nexts, [1000, 1200], &|_| [Some(1.0), None]);
+        NOW.set(1210 * MS);
+        *nexts[0].lock().unwrap() = Some(HandSample { pose: None, ..sample(1.0) });
+        assert_eq!(either.latest(Side::Right).unwrap().pose, None);
+    }
+
+    #[test]
+    fn addresses_are_read_strictly() {
+        let told = |address| crate::open(address).map(|_| ()).unwrap_err().to_string();
+        assert!(told("either:null:left").contains("expected 2 to 8 devices"));
+        assert!(told("either:null:left||nul").contains("no driver has that name"));
+        assert!(crate::open("either:null:left||null:right").unwrap().display.is_some());
+    }
+}

@@ -1,0 +1,85 @@
+//! How the streamer is reached.
+
+use super::{HandTrackingStreamer, Points, TCP_PORT, UDP_PORT};
+use crate::options::Options;
+use crate::transport::{StreamTransport, TcpServer, UdpTransport, tcp};
+use crate::worker::{Connect, Device, TrackerTraits};
+use crate::{Driver, Found, LinkError, Opened};
+use std::net::{IpAddr, Ipv4Addr};
+
+/// `hts:udp`, `hts:tcp` and `hts:call:HOST`.
+pub struct HandTrackingStreamerDriver;
+
+impl Driver for HandTrackingStreamerDriver {
+    fn name(&self) -> &'static str {
+        "hts"
+    }
+
+    fn about(&self) -> &'static str {
+        "Hand Tracking Streamer on a Quest: hts:9000 (UDP), hts:tcp:8000 (it calls us) or \
+         hts:call:HOST:8000; ?from=IP hears one headset only, ?points=local or world"
+    }
+
+    fn enumerate(&self) -> Vec<Found> {
+        Vec::new()
+    }
+
+    fn open(&self, address: &str) -> Result<Opened, LinkError> {
+        let options = Options::parse(self.name(), address, &["from", "points"])?;
+        let from = options.value::<IpAddr>("from", "an IP address")?;
+        let points = match options.text("points") {
+            None | Some("auto") => Points::Auto,
+            Some("local") => Points::Local,
+            Some("world") => Points::World,
+            Some(other) => {
+                let cause = format!("points is `{other}`, expected auto, local or world");
+                return Err(options.refuse(cause));
+            }
+        };
+        let any = Ipv4Addr::UNSPECIFIED.into();
+        let (kind, rest) = options.place.split_once(':').unwrap_or((options.place, ""));
+        let (connect, datagrams): (Connect, bool) = match kind {
+            "tcp" => {
+                let server = TcpServer::listen(options.listen_at(rest, any, TCP_PORT)?, from)
+                    .map_err(|e| options.cannot_open(&e))?;
+                (Box::new(move || Ok(Box::new(server.accept()?))), false)
+            }
+            "call" if !rest.is_empty() => {
+                let port = if rest.contains(':') { "" } else { &format!(":{TCP_PORT}") };
+                let peer = format!("{rest}{port}");
+                let call = move || -> std::io::Result<Box<dyn crate::Transport>> {
+                    Ok(Box::new(StreamTransport::new(tcp::call(&peer)?)?))
+                };
+                (Box::new(call), false)
+            }
+            _ => {
+                let place = if kind == "udp" { rest } else { options.place };
+                let at = options.listen_at(place, any, UDP_PORT)?;
+                let first = UdpTransport::listen(at, from).map_err(|e| options.cannot_open(&e))?;
+                (listening(first, at, from), true)
+            }
+        };
+        let device = Device {
+            name: format!("hts:{}", options.place),
+            connect,
+            protocol: Box::new(HandTrackingStreamer::new(datagrams, points)),
+            tracks: Some(TrackerTraits::default()),
+            display: None,
+            speaks: true,
+        };
+        device.open()
+    }
+}
+
+/// A socket that was opened already, and whatever follows it.
+pub(crate) fn listening(
+    first: UdpTransport,
+    at: std::net::SocketAddr,
+    from: Option<IpAddr>,
+) -> Connect {
+    let mut first = Some(first);
+    Box::new(move || match first.take() {
+        Some(transport) => Ok(Box::new(transport)),
+        None => Ok(Box::new(UdpTransport::listen(at, from)?)),
+    })
+}

@@ -1,0 +1,215 @@
+//! Hands of an OpenXR runtime (`XR_EXT_hand_tracking`), without a picture (`XR_MND_headless`).
+//!
+//! An optional part: the cargo feature `openxr`. The loader is a library of the system that is
+//! looked for when the device is opened; nothing of it is needed to build. What the runtime tells is
+//! written as bytes and read by a protocol like that of any device, so that all of it but the calls
+//! themselves is tested without a runtime.
+
+mod runtime;
+
+use crate::joints::{OPENXR_JOINTS, in_reach, rotation, webxr_of_openxr};
+use crate::worker::{Device, TrackerTraits};
+use crate::{Driver, Event, Found, HandOutput, HandSample, LinkError, Opened, Protocol, Transport};
+use std::io;
+use std::time::{Duration, Instant};
+use thenar::model::Side;
+use thenar::{Pose, Vec3};
+use thenar_scene::live::LivePose;
+
+/// Between two questions to the runtime: it tells where hands are at any time.
+const PERIOD: Duration = Duration::from_millis(4);
+/// Bytes of a joint: flags, place, rotation and radius.
+const JOINT_BYTES: usize = 1 + 8 * 4;
+/// Bytes of a hand: which, whether it is seen, and its joints.
+const HAND_BYTES: usize = 2 + OPENXR_JOINTS * JOINT_BYTES;
+
+/// A joint as a runtime tells it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Joint {
+    /// Place and rotation are known.
+    pub valid: bool,
+    /// \[m\]
+    pub position: [f32; 3],
+    /// x y z w
+    pub rotation: [f32; 4],
+    /// \[m\]
+    pub radius: f32,
+}
+
+/// A runtime with a session.
+pub trait Runtime: Send {
+    /// The joints of the left and of the right hand now; `None` for one that is not seen.
+    ///
+    /// # Errors
+    /// The session has ended.
+    fn hands(&mut self) -> io::Result<[Option<[Joint; OPENXR_JOINTS]>; 2]>;
+}
+
+/// Asks a runtime now and then.
+pub struct RuntimeTransport<R> {
+    runtime: R,
+    asked: Option<Instant>,
+}
+
+impl<R: Runtime> RuntimeTransport<R> {
+    /// Asks this one.
+    pub fn new(runtime: R) -> Self {
+        Self { runtime, asked: None }
+    }
+}
+
+impl<R: Runtime> Transport for RuntimeTransport<R> {
+    fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
+        let left = self.asked.map_or(Duration::ZERO, |at| PERIOD.saturating_sub(at.elapsed()));
+        std::thread::sleep(left.min(timeout));
+        if left > timeout {
+            return Ok(0);
+        }
+        self.asked = Some(Instant::now());
+        let hands = self.runtime.hands()?;
+        let mut bytes = buffer;
+        let mut length = 0;
+        for (side, hand) in hands.iter().enumerate() {
+            let Some((place, rest)) = bytes.split_at_mut_checked(HAND_BYTES) else { break };
+            write(place, side as u8, hand.as_ref());
+            (bytes, length) = (rest, length + HAND_BYTES);
+        }
+        Ok(length)
+    }
+
+    fn send(&mut self, _: &[u8]) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Writes a hand into `HAND_BYTES`.
+fn write(place: &mut [u8], side: u8, hand: Option<&[Joint; OPENXR_JOINTS]>) {
+    place.fill(0);
+    (place[0], place[1]) = (side, u8::from(hand.is_some()));
+    let Some(joints) = hand else { return };
+    for (place, joint) in place[2..].chunks_exact_mut(JOINT_BYTES).zip(joints) {
+        place[0] = u8::from(joint.valid);
+        let numbers = joint.position.iter().chain(&joint.rotation).chain([&joint.radius]);
+        for (place, number) in place[1..].chunks_exact_mut(4).zip(numbers) {
+            place.copy_from_slice(&number.to_le_bytes());
+        }
+    }
+}
+
+/// Reads what the transport wrote.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct OpenXrHands {
+    /// Each hand was seen when it was last told of.
+    seen: [bool; 2],
+}
+
+impl Protocol for OpenXrHands {
+    fn start(&mut self, _: u64, _: &mut dyn FnMut(&[u8])) {
+        self.seen = [false; 2];
+    }
+
+    fn receive(
+        &mut self,
+        now_ns: u64,
+        bytes: &[u8],
+        event: &mut dyn FnMut(Event),
+        _: &mut dyn FnMut(&[u8]),
+    ) {
+        for hand in bytes.chunks(HAND_BYTES) {
+            let side = match (hand.len(), hand[0]) {
+                (HAND_BYTES, 0) => Side::Left,
+                (HAND_BYTES, 1) => Side::Right,
+                _ => return event(Event::Refused("this is no hand of a runtime".into())),
+            };
+            let pose = match hand[1] {
+                0 => Ok(None),
+                _ => read(&hand[2..]),
+            };
+            match pose {
+                Ok(pose) => {
+                    // A hand that stays away is told of once.
+                    let told = std::mem::replace(&mut self.seen[side as usize], pose.is_some());
+                    event(match told || pose.is_some() {
+                        true => Event::Sample(HandSample { side, time_ns: now_ns, pose }),
+                        false => Event::Alive,
+                    });
+                }
+                Err(cause) => event(Event::Refused(cause.into())),
+            }
+        }
+    }
+
+    fn tick(
+        &mut self,
+        _: u64,
+        _: Option<&HandOutput>,
+        _: &mut dyn FnMut(Event),
+        _: &mut dyn FnMut(&[u8]),
+    ) {
+    }
+
+    fn stop(&mut self, _: &mut dyn FnMut(&[u8])) {}
+}
+
+/// A hand, not seen where any of our joints is not.
+fn read(bytes: &[u8]) -> Result<Option<LivePose>, &'static str> {
+    let mut joints = [(false, Pose::identity(), 0.0); OPENXR_JOINTS];
+    for (joint, bytes) in joints.iter_mut().zip(bytes.chunks_exact(JOINT_BYTES)) {
+        let mut numbers = [0.0; 8];
+        for (number, bytes) in numbers.iter_mut().zip(bytes[1..].chunks_exact(4)) {
+            *number = bytes.first_chunk().map_or(0.0, |b| f64::from(f32::from_le_bytes(*b)));
+        }
+        let [x, y, z, a, b, c, w, radius] = numbers;
+        if bytes[0] == 0 {
+            continue;
+        }
+        let place = Vec3::new(x, y, z);
+        let turn = rotation([a, b, c, w]).map_err(|_| "a rotation of the runtime is none")?;
+        if !in_reach(&place) || !(0.0..=0.5).contains(&radius) {
+            return Err("a joint of the runtime is out of reach");
+        }
+        *joint = (true, Pose::new(place, turn), radius);
+    }
+    let ours = webxr_of_openxr(&joints);
+    Ok(ours.iter().all(|(valid, ..)| *valid).then(|| LivePose::Joints {
+        joints: ours.map(|(_, pose, _)| pose),
+        radii: ours.map(|(.., radius)| radius),
+    }))
+}
+
+/// `openxr:`.
+pub struct OpenXrDriver;
+
+impl Driver for OpenXrDriver {
+    fn name(&self) -> &'static str {
+        "openxr"
+    }
+
+    fn about(&self) -> &'static str {
+        "hand tracking of the OpenXR runtime that is active on this computer: openxr:"
+    }
+
+    fn enumerate(&self) -> Vec<Found> {
+        Vec::new()
+    }
+
+    fn open(&self, address: &str) -> Result<Opened, LinkError> {
+        if !address.is_empty() {
+            let what = format!("device `openxr:{address}`");
+            let cause = "expected nothing after `openxr:`".into();
+            return Err(LinkError::Setting { what, cause });
+        }
+        let device = Device {
+            name: "openxr:".into(),
+            connect: Box::new(|| Ok(Box::new(RuntimeTransport::new(runtime::Session::open()?)))),
+            protocol: Box::new(OpenXrHands::default()),
+            tracks: Some(TrackerTraits::default()),
+            display: None,
+            speaks: true,
+        };
+        device.open()
+    }
+}
+
+#[cfg(test)]
+mod tests;
