@@ -16,7 +16,8 @@ use crate::math::Vec3;
 const NONE: u32 = u32::MAX;
 /// A vertex may have come in by this part of the other surface's mean edge and is led out again.
 const DEPTH: f64 = 0.25;
-/// Of one surface, a vertex touches a triangle only if their normals (cosine) oppose this far.
+/// A vertex touches a triangle only if their normals (cosine) oppose this far: what has come through
+/// to the far side, or meets a surface turned inside out, would be held where it does not belong.
 const FACING: f64 = 0.3;
 
 /// One of two surfaces. Its boxes are fitted to the step.
@@ -232,11 +233,9 @@ impl SoftSoft<'_> {
         if gap > self.margin + closing || gap < -self.depth(other) {
             return false;
         }
-        if self.apart.is_some() {
-            let own_normal = own.surface.vertex_normal(v, own.state.positions);
-            if own_normal.dot(&normal) > FACING * own_normal.norm() {
-                return false;
-            }
+        let own_normal = own.surface.vertex_normal(v, own.state.positions);
+        if own_normal.dot(&normal) > FACING * own_normal.norm() {
+            return false;
         }
         if mirrored.is_some_and(|touched| is_mirrored([own, other], v, &triangle, touched)) {
             return false;

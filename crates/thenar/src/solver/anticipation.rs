@@ -160,10 +160,11 @@ impl Anticipation {
             }
             let w = contacts.relative_velocity(row, &self.anticipated);
             let value = row.frame * w - row.target;
-            let mut lambda = project(cone, row.friction, &row.response, &value, &row.lambda);
-            if lambda.x > row.impulse_max {
-                lambda *= row.impulse_max / lambda.x;
-            }
+            let free = project(cone, row.friction, &row.response, &value, &row.lambda);
+            let lambda = row.bounded(free, |push_out| {
+                let value = Vec3::new(value.x + push_out, value.y, value.z);
+                project(cone, row.friction, &row.response, &value, &row.lambda)
+            });
             let change = row.frame.tr_mul(&(lambda - row.lambda));
             if change != Vec3::zeros() {
                 contacts.scatter_response(row, &change, d, &mut self.anticipated);

@@ -28,6 +28,12 @@ pub struct ContactRow {
     pub target: Vec3,
     /// Largest normal impulse \[N s\].
     pub impulse_max: f64,
+    /// The part of the target that moves bodies apart which overlap \[m/s\],
+    pub push_out: f64,
+    /// and the impulse beyond which it is given up: bodies are kept from coming nearer at any price,
+    /// but not pushed apart. Two contacts that push one point against each other cannot both have
+    /// their way; without this their impulses grow without end \[N s\].
+    pub push_impulse_max: f64,
     /// Impulse in the contact frame \[N s\].
     pub lambda: Vec3,
     /// The part of its normal component that is in the velocities without contact already \[N s\].
@@ -81,6 +87,8 @@ impl ContactRows {
             friction,
             target: Vec3::zeros(),
             impulse_max: f64::INFINITY,
+            push_out: 0.0,
+            push_impulse_max: f64::INFINITY,
             included: 0.0,
             response: Mat3::zeros(),
         });
@@ -192,6 +200,23 @@ impl ContactRows {
 }
 
 impl ContactRow {
+    /// Puts the bounds to the impulse `free` that the target asks for. `held` finds the one for a
+    /// target less by so much along the normal.
+    #[inline]
+    pub fn bounded(&self, free: Vec3, held: impl FnOnce(f64) -> Vec3) -> Vec3 {
+        let mut lambda = free;
+        if free.x > self.push_impulse_max && self.push_out > 0.0 {
+            let holding = held(self.push_out);
+            lambda = if holding.x >= self.push_impulse_max {
+                holding
+            } else {
+                free * (self.push_impulse_max / free.x)
+            };
+        }
+        let excess = lambda.x / self.impulse_max;
+        if excess > 1.0 { lambda / excess } else { lambda }
+    }
+
     /// The impulse without what the velocities contain already.
     pub fn added(&self) -> Vec3 {
         Vec3::new(self.lambda.x - self.included, self.lambda.y, self.lambda.z)

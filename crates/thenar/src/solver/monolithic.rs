@@ -94,7 +94,11 @@ impl Monolithic {
             for i in 0..contacts.rows.len() {
                 let row = &contacts.rows[i];
                 let value = row.frame * contacts.relative_velocity(row, &u) - row.target;
-                let lambda = project(cone, row.friction, &row.response, &value, &row.lambda);
+                let free = project(cone, row.friction, &row.response, &value, &row.lambda);
+                let lambda = row.bounded(free, |push_out| {
+                    let value = Vec3::new(value.x + push_out, value.y, value.z);
+                    project(cone, row.friction, &row.response, &value, &row.lambda)
+                });
                 let delta = lambda - row.lambda;
                 if delta != Vec3::zeros() {
                     for (axis, column) in columns[i].iter().enumerate() {

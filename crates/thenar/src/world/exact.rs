@@ -110,9 +110,10 @@ pub fn respond(
     exact.respond(&step, &mut scratch.rows, settings.cone, &accuracy, change)
 }
 
-/// Shortens the velocities until they bring in no energy: see [`Exact::calm`].
-pub fn calm(model: &Model, state: &mut State, scratch: &mut Scratch) {
-    let Some(exact) = &mut scratch.exact else { return };
+/// Shortens the velocities until they bring in no energy, and returns by how much: see
+/// [`Exact::calm`].
+pub fn calm(model: &Model, state: &mut State, scratch: &mut Scratch) -> f64 {
+    let Some(exact) = &mut scratch.exact else { return 1.0 };
     let step = StepSystem { A: &scratch.A, b: &scratch.b, known: &model.known };
-    exact.calm(&step, &mut state.v);
+    exact.calm(&step, &mut state.v)
 }

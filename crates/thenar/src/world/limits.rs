@@ -116,6 +116,21 @@ pub fn keep_impulses(model: &Model, first: usize, state: &mut State, scratch: &S
     active
 }
 
+/// Keeps the impulses that the springs of limits gave in a step which the two-step scheme made for
+/// the exact solver: those of the angles and rates at its end, as they are implicit.
+pub fn keep_spring_impulses(model: &Model, state: &mut State, h: f64, scratch: &Scratch) {
+    for (j, joint) in model.joints.iter().enumerate() {
+        let turning = |b: u32| state.v[2 * b as usize + 1];
+        let relative = turning(joint.child) - joint.parent.map_or(Vec3::zeros(), turning);
+        for (k, axis) in joint.axes[..joint.kind.angles()].iter().enumerate() {
+            let Some(present) = scratch.axes[j][k] else { continue };
+            let rate = present.direction_W.dot(&relative);
+            let torque = limit_spring_torque(axis, joint, present.angle + h * rate, rate);
+            state.limit_impulses[j][k] = h * torque;
+        }
+    }
+}
+
 /// Direction in which each bound pushes, and how far the angle is from it \[rad\].
 fn gaps(limit: &AngleLimit, angle: f64) -> [(f64, f64); 2] {
     let angle = turned_towards(limit, angle);

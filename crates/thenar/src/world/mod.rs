@@ -194,10 +194,14 @@ impl World {
             two_step::close_joints(model, state, h, scratch)?;
         }
         if care == Care::Safe {
-            match kind {
+            let share = match kind {
                 SolverKind::Exact => exact::calm(model, state, scratch),
                 _ => two_step::calm(model, state, scratch),
-            }
+            };
+            response::shorten(share, state, scratch);
+        }
+        if limits == Limits::Springs && limits::by_rows(settings) {
+            limits::keep_spring_impulses(model, state, h, scratch);
         }
         response::report(state, h, settings.cone, contact, scratch, report);
         Ok(())

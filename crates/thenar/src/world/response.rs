@@ -13,6 +13,12 @@ use crate::world::{ContactPoint, StepReport};
 /// A penetrating point is moved out no faster than this \[m/s\], lest it be thrown out.
 const PUSH_OUT_SPEED_MAX: f64 = 0.5;
 
+/// Two deformable surfaces that overlap by more than this \[m\] may be entangled: then no force
+/// beyond that which does `PUSH_OUT_WORK_MAX` \[J\] on the way out pushes them apart (10 N at 1 mm),
+/// though any force keeps them from going deeper.
+const ENTANGLED_DEPTH: f64 = 0.5e-3;
+const PUSH_OUT_WORK_MAX: f64 = 0.01;
+
 /// A surface point deeper than this is caught: perhaps between two bodies that cannot both let it
 /// out \[m\]. It is then pushed no harder than `CAUGHT_FORCE_MAX` \[N\], lest a contradiction
 /// between contacts pump energy into the flesh without end.
@@ -58,10 +64,14 @@ pub fn build_rows(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
         let v = row.frame * rows.relative_velocity(row, &state.v);
         let wanted = (-scratch.found[i].gap / h).min(PUSH_OUT_SPEED_MAX);
         rows.rows[i].target = Vec3::new(wanted, 0.0, 0.0) - v;
-        let soft = [&scratch.found[i].a, &scratch.found[i].b]
-            .iter()
-            .any(|site| matches!(site, Site::Soft(_)));
-        if soft && scratch.found[i].gap < -CAUGHT_DEPTH {
+        let sites = [&scratch.found[i].a, &scratch.found[i].b];
+        let softs = sites.iter().filter(|site| matches!(site, Site::Soft(_))).count();
+        let depth = -scratch.found[i].gap;
+        if softs == 2 && depth > ENTANGLED_DEPTH {
+            rows.rows[i].push_out = wanted;
+            rows.rows[i].push_impulse_max = h * PUSH_OUT_WORK_MAX / depth;
+        }
+        if softs > 0 && depth > CAUGHT_DEPTH {
             rows.rows[i].impulse_max = CAUGHT_FORCE_MAX * h;
         }
     }
@@ -106,6 +116,14 @@ pub fn apply(state: &mut State, scratch: &Scratch) {
             .map(|(contact, row)| (contact.key, row.frame.tr_mul(&row.lambda))),
     );
     state.impulses.sort_unstable_by_key(|(key, _)| *key);
+}
+
+/// Velocities that were shortened came from impulses in the same measure.
+pub fn shorten(share: f64, state: &mut State, scratch: &mut Scratch) {
+    scratch.rows.rows.iter_mut().for_each(|row| row.lambda *= share);
+    state.impulses.iter_mut().for_each(|(_, impulse)| *impulse *= share);
+    state.limit_impulses.as_flattened_mut().iter_mut().for_each(|impulse| *impulse *= share);
+    state.patch_loads.iter_mut().for_each(|(_, load)| *load *= share);
 }
 
 /// Lists the contacts with their forces; penetration is that at the end of the step, to first

@@ -190,14 +190,15 @@ pub fn unconstrained_deformation(
 }
 
 /// Shortens the velocities so that the step brings in no energy, as `Exact::calm` does; joint
-/// impulses, which do no work where joints hold, are left out.
-pub fn calm(model: &Model, state: &mut State, scratch: &mut Scratch) {
+/// impulses, which do no work where joints hold, are left out. Returns by how much.
+pub fn calm(model: &Model, state: &mut State, scratch: &mut Scratch) -> f64 {
     let bones = scratch.b_kept.len();
     scratch.b[..bones].copy_from_slice(&scratch.b_kept);
     let s = share_of_energy(&scratch.A, &scratch.b, &model.known, &state.v, &mut scratch.cg);
     for (v, known) in state.v.iter_mut().zip(&model.known) {
         (0..3).filter(|&k| !known[k]).for_each(|k| v[k] *= s);
     }
+    s
 }
 
 /// Known velocities do not respond: their rows and columns of D⁻¹ are zero.

@@ -21,6 +21,7 @@ use crate::solver::exact::direct::Direct;
 use crate::solver::exact::factor::{LANES, Lanes, Scalar};
 use crate::solver::exact::gauss_seidel::Response;
 use crate::solver::exact::half_solves::{HalfSolves, add_common_product, add_product};
+use crate::solver::exact::joining::{ALL_AT_ONCE, Joining};
 use crate::solver::exact::{System, small_cholesky};
 use crate::solver::{ContactRow, ContactRows, Convergence};
 use fearless_simd::{Simd, dispatch};
@@ -35,6 +36,7 @@ pub struct Delassus {
     is_member: Vec<bool>,
     /// How many of them W holds already.
     built: usize,
+    joining: Joining,
     /// Y_J.
     half: HalfSolves,
     /// All supernodes.
@@ -65,6 +67,7 @@ impl Delassus {
             members: Vec::with_capacity(capacity),
             is_member: vec![false; contacts_max],
             built: 0,
+            joining: Joining::new(contacts_max, symbolic.place_of_node.len()),
             half: HalfSolves::new(symbolic, batches),
             flesh: (0..symbolic.supernodes.len() as u32).collect(),
             pull: Aligned::new(batches * freedoms * LANES),
@@ -80,22 +83,24 @@ impl Delassus {
         }
     }
 
-    /// Starts anew with the contacts that close, or pressed before; the others get no impulse. False
-    /// when they are too many.
-    pub fn begin(&mut self, contacts: &mut ContactRows, direct: &Direct) -> bool {
+    /// Starts anew with the contacts that pressed before and some of those that close; the others
+    /// get no impulse.
+    pub fn begin(&mut self, contacts: &mut ContactRows, direct: &Direct) {
         self.forget();
+        self.joining.clear();
         for i in 0..contacts.rows.len() {
             let row = &mut contacts.rows[i];
-            if row.target.x > 0.0 || row.lambda.x > 0.0 || row.included != 0.0 {
-                if !self.admit(i) {
-                    return false;
-                }
-            } else {
+            let pressed = row.lambda.x > 0.0 || row.included != 0.0;
+            let needed = pressed || (row.turns && row.target.x > 0.0);
+            if !needed || !self.admit(i) {
                 row.lambda = Vec3::zeros();
+                if row.target.x > 0.0 {
+                    self.joining.wait(i, row.target.x);
+                }
             }
         }
-        self.arrange(contacts, direct);
-        true
+        let all = self.members.len() + self.joining.len() <= ALL_AT_ONCE;
+        self.join(contacts, all, direct);
     }
 
     /// Starts anew with these contacts; false when they are too many.
@@ -113,10 +118,10 @@ impl Delassus {
         self.is_member.fill(false);
     }
 
-    /// Neighbours in the elimination tree share a batch, which then reaches less of it.
+    /// New neighbours in the elimination tree share a batch, which then reaches less of it.
     fn arrange(&mut self, contacts: &ContactRows, direct: &Direct) {
         let place = &direct.factor.symbolic.place_of_node;
-        self.members.sort_unstable_by_key(|&m| {
+        self.members[self.built..].sort_unstable_by_key(|&m| {
             let first = nodes_of(contacts, &contacts.rows[m as usize]).next();
             (first.map_or(0, |(node, _)| place[node]), m)
         });
@@ -146,6 +151,42 @@ impl Delassus {
         self.members.push(contact as u32);
         self.is_member[contact] = true;
         true
+    }
+
+    /// Lets contacts in that wait; where there is no room, members without impulse leave. False
+    /// when all have one.
+    fn join(&mut self, contacts: &ContactRows, all: bool, direct: &Direct) -> bool {
+        let mut waiting = std::mem::take(&mut self.joining);
+        let mut joined = waiting.admit(contacts, all, |i| self.admit(i));
+        if joined == 0 && waiting.len() > 0 {
+            self.keep_pressing(contacts);
+            joined = waiting.admit(contacts, all, |i| self.admit(i));
+        }
+        let complete = joined > 0 || waiting.len() == 0;
+        self.joining = waiting;
+        self.arrange(contacts, direct);
+        complete
+    }
+
+    /// Only members with an impulse stay, in their order; W is built anew.
+    fn keep_pressing(&mut self, contacts: &ContactRows) {
+        let members = self.members.len();
+        let mut kept = 0;
+        for m in 0..members {
+            let i = self.members[m];
+            let row = &contacts.rows[i as usize];
+            let presses = row.lambda.x > 0.0 || row.included != 0.0;
+            self.is_member[i as usize] = presses;
+            if presses {
+                self.members[kept] = i;
+                self.correction[kept] = self.correction[m];
+                kept += 1;
+            }
+        }
+        if kept < members {
+            self.members.truncate(kept);
+            (self.built, self.decay) = (0, Decay::default());
+        }
     }
 
     /// Fills the parts of W that new members bring.
@@ -319,15 +360,15 @@ impl Delassus {
     }
 
     /// Compares with the true change of velocities. Members are corrected by what W missed, contacts
-    /// that would now close by more than `tolerance` join. Returns whether all is well, and the
-    /// largest violation of the contact law \[m/s\]; `None` when too many would join.
+    /// that would now close by more than `tolerance` join.
     pub fn check(
         &mut self,
         contacts: &ContactRows,
         change: &[Vec3],
         cone: Cone,
         tolerance: f64,
-    ) -> Option<(bool, f64)> {
+        direct: &Direct,
+    ) -> Verdict {
         let (mut well, mut violation) = (true, 0.0_f64);
         for m in 0..self.members.len() {
             let row = &contacts.rows[self.members[m] as usize];
@@ -340,6 +381,7 @@ impl Delassus {
             let lambda = wanted(cone, row, own, &d);
             violation = violation.max((own.W * (lambda - row.lambda)).norm());
         }
+        self.joining.clear();
         for (i, row) in contacts.rows.iter().enumerate() {
             if self.is_member[i] {
                 continue;
@@ -347,14 +389,38 @@ impl Delassus {
             let normal: Vec3 = row.frame.row(0).transpose();
             let d = normal.dot(&contacts.relative_velocity(row, change)) - row.target.x;
             if d < -tolerance {
-                if !self.admit(i) {
-                    return None;
-                }
-                (well, violation) = (false, violation.max(-d));
+                self.joining.wait(i, -d);
+                violation = violation.max(-d);
             }
         }
-        Some((well, violation))
+        if self.joining.len() > 0 {
+            let joined = self.join(contacts, false, direct);
+            return Verdict { next: if joined { Next::Joined } else { Next::Full }, violation };
+        }
+        Verdict { next: if well { Next::Done } else { Next::Correct }, violation }
     }
+}
+
+/// What the true velocities say of the impulses.
+#[derive(Clone, Copy, Debug)]
+pub struct Verdict {
+    /// What is to be done.
+    pub next: Next,
+    /// Largest violation of the contact law \[m/s\].
+    pub violation: f64,
+}
+
+/// What is to be done next about contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Next {
+    /// Nothing.
+    Done,
+    /// Solve again with what W missed.
+    Correct,
+    /// Solve again with contacts that joined.
+    Joined,
+    /// More should join, and all members press.
+    Full,
 }
 
 /// Gives member m its impulse; returns the change of its velocity \[m/s\].
@@ -393,9 +459,12 @@ fn largest_change(before: &[f64], after: &[f64]) -> f64 {
 
 /// The impulse a contact should have, all others being what they are.
 fn wanted(cone: Cone, row: &ContactRow, own: &Response, d: &Vec3) -> Vec3 {
-    let lambda = own.impulse(cone, row.friction, &(d - own.W * row.lambda), &row.lambda);
-    let excess = lambda.x / row.impulse_max;
-    if excess > 1.0 { lambda / excess } else { lambda }
+    let b = d - own.W * row.lambda;
+    let lambda = own.impulse(cone, row.friction, &b, &row.lambda);
+    row.bounded(lambda, |push_out| {
+        let b = Vec3::new(b.x + push_out, b.y, b.z);
+        own.impulse(cone, row.friction, &b, &row.lambda)
+    })
 }
 
 fn nodes_of<'a>(

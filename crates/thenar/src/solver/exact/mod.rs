@@ -29,6 +29,7 @@ mod gauss_seidel;
 mod half_solves;
 mod held;
 mod jacobi;
+mod joining;
 mod loops;
 mod ordering;
 mod pcg;
@@ -50,7 +51,7 @@ use crate::math::Vec3;
 use crate::model::Cone;
 use crate::solver::{BlockMatrix, ContactRow, ContactRows, Convergence, Failure, JointBlock};
 use coarse::Coarse;
-use delassus::Delassus;
+use delassus::{Delassus, Next};
 use direct::Direct;
 use factor::Factor;
 use held::Held;
@@ -85,6 +86,8 @@ pub struct Plan<'a> {
 pub const PRESSING_MAX: usize = 512;
 /// Times that contact is solved, compared with the true velocities, and solved again.
 const ROUNDS_MAX: u32 = 8;
+/// Times, besides, that contacts join which the ones before left to close.
+const JOINS_MAX: u32 = 32;
 
 /// Times that joint limits are let go or held and the step is solved again without contact.
 const REVISIONS_MAX: u32 = 6;
@@ -117,8 +120,6 @@ pub struct Exact {
     x: Coordinates,
     held: Held,
     delassus: Delassus,
-    /// Contacts in the order in which they press.
-    pressing: Vec<u32>,
     work: pcg::Workspace,
 }
 
@@ -200,7 +201,6 @@ impl Exact {
                 &direct,
                 bodies.freedoms(),
             ),
-            pressing: Vec::with_capacity(plan.contacts_max),
             direct,
             coarse,
             split,
@@ -361,18 +361,7 @@ impl Exact {
             return Ok(Convergence { iterations: 0, residual });
         }
         let Self {
-            bodies,
-            carried,
-            springs,
-            split,
-            coarse,
-            direct,
-            ready,
-            x,
-            delassus,
-            pressing,
-            work,
-            ..
+            bodies, carried, springs, split, coarse, direct, ready, x, delassus, work, ..
         } = self;
         let system = system(step, bodies, carried, springs, split);
         coarse.complete(&system);
@@ -380,16 +369,11 @@ impl Exact {
             return Err(Failure::NotPositiveDefinite);
         }
         *ready = Ready::Direct;
-        let too_many = Failure::TooManyContacts { most: PRESSING_MAX as u32 };
-        if accuracy.best_effort {
-            keep_most_pressing(contacts, PRESSING_MAX, pressing);
-        }
-        if !delassus.begin(contacts, direct) {
-            return Err(too_many);
-        }
+        delassus.begin(contacts, direct);
         let tolerance = accuracy.velocity;
         let mut total = Convergence::default();
-        for _ in 0..ROUNDS_MAX {
+        let (mut corrections, mut joins) = (0, 0);
+        loop {
             delassus.extend(&system, coarse, direct, contacts);
             let sweeps = delassus.solve(contacts, cone, tolerance, accuracy.sweeps_max, direct);
             total.iterations += sweeps.iterations;
@@ -411,15 +395,15 @@ impl Exact {
                 return Err(Failure::NotConverged { residual: solved.error });
             }
             system.spread(x, change);
-            let Some((well, violation)) = delassus.check(contacts, change, cone, tolerance) else {
-                if accuracy.best_effort {
-                    break;
+            let verdict = delassus.check(contacts, change, cone, tolerance, direct);
+            total.residual = verdict.violation.max(sweeps.residual);
+            match verdict.next {
+                Next::Correct if corrections + 1 < ROUNDS_MAX => corrections += 1,
+                Next::Joined if joins < JOINS_MAX => joins += 1,
+                Next::Full if !accuracy.best_effort => {
+                    return Err(Failure::TooManyContacts { most: PRESSING_MAX as u32 });
                 }
-                return Err(too_many);
-            };
-            total.residual = violation.max(sweeps.residual);
-            if well {
-                break;
+                _ => break,
             }
         }
         Ok(total)
@@ -457,24 +441,6 @@ fn is_kept(row: &ContactRow, tolerance: f64) -> bool {
         row.target.x <= if row.turns { tolerance } else { 0.0 }
     } else {
         row.included > 0.0 && row.target.x.abs() <= tolerance
-    }
-}
-
-/// Leaves so many contacts that press; the others, which close the slowest, wait for another step.
-fn keep_most_pressing(contacts: &mut ContactRows, most: usize, pressing: &mut Vec<u32>) {
-    let rows = &mut contacts.rows;
-    pressing.clear();
-    let presses = |i: &usize| {
-        (rows[*i].target.x > 0.0 || rows[*i].lambda.x > 0.0) && rows[*i].included == 0.0
-    };
-    pressing.extend((0..rows.len()).filter(presses).map(|i| i as u32));
-    let most = most.saturating_sub(rows.iter().filter(|row| row.included != 0.0).count());
-    let speed = |i: u32| rows[i as usize].target.x;
-    pressing.sort_unstable_by(|&i, &j| speed(j).total_cmp(&speed(i)).then(i.cmp(&j)));
-    for &i in pressing.iter().skip(most) {
-        let row = &mut rows[i as usize];
-        row.lambda = Vec3::zeros();
-        row.target.x = row.target.x.min(0.0);
     }
 }
 
