@@ -262,8 +262,8 @@ fn measure(work: &Work, steps: usize) -> Result<(usize, [Times; 2]), String> {
     let wanted =
         SOLVERS.map(|(_, solver)| Wanted { tets: work.tets, time_step: work.time_step, solver });
     let mut sessions = if work.touching {
-        let (grip, exact) = press_with(&wanted[0], CONTACTS)?;
-        [exact, press(&wanted[1], grip)?]
+        let (hard, exact) = press_with(&wanted[0], CONTACTS)?;
+        [exact, press(&wanted[1], &hard)?]
     } else {
         [free(&wanted[0])?, free(&wanted[1])?]
     };

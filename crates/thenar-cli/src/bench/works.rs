@@ -8,9 +8,27 @@ use thenar_scene::session::{Session, builtin};
 pub const SOLVERS: [(SolverKind, &str); 2] =
     [(SolverKind::Exact, "exact"), (SolverKind::TwoStep, "two-step")];
 
-/// Stiffness of the springs that pull the hand's bones to the tracked pose [N/m]: what the search
-/// for a number of contacts varies.
-const GRIPS: [f64; 6] = [400.0, 200.0, 800.0, 100.0, 1600.0, 50.0];
+/// How hard the hand is pressed: what the search for a number of contacts varies. Small meshes have
+/// few vertices below the hand and need soft flesh on a high table.
+#[derive(Clone, Copy, Debug)]
+pub struct Press {
+    /// Height of the table above that of the scene [m].
+    table: f64,
+    /// Young's modulus of the flesh [Pa].
+    young: f64,
+    /// Stiffness of the bonds between bones and flesh [N/m⁴].
+    coupling: f64,
+    /// Stiffness of the springs that pull the bones to the tracked pose [N/m].
+    drive: f64,
+}
+
+const PRESSES: [Press; 5] = [
+    Press { table: 0.015, young: 10e3, coupling: 3e8, drive: 800.0 },
+    Press { table: 0.010, young: 20e3, coupling: 5e8, drive: 600.0 },
+    Press { table: 0.010, young: 30e3, coupling: 1e9, drive: 400.0 },
+    Press { table: 0.005, young: 40e3, coupling: 2e9, drive: 400.0 },
+    Press { table: 0.0, young: 40e3, coupling: 2e9, drive: 400.0 },
+];
 /// When the hand of `free-motion` moves its fingers and none touches another [s].
 const MOVING: f64 = 0.2;
 /// When the hand of `table-press` has come to lie on the table and presses [s].
@@ -56,13 +74,16 @@ pub fn free(wanted: &Wanted) -> Result<Session, String> {
     Ok(session)
 }
 
-/// A hand that lies on a table and is pressed down by springs that stiff.
-pub fn press(wanted: &Wanted, grip: f64) -> Result<Session, String> {
+/// A hand that lies on a table and is pressed down.
+pub fn press(wanted: &Wanted, press: &Press) -> Result<Session, String> {
     let mut session = open(
         "table-press",
         &[
             format!("hand.hand.tets={}", wanted.tets),
-            format!("hand.hand.bone_drive.stiffness={grip}"),
+            format!("hand.hand.bone_drive.stiffness={}", press.drive),
+            format!("hand.hand.material={{young={}}}", press.young),
+            format!("hand.hand.coupling_stiffness={}", press.coupling),
+            format!("rigid.table.position=[0,{},0]", press.table),
             format!("solver.kind={}", wanted.solver),
         ],
     )?;
@@ -73,18 +94,18 @@ pub fn press(wanted: &Wanted, grip: f64) -> Result<Session, String> {
     Ok(session)
 }
 
-/// The springs at which the number of active contacts is nearest to `contacts`, with the session.
-pub fn press_with(wanted: &Wanted, contacts: u32) -> Result<(f64, Session), String> {
-    let mut best: Option<(u32, f64, Session)> = None;
-    for grip in GRIPS {
-        let session = press(wanted, grip)?;
+/// The press at which the number of active contacts is nearest to `contacts`, with the session.
+pub fn press_with(wanted: &Wanted, contacts: u32) -> Result<(Press, Session), String> {
+    let mut best: Option<(u32, Press, Session)> = None;
+    for hard in PRESSES {
+        let session = press(wanted, &hard)?;
         let off = session.report().contacts_active.abs_diff(contacts);
         if best.as_ref().is_none_or(|(least, ..)| off < *least) {
-            best = Some((off, grip, session));
+            best = Some((off, hard, session));
         }
         if best.as_ref().is_some_and(|(least, ..)| *least * 12 <= contacts) {
             break;
         }
     }
-    best.map(|(_, grip, session)| (grip, session)).ok_or("no grip was tried".into())
+    best.map(|(_, hard, session)| (hard, session)).ok_or("no press was tried".into())
 }

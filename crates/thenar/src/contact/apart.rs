@@ -26,6 +26,9 @@ pub(crate) struct Apart {
     nodes: usize,
     settled: Vec<u64>,
     regions: Regions,
+    /// Whether two regions are one or joined, row by row, and how many there are.
+    near: Vec<bool>,
+    count: usize,
 }
 
 /// The bone that carries each vertex, and which bones are neighbours.
@@ -38,15 +41,6 @@ pub(crate) struct Regions {
 }
 
 impl Regions {
-    /// Flesh around one bone, or across one joint, is pressed together by bending and does not touch.
-    fn are_near(&self, v: u32, w: u32) -> bool {
-        let (Some(&i), Some(&j)) = (self.of_vertex.get(v as usize), self.of_vertex.get(w as usize))
-        else {
-            return false;
-        };
-        self.are_joined(i, j)
-    }
-
     fn are_joined(&self, i: u32, j: u32) -> bool {
         i == j || self.joined.binary_search(&[i.min(j), i.max(j)]).is_ok()
     }
@@ -73,6 +67,9 @@ impl Apart {
             apart.triangles.extend(triangles);
             apart.start.push(apart.triangles.len() as u32);
         }
+        apart.count = regions.of_vertex.iter().max().map_or(0, |most| *most as usize + 1);
+        let pairs = (0..apart.count).flat_map(|i| (0..apart.count).map(move |j| (i, j)));
+        apart.near = pairs.map(|(i, j)| regions.are_joined(i as u32, j as u32)).collect();
         apart.regions = regions;
         apart.settle(surface);
         apart
@@ -80,16 +77,19 @@ impl Apart {
 
     /// Whether vertex `v` and triangle `t` with these corners are neighbours.
     pub fn are_neighbors(&self, v: u32, t: u32, corners: &[u32; 3]) -> bool {
-        if corners.iter().any(|&w| self.regions.are_near(v, w)) {
+        if let Some(&i) = self.regions.of_vertex.get(v as usize)
+            && corners.iter().any(|&w| self.are_joined(i, self.regions.of_vertex[w as usize]))
+        {
             return true;
         }
         let range = self.start[v as usize] as usize..self.start[v as usize + 1] as usize;
         self.triangles[range].binary_search(&t).is_ok()
     }
 
-    /// Whether the flesh of two bones never touches.
+    /// Whether the flesh of two bones never touches: around one bone, or across one joint, it is
+    /// pressed together by bending.
     pub fn are_joined(&self, i: u32, j: u32) -> bool {
-        !self.regions.of_vertex.is_empty() && self.regions.are_joined(i, j)
+        self.near.get(i as usize * self.count + j as usize).is_some_and(|near| *near)
     }
 
     /// Whether all below two tree nodes are neighbours.

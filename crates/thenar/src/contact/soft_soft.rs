@@ -1,6 +1,7 @@
 //! Two deformable surfaces, or one with itself: vertices against triangles both ways, and edges
 //! that cross.
 
+use crate::contact::aabb::Aabb;
 use crate::contact::apart::Apart;
 use crate::contact::approach::Seen;
 use crate::contact::bvh::Bvh;
@@ -256,12 +257,26 @@ impl SoftSoft<'_> {
 
     /// Notes the edges of `s` and `t` that cross; each edge belongs to one triangle.
     fn cross(&self, pair: [u32; 2], reach: f64, scratch: &mut PairScratch, out: &mut Collector) {
-        let sides = [&self.a, &self.b];
+        let mut of_b = None;
         for k in 0..3 {
-            let Some(ends_a) = self.edge(sides[0], pair[0], k, pair[1]) else { continue };
-            for l in 0..3 {
-                let Some(ends_b) = self.edge(sides[1], pair[1], l, pair[0]) else { continue };
-                let Some(passing) = passing(&ends_a, &ends_b, reach) else { continue };
+            let Some(ends_a) = self.edge(&self.a, pair[0], k, &self.b, pair[1], reach) else {
+                continue;
+            };
+            let of_b = of_b.get_or_insert_with(|| {
+                let mut edges = [None; 3];
+                for (l, edge) in edges.iter_mut().enumerate() {
+                    *edge = self.edge(&self.b, pair[1], l, &self.a, pair[0], reach);
+                }
+                edges
+            });
+            for (l, ends_b) in of_b.iter().enumerate() {
+                let Some(ends_b) = ends_b else { continue };
+                let Some(passing) = passing(&ends_a, ends_b, reach) else { continue };
+                if self.is_neighbor(&self.a, pair[0], k, pair[1])
+                    || self.is_neighbor(&self.b, pair[1], l, pair[0])
+                {
+                    continue;
+                }
                 let edges = [(pair[0], k), (pair[1], l)];
                 let Some(found) = self.crossing(&passing, edges) else { continue };
                 if scratch.crossings.len() < scratch.crossings_max {
@@ -273,15 +288,32 @@ impl SoftSoft<'_> {
         }
     }
 
-    /// The ends of an edge that this triangle answers for, unless it is a neighbour of `other`.
-    fn edge(&self, side: &SoftSide, t: u32, k: usize, other: u32) -> Option<[Vec3; 2]> {
+    /// The ends of an edge that this triangle answers for, unless it is farther than `reach` from
+    /// triangle `other` of another side.
+    #[inline(always)]
+    fn edge(
+        &self,
+        side: &SoftSide,
+        t: u32,
+        k: usize,
+        from: &SoftSide,
+        other: u32,
+        reach: f64,
+    ) -> Option<[Vec3; 2]> {
         if !side.surface.owns(t, Feature::Edge(k)) {
             return None;
         }
         let corners = side.surface.triangles[t as usize];
-        let ends = [corners[k], corners[(k + 1) % 3]];
-        let neighbors = ends.iter().any(|&v| self.are_neighbors(v, other));
-        (!neighbors).then(|| ends.map(|v| side.state.positions[v as usize]))
+        let x = side.state.positions;
+        let ends = [x[corners[k] as usize], x[corners[(k + 1) % 3] as usize]];
+        let around = Aabb { min: ends[0], max: ends[0] }.with(&ends[1]);
+        around.inflate(reach).overlaps(&from.surface.boxes[other as usize]).then_some(ends)
+    }
+
+    /// Whether an edge is a neighbour of triangle `other`.
+    fn is_neighbor(&self, side: &SoftSide, t: u32, k: usize, other: u32) -> bool {
+        let corners = side.surface.triangles[t as usize];
+        [corners[k], corners[(k + 1) % 3]].iter().any(|&v| self.are_neighbors(v, other))
     }
 
     fn crossing(&self, passing: &Passing, edges: [(u32, usize); 2]) -> Option<Crossing> {

@@ -163,7 +163,7 @@ impl Surface {
 
 fn triangle_box(t: &[u32; 3], x: &[Vec3]) -> Aabb {
     let [a, b, c] = t.map(|v| x[v as usize]);
-    Aabb { min: a.inf(&b).inf(&c), max: a.sup(&b).sup(&c) }
+    Aabb { min: a, max: a }.with(&b).with(&c)
 }
 
 fn edge_lengths(t: &[u32; 3], x: &[Vec3]) -> [f64; 3] {

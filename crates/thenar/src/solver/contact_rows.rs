@@ -217,11 +217,6 @@ impl ContactRow {
         if excess > 1.0 { lambda / excess } else { lambda }
     }
 
-    /// The impulse without what the velocities contain already.
-    pub fn added(&self) -> Vec3 {
-        Vec3::new(self.lambda.x - self.included, self.lambda.y, self.lambda.z)
-    }
-
     /// What the row sees of a body that moves and turns so and is held at `lever`.
     #[inline]
     pub fn motion(&self, lin: &Vec3, ang: &Vec3, lever: &Vec3) -> Vec3 {

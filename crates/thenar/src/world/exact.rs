@@ -79,6 +79,10 @@ pub fn solve(
     let step = StepSystem { A: &scratch.A, b: &scratch.b, known: &model.known };
     let accuracy = accuracy(settings, care);
     let touched = state.impulses.iter().any(|(_, impulse)| *impulse != Vec3::zeros());
+    if touched {
+        // Near what the step before had without contact.
+        state.v.iter_mut().zip(&state.contact_change).for_each(|(v, change)| *v -= change);
+    }
     let solved = exact.solve(&step, &scratch.joints, h, touched, &accuracy, &mut state.v)?;
     Ok(Convergence { iterations: solved.iterations, residual: solved.error })
 }

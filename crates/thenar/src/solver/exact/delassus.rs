@@ -22,6 +22,7 @@ use crate::solver::exact::factor::{LANES, Lanes, Scalar};
 use crate::solver::exact::gauss_seidel::Response;
 use crate::solver::exact::half_solves::{HalfSolves, add_common_product, add_product};
 use crate::solver::exact::joining::{ALL_AT_ONCE, Joining};
+use crate::solver::exact::pcg::Workspace;
 use crate::solver::exact::{System, small_cholesky};
 use crate::solver::{ContactRow, ContactRows, Convergence};
 use fearless_simd::{Simd, dispatch};
@@ -54,8 +55,9 @@ pub struct Delassus {
     /// That before the present sweep.
     before: Aligned<f64>,
     decay: Decay,
-    /// What the true `J Δv` has more than W says.
-    correction: Vec<Vec3>,
+    /// Of every contact: an impulse, and the true `J Δv` less its target there, from which W goes on.
+    applied: Vec<Vec3>,
+    measured: Vec<Vec3>,
 }
 
 impl Delassus {
@@ -78,29 +80,76 @@ impl Delassus {
             d: Aligned::new(batches * LANES),
             before: Aligned::new(batches * LANES),
             decay: Decay::default(),
-            correction: vec![Vec3::zeros(); capacity],
+            applied: vec![Vec3::zeros(); contacts_max],
+            measured: vec![Vec3::zeros(); contacts_max],
             capacity,
         }
     }
 
-    /// Starts anew with the contacts that pressed before and some of those that close; the others
-    /// get no impulse.
+    /// Starts anew with the contacts that press and some of those that close although these press.
     pub fn begin(&mut self, contacts: &mut ContactRows, direct: &Direct) {
         self.forget();
         self.joining.clear();
         for i in 0..contacts.rows.len() {
-            let row = &mut contacts.rows[i];
-            let pressed = row.lambda.x > 0.0 || row.included != 0.0;
-            let needed = pressed || (row.turns && row.target.x > 0.0);
+            let (row, d) = (&mut contacts.rows[i], self.measured[i].x);
+            let presses = row.lambda.x != 0.0 || row.included != 0.0;
+            let needed = presses || (row.turns && d < 0.0);
             if !needed || !self.admit(i) {
                 row.lambda = Vec3::zeros();
-                if row.target.x > 0.0 {
-                    self.joining.wait(i, row.target.x);
+                if d < 0.0 {
+                    self.joining.wait(i, -d);
                 }
             }
         }
         let all = self.members.len() + self.joining.len() <= ALL_AT_ONCE;
         self.join(contacts, all, direct);
+    }
+
+    /// Takes in what the present impulses truly do, the change of velocities that they make.
+    pub fn measure(&mut self, contacts: &ContactRows, change: &[Vec3]) {
+        let own = self.applied.iter_mut().zip(&mut self.measured);
+        for (row, (applied, measured)) in contacts.rows.iter().zip(own) {
+            *applied = row.lambda;
+            *measured = row.frame * contacts.relative_velocity(row, change) - row.target;
+        }
+    }
+
+    /// Begins a step: the impulses of the one before press, and nothing of them has been measured.
+    /// False when there are none.
+    pub fn start(&mut self, contacts: &mut ContactRows) -> bool {
+        let mut any = false;
+        for (row, applied) in contacts.rows.iter_mut().zip(&mut self.applied) {
+            *applied = Vec3::new(row.included, 0.0, 0.0);
+            if row.lambda.x <= 0.0 {
+                row.lambda = Vec3::zeros();
+            }
+            any |= row.lambda != *applied;
+        }
+        any
+    }
+
+    /// Adds to the residual what the impulses are more than was measured; false when that is nothing.
+    pub fn load_more(
+        &self,
+        system: &System<'_>,
+        contacts: &ContactRows,
+        work: &mut Workspace,
+    ) -> bool {
+        let mut any = false;
+        work.f.fill(Vec3::zeros());
+        for (row, applied) in contacts.rows.iter().zip(&self.applied) {
+            let more = row.lambda - applied;
+            if more != Vec3::zeros() {
+                contacts.scatter(row, &row.frame.tr_mul(&more), &mut work.f);
+                any = true;
+            }
+        }
+        for (i, f) in work.f.iter_mut().enumerate() {
+            *f = system.unknown(i, f);
+        }
+        system.gather(&mut work.f, &mut work.q);
+        work.r.add(1.0, &work.q);
+        any
     }
 
     /// Starts anew with these contacts; false when they are too many.
@@ -147,7 +196,6 @@ impl Delassus {
         if self.members.len() == self.capacity || contact >= self.is_member.len() {
             return false;
         }
-        self.correction[self.members.len()] = Vec3::zeros();
         self.members.push(contact as u32);
         self.is_member[contact] = true;
         true
@@ -179,7 +227,6 @@ impl Delassus {
             self.is_member[i as usize] = presses;
             if presses {
                 self.members[kept] = i;
-                self.correction[kept] = self.correction[m];
                 kept += 1;
             }
         }
@@ -333,15 +380,18 @@ impl Delassus {
     ) -> Convergence {
         let n = self.members.len();
         let used = (3 * n).next_multiple_of(LANES);
-        let Self { members, W, own, d, before, decay, correction, .. } = self;
+        let Self { members, W, own, d, before, decay, applied, measured, .. } = self;
         let d = &mut d[..used];
         d.fill(0.0);
         for m in 0..n {
-            let row = &contacts.rows[members[m] as usize];
-            W.add_answer(simd, m, &row.added(), d);
+            let i = members[m] as usize;
+            let more = contacts.rows[i].lambda - applied[i];
+            if more != Vec3::zeros() {
+                W.add_answer(simd, m, &more, d);
+            }
         }
         for m in 0..n {
-            let start = correction[m] - contacts.rows[members[m] as usize].target;
+            let start = measured[members[m] as usize];
             (0..3).for_each(|a| d[3 * m + a] += start[a]);
         }
         let before = &mut before[..used];
@@ -359,7 +409,7 @@ impl Delassus {
         convergence
     }
 
-    /// Compares with the true change of velocities. Members are corrected by what W missed, contacts
+    /// Compares with the true change of velocities, from which W goes on; contacts
     /// that would now close by more than `tolerance` join.
     pub fn check(
         &mut self,
@@ -369,12 +419,12 @@ impl Delassus {
         tolerance: f64,
         direct: &Direct,
     ) -> Verdict {
+        self.measure(contacts, change);
         let (mut well, mut violation) = (true, 0.0_f64);
         for m in 0..self.members.len() {
-            let row = &contacts.rows[self.members[m] as usize];
-            let d = row.frame * contacts.relative_velocity(row, change) - row.target;
+            let i = self.members[m] as usize;
+            let (row, d) = (&contacts.rows[i], self.measured[i]);
             let missed = d - self.value(m);
-            self.correction[m] += missed;
             well &= missed.norm() <= tolerance / SAFETY;
             violation = violation.max(missed.norm());
             let own = &self.own[m];
@@ -382,13 +432,9 @@ impl Delassus {
             violation = violation.max((own.W * (lambda - row.lambda)).norm());
         }
         self.joining.clear();
-        for (i, row) in contacts.rows.iter().enumerate() {
-            if self.is_member[i] {
-                continue;
-            }
-            let normal: Vec3 = row.frame.row(0).transpose();
-            let d = normal.dot(&contacts.relative_velocity(row, change)) - row.target.x;
-            if d < -tolerance {
+        for i in 0..contacts.rows.len() {
+            let d = self.measured[i].x;
+            if !self.is_member[i] && d < -tolerance {
                 self.joining.wait(i, -d);
                 violation = violation.max(-d);
             }

@@ -92,6 +92,7 @@ fn half_solves_give_the_dense_compliance() {
         contacts.rows[i].target.x = if i < 23 { 1.0 } else { -1.0 };
     }
     let mut delassus = Delassus::new(40, 40, &direct, bodies.freedoms());
+    delassus.measure(&contacts, &v);
     delassus.begin(&mut contacts, &direct);
     delassus.extend(&system, &coarse, &direct, &contacts);
     // The rest joins in a second round.

@@ -337,8 +337,8 @@ impl Exact {
         }
     }
 
-    /// What contact adds to the velocities just found, left in `change`, and its impulses, which
-    /// start from those in `contacts`.
+    /// What contact adds to the velocities just found, left in `change`, and its impulses. Both start
+    /// from those of the step before: what `change` holds, and the impulses in `contacts`.
     ///
     /// # Errors
     /// The flesh cannot be factored, too many contacts press, or the velocities do not converge.
@@ -350,7 +350,6 @@ impl Exact {
         accuracy: &Accuracy,
         change: &mut [Vec3],
     ) -> Result<Convergence, Failure> {
-        change.fill(Vec3::zeros());
         if contacts.rows.iter().all(|row| is_kept(row, accuracy.velocity)) {
             // The contact-free velocities keep every gap open: nothing more presses.
             let mut residual = 0.0_f64;
@@ -358,6 +357,7 @@ impl Exact {
                 row.lambda = Vec3::new(row.included, 0.0, 0.0);
                 residual = residual.max(row.target.x);
             }
+            change.fill(Vec3::zeros());
             return Ok(Convergence { iterations: 0, residual });
         }
         let Self {
@@ -369,42 +369,54 @@ impl Exact {
             return Err(Failure::NotPositiveDefinite);
         }
         *ready = Ready::Direct;
-        delassus.begin(contacts, direct);
         let tolerance = accuracy.velocity;
-        let mut total = Convergence::default();
-        let (mut corrections, mut joins) = (0, 0);
-        loop {
-            delassus.extend(&system, coarse, direct, contacts);
-            let sweeps = delassus.solve(contacts, cone, tolerance, accuracy.sweeps_max, direct);
-            total.iterations += sweeps.iterations;
-
-            // The true change of velocities: K Δ = Jᵀ λ.
-            work.f.fill(Vec3::zeros());
-            for row in contacts.rows.iter().filter(|row| row.added() != Vec3::zeros()) {
-                contacts.scatter(row, &row.frame.tr_mul(&row.added()), &mut work.f);
-            }
-            for (i, f) in work.f.iter_mut().enumerate() {
-                *f = system.unknown(i, f);
-            }
-            system.gather(&mut work.f, &mut work.r);
+        // The impulses of the step before tell best what presses: W starts from what they truly do.
+        if delassus.start(contacts) {
+            system.coordinates_of_change(change, x, &mut work.v);
+            system.product(x, &mut work.q, &mut work.v, &mut work.f);
+            work.r.clear();
+            work.r.add(-1.0, &work.q);
+        } else {
             x.clear();
-            let apply = |r: &Coordinates, z: &mut Coordinates| direct.apply(&system, coarse, r, z);
-            let stop = accuracy.stop(1, accuracy.iterations_max);
-            let solved = pcg::solve(&system, apply, x, stop, work);
-            if !solved.converged && !accuracy.best_effort {
-                return Err(Failure::NotConverged { residual: solved.error });
-            }
-            system.spread(x, change);
-            let verdict = delassus.check(contacts, change, cone, tolerance, direct);
-            total.residual = verdict.violation.max(sweeps.residual);
-            match verdict.next {
-                Next::Correct if corrections + 1 < ROUNDS_MAX => corrections += 1,
-                Next::Joined if joins < JOINS_MAX => joins += 1,
-                Next::Full if !accuracy.best_effort => {
-                    return Err(Failure::TooManyContacts { most: PRESSING_MAX as u32 });
+            work.r.clear();
+            change.fill(Vec3::zeros());
+        }
+        let (mut total, mut sweeps) = (Convergence::default(), Convergence::default());
+        let (mut corrections, mut joins, mut first) = (0, 0, true);
+        loop {
+            // The true change of velocities: K Δ = Jᵀ λ.
+            if delassus.load_more(&system, contacts, work) {
+                let apply =
+                    |r: &Coordinates, z: &mut Coordinates| direct.apply(&system, coarse, r, z);
+                let stop = Stop {
+                    tolerance: 0.25 * tolerance,
+                    ..accuracy.stop(1, accuracy.iterations_max)
+                };
+                let solved = pcg::solve(&system, apply, x, stop, work);
+                if !solved.converged && !accuracy.best_effort {
+                    return Err(Failure::NotConverged { residual: solved.error });
                 }
-                _ => break,
+                system.spread(x, change);
             }
+            if first {
+                first = false;
+                delassus.measure(contacts, change);
+                delassus.begin(contacts, direct);
+            } else {
+                let verdict = delassus.check(contacts, change, cone, tolerance, direct);
+                total.residual = verdict.violation.max(sweeps.residual);
+                match verdict.next {
+                    Next::Correct if corrections + 1 < ROUNDS_MAX => corrections += 1,
+                    Next::Joined if joins < JOINS_MAX => joins += 1,
+                    Next::Full if !accuracy.best_effort => {
+                        return Err(Failure::TooManyContacts { most: PRESSING_MAX as u32 });
+                    }
+                    _ => break,
+                }
+            }
+            delassus.extend(&system, coarse, direct, contacts);
+            sweeps = delassus.solve(contacts, cone, tolerance, accuracy.sweeps_max, direct);
+            total.iterations += sweeps.iterations;
         }
         Ok(total)
     }

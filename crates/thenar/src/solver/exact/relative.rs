@@ -185,6 +185,19 @@ impl System<'_> {
         }
     }
 
+    /// Coordinates near to a given change of velocities.
+    pub fn coordinates_of_change(&self, change: &[Vec3], x: &mut Coordinates, work: &mut [Vec3]) {
+        let row0 = self.row0();
+        work[..row0].copy_from_slice(&change[..row0]);
+        self.bodies.add_offsets(work);
+        self.bodies.rates(work, &mut x.u);
+        dispatch!(Level::new(), simd => self.bodies.spread(simd, &x.u, work));
+        x.w.copy_from_slice(&change[row0..]);
+        for c in self.carried {
+            x.w[c.node as usize] -= c.free(&c.follow(work));
+        }
+    }
+
     /// `r = Tᵀ f`; overwrites the bodies' part of f.
     pub fn gather(&self, f: &mut [Vec3], r: &mut Coordinates) {
         dispatch!(Level::new(), simd => self.gather_lanes(simd, f, r));
