@@ -1,6 +1,7 @@
 //! Streams over TCP, where the device or we call.
 
 use super::SEND_PATIENCE;
+use super::wait::read_within;
 use crate::Transport;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::TcpStream;
@@ -18,28 +19,33 @@ impl StreamTransport {
     /// It broke at once.
     pub fn new(stream: TcpStream) -> io::Result<Self> {
         stream.set_nodelay(true)?;
+        notice_its_end(&stream)?;
         stream.set_nonblocking(true)?;
         Ok(Self { stream })
     }
 }
 
+/// A peer whose network went away says nothing any more, not even that: the system asks it, and gives
+/// the connection up after some five seconds.
+///
+/// # Errors
+/// The system cannot do so.
+pub fn notice_its_end(stream: &TcpStream) -> io::Result<()> {
+    let ask = socket2::TcpKeepalive::new()
+        .with_time(Duration::from_secs(2))
+        .with_interval(Duration::from_secs(1))
+        .with_retries(3);
+    socket2::SockRef::from(stream).set_tcp_keepalive(&ask)
+}
+
 impl Transport for StreamTransport {
     fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
-        // A socket's own time limit counts in clock ticks of up to 10 ms.
-        let start = Instant::now();
-        loop {
-            match self.stream.read(buffer) {
-                Ok(0) => return Err(ErrorKind::UnexpectedEof.into()),
-                Err(error) if error.kind() == ErrorKind::WouldBlock => {
-                    if start.elapsed() >= timeout {
-                        return Ok(0);
-                    }
-                    std::thread::sleep(Duration::from_micros(200).min(timeout));
-                }
-                Err(error) if error.kind() == ErrorKind::Interrupted => {}
-                result => return result,
-            }
-        }
+        let received =
+            read_within(&mut self.stream, timeout, |stream| match stream.read(buffer)? {
+                0 => Err(ErrorKind::UnexpectedEof.into()),
+                length => Ok(Some(length)),
+            })?;
+        Ok(received.unwrap_or(0))
     }
 
     fn send(&mut self, mut bytes: &[u8]) -> io::Result<()> {

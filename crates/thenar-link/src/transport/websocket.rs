@@ -1,5 +1,6 @@
 //! Messages over WebSocket; we call.
 
+use super::socket::notice_its_end;
 use super::wait::read_within;
 use super::{SEND_PATIENCE, tcp};
 use crate::Transport;
@@ -28,6 +29,7 @@ impl WebSocketTransport {
         let place = authority(url)?;
         let stream = tcp::call(&place)?;
         stream.set_nodelay(true)?;
+        notice_its_end(&stream)?;
         stream.set_read_timeout(Some(GREETING))?;
         stream.set_write_timeout(Some(GREETING))?;
         let config = WebSocketConfig::default()
