@@ -15,6 +15,7 @@ mod run;
 mod scenes;
 mod serve;
 mod soak;
+mod touch;
 mod validate;
 
 use clap::{Parser, Subcommand};
@@ -35,6 +36,8 @@ enum Command {
     Serve(serve::Args),
     /// Run a scene without a window.
     Run(run::Args),
+    /// Feel a scene through devices, without a page.
+    Touch(touch::Args),
     /// Build a simulation-ready model from a mesh.
     Build(build::Args),
     /// List the scenes that come with the program.
@@ -54,6 +57,7 @@ fn main() -> ExitCode {
     let done = match cli.command {
         Some(Command::Serve(args)) => serve::run(&args),
         Some(Command::Run(args)) => run::run(&args),
+        Some(Command::Touch(args)) => touch::run(&args),
         Some(Command::Build(args)) => build::run(&args),
         Some(Command::Scenes(args)) => scenes::run(&args),
         Some(Command::Compare(args)) => compare::run(&args),

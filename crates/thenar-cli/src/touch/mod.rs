@@ -1,0 +1,109 @@
+//! `thenar touch`: a scene felt through devices, without a page.
+
+mod devices;
+mod report;
+mod twin;
+
+pub use devices::{DeviceOptions, Teller};
+
+use crate::error::CliError;
+use crate::interrupt;
+use crate::run::open;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+use thenar_link::haptic_loop::{Alarm, Deadlines, Histogram, Remote, SimulationPort};
+use thenar_link::now_ns;
+use thenar_scene::session::Session;
+
+/// Feel a scene through devices, without a page.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// A scene file, or the name of a built-in scene (see `thenar scenes`).
+    scene: PathBuf,
+    /// End after so long [s]; without it Ctrl-C does.
+    #[arg(long, value_name = "S")]
+    seconds: Option<f64>,
+    /// Change a value of the scene, e.g. solver.cone=linearised; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Devices.
+    #[command(flatten)]
+    devices: DeviceOptions,
+    /// No line per second.
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// How the simulation beside the loop did.
+pub struct Beside {
+    /// Time of each step, with its frame \[ns\].
+    pub costs: Histogram,
+    /// Simulated over real time.
+    pub speed: f64,
+}
+
+/// Runs until its time is over, or Ctrl-C.
+///
+/// # Errors
+/// Scene or device is wrong, or the loop failed.
+pub fn run(args: &Args) -> Result<(), CliError> {
+    let sound = |s: f64| s > 0.0 && s <= 1e9;
+    if args.seconds.is_some_and(|s| !sound(s)) {
+        return Err(CliError::Input("--seconds must be more than 0 and at most 1e9".into()));
+    }
+    if args.devices.devices.is_empty() {
+        let advice = "no --device is given; `thenar devices` lists what there is";
+        return Err(CliError::Input(advice.into()));
+    }
+    let mut session = open(&args.scene, &args.set)?;
+    interrupt::listen();
+    let (device, _twins) = args.devices.start(Vec::new())?;
+    let (remote, mut port) = (device.remote(), device.port());
+    port.attach(&session).map_err(|error| CliError::Input(error.to_string()))?;
+    args.devices.arm_if_asked(&remote);
+    let beside = simulate(&mut session, &mut port, &remote, args)?;
+    let status = remote.status();
+    drop(device);
+    report::print(&status, &beside);
+    match status.state.word() {
+        "failed" => Err(CliError::Other("the haptic loop failed".into())),
+        _ => Ok(()),
+    }
+}
+
+/// Steps the scene in real time; where a step costs more than it may, in slow motion.
+fn simulate(
+    session: &mut Session,
+    port: &mut SimulationPort,
+    remote: &Remote,
+    args: &Args,
+) -> Result<Beside, CliError> {
+    let alarm = Alarm::set();
+    let period = Duration::from_secs_f64(session.world().time_step());
+    let mut deadlines = Deadlines::new(period, now_ns());
+    let (begun, mut simulated, mut teller) = (Instant::now(), 0.0, Teller::default());
+    let mut costs = Histogram::default();
+    let mut second = 1;
+    loop {
+        let elapsed = begun.elapsed().as_secs_f64();
+        if interrupt::asked() || args.seconds.is_some_and(|end| elapsed >= end) {
+            return Ok(Beside { costs, speed: simulated / elapsed.max(1e-9) });
+        }
+        if elapsed >= f64::from(second) {
+            second += 1;
+            teller.tell(remote);
+            if !args.quiet {
+                report::line(elapsed, &remote.status());
+            }
+        }
+        alarm.wait(deadlines.next_ns());
+        let began = now_ns();
+        port.before_step(session, began).map_err(|error| CliError::Input(error.to_string()))?;
+        session.step(&mut ());
+        port.after_step(session, now_ns());
+        let ended = now_ns();
+        costs.add(ended - began);
+        simulated += session.world().time_step();
+        deadlines.advance(began, ended);
+    }
+}
