@@ -3,11 +3,13 @@
 use crate::error::CliError;
 use crate::interrupt;
 use crate::run::{Found, find};
+use crate::touch::{DeviceOptions, Teller, WavingGlove};
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 use std::time::Duration;
+use thenar_link::haptic_loop::{HapticLoop, page_tracker};
 use thenar_serve::http::{Limits, Options, Port, Reach, Server, StartError};
-use thenar_serve::live::{self, Live, LiveError, SceneSource};
+use thenar_serve::live::{self, Haptics, Live, LiveError, SceneSource};
 use thenar_serve::page;
 
 /// The port where nothing else is asked for.
@@ -37,6 +39,9 @@ pub struct Args {
     /// Time step of the scene [s]; short for --set time_step=S.
     #[arg(long, value_name = "S")]
     time_step: Option<f64>,
+    /// Devices to feel it with.
+    #[command(flatten)]
+    devices: DeviceOptions,
 }
 
 impl Args {
@@ -50,6 +55,7 @@ impl Args {
             no_open: false,
             set: Vec::new(),
             time_step: None,
+            devices: DeviceOptions::default(),
         }
     }
 }
@@ -66,7 +72,8 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         Found::File(path) => SceneSource::File(path),
         Found::Builtin(known) => SceneSource::Builtin(known.name.into()),
     };
-    let live_options = live::Options { overrides, ..live::Options::default() };
+    let (device, haptics) = feel(&args.devices)?;
+    let live_options = live::Options { haptics, overrides, ..live::Options::default() };
     let (live, hub) = Live::start(&source, live_options)?;
     let options = Options {
         reach: if args.lan { Reach::Lan } else { Reach::Desk },
@@ -80,14 +87,33 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         // Where there is none, the address stands there to be clicked on.
         let _ = server.urls().first().map(open::that_detached);
     }
+    let mut teller = Teller::default();
     while !interrupt::asked() {
         std::thread::sleep(Duration::from_millis(50));
+        if let Some((device, _)) = &device {
+            teller.tell(&device.remote());
+        }
     }
     server.stop();
     drop(live);
     // Whoever read the address may have stopped reading.
     let _ = writeln!(std::io::stdout(), "ended");
     Ok(())
+}
+
+/// Opens the devices, if there are any. The page's poses are a tracker beside theirs.
+#[allow(clippy::type_complexity)] // the loop with its simulated gloves, and the simulation's side
+fn feel(
+    options: &DeviceOptions,
+) -> Result<(Option<(HapticLoop, Vec<WavingGlove>)>, Option<Haptics>), CliError> {
+    if options.devices.is_empty() {
+        return Ok((None, None));
+    }
+    let (poses, page) = page_tracker();
+    let (device, twins) = options.start(vec![page])?;
+    let (port, remote) = (device.port(), device.remote());
+    options.arm_if_asked(&remote);
+    Ok((Some((device, twins)), Some(Haptics { port, remote, poses })))
 }
 
 fn announce(args: &Args, server: &Server) {

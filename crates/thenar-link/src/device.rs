@@ -39,6 +39,9 @@ pub struct Opened {
     pub display: Option<Box<dyn ForceDisplay>>,
 }
 
+/// Asks a device what there is to tell a person, without having the device in hand.
+pub type Messenger = Box<dyn FnMut() -> Vec<String> + Send>;
+
 /// Tells where hands are.
 pub trait Tracker: Send {
     /// The newest sample of this hand, once. Never waits and never allocates.
@@ -56,6 +59,11 @@ pub trait Tracker: Send {
     /// What there is to tell a person: notes and troubles since the last call, each told once,
     /// be it here or by the display. Not for the loop.
     fn messages(&mut self) -> Vec<String>;
+
+    /// Tells the same on another thread, while this one is in the loop.
+    fn messenger(&self) -> Messenger {
+        Box::new(Vec::new)
+    }
 }
 
 /// Lets a hand feel. It shows nothing until forces come, and releases the hand when it is dropped,
@@ -79,4 +87,9 @@ pub trait ForceDisplay: Send {
 
     /// What there is to tell a person, as for trackers.
     fn messages(&mut self) -> Vec<String>;
+
+    /// As for trackers.
+    fn messenger(&self) -> Messenger {
+        Box::new(Vec::new)
+    }
 }

@@ -1,7 +1,7 @@
 //! A glove without a place of its own, on a wrist that another device tracks.
 
 use crate::profile::Wrist;
-use crate::{HandSample, LinkError, Opened, Tracker};
+use crate::{HandSample, LinkError, Messenger, Opened, Tracker};
 use thenar::Pose;
 use thenar::model::Side;
 use thenar_scene::live::LivePose;
@@ -105,5 +105,14 @@ impl Tracker for Paired {
         let mut all = self.fingers.messages();
         all.extend(self.base.messages());
         all
+    }
+
+    fn messenger(&self) -> Messenger {
+        let (mut fingers, mut base) = (self.fingers.messenger(), self.base.messenger());
+        Box::new(move || {
+            let mut all = fingers();
+            all.extend(base());
+            all
+        })
     }
 }

@@ -1,12 +1,13 @@
 //! Where the simulation thread and the clients meet: the newest model, snapshot and status go out,
 //! commands and poses come in. Neither side ever waits for the other.
 
-use crate::protocol::text;
+use crate::protocol::{Command, text};
 use bytes::Bytes;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::Duration;
+use thenar_link::haptic_loop::Remote;
 use tokio::sync::{broadcast, watch};
 
 /// Messages of one client that may wait for the simulation; more are refused. A client that floods
@@ -96,6 +97,9 @@ pub struct Hub {
     pub snapshot: watch::Receiver<Bytes>,
     /// The newest status message; empty before the first.
     pub status: watch::Receiver<String>,
+    /// How devices do; empty where there are none.
+    pub touch: watch::Receiver<String>,
+    remote: Option<Remote>,
     notes: broadcast::Sender<Note>,
     inbox: Sender<Event>,
     shares: Arc<Shares>,
@@ -111,6 +115,8 @@ pub struct Desk {
     pub snapshot: watch::Sender<Bytes>,
     /// The newest status message.
     pub status: watch::Sender<String>,
+    /// How devices do.
+    pub touch: watch::Sender<String>,
     notes: broadcast::Sender<Note>,
     inbox: Receiver<Event>,
     shares: Arc<Shares>,
@@ -137,6 +143,7 @@ pub fn pair_with(scenes: Vec<SceneName>) -> (Hub, Desk) {
     let (model_in, model) = watch::channel(Bytes::new());
     let (snapshot_in, snapshot) = watch::channel(Bytes::new());
     let (status_in, status) = watch::channel(String::new());
+    let (touch_in, touch) = watch::channel(String::new());
     let (notes, _) = broadcast::channel(256);
     let (sender, inbox) = channel();
     let shares = Arc::new(Shares(std::array::from_fn(|_| AtomicU32::new(0))));
@@ -144,15 +151,32 @@ pub fn pair_with(scenes: Vec<SceneName>) -> (Hub, Desk) {
         model,
         snapshot,
         status,
+        touch,
+        remote: None,
         notes: notes.clone(),
         inbox: sender,
         shares: shares.clone(),
         scenes: scenes.into(),
     };
-    (hub, Desk { model: model_in, snapshot: snapshot_in, status: status_in, notes, inbox, shares })
+    let (model, snapshot, status) = (model_in, snapshot_in, status_in);
+    (hub, Desk { model, snapshot, status, touch: touch_in, notes, inbox, shares })
 }
 
 impl Hub {
+    /// The same with devices, whose forces a client's `stop` ends.
+    pub fn with_devices(self, remote: Option<Remote>) -> Self {
+        Self { remote, ..self }
+    }
+
+    /// Ends forces if this message of a client says so: at once, past everything that waits for the
+    /// simulation.
+    pub fn heed(&self, text: &str) {
+        let Some(remote) = self.remote.as_ref().filter(|_| text.contains("stop")) else { return };
+        if let Ok(Command::Stop {}) = Command::read(text) {
+            remote.stop();
+        }
+    }
+
     /// Hands an event to the simulation, without waiting. Joining and leaving is always taken.
     ///
     /// # Errors

@@ -184,6 +184,7 @@ fn too_slow_a_machine_says_so_and_slows_down() {
     let slow = |_: &thenar_scene::session::Session| std::thread::sleep(Duration::from_millis(20));
     let options = Options {
         overrides: vec!["time_step=0.005".into(), "duration=1000".into()],
+        haptics: None,
         watcher: Some(Box::new(slow)),
     };
     let source = SceneSource::Builtin("falling-box".into());

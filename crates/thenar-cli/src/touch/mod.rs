@@ -5,6 +5,7 @@ mod report;
 mod twin;
 
 pub use devices::{DeviceOptions, Teller};
+pub use twin::WavingGlove;
 
 use crate::error::CliError;
 use crate::interrupt;

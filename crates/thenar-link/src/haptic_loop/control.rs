@@ -24,6 +24,8 @@ pub struct Control {
     pub(super) beat_ns: AtomicU64,
     /// How often the watchdog had to step in.
     pub(super) barks: AtomicU64,
+    /// Records that found no room.
+    pub(super) lost: AtomicU64,
     pub(super) status: Mutex<Status>,
 }
 
@@ -37,6 +39,7 @@ impl Default for Control {
             failed: AtomicBool::new(false),
             beat_ns: AtomicU64::new(0),
             barks: AtomicU64::new(0),
+            lost: AtomicU64::new(0),
             status: Mutex::default(),
         }
     }

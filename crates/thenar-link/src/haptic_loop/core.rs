@@ -199,9 +199,4 @@ impl Core {
     pub fn lost(&self) -> u64 {
         self.lost
     }
-
-    /// What the trackers have to tell a person. Allocates: not for the loop.
-    pub fn messages(&mut self) -> Vec<String> {
-        self.trackers.iter_mut().flat_map(|tracker| tracker.messages()).collect()
-    }
 }

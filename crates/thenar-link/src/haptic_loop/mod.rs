@@ -128,6 +128,9 @@ impl HapticLoop {
         displays: Vec<Box<dyn ForceDisplay>>,
     ) -> Result<Self, LinkError> {
         let Settings { rate_hz, mode, .. } = settings;
+        let messengers = (trackers.iter().map(|tracker| tracker.messenger()))
+            .chain(displays.iter().map(|display| display.messenger()))
+            .collect();
         let (design, too_stiff) = fitted(&settings.design, rate_hz, &displays);
         let (shared, monitored) = share(&settings, trackers, displays)?;
         let mut new = Self { shared, mode, design, threads: Vec::new() };
@@ -148,6 +151,7 @@ impl HapticLoop {
             watcher: settings.watcher,
             folder: settings.trip_folder,
             warnings: [too_stiff, warnings.recv_timeout(ENDING).unwrap_or_default()].concat(),
+            messengers,
             rate_hz,
         };
         new.shared.control.status().warnings.clone_from(&monitor.warnings);
@@ -346,6 +350,7 @@ fn tick(shared: &Shared, time: &TickTime) -> bool {
         }
     }
     core.tick(time, control.enabled.load(Ordering::Acquire));
+    control.lost.store(core.lost(), Ordering::Relaxed);
     if let Ok(mut displays) = shared.displays.try_lock() {
         core.show(&mut displays);
     }

@@ -3,6 +3,7 @@
 use super::Shared;
 use super::control::{HandStatus, State, Status};
 use super::record::{self, TickRecord};
+use crate::Messenger;
 use rtrb::Consumer;
 use std::collections::VecDeque;
 use std::io::{self, Write};
@@ -33,6 +34,8 @@ pub struct Monitor {
     /// Where trips are written down; `None` to keep no files.
     pub folder: Option<PathBuf>,
     pub warnings: Vec<String>,
+    /// Devices are asked through these, so that the loop has them to itself.
+    pub messengers: Vec<Messenger>,
     pub rate_hz: f64,
 }
 
@@ -97,6 +100,7 @@ impl Monitor {
     /// State and hands, by the records of the last tick.
     fn judge(&self, status: &mut Status, kept: &VecDeque<TickRecord>) {
         let control = &self.shared.control;
+        status.lost = control.lost.load(Ordering::Relaxed);
         status.barks = control.barks.load(Ordering::Relaxed);
         let Some(last) = kept.back().map(|record| record.time_ns) else { return };
         status.hands.clear();
@@ -129,15 +133,8 @@ impl Monitor {
         };
     }
 
-    fn gather_messages(&self, status: &mut Status) {
-        // A moment without the loop: it leaves out a tick rather than wait, should they meet.
-        if let Ok(mut core) = self.shared.core.try_lock() {
-            status.messages.extend(core.messages());
-            status.lost = core.lost();
-        }
-        if let Ok(mut displays) = self.shared.displays.try_lock() {
-            status.messages.extend(displays.iter_mut().flat_map(|display| display.messages()));
-        }
+    fn gather_messages(&mut self, status: &mut Status) {
+        status.messages.extend(self.messengers.iter_mut().flat_map(|ask| ask()));
         forget_old(status);
     }
 

@@ -1,7 +1,7 @@
 //! What callers hold of a device.
 
 use super::{CLOSING, DisplayTraits, Shared, TrackerTraits};
-use crate::{ForceDisplay, HandOutput, HandSample, Rendering, Tracker};
+use crate::{ForceDisplay, HandOutput, HandSample, Messenger, Rendering, Tracker};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::thread::JoinHandle;
@@ -81,6 +81,11 @@ impl Tracker for DeviceTracker {
     fn messages(&mut self) -> Vec<String> {
         self.closer.shared.messages().take()
     }
+
+    fn messenger(&self) -> Messenger {
+        let shared = self.closer.shared.clone();
+        Box::new(move || shared.messages().take())
+    }
 }
 
 /// The display's side.
@@ -129,5 +134,10 @@ impl ForceDisplay for DeviceDisplay {
 
     fn messages(&mut self) -> Vec<String> {
         self.closer.shared.messages().take()
+    }
+
+    fn messenger(&self) -> Messenger {
+        let shared = self.closer.shared.clone();
+        Box::new(move || shared.messages().take())
     }
 }

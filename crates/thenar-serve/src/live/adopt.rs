@@ -16,6 +16,7 @@ impl Loop {
     /// Puts a scene on that has been made ready.
     pub(super) fn adopt(&mut self, ready: Ready) {
         let same = ready.recipe.scene == self.recipe.scene;
+        let felt = self.haptics.as_mut().map_or(Ok(()), |haptics| haptics.attach(&ready.session));
         let mut play = Play::new(ready.session);
         if !same {
             self.set.clear();
@@ -24,7 +25,7 @@ impl Loop {
         self.set.retain(|(key, value)| play.set(key, value).is_ok());
         self.recipe = ready.recipe;
         self.paused &= same;
-        self.problem = None;
+        self.problem = felt.err();
         self.changed = true;
         self.publisher.model(ready.model, &self.desk);
         self.play = Some(play);

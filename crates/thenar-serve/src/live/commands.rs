@@ -10,6 +10,9 @@ use std::time::{Duration, Instant};
 /// A client whose poses fit no hand of the scene is told so no more often.
 const SCOLD_EVERY: Duration = Duration::from_secs(5);
 
+/// Why nothing can be armed or stopped.
+const NO_DEVICES: &str = "no device is open; `thenar serve --device` opens one";
+
 impl Loop {
     /// A text message.
     pub(super) fn text(&mut self, client: ClientId, message: &str) {
@@ -21,6 +24,9 @@ impl Loop {
             Ok(Command::Ping { t }) => {
                 self.tell(client, text::pong(t, self.started.elapsed().as_secs_f64()));
             }
+            // It has acted already, where it came in.
+            Ok(Command::Stop {}) if self.haptics.is_none() => self.refuse(client, NO_DEVICES),
+            Ok(Command::Stop {}) => {}
             Ok(Command::Control { take }) => self.pass_control(client, take),
             Ok(command) if self.may(client) => {
                 if let Err(reason) = self.act(client, command) {
@@ -47,6 +53,10 @@ impl Loop {
             return self.refuse(client, &reason);
         }
         *last = message.number;
+        if let Some(haptics) = &mut self.haptics {
+            haptics.pose(&message);
+            return;
+        }
         let Some(play) = &mut self.play else { return };
         if let Err(reason) = play.pose(&message) {
             // A headset tracks both hands whatever the scene has: that is no offence.
@@ -130,7 +140,11 @@ impl Loop {
                 self.to_set.retain(|(_, known, _)| *known != key);
                 self.to_set.push((client, key, value));
             }
-            Command::Control { .. } | Command::Ping { .. } => {}
+            Command::Arm {} => match &self.haptics {
+                Some(haptics) => haptics.remote.arm(),
+                None => return Err(NO_DEVICES.into()),
+            },
+            Command::Control { .. } | Command::Ping { .. } | Command::Stop {} => {}
         }
         Ok(())
     }

@@ -10,6 +10,7 @@ mod adopt;
 mod builder;
 mod commands;
 mod control;
+mod haptics;
 mod pacer;
 mod play;
 mod publish;
@@ -17,6 +18,7 @@ mod run;
 mod source;
 mod status;
 
+pub use haptics::Haptics;
 pub use source::{LiveError, SceneSource};
 
 use crate::hub::{Hub, pair_with};
@@ -38,6 +40,8 @@ pub struct Options {
     pub overrides: Vec<String>,
     /// Sees every step.
     pub watcher: Option<Watcher>,
+    /// Devices to feel it with.
+    pub haptics: Option<Haptics>,
 }
 
 /// A running simulation; it ends when this is dropped.
@@ -45,6 +49,7 @@ pub struct Options {
 pub struct Live {
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
+    reporter: Option<JoinHandle<()>>,
 }
 
 impl Live {
@@ -56,20 +61,29 @@ impl Live {
         let (catalogue, recipe) = Catalogue::new(source, &options.overrides)?;
         let ready = catalogue.make(&recipe)?;
         let (hub, desk) = pair_with(catalogue.names());
+        let remote = options.haptics.as_ref().map(|haptics| haptics.remote.clone());
+        let hub = hub.with_devices(remote.clone());
         let stop = Arc::new(AtomicBool::new(false));
         let told = stop.clone();
-        let running = Loop::new(desk, Builder::new(catalogue), ready, options.watcher);
-        let thread = std::thread::Builder::new()
-            .name("simulation".into())
-            .spawn(move || running.run(&told))?;
-        Ok((Self { stop, thread: Some(thread) }, hub))
+        let mut new = Self { stop, thread: None, reporter: None };
+        if let Some(remote) = remote {
+            let (touch, stop) = (desk.touch.clone(), new.stop.clone());
+            let report = move || haptics::report(&remote, &touch, &stop);
+            let named = std::thread::Builder::new().name("touch".into());
+            new.reporter = Some(named.spawn(report)?);
+        }
+        let running =
+            Loop::new(desk, Builder::new(catalogue), ready, options.watcher, options.haptics);
+        let named = std::thread::Builder::new().name("simulation".into());
+        new.thread = Some(named.spawn(move || running.run(&told))?);
+        Ok((new, hub))
     }
 }
 
 impl Drop for Live {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Relaxed);
-        if let Some(thread) = self.thread.take() {
+        for thread in self.thread.take().into_iter().chain(self.reporter.take()) {
             // It catches its own panics; there is nothing to learn from its end.
             let _ = thread.join();
         }

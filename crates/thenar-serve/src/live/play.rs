@@ -1,5 +1,6 @@
 //! A scene that plays: its script over and over, until somebody's hand takes over.
 
+use super::haptics::Haptics;
 use crate::protocol::{PoseBody, PoseMessage, flags};
 use std::time::{Duration, Instant};
 use thenar::model::Side;
@@ -42,7 +43,10 @@ impl Play {
     }
 
     /// One step; the script starts again where it is due.
-    pub fn step(&mut self, now: Instant) {
+    ///
+    /// # Errors
+    /// Devices cannot feel it; the text says why.
+    pub fn step(&mut self, now: Instant, haptics: Option<&mut Haptics>) -> Result<(), String> {
         if self.abandoned.is_some_and(|since| now - since > ABANDONED) {
             self.follow_script();
         }
@@ -50,7 +54,13 @@ impl Play {
         if self.all(Mover::Script) && self.session.world().time() >= end {
             self.session.restart();
         }
-        self.session.step(&mut ());
+        match haptics {
+            Some(haptics) => haptics.step(&mut self.session),
+            None => {
+                self.session.step(&mut ());
+                Ok(())
+            }
+        }
     }
 
     /// Back to the start. Tracked hands stay tracked.

@@ -3,6 +3,7 @@
 use super::Watcher;
 use super::builder::Builder;
 use super::control::Control;
+use super::haptics::Haptics;
 use super::pacer::Pacer;
 use super::play::Play;
 use super::publish::Publisher;
@@ -52,6 +53,7 @@ pub struct Loop {
     pub(super) publisher: Publisher,
     cost: Duration,
     watcher: Option<Watcher>,
+    pub(super) haptics: Option<Haptics>,
     pub(super) started: Instant,
     resting: bool,
     empty_since: Option<Instant>,
@@ -61,7 +63,13 @@ pub struct Loop {
 
 impl Loop {
     /// A loop that rests at the start of a scene.
-    pub fn new(desk: Desk, builder: Builder, first: Ready, watcher: Option<Watcher>) -> Self {
+    pub fn new(
+        desk: Desk,
+        builder: Builder,
+        first: Ready,
+        watcher: Option<Watcher>,
+        haptics: Option<Haptics>,
+    ) -> Self {
         let now = Instant::now();
         let mut new = Self {
             desk,
@@ -81,6 +89,7 @@ impl Loop {
             publisher: Publisher::default(),
             cost: Duration::ZERO,
             watcher,
+            haptics,
             started: now,
             resting: true,
             empty_since: None,
@@ -155,6 +164,9 @@ impl Loop {
     /// Control has passed on: whoever moved the hands does so no more.
     pub(super) fn hands_off(&mut self) {
         self.pose_numbers = [0; 2];
+        if let Some(haptics) = &mut self.haptics {
+            haptics.lose();
+        }
         if let Some(play) = &mut self.play {
             play.abandon(Instant::now());
         }
@@ -164,7 +176,11 @@ impl Loop {
     pub(super) fn step(&mut self) {
         let Some(play) = &mut self.play else { return };
         let begun = Instant::now();
-        play.step(begun);
+        if let Err(problem) = play.step(begun, self.haptics.as_mut())
+            && self.problem.as_ref() != Some(&problem)
+        {
+            (self.problem, self.changed) = (Some(problem), true);
+        }
         self.cost = begun.elapsed();
         if let Some(watcher) = &mut self.watcher {
             watcher(play.session());
@@ -197,7 +213,8 @@ impl Loop {
     /// Rests when nobody has watched for a while; wakes at the scene's start.
     fn rest_or_wake(&mut self) {
         let now = Instant::now();
-        if self.control.viewers() > 0 {
+        // Whoever wears a glove may look elsewhere.
+        if self.control.viewers() > 0 || self.haptics.is_some() {
             self.empty_since = None;
             if std::mem::take(&mut self.resting) {
                 self.pacer.resume(now);

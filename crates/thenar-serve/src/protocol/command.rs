@@ -51,6 +51,10 @@ pub enum Command {
         /// To what.
         value: SettingValue,
     },
+    /// Let forces through to the devices.
+    Arm {},
+    /// No force until armed again. Anybody may say so.
+    Stop {},
     /// A question whether anybody is there.
     Ping {
         /// The client's time \[s\].

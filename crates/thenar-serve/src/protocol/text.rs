@@ -3,6 +3,8 @@
 use super::VERSION;
 use crate::hub::{ClientId, SceneName};
 use serde_json::json;
+use thenar::model::Side;
+use thenar_link::haptic_loop::{STATEMENT, Status};
 
 /// The first message to a client.
 pub fn welcome(client: ClientId, scenes: &[SceneName]) -> String {
@@ -12,6 +14,39 @@ pub fn welcome(client: ClientId, scenes: &[SceneName]) -> String {
         "server": concat!("thenar ", env!("CARGO_PKG_VERSION")),
         "client": client.0,
         "scenes": scenes,
+    })
+    .to_string()
+}
+
+/// How devices do.
+pub fn touch(status: &Status) -> String {
+    let us = |ns: u64| ns as f64 * 1e-3;
+    let hands = status.hands.iter().map(|hand| {
+        let side = match hand.side {
+            Side::Left => "left",
+            Side::Right => "right",
+        };
+        json!({
+            "side": side,
+            "tracked": hand.tracked,
+            "wanted": hand.forces.map(|[wanted, _]| wanted),
+            "sent": hand.forces.map(|[_, sent]| sent),
+        })
+    });
+    json!({
+        "type": "touch",
+        "state": status.state.word(),
+        "reason": status.state.reason(),
+        "rate": status.rate_hz,
+        "ticks": status.ticks,
+        "missed": status.missed,
+        "period_p999_us": us(status.period.quantile(0.999)),
+        "late_p999_us": us(status.late.quantile(0.999)),
+        "tick_us": us(status.cost.quantile(0.5)),
+        "hands": hands.collect::<Vec<_>>(),
+        "warnings": status.warnings,
+        "message": status.messages.last(),
+        "statement": STATEMENT,
     })
     .to_string()
 }

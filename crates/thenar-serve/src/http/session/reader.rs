@@ -115,6 +115,7 @@ impl<'a> Reader<'a> {
             self.remark("a text message has at most 4096 bytes", true);
             return Ok(());
         }
+        self.site.hub.heed(text);
         if !self.texts.take(1.0, now) {
             self.remind(now);
             return Ok(());

@@ -23,6 +23,7 @@ pub struct Writer<'a> {
     notes: broadcast::Receiver<Note>,
     remarks: mpsc::Receiver<Remark>,
     status: watch::Receiver<String>,
+    touch: watch::Receiver<String>,
     model: watch::Receiver<Bytes>,
     snapshot: watch::Receiver<Bytes>,
     /// Number of the last answered ping.
@@ -47,7 +48,8 @@ impl<'a> Writer<'a> {
     ) -> Self {
         let hub = site.hub.clone();
         let refusals = Refusals::new(site.limits.refusals, site.limits.refusal_window);
-        let (status, model, snapshot) = (hub.status, hub.model, hub.snapshot);
+        let (status, touch) = (hub.status, hub.touch);
+        let (model, snapshot) = (hub.model, hub.snapshot);
         let pinged = Instant::now();
         Self {
             site,
@@ -56,6 +58,7 @@ impl<'a> Writer<'a> {
             notes,
             remarks,
             status,
+            touch,
             model,
             snapshot,
             pongs,
@@ -71,6 +74,7 @@ impl<'a> Writer<'a> {
         let mut done = self.send(Message::text(self.site.hub.welcome(self.id))).await;
         // What was there before the client came is news to it.
         self.status.mark_changed();
+        self.touch.mark_changed();
         self.model.mark_changed();
         self.snapshot.mark_changed();
         loop {
@@ -97,6 +101,11 @@ impl<'a> Writer<'a> {
             changed = self.status.changed() => {
                 changed.map_err(|_| End::Ended)?;
                 let text = self.status.borrow_and_update().clone();
+                if text.is_empty() { Ok(()) } else { self.send(Message::text(text)).await }
+            }
+            changed = self.touch.changed() => {
+                changed.map_err(|_| End::Ended)?;
+                let text = self.touch.borrow_and_update().clone();
                 if text.is_empty() { Ok(()) } else { self.send(Message::text(text)).await }
             }
             changed = self.model.changed() => {
