@@ -4,7 +4,7 @@
 import { decode } from "../protocol/decode";
 import { encodeAngles, encodeJoints, encodeLost } from "../protocol/poses";
 import { decodeText } from "../protocol/text";
-import type { Command, SceneModel, Side, Snapshot, Status, Welcome } from "../protocol/types";
+import type { Command, SceneModel, Side, Snapshot, Status, Touch, Welcome } from "../protocol/types";
 import { Emitter } from "./events";
 import { Clock, Latency, Throughput } from "./measure";
 
@@ -16,6 +16,7 @@ export interface ConnectionEvents {
   close: { readonly retryIn: number | null; readonly attempts: number };
   welcome: Welcome;
   status: Status;
+  touch: Touch;
   model: SceneModel;
   snapshot: Snapshot;
   /** A model or snapshot as it came, after its own event; for recording. */
@@ -187,6 +188,9 @@ export class Connection extends Emitter<ConnectionEvents> {
       case "status":
         this.status = message;
         this.emit("status", message);
+        break;
+      case "touch":
+        this.emit("touch", message);
         break;
       case "error":
         this.emit("error", { message: message.message, from: "server" });

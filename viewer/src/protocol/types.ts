@@ -276,7 +276,32 @@ export interface Pong {
   readonly server: number;
 }
 
-export type ServerText = Welcome | Status | ErrorMessage | Pong;
+/** How the devices do that feel the scene. */
+export interface Touch {
+  readonly type: "touch";
+  readonly state: "dry-run" | "waiting" | "ramping" | "live" | "tripped" | "failed";
+  /** Why it waits or has stopped. */
+  readonly reason: string | null;
+  /** Ticks of the haptic loop per second, wanted. */
+  readonly rate: number;
+  readonly missed: number;
+  /** 999 of 1000 ticks come within this time of the one before, us. */
+  readonly period_p999_us: number;
+  readonly hands: readonly {
+    readonly side: "left" | "right";
+    readonly tracked: boolean;
+    /** Forces, thumb first, N. */
+    readonly wanted: readonly number[];
+    readonly sent: readonly number[];
+  }[];
+  readonly warnings: readonly string[];
+  /** What was told last. */
+  readonly message: string | null;
+  /** What arming means. */
+  readonly statement: string;
+}
+
+export type ServerText = Welcome | Status | ErrorMessage | Pong | Touch;
 
 export type Command =
   | { readonly type: "control"; readonly take: boolean }
@@ -291,5 +316,7 @@ export type Command =
       readonly lengths: { readonly left: number | null; readonly right: number | null };
     }
   | { readonly type: "script" }
+  | { readonly type: "arm" }
+  | { readonly type: "stop" }
   | { readonly type: "set"; readonly key: string; readonly value: number | string }
   | { readonly type: "ping"; readonly t: number };

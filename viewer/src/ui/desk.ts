@@ -26,7 +26,7 @@ export interface Panel {
 export function command(desk: Desk, what: Command): boolean {
   const { connection } = desk.app;
   const holder = connection.status?.control ?? null;
-  if (what.type !== "control" && holder !== null && !connection.inControl) {
+  if (what.type !== "control" && what.type !== "stop" && holder !== null && !connection.inControl) {
     desk.toasts.show(`You are watching; viewer ${holder} holds control. Take it in the Run panel.`, "warning");
     return false;
   }

@@ -5,6 +5,7 @@ import { PointerPosing } from "../input/pointer";
 import { Posing } from "../input/posing";
 import { PosingKeys } from "../input/posing-keys";
 import { banner } from "./banner";
+import { touchBar } from "./touch-bar";
 import type { Desk } from "./desk";
 import { button, h } from "./dom";
 import { helpPanel } from "./help";
@@ -48,7 +49,7 @@ export function mountUi(app: App, root: HTMLElement): Desk {
   const { top, bottom } = transport(desk);
   for (const panel of panels) shell.add(panel);
   const corner = h("div", { class: "corner" }, desk.toasts.element, hint(app), bottom);
-  root.append(top, corner, shell.drawer, shell.rail, banner(desk));
+  root.append(top, corner, shell.drawer, shell.rail, banner(desk), touchBar(desk));
 
   let bare = false;
   desk.keys.add({

@@ -31,6 +31,8 @@ enum What {
     Live(live::Args),
     /// Cost over 600 to 17 000 tetrahedra and 0 to 100 contacts, with resident memory.
     Scaling(scaling::Args),
+    /// What a tick of the haptic loop costs.
+    Haptics,
     /// Floor and measured time of each stage, with the machine's peaks measured in the same run.
     Roofline(roofline::Args),
 }
@@ -42,6 +44,7 @@ pub fn run(args: &Args) -> ExitCode {
         Some(What::Paper(args)) => paper::run(args),
         Some(What::Live(args)) => live::run(args),
         Some(What::Scaling(args)) => scaling::run(args),
+        Some(What::Haptics) => haptic::run(),
         Some(What::Roofline(args)) => roofline::run(args),
     };
     match done {

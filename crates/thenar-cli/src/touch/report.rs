@@ -41,6 +41,7 @@ pub fn print(status: &Status, beside: &Beside) {
     row("period", &status.period);
     row("later than due", &status.late);
     row("a tick", &status.cost);
+    row("pose to output", &status.latency);
     row("simulation's step", &beside.costs);
     println!("the simulation ran at {:.2} of real time", beside.speed);
     if status.lost > 0 {

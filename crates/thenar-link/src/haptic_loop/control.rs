@@ -158,6 +158,8 @@ pub struct Status {
     pub late: Histogram,
     /// What a tick costs \[ns\].
     pub cost: Histogram,
+    /// From the reception of a pose to the output that was computed from it \[ns\].
+    pub latency: Histogram,
     /// The hands.
     pub hands: Vec<HandStatus>,
     /// What the system refused, such as real-time priority.

@@ -172,6 +172,7 @@ impl Core {
                 first: k == 0,
                 side: hand.side(),
                 tracker: hand.tracker().map(|t| t as u8),
+                pose_ns: hand.fresh_ns(),
                 tracked: hand.mover() == Mover::Live,
                 display: actuators.map(|_| (k / hands) as u8),
                 ages: [report.tracking_age as f32, report.simulation_age as f32],

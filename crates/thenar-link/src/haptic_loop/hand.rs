@@ -31,6 +31,8 @@ pub struct LoopHand {
     beginnings: u64,
     /// Who moves the hand, and when its newest sample came.
     tracker: Option<(usize, u64)>,
+    /// Time of the sample that the last tick took, if it took one \[ns\].
+    fresh_ns: Option<u64>,
     /// Time of the newest sample that counts as tracking \[ns\].
     tracked_ns: u64,
     palm_last: Option<Pose>,
@@ -67,6 +69,7 @@ impl LoopHand {
             ticks: 0,
             beginnings,
             tracker: None,
+            fresh_ns: None,
             tracked_ns: 0,
             palm_last: None,
             palm_velocity: [0.0; 3],
@@ -98,13 +101,18 @@ impl LoopHand {
         }
         let time = sample.time_ns as f64 * 1e-9;
         // A pose that is none has been told of by the device; here it only ages.
-        if self.live.pose(time, pose, &self.targets).is_ok() && !self.live.is_setting_out() {
+        if self.live.pose(time, pose, &self.targets).is_err() {
+            return;
+        }
+        self.fresh_ns = Some(sample.time_ns);
+        if !self.live.is_setting_out() {
             self.tracked_ns = sample.time_ns;
         }
     }
 
-    /// Takes the newest simulation frame, if there is one.
+    /// Takes the newest simulation frame, if there is one. Begins a tick.
     pub fn update(&mut self) {
+        self.fresh_ns = None;
         self.ends.frame.update();
         let frame = self.ends.frame.output_buffer_mut();
         if frame.beginnings != self.beginnings {
@@ -203,6 +211,11 @@ impl LoopHand {
     /// When the hand was last tracked where it is \[ns\].
     pub fn tracked_ns(&self) -> u64 {
         self.tracked_ns
+    }
+
+    /// Time of the sample that the last tick took, if it took one \[ns\].
+    pub fn fresh_ns(&self) -> Option<u64> {
+        self.fresh_ns
     }
 
     /// Who moves it.

@@ -89,6 +89,11 @@ impl Monitor {
                     status.cost.add(u64::from(record.cost_ns));
                 }
             }
+            if let Some(pose_ns) = record.pose_ns {
+                // This tick's own cost is not known yet; the one before's is like it.
+                let age = record.time_ns.saturating_sub(pose_ns);
+                status.latency.add(age + u64::from(record.cost_ns));
+            }
             let old = |r: &TickRecord| record.time_ns.saturating_sub(r.time_ns) > KEPT_NS;
             while kept.len() >= KEPT || kept.front().is_some_and(old) {
                 kept.pop_front();

@@ -22,6 +22,8 @@ pub struct TickRecord {
     pub side: Side,
     /// The tracker that moves it.
     pub tracker: Option<u8>,
+    /// When the pose was received that this tick was the first to take, if it took one \[ns\].
+    pub pose_ns: Option<u64>,
     /// A tracker moves it now.
     pub tracked: bool,
     /// The display; `None` when there is none.

@@ -106,6 +106,8 @@ pub struct LiveHand {
     ratios: [f64; CALIBRATION],
     calibrated: usize,
 
+    /// Natural frequency of the follower once it is there \[rad/s\].
+    omega: f64,
     way: Way,
     lost: bool,
     /// Time stepped \[s\]; goes on when the scene starts over.
@@ -149,6 +151,7 @@ impl LiveHand {
             bones: BoneLengths::of(hand),
             ratios: [1.0; CALIBRATION],
             calibrated: 0,
+            omega: OMEGA[1],
             way: Way::Script,
             lost: false,
             now: 0.0,
@@ -167,6 +170,13 @@ impl LiveHand {
             angles: vec![[0.0; 2]; joints],
             articulation,
         })
+    }
+
+    /// Follows poses at this natural frequency \[Hz\], once it is there, instead of 25 Hz: more
+    /// lets more of the tracker's noise through, and is later by less. For steps that are short
+    /// beside its period.
+    pub fn follow_at(&mut self, frequency: f64) {
+        self.omega = TAU * frequency;
     }
 
     /// Who moves the hand.
@@ -430,7 +440,7 @@ impl LiveHand {
     /// Moves the targets towards `script`.
     fn follow(&mut self, h: f64) {
         let opening = self.opening();
-        let mut omega = OMEGA[0] + (OMEGA[1] - OMEGA[0]) * opening.powi(4);
+        let mut omega = OMEGA[0] + (self.omega - OMEGA[0]) * opening.powi(4);
         if self.way == Way::Returning {
             // A script is to be met exactly: follow ever more tightly.
             let beyond = (self.now - self.set_out - OPENING).max(0.0);

@@ -1,0 +1,89 @@
+//! Goal: a tick of the haptic loop allocates nothing, whatever happens in it; nor does the
+//! simulation's side. Method: a global allocator that counts, around ticks with poses, bad poses,
+//! losses, arming, forces, a trip, and frames with and without a condensed response.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+use thenar::model::Side;
+use thenar_link::haptic_loop::{LoopMode, ManualLoop, Settings, page_tracker};
+use thenar_scene::live::LivePose;
+use thenar_scene::session::Session;
+
+struct Counting;
+
+static COUNT: AtomicU64 = AtomicU64::new(0);
+
+thread_local! {
+    /// Other threads (the device's) may allocate.
+    static MINE: std::cell::Cell<bool> = const { std::cell::Cell::new(false) };
+}
+
+// The only way to see allocations is to stand in for the allocator, which is an unsafe trait.
+#[allow(unsafe_code)]
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        if MINE.try_with(std::cell::Cell::get).unwrap_or(false) {
+            COUNT.fetch_add(1, Ordering::Relaxed);
+        }
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+const SCENE: &str = "version = 1\n[[hand]]\nname = \"hand\"\nflesh = false\n";
+
+#[test]
+fn ticks_and_frames_allocate_nothing() {
+    for mode in [LoopMode::Multirate, LoopMode::Shared, LoopMode::SingleRate] {
+        let mut session = Session::from_text(SCENE, Path::new("t.toml"), &[]).expect("a scene");
+        let opened = thenar_link::open("null:right").expect("a display");
+        let displays = opened.display.into_iter().collect();
+        let (mut poses, page) = page_tracker();
+        let settings = Settings { mode, ..Settings::default() };
+        let mut clock = ManualLoop::new(&settings, vec![page], displays).expect("a loop");
+        let mut port = clock.port();
+        port.attach(&session).expect("a hand");
+        let hand = &session.hands()[0];
+        let wrist = session.world().rigid_pose(hand.handle.bones.start) * hand.wrist_B();
+        let mut now = thenar_link::now_ns();
+        let remote = clock.remote();
+        let mut led = |ms: u64| {
+            now += 1_000_000;
+            let flexion = 0.2 * (1.0 - (ms as f64 * 5e-3).cos());
+            let pose = match ms {
+                1500..1600 => Some(LivePose::Angles { wrist, angles: [f64::NAN; 20] }),
+                1600..1700 => None,
+                _ => Some(LivePose::Angles { wrist, angles: [flexion; 20] }),
+            };
+            poses.put(Side::Right, pose);
+            match ms {
+                900 => remote.arm(),
+                1400 => remote.stop(),
+                1450 => remote.arm(),
+                _ => {}
+            }
+            if ms.is_multiple_of(5) {
+                port.before_step(&mut session, now).expect("a hand");
+                session.step(&mut ());
+                port.after_step(&mut session, now);
+            }
+            assert!(clock.tick(now));
+            while clock.records.pop().is_ok() {}
+        };
+        // The first lead takes its memory.
+        (0..20).for_each(&mut led);
+        let before = COUNT.load(Ordering::Relaxed);
+        MINE.set(true);
+        (20..1800).for_each(&mut led);
+        MINE.set(false);
+        let count = COUNT.load(Ordering::Relaxed) - before;
+        assert_eq!(count, 0, "allocations in 1780 ticks of {mode:?}");
+    }
+}
