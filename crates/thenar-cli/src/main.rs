@@ -9,6 +9,7 @@ mod chart;
 mod compare;
 mod error;
 mod files;
+mod haptics;
 mod interrupt;
 mod picture;
 mod run;
@@ -46,6 +47,8 @@ enum Command {
     Compare(compare::Args),
     /// Measure what a step costs.
     Bench(bench::Args),
+    /// Look into touch without a device: stability maps, the three modes compared.
+    Haptics(haptics::Args),
     /// Thrash a hand at random against table, car and bread.
     Soak(soak::Args),
     /// Compare figures that theory gives with those that we compute.
@@ -62,6 +65,7 @@ fn main() -> ExitCode {
         Some(Command::Scenes(args)) => scenes::run(&args),
         Some(Command::Compare(args)) => compare::run(&args),
         Some(Command::Bench(args)) => return bench::run(&args),
+        Some(Command::Haptics(args)) => haptics::run(&args),
         Some(Command::Soak(args)) => return soak::run(&args),
         Some(Command::Validate(args)) => validate::run(&args),
         None => serve::run(&serve::Args::of_scene(DEMO)),

@@ -34,6 +34,7 @@ fn links_between_documents_lead_somewhere() {
         "ARCHITECTURE.md",
         "docs/scene.md",
         "docs/serving.md",
+        "docs/haptics.md",
         "docs/theory.md",
         "docs/exact.md",
         "docs/two-step.md",

@@ -17,6 +17,7 @@ pub mod motion;
 pub mod reference;
 pub mod session;
 pub mod text;
+pub mod touch;
 pub mod tuning;
 
 pub use text::SceneError;

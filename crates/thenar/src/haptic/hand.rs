@@ -5,7 +5,7 @@ use crate::haptic::{
     FastToSlow, Prediction, Proxies, Proxy, ProxyError, ProxyReport, RigidState, Sample,
     SlowToFast, Touch, Track, Tracked, seconds_between,
 };
-use crate::math::{Pose, Vec3};
+use crate::math::{Pose, Vec3, rotation_vector};
 use crate::world::StepReport;
 
 /// What stands in for the simulated bones between two frames.
@@ -48,6 +48,11 @@ impl Default for HandSettings {
     }
 }
 
+/// So far bones are always carried on \[s\]: no more than the proxies lag.
+const ALWAYS: f64 = 0.004;
+/// A frame that is older than this part of a period when it arrives is late.
+const LATE: f64 = 0.75;
+
 /// What one tick did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HandReport {
@@ -74,6 +79,14 @@ pub struct HapticHand {
     shared: SharedConstraints,
     /// Step of the frame that `shared` works on.
     shared_step: Option<u64>,
+    /// Step and time of the newest frame.
+    newest: Option<(u64, u64)>,
+    /// The newest frame's bones, at velocities that are believed.
+    carried: Vec<RigidState>,
+    /// Periods that bones may be carried on when frames come late.
+    periods_when_late: f64,
+    /// They are carried on for as long as this, slowing down \[s\].
+    reach: f64,
     /// Ends of the couplings in this tick.
     tracked: Vec<RigidState>,
     bones: Vec<RigidState>,
@@ -91,12 +104,22 @@ impl HapticHand {
         contacts_max: usize,
     ) -> Result<Self, ProxyError> {
         let n = proxies.len();
+        let least_stable = proxies.iter().map(|proxy| {
+            let (device, bone) = (proxy.device.stiffness, proxy.bone.stiffness);
+            if bone > 0.0 { 0.5 * device / bone } else { 1.0 }
+        });
+        // Half of what would just be stable.
+        let periods_when_late = 0.5 * least_stable.fold(1.0, f64::min);
         let proxies = Proxies::new(proxies, start)?;
         Ok(Self {
             settings,
             tracks: vec![Track::default(); n],
             shared: SharedConstraints::new(n, contacts_max),
             shared_step: None,
+            newest: None,
+            carried: proxies.states().to_vec(),
+            reach: 0.0,
+            periods_when_late,
             tracked: proxies.states().to_vec(),
             bones: proxies.states().to_vec(),
             jumped: vec![false; n],
@@ -122,10 +145,41 @@ impl HapticHand {
             }
             return resolution;
         }
-        for (bone, of_frame) in self.bones.iter_mut().zip(&frame.bones) {
-            *bone = self.settings.simulation.at(of_frame, age);
+        if self.newest.is_none_or(|(step, _)| step != frame.step) {
+            self.take_frame(frame, age);
+        }
+        // The horizon is held for as long again, at half the speed.
+        let horizon = (self.reach / 1.5).max(ALWAYS).min(self.settings.simulation.horizon);
+        let prediction = Prediction { horizon, ..self.settings.simulation };
+        let states = self.carried.iter().zip(&frame.bones);
+        for (bone, (carried, of_frame)) in self.bones.iter_mut().zip(states) {
+            *bone = prediction.at(&RigidState { pose_WB: of_frame.pose_WB, ..*carried }, age);
         }
         Resolution::default()
+    }
+
+    /// Bones go on at their velocities, but not faster than they went from frame to frame (a
+    /// simulation slower than real time moves less than its velocities say), and not far: what the simulation sees of its own motion comes
+    /// back to it through the proxies, later, and must come back smaller. With r the part of the bone
+    /// coupling in the proxies' stiffness and bones carried on by e periods, one step answers the
+    /// last with r ((1 + e) b₁ - e b₀): stable up to e = 1 when frames arrive within their period.
+    /// When they arrive later, and the answer is two steps old, r (1 + 2 e) < 1 is.
+    fn take_frame(&mut self, frame: &SlowToFast, age: f64) {
+        let period = self.newest.map_or(0.0, |(_, before)| seconds_between(before, frame.time_ns));
+        for (carried, bone) in self.carried.iter_mut().zip(&frame.bones) {
+            let before = carried.pose_WB;
+            *carried = RigidState::at_rest(bone.pose_WB);
+            if period > 0.0 {
+                let turn = bone.pose_WB.rotation * before.rotation.inverse();
+                let went = (bone.pose_WB.position - before.position).norm() / period;
+                let turned = rotation_vector(&turn).norm() / period;
+                carried.velocity_W = at_most(&bone.velocity_W, went);
+                carried.angular_velocity_W = at_most(&bone.angular_velocity_W, turned);
+            }
+        }
+        let most = if age < LATE * period { 1.0 } else { self.periods_when_late };
+        self.reach = period.max(0.0) * most;
+        self.newest = Some((frame.step, frame.time_ns));
     }
 
     /// The tracked bones now, and the age of the oldest. A bone that was never tracked goes where
@@ -150,6 +204,13 @@ impl HapticHand {
     pub fn proxies(&self) -> &Proxies {
         &self.proxies
     }
+}
+
+/// A velocity of no more than this size.
+fn at_most(v: &Vec3, size: f64) -> Vec3 {
+    let norm = v.norm();
+    // NaN stays, and is not believed by the prediction.
+    if norm > size { v * (size / norm) } else { *v }
 }
 
 impl Touch for HapticHand {

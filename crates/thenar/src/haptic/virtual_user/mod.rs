@@ -10,12 +10,16 @@
 //! Motion between two samples is exact for the held force, friction included, so whatever is
 //! unstable or active is so because of sampling, delay and quantisation, and not by integration.
 
+mod eigenvalues;
 mod forced;
 #[cfg(test)]
 mod tests;
+mod tremble;
 mod wall;
 
+pub use eigenvalues::predicted_onset;
 pub use forced::{Exchange, forced_wall};
+pub use tremble::passive_onset;
 pub use wall::{Wall, stability_onset};
 
 /// One axis of a device with the finger in it: constant.

@@ -2,7 +2,8 @@
 
 use crate::haptic::virtual_user::{Device, VirtualUser};
 use crate::haptic::{Proxies, Proxy, RigidState};
-use crate::math::{Pose, Vec3};
+use crate::math::{Mat3, Pose, Vec3};
+use crate::model::Drive;
 
 /// A virtual user pushed into a bone that cannot move: a wall that pulls as well as it pushes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +24,23 @@ pub(super) fn on_axis(position: f64, velocity: f64) -> RigidState {
 }
 
 impl Wall {
+    /// A proxy that stands still: the device coupling alone, a plain sampled spring \[N/m\] and damper
+    /// \[N s/m\].
+    pub fn plain_proxy(stiffness: f64, damping: f64) -> Proxy {
+        let drive = |stiffness: f64, damping: f64| Drive {
+            stiffness,
+            damping,
+            angular_stiffness: 0.0,
+            angular_damping: 0.0,
+        };
+        Proxy {
+            mass: 1e12,
+            inertia_B: Mat3::identity(),
+            device: drive(stiffness, damping),
+            bone: drive(0.0, 0.0),
+        }
+    }
+
     /// Lets go one millimetre from equilibrium and looks whether the swing dies: whether its
     /// largest excursion in the last tenth of `seconds` is smaller than in the fifth tenth. A proxy
     /// that is refused, or motion that is not finite, counts as unstable.
@@ -61,14 +79,18 @@ pub fn stability_onset(
     seconds: f64,
     wall: impl Fn(f64) -> Wall,
 ) -> Option<f64> {
-    let stable = |value: f64| wall(value).is_stable(seconds);
-    if !stable(low) || stable(high) {
+    onset(low, high, |value| wall(value).is_stable(seconds))
+}
+
+/// Where a property is lost between `low` and `high`, to one part in a thousand.
+pub(super) fn onset(low: f64, high: f64, holds: impl Fn(f64) -> bool) -> Option<f64> {
+    if !holds(low) || holds(high) {
         return None;
     }
     let (mut low, mut high) = (low, high);
     while high - low > 1e-3 * high.abs() {
         let middle = 0.5 * (low + high);
-        if stable(middle) { low = middle } else { high = middle }
+        if holds(middle) { low = middle } else { high = middle }
     }
     Some(0.5 * (low + high))
 }

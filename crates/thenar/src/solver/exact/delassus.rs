@@ -26,6 +26,7 @@ use crate::solver::exact::pcg::Workspace;
 use crate::solver::exact::{System, small_cholesky};
 use crate::solver::{ContactRow, ContactRows, Convergence};
 use fearless_simd::{Simd, dispatch};
+use std::ops::Range;
 
 /// W of the contacts that may press, and the iteration on it.
 #[derive(Clone, Debug)]
@@ -186,10 +187,18 @@ impl Delassus {
         f64::from(self.W.at(row, column))
     }
 
-    /// One column of H: what pulls on each freedom, half solved.
-    pub fn pull(&self, column: usize) -> impl Iterator<Item = f64> + '_ {
-        let lane = column % LANES;
-        self.pull_of(column / LANES).iter().map(move |lanes| f64::from(lanes[lane]))
+    /// `to = Hᵀ g` for all contacts of W, one number per column; g holds the half-solved freedoms
+    /// `dofs`, all others are zero.
+    pub fn pulled_by(&self, g: &[f64], dofs: &Range<usize>, to: &mut Vec<f64>) {
+        to.clear();
+        for batch in 0..(3 * self.members.len()).div_ceil(LANES) {
+            let mut sums = [0.0_f64; LANES];
+            for (lanes, g) in self.pull_of(batch)[dofs.clone()].iter().zip(g) {
+                sums.iter_mut().zip(lanes).for_each(|(sum, pull)| *sum += f64::from(*pull) * g);
+            }
+            to.extend(sums);
+        }
+        to.truncate(3 * self.members.len());
     }
 
     fn admit(&mut self, contact: usize) -> bool {

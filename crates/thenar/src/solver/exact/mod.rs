@@ -120,6 +120,8 @@ pub struct Exact {
     x: Coordinates,
     held: Held,
     delassus: Delassus,
+    /// One column of what touch is told.
+    pulled: Vec<f64>,
     work: pcg::Workspace,
 }
 
@@ -201,6 +203,7 @@ impl Exact {
                 &direct,
                 bodies.freedoms(),
             ),
+            pulled: Vec::with_capacity(3 * plan.contacts_max.min(PRESSING_MAX) + factor::LANES),
             direct,
             coarse,
             split,

@@ -45,7 +45,8 @@ impl Exact {
         if !self.factor_for(step, joints, v, h) {
             return None;
         }
-        let Self { bodies, carried, springs, split, coarse, direct, delassus, x, .. } = self;
+        let Self { bodies, carried, springs, split, coarse, direct, delassus, x, pulled, .. } =
+            self;
         let system = system(step, bodies, carried, springs, split);
         if !delassus.begin_with(chosen, contacts, direct) {
             return None;
@@ -69,11 +70,9 @@ impl Exact {
                     let dofs = bodies.groups()[group].clone();
                     let (factor, u) = (&direct.schur[coarse.block(group)], &mut x.u);
                     small_cholesky::forward(factor, dofs.len(), &mut u[dofs.clone()]);
-                    for row in 0..m {
-                        let pull = delassus.pull(row).skip(dofs.start).zip(&u[dofs.clone()]);
-                        to.lift[row * n + 6 * k + direction] =
-                            square * pull.map(|(a, b)| a * b).sum::<f64>();
-                    }
+                    delassus.pulled_by(&u[dofs.clone()], &dofs, pulled);
+                    let column = to.lift.iter_mut().skip(6 * k + direction).step_by(n);
+                    column.zip(&*pulled).for_each(|(to, pulled)| *to = square * pulled);
                     small_cholesky::backward(factor, dofs.len(), &mut u[dofs]);
                 }
                 for other in answering.clone() {

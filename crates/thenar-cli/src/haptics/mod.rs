@@ -1,0 +1,33 @@
+//! `thenar haptics`: what touch does, without a device: how stiff a coupling may be, and how the
+//! three modes differ.
+
+mod compare;
+mod map;
+
+use crate::error::CliError;
+
+/// Looks into touch without a device.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum Command {
+    /// How stiff a coupling may be, against rate and delay: simulated beside theory.
+    Map(map::Args),
+    /// The three modes of touch on one motion: stiffness, delay and energy.
+    Compare(compare::Args),
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// The request is wrong, or a file cannot be written.
+pub fn run(args: &Args) -> Result<(), CliError> {
+    match &args.command {
+        Command::Map(args) => map::run(args),
+        Command::Compare(args) => compare::run(args),
+    }
+}

@@ -1,0 +1,247 @@
+//! Touch in simulated time: a scene's hand felt through the whole haptic chain, by a clock that is
+//! counted and not read. The same samples give the same bits on any machine, however slow, and the
+//! three modes can be compared on one motion.
+//!
+//! ```text
+//!   samples ─► haptic tick, 1 kHz ─► proxies ─► [every period] simulation step
+//!                  ▲ newest frame ◄── [some ticks later] bones, response ◄┘
+//! ```
+
+mod study;
+
+pub use study::{Comparison, Study, compare, lead};
+
+use crate::session::Session;
+use thenar::haptic::{
+    CouplingDesign, FastToSlow, HandReport, HandSettings, HapticHand, Mode, Pad, PadReading,
+    Prediction, ProxyError, RigidState, SingleRate, SingleRateSettings, SlowToFast, Touch,
+    series_drive,
+};
+use thenar::world::{Input, ModelError};
+use thenar::{Pose, Vec3, World};
+
+/// Length of a haptic tick \[ns\].
+pub const TICK_NS: u64 = 1_000_000;
+/// Contacts of a frame.
+const CONTACTS_MAX: usize = 64;
+
+/// What stands between two frames of the simulation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TouchMode {
+    /// The bones of the last frame, carried on (the paper).
+    Multirate,
+    /// The last frame's response, contact resolved every tick.
+    SharedConstraints,
+    /// Nothing: the simulation steps within the tick.
+    SingleRate,
+}
+
+impl TouchMode {
+    /// As it reads in a table.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Multirate => "multirate",
+            Self::SharedConstraints => "shared constraints",
+            Self::SingleRate => "single-rate",
+        }
+    }
+}
+
+/// How a scene is felt.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TouchSettings {
+    /// Mode.
+    pub mode: TouchMode,
+    /// Couplings of all bones; they replace the scene's drives.
+    pub design: CouplingDesign,
+    /// Ticks from one simulation step to the next, which is also its time step \[ms\].
+    pub period: u64,
+    /// Ticks from a step's inputs to its frame \[ms\]: what computing takes.
+    pub latency: u64,
+    /// How bones are carried on between frames, in `Multirate`.
+    pub prediction: Prediction,
+}
+
+/// Why a scene cannot be felt.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum TouchError {
+    /// There is no such hand.
+    #[error("there is no hand {0} in the scene")]
+    NoHand(usize),
+    /// The couplings are refused.
+    #[error(transparent)]
+    Proxy(#[from] ProxyError),
+    /// The world is refused.
+    #[error(transparent)]
+    World(#[from] ModelError),
+}
+
+/// A hand of a scene, felt in simulated time.
+pub struct Rehearsal {
+    touch: Box<dyn Touch>,
+    /// None in single-rate, where it is within `touch`.
+    slow: Option<Slow>,
+    frame: SlowToFast,
+    back: FastToSlow,
+    pads: Vec<Pad>,
+    readings: Vec<PadReading>,
+    tick: u64,
+}
+
+/// The simulation at its own rate.
+struct Slow {
+    world: World,
+    input: Input,
+    bones: std::ops::Range<u32>,
+    mode: TouchMode,
+    period: u64,
+    latency: u64,
+    /// A frame on its way, and when it arrives.
+    coming: Option<u64>,
+    next: SlowToFast,
+}
+
+impl Rehearsal {
+    /// Takes the scene as it is now. Nothing but this hand is moved: the scene's own motions and
+    /// loads do not act.
+    ///
+    /// # Errors
+    /// There is no such hand, or the couplings make no sense.
+    pub fn new(
+        session: &Session,
+        hand: usize,
+        settings: &TouchSettings,
+    ) -> Result<Self, TouchError> {
+        let built = session.hands().get(hand).ok_or(TouchError::NoHand(hand))?;
+        let bones = built.handle.bones.clone();
+        let mut desc = session.world().desc().clone();
+        let proxies = settings.design.hand(&built.model);
+        for (b, proxy) in bones.clone().zip(&proxies) {
+            desc.drives[b as usize] = Some(match settings.mode {
+                TouchMode::SingleRate => series_drive(&proxy.device, &proxy.bone),
+                _ => proxy.bone,
+            });
+        }
+        desc.time_step = 1e-9 * (TICK_NS * settings.period.max(1)) as f64;
+        let mut world = World::new(desc)?;
+        world.restore(session.world().state());
+        let start: Vec<RigidState> = bones.clone().map(|b| RigidState::of(&world, b)).collect();
+        let frame = SlowToFast::new(&start, CONTACTS_MAX);
+        let input = world.input();
+        let mut slow = None;
+        let touch: Box<dyn Touch> = if settings.mode == TouchMode::SingleRate {
+            Box::new(SingleRate::new(SingleRateSettings::default(), world, bones))
+        } else {
+            slow = Some(Slow {
+                world,
+                input,
+                bones,
+                mode: settings.mode,
+                period: settings.period.max(1),
+                latency: settings.latency,
+                coming: None,
+                next: frame.clone(),
+            });
+            let mode = match settings.mode {
+                TouchMode::SharedConstraints => Mode::SharedConstraints,
+                _ => Mode::Multirate,
+            };
+            let simulation = settings.prediction;
+            let settings = HandSettings { mode, simulation, ..HandSettings::default() };
+            Box::new(HapticHand::new(settings, proxies, &start, CONTACTS_MAX)?)
+        };
+        let pads = Pad::of_hand(&built.model);
+        let none = PadReading { force_W: Vec3::zeros(), pad_force: 0.0, opening_velocity: 0.0 };
+        Ok(Self {
+            back: FastToSlow::new(&start),
+            readings: vec![none; pads.len()],
+            touch,
+            slow,
+            frame,
+            pads,
+            tick: 0,
+        })
+    }
+
+    /// Time \[ns\].
+    pub fn now_ns(&self) -> u64 {
+        self.tick * TICK_NS
+    }
+
+    /// A sample of the tracker, taken now.
+    pub fn track(&mut self, bone: usize, pose_WB: Pose, velocity: Option<[Vec3; 2]>) {
+        // It is known in the tick that comes.
+        self.touch.track(bone, (self.tick + 1) * TICK_NS, pose_WB, velocity);
+    }
+
+    /// One millisecond. `stalled` keeps the simulation from beginning a step.
+    pub fn tick(&mut self, stalled: bool) -> HandReport {
+        self.tick += 1;
+        let now = self.now_ns();
+        if let Some(slow) = &mut self.slow {
+            slow.deliver(self.tick, &mut self.frame);
+            slow.begin(self.tick, stalled, now, &self.back);
+        }
+        let report = self.touch.tick(now, &self.frame);
+        self.touch.publish(now, &mut self.back);
+        for (pad, reading) in self.pads.iter_mut().zip(&mut self.readings) {
+            *reading = pad.read(&*self.touch, report.step);
+        }
+        report
+    }
+
+    /// The pads, thumb first.
+    pub fn pads(&self) -> &[Pad] {
+        &self.pads
+    }
+
+    /// What each pad felt in the last tick.
+    pub fn readings(&self) -> &[PadReading] {
+        &self.readings
+    }
+
+    /// The hand at the haptic rate.
+    pub fn touch(&self) -> &dyn Touch {
+        &*self.touch
+    }
+
+    /// The simulation.
+    pub fn world(&self) -> Option<&World> {
+        self.slow.as_ref().map(|slow| &slow.world).or(self.touch.world())
+    }
+
+    /// Power given to the wearer by all couplings \[W\], with the tracked bones' velocities.
+    pub fn power(&self) -> f64 {
+        let each = self.touch.tracked().iter().zip(self.touch.device_wrenches());
+        each.map(|(hand, [force, torque])| {
+            force.dot(&hand.velocity_W) + torque.dot(&hand.angular_velocity_W)
+        })
+        .sum()
+    }
+}
+
+impl Slow {
+    fn deliver(&mut self, tick: u64, to: &mut SlowToFast) {
+        if self.coming.is_some_and(|due| tick >= due) {
+            to.copy_from(&self.next);
+            self.coming = None;
+        }
+    }
+
+    fn begin(&mut self, tick: u64, stalled: bool, now: u64, back: &FastToSlow) {
+        if stalled || self.coming.is_some() || !tick.is_multiple_of(self.period) {
+            return;
+        }
+        let first = self.bones.start as usize;
+        for (target, proxy) in self.input.targets[first..].iter_mut().zip(&back.proxies) {
+            *target = Some(proxy.target());
+        }
+        self.world.step(&self.input, &mut ());
+        self.world.condense(self.bones.clone(), &self.input, &mut self.next);
+        if self.mode == TouchMode::Multirate {
+            self.next.response.clear();
+        }
+        (self.next.time_ns, self.next.step) = (now, self.next.step + 1);
+        self.coming = Some(tick + self.latency);
+    }
+}
