@@ -1,5 +1,6 @@
 //! What programs see of a device.
 
+use crate::calibration::Calibrate;
 use crate::{HandOutput, HandSample, LinkError, Rendering};
 use thenar::haptic::LoopProfile;
 use thenar::haptic::safety::Limits;
@@ -19,6 +20,11 @@ pub trait Driver: Send + Sync {
     /// Opens the device at an address (what follows `name:`), in so far as it can be: a device that
     /// is away for now opens, and is taken up when it comes.
     fn open(&self, address: &str) -> Result<Opened, LinkError>;
+
+    /// Set if its devices are fitted to their wearer.
+    fn calibrate(&self) -> Option<&dyn Calibrate> {
+        None
+    }
 }
 
 /// A device that was found.

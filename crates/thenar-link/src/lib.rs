@@ -12,6 +12,7 @@
 //! back of the hand. Times are nanoseconds of one monotonic clock of this process.
 
 pub mod bhaptics;
+pub mod calibration;
 mod clock;
 pub mod cyberglove;
 mod device;

@@ -1,5 +1,6 @@
 //! CyberGlove I, II and III over serial: 18 or 22 bend sensors, no place in space.
 
+mod calibrate;
 mod classic;
 mod profile;
 mod sensors;
@@ -14,6 +15,7 @@ use speech::Speech;
 pub use third::{PACKET, Third};
 pub use twin::{ClassicTwin, ThirdTwin};
 
+use crate::calibration::Calibrate;
 use crate::profile::{Address, load};
 use crate::transport::{SerialTransport, serial};
 use crate::worker::{Device, TrackerTraits};
@@ -50,6 +52,10 @@ impl Driver for CyberGloveDriver {
     fn open(&self, address: &str) -> Result<Opened, LinkError> {
         open(self.name(), SHIPPED, address, |profile| Box::new(Classic::new(profile)))
     }
+
+    fn calibrate(&self) -> Option<&dyn Calibrate> {
+        Some(self)
+    }
 }
 
 /// `cyberglove3:PORT`.
@@ -74,6 +80,10 @@ impl Driver for CyberGlove3Driver {
     fn open(&self, address: &str) -> Result<Opened, LinkError> {
         open(self.name(), SHIPPED_3, address, |profile| Box::new(Third::new(profile)))
     }
+
+    fn calibrate(&self) -> Option<&dyn Calibrate> {
+        Some(self)
+    }
 }
 
 fn open(
@@ -83,7 +93,17 @@ fn open(
     protocol: fn(Arc<Profile>) -> Box<dyn Protocol>,
 ) -> Result<Opened, LinkError> {
     let parsed = Address::parse(driver, address)?;
-    let profile: Arc<Profile> = Arc::new(load(driver, shipped, &parsed)?);
+    open_with(driver, &parsed, load(driver, shipped, &parsed)?, protocol)
+}
+
+/// Opens a glove with this profile.
+fn open_with(
+    driver: &str,
+    parsed: &Address,
+    profile: Profile,
+    protocol: fn(Arc<Profile>) -> Box<dyn Protocol>,
+) -> Result<Opened, LinkError> {
+    let profile = Arc::new(profile);
     let name = format!("{driver}:{}", parsed.place);
     if parsed.place.is_empty() {
         let cause = "expected a serial port".into();

@@ -1,15 +1,17 @@
 //! LucidGloves and other gloves that speak OpenGloves' encodings: curl and splay in, stops out,
 //! over USB or Bluetooth serial, or over Wi-Fi, where the glove calls us.
 
+mod calibrate;
 pub mod encoding;
 pub mod profile;
 mod protocol;
 mod twin;
 
-pub use profile::Profile;
+pub use profile::{Profile, SHIPPED};
 pub use protocol::LucidGloves;
 pub use twin::{FORCE_FEEDBACK_WAIT_NS, LucidGlovesTwin};
 
+use crate::calibration::Calibrate;
 use crate::profile::{Address, load};
 use crate::transport::{SerialTransport, StreamTransport, serial};
 use crate::worker::{Connect, Device, DisplayTraits, TrackerTraits};
@@ -50,25 +52,33 @@ impl Driver for LucidGlovesDriver {
 
     fn open(&self, address: &str) -> Result<Opened, LinkError> {
         let parsed = Address::parse(self.name(), address)?;
-        let profile: Profile = load(self.name(), profile::SHIPPED, &parsed)?;
-        let name = format!("lucidgloves:{}", parsed.place);
-        let connect = connect(&name, &parsed.place, profile.link.baud)?;
-        let profile = Arc::new(profile);
-        let display = DisplayTraits {
-            rendering: Rendering::Stops,
-            limits: profile.display.limits(true),
-            loop_profile: profile.display.loop_profile(),
-        };
-        let device = Device {
-            name,
-            connect,
-            protocol: Box::new(LucidGloves::new(profile.clone())),
-            tracks: Some(TrackerTraits { hand_length: Some(profile.hand.length) }),
-            display: Some(display),
-            speaks: true,
-        };
-        crate::paired::with_wrist(device.open()?, &profile.wrist, parsed.wrist.as_deref())
+        open_with(&parsed, load(self.name(), SHIPPED, &parsed)?)
     }
+
+    fn calibrate(&self) -> Option<&dyn Calibrate> {
+        Some(self)
+    }
+}
+
+/// Opens a glove with this profile.
+fn open_with(parsed: &Address, profile: Profile) -> Result<Opened, LinkError> {
+    let name = format!("lucidgloves:{}", parsed.place);
+    let connect = connect(&name, &parsed.place, profile.link.baud)?;
+    let profile = Arc::new(profile);
+    let display = DisplayTraits {
+        rendering: Rendering::Stops,
+        limits: profile.display.limits(true),
+        loop_profile: profile.display.loop_profile(),
+    };
+    let device = Device {
+        name,
+        connect,
+        protocol: Box::new(LucidGloves::new(profile.clone())),
+        tracks: Some(TrackerTraits { hand_length: Some(profile.hand.length) }),
+        display: Some(display),
+        speaks: true,
+    };
+    crate::paired::with_wrist(device.open()?, &profile.wrist, parsed.wrist.as_deref())
 }
 
 fn connect(name: &str, place: &str, baud: u32) -> Result<Connect, LinkError> {

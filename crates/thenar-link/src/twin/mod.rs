@@ -2,9 +2,13 @@
 
 #[cfg(unix)]
 mod pty;
+#[cfg(unix)]
+mod simulation;
 
 #[cfg(unix)]
 pub use pty::PtyTwin;
+#[cfg(unix)]
+pub use simulation::{SIMULATIONS, Simulation, simulate};
 
 /// A device's firmware, hand and actuators. Pure: bytes and time in, bytes out.
 pub trait Twin: Send {

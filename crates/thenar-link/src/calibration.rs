@@ -1,0 +1,38 @@
+//! Fitting a device to its wearer: poses that a person takes, and what follows from them.
+
+use crate::{LinkError, Opened};
+use thenar_scene::motion::ANGLES;
+
+/// A pose to take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Prompt {
+    /// Its name.
+    pub name: &'static str,
+    /// What the wearer does.
+    pub text: &'static str,
+}
+
+/// What was found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Fitted {
+    /// Keys for the user's profile.
+    pub keys: toml::Table,
+    /// What a person should know: sensors that hardly moved.
+    pub remarks: Vec<String>,
+}
+
+/// Devices that need it.
+pub trait Calibrate {
+    /// The poses, in their order.
+    fn prompts(&self) -> Vec<Prompt>;
+
+    /// Opens the device with its sensors as they are: the tracker's angles are sensor values, in an
+    /// order that only `fit` knows.
+    ///
+    /// # Errors
+    /// As for opening it.
+    fn open_raw(&self, address: &str) -> Result<Opened, LinkError>;
+
+    /// From the mean of those angles in each pose to keys of a profile.
+    fn fit(&self, means: &[[f64; ANGLES]]) -> Fitted;
+}
