@@ -7,6 +7,7 @@ mod bench;
 mod build;
 mod chart;
 mod compare;
+mod devices;
 mod error;
 mod files;
 mod haptics;
@@ -43,6 +44,8 @@ enum Command {
     Build(build::Args),
     /// List the scenes that come with the program.
     Scenes(scenes::Args),
+    /// List, test, calibrate and simulate gloves and other devices of touch.
+    Devices(devices::Args),
     /// Run the two-step scheme and the exact solver on one scene, and tell how they differ.
     Compare(compare::Args),
     /// Measure what a step costs.
@@ -63,6 +66,7 @@ fn main() -> ExitCode {
         Some(Command::Touch(args)) => touch::run(&args),
         Some(Command::Build(args)) => build::run(&args),
         Some(Command::Scenes(args)) => scenes::run(&args),
+        Some(Command::Devices(args)) => devices::run(&args),
         Some(Command::Compare(args)) => compare::run(&args),
         Some(Command::Bench(args)) => return bench::run(&args),
         Some(Command::Haptics(args)) => haptics::run(&args),

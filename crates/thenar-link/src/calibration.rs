@@ -26,8 +26,8 @@ pub trait Calibrate {
     /// The poses, in their order.
     fn prompts(&self) -> Vec<Prompt>;
 
-    /// Opens the device with its sensors as they are: the tracker's angles are sensor values, in an
-    /// order that only `fit` knows.
+    /// Opens the device with its sensors as they are: the tracker's angles are sensor values, a
+    /// radian for a full range, in an order that only `fit` knows.
     ///
     /// # Errors
     /// As for opening it.

@@ -102,9 +102,9 @@ const POSES: [Pose; 5] = [
     },
 ];
 
-/// A profile under which the tracker's angles are sensor values: one degree per full value.
+/// A profile under which the tracker's angles are sensor values: a radian per full value.
 fn raw(mut profile: Profile) -> Profile {
-    let one = Sensor { gain: 1.0, offset: 0.0 };
+    let one = Sensor { gain: 1.0_f64.to_degrees(), offset: 0.0 };
     profile.sensors = NAMES.iter().map(|name| ((*name).to_string(), one)).collect();
     profile.glove.wrist_turns = false;
     profile
@@ -113,7 +113,7 @@ fn raw(mut profile: Profile) -> Profile {
 /// Values of the sensors in `hand`'s angles under such a profile: `sensors::hand`, backwards. What
 /// is not in them is `None`.
 fn values(angles: &[f64; ANGLES]) -> [Option<f64>; SENSORS] {
-    let a = |k: usize| Some(angles[k].to_degrees());
+    let a = |k: usize| Some(angles[k]);
     let mut values = [None; SENSORS];
     // Thumb: roll, middle joint, outer joint, abduction.
     [values[0], values[3], values[1], values[2]] = [a(0), a(1), a(2), a(3)];
@@ -122,7 +122,7 @@ fn values(angles: &[f64; ANGLES]) -> [Option<f64>; SENSORS] {
             [a(4 * d), a(4 * d + 2), a(4 * d + 3)];
     }
     (values[10], values[14]) = (a(5), a(13));
-    values[18] = Some((angles[17] - angles[13]).to_degrees());
+    values[18] = Some(angles[17] - angles[13]);
     values
 }
 

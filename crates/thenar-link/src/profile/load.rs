@@ -3,7 +3,7 @@
 use super::Address;
 use crate::LinkError;
 use serde::de::DeserializeOwned;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use thenar::model::Side;
 use toml::{Table, Value};
 
@@ -88,4 +88,93 @@ fn lay_over(below: &mut Table, above: Table) {
 
 fn one_line(text: &str) -> String {
     text.split('\n').map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
+}
+
+/// Lays `keys` over the profile in `file`, or begins one. The file is replaced whole or not at all.
+///
+/// # Errors
+/// What is there is no TOML, or cannot be written.
+pub fn save(file: &Path, keys: Table) -> Result<(), LinkError> {
+    let refuse =
+        |cause: String| LinkError::Setting { what: format!("profile {}", file.display()), cause };
+    let old = match std::fs::read_to_string(file) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
+        result => result.map_err(|error| refuse(error.to_string()))?,
+    };
+    let mut table: Table =
+        old.parse().map_err(|e: toml::de::Error| refuse(one_line(&e.to_string())))?;
+    lay_over(&mut table, keys);
+    let text = toml::to_string(&table).map_err(|error| refuse(error.to_string()))?;
+    let write = || {
+        if let Some(folder) = file.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+            std::fs::create_dir_all(folder)?;
+        }
+        let new = file.with_extension("toml.new");
+        std::fs::write(&new, text)?;
+        std::fs::rename(&new, file)
+    };
+    write().map_err(|error| refuse(error.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lucidgloves::{Profile, SHIPPED};
+
+    fn read(text: &str) -> Result<Profile, String> {
+        let file = std::env::temp_dir().join(format!(
+            "thenar-profile-{}-{:?}.toml",
+            std::process::id(),
+            std::thread::current().id()
+        ));
+        std::fs::write(&file, text).unwrap();
+        let address = Address { profile: Some(file.clone()), ..Address::default() };
+        let result = load("lucidgloves", SHIPPED, &address).map_err(|e| e.to_string());
+        std::fs::remove_file(&file).unwrap();
+        result.map_err(|told| told.replace(&*file.to_string_lossy(), "FILE"))
+    }
+
+    #[test]
+    fn a_user_changes_single_keys() {
+        let shipped = read("").unwrap();
+        let mut expected = shipped.clone();
+        expected.hand.length = 0.2;
+        expected.index.raw = [0.1, 0.8];
+        assert_eq!(read("hand.length = 0.2\n[index]\nraw = [0.1, 0.8]").unwrap(), expected);
+    }
+
+    #[test]
+    fn errors_name_the_key() {
+        for (text, told) in [
+            ("hand.length = 2.0", "profile FILE, hand.length: 2 m is no hand's"),
+            ("hand.lenght = 0.2", "unknown field `lenght`"),
+            ("[hand]\nside = \"up\"", "unknown variant `up`"),
+            ("index.raw = [0.5, 0.5]", "profile FILE, index.raw: expected two values"),
+            ("index.raw = 3", "index.raw"),
+            ("index = 3", "index"),
+            ("display.rated = nan", "profile FILE, display.rated: is NaN N"),
+            ("display.user_fraction = 2.0", "display.user_fraction"),
+            ("wrist.rotation = [0.0, 0.0, 0.0, 0.0]", "wrist.rotation: has length 0"),
+            ("sensors.analog_max = 70000", "analog_max"),
+            ("gloves = 1", "unknown field `gloves`"),
+            ("a = = 1", "profile FILE: TOML parse error at line 1"),
+        ] {
+            let message = read(text).unwrap_err();
+            assert!(message.contains(told) && !message.contains('\n'), "{text}: {message}");
+        }
+    }
+
+    #[test]
+    fn saved_keys_join_what_is_there() {
+        let folder = std::env::temp_dir().join(format!("thenar-save-{}", std::process::id()));
+        let file = folder.join("deep/lucidgloves.toml");
+        save(&file, "hand.length = 0.2\nindex.raw = [0.1, 0.9]".parse().unwrap()).unwrap();
+        save(&file, "index.raw = [0.2, 0.8]".parse().unwrap()).unwrap();
+        let table: Table = std::fs::read_to_string(&file).unwrap().parse().unwrap();
+        assert_eq!(table, "hand.length = 0.2\nindex.raw = [0.2, 0.8]".parse().unwrap());
+        std::fs::write(&file, "not toml").unwrap();
+        assert!(save(&file, Table::new()).is_err());
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), "not toml", "nothing is lost");
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
 }

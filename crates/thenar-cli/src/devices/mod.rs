@@ -1,0 +1,60 @@
+//! `thenar devices`: gloves and other devices of touch, before they meet a simulation.
+
+mod calibrate;
+mod feel;
+mod list;
+mod simulate;
+mod test;
+
+use crate::error::CliError;
+use thenar_link::{Driver, LinkError};
+
+/// List, test, calibrate and simulate gloves and other devices of touch.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum What {
+    /// What is plugged in, and what could be.
+    List,
+    /// Show live what a device tells.
+    Test(test::Args),
+    /// Fit a glove to its wearer.
+    Calibrate(calibrate::Args),
+    /// Run a simulated device that a driver can open.
+    Simulate(simulate::Args),
+}
+
+/// Runs one of them.
+///
+/// # Errors
+/// The address is wrong, the device silent, or a file cannot be written.
+pub fn run(args: &Args) -> Result<(), CliError> {
+    match &args.what {
+        What::List => list::run(),
+        What::Test(args) => test::run(args),
+        What::Calibrate(args) => calibrate::run(args),
+        What::Simulate(args) => simulate::run(args),
+    }
+}
+
+/// The driver of an address, and what follows its name.
+fn driver_of(address: &str) -> Result<(Box<dyn Driver>, &str), CliError> {
+    let (name, rest) = address.split_once(':').unwrap_or((address, ""));
+    let found = thenar_link::drivers().into_iter().find(|driver| driver.name() == name);
+    let unknown =
+        || CliError::Input(format!("no driver is named `{name}`; see `thenar devices list`"));
+    Ok((found.ok_or_else(unknown)?, rest))
+}
+
+impl From<LinkError> for CliError {
+    fn from(error: LinkError) -> Self {
+        match error {
+            LinkError::Setting { .. } => Self::Input(error.to_string()),
+            _ => Self::Other(error.to_string()),
+        }
+    }
+}
