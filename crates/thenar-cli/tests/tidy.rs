@@ -35,6 +35,7 @@ fn links_between_documents_lead_somewhere() {
         "docs/scene.md",
         "docs/serving.md",
         "docs/haptics.md",
+        "docs/devices.md",
         "docs/theory.md",
         "docs/exact.md",
         "docs/two-step.md",

@@ -15,6 +15,7 @@ pub mod bhaptics;
 pub mod calibration;
 mod clock;
 pub mod cyberglove;
+pub mod cybergrasp;
 mod device;
 pub mod either;
 mod error;

@@ -7,7 +7,7 @@ use crate::force_device::ForceDeviceDriver;
 use crate::hand_tracking_streamer::HandTrackingStreamerDriver;
 use crate::pose_stream::PoseStreamDriver;
 use crate::replay::ReplayDriver;
-use crate::{Driver, LinkError, Opened, cyberglove, lucidgloves, null};
+use crate::{Driver, LinkError, Opened, cyberglove, cybergrasp, lucidgloves, null};
 
 /// All drivers.
 pub fn drivers() -> Vec<Box<dyn Driver>> {
@@ -16,6 +16,7 @@ pub fn drivers() -> Vec<Box<dyn Driver>> {
         Box::new(lucidgloves::LucidGlovesDriver),
         Box::new(cyberglove::CyberGloveDriver),
         Box::new(cyberglove::CyberGlove3Driver),
+        Box::new(cybergrasp::CyberGraspDriver),
         Box::new(HandTrackingStreamerDriver),
         Box::new(PoseStreamDriver),
         Box::new(ReplayDriver),

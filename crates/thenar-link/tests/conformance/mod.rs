@@ -8,7 +8,9 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use thenar::model::Side;
-use thenar_link::twin::{PtyTwin, Twin};
+#[cfg(unix)]
+use thenar_link::twin::PtyTwin;
+use thenar_link::twin::Twin;
 use thenar_link::{Driver, ForceDisplay, HandOutput, Tracker, now_ns};
 use thenar_scene::live::LivePose;
 use thenar_scene::motion::ANGLES;
