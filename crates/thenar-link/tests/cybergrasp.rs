@@ -1,6 +1,8 @@
 //! Goal: CyberGrasp's tendons pull as told and let go on every way out. Method: a simulated unit
 //! behind the bridge's own server, over a real socket.
 
+#![cfg(unix)]
+
 mod conformance;
 
 use conformance::wait;

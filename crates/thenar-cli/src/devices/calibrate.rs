@@ -2,7 +2,6 @@
 
 use super::driver_of;
 use crate::error::CliError;
-use crate::interrupt;
 use std::io::{BufRead, Write};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -36,7 +35,6 @@ const PATIENCE: Duration = Duration::from_secs(5);
 /// # Errors
 /// The device needs no calibration, is silent, or the profile cannot be written.
 pub fn run(args: &Args) -> Result<(), CliError> {
-    interrupt::listen();
     let (driver, rest) = driver_of(&args.address)?;
     let Some(calibrate) = driver.calibrate() else {
         return Err(CliError::Input(format!("{} needs no calibration", driver.name())));
@@ -78,7 +76,13 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     println!(
         "Length of your hand, wrist crease to middle fingertip, in mm; Enter to keep what is set:"
     );
-    if let Some(length) = length(&line()?)? {
+    let length = loop {
+        match length(&line()?) {
+            Ok(length) => break length,
+            Err(told) => println!("{told}; again, please:"),
+        }
+    };
+    if let Some(length) = length {
         let hand: Table = [("length".to_string(), Value::Float(length))].into_iter().collect();
         fitted.keys.insert("hand".into(), Value::Table(hand));
     }
@@ -98,20 +102,20 @@ fn line() -> Result<String, CliError> {
     let _ = std::io::stdout().flush();
     let mut text = String::new();
     let read = std::io::stdin().lock().read_line(&mut text);
-    if read.map_err(|e| CliError::Other(e.to_string()))? == 0 || interrupt::asked() {
+    if read.map_err(|e| CliError::Other(e.to_string()))? == 0 {
         return Err(CliError::Other("not finished: the profile is left as it was".into()));
     }
     Ok(text.trim().to_string())
 }
 
 /// A hand's length \[m\] out of millimetres; `None` for an empty answer.
-fn length(text: &str) -> Result<Option<f64>, CliError> {
+fn length(text: &str) -> Result<Option<f64>, String> {
     if text.is_empty() {
         return Ok(None);
     }
     match text.parse::<f64>() {
         Ok(mm) if (80.0..=300.0).contains(&mm) => Ok(Some(mm / 1e3)),
-        _ => Err(CliError::Input(format!("`{text}` mm is no hand's length, expected 80 to 300"))),
+        _ => Err(format!("`{text}` mm is no hand's length, expected 80 to 300")),
     }
 }
 
@@ -130,9 +134,6 @@ fn watch(tracker: &mut dyn Tracker, args: &Args) -> Result<Option<[f64; ANGLES]>
             {
                 samples.push(*angles);
             }
-        }
-        if interrupt::asked() {
-            return Err(CliError::Other("interrupted: the profile is left as it was".into()));
         }
         if samples.is_empty() && start.elapsed() > PATIENCE {
             let told = tracker.messages().join("; ");

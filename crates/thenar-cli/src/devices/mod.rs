@@ -7,7 +7,7 @@ mod simulate;
 mod test;
 
 use crate::error::CliError;
-use thenar_link::{Driver, LinkError};
+use thenar_link::Driver;
 
 /// List, test, calibrate and simulate gloves and other devices of touch.
 #[derive(Debug, clap::Args)]
@@ -48,13 +48,4 @@ fn driver_of(address: &str) -> Result<(Box<dyn Driver>, &str), CliError> {
     let unknown =
         || CliError::Input(format!("no driver is named `{name}`; see `thenar devices list`"));
     Ok((found.ok_or_else(unknown)?, rest))
-}
-
-impl From<LinkError> for CliError {
-    fn from(error: LinkError) -> Self {
-        match error {
-            LinkError::Setting { .. } => Self::Input(error.to_string()),
-            _ => Self::Other(error.to_string()),
-        }
-    }
 }
