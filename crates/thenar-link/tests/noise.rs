@@ -136,6 +136,9 @@ fn mutated_streams_do_no_harm() {
         for round in 0..400 {
             let mut bytes = case.packets.concat();
             for _ in 0..=random(12) {
+                if bytes.is_empty() {
+                    break;
+                }
                 let at = random(bytes.len());
                 match random(6) {
                     0 => bytes[at] ^= 1 << random(8),
