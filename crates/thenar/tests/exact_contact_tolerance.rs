@@ -193,7 +193,7 @@ fn the_tolerance_is_honoured_in_contact() {
     assert!(50 * over <= steps, "{over} of {steps} steps missed the tolerance");
 }
 
-/// Contact that ran out of sweeps short of the tolerance says so.
+/// Contact that ran out of sweeps short of the tolerance says so, and by no more than anything moves.
 #[test]
 fn contact_that_misses_the_tolerance_says_so() {
     let mut missed = 0;
@@ -206,6 +206,10 @@ fn contact_that_misses_the_tolerance_says_so() {
                 let told = report.fell_back || report.contact_unconverged;
                 assert!(told || error < 1e-5, "{name}, {} s: {error} {report:?}", before.time());
                 missed += usize::from(error > 1e-5);
+                let residual = report.contact_residual;
+                // A first visit of a stiff contact throws the light box by several m/s; no more is
+                // told, where changes that do not shrink were once summed to thousands.
+                assert!(residual < 10.0, "{name}, {} s: {residual} m/s", before.time());
             }
         });
     }

@@ -119,7 +119,7 @@ pub struct StepReport {
     /// Outer sweeps of the contact solver.
     pub contact_sweeps: u32,
     /// Relative residual they reached; with the exact solver the estimated velocity error that
-    /// contact leaves \[m/s\].
+    /// contact leaves \[m/s\]: how far sweeps have moved a contact where they do not settle.
     pub contact_residual: f64,
     /// They stopped at their limit of sweeps (or rounds) short of the accuracy asked for.
     pub contact_unconverged: bool,

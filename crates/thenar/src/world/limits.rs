@@ -55,7 +55,8 @@ fn wanted(gap: f64, h: f64) -> f64 {
     TURN_LEVER * (-gap / h).min(TURN_BACK_RATE_MAX)
 }
 
-/// Appends the rows of all bounds, for the velocities without contact in `state`.
+/// Appends the rows of all bounds, for the velocities without contact in `state`. What the exact
+/// solver holds already starts from the impulse in these.
 pub fn build_rows(kind: SolverKind, model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
     let mut next = 0;
     for (j, joint) in model.joints.iter().enumerate() {

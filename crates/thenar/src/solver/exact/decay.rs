@@ -2,7 +2,8 @@
 //!
 //! Near the end their changes shrink as a geometric series, so what is left after a change c is
 //! `c ρ / (1 - ρ)`. ρ is the slowest rate of late; it may be near 1 where many contacts share a
-//! load, and the last change is then a small part of the error.
+//! load, and the last change is then a small part of the error. Where changes do not shrink at all
+//! the estimate says only that sweeps have not converged, not by how much.
 
 /// Bodies move by more than their contacts do: a box 12 mm wide turns by three times as much at the
 /// 5 cm where turning counts.

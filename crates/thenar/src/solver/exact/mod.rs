@@ -9,9 +9,10 @@
 //! ```
 //!
 //! is symmetric positive definite, and the stiff coupling springs G act on w alone. Without contact
-//! it is solved by conjugate gradients (`pcg`) with the block diagonal (`jacobi`); with contact the
-//! flesh is factored (`factor`, `direct`), which gives the compliance of the whole system at the
-//! contacts (`delassus`) and preconditions the final solve.
+//! it is solved by conjugate gradients (`pcg`) with the block diagonal (`jacobi`), which keep to the
+//! joint limits that bear load (`held`); with contact the flesh is factored (`factor`, `direct`),
+//! which gives the compliance of the whole system at the contacts that press (`joining`, `delassus`)
+//! and preconditions the solve for what their impulses do.
 //!
 //! Nothing is allocated once built. Joints form trees; those left over because they close loops take
 //! directions out of u (`loops`).
