@@ -215,6 +215,10 @@ fn a_joint_at_its_limit_holds_in_between_too() {
         assert!((said / really - 1.0).abs() < 0.1, "{said} {really} rad");
         bench.shift(1, Vec3::zeros(), Vec3::z() * -turn);
     }
+    // Of another state nothing is known before its first step.
+    assert!(!bench.frame().response.contacts.is_empty());
+    bench.world.restore(&start);
+    assert!(bench.frame().response.contacts.is_empty(), "a limit of the state before");
 }
 
 /// What the step does is the same bits with and without frames in between.

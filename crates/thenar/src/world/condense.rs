@@ -93,10 +93,6 @@ impl World {
         let Self { model, state, scratch, time_step: h, .. } = self;
         scratch.chosen.clear();
         scratch.gaps.clear();
-        // After a step that was taken back, or none, there are no contacts.
-        if scratch.contacts.len() != scratch.found.len() {
-            return;
-        }
         scratch.gaps.extend(scratch.found.iter().map(|contact| contact.gap));
         if limits::by_rows(&self.desc.solver) {
             limits::list_gaps(model, &scratch.axes, &mut scratch.gaps);

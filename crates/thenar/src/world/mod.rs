@@ -98,7 +98,7 @@ impl World {
             std::mem::swap(&mut state.sides, &mut scratch.sides);
         } else {
             advance::take_back(state, &scratch.before);
-            scratch.contacts.clear();
+            scratch.forget_contacts();
         }
         if !sound {
             report.non_finite = true;

@@ -121,6 +121,7 @@ pub fn apply(state: &mut State, scratch: &Scratch) {
 /// Velocities that were shortened came from impulses in the same measure.
 pub fn shorten(share: f64, state: &mut State, scratch: &mut Scratch) {
     scratch.rows.rows.iter_mut().for_each(|row| row.lambda *= share);
+    state.contact_change.iter_mut().for_each(|change| *change *= share);
     state.impulses.iter_mut().for_each(|(_, impulse)| *impulse *= share);
     state.limit_impulses.as_flattened_mut().iter_mut().for_each(|impulse| *impulse *= share);
     state.patch_loads.iter_mut().for_each(|(_, load)| *load *= share);

@@ -13,7 +13,7 @@ impl World {
         self.state = State::new(&self.desc, &self.model);
         self.state.impulses.reserve(contacts_max);
         self.state.sides = Sides::with_capacity(self.detector.sides_max());
-        self.scratch.contacts.clear();
+        self.scratch.forget_contacts();
         self.embed();
     }
 
@@ -31,7 +31,7 @@ impl World {
             return false;
         }
         self.state.copy_from(state);
-        self.scratch.contacts.clear();
+        self.scratch.forget_contacts();
         self.embed();
         true
     }

@@ -299,4 +299,11 @@ impl Scratch {
     pub fn remember(&mut self, state: &State) {
         self.before.copy_motion(state);
     }
+
+    /// The last step's contacts and limits are not those of the state.
+    pub fn forget_contacts(&mut self) {
+        self.found.clear();
+        self.rows.clear();
+        self.contacts.clear();
+    }
 }
