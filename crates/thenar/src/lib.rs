@@ -10,6 +10,7 @@ pub mod flesh;
 pub mod haptic;
 pub mod math;
 pub mod model;
+mod processor;
 pub mod readout;
 pub mod skeleton;
 pub mod solver;
@@ -18,4 +19,5 @@ mod testing;
 pub mod world;
 
 pub use math::{Mat3, Pose, Quat, Vec3};
+pub use processor::vector_instructions;
 pub use world::World;

@@ -5,6 +5,7 @@ use crate::math::Vec3;
 
 /// What a surface vertex saw of a body it was near.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Side {
     /// Vertex, counted over all deformable bodies.
     pub vertex: u32,
@@ -26,10 +27,12 @@ impl Side {
 /// The sides seen in one step. It tells the next step from which side a vertex came that has sunk
 /// into a thin body; part of the state.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sides {
     /// Sorted by vertex, then body, once the search is over.
     seen: Vec<Side>,
-    /// No more are kept.
+    /// No more are kept; a state that was read back holds what it holds.
+    #[cfg_attr(feature = "serde", serde(skip))]
     most: usize,
 }
 

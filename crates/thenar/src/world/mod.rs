@@ -9,6 +9,7 @@ mod error;
 mod exact;
 mod fall_back;
 mod friction;
+mod hash;
 mod io;
 mod limits;
 mod model;

@@ -36,6 +36,13 @@ impl World {
         true
     }
 
+    /// Sets the time \[s\]; nothing moves. Ignored when it is not finite.
+    pub fn set_time(&mut self, time: f64) {
+        if time.is_finite() {
+            self.state.time = time;
+        }
+    }
+
     /// Places a rigid body, with linear \[m/s\] and angular \[rad/s\] velocity. Ignored when a number
     /// is not finite or beyond 1e9. The flesh around a bone stays where it is.
     ///

@@ -10,6 +10,7 @@ use crate::solver::{
     Anticipation, Articulated, BlockDiagonal, BlockMatrix, CgWorkspace, ContactRows, JointBlock,
 };
 use crate::world::friction::{PatchKey, patches_max};
+use crate::world::hash::Hasher;
 use crate::world::{ContactPoint, Model, limits};
 
 /// A state beyond these is taken for a failed step, not for motion \[m, m/s, rad/s\]: products of
@@ -19,6 +20,7 @@ const SPEED_MAX: f64 = 1e9;
 
 /// The state at one instant.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct State {
     /// Time \[s\].
     pub time: f64,
@@ -119,32 +121,31 @@ impl State {
             && self.sides.as_slice().iter().all(|side| finite(&side.normal) && finite(&side.place))
     }
 
-    /// FNV-1a over every bit of the state: equal states, equal hashes.
+    /// A hash of every bit of the state: equal states, equal hashes.
     pub fn hash(&self) -> u64 {
-        let mut hash = Fnv::default();
+        let mut hash = Hasher::default();
         hash.number(self.time);
+        for vectors in [&self.x, &self.v, &self.contact_change] {
+            hash.vectors(vectors);
+        }
         for pose in &self.poses_WB {
-            hash.vector(&pose.position);
+            hash.vectors(&[pose.position]);
             pose.rotation.coords.iter().for_each(|x| hash.number(*x));
         }
-        for vectors in [&self.x, &self.v, &self.contact_change] {
-            vectors.iter().for_each(|v| hash.vector(v));
-        }
         for (key, impulse) in &self.impulses {
-            hash.bits(*key);
-            hash.vector(impulse);
+            hash.word(*key);
+            hash.vectors(&[*impulse]);
         }
         for side in self.sides.as_slice() {
-            hash.bits(u64::from(side.vertex) << 32 | u64::from(side.other));
-            hash.vector(&side.normal);
-            hash.vector(&side.place);
+            hash.word(u64::from(side.vertex) << 32 | u64::from(side.other));
+            hash.vectors(&[side.normal, side.place]);
         }
         self.limit_impulses.iter().flatten().for_each(|x| hash.number(*x));
         for (key, load) in &self.patch_loads {
-            key.iter().for_each(|k| hash.bits(u64::from(*k)));
+            key.iter().for_each(|k| hash.word(u64::from(*k)));
             hash.number(*load);
         }
-        hash.0
+        hash.finish()
     }
 }
 
@@ -161,31 +162,6 @@ pub fn is_sound_velocity(v: &Vec3) -> bool {
 /// True for a pose that a step can go on from.
 pub fn is_sound_pose(pose: &Pose) -> bool {
     is_sound_position(&pose.position) && pose.is_finite()
-}
-
-/// FNV-1a, 64 bits, fed by eight bytes at a time.
-struct Fnv(u64);
-
-impl Default for Fnv {
-    fn default() -> Self {
-        Self(0xcbf2_9ce4_8422_2325)
-    }
-}
-
-impl Fnv {
-    fn bits(&mut self, bits: u64) {
-        for byte in bits.to_le_bytes() {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        }
-    }
-
-    fn number(&mut self, x: f64) {
-        self.bits(x.to_bits());
-    }
-
-    fn vector(&mut self, v: &Vec3) {
-        v.iter().for_each(|x| self.number(*x));
-    }
 }
 
 /// Memory that a step works in; nothing in it outlives the step.
