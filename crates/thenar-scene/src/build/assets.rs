@@ -1,11 +1,12 @@
 //! Files and built-in objects, through the rig.
 
+use super::Files;
 use super::shape::Solid;
 use crate::format::{
     BallShape, BreadShape, CarShape, ExplicitShape, FileShape, Hand, MeshShape, MeshSoftShape,
 };
 use crate::text::{At, Cx, Fault, Node, Read};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use thenar::math::Vec3;
 use thenar::model::{HandModel, Law, Material, Side};
 use thenar_rig::embed::{EmbedOptions, embed};
@@ -28,14 +29,14 @@ pub fn unit() -> Material {
     Material { law: Law::Corotational, young: 1.0, poisson: 0.0, density: 1.0 }
 }
 
-/// A path in a scene, which starts at the scene's folder.
-pub fn path(folder: &Path, file: &At<String>) -> PathBuf {
-    folder.join(&file.value)
+/// The path of what a scene calls `file`.
+pub fn path(files: &Files, file: &At<String>) -> PathBuf {
+    files.path(file)
 }
 
 /// Text of a file that a scene names.
-pub fn read_text(folder: &Path, file: &At<String>, bytes_max: u64) -> Result<String, Fault> {
-    let path = path(folder, file);
+pub fn read_text(files: &Files, file: &At<String>, bytes_max: u64) -> Result<String, Fault> {
+    let path = path(files, file);
     let fault = |problem: String| file.fault(format!("{}: {problem}", path.display()));
     let size = std::fs::metadata(&path).map_err(|e| fault(e.to_string()))?.len();
     if size > bytes_max {
@@ -45,10 +46,10 @@ pub fn read_text(folder: &Path, file: &At<String>, bytes_max: u64) -> Result<Str
 }
 
 /// Nodes and tetrahedra from a TOML file.
-pub fn tet_file(shape: &FileShape, folder: &Path) -> Result<SoftModel, Fault> {
-    let text = read_text(folder, &shape.file, TET_FILE_BYTES_MAX)?;
+pub fn tet_file(shape: &FileShape, files: &Files) -> Result<SoftModel, Fault> {
+    let text = read_text(files, &shape.file, TET_FILE_BYTES_MAX)?;
     let inside = |fault: Fault| {
-        let located = fault.locate(&path(folder, &shape.file), &text, &[]);
+        let located = fault.locate(&path(files, &shape.file), &text, &[]);
         shape.file.fault(located.to_string())
     };
     let root = Node::parse(&text).map_err(inside)?;
@@ -105,8 +106,8 @@ pub fn bread(shape: &BreadShape, at: &At<impl Sized>) -> Result<SoftModel, Fault
 }
 
 /// A closed mesh filled with tetrahedra.
-pub fn soft_mesh(shape: &MeshSoftShape, folder: &Path) -> Result<SoftModel, Fault> {
-    let path = path(folder, &shape.file);
+pub fn soft_mesh(shape: &MeshSoftShape, files: &Files) -> Result<SoftModel, Fault> {
+    let path = path(files, &shape.file);
     let fault = |problem: String| shape.file.fault(format!("{}: {problem}", path.display()));
     if shape.file.value.ends_with(".thenar") {
         return match read_model(&path) {
@@ -138,8 +139,8 @@ pub fn car(car: &CarShape, weight: Weight, at: &At<impl Sized>) -> Result<Solid,
 }
 
 /// A rigid body from a mesh file.
-pub fn rigid_mesh(mesh: &MeshShape, weight: Weight, folder: &Path) -> Result<Solid, Fault> {
-    let path = path(folder, &mesh.file);
+pub fn rigid_mesh(mesh: &MeshShape, weight: Weight, files: &Files) -> Result<Solid, Fault> {
+    let path = path(files, &mesh.file);
     if mesh.file.value.ends_with(".thenar") {
         return match read_model(&path) {
             Ok(Model::Rigid(model)) => Ok(Solid::from(model)),
@@ -171,22 +172,22 @@ impl From<RigidModel> for Solid {
 }
 
 /// The model of a hand.
-pub fn hand(hand: &Hand, folder: &Path) -> Result<HandModel, Fault> {
+pub fn hand(hand: &Hand, files: &Files) -> Result<HandModel, Fault> {
     let built_in = |side| {
         let options = HandOptions { side: Some(side), ..options(hand) };
         build_hand(asset(side), &options).map_err(|e| hand.name.fault(e.to_string()))
     };
     let Some(file) = &hand.model else { return built_in(Side::Right) };
-    let path = path(folder, file);
+    let path = || path(files, file);
     match file.value.as_str() {
         "right" => built_in(Side::Right),
         "left" => built_in(Side::Left),
         name if name.ends_with(".glb") => {
-            build_hand_file(&path, &options(hand)).map_err(|e| file.fault(e.to_string()))
+            build_hand_file(&path(), &options(hand)).map_err(|e| file.fault(e.to_string()))
         }
-        name if name.ends_with(".thenar") => match read_model(&path) {
+        name if name.ends_with(".thenar") => match read_model(&path()) {
             Ok(Model::Hand(model)) => Ok(model),
-            Ok(_) => Err(file.fault(format!("{} holds no hand", path.display()))),
+            Ok(_) => Err(file.fault(format!("{} holds no hand", path().display()))),
             Err(e) => Err(file.fault(e.to_string())),
         },
         other => Err(file.fault(format!(

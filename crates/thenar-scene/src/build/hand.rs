@@ -2,12 +2,11 @@
 
 use super::soft::law;
 use super::solver::set;
-use super::{Built, Mesh, RigidLook, assets, drivers, motion, place};
+use super::{Built, Files, Mesh, RigidLook, assets, drivers, motion, place};
 use crate::format::{Hand, HandMaterial, Scene};
 use crate::math::Pose;
 use crate::motion::{ANGLES, AngleRange, Articulation, HandMotion, hand_angles};
 use crate::text::Fault;
-use std::path::Path;
 use thenar::model::{Drive, Flesh, HandHandle, HandModel, HandPlacement};
 
 /// Palm drive when the scene gives none: the root follows the tracker closely.
@@ -56,20 +55,20 @@ impl BuiltHand {
 }
 
 /// Adds all hands.
-pub fn add_all(built: &mut Built, scene: &Scene, folder: &Path) -> Result<(), Fault> {
+pub fn add_all(built: &mut Built, scene: &Scene, files: &Files) -> Result<(), Fault> {
     for hand in &scene.hand {
-        add(built, hand, folder)?;
+        add(built, hand, files)?;
     }
     Ok(())
 }
 
-fn add(built: &mut Built, hand: &Hand, folder: &Path) -> Result<(), Fault> {
-    let mut model = assets::hand(hand, folder)?;
+fn add(built: &mut Built, hand: &Hand, files: &Files) -> Result<(), Fault> {
+    let mut model = assets::hand(hand, files)?;
     soften(&mut model.flesh, hand.material.as_ref());
     set(&mut model.flesh.friction, hand.friction);
     let own = Pose::new(hand.position, place::rotation(hand.rotation.as_ref())?);
     let motion = match &hand.motion {
-        Some(table) => Some(motion::load(table, &model, &own, folder)?),
+        Some(table) => Some(motion::load(table, &model, &own, files)?),
         None => None,
     };
     let pose_WM = motion.as_ref().map_or(own, HandMotion::start_placement);

@@ -3,6 +3,7 @@
 
 mod assets;
 mod drivers;
+mod files;
 mod hand;
 mod inertia;
 mod joint;
@@ -19,6 +20,7 @@ mod soft;
 mod solver;
 
 pub use drivers::{Driver, Follow, Track};
+pub use files::Files;
 pub use hand::BuiltHand;
 pub use load::{ActiveLoad, Factor, LoadKind};
 pub use names::Names;
@@ -29,7 +31,6 @@ pub use soft::SoftBuild;
 use crate::format::Scene;
 use crate::math::Vec3;
 use crate::text::Fault;
-use std::path::Path;
 use thenar::model::WorldDesc;
 
 /// A scene made ready: all names resolved, all files read.
@@ -56,11 +57,11 @@ pub struct Built {
     pub looks: Vec<RigidLook>,
 }
 
-/// Builds a scene; `folder` is where relative paths start.
+/// Builds a scene; `files` tells where those that it names are.
 ///
 /// # Errors
 /// A name, a file or a combination of values is wrong; the fault says which and where.
-pub fn build(scene: &Scene, folder: &Path) -> Result<Built, Fault> {
+pub fn build(scene: &Scene, files: &Files) -> Result<Built, Fault> {
     let mut built = Built {
         world: WorldDesc {
             gravity: scene.gravity,
@@ -77,10 +78,10 @@ pub fn build(scene: &Scene, folder: &Path) -> Result<Built, Fault> {
         loads: Vec::new(),
         looks: Vec::new(),
     };
-    rigid::add_all(&mut built, scene, folder)?;
-    hand::add_all(&mut built, scene, folder)?;
+    rigid::add_all(&mut built, scene, files)?;
+    hand::add_all(&mut built, scene, files)?;
     joint::add_all(&mut built, scene)?;
-    soft::add_all(&mut built, scene, folder)?;
+    soft::add_all(&mut built, scene, files)?;
     pair::add_all(&mut built, scene)?;
     drivers::add_all(&mut built, scene)?;
     load::add_all(&mut built, scene)?;

@@ -1,5 +1,6 @@
 //! Motions of hands, from tables and files.
 
+use super::Files;
 use super::assets;
 use crate::format::{
     CurlTable, HandKey, JointAngles, KeyframesTable, LimitsWord, MotionTable, RecordedTable,
@@ -12,7 +13,6 @@ use crate::motion::{
 };
 use crate::text::{At, Fault, nearest};
 use std::collections::BTreeMap;
-use std::path::Path;
 use thenar::model::{Digit, HandModel, Side};
 
 /// Largest keyframe file \[bytes\].
@@ -33,7 +33,7 @@ pub fn load(
     table: &At<MotionTable>,
     hand: &HandModel,
     pose_WM: &Pose,
-    folder: &Path,
+    files: &Files,
 ) -> Result<HandMotion, Fault> {
     let keyframes = |desc: &KeyframesDesc, at: &dyn Fn(String) -> Fault| {
         Keyframes::new(desc, hand, pose_WM)
@@ -42,14 +42,14 @@ pub fn load(
     };
     match &table.value {
         MotionTable::Keyframes(k) => keyframes(&desc(k)?, &|p| table.fault(p)),
-        MotionTable::Recorded(r) => recorded(&recorded_desc(r), &r.file, hand, folder),
+        MotionTable::Recorded(r) => recorded(&recorded_desc(r), &r.file, hand, files),
         MotionTable::File(f) if f.file.value.ends_with(".jsonl") => {
-            recorded(&RecordedDesc::of_file(&f.file.value), &f.file, hand, folder)
+            recorded(&RecordedDesc::of_file(&f.file.value), &f.file, hand, files)
         }
         MotionTable::File(f) => {
-            let text = assets::read_text(folder, &f.file, KEYFRAMES_BYTES_MAX)?;
+            let text = assets::read_text(files, &f.file, KEYFRAMES_BYTES_MAX)?;
             let at = |e: MotionError| f.file.fault(e.to_string());
-            let desc = KeyframesDesc::parse(&text, &assets::path(folder, &f.file)).map_err(at)?;
+            let desc = KeyframesDesc::parse(&text, &assets::path(files, &f.file)).map_err(at)?;
             keyframes(&desc, &|p| f.file.fault(p))
         }
     }
@@ -59,9 +59,9 @@ fn recorded(
     desc: &RecordedDesc,
     file: &At<String>,
     hand: &HandModel,
-    folder: &Path,
+    files: &Files,
 ) -> Result<HandMotion, Fault> {
-    let recording = Recording::open(&assets::path(folder, file))
+    let recording = Recording::open(&assets::path(files, file))
         .map_err(|e| file.fault(MotionError::from(e).to_string()))?;
     Recorded::new(desc, &recording, hand)
         .map(|motion| HandMotion::Recorded(Box::new(motion)))

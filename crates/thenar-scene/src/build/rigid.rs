@@ -1,11 +1,10 @@
 //! Rigid bodies.
 
 use super::shape::{self, Solid};
-use super::{Built, inertia, place};
+use super::{Built, Files, inertia, place};
 use crate::format::{MotionWord, Rigid, Scene, Shape as Table};
 use crate::math::{Mat3, Pose, Vec3};
 use crate::text::Fault;
-use std::path::Path;
 use thenar::contact::Shape;
 use thenar::model::{Motion, RigidDesc};
 use thenar_rig::TriMesh;
@@ -23,20 +22,20 @@ pub struct RigidLook {
 }
 
 /// Adds all rigid bodies.
-pub fn add_all(built: &mut Built, scene: &Scene, folder: &Path) -> Result<(), Fault> {
+pub fn add_all(built: &mut Built, scene: &Scene, files: &Files) -> Result<(), Fault> {
     for rigid in &scene.rigid {
         built.names.add_rigid(&rigid.name, built.world.rigids.len() as u32)?;
-        let (desc, look) = describe(rigid, folder)?;
+        let (desc, look) = describe(rigid, files)?;
         built.world.add_rigid(desc);
         built.looks.push(look);
     }
     Ok(())
 }
 
-fn describe(rigid: &Rigid, folder: &Path) -> Result<(RigidDesc, RigidLook), Fault> {
+fn describe(rigid: &Rigid, files: &Files) -> Result<(RigidDesc, RigidLook), Fault> {
     let dynamic = rigid.motion == MotionWord::Dynamic;
     let weight = weight(rigid, dynamic)?;
-    let solid = rigid.shape.as_ref().map(|s| shape::solid(s, weight.meshes, folder)).transpose()?;
+    let solid = rigid.shape.as_ref().map(|s| shape::solid(s, weight.meshes, files)).transpose()?;
     if dynamic && matches!(solid, Some(Solid { shape: Shape::HalfSpace, .. })) {
         let problem = "a plane cannot be dynamic; set motion = \"fixed\" or \"scripted\"";
         return Err(rigid.name.fault(problem));

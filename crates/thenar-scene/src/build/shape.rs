@@ -1,10 +1,10 @@
 //! Contact shapes of rigid bodies.
 
+use super::Files;
 use super::{assets, inertia};
 use crate::format::Shape as Table;
 use crate::math::{Mat3, Pose};
 use crate::text::{At, Fault};
-use std::path::Path;
 use thenar::contact::Shape;
 use thenar_rig::TriMesh;
 use thenar_rig::object::{Paint, Weight};
@@ -34,7 +34,7 @@ impl Solid {
 }
 
 /// Makes the shape that a table describes; a mesh gets `weight`.
-pub fn solid(table: &At<Table>, weight: Weight, folder: &Path) -> Result<Solid, Fault> {
+pub fn solid(table: &At<Table>, weight: Weight, files: &Files) -> Result<Solid, Fault> {
     match &table.value {
         Table::Box(b) => Ok(Solid::primitive(Shape::Cuboid { half: b.size / 2.0 })),
         Table::Sphere(s) => Ok(Solid::primitive(Shape::Sphere { radius: s.radius })),
@@ -43,6 +43,6 @@ pub fn solid(table: &At<Table>, weight: Weight, folder: &Path) -> Result<Solid, 
         }
         Table::Plane(_) => Ok(Solid::primitive(Shape::HalfSpace)),
         Table::Car(car) => assets::car(car, weight, table),
-        Table::Mesh(mesh) => assets::rigid_mesh(mesh, weight, folder),
+        Table::Mesh(mesh) => assets::rigid_mesh(mesh, weight, files),
     }
 }

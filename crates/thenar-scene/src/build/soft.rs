@@ -1,12 +1,11 @@
 //! Soft bodies.
 
 use super::solver::set;
-use super::{Built, Mesh, assets, lattice, place};
+use super::{Built, Files, Mesh, assets, lattice, place};
 use crate::format::{Bind, FixedSet, LawWord, MaterialTable, Scene, Soft, SoftShape};
 use crate::math::{Mat3, Pose, Vec3};
 use crate::text::{At, Fault};
 use std::collections::BTreeMap;
-use std::path::Path;
 use thenar::model::{
     Binding, Coupling, EmbeddedSurface, FixedNode, Flesh, Law, Material, SoftDesc,
 };
@@ -24,15 +23,15 @@ pub struct SoftBuild {
 }
 
 /// Adds all soft bodies.
-pub fn add_all(built: &mut Built, scene: &Scene, folder: &Path) -> Result<(), Fault> {
+pub fn add_all(built: &mut Built, scene: &Scene, files: &Files) -> Result<(), Fault> {
     for soft in &scene.soft {
-        add(built, soft, folder)?;
+        add(built, soft, files)?;
     }
     Ok(())
 }
 
-fn add(built: &mut Built, soft: &Soft, folder: &Path) -> Result<(), Fault> {
-    let SoftModel { mut flesh, render, .. } = rest_shape(&soft.shape, folder)?;
+fn add(built: &mut Built, soft: &Soft, files: &Files) -> Result<(), Fault> {
+    let SoftModel { mut flesh, render, .. } = rest_shape(&soft.shape, files)?;
     let mesh = Mesh::new(&flesh.nodes, &flesh.tets);
     let pose_WM = Pose::new(soft.position, place::rotation(soft.rotation.as_ref())?);
     let start = start(soft, &mesh, &pose_WM)?;
@@ -63,13 +62,13 @@ fn add(built: &mut Built, soft: &Soft, folder: &Path) -> Result<(), Fault> {
     Ok(())
 }
 
-fn rest_shape(shape: &At<SoftShape>, folder: &Path) -> Result<SoftModel, Fault> {
+fn rest_shape(shape: &At<SoftShape>, files: &Files) -> Result<SoftModel, Fault> {
     match &shape.value {
         SoftShape::Lattice(s) => lattice::build(s, shape),
         SoftShape::Ball(s) => assets::ball(s, shape),
         SoftShape::Explicit(s) => assets::explicit(s, 1.0),
-        SoftShape::File(s) => assets::tet_file(s, folder),
-        SoftShape::Mesh(s) => assets::soft_mesh(s, folder),
+        SoftShape::File(s) => assets::tet_file(s, files),
+        SoftShape::Mesh(s) => assets::soft_mesh(s, files),
         SoftShape::Bread(s) => assets::bread(s, shape),
     }
 }

@@ -1,6 +1,6 @@
 //! A session that runs on for hours: moved from outside, started over, tuned.
 
-use super::{Session, drive};
+use super::{Entry, Session, drive};
 use crate::live::{LiveError, LiveHand, LivePose, Mover};
 use crate::tuning::{Setting, SettingError, SettingValue};
 use thenar::model::Side;
@@ -17,13 +17,16 @@ impl Session {
         let count = self.live.len();
         let live = self.live.get_mut(hand).ok_or(LiveError::NoHand { hand, count })?;
         let live = live.as_mut().map_err(|error| error.clone())?;
-        live.pose(time, pose, &self.input.targets[drive::bones(&self.built.hands[hand])])
+        live.pose(time, pose, &self.input.targets[drive::bones(&self.built.hands[hand])])?;
+        self.tell(Entry::Pose { hand, time, pose });
+        Ok(())
     }
 
     /// The hand is not tracked any more: if poses moved it, it holds still until the next one.
     pub fn live_lost(&mut self, hand: usize) {
         if let Some(Ok(live)) = self.live.get_mut(hand) {
             live.lose();
+            self.tell(Entry::Lost { hand });
         }
     }
 
@@ -31,6 +34,7 @@ impl Session {
     pub fn follow_script(&mut self, hand: usize) {
         if let Some(Ok(live)) = self.live.get_mut(hand) {
             live.follow_script();
+            self.tell(Entry::Script { hand });
         }
     }
 
@@ -105,6 +109,7 @@ impl Session {
         self.report = StepReport::default();
         self.steps = 0;
         self.start();
+        self.tell(Entry::Restart);
     }
 
     /// All settings that have a meaning in this scene, as they are now.
@@ -125,6 +130,7 @@ impl Session {
             .map_err(|e| SettingError::World { key: key.into(), cause: e.to_string() })?;
         self.input.gravity = gravity;
         self.tuning = tuning;
+        self.tell(Entry::Set { key, value });
         Ok(())
     }
 }

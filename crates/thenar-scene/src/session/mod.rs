@@ -8,8 +8,11 @@ mod loads;
 mod open;
 mod probe;
 mod random;
+mod replay;
+mod source;
 mod summary;
 mod table;
+mod witness;
 
 pub(crate) use drive::bones;
 pub use library::{Builtin, builtin, builtins};
@@ -17,14 +20,18 @@ pub use loads::{HandLoad, PARTS};
 pub use open::read;
 pub use probe::{Column, Probes};
 pub use random::{Random, random_at};
+pub use source::Source;
 pub use summary::Summary;
 pub use table::{TableFormat, TableWriter};
+pub use witness::{Entry, Witness};
 
 use crate::build::{Built, BuiltHand, Mesh, RigidLook, SoftBuild};
 use crate::format::{Camera, Scene};
 use crate::live::{LiveError, LiveHand};
 use crate::tuning::Tuning;
+use std::collections::BTreeMap;
 use std::ops::Range;
+use std::path::PathBuf;
 use thenar::World;
 use thenar::haptic::SlowToFast;
 use thenar::world::{Input, StageTimer, StepReport, Target};
@@ -45,17 +52,29 @@ pub struct Session {
     tuning: Tuning,
     report: StepReport,
     steps: u64,
+    /// `None` for a scene that was changed by a program.
+    source: Option<Source>,
+    /// Files that the scene names, as it names them.
+    files: BTreeMap<String, PathBuf>,
+    witness: Option<Box<dyn Witness>>,
 }
 
 impl Session {
     /// Moves the scene forward by one time step. Allocates nothing.
     pub fn step(&mut self, timer: &mut impl StageTimer) -> StepReport {
+        if let Some(witness) = &mut self.witness {
+            witness.stepping();
+        }
         let t = self.world.time() + self.world.time_step();
         drive::fill(&mut self.input, &mut self.built, &mut self.live, &self.world, t);
         drive::follow_leaders(&mut self.input, &self.built, &self.led);
         load::fill(&mut self.input, &self.built.loads, &self.world, t);
         self.report = self.world.step(&self.input, timer);
         self.steps += 1;
+        if let Some(mut witness) = self.witness.take() {
+            witness.stepped(self);
+            self.witness = Some(witness);
+        }
         self.report
     }
 
@@ -83,6 +102,16 @@ impl Session {
     /// Steps done.
     pub fn steps(&self) -> u64 {
         self.steps
+    }
+
+    /// What it was made from; `None` for a scene that a program has changed.
+    pub fn source(&self) -> Option<&Source> {
+        self.source.as_ref()
+    }
+
+    /// The files that the scene names: what it calls them, and where they are.
+    pub fn files(&self) -> &BTreeMap<String, PathBuf> {
+        &self.files
     }
 
     /// The file's name without folder and ending.

@@ -1,8 +1,9 @@
 //! From a file to a session.
 
-use super::{Probes, Session, drive};
-use crate::build::{BuiltHand, build};
+use super::{Probes, Session, Source, drive};
+use crate::build::{BuiltHand, Files, build};
 use crate::format::Scene;
+use crate::hands::{Hands, with_hands};
 use crate::live::{LiveError, LiveHand};
 use crate::text::{Fault, Node, Override, SceneError, apply_override, parse};
 use crate::tuning::{HandPart, Tuning};
@@ -35,9 +36,24 @@ impl Session {
     /// # Errors
     /// Something in the text is wrong; says what and where.
     pub fn from_text(text: &str, file: &Path, overrides: &[String]) -> Result<Self, SceneError> {
+        Self::open(&Source::new(text, file, overrides), Files::beside(file))
+    }
+
+    /// Makes a session from its source; `files` tells where those that the scene names are.
+    ///
+    /// # Errors
+    /// Something in the scene is wrong; says what and where.
+    pub fn open(source: &Source, files: Files) -> Result<Self, SceneError> {
+        let Source { file, text, overrides, hands, lengths } = source;
         let locate = |fault: Fault| fault.locate(file, text, overrides);
-        let scene = read(text, overrides).map_err(locate)?;
-        Self::build(scene, file, &locate)
+        let mut scene = read(text, overrides).map_err(locate)?;
+        let session = if *hands == Hands::Scene && *lengths == [None; 2] {
+            Self::build(scene, file, files, &locate)
+        } else {
+            with_hands(&mut scene, *hands, *lengths);
+            Self::build(scene, file, files, &unlocated(file))
+        };
+        Ok(Self { source: Some(source.clone()), ..session? })
     }
 
     /// Makes a scene that was read before, and perhaps changed, ready to be stepped; `file` names
@@ -46,21 +62,16 @@ impl Session {
     /// # Errors
     /// Something in the scene is wrong; says what.
     pub fn from_scene(scene: Scene, file: &Path) -> Result<Self, SceneError> {
-        // The text is not at hand, so the key alone has to say where.
-        let locate = |fault: Fault| SceneError::World {
-            file: file.to_path_buf(),
-            problem: format!("`{}`: {}", fault.key, fault.problem),
-        };
-        Self::build(scene, file, &locate)
+        Self::build(scene, file, Files::beside(file), &unlocated(file))
     }
 
     fn build(
         scene: Scene,
         file: &Path,
+        files: Files,
         locate: &dyn Fn(Fault) -> SceneError,
     ) -> Result<Self, SceneError> {
-        let folder = file.parent().unwrap_or(Path::new(""));
-        let built = build(&scene, folder).map_err(locate)?;
+        let built = build(&scene, &files).map_err(locate)?;
         let world = World::new(built.world.clone())
             .map_err(|e| SceneError::World { file: file.to_path_buf(), problem: e.to_string() })?;
         let probes = Probes::new(&scene, &built, &world).map_err(locate)?;
@@ -85,6 +96,9 @@ impl Session {
             tuning,
             report: StepReport::default(),
             steps: 0,
+            source: None,
+            files: files.into_used(),
+            witness: None,
         };
         session.start();
         Ok(session)
@@ -115,6 +129,14 @@ impl Session {
                 live.restart(&self.input.targets[drive::bones(hand)]);
             }
         }
+    }
+}
+
+/// Where the text is not at hand, or has been changed, the key alone has to say where.
+fn unlocated(file: &Path) -> impl Fn(Fault) -> SceneError {
+    move |fault| SceneError::World {
+        file: file.to_path_buf(),
+        problem: format!("`{}`: {}", fault.key, fault.problem),
     }
 }
 

@@ -4,8 +4,9 @@ use crate::hub::SceneName;
 use crate::protocol::{self, Lengths};
 use std::path::{Path, PathBuf};
 use thenar_scene::SceneError;
-use thenar_scene::hands::{Hands, with_hands};
-use thenar_scene::session::{Session, builtin, builtins, read};
+use thenar_scene::build::Files;
+use thenar_scene::hands::Hands;
+use thenar_scene::session::{Session, Source, builtin, builtins, read};
 
 /// Where the first scene comes from.
 #[derive(Clone, Debug)]
@@ -121,26 +122,13 @@ impl Catalogue {
             (None, None) => return Err(LiveError::Unknown(name.clone())),
         };
         let overrides = if self.first.0 == *name { &self.first.1[..] } else { &[] };
-        let session = session(&text, &path, overrides, recipe)?;
+        let Lengths { left, right } = recipe.lengths;
+        let mut source = Source::new(&text, &path, overrides);
+        (source.hands, source.lengths) = (recipe.hands, [left, right]);
+        let session = Session::open(&source, Files::beside(&path))?;
         let model = protocol::model(&session, name, 0)?;
         Ok(Ready { recipe: recipe.clone(), session, model })
     }
-}
-
-/// The scene with its own hands, or with others.
-fn session(
-    text: &str,
-    path: &Path,
-    overrides: &[String],
-    recipe: &Recipe,
-) -> Result<Session, SceneError> {
-    let Lengths { left, right } = recipe.lengths;
-    if recipe.hands == Hands::Scene && left.or(right).is_none() {
-        return Session::from_text(text, path, overrides);
-    }
-    let mut scene = read(text, overrides).map_err(|fault| fault.locate(path, text, overrides))?;
-    with_hands(&mut scene, recipe.hands, [left, right]);
-    Session::from_scene(scene, path)
 }
 
 /// The text of a scene file.

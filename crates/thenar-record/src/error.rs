@@ -1,0 +1,62 @@
+//! Why a recording cannot be read or written.
+
+use crate::frame::VERSION;
+use std::io;
+use std::path::PathBuf;
+
+/// Why a file cannot be read as a recording at all.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// It cannot be read.
+    #[error("cannot read {}: {cause}", file.display())]
+    Read {
+        /// File.
+        file: PathBuf,
+        /// Cause.
+        cause: io::Error,
+    },
+    /// It is something else.
+    #[error("{} is not a Thenar recording", file.display())]
+    Foreign {
+        /// File.
+        file: PathBuf,
+    },
+    /// A later program wrote it.
+    #[error(
+        "{} is a recording of format version {version}; this program reads version {VERSION}: a \
+         later version of Thenar reads it", file.display()
+    )]
+    Version {
+        /// File.
+        file: PathBuf,
+        /// Its version.
+        version: u32,
+    },
+    /// Nothing of it can be used.
+    #[error("{}: nothing can be recovered: {damage}", file.display())]
+    Damaged {
+        /// File.
+        file: PathBuf,
+        /// Where and what.
+        damage: crate::Damage,
+    },
+}
+
+/// Why a recording cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// There is such a file already.
+    #[error("{} is there already; a recording never replaces a file", .0.display())]
+    Exists(PathBuf),
+    /// It cannot be created or written.
+    #[error("cannot write {}: {cause}", file.display())]
+    Write {
+        /// File.
+        file: PathBuf,
+        /// Cause.
+        cause: io::Error,
+    },
+    /// Its thread cannot be started.
+    #[error("cannot start the recording's thread: {0}")]
+    Thread(io::Error),
+}

@@ -1,0 +1,210 @@
+//! Reading, up to the damage if there is any.
+
+use crate::frame::{
+    FRAME_BYTES_MAX, Frame, HEAD_BYTES, MAGIC, PAYLOAD_BYTES_MIN, PROLOGUE_BYTES, checksum,
+};
+use crate::{Header, Kind, OpenError, VERSION};
+use std::fmt;
+use std::fs::File;
+use std::io::{self, BufReader, Read};
+use std::path::Path;
+
+/// What is wrong with the first frame that cannot be trusted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// The file ends within it.
+    CutOff,
+    /// Its checksum does not agree.
+    Checksum,
+    /// Its length cannot be.
+    Length,
+    /// The recording does not begin with a header.
+    Header,
+}
+
+/// Where a recording stops to make sense.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Damage {
+    /// Where the first damaged frame begins \[bytes\].
+    pub offset: u64,
+    /// What is wrong with it.
+    pub fault: Fault,
+    /// From there to the end of the file \[bytes\].
+    pub lost_bytes: u64,
+}
+
+impl fmt::Display for Damage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = match self.fault {
+            Fault::CutOff => "the file ends within a frame",
+            Fault::Checksum => "a checksum does not agree",
+            Fault::Length => "a frame has an impossible length",
+            Fault::Header => "there is no header",
+        };
+        let Self { offset, lost_bytes, .. } = self;
+        write!(f, "{what} at byte {offset}; the {lost_bytes} bytes from there on are not used")
+    }
+}
+
+/// The frames of a recording, one after another.
+#[derive(Debug)]
+pub struct Frames<R> {
+    input: R,
+    /// Bytes of the whole file, and where the next frame begins.
+    size: u64,
+    at: u64,
+    sum: u32,
+    payload: Vec<u8>,
+    damage: Option<Damage>,
+    ended: bool,
+}
+
+/// Opens a recording and reads its header.
+///
+/// # Errors
+/// The file cannot be read, is no recording, is of another version, or is damaged before its first
+/// frame is over.
+pub fn open(file: &Path) -> Result<(Header, Frames<BufReader<File>>), OpenError> {
+    let read = |cause| OpenError::Read { file: file.into(), cause };
+    let input = File::open(file).map_err(read)?;
+    let size = input.metadata().map_err(read)?.len();
+    Frames::new(BufReader::with_capacity(1 << 16, input), size).map_err(|error| match error {
+        Refused::Read(cause) => read(cause),
+        Refused::Foreign => OpenError::Foreign { file: file.into() },
+        Refused::Version(version) => OpenError::Version { file: file.into(), version },
+        Refused::Damaged(damage) => OpenError::Damaged { file: file.into(), damage },
+    })
+}
+
+/// Why there are no frames.
+#[derive(Debug)]
+pub(crate) enum Refused {
+    Read(io::Error),
+    Foreign,
+    Version(u32),
+    Damaged(Damage),
+}
+
+impl<R: Read> Frames<R> {
+    /// Reads prologue and header of a file of `size` bytes.
+    pub(crate) fn new(mut input: R, size: u64) -> Result<(Header, Self), Refused> {
+        let mut prologue = [0; PROLOGUE_BYTES];
+        let got = read_up_to(&mut input, &mut prologue).map_err(Refused::Read)?;
+        if got < MAGIC.len() || &prologue[..8] != MAGIC {
+            return Err(Refused::Foreign);
+        }
+        let word = |at: usize| u32::from_le_bytes(std::array::from_fn(|k| prologue[at + k]));
+        let damaged = |fault| Refused::Damaged(Damage { offset: 0, fault, lost_bytes: size });
+        if got < PROLOGUE_BYTES {
+            return Err(damaged(Fault::CutOff));
+        }
+        // A flipped bit must not look like another version.
+        if crc32fast::hash(&prologue[..12]) != word(12) {
+            return Err(damaged(Fault::Checksum));
+        }
+        if word(8) != VERSION {
+            return Err(Refused::Version(word(8)));
+        }
+        let mut frames = Self {
+            input,
+            size,
+            at: PROLOGUE_BYTES as u64,
+            sum: word(12),
+            payload: Vec::new(),
+            damage: None,
+            ended: false,
+        };
+        let first = frames.next().map_err(Refused::Read)?;
+        let header = first
+            .filter(|frame| frame.kind == Some(Kind::Header))
+            .and_then(|frame| serde_json::from_slice(frame.body).ok());
+        match (header, frames.damage) {
+            (Some(header), _) => Ok((header, frames)),
+            (None, Some(damage)) => Err(Refused::Damaged(damage)),
+            (None, None) => {
+                let offset = PROLOGUE_BYTES as u64;
+                let lost_bytes = size.saturating_sub(offset);
+                Err(Refused::Damaged(Damage { offset, fault: Fault::Header, lost_bytes }))
+            }
+        }
+    }
+
+    /// The next frame; `None` at the end, or where the damage begins.
+    ///
+    /// # Errors
+    /// Reading fails.
+    #[allow(clippy::should_implement_trait)] // it lends its buffer
+    pub fn next(&mut self) -> io::Result<Option<Frame<'_>>> {
+        if self.damage.is_some() || self.at >= self.size {
+            return Ok(None);
+        }
+        match self.read()? {
+            Ok(()) => {}
+            Err(fault) => {
+                let lost_bytes = self.size - self.at;
+                self.damage = Some(Damage { offset: self.at, fault, lost_bytes });
+                return Ok(None);
+            }
+        }
+        self.at += (HEAD_BYTES + self.payload.len()) as u64;
+        let frame = Frame::of(&self.payload);
+        self.ended |= frame.is_some_and(|frame| frame.kind == Some(Kind::End));
+        Ok(frame)
+    }
+
+    /// Reads a frame into the buffer.
+    fn read(&mut self) -> io::Result<Result<(), Fault>> {
+        let mut head = [0; HEAD_BYTES];
+        if read_up_to(&mut self.input, &mut head)? < HEAD_BYTES {
+            return Ok(Err(Fault::CutOff));
+        }
+        let [length, sum] = [0, 4].map(|at| std::array::from_fn(|k| head[at + k]));
+        let bytes = u32::from_le_bytes(length);
+        if (bytes as usize) < PAYLOAD_BYTES_MIN || bytes > FRAME_BYTES_MAX {
+            return Ok(Err(Fault::Length));
+        }
+        // Never more memory than there is file.
+        if u64::from(bytes) > self.size.saturating_sub(self.at + HEAD_BYTES as u64) {
+            return Ok(Err(Fault::CutOff));
+        }
+        self.payload.resize(bytes as usize, 0);
+        if read_up_to(&mut self.input, &mut self.payload)? < bytes as usize {
+            return Ok(Err(Fault::CutOff));
+        }
+        let expected = checksum(self.sum, length, &self.payload);
+        if u32::from_le_bytes(sum) != expected {
+            return Ok(Err(Fault::Checksum));
+        }
+        self.sum = expected;
+        Ok(Ok(()))
+    }
+
+    /// What is wrong with the file, once that has been met.
+    pub fn damage(&self) -> Option<Damage> {
+        self.damage
+    }
+
+    /// True once the end frame has been read: the recording was ended as it should be.
+    pub fn ended(&self) -> bool {
+        self.ended
+    }
+
+    /// Where the next frame begins \[bytes\].
+    pub fn offset(&self) -> u64 {
+        self.at
+    }
+}
+
+/// Fills `out` as far as the input goes.
+fn read_up_to(input: &mut impl Read, out: &mut [u8]) -> io::Result<usize> {
+    let mut got = 0;
+    while got < out.len() {
+        match input.read(&mut out[got..]) {
+            Ok(0) => break,
+            Ok(n) => got += n,
+            Err(e) if e.kind() == io::ErrorKind::Interrupted => {}
+            Err(e) => return Err(e),
+        }
+    }
+    Ok(got)
+}

@@ -1,0 +1,40 @@
+//! A session that is made again.
+
+use super::{Entry, Session, drive, load};
+use thenar::world::State;
+
+impl Session {
+    /// Lets something enter that entered another session from the same source.
+    ///
+    /// # Errors
+    /// It does not fit this session; says why. Nothing has changed then.
+    pub fn enter(&mut self, entry: Entry<'_>) -> Result<(), String> {
+        match entry {
+            Entry::Pose { hand, time, pose } => {
+                self.live_pose(hand, time, pose).map_err(|e| e.to_string())?;
+            }
+            Entry::Lost { hand } => self.live_lost(hand),
+            Entry::Script { hand } => self.follow_script(hand),
+            Entry::Restart => self.restart(),
+            Entry::Set { key, value } => self.set(key, value).map_err(|e| e.to_string())?,
+        }
+        Ok(())
+    }
+
+    /// Passes over a step: time, scripts and tracked hands move on, bodies stay. To be followed by
+    /// [`Session::resume`]. `taken_back` tells that the step was, so that no time passed.
+    pub fn pass(&mut self, taken_back: bool) {
+        let before = self.world.time();
+        let t = before + self.world.time_step();
+        drive::fill(&mut self.input, &mut self.built, &mut self.live, &self.world, t);
+        load::fill(&mut self.input, &self.built.loads, &self.world, t);
+        self.world.set_time(if taken_back { before } else { t });
+        self.steps += 1;
+    }
+
+    /// Puts all bodies where another session from the same source had them after this step. False,
+    /// and nothing changes, when the state does not fit.
+    pub fn resume(&mut self, state: &State) -> bool {
+        self.world.restore(state)
+    }
+}

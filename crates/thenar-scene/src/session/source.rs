@@ -1,0 +1,33 @@
+//! What a session was made from.
+
+use crate::hands::Hands;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// All that a session is made from but the files that its scene names.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Source {
+    /// Names the scene in messages; relative paths in it start at its folder.
+    pub file: PathBuf,
+    /// The scene's text.
+    pub text: String,
+    /// Changes to it, `key=value`.
+    pub overrides: Vec<String>,
+    /// Which hands are in it.
+    pub hands: Hands,
+    /// Length of left and right hands \[m\], where it is not the scene's.
+    pub lengths: [Option<f64>; 2],
+}
+
+impl Source {
+    /// A scene as it is written.
+    pub fn new(text: &str, file: &Path, overrides: &[String]) -> Self {
+        Self {
+            file: file.into(),
+            text: text.into(),
+            overrides: overrides.to_vec(),
+            hands: Hands::Scene,
+            lengths: [None; 2],
+        }
+    }
+}

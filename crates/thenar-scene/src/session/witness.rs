@@ -1,0 +1,75 @@
+//! Whoever is told all that enters a session, so that it can be made again.
+
+use super::Session;
+use crate::live::LivePose;
+use crate::tuning::SettingValue;
+use std::fmt::Debug;
+
+/// What enters a session from outside. The same entries before the same steps of a session from the
+/// same source give the same bits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Entry<'a> {
+    /// [`Session::live_pose`] took a pose.
+    Pose {
+        /// Hand.
+        hand: usize,
+        /// By the client's clock \[s\].
+        time: f64,
+        /// Pose.
+        pose: &'a LivePose,
+    },
+    /// [`Session::live_lost`].
+    Lost {
+        /// Hand.
+        hand: usize,
+    },
+    /// [`Session::follow_script`].
+    Script {
+        /// Hand.
+        hand: usize,
+    },
+    /// [`Session::restart`].
+    Restart,
+    /// [`Session::set`] changed a setting.
+    Set {
+        /// Key.
+        key: &'a str,
+        /// Value.
+        value: &'a SettingValue,
+    },
+}
+
+/// Is told all that enters a session, in order. It must not take long.
+pub trait Witness: Debug + Send {
+    /// A session begins; it has not made a step yet, or goes on from where it is.
+    fn begins(&mut self, session: &Session);
+
+    /// Something has entered, and acts in the next step.
+    fn entered(&mut self, entry: Entry<'_>);
+
+    /// A step begins.
+    fn stepping(&mut self) {}
+
+    /// A step has been made.
+    fn stepped(&mut self, session: &Session);
+}
+
+impl Session {
+    /// From now on `witness` is told of this session.
+    pub fn set_witness(&mut self, mut witness: Box<dyn Witness>) {
+        witness.begins(self);
+        self.witness = Some(witness);
+    }
+
+    /// Lets the witness go.
+    pub fn take_witness(&mut self) -> Option<Box<dyn Witness>> {
+        self.witness.take()
+    }
+
+    /// Tells the witness.
+    pub(super) fn tell(&mut self, entry: Entry<'_>) {
+        if let Some(witness) = &mut self.witness {
+            witness.entered(entry);
+        }
+    }
+}
