@@ -14,6 +14,7 @@ pub mod format;
 pub mod hands;
 pub mod live;
 pub mod motion;
+pub mod recording;
 pub mod reference;
 pub mod session;
 pub mod text;

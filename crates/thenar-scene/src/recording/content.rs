@@ -1,0 +1,95 @@
+//! Bodies of the session's frames.
+
+use crate::session::Source;
+use serde::{Deserialize, Serialize};
+use thenar::world::State;
+
+/// A scene frame, in postcard's encoding: a session begins.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct SceneStart {
+    /// What it is made from.
+    pub source: Source,
+    /// The files that the scene names.
+    pub assets: Vec<Asset>,
+    /// Hash of the state it begins with.
+    pub hash: u64,
+    /// Simulated time at its beginning \[s\].
+    pub time: f64,
+    /// Time step \[s\].
+    pub time_step: f64,
+}
+
+/// A file that a scene names.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Asset {
+    /// What the scene calls it.
+    pub name: String,
+    /// Its size.
+    pub bytes: u64,
+    /// Its CRC-32.
+    pub crc32: u32,
+    /// All of it; `None` for one that is too large to be put into a recording.
+    pub content: Option<Vec<u8>>,
+}
+
+/// A step frame: 21 bytes, little-endian, in the order of the fields.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StepMark {
+    /// Steps made since the scene frame, this one included.
+    pub number: u64,
+    /// Hash of the state after it.
+    pub hash: u64,
+    /// What the step took by the clock on the wall \[ns\].
+    pub cost_ns: u32,
+    /// It was taken back, so that no simulated time passed: bit 0 of the last byte.
+    pub taken_back: bool,
+}
+
+impl StepMark {
+    /// Appends it.
+    pub fn write(&self, out: &mut Vec<u8>) {
+        out.extend_from_slice(&self.number.to_le_bytes());
+        out.extend_from_slice(&self.hash.to_le_bytes());
+        out.extend_from_slice(&self.cost_ns.to_le_bytes());
+        out.push(u8::from(self.taken_back));
+    }
+
+    /// Reads it.
+    pub fn read(body: &[u8]) -> Option<Self> {
+        let (number, rest) = body.split_first_chunk::<8>()?;
+        let (hash, rest) = rest.split_first_chunk::<8>()?;
+        let (cost_ns, rest) = rest.split_first_chunk::<4>()?;
+        Some(Self {
+            number: u64::from_le_bytes(*number),
+            hash: u64::from_le_bytes(*hash),
+            cost_ns: u32::from_le_bytes(*cost_ns),
+            taken_back: rest.first()? & 1 != 0,
+        })
+    }
+}
+
+/// A keyframe, in postcard's encoding.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Keyframe {
+    /// Steps made since the scene frame.
+    pub number: u64,
+    /// The state after them.
+    pub state: State,
+}
+
+/// The same, while it is written.
+#[derive(Debug, Serialize)]
+pub(super) struct KeyframeRef<'a> {
+    pub number: u64,
+    pub state: &'a State,
+}
+
+/// Appends a value in postcard's encoding.
+pub(super) fn append(out: &mut Vec<u8>, value: &impl Serialize) {
+    let length = out.len();
+    // What is in memory always has such a form; were it not so, an empty body is refused on reading.
+    match postcard::to_extend(value, std::mem::take(out)) {
+        Ok(written) => *out = written,
+        Err(_) => out.resize(length, 0),
+    }
+}

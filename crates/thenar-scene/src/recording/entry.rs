@@ -1,0 +1,165 @@
+//! What enters a session, as a recording keeps it.
+
+use crate::live::LivePose;
+use crate::session::Entry;
+use crate::tuning::SettingValue;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use thenar::{Pose, Quat, Vec3};
+
+/// An input frame, in postcard's encoding: after `number` steps this entered.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Input {
+    /// Steps made since the scene frame.
+    pub number: u64,
+    /// What entered.
+    pub what: What,
+}
+
+/// What entered. Variants are numbered from 0 in the file; new ones come last.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum What {
+    Joints { hand: u32, time: f64, joints: Vec<[f64; 7]>, radii: Vec<f64> },
+    Angles { hand: u32, time: f64, wrist: [f64; 7], angles: Vec<f64> },
+    Lost { hand: u32 },
+    Script { hand: u32 },
+    Restart,
+    SetNumber { key: String, value: f64 },
+    SetChoice { key: String, value: String },
+}
+
+/// The same, while it is written: nothing is copied to the heap.
+#[derive(Debug, Serialize)]
+pub struct InputRef<'a> {
+    pub number: u64,
+    pub what: WhatRef<'a>,
+}
+
+/// Variants as those of [`What`].
+#[derive(Debug, Serialize)]
+pub enum WhatRef<'a> {
+    Joints { hand: u32, time: f64, joints: &'a [[f64; 7]], radii: &'a [f64] },
+    Angles { hand: u32, time: f64, wrist: [f64; 7], angles: &'a [f64] },
+    Lost { hand: u32 },
+    Script { hand: u32 },
+    Restart,
+    SetNumber { key: &'a str, value: f64 },
+    SetChoice { key: &'a str, value: &'a str },
+}
+
+/// Position, then quaternion x, y, z, w: bits as they are.
+fn flat(pose: &Pose) -> [f64; 7] {
+    let (p, q) = (pose.position, pose.rotation.coords);
+    [p.x, p.y, p.z, q.x, q.y, q.z, q.w]
+}
+
+fn pose([x, y, z, i, j, k, w]: [f64; 7]) -> Pose {
+    let rotation = Quat::new_unchecked(nalgebra::Quaternion::new(w, i, j, k));
+    Pose::new(Vec3::new(x, y, z), rotation)
+}
+
+/// Hands an entry on in the form in which it is written.
+pub fn with_ref(number: u64, entry: Entry<'_>, then: impl FnOnce(&InputRef<'_>)) {
+    let give = |what| then(&InputRef { number, what });
+    match entry {
+        Entry::Pose { hand, time, pose: LivePose::Joints { joints, radii } } => {
+            let joints: [[f64; 7]; 25] = std::array::from_fn(|k| flat(&joints[k]));
+            give(WhatRef::Joints { hand: hand as u32, time, joints: &joints, radii });
+        }
+        Entry::Pose { hand, time, pose: LivePose::Angles { wrist, angles } } => {
+            let wrist = flat(wrist);
+            give(WhatRef::Angles { hand: hand as u32, time, wrist, angles });
+        }
+        Entry::Lost { hand } => give(WhatRef::Lost { hand: hand as u32 }),
+        Entry::Script { hand } => give(WhatRef::Script { hand: hand as u32 }),
+        Entry::Restart => give(WhatRef::Restart),
+        Entry::Set { key, value: SettingValue::Number(value) } => {
+            give(WhatRef::SetNumber { key, value: *value });
+        }
+        Entry::Set { key, value: SettingValue::Choice(value) } => {
+            give(WhatRef::SetChoice { key, value });
+        }
+    }
+}
+
+impl What {
+    /// Hands it on as the session takes it. `None` when it has the wrong number of joints or angles.
+    pub fn with_entry<R>(&self, then: impl FnOnce(Entry<'_>) -> R) -> Option<R> {
+        Some(match self {
+            Self::Joints { hand, time, joints, radii } => {
+                let joints: [[f64; 7]; 25] = joints[..].try_into().ok()?;
+                let radii = radii[..].try_into().ok()?;
+                let pose = LivePose::Joints { joints: joints.map(pose), radii };
+                then(Entry::Pose { hand: *hand as usize, time: *time, pose: &pose })
+            }
+            Self::Angles { hand, time, wrist, angles } => {
+                let angles = angles[..].try_into().ok()?;
+                let pose = LivePose::Angles { wrist: pose(*wrist), angles };
+                then(Entry::Pose { hand: *hand as usize, time: *time, pose: &pose })
+            }
+            Self::Lost { hand } => then(Entry::Lost { hand: *hand as usize }),
+            Self::Script { hand } => then(Entry::Script { hand: *hand as usize }),
+            Self::Restart => then(Entry::Restart),
+            Self::SetNumber { key, value } => {
+                then(Entry::Set { key, value: &SettingValue::Number(*value) })
+            }
+            Self::SetChoice { key, value } => {
+                then(Entry::Set { key, value: &SettingValue::Choice(value.clone()) })
+            }
+        })
+    }
+}
+
+impl fmt::Display for What {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Joints { hand, .. } => write!(f, "joints of hand {hand}"),
+            Self::Angles { hand, .. } => write!(f, "angles of hand {hand}"),
+            Self::Lost { hand } => write!(f, "hand {hand} is not tracked"),
+            Self::Script { hand } => write!(f, "hand {hand} follows its script"),
+            Self::Restart => write!(f, "restart"),
+            Self::SetNumber { key, value } => write!(f, "{key} = {value}"),
+            Self::SetChoice { key, value } => write!(f, "{key} = {value}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An entry goes through the file's form and back with all its bits.
+    #[track_caller]
+    fn check(entry: Entry<'_>) {
+        let mut bytes = Vec::new();
+        with_ref(1 << 40, entry, |input| super::super::content::append(&mut bytes, input));
+        let input: Input = postcard::from_bytes(&bytes).unwrap();
+        assert_eq!(input.number, 1 << 40);
+        assert_eq!(input.what.with_entry(|back| back == entry), Some(true));
+    }
+
+    #[test]
+    fn entries_come_back_as_they_were() {
+        // Not quite a unit quaternion, as a tracker sends it.
+        let odd = Quat::new_unchecked(nalgebra::Quaternion::new(0.7, -0.1, 0.4, 0.601));
+        let frame = |k: usize| Pose::new(Vec3::new(k as f64, -0.0, 1.0 / 3.0), odd);
+        let joints = std::array::from_fn(frame);
+        let radii = std::array::from_fn(|k| 1e-3 * k as f64);
+        let pose = LivePose::Joints { joints, radii };
+        check(Entry::Pose { hand: 1, time: 12.5, pose: &pose });
+        let angles = std::array::from_fn(|k| -0.1 * k as f64);
+        let pose = LivePose::Angles { wrist: frame(3), angles };
+        check(Entry::Pose { hand: 0, time: -1e-300, pose: &pose });
+        check(Entry::Lost { hand: 3 });
+        check(Entry::Script { hand: 0 });
+        check(Entry::Restart);
+        check(Entry::Set { key: "friction", value: &SettingValue::Number(0.25) });
+        check(Entry::Set { key: "solver", value: &SettingValue::Choice("two-step".into()) });
+    }
+
+    #[test]
+    fn a_pose_with_too_few_joints_is_none() {
+        let what = What::Joints { hand: 0, time: 0.0, joints: vec![[0.0; 7]; 24], radii: vec![] };
+        assert_eq!(what.with_entry(|_| ()), None);
+    }
+}

@@ -1,0 +1,22 @@
+//! Recordings of sessions: what enters one, a hash of the state after every step, and now and then
+//! the whole state; and how a session is made again from them.
+//!
+//! A session is made again from its source (the scene's text, the files it names, which hands) and
+//! from all that entered it, before the same steps. On the same build and the same vector
+//! instructions that gives the same bits, which the hashes show. Elsewhere it gives nearly the
+//! same; keyframes put it right each time.
+//!
+//! The bytes are described in `docs/recording.md`.
+
+mod content;
+mod entry;
+mod replay;
+mod scene;
+mod tape;
+mod verdict;
+
+pub use content::{Asset, Keyframe, SceneStart, StepMark};
+pub use replay::{Event, Replay, ReplayError};
+pub use scene::ASSET_BYTES_MAX;
+pub use tape::{SessionTape, TimeOf};
+pub use verdict::{Difference, Moved, Verdict};

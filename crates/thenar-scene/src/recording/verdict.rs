@@ -1,0 +1,138 @@
+//! Whether a replay gave what was recorded, and if not, why.
+
+use std::fmt;
+use thenar::Vec3;
+use thenar::world::State;
+use thenar_record::{Build, Damage, Gap, Header};
+
+/// The first step that gave something else.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Difference {
+    /// Number of the scene in the recording, from 1.
+    pub scene: u32,
+    /// Step since that scene began; 0 is its start.
+    pub step: u64,
+    /// Its time in the recording \[s\].
+    pub time: f64,
+}
+
+/// How far a replay was from a keyframe before it was put right.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moved {
+    /// Largest distance of a rigid body \[m\].
+    pub rigid: f64,
+    /// Largest distance of a node \[m\].
+    pub node: f64,
+}
+
+impl Moved {
+    pub(super) fn between(a: &State, b: &State) -> Self {
+        let farthest = |pairs: &mut dyn Iterator<Item = (Vec3, Vec3)>| {
+            pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
+        };
+        let places = |s: &State| s.poses_WB.iter().map(|p| p.position).collect::<Vec<_>>();
+        Self {
+            rigid: farthest(&mut places(a).into_iter().zip(places(b))),
+            node: farthest(&mut a.x.iter().copied().zip(b.x.iter().copied())),
+        }
+    }
+
+    pub(super) fn max(self, other: Self) -> Self {
+        Self { rigid: self.rigid.max(other.rigid), node: self.node.max(other.node) }
+    }
+}
+
+/// What a replay has found so far.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Verdict {
+    /// Scenes begun.
+    pub scenes: u32,
+    /// Steps made.
+    pub steps: u64,
+    /// Of these, with the same bits.
+    pub same: u64,
+    /// Of these, without a mark to compare with.
+    pub unmarked: u64,
+    /// Steps passed over on the way to a later beginning.
+    pub passed: u64,
+    /// Time of the newest frame \[s\].
+    pub seconds: f64,
+    /// The first difference.
+    pub first: Option<Difference>,
+    /// Keyframes that put the replay right, and how far it was off at most.
+    pub put_right: (u64, Moved),
+    /// Inputs that the session refused.
+    pub refused: Vec<String>,
+    /// What the recorder dropped.
+    pub gaps: Vec<(f64, Gap)>,
+    /// Where the file stops to make sense.
+    pub damage: Option<Damage>,
+    /// It was ended as it should be.
+    pub ended: bool,
+}
+
+impl Verdict {
+    /// True when every step that could be compared gave the same bits.
+    pub fn is_same(&self) -> bool {
+        self.first.is_none() && self.refused.is_empty()
+    }
+
+    /// Why bits may differ between the recording's program and this one: a line for each cause.
+    pub fn causes(&self, recorded: &Header, here: &Header) -> Vec<String> {
+        let mut causes = Vec::new();
+        if recorded.program != here.program {
+            causes
+                .push(format!("it was recorded by {}, this is {}", recorded.program, here.program));
+        } else if recorded.build != here.build && recorded.build != Build::default() {
+            causes.push(format!(
+                "it was recorded by another build of {} (program file CRC-32 {:08x}, here {:08x})",
+                here.program, recorded.build.crc32, here.build.crc32
+            ));
+        }
+        if recorded.system != here.system {
+            causes.push(format!("it was recorded on {}, this is {}", recorded.system, here.system));
+        }
+        if recorded.vectors != here.vectors {
+            causes.push(format!(
+                "it was recorded with {} vector instructions, here steps use {}",
+                recorded.vectors, here.vectors
+            ));
+        }
+        if self.first.is_some_and(|first| first.step == 0) {
+            causes.push("the scene as built here starts in another state".into());
+        }
+        if self.gaps.iter().any(|(_, gap)| gap.source == 0 && gap.heavy > 0) {
+            causes.push("inputs are missing: the disk was too slow".into());
+        }
+        causes
+    }
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { steps, same, unmarked, seconds, .. } = self;
+        match &self.first {
+            None => write!(f, "the same bits in all {same} steps, {seconds:.3} s")?,
+            Some(d) => write!(
+                f,
+                "differs from step {} of scene {} on, at {:.3} s; {same} of {} steps have the same \
+                 bits",
+                d.step,
+                d.scene,
+                d.time,
+                steps - unmarked,
+            )?,
+        }
+        if *unmarked > 0 {
+            write!(f, "; {unmarked} steps were not marked and could not be compared")?;
+        }
+        if let (times @ 1.., Moved { rigid, node }) = self.put_right {
+            write!(
+                f,
+                "; put right {times} times by keyframes, when bodies were off by {rigid:.1e} m and \
+                 nodes by {node:.1e} m at most"
+            )?;
+        }
+        Ok(())
+    }
+}
