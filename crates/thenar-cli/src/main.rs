@@ -13,6 +13,9 @@ mod files;
 mod haptics;
 mod interrupt;
 mod picture;
+mod record;
+mod recording;
+mod replay;
 mod run;
 mod scenes;
 mod serve;
@@ -40,6 +43,10 @@ enum Command {
     Run(run::Args),
     /// Feel a scene through devices, without a page.
     Touch(touch::Args),
+    /// Run a scene as fast as it can and record it.
+    Record(record::Args),
+    /// Make a recorded session again: verify it, export it.
+    Replay(replay::Args),
     /// Build a simulation-ready model from a mesh.
     Build(build::Args),
     /// List the scenes that come with the program.
@@ -64,6 +71,8 @@ fn main() -> ExitCode {
         Some(Command::Serve(args)) => serve::run(&args),
         Some(Command::Run(args)) => run::run(&args),
         Some(Command::Touch(args)) => touch::run(&args),
+        Some(Command::Record(args)) => record::run(&args),
+        Some(Command::Replay(args)) => replay::run(&args),
         Some(Command::Build(args)) => build::run(&args),
         Some(Command::Scenes(args)) => scenes::run(&args),
         Some(Command::Devices(args)) => devices::run(&args),

@@ -1,13 +1,15 @@
 //! `thenar serve`: a scene live, for pages and headsets.
 
 use crate::error::CliError;
-use crate::interrupt;
+use crate::recording::{RecordOptions, Recording};
 use crate::run::{Found, find};
 use crate::touch::{DeviceOptions, Teller, WavingGlove};
+use crate::{files, interrupt};
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 use std::time::Duration;
 use thenar_link::haptic_loop::{HapticLoop, page_tracker};
+use thenar_scene::recording::TimeOf;
 use thenar_serve::http::{Limits, Options, Port, Reach, Server, StartError};
 use thenar_serve::live::{self, Haptics, Live, LiveError, SceneSource};
 use thenar_serve::page;
@@ -42,6 +44,9 @@ pub struct Args {
     /// Devices to feel it with.
     #[command(flatten)]
     devices: DeviceOptions,
+    /// Recording.
+    #[command(flatten)]
+    recording: RecordOptions,
 }
 
 impl Args {
@@ -56,6 +61,7 @@ impl Args {
             set: Vec::new(),
             time_step: None,
             devices: DeviceOptions::default(),
+            recording: RecordOptions { record: None, keyframes: 1.0 },
         }
     }
 }
@@ -73,15 +79,16 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         Found::Builtin(known) => SceneSource::Builtin(known.name.into()),
     };
     let (device, haptics) = feel(&args.devices)?;
-    let live_options = live::Options { haptics, overrides, ..live::Options::default() };
-    let (live, hub) = Live::start(&source, live_options)?;
-    let options = Options {
-        reach: if args.lan { Reach::Lan } else { Reach::Desk },
-        address: None,
-        port: args.port.map_or(Port::From(PORT), Port::Exactly),
-        limits: Limits::default(),
+    let (mut recording, witness) = match Recording::start(&args.recording, TimeOf::Clock)? {
+        Some((recording, witness)) => (Some(recording), Some(witness)),
+        None => (None, None),
     };
-    let server = Server::start(&options, hub)?;
+    let live_options = live::Options { overrides, haptics, witness, ..live::Options::default() };
+    let started = start(args, &source, live_options);
+    if started.is_err() {
+        recording.take().map(Recording::discard).unwrap_or_default();
+    }
+    let (live, server) = started?;
     announce(args, &server);
     if wants_browser(args) {
         // Where there is none, the address stands there to be clicked on.
@@ -93,9 +100,18 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         if let Some((device, _)) = &device {
             teller.tell(&device.remote());
         }
+        if let Some(recording) = &mut recording {
+            recording.complain();
+        }
     }
     server.stop();
     drop(live);
+    if let Some(recording) = recording {
+        let file = recording.file().display().to_string();
+        let bytes = recording.finish()?;
+        // Whoever read the address may have stopped reading.
+        let _ = writeln!(std::io::stdout(), "recorded {file}, {}", files::size(bytes));
+    }
     // Whoever read the address may have stopped reading.
     let _ = writeln!(std::io::stdout(), "ended");
     Ok(())
@@ -114,6 +130,22 @@ fn feel(
     let (port, remote) = (device.port(), device.remote());
     options.arm_if_asked(&remote);
     Ok((Some((device, twins)), Some(Haptics { port, remote, poses })))
+}
+
+fn start(
+    args: &Args,
+    source: &SceneSource,
+    live_options: live::Options,
+) -> Result<(Live, Server), CliError> {
+    let (live, hub) = Live::start(source, live_options)?;
+    let options = Options {
+        reach: if args.lan { Reach::Lan } else { Reach::Desk },
+        address: None,
+        port: args.port.map_or(Port::From(PORT), Port::Exactly),
+        limits: Limits::default(),
+    };
+    let server = Server::start(&options, hub)?;
+    Ok((live, server))
 }
 
 fn announce(args: &Args, server: &Server) {

@@ -51,7 +51,7 @@ fn content(file: &Path) -> Result<Content, OpenError> {
 
 /// Writes a scene, a few steps and a channel.
 fn write(file: &Path) {
-    let mut recorder = Recorder::create(file, &header()).unwrap();
+    let recorder = Recorder::create(file, &header()).unwrap();
     let mut tape = recorder.session();
     assert!(tape.big_frame(Kind::Scene, 1, |body| body.extend(b"a scene")));
     for k in 0..3_u8 {

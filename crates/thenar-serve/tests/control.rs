@@ -186,6 +186,7 @@ fn too_slow_a_machine_says_so_and_slows_down() {
         overrides: vec!["time_step=0.005".into(), "duration=1000".into()],
         haptics: None,
         watcher: Some(Box::new(slow)),
+        ..Options::default()
     };
     let source = SceneSource::Builtin("falling-box".into());
     let (_live, hub) = Live::start(&source, options).unwrap();

@@ -15,6 +15,7 @@ pub use timer::{STAGES, StageTimes, StopWatch};
 use crate::error::CliError;
 use crate::interrupt;
 use crate::picture::PictureOptions;
+use crate::recording::{RecordOptions, attach};
 use indicatif::{ProgressBar, ProgressStyle};
 use outputs::Outputs;
 use std::path::PathBuf;
@@ -44,6 +45,9 @@ pub struct Args {
     /// Simulated time between moments of the VTK series [s].
     #[arg(long, value_name = "S", default_value_t = 1.0 / 30.0, requires = "vtk", allow_negative_numbers = true)]
     vtk_interval: f64,
+    /// Recording.
+    #[command(flatten)]
+    recording: RecordOptions,
     /// Pictures.
     #[command(flatten)]
     pictures: PictureOptions,
@@ -70,25 +74,24 @@ pub struct Outcome {
 /// # Errors
 /// The scene is wrong, an output cannot be written, or the run was interrupted.
 pub fn run(args: &Args) -> Result<(), CliError> {
-    let positive = |x: f64| x > 0.0 && x.is_finite();
-    if args.seconds.is_some_and(|s| !positive(s) || s > 1e9) {
-        return Err(CliError::Input("--seconds must be more than 0 and at most 1e9".into()));
-    }
-    if !positive(args.vtk_interval) {
+    seconds_make_sense(args.seconds)?;
+    if !(args.vtk_interval > 0.0 && args.vtk_interval.is_finite()) {
         return Err(CliError::Input("--vtk-interval must be more than 0".into()));
     }
     let mut session = open(&args.scene, &args.set)?;
-    let steps = match args.seconds {
-        Some(s) => (s / session.world().time_step()).round().max(1.0) as u64,
-        None => session.steps_wanted(),
-    };
+    let steps = steps(&session, args.seconds)?;
     for warning in session.world().stability_warnings() {
         eprintln!("warning: {warning}");
     }
     let mut outputs = Outputs::create(args, &session, steps)?;
+    let recording = attach(&args.recording, &mut session)?;
     interrupt::listen();
     let outcome = advance(&mut session, steps, &mut outputs, args.quiet)?;
     outputs.finish(&session, &outcome)?;
+    if let Some(recording) = recording {
+        drop(session.take_witness());
+        recording.finish()?;
+    }
     if !args.quiet {
         report::print(&session, &outcome);
     }
@@ -98,6 +101,27 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         }
         false => Ok(()),
     }
+}
+
+fn seconds_make_sense(seconds: Option<f64>) -> Result<(), CliError> {
+    match seconds {
+        Some(s) if !(s > 0.0 && s <= 1e9) => {
+            Err(CliError::Input("--seconds must be more than 0 and at most 1e9".into()))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Steps that a run of these seconds takes, or of the scene's own duration.
+///
+/// # Errors
+/// The number makes no sense.
+pub fn steps(session: &Session, seconds: Option<f64>) -> Result<u64, CliError> {
+    seconds_make_sense(seconds)?;
+    Ok(match seconds {
+        Some(s) => (s / session.world().time_step()).round().max(1.0) as u64,
+        None => session.steps_wanted(),
+    })
 }
 
 fn advance(

@@ -3,8 +3,9 @@
 use crate::live::LivePose;
 use crate::session::Entry;
 use crate::tuning::SettingValue;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 use std::fmt;
+use thenar::world::Target;
 use thenar::{Pose, Quat, Vec3};
 
 /// An input frame, in postcard's encoding: after `number` steps this entered.
@@ -26,6 +27,8 @@ pub enum What {
     Restart,
     SetNumber { key: String, value: f64 },
     SetChoice { key: String, value: String },
+    Lead { hand: u32, targets: Vec<[f64; 13]> },
+    LetGo { hand: u32 },
 }
 
 /// The same, while it is written: nothing is copied to the heap.
@@ -45,6 +48,30 @@ pub enum WhatRef<'a> {
     Restart,
     SetNumber { key: &'a str, value: f64 },
     SetChoice { key: &'a str, value: &'a str },
+    Lead { hand: u32, targets: Targets<'a> },
+    LetGo { hand: u32 },
+}
+
+/// Targets, each as its pose, velocity and angular velocity.
+#[derive(Debug)]
+pub struct Targets<'a>(&'a [Target]);
+
+impl Serialize for Targets<'_> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_seq(self.0.iter().map(|target| {
+            let ([p, q], v) = ([target.velocity_W, target.angular_velocity_W], &target.pose_WB);
+            let [a, b, c, d, e, f, g] = flat(v);
+            [a, b, c, d, e, f, g, p.x, p.y, p.z, q.x, q.y, q.z]
+        }))
+    }
+}
+
+fn target([a, b, c, d, e, f, g, vx, vy, vz, wx, wy, wz]: [f64; 13]) -> Target {
+    Target {
+        pose_WB: pose([a, b, c, d, e, f, g]),
+        velocity_W: Vec3::new(vx, vy, vz),
+        angular_velocity_W: Vec3::new(wx, wy, wz),
+    }
 }
 
 /// Position, then quaternion x, y, z, w: bits as they are.
@@ -72,6 +99,10 @@ pub fn with_ref(number: u64, entry: Entry<'_>, then: impl FnOnce(&InputRef<'_>))
         }
         Entry::Lost { hand } => give(WhatRef::Lost { hand: hand as u32 }),
         Entry::Script { hand } => give(WhatRef::Script { hand: hand as u32 }),
+        Entry::Lead { hand, targets } => {
+            give(WhatRef::Lead { hand: hand as u32, targets: Targets(targets) });
+        }
+        Entry::LetGo { hand } => give(WhatRef::LetGo { hand: hand as u32 }),
         Entry::Restart => give(WhatRef::Restart),
         Entry::Set { key, value: SettingValue::Number(value) } => {
             give(WhatRef::SetNumber { key, value: *value });
@@ -83,6 +114,11 @@ pub fn with_ref(number: u64, entry: Entry<'_>, then: impl FnOnce(&InputRef<'_>))
 }
 
 impl What {
+    /// True for what comes many times a second.
+    pub fn is_often(&self) -> bool {
+        matches!(self, Self::Joints { .. } | Self::Angles { .. } | Self::Lead { .. })
+    }
+
     /// Hands it on as the session takes it. `None` when it has the wrong number of joints or angles.
     pub fn with_entry<R>(&self, then: impl FnOnce(Entry<'_>) -> R) -> Option<R> {
         Some(match self {
@@ -99,6 +135,11 @@ impl What {
             }
             Self::Lost { hand } => then(Entry::Lost { hand: *hand as usize }),
             Self::Script { hand } => then(Entry::Script { hand: *hand as usize }),
+            Self::Lead { hand, targets } => {
+                let targets: Vec<Target> = targets.iter().map(|flat| target(*flat)).collect();
+                then(Entry::Lead { hand: *hand as usize, targets: &targets })
+            }
+            Self::LetGo { hand } => then(Entry::LetGo { hand: *hand as usize }),
             Self::Restart => then(Entry::Restart),
             Self::SetNumber { key, value } => {
                 then(Entry::Set { key, value: &SettingValue::Number(*value) })
@@ -117,6 +158,8 @@ impl fmt::Display for What {
             Self::Angles { hand, .. } => write!(f, "angles of hand {hand}"),
             Self::Lost { hand } => write!(f, "hand {hand} is not tracked"),
             Self::Script { hand } => write!(f, "hand {hand} follows its script"),
+            Self::Lead { hand, .. } => write!(f, "targets of hand {hand}"),
+            Self::LetGo { hand } => write!(f, "hand {hand} is led no more"),
             Self::Restart => write!(f, "restart"),
             Self::SetNumber { key, value } => write!(f, "{key} = {value}"),
             Self::SetChoice { key, value } => write!(f, "{key} = {value}"),
@@ -153,6 +196,14 @@ mod tests {
         check(Entry::Lost { hand: 3 });
         check(Entry::Script { hand: 0 });
         check(Entry::Restart);
+        let target = |k: usize| Target {
+            pose_WB: frame(k),
+            velocity_W: Vec3::new(k as f64, 0.1, -0.2),
+            angular_velocity_W: Vec3::new(-0.0, 3.0, 1e-9 * k as f64),
+        };
+        let targets: [Target; 16] = std::array::from_fn(target);
+        check(Entry::Lead { hand: 1, targets: &targets });
+        check(Entry::LetGo { hand: 1 });
         check(Entry::Set { key: "friction", value: &SettingValue::Number(0.25) });
         check(Entry::Set { key: "solver", value: &SettingValue::Choice("two-step".into()) });
     }

@@ -56,6 +56,8 @@ pub enum Event {
         time_ns: u64,
         /// What.
         what: String,
+        /// Of a kind that comes many times a second: a pose, or targets.
+        often: bool,
     },
     /// A step was made.
     Stepped {
@@ -190,7 +192,10 @@ impl Replay {
                     }
                 },
             };
-            self.verdict.seconds = self.verdict.seconds.max(time_ns as f64 * 1e-9);
+            // Other frames may carry another clock.
+            if matches!(item, Item::Scene(_) | Item::Input(_) | Item::Step(_)) {
+                self.verdict.seconds = self.verdict.seconds.max(time_ns as f64 * 1e-9);
+            }
             if let Some(event) = self.take(time_ns, item)? {
                 return Ok(Some(event));
             }
@@ -314,7 +319,8 @@ impl Replay {
             None => Some("a pose has the wrong number of joints or angles".into()),
         };
         self.verdict.refused.extend(refused);
-        Some(Event::Entered { time_ns, what: input.what.to_string() })
+        let (what, often) = (input.what.to_string(), input.what.is_often());
+        Some(Event::Entered { time_ns, what, often })
     }
 
     /// At a keyframe the replay is right, or is put right.

@@ -55,7 +55,7 @@ pub struct Verdict {
     pub unmarked: u64,
     /// Steps passed over on the way to a later beginning.
     pub passed: u64,
-    /// Time of the newest frame \[s\].
+    /// Time of the session's newest frame \[s\].
     pub seconds: f64,
     /// The first difference.
     pub first: Option<Difference>,

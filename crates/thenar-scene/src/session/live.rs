@@ -55,6 +55,9 @@ impl Session {
         let led = self.led[hand].get_or_insert_with(|| Vec::with_capacity(targets.len()));
         led.clear();
         led.extend(targets);
+        if let Some(witness) = &mut self.witness {
+            witness.entered(Entry::Lead { hand, targets: led });
+        }
         true
     }
 
@@ -64,6 +67,7 @@ impl Session {
         if let Some(Ok(live)) = self.live.get_mut(hand) {
             live.return_from(&self.input.targets[drive::bones(&self.built.hands[hand])]);
         }
+        self.tell(Entry::LetGo { hand });
     }
 
     /// True while hand `hand` is led.

@@ -15,6 +15,12 @@ impl Session {
             }
             Entry::Lost { hand } => self.live_lost(hand),
             Entry::Script { hand } => self.follow_script(hand),
+            Entry::Lead { hand, targets } => {
+                if !self.lead(hand, targets.iter().copied()) {
+                    return Err(format!("hand {hand} cannot be led so"));
+                }
+            }
+            Entry::LetGo { hand } => self.let_go(hand),
             Entry::Restart => self.restart(),
             Entry::Set { key, value } => self.set(key, value).map_err(|e| e.to_string())?,
         }
@@ -27,6 +33,7 @@ impl Session {
         let before = self.world.time();
         let t = before + self.world.time_step();
         drive::fill(&mut self.input, &mut self.built, &mut self.live, &self.world, t);
+        drive::follow_leaders(&mut self.input, &self.built, &self.led);
         load::fill(&mut self.input, &self.built.loads, &self.world, t);
         self.world.set_time(if taken_back { before } else { t });
         self.steps += 1;

@@ -4,6 +4,7 @@ use super::Session;
 use crate::live::LivePose;
 use crate::tuning::SettingValue;
 use std::fmt::Debug;
+use thenar::world::Target;
 
 /// What enters a session from outside. The same entries before the same steps of a session from the
 /// same source give the same bits.
@@ -25,6 +26,18 @@ pub enum Entry<'a> {
     },
     /// [`Session::follow_script`].
     Script {
+        /// Hand.
+        hand: usize,
+    },
+    /// [`Session::lead`] was given targets.
+    Lead {
+        /// Hand.
+        hand: usize,
+        /// One for each of its bones.
+        targets: &'a [Target],
+    },
+    /// [`Session::let_go`] of a hand that was led.
+    LetGo {
         /// Hand.
         hand: usize,
     },

@@ -17,7 +17,11 @@ impl Loop {
     pub(super) fn adopt(&mut self, ready: Ready) {
         let same = ready.recipe.scene == self.recipe.scene;
         let felt = self.haptics.as_mut().map_or(Ok(()), |haptics| haptics.attach(&ready.session));
+        self.free_witness();
         let mut play = Play::new(ready.session);
+        if let Some(witness) = self.witness.take() {
+            play.set_witness(witness);
+        }
         if !same {
             self.set.clear();
         }
@@ -31,6 +35,13 @@ impl Loop {
         self.play = Some(play);
         self.pacer.resume(Instant::now());
         self.show();
+    }
+
+    /// Takes the witness from the session that ends.
+    fn free_witness(&mut self) {
+        if let Some(witness) = self.play.as_mut().and_then(Play::take_witness) {
+            self.witness = Some(witness);
+        }
     }
 
     pub(super) fn adopt_what_is_made(&mut self) {
@@ -57,6 +68,7 @@ impl Loop {
             .map(String::as_str)
             .or_else(|| panic.downcast_ref::<&str>().copied())
             .unwrap_or("unknown cause");
+        self.free_witness();
         self.play = None;
         self.set.clear();
         self.failures.retain(|then| now - *then < FAILURES_WITHIN);

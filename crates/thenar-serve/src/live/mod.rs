@@ -28,7 +28,7 @@ use source::Catalogue;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
-use thenar_scene::session::Session;
+use thenar_scene::session::{Session, Witness};
 
 /// Is shown the session after every step; must not take long.
 pub type Watcher = Box<dyn FnMut(&Session) + Send>;
@@ -42,6 +42,8 @@ pub struct Options {
     pub watcher: Option<Watcher>,
     /// Devices to feel it with.
     pub haptics: Option<Haptics>,
+    /// Is told all that enters the session, and of every scene that takes its place.
+    pub witness: Option<Box<dyn Witness>>,
 }
 
 /// A running simulation; it ends when this is dropped.
@@ -72,8 +74,9 @@ impl Live {
             let named = std::thread::Builder::new().name("touch".into());
             new.reporter = Some(named.spawn(report)?);
         }
-        let running =
-            Loop::new(desk, Builder::new(catalogue), ready, options.watcher, options.haptics);
+        let builder = Builder::new(catalogue);
+        let Options { watcher, haptics, witness, .. } = options;
+        let running = Loop::new(desk, builder, ready, watcher, haptics, witness);
         let named = std::thread::Builder::new().name("simulation".into());
         new.thread = Some(named.spawn(move || running.run(&told))?);
         Ok((new, hub))

@@ -5,7 +5,7 @@ use crate::protocol::{PoseBody, PoseMessage, flags};
 use std::time::{Duration, Instant};
 use thenar::model::Side;
 use thenar_scene::live::{LivePose, Mover};
-use thenar_scene::session::Session;
+use thenar_scene::session::{Session, Witness};
 use thenar_scene::tuning::SettingValue;
 
 /// After its end the script stays for so long before it starts again \[s\].
@@ -32,6 +32,16 @@ impl Play {
     /// The session.
     pub fn session(&self) -> &Session {
         &self.session
+    }
+
+    /// From now on `witness` is told of the session.
+    pub fn set_witness(&mut self, witness: Box<dyn Witness>) {
+        self.session.set_witness(witness);
+    }
+
+    /// Lets the witness go.
+    pub fn take_witness(&mut self) -> Option<Box<dyn Witness>> {
+        self.session.take_witness()
     }
 
     /// Changes a setting.

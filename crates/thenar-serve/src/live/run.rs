@@ -14,6 +14,7 @@ use crate::protocol::{Pace, flags, text};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+use thenar_scene::session::Witness;
 use thenar_scene::tuning::SettingValue;
 
 /// Nobody watching, the simulation rests after so long.
@@ -54,6 +55,8 @@ pub struct Loop {
     cost: Duration,
     watcher: Option<Watcher>,
     pub(super) haptics: Option<Haptics>,
+    /// While no session has it.
+    pub(super) witness: Option<Box<dyn Witness>>,
     pub(super) started: Instant,
     resting: bool,
     empty_since: Option<Instant>,
@@ -69,6 +72,7 @@ impl Loop {
         first: Ready,
         watcher: Option<Watcher>,
         haptics: Option<Haptics>,
+        witness: Option<Box<dyn Witness>>,
     ) -> Self {
         let now = Instant::now();
         let mut new = Self {
@@ -90,6 +94,7 @@ impl Loop {
             cost: Duration::ZERO,
             watcher,
             haptics,
+            witness,
             started: now,
             resting: true,
             empty_since: None,

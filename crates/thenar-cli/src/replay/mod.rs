@@ -1,0 +1,216 @@
+//! `thenar replay`: a recorded session made again.
+
+mod csv;
+mod mcap;
+
+use crate::error::CliError;
+use crate::interrupt;
+use crate::recording::header;
+use csv::Tables;
+use mcap::Export;
+use std::path::PathBuf;
+use thenar_record::{Damage, Header};
+use thenar_scene::recording::{Event, Replay, ReplayError, TimeOf, Verdict};
+
+/// Make a recorded session again: verify it, export it.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// A recording, of `thenar record`, or of `--record` elsewhere.
+    recording: PathBuf,
+    /// Fail unless the recording is whole and every step gives the same bits.
+    #[arg(long)]
+    verify: bool,
+    /// Begin at the last keyframe before this time of the recording [s].
+    #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
+    from: f64,
+    /// Write an MCAP file for Foxglove and Rerun.
+    #[arg(long, value_name = "FILE.mcap")]
+    mcap: Option<PathBuf>,
+    /// Write tables of bones' poses, finger forces and probes; further scenes and channels get
+    /// files of their own beside it.
+    #[arg(long, value_name = "FILE.csv")]
+    csv: Option<PathBuf>,
+    /// Moments per second in the exported files, at most; the tables have every step without it,
+    /// the MCAP file 30.
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    rate: Option<f64>,
+    /// No summary.
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// A file that is written while the session is made again.
+trait Sink {
+    /// Takes in what has just happened.
+    fn take(&mut self, event: &Event, replay: &mut Replay) -> Result<(), CliError>;
+    /// Completes the file.
+    fn finish(self: Box<Self>, replay: &Replay) -> Result<(), CliError>;
+}
+
+/// Says when the next moment is due.
+#[derive(Clone, Copy, Debug)]
+struct Every {
+    period: f64,
+    next: Option<f64>,
+}
+
+impl Every {
+    /// So many moments per second at most; `None` for all.
+    fn at_most(rate: Option<f64>) -> Self {
+        Self { period: rate.map_or(0.0, |rate| 1.0 / rate), next: None }
+    }
+
+    /// True when a moment at this time is due.
+    fn is_due(&mut self, time_ns: u64) -> bool {
+        let time = time_ns as f64 * 1e-9;
+        // A microsecond early is not late.
+        let due = self.next.is_none_or(|next| time >= next - 1e-6);
+        if due {
+            let next = self.next.unwrap_or(time) + self.period;
+            // After a pause nothing is caught up.
+            self.next = Some(if next > time { next } else { time + self.period });
+        }
+        due
+    }
+}
+
+/// Replays.
+///
+/// # Errors
+/// The recording cannot be read, a file cannot be written, or `--verify` finds a difference.
+pub fn run(args: &Args) -> Result<(), CliError> {
+    if args.rate.is_some_and(|rate| !(rate > 0.0 && rate.is_finite())) {
+        return Err(CliError::Input("--rate must be more than 0".into()));
+    }
+    if !args.from.is_finite() || args.from < 0.0 {
+        return Err(CliError::Input("--from must be 0 or more".into()));
+    }
+    let mut replay = match args.from {
+        0.0 => Replay::open(&args.recording)?,
+        from => Replay::open_at(&args.recording, from)?,
+    };
+    let mut sinks: Vec<Box<dyn Sink>> = Vec::new();
+    if let Some(file) = &args.csv {
+        sinks.push(Box::new(Tables::create(file, args.rate)?));
+    }
+    if let Some(file) = &args.mcap {
+        sinks.push(Box::new(Export::create(file, args.rate, replay.header())?));
+    }
+    interrupt::listen();
+    let failed = loop {
+        if interrupt::asked() {
+            return Err(CliError::Other("interrupted; nothing was exported".into()));
+        }
+        match replay.next() {
+            Ok(Some(event)) => {
+                for sink in &mut sinks {
+                    sink.take(&event, &mut replay)?;
+                }
+            }
+            Ok(None) => break None,
+            // What was made before it is worth keeping.
+            Err(error) => break Some(error),
+        }
+    };
+    for sink in sinks {
+        sink.finish(&replay)?;
+    }
+    let here = header(TimeOf::Clock);
+    if !args.quiet {
+        tell(args, &replay, &here);
+    }
+    match failed {
+        Some(error) => Err(error.into()),
+        None => judge(args, replay.verdict(), replay.header(), &here),
+    }
+}
+
+fn tell(args: &Args, replay: &Replay, here: &Header) {
+    let (verdict, recorded) = (replay.verdict(), replay.header());
+    println!(
+        "{}: {}, {}, {} vector instructions",
+        args.recording.display(),
+        recorded.program,
+        recorded.system,
+        recorded.vectors
+    );
+    if verdict.passed > 0 {
+        println!("  {} steps passed over, up to the keyframe to begin at", verdict.passed);
+    }
+    println!("  {verdict}");
+    if !verdict.is_same() {
+        let causes = verdict.causes(recorded, here);
+        causes.iter().for_each(|cause| println!("  {cause}"));
+        if causes.is_empty() {
+            println!("  the build and the processor are the same: this should not be");
+        }
+    }
+    verdict.refused.iter().take(3).for_each(|reason| println!("  refused: {reason}"));
+    for (time, gap) in &verdict.gaps {
+        let of = if gap.source == 0 { "of the session" } else { "of a channel" };
+        println!(
+            "  before {time:.3} s {} frames {of} were dropped, {} of them inputs or records: the \
+             disk was too slow",
+            gap.frames, gap.heavy
+        );
+    }
+    if let Some(damage) = &verdict.damage {
+        println!("  {}", damaged(verdict, damage));
+    } else if !verdict.ended {
+        println!("  the recording was not ended: its program was killed, or still writes");
+    }
+    if let Some(session) = replay.session() {
+        println!("  state {:016x}", session.world().state_hash());
+    }
+}
+
+fn damaged(verdict: &Verdict, damage: &Damage) -> String {
+    format!("the file is damaged; the first {:.3} s were kept: {damage}", verdict.seconds)
+}
+
+/// What `--verify` says of it.
+fn judge(args: &Args, verdict: &Verdict, recorded: &Header, here: &Header) -> Result<(), CliError> {
+    if !args.verify {
+        return Ok(());
+    }
+    if !verdict.is_same() {
+        let mut lines = vec![verdict.to_string()];
+        lines.extend(verdict.causes(recorded, here));
+        lines.extend(verdict.refused.first().cloned());
+        return Err(CliError::Other(lines.join("; ")));
+    }
+    match &verdict.damage {
+        Some(damage) => Err(CliError::Other(damaged(verdict, damage))),
+        None if !verdict.ended => Err(CliError::Other("the recording was not ended".into())),
+        None if verdict.unmarked > 0 => {
+            Err(CliError::Other(format!("{} steps could not be compared", verdict.unmarked)))
+        }
+        None => Ok(()),
+    }
+}
+
+impl From<ReplayError> for CliError {
+    fn from(error: ReplayError) -> Self {
+        match error {
+            ReplayError::Read(_) | ReplayError::Asset(_) => Self::Other(error.to_string()),
+            _ => Self::Input(error.to_string()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moments_keep_their_rate_and_none_is_caught_up_after_a_pause() {
+        let mut every = Every::at_most(Some(30.0));
+        let due = (0..2000_u64).filter(|k| every.is_due(k * 2_000_000)).count();
+        // 4 s at 30 a second, and the one at the start.
+        assert!((119..=121).contains(&due), "{due}");
+        let after = (0..4_u64).filter(|k| every.is_due(9_000_000_000 + k * 2_000_000)).count();
+        assert_eq!(after, 1);
+        let mut all = Every::at_most(None);
+        assert!((0..10).all(|k| all.is_due(k)));
+    }
+}
