@@ -3,7 +3,7 @@
 use crate::error::CliError;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
-use thenar_record::{Build, Header, RecordError, Recorder};
+use thenar_record::{Build, Channel, Clock, Field, Header, RecordError, Recorder};
 use thenar_scene::recording::{SessionTape, TimeOf};
 use thenar_scene::session::{Session, Witness};
 
@@ -63,6 +63,11 @@ impl Recording {
     /// The file.
     pub fn file(&self) -> &Path {
         &self.file
+    }
+
+    /// A channel with these fields, and the clock of its records.
+    pub fn channel(&mut self, name: &str, fields: &[Field], waiting: usize) -> (Channel, Clock) {
+        (self.recorder.channel(name, fields, waiting), self.recorder.clock())
     }
 
     /// Says once, on the error output, that nothing is written any more.

@@ -3,7 +3,7 @@
 use crate::error::CliError;
 use crate::recording::{RecordOptions, Recording};
 use crate::run::{Found, find};
-use crate::touch::{DeviceOptions, Teller, WavingGlove};
+use crate::touch::{DeviceOptions, Teller, WavingGlove, tick_recorder};
 use crate::{files, interrupt};
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
@@ -78,17 +78,18 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         Found::File(path) => SceneSource::File(path),
         Found::Builtin(known) => SceneSource::Builtin(known.name.into()),
     };
-    let (device, haptics) = feel(&args.devices)?;
     let (mut recording, witness) = match Recording::start(&args.recording, TimeOf::Clock)? {
         Some((recording, witness)) => (Some(recording), Some(witness)),
         None => (None, None),
     };
-    let live_options = live::Options { overrides, haptics, witness, ..live::Options::default() };
-    let started = start(args, &source, live_options);
-    if started.is_err() {
-        recording.take().map(Recording::discard).unwrap_or_default();
-    }
-    let (live, server) = started?;
+    let live_options = live::Options { overrides, witness, ..live::Options::default() };
+    let (device, live, server) = match start(args, &source, live_options, recording.as_mut()) {
+        Ok(started) => started,
+        Err(error) => {
+            recording.map(Recording::discard).unwrap_or_default();
+            return Err(error);
+        }
+    };
     announce(args, &server);
     if wants_browser(args) {
         // Where there is none, the address stands there to be clicked on.
@@ -117,16 +118,19 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     Ok(())
 }
 
+/// The loop with its simulated gloves.
+type Device = (HapticLoop, Vec<WavingGlove>);
+
 /// Opens the devices, if there are any. The page's poses are a tracker beside theirs.
-#[allow(clippy::type_complexity)] // the loop with its simulated gloves, and the simulation's side
 fn feel(
     options: &DeviceOptions,
-) -> Result<(Option<(HapticLoop, Vec<WavingGlove>)>, Option<Haptics>), CliError> {
+    recording: Option<&mut Recording>,
+) -> Result<(Option<Device>, Option<Haptics>), CliError> {
     if options.devices.is_empty() {
         return Ok((None, None));
     }
     let (poses, page) = page_tracker();
-    let (device, twins) = options.start(vec![page])?;
+    let (device, twins) = options.start(vec![page], recording.map(tick_recorder))?;
     let (port, remote) = (device.port(), device.remote());
     options.arm_if_asked(&remote);
     Ok((Some((device, twins)), Some(Haptics { port, remote, poses })))
@@ -136,7 +140,10 @@ fn start(
     args: &Args,
     source: &SceneSource,
     live_options: live::Options,
-) -> Result<(Live, Server), CliError> {
+    recording: Option<&mut Recording>,
+) -> Result<(Option<Device>, Live, Server), CliError> {
+    let (device, haptics) = feel(&args.devices, recording)?;
+    let live_options = live::Options { haptics, ..live_options };
     let (live, hub) = Live::start(source, live_options)?;
     let options = Options {
         reach: if args.lan { Reach::Lan } else { Reach::Desk },
@@ -145,7 +152,7 @@ fn start(
         limits: Limits::default(),
     };
     let server = Server::start(&options, hub)?;
-    Ok((live, server))
+    Ok((device, live, server))
 }
 
 fn announce(args: &Args, server: &Server) {

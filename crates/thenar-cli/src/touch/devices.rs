@@ -3,7 +3,7 @@
 use super::twin::{SIMULATED, WavingGlove};
 use crate::error::CliError;
 use std::path::PathBuf;
-use thenar_link::haptic_loop::{HapticLoop, LoopMode, Remote, STATEMENT, Settings};
+use thenar_link::haptic_loop::{HapticLoop, LoopMode, Remote, STATEMENT, Settings, Watcher};
 use thenar_link::{ForceDisplay, LinkError, Tracker};
 
 /// Which devices, and how they are felt.
@@ -56,13 +56,15 @@ impl From<ModeWord> for LoopMode {
 }
 
 impl DeviceOptions {
-    /// Opens the devices and starts the loop with them, and with `more` trackers.
+    /// Opens the devices and starts the loop with them, and with `more` trackers; `watcher` sees
+    /// every tick.
     ///
     /// # Errors
     /// A device or a setting is wrong.
     pub fn start(
         &self,
         more: Vec<Box<dyn Tracker>>,
+        watcher: Option<Watcher>,
     ) -> Result<(HapticLoop, Vec<WavingGlove>), CliError> {
         if self.force.is_some_and(|part| !(0.0..=1.0).contains(&part)) {
             return Err(CliError::Input("--force must be 0 to 1".into()));
@@ -92,6 +94,7 @@ impl DeviceOptions {
             mode: self.mode.into(),
             user_fraction: self.force,
             trip_folder: Some(self.trips.clone()),
+            watcher,
             ..Settings::default()
         };
         let device = HapticLoop::start(settings, trackers, displays)?;

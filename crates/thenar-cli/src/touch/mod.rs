@@ -2,18 +2,22 @@
 
 mod devices;
 mod report;
+mod ticks;
 mod twin;
 
 pub use devices::{DeviceOptions, Teller};
+pub use ticks::recorder as tick_recorder;
 pub use twin::WavingGlove;
 
 use crate::error::CliError;
 use crate::interrupt;
+use crate::recording::{RecordOptions, Recording};
 use crate::run::open;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use thenar_link::haptic_loop::{Alarm, Deadlines, Histogram, Remote, SimulationPort};
 use thenar_link::now_ns;
+use thenar_scene::recording::TimeOf;
 use thenar_scene::session::Session;
 
 /// Feel a scene through devices, without a page.
@@ -30,6 +34,9 @@ pub struct Args {
     /// Devices.
     #[command(flatten)]
     devices: DeviceOptions,
+    /// Recording.
+    #[command(flatten)]
+    recording: RecordOptions,
     /// No line per second.
     #[arg(long, short)]
     quiet: bool,
@@ -58,13 +65,31 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     }
     let mut session = open(&args.scene, &args.set)?;
     interrupt::listen();
-    let (device, _twins) = args.devices.start(Vec::new())?;
+    let mut recording = match Recording::start(&args.recording, TimeOf::Clock)? {
+        Some((recording, witness)) => {
+            session.set_witness(witness);
+            Some(recording)
+        }
+        None => None,
+    };
+    let ticks = recording.as_mut().map(tick_recorder);
+    let (device, _twins) = match args.devices.start(Vec::new(), ticks) {
+        Ok(started) => started,
+        Err(error) => {
+            recording.map(Recording::discard).unwrap_or_default();
+            return Err(error);
+        }
+    };
     let (remote, mut port) = (device.remote(), device.port());
     port.attach(&session).map_err(|error| CliError::Input(error.to_string()))?;
     args.devices.arm_if_asked(&remote);
     let beside = simulate(&mut session, &mut port, &remote, args)?;
     let status = remote.status();
     drop(device);
+    if let Some(recording) = recording {
+        drop(session.take_witness());
+        recording.finish()?;
+    }
     report::print(&status, &beside);
     match status.state.word() {
         "failed" => Err(CliError::Other("the haptic loop failed".into())),

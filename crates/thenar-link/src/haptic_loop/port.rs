@@ -228,7 +228,7 @@ impl SimulationPort {
             if let Some(state) = &mut hand.ends.state
                 && state.update()
             {
-                session.world_mut().restore(state.output_buffer_mut());
+                session.resume(state.output_buffer_mut());
             }
             let lead = hand.ends.lead.read();
             if lead.leads {

@@ -21,6 +21,11 @@ impl Session {
                 }
             }
             Entry::LetGo { hand } => self.let_go(hand),
+            Entry::Resume { state } => {
+                if !self.resume(state) {
+                    return Err("the state does not fit the scene".into());
+                }
+            }
             Entry::Restart => self.restart(),
             Entry::Set { key, value } => self.set(key, value).map_err(|e| e.to_string())?,
         }
@@ -39,9 +44,13 @@ impl Session {
         self.steps += 1;
     }
 
-    /// Puts all bodies where another session from the same source had them after this step. False,
-    /// and nothing changes, when the state does not fit.
+    /// Puts all bodies where another session from the same source, or another simulation of the same
+    /// world, has them. False, and nothing changes, when the state does not fit.
     pub fn resume(&mut self, state: &State) -> bool {
-        self.world.restore(state)
+        let fits = self.world.restore(state);
+        if fits {
+            self.tell(Entry::Resume { state });
+        }
+        fits
     }
 }

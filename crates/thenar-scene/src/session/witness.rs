@@ -4,11 +4,11 @@ use super::Session;
 use crate::live::LivePose;
 use crate::tuning::SettingValue;
 use std::fmt::Debug;
-use thenar::world::Target;
+use thenar::world::{State, Target};
 
 /// What enters a session from outside. The same entries before the same steps of a session from the
 /// same source give the same bits.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub enum Entry<'a> {
     /// [`Session::live_pose`] took a pose.
     Pose {
@@ -40,6 +40,11 @@ pub enum Entry<'a> {
     LetGo {
         /// Hand.
         hand: usize,
+    },
+    /// [`Session::resume`] took a state.
+    Resume {
+        /// State.
+        state: &'a State,
     },
     /// [`Session::restart`].
     Restart,
