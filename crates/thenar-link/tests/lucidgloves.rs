@@ -43,7 +43,8 @@ fn it_conforms_in_the_older_encoding() {
     conformance::run(|name| bench(&format!("legacy-{name}"), true));
 }
 
-/// Unless each line is answered, the firmware says one a second.
+/// Unless each line is answered, the firmware says one a second. (At which pace, in simulated time,
+/// is tested beside the protocol.)
 #[test]
 fn the_glove_never_waits_for_an_answer() {
     let bench = bench("answered", false);

@@ -5,6 +5,8 @@ mod calibrate;
 pub mod encoding;
 pub mod profile;
 mod protocol;
+#[cfg(test)]
+mod tests;
 mod twin;
 
 pub use profile::{Profile, SHIPPED};

@@ -5,8 +5,9 @@
 //! have 11 to 26. With force feedback it reads after each line of its own, and waits up to a second
 //! for one of ours: each of its lines is answered at once, with a newline when nothing changed, and
 //! a glove that fell silent is nudged. It takes one line per line it says: more would pile up in
-//! front of it and delay every later one, so at most one is sent ahead. It has no watchdog, servos
-//! hold what they were told: stops are released at start and at the end.
+//! front of it and delay every later one, so at most one is sent ahead, and after a silence, when
+//! nobody knows what it has yet to read, answers are held back until it stops speaking without them.
+//! It has no watchdog, servos hold what they were told: stops are released at start and at the end.
 
 use super::encoding::{Line, State, parse, stops};
 use super::profile::Profile;
@@ -21,6 +22,8 @@ use thenar_scene::live::LivePose;
 const LINE_MAX: usize = 300;
 /// A glove that says nothing for so long waits for a line that got lost \[ns\].
 const NUDGE_NS: u64 = 50_000_000;
+/// A glove that has lines to read speaks again within this time without an answer \[ns\].
+const HOLD_NS: u64 = 20_000_000;
 /// Every so many nudges a silent glove is asked to start its stream.
 const NUDGES_PER_START: u32 = 20;
 /// Lines sent before the glove asked for them: so many at most, except to release.
@@ -37,6 +40,10 @@ pub struct LucidGloves {
     told: [u16; 5],
     /// Lines sent that answer none of the glove's.
     ahead: u32,
+    /// Lines may lie in front of the glove: answers are held back.
+    draining: bool,
+    /// When the answer held back is due \[ns\].
+    held_ns: Option<u64>,
     heard_ns: u64,
     nudged_ns: u64,
     nudges: u32,
@@ -54,6 +61,8 @@ impl LucidGloves {
             wanted: [0; 5],
             told: [0; 5],
             ahead: 0,
+            draining: true,
+            held_ns: None,
             heard_ns: 0,
             nudged_ns: 0,
             nudges: 0,
@@ -67,8 +76,10 @@ impl LucidGloves {
     }
 
     /// A line came: the glove now reads one of ours.
-    fn answer(&mut self, send: &mut dyn FnMut(&[u8])) {
-        if self.wanted != self.told {
+    fn answer(&mut self, now_ns: u64, send: &mut dyn FnMut(&[u8])) {
+        if self.draining {
+            self.held_ns = Some(now_ns + HOLD_NS);
+        } else if self.wanted != self.told {
             self.tell(send);
         } else if self.ahead > 0 {
             // It has one to read already.
@@ -110,7 +121,7 @@ impl Protocol for LucidGloves {
     fn start(&mut self, now_ns: u64, send: &mut dyn FnMut(&[u8])) {
         let fresh = Self::new(self.profile.clone());
         *self = Self { state: State { legacy: self.state.legacy, ..State::default() }, ..fresh };
-        (self.heard_ns, self.nudged_ns, self.ahead) = (now_ns, now_ns, 1);
+        (self.heard_ns, self.nudged_ns) = (now_ns, now_ns);
         self.tell(send);
     }
 
@@ -135,7 +146,7 @@ impl Protocol for LucidGloves {
                 )),
             }
             // Whatever the line was, the glove now waits.
-            self.answer(send);
+            self.answer(now_ns, send);
         });
         self.lines = lines;
     }
@@ -150,15 +161,19 @@ impl Protocol for LucidGloves {
         if let Some(output) = output.filter(|output| output.side == self.profile.hand.side) {
             self.wanted = output.digits.map(|digit| servo_stop(digit.curl_at_contact));
         }
+        if self.held_ns.is_some_and(|due| now_ns >= due) {
+            // It waits: all that was sent is read.
+            (self.held_ns, self.draining, self.ahead) = (None, false, 0);
+            self.tell(send);
+        }
         let release = (0..5).any(|k| self.wanted[k] == 0 && self.told[k] > 0);
-        if release || (self.wanted != self.told && self.ahead < AHEAD_MAX) {
+        if release || (self.wanted != self.told && self.ahead < AHEAD_MAX && !self.draining) {
             self.ahead += 1;
             self.tell(send);
         }
         let silent = now_ns.saturating_sub(self.heard_ns.max(self.nudged_ns)) > NUDGE_NS;
         if silent {
-            // What was sent ahead is lost, or was read long ago.
-            (self.nudged_ns, self.ahead) = (now_ns, 1);
+            (self.nudged_ns, self.ahead, self.draining) = (now_ns, 0, true);
             self.nudges += 1;
             // For the firmware seen, this line releases all fingers: not while one is stopped.
             if self.nudges.is_multiple_of(NUDGES_PER_START) && self.wanted == [0; 5] {
