@@ -21,6 +21,8 @@ pub struct Core {
     /// Per display, when it was last heard \[ns\].
     heard: Vec<u64>,
     armed: bool,
+    /// What stopped all forces since they were armed. It outlives the hands and their guards.
+    stopped: Option<Trip>,
     records: Producer<TickRecord>,
     /// Records that found no room.
     lost: u64,
@@ -58,6 +60,7 @@ impl Core {
             actuators: Vec::new(),
             outputs: Vec::new(),
             armed: false,
+            stopped: None,
             records,
             lost: 0,
         })
@@ -73,40 +76,47 @@ impl Core {
     }
 
     /// Puts other hands in place of those there are, and gives those back for whoever calls to
-    /// drop. Guards begin anew: armed if these were, with wait and ramp.
+    /// drop. Guards begin anew: armed if these were, with wait and ramp; what was stopped stays so.
     pub fn replace(
         &mut self,
         hands: &mut Vec<LoopHand>,
         actuators: &mut Vec<Actuators>,
         outputs: &mut Vec<HandOutput>,
     ) {
-        let tripped = self.tripped();
         std::mem::swap(&mut self.hands, hands);
         std::mem::swap(&mut self.actuators, actuators);
         std::mem::swap(&mut self.outputs, outputs);
         if self.armed {
-            self.arm();
-            tripped.into_iter().for_each(|reason| self.trip(reason));
+            self.actuators.iter_mut().for_each(Actuators::arm);
+        }
+        if let Some(reason) = self.stopped {
+            self.trip(reason);
         }
     }
 
     /// Lets forces through, after the guards' wait and ramp.
     pub fn arm(&mut self) {
-        self.armed = true;
+        (self.armed, self.stopped) = (true, None);
         self.actuators.iter_mut().for_each(Actuators::arm);
     }
 
-    /// Stops all displays until armed.
+    /// Stops all displays until armed, those of hands that come later too.
     pub fn trip(&mut self, reason: Trip) {
+        if self.armed {
+            self.stopped.get_or_insert(reason);
+        }
         self.actuators.iter_mut().for_each(|actuators| actuators.trip(reason));
     }
 
     /// The first trip in force.
     pub fn tripped(&self) -> Option<Trip> {
-        self.actuators.iter().find_map(|actuators| match actuators.status() {
-            Status::Tripped(reason) => Some(reason),
-            _ => None,
-        })
+        let of_guards = || {
+            self.actuators.iter().find_map(|actuators| match actuators.status() {
+                Status::Tripped(reason) => Some(reason),
+                _ => None,
+            })
+        };
+        self.stopped.or_else(of_guards)
     }
 
     /// When display `display` was last heard \[ns\], if it ever was.

@@ -160,7 +160,15 @@ impl HapticLoop {
     }
 
     fn spawn(&mut self, name: &str, work: impl FnOnce() + Send + 'static) -> Result<(), LinkError> {
-        let thread = std::thread::Builder::new().name(name.into()).spawn(work);
+        let remote = self.remote();
+        let work = AssertUnwindSafe(work);
+        let guarded = move || {
+            // No force where nobody watches any more.
+            if catch_unwind(work).is_err() {
+                remote.stop();
+            }
+        };
+        let thread = std::thread::Builder::new().name(name.into()).spawn(guarded);
         let failed = |e: std::io::Error| LinkError::Setting {
             what: "the haptic loop".into(),
             cause: format!("no thread for it: {e}"),
@@ -322,7 +330,10 @@ fn tick_on(shared: &Shared, period: Duration) {
         time.late_ns = time.now_ns.saturating_sub(deadlines.next_ns());
         let ticked = tick(shared, &time);
         let ended_ns = now_ns();
-        control.beat_ns.store(ended_ns, Ordering::Release);
+        // A tick that was left out is no sign of life: whoever holds its memory may never let go.
+        if ticked {
+            control.beat_ns.store(ended_ns, Ordering::Release);
+        }
         let (_, missed) = deadlines.advance(time.now_ns, ended_ns);
         // A tick that was left out counts with the next one that is not.
         time.missed = if ticked { missed } else { time.missed + 1 + missed };
@@ -338,11 +349,12 @@ fn tick(shared: &Shared, time: &TickTime) -> bool {
         Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
         Err(TryLockError::WouldBlock) => return false,
     };
-    if control.stop.swap(false, Ordering::AcqRel) {
-        core.trip(Trip::Requested);
-    }
+    // Where two ask at the same moment, stopping wins.
     if control.arm.swap(false, Ordering::AcqRel) {
         core.arm();
+    }
+    if control.stop.swap(false, Ordering::AcqRel) {
+        core.trip(Trip::Requested);
     }
     if let Ok(mut displays) = shared.displays.try_lock() {
         for (index, display) in displays.iter_mut().enumerate() {
@@ -369,11 +381,57 @@ fn register(shared: &Arc<Shared>) {
     loops.push(Arc::downgrade(shared));
 }
 
-/// Stops the forces of every loop in this process, within a tick: for signal handlers and panic hooks.
-/// Waits for nobody.
+/// Stops the forces of every loop in this process, within a tick: for the thread that handles signals,
+/// and for panic hooks. Waits for a loop that is just being made, for 20 ms at most.
 pub fn stop_all() {
-    let Ok(loops) = all().try_lock() else { return };
+    let Some(loops) = crate::worker::lock_soon(all()) else { return };
     for shared in loops.iter().filter_map(Weak::upgrade) {
         Remote(shared.control.clone()).stop();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Instant;
+
+    fn until(what: &str, mut done: impl FnMut() -> bool) {
+        let begun = Instant::now();
+        while !done() {
+            assert!(begun.elapsed() < Duration::from_secs(30), "waited in vain: {what}");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    /// Whoever holds the loop's memory keeps it from ticking, but not the watchdog from noticing.
+    #[test]
+    fn a_loop_that_is_kept_from_ticking_is_taken_over() {
+        let device = HapticLoop::start(Settings::default(), Vec::new(), Vec::new()).unwrap();
+        let control = device.shared.control.clone();
+        let beat = || control.beat_ns.load(Ordering::Acquire);
+        until("a tick", || beat() > 0);
+        let held = device.shared.core.lock().unwrap();
+        // A tick that has just ended may still say so.
+        std::thread::sleep(Duration::from_millis(5));
+        let last = beat();
+        until("the watchdog", || {
+            control.barks.load(Ordering::Relaxed) > 0 && now_ns() > last + watchdog::PATIENCE_NS
+        });
+        assert_eq!(beat(), last, "no sign of life without a tick");
+        drop(held);
+        until("the next tick", || beat() > last);
+    }
+
+    #[test]
+    fn stopping_wins_over_arming_at_the_same_moment() {
+        let mut clock = ManualLoop::new(&Settings::default(), Vec::new(), Vec::new()).unwrap();
+        let control = clock.shared.control.clone();
+        control.arm.store(true, Ordering::Release);
+        control.stop.store(true, Ordering::Release);
+        assert!(clock.tick(1));
+        assert_eq!(clock.core(|core| core.tripped()), Some(Trip::Requested));
+        clock.remote().arm();
+        assert!(clock.tick(2));
+        assert_eq!(clock.core(|core| core.tripped()), None);
     }
 }

@@ -23,7 +23,7 @@ use messages::Messages;
 use run::{Ends, Worker};
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, Weak};
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError, Weak};
 use std::time::{Duration, Instant};
 use thenar::haptic::LoopProfile;
 use thenar::haptic::safety::Limits;
@@ -158,12 +158,25 @@ fn all() -> &'static Mutex<Vec<Weak<Shared>>> {
     &ALL
 }
 
+/// What others hold for a moment at most, in ways out that must not wait for ever: `None` when this
+/// very thread holds it, as in a panic hook. A panic elsewhere while it was held does no harm to it.
+pub(crate) fn lock_soon<T>(what: &Mutex<T>) -> Option<MutexGuard<'_, T>> {
+    for _ in 0..100 {
+        match what.try_lock() {
+            Ok(held) => return Some(held),
+            Err(TryLockError::Poisoned(poisoned)) => return Some(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_micros(200)),
+        }
+    }
+    None
+}
+
 /// Releases every hand and ends every device's thread, for ways out that drop nothing: a signal, a
 /// panic hook, `exit`. Waits until the last words are said, or for `wait`; true when all were.
 pub fn release_all(wait: Duration) -> bool {
     // A panic may come while the list is held by this very thread: then the 20 ms of silence
     // release the hand.
-    let Ok(open) = all().try_lock() else { return false };
+    let Some(open) = lock_soon(all()) else { return false };
     let devices: Vec<_> = open.iter().filter_map(Weak::upgrade).collect();
     drop(open);
     devices.iter().for_each(|device| device.stop.store(true, Ordering::Release));

@@ -115,6 +115,34 @@ fn a_stop_is_zero_in_the_next_tick_and_stays() {
     assert_eq!(reason.as_deref(), Some("stop was asked for"));
 }
 
+/// Neither a scene without a hand nor another hand lets through what was stopped.
+#[test]
+fn a_stop_outlives_the_hands() {
+    let bare = crate::rig::session("version = 1\n");
+    for before in [true, false] {
+        let mut rig = pressing();
+        if before {
+            rig.clock.remote().stop();
+            rig.run(1, |_| PRESS);
+        }
+        assert!(rig.port.attach(&bare).is_err(), "no hand");
+        if !before {
+            rig.clock.remote().stop();
+        }
+        rig.now_ns += MS;
+        assert!(rig.clock.tick(rig.now_ns));
+        rig.port.attach(&rig.session).expect("a hand");
+        rig.run(1500, |_| 0.0);
+        rig.run(600, |ms| PRESS * (ms as f64 / 500.0).min(1.0));
+        assert_eq!(rig.index_force(), 0.0, "stopped {before}");
+        // Arming it again is all it takes.
+        rig.run(500, |_| 0.0);
+        rig.engaged();
+        rig.run(600, |ms| PRESS * (ms as f64 / 500.0).min(1.0));
+        assert!(rig.index_force() > 0.2, "{}", rig.index_force());
+    }
+}
+
 #[test]
 fn a_clock_that_jumps_trips() {
     let mut rig = pressing();
