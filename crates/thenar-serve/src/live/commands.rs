@@ -24,9 +24,12 @@ impl Loop {
             Ok(Command::Ping { t }) => {
                 self.tell(client, text::pong(t, self.started.elapsed().as_secs_f64()));
             }
-            // It has acted already, where it came in.
-            Ok(Command::Stop {}) if self.haptics.is_none() => self.refuse(client, NO_DEVICES),
-            Ok(Command::Stop {}) => {}
+            // It has acted already, where it came in; but an `arm` from before it may have waited
+            // until now.
+            Ok(Command::Stop {}) => match &self.haptics {
+                Some(haptics) => haptics.remote.stop(),
+                None => self.refuse(client, NO_DEVICES),
+            },
             Ok(Command::Control { take }) => self.pass_control(client, take),
             Ok(command) if self.may(client) => {
                 if let Err(reason) = self.act(client, command) {
