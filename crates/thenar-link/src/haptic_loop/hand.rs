@@ -90,11 +90,14 @@ impl LoopHand {
                 return;
             }
         }
-        self.tracker = Some((tracker, now_ns));
         let Some(pose) = &sample.pose else {
-            self.live.lose();
+            // One that does not see the hand moves it no longer, and keeps no other from it.
+            if self.tracker.is_some_and(|(moving, _)| moving == tracker) {
+                self.live.lose();
+            }
             return;
         };
+        self.tracker = Some((tracker, now_ns));
         if self.live.mover() == Mover::Script {
             self.targets.copy_from_slice(&self.ends.frame.output_buffer_mut().targets);
             self.live.restart(&self.targets);
