@@ -6,7 +6,9 @@
 //! for half a second before the hand goes back to it, so that one on the edge does not make the
 //! hand flicker. Left and right are chosen apart. Every change is told.
 
-use crate::{Driver, Found, HandSample, LinkError, Opened, Tracker, now_ns};
+use crate::{Driver, Found, HandSample, LinkError, Messenger, Opened, Tracker, now_ns};
+use rtrb::{Consumer, Producer, RingBuffer};
+use std::sync::{Arc, Mutex, PoisonError};
 use thenar::model::Side;
 use thenar_scene::live::checked;
 
@@ -72,7 +74,9 @@ pub struct Either {
     sources: Vec<Source>,
     choices: [Choice; 2],
     newest: [Option<HandSample>; 2],
-    changes: Vec<Change>,
+    changes: Producer<Change>,
+    /// The other end, for whoever asks; choosing never waits for that.
+    told: Arc<Mutex<Consumer<Change>>>,
     clock: fn() -> u64,
 }
 
@@ -84,11 +88,13 @@ impl Either {
 
     fn with_clock(trackers: Vec<(String, Box<dyn Tracker>)>, clock: fn() -> u64) -> Self {
         let source = |(name, tracker)| Source { name, tracker, hands: Default::default() };
+        let (changes, told) = RingBuffer::new(CHANGES_MAX);
         Self {
             sources: trackers.into_iter().map(source).collect(),
             choices: Default::default(),
             newest: [None, None],
-            changes: Vec::with_capacity(CHANGES_MAX),
+            changes,
+            told: Arc::new(Mutex::new(told)),
             clock,
         }
     }
@@ -108,9 +114,8 @@ impl Either {
             None => self.sources.iter().position(trusted).or(current),
         };
         if let Some(to) = next.filter(|to| current != Some(*to)) {
-            if self.changes.len() < CHANGES_MAX {
-                self.changes.push((side, current, to));
-            }
+            // Those that nobody asked for in time are left out.
+            let _ = self.changes.push((side, current, to));
             self.choices[k].source = Some(to);
         }
         next
@@ -149,21 +154,42 @@ impl Tracker for Either {
     fn messages(&mut self) -> Vec<String> {
         let mut all: Vec<_> =
             self.sources.iter_mut().flat_map(|source| source.tracker.messages()).collect();
-        for (side, from, to) in self.changes.drain(..) {
-            let hand = match side {
-                Side::Left => "left",
-                Side::Right => "right",
-            };
-            let to = &self.sources[to].name;
-            all.push(match from {
-                None => format!("the {hand} hand is moved by {to}"),
-                Some(from) => {
-                    let from = &self.sources[from].name;
-                    format!("the {hand} hand is moved by {to}, no longer by {from}")
-                }
-            });
-        }
+        tell_changes(&self.told, &mut all, |i| &self.sources[i].name);
         all
+    }
+
+    fn messenger(&self) -> Messenger {
+        let mut sources: Vec<_> =
+            self.sources.iter().map(|source| source.tracker.messenger()).collect();
+        let names: Vec<_> = self.sources.iter().map(|source| source.name.clone()).collect();
+        let told = self.told.clone();
+        Box::new(move || {
+            let mut all: Vec<_> = sources.iter_mut().flat_map(|ask| ask()).collect();
+            tell_changes(&told, &mut all, |i| &names[i]);
+            all
+        })
+    }
+}
+
+/// Adds what changed since it was last told.
+fn tell_changes<'a>(
+    told: &Mutex<Consumer<Change>>,
+    all: &mut Vec<String>,
+    name: impl Fn(usize) -> &'a str,
+) {
+    let mut told = told.lock().unwrap_or_else(PoisonError::into_inner);
+    while let Ok((side, from, to)) = told.pop() {
+        let hand = match side {
+            Side::Left => "left",
+            Side::Right => "right",
+        };
+        let to = name(to);
+        all.push(match from {
+            None => format!("the {hand} hand is moved by {to}"),
+            Some(from) => {
+                format!("the {hand} hand is moved by {to}, no longer by {}", name(from))
+            }
+        });
     }
 }
 
