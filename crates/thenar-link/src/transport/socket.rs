@@ -4,7 +4,7 @@ use super::SEND_PATIENCE;
 use super::wait::read_within;
 use crate::Transport;
 use std::io::{self, ErrorKind, Read, Write};
-use std::net::TcpStream;
+use std::net::{Shutdown, TcpStream};
 use std::time::{Duration, Instant};
 
 /// A connection.
@@ -36,6 +36,28 @@ pub fn notice_its_end(stream: &TcpStream) -> io::Result<()> {
         .with_interval(Duration::from_secs(1))
         .with_retries(3);
     socket2::SockRef::from(stream).set_tcp_keepalive(&ask)
+}
+
+/// How long the other end has to take the last words, which set its actuators free.
+const PARTING: Duration = Duration::from_millis(50);
+
+impl Drop for StreamTransport {
+    /// A connection that is closed while bytes of the other end wait to be read is broken off, and
+    /// what was sent last may be lost with it: they are read until the other end hangs up as well.
+    fn drop(&mut self) {
+        let start = Instant::now();
+        let mut leave = self.stream.shutdown(Shutdown::Write).is_err();
+        while !leave && start.elapsed() < PARTING {
+            leave = match self.stream.read(&mut [0; 4096]) {
+                Ok(received) => received == 0,
+                Err(error) if error.kind() == ErrorKind::WouldBlock => {
+                    std::thread::sleep(Duration::from_millis(1));
+                    false
+                }
+                Err(error) => error.kind() != ErrorKind::Interrupted,
+            };
+        }
+    }
 }
 
 impl Transport for StreamTransport {
