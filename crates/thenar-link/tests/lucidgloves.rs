@@ -63,16 +63,20 @@ fn outputs_do_not_pile_up_in_front_of_the_glove() {
     let bench = bench("piling", false);
     let mut device = bench.open();
     bench.sample(&mut device);
-    for k in 0..1000 {
-        device.show([f64::from(k % 100) / 100.0; 5]);
-        std::thread::sleep(Duration::from_micros(500));
-    }
-    let before = bench.twin.twin().lines_said;
-    wait("the newest stop", || {
-        device.show([0.4; 5]);
-        (bench.twin.twin().felt() == [0.6; 5]).then_some(())
+    // A busy machine may look late once or twice; outputs that pile up are read late each time.
+    let prompt = (0..5).any(|_| {
+        for k in 0..1000 {
+            device.show([f64::from(k % 100) / 100.0; 5]);
+            std::thread::sleep(Duration::from_micros(500));
+        }
+        let before = bench.twin.twin().lines_said;
+        wait("the newest stop", || {
+            device.show([0.4; 5]);
+            (bench.twin.twin().felt() == [0.6; 5]).then_some(())
+        });
+        bench.twin.twin().lines_said - before < 6
     });
-    assert!(bench.twin.twin().lines_said - before < 6, "read late, line by line");
+    assert!(prompt, "read late, line by line");
 }
 
 #[test]

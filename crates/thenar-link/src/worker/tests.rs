@@ -192,9 +192,9 @@ fn silence_releases_each_hand() {
     let (_plug, heard_by_device) = bench.plug_in();
     assert_eq!(heard(&heard_by_device), "start");
     // An output before the device was there is not shown late: nothing else was said until now.
+    let shown = Instant::now();
     display.show(&force(Side::Left, 2.0));
     assert_eq!(heard(&heard_by_device), "Left 2");
-    let shown = Instant::now();
     assert_eq!(heard(&heard_by_device), "Left 0");
     assert!(shown.elapsed() > Duration::from_millis(19), "{:?}", shown.elapsed());
     display.show(&force(Side::Right, 3.0));
