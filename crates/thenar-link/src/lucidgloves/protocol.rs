@@ -24,6 +24,9 @@ const LINE_MAX: usize = 300;
 const NUDGE_NS: u64 = 50_000_000;
 /// A glove that has lines to read speaks again within this time without an answer \[ns\].
 const HOLD_NS: u64 = 20_000_000;
+/// So many lines may lie before a glove when it speaks again, besides those that it was nudged with:
+/// far more than its port holds.
+const UNREAD_MAX: u32 = 64;
 /// Every so many nudges a silent glove is asked to start its stream.
 const NUDGES_PER_START: u32 = 20;
 /// Lines sent before the glove asked for them: so many at most, except to release.
@@ -42,6 +45,9 @@ pub struct LucidGloves {
     ahead: u32,
     /// Lines may lie in front of the glove: answers are held back.
     draining: bool,
+    /// So many lines at most. A glove that has spoken as often waits for no answers: not every
+    /// firmware does.
+    unread: u32,
     /// When the answer held back is due \[ns\].
     held_ns: Option<u64>,
     heard_ns: u64,
@@ -62,6 +68,7 @@ impl LucidGloves {
             told: [0; 5],
             ahead: 0,
             draining: true,
+            unread: UNREAD_MAX,
             held_ns: None,
             heard_ns: 0,
             nudged_ns: 0,
@@ -77,9 +84,15 @@ impl LucidGloves {
 
     /// A line came: the glove now reads one of ours.
     fn answer(&mut self, now_ns: u64, send: &mut dyn FnMut(&[u8])) {
-        if self.draining {
+        self.unread = self.unread.saturating_sub(1);
+        if self.draining && self.unread > 0 {
             self.held_ns = Some(now_ns + HOLD_NS);
-        } else if self.wanted != self.told {
+            return;
+        }
+        if std::mem::take(&mut self.draining) {
+            (self.held_ns, self.ahead) = (None, 0);
+        }
+        if self.wanted != self.told {
             self.tell(send);
         } else if self.ahead > 0 {
             // It has one to read already.
@@ -173,7 +186,11 @@ impl Protocol for LucidGloves {
         }
         let silent = now_ns.saturating_sub(self.heard_ns.max(self.nudged_ns)) > NUDGE_NS;
         if silent {
-            (self.nudged_ns, self.ahead, self.draining) = (now_ns, 0, true);
+            if !std::mem::replace(&mut self.draining, true) {
+                self.unread = UNREAD_MAX;
+            }
+            (self.nudged_ns, self.ahead) = (now_ns, 0);
+            self.unread = self.unread.saturating_add(1);
             self.nudges += 1;
             // For the firmware seen, this line releases all fingers: not while one is stopped.
             if self.nudges.is_multiple_of(NUDGES_PER_START) && self.wanted == [0; 5] {

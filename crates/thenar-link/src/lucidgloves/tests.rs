@@ -147,3 +147,21 @@ fn a_release_is_sent_at_once() {
     talk.protocol.tick(talk.now_ns, Some(&released), &mut |_| {}, &mut send);
     assert_eq!(sent, b"A0B0C0D0E0\n");
 }
+
+/// Firmware without force feedback of its own, or with another reading of lines, never waits: it is
+/// told of stops all the same.
+#[test]
+fn a_glove_that_waits_for_no_answer_is_told_of_stops() {
+    let mut talk = Talk::new();
+    let (line, mut sent) = (talk.glove.line(), Vec::new());
+    let mut output = HandOutput::released(Side::Right, talk.now_ns);
+    output.digits[1].curl_at_contact = Some(0.5);
+    for _ in 0..100 {
+        talk.now_ns += 2_000_000;
+        let mut send = |bytes: &[u8]| sent.extend_from_slice(bytes);
+        talk.protocol.receive(talk.now_ns, line.as_bytes(), &mut |_| {}, &mut send);
+        talk.protocol.tick(talk.now_ns, Some(&output), &mut |_| {}, &mut send);
+    }
+    let sent = String::from_utf8(sent).unwrap();
+    assert!(sent.contains("A0B500C0D0E0\n"), "{sent}");
+}
