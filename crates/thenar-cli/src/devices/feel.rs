@@ -85,6 +85,8 @@ fn play(
     seconds: f64,
 ) -> Result<(), CliError> {
     let stops = display.rendering() == Rendering::Stops;
+    // Vibrating players need not answer; anything else that is not there must not be ready for it.
+    let vibrates = display.rendering() == Rendering::Vibration;
     let start = Instant::now();
     while start.elapsed().as_secs_f64() < seconds {
         if interrupt::asked() {
@@ -103,7 +105,7 @@ fn play(
             velocity: [0.0; DIGITS],
             simulation_ns: now,
             tracking_ns: now,
-            device_ns: display.heard_ns().unwrap_or(now),
+            device_ns: display.heard_ns().unwrap_or(if vibrates { now } else { 0 }),
             enabled: true,
         };
         let forces = guard.tick(now, &signal);
