@@ -6,6 +6,7 @@ mod sweep;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::process::ExitCode;
+use thenar::model::BodyId;
 use thenar::world::Failure;
 use thenar_scene::session::{Random, Session};
 
@@ -46,6 +47,8 @@ struct Extremes {
     failure: Option<Failure>,
     energy: f64,
     penetration: f64,
+    /// When that was \[s\], and between which bodies.
+    deepest: Option<(f64, [BodyId; 2])>,
     joint_gap: f64,
     inverted: u32,
     contacts: u32,
@@ -105,6 +108,10 @@ fn each_step(args: &Args) -> Result<bool, String> {
             e.speed,
             e.hash,
         );
+        if let Some((time, bodies)) = e.deepest {
+            let [a, b] = bodies.map(name_of);
+            println!("      deepest at {time:.3} s, between {a} and {b}");
+        }
         if let Some(failure) = e.failure {
             println!("      the last step that fell back: {failure}");
         }
@@ -126,7 +133,12 @@ fn soak(args: &Args, h: f64, more: &[String]) -> Result<Extremes, String> {
         extremes.non_finite += u64::from(report.non_finite);
         extremes.fell_back += u64::from(report.fell_back);
         extremes.failure = report.failure.or(extremes.failure);
-        extremes.penetration = extremes.penetration.max(report.penetration_max);
+        if report.penetration_max > extremes.penetration {
+            extremes.penetration = report.penetration_max;
+            let world = session.world();
+            let deepest = world.contacts().iter().min_by(|a, b| a.gap.total_cmp(&b.gap));
+            extremes.deepest = deepest.map(|contact| (world.time(), contact.bodies));
+        }
         extremes.joint_gap = extremes.joint_gap.max(report.joint_gap_max);
         extremes.inverted = extremes.inverted.max(report.inverted_tets);
         extremes.contacts = extremes.contacts.max(report.contacts_active);
@@ -199,9 +211,10 @@ position = [0, 0.2, 0]
 motion = {{ kind = "keyframes", limits = "clamp", key = [
 "#
     );
-    let mut t = 0.0;
+    // It begins above everything, as a hand that is in the table already says nothing.
+    let (mut t, mut lowest) = (0.0, 0.2);
     while t < seconds + 1.0 {
-        let position: Vec<String> = [-0.15, 0.02, -0.15]
+        let position: Vec<String> = [-0.15, lowest, -0.15]
             .iter()
             .zip([0.15, 0.25, 0.15])
             .map(|(low, high)| format!("{:.4}", between(&mut random, *low, high)))
@@ -222,9 +235,23 @@ motion = {{ kind = "keyframes", limits = "clamp", key = [
             curl.join(", ")
         );
         t += between(&mut random, 0.25, 0.9);
+        lowest = 0.02;
     }
     text.push_str("] }\n");
     text
+}
+
+/// What the scene calls a body.
+fn name_of(body: BodyId) -> &'static str {
+    match body {
+        BodyId::Soft(0) => "the hand",
+        BodyId::Soft(_) => "the bread",
+        BodyId::Rigid(0) => "the table",
+        BodyId::Rigid(1..=4) => "a wall",
+        BodyId::Rigid(5) => "the lid",
+        BodyId::Rigid(6) => "the car",
+        BodyId::Rigid(_) => "a bone",
+    }
 }
 
 fn between(random: &mut Random, low: f64, high: f64) -> f64 {
