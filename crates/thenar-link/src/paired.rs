@@ -2,6 +2,8 @@
 
 use crate::profile::Wrist;
 use crate::{HandSample, LinkError, Messenger, Opened, Tracker};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use thenar::Pose;
 use thenar::model::Side;
 use thenar_scene::live::LivePose;
@@ -36,7 +38,41 @@ pub struct Paired {
     /// The glove's wrist in the frame of the tracked one.
     pose_TW: Pose,
     known: [Known; 2],
+    stepped_back: [SteppedBack; 2],
 }
+
+/// Whether a tracker's times step back, although none may: what it then tells is old. Two clocks that
+/// disagree are told of once, when it begins.
+#[derive(Clone, Default)]
+struct SteppedBack {
+    newest_ns: u64,
+    /// It does now.
+    now: bool,
+    /// It began, and nobody was told.
+    news: Arc<AtomicBool>,
+}
+
+impl SteppedBack {
+    /// A sample came.
+    fn look(&mut self, time_ns: u64) {
+        let back = time_ns < self.newest_ns;
+        if back && !self.now {
+            self.news.store(true, Ordering::Relaxed);
+        }
+        self.now = back;
+        self.newest_ns = self.newest_ns.max(time_ns);
+    }
+
+    /// What there is to tell of the tracker called `who`.
+    fn message(news: &AtomicBool, who: &str) -> Option<String> {
+        news.swap(false, Ordering::Relaxed).then(|| {
+            format!("the clock of the {who} stepped back: the hand stands still until it is right")
+        })
+    }
+}
+
+/// Names of the two trackers.
+const NAMES: [&str; 2] = ["glove", "wrist's tracker"];
 
 /// What is known of one side.
 #[derive(Default)]
@@ -52,7 +88,7 @@ struct Known {
 impl Paired {
     /// Puts the two together.
     pub fn new(fingers: Box<dyn Tracker>, base: Box<dyn Tracker>, pose_TW: Pose) -> Self {
-        Self { fingers, base, pose_TW, known: Default::default() }
+        Self { fingers, base, pose_TW, known: Default::default(), stepped_back: Default::default() }
     }
 }
 
@@ -60,8 +96,10 @@ impl Tracker for Paired {
     /// New when either moved. Its time is the older one's: a hand is as stale as its stalest part.
     fn latest(&mut self, side: Side) -> Option<&HandSample> {
         let known = &mut self.known[usize::from(side == Side::Right)];
+        let [of_fingers, of_base] = &mut self.stepped_back;
         let mut new = false;
         if let Some(sample) = self.base.latest(side) {
+            of_base.look(sample.time_ns);
             known.wrist = sample.pose.as_ref().map(|pose| {
                 let wrist = match pose {
                     LivePose::Joints { joints, .. } => joints[0],
@@ -72,6 +110,7 @@ impl Tracker for Paired {
             new = true;
         }
         if let Some(sample) = self.fingers.latest(side) {
+            of_fingers.look(sample.time_ns);
             known.fingers = Some(sample.clone());
             new = true;
         }
@@ -87,8 +126,8 @@ impl Tracker for Paired {
             sample.pose = Some(pose);
         }
         let last = known.told.as_ref().map_or(0, |told| told.time_ns);
-        // Times never go back; a repeated one would be no news to anyone.
-        sample.time_ns = sample.time_ns.max(last + 1);
+        // Times never go back, whatever the two do; a repeated one would be no news to anyone.
+        sample.time_ns = sample.time_ns.max(last.saturating_add(1));
         known.told = Some(sample);
         known.told.as_ref()
     }
@@ -104,15 +143,23 @@ impl Tracker for Paired {
     fn messages(&mut self) -> Vec<String> {
         let mut all = self.fingers.messages();
         all.extend(self.base.messages());
+        let stepped = self.stepped_back.iter().zip(NAMES);
+        all.extend(stepped.filter_map(|(s, who)| SteppedBack::message(&s.news, who)));
         all
     }
 
     fn messenger(&self) -> Messenger {
         let (mut fingers, mut base) = (self.fingers.messenger(), self.base.messenger());
+        let news = self.stepped_back.each_ref().map(|stepped| stepped.news.clone());
         Box::new(move || {
             let mut all = fingers();
             all.extend(base());
+            let stepped = news.iter().zip(NAMES);
+            all.extend(stepped.filter_map(|(news, who)| SteppedBack::message(news, who)));
             all
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -61,4 +61,10 @@ pub trait Transport: Send {
     /// Sends these bytes whole, or nothing. Never waits longer than a few milliseconds: a device
     /// that takes nothing is lost.
     fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
+
+    /// How often somebody else than the device spoke to us, and was not heard, since this was last
+    /// asked.
+    fn refused(&mut self) -> u64 {
+        0
+    }
 }

@@ -1,24 +1,38 @@
-//! Goal: no bytes harm a protocol. Method: good streams, cut at every byte or mutated at random
-//! (seeded), straight into the protocols.
+//! Goal: no bytes harm a protocol. Method: good streams, cut at every byte, read at another speed or
+//! mutated at random (seeded), straight into the protocols.
 
 use std::sync::Arc;
+use thenar::Pose;
+use thenar::model::Side;
 use thenar_link::cyberglove::{self, Classic, ClassicTwin, Third, ThirdTwin};
 use thenar_link::cybergrasp::CyberGrasp;
+use thenar_link::force_device::{self, ForceDevice};
+use thenar_link::hand_tracking_streamer::{HandTrackingStreamer, Points, twin};
 use thenar_link::lucidgloves::{self, LucidGloves, LucidGlovesTwin};
 use thenar_link::profile::{Address, load};
 use thenar_link::twin::Twin;
-use thenar_link::{Event, Protocol};
+use thenar_link::{Event, Protocol, pose_stream};
 use thenar_scene::live::LivePose;
-use thenar_scene::motion::ANGLES;
+use thenar_scene::motion::Recording;
 
-/// A protocol and a stream of ten good packets, the first of them another hand's than the others.
+/// A protocol and a stream of good packets, ten or, of the long ones, three, the first of them another
+/// hand's than the others.
 struct Case {
     name: &'static str,
     protocol: Box<dyn Protocol>,
     packets: Vec<Vec<u8>>,
+    /// Over a serial line.
+    serial: bool,
 }
 
 const CURLS: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 0.3];
+
+/// A hand, and the same elsewhere.
+fn hands() -> [[Pose; 25]; 2] {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/hands.jsonl");
+    let joints = Recording::open(std::path::Path::new(file)).unwrap().hand(Side::Left)[0].joints;
+    [joints, joints.map(|pose| Pose::translation(0.1, 0.0, 0.0) * pose)]
+}
 
 fn cases() -> Vec<Case> {
     let none = Address::default();
@@ -45,27 +59,37 @@ fn cases() -> Vec<Case> {
     let first = glove.packet(0);
     glove.set_curls(CURLS);
     let packets = ten(first, glove.packet(123_456_789_000));
+    let of_hands = |line: &dyn Fn(&[Pose; 25]) -> String| {
+        let [first, others] = hands().map(|hand| line(&hand).into_bytes());
+        vec![first, others.clone(), others]
+    };
+    let streamed = of_hands(&|hand| twin::lines(Side::Left, hand, Points::Local, Some((7, 0))));
+    let posed = of_hands(&|joints| {
+        let pose = LivePose::Joints { joints: *joints, radii: [0.01; 25] };
+        pose_stream::write(Side::Left, 0.5, Some(&pose))
+    });
+    let case = |name, serial, protocol, packets| Case { name, protocol, packets, serial };
     vec![
-        Case {
-            name: "alpha",
-            protocol: Box::new(LucidGloves::new(lucid.clone())),
-            packets: lines(false),
-        },
-        Case { name: "legacy", protocol: Box::new(LucidGloves::new(lucid)), packets: lines(true) },
-        Case { name: "classic", protocol: Box::new(Classic::new(classic)), packets: records },
-        Case { name: "third", protocol: Box::new(Third::new(third)), packets },
-        Case {
-            name: "cybergrasp",
-            protocol: Box::new(CyberGrasp::new(None)),
-            packets: vec![b"TGRA\x01\0\0\0".to_vec(); 10],
-        },
+        case("alpha", true, Box::new(LucidGloves::new(lucid.clone())), lines(false)),
+        case("legacy", true, Box::new(LucidGloves::new(lucid)), lines(true)),
+        case("classic", true, Box::new(Classic::new(classic)), records),
+        case("third", true, Box::new(Third::new(third)), packets),
+        case(
+            "cybergrasp",
+            false,
+            Box::new(CyberGrasp::new(None)),
+            vec![b"TGRA\x01\0\0\0".to_vec(); 10],
+        ),
+        case("hts", false, Box::new(HandTrackingStreamer::new(false, Points::Auto)), streamed),
+        case("poses", false, Box::new(pose_stream::PoseStream::new(false)), posed),
     ]
 }
 
 /// What came of some bytes.
 #[derive(Default)]
 struct Outcome {
-    samples: Vec<[f64; ANGLES]>,
+    samples: Vec<LivePose>,
+    refused: usize,
     events: usize,
     alive: usize,
     sent: usize,
@@ -78,12 +102,21 @@ fn feed(protocol: &mut dyn Protocol, now_ns: &mut u64, bytes: &[u8], out: &mut O
         out.events += 1;
         match event {
             Event::Sample(sample) => {
-                let Some(LivePose::Angles { angles, wrist }) = sample.pose else { return };
-                assert!(wrist.is_finite() && angles.iter().all(|a| a.is_finite()));
-                out.samples.push(angles);
+                let Some(pose) = sample.pose else { return };
+                assert!(match &pose {
+                    LivePose::Angles { wrist, angles } => {
+                        wrist.is_finite() && angles.iter().all(|a| a.is_finite())
+                    }
+                    LivePose::Joints { joints, .. } => joints.iter().all(Pose::is_finite),
+                });
+                out.samples.push(pose);
             }
             Event::Alive => out.alive += 1,
-            Event::Note(text) | Event::Refused(text) => assert!(text.len() < 300),
+            Event::Note(text) => assert!(text.len() < 300),
+            Event::Refused(text) => {
+                assert!(text.len() < 300);
+                out.refused += 1;
+            }
         }
     };
     protocol.receive(*now_ns, bytes, &mut event, &mut |b| sent += b.len());
@@ -101,8 +134,9 @@ fn a_stream_cut_at_every_byte_is_read_again_from_its_start() {
         let mut now = 1_000_000_000;
         case.protocol.start(now, &mut |_| {});
         feed(&mut *case.protocol, &mut now, &stream, &mut clean);
-        assert_eq!(clean.samples.len() + clean.alive, 10, "{}", case.name);
-        for cut in 0..2 * case.packets[0].len() {
+        assert_eq!(clean.samples.len() + clean.alive, case.packets.len(), "{}", case.name);
+        let packets = if case.packets.len() < 10 { 1 } else { 2 };
+        for cut in 0..packets * case.packets[0].len() + 2 {
             let mut ignored = Outcome::default();
             case.protocol.start(now, &mut |_| {});
             feed(&mut *case.protocol, &mut now, &stream[..cut], &mut ignored);
@@ -165,10 +199,91 @@ fn mutated_streams_do_no_harm() {
         now += 10_000_000_000;
         let mut end = Outcome::default();
         feed(&mut *case.protocol, &mut now, &case.packets.concat(), &mut end);
-        assert!(end.samples.len() + end.alive >= 7, "{}: {} good", case.name, end.samples.len());
+        let (good, sent) = (end.samples.len() + end.alive, case.packets.len());
+        assert!(good >= sent - sent.div_ceil(4), "{}: {good} of {sent} good", case.name);
         let mut fresh = Outcome::default();
         case.protocol.start(now, &mut |_| {});
-        feed(&mut *case.protocol, &mut now, &case.packets[9], &mut fresh);
+        // What looks like a first record may wait for the next.
+        let last = case.packets[case.packets.len() - 2..].concat();
+        feed(&mut *case.protocol, &mut now, &last, &mut fresh);
         assert_eq!(end.samples.last(), fresh.samples.last(), "{}", case.name);
+    }
+}
+
+/// What a line at 8N1 gives when it is read at another speed than it is written: the level at the
+/// middle of each bit that the reader believes in, and zero where its stop bit is none, as terminals
+/// have it.
+fn at_another_speed(bytes: &[u8], written: f64, read: f64) -> Vec<u8> {
+    let level = |bits: f64| {
+        let (byte, place) = (bits as usize / 10, bits as usize % 10);
+        match (bytes.get(byte), place) {
+            (Some(_), 0) => false,
+            (None, _) | (_, 9) => true,
+            (Some(byte), place) => byte >> (place - 1) & 1 == 1,
+        }
+    };
+    let (step, mut at, mut out) = (written / read, 0.0, Vec::new());
+    while at < 10.0 * bytes.len() as f64 {
+        if level(at) {
+            at += step / 16.0;
+            continue;
+        }
+        let bit = |k: f64| level(at + (k + 0.5) * step);
+        let value = (0..8).filter(|k| bit(f64::from(1 + k))).map(|k| 1u8 << k).sum();
+        out.push(if bit(9.0) { value } else { 0 });
+        at += 9.5 * step;
+    }
+    out
+}
+
+/// Nothing moves, something is told where there is something to tell, and the right speed is understood
+/// at once.
+#[test]
+fn a_wrong_speed_moves_nothing() {
+    let good: Vec<u8> = (0..=255).collect();
+    assert_eq!(at_another_speed(&good, 115_200.0, 115_200.0), good, "the reader reads");
+    for mut case in cases().into_iter().filter(|case| case.serial) {
+        for speed in [9600.0, 38_400.0, 57_600.0, 76_800.0, 230_400.0, 250_000.0] {
+            let mut now = 1_000_000_000;
+            case.protocol.start(now, &mut |_| {});
+            let mut out = Outcome::default();
+            let stream = case.packets.concat().repeat(100);
+            for piece in at_another_speed(&stream, 115_200.0, speed).chunks(13) {
+                feed(&mut *case.protocol, &mut now, piece, &mut out);
+            }
+            let what = format!("{} at {speed}", case.name);
+            assert!(out.samples.is_empty() && out.alive == 0, "{what}");
+            now += 10_000_000_000;
+            let mut end = Outcome::default();
+            feed(&mut *case.protocol, &mut now, &case.packets.concat(), &mut end);
+            assert!(end.samples.len() >= 9, "{what}: {} good", end.samples.len());
+        }
+    }
+}
+
+/// Datagrams and messages are whole or refused, whatever of them is missing.
+#[test]
+fn a_part_of_a_datagram_is_refused() {
+    let profile: force_device::profile::Profile =
+        load("force-device", force_device::profile::SHIPPED, &Address::default()).unwrap();
+    let mut arm = force_device::twin::SimulatedArm::new();
+    let status = br#"{"ConnectedPositions":["GloveR"]}"#.to_vec();
+    let bhaptics = thenar_link::bhaptics::Bhaptics::default();
+    let cases: [(&str, Box<dyn Protocol>, Vec<u8>); 2] = [
+        ("arm", Box::new(ForceDevice::new(profile.setup().unwrap())), arm.state(1).to_vec()),
+        ("bhaptics", Box::new(bhaptics), status),
+    ];
+    for (name, mut protocol, whole) in cases {
+        let mut now = 1_000_000_000;
+        protocol.start(now, &mut |_| {});
+        for cut in 0..whole.len() {
+            let mut out = Outcome::default();
+            feed(&mut *protocol, &mut now, &whole[..cut], &mut out);
+            feed(&mut *protocol, &mut now, &[&whole[..], &whole[..=cut]].concat(), &mut out);
+            assert_eq!((out.samples.len(), out.alive, out.refused), (0, 0, 2), "{name} {cut}");
+        }
+        let mut out = Outcome::default();
+        feed(&mut *protocol, &mut now, &whole, &mut out);
+        assert_eq!(out.samples.len() + out.alive, 1, "{name}");
     }
 }

@@ -313,6 +313,19 @@ fn a_second_sender_is_not_heard() {
             assert!((wrist_x(sample.pose.as_ref().unwrap()) - 0.1).abs() < 1e-5);
         }
     }
+    // Its datagrams are counted and told of.
+    let told = device.tracker().messages().into_iter().find(|told| told.contains("another sender"));
+    let message = told.unwrap_or_else(|| {
+        wait("the second sender's mention", || {
+            second.say(&pose_frame(-0.5));
+            first.say(&pose_frame(0.1));
+            device.tracker().messages().into_iter().find(|told| told.contains("another sender"))
+        })
+    });
+    assert!(
+        message.starts_with(&format!("poses:{port}: another sender is not heard")),
+        "{message}"
+    );
 }
 
 /// A bridge at 1 kHz until it is dropped.

@@ -65,12 +65,17 @@ struct Tally {
     recent: u64,
     intervals_ns: Vec<u64>,
     last_ns: Option<u64>,
+    /// Samples whose time was before that of the last.
+    back: u64,
 }
 
 impl Tally {
     fn take(&mut self, sample: &HandSample) {
         if let Some(last) = self.last_ns.replace(sample.time_ns) {
-            self.intervals_ns.push(sample.time_ns - last);
+            match sample.time_ns.checked_sub(last) {
+                Some(interval) => self.intervals_ns.push(interval),
+                None => self.back += 1,
+            }
         }
         self.count += 1;
         self.recent += 1;
@@ -125,6 +130,9 @@ fn watch(tracker: &mut dyn Tracker, args: &Args) -> Result<(), CliError> {
                 "{side} hand: {} samples, interval {median:.2} ms median, {p99:.2} ms p99, {worst:.2} ms worst",
                 tally.count
             );
+        }
+        if tally.back > 0 {
+            println!("! its time stepped back {} times", tally.back);
         }
     }
     if tallies.iter().all(|tally| tally.count == 0) {

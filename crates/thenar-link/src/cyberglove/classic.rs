@@ -1,7 +1,8 @@
 //! CyberGlove I and II: commands in text, records of one byte per sensor.
 //!
 //! A record is `S`, a byte from 1 to 255 per sensor, and a zero. Only the zero is never data, so
-//! records end at zeros and are taken when just the right number of bytes lies between two.
+//! records end at zeros and are taken when just the right number of bytes lies between two. What
+//! looks like the first record of a stream may be noise: it waits until another follows it.
 
 use super::profile::Profile;
 use super::{Speech, sample};
@@ -23,6 +24,8 @@ pub struct Classic {
     record: Vec<u8>,
     /// More came than a record has.
     too_long: bool,
+    /// What may be the stream's first record, and how many bytes came since.
+    first: Option<(Event, usize)>,
     speech: Speech,
 }
 
@@ -30,7 +33,7 @@ impl Classic {
     /// A conversation that has not begun.
     pub fn new(profile: Arc<Profile>) -> Self {
         let speech = Speech::new(&START, PACE_NS, SILENCE_NS);
-        Self { profile, record: Vec::with_capacity(64), too_long: false, speech }
+        Self { profile, record: Vec::with_capacity(64), too_long: false, first: None, speech }
     }
 
     /// A zero came.
@@ -40,13 +43,23 @@ impl Classic {
         let sensors = self.profile.glove.sensors;
         match bytes.as_slice() {
             [b'S', values @ ..] if values.len() == sensors && !too_long => {
-                self.speech.heard(now_ns);
                 let full = self.profile.glove.full_scale;
                 let mut scaled = [0.0; super::SENSORS];
                 for (scaled, byte) in scaled.iter_mut().zip(values) {
                     *scaled = f64::from(byte - 1) / full;
                 }
-                event(sample(&self.profile, now_ns, &scaled[..sensors]));
+                let sample = sample(&self.profile, now_ns, &scaled[..sensors]);
+                match self.first.take() {
+                    Some((first, since)) if since == sensors + 2 => event(first),
+                    _ if !self.speech.streams() => {
+                        self.first = Some((sample, 0));
+                        self.clear(bytes);
+                        return;
+                    }
+                    _ => {}
+                }
+                self.speech.heard(now_ns);
+                event(sample);
             }
             [b'S', values @ ..] if [18, 22].contains(&values.len()) && !too_long => {
                 event(Event::Refused(format!(
@@ -56,15 +69,20 @@ impl Classic {
             }
             _ => event(Event::Refused("bytes that are no record: noise or another speed".into())),
         }
+        self.clear(bytes);
+    }
+
+    /// Begins the next record in the memory of the last.
+    fn clear(&mut self, mut bytes: Vec<u8>) {
+        bytes.clear();
         self.record = bytes;
-        self.record.clear();
     }
 }
 
 impl Protocol for Classic {
     fn start(&mut self, now_ns: u64, _: &mut dyn FnMut(&[u8])) {
         self.record.clear();
-        self.too_long = false;
+        (self.too_long, self.first) = (false, None);
         self.speech.begin(now_ns);
     }
 
@@ -76,6 +94,9 @@ impl Protocol for Classic {
         _: &mut dyn FnMut(&[u8]),
     ) {
         for byte in bytes {
+            if let Some((_, since)) = &mut self.first {
+                *since += 1;
+            }
             match byte {
                 0 => self.finish(now_ns, event),
                 // Before the first record the glove echoes our commands.

@@ -135,7 +135,8 @@ fn hear(
 ) {
     let Line { frame, time, body } = line;
     let (side, of_points) = match body {
-        Body::Head => return,
+        // It lives, though it may not see a hand.
+        Body::Head => return event(Event::Alive),
         Body::Wrist(side, value) => {
             let part = Part { value, frame, time, heard_ns: now_ns };
             hands[side as usize].wrist = Some(part);

@@ -15,10 +15,10 @@ pub use twin::{FORCE_FEEDBACK_WAIT_NS, LucidGlovesTwin};
 
 use crate::calibration::Calibrate;
 use crate::profile::{Address, load};
-use crate::transport::{SerialTransport, StreamTransport, serial};
+use crate::transport::{SerialTransport, TcpServer, serial};
 use crate::worker::{Connect, Device, DisplayTraits, TrackerTraits};
 use crate::{Driver, Found, LinkError, Opened, Rendering};
-use std::net::TcpListener;
+use std::net::{IpAddr, Ipv4Addr};
 use std::sync::Arc;
 
 /// Where a glove calls over Wi-Fi.
@@ -34,7 +34,7 @@ impl Driver for LucidGlovesDriver {
 
     fn about(&self) -> &'static str {
         "LucidGloves and OpenGloves-compatible gloves: fingers in, movement stops out; \
-         lucidgloves:/dev/ttyUSB0, lucidgloves:COM3 or lucidgloves:wifi"
+         lucidgloves:/dev/ttyUSB0, lucidgloves:COM3 or lucidgloves:wifi?from=IP"
     }
 
     fn enumerate(&self) -> Vec<Found> {
@@ -65,7 +65,7 @@ impl Driver for LucidGlovesDriver {
 /// Opens a glove with this profile.
 fn open_with(parsed: &Address, profile: Profile) -> Result<Opened, LinkError> {
     let name = format!("lucidgloves:{}", parsed.place);
-    let connect = connect(&name, &parsed.place, profile.link.baud)?;
+    let connect = connect(&name, &parsed.place, parsed.from, profile.link.baud)?;
     let profile = Arc::new(profile);
     let display = DisplayTraits {
         rendering: Rendering::Stops,
@@ -83,7 +83,7 @@ fn open_with(parsed: &Address, profile: Profile) -> Result<Opened, LinkError> {
     crate::paired::with_wrist(device.open()?, &profile.wrist, parsed.wrist.as_deref())
 }
 
-fn connect(name: &str, place: &str, baud: u32) -> Result<Connect, LinkError> {
+fn connect(name: &str, place: &str, from: Option<IpAddr>, baud: u32) -> Result<Connect, LinkError> {
     let refuse = |cause: String| LinkError::Setting { what: format!("device `{name}`"), cause };
     if place.is_empty() {
         return Err(refuse("expected a serial port or `wifi`".into()));
@@ -97,14 +97,12 @@ fn connect(name: &str, place: &str, baud: u32) -> Result<Connect, LinkError> {
         Some(port) => port.parse().map_err(|_| refuse(format!("`{port}` is no port number")))?,
         None => return Err(refuse("expected `wifi` or `wifi:PORT`".into())),
     };
-    let listen = || {
-        let listener = TcpListener::bind(("0.0.0.0", port))?;
-        listener.set_nonblocking(true)?;
-        Ok(listener)
-    };
-    let listener = listen().map_err(|error: std::io::Error| LinkError::Open {
+    let at = (Ipv4Addr::UNSPECIFIED, port).into();
+    let server = TcpServer::listen(at, from).map_err(|error| LinkError::Open {
         device: name.into(),
         cause: format!("cannot listen on port {port}: {error}"),
     })?;
-    Ok(Box::new(move || Ok(Box::new(StreamTransport::new(listener.accept()?.0)?))))
+    // A glove that returns calls from where it was; nobody else takes its hand over.
+    let server = server.faithful();
+    Ok(Box::new(move || Ok(Box::new(server.accept()?))))
 }

@@ -1,6 +1,7 @@
 //! What follows the driver's name in an address: `place?key=value&key=value`.
 
 use crate::LinkError;
+use std::net::IpAddr;
 use std::path::PathBuf;
 use thenar::model::Side;
 
@@ -13,6 +14,8 @@ pub struct Address {
     pub side: Option<Side>,
     /// A profile to use instead of the user's own.
     pub profile: Option<PathBuf>,
+    /// The only peer that is heard, for gloves that call us.
+    pub from: Option<IpAddr>,
     /// Address of a tracker for the wrist, over what the profile says.
     pub wrist: Option<String>,
 }
@@ -42,10 +45,15 @@ impl Address {
                 Some(("side", "left")) => parsed.side = Some(Side::Left),
                 Some(("side", "right")) => parsed.side = Some(Side::Right),
                 Some(("profile", file)) if !file.is_empty() => parsed.profile = Some(file.into()),
+                Some(("from", ip)) if place.starts_with("wifi") => {
+                    let bad = |_| refuse(format!("from is `{ip}`, expected an IP address"));
+                    parsed.from = Some(ip.parse().map_err(bad)?);
+                }
                 _ => {
+                    let from = if place.starts_with("wifi") { "from=ADDRESS, " } else { "" };
                     let cause = format!(
-                        "`{option}` is no option; there are side=left, side=right, profile=FILE \
-                         and, last, wrist=DEVICE"
+                        "`{option}` is no option; there are side=left, side=right, {from}\
+                         profile=FILE and, last, wrist=DEVICE"
                     );
                     return Err(refuse(cause));
                 }
@@ -67,6 +75,11 @@ mod tests {
         assert_eq!((full.place.as_str(), full.side), ("/dev/x", Some(Side::Left)));
         assert_eq!(full.profile, Some("a b.toml".into()));
         assert_eq!(full.wrist.as_deref(), Some("hts:9000?side=left"));
+        let wifi = read("wifi:70?from=10.0.0.7").unwrap();
+        assert_eq!(wifi.from, Some(IpAddr::from([10, 0, 0, 7])));
+        let told = read("wifi?from=glove").unwrap_err();
+        assert!(told.ends_with("from is `glove`, expected an IP address"), "{told}");
+        assert!(read("/dev/x?from=10.0.0.7").unwrap_err().contains("no option"));
         let told = read("/dev/x?side=up").unwrap_err();
         assert!(told.starts_with("device `d:/dev/x?side=up`: `side=up` is no option;"), "{told}");
     }

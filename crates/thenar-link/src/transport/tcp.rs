@@ -4,11 +4,14 @@ use super::StreamTransport;
 use crate::Transport;
 use std::io::{self, ErrorKind};
 use std::net::{IpAddr, SocketAddr, TcpListener, TcpStream, ToSocketAddrs};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// How long a call may take.
 const CALL: Duration = Duration::from_secs(1);
+/// A peer that was silent for so long may lose its place to anybody.
+const PEER_SILENCE: Duration = Duration::from_secs(1);
 /// How often a served peer's place is looked for by another.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
 
@@ -29,14 +32,20 @@ pub fn call(address: &str) -> io::Result<TcpStream> {
 
 /// Serves one peer at a time. The newest wins: what is left of a broken connection often looks
 /// alive for minutes, and a headset that comes back must not wait for that. Where strangers can
-/// reach the port, `only` keeps them out.
+/// reach the port, `only` keeps them out, or [`faithful`](Self::faithful) while a peer is served.
 #[derive(Clone, Debug)]
 pub struct TcpServer {
     listener: Arc<TcpListener>,
     only: Option<IpAddr>,
+    faithful: bool,
     /// Who called while another was served.
-    next: Arc<Mutex<Option<TcpStream>>>,
+    next: Arc<Mutex<Option<Caller>>>,
+    /// Calls of others that were hung up on, not yet told of.
+    refused: Arc<AtomicU64>,
 }
+
+/// A connection, and who called.
+type Caller = (TcpStream, IpAddr);
 
 impl TcpServer {
     /// Listens at `at`, perhaps only to one address.
@@ -46,7 +55,14 @@ impl TcpServer {
     pub fn listen(at: SocketAddr, only: Option<IpAddr>) -> io::Result<Self> {
         let listener = TcpListener::bind(at)?;
         listener.set_nonblocking(true)?;
-        Ok(Self { listener: Arc::new(listener), only, next: Arc::default() })
+        let listener = Arc::new(listener);
+        let (next, refused) = (Arc::default(), Arc::default());
+        Ok(Self { listener, only, faithful: false, next, refused })
+    }
+
+    /// A peer that speaks loses its place only to a call from its own address.
+    pub fn faithful(self) -> Self {
+        Self { faithful: true, ..self }
     }
 
     /// Where it listens.
@@ -63,22 +79,30 @@ impl TcpServer {
     /// Nobody has called.
     pub fn accept(&self) -> io::Result<ServedPeer> {
         let waiting = self.next.lock().unwrap_or_else(PoisonError::into_inner).take();
-        let stream = match waiting.or_else(|| self.newest()) {
-            Some(stream) => stream,
-            None => return Err(io::Error::new(ErrorKind::NotConnected, "nobody has called yet")),
+        let Some((stream, from)) = waiting.or_else(|| self.newest(self.only)) else {
+            // Not yet told of: then the cause of its absence is somebody else.
+            return Err(match (self.refused.load(Ordering::Relaxed), self.only) {
+                (1.., Some(only)) => {
+                    let cause = format!("others than {only} have called and are refused");
+                    io::Error::new(ErrorKind::PermissionDenied, cause)
+                }
+                _ => io::Error::new(ErrorKind::NotConnected, "nobody has called yet"),
+            });
         };
         let stream = StreamTransport::new(stream)?;
-        Ok(ServedPeer { stream, server: self.clone(), looked: Instant::now() })
+        Ok(ServedPeer { stream, from, server: self.clone(), looked: Instant::now(), heard: None })
     }
 
-    /// The newest of those that wait, if they may.
-    fn newest(&self) -> Option<TcpStream> {
+    /// The newest of those that wait, if they may. Others are hung up on.
+    fn newest(&self, only: Option<IpAddr>) -> Option<Caller> {
         let mut newest = None;
         // A flood of calls is looked through in parts.
         for _ in 0..16 {
             let Ok((stream, from)) = self.listener.accept() else { break };
-            if self.only.is_none_or(|ip| ip == from.ip()) {
-                newest = Some(stream);
+            if only.is_none_or(|ip| ip == from.ip()) {
+                newest = Some((stream, from.ip()));
+            } else {
+                self.refused.fetch_add(1, Ordering::Relaxed);
             }
         }
         newest
@@ -88,25 +112,39 @@ impl TcpServer {
 /// A peer that called. It is lost when another calls.
 pub struct ServedPeer {
     stream: StreamTransport,
+    from: IpAddr,
     server: TcpServer,
     looked: Instant,
+    /// When it last spoke.
+    heard: Option<Instant>,
 }
 
 impl Transport for ServedPeer {
     fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
+        let received = self.stream.receive(buffer, timeout)?;
+        if received > 0 {
+            self.heard = Some(Instant::now());
+        }
         if self.looked.elapsed() >= LOOK_EVERY {
             self.looked = Instant::now();
-            if let Some(stream) = self.server.newest() {
+            let speaks = self.heard.is_some_and(|heard| heard.elapsed() < PEER_SILENCE);
+            let keeps = self.server.faithful && speaks;
+            let only = if keeps { Some(self.from) } else { self.server.only };
+            if let Some(caller) = self.server.newest(only) {
                 let mut next = self.server.next.lock().unwrap_or_else(PoisonError::into_inner);
-                *next = Some(stream);
+                *next = Some(caller);
                 return Err(io::Error::new(ErrorKind::ConnectionAborted, "another has called"));
             }
         }
-        self.stream.receive(buffer, timeout)
+        Ok(received)
     }
 
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.stream.send(bytes)
+    }
+
+    fn refused(&mut self) -> u64 {
+        self.server.refused.swap(0, Ordering::Relaxed)
     }
 }
 

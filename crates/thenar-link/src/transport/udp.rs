@@ -20,6 +20,8 @@ pub struct UdpTransport {
     peer: Option<(SocketAddr, Instant)>,
     /// The peer is given: the system leaves out others.
     connected: bool,
+    /// Datagrams of others, not yet asked for.
+    refused: u64,
 }
 
 impl UdpTransport {
@@ -35,7 +37,7 @@ impl UdpTransport {
         let socket = UdpSocket::bind((any, 0))?;
         socket.connect(peer)?;
         socket.set_nonblocking(true)?;
-        Ok(Self { socket, only: None, peer: None, connected: true })
+        Ok(Self { socket, only: None, peer: None, connected: true, refused: 0 })
     }
 
     /// Listens at `at`, perhaps only to one address.
@@ -45,7 +47,7 @@ impl UdpTransport {
     pub fn listen(at: SocketAddr, only: Option<IpAddr>) -> io::Result<Self> {
         let socket = UdpSocket::bind(at)?;
         socket.set_nonblocking(true)?;
-        Ok(Self { socket, only, peer: None, connected: false })
+        Ok(Self { socket, only, peer: None, connected: false, refused: 0 })
     }
 
     /// Where it listens.
@@ -76,10 +78,11 @@ fn hears(
 
 impl Transport for UdpTransport {
     fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
-        let (only, connected, peer) = (self.only, self.connected, &mut self.peer);
-        let received = read_within(&mut self.socket, timeout, |socket| {
+        let Self { socket, only, peer, connected, refused } = self;
+        let received = read_within(socket, timeout, |socket| {
             let (length, from) = socket.recv_from(buffer)?;
-            let heard = connected || hears(peer, only, from, Instant::now());
+            let heard = *connected || hears(peer, *only, from, Instant::now());
+            *refused += u64::from(!heard);
             Ok((heard && length > 0).then_some(length))
         })?;
         Ok(received.unwrap_or(0))
@@ -96,6 +99,10 @@ impl Transport for UdpTransport {
             Err(error) if error.kind() == ErrorKind::WouldBlock => Ok(()),
             result => result.map(|_| ()),
         }
+    }
+
+    fn refused(&mut self) -> u64 {
+        std::mem::take(&mut self.refused)
     }
 }
 

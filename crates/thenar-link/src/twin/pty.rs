@@ -21,6 +21,8 @@ struct Shared<T> {
     stop: AtomicBool,
     /// Bytes that may still pass towards the host before the cable is pulled; `MAX` for ever.
     budget: AtomicU64,
+    /// What the twin says is lost.
+    hushed: AtomicBool,
     /// Bytes for the host that are not the twin's.
     noise: Mutex<Vec<u8>>,
     /// All bytes that came from the host, the last million.
@@ -46,6 +48,7 @@ impl<T: Twin + 'static> PtyTwin<T> {
             settled: AtomicBool::new(false),
             stop: AtomicBool::new(false),
             budget: AtomicU64::new(u64::MAX),
+            hushed: AtomicBool::new(false),
             noise: Mutex::new(Vec::new()),
             heard: Mutex::new(Vec::new()),
         });
@@ -90,6 +93,11 @@ impl<T: Twin + 'static> PtyTwin<T> {
     /// True while the cable is in.
     pub fn is_plugged(&self) -> bool {
         self.shared.plugged.load(Ordering::Acquire)
+    }
+
+    /// From now on, all that the twin says is lost on the way, or no longer.
+    pub fn hush(&self, hushed: bool) {
+        self.shared.hushed.store(hushed, Ordering::Release);
     }
 
     /// Bytes that the line adds by itself.
@@ -162,8 +170,12 @@ fn turn<T: Twin + 'static>(shared: &Shared<T>, path: &Path, line: &mut Option<Li
     }
     drop(heard);
     let mut out = std::mem::take(&mut *lock(&shared.noise));
-    lock(&shared.twin)
-        .step(now_ns(), &buffer[..received], &mut |bytes| out.extend_from_slice(bytes));
+    let hushed = shared.hushed.load(Ordering::Acquire);
+    lock(&shared.twin).step(now_ns(), &buffer[..received], &mut |bytes| {
+        if !hushed {
+            out.extend_from_slice(bytes);
+        }
+    });
     let budget = shared.budget.load(Ordering::Acquire);
     let passing = out.len().min(usize::try_from(budget).unwrap_or(usize::MAX));
     // What the host does not read is lost, as on a wire.

@@ -8,11 +8,12 @@
 //! - samples of a hand have strictly increasing times, none in the future, and finite poses;
 //! - the hand is released when no output came for [`OUTPUT_SILENCE_NS`], when the display is
 //!   dropped, on [`release_all`], when the protocol panics, on every loss and at every start;
-//! - a device that is away is asked for ever more rarely, once a second in the end; of that, and of
-//!   garbage, a person is told without being flooded.
+//! - a device that is away is asked for ever more rarely, once a second in the end; of that, of one
+//!   that is there and silent, and of garbage, a person is told without being flooded.
 
 mod handles;
 mod messages;
+mod notice;
 mod run;
 #[cfg(test)]
 mod tests;
@@ -34,8 +35,6 @@ use triple_buffer::triple_buffer;
 pub const OUTPUT_SILENCE_NS: u64 = 20_000_000;
 /// Longest wait for bytes, hence the longest that an output waits for the thread.
 const POLL: Duration = Duration::from_micros(500);
-/// A device that says nothing sensible for so long is told of \[ns\].
-const MUTE_NS: u64 = 2_000_000_000;
 /// Pauses between attempts to reach a device that is away.
 const BACK_OFF: [Duration; 2] = [Duration::from_millis(50), Duration::from_millis(1000)];
 /// Longest that closing waits for the thread to say its last words.

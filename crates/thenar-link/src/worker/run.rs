@@ -1,7 +1,8 @@
 //! What the thread does.
 
 use super::handles::slot;
-use super::{BACK_OFF, Device, MUTE_NS, OUTPUT_SILENCE_NS, POLL, Shared};
+use super::notice::{Away, Others, Silence};
+use super::{BACK_OFF, Device, OUTPUT_SILENCE_NS, POLL, Shared};
 use crate::{Event, HandOutput, HandSample, Transport, now_ns};
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -54,14 +55,17 @@ impl Worker {
                 Ok(mut transport) => {
                     away.reached(&self.shared);
                     let heard = self.shared.heard();
-                    let end = self.session(&mut *transport);
+                    let end = self.session(&mut *transport, &mut away);
                     self.last_words(&mut *transport);
-                    if self.shared.heard() != heard {
+                    let spoke = self.shared.heard() != heard;
+                    if spoke {
                         pause = BACK_OFF[0];
                     }
                     match end {
                         End::Stopped => break,
-                        End::Lost(error) => away.lost(&self.shared, &error),
+                        End::Lost(error) => {
+                            away.lost(&self.shared, &error, spoke || !self.device.speaks);
+                        }
                         End::Panicked => {
                             let text = "closed after an internal error; forces are released";
                             self.shared.messages().tell(text);
@@ -89,15 +93,16 @@ impl Worker {
     }
 
     /// Talks with the device until something ends it.
-    fn session(&mut self, transport: &mut dyn Transport) -> End {
-        let talk = AssertUnwindSafe(|| self.talk(transport));
+    fn session(&mut self, transport: &mut dyn Transport, away: &mut Away) -> End {
+        let talk = AssertUnwindSafe(|| self.talk(transport, away));
         catch_unwind(talk).unwrap_or(End::Panicked)
     }
 
-    fn talk(&mut self, transport: &mut dyn Transport) -> End {
+    fn talk(&mut self, transport: &mut dyn Transport, away: &mut Away) -> End {
         let mut buffer = vec![0; 1 << 16];
         let opened_ns = now_ns();
-        let mut mute = self.device.speaks;
+        let mut silence = Silence::new(opened_ns);
+        let mut others = Others::default();
         self.shown_ns = [None; 2];
         // What waited for a device that was away is not shown late.
         self.ends.outputs.iter_mut().for_each(|output| _ = output.update());
@@ -124,14 +129,9 @@ impl Worker {
             if let (Some(_), Some(_)) = (left, right) {
                 protocol.tick(now, right, &mut take, &mut |b| link.send(b));
             }
-            if mute {
-                mute = self.shared.heard().is_none_or(|heard| heard < opened_ns);
-                if mute && now - opened_ns > MUTE_NS {
-                    mute = false;
-                    let text = "is connected but says nothing that makes sense: wrong port, speed \
-                                or firmware?";
-                    self.shared.messages().tell(text);
-                }
+            others.look(now, link.transport.refused(), &self.shared);
+            if self.device.speaks {
+                silence.look(now, received > 0, &self.shared, away);
             }
         }
         link.lost.map_or(End::Stopped, End::Lost)
@@ -216,35 +216,4 @@ fn newest(
         *shown = None;
         Some(HandOutput::released(side, now))
     })
-}
-
-/// Tells of losses and returns, each once.
-#[derive(Default)]
-struct Away {
-    /// The failure that was told last, while the device is away.
-    told: Option<io::ErrorKind>,
-    /// It has been there before.
-    known: bool,
-}
-
-impl Away {
-    fn failed(&mut self, shared: &Shared, error: &io::Error) {
-        if self.told != Some(error.kind()) {
-            self.told = Some(error.kind());
-            shared
-                .messages()
-                .tell(&format!("is not there ({error}); it is taken up when it comes"));
-        }
-    }
-
-    fn lost(&mut self, shared: &Shared, error: &io::Error) {
-        shared.messages().tell(&format!("is lost ({error}); it is taken up when it returns"));
-        // That it is not there any more needs no second message, other hindrances do.
-        self.told = Some(io::ErrorKind::NotFound);
-    }
-
-    fn reached(&mut self, shared: &Shared) {
-        shared.messages().tell(if self.known { "is back" } else { "is connected" });
-        (self.known, self.told) = (true, None);
-    }
 }

@@ -135,13 +135,38 @@ impl Device {
         display.show(&output);
     }
 
+    /// Told in one message that begins with the device's name.
+    fn told_by_name<T: Twin + 'static>(&mut self, bench: &Bench<T>, what: &str) {
+        self.told_by_name_while(bench, what, || {});
+    }
+
+    fn told_by_name_while<T: Twin + 'static>(
+        &mut self,
+        bench: &Bench<T>,
+        what: &str,
+        mut meanwhile: impl FnMut(),
+    ) {
+        let name = format!("{}:{}: ", bench.driver.name(), bench.twin.path().display());
+        let told = wait(what, || {
+            meanwhile();
+            self.tracker.messages().into_iter().find(|told| told.contains(what))
+        });
+        assert!(told.starts_with(&name), "{told}");
+    }
+
     pub fn told(&mut self, what: &str) -> String {
         wait(what, || self.tracker.messages().into_iter().find(|told| told.contains(what)))
     }
 }
 
 /// The suite. `bench` makes a fresh twin, plugged in, under a name of its own.
-pub fn run<'d, T: Twin + 'static>(bench: impl Fn(&str) -> Bench<'d, T>) {
+pub fn run<'d, T: Twin + 'static>(bench: impl Fn(&str) -> Bench<'d, T> + Sync) {
+    // These mostly wait for two seconds of silence: all at once.
+    std::thread::scope(|scope| {
+        scope.spawn(|| a_device_that_answers_nothing_is_told_of(&bench("mute")));
+        scope.spawn(|| a_device_at_another_speed_is_told_of(&bench("speed")));
+        scope.spawn(|| a_device_that_falls_silent_is_told_of(&bench("silent")));
+    });
     samples_come_out_right(&bench("samples"));
     outputs_reach_the_hand_and_leave_it(&bench("outputs"));
     a_pulled_cable_is_plugged_in_again(&bench("cable"));
@@ -250,4 +275,50 @@ fn a_device_may_come_later<T: Twin + 'static>(bench: &Bench<T>) {
     bench.twin.plug(true);
     bench.follows(&mut device, POSES[1]);
     bench.feels("no late output", |felt| felt == [0.0; 5], || {});
+}
+
+/// Name and cause, and nothing but these, until it answers.
+fn a_device_that_answers_nothing_is_told_of<T: Twin + 'static>(bench: &Bench<T>) {
+    bench.twin.hush(true);
+    let mut device = bench.open();
+    device.told("is connected");
+    device.told_by_name(bench, "is connected but says nothing: is it switched on");
+    assert!(device.tracker.latest(Side::Right).is_none() && device.tracker.heard_ns().is_none());
+    device.show([0.5; 5]);
+    bench.twin.hush(false);
+    bench.follows(&mut device, POSES[3]);
+    device.told("speaks now");
+    // What was shown into the silence is over.
+    bench.feels("no late output", |felt| felt == [0.0; 5], || {});
+}
+
+/// All that comes is what a wrong speed makes of bytes.
+fn a_device_at_another_speed_is_told_of<T: Twin + 'static>(bench: &Bench<T>) {
+    bench.twin.hush(true);
+    let mut device = bench.open();
+    let (mut seed, mut bytes) = (0x0bad_5eed_u64, 0);
+    device.told_by_name_while(bench, "is connected but says nothing that makes sense", || {
+        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        // Long runs of bits become few values, the rest is anything.
+        let byte = if seed >> 63 == 0 { [0x00, 0xe0, 0xfe, 0x80, 0xff][bytes % 5] } else { 0xff };
+        bench.twin.add_noise(&[byte, (seed >> 33) as u8]);
+        bytes += 2;
+    });
+    assert!(bytes > 20 && device.tracker.latest(Side::Right).is_none(), "no pose of {bytes} bytes");
+    bench.twin.hush(false);
+    bench.follows(&mut device, POSES[2]);
+}
+
+/// In the midst of a session.
+fn a_device_that_falls_silent_is_told_of<T: Twin + 'static>(bench: &Bench<T>) {
+    let mut device = bench.open();
+    bench.follows(&mut device, POSES[2]);
+    bench.twin.hush(true);
+    device.told_by_name(bench, "has fallen silent");
+    let heard = device.tracker.heard_ns();
+    device.show([0.5; 5]);
+    bench.twin.hush(false);
+    bench.follows(&mut device, POSES[3]);
+    device.told("speaks again");
+    assert!(device.tracker.heard_ns() > heard);
 }

@@ -1,0 +1,122 @@
+//! Goal: fingers are where the wrist is, no fresher than the staler of the two, and neither's clock
+//! does harm. Method: two trackers that say what a test wants.
+
+use super::*;
+use std::collections::VecDeque;
+use std::f64::consts::FRAC_PI_2;
+use std::sync::Mutex;
+use thenar::{Quat, Vec3};
+use thenar_scene::motion::ANGLES;
+
+const SIDE: Side = Side::Right;
+
+/// Says each sample once, one per call.
+#[derive(Clone, Default)]
+struct Script(Arc<Mutex<VecDeque<HandSample>>>, Option<HandSample>);
+
+impl Script {
+    fn say(&self, time_ns: u64, pose: Option<LivePose>) {
+        self.0.lock().unwrap().push_back(HandSample { side: SIDE, time_ns, pose });
+    }
+}
+
+impl Tracker for Script {
+    fn latest(&mut self, side: Side) -> Option<&HandSample> {
+        self.1 = self.0.lock().unwrap().pop_front();
+        self.1.as_ref().filter(|sample| sample.side == side)
+    }
+
+    fn heard_ns(&mut self) -> Option<u64> {
+        None
+    }
+
+    fn messages(&mut self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+fn fingers(angle: f64) -> Option<LivePose> {
+    Some(LivePose::Angles { wrist: Pose::identity(), angles: [angle; ANGLES] })
+}
+
+fn wrist(pose: Pose) -> Option<LivePose> {
+    let mut joints = [Pose::translation(9.0, 9.0, 9.0); 25];
+    joints[0] = pose;
+    Some(LivePose::Joints { joints, radii: [0.01; 25] })
+}
+
+fn pair(pose_TW: Pose) -> (Script, Script, Paired) {
+    let (glove, base) = (Script::default(), Script::default());
+    let paired = Paired::new(Box::new(glove.clone()), Box::new(base.clone()), pose_TW);
+    (glove, base, paired)
+}
+
+fn told(paired: &mut Paired) -> (u64, Option<Pose>) {
+    let sample = paired.latest(SIDE).expect("a sample");
+    let wrist = sample.pose.as_ref().map(|pose| match pose {
+        LivePose::Angles { wrist, .. } => *wrist,
+        LivePose::Joints { .. } => panic!("the fingers' angles are lost"),
+    });
+    (sample.time_ns, wrist)
+}
+
+/// The tracker sits 0.1 m above the wrist, along its own y, which a quarter turn about z lays along
+/// the world's -x: the wrist is at (2, 0, 0) + Rz(90°) (0, -0.1, 0) = (2.1, 0, 0).
+#[test]
+fn fingers_are_where_the_wrist_is() {
+    let (glove, base, mut paired) = pair(Pose::translation(0.0, -0.1, 0.0));
+    assert!(paired.latest(SIDE).is_none());
+    glove.say(10, fingers(0.3));
+    assert_eq!(told(&mut paired), (10, None), "a wrist that was never seen");
+    let turned = Quat::from_scaled_axis(Vec3::z() * FRAC_PI_2);
+    base.say(30, wrist(Pose::new(Vec3::new(2.0, 0.0, 0.0), turned)));
+    let (time_ns, at) = told(&mut paired);
+    let at = at.unwrap();
+    assert!((at.position - Vec3::new(2.1, 0.0, 0.0)).norm() < 1e-12, "{at:?}");
+    assert!(at.rotation.angle_to(&turned) < 1e-12);
+    assert_eq!(time_ns, 11, "as old as the fingers, but news");
+    glove.say(40, fingers(0.4));
+    assert_eq!(told(&mut paired).0, 30, "as old as the wrist");
+    assert!(paired.latest(SIDE).is_none(), "told once");
+    base.say(50, None);
+    assert_eq!(told(&mut paired), (40, None), "a wrist that is not seen");
+    assert!(paired.latest(Side::Left).is_none());
+    assert!(paired.messages().is_empty());
+}
+
+/// Either clock steps back by a day, stays there for a while and returns: times go on by hardly
+/// anything meanwhile (the sample is stale), are right again afterwards, and it is told once.
+#[test]
+fn times_never_step_back() {
+    const DAY_NS: u64 = 86_400_000_000_000;
+    for who in 0..2 {
+        let (glove, base, mut paired) = pair(Pose::identity());
+        let mut messenger = paired.messenger();
+        let mut last = 0;
+        for k in 1..=300u64 {
+            let now = 2 * DAY_NS + 10_000_000 * k;
+            let away = if (100..200).contains(&k) { DAY_NS } else { 0 };
+            let [of_glove, of_base] = if who == 0 { [now - away, now] } else { [now, now - away] };
+            glove.say(of_glove, fingers(0.1));
+            base.say(of_base, wrist(Pose::identity()));
+            let (time_ns, _) = told(&mut paired);
+            assert!(time_ns > last && time_ns <= now);
+            match away {
+                0 => assert_eq!(time_ns, now),
+                _ => assert!(time_ns - last == 1, "it stands still"),
+            }
+            last = time_ns;
+        }
+        let messages = messenger();
+        assert_eq!(messages.len(), 1, "{messages:?}");
+        assert!(messages[0].contains(["glove", "wrist's tracker"][who]), "{messages:?}");
+        assert!(paired.messages().is_empty(), "told once, be it there or here");
+    }
+    // The end of all times is no panic.
+    let (glove, base, mut paired) = pair(Pose::identity());
+    for _ in 0..2 {
+        glove.say(u64::MAX, fingers(0.1));
+        base.say(u64::MAX, wrist(Pose::identity()));
+        assert_eq!(told(&mut paired).0, u64::MAX);
+    }
+}
