@@ -1,16 +1,20 @@
 #![no_main]
 use std::sync::Arc;
-use thenar_link::Protocol;
+use thenar::Vec3;
+use thenar::model::Side;
+use thenar_link::bhaptics::Bhaptics;
 use thenar_link::cyberglove::{self, Classic, Third};
 use thenar_link::cybergrasp::CyberGrasp;
+use thenar_link::force_device::{self, ForceDevice};
+use thenar_link::hand_tracking_streamer::{HandTrackingStreamer, Points};
 use thenar_link::lucidgloves::{self, LucidGloves};
+use thenar_link::pose_stream::PoseStream;
 use thenar_link::profile::{Address, load};
+use thenar_link::{Event, HandOutput, Protocol};
 
-// The first byte chooses the protocol, the second how the rest is cut.
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    let [which, cut, stream @ ..] = bytes else { return };
+fn protocol(which: u8) -> Box<dyn Protocol> {
     let none = Address::default();
-    let mut protocol: Box<dyn Protocol> = match which % 4 {
+    match which % 10 {
         0 => {
             let profile = load("lucidgloves", lucidgloves::SHIPPED, &none).unwrap();
             Box::new(LucidGloves::new(Arc::new(profile)))
@@ -23,14 +27,43 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
             let profile = load("cyberglove3", cyberglove::SHIPPED_3, &none).unwrap();
             Box::new(Third::new(Arc::new(profile)))
         }
-        _ => Box::new(CyberGrasp::new(None)),
-    };
+        3 => Box::new(CyberGrasp::new(None)),
+        4 => Box::new(HandTrackingStreamer::new(false, Points::Auto)),
+        5 => Box::new(HandTrackingStreamer::new(true, Points::World)),
+        6 => Box::new(PoseStream::new(false)),
+        7 => Box::new(PoseStream::new(true)),
+        8 => {
+            let profile: force_device::profile::Profile =
+                load("force-device", force_device::profile::SHIPPED, &none).unwrap();
+            Box::new(ForceDevice::new(profile.setup().unwrap()))
+        }
+        _ => Box::new(Bhaptics::default()),
+    }
+}
+
+// The first byte chooses the protocol, the second how the rest is cut and how fast time passes.
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    let [which, cut, stream @ ..] = bytes else { return };
+    let mut protocol = protocol(*which);
+    let step_ns = 1_000_000 << (cut % 13);
     let mut now_ns = 1;
+    let mut event = |event| match event {
+        Event::Sample(sample) => assert!(sample.time_ns < u64::MAX / 2),
+        Event::Note(text) | Event::Refused(text) => assert!(text.len() < 400, "{text}"),
+        Event::Alive => {}
+    };
     protocol.start(now_ns, &mut |_| {});
-    for piece in stream.chunks(usize::from(*cut).max(1)) {
-        now_ns += 1_000_000;
-        protocol.receive(now_ns, piece, &mut |_| {}, &mut |_| {});
-        protocol.tick(now_ns, None, &mut |_| {}, &mut |_| {});
+    for (k, piece) in stream.chunks(usize::from(*cut).max(1)).enumerate() {
+        now_ns += step_ns;
+        protocol.receive(now_ns, piece, &mut event, &mut |_| {});
+        // What it shall show comes and goes, nonsense included.
+        let mut output = HandOutput::released(Side::Right, now_ns);
+        output.force_W = Vec3::new(f64::from(piece[0]) - 128.0, f64::NAN, f64::INFINITY);
+        for digit in &mut output.digits {
+            digit.pad_force = f64::from(piece[0]);
+            digit.curl_at_contact = Some(f64::from(piece[0]) / 100.0 - 1.0);
+        }
+        protocol.tick(now_ns, Some(&output).filter(|_| k % 3 == 0), &mut event, &mut |_| {});
     }
     protocol.stop(&mut |_| {});
 });

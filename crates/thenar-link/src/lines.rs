@@ -55,6 +55,14 @@ impl Lines {
         }
     }
 
+    /// Takes a whole message, or bytes of a stream.
+    pub fn take(&mut self, whole: bool, bytes: &[u8], show: &mut dyn FnMut(Shown)) {
+        match whole {
+            true => self.datagram(bytes, show),
+            false => self.push(bytes, show),
+        }
+    }
+
     /// Takes a whole datagram: its end also ends its last line.
     pub fn datagram(&mut self, bytes: &[u8], show: &mut dyn FnMut(Shown)) {
         self.clear();

@@ -45,10 +45,15 @@ pub trait Protocol: Send {
         output: Option<&HandOutput>,
         event: &mut dyn FnMut(Event),
         send: &mut dyn FnMut(&[u8]),
-    );
+    ) {
+        // A device that only tells needs nothing of this.
+        let _ = (now_ns, output, event, send);
+    }
 
     /// The last words: what sets the device free, then what stops its stream.
-    fn stop(&mut self, send: &mut dyn FnMut(&[u8]));
+    fn stop(&mut self, send: &mut dyn FnMut(&[u8])) {
+        let _ = send;
+    }
 }
 
 /// Moves bytes.

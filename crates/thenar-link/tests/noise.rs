@@ -1,6 +1,20 @@
 //! Goal: no bytes harm a protocol. Method: good streams, cut at every byte, read at another speed or
 //! mutated at random (seeded), straight into the protocols.
 
+// The fuzz target of all protocols is built here as well, and run on seeded damage.
+extern crate self as libfuzzer_sys;
+#[allow(unused_attributes)] // it has no main of its own
+#[path = "../../../fuzz/fuzz_targets/gloves.rs"]
+mod target;
+
+/// What the fuzzer calls.
+#[macro_export]
+macro_rules! fuzz_target {
+    (|$bytes:ident: &[u8]| $body:block) => {
+        pub fn run($bytes: &[u8]) $body
+    };
+}
+
 use std::sync::Arc;
 use thenar::Pose;
 use thenar::model::Side;
@@ -285,5 +299,111 @@ fn a_part_of_a_datagram_is_refused() {
         let mut out = Outcome::default();
         feed(&mut *protocol, &mut now, &whole, &mut out);
         assert_eq!(out.samples.len() + out.alive, 1, "{name}");
+    }
+}
+
+/// A sender's clock jumps by a day, forward and back: each hand is still taken once, as fresh as it is,
+/// and each jump is told once.
+#[test]
+fn clocks_that_jump_by_a_day_are_followed() {
+    const DAY: i64 = 86_400_000_000_000;
+    let profile: force_device::profile::Profile =
+        load("force-device", force_device::profile::SHIPPED, &Address::default()).unwrap();
+    let mut arm = force_device::twin::SimulatedArm::new();
+    let [hand, _] = hands();
+    let pose = LivePose::Joints { joints: hand, radii: [0.01; 25] };
+    let mut frame = 0;
+    type Say<'a> = Box<dyn FnMut(i64) -> Vec<u8> + 'a>;
+    let cases: [(&str, Box<dyn Protocol>, Say); 3] = [
+        (
+            "hts",
+            Box::new(HandTrackingStreamer::new(true, Points::Auto)),
+            Box::new(move |t| {
+                frame += 1;
+                twin::lines(Side::Left, &hand, Points::Local, Some((frame, t))).into_bytes()
+            }),
+        ),
+        (
+            "poses",
+            Box::new(pose_stream::PoseStream::new(true)),
+            Box::new(|t| pose_stream::write(Side::Left, t as f64 * 1e-9, Some(&pose)).into_bytes()),
+        ),
+        (
+            "arm",
+            Box::new(ForceDevice::new(profile.setup().unwrap())),
+            Box::new(|t| arm.state(t as u64).to_vec()),
+        ),
+    ];
+    for (name, mut protocol, mut say) in cases {
+        let (mut now, mut last, mut jumps) = (1_000_000_000, 0, 0);
+        protocol.start(now, &mut |_| {});
+        for shift in [0, DAY, 0, -DAY, 2 * DAY, 2 * DAY, 0] {
+            for _ in 0..50 {
+                now += 10_000_000;
+                let mut samples = 0;
+                let mut event = |event| match event {
+                    Event::Sample(sample) => {
+                        samples += 1;
+                        // Microseconds are what a line of text keeps of a time.
+                        assert!(sample.time_ns.abs_diff(now) <= 2_000, "{name}");
+                        assert!(sample.time_ns > last && sample.time_ns <= now, "{name}");
+                        last = sample.time_ns;
+                    }
+                    Event::Note(text) => {
+                        assert!(text.contains("clock has jumped"), "{name}: {text}");
+                        jumps += 1;
+                    }
+                    other => panic!("{name}: {other:?}"),
+                };
+                let bytes = say(10 * DAY + now as i64 + shift);
+                protocol.receive(now, &bytes, &mut event, &mut |_| {});
+                assert_eq!(samples, 1, "{name}");
+            }
+        }
+        assert_eq!(jumps, 5, "{name}: changes of the clock");
+    }
+}
+
+/// Every protocol, by the fuzz target's own choice: good streams, damaged a few hundred times each.
+#[test]
+fn the_fuzz_target_survives_seeded_damage() {
+    let mut arm = force_device::twin::SimulatedArm::new();
+    let touch = br#"{"ConnectedPositions":["GloveL","GloveR"]}"#.to_vec();
+    let mut streams: Vec<(u8, Vec<u8>)> = vec![(8, arm.state(7).to_vec()), (9, touch)];
+    for case in cases() {
+        let stream = case.packets.concat();
+        match case.name {
+            "alpha" | "legacy" => streams.push((0, stream)),
+            "classic" => streams.push((1, stream)),
+            "third" => streams.push((2, stream)),
+            "cybergrasp" => streams.push((3, stream)),
+            "hts" => streams.extend([(4, stream.clone()), (5, stream)]),
+            "poses" => streams.extend([(6, stream.clone()), (7, stream)]),
+            other => panic!("{other} has no number in the target"),
+        }
+    }
+    let mut seed = 0x7007_u64;
+    let mut random = move |below: usize| {
+        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (seed >> 33) as usize % below
+    };
+    for (which, good) in streams {
+        for round in 0..200 {
+            let mut bytes = vec![which, random(256) as u8];
+            bytes.extend_from_slice(&good);
+            for _ in 0..round % 8 {
+                let at = 2 + random(bytes.len() - 2);
+                match random(4) {
+                    0 => bytes[at] = random(256) as u8,
+                    1 => bytes[at] ^= 1 << random(8),
+                    2 => _ = bytes.drain(at..(at + random(40)).min(bytes.len())),
+                    _ => bytes.insert(at, b"0-9eE.,:[]{}\"\n\0\xff"[random(16)]),
+                }
+                if bytes.len() < 4 {
+                    break;
+                }
+            }
+            target::run(&bytes);
+        }
     }
 }

@@ -1,9 +1,12 @@
-//! A first force: at most 1 N, one finger after the other, through the same guard as ever.
+//! A first force: at most 1 N, one finger (or, of an arm, one direction) after the other, through the
+//! same guard as ever.
 
+use super::speed::Speeds;
 use crate::error::CliError;
 use crate::interrupt;
 use std::io::{BufRead, Write};
 use std::time::{Duration, Instant};
+use thenar::Vec3;
 use thenar::haptic::safety::{Guard, Limits, Signal, Status};
 use thenar::model::Side;
 use thenar_link::{DIGITS, ForceDisplay, HandOutput, Rendering, Tracker, now_ns};
@@ -12,19 +15,23 @@ use thenar_link::{DIGITS, ForceDisplay, HandOutput, Rendering, Tracker, now_ns};
 const FORCE: f64 = 1.0;
 /// Time per finger \[s\].
 const PER_FINGER: f64 = 1.5;
-/// Where a finger is stopped, 0 open to 1 closed.
-const STOP: f64 = 0.5;
+/// Length of a hand that no profile knows, wrist to middle fingertip \[m\].
+const HAND_LENGTH: f64 = 0.19;
 const NAMES: [&str; DIGITS] =
     ["thumb", "index finger", "middle finger", "ring finger", "little finger"];
+/// The world's axes, for devices that push the whole hand.
+const DIRECTIONS: [&str; 3] = ["to the right", "up", "towards you"];
 
-/// Asks, unless `arm`, then plays the force on every finger.
+/// Asks, unless `arm`, then plays the force on every finger. Movement stops are at `stop`, a fraction of
+/// the wearer's calibrated range: 0 open to 1 closed.
 ///
 /// # Errors
 /// The person does not agree, or the guard trips.
 pub fn run(
     display: &mut dyn ForceDisplay,
-    tracker: Option<&mut Box<dyn Tracker>>,
+    mut tracker: Option<&mut Box<dyn Tracker>>,
     arm: bool,
+    stop: f64,
 ) -> Result<(), CliError> {
     println!("Research use only. Keep your other hand at the power switch.");
     if !arm && !agreed()? {
@@ -34,14 +41,19 @@ pub fn run(
     let mut guard =
         Guard::<DIGITS>::new(limits, 2000).map_err(|e| CliError::Other(e.to_string()))?;
     guard.arm();
-    let side = tracker.map_or(Side::Right, |tracker| side_of(&mut **tracker));
+    let side = tracker.as_mut().map_or(Side::Right, |tracker| side_of(&mut ***tracker));
+    let length = tracker.as_ref().and_then(|tracker| tracker.hand_length()).unwrap_or(HAND_LENGTH);
+    let mut trial =
+        Trial { display, tracker, guard, speeds: Speeds::new(side, length), side, stop };
     // The guard engages on small forces only, then opens over its ramp: begin with none.
-    play(display, &mut guard, side, None, limits.ramp + 0.2)?;
-    for (finger, name) in NAMES.into_iter().enumerate() {
+    trial.play(None, limits.ramp + 0.2)?;
+    let pushes = trial.display.rendering() == Rendering::Wrench;
+    let names = if pushes { &DIRECTIONS[..] } else { &NAMES[..] };
+    for (axis, name) in names.iter().enumerate() {
         println!("{name}");
-        play(display, &mut guard, side, Some(finger), PER_FINGER)?;
+        trial.play(Some(axis), PER_FINGER)?;
     }
-    display.show(&HandOutput::released(side, now_ns()));
+    trial.display.show(&HandOutput::released(side, now_ns()));
     println!("released");
     Ok(())
 }
@@ -76,50 +88,92 @@ fn side_of(tracker: &mut dyn Tracker) -> Side {
     Side::Right
 }
 
-/// One finger, or none, for some seconds, at about 1 kHz.
-fn play(
-    display: &mut dyn ForceDisplay,
-    guard: &mut Guard<DIGITS>,
+/// What takes part.
+struct Trial<'a> {
+    display: &'a mut dyn ForceDisplay,
+    tracker: Option<&'a mut Box<dyn Tracker>>,
+    guard: Guard<DIGITS>,
+    speeds: Speeds,
     side: Side,
-    finger: Option<usize>,
-    seconds: f64,
-) -> Result<(), CliError> {
-    let stops = display.rendering() == Rendering::Stops;
-    // Vibrating players need not answer; anything else that is not there must not be ready for it.
-    let vibrates = display.rendering() == Rendering::Vibration;
-    let start = Instant::now();
-    while start.elapsed().as_secs_f64() < seconds {
-        if interrupt::asked() {
-            display.show(&HandOutput::released(side, now_ns()));
-            return Err(CliError::Other("interrupted: forces are released".into()));
-        }
-        let now = now_ns();
-        let mut wanted = [0.0; DIGITS];
-        if let Some(finger) = finger {
-            // Up and down again, without a jump.
+    /// Where fingers are stopped.
+    stop: f64,
+}
+
+impl Trial<'_> {
+    /// One finger or direction, or none, for some seconds, at about 1 kHz.
+    fn play(&mut self, axis: Option<usize>, seconds: f64) -> Result<(), CliError> {
+        let start = Instant::now();
+        loop {
             let phase = start.elapsed().as_secs_f64() / seconds;
-            wanted[finger] = FORCE * (std::f64::consts::PI * phase).sin();
+            if phase >= 1.0 {
+                return Ok(());
+            }
+            if interrupt::asked() {
+                self.display.show(&HandOutput::released(self.side, now_ns()));
+                return Err(CliError::Other("interrupted: forces are released".into()));
+            }
+            self.tick(now_ns(), axis, phase)?;
+            std::thread::sleep(Duration::from_micros(900));
+        }
+    }
+
+    /// Shows the force of this moment; `phase` goes from 0 to 1.
+    fn tick(&mut self, now: u64, axis: Option<usize>, phase: f64) -> Result<(), CliError> {
+        let rendering = self.display.rendering();
+        // Vibrating players need not answer; anything else that is not there must not be ready for it.
+        let vibrates = rendering == Rendering::Vibration;
+        let mut wanted = [0.0; DIGITS];
+        if let Some(axis) = axis {
+            // Up and down again, without a jump.
+            wanted[axis] = FORCE * (std::f64::consts::PI * phase).sin();
+        }
+        if let Some(sample) = self.tracker.as_mut().and_then(|t| t.latest(self.side)) {
+            self.speeds.take(sample);
         }
         let signal = Signal {
             force: wanted,
-            velocity: [0.0; DIGITS],
+            velocity: velocity(&self.speeds, rendering, now),
             simulation_ns: now,
             tracking_ns: now,
-            device_ns: display.heard_ns().unwrap_or(if vibrates { now } else { 0 }),
+            device_ns: self.display.heard_ns().unwrap_or(if vibrates { now } else { 0 }),
             enabled: true,
         };
-        let forces = guard.tick(now, &signal);
-        if let Status::Tripped(reason) = guard.status() {
-            display.show(&HandOutput::released(side, now));
+        let forces = self.guard.tick(now, &signal);
+        if let Status::Tripped(reason) = self.guard.status() {
+            self.display.show(&HandOutput::released(self.side, now));
             return Err(CliError::Other(format!("forces are released: {reason}")));
         }
-        let mut output = HandOutput::released(side, now);
+        self.display.show(&self.output(rendering, forces, now));
+        Ok(())
+    }
+
+    fn output(&self, rendering: Rendering, forces: [f64; DIGITS], now: u64) -> HandOutput {
+        let mut output = HandOutput::released(self.side, now);
+        if rendering == Rendering::Wrench {
+            output.force_W = Vec3::new(forces[0], forces[1], forces[2]);
+            return output;
+        }
         for (digit, force) in output.digits.iter_mut().zip(forces) {
             digit.pad_force = force;
-            digit.curl_at_contact = (stops && force > 0.05).then_some(STOP);
+            let stops = rendering == Rendering::Stops && force > 0.05;
+            digit.curl_at_contact = stops.then_some(self.stop);
         }
-        display.show(&output);
-        std::thread::sleep(Duration::from_micros(900));
+        output
     }
-    Ok(())
 }
+
+/// Along the axes that forces act on \[m/s\].
+fn velocity(speeds: &Speeds, rendering: Rendering, now_ns: u64) -> [f64; DIGITS] {
+    match rendering {
+        Rendering::Wrench => {
+            let v = speeds.wrist(now_ns);
+            [v.x, v.y, v.z, 0.0, 0.0]
+        }
+        // A stop only resists: it gives nothing to a finger that opens.
+        Rendering::Stops => speeds.opening(now_ns).map(|v| v.min(0.0)),
+        Rendering::Tendons | Rendering::Vibration => speeds.opening(now_ns),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -4,6 +4,7 @@ mod calibrate;
 mod feel;
 mod list;
 mod simulate;
+mod speed;
 mod test;
 
 use crate::error::CliError;

@@ -1,75 +1,69 @@
 //! `thenar devices simulate`: a device without hardware.
 
 use crate::error::CliError;
-#[cfg(unix)]
 use crate::interrupt;
-use std::path::PathBuf;
+use std::time::{Duration, Instant};
+use thenar_link::twin::SIMULATIONS;
 
 /// Run a simulated device that a driver can open.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Which; without it, what there is.
     name: Option<String>,
-    /// Where its port appears; by default in the folder for temporary files.
+    /// Where it is: a path for gloves on serial ports, by default in the folder for temporary files;
+    /// HOST:PORT for the others, by default where their driver looks first.
     #[arg(long)]
-    port: Option<PathBuf>,
+    port: Option<String>,
+    /// Hold the hand still, so far closed: 0 open to 1 closed. By default it opens and closes.
+    #[arg(long, value_parser = super::test::fraction)]
+    still: Option<f64>,
     /// For how long [s]; by default until Ctrl-C.
     #[arg(long, value_parser = super::test::seconds)]
     seconds: Option<f64>,
 }
 
-/// Runs it: its hand opens and closes every four seconds.
+/// Time in which the hand opens and closes \[s\].
+const PERIOD: f64 = 4.0;
+
+/// Runs it.
 ///
 /// # Errors
-/// There is none of that name, or the system has no pseudo-terminals.
-#[cfg(unix)]
+/// There is none of that name, or its place is taken.
 pub fn run(args: &Args) -> Result<(), CliError> {
-    use std::time::{Duration, Instant};
-    use thenar_link::twin::{SIMULATIONS, simulate};
-
     let Some(name) = &args.name else {
-        SIMULATIONS.iter().for_each(|(name, _)| println!("{name}"));
+        for kind in SIMULATIONS {
+            println!("{:20} {}:{}", kind.name, kind.driver, kind.place.unwrap_or("PORT"));
+        }
         return Ok(());
     };
-    let known = SIMULATIONS.iter().find(|(known, _)| known == name);
-    let Some((_, driver)) = known else {
-        let names = SIMULATIONS.map(|(name, _)| name).join(", ");
+    let Some(kind) = SIMULATIONS.iter().find(|kind| kind.name == name) else {
+        let names: Vec<_> = SIMULATIONS.iter().map(|kind| kind.name).collect();
         return Err(CliError::Input(format!(
-            "no device is simulated as `{name}`; there are {names}"
+            "no device is simulated as `{name}`; there are {}",
+            names.join(", ")
         )));
     };
     interrupt::listen();
-    let default = || std::env::temp_dir().join(format!("thenar-{name}-{}", std::process::id()));
-    let path = args.port.clone().unwrap_or_else(default);
-    let failed =
-        |e: std::io::Error| CliError::Other(format!("cannot simulate at {}: {e}", path.display()));
-    let device = match simulate(name, &path) {
-        Some(started) => started.map_err(failed)?,
-        None => return Err(CliError::Other(format!("`{name}` cannot be simulated here"))),
-    };
-    println!("{driver}:{}", path.display());
-    println!("in another terminal: thenar devices test {driver}:{}", path.display());
+    let file = || std::env::temp_dir().join(format!("thenar-{name}-{}", std::process::id()));
+    let default = || kind.place.map_or_else(|| file().display().to_string(), str::to_owned);
+    let place = args.port.clone().unwrap_or_else(default);
+    let device = kind
+        .start(&place)
+        .map_err(|e| CliError::Other(format!("cannot simulate {name} at {place}: {e}")))?;
+    let address = format!("{}:{place}", kind.driver);
+    println!("{address}");
+    println!("in another terminal: thenar devices test {address}");
     let start = Instant::now();
-    let mut felt = [0.0; 5];
+    let mut felt = device.felt();
     while !interrupt::asked() && args.seconds.is_none_or(|s| start.elapsed().as_secs_f64() < s) {
-        let phase = start.elapsed().as_secs_f64() * std::f64::consts::TAU / 4.0;
-        device.set_curls([0.5 - 0.5 * phase.cos(); 5]);
+        let phase = start.elapsed().as_secs_f64() * std::f64::consts::TAU / PERIOD;
+        device.set_curls([args.still.unwrap_or(0.5 - 0.5 * phase.cos()); 5]);
         let now = device.felt();
         if now != felt {
+            println!("felt: {now}");
             felt = now;
-            let [t, i, m, r, l] = felt.map(|x| (x * 100.0).round());
-            println!("felt: thumb {t}%, index {i}%, middle {m}%, ring {r}%, little {l}%");
         }
         std::thread::sleep(Duration::from_millis(5));
     }
     Ok(())
-}
-
-/// There are no pseudo-terminals here.
-///
-/// # Errors
-/// Always.
-#[cfg(not(unix))]
-pub fn run(_: &Args) -> Result<(), CliError> {
-    Err(CliError::Other("this system has no pseudo-terminals to simulate a device with".into()))
 }

@@ -17,9 +17,12 @@ pub struct Args {
     /// For how long [s].
     #[arg(long, default_value_t = 5.0, value_parser = crate::devices::test::seconds)]
     seconds: f64,
-    /// Then let each finger feel at most 1 N (or a stop half-way) in turn.
+    /// Then let each finger feel at most 1 N (or a stop) in turn; an arm pushes along its three axes.
     #[arg(long)]
     feel: bool,
+    /// Where stops are, as a fraction of your calibrated range: 0 open to 1 closed.
+    #[arg(long, requires = "feel", default_value_t = 0.5, value_parser = fraction)]
+    stop_at: f64,
     /// Do not ask before `--feel`.
     #[arg(long, requires = "feel")]
     arm: bool,
@@ -30,6 +33,14 @@ pub fn seconds(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(seconds) if (0.0..=86_400.0).contains(&seconds) => Ok(seconds),
         _ => Err("expected seconds, 0 to 86400".into()),
+    }
+}
+
+/// A part of a whole.
+pub fn fraction(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(fraction) if (0.0..=1.0).contains(&fraction) => Ok(fraction),
+        _ => Err("expected a fraction, 0 to 1".into()),
     }
 }
 
@@ -52,7 +63,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         let Some(mut display) = device.display.take() else {
             return Err(CliError::Input(format!("{} shows no forces", args.address)));
         };
-        feel::run(&mut *display, device.tracker.as_mut(), args.arm)?;
+        feel::run(&mut *display, device.tracker.as_mut(), args.arm, args.stop_at)?;
     }
     Ok(())
 }

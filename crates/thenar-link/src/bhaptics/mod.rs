@@ -5,6 +5,7 @@
 //! before it, so that a tap between frames is felt. The player needs to run on this computer.
 
 mod driver;
+pub mod twin;
 
 pub use driver::BhapticsDriver;
 

@@ -5,7 +5,7 @@ use super::sensors::{NAMES, SENSORS};
 use super::{Classic, CyberGlove3Driver, CyberGloveDriver, Third, open_with};
 use crate::calibration::{Calibrate, Fitted, Prompt};
 use crate::profile::{Address, load};
-use crate::{LinkError, Opened};
+use crate::{Driver, LinkError, Opened, Protocol};
 use thenar_scene::motion::ANGLES;
 use toml::{Table, Value};
 
@@ -162,37 +162,30 @@ fn fit(means: &[[f64; ANGLES]]) -> Fitted {
     fitted
 }
 
-impl Calibrate for CyberGloveDriver {
-    fn prompts(&self) -> Vec<Prompt> {
-        POSES.iter().map(|pose| pose.prompt).collect()
-    }
+/// Both kinds of gloves are fitted alike.
+macro_rules! calibrate {
+    ($driver:ty, $shipped:expr, $protocol:ty) => {
+        impl Calibrate for $driver {
+            fn prompts(&self) -> Vec<Prompt> {
+                POSES.iter().map(|pose| pose.prompt).collect()
+            }
 
-    fn open_raw(&self, address: &str) -> Result<Opened, LinkError> {
-        let parsed = Address::parse("cyberglove", address)?;
-        let profile = raw(load("cyberglove", SHIPPED, &parsed)?);
-        open_with("cyberglove", &parsed, profile, |profile| Box::new(Classic::new(profile)))
-    }
+            fn open_raw(&self, address: &str) -> Result<Opened, LinkError> {
+                let parsed = Address::parse(self.name(), address)?;
+                let profile = raw(load(self.name(), $shipped, &parsed)?);
+                let protocol = |profile| Box::new(<$protocol>::new(profile)) as Box<dyn Protocol>;
+                open_with(self.name(), &parsed, profile, protocol)
+            }
 
-    fn fit(&self, means: &[[f64; ANGLES]]) -> Fitted {
-        fit(means)
-    }
+            fn fit(&self, means: &[[f64; ANGLES]]) -> Fitted {
+                fit(means)
+            }
+        }
+    };
 }
 
-impl Calibrate for CyberGlove3Driver {
-    fn prompts(&self) -> Vec<Prompt> {
-        POSES.iter().map(|pose| pose.prompt).collect()
-    }
-
-    fn open_raw(&self, address: &str) -> Result<Opened, LinkError> {
-        let parsed = Address::parse("cyberglove3", address)?;
-        let profile = raw(load("cyberglove3", SHIPPED_3, &parsed)?);
-        open_with("cyberglove3", &parsed, profile, |profile| Box::new(Third::new(profile)))
-    }
-
-    fn fit(&self, means: &[[f64; ANGLES]]) -> Fitted {
-        fit(means)
-    }
-}
+calibrate!(CyberGloveDriver, SHIPPED, Classic);
+calibrate!(CyberGlove3Driver, SHIPPED_3, Third);
 
 #[cfg(test)]
 mod tests {

@@ -106,7 +106,7 @@ impl ForceDevice {
         ahead > 0
     }
 
-    fn sample(&mut self, now_ns: u64, before_ns: u64, state: &State) -> Event {
+    fn sample(&mut self, now_ns: u64, before_ns: u64, state: &State, event: &mut dyn FnMut(Event)) {
         let dt = now_ns.saturating_sub(before_ns) as f64 * 1e-9;
         let step = (dt / CLOSING).min(1.0);
         let goal = f64::from(state.buttons & 1);
@@ -116,9 +116,13 @@ impl ForceDevice {
         let wrist = self.setup.pose_WD * state.pose * self.setup.pose_TH;
         // A device's clock counts nanoseconds from anywhere; beyond 292 years it is none.
         let source = i64::try_from(state.time_ns).unwrap_or(i64::MAX);
-        let time_ns = self.clock.carry(now_ns, source).time_ns;
+        let carried = self.clock.carry(now_ns, source);
+        if carried.jumped {
+            event(Event::Note("the arm's clock has jumped".into()));
+        }
         let pose = Some(LivePose::Angles { wrist, angles });
-        Event::Sample(HandSample { side: self.setup.side, time_ns, pose })
+        let (side, time_ns) = (self.setup.side, carried.time_ns);
+        event(Event::Sample(HandSample { side, time_ns, pose }));
     }
 
     fn report(&mut self, now_ns: u64, event: &mut dyn FnMut(Event)) {
@@ -153,7 +157,7 @@ impl Protocol for ForceDevice {
             Ok(state) => {
                 let before = self.state.map_or(now_ns, |(_, at)| at);
                 if self.is_news(now_ns, state.seq) {
-                    event(self.sample(now_ns, before, &state));
+                    self.sample(now_ns, before, &state, event);
                 }
                 self.report(now_ns, event);
             }

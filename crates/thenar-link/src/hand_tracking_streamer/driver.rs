@@ -2,8 +2,8 @@
 
 use super::{HandTrackingStreamer, Points, TCP_PORT, UDP_PORT};
 use crate::options::Options;
-use crate::transport::{StreamTransport, TcpServer, UdpTransport, tcp};
-use crate::worker::{Connect, Device, TrackerTraits};
+use crate::transport::{StreamTransport, TcpServer, listening, tcp};
+use crate::worker::{Connect, Device};
 use crate::{Driver, Found, LinkError, Opened};
 use std::net::{IpAddr, Ipv4Addr};
 
@@ -55,31 +55,10 @@ impl Driver for HandTrackingStreamerDriver {
             _ => {
                 let place = if kind == "udp" { rest } else { options.place };
                 let at = options.listen_at(place, any, UDP_PORT)?;
-                let first = UdpTransport::listen(at, from).map_err(|e| options.cannot_open(&e))?;
-                (listening(first, at, from), true)
+                (listening(at, from).map_err(|e| options.cannot_open(&e))?, true)
             }
         };
-        let device = Device {
-            name: format!("hts:{}", options.place),
-            connect,
-            protocol: Box::new(HandTrackingStreamer::new(datagrams, points)),
-            tracks: Some(TrackerTraits::default()),
-            display: None,
-            speaks: true,
-        };
-        device.open()
+        let protocol = HandTrackingStreamer::new(datagrams, points);
+        Device::tracker(format!("hts:{}", options.place), connect, Box::new(protocol)).open()
     }
-}
-
-/// A socket that was opened already, and whatever follows it.
-pub(crate) fn listening(
-    first: UdpTransport,
-    at: std::net::SocketAddr,
-    from: Option<IpAddr>,
-) -> Connect {
-    let mut first = Some(first);
-    Box::new(move || match first.take() {
-        Some(transport) => Ok(Box::new(transport)),
-        None => Ok(Box::new(UdpTransport::listen(at, from)?)),
-    })
 }

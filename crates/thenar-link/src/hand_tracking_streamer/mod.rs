@@ -10,13 +10,12 @@ mod line;
 pub mod twin;
 
 pub use driver::HandTrackingStreamerDriver;
-pub(crate) use driver::listening;
 pub use line::{Body, Line};
 
 use crate::joints::{POINTS, rebuild};
 use crate::lines::{Lines, Shown};
 use crate::source_clock::SourceClock;
-use crate::{Event, HandOutput, HandSample, Protocol};
+use crate::{Event, HandSample, Protocol};
 use thenar::{Pose, Vec3};
 
 /// UDP port that the app sends to.
@@ -106,22 +105,8 @@ impl Protocol for HandTrackingStreamer {
                 Err(cause) => event(Event::Refused(cause)),
             }
         };
-        match datagrams {
-            true => lines.datagram(bytes, &mut show),
-            false => lines.push(bytes, &mut show),
-        }
+        lines.take(*datagrams, bytes, &mut show);
     }
-
-    fn tick(
-        &mut self,
-        _: u64,
-        _: Option<&HandOutput>,
-        _: &mut dyn FnMut(Event),
-        _: &mut dyn FnMut(&[u8]),
-    ) {
-    }
-
-    fn stop(&mut self, _: &mut dyn FnMut(&[u8])) {}
 }
 
 /// Takes a line; with it, a hand may be whole.

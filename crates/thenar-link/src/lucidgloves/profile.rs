@@ -3,6 +3,7 @@
 use super::encoding::State;
 use crate::profile::{Check, DigitAngles, Display, Hand, Link, Wrist};
 use serde::{Deserialize, Serialize};
+use thenar::haptic::servo_stop;
 use thenar::model::Side;
 use thenar_scene::motion::ANGLES;
 
@@ -63,6 +64,19 @@ impl Profile {
     /// Thumb first.
     pub fn digits(&self) -> [&Digit; 5] {
         [&self.thumb, &self.index, &self.middle, &self.ring, &self.little]
+    }
+
+    /// Where the servos stop fingers at these curls of the wearer, thumb first. A servo's 0 to 1000 are
+    /// all of its finger's travel, of which the wearer uses what `raw` says.
+    pub fn stops(&self, curls: [Option<f64>; 5]) -> [u16; 5] {
+        let digits = self.digits();
+        std::array::from_fn(|d| {
+            let [open, closed] = digits[d].raw;
+            // Sensors may be mounted the other way round; servos are not.
+            let [open, closed] =
+                if open < closed { [open, closed] } else { [1.0 - open, 1.0 - closed] };
+            servo_stop(curls[d].map(|curl| open + curl.clamp(0.0, 1.0) * (closed - open)))
+        })
     }
 
     /// The twenty angles \[rad\] of what the sensors say; what they do not say is taken for open.

@@ -14,7 +14,6 @@ use super::profile::Profile;
 use crate::lines::Lines;
 use crate::{Event, HandOutput, HandSample, Protocol};
 use std::sync::Arc;
-use thenar::haptic::servo_stop;
 use thenar::model::Side;
 use thenar_scene::live::LivePose;
 
@@ -172,7 +171,7 @@ impl Protocol for LucidGloves {
         send: &mut dyn FnMut(&[u8]),
     ) {
         if let Some(output) = output.filter(|output| output.side == self.profile.hand.side) {
-            self.wanted = output.digits.map(|digit| servo_stop(digit.curl_at_contact));
+            self.wanted = self.profile.stops(output.digits.map(|digit| digit.curl_at_contact));
         }
         if self.held_ns.is_some_and(|due| now_ns >= due) {
             // It waits: all that was sent is read.

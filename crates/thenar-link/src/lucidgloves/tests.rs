@@ -165,3 +165,17 @@ fn a_glove_that_waits_for_no_answer_is_told_of_stops() {
     let sent = String::from_utf8(sent).unwrap();
     assert!(sent.contains("A0B500C0D0E0\n"), "{sent}");
 }
+
+/// A wearer whose sensor goes from 0.2 to 0.8 of its range and is stopped at a quarter of the way: at
+/// 0.35 of the servo's travel. One whose sensor is mounted the other way round, too.
+#[test]
+fn stops_are_in_the_wearers_own_range() {
+    let mut profile: Profile = load("lucidgloves", SHIPPED, &Address::default()).unwrap();
+    profile.index.raw = [0.2, 0.8];
+    profile.middle.raw = [0.8, 0.2];
+    let quarter = profile.stops([Some(0.25); 5]);
+    assert_eq!(quarter, [750, 650, 650, 750, 750]);
+    assert_eq!(profile.stops([None; 5]), [0; 5]);
+    assert_eq!(profile.stops([Some(0.0); 5]), [1000, 800, 800, 1000, 1000]);
+    assert_eq!(profile.stops([Some(f64::NAN); 5]), [0; 5]);
+}

@@ -8,8 +8,8 @@
 mod runtime;
 
 use crate::joints::{OPENXR_JOINTS, in_reach, rotation, webxr_of_openxr};
-use crate::worker::{Device, TrackerTraits};
-use crate::{Driver, Event, Found, HandOutput, HandSample, LinkError, Opened, Protocol, Transport};
+use crate::worker::Device;
+use crate::{Driver, Event, Found, HandSample, LinkError, Opened, Protocol, Transport};
 use std::io;
 use std::time::{Duration, Instant};
 use thenar::model::Side;
@@ -138,17 +138,6 @@ impl Protocol for OpenXrHands {
             }
         }
     }
-
-    fn tick(
-        &mut self,
-        _: u64,
-        _: Option<&HandOutput>,
-        _: &mut dyn FnMut(Event),
-        _: &mut dyn FnMut(&[u8]),
-    ) {
-    }
-
-    fn stop(&mut self, _: &mut dyn FnMut(&[u8])) {}
 }
 
 /// A hand, not seen where any of our joints is not.
@@ -199,15 +188,11 @@ impl Driver for OpenXrDriver {
             let cause = "expected nothing after `openxr:`".into();
             return Err(LinkError::Setting { what, cause });
         }
-        let device = Device {
-            name: "openxr:".into(),
-            connect: Box::new(|| Ok(Box::new(RuntimeTransport::new(runtime::Session::open()?)))),
-            protocol: Box::new(OpenXrHands::default()),
-            tracks: Some(TrackerTraits::default()),
-            display: None,
-            speaks: true,
+        let connect = || -> io::Result<Box<dyn Transport>> {
+            Ok(Box::new(RuntimeTransport::new(runtime::Session::open()?)))
         };
-        device.open()
+        let protocol = OpenXrHands::default();
+        Device::tracker("openxr:".into(), Box::new(connect), Box::new(protocol)).open()
     }
 }
 

@@ -1,10 +1,9 @@
 //! How pose streams arrive.
 
 use super::{PoseStream, UDP_PORT};
-use crate::hand_tracking_streamer::listening;
 use crate::options::Options;
-use crate::transport::{PipeTransport, UdpTransport, WebSocketTransport, websocket};
-use crate::worker::{Connect, Device, TrackerTraits};
+use crate::transport::{PipeTransport, WebSocketTransport, listening, websocket};
+use crate::worker::{Connect, Device};
 use crate::{Driver, Found, LinkError, Opened, replay};
 use std::net::{IpAddr, Ipv4Addr};
 use std::path::{Path, PathBuf};
@@ -57,21 +56,14 @@ impl Driver for PoseStreamDriver {
             let place = options.place;
             options.refuse(format!("`{place}` is no port, no address, and no file that is there"))
         })?;
-        let first = UdpTransport::listen(at, from).map_err(|e| options.cannot_open(&e))?;
-        device(options.place, listening(first, at, from), true)
+        let connect = listening(at, from).map_err(|e| options.cannot_open(&e))?;
+        device(options.place, connect, true)
     }
 }
 
 fn device(place: &str, connect: Connect, messages: bool) -> Result<Opened, LinkError> {
-    let device = Device {
-        name: format!("poses:{place}"),
-        connect,
-        protocol: Box::new(PoseStream::new(messages)),
-        tracks: Some(TrackerTraits::default()),
-        display: None,
-        speaks: true,
-    };
-    device.open()
+    let protocol = PoseStream::new(messages);
+    Device::tracker(format!("poses:{place}"), connect, Box::new(protocol)).open()
 }
 
 fn is_pipe(path: &Path) -> bool {

@@ -19,7 +19,7 @@ pub use line::{Line, Order, natural_order, write};
 use crate::lines::{Lines, Shown};
 use crate::rate::Rate;
 use crate::source_clock::SourceClock;
-use crate::{Event, HandOutput, HandSample, Protocol};
+use crate::{Event, HandSample, Protocol};
 
 /// UDP port unless another is chosen.
 pub const UDP_PORT: u16 = 9010;
@@ -97,22 +97,8 @@ impl Protocol for PoseStream {
                 }
             }
         };
-        match messages {
-            true => lines.datagram(bytes, &mut show),
-            false => lines.push(bytes, &mut show),
-        }
+        lines.take(*messages, bytes, &mut show);
     }
-
-    fn tick(
-        &mut self,
-        _: u64,
-        _: Option<&HandOutput>,
-        _: &mut dyn FnMut(Event),
-        _: &mut dyn FnMut(&[u8]),
-    ) {
-    }
-
-    fn stop(&mut self, _: &mut dyn FnMut(&[u8])) {}
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 use thenar::model::Side;
 use toml::{Table, Value};
+use toml_edit::{DocumentMut, Item, TableLike, TomlError};
 
 /// A profile that can tell what is wrong with its numbers.
 pub trait Check: DeserializeOwned {
@@ -90,7 +91,50 @@ fn one_line(text: &str) -> String {
     text.split('\n').map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
 }
 
-/// Lays `keys` over the profile in `file`, or begins one. The file is replaced whole or not at all.
+/// Puts `above` into a person's own text: comments, order and spaces stay.
+fn write_over(below: &mut dyn TableLike, above: &Table) {
+    for (key, value) in above {
+        match (below.get_mut(key), value) {
+            (Some(item), Value::Table(above)) if item.is_table_like() => {
+                if let Some(below) = item.as_table_like_mut() {
+                    write_over(below, above);
+                }
+            }
+            (Some(Item::Value(old)), value) if !value.is_table() => {
+                let mut new = edited(value);
+                *new.decor_mut() = old.decor().clone();
+                *old = new;
+            }
+            (_, Value::Table(above)) => {
+                let mut table = toml_edit::Table::new();
+                write_over(&mut table, above);
+                // A header of its own only for what it holds itself.
+                table.set_implicit(above.values().all(Value::is_table));
+                below.insert(key, Item::Table(table));
+            }
+            (_, value) => _ = below.insert(key, Item::Value(edited(value))),
+        }
+    }
+}
+
+/// A value as the editor writes it.
+fn edited(value: &Value) -> toml_edit::Value {
+    match value {
+        Value::String(text) => text.into(),
+        Value::Integer(number) => (*number).into(),
+        Value::Float(number) => (*number).into(),
+        Value::Boolean(truth) => (*truth).into(),
+        Value::Datetime(time) => (*time).into(),
+        Value::Array(values) => values.iter().map(edited).collect::<toml_edit::Array>().into(),
+        Value::Table(table) => {
+            let pairs = table.iter().map(|(key, value)| (key.as_str(), edited(value)));
+            pairs.collect::<toml_edit::InlineTable>().into()
+        }
+    }
+}
+
+/// Lays `keys` over the profile in `file`, or begins one; what else is in it, comments included, stays.
+/// The file is replaced whole or not at all.
 ///
 /// # Errors
 /// What is there is no TOML, or cannot be written.
@@ -101,10 +145,10 @@ pub fn save(file: &Path, keys: Table) -> Result<(), LinkError> {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
         result => result.map_err(|error| refuse(error.to_string()))?,
     };
-    let mut table: Table =
-        old.parse().map_err(|e: toml::de::Error| refuse(one_line(&e.to_string())))?;
-    lay_over(&mut table, keys);
-    let text = toml::to_string(&table).map_err(|error| refuse(error.to_string()))?;
+    let mut document: DocumentMut =
+        old.parse().map_err(|e: TomlError| refuse(one_line(&e.to_string())))?;
+    write_over(document.as_table_mut(), &keys);
+    let text = document.to_string();
     let write = || {
         if let Some(folder) = file.parent().filter(|folder| !folder.as_os_str().is_empty()) {
             std::fs::create_dir_all(folder)?;
@@ -172,6 +216,20 @@ mod tests {
         save(&file, "index.raw = [0.2, 0.8]".parse().unwrap()).unwrap();
         let table: Table = std::fs::read_to_string(&file).unwrap().parse().unwrap();
         assert_eq!(table, "hand.length = 0.2\nindex.raw = [0.2, 0.8]".parse().unwrap());
+        // A person's own text stays, whichever way it is written.
+        let own = "# Mine.\nhand.length = 0.2 # measured\n\n[index] # the long one\n# bent\nraw = \
+                   [0.0, 1.0] # old\nsplay = 1.0\n\n[display]\nrated = 5.0 # weak springs\n";
+        std::fs::write(&file, own).unwrap();
+        let keys = "hand.length = 0.19\nindex.raw = [0.2, 0.8]\n[thumb]\nraw = [0.1, 0.7]\n";
+        save(&file, keys.parse().unwrap()).unwrap();
+        let text = std::fs::read_to_string(&file).unwrap();
+        let new = own.replace("0.2 #", "0.19 #").replace("[0.0, 1.0]", "[0.2, 0.8]");
+        assert_eq!(text, format!("{new}\n[thumb]\nraw = [0.1, 0.7]\n"));
+        let inline = "sensors = { index_mpj = { gain = 1.0, offset = 2.0 } } # one line\n";
+        std::fs::write(&file, inline).unwrap();
+        save(&file, "sensors.index_mpj = { gain = 3.5, offset = 4.0 }".parse().unwrap()).unwrap();
+        let text = std::fs::read_to_string(&file).unwrap();
+        assert_eq!(text, inline.replace("1.0", "3.5").replace("2.0", "4.0"));
         std::fs::write(&file, "not toml").unwrap();
         assert!(save(&file, Table::new()).is_err());
         assert_eq!(std::fs::read_to_string(&file).unwrap(), "not toml", "nothing is lost");

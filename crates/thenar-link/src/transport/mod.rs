@@ -12,7 +12,7 @@ pub use pipe::PipeTransport;
 pub use serial::SerialTransport;
 pub use socket::StreamTransport;
 pub use tcp::TcpServer;
-pub use udp::UdpTransport;
+pub use udp::{UdpTransport, listening};
 pub use websocket::WebSocketTransport;
 
 use std::time::Duration;

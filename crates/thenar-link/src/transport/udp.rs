@@ -2,6 +2,7 @@
 
 use super::wait::read_within;
 use crate::Transport;
+use crate::worker::Connect;
 use std::io::{self, ErrorKind};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
 use std::time::{Duration, Instant};
@@ -57,6 +58,19 @@ impl UdpTransport {
     pub fn local_address(&self) -> io::Result<SocketAddr> {
         self.socket.local_addr()
     }
+}
+
+/// Listens at `at`, perhaps only to one address: at once, so that a port that is taken is told of, and
+/// again whenever the socket is lost.
+///
+/// # Errors
+/// As for [`UdpTransport::listen`].
+pub fn listening(at: SocketAddr, only: Option<IpAddr>) -> io::Result<Connect> {
+    let mut first = Some(UdpTransport::listen(at, only)?);
+    Ok(Box::new(move || match first.take() {
+        Some(transport) => Ok(Box::new(transport)),
+        None => Ok(Box::new(UdpTransport::listen(at, only)?)),
+    }))
 }
 
 /// Whether this sender is heard now; then it is the peer.

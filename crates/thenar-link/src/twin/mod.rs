@@ -1,14 +1,14 @@
 //! Simulated devices, byte for byte: for trying everything without hardware, and for tests.
 
+pub mod hand;
+mod network;
 #[cfg(unix)]
 mod pty;
-#[cfg(unix)]
 mod simulation;
 
 #[cfg(unix)]
 pub use pty::PtyTwin;
-#[cfg(unix)]
-pub use simulation::{SIMULATIONS, Simulation, simulate};
+pub use simulation::{Kind, SIMULATIONS, Simulation};
 
 /// A device's firmware, hand and actuators. Pure: bytes and time in, bytes out.
 pub trait Twin: Send {

@@ -1,74 +1,106 @@
 //! Simulated devices by name, for people.
 
+use super::network;
+#[cfg(unix)]
 use super::{PtyTwin, Twin};
+#[cfg(unix)]
 use crate::cyberglove::{ClassicTwin, ThirdTwin};
+#[cfg(unix)]
 use crate::lucidgloves::LucidGlovesTwin;
 use std::io;
-use std::path::Path;
 
-/// What can be simulated: name, and the driver that opens it.
-pub const SIMULATIONS: [(&str, &str); 6] = [
-    ("lucidgloves", "lucidgloves"),
-    ("lucidgloves-splay", "lucidgloves"),
-    ("lucidgloves-legacy", "lucidgloves"),
-    ("cyberglove", "cyberglove"),
-    ("cyberglove-18", "cyberglove"),
-    ("cyberglove3", "cyberglove3"),
-];
-
-/// A simulated device that runs.
-pub trait Simulation {
-    /// The wearer moves: see [`Twin::set_curls`].
-    fn set_curls(&self, curls: [f64; 5]);
-
-    /// What the wearer feels: see [`Twin::felt`].
-    fn felt(&self) -> [f64; 5];
+/// A device that can be simulated.
+pub struct Kind {
+    /// Its name.
+    pub name: &'static str,
+    /// The driver that opens it.
+    pub driver: &'static str,
+    /// Where it is on the network unless another `HOST:PORT` is given; `None` for a device behind a
+    /// terminal, whose place is a path.
+    pub place: Option<&'static str>,
+    start: fn(&str) -> io::Result<Box<dyn Simulation>>,
 }
 
+impl Kind {
+    /// Starts it.
+    ///
+    /// # Errors
+    /// Its place is taken, or the system has none such.
+    pub fn start(&self, place: &str) -> io::Result<Box<dyn Simulation>> {
+        (self.start)(place)
+    }
+}
+
+/// All of them. Those behind terminals need a system that has pseudo-terminals.
+pub const SIMULATIONS: &[Kind] = &[
+    #[cfg(unix)]
+    glove("lucidgloves", "lucidgloves", |at| pty(LucidGlovesTwin::new(false, false), at)),
+    #[cfg(unix)]
+    glove("lucidgloves-splay", "lucidgloves", |at| pty(LucidGlovesTwin::new(false, true), at)),
+    #[cfg(unix)]
+    glove("lucidgloves-legacy", "lucidgloves", |at| pty(LucidGlovesTwin::new(true, false), at)),
+    #[cfg(unix)]
+    glove("cyberglove", "cyberglove", |at| pty(ClassicTwin::new(22), at)),
+    #[cfg(unix)]
+    glove("cyberglove-18", "cyberglove", |at| pty(ClassicTwin::new(18), at)),
+    #[cfg(unix)]
+    glove("cyberglove3", "cyberglove3", |at| pty(ThirdTwin::default(), at)),
+    networked("cybergrasp", "cybergrasp", "127.0.0.1:7070", network::tendons),
+    networked("force-device", "force-device", "127.0.0.1:9020", network::arm),
+    networked("bhaptics", "bhaptics", "127.0.0.1:15881", network::player),
+    networked("hts", "hts", "127.0.0.1:9000", |at| network::tracker(at, true)),
+    networked("poses", "poses", "127.0.0.1:9010", |at| network::tracker(at, false)),
+];
+
+#[cfg(unix)]
+const fn glove(
+    name: &'static str,
+    driver: &'static str,
+    start: fn(&str) -> io::Result<Box<dyn Simulation>>,
+) -> Kind {
+    Kind { name, driver, place: None, start }
+}
+
+const fn networked(
+    name: &'static str,
+    driver: &'static str,
+    place: &'static str,
+    start: fn(&str) -> io::Result<Box<dyn Simulation>>,
+) -> Kind {
+    Kind { name, driver, place: Some(place), start }
+}
+
+/// A simulated device that runs until it is dropped.
+pub trait Simulation {
+    /// The wearer moves: each finger's curl, 0 open to 1 closed, thumb first. What has no fingers moves
+    /// in its own way, or not.
+    fn set_curls(&self, curls: [f64; 5]);
+
+    /// What the wearer feels, for a person.
+    fn felt(&self) -> String;
+}
+
+/// Thumb first.
+pub(super) fn per_finger(felt: [String; 5]) -> String {
+    let [t, i, m, r, l] = felt;
+    format!("thumb {t}, index {i}, middle {m}, ring {r}, little {l}")
+}
+
+#[cfg(unix)]
+fn pty<T: Twin + 'static>(twin: T, path: &str) -> io::Result<Box<dyn Simulation>> {
+    Ok(Box::new(PtyTwin::start(twin, std::path::Path::new(path))?))
+}
+
+#[cfg(unix)]
 impl<T: Twin + 'static> Simulation for PtyTwin<T> {
     fn set_curls(&self, curls: [f64; 5]) {
         self.twin().set_curls(curls);
     }
 
-    fn felt(&self) -> [f64; 5] {
-        self.twin().felt()
+    fn felt(&self) -> String {
+        per_finger(self.twin().felt().map(|felt| format!("{}%", (felt * 100.0).round())))
     }
-}
-
-/// Starts the simulated device of this name behind a terminal at `path`; `None` when there is none
-/// of that name.
-///
-/// # Errors
-/// As [`PtyTwin::start`].
-pub fn simulate(name: &str, path: &Path) -> Option<io::Result<Box<dyn Simulation>>> {
-    fn start<T: Twin + 'static>(twin: T, path: &Path) -> io::Result<Box<dyn Simulation>> {
-        Ok(Box::new(PtyTwin::start(twin, path)?))
-    }
-    Some(match name {
-        "lucidgloves" => start(LucidGlovesTwin::new(false, false), path),
-        "lucidgloves-splay" => start(LucidGlovesTwin::new(false, true), path),
-        "lucidgloves-legacy" => start(LucidGlovesTwin::new(true, false), path),
-        "cyberglove" => start(ClassicTwin::new(22), path),
-        "cyberglove-18" => start(ClassicTwin::new(18), path),
-        "cyberglove3" => start(ThirdTwin::default(), path),
-        _ => return None,
-    })
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn everything_listed_can_be_simulated_and_opened() {
-        let known: Vec<_> = crate::drivers().iter().map(|driver| driver.name()).collect();
-        for (name, driver) in SIMULATIONS {
-            let file = format!("thenar-simulate-{name}-{}", std::process::id());
-            let path = std::env::temp_dir().join(file);
-            simulate(name, &path).unwrap().unwrap();
-            assert!(known.contains(&driver), "{driver}");
-            assert!(!path.is_symlink(), "nothing is left behind");
-        }
-        assert!(simulate("toaster", Path::new("x")).is_none());
-    }
-}
+mod tests;

@@ -79,6 +79,12 @@ pub struct Device {
 }
 
 impl Device {
+    /// A device that only tells where hands are, and speaks on its own.
+    pub fn tracker(name: String, connect: Connect, protocol: Box<dyn Protocol>) -> Self {
+        let tracks = Some(TrackerTraits::default());
+        Self { name, connect, protocol, tracks, display: None, speaks: true }
+    }
+
     /// Starts its thread. A device that is away is taken up when it comes.
     ///
     /// # Errors
