@@ -41,6 +41,31 @@ impl Compliance {
         }
     }
 
+    /// One row's part in one batch of columns.
+    #[inline(always)]
+    pub fn lanes(&self, row: usize, batch: usize) -> &[Scalar] {
+        let at = row * self.stride + batch * LANES;
+        &self.numbers[at..at + LANES]
+    }
+
+    /// Likewise, to be filled.
+    #[inline(always)]
+    pub fn lanes_mut(&mut self, row: usize, batch: usize) -> &mut [Scalar] {
+        let at = row * self.stride + batch * LANES;
+        &mut self.numbers[at..at + LANES]
+    }
+
+    /// Fills the rows of a batch, up to the diagonal, with what its columns hold above.
+    pub fn mirror(&mut self, batch: usize) {
+        let first = batch * LANES;
+        for row in 0..first + LANES {
+            let line: Lanes = std::array::from_fn(|j| self.numbers[row * self.stride + first + j]);
+            for column in first.max(row + 1)..first + LANES {
+                self.numbers[column * self.stride + row] = line[column - first];
+            }
+        }
+    }
+
     /// `to += W δ` for an impulse δ at contact m; `to` has the length that counts, in whole batches.
     #[inline(always)]
     pub fn add_answer<S: Simd>(&self, simd: S, m: usize, delta: &Vec3, to: &mut [f64]) {

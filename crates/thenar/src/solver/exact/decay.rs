@@ -30,6 +30,11 @@ impl Default for Decay {
 }
 
 impl Decay {
+    /// What comes next does not go on from the last change: their ratio tells nothing.
+    pub fn interrupt(&mut self) {
+        self.last = f64::INFINITY;
+    }
+
     /// Takes in that one more sweep has changed the solution by at most `change`. Returns by how
     /// much it is likely to be off.
     pub fn error_after(&mut self, change: f64) -> f64 {

@@ -26,6 +26,7 @@ mod delassus;
 mod dense;
 mod direct;
 mod factor;
+mod free_motion;
 mod gauss_seidel;
 mod half_solves;
 mod held;
@@ -37,6 +38,7 @@ mod pcg;
 mod publish;
 mod reduction;
 mod relative;
+mod respond;
 mod small_cholesky;
 mod substitution;
 mod symbolic;
@@ -49,10 +51,9 @@ pub use reduction::Reduction;
 pub use relative::{Carried, Coordinates, System};
 
 use crate::math::Vec3;
-use crate::model::Cone;
-use crate::solver::{BlockMatrix, ContactRow, ContactRows, Convergence, Failure, JointBlock};
+use crate::solver::BlockMatrix;
 use coarse::Coarse;
-use delassus::{Delassus, Next};
+use delassus::Delassus;
 use direct::Direct;
 use factor::Factor;
 use held::Held;
@@ -85,17 +86,6 @@ pub struct Plan<'a> {
 
 /// Most contacts that may press in one step; W takes 36 bytes times their square.
 pub const PRESSING_MAX: usize = 512;
-/// Times that contact is solved, compared with the true velocities, and solved again.
-const ROUNDS_MAX: u32 = 8;
-/// Times, besides, that contacts join which the ones before left to close.
-const JOINS_MAX: u32 = 32;
-
-/// Times that joint limits are let go or held and the step is solved again without contact.
-const REVISIONS_MAX: u32 = 6;
-
-/// Fewest iterations with the block diagonal.
-const WINDOW: u32 = 4;
-
 /// Which preconditioner the next solves use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Ready {
@@ -116,6 +106,8 @@ pub struct Exact {
     jacobi: BlockJacobi,
     direct: Direct,
     ready: Ready,
+    /// The largest part of an error's energy that an iteration with the factor of this step has left.
+    left: Option<f64>,
     /// So many iterations of the block diagonal cost what the factor does.
     iterations_worth_a_factor: u32,
     x: Coordinates,
@@ -152,7 +144,8 @@ pub struct Accuracy {
 
 impl Accuracy {
     fn stop(&self, iterations_min: u32, iterations_max: u32) -> Stop {
-        Stop { tolerance: self.velocity, iterations_min, iterations_max, scale: 0.0 }
+        let tolerance = self.velocity;
+        Stop { tolerance, iterations_min, iterations_max, scale: 0.0, left: None }
     }
 }
 
@@ -193,6 +186,7 @@ impl Exact {
             iterations_worth_a_factor: (flops / iteration).clamp(16.0, 400.0) as u32,
             jacobi: BlockJacobi::new(&coarse, nodes),
             ready: Ready::Nothing,
+            left: None,
             x: Coordinates::new(bodies.freedoms(), nodes),
             held: Held::new(plan.bounds_max, bodies.freedoms()),
             work: pcg::Workspace::new(bodies.freedoms(), count, nodes),
@@ -201,6 +195,7 @@ impl Exact {
             delassus: Delassus::new(
                 plan.contacts_max.min(PRESSING_MAX),
                 plan.contacts_max,
+                count,
                 &direct,
                 bodies.freedoms(),
             ),
@@ -233,198 +228,6 @@ impl Exact {
         &self.held.bounds
     }
 
-    /// Velocities without contact, from the present ones in `v` as a start; bounds are kept, unless
-    /// `factor` asks for the direct preconditioner, which contact will need anyway, and with which
-    /// they are left to contact.
-    ///
-    /// # Errors
-    /// The system cannot be solved, or not to this accuracy.
-    pub fn solve(
-        &mut self,
-        step: &StepSystem<'_>,
-        joints: &[JointBlock],
-        h: f64,
-        factor: bool,
-        accuracy: &Accuracy,
-        v: &mut [Vec3],
-    ) -> Result<Solved, Failure> {
-        self.ready = Ready::Nothing;
-        for c in &self.carried {
-            self.springs[c.node as usize] = c.spring;
-        }
-        if !self.bodies.refresh(step.A, joints, v, h) {
-            return Err(Failure::NotPositiveDefinite);
-        }
-        let Self {
-            bodies,
-            carried,
-            springs,
-            split,
-            coarse,
-            jacobi,
-            direct,
-            ready,
-            x,
-            held,
-            work,
-            ..
-        } = self;
-        let system = system(step, bodies, carried, springs, split);
-        coarse.refresh(&system, factor);
-        if factor && direct.refresh(&system, coarse) {
-            *ready = Ready::Direct;
-        } else if jacobi.refresh(&system, coarse) {
-            *ready = Ready::Jacobi;
-        } else {
-            return Err(Failure::NotPositiveDefinite);
-        }
-        system.coordinates(v, x, &mut work.v);
-        if *ready == Ready::Jacobi {
-            held.guess();
-            held.hold(&system, coarse, jacobi, x);
-        } else {
-            held.release();
-        }
-        system.residual(step.b, x, &mut work.r, &mut work.v, &mut work.f);
-        let scale = pcg::largest_speed(&work.v, bodies.bodies());
-        let mut solved = Solved::default();
-        if *ready == Ready::Jacobi {
-            let worth = self.iterations_worth_a_factor.min(accuracy.iterations_max);
-            for revision in 0.. {
-                let apply = |r: &Coordinates, z: &mut Coordinates| {
-                    jacobi.apply(&system, coarse, r, z);
-                    held.project(z);
-                };
-                let stop = Stop { scale, ..accuracy.stop(WINDOW, worth - solved.iterations) };
-                let before = solved.iterations;
-                solved = pcg::solve(&system, apply, x, stop, work);
-                solved.iterations += before;
-                let tolerance = 0.5 * accuracy.velocity;
-                if !solved.converged
-                    || held.revise(&system, x, &work.r, tolerance)
-                    || revision == REVISIONS_MAX
-                {
-                    break;
-                }
-                if solved.iterations >= worth || !held.hold(&system, coarse, jacobi, x) {
-                    solved.converged = false;
-                    break;
-                }
-                system.residual(step.b, x, &mut work.r, &mut work.v, &mut work.f);
-            }
-            if !solved.converged {
-                coarse.complete(&system);
-                held.release();
-            }
-            if !solved.converged && direct.refresh(&system, coarse) {
-                *ready = Ready::Direct;
-                system.residual(step.b, x, &mut work.r, &mut work.v, &mut work.f);
-            }
-        }
-        if *ready == Ready::Direct {
-            let apply = |r: &Coordinates, z: &mut Coordinates| direct.apply(&system, coarse, r, z);
-            let most = accuracy.iterations_max;
-            let before = solved.iterations;
-            solved = pcg::solve(&system, apply, x, Stop { scale, ..accuracy.stop(1, most) }, work);
-            solved.iterations += before;
-        } else if !solved.converged {
-            let apply = |r: &Coordinates, z: &mut Coordinates| jacobi.apply(&system, coarse, r, z);
-            let most = accuracy.iterations_max;
-            solved =
-                pcg::solve(&system, apply, x, Stop { scale, ..accuracy.stop(WINDOW, most) }, work);
-        }
-        system.velocities(x, v);
-        match (solved.error.is_finite(), solved.converged || accuracy.best_effort) {
-            (true, true) => Ok(solved),
-            (true, false) => Err(Failure::NotConverged { residual: solved.error }),
-            (false, _) => Err(Failure::NotFinite),
-        }
-    }
-
-    /// What contact adds to the velocities just found, left in `change`, and its impulses. Both start
-    /// from those of the step before: what `change` holds, and the impulses in `contacts`.
-    ///
-    /// # Errors
-    /// The flesh cannot be factored, too many contacts press, or the velocities do not converge.
-    pub fn respond(
-        &mut self,
-        step: &StepSystem<'_>,
-        contacts: &mut ContactRows,
-        cone: Cone,
-        accuracy: &Accuracy,
-        change: &mut [Vec3],
-    ) -> Result<Convergence, Failure> {
-        if contacts.rows.iter().all(|row| is_kept(row, accuracy.velocity)) {
-            // The contact-free velocities keep every gap open: nothing more presses.
-            let mut residual = 0.0_f64;
-            for row in &mut contacts.rows {
-                row.lambda = Vec3::new(row.included, 0.0, 0.0);
-                residual = residual.max(row.target.x);
-            }
-            change.fill(Vec3::zeros());
-            return Ok(Convergence { iterations: 0, residual });
-        }
-        let Self {
-            bodies, carried, springs, split, coarse, direct, ready, x, delassus, work, ..
-        } = self;
-        let system = system(step, bodies, carried, springs, split);
-        coarse.complete(&system);
-        if *ready != Ready::Direct && !direct.refresh(&system, coarse) {
-            return Err(Failure::NotPositiveDefinite);
-        }
-        *ready = Ready::Direct;
-        let tolerance = accuracy.velocity;
-        // The impulses of the step before tell best what presses: W starts from what they truly do.
-        if delassus.start(contacts) {
-            system.coordinates_of_change(change, x, &mut work.v);
-            system.product(x, &mut work.q, &mut work.v, &mut work.f);
-            work.r.clear();
-            work.r.add(-1.0, &work.q);
-        } else {
-            x.clear();
-            work.r.clear();
-            change.fill(Vec3::zeros());
-        }
-        let (mut total, mut sweeps) = (Convergence::default(), Convergence::default());
-        let (mut corrections, mut joins, mut first) = (0, 0, true);
-        loop {
-            // The true change of velocities: K Δ = Jᵀ λ.
-            if delassus.load_more(&system, contacts, work) {
-                let apply =
-                    |r: &Coordinates, z: &mut Coordinates| direct.apply(&system, coarse, r, z);
-                let stop = Stop {
-                    tolerance: 0.25 * tolerance,
-                    ..accuracy.stop(1, accuracy.iterations_max)
-                };
-                let solved = pcg::solve(&system, apply, x, stop, work);
-                if !solved.converged && !accuracy.best_effort {
-                    return Err(Failure::NotConverged { residual: solved.error });
-                }
-                system.spread(x, change);
-            }
-            if first {
-                first = false;
-                delassus.measure(contacts, change);
-                delassus.begin(contacts, direct);
-            } else {
-                let verdict = delassus.check(contacts, change, cone, tolerance, direct);
-                total.residual = verdict.violation.max(sweeps.residual);
-                match verdict.next {
-                    Next::Correct if corrections + 1 < ROUNDS_MAX => corrections += 1,
-                    Next::Joined if joins < JOINS_MAX => joins += 1,
-                    Next::Full if !accuracy.best_effort => {
-                        return Err(Failure::TooManyContacts { most: PRESSING_MAX as u32 });
-                    }
-                    _ => break,
-                }
-            }
-            delassus.extend(&system, coarse, direct, contacts);
-            sweeps = delassus.solve(contacts, cone, tolerance, accuracy.sweeps_max, direct);
-            total.iterations += sweeps.iterations;
-        }
-        Ok(total)
-    }
-
     /// Shortens velocities so that they take no more energy than forces and motion put in. With
     /// `v = T x + v̄` the solution without contact minimises `½ xᵀ K x - xᵀ g`; of all velocities
     /// `s x`, `0 ≤ s ≤ 1`, that with the least is taken. Then `xᵀ K x ≤ xᵀ g`, which is the
@@ -447,16 +250,6 @@ impl Exact {
         x.add(s, &work.r);
         system.velocities(x, v);
         s
-    }
-}
-
-/// True when the velocities without contact obey this row: a gap stays open, a turn keeps within its
-/// bound up to the tolerance, or is held there by an impulse that pushes.
-fn is_kept(row: &ContactRow, tolerance: f64) -> bool {
-    if row.included == 0.0 {
-        row.target.x <= if row.turns { tolerance } else { 0.0 }
-    } else {
-        row.included > 0.0 && row.target.x.abs() <= tolerance
     }
 }
 

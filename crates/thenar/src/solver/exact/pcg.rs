@@ -27,6 +27,8 @@ const RATE_MAX: f64 = 0.95;
 const RATE_MIN: f64 = 1e-9;
 /// Round-off: part of the largest speed beyond which no accuracy is asked for.
 const ROUND_OFF: f64 = 1e-13;
+/// An iteration is trusted to leave no more than so many times the energy that others did.
+const LEFT_SAFETY: f64 = 100.0;
 /// Without a new least residual for so many iterations there is nothing more to gain.
 const PATIENCE: u32 = 30;
 
@@ -40,6 +42,8 @@ pub struct Solved {
     pub error: f64,
     /// The error asked for was reached, as far as numbers of this size allow.
     pub converged: bool,
+    /// The largest part of the error's energy that an iteration has left, as far as is known.
+    pub left: Option<f64>,
 }
 
 /// Vectors that the iteration works in.
@@ -84,6 +88,9 @@ pub struct Stop {
     pub iterations_max: u32,
     /// A speed of the solution \[m/s\]: of this, nothing below round-off is asked for.
     pub scale: f64,
+    /// What iterations with this preconditioner have left of an error's energy: where that is so
+    /// little that it meets the tolerance, the preconditioner is not asked again.
+    pub left: Option<f64>,
 }
 
 /// Improves `x` from the residual in `work.r` until the estimated error is small enough;
@@ -104,7 +111,7 @@ pub fn solve(
     let (mut rates, mut speeds) = ([0.0_f64; WINDOW], [0.0_f64; WINDOW]);
     let mut drop_before = f64::INFINITY;
     let mut scale = stop.scale;
-    let mut solved = Solved { iterations: 0, error: 0.0, converged: true };
+    let mut solved = Solved { iterations: 0, error: 0.0, converged: true, left: stop.left };
     // A residual that has come down to round-off cannot come down further.
     while rz > ROUND_OFF * ROUND_OFF * first || (solved.iterations == 0 && rz > 0.0) {
         system.product(p, q, v, f);
@@ -122,6 +129,13 @@ pub fn solve(
         let moved = alpha.abs() * largest_speed(v, system.bodies.bodies());
         x.add(alpha, p);
         r.add(-alpha, q);
+        if let Some(left) = stop.left.filter(|_| moved.is_finite() && stop.iterations_min <= 1) {
+            let rate = (LEFT_SAFETY * left).clamp(RATE_MIN, RATE_MAX);
+            let error = SAFETY * moved * (rate / (1.0 - rate)).sqrt();
+            if error <= stop.tolerance {
+                return Solved { iterations: solved.iterations + 1, error, ..solved };
+            }
+        }
         precondition(r, z);
         let rz_new = r.dot(z);
         // Polak-Ribière: bears a preconditioner that is not quite symmetric.
@@ -132,6 +146,7 @@ pub fn solve(
         (rates[at], speeds[at]) = (drop / drop_before, moved);
         // What the next iteration will lower, if its step is as long.
         let ahead = alpha * rz_new.max(0.0) / drop;
+        solved.left = Some(solved.left.unwrap_or(0.0).max(ahead));
         let slowest = rates.iter().copied().fold(ahead, f64::max);
         let rate = slowest.clamp(RATE_MIN, RATE_MAX);
         let speed = speeds.iter().copied().fold(0.0, f64::max);

@@ -53,8 +53,21 @@ fn carried(random: &mut Random, node: usize) -> Carried {
     }
 }
 
+/// Contacts far apart, each with its own columns.
 #[test]
 fn half_solves_give_the_dense_compliance() {
+    assert_eq!(compare_with_dense(NODES), 3 * (40 - 5) + 5, "three per contact, one per turn");
+}
+
+/// Contacts that crowd on few nodes and bodies share columns.
+#[test]
+fn shared_columns_give_the_dense_compliance() {
+    assert_eq!(compare_with_dense(5), 3 * 5 + 6 * BODIES + 5, "nodes, bodies and turns");
+}
+
+/// 35 contacts on the first `nodes` nodes and on bodies, and five turns. Returns how many columns were
+/// solved for.
+fn compare_with_dense(nodes: usize) -> usize {
     let mut random = Random::new(23);
     let positions: Vec<Vec3> = (0..NODES).map(|_| random.vec3(0.5)).collect();
     let A = matrix(&mut random, &positions);
@@ -78,25 +91,30 @@ fn half_solves_give_the_dense_compliance() {
     let mut direct = Direct::new(factor, &coarse, bodies.groups());
     assert!(direct.refresh(&system, &coarse));
 
-    // Flesh on flesh, on bodies, and bodies on the world.
+    // Flesh on flesh, on bodies, and bodies on the world and against each other.
     let mut contacts = ContactRows::with_capacity(BODIES, 40);
     for i in 0..40 {
-        contacts.begin(&random.vec3(1.0).normalize(), 0.5, &Vec3::zeros());
+        if i % 8 == 0 {
+            contacts.begin_turn(&random.vec3(1.0).normalize(), 0.0);
+            contacts.hold_rigid(1, Vec3::zeros(), -1.0);
+        } else {
+            contacts.begin(&random.vec3(1.0).normalize(), 0.5, &Vec3::zeros());
+        }
         for _ in 0..(i % 4) * 2 {
-            let node = (random.range(0.0, 1.0) * NODES as f64) as u32;
-            contacts.hold_node(node.min(NODES as u32 - 1), random.range(-1.0, 1.0));
+            let node = (random.range(0.0, 1.0) * nodes as f64) as u32;
+            contacts.hold_node(node.min(nodes as u32 - 1), random.range(-1.0, 1.0));
         }
         if i % 4 < 2 {
             contacts.hold_rigid((i % 3) as u32, random.vec3(0.1), -1.0);
         }
         contacts.rows[i].target.x = if i < 23 { 1.0 } else { -1.0 };
     }
-    let mut delassus = Delassus::new(40, 40, &direct, bodies.freedoms());
+    let mut delassus = Delassus::new(40, 40, BODIES, &direct, bodies.freedoms());
     delassus.measure(&contacts, &v);
     delassus.begin(&mut contacts, &direct);
     delassus.extend(&system, &coarse, &direct, &contacts);
     // The rest joins in a second round.
-    assert!((23..40).all(|i| delassus.admit(i)));
+    assert!((23..40).all(|i| delassus.members.admit(i)));
     delassus.extend(&system, &coarse, &direct, &contacts);
 
     let n = bodies.freedoms() + 3 * NODES;
@@ -118,7 +136,7 @@ fn half_solves_give_the_dense_compliance() {
         K.set_column(k, &flat(&y));
     }
     let mut J = DMatrix::zeros(n, 120);
-    for (m, &member) in delassus.members.iter().enumerate() {
+    for (m, &member) in delassus.members().iter().enumerate() {
         let row = &contacts.rows[member as usize];
         for axis in 0..3 {
             f.fill(Vec3::zeros());
@@ -134,6 +152,8 @@ fn half_solves_give_the_dense_compliance() {
         for j in 0..120 {
             let error = f64::from(delassus.W.at(i, j)) - expected[(i, j)];
             assert!(error.abs() < 1e-5 * size, "W[{i}, {j}] is off by {error} of {size}");
+            assert_eq!(delassus.W.at(i, j), delassus.W.at(j, i));
         }
     }
+    delassus.handles.list().len()
 }

@@ -1,0 +1,88 @@
+//! `W = B G Bᵀ`, one batch of its columns at a time.
+
+use super::handles::Handles;
+use crate::solver::exact::aligned::Aligned;
+use crate::solver::exact::compliance::Compliance;
+use crate::solver::exact::factor::{LANES, Lanes, Scalar};
+use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16};
+
+/// Work space of the product.
+#[derive(Clone, Debug)]
+pub struct Combine {
+    /// One batch of columns of `G Bᵀ`: per handle, one register.
+    answers: Aligned<Scalar>,
+}
+
+impl Combine {
+    /// Room for so many batches of handles.
+    pub fn new(batches: usize) -> Self {
+        Self { answers: Aligned::new(batches * LANES * LANES) }
+    }
+
+    /// Fills W, of the first `members`, but for what those before `done` have among themselves.
+    #[inline(always)]
+    pub fn fill<S: Simd>(
+        &mut self,
+        simd: S,
+        G: &Compliance,
+        handles: &Handles,
+        (done, members): (usize, usize),
+        W: &mut Compliance,
+    ) {
+        let used = handles.list().len().next_multiple_of(LANES);
+        for batch in 3 * done / LANES..(3 * members).div_ceil(LANES) {
+            let answers = &mut self.answers.as_chunks_mut::<LANES>().0[..used];
+            answers.fill([0.0; LANES]);
+            let first = batch * LANES;
+            let end = members.min((first + LANES).div_ceil(3));
+            for m in first / 3..end {
+                answer(simd, G, handles, m, first, answers);
+            }
+            // Down to the diagonal; the rest by symmetry.
+            for m in 0..end {
+                let mut rows = [f32x16::splat(simd, 0.0); 3];
+                for term in handles.terms(m) {
+                    let answer = f32x16::from_slice(simd, &answers[term.column as usize]);
+                    for a in 0..3 {
+                        rows[a] = answer.mul_add(f32x16::splat(simd, term.weights[a]), rows[a]);
+                    }
+                }
+                for a in 0..3 {
+                    rows[a].store_slice(W.lanes_mut(3 * m + a, batch));
+                }
+            }
+            W.mirror(batch);
+        }
+    }
+}
+
+/// What the handles do under the impulses of member m, in the lanes of its columns, the first of the
+/// batch being `first`.
+#[inline(always)]
+fn answer<S: Simd>(
+    simd: S,
+    G: &Compliance,
+    handles: &Handles,
+    m: usize,
+    first: usize,
+    answers: &mut [Lanes],
+) {
+    for (batch, answers) in answers.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
+        let mut columns = [f32x16::splat(simd, 0.0); 3];
+        for term in handles.terms(m) {
+            let g = f32x16::from_slice(simd, G.lanes(term.column as usize, batch));
+            for a in 0..3 {
+                columns[a] = g.mul_add(f32x16::splat(simd, term.weights[a]), columns[a]);
+            }
+        }
+        for a in 0..3 {
+            let Some(lane) = (3 * m + a).checked_sub(first).filter(|lane| *lane < LANES) else {
+                continue;
+            };
+            let column = columns[a].as_slice();
+            for k in 0..LANES {
+                answers[k][lane] = column[k];
+            }
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! What contact adds to the velocities without it.
+
+use crate::math::Vec3;
+use crate::model::Cone;
+use crate::solver::exact::delassus::{Next, Verdict};
+use crate::solver::exact::{
+    Accuracy, Coordinates, Exact, PRESSING_MAX, Ready, StepSystem, pcg, system,
+};
+use crate::solver::{ContactRow, ContactRows, Convergence, Failure};
+
+/// Times that contact is solved, compared with the true velocities, and solved again.
+const ROUNDS_MAX: u32 = 8;
+/// Times, besides, that contacts join which the ones before left to close.
+const JOINS_MAX: u32 = 32;
+
+impl Exact {
+    /// What contact adds to the velocities just found, left in `change`, and its impulses. Both start
+    /// from those of the step before: what `change` holds, and the impulses in `contacts`.
+    ///
+    /// # Errors
+    /// The flesh cannot be factored, too many contacts press, or the velocities do not converge.
+    pub fn respond(
+        &mut self,
+        step: &StepSystem<'_>,
+        contacts: &mut ContactRows,
+        cone: Cone,
+        accuracy: &Accuracy,
+        change: &mut [Vec3],
+    ) -> Result<Convergence, Failure> {
+        if contacts.rows.iter().all(|row| is_kept(row, accuracy.velocity)) {
+            return Ok(rest(contacts, change));
+        }
+        self.factor_if_needed(step)?;
+        self.start_from(step, contacts, change);
+        // What the impulses of the step before truly do tells best what presses.
+        self.follow(step, contacts, accuracy, change)?;
+        self.delassus.measure(contacts, change);
+        self.delassus.begin(contacts, &self.direct);
+        let mut total = Convergence::default();
+        let mut rounds = Rounds::default();
+        loop {
+            let sweeps = self.sweep(step, contacts, cone, accuracy);
+            total.iterations += sweeps.iterations;
+            self.follow(step, contacts, accuracy, change)?;
+            let tolerance = accuracy.velocity;
+            let verdict = self.delassus.check(contacts, change, cone, tolerance, &self.direct);
+            total.residual = verdict.violation.max(sweeps.residual);
+            if !rounds.go_on(&verdict, accuracy)? {
+                return Ok(total);
+            }
+        }
+    }
+
+    fn factor_if_needed(&mut self, step: &StepSystem<'_>) -> Result<(), Failure> {
+        let Self { bodies, carried, springs, split, coarse, direct, ready, .. } = self;
+        let system = system(step, bodies, carried, springs, split);
+        coarse.complete(&system);
+        if *ready != Ready::Direct && !direct.refresh(&system, coarse) {
+            return Err(Failure::NotPositiveDefinite);
+        }
+        *ready = Ready::Direct;
+        Ok(())
+    }
+
+    /// The change of the step before as a start, with its residual, when any impulses remain of it.
+    fn start_from(
+        &mut self,
+        step: &StepSystem<'_>,
+        contacts: &mut ContactRows,
+        change: &mut [Vec3],
+    ) {
+        let Self { bodies, carried, springs, split, x, delassus, work, .. } = self;
+        let system = system(step, bodies, carried, springs, split);
+        work.r.clear();
+        if delassus.start(contacts) {
+            system.coordinates_of_change(change, x, &mut work.v);
+            system.product(x, &mut work.q, &mut work.v, &mut work.f);
+            work.r.add(-1.0, &work.q);
+        } else {
+            x.clear();
+            change.fill(Vec3::zeros());
+        }
+    }
+
+    /// The true change of velocities under the present impulses: `K Δ = Jᵀ λ`.
+    fn follow(
+        &mut self,
+        step: &StepSystem<'_>,
+        contacts: &ContactRows,
+        accuracy: &Accuracy,
+        change: &mut [Vec3],
+    ) -> Result<(), Failure> {
+        let Self {
+            bodies, carried, springs, split, coarse, direct, x, delassus, work, left, ..
+        } = self;
+        let system = system(step, bodies, carried, springs, split);
+        if !delassus.load_more(&system, contacts, work) {
+            return Ok(());
+        }
+        let apply = |r: &Coordinates, z: &mut Coordinates| direct.apply(&system, coarse, r, z);
+        let tolerance = 0.25 * accuracy.velocity;
+        let stop =
+            pcg::Stop { tolerance, left: *left, ..accuracy.stop(1, accuracy.iterations_max) };
+        let solved = pcg::solve(&system, apply, x, stop, work);
+        *left = solved.left;
+        if !solved.converged && !accuracy.best_effort {
+            return Err(Failure::NotConverged { residual: solved.error });
+        }
+        system.spread(x, change);
+        Ok(())
+    }
+
+    /// The compliance of all members, and the impulses on it.
+    fn sweep(
+        &mut self,
+        step: &StepSystem<'_>,
+        contacts: &mut ContactRows,
+        cone: Cone,
+        accuracy: &Accuracy,
+    ) -> Convergence {
+        let Self { bodies, carried, springs, split, coarse, direct, delassus, .. } = self;
+        let system = system(step, bodies, carried, springs, split);
+        delassus.extend(&system, coarse, direct, contacts);
+        delassus.solve(contacts, cone, accuracy.velocity, accuracy.sweeps_max, direct)
+    }
+}
+
+/// How often contact was solved again, and why.
+#[derive(Clone, Copy, Debug, Default)]
+struct Rounds {
+    corrections: u32,
+    joins: u32,
+}
+
+impl Rounds {
+    /// False when all is well or rounds run out.
+    fn go_on(&mut self, verdict: &Verdict, accuracy: &Accuracy) -> Result<bool, Failure> {
+        match verdict.next {
+            Next::Correct if self.corrections + 1 < ROUNDS_MAX => self.corrections += 1,
+            Next::Joined if self.joins < JOINS_MAX => self.joins += 1,
+            Next::Full if !accuracy.best_effort => {
+                return Err(Failure::TooManyContacts { most: PRESSING_MAX as u32 });
+            }
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+}
+
+/// The velocities without contact keep every gap open: nothing more presses.
+fn rest(contacts: &mut ContactRows, change: &mut [Vec3]) -> Convergence {
+    let mut residual = 0.0_f64;
+    for row in &mut contacts.rows {
+        row.lambda = Vec3::new(row.included, 0.0, 0.0);
+        residual = residual.max(row.target.x);
+    }
+    change.fill(Vec3::zeros());
+    Convergence { iterations: 0, residual }
+}
+
+/// True when the velocities without contact obey this row: a gap stays open, a turn keeps within its
+/// bound up to the tolerance, or is held there by an impulse that pushes.
+fn is_kept(row: &ContactRow, tolerance: f64) -> bool {
+    if row.included == 0.0 {
+        row.target.x <= if row.turns { tolerance } else { 0.0 }
+    } else {
+        row.included > 0.0 && row.target.x.abs() <= tolerance
+    }
+}
