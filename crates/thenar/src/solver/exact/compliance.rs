@@ -16,8 +16,9 @@ pub struct Compliance {
 impl Compliance {
     /// Room for so many batches of rows and columns.
     pub fn new(batches: usize) -> Self {
-        let stride = batches * LANES;
-        Self { numbers: Aligned::new(stride * stride), stride }
+        // An odd number of cache lines: numbers below each other do not fall into the same few sets.
+        let stride = (batches | 1) * LANES;
+        Self { numbers: Aligned::new(stride * batches * LANES), stride }
     }
 
     /// One entry.
@@ -48,7 +49,14 @@ impl Compliance {
         &self.numbers[at..at + LANES]
     }
 
-    /// Likewise, to be filled.
+    /// One row's numbers in `LANES` columns from `first` on.
+    #[inline(always)]
+    pub fn window(&self, row: usize, first: usize) -> &[Scalar] {
+        let at = row * self.stride + first;
+        &self.numbers[at..at + LANES]
+    }
+
+    /// Of one batch, to be filled.
     #[inline(always)]
     pub fn lanes_mut(&mut self, row: usize, batch: usize) -> &mut [Scalar] {
         let at = row * self.stride + batch * LANES;

@@ -32,14 +32,26 @@ impl Combine {
         let used = handles.list().len().next_multiple_of(LANES);
         for batch in 3 * done / LANES..(3 * members).div_ceil(LANES) {
             let answers = &mut self.answers.as_chunks_mut::<LANES>().0[..used];
-            answers.fill([0.0; LANES]);
             let first = batch * LANES;
             let end = members.min((first + LANES).div_ceil(3));
-            for m in first / 3..end {
-                answer(simd, G, handles, m, first, answers);
+            if let Some(column) = own_columns(handles, first, end) {
+                for (k, answers) in answers.iter_mut().enumerate() {
+                    answers.copy_from_slice(G.window(k, column));
+                }
+            } else {
+                answers.fill([0.0; LANES]);
+                for m in first / 3..end {
+                    answer(simd, G, handles, m, first, answers);
+                }
             }
             // Down to the diagonal; the rest by symmetry.
             for m in 0..end {
+                if let Some(column) = handles.own_column(m) {
+                    for a in 0..3 {
+                        W.lanes_mut(3 * m + a, batch).copy_from_slice(&answers[column + a]);
+                    }
+                    continue;
+                }
                 let mut rows = [f32x16::splat(simd, 0.0); 3];
                 for term in handles.terms(m) {
                     let answer = f32x16::from_slice(simd, &answers[term.column as usize]);
@@ -54,6 +66,15 @@ impl Combine {
             W.mirror(batch);
         }
     }
+}
+
+/// Where the columns of W from `first` on, up to those of member `end`, lie side by side in G, if they
+/// fill a batch and all do.
+fn own_columns(handles: &Handles, first: usize, end: usize) -> Option<usize> {
+    let start = handles.own_column(first / 3)?;
+    let full = 3 * end >= first + LANES;
+    let follows = |m: usize| handles.own_column(m) == Some(start + 3 * (m - first / 3));
+    (full && (first / 3..end).all(follows)).then_some(start + first % 3)
 }
 
 /// What the handles do under the impulses of member m, in the lanes of its columns, the first of the

@@ -89,6 +89,17 @@ impl Handles {
         &self.terms[self.start[m]..self.start[m + 1]]
     }
 
+    /// The first of member m's three columns when its axes are handles themselves.
+    pub fn own_column(&self, m: usize) -> Option<usize> {
+        match self.terms(m) {
+            [first, _, _] => {
+                let column = first.column as usize;
+                matches!(self.list[column], Handle::Row(..)).then_some(column)
+            }
+            _ => None,
+        }
+    }
+
     /// Takes in contacts that become members. `place` orders the nodes so that neighbours share a
     /// batch; `moves` tells which bodies are pulled by contacts at all.
     pub fn extend(
