@@ -81,6 +81,11 @@ pub trait ForceDisplay: Send {
     /// What its actuators may do, per finger (or axis); for the guards before it.
     fn limits(&self) -> Limits;
 
+    /// What it may turn with, for one that renders torques; for guards of their own.
+    fn torque_limits(&self) -> Option<Limits> {
+        None
+    }
+
     /// What bounds the stiffness of a coupling to it, by its profile.
     fn loop_profile(&self) -> LoopProfile;
 

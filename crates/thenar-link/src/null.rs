@@ -53,6 +53,7 @@ impl Driver for NullDriver {
             display: Some(DisplayTraits {
                 rendering: Rendering::Tendons,
                 limits,
+                torque_limits: None,
                 loop_profile: loop_profile(),
             }),
             speaks: true,

@@ -126,7 +126,13 @@ fn hostile_samples_and_frames_leave_finite_forces() {
                     let time = now.saturating_add_signed((any(&mut seed, 2e7)) as i64);
                     let rates = (random(&mut seed) > 0.5)
                         .then(|| [0; 2].map(|_| Vec3::from_fn(|_, _| any(&mut seed, 3.0))));
-                    hand.track(bone, time, any_pose(&mut seed), rates);
+                    // Mostly near where the hand is at home; a bone on its way is not felt.
+                    let pose = if random(&mut seed) > 0.98 {
+                        any_pose(&mut seed)
+                    } else {
+                        Pose::new(Vec3::from_fn(|_, _| 0.004 * random(&mut seed)), Quat::identity())
+                    };
+                    hand.track(bone, time, pose, rates);
                 }
             }
             if random(&mut seed) > 0.9 {
@@ -225,4 +231,73 @@ fn a_teleport_is_not_felt() {
         before = force;
     }
     assert!(largest > 1.4, "{largest} N while pressed");
+}
+
+/// Thrown anywhere and turned over without a loss while it presses: the hand is let go within the slew
+/// limit and feels nothing until it has been led there, in either mode. The bones, on frames of 60 Hz, lag far
+/// behind all the while, and a coupling to them alone would pull with a hundred newtons.
+#[test]
+fn wherever_the_tracker_throws_a_hand_it_is_not_pulled() {
+    for throw in 1..=12u64 {
+        let mut seed = throw;
+        let mode = if throw % 2 == 0 { Mode::Multirate } else { Mode::SharedConstraints };
+        let start = [RigidState::at_rest(Pose::identity()); 2];
+        let settings = HandSettings { mode, ..HandSettings::default() };
+        let mut hand = HapticHand::new(settings, proxies(), &start, 0).unwrap();
+        let mut frame = SlowToFast::new(&start, 0);
+        let mut pad = Pad::new(Digit::Index, 1, Vec3::x() * 0.01);
+        let mut guard = Guard::<1>::new(Limits { ramp: 0.05, ..Limits::cybergrasp() }, 0).unwrap();
+        guard.arm();
+        let away = Vec3::from_fn(|_, _| random(&mut seed)).normalize() * 0.3;
+        let turn = Vec3::from_fn(|_, _| random(&mut seed)).normalize() * 3.0;
+        let (mut before, mut pressed, mut coupled) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for ms in 0..1600u64 {
+            let now = (ms + 1) * MS;
+            let down = Vec3::y() * -0.004 * (ms as f64 / 500.0).min(1.0);
+            let thrown = ms >= 1001;
+            if ms % 11 == 0 {
+                let pose = match thrown {
+                    true => Pose::new(away, Quat::from_scaled_axis(turn)),
+                    false => Pose::new(down, Quat::identity()),
+                };
+                (0..2).for_each(|bone| _ = hand.track(bone, now, pose, None));
+            }
+            // Blocked; then, two frames late, where the proxies are.
+            if ms % 16 == 0 {
+                for (bone, proxy) in frame.bones.iter_mut().zip(hand.proxies().states()) {
+                    *bone = if thrown { RigidState::at_rest(proxy.pose_WB) } else { start[0] };
+                }
+                (frame.time_ns, frame.step) = (now, frame.step + 1);
+            }
+            let report = hand.tick(now, &frame);
+            let reading = pad.read(&hand, report.step);
+            let [force] = guard.tick(
+                now,
+                &Signal {
+                    force: [reading.pad_force],
+                    velocity: [reading.opening_velocity],
+                    simulation_ns: now,
+                    tracking_ns: now,
+                    device_ns: now,
+                    enabled: true,
+                },
+            );
+            let context = format!("throw {throw}, {ms} ms: {force} N, {:?}", guard.status());
+            assert!(!matches!(guard.status(), Status::Tripped(_)), "{context}");
+            assert!((force - before).abs() <= guard.limits().change_max(1e-3) + 1e-9, "{context}");
+            if ms == 1000 {
+                pressed = force;
+            }
+            if (1001..1400).contains(&ms) {
+                let told = hand.proxies().device_wrenches()[1][0].norm();
+                coupled = coupled.max(told);
+                // 11 ms to the next sample, 3 ms of slew.
+                assert!(force == 0.0 || ms < 1016, "{context}");
+            }
+            before = force;
+        }
+        // 0.3 m in a time constant of 0.15 s, 16 ms behind, on 400 N/m: 13 N and more.
+        assert!(pressed > 1.4 && coupled > 5.0, "throw {throw}: {pressed} N, {coupled} N");
+        assert!(hand.tracked()[1].pose_WB.position == away);
+    }
 }

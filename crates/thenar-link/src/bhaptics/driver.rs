@@ -45,6 +45,7 @@ impl Driver for BhapticsDriver {
             display: Some(DisplayTraits {
                 rendering: Rendering::Vibration,
                 limits,
+                torque_limits: None,
                 loop_profile: crate::null::loop_profile(),
             }),
             speaks: false,

@@ -183,6 +183,7 @@ impl Driver for CyberGraspDriver {
             display: Some(DisplayTraits {
                 rendering: Rendering::Tendons,
                 limits: profile.display.limits(true),
+                torque_limits: None,
                 loop_profile: profile.display.loop_profile(),
             }),
             speaks: true,

@@ -54,6 +54,7 @@ impl Driver for ForceDeviceDriver {
         let display = DisplayTraits {
             rendering: Rendering::Wrench,
             limits: arm.limits(),
+            torque_limits: arm.torque_limits(),
             loop_profile: arm.loop_profile(),
         };
         let connect = move || -> std::io::Result<Box<dyn crate::Transport>> {

@@ -44,7 +44,7 @@ pub struct Setup {
     pub pose_TH: Pose,
     /// Joint angles of the hand, button up, and down \[rad\].
     pub grips: [[f64; ANGLES]; 2],
-    /// No larger torque is commanded \[N m\]: the guards before it see forces only.
+    /// No larger torque is commanded \[N m\]; the guards before it allow part of it.
     pub torque_max: f64,
 }
 

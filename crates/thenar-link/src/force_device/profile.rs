@@ -78,6 +78,11 @@ impl Arm {
         Limits::rated(self.force_max)
     }
 
+    /// Likewise; none for an arm that turns nothing.
+    pub fn torque_limits(&self) -> Option<Limits> {
+        Some(Limits::torque(self.torque_max)).filter(|_| self.torque_max > 0.0)
+    }
+
     /// For the rules of stiffness: a millisecond between datagrams, and one on the way.
     pub fn loop_profile(&self) -> LoopProfile {
         LoopProfile {

@@ -9,6 +9,17 @@ use thenar::haptic::safety::{Bank, LimitError, Limits, Signal, Status, Trip};
 /// A finger stop engages above the first force and lets go below the second \[N\].
 const STOP_FORCES: [f64; 2] = [0.3, 0.1];
 
+/// What a display can do, and may.
+#[derive(Clone, Copy, Debug)]
+pub struct Ability {
+    /// What it renders.
+    pub rendering: Rendering,
+    /// Limits of its forces.
+    pub limits: Limits,
+    /// Of its torques, for one that renders any.
+    pub torque_limits: Option<Limits>,
+}
+
 /// What came in and went out in a tick, per axis: fingers, or x, y, z.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Axis {
@@ -31,6 +42,7 @@ pub struct Actuators {
 
 enum Guards {
     Fingers(Bank<1>),
+    /// A force, and perhaps a torque.
     Point(Bank<3>),
 }
 
@@ -48,9 +60,14 @@ impl Actuators {
     ///
     /// # Errors
     /// The limits make no sense.
-    pub fn new(rendering: Rendering, limits: Limits) -> Result<Self, LimitError> {
+    pub fn new(ability: &Ability) -> Result<Self, LimitError> {
+        let Ability { rendering, limits, torque_limits } = *ability;
         let bank = match rendering {
-            Rendering::Wrench => Guards::Point(Bank::new(&[limits], 0)?),
+            // In one bank: what trips the torque trips the force.
+            Rendering::Wrench => Guards::Point(match torque_limits {
+                Some(torque) => Bank::new(&[limits, torque], 0)?,
+                None => Bank::new(&[limits], 0)?,
+            }),
             Rendering::Tendons | Rendering::Stops | Rendering::Vibration => {
                 // The pads press or do not; what would pull a finger in is nothing to show.
                 let limits = Limits { unilateral: true, ..limits };
@@ -104,12 +121,19 @@ impl Actuators {
         let Heard { device_ns, enabled } = heard;
         match &mut self.bank {
             Guards::Point(bank) => {
-                let (force, velocity) = hand.palm();
-                let signal =
-                    Signal { force, velocity, simulation_ns, tracking_ns, device_ns, enabled };
-                let mut sent = [[0.0; 3]];
-                bank.tick(now_ns, &[signal], &mut sent);
-                let energy = bank.guards()[0].energy();
+                let signals = hand.palm().map(|(force, velocity)| Signal {
+                    force,
+                    velocity,
+                    simulation_ns,
+                    tracking_ns,
+                    device_ns,
+                    enabled,
+                });
+                // Without a guard for torques there is none.
+                let mut sent = [[0.0; 3]; 2];
+                bank.tick(now_ns, &signals, &mut sent);
+                let (energy, Signal { force, velocity, .. }) =
+                    (bank.guards()[0].energy(), &signals[0]);
                 for k in 0..3 {
                     self.axes[k] = Axis {
                         wanted: force[k],
@@ -118,7 +142,7 @@ impl Actuators {
                         energy,
                     };
                 }
-                output.force_W = sent[0].into();
+                [output.force_W, output.torque_W] = sent.map(thenar::Vec3::from);
             }
             Guards::Fingers(bank) => {
                 let readings = *hand.readings();

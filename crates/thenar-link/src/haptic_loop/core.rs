@@ -1,7 +1,7 @@
 //! One tick of everything: all hands, all trackers, all guards. Time is an argument; nothing here
 //! waits, allocates or reads a clock, so that tests run it on any clock they like.
 
-use super::actuators::{Actuators, Heard};
+use super::actuators::{Ability, Actuators, Heard};
 use super::hand::LoopHand;
 use super::record::TickRecord;
 use crate::{ForceDisplay, HandOutput, Rendering, Tracker};
@@ -13,7 +13,7 @@ use thenar_scene::live::Mover;
 pub struct Core {
     trackers: Vec<Box<dyn Tracker>>,
     /// What each display can do.
-    displays: Vec<(Rendering, Limits)>,
+    displays: Vec<Ability>,
     hands: Vec<LoopHand>,
     /// Display by display, hand by hand.
     actuators: Vec<Actuators>,
@@ -48,10 +48,13 @@ impl Core {
     /// A display's limits make no sense.
     pub fn new(
         trackers: Vec<Box<dyn Tracker>>,
-        displays: Vec<(Rendering, Limits)>,
+        displays: Vec<Ability>,
         records: Producer<TickRecord>,
     ) -> Result<Self, LimitError> {
-        displays.iter().try_for_each(|(_, limits)| limits.check())?;
+        for Ability { limits, torque_limits, .. } in &displays {
+            limits.check()?;
+            torque_limits.as_ref().map_or(Ok(()), Limits::check)?;
+        }
         Ok(Self {
             trackers,
             heard: vec![0; displays.len()],
@@ -72,7 +75,7 @@ impl Core {
     /// As [`Core::new`].
     pub fn guards(&self, hands: usize) -> Result<Vec<Actuators>, LimitError> {
         let each = self.displays.iter().flat_map(|display| std::iter::repeat_n(display, hands));
-        each.map(|(rendering, limits)| Actuators::new(*rendering, *limits)).collect()
+        each.map(Actuators::new).collect()
     }
 
     /// Puts other hands in place of those there are, and gives those back for whoever calls to
@@ -121,8 +124,7 @@ impl Core {
 
     /// When display `display` was last heard \[ns\], if it ever was.
     pub fn hear(&mut self, display: usize, heard_ns: Option<u64>, now_ns: u64) {
-        let (rendering, _) = self.displays[display];
-        let silent = match rendering {
+        let silent = match self.displays[display].rendering {
             // Vibrating players never answer and cannot hold a hand.
             Rendering::Vibration => now_ns,
             Rendering::Tendons | Rendering::Stops | Rendering::Wrench => 0,

@@ -3,7 +3,7 @@
 
 use crate::DIGITS;
 use thenar::haptic::{FastToSlow, RigidState, SlowToFast};
-use thenar::world::{State, Target};
+use thenar::world::{self, State, Target};
 use triple_buffer::{Input, Output, triple_buffer};
 
 /// What a finger touches, as of a simulation frame.
@@ -51,6 +51,8 @@ pub struct SlowEnds {
     pub lead: Output<Lead>,
     /// The state of a simulation that runs within the loop.
     pub state: Option<Output<State>>,
+    /// What else acts in it.
+    pub input: Option<Input<world::Input>>,
 }
 
 /// The loop's ends.
@@ -61,17 +63,21 @@ pub struct FastEnds {
     pub lead: Input<Lead>,
     /// The state of a simulation that runs within the loop.
     pub state: Option<Input<State>>,
+    /// What else acts in it.
+    pub input: Option<Output<world::Input>>,
 }
 
-/// Slots that hold this frame; with one for states, all of this one's size, when given.
-pub fn slots(frame: &Frame, state: Option<&State>) -> (SlowEnds, FastEnds) {
+/// Slots that hold this frame; for a simulation within the loop also its state, and what acts in it,
+/// all of this size.
+pub fn slots(frame: &Frame, within: Option<(&State, &world::Input)>) -> (SlowEnds, FastEnds) {
     let bones: &[RigidState] = &frame.bones.bones;
     let (frame_in, frame_out) = triple_buffer(frame);
     let lead = Lead { leads: false, proxies: FastToSlow::new(bones) };
     let (lead_in, lead_out) = triple_buffer(&lead);
-    let (state_in, state_out) = state.map(triple_buffer).unzip();
+    let (state_in, state_out) = within.map(|(state, _)| triple_buffer(state)).unzip();
+    let (input_in, input_out) = within.map(|(_, input)| triple_buffer(input)).unzip();
     (
-        SlowEnds { frame: frame_in, lead: lead_out, state: state_out },
-        FastEnds { frame: frame_out, lead: lead_in, state: state_in },
+        SlowEnds { frame: frame_in, lead: lead_out, state: state_out, input: input_in },
+        FastEnds { frame: frame_out, lead: lead_in, state: state_in, input: input_out },
     )
 }

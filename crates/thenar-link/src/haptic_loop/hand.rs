@@ -3,6 +3,7 @@
 use super::exchange::{FastEnds, Frame};
 use crate::{DIGITS, HandSample};
 use thenar::haptic::{HandReport, PAD_NORMAL_B, Pad, PadReading, Touch, seconds_between};
+use thenar::math::rotation_vector;
 use thenar::model::{Digit, HandModel, Side};
 use thenar::world::Target;
 use thenar::{Pose, Vec3};
@@ -10,8 +11,6 @@ use thenar_scene::live::{LiveHand, Mover};
 
 /// A tick longer than this is taken as if it were this long \[s\].
 const STEP_MAX: f64 = 0.02;
-/// The state of a simulation within the loop is handed over every so many ticks.
-const STATE_EVERY: u64 = 8;
 /// A tracker that has been silent for so long gives way to another of the same hand \[ns\].
 const TRACKER_SILENCE_NS: u64 = 100_000_000;
 
@@ -27,7 +26,6 @@ pub struct LoopHand {
     readings: [Option<PadReading>; DIGITS],
     report: HandReport,
     last_ns: Option<u64>,
-    ticks: u64,
     beginnings: u64,
     /// Who moves the hand, and when its newest sample came.
     tracker: Option<(usize, u64)>,
@@ -36,7 +34,8 @@ pub struct LoopHand {
     /// Time of the newest sample that counts as tracking \[ns\].
     tracked_ns: u64,
     palm_last: Option<Pose>,
-    palm_velocity: [f64; 3],
+    /// Linear \[m/s\] and angular \[rad/s\].
+    palm_velocity: [[f64; 3]; 2],
 }
 
 impl LoopHand {
@@ -66,13 +65,12 @@ impl LoopHand {
             readings: [None; DIGITS],
             report: HandReport::default(),
             last_ns: None,
-            ticks: 0,
             beginnings,
             tracker: None,
             fresh_ns: None,
             tracked_ns: 0,
             palm_last: None,
-            palm_velocity: [0.0; 3],
+            palm_velocity: [[0.0; 3]; 2],
         }
     }
 
@@ -146,6 +144,12 @@ impl LoopHand {
                 self.touch.track(bone, now_ns, t.pose_WB, Some(velocity));
             }
         }
+        // What acts in a simulation within the loop, but for this hand.
+        if let (Some(from), Some(input)) = (&mut self.ends.input, self.touch.input_mut())
+            && from.update()
+        {
+            input.copy_from(from.output_buffer_mut());
+        }
         self.report = self.touch.tick(now_ns, &frame.bones);
         let lead = self.ends.lead.input_buffer_mut();
         lead.leads = leads;
@@ -157,23 +161,24 @@ impl LoopHand {
             *reading = pad.as_mut().map(|pad| pad.read(touch, h));
         }
         self.observe_palm(h);
-        self.ticks += 1;
     }
 
     fn hand_over_state(&mut self) {
         let (Some(to), Some(world)) = (&mut self.ends.state, self.touch.world()) else { return };
-        if self.ticks.is_multiple_of(STATE_EVERY) {
-            to.input_buffer_mut().copy_from(world.state());
-            to.publish();
-        }
+        // In every tick: velocities that scripts want of bodies are worked out from it.
+        to.input_buffer_mut().copy_from(world.state());
+        to.publish();
     }
 
     fn observe_palm(&mut self, h: f64) {
         let pose = self.touch.tracked()[0].pose_WB;
         let jumped = self.touch.jumped(0);
         let before = self.palm_last.replace(pose).filter(|_| !jumped).unwrap_or(pose);
-        let way = pose.position - before.position;
-        self.palm_velocity = if h > 0.0 { (way / h).into() } else { [0.0; 3] };
+        let ways = [
+            pose.position - before.position,
+            rotation_vector(&(pose.rotation * before.rotation.inverse())),
+        ];
+        self.palm_velocity = ways.map(|way| if h > 0.0 { (way / h).into() } else { [0.0; 3] });
     }
 
     /// What each pad feels; `None` for a finger that the hand lacks.
@@ -181,9 +186,12 @@ impl LoopHand {
         &self.readings
     }
 
-    /// Force on the wearer at the palm \[N\], and its mean velocity in the last tick \[m/s\].
-    pub fn palm(&self) -> ([f64; 3], [f64; 3]) {
-        (self.touch.device_wrenches()[0][0].into(), self.palm_velocity)
+    /// Force \[N\] and torque \[N m\] on the wearer at the palm's centre, world, each with the
+    /// palm's mean velocity in the last tick \[m/s, rad/s\].
+    pub fn palm(&self) -> [([f64; 3], [f64; 3]); 2] {
+        let [force, torque] = self.touch.device_wrenches()[0];
+        let [linear, angular] = self.palm_velocity;
+        [(force.into(), linear), (torque.into(), angular)]
     }
 
     /// Into the pad of a finger: the direction in which something presses on it, world.

@@ -41,7 +41,7 @@ mod realtime;
 mod record;
 mod watchdog;
 
-pub use actuators::{Actuators, Axis, Heard};
+pub use actuators::{Ability, Actuators, Axis, Heard};
 pub use control::{HandStatus, Remote, STATEMENT, State, Status};
 pub use core::{Core, TickTime};
 pub use exchange::{FastEnds, FingerContact, Frame, Lead, SlowEnds, slots};
@@ -64,7 +64,7 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, PoisonError, TryLockError, Weak};
 use std::thread::JoinHandle;
 use std::time::Duration;
-use thenar::haptic::safety::Trip;
+use thenar::haptic::safety::{Limits, Trip};
 use thenar::haptic::{CouplingDesign, LoopProfile};
 use thenar::model::Drive;
 
@@ -244,13 +244,17 @@ fn share(
     }
     let mut limits = Vec::new();
     for display in &displays {
-        let mut own = display.limits();
-        // Written so that what is no number changes nothing and is refused below.
-        if let Some(fraction) = settings.user_fraction {
-            own.user_fraction =
-                if fraction > own.user_fraction { own.user_fraction } else { fraction };
-        }
-        limits.push((display.rendering(), own));
+        // Written so that what is no number is refused below.
+        let allowed = |own: Limits| match settings.user_fraction {
+            Some(fraction) if fraction > own.user_fraction => own,
+            Some(user_fraction) => Limits { user_fraction, ..own },
+            None => own,
+        };
+        limits.push(Ability {
+            rendering: display.rendering(),
+            limits: allowed(display.limits()),
+            torque_limits: display.torque_limits().map(allowed),
+        });
     }
     let (records, monitored) = rtrb::RingBuffer::new(RECORDS);
     let core = Core::new(trackers, limits, records)

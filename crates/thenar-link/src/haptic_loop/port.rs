@@ -180,7 +180,9 @@ impl SimulationPort {
                 ..SingleRateSettings::default()
             };
             let mut inner = SingleRate::new(settings, world.clone(), bones.clone());
-            *inner.input_mut() = session.input().clone();
+            if let Some(input) = inner.input_mut() {
+                input.copy_from(session.input());
+            }
             Box::new(inner)
         } else {
             let mut proxies = self.design.hand(model);
@@ -198,7 +200,7 @@ impl SimulationPort {
             };
             Box::new(HapticHand::new(settings, proxies, &start, self.contacts_max())?)
         };
-        let (slow, fast) = slots(&frame, single.then(|| world.state()));
+        let (slow, fast) = slots(&frame, single.then(|| (world.state(), session.input())));
         let mut live = session.live_hand(index)?;
         live.follow_at(FOLLOW_HZ);
         let hand = LoopHand::new(side, model, live, touch, fast);
@@ -274,6 +276,12 @@ impl SimulationPort {
             }
             frame.made_ns = now_ns;
             hand.ends.frame.publish();
+            // Objects, loads and other hands go on in a simulation within the loop.
+            if let Some(input) = &mut hand.ends.input
+                && input.input_buffer_mut().copy_from(session.input())
+            {
+                input.publish();
+            }
         }
     }
 }

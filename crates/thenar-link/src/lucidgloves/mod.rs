@@ -70,6 +70,7 @@ fn open_with(parsed: &Address, profile: Profile) -> Result<Opened, LinkError> {
     let display = DisplayTraits {
         rendering: Rendering::Stops,
         limits: profile.display.limits(true),
+        torque_limits: None,
         loop_profile: profile.display.loop_profile(),
     };
     let device = Device {

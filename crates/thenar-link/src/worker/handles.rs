@@ -120,6 +120,10 @@ impl ForceDisplay for DeviceDisplay {
         self.traits.limits
     }
 
+    fn torque_limits(&self) -> Option<Limits> {
+        self.traits.torque_limits
+    }
+
     fn loop_profile(&self) -> LoopProfile {
         self.traits.loop_profile
     }

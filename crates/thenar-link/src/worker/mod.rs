@@ -58,6 +58,8 @@ pub struct DisplayTraits {
     pub rendering: Rendering,
     /// What its actuators may do.
     pub limits: Limits,
+    /// What they may turn with, if they turn anything.
+    pub torque_limits: Option<Limits>,
     /// What bounds the stiffness of a coupling to it.
     pub loop_profile: LoopProfile,
 }

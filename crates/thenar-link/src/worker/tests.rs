@@ -37,6 +37,7 @@ impl Bench {
             display: Some(DisplayTraits {
                 rendering: Rendering::Tendons,
                 limits: Limits::cybergrasp(),
+                torque_limits: None,
                 loop_profile: crate::null::loop_profile(),
             }),
             speaks: true,

@@ -2,7 +2,9 @@
 //! and bounded, and go to zero when there is no ground for them. Method: devices in memory; the
 //! loop on a made-up clock for what is timed, on its own threads for what is about threads.
 
+mod capture;
 mod faults;
 mod rig;
 mod smooth;
 mod threads;
+mod wrench;

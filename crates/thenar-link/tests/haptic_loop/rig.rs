@@ -69,9 +69,15 @@ pub fn limits() -> Limits {
     Limits { ramp: 0.3, ..Limits::cybergrasp() }
 }
 
+/// Of a small arm that turns its handle.
+pub fn torque_limits() -> Limits {
+    Limits { ramp: 0.3, ..Limits::torque(0.2) }
+}
+
 pub struct FakeDisplay {
     shown: Arc<Mutex<Shown>>,
     rendering: Rendering,
+    limits: Limits,
 }
 
 impl ForceDisplay for FakeDisplay {
@@ -80,7 +86,11 @@ impl ForceDisplay for FakeDisplay {
     }
 
     fn limits(&self) -> Limits {
-        limits()
+        self.limits
+    }
+
+    fn torque_limits(&self) -> Option<Limits> {
+        (self.rendering == Rendering::Wrench).then(torque_limits)
     }
 
     fn loop_profile(&self) -> LoopProfile {
@@ -116,11 +126,18 @@ pub struct Wearer {
 }
 
 pub fn devices(rendering: Rendering) -> (Wearer, Box<dyn Tracker>, Box<dyn ForceDisplay>) {
+    devices_within(limits(), rendering)
+}
+
+pub fn devices_within(
+    limits: Limits,
+    rendering: Rendering,
+) -> (Wearer, Box<dyn Tracker>, Box<dyn ForceDisplay>) {
     let said = Arc::new(Mutex::new(Said::default()));
     let shown = Shown { outputs: Vec::with_capacity(100_000), heard_ns: None, dropped: false };
     let shown = Arc::new(Mutex::new(shown));
     let tracker = FakeTracker { said: said.clone(), told: None };
-    let display = FakeDisplay { shown: shown.clone(), rendering };
+    let display = FakeDisplay { shown: shown.clone(), rendering, limits };
     (Wearer { said, shown }, Box::new(tracker), Box::new(display))
 }
 
@@ -155,7 +172,12 @@ pub struct Rig {
 
 impl Rig {
     pub fn new(settings: &Settings, rendering: Rendering) -> Self {
-        let session = session(SCENE);
+        Self::of(SCENE, settings, rendering)
+    }
+
+    /// With another scene, whose first hand is a right one.
+    pub fn of(scene: &str, settings: &Settings, rendering: Rendering) -> Self {
+        let session = session(scene);
         let (wearer, tracker, display) = devices(rendering);
         let clock = ManualLoop::new(settings, vec![tracker], vec![display]).expect("a loop");
         let mut port = clock.port();
@@ -183,6 +205,13 @@ impl Rig {
 
     /// A frame of a hand that is held where it is: bones do not follow.
     pub fn blocked_frame(&mut self) {
+        self.port.after_step(&mut self.session, self.now_ns);
+    }
+
+    /// A step of the scene, led by the loop, and its frame.
+    pub fn simulated_frame(&mut self) {
+        self.port.before_step(&mut self.session, self.now_ns).expect("hands as before");
+        self.session.step(&mut ());
         self.port.after_step(&mut self.session, self.now_ns);
     }
 

@@ -136,3 +136,55 @@ fn the_simulation_can_be_within_the_loop() {
     assert!(Limits::cybergrasp().force_max() > rig.index_force());
     assert!(rig.now_ns > 1500 * MS);
 }
+
+/// Single-rate: a stage on its script and a ball under a constant force move in the loop's simulation as
+/// in the scene's, though the loop alone steps it: x = x₀ + v t and z = z₀ + F t² / 2 m.
+#[test]
+fn what_else_moves_goes_on_within_the_loop() {
+    const OTHERS: &str = "version = 1
+time_step = 0.005
+gravity = [0, 0, 0]
+[[hand]]
+name = \"hand\"
+flesh = false
+[[rigid]]
+name = \"stage\"
+shape = { kind = \"box\", size = [0.1, 0.02, 0.1] }
+motion = \"scripted\"
+position = [0.5, 0, 0.5]
+interpolation = \"linear\"
+keyframes = [{ time = 0 }, { time = 10, position = [1.5, 0, 0.5] }]
+[[rigid]]
+name = \"ball\"
+shape = { kind = \"sphere\", radius = 0.01 }
+mass = 0.1
+position = [1, 1, 1]
+[[load]]
+kind = \"force\"
+body = \"ball\"
+force = [0, 0, 0.05]
+";
+    let mut rig = Rig::of(OTHERS, &settings(LoopMode::SingleRate), Rendering::Tendons);
+    for ms in 0..1200u64 {
+        if ms % 5 == 0 {
+            rig.simulated_frame();
+        }
+        let pose = rig.pose(0.0);
+        rig.wearer.say(rig.now_ns, Some(pose));
+        rig.tick();
+    }
+    rig.clock.core(|core| {
+        let world = core.hands()[0].touch().world().expect("within the loop");
+        let body = |name: &str| {
+            let index = world.desc().rigids.iter().position(|body| body.name == name).unwrap();
+            world.rigid_pose(index as u32).position
+        };
+        let t = world.time();
+        assert!((t - 1.2).abs() < 0.01, "{t} s");
+        // A step of the scene of delay: 0.5 mm of the stage's way, 5 ms of the ball's.
+        let (stage, ball) = (body("stage"), body("ball"));
+        assert!((stage.x - (0.5 + 0.1 * t)).abs() < 1e-3, "{stage} at {t} s");
+        let [late, most] = [t - 0.012, t].map(|t| 1.0 + 0.5 * 0.5 * t * t);
+        assert!((late..most + 1e-3).contains(&ball.z), "{ball}: {late} to {most} m");
+    });
+}

@@ -44,6 +44,21 @@ pub fn follow_leaders(input: &mut Input, built: &Built, led: &[Option<Vec<Target
     }
 }
 
+/// A hand that is led is weightless: its wearer's own carries its weight, and would feel it twice.
+pub fn carry(input: &mut Input, built: &Built, led: &[Option<Vec<Target>>], world: &World) {
+    let (model, gravity) = (world.model(), input.gravity);
+    for (hand, _) in built.hands.iter().zip(led).filter(|(_, led)| led.is_some()) {
+        for bone in bones(hand) {
+            input.wrenches[bone][0] -= gravity * model.rigids[bone].mass;
+        }
+        if let Some(soft) = hand.flesh() {
+            for node in model.soft_nodes[soft as usize].clone() {
+                input.node_forces[node] -= gravity * model.flesh.mass[node];
+            }
+        }
+    }
+}
+
 /// Fills all targets with those of the scripts at time `t` \[s\].
 pub fn fill_scripts(input: &mut Input, built: &mut Built, world: &World, t: f64) {
     bodies(input, built, world, t);

@@ -7,9 +7,6 @@ use thenar::world::Input;
 
 /// Fills forces and torques with those at time `t` \[s\].
 pub fn fill(input: &mut Input, loads: &[ActiveLoad], world: &World, t: f64) {
-    if loads.is_empty() {
-        return;
-    }
     input.wrenches.fill([Vec3::zeros(); 2]);
     input.joint_torques.fill([0.0; 2]);
     input.node_forces.fill(Vec3::zeros());

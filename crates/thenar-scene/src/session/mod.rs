@@ -69,6 +69,7 @@ impl Session {
         drive::fill(&mut self.input, &mut self.built, &mut self.live, &self.world, t);
         drive::follow_leaders(&mut self.input, &self.built, &self.led);
         load::fill(&mut self.input, &self.built.loads, &self.world, t);
+        drive::carry(&mut self.input, &self.built, &self.led, &self.world);
         self.report = self.world.step(&self.input, timer);
         self.steps += 1;
         if let Some(mut witness) = self.witness.take() {

@@ -40,6 +40,7 @@ impl Session {
         drive::fill(&mut self.input, &mut self.built, &mut self.live, &self.world, t);
         drive::follow_leaders(&mut self.input, &self.built, &self.led);
         load::fill(&mut self.input, &self.built.loads, &self.world, t);
+        drive::carry(&mut self.input, &self.built, &self.led, &self.world);
         self.world.set_time(if taken_back { before } else { t });
         self.steps += 1;
     }

@@ -1,9 +1,10 @@
 //! One tick of the haptic loop for a whole hand: newest samples in, forces on the wearer out.
 
 use crate::haptic::shared::{Resolution, SharedConstraints};
+use crate::haptic::tracked_hand::TrackedHand;
 use crate::haptic::{
     FastToSlow, Prediction, Proxies, Proxy, ProxyError, ProxyReport, RigidState, Sample,
-    SlowToFast, Touch, Track, Tracked, seconds_between,
+    SlowToFast, Touch, seconds_between,
 };
 use crate::math::{Pose, Vec3, rotation_vector};
 use crate::world::StepReport;
@@ -29,6 +30,9 @@ pub struct HandSettings {
     pub simulation: Prediction,
     /// A tick longer than this is stepped as if it were this long \[s\].
     pub step_max: f64,
+    /// After a jump of the tracker the hand is led there with this time constant \[s\], and felt
+    /// again when it has arrived.
+    pub glide: f64,
     /// Contact forces are resolved to this \[N\] ...
     pub force_tolerance: f64,
     /// ... or for so many sweeps.
@@ -42,11 +46,15 @@ impl Default for HandSettings {
             tracking: Prediction::TRACKER,
             simulation: Prediction::SIMULATION,
             step_max: 0.02,
+            glide: GLIDE,
             force_tolerance: 1e-3,
             sweeps_max: 20,
         }
     }
 }
+
+/// How fast a hand is led to where its tracker found it \[s\]; half a metre in most of a second.
+pub(super) const GLIDE: f64 = 0.15;
 
 /// So far bones are always carried on \[s\]: no more than the proxies lag.
 const ALWAYS: f64 = 0.004;
@@ -74,7 +82,7 @@ pub struct HandReport {
 #[derive(Clone, Debug)]
 pub struct HapticHand {
     settings: HandSettings,
-    tracks: Vec<Track>,
+    hand: TrackedHand,
     proxies: Proxies,
     shared: SharedConstraints,
     /// Step of the frame that `shared` works on.
@@ -87,11 +95,10 @@ pub struct HapticHand {
     periods_when_late: f64,
     /// They are carried on for as long as this, slowing down \[s\].
     reach: f64,
-    /// Ends of the couplings in this tick.
-    tracked: Vec<RigidState>,
+    /// Simulated ends of the couplings in this tick.
     bones: Vec<RigidState>,
-    jumped: Vec<bool>,
-    last_ns: Option<u64>,
+    /// What the wearer feels.
+    wrenches: Vec<[Vec3; 2]>,
     ticks: u64,
 }
 
@@ -113,18 +120,16 @@ impl HapticHand {
         let proxies = Proxies::new(proxies, start)?;
         Ok(Self {
             settings,
-            tracks: vec![Track::default(); n],
+            hand: TrackedHand::new(settings.tracking, settings.glide, proxies.states()),
             shared: SharedConstraints::new(n, contacts_max),
             shared_step: None,
             newest: None,
             carried: proxies.states().to_vec(),
             reach: 0.0,
             periods_when_late,
-            tracked: proxies.states().to_vec(),
             bones: proxies.states().to_vec(),
-            jumped: vec![false; n],
+            wrenches: vec![[Vec3::zeros(); 2]; n],
             proxies,
-            last_ns: None,
             ticks: 0,
         })
     }
@@ -182,24 +187,6 @@ impl HapticHand {
         self.newest = Some((frame.step, frame.time_ns));
     }
 
-    /// The tracked bones now, and the age of the oldest. A bone that was never tracked goes where
-    /// its simulated bone is, so it feels nothing. The proxy of one that jumped goes along, so
-    /// that the jump does not become a pull.
-    fn place_hand(&mut self, now_ns: u64) -> f64 {
-        let mut oldest = 0.0_f64;
-        for (i, track) in self.tracks.iter_mut().enumerate() {
-            let unknown = Tracked { state: self.bones[i], age: f64::INFINITY, jumped: false };
-            let tracked = track.at(now_ns, &self.settings.tracking).unwrap_or(unknown);
-            self.tracked[i] = tracked.state;
-            self.jumped[i] = tracked.jumped;
-            if tracked.jumped {
-                self.proxies.place(i, tracked.state);
-            }
-            oldest = oldest.max(tracked.age);
-        }
-        oldest
-    }
-
     /// The proxies and their forces.
     pub fn proxies(&self) -> &Proxies {
         &self.proxies
@@ -221,17 +208,23 @@ impl Touch for HapticHand {
         pose_WB: Pose,
         velocity: Option<[Vec3; 2]>,
     ) -> Sample {
-        self.tracks[bone].push(time_ns, pose_WB, velocity, &self.settings.tracking)
+        self.hand.push(bone, time_ns, pose_WB, velocity)
     }
 
     fn tick(&mut self, now_ns: u64, frame: &SlowToFast) -> HandReport {
-        let passed = seconds_between(self.last_ns.unwrap_or(now_ns), now_ns);
-        self.last_ns = Some(now_ns);
-        let h = passed.clamp(0.0, self.settings.step_max);
+        let h = self.hand.passed(now_ns, self.settings.step_max);
         let simulation_age = seconds_between(frame.time_ns, now_ns);
         let contact = self.place_bones(frame, simulation_age, h);
-        let tracking_age = self.place_hand(now_ns);
-        let proxies = self.proxies.step(h, &self.tracked, &self.bones);
+        let tracking_age = self.hand.place(now_ns, h, &self.bones);
+        for i in (0..self.bones.len()).filter(|i| self.hand.set_out_from_bone(*i)) {
+            self.proxies.place(i, RigidState::at_rest(self.bones[i].pose_WB));
+        }
+        let proxies = self.proxies.step(h, self.hand.targets(), &self.bones);
+        for (i, (felt, told)) in
+            self.wrenches.iter_mut().zip(self.proxies.device_wrenches()).enumerate()
+        {
+            *felt = told.map(|part| part * self.hand.share(i));
+        }
         self.ticks += 1;
         HandReport { step: h, tracking_age, simulation_age, proxies, contact, world: None }
     }
@@ -242,11 +235,11 @@ impl Touch for HapticHand {
     }
 
     fn tracked(&self) -> &[RigidState] {
-        &self.tracked
+        self.hand.tracked()
     }
 
     fn jumped(&self, bone: usize) -> bool {
-        self.jumped[bone]
+        self.hand.jumped(bone)
     }
 
     fn bones(&self) -> &[RigidState] {
@@ -254,6 +247,6 @@ impl Touch for HapticHand {
     }
 
     fn device_wrenches(&self) -> &[[Vec3; 2]] {
-        self.proxies.device_wrenches()
+        &self.wrenches
     }
 }

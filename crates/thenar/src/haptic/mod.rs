@@ -66,6 +66,7 @@ mod single_rate;
 mod stability;
 mod touch;
 mod track;
+mod tracked_hand;
 pub mod virtual_user;
 
 pub use coupling::{CouplingDesign, drive_reaction, series_stiffness};

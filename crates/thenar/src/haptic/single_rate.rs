@@ -5,11 +5,13 @@
 //! is felt from their other end ([`drive_reaction`]). A drive then stands for both couplings in
 //! series ([`series_drive`]).
 
+use crate::haptic::hand::GLIDE;
+use crate::haptic::tracked_hand::TrackedHand;
 use crate::haptic::{
-    FastToSlow, HandReport, Prediction, RigidState, Sample, SlowToFast, Touch, Track,
-    drive_reaction, seconds_between, series_stiffness,
+    FastToSlow, HandReport, Prediction, RigidState, Sample, SlowToFast, Touch, drive_reaction,
+    series_stiffness,
 };
-use crate::math::{Pose, Quat, Vec3, rotation_vector};
+use crate::math::{Pose, Vec3};
 use crate::model::Drive;
 use crate::world::{Input, World};
 use std::ops::Range;
@@ -24,14 +26,14 @@ pub struct SingleRateSettings {
     pub step_max: f64,
     /// Shorter times wait for the next tick \[s\].
     pub step_min: f64,
-    /// After a jump of the tracker the target glides there with this time constant \[s\]: a bone
-    /// that is to be a metre away would pull at the wearer.
+    /// After a jump of the tracker the hand is led there with this time constant \[s\], and felt
+    /// again when it has arrived.
     pub glide: f64,
 }
 
 impl Default for SingleRateSettings {
     fn default() -> Self {
-        Self { tracking: Prediction::TRACKER, step_max: 0.02, step_min: 1e-4, glide: 0.15 }
+        Self { tracking: Prediction::TRACKER, step_max: 0.02, step_min: 1e-4, glide: GLIDE }
     }
 }
 
@@ -43,15 +45,9 @@ pub struct SingleRate {
     input: Input,
     /// The hand's bones among the rigid bodies.
     first: usize,
-    tracks: Vec<Track>,
-    /// What is left of jumps (linear, angular): targets are the tracked poses plus this.
-    glides: Vec<[Vec3; 2]>,
-    tracked: Vec<RigidState>,
-    targets: Vec<RigidState>,
-    jumped: Vec<bool>,
+    hand: TrackedHand,
     bones: Vec<RigidState>,
     wrenches: Vec<[Vec3; 2]>,
-    last_ns: Option<u64>,
     /// Time that has passed and is not simulated yet \[s\].
     owed: f64,
     ticks: u64,
@@ -70,54 +66,21 @@ impl SingleRate {
             settings,
             input: world.input(),
             first,
-            tracks: vec![Track::default(); n],
-            glides: vec![[Vec3::zeros(); 2]; n],
-            tracked: states.clone(),
-            targets: states.clone(),
-            jumped: vec![false; n],
+            hand: TrackedHand::new(settings.tracking, settings.glide, &states),
             bones: states,
             wrenches: vec![[Vec3::zeros(); 2]; n],
-            last_ns: None,
             owed: 0.0,
             ticks: 0,
             world,
         }
     }
 
-    /// What else acts in the next steps: gravity, other hands, loads. The hand's own targets are
-    /// written over.
-    pub fn input_mut(&mut self) -> &mut Input {
-        &mut self.input
-    }
-
-    /// Places tracked poses and targets `h` \[s\] after the tick before; the age of the oldest.
-    fn place_hand(&mut self, now_ns: u64, h: f64) -> f64 {
-        let mut oldest = 0.0_f64;
-        let left = if self.settings.glide > 0.0 { (-h / self.settings.glide).exp() } else { 0.0 };
-        for i in 0..self.tracks.len() {
-            let Some(told) = self.tracks[i].at(now_ns, &self.settings.tracking) else {
-                // Never tracked: let go, and nothing is felt.
-                (self.tracked[i], self.targets[i]) = (self.bones[i], self.bones[i]);
-                self.input.targets[self.first + i] = None;
-                oldest = f64::INFINITY;
-                continue;
-            };
-            let begins = self.input.targets[self.first + i].is_none();
-            self.jumped[i] = told.jumped;
-            self.tracked[i] = told.state;
-            let glide = &mut self.glides[i];
-            if told.jumped || begins {
-                let (from, to) = (&self.targets[i].pose_WB, &told.state.pose_WB);
-                let turn = rotation_vector(&(from.rotation * to.rotation.inverse()));
-                *glide = [from.position - to.position, turn];
-            } else {
-                glide.iter_mut().for_each(|part| *part *= left);
-            }
-            self.targets[i] = shifted(&told.state, glide, self.settings.glide);
-            self.input.targets[self.first + i] = Some(self.targets[i].target());
-            oldest = oldest.max(told.age);
+    /// The bones' targets; one that was never tracked is let go, and nothing is felt of it.
+    fn lead(&mut self) {
+        for (i, target) in self.hand.targets().iter().enumerate() {
+            let target = Some(target.target()).filter(|_| self.hand.is_known(i));
+            self.input.targets[self.first + i] = target;
         }
-        oldest
     }
 
     fn feel(&mut self) {
@@ -126,7 +89,8 @@ impl SingleRate {
             let drive = self.world.desc().drives[self.first + i];
             let held = drive.filter(|_| self.input.targets[self.first + i].is_some());
             self.wrenches[i] = held.map_or([Vec3::zeros(); 2], |drive| {
-                drive_reaction(&drive, &self.targets[i], &self.bones[i])
+                drive_reaction(&drive, &self.hand.targets()[i], &self.bones[i])
+                    .map(|part| part * self.hand.share(i))
             });
         }
     }
@@ -140,15 +104,14 @@ impl Touch for SingleRate {
         pose_WB: Pose,
         velocity: Option<[Vec3; 2]>,
     ) -> Sample {
-        self.tracks[bone].push(time_ns, pose_WB, velocity, &self.settings.tracking)
+        self.hand.push(bone, time_ns, pose_WB, velocity)
     }
 
     fn tick(&mut self, now_ns: u64, _: &SlowToFast) -> HandReport {
-        let passed = seconds_between(self.last_ns.unwrap_or(now_ns), now_ns);
-        self.last_ns = Some(now_ns);
-        let h = passed.clamp(0.0, self.settings.step_max);
+        let h = self.hand.passed(now_ns, self.settings.step_max);
         self.owed = (self.owed + h).min(self.settings.step_max);
-        let tracking_age = self.place_hand(now_ns, h);
+        let tracking_age = self.hand.place(now_ns, h, &self.bones);
+        self.lead();
         let mut world = None;
         if self.owed >= self.settings.step_min && self.owed > 0.0 {
             self.world.set_time_step(self.owed);
@@ -162,15 +125,15 @@ impl Touch for SingleRate {
 
     fn publish(&self, now_ns: u64, to: &mut FastToSlow) {
         (to.time_ns, to.tick) = (now_ns, self.ticks);
-        to.proxies.copy_from_slice(&self.targets);
+        to.proxies.copy_from_slice(self.hand.targets());
     }
 
     fn tracked(&self) -> &[RigidState] {
-        &self.tracked
+        self.hand.tracked()
     }
 
     fn jumped(&self, bone: usize) -> bool {
-        self.jumped[bone]
+        self.hand.jumped(bone)
     }
 
     fn bones(&self) -> &[RigidState] {
@@ -179,6 +142,10 @@ impl Touch for SingleRate {
 
     fn device_wrenches(&self) -> &[[Vec3; 2]] {
         &self.wrenches
+    }
+
+    fn input_mut(&mut self) -> Option<&mut Input> {
+        Some(&mut self.input)
     }
 
     fn world(&self) -> Option<&World> {
@@ -194,16 +161,5 @@ pub fn series_drive(device: &Drive, bone: &Drive) -> Drive {
         damping: series_stiffness(device.damping, bone.damping),
         angular_stiffness: series_stiffness(device.angular_stiffness, bone.angular_stiffness),
         angular_damping: series_stiffness(device.angular_damping, bone.angular_damping),
-    }
-}
-
-/// `state` away by a glide that decays with this time constant.
-fn shifted(state: &RigidState, [linear, angular]: &[Vec3; 2], time: f64) -> RigidState {
-    let rate = if time > 0.0 { 1.0 / time } else { 0.0 };
-    let turned = Quat::from_scaled_axis(*angular) * state.pose_WB.rotation;
-    RigidState {
-        pose_WB: Pose::new(state.pose_WB.position + linear, turned),
-        velocity_W: state.velocity_W - linear * rate,
-        angular_velocity_W: state.angular_velocity_W - angular * rate,
     }
 }

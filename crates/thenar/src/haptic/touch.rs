@@ -2,7 +2,7 @@
 
 use crate::haptic::{FastToSlow, HandReport, RigidState, Sample, SlowToFast};
 use crate::math::{Pose, Vec3};
-use crate::world::World;
+use crate::world::{Input, World};
 
 /// A hand at the device's rate: [`HapticHand`](crate::haptic::HapticHand) beside a slower
 /// simulation, or [`SingleRate`](crate::haptic::SingleRate) with the simulation within.
@@ -36,6 +36,12 @@ pub trait Touch {
 
     /// Force \[N\] and torque about the bone's centre \[N m\] on the wearer, world, per bone.
     fn device_wrenches(&self) -> &[[Vec3; 2]];
+
+    /// What else acts in a simulation that is within, until told otherwise: objects, loads, other
+    /// hands. The hand's own targets are written over each tick.
+    fn input_mut(&mut self) -> Option<&mut Input> {
+        None
+    }
 
     /// The simulation, when it is within.
     fn world(&self) -> Option<&World> {

@@ -55,6 +55,33 @@ pub struct Input {
     pub node_forces: Vec<Vec3>,
 }
 
+impl Input {
+    /// Takes over `other` without allocating; false, and nothing changes, when it is another world's.
+    pub fn copy_from(&mut self, other: &Self) -> bool {
+        let lengths = |input: &Self| {
+            let Self { gravity: _, targets, prescribed, wrenches, joint_torques, node_forces } =
+                input;
+            [
+                targets.len(),
+                prescribed.len(),
+                wrenches.len(),
+                joint_torques.len(),
+                node_forces.len(),
+            ]
+        };
+        let fits = lengths(self) == lengths(other);
+        if fits {
+            self.gravity = other.gravity;
+            self.targets.copy_from_slice(&other.targets);
+            self.prescribed.copy_from_slice(&other.prescribed);
+            self.wrenches.copy_from_slice(&other.wrenches);
+            self.joint_torques.copy_from_slice(&other.joint_torques);
+            self.node_forces.copy_from_slice(&other.node_forces);
+        }
+        fits
+    }
+}
+
 /// One active or near contact after a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPoint {

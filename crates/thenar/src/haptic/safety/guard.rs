@@ -61,9 +61,14 @@ impl<const N: usize> Guard<N> {
     }
 
     /// Lets force through again, from zero, after the small-force wait and the ramp. Nothing of
-    /// before counts any more.
+    /// before a trip counts any more. One that is armed already begins anew as well, but its output
+    /// goes down within stage 4, and its clock and energy account go on.
     pub fn arm(&mut self) {
+        let armed = !matches!(self.status, Status::Off | Status::Tripped(_));
         self.status = Status::Waiting { small_ticks: 0, pause: None };
+        if armed {
+            return;
+        }
         self.last_ns = None;
         self.stuck_ticks = 0;
         self.heard = [Heard::default(); 3];
@@ -135,8 +140,12 @@ impl<const N: usize> Guard<N> {
         let change = self.limits.change_max(dt); // 4
         let gain = trust * self.engage(dt, pause, length(&wanted)); // 5
         let speed = length(&signal.velocity);
-        if speed > self.limits.speed_max {
-            return Err(Trip::Overspeed { speed, limit: self.limits.speed_max }); // 6
+        let limit = self.limits.speed_max;
+        if speed > limit {
+            return Err(match self.limits.turns {
+                true => Trip::Overspin { rate: speed, limit },
+                false => Trip::Overspeed { speed, limit },
+            }); // 6
         }
         let damping = self.balance_energy(&signal.velocity, dt)?; // 7
         let even = std::array::from_fn(|i| gain * wanted[i] - damping * signal.velocity[i]);

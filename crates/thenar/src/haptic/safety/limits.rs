@@ -1,10 +1,12 @@
 //! What one actuator may do.
 
-/// Limits of one actuator. Forces in N (or N m for a torque actuator, with speeds in rad/s).
+/// Limits of one actuator. Where it turns, forces are torques \[N m\] and speeds rates \[rad/s\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// What the device is rated for continuously \[N\].
     pub rated: f64,
+    /// It turns: torques and rates.
+    pub turns: bool,
     /// Part of it that the user allows, 0 to 1.
     pub user_fraction: f64,
     /// Components are never negative: a tendon pulls.
@@ -63,6 +65,7 @@ impl Limits {
         let force_max = 0.5 * rated;
         Self {
             rated,
+            turns: false,
             user_fraction: 0.5,
             unilateral: false,
             slew: rated / 0.02,
@@ -84,10 +87,27 @@ impl Limits {
     }
 
     /// CyberGrasp: 12 N per tendon, pull only. Fingertips move against the palm at more than the
-    /// 1.2 m/s of a desktop arm; 3 m/s is our choice.
+    /// 1.2 m/s of a desktop arm: a captured hand that flicks its fingers reaches 3.6 m/s, so 5 m/s.
     pub fn cybergrasp() -> Self {
         let rated = Self::rated(crate::haptic::CYBERGRASP_FORCE_MAX);
-        Self { unilateral: true, speed_max: 3.0, ..rated }
+        Self { unilateral: true, speed_max: 5.0, ..rated }
+    }
+
+    /// Cautious limits of a torque of this rating \[N m\]: those of a force at a lever of 2 cm, but
+    /// that 20 rad/s, as fast as a wrist turns, is too fast.
+    pub fn torque(rated: f64) -> Self {
+        const LEVER: f64 = 0.02;
+        let force = Self::rated(rated / LEVER);
+        Self {
+            turns: true,
+            rated,
+            slew: force.slew * LEVER,
+            step_max: force.step_max * LEVER,
+            speed_max: 20.0,
+            engage_force: force.engage_force * LEVER,
+            damping_max: force.damping_max * LEVER * LEVER,
+            ..force
+        }
     }
 
     /// Largest force that leaves \[N\].

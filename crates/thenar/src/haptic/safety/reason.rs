@@ -32,6 +32,14 @@ pub enum Trip {
         /// The limit \[m/s\].
         limit: f64,
     },
+    /// It turned too fast.
+    #[error("turning at {rate} rad/s is above {limit} rad/s")]
+    Overspin {
+        /// Its rate \[rad/s\].
+        rate: f64,
+        /// The limit \[rad/s\].
+        limit: f64,
+    },
     /// More energy was given out than the reserve holds.
     #[error("the display gave out {given_out} J on balance; {reserve} J are allowed")]
     Energy {

@@ -87,10 +87,13 @@ fn attack<const N: usize>(seed: u64, limits: Limits, ticks: u32, seen: &mut Seen
                 _ => now.saturating_sub(random.next() % (4 * MS)),
             };
         }
-        let armed = one_in(&mut random, 700);
-        if armed {
+        if one_in(&mut random, 700) {
+            let at_rest = matches!(guard.status(), Status::Off | Status::Tripped(_));
             guard.arm();
-            (before, ledger, last) = ([0.0; N], 0.0, None);
+            // What is armed already is held to its past.
+            if at_rest {
+                (before, ledger, last) = ([0.0; N], 0.0, None);
+            }
         }
         let force = if calm { 0.15 / (N as f64).sqrt() } else { 40.0 };
         let signal = Signal {
@@ -153,10 +156,15 @@ fn whatever_comes_in_the_guarantees_hold() {
         };
         attack::<3>(seed, calm, 20_000, &mut seen);
         attack::<3>(seed, frail, 20_000, &mut seen);
+        // The handle of an arm, and what turns it: wishes are far beyond this torque.
+        let twist = Limits { ramp, engage_ticks: 2, engage_force: 0.2, ..Limits::torque(0.5) };
+        attack::<3>(seed, twist, 20_000, &mut seen);
     }
     // The attack must have got through to where there is something to guard.
     assert!(seen.live > 10_000 && seen.waiting > 10_000, "{} {}", seen.live, seen.waiting);
-    // Not finite, backwards, stalled, too fast, energy; stuck clocks have their own test.
+    // Not finite, backwards, stalled, too fast, energy; stuck clocks and what turns too fast have
+    // their own tests.
+    seen.trips.remove(&std::mem::discriminant(&Trip::Overspin { rate: 0.0, limit: 0.0 }));
     assert_eq!(seen.trips.len(), 5, "{:?}", seen.trips);
 }
 
@@ -187,6 +195,33 @@ fn force_waits_for_a_small_wish_then_ramps_up_over_two_seconds() {
         before = force;
     }
     assert_eq!((before, guard.status()), (3.0, Status::Live));
+}
+
+/// Arming what is live is felt as a fade, not as a drop, and does not forget what was given out.
+#[test]
+fn arming_again_is_no_kick_and_no_pardon() {
+    let mut now = MS;
+    let mut guard = engaged(quick(), &mut now);
+    let mut before = 0.0;
+    for _ in 0..100 {
+        now += MS;
+        [before] = guard.tick(now, &signal(now, [5.0], [0.05]));
+    }
+    // 5 N at 50 mm/s for some 90 ms, less what damping took back.
+    let (full, spent) = (before, guard.energy());
+    assert!(full > 4.8 && spent < -0.01, "{full} N, {spent} J");
+    guard.arm();
+    assert_eq!(guard.energy(), spent);
+    assert_eq!(guard.status(), Status::Waiting { small_ticks: 0, pause: None });
+    for tick in 1..=20 {
+        now += MS;
+        let [force] = guard.tick(now, &signal(now, [5.0], [0.0]));
+        // 12 N in 20 ms, and no slower.
+        let want = (full - 0.6 * f64::from(tick)).max(0.0);
+        assert!((force - want).abs() < 1e-9, "tick {tick}: {force} N, {want} N");
+        before = force;
+    }
+    assert_eq!(before, 0.0);
 }
 
 #[test]
@@ -312,6 +347,34 @@ fn trips_are_zero_at_once_and_latched_with_their_numbers() {
     assert!((by_s - 1e-3).abs() < 1e-12);
     let Trip::LoopStalled { gap_s } = trip(&|_| (), 25 * ms) else { panic!() };
     assert!((gap_s - 0.025).abs() < 1e-12);
+}
+
+/// A torque is clamped, slewed and stopped as a force is, by figures of its own.
+#[test]
+fn torques_have_their_own_limits_and_units() {
+    let limits = Limits { ramp: 0.0, ..Limits::torque(0.4) };
+    let mut now = MS;
+    let mut guard = Guard::<3>::new(limits, 8).unwrap();
+    guard.arm();
+    for _ in 0..=limits.engage_ticks {
+        now += MS;
+        assert_eq!(guard.tick(now, &signal(now, [0.0; 3], [0.0; 3])), [0.0; 3]);
+    }
+    let mut before = 0.0;
+    for tick in 1..=40 {
+        now += MS;
+        let out = guard.tick(now, &signal(now, [3.0, 4.0, 0.0], [0.0; 3]));
+        // 0.4 N m in 20 ms, up to half of it.
+        let want = (0.02 * f64::from(tick)).min(0.2);
+        assert!((norm(&out) - want).abs() < 1e-9, "{out:?}, {want} N m");
+        assert!((out[1] * 3.0 - out[0] * 4.0).abs() < 1e-9, "its direction stays: {out:?}");
+        before = norm(&out);
+    }
+    assert!((before - 0.2).abs() < 1e-9);
+    now += MS;
+    assert_eq!(guard.tick(now, &signal(now, [0.1; 3], [0.0, 0.0, 25.0])), [0.0; 3]);
+    let Status::Tripped(reason) = guard.status() else { panic!("{:?}", guard.status()) };
+    assert_eq!(reason.to_string(), "turning at 25 rad/s is above 20 rad/s");
 }
 
 #[test]

@@ -95,6 +95,50 @@ fn onsets_agree_with_eigenvalues_at_random() {
     }
 }
 
+/// Against the published rules instead: passive up to the smaller of `2 (b - |B|)/T` and, with a
+/// quantised sensor, `2 f_c/Δ`; stable about up to `(b + B)/(T/2 + t_d)`, which `LoopProfile` warns by.
+#[test]
+fn onsets_agree_with_the_published_rules_at_random() {
+    let mut quantised = 0;
+    for seed in 101..=110 {
+        let mut random = Random::new(seed);
+        let mass = 0.02 * 25.0_f64.powf(random.range(0.0, 1.0));
+        let device = Device {
+            mass,
+            damping: mass * random.range(5.0, 15.0),
+            friction: random.range(0.01, 0.1),
+            resolution: 5e-5 * 10.0_f64.powf(random.range(0.0, 1.0)),
+            period: 5e-4 * 4.0_f64.powf(random.range(0.0, 1.0)),
+            delay_ticks: 0,
+        };
+        // The second rule is of springs without dampers, which feel the steps themselves.
+        let smooth = Device { friction: 0.0, resolution: 0.0, ..device };
+        let (device, coupling) = match seed % 3 {
+            0 => (smooth, device.damping * random.range(0.0, 0.5)),
+            _ => (device, 0.0),
+        };
+        let wall = |k: f64| Wall { device, proxy: Wall::plain_proxy(k, coupling) };
+        let sampled = 2.0 * (device.damping - coupling) / device.period;
+        let stepped = match device.resolution > 0.0 {
+            true => 2.0 * device.friction / device.resolution,
+            false => f64::INFINITY,
+        };
+        let (want, found) = (sampled.min(stepped), passive_onset(1.0, 1e6, wall).unwrap());
+        quantised += u32::from(stepped < sampled);
+        assert!((found / want - 1.0).abs() < 5e-3, "seed {seed} {device:?}: {found}, {want} N/m");
+
+        // The stable limit, of a smooth device with delay; an approximation to some percent.
+        let late = (3.0 * random.range(0.0, 1.0)) as usize;
+        let device = Device { friction: 0.0, resolution: 0.0, delay_ticks: late, ..device };
+        let wall = |k: f64| Wall { device, proxy: Wall::plain_proxy(k, 0.0) };
+        let rule = device.damping / (device.period * (0.5 + late as f64));
+        let seconds = 400.0 * device.mass / device.damping;
+        let found = stability_onset(0.5 * rule, 2.0 * rule, seconds, wall).unwrap();
+        assert!((found / rule - 1.0).abs() < 0.05, "seed {seed} {device:?}: {found}, {rule} N/m");
+    }
+    assert!((2..9).contains(&quantised), "both rules must have had their turn: {quantised}");
+}
+
 /// E3 at 250 Hz to 4 kHz: a wall felt through a proxy returns less than was put in.
 #[test]
 fn a_wall_felt_through_a_proxy_is_passive() {
