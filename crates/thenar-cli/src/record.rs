@@ -38,7 +38,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let name = || Path::new(session.name()).with_extension("rec");
     let file = args.out.clone().unwrap_or_else(name);
     let options = RecordOptions { record: Some(file), keyframes: args.keyframes };
-    let recording = attach(&options, &mut session)?;
+    let mut recording = attach(&options, &mut session)?;
     interrupt::listen();
     let bar = progress(steps, args.quiet);
     let mut made = 0;
@@ -46,6 +46,9 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         session.step(&mut ());
         made += 1;
         bar.inc(1);
+        if let Some(recording) = &mut recording {
+            recording.complain();
+        }
     }
     bar.finish_and_clear();
     let hash = session.world().state_hash();

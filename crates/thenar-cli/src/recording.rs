@@ -91,7 +91,16 @@ impl Recording {
     /// # Errors
     /// Not all of it could be written.
     pub fn finish(self) -> Result<u64, CliError> {
-        Ok(self.recorder.finish()?.bytes)
+        let (told, file) = (self.told, self.file);
+        match self.recorder.finish() {
+            Ok(written) => Ok(written.bytes),
+            // The cause has been told.
+            Err(RecordError::Write { .. }) if told => {
+                let what = "ends before the session does; what is in it can be replayed";
+                Err(CliError::Other(format!("{} {what}", file.display())))
+            }
+            Err(error) => Err(error.into()),
+        }
     }
 }
 

@@ -1,12 +1,13 @@
-//! Reading, up to the damage if there is any.
+//! Reading, past damage if there is any.
 
 use crate::frame::{
     FRAME_BYTES_MAX, Frame, HEAD_BYTES, MAGIC, PAYLOAD_BYTES_MIN, PROLOGUE_BYTES, checksum,
 };
+use crate::resync::{Newest, Search};
 use crate::{Header, Kind, OpenError, VERSION};
 use std::fmt;
 use std::fs::File;
-use std::io::{self, BufReader, Read};
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 /// What is wrong with the first frame that cannot be trusted.
@@ -20,17 +21,21 @@ pub enum Fault {
     Length,
     /// The recording does not begin with a header.
     Header,
+    /// It is older than one before it: it has been moved or repeated.
+    Order,
 }
 
-/// Where a recording stops to make sense.
+/// A piece of a recording that makes no sense.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Damage {
     /// Where the first damaged frame begins \[bytes\].
     pub offset: u64,
     /// What is wrong with it.
     pub fault: Fault,
-    /// From there to the end of the file \[bytes\].
+    /// From there to the next frame that can be trusted, or to the end of the file \[bytes\].
     pub lost_bytes: u64,
+    /// There is such a frame.
+    pub resumed: bool,
 }
 
 impl fmt::Display for Damage {
@@ -40,13 +45,16 @@ impl fmt::Display for Damage {
             Fault::Checksum => "a checksum does not agree",
             Fault::Length => "a frame has an impossible length",
             Fault::Header => "there is no header",
+            Fault::Order => "a frame is not in its place",
         };
-        let Self { offset, lost_bytes, .. } = self;
-        write!(f, "{what} at byte {offset}; the {lost_bytes} bytes from there on are not used")
+        let Self { offset, lost_bytes, resumed, .. } = self;
+        let which = if *resumed { "bytes from there" } else { "bytes from there on" };
+        write!(f, "{what} at byte {offset}; the {lost_bytes} {which} are not used")
     }
 }
 
-/// The frames of a recording, one after another.
+/// The frames of a recording, one after another. Every one of them was written as it is, after those
+/// before it; what is damaged is left out.
 #[derive(Debug)]
 pub struct Frames<R> {
     input: R,
@@ -55,7 +63,10 @@ pub struct Frames<R> {
     at: u64,
     sum: u32,
     payload: Vec<u8>,
-    damage: Option<Damage>,
+    damages: Vec<Damage>,
+    newest: Newest,
+    /// Bytes that may still be read to find the way after damage.
+    budget: u64,
     ended: bool,
 }
 
@@ -85,7 +96,7 @@ pub(crate) enum Refused {
     Damaged(Damage),
 }
 
-impl<R: Read> Frames<R> {
+impl<R: Read + Seek> Frames<R> {
     /// Reads prologue and header of a file of `size` bytes.
     pub(crate) fn new(mut input: R, size: u64) -> Result<(Header, Self), Refused> {
         let mut prologue = [0; PROLOGUE_BYTES];
@@ -94,7 +105,8 @@ impl<R: Read> Frames<R> {
             return Err(Refused::Foreign);
         }
         let word = |at: usize| u32::from_le_bytes(std::array::from_fn(|k| prologue[at + k]));
-        let damaged = |fault| Refused::Damaged(Damage { offset: 0, fault, lost_bytes: size });
+        let damaged =
+            |fault| Refused::Damaged(Damage { offset: 0, fault, lost_bytes: size, resumed: false });
         if got < PROLOGUE_BYTES {
             return Err(damaged(Fault::CutOff));
         }
@@ -111,45 +123,61 @@ impl<R: Read> Frames<R> {
             at: PROLOGUE_BYTES as u64,
             sum: word(12),
             payload: Vec::new(),
-            damage: None,
+            damages: Vec::new(),
+            newest: Newest::default(),
+            budget: size.saturating_mul(16).saturating_add(1 << 26),
             ended: false,
         };
-        let first = frames.next().map_err(Refused::Read)?;
-        let header = first
-            .filter(|frame| frame.kind == Some(Kind::Header))
-            .and_then(|frame| serde_json::from_slice(frame.body).ok());
-        match (header, frames.damage) {
-            (Some(header), _) => Ok((header, frames)),
-            (None, Some(damage)) => Err(Refused::Damaged(damage)),
-            (None, None) => {
-                let offset = PROLOGUE_BYTES as u64;
-                let lost_bytes = size.saturating_sub(offset);
-                Err(Refused::Damaged(Damage { offset, fault: Fault::Header, lost_bytes }))
-            }
+        let at = frames.at;
+        let lost_bytes = size.saturating_sub(at);
+        let unusable =
+            |fault| Refused::Damaged(Damage { offset: at, fault, lost_bytes, resumed: false });
+        if let Err(fault) = frames.read().map_err(Refused::Read)? {
+            return Err(unusable(fault));
         }
+        frames.at += (HEAD_BYTES + frames.payload.len()) as u64;
+        let first = Frame::of(&frames.payload).filter(|first| first.kind == Some(Kind::Header));
+        let header = first.and_then(|frame| serde_json::from_slice(frame.body).ok());
+        header.map(|header| (header, frames)).ok_or_else(|| unusable(Fault::Header))
     }
 
-    /// The next frame; `None` at the end, or where the damage begins.
+    /// The next frame that can be trusted; `None` when there is none any more. Where some are left
+    /// out [`Frames::damages`] has grown.
     ///
     /// # Errors
     /// Reading fails.
     #[allow(clippy::should_implement_trait)] // it lends its buffer
     pub fn next(&mut self) -> io::Result<Option<Frame<'_>>> {
-        if self.damage.is_some() || self.at >= self.size {
-            return Ok(None);
-        }
-        match self.read()? {
-            Ok(()) => {}
-            Err(fault) => {
-                let lost_bytes = self.size - self.at;
-                self.damage = Some(Damage { offset: self.at, fault, lost_bytes });
+        loop {
+            if self.at >= self.size {
                 return Ok(None);
+            }
+            match self.read()? {
+                Ok(()) => break,
+                Err(fault) => self.skip(fault)?,
             }
         }
         self.at += (HEAD_BYTES + self.payload.len()) as u64;
         let frame = Frame::of(&self.payload);
-        self.ended |= frame.is_some_and(|frame| frame.kind == Some(Kind::End));
+        if let Some(frame) = &frame {
+            self.newest.note(frame);
+            self.ended |= frame.kind == Some(Kind::End);
+        }
         Ok(frame)
+    }
+
+    /// Goes on after a damaged frame.
+    fn skip(&mut self, fault: Fault) -> io::Result<()> {
+        let offset = self.at;
+        let Self { input, size, newest, budget, ended, .. } = self;
+        let mut search = Search { input, size: *size, newest, ended: *ended, budget };
+        let found = search.run(offset)?;
+        let (next, sum) = found.unwrap_or((self.size, 0));
+        let lost_bytes = next - offset;
+        self.damages.push(Damage { offset, fault, lost_bytes, resumed: found.is_some() });
+        (self.at, self.sum) = (next, sum);
+        self.input.seek(SeekFrom::Start(next))?;
+        Ok(())
     }
 
     /// Reads a frame into the buffer.
@@ -176,12 +204,19 @@ impl<R: Read> Frames<R> {
             return Ok(Err(Fault::Checksum));
         }
         self.sum = expected;
+        // Pieces that were moved hold together within: only time and the end's place tell.
+        let end = self.at + (HEAD_BYTES + self.payload.len()) as u64;
+        let is_last = |frame: &Frame| frame.kind != Some(Kind::End) || end == self.size;
+        let in_order = |frame: Frame| self.newest.is_in_order(&frame) && is_last(&frame);
+        if !self.damages.is_empty() && !Frame::of(&self.payload).is_some_and(in_order) {
+            return Ok(Err(Fault::Order));
+        }
         Ok(Ok(()))
     }
 
-    /// What is wrong with the file, once that has been met.
-    pub fn damage(&self) -> Option<Damage> {
-        self.damage
+    /// What is wrong with the file, as far as it has been read: pieces in the order of their place.
+    pub fn damages(&self) -> &[Damage] {
+        &self.damages
     }
 
     /// True once the end frame has been read: the recording was ended as it should be.
@@ -196,7 +231,7 @@ impl<R: Read> Frames<R> {
 }
 
 /// Fills `out` as far as the input goes.
-fn read_up_to(input: &mut impl Read, out: &mut [u8]) -> io::Result<usize> {
+pub(crate) fn read_up_to(input: &mut impl Read, out: &mut [u8]) -> io::Result<usize> {
     let mut got = 0;
     while got < out.len() {
         match input.read(&mut out[got..]) {

@@ -178,7 +178,7 @@ fn a_replay_gives_the_same_bits_whatever_entered() {
         let mut replay = Replay::open(&folder.recording()).unwrap();
         assert_eq!(replayed(&mut replay), recorded, "{name}");
         let verdict = replay.verdict();
-        assert!(verdict.is_same() && verdict.ended && verdict.damage.is_none(), "{verdict:?}");
+        assert!(verdict.is_same() && verdict.ended && verdict.losses.is_empty(), "{verdict:?}");
         assert_eq!((verdict.scenes, verdict.steps, verdict.same), (1, 120, 120));
         assert_eq!(verdict.put_right.0, 0, "keyframes agree");
         // 40 steps of 5 ms, 60 of 4 ms, and after the restart 20 more: settings stay.
@@ -245,7 +245,7 @@ fn whatever_is_cut_off_the_rest_is_replayed() {
                 let hashes = replayed(&mut replay);
                 assert_eq!(hashes, recorded[..hashes.len()], "{size}");
                 assert!(replay.verdict().is_same() && !replay.verdict().ended);
-                damaged += usize::from(replay.verdict().damage.is_some());
+                damaged += usize::from(!replay.verdict().losses.is_empty());
                 lengths.push(hashes.len());
             }
         }

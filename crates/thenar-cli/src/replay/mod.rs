@@ -9,8 +9,8 @@ use crate::recording::header;
 use csv::Tables;
 use mcap::Export;
 use std::path::PathBuf;
-use thenar_record::{Damage, Header};
-use thenar_scene::recording::{Event, Replay, ReplayError, TimeOf, Verdict};
+use thenar_record::Header;
+use thenar_scene::recording::{Event, Loss, Replay, ReplayError, TimeOf, Verdict};
 
 /// Make a recorded session again: verify it, export it.
 #[derive(Debug, clap::Args)]
@@ -154,9 +154,11 @@ fn tell(args: &Args, replay: &Replay, here: &Header) {
             gap.frames, gap.heavy
         );
     }
-    if let Some(damage) = &verdict.damage {
-        println!("  {}", damaged(verdict, damage));
-    } else if !verdict.ended {
+    if !verdict.losses.is_empty() {
+        println!("  {}", damaged(verdict));
+    }
+    // The end may be in the part that is damaged.
+    if !verdict.ended && verdict.losses.last().is_none_or(|loss| loss.damage.resumed) {
         println!("  the recording was not ended: its program was killed, or still writes");
     }
     if let Some(session) = replay.session() {
@@ -164,8 +166,20 @@ fn tell(args: &Args, replay: &Replay, here: &Header) {
     }
 }
 
-fn damaged(verdict: &Verdict, damage: &Damage) -> String {
-    format!("the file is damaged; the first {:.3} s were kept: {damage}", verdict.seconds)
+/// Pieces of a damaged file that are told one by one.
+const TOLD_MAX: usize = 5;
+
+fn damaged(verdict: &Verdict) -> String {
+    let told: Vec<String> = verdict.losses.iter().take(TOLD_MAX).map(Loss::to_string).collect();
+    let mut text = format!("the file is damaged; {}", told.join("; "));
+    match verdict.losses.len().saturating_sub(TOLD_MAX) {
+        0 => {}
+        more => text += &format!("; and so at {more} more places"),
+    }
+    if verdict.lost > 0 {
+        text += &format!("; {} steps were not made, up to a keyframe after each", verdict.lost);
+    }
+    text
 }
 
 /// What `--verify` says of it.
@@ -179,13 +193,13 @@ fn judge(args: &Args, verdict: &Verdict, recorded: &Header, here: &Header) -> Re
         lines.extend(verdict.refused.first().cloned());
         return Err(CliError::Other(lines.join("; ")));
     }
-    match &verdict.damage {
-        Some(damage) => Err(CliError::Other(damaged(verdict, damage))),
-        None if !verdict.ended => Err(CliError::Other("the recording was not ended".into())),
-        None if verdict.unmarked > 0 => {
+    match verdict.losses.len() {
+        1.. => Err(CliError::Other(damaged(verdict))),
+        _ if !verdict.ended => Err(CliError::Other("the recording was not ended".into())),
+        _ if verdict.unmarked > 0 => {
             Err(CliError::Other(format!("{} steps could not be compared", verdict.unmarked)))
         }
-        None => Ok(()),
+        _ => Ok(()),
     }
 }
 

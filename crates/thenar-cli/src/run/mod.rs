@@ -15,7 +15,7 @@ pub use timer::{STAGES, StageTimes, StopWatch};
 use crate::error::CliError;
 use crate::interrupt;
 use crate::picture::PictureOptions;
-use crate::recording::{RecordOptions, attach};
+use crate::recording::{RecordOptions, Recording, attach};
 use indicatif::{ProgressBar, ProgressStyle};
 use outputs::Outputs;
 use std::path::PathBuf;
@@ -88,13 +88,13 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     interrupt::listen();
     let outcome = advance(&mut session, steps, &mut outputs, args.quiet)?;
     outputs.finish(&session, &outcome)?;
-    if let Some(recording) = recording {
-        drop(session.take_witness());
-        recording.finish()?;
-    }
+    drop(session.take_witness());
+    let recorded = recording.map(Recording::finish).transpose();
+    // What was found out is worth telling even when the disk was full.
     if !args.quiet {
         report::print(&session, &outcome);
     }
+    recorded?;
     match outcome.interrupted {
         true => {
             Err(CliError::Other("interrupted; what was asked for is written up to here".into()))

@@ -86,11 +86,11 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let beside = simulate(&mut session, &mut port, &remote, args)?;
     let status = remote.status();
     drop(device);
-    if let Some(recording) = recording {
-        drop(session.take_witness());
-        recording.finish()?;
-    }
+    drop(session.take_witness());
+    let recorded = recording.map(Recording::finish).transpose();
+    // What was found out is worth telling even when the disk was full.
     report::print(&status, &beside);
+    recorded?;
     match status.state.word() {
         "failed" => Err(CliError::Other("the haptic loop failed".into())),
         _ => Ok(()),

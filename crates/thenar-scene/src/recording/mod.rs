@@ -4,7 +4,8 @@
 //! A session is made again from its source (the scene's text, the files it names, which hands) and
 //! from all that entered it, before the same steps. On the same build and the same vector
 //! instructions that gives the same bits, which the hashes show. Elsewhere it gives nearly the
-//! same; keyframes put it right each time.
+//! same; keyframes put it right each time. Where a part of the file is damaged, the session goes on
+//! from the next keyframe, or at once when the hashes show that nothing of it is missing.
 //!
 //! The bytes are described in `docs/recording.md`.
 
@@ -19,4 +20,4 @@ pub use content::{Asset, Keyframe, SceneStart, StepMark};
 pub use replay::{Event, Replay, ReplayError};
 pub use scene::ASSET_BYTES_MAX;
 pub use tape::{SessionTape, TimeOf};
-pub use verdict::{Difference, Moved, Verdict};
+pub use verdict::{Difference, Loss, Moved, Verdict};

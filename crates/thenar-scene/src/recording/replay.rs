@@ -3,7 +3,7 @@
 use super::content::{Keyframe, SceneStart, StepMark};
 use super::entry::Input;
 use super::scene;
-use super::verdict::{Difference, Moved, Verdict};
+use super::verdict::{Difference, Loss, Moved, Verdict};
 use crate::SceneError;
 use crate::session::Session;
 use std::fs::File;
@@ -13,6 +13,23 @@ use thenar_record::{ChannelInfo, Frames, Gap, Header, Kind, OpenError, Record};
 
 /// More steps than this are not made without a mark.
 const UNMARKED_MAX: u64 = 10_000_000;
+
+/// After damage so many steps are made to find out whether anything of the session is missing.
+const DOUBTED_MAX: u64 = 100;
+
+/// Whether the session is what was recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Trust {
+    /// As far as is known.
+    Sound,
+    /// Something is missing, of the session or of a channel only. So many steps were made since: the
+    /// hash after one of them tells.
+    Doubtful(u64),
+    /// Something of the session is missing: steps are passed over up to a keyframe.
+    Lost,
+    /// The scene itself is missing: all is left out up to another.
+    Foreign,
+}
 
 /// Why a recording cannot be replayed any further.
 #[derive(Debug, thiserror::Error)]
@@ -97,6 +114,7 @@ pub struct Replay {
     pending: Option<(u64, Item)>,
     /// Byte offset of the keyframe to begin after, if any.
     begin: Option<u64>,
+    trust: Trust,
     verdict: Verdict,
 }
 
@@ -127,6 +145,7 @@ impl Replay {
             number: 0,
             pending: None,
             begin: None,
+            trust: Trust::Sound,
             verdict: Verdict::default(),
         })
     }
@@ -186,7 +205,6 @@ impl Replay {
                 None => match self.read()? {
                     Some(item) => item,
                     None => {
-                        self.verdict.damage = self.frames.damage();
                         self.verdict.ended = self.frames.ended();
                         return Ok(None);
                     }
@@ -204,7 +222,10 @@ impl Replay {
 
     /// The next frame.
     fn read(&mut self) -> Result<Option<(u64, Item)>, ReplayError> {
-        let Some(frame) = self.frames.next()? else { return Ok(None) };
+        let Some(frame) = self.frames.next()? else {
+            self.meet_damage();
+            return Ok(None);
+        };
         let (time_ns, body) = (frame.time_ns, frame.body);
         let item = match frame.kind {
             Some(Kind::Scene) => postcard::from_bytes(body).ok().map(|s| Item::Scene(Box::new(s))),
@@ -221,15 +242,44 @@ impl Replay {
         };
         let what = "its body cannot be decoded";
         let item = item.ok_or(ReplayError::Content { offset: self.frames.offset(), what })?;
+        self.meet_damage();
         Ok(Some((time_ns, item)))
     }
 
+    /// Takes note of what has been left out before the frame that was read.
+    fn meet_damage(&mut self) {
+        let met = self.verdict.losses.len();
+        for damage in &self.frames.damages()[met..] {
+            let from = self.verdict.seconds;
+            self.verdict.losses.push(Loss { damage: *damage, from, until: None });
+            if self.trust == Trust::Sound {
+                self.trust = Trust::Doubtful(0);
+            }
+        }
+    }
+
+    /// The session is known again, from a time on \[s\].
+    fn settle(&mut self, seconds: f64) {
+        self.trust = Trust::Sound;
+        let open = |loss: &&mut Loss| loss.until.is_none();
+        self.verdict.losses.iter_mut().filter(open).for_each(|loss| loss.until = Some(seconds));
+    }
+
+    /// The session is not known any more.
+    fn lose(&mut self) {
+        if let Trust::Doubtful(made) = self.trust {
+            self.verdict.lost += made;
+        }
+        self.trust = Trust::Lost;
+    }
+
     fn take(&mut self, time_ns: u64, item: Item) -> Result<Option<Event>, ReplayError> {
-        let passing = self.begin.is_some_and(|begin| self.frames.offset() < begin);
+        let early = self.begin.is_some_and(|begin| self.frames.offset() < begin);
+        let passing = early || self.trust == Trust::Lost;
         match item {
             Item::Scene(start) => return self.start(time_ns, &start).map(Some),
             Item::Channel(info) => return Ok(Some(Event::Channel(info))),
-            Item::Record(..) if passing => {}
+            Item::Record(..) if early => {}
             Item::Record(channel, values) => {
                 return Ok(Some(Event::Record { time_ns, channel, values }));
             }
@@ -237,30 +287,54 @@ impl Replay {
                 self.verdict.gaps.push((time_ns as f64 * 1e-9, gap));
                 return Ok(Some(Event::Gap { time_ns, gap }));
             }
+            Item::Other => {}
+            // What belongs to a scene that is missing.
+            Item::Input(_) | Item::Step(_) | Item::Keyframe(_) if self.is_foreign(&item) => {}
             Item::Input(input) => {
                 if self.behind(input.number)? {
                     self.pending = Some((time_ns, Item::Input(input)));
-                    return Ok(self.unmarked(passing, time_ns));
+                    return Ok(self.step(passing, time_ns, None));
                 }
-                return Ok(self.enter(time_ns, &input).filter(|_| !passing));
+                return Ok(self.enter(time_ns, &input).filter(|_| !early));
             }
             Item::Step(mark) => {
                 if self.behind(mark.number.saturating_sub(1))? {
                     self.pending = Some((time_ns, Item::Step(mark)));
-                    return Ok(self.unmarked(passing, time_ns));
+                    return Ok(self.step(passing, time_ns, None));
                 }
                 return Ok(self.step(passing, time_ns, Some(mark)));
             }
             Item::Keyframe(keyframe) => {
+                // From here on nothing depends on what is missing.
+                if matches!(self.trust, Trust::Doubtful(_)) {
+                    self.lose();
+                }
+                let passing = early || self.trust == Trust::Lost;
                 if self.behind(keyframe.number)? {
                     self.pending = Some((time_ns, Item::Keyframe(keyframe)));
-                    return Ok(self.unmarked(passing, time_ns));
+                    return Ok(self.step(passing, time_ns, None));
                 }
-                self.compare(passing, &keyframe);
+                self.compare(early, time_ns, &keyframe);
             }
-            Item::Other => {}
         }
         Ok(None)
+    }
+
+    /// True for what belongs to a scene that damage has hidden.
+    fn is_foreign(&mut self, item: &Item) -> bool {
+        let number = match item {
+            Item::Input(input) => input.number,
+            Item::Step(mark) => mark.number.saturating_sub(1),
+            Item::Keyframe(keyframe) => keyframe.number,
+            _ => return false,
+        };
+        let follows = self.session.is_some()
+            && number.checked_sub(self.number).is_some_and(|missing| missing <= UNMARKED_MAX);
+        if self.trust != Trust::Sound && !follows {
+            self.lose();
+            self.trust = Trust::Foreign;
+        }
+        self.trust == Trust::Foreign
     }
 
     fn start(&mut self, time_ns: u64, start: &SceneStart) -> Result<Event, ReplayError> {
@@ -271,6 +345,10 @@ impl Replay {
             self.differs(0, time_ns);
         }
         self.session = Some(session);
+        if self.trust != Trust::Sound {
+            self.lose();
+            self.settle(time_ns as f64 * 1e-9);
+        }
         Ok(Event::Scene { time_ns })
     }
 
@@ -286,28 +364,55 @@ impl Replay {
         }
     }
 
-    /// A step whose mark was dropped.
-    fn unmarked(&mut self, passing: bool, time_ns: u64) -> Option<Event> {
-        self.step(passing, time_ns, None)
-    }
-
+    /// Makes a step, whose mark may have been dropped.
     fn step(&mut self, passing: bool, time_ns: u64, mark: Option<StepMark>) -> Option<Event> {
         let session = self.session.as_mut()?;
         self.number += 1;
         if passing {
             session.pass(mark.is_some_and(|mark| mark.taken_back));
-            self.verdict.passed += 1;
+            match self.trust {
+                Trust::Lost => self.verdict.lost += 1,
+                _ => self.verdict.passed += 1,
+            }
             return None;
         }
         session.step(&mut ());
-        self.verdict.steps += 1;
         let hash = session.world().state_hash();
+        if let Trust::Doubtful(made) = self.trust {
+            return self.try_step(made + 1, time_ns, mark, hash);
+        }
+        self.verdict.steps += 1;
         match mark {
             None => self.verdict.unmarked += 1,
             Some(mark) if mark.hash == hash => self.verdict.same += 1,
             Some(mark) => self.differs(mark.number, time_ns),
         }
         Some(Event::Stepped { time_ns, cost_ns: mark.map(|mark| mark.cost_ns) })
+    }
+
+    /// After damage: nothing is told before a hash agrees.
+    fn try_step(
+        &mut self,
+        made: u64,
+        time_ns: u64,
+        mark: Option<StepMark>,
+        hash: u64,
+    ) -> Option<Event> {
+        self.trust = Trust::Doubtful(made);
+        match mark {
+            Some(mark) if mark.hash == hash => {
+                let from = self.verdict.losses.iter().find(|loss| loss.until.is_none());
+                let from = from.map_or(0.0, |loss| loss.from);
+                self.settle(from);
+                self.verdict.steps += made;
+                self.verdict.unmarked += made - 1;
+                self.verdict.same += 1;
+                return Some(Event::Stepped { time_ns, cost_ns: Some(mark.cost_ns) });
+            }
+            None if made < DOUBTED_MAX => {}
+            _ => self.lose(),
+        }
+        None
     }
 
     fn enter(&mut self, time_ns: u64, input: &Input) -> Option<Event> {
@@ -318,17 +423,25 @@ impl Replay {
             Some(Err(reason)) => Some(reason),
             None => Some("a pose has the wrong number of joints or angles".into()),
         };
-        self.verdict.refused.extend(refused);
+        // What is refused where the session is not known says nothing.
+        self.verdict.refused.extend(refused.filter(|_| self.trust == Trust::Sound));
         let (what, often) = (input.what.to_string(), input.what.is_often());
         Some(Event::Entered { time_ns, what, often })
     }
 
     /// At a keyframe the replay is right, or is put right.
-    fn compare(&mut self, passing: bool, keyframe: &Keyframe) {
+    fn compare(&mut self, early: bool, time_ns: u64, keyframe: &Keyframe) {
         let Some(session) = &mut self.session else { return };
         // On the way to a later beginning only the last one counts.
         let last = self.begin.is_some_and(|begin| self.frames.offset() == begin);
-        if passing || keyframe.number != self.number {
+        if early || keyframe.number != self.number {
+            return;
+        }
+        if self.trust == Trust::Lost {
+            match session.resume(&keyframe.state) {
+                true => self.settle(time_ns as f64 * 1e-9),
+                false => self.trust = Trust::Foreign,
+            }
             return;
         }
         let state = session.world().state();

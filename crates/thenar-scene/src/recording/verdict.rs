@@ -42,6 +42,30 @@ impl Moved {
     }
 }
 
+/// A piece of a recording that is damaged, and what that costs the replay.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Loss {
+    /// Where and what.
+    pub damage: Damage,
+    /// Time in the recording of the session's last frame before it \[s\].
+    pub from: f64,
+    /// When the session is known again \[s\]; `None` when it is not before the end.
+    pub until: Option<f64>,
+}
+
+impl fmt::Display for Loss {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { damage, from, until } = self;
+        match until {
+            // Nothing of the session was in it, or what was could be made again.
+            Some(until) if until <= from => write!(f, "no step is lost at {from:.3} s")?,
+            Some(until) => write!(f, "from {from:.3} s to {until:.3} s is lost")?,
+            None => write!(f, "all from {from:.3} s on is lost")?,
+        }
+        write!(f, ": {damage}")
+    }
+}
+
 /// What a replay has found so far.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Verdict {
@@ -65,8 +89,10 @@ pub struct Verdict {
     pub refused: Vec<String>,
     /// What the recorder dropped.
     pub gaps: Vec<(f64, Gap)>,
-    /// Where the file stops to make sense.
-    pub damage: Option<Damage>,
+    /// Where the file makes no sense.
+    pub losses: Vec<Loss>,
+    /// Steps that were not made, as what led to them is lost.
+    pub lost: u64,
     /// It was ended as it should be.
     pub ended: bool,
 }
@@ -103,6 +129,10 @@ impl Verdict {
         }
         if self.gaps.iter().any(|(_, gap)| gap.source == 0 && gap.heavy > 0) {
             causes.push("inputs are missing: the disk was too slow".into());
+        }
+        let differs = self.first.map_or(f64::NEG_INFINITY, |first| first.time);
+        if self.losses.iter().any(|loss| loss.from <= differs) {
+            causes.push("inputs or settings may be in the part of the file that is damaged".into());
         }
         causes
     }

@@ -1,7 +1,10 @@
-//! A recording as MCAP, for Foxglove: JSON messages of Foxglove's schemas, uncompressed.
+//! A recording as MCAP, for Foxglove and Rerun: Protobuf messages of Foxglove's schemas and schemas
+//! of plain numbers, uncompressed.
 
+mod dots;
 mod figures;
 mod message;
+mod numbers;
 mod picture;
 
 use super::{Every, Sink};
@@ -10,22 +13,19 @@ use crate::files::Draft;
 use ::mcap::records::MessageHeader;
 use ::mcap::write::NoSeek;
 use ::mcap::{McapError, WriteOptions, Writer};
-use message::{Level, Log, Time};
-use serde::Serialize;
-use serde_json::Value;
+use dots::Dots;
+use foxglove::Encode;
+use foxglove::messages::log::Level;
+use foxglove::messages::{FrameTransforms, Log, PointCloud, SceneUpdate, Timestamp};
+use numbers::Numbers;
 use std::collections::BTreeMap;
 use std::path::Path;
 use thenar_record::{ChannelInfo, Header};
 use thenar_scene::recording::{Event, Replay};
 use thenar_scene::session::Session;
 
-/// Moments per second where nothing else is asked for: a surface is some 50 kB of text.
+/// Moments per second where nothing else is asked for: a hand is some 200 kB.
 const RATE: f64 = 30.0;
-
-// MIT, from the npm package @foxglove/schemas 2.1.0.
-const SCENE_UPDATE: &str = include_str!("foxglove/SceneUpdate.json");
-const FRAME_TRANSFORMS: &str = include_str!("foxglove/FrameTransforms.json");
-const LOG: &str = include_str!("foxglove/Log.json");
 
 /// A topic.
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +45,12 @@ pub struct Export {
     last_step: Option<u64>,
     newest: u64,
     channels: BTreeMap<u32, ChannelInfo>,
+    /// Of topics of plain numbers.
+    numbers: BTreeMap<String, Numbers>,
+    /// Where points are on each deformable body of the scene.
+    flesh_dots: Vec<Dots>,
+    /// Topics of the scene's point clouds.
+    clouds: Vec<String>,
 }
 
 fn failed(error: &McapError) -> CliError {
@@ -70,23 +76,34 @@ impl Export {
             last_step: None,
             newest: 0,
             channels: BTreeMap::new(),
+            numbers: BTreeMap::new(),
+            flesh_dots: Vec::new(),
+            clouds: Vec::new(),
         };
-        export.topic("/tf", "foxglove.FrameTransforms", FRAME_TRANSFORMS)?;
+        export.known::<FrameTransforms>("/tf")?;
         for topic in ["/objects", "/flesh", "/forces"] {
-            export.topic(topic, "foxglove.SceneUpdate", SCENE_UPDATE)?;
+            export.known::<SceneUpdate>(topic)?;
         }
-        export.topic("/log", "foxglove.Log", LOG)?;
-        export.own("/haptics/force", "thenar.Force", &figures::force_schema())?;
-        export.own("/sim/timing", "thenar.Timing", &figures::timing_schema())?;
-        export.own("/sim/step", "thenar.Step", &figures::step_schema())?;
+        for topic in ["/points/contacts", "/points/forces"] {
+            export.known::<PointCloud>(topic)?;
+        }
+        export.known::<Log>("/log")?;
+        export.own("/sim/timing", figures::timing_numbers())?;
+        export.own("/sim/step", figures::step_numbers())?;
         Ok(export)
     }
 
     /// Announces a topic; a second time it gets this schema from then on.
-    fn topic(&mut self, topic: &str, name: &str, schema: &str) -> Result<(), CliError> {
+    fn topic(
+        &mut self,
+        topic: &str,
+        name: &str,
+        schema: &[u8],
+        metadata: &BTreeMap<String, String>,
+    ) -> Result<(), CliError> {
         let mut add = || {
-            let schema = self.writer.add_schema(name, "jsonschema", schema.as_bytes())?;
-            self.writer.add_channel(schema, topic, "json", &BTreeMap::new())
+            let schema = self.writer.add_schema(name, "protobuf", schema)?;
+            self.writer.add_channel(schema, topic, "protobuf", metadata)
         };
         let id = add().map_err(|e| failed(&e))?;
         let messages = self.topics.get(topic).map_or(0, |topic| topic.messages);
@@ -94,16 +111,25 @@ impl Export {
         Ok(())
     }
 
-    fn own(&mut self, topic: &str, name: &str, schema: &Value) -> Result<(), CliError> {
-        self.topic(topic, name, &schema.to_string())
+    /// A topic of one of Foxglove's messages.
+    fn known<M: Encode>(&mut self, topic: &str) -> Result<(), CliError> {
+        let Some(schema) = M::get_schema() else { return Ok(()) };
+        self.topic(topic, &schema.name, &schema.data, &BTreeMap::new())
     }
 
-    fn time(&self, ns: u64) -> Time {
-        Time::of(self.begun + ns)
+    /// A topic of plain numbers.
+    fn own(&mut self, topic: &str, numbers: Numbers) -> Result<(), CliError> {
+        self.topic(topic, &numbers.schema_name(), &numbers.schema(), &numbers.units())?;
+        self.numbers.insert(topic.into(), numbers);
+        Ok(())
+    }
+
+    fn time(&self, ns: u64) -> Timestamp {
+        message::time(self.begun + ns)
     }
 
     /// Writes a message to a topic that has been announced.
-    fn write(&mut self, topic: &str, ns: u64, message: &impl Serialize) -> Result<(), CliError> {
+    fn write_bytes(&mut self, topic: &str, ns: u64, bytes: &[u8]) -> Result<(), CliError> {
         let Some(known) = self.topics.get_mut(topic) else { return Ok(()) };
         known.messages += 1;
         let at = self.begun + ns;
@@ -113,38 +139,84 @@ impl Export {
             log_time: at,
             publish_time: at,
         };
-        let bytes = serde_json::to_vec(message).map_err(|e| CliError::Other(e.to_string()))?;
-        self.writer.write_to_known_channel(&header, &bytes).map_err(|e| failed(&e))
+        self.writer.write_to_known_channel(&header, bytes).map_err(|e| failed(&e))
+    }
+
+    fn write<M: Encode>(&mut self, topic: &str, ns: u64, message: &M) -> Result<(), CliError> {
+        let mut bytes = Vec::with_capacity(message.encoded_len().unwrap_or(0));
+        message.encode(&mut bytes).map_err(|e| CliError::Other(e.to_string()))?;
+        self.write_bytes(topic, ns, &bytes)
+    }
+
+    fn write_numbers(
+        &mut self,
+        topic: &str,
+        ns: u64,
+        values: impl IntoIterator<Item = f64>,
+    ) -> Result<(), CliError> {
+        let Some(numbers) = self.numbers.get(topic) else { return Ok(()) };
+        let bytes = numbers.encode(values);
+        self.write_bytes(topic, ns, &bytes)
     }
 
     fn log(&mut self, ns: u64, level: Level, message: String) -> Result<(), CliError> {
-        let log = Log::new(self.time(ns), level, message);
+        let log = message::log(self.time(ns), level, message);
         self.write("/log", ns, &log)
+    }
+
+    /// Writes a cloud of a body to a topic of its own.
+    fn cloud(
+        &mut self,
+        kind: &str,
+        ns: u64,
+        (name, cloud): (String, PointCloud),
+    ) -> Result<(), CliError> {
+        let topic = format!("/points/{kind}/{name}");
+        if !self.topics.contains_key(&topic) {
+            self.known::<PointCloud>(&topic)?;
+        }
+        self.write(&topic, ns, &cloud)?;
+        if !self.clouds.contains(&topic) {
+            self.clouds.push(topic);
+        }
+        Ok(())
     }
 
     fn scene(&mut self, ns: u64, session: &Session) -> Result<(), CliError> {
         self.last_step = None;
+        self.own("/haptics/force", figures::force_numbers(session))?;
         if !session.columns().is_empty() {
-            self.own("/probes", "thenar.Probes", &figures::probes_schema(session.columns()))?;
+            self.own("/probes", figures::probe_numbers(session))?;
+        }
+        // What the scene before had must not stay.
+        let gone = SceneUpdate { deletions: vec![message::clear(self.time(ns))], entities: vec![] };
+        self.write("/flesh", ns, &gone)?;
+        for topic in std::mem::take(&mut self.clouds) {
+            self.write(&topic, ns, &dots::none(self.begun + ns))?;
         }
         let objects = picture::objects(session, self.time(ns));
         self.write("/objects", ns, &objects)?;
-        // What the scene before had must not stay.
-        let gone = message::Deletion::all(self.time(ns));
-        let gone = message::SceneUpdate { deletions: vec![gone], entities: Vec::new() };
-        self.write("/flesh", ns, &gone)?;
+        for object in dots::objects(session, self.begun + ns) {
+            self.cloud("objects", ns, object)?;
+        }
+        self.flesh_dots = dots::flesh_dots(session);
         self.log(ns, Level::Info, format!("scene {}", session.name()))?;
         self.moment(ns, session)
     }
 
     /// What is to be seen now.
     fn moment(&mut self, ns: u64, session: &Session) -> Result<(), CliError> {
-        let time = self.time(ns);
-        self.write("/tf", ns, &picture::transforms(session, time))?;
-        self.write("/flesh", ns, &picture::flesh(session, time))?;
-        self.write("/forces", ns, &picture::forces(session, time))?;
-        self.write("/haptics/force", ns, &figures::force(session, time))?;
-        self.write("/sim/step", ns, &figures::step(session, time))
+        let (now, at) = (self.time(ns), self.begun + ns);
+        self.write("/tf", ns, &picture::transforms(session, now))?;
+        self.write("/flesh", ns, &picture::flesh(session, now))?;
+        self.write("/forces", ns, &picture::forces(session, now))?;
+        for flesh in dots::flesh(session, &self.flesh_dots, at) {
+            self.cloud("flesh", ns, flesh)?;
+        }
+        self.write("/points/contacts", ns, &dots::contacts(session, at))?;
+        self.write("/points/forces", ns, &dots::forces(session, at))?;
+        self.write_numbers("/haptics/force", ns, figures::force(session))?;
+        self.write_numbers("/sim/step", ns, figures::step(session))
     }
 
     fn step(
@@ -153,15 +225,14 @@ impl Export {
         cost_ns: Option<u32>,
         session: &mut Session,
     ) -> Result<(), CliError> {
-        let time = self.time(ns);
         let cost = cost_ns.map(|ns| f64::from(ns) * 1e-9);
         let period = self.last_step.map(|last| ns.saturating_sub(last) as f64 * 1e-9);
         self.last_step = Some(ns);
-        self.write("/sim/timing", ns, &figures::timing(session, time, cost, period))?;
+        self.write_numbers("/sim/timing", ns, figures::timing(session, cost, period))?;
         if self.every.is_due(ns) {
             self.moment(ns, session)?;
             if !session.columns().is_empty() {
-                self.write("/probes", ns, &figures::probes(session, time))?;
+                self.write_numbers("/probes", ns, session.probe().iter().copied())?;
             }
         }
         Ok(())
@@ -182,15 +253,13 @@ impl Sink for Export {
             }
             (Event::Channel(info), _) => {
                 let topic = format!("/channel/{}", info.name);
-                let schema = figures::channel_schema(info);
-                self.own(&topic, &format!("thenar.channel.{}", info.name), &schema)?;
+                self.own(&topic, figures::channel_numbers(info))?;
                 self.channels.insert(info.id, info.clone());
             }
             (Event::Record { time_ns, channel, values }, _) => {
                 if let Some(info) = self.channels.get(channel) {
-                    let message = figures::record(info, values, self.time(*time_ns));
                     let topic = format!("/channel/{}", info.name);
-                    self.write(&topic, *time_ns, &message)?;
+                    self.write_numbers(&topic, *time_ns, values.iter().copied())?;
                 }
             }
             (Event::Gap { time_ns, gap }, _) => {
@@ -208,8 +277,8 @@ impl Sink for Export {
         if !verdict.is_same() {
             self.log(newest, Level::Warning, verdict.to_string())?;
         }
-        if let Some(damage) = &verdict.damage {
-            self.log(newest, Level::Warning, damage.to_string())?;
+        for loss in &verdict.losses {
+            self.log(newest, Level::Warning, loss.to_string())?;
         }
         self.writer.finish().map_err(|e| failed(&e))?;
         self.writer.into_inner().into_inner().finish()
