@@ -48,6 +48,21 @@ pub struct Opened {
 /// Asks a device what there is to tell a person, without having the device in hand.
 pub type Messenger = Box<dyn FnMut() -> Vec<String> + Send>;
 
+/// Whether a device is there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Presence {
+    /// Its address, as `lucidgloves:/dev/ttyUSB0`.
+    pub name: String,
+    /// It is reached: its port is open, its socket is connected.
+    pub connected: bool,
+    /// When it last said something that made sense \[ns\].
+    pub heard_ns: Option<u64>,
+}
+
+/// Asks whether devices are there, without having them in hand; one that has no line, such as a
+/// recording, is not told of.
+pub type Lookout = Box<dyn FnMut() -> Vec<Presence> + Send>;
+
 /// Tells where hands are.
 pub trait Tracker: Send {
     /// The newest sample of this hand, once. Never waits and never allocates.
@@ -68,6 +83,10 @@ pub trait Tracker: Send {
 
     /// Tells the same on another thread, while this one is in the loop.
     fn messenger(&self) -> Messenger {
+        Box::new(Vec::new)
+    }
+    /// Tells whether it is there, while it is in the loop.
+    fn lookout(&self) -> Lookout {
         Box::new(Vec::new)
     }
 }
@@ -101,6 +120,10 @@ pub trait ForceDisplay: Send {
 
     /// As for trackers.
     fn messenger(&self) -> Messenger {
+        Box::new(Vec::new)
+    }
+    /// Tells whether it is there, while it is in the loop.
+    fn lookout(&self) -> Lookout {
         Box::new(Vec::new)
     }
 }

@@ -6,7 +6,7 @@
 //! for half a second before the hand goes back to it, so that one on the edge does not make the
 //! hand flicker. Left and right are chosen apart. Every change is told.
 
-use crate::{Driver, Found, HandSample, LinkError, Messenger, Opened, Tracker, now_ns};
+use crate::{Driver, Found, HandSample, LinkError, Lookout, Messenger, Opened, Tracker, now_ns};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::{Arc, Mutex, PoisonError};
 use thenar::model::Side;
@@ -168,6 +168,12 @@ impl Tracker for Either {
             tell_changes(&told, &mut all, |i| &names[i]);
             all
         })
+    }
+
+    fn lookout(&self) -> Lookout {
+        let mut sources: Vec<_> =
+            self.sources.iter().map(|source| source.tracker.lookout()).collect();
+        Box::new(move || sources.iter_mut().flat_map(|look| look()).collect())
     }
 }
 

@@ -1,6 +1,6 @@
 //! Trackers that go wrong as planned, for trials of everything behind them.
 
-use crate::{Driver, Found, HandSample, LinkError, Opened, Tracker};
+use crate::{Driver, Found, HandSample, LinkError, Lookout, Opened, Tracker};
 use std::f64::consts::PI;
 use thenar::model::Side;
 use thenar::{Pose, Quat, Vec3};
@@ -125,6 +125,10 @@ impl Tracker for Faulty {
 
     fn messages(&mut self) -> Vec<String> {
         self.inner.messages()
+    }
+
+    fn lookout(&self) -> Lookout {
+        self.inner.lookout()
     }
 }
 

@@ -47,7 +47,7 @@ pub mod twin;
 pub mod worker;
 
 pub use clock::now_ns;
-pub use device::{Driver, ForceDisplay, Found, Messenger, Opened, Tracker};
+pub use device::{Driver, ForceDisplay, Found, Lookout, Messenger, Opened, Presence, Tracker};
 pub use error::LinkError;
 pub use output::{DIGITS, DigitOutput, HandOutput, Rendering};
 pub use protocol::{Event, Protocol, Transport};

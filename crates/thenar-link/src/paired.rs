@@ -1,15 +1,16 @@
 //! A glove without a place of its own, on a wrist that another device tracks.
 
 use crate::profile::Wrist;
-use crate::{HandSample, LinkError, Messenger, Opened, Tracker};
+use crate::{HandSample, LinkError, Lookout, Messenger, Opened, Tracker};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use thenar::Pose;
 use thenar::model::Side;
 use thenar_scene::live::LivePose;
 
-/// Adds a tracker for the wrist to a glove, if profile or address name one: then the profile's
-/// wrist pose is where the wrist is in the frame of the tracker's wrist.
+/// Adds a tracker for the wrist to a glove, if profile or address name one. The profile's wrist pose
+/// is where the wrist is in the frame of the tracker's wrist, if the profile names a tracker; else
+/// it is a place in the world, and means nothing for a wrist that is tracked.
 ///
 /// # Errors
 /// The tracker cannot be opened, or tracks nothing.
@@ -27,7 +28,8 @@ pub fn with_wrist(
         let cause = "this device tracks no wrist".into();
         return Err(LinkError::Setting { what: format!("wrist.tracker = \"{address}\""), cause });
     };
-    glove.tracker = Some(Box::new(Paired::new(fingers, base, wrist.pose())));
+    let pose_TW = if wrist.tracker.is_empty() { Pose::identity() } else { wrist.pose() };
+    glove.tracker = Some(Box::new(Paired::new(fingers, base, pose_TW)));
     Ok(glove)
 }
 
@@ -158,6 +160,11 @@ impl Tracker for Paired {
             all.extend(stepped.filter_map(|(news, who)| SteppedBack::message(news, who)));
             all
         })
+    }
+
+    fn lookout(&self) -> Lookout {
+        let (mut fingers, mut base) = (self.fingers.lookout(), self.base.lookout());
+        Box::new(move || [fingers(), base()].concat())
     }
 }
 

@@ -1,13 +1,13 @@
 //! Where the simulation thread and the clients meet: the newest model, snapshot and status go out,
 //! commands and poses come in. Neither side ever waits for the other.
 
+use crate::dead_man::DeadMan;
 use crate::protocol::{Command, text};
 use bytes::Bytes;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::time::Duration;
-use thenar_link::haptic_loop::Remote;
+use std::time::{Duration, Instant};
 use tokio::sync::{broadcast, watch};
 
 /// Messages of one client that may wait for the simulation; more are refused. A client that floods
@@ -99,7 +99,7 @@ pub struct Hub {
     pub status: watch::Receiver<String>,
     /// How devices do; empty where there are none.
     pub touch: watch::Receiver<String>,
-    remote: Option<Remote>,
+    devices: Option<DeadMan>,
     notes: broadcast::Sender<Note>,
     inbox: Sender<Event>,
     shares: Arc<Shares>,
@@ -152,7 +152,7 @@ pub fn pair_with(scenes: Vec<SceneName>) -> (Hub, Desk) {
         snapshot,
         status,
         touch,
-        remote: None,
+        devices: None,
         notes: notes.clone(),
         inbox: sender,
         shares: shares.clone(),
@@ -163,18 +163,25 @@ pub fn pair_with(scenes: Vec<SceneName>) -> (Hub, Desk) {
 }
 
 impl Hub {
-    /// The same with devices, whose forces a client's `stop` ends.
-    pub fn with_devices(self, remote: Option<Remote>) -> Self {
-        Self { remote, ..self }
+    /// The same with devices, whose forces a client's `stop` ends, or its leaving.
+    pub(crate) fn with_devices(self, devices: Option<DeadMan>) -> Self {
+        Self { devices, ..self }
     }
 
-    /// Ends forces if this message of a client says so: at once, past everything that waits for the
-    /// simulation.
-    pub fn heed(&self, text: &str) {
-        let Some(remote) = self.remote.as_ref().filter(|_| text.contains("stop")) else { return };
-        if let Ok(Command::Stop {}) = Command::read(text) {
-            remote.stop();
+    /// Does what this message of a client says if it is about ending forces: at once, past everything
+    /// that waits for the simulation. True when nobody else needs to hear of it.
+    pub fn heed(&self, client: ClientId, text: &str) -> bool {
+        let urgent = text.contains("stop") || text.contains("hold");
+        let Some(devices) = self.devices.as_ref().filter(|_| urgent) else { return false };
+        match Command::read(text) {
+            Ok(Command::Stop {}) => devices.stop(),
+            Ok(Command::Hold {}) => {
+                devices.hold(client, Instant::now());
+                return true;
+            }
+            _ => {}
         }
+        false
     }
 
     /// Hands an event to the simulation, without waiting. Joining and leaving is always taken.
@@ -182,6 +189,9 @@ impl Hub {
     /// # Errors
     /// Too many messages of this client wait, or the simulation has ended.
     pub fn submit(&self, event: Event) -> Result<(), Refused> {
+        if let (Event::Left(client), Some(devices)) = (&event, &self.devices) {
+            devices.leave(*client);
+        }
         let sender = event.sender();
         if sender.is_some_and(|client| !self.shares.take(client)) {
             return Err(Refused::Busy);

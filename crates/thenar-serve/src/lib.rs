@@ -1,6 +1,7 @@
 //! Serves a live simulation: a thread that steps a scene in real time, the binary protocol of
 //! `docs/protocol.md`, and the page that draws it.
 
+mod dead_man;
 pub mod http;
 pub mod hub;
 pub mod live;

@@ -8,7 +8,20 @@ const FIELDS = {
   status: ["control", "viewers", "paused", "speed", "scene", "loading", "hands", "settings"],
   error: ["message"],
   pong: ["t", "server"],
-  touch: ["state", "reason", "rate", "missed", "period_p999_us", "hands", "warnings", "statement"],
+  touch: [
+    "state",
+    "reason",
+    "armed_by",
+    "rate",
+    "ticks",
+    "missed",
+    "period_p999_us",
+    "devices",
+    "hands",
+    "warnings",
+    "messages",
+    "statement",
+  ],
 } as const;
 
 /** Reads one text message; null for a type this page does not know (a newer server's). */

@@ -282,21 +282,40 @@ export interface Touch {
   readonly state: "dry-run" | "waiting" | "ramping" | "live" | "tripped" | "failed";
   /** Why it waits or has stopped. */
   readonly reason: string | null;
+  /** The client that must stay for forces to last, or null. */
+  readonly armed_by: number | null;
   /** Ticks of the haptic loop per second, wanted. */
   readonly rate: number;
+  /** Ticks so far, and deadlines that passed without one. */
+  readonly ticks: number;
   readonly missed: number;
   /** 999 of 1000 ticks come within this time of the one before, us. */
   readonly period_p999_us: number;
+  readonly devices: readonly {
+    /** Its address, such as "lucidgloves:/dev/ttyUSB0". */
+    readonly name: string;
+    readonly connected: boolean;
+    /** Since it last said something that made sense, s; null before the first time. */
+    readonly silent_s: number | null;
+    /** It tells where hands are. */
+    readonly tracks: boolean;
+    /** It shows forces. */
+    readonly shows: boolean;
+  }[];
   readonly hands: readonly {
-    readonly side: "left" | "right";
+    readonly side: Side;
     readonly tracked: boolean;
-    /** Forces, thumb first, N. */
+    /** What its display does; null where there is none. */
+    readonly renders: "tendons" | "stops" | "vibration" | "wrench" | null;
+    /** Largest force that its display may be sent, N. */
+    readonly force_max: number;
+    /** Forces, thumb first, or x, y, z of a wrench, N. */
     readonly wanted: readonly number[];
     readonly sent: readonly number[];
   }[];
   readonly warnings: readonly string[];
-  /** What was told last. */
-  readonly message: string | null;
+  /** What was told last, the newest at the end. */
+  readonly messages: readonly string[];
   /** What arming means. */
   readonly statement: string;
 }
@@ -316,7 +335,8 @@ export type Command =
       readonly lengths: { readonly left: number | null; readonly right: number | null };
     }
   | { readonly type: "script" }
-  | { readonly type: "arm" }
+  | { readonly type: "arm"; readonly keep?: boolean }
+  | { readonly type: "hold" }
   | { readonly type: "stop" }
   | { readonly type: "set"; readonly key: string; readonly value: number | string }
   | { readonly type: "ping"; readonly t: number };

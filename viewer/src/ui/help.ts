@@ -82,7 +82,6 @@ function text(): HTMLElement[] {
     h("h3", {}, "What it does not do"),
     list(
       "Coarse flesh is somewhat stiffer than its material; thenar validate says by how much.",
-      "Fingers do not touch each other.",
       "When a machine is too slow for real time, the clock runs slower and says so; nothing is skipped.",
       "It is a research tool, not a medical one.",
     ),

@@ -14,7 +14,7 @@ export class Shell {
   private readonly entries: { panel: Panel; tab: HTMLElement; section: HTMLElement }[] = [];
   private readonly open = new Set<string>();
 
-  constructor(private readonly root: HTMLElement) {
+  constructor() {
     NARROW.addEventListener("change", () => {
       // A sheet holds one panel.
       if (NARROW.matches) [...this.open].slice(1).forEach((id) => this.toggle(id, false));
@@ -77,7 +77,6 @@ export class Shell {
   /** Hides everything but the picture, or brings it back. */
   hideAll(hidden: boolean): void {
     document.documentElement.classList.toggle("bare", hidden);
-    this.root.hidden = hidden;
   }
 
   private layOut(): void {

@@ -4,8 +4,8 @@ import type { App } from "../app";
 import { PointerPosing } from "../input/pointer";
 import { Posing } from "../input/posing";
 import { PosingKeys } from "../input/posing-keys";
+import { touchCard } from "../touch/card";
 import { banner } from "./banner";
-import { touchBar } from "./touch-bar";
 import type { Desk } from "./desk";
 import { button, h } from "./dom";
 import { helpPanel } from "./help";
@@ -34,7 +34,7 @@ export function mountUi(app: App, root: HTMLElement): Desk {
   new PointerPosing(app, posing, say);
   new PosingKeys(app, posing, desk.keys, say);
 
-  const shell = new Shell(root);
+  const shell = new Shell();
   const layers = layersPanel(desk);
   const panels = [
     runPanel(desk),
@@ -48,8 +48,8 @@ export function mountUi(app: App, root: HTMLElement): Desk {
   ];
   const { top, bottom } = transport(desk);
   for (const panel of panels) shell.add(panel);
-  const corner = h("div", { class: "corner" }, desk.toasts.element, hint(app), bottom);
-  root.append(top, corner, shell.drawer, shell.rail, banner(desk), touchBar(desk));
+  const corner = h("div", { class: "corner" }, desk.toasts.element, hint(app), touchCard(desk), bottom);
+  root.append(top, corner, shell.drawer, shell.rail, banner(desk));
 
   let bare = false;
   desk.keys.add({

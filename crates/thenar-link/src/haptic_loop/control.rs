@@ -1,6 +1,7 @@
 //! What others may ask of the loop, from any thread and at any time, and what they are told.
 
 use super::histogram::Histogram;
+use crate::Rendering;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use thenar::model::Side;
@@ -15,6 +16,10 @@ pub const STATEMENT: &str = "Research use only. This program and its safety limi
 pub struct Control {
     pub(super) arm: AtomicBool,
     pub(super) stop: AtomicBool,
+    /// Whoever armed has gone.
+    pub(super) abandon: AtomicBool,
+    /// Whoever armed does not answer.
+    pub(super) unanswered: AtomicBool,
     pub(super) quit: AtomicBool,
     /// A dead-man switch is held, or there is none.
     pub(super) enabled: AtomicBool,
@@ -34,6 +39,8 @@ impl Default for Control {
         Self {
             arm: AtomicBool::new(false),
             stop: AtomicBool::new(false),
+            abandon: AtomicBool::new(false),
+            unanswered: AtomicBool::new(false),
             quit: AtomicBool::new(false),
             enabled: AtomicBool::new(true),
             failed: AtomicBool::new(false),
@@ -61,6 +68,8 @@ impl Remote {
     /// has shown [`STATEMENT`].
     pub fn arm(&self) {
         self.0.stop.store(false, Ordering::Release);
+        self.0.abandon.store(false, Ordering::Release);
+        self.0.unanswered.store(false, Ordering::Release);
         self.0.arm.store(true, Ordering::Release);
     }
 
@@ -68,6 +77,19 @@ impl Remote {
     pub fn stop(&self) {
         self.0.arm.store(false, Ordering::Release);
         self.0.stop.store(true, Ordering::Release);
+    }
+
+    /// Whoever armed has gone: forces fade as fast as their slew limits let them, and are stopped
+    /// once they are zero, until armed.
+    pub fn abandon(&self) {
+        self.0.arm.store(false, Ordering::Release);
+        self.0.abandon.store(true, Ordering::Release);
+    }
+
+    /// Whoever armed does not answer any more: as [`Remote::abandon`].
+    pub fn unanswered(&self) {
+        self.0.arm.store(false, Ordering::Release);
+        self.0.unanswered.store(true, Ordering::Release);
     }
 
     /// Says whether a dead-man switch is held. Released, forces fade; held again they return through
@@ -122,6 +144,21 @@ impl State {
     }
 }
 
+/// One device, as of some tenths of a second ago.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DeviceStatus {
+    /// Its address, such as `lucidgloves:/dev/ttyUSB0`.
+    pub name: String,
+    /// It is reached.
+    pub connected: bool,
+    /// Since it last said something that made sense \[s\]; `None` before the first time.
+    pub silence: Option<f64>,
+    /// It tells where hands are.
+    pub tracks: bool,
+    /// It shows forces.
+    pub shows: bool,
+}
+
 /// One hand, as of the last tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HandStatus {
@@ -133,7 +170,11 @@ pub struct HandStatus {
     pub tracker: Option<u8>,
     /// Age of the simulation's frame \[s\].
     pub simulation_age: f64,
-    /// Forces asked for and sent \[N\], thumb first.
+    /// Which display it feels, and what that renders.
+    pub display: Option<(u8, Rendering)>,
+    /// Largest force that the display may be sent, per finger or in all \[N\].
+    pub force_max: f64,
+    /// Forces asked for and sent \[N\]: thumb first, or x, y and z of a display of one point.
     pub forces: [[f64; 2]; crate::DIGITS],
 }
 
@@ -160,6 +201,8 @@ pub struct Status {
     pub cost: Histogram,
     /// From the reception of a pose to the output that was computed from it \[ns\].
     pub latency: Histogram,
+    /// The devices that have a name.
+    pub devices: Vec<DeviceStatus>,
     /// The hands.
     pub hands: Vec<HandStatus>,
     /// What the system refused, such as real-time priority.

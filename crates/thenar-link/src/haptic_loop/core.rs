@@ -23,6 +23,8 @@ pub struct Core {
     armed: bool,
     /// What stopped all forces since they were armed. It outlives the hands and their guards.
     stopped: Option<Trip>,
+    /// What will have stopped all forces once they have faded.
+    fading: Option<Trip>,
     records: Producer<TickRecord>,
     /// Records that found no room.
     lost: u64,
@@ -64,6 +66,7 @@ impl Core {
             outputs: Vec::new(),
             armed: false,
             stopped: None,
+            fading: None,
             records,
             lost: 0,
         })
@@ -99,8 +102,15 @@ impl Core {
 
     /// Lets forces through, after the guards' wait and ramp.
     pub fn arm(&mut self) {
-        (self.armed, self.stopped) = (true, None);
+        (self.armed, self.stopped, self.fading) = (true, None, None);
         self.actuators.iter_mut().for_each(Actuators::arm);
+    }
+
+    /// Lets forces fade as fast as their slew limits allow, and then stops all displays until armed.
+    pub fn fade_out(&mut self, reason: Trip) {
+        if self.armed && self.stopped.is_none() {
+            self.fading.get_or_insert(reason);
+        }
     }
 
     /// Stops all displays until armed, those of hands that come later too.
@@ -135,6 +145,7 @@ impl Core {
     /// One tick: poses in, steps, guards, outputs. Allocates nothing.
     pub fn tick(&mut self, time: &TickTime, enabled: bool) {
         let now_ns = time.now_ns;
+        let enabled = enabled && self.fading.is_none();
         for hand in &mut self.hands {
             hand.update();
             for (index, tracker) in self.trackers.iter_mut().enumerate() {
@@ -149,6 +160,10 @@ impl Core {
             let heard = Heard { device_ns: self.heard[i / hands], enabled };
             self.outputs[i] = actuators.tick(now_ns, &mut self.hands[i % hands], heard);
         }
+        if let Some(reason) = self.fading.filter(|_| self.is_forceless()) {
+            self.trip(reason);
+            self.fading = None;
+        }
         // One trip stops all: a wearer has two hands.
         if let Some(reason) = self.tripped() {
             self.trip(reason);
@@ -157,6 +172,12 @@ impl Core {
             }
         }
         self.write_records(time);
+    }
+
+    /// No force and no torque went out in the last tick.
+    fn is_forceless(&self) -> bool {
+        self.actuators.iter().flat_map(Actuators::axes).all(|axis| axis.output == 0.0)
+            && self.outputs.iter().all(|output| output.torque_W.norm() == 0.0)
     }
 
     /// Hands the outputs of the last tick to the displays.

@@ -34,6 +34,7 @@ mod core;
 mod exchange;
 mod hand;
 mod histogram;
+mod lookout;
 mod monitor;
 mod page;
 mod port;
@@ -42,7 +43,7 @@ mod record;
 mod watchdog;
 
 pub use actuators::{Ability, Actuators, Axis, Heard};
-pub use control::{HandStatus, Remote, STATEMENT, State, Status};
+pub use control::{DeviceStatus, HandStatus, Remote, STATEMENT, State, Status};
 pub use core::{Core, TickTime};
 pub use exchange::{FastEnds, FingerContact, Frame, Lead, SlowEnds, slots};
 pub use hand::LoopHand;
@@ -55,6 +56,7 @@ pub use record::{TickRecord, header, line};
 
 use crate::{ForceDisplay, LinkError, Tracker, now_ns};
 use control::Control;
+use lookout::Lookouts;
 use monitor::Monitor;
 use realtime::{Urgency, lock_memory, raise_priority};
 use rtrb::Consumer;
@@ -131,7 +133,9 @@ impl HapticLoop {
         let messengers = (trackers.iter().map(|tracker| tracker.messenger()))
             .chain(displays.iter().map(|display| display.messenger()))
             .collect();
+        let lookouts = Lookouts::of(&trackers, &displays);
         let (design, too_stiff) = fitted(&settings.design, rate_hz, &displays);
+        let limits = limits_of(&settings, &displays);
         let (shared, monitored) = share(&settings, trackers, displays)?;
         let mut new = Self { shared, mode, design, threads: Vec::new() };
         let (told, warnings) = std::sync::mpsc::channel();
@@ -152,6 +156,8 @@ impl HapticLoop {
             folder: settings.trip_folder,
             warnings: [too_stiff, warnings.recv_timeout(ENDING).unwrap_or_default()].concat(),
             messengers,
+            lookouts,
+            displays: limits,
             rate_hz,
         };
         new.shared.control.status().warnings.clone_from(&monitor.warnings);
@@ -231,6 +237,22 @@ fn fitted(
     (design, warnings.map(|warning| warning.to_string()).collect())
 }
 
+/// What each display can do, and within which limits.
+fn limits_of(settings: &Settings, displays: &[Box<dyn ForceDisplay>]) -> Vec<Ability> {
+    // Written so that what is no number is refused where it is checked.
+    let allowed = |own: Limits| match settings.user_fraction {
+        Some(fraction) if fraction > own.user_fraction => own,
+        Some(user_fraction) => Limits { user_fraction, ..own },
+        None => own,
+    };
+    let able = |display: &dyn ForceDisplay| Ability {
+        rendering: display.rendering(),
+        limits: allowed(display.limits()),
+        torque_limits: display.torque_limits().map(allowed),
+    };
+    displays.iter().map(|display| able(display.as_ref())).collect()
+}
+
 /// What loop, watchdog and monitor work on, and the monitor's end of the records.
 fn share(
     settings: &Settings,
@@ -242,20 +264,7 @@ fn share(
         let cause = format!("{} Hz is not between 50 and 20000", settings.rate_hz);
         return Err(wrong("the haptic rate", cause));
     }
-    let mut limits = Vec::new();
-    for display in &displays {
-        // Written so that what is no number is refused below.
-        let allowed = |own: Limits| match settings.user_fraction {
-            Some(fraction) if fraction > own.user_fraction => own,
-            Some(user_fraction) => Limits { user_fraction, ..own },
-            None => own,
-        };
-        limits.push(Ability {
-            rendering: display.rendering(),
-            limits: allowed(display.limits()),
-            torque_limits: display.torque_limits().map(allowed),
-        });
-    }
+    let limits = limits_of(settings, &displays);
     let (records, monitored) = rtrb::RingBuffer::new(RECORDS);
     let core = Core::new(trackers, limits, records)
         .map_err(|cause| wrong("a device's limits", cause.to_string()))?;
@@ -356,6 +365,12 @@ fn tick(shared: &Shared, time: &TickTime) -> bool {
     // Where two ask at the same moment, stopping wins.
     if control.arm.swap(false, Ordering::AcqRel) {
         core.arm();
+    }
+    if control.abandon.swap(false, Ordering::AcqRel) {
+        core.fade_out(Trip::Abandoned);
+    }
+    if control.unanswered.swap(false, Ordering::AcqRel) {
+        core.fade_out(Trip::Unanswered);
     }
     if control.stop.swap(false, Ordering::AcqRel) {
         core.trip(Trip::Requested);

@@ -1,9 +1,10 @@
 //! Looks after the loop from another thread: counts, tells, and writes down what led to a trip.
 
-use super::Shared;
 use super::control::{HandStatus, State, Status};
+use super::lookout::Lookouts;
 use super::record::{self, TickRecord};
-use crate::Messenger;
+use super::{Ability, Shared};
+use crate::{Messenger, now_ns};
 use rtrb::Consumer;
 use std::collections::VecDeque;
 use std::io::{self, Write};
@@ -16,6 +17,8 @@ use thenar::haptic::safety;
 const EVERY: Duration = Duration::from_millis(10);
 /// Devices are asked for messages every so many looks.
 const MESSAGES_EVERY: u32 = 50;
+/// And looked at so often.
+const DEVICES_EVERY: u32 = 10;
 /// Messages that are kept.
 const MESSAGES: usize = 50;
 /// How much before a trip is written down \[ns\].
@@ -36,6 +39,10 @@ pub struct Monitor {
     pub warnings: Vec<String>,
     /// Devices are asked through these, so that the loop has them to itself.
     pub messengers: Vec<Messenger>,
+    /// And through these whether they are there.
+    pub lookouts: Lookouts,
+    /// What each display renders, within which limits.
+    pub displays: Vec<Ability>,
     pub rate_hz: f64,
 }
 
@@ -56,6 +63,9 @@ impl Monitor {
             self.judge(&mut status, &kept);
             if look.is_multiple_of(MESSAGES_EVERY) || quit {
                 self.gather_messages(&mut status);
+            }
+            if look.is_multiple_of(DEVICES_EVERY) {
+                status.devices = self.lookouts.look(now_ns());
             }
             let now_tripped = matches!(status.state, State::Tripped(_) | State::Failed);
             if now_tripped && !tripped {
@@ -117,10 +127,14 @@ impl Monitor {
             if status.hands.iter().any(|hand| hand.side == record.side) {
                 continue;
             }
+            let display =
+                record.display.and_then(|k| Some((k, self.displays.get(usize::from(k))?)));
             status.hands.push(HandStatus {
                 side: record.side,
                 tracked: record.tracked,
                 tracker: record.tracker,
+                display: display.map(|(k, able)| (k, able.rendering)),
+                force_max: display.map_or(0.0, |(_, able)| able.limits.force_max()),
                 simulation_age: f64::from(record.ages[1]),
                 forces: record.axes.map(|axis| [axis.wanted, axis.output]),
             });

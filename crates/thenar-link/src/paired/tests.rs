@@ -120,3 +120,32 @@ fn times_never_step_back() {
         assert_eq!(told(&mut paired).0, u64::MAX);
     }
 }
+
+/// Where the wrist is, of a glove on a wrist that is held still at the origin.
+fn wrist_of(tracker: &str, address: Option<&str>) -> Pose {
+    let profile = Wrist {
+        position: [0.0, 0.1, 0.07],
+        rotation: [0.0, 0.0, 0.0, 1.0],
+        tracker: tracker.into(),
+    };
+    let glove = crate::open("null:right").unwrap();
+    let mut tracker = with_wrist(glove, &profile, address).unwrap().tracker.unwrap();
+    let begun = std::time::Instant::now();
+    loop {
+        let sample = tracker.latest(Side::Right).and_then(|sample| sample.pose.clone());
+        if let Some(LivePose::Angles { wrist, .. }) = sample {
+            return wrist;
+        }
+        assert!(begun.elapsed() < std::time::Duration::from_secs(30), "no hand");
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+}
+
+#[test]
+fn the_profile_places_a_wrist_on_its_own_tracker_only() {
+    let off = |wrist: Pose| wrist.position - wrist_of("", Some("null:right")).position;
+    assert_eq!(off(wrist_of("null:right", None)), Vec3::new(0.0, 0.1, 0.07));
+    assert_eq!(off(wrist_of("", Some("null:right"))), Vec3::zeros());
+    // The address takes the place of the tracker that the profile names.
+    assert_eq!(off(wrist_of("null:left", Some("null:right"))), Vec3::new(0.0, 0.1, 0.07));
+}

@@ -1,7 +1,7 @@
 //! What callers hold of a device.
 
 use super::{CLOSING, DisplayTraits, Shared, TrackerTraits};
-use crate::{ForceDisplay, HandOutput, HandSample, Messenger, Rendering, Tracker};
+use crate::{ForceDisplay, HandOutput, HandSample, Lookout, Messenger, Rendering, Tracker};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::thread::JoinHandle;
@@ -86,6 +86,11 @@ impl Tracker for DeviceTracker {
         let shared = self.closer.shared.clone();
         Box::new(move || shared.messages().take())
     }
+
+    fn lookout(&self) -> Lookout {
+        let shared = self.closer.shared.clone();
+        Box::new(move || vec![shared.presence()])
+    }
 }
 
 /// The display's side.
@@ -143,5 +148,10 @@ impl ForceDisplay for DeviceDisplay {
     fn messenger(&self) -> Messenger {
         let shared = self.closer.shared.clone();
         Box::new(move || shared.messages().take())
+    }
+
+    fn lookout(&self) -> Lookout {
+        let shared = self.closer.shared.clone();
+        Box::new(move || vec![shared.presence()])
     }
 }

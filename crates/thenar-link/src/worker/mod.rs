@@ -18,7 +18,7 @@ mod run;
 #[cfg(test)]
 mod tests;
 
-use crate::{LinkError, Opened, Protocol, Rendering, Transport};
+use crate::{LinkError, Opened, Presence, Protocol, Rendering, Transport};
 use handles::{Closer, DeviceDisplay, DeviceTracker};
 use messages::Messages;
 use run::{Ends, Worker};
@@ -129,6 +129,9 @@ struct Shared {
     ended: AtomicBool,
     /// When the device was last heard \[ns\]; 0 for never.
     heard_ns: AtomicU64,
+    /// The transport is open.
+    connected: AtomicBool,
+    name: String,
     messages: Mutex<Messages>,
 }
 
@@ -139,6 +142,8 @@ impl Shared {
             display_closed: AtomicBool::new(false),
             ended: AtomicBool::new(false),
             heard_ns: AtomicU64::new(0),
+            connected: AtomicBool::new(false),
+            name: name.into(),
             messages: Mutex::new(Messages::new(name)),
         }
     }
@@ -150,6 +155,11 @@ impl Shared {
 
     fn heard(&self) -> Option<u64> {
         Some(self.heard_ns.load(Ordering::Relaxed)).filter(|ns| *ns > 0)
+    }
+
+    fn presence(&self) -> Presence {
+        let connected = self.connected.load(Ordering::Relaxed);
+        Presence { name: self.name.clone(), connected, heard_ns: self.heard() }
     }
 
     fn register(self: &Arc<Self>) {

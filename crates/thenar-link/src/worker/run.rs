@@ -54,8 +54,10 @@ impl Worker {
                 Err(error) => away.failed(&self.shared, &error),
                 Ok(mut transport) => {
                     away.reached(&self.shared);
+                    self.shared.connected.store(true, Ordering::Relaxed);
                     let heard = self.shared.heard();
                     let end = self.session(&mut *transport, &mut away);
+                    self.shared.connected.store(false, Ordering::Relaxed);
                     self.last_words(&mut *transport);
                     let spoke = self.shared.heard() != heard;
                     if spoke {

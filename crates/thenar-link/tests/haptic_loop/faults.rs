@@ -115,6 +115,46 @@ fn a_stop_is_zero_in_the_next_tick_and_stays() {
     assert_eq!(reason.as_deref(), Some("stop was asked for"));
 }
 
+/// A dead-man switch that was let go for good: no jump of the force, then a stop like any other.
+#[test]
+fn forces_of_who_has_gone_fade_and_then_stop() {
+    let mut rig = pressing();
+    let (limits, before) = (limits(), rig.index_force());
+    rig.clock.remote().abandon();
+    let forces = suffer(&mut rig, 200, |rig, _| {
+        let pose = rig.pose(PRESS);
+        rig.wearer.say(rig.now_ns, Some(pose));
+    });
+    // As fast as the slew limit lets it, one tick of a millisecond after the other.
+    let fading = (before / limits.change_max(1e-3)).ceil() as usize;
+    assert!(fading > 1 && fading < 100, "{fading}");
+    assert!(forces[0] > 0.0 && forces[..fading].is_sorted_by(|a, b| a > b), "{forces:?}");
+    assert!(forces[fading..].iter().all(|force| *force == 0.0));
+    let reason = rig.clock.core(|core| core.tripped().map(|reason| reason.to_string()));
+    assert!(reason.is_some_and(|reason| reason.starts_with("whoever armed it has gone")));
+    // Nothing but arming brings it back.
+    rig.run(2000, |_| 0.0);
+    rig.run(600, |ms| PRESS * (ms as f64 / 500.0).min(1.0));
+    assert_eq!(rig.index_force(), 0.0);
+    rig.engaged();
+    rig.run(600, |ms| PRESS * (ms as f64 / 500.0).min(1.0));
+    assert!(rig.index_force() > 0.2, "{}", rig.index_force());
+    // A stop is no slower for it.
+    rig.clock.remote().abandon();
+    rig.clock.remote().stop();
+    rig.run(1, |_| PRESS);
+    assert_eq!(rig.index_force(), 0.0);
+}
+
+#[test]
+fn nobody_can_have_left_what_nobody_armed() {
+    let mut rig = Rig::new(&Settings::default(), Rendering::Tendons);
+    rig.clock.remote().abandon();
+    rig.run(100, |_| 0.0);
+    assert_eq!(rig.clock.core(|core| core.tripped()), None);
+    rig.pressing();
+}
+
 /// Neither a scene without a hand nor another hand lets through what was stopped.
 #[test]
 fn a_stop_outlives_the_hands() {

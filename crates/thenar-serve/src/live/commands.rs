@@ -26,10 +26,12 @@ impl Loop {
             }
             // It has acted already, where it came in; but an `arm` from before it may have waited
             // until now.
-            Ok(Command::Stop {}) => match &self.haptics {
-                Some(haptics) => haptics.remote.stop(),
+            Ok(Command::Stop {}) => match &self.devices {
+                Some(devices) => devices.stop(),
                 None => self.refuse(client, NO_DEVICES),
             },
+            // Heeded where it came in.
+            Ok(Command::Hold {}) => {}
             Ok(Command::Control { take }) => self.pass_control(client, take),
             Ok(command) if self.may(client) => {
                 if let Err(reason) = self.act(client, command) {
@@ -143,11 +145,14 @@ impl Loop {
                 self.to_set.retain(|(_, known, _)| *known != key);
                 self.to_set.push((client, key, value));
             }
-            Command::Arm {} => match &self.haptics {
-                Some(haptics) => haptics.remote.arm(),
+            Command::Arm { keep } => match &self.devices {
+                Some(devices) => devices.arm(client, keep, Instant::now()),
                 None => return Err(NO_DEVICES.into()),
             },
-            Command::Control { .. } | Command::Ping { .. } | Command::Stop {} => {}
+            Command::Control { .. }
+            | Command::Ping { .. }
+            | Command::Stop {}
+            | Command::Hold {} => {}
         }
         Ok(())
     }

@@ -1,10 +1,11 @@
 //! Devices beside the page: the haptic loop's simulation side, and poses from the page as one of its
 //! trackers.
 
+use crate::dead_man::DeadMan;
 use crate::protocol::{PoseBody, PoseMessage, text};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use thenar::model::Side;
 use thenar_link::haptic_loop::{PagePoses, Remote, SimulationPort};
 use thenar_link::now_ns;
@@ -71,10 +72,12 @@ impl Haptics {
     }
 }
 
-/// Reports to the page until told to end, whatever the simulation does.
-pub fn report(remote: &Remote, to: &watch::Sender<String>, stop: &Arc<AtomicBool>) {
+/// Reports to the page, and looks whether who armed still answers, until told to end; whatever
+/// the simulation does.
+pub fn report(devices: &DeadMan, to: &watch::Sender<String>, stop: &Arc<AtomicBool>) {
     while !stop.load(Ordering::Relaxed) {
-        to.send_replace(text::touch(&remote.status()));
+        devices.look(Instant::now());
+        to.send_replace(text::touch(&devices.status(), devices.armed_by()));
         std::thread::sleep(TELL_EVERY);
     }
 }

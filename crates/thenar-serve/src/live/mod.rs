@@ -21,6 +21,7 @@ mod status;
 pub use haptics::Haptics;
 pub use source::{LiveError, SceneSource};
 
+use crate::dead_man::DeadMan;
 use crate::hub::{Hub, pair_with};
 use builder::Builder;
 use run::Loop;
@@ -63,20 +64,20 @@ impl Live {
         let (catalogue, recipe) = Catalogue::new(source, &options.overrides)?;
         let ready = catalogue.make(&recipe)?;
         let (hub, desk) = pair_with(catalogue.names());
-        let remote = options.haptics.as_ref().map(|haptics| haptics.remote.clone());
-        let hub = hub.with_devices(remote.clone());
+        let devices = options.haptics.as_ref().map(|haptics| DeadMan::new(haptics.remote.clone()));
+        let hub = hub.with_devices(devices.clone());
         let stop = Arc::new(AtomicBool::new(false));
         let told = stop.clone();
         let mut new = Self { stop, thread: None, reporter: None };
-        if let Some(remote) = remote {
+        if let Some(devices) = devices.clone() {
             let (touch, stop) = (desk.touch.clone(), new.stop.clone());
-            let report = move || haptics::report(&remote, &touch, &stop);
+            let report = move || haptics::report(&devices, &touch, &stop);
             let named = std::thread::Builder::new().name("touch".into());
             new.reporter = Some(named.spawn(report)?);
         }
         let builder = Builder::new(catalogue);
         let Options { watcher, haptics, witness, .. } = options;
-        let running = Loop::new(desk, builder, ready, watcher, haptics, witness);
+        let running = Loop::new(desk, builder, ready, watcher, haptics, devices, witness);
         let named = std::thread::Builder::new().name("simulation".into());
         new.thread = Some(named.spawn(move || running.run(&told))?);
         Ok((new, hub))

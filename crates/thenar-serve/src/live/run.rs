@@ -9,6 +9,7 @@ use super::play::Play;
 use super::publish::Publisher;
 use super::source::{Ready, Recipe};
 use super::status::Status;
+use crate::dead_man::DeadMan;
 use crate::hub::{ClientId, Desk, Event, Note};
 use crate::protocol::{Pace, flags, text};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -55,6 +56,8 @@ pub struct Loop {
     cost: Duration,
     watcher: Option<Watcher>,
     pub(super) haptics: Option<Haptics>,
+    /// Arms and stops what feels.
+    pub(super) devices: Option<DeadMan>,
     /// While no session has it.
     pub(super) witness: Option<Box<dyn Witness>>,
     pub(super) started: Instant,
@@ -72,6 +75,7 @@ impl Loop {
         first: Ready,
         watcher: Option<Watcher>,
         haptics: Option<Haptics>,
+        devices: Option<DeadMan>,
         witness: Option<Box<dyn Witness>>,
     ) -> Self {
         let now = Instant::now();
@@ -94,6 +98,7 @@ impl Loop {
             cost: Duration::ZERO,
             watcher,
             haptics,
+            devices,
             witness,
             started: now,
             resting: true,
@@ -155,6 +160,10 @@ impl Loop {
         match event {
             Event::Joined(client) => self.control.join(client),
             Event::Left(client) => {
+                // An `arm` of it may have waited until now.
+                if let Some(devices) = &self.devices {
+                    devices.leave(client);
+                }
                 let held = self.control.holder() == Some(client);
                 self.control.leave(client);
                 if held {

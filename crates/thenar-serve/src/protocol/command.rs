@@ -52,7 +52,13 @@ pub enum Command {
         value: SettingValue,
     },
     /// Let forces through to the devices.
-    Arm {},
+    Arm {
+        /// Also when this client has gone. Without it forces last while it is there and says `hold`.
+        #[serde(default)]
+        keep: bool,
+    },
+    /// Who armed is still there.
+    Hold {},
     /// No force until armed again. Anybody may say so.
     Stop {},
     /// A question whether anybody is there.

@@ -4,6 +4,7 @@ use super::VERSION;
 use crate::hub::{ClientId, SceneName};
 use serde_json::json;
 use thenar::model::Side;
+use thenar_link::Rendering;
 use thenar_link::haptic_loop::{STATEMENT, Status};
 
 /// The first message to a client.
@@ -18,9 +19,21 @@ pub fn welcome(client: ClientId, scenes: &[SceneName]) -> String {
     .to_string()
 }
 
-/// How devices do.
-pub fn touch(status: &Status) -> String {
+/// How many messages of devices and loop are told.
+const MESSAGES: usize = 5;
+
+/// How devices do. `armed_by` must stay for forces to last.
+pub fn touch(status: &Status, armed_by: Option<ClientId>) -> String {
     let us = |ns: u64| ns as f64 * 1e-3;
+    let devices = status.devices.iter().map(|device| {
+        json!({
+            "name": device.name,
+            "connected": device.connected,
+            "silent_s": device.silence,
+            "tracks": device.tracks,
+            "shows": device.shows,
+        })
+    });
     let hands = status.hands.iter().map(|hand| {
         let side = match hand.side {
             Side::Left => "left",
@@ -29,6 +42,13 @@ pub fn touch(status: &Status) -> String {
         json!({
             "side": side,
             "tracked": hand.tracked,
+            "renders": hand.display.map(|(_, rendering)| match rendering {
+                Rendering::Tendons => "tendons",
+                Rendering::Stops => "stops",
+                Rendering::Vibration => "vibration",
+                Rendering::Wrench => "wrench",
+            }),
+            "force_max": hand.force_max,
             "wanted": hand.forces.map(|[wanted, _]| wanted),
             "sent": hand.forces.map(|[_, sent]| sent),
         })
@@ -37,15 +57,17 @@ pub fn touch(status: &Status) -> String {
         "type": "touch",
         "state": status.state.word(),
         "reason": status.state.reason(),
+        "armed_by": armed_by.map(|client| client.0),
         "rate": status.rate_hz,
         "ticks": status.ticks,
         "missed": status.missed,
         "period_p999_us": us(status.period.quantile(0.999)),
         "late_p999_us": us(status.late.quantile(0.999)),
         "tick_us": us(status.cost.quantile(0.5)),
+        "devices": devices.collect::<Vec<_>>(),
         "hands": hands.collect::<Vec<_>>(),
         "warnings": status.warnings,
-        "message": status.messages.last(),
+        "messages": status.messages[status.messages.len().saturating_sub(MESSAGES)..],
         "statement": STATEMENT,
     })
     .to_string()

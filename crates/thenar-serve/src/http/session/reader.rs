@@ -115,7 +115,9 @@ impl<'a> Reader<'a> {
             self.remark("a text message has at most 4096 bytes", true);
             return Ok(());
         }
-        self.site.hub.heed(text);
+        if self.site.hub.heed(self.id, text) {
+            return Ok(());
+        }
         if !self.texts.take(1.0, now) {
             self.remind(now);
             return Ok(());

@@ -7,7 +7,7 @@ pub enum Trip {
     #[error("{0} was not a finite number")]
     NotFinite(Quantity),
     /// The clock went backwards.
-    #[error("the clock went back by {by_s} s")]
+    #[error("the clock went back by {} s", short(*by_s))]
     ClockBackwards {
         /// By how much \[s\].
         by_s: f64,
@@ -19,13 +19,13 @@ pub enum Trip {
         ticks: u32,
     },
     /// Nobody called for too long.
-    #[error("the haptic loop stood still for {gap_s} s")]
+    #[error("the haptic loop stood still for {} s", short(*gap_s))]
     LoopStalled {
         /// How long \[s\].
         gap_s: f64,
     },
     /// The point moved too fast.
-    #[error("speed {speed} m/s is above {limit} m/s")]
+    #[error("speed {} m/s is above {limit} m/s", short(*speed))]
     Overspeed {
         /// Its speed \[m/s\].
         speed: f64,
@@ -41,7 +41,7 @@ pub enum Trip {
         limit: f64,
     },
     /// More energy was given out than the reserve holds.
-    #[error("the display gave out {given_out} J on balance; {reserve} J are allowed")]
+    #[error("the display gave out {} J on balance; {reserve} J are allowed", short(*given_out))]
     Energy {
         /// Net energy given to the wearer \[J\].
         given_out: f64,
@@ -51,6 +51,12 @@ pub enum Trip {
     /// Somebody asked for it: emergency stop, a signal, shutdown.
     #[error("stop was asked for")]
     Requested,
+    /// Whoever armed it and had to stay has gone.
+    #[error("whoever armed it has gone: the page was closed, or its connection was lost")]
+    Abandoned,
+    /// Whoever armed it and had to stay says nothing any more.
+    #[error("whoever armed it no longer answers: the page hangs, or its network is gone")]
+    Unanswered,
     /// Another actuator of the device tripped.
     #[error("actuator {actuator} tripped")]
     Companion {
@@ -81,19 +87,19 @@ impl std::fmt::Display for Quantity {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Pause {
     /// The newest simulation state is old.
-    #[error("no simulation state for {age_s} s")]
+    #[error("no simulation state for {} s", short(*age_s))]
     Simulation {
         /// Its age \[s\].
         age_s: f64,
     },
     /// The newest tracked pose is old.
-    #[error("no tracked pose for {age_s} s")]
+    #[error("no tracked pose for {} s", short(*age_s))]
     Tracking {
         /// Its age \[s\].
         age_s: f64,
     },
     /// The device has said nothing.
-    #[error("nothing from the device for {age_s} s")]
+    #[error("nothing from the device for {} s", short(*age_s))]
     Device {
         /// For how long \[s\].
         age_s: f64,
@@ -124,4 +130,35 @@ pub enum Status {
     Live,
     /// Stopped until armed again: zero.
     Tripped(Trip),
+}
+
+/// A number as a person reads it: three digits that count.
+fn short(x: f64) -> f64 {
+    if x == 0.0 || !x.is_finite() {
+        return x;
+    }
+    let decimals = 2 - x.abs().log10().floor() as i32;
+    match decimals {
+        // Powers of ten up to here are exact.
+        0..=22 => (x * 10_f64.powi(decimals)).round() / 10_f64.powi(decimals),
+        _ => x,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reasons_have_three_digits_that_count() {
+        let told = |gap_s| Trip::LoopStalled { gap_s }.to_string();
+        for (gap_s, text) in [(0.031758522000000004, "0.0318"), (1.0, "1"), (123.4, "123")] {
+            assert_eq!(told(gap_s), format!("the haptic loop stood still for {text} s"));
+        }
+        let strange = [0.0, f64::NAN, f64::INFINITY, 1e-300, 5e-324, f64::MAX];
+        for (x, text) in strange.into_iter().zip(["0", "NaN", "inf"]) {
+            assert_eq!(short(x).to_string(), text);
+        }
+        assert!(strange[3..].iter().all(|x| short(*x) == *x));
+    }
 }
