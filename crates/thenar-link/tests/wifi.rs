@@ -195,9 +195,9 @@ fn a_mute_glove_is_told_of() {
 fn a_wrist_that_is_tracked_carries_the_glove() {
     let (port, wrists) = (free_port(), free_port());
     let profile = std::env::temp_dir().join(format!("thenar-wrist-{}.toml", std::process::id()));
-    std::fs::write(&profile, "wrist.position = [0.5, 0.0, 0.0]\n").unwrap();
-    let address =
-        format!("lucidgloves:wifi:{port}?profile={}&wrist=poses:{wrists}", profile.display());
+    let text = format!("wrist.position = [0.5, 0.0, 0.0]\nwrist.tracker = \"poses:{wrists}\"\n");
+    std::fs::write(&profile, text).unwrap();
+    let address = format!("lucidgloves:wifi:{port}?profile={}", profile.display());
     let mut opened = thenar_link::open(&address).unwrap();
     std::fs::remove_file(&profile).unwrap();
     let _glove = Glove::switch_on(1, port, 0.5, u64::MAX);

@@ -156,11 +156,17 @@ impl LoopHand {
         self.touch.publish(now_ns, &mut lead.proxies);
         self.ends.lead.publish();
         self.hand_over_state();
+        // A hand that sets out for where it was found moves by itself: that is not the wearer's speed,
+        // which no guard may stop.
+        let sets_out = leads && self.live.is_setting_out();
         let (touch, h) = (&*self.touch, self.report.step);
         for (pad, reading) in self.pads.iter_mut().zip(&mut self.readings) {
             *reading = pad.as_mut().map(|pad| pad.read(touch, h));
+            if let Some(reading) = reading.as_mut().filter(|_| sets_out) {
+                reading.opening_velocity = 0.0;
+            }
         }
-        self.observe_palm(h);
+        self.observe_palm(h, sets_out);
     }
 
     fn hand_over_state(&mut self) {
@@ -170,9 +176,9 @@ impl LoopHand {
         to.publish();
     }
 
-    fn observe_palm(&mut self, h: f64) {
+    fn observe_palm(&mut self, h: f64, sets_out: bool) {
         let pose = self.touch.tracked()[0].pose_WB;
-        let jumped = self.touch.jumped(0);
+        let jumped = sets_out || self.touch.jumped(0);
         let before = self.palm_last.replace(pose).filter(|_| !jumped).unwrap_or(pose);
         let ways = [
             pose.position - before.position,

@@ -177,8 +177,13 @@ impl Rig {
 
     /// With another scene, whose first hand is a right one.
     pub fn of(scene: &str, settings: &Settings, rendering: Rendering) -> Self {
+        Self::within(limits(), scene, settings, rendering)
+    }
+
+    /// With another device as well.
+    pub fn within(limits: Limits, scene: &str, settings: &Settings, rendering: Rendering) -> Self {
         let session = session(scene);
-        let (wearer, tracker, display) = devices(rendering);
+        let (wearer, tracker, display) = devices_within(limits, rendering);
         let clock = ManualLoop::new(settings, vec![tracker], vec![display]).expect("a loop");
         let mut port = clock.port();
         port.attach(&session).expect("a hand");

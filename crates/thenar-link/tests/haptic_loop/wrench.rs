@@ -1,6 +1,7 @@
 //! A display of one point: force and torque, each behind its guard, and no weight of the hand.
 
-use crate::rig::{MS, Rig, limits, torque_limits};
+use crate::rig::{MS, Rig, SCENE, limits, torque_limits};
+use thenar::haptic::safety::Limits;
 use thenar::{Pose, Quat, Vec3};
 use thenar_link::haptic_loop::{LoopMode, Settings};
 use thenar_link::{HandOutput, Rendering};
@@ -166,4 +167,27 @@ fn the_weight_of_the_simulated_hand_is_not_felt() {
         }
         assert!(mode == LoopMode::SingleRate || felt > 0.5, "{mode:?}: {felt} N");
     }
+}
+
+/// Armed before it is found, a metre from where the scene has it: it sets out by itself, faster than
+/// a wearer may move, and that is nobody's speed. Nothing stops.
+#[test]
+fn the_way_to_where_a_hand_is_found_is_not_the_wearers_speed() {
+    let limits = Limits { speed_max: 1.2, ..limits() };
+    let mut rig = Rig::within(limits, SCENE, &Settings::default(), Rendering::Wrench);
+    rig.clock.remote().arm();
+    let found = Pose::new(rig.wrist.position + Vec3::x(), rig.wrist.rotation);
+    let (mut fastest, mut before) = (0.0_f64, None);
+    for _ in 0..1500 {
+        rig.blocked_frame();
+        say(&rig, found);
+        rig.tick();
+        let (tripped, tracked) = rig
+            .clock
+            .core(|core| (core.tripped(), core.hands()[0].touch().tracked()[0].pose_WB.position));
+        assert!(tripped.is_none(), "{tripped:?}");
+        let last = before.replace(tracked).unwrap_or(tracked);
+        fastest = fastest.max((tracked - last).norm() / 1e-3);
+    }
+    assert!(fastest > limits.speed_max, "{fastest} m/s would not have stopped it anyway");
 }
