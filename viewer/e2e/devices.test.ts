@@ -12,7 +12,7 @@ import { Server } from "./support/server";
 const ADDRESS = /lucidgloves:/;
 // Little to draw: a loop of 1 kHz wants the processor.
 const LIGHT = { width: 800, height: 620, hash: "?quality=low#layers=bones" };
-const GONE = "The page was closed, or its connection was lost";
+const GONE = "the page was closed, or its connection was lost";
 
 let server: Server;
 let browser: Browser;
