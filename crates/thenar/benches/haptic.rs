@@ -78,7 +78,12 @@ fn pressed(contacts: usize, bones: &[RigidState]) -> Condensed {
         let turn = Quat::from_scaled_axis(Vec3::new(0.4, 0.1, 0.3) * i as f64);
         let axes = turn.to_rotation_matrix().into_inner();
         let force = Vec3::zeros();
-        frame.contacts.push(CondensedContact { frame: axes, gap: -1e-4, friction: 0.5, force });
+        frame.contacts.push(CondensedContact {
+            frame: axes,
+            value: Vec3::x() * -1e-4,
+            friction: 0.5,
+            force,
+        });
         for row in axes.row_iter() {
             let bone = 6 * (i % BONES);
             let on = |c: usize| if (bone..bone + 3).contains(&c) { row[c - bone] } else { 0.0 };

@@ -264,3 +264,36 @@ fn without_the_exact_solver_there_is_no_response() {
     assert!(bench.world.condense(0..2, &bench.input, &mut frame));
     assert_eq!(frame.response.springs[1].stiffness, 0.0);
 }
+
+/// A frame from a hand that has only begun to follow its proxies says where it will come to rest.
+#[test]
+fn a_frame_in_motion_says_where_it_comes_to_rest() {
+    let free = (-1.0, Vec3::new(0.002, 0.001, 0.0), Vec3::z() * 0.05);
+    let pressed = (0.0, Vec3::new(0.0, -0.003, 0.0), Vec3::zeros());
+    for (floor, by, turn) in [free, pressed] {
+        let mut bench = Bench::new(floor);
+        bench.settle();
+        (0..2).for_each(|b| bench.shift(b, by, turn * b as f64));
+        // Under way: the target's own velocity is no place to come to rest in.
+        for target in bench.input.targets[..2].iter_mut().flatten() {
+            target.velocity_W = by / 0.1;
+        }
+        bench.world.step(&bench.input, &mut ());
+        let frame = bench.frame();
+        bench.input.targets[..2].iter_mut().flatten().for_each(|t| t.velocity_W = Vec3::zeros());
+        let bones = [0, 1].map(|b| frame.bones[b].pose_WB);
+        let under_way = bench.floor_force();
+        let (said, force, _) = resolved(&frame, &bench.targets());
+        bench.settle();
+        let really = movement(&bones, &bench.poses());
+        let size = difference(&really, &[[Vec3::zeros(); 2]; 2]);
+        let error = difference(&really, &movement(&bones, &said));
+        let (there, changed) = (bench.floor_force(), (bench.floor_force() - under_way).norm());
+        println!(
+            "{size} m to go, error {error} m; {under_way:?} N to {there:?} N, said {force:?} N"
+        );
+        assert!(size > 5e-5 && error < 0.02 * size, "{by}: {error} of {size} m");
+        assert!((force - there).norm() <= 0.05 * changed, "{by}: {force} of {there} N");
+        assert!(floor < 0.0 || changed > 0.02, "{changed} N");
+    }
+}

@@ -100,11 +100,15 @@ impl Press {
         let gap = bone.pose_WB.position.y - RADIUS;
         // In balance with the coupling: what the floor bears now.
         let pull = spring.stiffness * (self.back.proxies[0].pose_WB.position.y - gap - RADIUS);
+        let force = if gap < 1e-4 { (-pull).max(0.0) } else { 0.0 };
+        // How far from where coupling and floor balance.
+        let rest = (pull + force) / spring.stiffness;
+        response.rest.extend([0.0, rest, 0.0, 0.0, 0.0, 0.0]);
         response.contacts.push(CondensedContact {
             frame: Mat3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0),
-            gap,
+            value: Vec3::x() * (gap + rest),
             friction: 0.0,
-            force: Vec3::x() * if gap < 1e-4 { (-pull).max(0.0) } else { 0.0 },
+            force: Vec3::x() * force,
         });
         for r in [1, 0, 2] {
             response.rows.extend((0..6).map(|c| if c == r { 1.0 } else { 0.0 }));

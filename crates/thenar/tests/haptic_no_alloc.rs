@@ -57,8 +57,12 @@ fn fill(frame: &mut SlowToFast, contacts: usize) {
         .extend((0..n * n).map(|i| if i / n == i % n { 1.0 / on(i / n) } else { 0.0 }));
     for i in 0..contacts {
         let normal = Mat3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0);
-        let contact =
-            CondensedContact { frame: normal, gap: 0.0, friction: 0.5, force: Vec3::zeros() };
+        let contact = CondensedContact {
+            frame: normal,
+            value: Vec3::zeros(),
+            friction: 0.5,
+            force: Vec3::zeros(),
+        };
         response.contacts.push(contact);
         for (axis, sign) in [(1, 1.0), (0, 1.0), (2, -1.0)] {
             let at = 6 * (i % BONES) + axis;

@@ -146,7 +146,9 @@ impl HapticHand {
             let states = self.proxies.states();
             let resolution = self.shared.resolve(response, states, h, tolerance, sweeps);
             for (i, (bone, of_frame)) in self.bones.iter_mut().zip(&frame.bones).enumerate() {
-                *bone = self.shared.bone(i, of_frame);
+                // Resolved for where the proxies were; their step asks for its end.
+                let resolved = self.shared.bone(i, of_frame);
+                *bone = RigidState { pose_WB: resolved.pose_after(h), ..resolved };
             }
             return resolution;
         }

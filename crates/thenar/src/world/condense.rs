@@ -3,14 +3,14 @@
 //!
 //! The bones answer as they would at rest, so the system is assembled anew for a step that is long
 //! beside all damping. What hangs on no drive and on no bones, an object, would not come to rest in
-//! the hand's motion alone: it has its inertia over one time step.
+//! the hand's motion alone: it has its inertia over one time step, and goes on for as long at its velocity.
 
 use crate::contact::Site;
 use crate::haptic::shared::CondensedContact;
 use crate::haptic::{RigidState, SlowToFast};
-use crate::math::Mat3;
+use crate::math::{Mat3, Vec3};
 use crate::model::{Drive, SolverKind, WorldDesc};
-use crate::solver::exact::{Answer, PRESSING_MAX, StepSystem};
+use crate::solver::exact::{Accuracy, Answer, PRESSING_MAX, StepSystem};
 use crate::world::state::Scratch;
 use crate::world::{Input, World, assemble, exact, limits};
 use std::cmp::Ordering;
@@ -18,6 +18,9 @@ use std::ops::Range;
 
 /// A step after which all is at rest \[s\]: dampings of a hand act within milliseconds.
 const REST: f64 = 10.0;
+/// How accurately that is found: a micrometre.
+const AT_REST: Accuracy =
+    Accuracy { best_effort: true, velocity: 1e-6 / REST, iterations_max: 20, sweeps_max: 0 };
 
 /// A drive that is let go: nothing pulls.
 const LOOSE: Drive =
@@ -53,8 +56,9 @@ impl World {
             to.response.springs.push(spring);
             to.response.targets.push(RigidState::at_rest(pose_WB));
         }
-        let Self { desc, model, state, scratch, time_step, .. } = self;
-        let Scratch { A, b, joints, rows, found, chosen, gaps, exact: Some(exact), .. } = scratch
+        let Self { desc, model, scratch, time_step, .. } = self;
+        let Scratch { A, b, joints, rows, found, chosen, gaps, before, exact: Some(exact), .. } =
+            scratch
         else {
             return false;
         };
@@ -63,22 +67,34 @@ impl World {
             found.get(i).is_some_and(|contact| !on(&contact.a) && on(&contact.b))
         };
         let step = StepSystem { A, b, known: &model.known };
+        // What is moved from outside stays where it is.
+        let motion = &mut before.v;
+        motion.fill(Vec3::zeros());
         let (compliance, lift, delassus) = to.response.products();
         let mut answer = Answer { bodies: compliance, lift, contacts: delassus };
         let order =
-            exact.answer(&step, joints, (&state.v, REST), chosen, rows, bones.clone(), &mut answer);
+            exact.answer(&step, joints, (motion, REST), chosen, rows, bones.clone(), &mut answer);
         let Some(order) = order else {
             to.response.clear();
             return false;
         };
-        let contacts = order.iter().map(|&i| {
+        chosen.clear();
+        chosen.extend_from_slice(order);
+        exact.solve_answered(&step, &AT_REST, motion);
+        for b in bones.clone() {
+            let parts = motion[2 * b..][..2].iter().flatten();
+            to.response.rest.extend(parts.map(|rate| REST * rate));
+        }
+        let contacts = chosen.iter().map(|&i| {
             let (i, row) = (i as usize, &rows.rows[i as usize]);
             let force = row.lambda / *time_step;
+            // What bears force touches, though the solver left a trace of a gap.
+            let gap = if force.x > 0.0 { 0.0 } else { gaps[i].max(0.0) };
+            let moves = row.frame * rows.relative_velocity(row, motion) * REST;
             CondensedContact {
                 // The hand's normal points away from what it touches.
                 frame: if is_turned(i) { -row.frame } else { row.frame },
-                // What bears force touches, though the solver left a trace of a gap.
-                gap: if force.x > 0.0 { 0.0 } else { gaps[i].max(0.0) },
+                value: moves + Vec3::x() * gap,
                 friction: row.friction,
                 force,
             }
@@ -111,32 +127,56 @@ impl World {
         chosen.truncate(most.min(PRESSING_MAX));
     }
 
-    /// The system whose solution is where all comes to rest.
+    /// The system whose solution is where all comes to rest under the contact forces of the last step.
     fn assemble_at_rest(&mut self, input: &Input) {
-        let Self { desc, model, state, scratch, time_step, .. } = self;
+        let Self { desc, model, state, scratch, .. } = self;
         scratch.before.v.copy_from_slice(&state.v);
         assemble::skeleton(desc, model, desc.solver.limits, state, input, REST, scratch);
         exact::couple(model, state, REST, scratch);
         assemble::flesh(model, state, input, REST, scratch);
         // Prescribed bodies were given this input's velocities.
         state.v.copy_from_slice(&scratch.before.v);
+        self.hold_targets(input);
+        self.add_objects(input);
+        let Self { scratch: Scratch { b, rows, .. }, time_step, .. } = self;
+        for row in rows.rows.iter().filter(|row| row.lambda != Vec3::zeros()) {
+            let impulse = row.frame.tr_mul(&row.lambda) * (REST / *time_step);
+            rows.scatter(row, &impulse, b);
+        }
+    }
 
-        let steps = (REST / *time_step).powi(2);
-        let Scratch { A, .. } = scratch;
+    /// Targets stay where they are: takes the damping of drives towards their velocity out again.
+    fn hold_targets(&mut self, input: &Input) {
+        for (i, drive) in self.desc.drives.iter().enumerate() {
+            let Some((drive, target)) = drive.as_ref().zip(input.target(i)) else { continue };
+            let b = &mut self.scratch.b[2 * i..][..2];
+            b[0] -= target.velocity_W * (drive.damping * REST);
+            b[1] -= target.angular_velocity_W * (drive.angular_damping * REST);
+        }
+    }
+
+    /// What hangs on no drive and no bones moves by `h v + h² f/m` in a time step of h.
+    fn add_objects(&mut self, input: &Input) {
+        let Self { desc, model, state, scratch, time_step, .. } = self;
+        let steps = REST / *time_step;
+        let Scratch { A, b: rhs, .. } = scratch;
         for (b, body) in model.rigids.iter().enumerate() {
             let driven = desc.drives[b].is_some() && input.target(b).is_some();
             if body.moves && !driven {
                 let R = state.poses_WB[b].rotation.to_rotation_matrix().into_inner();
-                let inertia_W = R * body.inertia * R.transpose();
-                A.add(A.diagonal[2 * b], &Mat3::from_diagonal_element(steps * body.mass));
+                let inertia_W = R * body.inertia * R.transpose() * steps;
+                A.add(A.diagonal[2 * b], &Mat3::from_diagonal_element(steps * steps * body.mass));
                 A.add(A.diagonal[2 * b + 1], &(inertia_W * steps));
+                rhs[2 * b] += state.v[2 * b] * (steps * body.mass);
+                rhs[2 * b + 1] += inertia_W * state.v[2 * b + 1];
             }
         }
         let row0 = 2 * model.rigids.len();
         for (soft, nodes) in desc.softs.iter().zip(&model.soft_nodes) {
             for n in nodes.clone().filter(|_| soft.coupling.is_none()) {
-                let inertia = Mat3::from_diagonal_element(steps * model.flesh.mass[n]);
-                A.add(A.diagonal[row0 + n], &inertia);
+                let inertia = steps * model.flesh.mass[n];
+                A.add(A.diagonal[row0 + n], &Mat3::from_diagonal_element(steps * inertia));
+                rhs[row0 + n] += state.v[row0 + n] * inertia;
             }
         }
     }

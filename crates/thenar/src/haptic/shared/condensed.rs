@@ -9,8 +9,9 @@ use crate::model::Drive;
 pub struct CondensedContact {
     /// Rows: normal (away from the obstacle), first and second tangent, world.
     pub frame: Mat3,
-    /// Gap along the normal \[m\], negative when penetrating.
-    pub gap: f64,
+    /// Its value d₀ \[m\]: gap along the normal, negative when penetrating, and how far it has slid
+    /// since the frame, once all has come to rest under the frame's forces and unmoved proxies.
+    pub value: Vec3,
     /// Friction coefficient.
     pub friction: f64,
     /// Force on the hand in the contact frame, normal first \[N\].
@@ -30,7 +31,8 @@ pub struct CondensedContact {
 /// | `lift` | J C | 3m × 6n |
 /// | `delassus` | B = J C Jᵀ + W | 3m × 3m |
 ///
-/// The publisher fills the first three, `contacts`, `springs` and `targets`, and calls `prepare`.
+/// The publisher fills the first three, `contacts`, `springs`, `targets` and, for a frame that is not at
+/// rest, `rest`, and calls `prepare`.
 /// `World::condense` knows the last two without J and W, which it leaves empty.
 #[derive(Clone, Debug)]
 pub struct Condensed {
@@ -40,6 +42,9 @@ pub struct Condensed {
     pub springs: Vec<Drive>,
     /// Where the proxies were in this frame.
     pub targets: Vec<RigidState>,
+    /// How far the bones are from where they come to rest under the frame's forces and unmoved proxies,
+    /// 6n; zero when left empty.
+    pub rest: Vec<f64>,
     /// C.
     pub compliance: Vec<f64>,
     /// Contacts that touch or may touch before the next frame.
@@ -62,6 +67,7 @@ impl Condensed {
             contacts_max,
             springs: Vec::with_capacity(bones),
             targets: Vec::with_capacity(bones),
+            rest: Vec::with_capacity(n),
             compliance: Vec::with_capacity(n * n),
             contacts: Vec::with_capacity(contacts_max),
             rows: Vec::with_capacity(m * n),
@@ -102,11 +108,15 @@ impl Condensed {
     /// an array has the wrong length, holds a number that is not finite, or there is no room.
     pub fn prepare(&mut self) -> bool {
         let (n, m) = (6 * self.bones, 3 * self.contacts.len());
+        if self.rest.is_empty() {
+            self.rest.resize(n, 0.0);
+        }
         self.lift.clear();
         self.delassus.clear();
         self.ready = self.contacts.len() <= self.contacts_max
             && self.springs.len() == self.bones
             && self.targets.len() == self.bones
+            && self.rest.len() == n
             && self.compliance.len() == n * n
             && self.rows.len() == m * n
             && self.local.len() == m * m
@@ -138,6 +148,7 @@ impl Condensed {
         self.ready = self.contacts.len() <= self.contacts_max
             && self.springs.len() == self.bones
             && self.targets.len() == self.bones
+            && self.rest.len() == n
             && self.compliance.len() == n * n
             && self.lift.len() == m * n
             && self.delassus.len() == m * m
@@ -149,6 +160,7 @@ impl Condensed {
     pub fn copy_from(&mut self, other: &Self) {
         self.springs.clone_from(&other.springs);
         self.targets.clone_from(&other.targets);
+        self.rest.clone_from(&other.rest);
         self.contacts.clone_from(&other.contacts);
         self.compliance.clone_from(&other.compliance);
         self.rows.clone_from(&other.rows);
@@ -164,17 +176,17 @@ impl Condensed {
         Mat3::from_fn(|r, c| self.delassus[(3 * i + r) * m + 3 * j + c])
     }
 
-    fn arrays(&mut self) -> [&mut Vec<f64>; 5] {
-        [&mut self.compliance, &mut self.rows, &mut self.local, &mut self.lift, &mut self.delassus]
+    fn arrays(&mut self) -> [&mut Vec<f64>; 6] {
+        let Self { rest, compliance, rows, local, lift, delassus, .. } = self;
+        [rest, compliance, rows, local, lift, delassus]
     }
 
     fn is_finite(&self) -> bool {
-        let given = self.compliance.iter().chain(&self.rows).chain(&self.local);
+        let given = self.compliance.iter().chain(&self.rows).chain(&self.local).chain(&self.rest);
         let numbers = given.chain(&self.lift).chain(&self.delassus);
         let contacts = self.contacts.iter().all(|c| {
-            c.gap.is_finite()
-                && c.friction.is_finite()
-                && c.frame.iter().chain(c.force.iter()).all(|x| x.is_finite())
+            c.friction.is_finite()
+                && c.frame.iter().chain(&c.value).chain(&c.force).all(|x| x.is_finite())
         });
         let springs =
             self.springs.iter().all(|s| s.stiffness.is_finite() && s.angular_stiffness.is_finite());

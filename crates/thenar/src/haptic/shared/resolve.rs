@@ -131,13 +131,13 @@ impl SharedConstraints {
         }
     }
 
-    /// Contact values at the present forces: `d = g₀ + J C k δ + B (f - f₀)` from the anchors.
+    /// Contact values at the present forces: `d = d₀ + J C k δ + B (f - f₀)` from the anchors.
     fn measure(&mut self, frame: &Condensed) {
         let n = 6 * frame.bones();
         self.values.clear();
         for (i, contact) in frame.contacts.iter().enumerate() {
             let lift = |r: usize| dot(&frame.lift[(3 * i + r) * n..][..n], &self.load);
-            let mut d = Vec3::new(contact.gap + lift(0), lift(1), lift(2)) - self.anchors[i];
+            let mut d = contact.value + Vec3::new(lift(0), lift(1), lift(2)) - self.anchors[i];
             for (j, other) in frame.contacts.iter().enumerate() {
                 let change = self.forces[j] - other.force;
                 if change != Vec3::zeros() {
@@ -168,12 +168,13 @@ impl SharedConstraints {
         largest
     }
 
-    /// `q = C (k δ + Jᵀ (f - f₀))`.
+    /// `q = q₀ + C (k δ + Jᵀ (f - f₀))`.
     fn follow(&mut self, frame: &Condensed, h: f64) {
         let n = 6 * frame.bones();
         std::mem::swap(&mut self.moved, &mut self.moved_before);
-        for (q, row) in self.moved.iter_mut().zip(frame.compliance.chunks_exact(n.max(1))) {
-            *q = dot(row, &self.load);
+        let rows = frame.compliance.chunks_exact(n.max(1));
+        for ((q, rest), row) in self.moved.iter_mut().zip(&frame.rest).zip(rows) {
+            *q = rest + dot(row, &self.load);
         }
         for (i, contact) in frame.contacts.iter().enumerate() {
             let change = self.forces[i] - contact.force;

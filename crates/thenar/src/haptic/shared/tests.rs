@@ -46,7 +46,7 @@ impl Full {
                 // Two touch and carry force within their cones, two are open.
                 let force = if i < 2 { Vec3::new(1.0, 0.2 * friction, 0.0) } else { Vec3::zeros() };
                 let gap = if i < 2 { 0.0 } else { random.range(0.0, 1e-3) };
-                CondensedContact { frame, gap, friction, force }
+                CondensedContact { frame, value: Vec3::x() * gap, friction, force }
             })
             .collect();
         let targets = (0..BONES)
@@ -104,7 +104,7 @@ impl Full {
 
     fn values(&self, u: &DVector<f64>) -> DVector<f64> {
         let mut d = &self.rows * u;
-        self.contacts.iter().enumerate().for_each(|(i, c)| d[3 * i] += c.gap);
+        self.contacts.iter().enumerate().for_each(|(i, c)| d[3 * i] += c.value.x);
         d
     }
 
@@ -240,7 +240,7 @@ fn over_a_floor(gap: f64, friction: f64) -> Condensed {
         Mat3::from_rows(&[Vec3::y().transpose(), Vec3::x().transpose(), (-Vec3::z()).transpose()]);
     frame.contacts.push(CondensedContact {
         frame: contact_frame,
-        gap,
+        value: Vec3::x() * gap,
         friction,
         force: Vec3::zeros(),
     });

@@ -10,9 +10,11 @@
 //!   contacts by wrenches   Hᵀ G
 //!   contacts by forces     W
 //! ```
+//!
+//! and the same factor tells where all comes to rest.
 
 use crate::math::Vec3;
-use crate::solver::exact::{Exact, StepSystem, small_cholesky, system};
+use crate::solver::exact::{Accuracy, Coordinates, Exact, StepSystem, pcg, small_cholesky, system};
 use crate::solver::{ContactRows, JointBlock};
 use std::ops::Range;
 
@@ -85,6 +87,17 @@ impl Exact {
             }
         }
         Some(self.delassus.members())
+    }
+
+    /// The solution `K v = b` of the system that `answer` has just factored, to this accuracy.
+    pub fn solve_answered(&mut self, step: &StepSystem<'_>, accuracy: &Accuracy, v: &mut [Vec3]) {
+        let Self { bodies, carried, springs, split, coarse, direct, x, work, .. } = self;
+        let system = system(step, bodies, carried, springs, split);
+        x.clear();
+        system.residual(step.b, x, &mut work.r, &mut work.v, &mut work.f);
+        let apply = |r: &Coordinates, z: &mut Coordinates| direct.apply(&system, coarse, r, z);
+        pcg::solve(&system, apply, x, accuracy.stop(1, accuracy.iterations_max), work);
+        system.velocities(x, v);
     }
 
     /// Factors the whole system, without a solve.
