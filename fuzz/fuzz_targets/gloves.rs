@@ -1,5 +1,5 @@
 #![no_main]
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 use thenar::Vec3;
 use thenar::model::Side;
 use thenar_link::bhaptics::Bhaptics;
@@ -12,39 +12,40 @@ use thenar_link::pose_stream::PoseStream;
 use thenar_link::profile::{Address, load};
 use thenar_link::{Event, HandOutput, Protocol};
 
+static NONE: LazyLock<Address> = LazyLock::new(Address::default);
+static LUCID: LazyLock<Arc<lucidgloves::Profile>> =
+    LazyLock::new(|| Arc::new(load("lucidgloves", lucidgloves::SHIPPED, &NONE).unwrap()));
+static CLASSIC: LazyLock<Arc<cyberglove::Profile>> =
+    LazyLock::new(|| Arc::new(load("cyberglove", cyberglove::SHIPPED, &NONE).unwrap()));
+static THIRD: LazyLock<Arc<cyberglove::Profile>> =
+    LazyLock::new(|| Arc::new(load("cyberglove3", cyberglove::SHIPPED_3, &NONE).unwrap()));
+static ARM: LazyLock<force_device::profile::Profile> =
+    LazyLock::new(|| load("force-device", force_device::profile::SHIPPED, &NONE).unwrap());
+
 fn protocol(which: u8) -> Box<dyn Protocol> {
-    let none = Address::default();
     match which % 10 {
-        0 => {
-            let profile = load("lucidgloves", lucidgloves::SHIPPED, &none).unwrap();
-            Box::new(LucidGloves::new(Arc::new(profile)))
-        }
-        1 => {
-            let profile = load("cyberglove", cyberglove::SHIPPED, &none).unwrap();
-            Box::new(Classic::new(Arc::new(profile)))
-        }
-        2 => {
-            let profile = load("cyberglove3", cyberglove::SHIPPED_3, &none).unwrap();
-            Box::new(Third::new(Arc::new(profile)))
-        }
+        0 => Box::new(LucidGloves::new(LUCID.clone())),
+        1 => Box::new(Classic::new(CLASSIC.clone())),
+        2 => Box::new(Third::new(THIRD.clone())),
         3 => Box::new(CyberGrasp::new(None)),
         4 => Box::new(HandTrackingStreamer::new(false, Points::Auto)),
         5 => Box::new(HandTrackingStreamer::new(true, Points::World)),
         6 => Box::new(PoseStream::new(false)),
         7 => Box::new(PoseStream::new(true)),
-        8 => {
-            let profile: force_device::profile::Profile =
-                load("force-device", force_device::profile::SHIPPED, &none).unwrap();
-            Box::new(ForceDevice::new(profile.setup().unwrap()))
-        }
+        8 => Box::new(ForceDevice::new(ARM.setup().unwrap())),
         _ => Box::new(Bhaptics::default()),
     }
 }
 
-// The first byte chooses the protocol, the second how the rest is cut and how fast time passes.
+// The first byte chooses the protocol, the second how the rest is cut (0: not at all, as large datagrams
+// are) and how fast time passes.
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let [which, cut, stream @ ..] = bytes else { return };
     let mut protocol = protocol(*which);
+    let length = match cut {
+        0 => stream.len().max(1),
+        cut => usize::from(*cut),
+    };
     let step_ns = 1_000_000 << (cut % 13);
     let mut now_ns = 1;
     let mut event = |event| match event {
@@ -53,7 +54,7 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
         Event::Alive => {}
     };
     protocol.start(now_ns, &mut |_| {});
-    for (k, piece) in stream.chunks(usize::from(*cut).max(1)).enumerate() {
+    for (k, piece) in stream.chunks(length).enumerate() {
         now_ns += step_ns;
         protocol.receive(now_ns, piece, &mut event, &mut |_| {});
         // What it shall show comes and goes, nonsense included.

@@ -6,6 +6,7 @@
 //! for half a second before the hand goes back to it, so that one on the edge does not make the
 //! hand flicker. Left and right are chosen apart. Every change is told.
 
+use crate::tracker_clock::{ClockNews, TrackerClock};
 use crate::{Driver, Found, HandSample, LinkError, Lookout, Messenger, Opened, Tracker, now_ns};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -25,6 +26,7 @@ const SOURCES_MAX: usize = 8;
 struct Source {
     name: String,
     tracker: Box<dyn Tracker>,
+    times: TrackerClock,
     /// Left, right.
     hands: [Record; 2],
 }
@@ -45,9 +47,9 @@ impl Record {
         self.is_trusted(now) && self.good.is_some_and(long)
     }
 
-    fn hear(&mut self, sample: &HandSample, now: u64) {
+    fn hear(&mut self, sample: &HandSample) {
         let good = sample.pose.as_ref().is_some_and(|pose| checked(0.0, pose).is_ok());
-        let time = sample.time_ns.min(now);
+        let time = sample.time_ns;
         self.good = match (good, self.good) {
             (false, _) => None,
             (true, Some([last, since])) if time.saturating_sub(last) <= STALE_NS => {
@@ -87,7 +89,12 @@ impl Either {
     }
 
     fn with_clock(trackers: Vec<(String, Box<dyn Tracker>)>, clock: fn() -> u64) -> Self {
-        let source = |(name, tracker)| Source { name, tracker, hands: Default::default() };
+        let source = |(name, tracker)| Source {
+            name,
+            tracker,
+            times: TrackerClock::default(),
+            hands: Default::default(),
+        };
         let (changes, told) = RingBuffer::new(CHANGES_MAX);
         Self {
             sources: trackers.into_iter().map(source).collect(),
@@ -128,8 +135,10 @@ impl Tracker for Either {
         let mut fresh: [Option<HandSample>; SOURCES_MAX] = Default::default();
         for (source, fresh) in self.sources.iter_mut().zip(&mut fresh) {
             if let Some(sample) = source.tracker.latest(side) {
-                source.hands[k].hear(sample, now);
-                *fresh = Some(sample.clone());
+                let time_ns = source.times.follow(side, now, sample.time_ns);
+                let sample = HandSample { time_ns, ..sample.clone() };
+                source.hands[k].hear(&sample);
+                *fresh = Some(sample);
             }
         }
         let chosen = self.choose(side, now)?;
@@ -154,6 +163,7 @@ impl Tracker for Either {
     fn messages(&mut self) -> Vec<String> {
         let mut all: Vec<_> =
             self.sources.iter_mut().flat_map(|source| source.tracker.messages()).collect();
+        all.extend(self.sources.iter().filter_map(|source| source.times.news().take(&source.name)));
         tell_changes(&self.told, &mut all, |i| &self.sources[i].name);
         all
     }
@@ -162,9 +172,11 @@ impl Tracker for Either {
         let mut sources: Vec<_> =
             self.sources.iter().map(|source| source.tracker.messenger()).collect();
         let names: Vec<_> = self.sources.iter().map(|source| source.name.clone()).collect();
+        let news: Vec<ClockNews> = self.sources.iter().map(|source| source.times.news()).collect();
         let told = self.told.clone();
         Box::new(move || {
             let mut all: Vec<_> = sources.iter_mut().flat_map(|ask| ask()).collect();
+            all.extend(news.iter().zip(&names).filter_map(|(news, name)| news.take(name)));
             tell_changes(&told, &mut all, |i| &names[i]);
             all
         })
@@ -370,6 +382,38 @@ mod tests {
         NOW.set(1210 * MS);
         *nexts[0].lock().unwrap() = Some(HandSample { pose: None, ..sample(1.0) });
         assert_eq!(either.latest(Side::Right).unwrap().pose, None);
+    }
+
+    /// A sample of tomorrow held all later ones up; a clock put back for good does no more harm than
+    /// half a second with the spare.
+    #[test]
+    fn a_clock_that_jumps_by_a_day_is_followed() {
+        const DAY_MS: i64 = 86_400_000;
+        for (by, spare) in [(DAY_MS, None), (-DAY_MS, Some([2100, 3000]))] {
+            let (mut either, nexts) = bench();
+            let begin = 2 * DAY_MS as u64;
+            let seen = run(&mut either, &nexts, [begin, begin + 5000], &|_| [Some(1.0), Some(2.0)]);
+            assert_eq!(seen, [(begin, 1.0)]);
+            let mut seen = Vec::new();
+            for ms in (begin + 5000..begin + 9000).step_by(10) {
+                NOW.set(ms * MS);
+                let mut jumped = sample(1.0);
+                jumped.time_ns = jumped.time_ns.saturating_add_signed(by * MS as i64);
+                *nexts[0].lock().unwrap() = Some(jumped);
+                *nexts[1].lock().unwrap() = Some(sample(2.0));
+                let Some(sample) = either.latest(Side::Right) else { continue };
+                assert_eq!(sample.time_ns, ms * MS, "fresh");
+                let Some(LivePose::Angles { wrist, .. }) = &sample.pose else { panic!() };
+                if seen.last().is_none_or(|(_, x)| *x != wrist.position.x) {
+                    seen.push((ms - begin - 3000, wrist.position.x));
+                }
+            }
+            // 100 ms after the last good one at 4990; back 500 ms after it was believed at 5500.
+            let want = spare.map_or(vec![(2000, 1.0)], |[from, to]| vec![(from, 2.0), (to, 1.0)]);
+            assert_eq!(seen, want, "{by}");
+            let told = either.messages();
+            assert!(told.contains(&"the clock of good has jumped; it is followed".into()));
+        }
     }
 
     #[test]

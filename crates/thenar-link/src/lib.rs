@@ -42,6 +42,7 @@ mod sample;
 pub mod source_clock;
 #[cfg(test)]
 mod testing;
+mod tracker_clock;
 pub mod transport;
 pub mod twin;
 pub mod worker;

@@ -1,9 +1,8 @@
 //! A glove without a place of its own, on a wrist that another device tracks.
 
 use crate::profile::Wrist;
-use crate::{HandSample, LinkError, Lookout, Messenger, Opened, Tracker};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use crate::tracker_clock::TrackerClock;
+use crate::{HandSample, LinkError, Lookout, Messenger, Opened, Tracker, now_ns};
 use thenar::Pose;
 use thenar::model::Side;
 use thenar_scene::live::LivePose;
@@ -40,41 +39,13 @@ pub struct Paired {
     /// The glove's wrist in the frame of the tracked one.
     pose_TW: Pose,
     known: [Known; 2],
-    stepped_back: [SteppedBack; 2],
-}
-
-/// Whether a tracker's times step back, although none may: what it then tells is old. Two clocks that
-/// disagree are told of once, when it begins.
-#[derive(Clone, Default)]
-struct SteppedBack {
-    newest_ns: u64,
-    /// It does now.
-    now: bool,
-    /// It began, and nobody was told.
-    news: Arc<AtomicBool>,
-}
-
-impl SteppedBack {
-    /// A sample came.
-    fn look(&mut self, time_ns: u64) {
-        let back = time_ns < self.newest_ns;
-        if back && !self.now {
-            self.news.store(true, Ordering::Relaxed);
-        }
-        self.now = back;
-        self.newest_ns = self.newest_ns.max(time_ns);
-    }
-
-    /// What there is to tell of the tracker called `who`.
-    fn message(news: &AtomicBool, who: &str) -> Option<String> {
-        news.swap(false, Ordering::Relaxed).then(|| {
-            format!("the clock of the {who} stepped back: the hand stands still until it is right")
-        })
-    }
+    /// The two trackers' times.
+    clocks: [TrackerClock; 2],
+    clock: fn() -> u64,
 }
 
 /// Names of the two trackers.
-const NAMES: [&str; 2] = ["glove", "wrist's tracker"];
+const NAMES: [&str; 2] = ["the glove", "the wrist's tracker"];
 
 /// What is known of one side.
 #[derive(Default)]
@@ -90,7 +61,17 @@ struct Known {
 impl Paired {
     /// Puts the two together.
     pub fn new(fingers: Box<dyn Tracker>, base: Box<dyn Tracker>, pose_TW: Pose) -> Self {
-        Self { fingers, base, pose_TW, known: Default::default(), stepped_back: Default::default() }
+        Self::with_clock(fingers, base, pose_TW, now_ns)
+    }
+
+    fn with_clock(
+        fingers: Box<dyn Tracker>,
+        base: Box<dyn Tracker>,
+        pose_TW: Pose,
+        clock: fn() -> u64,
+    ) -> Self {
+        let (known, clocks) = Default::default();
+        Self { fingers, base, pose_TW, known, clocks, clock }
     }
 }
 
@@ -98,22 +79,23 @@ impl Tracker for Paired {
     /// New when either moved. Its time is the older one's: a hand is as stale as its stalest part.
     fn latest(&mut self, side: Side) -> Option<&HandSample> {
         let known = &mut self.known[usize::from(side == Side::Right)];
-        let [of_fingers, of_base] = &mut self.stepped_back;
+        let [of_fingers, of_base] = &mut self.clocks;
+        let now = (self.clock)();
         let mut new = false;
         if let Some(sample) = self.base.latest(side) {
-            of_base.look(sample.time_ns);
+            let time_ns = of_base.follow(side, now, sample.time_ns);
             known.wrist = sample.pose.as_ref().map(|pose| {
                 let wrist = match pose {
                     LivePose::Joints { joints, .. } => joints[0],
                     LivePose::Angles { wrist, .. } => *wrist,
                 };
-                (wrist, sample.time_ns)
+                (wrist, time_ns)
             });
             new = true;
         }
         if let Some(sample) = self.fingers.latest(side) {
-            of_fingers.look(sample.time_ns);
-            known.fingers = Some(sample.clone());
+            let time_ns = of_fingers.follow(side, now, sample.time_ns);
+            known.fingers = Some(HandSample { time_ns, ..sample.clone() });
             new = true;
         }
         let fingers = known.fingers.as_ref().filter(|_| new)?;
@@ -145,19 +127,17 @@ impl Tracker for Paired {
     fn messages(&mut self) -> Vec<String> {
         let mut all = self.fingers.messages();
         all.extend(self.base.messages());
-        let stepped = self.stepped_back.iter().zip(NAMES);
-        all.extend(stepped.filter_map(|(s, who)| SteppedBack::message(&s.news, who)));
+        all.extend(self.clocks.iter().zip(NAMES).filter_map(|(clock, who)| clock.news().take(who)));
         all
     }
 
     fn messenger(&self) -> Messenger {
         let (mut fingers, mut base) = (self.fingers.messenger(), self.base.messenger());
-        let news = self.stepped_back.each_ref().map(|stepped| stepped.news.clone());
+        let news = self.clocks.each_ref().map(TrackerClock::news);
         Box::new(move || {
             let mut all = fingers();
             all.extend(base());
-            let stepped = news.iter().zip(NAMES);
-            all.extend(stepped.filter_map(|(news, who)| SteppedBack::message(news, who)));
+            all.extend(news.iter().zip(NAMES).filter_map(|(news, who)| news.take(who)));
             all
         })
     }

@@ -8,10 +8,15 @@
 const DRIFT: f64 = 2e-4;
 /// A step of the device's clock back by this is a new start, not a datagram overtaken \[ns\].
 const BACK: i64 = 200_000_000;
-/// A device whose samples seem this late ... \[ns\]
-const LATE: i64 = 250_000_000;
-/// ... for so long has changed its clock \[ns\].
+/// A step ahead by this is a jump; a smaller one is a shorter way than was known \[ns\].
+const AHEAD: i64 = 250_000_000;
+/// A device all of whose samples seem this late ... \[ns\]
+const LATE: i64 = 100_000_000;
+/// ... for so long has put its clock back \[ns\].
 const LATE_FOR: u64 = 1_000_000_000;
+/// A device that goes on speaking, and whose clock shows the same for so long, has a clock that
+/// stands still \[ns\].
+const STILL_FOR: u64 = 1_000_000_000;
 /// Times beyond are no times of a clock (292 years, halved) \[ns\].
 const CLOCK_MAX: i64 = i64::MAX / 2;
 
@@ -27,6 +32,8 @@ struct Known {
     offset: i64,
     at_ns: u64,
     newest: i64,
+    /// The device's time of the sample before, and since when it shows that \[ns\].
+    last: (i64, u64),
     late_since: Option<u64>,
 }
 
@@ -37,6 +44,8 @@ pub struct Carried {
     pub time_ns: u64,
     /// The device's clock has jumped just now.
     pub jumped: bool,
+    /// It stands still: however often this is said, it is old.
+    pub stands_still: bool,
 }
 
 impl SourceClock {
@@ -50,26 +59,35 @@ impl SourceClock {
         let source = source_ns.clamp(-CLOCK_MAX, CLOCK_MAX);
         let now = i64::try_from(now_ns).unwrap_or(CLOCK_MAX).min(CLOCK_MAX);
         let difference = now - source;
-        let fresh = Known { offset: difference, at_ns: now_ns, newest: source, late_since: None };
+        let last = (source, now_ns);
+        let fresh =
+            Known { offset: difference, at_ns: now_ns, newest: source, last, late_since: None };
         let Some(known) = &mut self.known else {
             self.known = Some(fresh);
-            return Carried { time_ns: now_ns, jumped: false };
+            return Carried { time_ns: now_ns, jumped: false, stands_still: false };
         };
+        // The same again, such as the other hand's, says nothing about the clock.
+        if source == known.last.0 {
+            let time = source.saturating_add(known.offset).clamp(0, now) as u64;
+            let stands_still = now_ns.saturating_sub(known.last.1) > STILL_FOR;
+            return Carried { time_ns: time, jumped: false, stands_still };
+        }
         let passed = now_ns.saturating_sub(known.at_ns);
         let grown = known.offset.saturating_add((passed as f64 * DRIFT) as i64);
         let offset = grown.min(difference);
         let late = difference - offset > LATE;
         let late_since = late.then(|| known.late_since.unwrap_or(now_ns));
         let back = known.newest.saturating_sub(source) > BACK;
-        let ahead = known.offset.saturating_sub(difference) > LATE;
+        let ahead = known.offset.saturating_sub(difference) > AHEAD;
         let stays_late = late_since.is_some_and(|since| now_ns.saturating_sub(since) > LATE_FOR);
         if back || ahead || stays_late {
             self.known = Some(fresh);
-            return Carried { time_ns: now_ns, jumped: true };
+            return Carried { time_ns: now_ns, jumped: true, stands_still: false };
         }
-        *known = Known { offset, at_ns: now_ns, newest: known.newest.max(source), late_since };
+        let newest = known.newest.max(source);
+        *known = Known { offset, at_ns: now_ns, newest, last, late_since };
         let time = source.saturating_add(offset).clamp(0, now);
-        Carried { time_ns: time as u64, jumped: false }
+        Carried { time_ns: time as u64, jumped: false, stands_still: false }
     }
 }
 
@@ -119,6 +137,50 @@ mod tests {
         assert!(once(&run(2000, hour)), "an hour ahead");
         assert!(once(&run(3000, -hour)), "and back");
         assert!(run(4000, -hour).iter().all(|jumped| !jumped));
+    }
+
+    /// By as little as clocks are set back over a network: old for a second, then followed.
+    #[test]
+    fn a_small_step_back_for_good_is_followed_after_a_second() {
+        for back_ms in [120, 150, 199] {
+            let mut clock = SourceClock::default();
+            (0..100).for_each(|k| _ = clock.carry(k * 10 * MS, (k * 10 * MS) as i64));
+            let mut jumps = Vec::new();
+            for k in 100..400u64 {
+                let now = k * 10 * MS;
+                let carried = clock.carry(now, (now - back_ms * MS) as i64);
+                jumps.extend(carried.jumped.then_some(k));
+                let age = now - carried.time_ns;
+                match jumps.is_empty() {
+                    // The offset may have drifted by 0.4 ms meanwhile.
+                    true => assert!(age.abs_diff(back_ms * MS) < MS, "{k} {age}"),
+                    false => assert!(age < MS, "{k} {age}"),
+                }
+            }
+            assert_eq!(jumps, [201], "back by {back_ms} ms");
+        }
+    }
+
+    /// However long the same is repeated, it gets no fresher, and it is told; two hands of one frame
+    /// have the same time and are no trouble.
+    #[test]
+    fn a_clock_that_stands_still_makes_nothing_fresh() {
+        let mut clock = SourceClock::default();
+        for k in 0..1000u64 {
+            let now = (5000 + 10 * k) * MS;
+            let carried = clock.carry(now, 77);
+            assert_eq!(carried.time_ns, 5000 * MS);
+            assert_eq!((carried.jumped, carried.stands_still), (false, k > 100), "{k}");
+        }
+        let mut clock = SourceClock::default();
+        for k in 0..1000u64 {
+            let now = (15_000 + 10 * k) * MS;
+            for _hand in 0..2 {
+                let carried = clock.carry(now, (10 * k * MS) as i64);
+                assert!(!carried.stands_still);
+                assert_eq!(carried.time_ns, now, "{k}");
+            }
+        }
     }
 
     /// Wi-Fi stalls: samples come late, all at once, and are known to be old.

@@ -120,6 +120,10 @@ impl ForceDevice {
         if carried.jumped {
             event(Event::Note("the arm's clock has jumped".into()));
         }
+        if carried.stands_still {
+            let cause = "the arm's clock stands still, so nothing is new";
+            return event(Event::Refused(cause.into()));
+        }
         let pose = Some(LivePose::Angles { wrist, angles });
         let (side, time_ns) = (self.setup.side, carried.time_ns);
         event(Event::Sample(HandSample { side, time_ns, pose }));

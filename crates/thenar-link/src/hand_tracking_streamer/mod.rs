@@ -155,6 +155,10 @@ fn hear(
         if carried.jumped {
             event(Event::Note("the headset's clock has jumped".into()));
         }
+        if carried.stands_still {
+            let cause = "the headset's clock stands still, so nothing is new";
+            return event(Event::Refused(cause.into()));
+        }
         time_ns = carried.time_ns;
     }
     match rebuild(side, &placed) {

@@ -2,13 +2,18 @@
 //! does harm. Method: two trackers that say what a test wants.
 
 use super::*;
+use std::cell::Cell;
 use std::collections::VecDeque;
 use std::f64::consts::FRAC_PI_2;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use thenar::{Quat, Vec3};
 use thenar_scene::motion::ANGLES;
 
 const SIDE: Side = Side::Right;
+
+thread_local! {
+    static NOW: Cell<u64> = const { Cell::new(1000) };
+}
 
 /// Says each sample once, one per call.
 #[derive(Clone, Default)]
@@ -47,7 +52,8 @@ fn wrist(pose: Pose) -> Option<LivePose> {
 
 fn pair(pose_TW: Pose) -> (Script, Script, Paired) {
     let (glove, base) = (Script::default(), Script::default());
-    let paired = Paired::new(Box::new(glove.clone()), Box::new(base.clone()), pose_TW);
+    let paired =
+        Paired::with_clock(Box::new(glove.clone()), Box::new(base.clone()), pose_TW, || NOW.get());
     (glove, base, paired)
 }
 
@@ -84,40 +90,75 @@ fn fingers_are_where_the_wrist_is() {
     assert!(paired.messages().is_empty());
 }
 
-/// Either clock steps back by a day, stays there for a while and returns: times go on by hardly
-/// anything meanwhile (the sample is stale), are right again afterwards, and it is told once.
+/// The glove's clock, the tracker's or both jump by a day, for two seconds or for good, forward (which is
+/// seen at once) or back (which is believed after half a second): until then the hand is as old as
+/// that time says, and from then on as fresh as it is. Every fourth sample is told twice. Each jump is
+/// told, and of each clock.
 #[test]
-fn times_never_step_back() {
-    const DAY_NS: u64 = 86_400_000_000_000;
-    for who in 0..2 {
-        let (glove, base, mut paired) = pair(Pose::identity());
-        let mut messenger = paired.messenger();
-        let mut last = 0;
-        for k in 1..=300u64 {
-            let now = 2 * DAY_NS + 10_000_000 * k;
-            let away = if (100..200).contains(&k) { DAY_NS } else { 0 };
-            let [of_glove, of_base] = if who == 0 { [now - away, now] } else { [now, now - away] };
-            glove.say(of_glove, fingers(0.1));
-            base.say(of_base, wrist(Pose::identity()));
-            let (time_ns, _) = told(&mut paired);
-            assert!(time_ns > last && time_ns <= now);
-            match away {
-                0 => assert_eq!(time_ns, now),
-                _ => assert!(time_ns - last == 1, "it stands still"),
+fn clocks_that_jump_are_followed_and_times_never_step_back() {
+    const DAY_NS: i64 = 86_400_000_000_000;
+    for who in [[true, false], [false, true], [true, true]] {
+        for (by, held) in [(DAY_NS, 0), (-DAY_NS, 50)] {
+            for home in [300, u64::MAX] {
+                let (glove, base, mut paired) = pair(Pose::identity());
+                let mut messenger = paired.messenger();
+                let mut last = 0;
+                for k in 1..=500u64 {
+                    let now = 3 * DAY_NS as u64 + 10_000_000 * k;
+                    NOW.set(now);
+                    let away = (100..home).contains(&k);
+                    let [of_glove, of_base] = who
+                        .map(|jumps| now.saturating_add_signed(if jumps && away { by } else { 0 }));
+                    for _ in 0..if k % 4 == 0 { 2 } else { 1 } {
+                        glove.say(of_glove, fingers(0.1));
+                        base.say(of_base, wrist(Pose::translation(k as f64, 0.0, 0.0)));
+                        let (time_ns, at) = told(&mut paired);
+                        assert!(time_ns > last || last == now);
+                        assert_eq!(at.unwrap().position.x, k as f64, "the newest, however old");
+                        match away && k < 100 + held {
+                            true => assert!(time_ns - last <= 1, "it stands still"),
+                            false => assert!(time_ns - now <= 1, "{who:?} {by} {k}"),
+                        }
+                        last = time_ns;
+                    }
+                    let jumps = k == 100 + held || k == home;
+                    let told = messenger();
+                    let named = NAMES.map(|name| told.iter().any(|text| text.contains(name)));
+                    assert_eq!(named, who.map(|who| who && jumps), "{k} {told:?}");
+                }
+                assert!(paired.messages().is_empty(), "told once, be it there or here");
             }
-            last = time_ns;
         }
-        let messages = messenger();
-        assert_eq!(messages.len(), 1, "{messages:?}");
-        assert!(messages[0].contains(["glove", "wrist's tracker"][who]), "{messages:?}");
-        assert!(paired.messages().is_empty(), "told once, be it there or here");
     }
     // The end of all times is no panic.
     let (glove, base, mut paired) = pair(Pose::identity());
+    NOW.set(u64::MAX);
     for _ in 0..2 {
         glove.say(u64::MAX, fingers(0.1));
         base.say(u64::MAX, wrist(Pose::identity()));
         assert_eq!(told(&mut paired).0, u64::MAX);
+    }
+}
+
+/// A tracker that tells its last sample again and again, on a clock that has jumped before, leaves the
+/// hand as old as that.
+#[test]
+fn duplicates_of_a_jumped_clock_are_no_news() {
+    let (glove, base, mut paired) = pair(Pose::identity());
+    const MS: u64 = 1_000_000;
+    let mut before = 0;
+    for k in 1..=300u64 {
+        let now = 86_400_000 * MS + 10 * MS * k;
+        NOW.set(now);
+        glove.say(now, fingers(0.1));
+        base.say(10 * MS * k.min(100), wrist(Pose::identity()));
+        let (time_ns, _) = told(&mut paired);
+        match k {
+            0..51 => {}
+            51..=100 => assert_eq!(time_ns, now),
+            _ => assert_eq!(time_ns - before, 1),
+        }
+        before = time_ns;
     }
 }
 

@@ -91,6 +91,11 @@ impl Protocol for PoseStream {
                         if carried.jumped {
                             event(Event::Note("the sender's clock has jumped".into()));
                         }
+                        if carried.stands_still {
+                            let cause =
+                                "t stands still, so nothing is new: let it run or leave it out";
+                            return event(Event::Refused(cause.into()));
+                        }
                         time_ns = carried.time_ns;
                     }
                     event(Event::Sample(HandSample { side, time_ns, pose }));
