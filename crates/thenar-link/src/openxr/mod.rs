@@ -11,6 +11,7 @@ use crate::joints::{OPENXR_JOINTS, in_reach, rotation, webxr_of_openxr};
 use crate::worker::Device;
 use crate::{Driver, Event, Found, HandSample, LinkError, Opened, Protocol, Transport};
 use std::io;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use thenar::model::Side;
 use thenar::{Pose, Vec3};
@@ -22,6 +23,12 @@ const PERIOD: Duration = Duration::from_millis(4);
 const JOINT_BYTES: usize = 1 + 8 * 4;
 /// Bytes of a hand: which, whether it is seen, and its joints.
 const HAND_BYTES: usize = 2 + OPENXR_JOINTS * JOINT_BYTES;
+
+/// First byte of a message, which is told apart from hands.
+const NOTE: u8 = b'n';
+/// Between two attempts to open a runtime: a loader that finds none says so on the error stream each
+/// time, and some runtimes start a program.
+const ATTEMPTS: Duration = Duration::from_secs(3);
 
 /// A joint as a runtime tells it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,30 +43,43 @@ pub struct Joint {
     pub radius: f32,
 }
 
+/// The left and the right hand; `None` for one that is not seen.
+pub type Hands = [Option<[Joint; OPENXR_JOINTS]>; 2];
+
 /// A runtime with a session.
 pub trait Runtime: Send {
-    /// The joints of the left and of the right hand now; `None` for one that is not seen.
+    /// The hands now; `None` while the session does not run, as with a headset that nobody wears.
     ///
     /// # Errors
     /// The session has ended.
-    fn hands(&mut self) -> io::Result<[Option<[Joint; OPENXR_JOINTS]>; 2]>;
+    fn hands(&mut self) -> io::Result<Option<Hands>>;
+
+    /// What there is to tell a person, once.
+    fn note(&mut self) -> Option<&'static str> {
+        None
+    }
 }
 
 /// Asks a runtime now and then.
 pub struct RuntimeTransport<R> {
     runtime: R,
     asked: Option<Instant>,
+    /// The session ran when it was last asked.
+    ran: bool,
 }
 
 impl<R: Runtime> RuntimeTransport<R> {
     /// Asks this one.
     pub fn new(runtime: R) -> Self {
-        Self { runtime, asked: None }
+        Self { runtime, asked: None, ran: false }
     }
 }
 
 impl<R: Runtime> Transport for RuntimeTransport<R> {
     fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize> {
+        if let Some(note) = self.runtime.note() {
+            return Ok(write_note(buffer, note));
+        }
         let left = self.asked.map_or(Duration::ZERO, |at| PERIOD.saturating_sub(at.elapsed()));
         std::thread::sleep(left.min(timeout));
         if left > timeout {
@@ -67,9 +87,13 @@ impl<R: Runtime> Transport for RuntimeTransport<R> {
         }
         self.asked = Some(Instant::now());
         let hands = self.runtime.hands()?;
+        // Hands are lost when the session stops; after that it is silent.
+        if !std::mem::replace(&mut self.ran, hands.is_some()) && hands.is_none() {
+            return Ok(0);
+        }
         let mut bytes = buffer;
         let mut length = 0;
-        for (side, hand) in hands.iter().enumerate() {
+        for (side, hand) in hands.unwrap_or_default().iter().enumerate() {
             let Some((place, rest)) = bytes.split_at_mut_checked(HAND_BYTES) else { break };
             write(place, side as u8, hand.as_ref());
             (bytes, length) = (rest, length + HAND_BYTES);
@@ -80,6 +104,12 @@ impl<R: Runtime> Transport for RuntimeTransport<R> {
     fn send(&mut self, _: &[u8]) -> io::Result<()> {
         Ok(())
     }
+}
+
+/// Writes a message; returns its length.
+fn write_note(place: &mut [u8], note: &str) -> usize {
+    let bytes = std::iter::once(&NOTE).chain(note.as_bytes());
+    place.iter_mut().zip(bytes).map(|(place, byte)| *place = *byte).count()
 }
 
 /// Writes a hand into `HAND_BYTES`.
@@ -115,6 +145,9 @@ impl Protocol for OpenXrHands {
         event: &mut dyn FnMut(Event),
         _: &mut dyn FnMut(&[u8]),
     ) {
+        if let [NOTE, note @ ..] = bytes {
+            return event(Event::Note(String::from_utf8_lossy(note).into_owned()));
+        }
         for hand in bytes.chunks(HAND_BYTES) {
             let side = match (hand.len(), hand[0]) {
                 (HAND_BYTES, 0) => Side::Left,
@@ -175,7 +208,8 @@ impl Driver for OpenXrDriver {
     }
 
     fn about(&self) -> &'static str {
-        "hand tracking of the OpenXR runtime that is active on this computer: openxr:"
+        "hand tracking of the OpenXR runtime that is active on this computer: openxr:, or openxr:PATH \
+         with another loader than the system's"
     }
 
     fn enumerate(&self) -> Vec<Found> {
@@ -183,16 +217,27 @@ impl Driver for OpenXrDriver {
     }
 
     fn open(&self, address: &str) -> Result<Opened, LinkError> {
-        if !address.is_empty() {
+        let loader = (!address.is_empty()).then(|| PathBuf::from(address));
+        if let Some(path) = loader.as_ref().filter(|path| !path.is_absolute()) {
             let what = format!("device `openxr:{address}`");
-            let cause = "expected nothing after `openxr:`".into();
+            let cause =
+                format!("expected nothing or the loader's full path, not {}", path.display());
             return Err(LinkError::Setting { what, cause });
         }
-        let connect = || -> io::Result<Box<dyn Transport>> {
-            Ok(Box::new(RuntimeTransport::new(runtime::Session::open()?)))
+        let mut failed: Option<(Instant, io::ErrorKind, String)> = None;
+        let connect = move || -> io::Result<Box<dyn Transport>> {
+            if let Some((at, kind, cause)) = &failed
+                && at.elapsed() < ATTEMPTS
+            {
+                return Err(io::Error::new(*kind, cause.clone()));
+            }
+            let opened = runtime::Session::open(loader.as_deref());
+            failed = opened.as_ref().err().map(|e| (Instant::now(), e.kind(), e.to_string()));
+            Ok(Box::new(RuntimeTransport::new(opened?)))
         };
+        let name = if address.is_empty() { "openxr".into() } else { format!("openxr:{address}") };
         let protocol = OpenXrHands::default();
-        Device::tracker("openxr:".into(), Box::new(connect), Box::new(protocol)).open()
+        Device::tracker(name, Box::new(connect), Box::new(protocol)).open()
     }
 }
 
