@@ -73,14 +73,16 @@ fn cases() -> Vec<Case> {
     let first = glove.packet(0);
     glove.set_curls(CURLS);
     let packets = ten(first, glove.packet(123_456_789_000));
-    let of_hands = |line: &dyn Fn(&[Pose; 25]) -> String| {
-        let [first, others] = hands().map(|hand| line(&hand).into_bytes());
-        vec![first, others.clone(), others]
+    // Each has a time of its own, 11 ms after the one before.
+    let of_hands = |line: &dyn Fn(&[Pose; 25], i64) -> String| {
+        let [first, others] = hands();
+        let in_turn = [first, others, others].into_iter().zip(0..);
+        in_turn.map(|(hand, k)| line(&hand, k * 11_000_000).into_bytes()).collect::<Vec<_>>()
     };
-    let streamed = of_hands(&|hand| twin::lines(Side::Left, hand, Points::Local, Some((7, 0))));
-    let posed = of_hands(&|joints| {
+    let streamed = of_hands(&|hand, t| twin::lines(Side::Left, hand, Points::Local, Some((7, t))));
+    let posed = of_hands(&|joints, t| {
         let pose = LivePose::Joints { joints: *joints, radii: [0.01; 25] };
-        pose_stream::write(Side::Left, 0.5, Some(&pose))
+        pose_stream::write(Side::Left, 0.5 + t as f64 * 1e-9, Some(&pose))
     });
     let case = |name, serial, protocol, packets| Case { name, protocol, packets, serial };
     vec![
