@@ -173,6 +173,10 @@ impl SimulationPort {
             contacts: [FingerContact::default(); DIGITS],
             beginnings: self.beginnings,
         };
+        // The scene's drives are the couplings to the bones; displays bound what is shown of them.
+        let proxies: Vec<_> = (self.design.hand(model).into_iter().zip(&drives))
+            .map(|(proxy, drive)| proxy.driven_by(&drive.unwrap_or(proxy.bone)))
+            .collect();
         let touch: Box<dyn Touch + Send> = if single {
             // Samples come every tick, already smooth.
             let settings = SingleRateSettings {
@@ -183,12 +187,11 @@ impl SimulationPort {
             if let Some(input) = inner.input_mut() {
                 input.copy_from(session.input());
             }
+            for (bone, (_, parts)) in proxies.iter().enumerate() {
+                inner.show(bone, *parts);
+            }
             Box::new(inner)
         } else {
-            let mut proxies = self.design.hand(model);
-            for (proxy, drive) in proxies.iter_mut().zip(&drives) {
-                proxy.bone = drive.unwrap_or(proxy.bone);
-            }
             let settings = HandSettings {
                 mode: if self.mode == LoopMode::Shared {
                     Mode::SharedConstraints
@@ -198,7 +201,12 @@ impl SimulationPort {
                 tracking: Prediction { blend: 0.0, ..Prediction::TRACKER },
                 ..HandSettings::default()
             };
-            Box::new(HapticHand::new(settings, proxies, &start, self.contacts_max())?)
+            let (proxies, parts): (_, Vec<_>) = proxies.into_iter().unzip();
+            let mut hand = HapticHand::new(settings, proxies, &start, self.contacts_max())?;
+            for (bone, parts) in parts.into_iter().enumerate() {
+                hand.show(bone, parts);
+            }
+            Box::new(hand)
         };
         let (slow, fast) = slots(&frame, single.then(|| (world.state(), session.input())));
         let mut live = session.live_hand(index)?;

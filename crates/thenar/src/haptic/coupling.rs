@@ -68,6 +68,30 @@ impl CouplingDesign {
     }
 }
 
+impl Proxy {
+    /// The proxy of a bone that has a drive of its own: held to it by this drive, and to the hand no
+    /// softer than that. With it the parts of the device coupling's force and torque that the wearer is
+    /// shown, so that a bone that cannot move is felt as stiff as the softer hold would have it.
+    ///
+    /// A softer hold on the hand than on the bone lets the simulated hand go elsewhere than the real one: a
+    /// palm that is driven with 10 N m/rad but held with 0.3 pitches forward when its fingers bend.
+    pub fn driven_by(&self, drive: &Drive) -> (Self, [f64; 2]) {
+        let part = |own: f64, bone: f64| {
+            if bone > own { series_stiffness(own, bone) / (0.5 * bone) } else { 1.0 }
+        };
+        let shown = [
+            part(self.device.stiffness, drive.stiffness),
+            part(self.device.angular_stiffness, drive.angular_stiffness),
+        ];
+        let device = Drive {
+            stiffness: self.device.stiffness.max(drive.stiffness),
+            angular_stiffness: self.device.angular_stiffness.max(drive.angular_stiffness),
+            ..self.device
+        };
+        (Self { device, bone: *drive, ..*self }, shown)
+    }
+}
+
 /// Force \[N\] and torque \[N m\] on the wearer, world, of a coupling between the hand and a body,
 /// both after a step: what a drive did, felt from its other end.
 pub fn drive_reaction(drive: &Drive, hand: &RigidState, body: &RigidState) -> [Vec3; 2] {
@@ -101,6 +125,23 @@ mod tests {
             let turning = d.angular_damping + b.angular_damping;
             assert!((turning / (2.0 * (2e-7 * k).sqrt()) - ratio).abs() < 1e-12);
             assert!((d.damping - 0.2).abs() < 1e-12);
+        }
+    }
+
+    /// A bone that cannot move is felt through both springs as through those of the design, and the
+    /// proxy is never held softer to the hand than to the bone.
+    #[test]
+    fn a_firmer_hold_is_not_felt_stiffer() {
+        let own = CouplingDesign::default().proxy(0.004, &Mat3::from_diagonal_element(1e-7));
+        for (k, turning) in [(100.0, 0.1), (800.0, 0.32), (4000.0, 10.0)] {
+            let drive = Drive { stiffness: k, angular_stiffness: turning, ..own.bone };
+            let (proxy, shown) = own.driven_by(&drive);
+            assert!(proxy.device.stiffness >= k && proxy.device.angular_stiffness >= turning);
+            assert_eq!(proxy.bone, drive);
+            let felt = shown[0] * series_stiffness(proxy.device.stiffness, k);
+            assert!((felt - 800.0 * k / (800.0 + k)).abs() < 1e-9, "{felt} N/m through {k} N/m");
+            let felt = shown[1] * series_stiffness(proxy.device.angular_stiffness, turning);
+            assert!((felt - 0.32 * turning / (0.32 + turning)).abs() < 1e-12, "{felt} N m/rad");
         }
     }
 

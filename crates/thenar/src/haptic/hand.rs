@@ -99,6 +99,8 @@ pub struct HapticHand {
     bones: Vec<RigidState>,
     /// What the wearer feels.
     wrenches: Vec<[Vec3; 2]>,
+    /// Parts of the device couplings' forces and torques that are shown.
+    shown: Vec<[f64; 2]>,
     ticks: u64,
 }
 
@@ -129,9 +131,15 @@ impl HapticHand {
             periods_when_late,
             bones: proxies.states().to_vec(),
             wrenches: vec![[Vec3::zeros(); 2]; n],
+            shown: vec![[1.0; 2]; n],
             proxies,
             ticks: 0,
         })
+    }
+
+    /// Shows only these parts of a bone's force and torque to the wearer, 0 to 1.
+    pub fn show(&mut self, bone: usize, parts: [f64; 2]) {
+        self.shown[bone] = parts;
     }
 
     /// The simulated bones now.
@@ -225,7 +233,9 @@ impl Touch for HapticHand {
         for (i, (felt, told)) in
             self.wrenches.iter_mut().zip(self.proxies.device_wrenches()).enumerate()
         {
-            *felt = told.map(|part| part * self.hand.share(i));
+            let share = self.hand.share(i);
+            let [force, torque] = self.shown[i];
+            *felt = [told[0] * (share * force), told[1] * (share * torque)];
         }
         self.ticks += 1;
         HandReport { step: h, tracking_age, simulation_age, proxies, contact, world: None }

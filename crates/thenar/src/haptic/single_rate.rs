@@ -48,6 +48,8 @@ pub struct SingleRate {
     hand: TrackedHand,
     bones: Vec<RigidState>,
     wrenches: Vec<[Vec3; 2]>,
+    /// Parts of the drives' forces and torques that are shown.
+    shown: Vec<[f64; 2]>,
     /// Time that has passed and is not simulated yet \[s\].
     owed: f64,
     ticks: u64,
@@ -69,10 +71,16 @@ impl SingleRate {
             hand: TrackedHand::new(settings.tracking, settings.glide, &states),
             bones: states,
             wrenches: vec![[Vec3::zeros(); 2]; n],
+            shown: vec![[1.0; 2]; n],
             owed: 0.0,
             ticks: 0,
             world,
         }
+    }
+
+    /// Shows only these parts of a bone's force and torque to the wearer, 0 to 1.
+    pub fn show(&mut self, bone: usize, parts: [f64; 2]) {
+        self.shown[bone] = parts;
     }
 
     /// The bones' targets; one that was never tracked is let go, and nothing is felt of it.
@@ -89,8 +97,10 @@ impl SingleRate {
             let drive = self.world.desc().drives[self.first + i];
             let held = drive.filter(|_| self.input.targets[self.first + i].is_some());
             self.wrenches[i] = held.map_or([Vec3::zeros(); 2], |drive| {
-                drive_reaction(&drive, &self.hand.targets()[i], &self.bones[i])
-                    .map(|part| part * self.hand.share(i))
+                let [force, torque] =
+                    drive_reaction(&drive, &self.hand.targets()[i], &self.bones[i]);
+                let (share, [linear, angular]) = (self.hand.share(i), self.shown[i]);
+                [force * (share * linear), torque * (share * angular)]
             });
         }
     }

@@ -29,6 +29,8 @@
 mod condensed;
 mod resolve;
 #[cfg(test)]
+mod slow_tests;
+#[cfg(test)]
 mod tests;
 
 pub use condensed::{Condensed, CondensedContact};
