@@ -16,12 +16,10 @@ mod unit;
 pub use unit::{GraspUnit, SimulatedUnit, UNIT_SILENCE, serve_unit};
 
 use crate::profile::{Address, Check, Display, load};
-use crate::transport::StreamTransport;
+use crate::transport::{StreamTransport, host_and_port, tcp};
 use crate::worker::{Device, DisplayTraits};
 use crate::{DIGITS, Driver, Event, Found, HandOutput, LinkError, Opened, Protocol, Rendering};
 use serde::{Deserialize, Serialize};
-use std::net::{TcpStream, ToSocketAddrs};
-use std::time::Duration;
 use thenar::haptic::{CYBERGRASP_FORCE_MAX, tendon_pull};
 use thenar::model::Side;
 
@@ -167,17 +165,13 @@ impl Driver for CyberGraspDriver {
         let parsed = Address::parse(self.name(), address)?;
         let profile: Profile = load(self.name(), SHIPPED, &parsed)?;
         let name = format!("cybergrasp:{}", parsed.place);
-        let socket = parsed.place.to_socket_addrs().ok().and_then(|mut found| found.next());
-        let Some(socket) = socket else {
-            let cause = "expected HOST:PORT of a bridge".into();
-            return Err(LinkError::Setting { what: format!("device `{name}`"), cause });
-        };
+        let peer = host_and_port(&parsed.place, None).map_err(|cause| {
+            let cause = format!("{cause} of a bridge");
+            LinkError::Setting { what: format!("device `{name}`"), cause }
+        })?;
         let device = Device {
             name,
-            connect: Box::new(move || {
-                let stream = TcpStream::connect_timeout(&socket, Duration::from_millis(500))?;
-                Ok(Box::new(StreamTransport::new(stream)?))
-            }),
+            connect: Box::new(move || Ok(Box::new(StreamTransport::new(tcp::call(&peer)?)?))),
             protocol: Box::new(CyberGrasp::new(parsed.side)),
             tracks: None,
             display: Some(DisplayTraits {

@@ -3,7 +3,7 @@
 use super::ForceDevice;
 use super::profile::{Profile, SHIPPED};
 use crate::profile::{Address, Check, load};
-use crate::transport::UdpTransport;
+use crate::transport::{UdpTransport, host_and_port};
 use crate::worker::{Device, DisplayTraits, TrackerTraits};
 use crate::{Driver, Found, LinkError, Opened, Rendering};
 use std::net::ToSocketAddrs;
@@ -41,13 +41,7 @@ impl Driver for ForceDeviceDriver {
             profile.check().map_err(|(_, cause)| refuse(cause))?;
         }
         let host = if place.is_empty() { "127.0.0.1" } else { place };
-        let with_port = match host.rsplit_once(':') {
-            Some((_, port)) if port.parse::<u16>().is_ok() => host.to_owned(),
-            Some(_) if !host.ends_with(']') => {
-                return Err(refuse(format!("`{host}`: no such port")));
-            }
-            _ => format!("{host}:{PORT}"),
-        };
+        let with_port = host_and_port(host, Some(PORT)).map_err(refuse)?;
         let (Some(arm), Some(setup)) = (profile.chosen(), profile.setup()) else {
             return Err(refuse(format!("`{}` is no arm", profile.arm)));
         };

@@ -153,7 +153,7 @@ fn shipped_arms_are_sound_and_a_wrong_one_is_named() {
     assert!(profile.check().unwrap_err().1.starts_with("`hammer` is no arm; there are desktop,"));
     let told = |address: &str| crate::open(address).map(|_| ()).unwrap_err().to_string();
     assert!(told("force-device:hammer@").contains("`hammer` is no arm"));
-    assert!(told("force-device:host:port").contains("no such port"));
+    assert!(told("force-device:host:port").contains("has no port from 1 to 65535"));
     assert!(told("force-device:x?speed=1").contains("`speed=1` is no option"));
 }
 

@@ -2,7 +2,7 @@
 
 use super::{HandTrackingStreamer, Points, TCP_PORT, UDP_PORT};
 use crate::options::Options;
-use crate::transport::{StreamTransport, TcpServer, listening, tcp};
+use crate::transport::{StreamTransport, TcpServer, host_and_port, listening, tcp};
 use crate::worker::{Connect, Device};
 use crate::{Driver, Found, LinkError, Opened};
 use std::net::{IpAddr, Ipv4Addr};
@@ -45,8 +45,8 @@ impl Driver for HandTrackingStreamerDriver {
                 (Box::new(move || Ok(Box::new(server.accept()?))), false)
             }
             "call" if !rest.is_empty() => {
-                let port = if rest.contains(':') { "" } else { &format!(":{TCP_PORT}") };
-                let peer = format!("{rest}{port}");
+                let peer =
+                    host_and_port(rest, Some(TCP_PORT)).map_err(|cause| options.refuse(cause))?;
                 let call = move || -> std::io::Result<Box<dyn crate::Transport>> {
                     Ok(Box::new(StreamTransport::new(tcp::call(&peer)?)?))
                 };

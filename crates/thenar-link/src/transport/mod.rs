@@ -1,6 +1,7 @@
 //! How bytes travel.
 
 mod pipe;
+mod place;
 pub mod serial;
 pub mod socket;
 pub mod tcp;
@@ -9,6 +10,7 @@ mod wait;
 pub mod websocket;
 
 pub use pipe::PipeTransport;
+pub use place::host_and_port;
 pub use serial::SerialTransport;
 pub use socket::StreamTransport;
 pub use tcp::TcpServer;

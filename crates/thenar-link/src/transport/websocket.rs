@@ -57,7 +57,14 @@ pub fn authority(url: &str) -> io::Result<String> {
     let bad = || io::Error::new(ErrorKind::InvalidInput, "expected ws://HOST:PORT/PATH");
     let uri: tungstenite::http::Uri = url.parse().map_err(|_| bad())?;
     let (Some("ws"), Some(host)) = (uri.scheme_str(), uri.host()) else { return Err(bad()) };
-    Ok(format!("{host}:{}", uri.port_u16().unwrap_or(80)))
+    // A port that is none would otherwise be taken for the usual one.
+    let port = uri.authority().and_then(|authority| authority.as_str().rsplit_once(':'));
+    let named = port.is_some_and(|(_, port)| !port.ends_with(']'));
+    match uri.port_u16() {
+        Some(port) if port > 0 => Ok(format!("{host}:{port}")),
+        None if !named => Ok(format!("{host}:80")),
+        _ => Err(bad()),
+    }
 }
 
 fn io_error(error: Error) -> io::Error {
