@@ -25,6 +25,6 @@ pub use clock::Clock;
 pub use error::{OpenError, RecordError};
 pub use frame::{FRAME_BYTES_MAX, Frame, Kind, VERSION};
 pub use header::{Build, Header};
-pub use reader::{Damage, Fault, Frames, open};
+pub use reader::{Damage, Fault, Frames, Place, open};
 pub use recorder::{Recorder, Written};
 pub use tape::{Gap, Tape, Weight};

@@ -53,6 +53,21 @@ impl fmt::Display for Damage {
     }
 }
 
+/// Where a frame begins, to come back to it.
+#[derive(Clone, Debug)]
+pub struct Place {
+    at: u64,
+    sum: u32,
+    newest: Newest,
+}
+
+impl Place {
+    /// Where it begins \[bytes\].
+    pub fn offset(&self) -> u64 {
+        self.at
+    }
+}
+
 /// The frames of a recording, one after another. Every one of them was written as it is, after those
 /// before it; what is damaged is left out.
 #[derive(Debug)]
@@ -62,6 +77,8 @@ pub struct Frames<R> {
     size: u64,
     at: u64,
     sum: u32,
+    /// The same of the frame that was read last.
+    last: (u64, u32),
     payload: Vec<u8>,
     damages: Vec<Damage>,
     newest: Newest,
@@ -122,6 +139,7 @@ impl<R: Read + Seek> Frames<R> {
             size,
             at: PROLOGUE_BYTES as u64,
             sum: word(12),
+            last: (PROLOGUE_BYTES as u64, word(12)),
             payload: Vec::new(),
             damages: Vec::new(),
             newest: Newest::default(),
@@ -152,6 +170,7 @@ impl<R: Read + Seek> Frames<R> {
             if self.at >= self.size {
                 return Ok(None);
             }
+            self.last = (self.at, self.sum);
             match self.read()? {
                 Ok(()) => break,
                 Err(fault) => self.skip(fault)?,
@@ -212,6 +231,29 @@ impl<R: Read + Seek> Frames<R> {
             return Ok(Err(Fault::Order));
         }
         Ok(Ok(()))
+    }
+
+    /// Where the frame begins that [`Frames::next`] gave last.
+    pub fn place(&self) -> Place {
+        let (at, sum) = self.last;
+        Place { at, sum, newest: self.newest.clone() }
+    }
+
+    /// Where the next frame begins.
+    pub fn place_of_next(&self) -> Place {
+        Place { at: self.at, sum: self.sum, newest: self.newest.clone() }
+    }
+
+    /// Goes to a frame, which is the next one then. What is damaged elsewhere is forgotten.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn go_to(&mut self, place: &Place) -> io::Result<()> {
+        self.input.seek(SeekFrom::Start(place.at))?;
+        (self.at, self.sum, self.ended) = (place.at, place.sum, false);
+        self.newest.clone_from(&place.newest);
+        self.damages.clear();
+        Ok(())
     }
 
     /// What is wrong with the file, as far as it has been read: pieces in the order of their place.

@@ -12,7 +12,7 @@ const LEAK: f64 = 0.02;
 const GAP: [f64; 2] = [5e-4, 0.1];
 
 /// Joins the two clocks.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Clock {
     /// Least delay between pose and arrival, and the last pose's own time and arrival.
     last: Option<(f64, f64, f64)>,

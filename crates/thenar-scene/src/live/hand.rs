@@ -1,9 +1,11 @@
 //! One hand that poses may move.
 
 use super::check::checked;
-use super::clock::{Clock, Timing};
+use super::clock::Timing;
 use super::follower::{Law, follow, follow_rotation};
+use super::memory::{CALIBRATION, Memory, Way};
 use super::observer::{Gains, Observed, ObservedRotation};
+use super::stance::Stance;
 use super::{JOINT_RATE_MAX, LiveError, LivePose, Mover, OPENING, SPEED_MAX, SPIN_MAX, STALE};
 use crate::motion::{
     ANGLES, AngleRange, Articulation, BoneLengths, Knuckles, Retarget, hand_angles,
@@ -23,109 +25,27 @@ const ARRIVED: f64 = 1e-4;
 const TELEPORT: [f64; 2] = [0.05, SPEED_MAX];
 /// The same for rotations \[rad, rad/s\].
 const TELEPORT_TURN: [f64; 2] = [0.5, 25.0];
-/// Poses that refine the calibration.
-const CALIBRATION: usize = 90;
 /// Largest change of the wrist's frame per pose while it is refined \[rad\].
 const REFINEMENT: f64 = 0.0035;
 /// A tracked hand is larger than ours by a factor within these, or it is none.
 const RATIOS: [f64; 2] = [0.3, 3.0];
 
-/// Wrist and joint angles with their velocities.
-#[derive(Clone, Debug)]
-struct Stance {
-    position: [Vec3; 2],
-    rotation: (Quat, Vec3),
-    angles: Vec<[f64; 2]>,
-    rates: Vec<[f64; 2]>,
-}
-
-impl Stance {
-    fn at_rest(articulation: &Articulation) -> Self {
-        let wrist = articulation.wrist_at_rest(&Pose::identity());
-        Self {
-            position: [wrist.position, Vec3::zeros()],
-            rotation: (wrist.rotation, Vec3::zeros()),
-            angles: articulation.rest_angles.clone(),
-            rates: vec![[0.0; 2]; articulation.rest_angles.len()],
-        }
-    }
-
-    /// Reads bone targets; the joints' rates are what took them there within `h` \[s\], or zero.
-    fn read(
-        &mut self,
-        articulation: &Articulation,
-        targets: &[Option<Target>],
-        h: Option<f64>,
-        poses: &mut [Pose],
-        angles: &mut [[f64; 2]],
-    ) {
-        for (pose, target) in poses.iter_mut().zip(targets) {
-            let Some(target) = target else { return };
-            *pose = target.pose_WB;
-        }
-        let Some(Some(root)) = targets.first() else { return };
-        let wrist = root.pose_WB * articulation.pose_BT;
-        let arm = wrist.position - root.pose_WB.position;
-        let spin = root.angular_velocity_W;
-        self.position = [wrist.position, root.velocity_W + spin.cross(&arm)];
-        self.rotation = (wrist.rotation, spin);
-        articulation.tree.angles(poses, angles);
-        for j in 0..angles.len() {
-            for k in 0..2 {
-                let change = angles[j][k] - self.angles[j][k];
-                self.rates[j][k] = h.map_or(0.0, |h| change / h);
-                self.angles[j][k] = angles[j][k];
-            }
-        }
-    }
-}
-
-/// What follows the hand's targets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Way {
-    /// The scene's script, as it is.
-    Script,
-    /// On the way back to the script.
-    Returning,
-    /// Poses.
-    Live,
-}
-
 /// A hand that poses may move, with all that is known of its tracker.
 #[derive(Clone, Debug)]
 pub struct LiveHand {
-    name: String,
+    pub(super) name: String,
     length: f64,
     articulation: Articulation,
     ranges: [Option<AngleRange>; ANGLES],
     /// Carries joints over; `None` for a hand that names no tracked joints.
-    retarget: Option<Retarget>,
-    knuckles: Knuckles,
+    pub(super) retarget: Option<Retarget>,
+    pub(super) knuckles: Knuckles,
     bones: BoneLengths,
-    /// Size of the tracked hand over ours, of the first poses.
-    ratios: [f64; CALIBRATION],
-    calibrated: usize,
-
     /// Natural frequency of the follower once it is there \[rad/s\].
     omega: f64,
-    way: Way,
-    lost: bool,
-    /// Time stepped \[s\]; goes on when the scene starts over.
-    now: f64,
-    clock: Clock,
-    /// When the newest pose came, and its age then \[s\].
-    arrived: f64,
-    late: f64,
-    /// When the hand set out for another place \[s\].
-    set_out: f64,
-    position: Observed<Vec3>,
-    rotation: ObservedRotation,
-    joints: Vec<[Observed<f64>; 2]>,
-    /// Where the targets are.
-    stance: Stance,
-    /// Where the script wants them.
-    script: Stance,
-    script_known: bool,
+    /// All that changes and that the next step depends on, with what `retarget` and `knuckles` have
+    /// learnt.
+    pub(super) memory: Memory,
     /// Memory to work in: one entry per bone or joint.
     wanted: Vec<Pose>,
     poses: Vec<Pose>,
@@ -149,22 +69,8 @@ impl LiveHand {
             retarget: Retarget::uncalibrated(hand, false).ok(),
             knuckles: Knuckles::of(hand),
             bones: BoneLengths::of(hand),
-            ratios: [1.0; CALIBRATION],
-            calibrated: 0,
             omega: OMEGA[1],
-            way: Way::Script,
-            lost: false,
-            now: 0.0,
-            clock: Clock::default(),
-            arrived: f64::NEG_INFINITY,
-            late: 0.0,
-            set_out: 0.0,
-            position: Observed { place: Vec3::zeros(), rate: Vec3::zeros() },
-            rotation: ObservedRotation { place: Quat::identity(), rate: Vec3::zeros() },
-            joints: vec![[Observed { place: 0.0, rate: 0.0 }; 2]; joints],
-            script: stance.clone(),
-            stance,
-            script_known: false,
+            memory: Memory::new(stance, joints),
             wanted: vec![Pose::identity(); bones],
             poses: vec![Pose::identity(); bones],
             angles: vec![[0.0; 2]; joints],
@@ -181,7 +87,7 @@ impl LiveHand {
 
     /// Who moves the hand.
     pub fn mover(&self) -> Mover {
-        match self.way {
+        match self.memory.way {
             Way::Script | Way::Returning => Mover::Script,
             Way::Live if self.is_lost() => Mover::Lost,
             Way::Live => Mover::Live,
@@ -191,8 +97,9 @@ impl LiveHand {
     /// Length of the wearer's hand, wrist to middle fingertip \[m\]: the median over the first
     /// poses with joints since they took over. `None` before the first.
     pub fn length(&self) -> Option<f64> {
-        let mut ratios = self.ratios;
-        let known = &mut ratios[..self.calibrated];
+        let mut ratios = [1.0; CALIBRATION];
+        ratios.copy_from_slice(&self.memory.ratios);
+        let known = &mut ratios[..self.memory.calibrated];
         known.sort_unstable_by(f64::total_cmp);
         known.get(known.len() / 2).map(|ratio| ratio * self.length)
     }
@@ -200,7 +107,7 @@ impl LiveHand {
     /// True while poses have moved the hand for less than [`OPENING`] since it set out for another
     /// place: after they took over, came back or teleported.
     pub fn is_setting_out(&self) -> bool {
-        self.way == Way::Live && self.now - self.set_out < OPENING
+        self.memory.way == Way::Live && self.memory.now - self.memory.set_out < OPENING
     }
 
     /// How far finger `finger` (thumb 0) is closed, as the mean over its joints' ranges: 0 open, 1
@@ -212,7 +119,7 @@ impl LiveHand {
             // From straight on: what bends backwards is no part of closing.
             let open = range.min.max(0.0);
             if range.max > open {
-                let angle = self.stance.angles[range.index][range.axis] * range.sense;
+                let angle = self.memory.stance.angles[range.index][range.axis] * range.sense;
                 sum += ((angle - open) / (range.max - open)).clamp(0.0, 1.0);
                 count += 1.0;
             }
@@ -222,7 +129,7 @@ impl LiveHand {
 
     /// True when the script's targets are wanted in the next step.
     pub fn wants_script(&self) -> bool {
-        self.way != Way::Live
+        self.memory.way != Way::Live
     }
 
     /// Takes a pose that the client took at `time` \[s\] by its own clock. It acts in the next
@@ -241,42 +148,44 @@ impl LiveHand {
             let cause = "its root bone must name the tracked joint `wrist`".into();
             return Err(LiveError::Unfit { hand: self.name.clone(), cause });
         }
-        let begins = self.way != Way::Live;
+        let begins = self.memory.way != Way::Live;
         if begins {
             self.take_over(targets);
         }
         let wrist = self.carry_over(&pose);
         let was_lost = begins || self.is_lost();
         if was_lost {
-            self.clock.forget();
+            self.memory.clock.forget();
         }
-        let timing = self.clock.take(time, self.now);
+        let timing = self.memory.clock.take(time, self.memory.now);
         self.observe(&wrist, &timing, was_lost);
-        (self.arrived, self.late, self.lost) = (self.now, timing.late, false);
+        (self.memory.arrived, self.memory.late, self.memory.lost) =
+            (self.memory.now, timing.late, false);
         Ok(())
     }
 
     /// The tracker has lost the hand: it holds still at the last pose.
     pub fn lose(&mut self) {
-        self.lost = true;
+        self.memory.lost = true;
     }
 
     /// Hands the hand back to its script, which it reaches smoothly.
     pub fn follow_script(&mut self) {
-        if self.way == Way::Live {
-            (self.way, self.script_known, self.set_out) = (Way::Returning, false, self.now);
+        if self.memory.way == Way::Live {
+            (self.memory.way, self.memory.script_known, self.memory.set_out) =
+                (Way::Returning, false, self.memory.now);
         }
     }
 
     /// The scene has started over and put the bones at `targets`: a script is followed from
     /// there, a tracked hand sets out from there.
     pub fn restart(&mut self, targets: &[Option<Target>]) {
-        let Self { articulation, stance, poses, angles, .. } = self;
-        stance.read(articulation, targets, None, poses, angles);
-        self.script_known = false;
-        self.set_out = self.now;
-        if self.way == Way::Returning {
-            self.way = Way::Script;
+        let Self { articulation, memory, poses, angles, .. } = self;
+        memory.stance.read(articulation, targets, None, poses, angles);
+        self.memory.script_known = false;
+        self.memory.set_out = self.memory.now;
+        if self.memory.way == Way::Returning {
+            self.memory.way = Way::Script;
         }
     }
 
@@ -284,59 +193,59 @@ impl LiveHand {
     /// or goes on to the tracked pose.
     pub fn return_from(&mut self, targets: &[Option<Target>]) {
         self.restart(targets);
-        if self.way == Way::Script {
-            self.way = Way::Returning;
+        if self.memory.way == Way::Script {
+            self.memory.way = Way::Returning;
         }
     }
 
     /// Moves on by a step of `h` \[s\]. `targets` are the script's at the end of the step, when
     /// [`Self::wants_script`]; they are replaced unless the script alone moves the hand.
     pub fn step(&mut self, h: f64, targets: &mut [Option<Target>]) {
-        match self.way {
+        match self.memory.way {
             Way::Script => {
-                let Self { articulation, stance, poses, angles, .. } = self;
-                let before = self.script_known.then_some(h);
-                stance.read(articulation, targets, before, poses, angles);
-                self.script_known = true;
-                self.now += h;
+                let Self { articulation, memory, poses, angles, .. } = self;
+                let before = memory.script_known.then_some(h);
+                memory.stance.read(articulation, targets, before, poses, angles);
+                self.memory.script_known = true;
+                self.memory.now += h;
                 return;
             }
             Way::Returning => {
-                let Self { articulation, script, poses, angles, .. } = self;
-                let before = self.script_known.then_some(h);
-                script.read(articulation, targets, before, poses, angles);
-                self.script_known = true;
+                let Self { articulation, memory, poses, angles, .. } = self;
+                let before = memory.script_known.then_some(h);
+                memory.script.read(articulation, targets, before, poses, angles);
+                self.memory.script_known = true;
             }
             Way::Live => self.aim(h),
         }
-        self.now += h;
+        self.memory.now += h;
         self.follow(h);
-        if self.way == Way::Returning && self.has_arrived() {
-            self.way = Way::Script;
-            self.stance.clone_from_slice(&self.script);
+        if self.memory.way == Way::Returning && self.has_arrived() {
+            self.memory.way = Way::Script;
+            self.memory.stance.copy_from(&self.memory.script);
             return;
         }
-        let stance = &self.stance;
+        let stance = &self.memory.stance;
         let wrist = Pose::new(stance.position[0], stance.rotation.0);
         let velocity = [stance.position[1], stance.rotation.1];
         self.articulation.targets(&wrist, velocity, &stance.angles, &stance.rates, targets);
     }
 
     fn is_lost(&self) -> bool {
-        self.lost || self.now - self.arrived > STALE
+        self.memory.lost || self.memory.now - self.memory.arrived > STALE
     }
 
     /// Poses move the hand from now on, from where its targets are.
     fn take_over(&mut self, targets: &[Option<Target>]) {
-        if self.way == Way::Script {
+        if self.memory.way == Way::Script {
             // The angles are those of the last step already; this keeps their rates.
-            let Self { articulation, stance, poses, angles, script_known, .. } = self;
-            if !*script_known {
-                stance.read(articulation, targets, None, poses, angles);
+            let Self { articulation, memory, poses, angles, .. } = self;
+            if !memory.script_known {
+                memory.stance.read(articulation, targets, None, poses, angles);
             }
         }
-        self.way = Way::Live;
-        self.calibrated = 0;
+        self.memory.way = Way::Live;
+        self.memory.calibrated = 0;
         self.knuckles.forget();
     }
 
@@ -365,24 +274,25 @@ impl LiveHand {
 
     /// Learns of the tracker's wrist frame and of the hand's size.
     fn calibrate(&mut self, joints: &[Pose; 25]) {
-        let (Some(retarget), true) = (&mut self.retarget, self.calibrated < CALIBRATION) else {
+        let (Some(retarget), true) = (&mut self.retarget, self.memory.calibrated < CALIBRATION)
+        else {
             return;
         };
         let ratio = self.bones.ratio(joints);
         let Some(ratio) = ratio.filter(|r| (RATIOS[0]..=RATIOS[1]).contains(r)) else { return };
-        self.ratios[self.calibrated] = ratio;
+        self.memory.ratios[self.memory.calibrated] = ratio;
         self.knuckles.take(joints, false);
         let found = self.knuckles.wrist_offset();
         let present = retarget.wrist_offset();
         let change = (found * present.inverse()).scaled_axis();
-        let step = if self.calibrated == 0 {
+        let step = if self.memory.calibrated == 0 {
             change
         } else {
             super::observer::bounded(change, REFINEMENT)
         };
         let turned = Quat::from_scaled_axis(step) * present;
         retarget.set_wrist_offset(Quat::new_normalize(turned.into_inner()));
-        self.calibrated += 1;
+        self.memory.calibrated += 1;
     }
 
     /// Takes the pose carried over into the observers; sets out anew where it does not continue
@@ -391,20 +301,20 @@ impl LiveHand {
         let gains = Gains::after(timing.gap);
         let gap = timing.gap.unwrap_or(0.0);
         let far = |[base, rate]: [f64; 2]| base + rate * gap;
-        let teleported = self.position.surprise(wrist.position, &gains) > far(TELEPORT)
-            || self.rotation.surprise(&wrist.rotation, &gains) > far(TELEPORT_TURN);
+        let teleported = self.memory.position.surprise(wrist.position, &gains) > far(TELEPORT)
+            || self.memory.rotation.surprise(&wrist.rotation, &gains) > far(TELEPORT_TURN);
         if was_lost || timing.fresh || teleported {
-            self.position = Observed { place: wrist.position, rate: Vec3::zeros() };
-            self.rotation = ObservedRotation { place: wrist.rotation, rate: Vec3::zeros() };
-            for (joint, angles) in self.joints.iter_mut().zip(&self.angles) {
+            self.memory.position = Observed { place: wrist.position, rate: Vec3::zeros() };
+            self.memory.rotation = ObservedRotation { place: wrist.rotation, rate: Vec3::zeros() };
+            for (joint, angles) in self.memory.joints.iter_mut().zip(&self.angles) {
                 *joint = angles.map(|place| Observed { place, rate: 0.0 });
             }
-            self.set_out = self.now;
+            self.memory.set_out = self.memory.now;
             return;
         }
-        self.position.take(wrist.position, &gains, SPEED_MAX);
-        self.rotation.take(&wrist.rotation, &gains, SPIN_MAX);
-        for (joint, angles) in self.joints.iter_mut().zip(&self.angles) {
+        self.memory.position.take(wrist.position, &gains, SPEED_MAX);
+        self.memory.rotation.take(&wrist.rotation, &gains, SPIN_MAX);
+        for (joint, angles) in self.memory.joints.iter_mut().zip(&self.angles) {
             for k in 0..2 {
                 joint[k].take(angles[k], &gains, JOINT_RATE_MAX);
             }
@@ -414,14 +324,14 @@ impl LiveHand {
     /// Where the tracked hand will be at the end of the step, into `script`.
     fn aim(&mut self, h: f64) {
         let lost = self.is_lost();
-        let age = self.now - self.arrived + self.late + h;
+        let age = self.memory.now - self.memory.arrived + self.memory.late + h;
         let ahead = age.min(AHEAD_MAX);
         // A pose that is carried forward no further does not move.
         let moving = if lost || age > AHEAD_MAX + h { 0.0 } else { 1.0 };
-        let goal = &mut self.script;
-        goal.position = [self.position.ahead(ahead), self.position.rate * moving];
-        goal.rotation = (self.rotation.ahead(ahead), self.rotation.rate * moving);
-        for (j, joint) in self.joints.iter().enumerate() {
+        let goal = &mut self.memory.script;
+        goal.position = [self.memory.position.ahead(ahead), self.memory.position.rate * moving];
+        goal.rotation = (self.memory.rotation.ahead(ahead), self.memory.rotation.rate * moving);
+        for (j, joint) in self.memory.joints.iter().enumerate() {
             let goal_angles = [0, 1].map(|k| joint[k].ahead(ahead));
             let admissible = self.articulation.tree.clamp(j, goal_angles);
             for k in 0..2 {
@@ -434,20 +344,20 @@ impl LiveHand {
 
     /// How much of the full speed the hand has, from 0 to 1.
     fn opening(&self) -> f64 {
-        ((self.now - self.set_out) / OPENING).min(1.0)
+        ((self.memory.now - self.memory.set_out) / OPENING).min(1.0)
     }
 
     /// Moves the targets towards `script`.
     fn follow(&mut self, h: f64) {
         let opening = self.opening();
         let mut omega = OMEGA[0] + (self.omega - OMEGA[0]) * opening.powi(4);
-        if self.way == Way::Returning {
+        if self.memory.way == Way::Returning {
             // A script is to be met exactly: follow ever more tightly.
-            let beyond = (self.now - self.set_out - OPENING).max(0.0);
+            let beyond = (self.memory.now - self.memory.set_out - OPENING).max(0.0);
             omega *= (beyond / 0.05).min(7.0).exp();
         }
         let law = |speed: f64| Law { omega, speed: speed * opening * opening };
-        let (stance, goal) = (&mut self.stance, &self.script);
+        let (stance, goal) = (&mut self.memory.stance, &self.memory.script);
         stance.position = follow(stance.position, goal.position, law(SPEED_MAX), h);
         stance.rotation = follow_rotation(stance.rotation, goal.rotation, law(SPIN_MAX), h);
         for j in 0..stance.angles.len() {
@@ -469,20 +379,11 @@ impl LiveHand {
     }
 
     fn has_arrived(&self) -> bool {
-        let (a, b) = (&self.stance, &self.script);
+        let (a, b) = (&self.memory.stance, &self.memory.script);
         let near = |a: &[f64; 2], b: &[f64; 2]| (0..2).all(|k| (a[k] - b[k]).abs() < ARRIVED);
         (a.position[0] - b.position[0]).norm() < ARRIVED
             && a.rotation.0.angle_to(&b.rotation.0) < ARRIVED
             && a.angles.iter().zip(&b.angles).all(|(a, b)| near(a, b))
             && self.opening() >= 1.0
-    }
-}
-
-impl Stance {
-    /// Copies without allocating.
-    fn clone_from_slice(&mut self, other: &Self) {
-        (self.position, self.rotation) = (other.position, other.rotation);
-        self.angles.copy_from_slice(&other.angles);
-        self.rates.copy_from_slice(&other.rates);
     }
 }

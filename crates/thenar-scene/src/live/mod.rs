@@ -25,13 +25,16 @@ mod check;
 mod clock;
 mod follower;
 mod hand;
+mod memory;
 mod observer;
+mod stance;
 
 #[cfg(test)]
 mod tests;
 
 pub use check::{LiveError, checked};
 pub use hand::LiveHand;
+pub use memory::{LiveMemory, LiveMemoryRef};
 
 use crate::motion::ANGLES;
 use thenar::Pose;

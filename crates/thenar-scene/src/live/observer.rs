@@ -6,6 +6,7 @@
 //! 90 Hz rounded to 1 mm (0.29 mm rms) give a place to 0.24 mm rms and a velocity to 9 mm/s rms; at an
 //! acceleration `a` the place lags by 8e-5 s² a, the velocity by 0.024 s a.
 
+use serde::{Deserialize, Serialize};
 use thenar::{Quat, Vec3};
 
 /// Time in which a sample loses its weight \[s\].
@@ -61,7 +62,7 @@ pub fn bounded<T: Linear>(v: T, most: f64) -> T {
 }
 
 /// A place and its velocity.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Observed<T> {
     /// At the last sample.
     pub place: T,
@@ -90,7 +91,7 @@ impl<T: Linear> Observed<T> {
 }
 
 /// The same for a rotation: residuals are rotation vectors in the world.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ObservedRotation {
     /// At the last sample.
     pub place: Quat,

@@ -45,6 +45,16 @@ impl Knuckles {
         self.tracked = [Vec3::zeros(); 4];
     }
 
+    /// Sums of the directions seen, in the tracked wrist frame.
+    pub fn sums(&self) -> [Vec3; 4] {
+        self.tracked
+    }
+
+    /// Goes on from such sums.
+    pub fn set_sums(&mut self, sums: [Vec3; 4]) {
+        self.tracked = sums;
+    }
+
     /// Rotation `R` of least squared error in `d_tracked = R d_ours` over the mean directions:
     /// from our wrist frame to the tracked one. The identity when fewer than two are known.
     pub fn wrist_offset(&self) -> Quat {

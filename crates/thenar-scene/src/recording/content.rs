@@ -1,6 +1,6 @@
 //! Bodies of the session's frames.
 
-use crate::session::Source;
+use crate::session::{Memory, MemoryRef, Session, Source};
 use serde::{Deserialize, Serialize};
 use thenar::world::State;
 
@@ -69,19 +69,68 @@ impl StepMark {
 }
 
 /// A keyframe, in postcard's encoding.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug)]
 pub struct Keyframe {
     /// Steps made since the scene frame.
     pub number: u64,
-    /// The state after them.
+    /// The world's state after them.
     pub state: State,
+    /// What else the next step depends on; `None` in recordings of programs that did not keep it.
+    pub kept: Option<Kept>,
+}
+
+/// What a keyframe keeps besides the world's state.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Kept {
+    /// Hash of the state that its scene began with.
+    pub start: u64,
+    /// What the session remembers.
+    pub memory: Memory,
+}
+
+impl Keyframe {
+    /// Reads it. What comes after the last part that is known is left alone.
+    pub fn read(body: &[u8]) -> Option<Self> {
+        let ((number, state), rest) = postcard::take_from_bytes(body).ok()?;
+        let kept = match rest {
+            [] => None,
+            rest => Some(postcard::take_from_bytes(rest).ok()?.0),
+        };
+        Some(Self { number, state, kept })
+    }
+
+    /// A session that has just begun.
+    pub(super) fn of(session: &Session, start: u64) -> Option<Self> {
+        let mut bytes = Vec::new();
+        append(&mut bytes, &KeyframeRef::of(session, 0, start));
+        Self::read(&bytes)
+    }
+
+    /// True when a session remembers the same as this, to the bit.
+    pub(super) fn remembers_as(&self, session: &Session) -> bool {
+        let (mut one, mut other) = (Vec::new(), Vec::new());
+        append(&mut one, &session.memory());
+        self.kept.as_ref().is_none_or(|kept| {
+            append(&mut other, &kept.memory);
+            one == other
+        })
+    }
 }
 
 /// The same, while it is written.
 #[derive(Debug, Serialize)]
 pub(super) struct KeyframeRef<'a> {
-    pub number: u64,
-    pub state: &'a State,
+    number: u64,
+    state: &'a State,
+    start: u64,
+    memory: MemoryRef<'a>,
+}
+
+impl<'a> KeyframeRef<'a> {
+    /// That of a session `number` steps after one that began with a state of hash `start`.
+    pub fn of(session: &'a Session, number: u64, start: u64) -> Self {
+        Self { number, state: session.world().state(), start, memory: session.memory() }
+    }
 }
 
 /// Appends a value in postcard's encoding.

@@ -1,12 +1,12 @@
 //! What enters a session, as a recording keeps it.
 
+use crate::flat::{FlatTarget, Flattened, flat_pose, pose, target};
 use crate::live::LivePose;
 use crate::session::Entry;
 use crate::tuning::SettingValue;
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use thenar::world::{State, Target};
-use thenar::{Pose, Quat, Vec3};
 
 /// An input frame, in postcard's encoding: after `number` steps this entered.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -27,7 +27,7 @@ pub enum What {
     Restart,
     SetNumber { key: String, value: f64 },
     SetChoice { key: String, value: String },
-    Lead { hand: u32, targets: Vec<[f64; 13]> },
+    Lead { hand: u32, targets: Vec<FlatTarget> },
     LetGo { hand: u32 },
     Resume { state: Box<State> },
 }
@@ -49,42 +49,9 @@ pub enum WhatRef<'a> {
     Restart,
     SetNumber { key: &'a str, value: f64 },
     SetChoice { key: &'a str, value: &'a str },
-    Lead { hand: u32, targets: Targets<'a> },
+    Lead { hand: u32, targets: Flattened<'a, Target> },
     LetGo { hand: u32 },
     Resume { state: &'a State },
-}
-
-/// Targets, each as its pose, velocity and angular velocity.
-#[derive(Debug)]
-pub struct Targets<'a>(&'a [Target]);
-
-impl Serialize for Targets<'_> {
-    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        to.collect_seq(self.0.iter().map(|target| {
-            let ([p, q], v) = ([target.velocity_W, target.angular_velocity_W], &target.pose_WB);
-            let [a, b, c, d, e, f, g] = flat(v);
-            [a, b, c, d, e, f, g, p.x, p.y, p.z, q.x, q.y, q.z]
-        }))
-    }
-}
-
-fn target([a, b, c, d, e, f, g, vx, vy, vz, wx, wy, wz]: [f64; 13]) -> Target {
-    Target {
-        pose_WB: pose([a, b, c, d, e, f, g]),
-        velocity_W: Vec3::new(vx, vy, vz),
-        angular_velocity_W: Vec3::new(wx, wy, wz),
-    }
-}
-
-/// Position, then quaternion x, y, z, w: bits as they are.
-fn flat(pose: &Pose) -> [f64; 7] {
-    let (p, q) = (pose.position, pose.rotation.coords);
-    [p.x, p.y, p.z, q.x, q.y, q.z, q.w]
-}
-
-fn pose([x, y, z, i, j, k, w]: [f64; 7]) -> Pose {
-    let rotation = Quat::new_unchecked(nalgebra::Quaternion::new(w, i, j, k));
-    Pose::new(Vec3::new(x, y, z), rotation)
 }
 
 /// Hands an entry on in the form in which it is written.
@@ -92,17 +59,17 @@ pub fn with_ref(number: u64, entry: Entry<'_>, then: impl FnOnce(&InputRef<'_>))
     let give = |what| then(&InputRef { number, what });
     match entry {
         Entry::Pose { hand, time, pose: LivePose::Joints { joints, radii } } => {
-            let joints: [[f64; 7]; 25] = std::array::from_fn(|k| flat(&joints[k]));
+            let joints: [[f64; 7]; 25] = std::array::from_fn(|k| flat_pose(&joints[k]));
             give(WhatRef::Joints { hand: hand as u32, time, joints: &joints, radii });
         }
         Entry::Pose { hand, time, pose: LivePose::Angles { wrist, angles } } => {
-            let wrist = flat(wrist);
+            let wrist = flat_pose(wrist);
             give(WhatRef::Angles { hand: hand as u32, time, wrist, angles });
         }
         Entry::Lost { hand } => give(WhatRef::Lost { hand: hand as u32 }),
         Entry::Script { hand } => give(WhatRef::Script { hand: hand as u32 }),
         Entry::Lead { hand, targets } => {
-            give(WhatRef::Lead { hand: hand as u32, targets: Targets(targets) });
+            give(WhatRef::Lead { hand: hand as u32, targets: Flattened(targets) });
         }
         Entry::LetGo { hand } => give(WhatRef::LetGo { hand: hand as u32 }),
         Entry::Resume { state } => give(WhatRef::Resume { state }),
@@ -131,18 +98,18 @@ impl What {
             Self::Joints { hand, time, joints, radii } => {
                 let joints: [[f64; 7]; 25] = joints[..].try_into().ok()?;
                 let radii = radii[..].try_into().ok()?;
-                let pose = LivePose::Joints { joints: joints.map(pose), radii };
+                let pose = LivePose::Joints { joints: joints.each_ref().map(pose), radii };
                 then(Entry::Pose { hand: *hand as usize, time: *time, pose: &pose })
             }
             Self::Angles { hand, time, wrist, angles } => {
                 let angles = angles[..].try_into().ok()?;
-                let pose = LivePose::Angles { wrist: pose(*wrist), angles };
+                let pose = LivePose::Angles { wrist: pose(wrist), angles };
                 then(Entry::Pose { hand: *hand as usize, time: *time, pose: &pose })
             }
             Self::Lost { hand } => then(Entry::Lost { hand: *hand as usize }),
             Self::Script { hand } => then(Entry::Script { hand: *hand as usize }),
             Self::Lead { hand, targets } => {
-                let targets: Vec<Target> = targets.iter().map(|flat| target(*flat)).collect();
+                let targets: Vec<Target> = targets.iter().map(target).collect();
                 then(Entry::Lead { hand: *hand as usize, targets: &targets })
             }
             Self::LetGo { hand } => then(Entry::LetGo { hand: *hand as usize }),
@@ -178,6 +145,7 @@ impl fmt::Display for What {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use thenar::{Pose, Quat, Vec3};
 
     /// An entry goes through the file's form and back with all its bits.
     #[track_caller]

@@ -16,8 +16,8 @@ mod scene;
 mod tape;
 mod verdict;
 
-pub use content::{Asset, Keyframe, SceneStart, StepMark};
-pub use replay::{Event, Replay, ReplayError};
+pub use content::{Asset, Kept, Keyframe, SceneStart, StepMark};
+pub use replay::{Event, Index, Replay, ReplayError};
 pub use scene::ASSET_BYTES_MAX;
 pub use tape::{SessionTape, TimeOf};
 pub use verdict::{Difference, Loss, Moved, Verdict};

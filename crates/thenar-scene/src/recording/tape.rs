@@ -30,6 +30,8 @@ pub struct SessionTape {
     simulated: f64,
     /// Steps since the scene frame.
     number: u64,
+    /// Hash of the state at that frame.
+    start: u64,
     step_began: u64,
 }
 
@@ -44,6 +46,7 @@ impl SessionTape {
             since_keyframe: 0.0,
             simulated: 0.0,
             number: 0,
+            start: 0,
             step_began: 0,
         }
     }
@@ -61,6 +64,7 @@ impl Witness for SessionTape {
         (self.number, self.since_keyframe) = (0, 0.0);
         // A scene that a program has changed leaves no frame: replay says that there is none.
         if let Some(start) = scene::start(session) {
+            self.start = start.hash;
             let now = self.now();
             self.tape.big_frame(Kind::Scene, now, |body| append(body, &start));
         }
@@ -94,7 +98,7 @@ impl Witness for SessionTape {
         // Half a step early is not late.
         if self.since_keyframe >= self.keyframe_every - 0.5 * world.time_step() {
             self.since_keyframe = 0.0;
-            let keyframe = KeyframeRef { number: self.number, state: world.state() };
+            let keyframe = KeyframeRef::of(session, self.number, self.start);
             self.tape.frame(Kind::Keyframe, now, Weight::Light, |body| append(body, &keyframe));
         }
     }

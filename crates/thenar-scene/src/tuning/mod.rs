@@ -157,6 +157,35 @@ impl Tuning {
         Ok((tuning, desc))
     }
 
+    /// What was set, by key.
+    pub(crate) fn changed(&self) -> impl Iterator<Item = (&'static str, &SettingValue)> {
+        self.set.iter().map(|(key, value)| (*key, value))
+    }
+
+    /// True when exactly these are set.
+    pub(crate) fn is_changed_to<'a>(
+        &self,
+        set: impl Iterator<Item = (&'a str, SettingValue)>,
+    ) -> bool {
+        set.eq(self.changed().map(|(key, value)| (key, value.clone())))
+    }
+
+    /// The description with exactly these set, and the settings that lead to it.
+    ///
+    /// # Errors
+    /// There is no such setting, or a value is out of its range.
+    pub(crate) fn changed_to<'a>(
+        &self,
+        set: impl Iterator<Item = (&'a str, SettingValue)>,
+    ) -> Result<(Self, WorldDesc), SettingError> {
+        let mut tuning = Self { set: BTreeMap::new(), ..self.clone() };
+        for (key, value) in set {
+            tuning = tuning.with(key, &value)?.0;
+        }
+        let desc = tuning.desc();
+        Ok((tuning, desc))
+    }
+
     /// The description with all that was set.
     pub fn desc(&self) -> WorldDesc {
         let mut desc = self.base.clone();

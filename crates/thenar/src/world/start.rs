@@ -21,19 +21,24 @@ impl World {
     /// inputs it steps from there with the same bits. Returns false, and stays as it is, when the
     /// state is of a world with other bodies or has a number that is not finite.
     pub fn restore(&mut self, state: &State) -> bool {
-        let own = &self.state;
-        let same = own.poses_WB.len() == state.poses_WB.len()
-            && own.x.len() == state.x.len()
-            && own.v.len() == state.v.len()
-            && own.contact_change.len() == state.contact_change.len()
-            && own.limit_impulses.len() == state.limit_impulses.len();
-        if !same || !state.is_finite() {
+        if !self.fits(state) {
             return false;
         }
         self.state.copy_from(state);
         self.scratch.forget_contacts();
         self.embed();
         true
+    }
+
+    /// True when [`World::restore`] takes this state.
+    pub fn fits(&self, state: &State) -> bool {
+        let own = &self.state;
+        let same = own.poses_WB.len() == state.poses_WB.len()
+            && own.x.len() == state.x.len()
+            && own.v.len() == state.v.len()
+            && own.contact_change.len() == state.contact_change.len()
+            && own.limit_impulses.len() == state.limit_impulses.len();
+        same && state.is_finite()
     }
 
     /// Sets the time \[s\]; nothing moves. Ignored when it is not finite.

@@ -2,6 +2,8 @@
 //! what can be trusted after it, and nothing else. Method: small files, cut at every byte, with
 //! every bit flipped, with every byte missing, and with seeded havoc.
 
+mod places;
+
 use std::path::{Path, PathBuf};
 use thenar_record::{
     Build, Channel, ChannelInfo, Damage, Fault, Field, Gap, Header, Kind, OpenError, Record,

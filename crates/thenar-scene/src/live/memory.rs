@@ -1,0 +1,142 @@
+//! What a hand that poses move remembers: with it, another that was made from the same scene goes on
+//! with the same bits.
+
+use super::clock::Clock;
+use super::observer::{Observed, ObservedRotation};
+use super::stance::Stance;
+use super::{LiveError, LiveHand};
+use serde::{Deserialize, Serialize};
+use thenar::{Quat, Vec3};
+
+/// Poses that refine the calibration.
+pub const CALIBRATION: usize = 90;
+
+/// What follows the hand's targets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Way {
+    /// The scene's script, as it is.
+    Script,
+    /// On the way back to the script.
+    Returning,
+    /// Poses.
+    Live,
+}
+
+/// All that changes in a hand from pose to pose and from step to step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Memory {
+    /// Size of the tracked hand over ours, of the first poses: [`CALIBRATION`] of them.
+    pub ratios: Vec<f64>,
+    /// So many of these are known.
+    pub calibrated: usize,
+    /// Who moves the hand.
+    pub way: Way,
+    /// The tracker said that it has lost the hand.
+    pub lost: bool,
+    /// Time stepped \[s\]; goes on when the scene starts over.
+    pub now: f64,
+    /// Joins the tracker's time to ours.
+    pub clock: Clock,
+    /// When the newest pose came \[s\].
+    pub arrived: f64,
+    /// Its age then \[s\].
+    pub late: f64,
+    /// When the hand set out for another place \[s\].
+    pub set_out: f64,
+    /// The tracked wrist.
+    pub position: Observed<Vec3>,
+    /// Its rotation.
+    pub rotation: ObservedRotation,
+    /// The tracked joints.
+    pub joints: Vec<[Observed<f64>; 2]>,
+    /// Where the targets are.
+    pub stance: Stance,
+    /// Where the script wants them, or the tracked pose.
+    pub script: Stance,
+    /// The script's place in the step before is known.
+    pub script_known: bool,
+}
+
+impl Memory {
+    /// Nothing is known of a tracker.
+    pub fn new(stance: Stance, joints: usize) -> Self {
+        Self {
+            ratios: vec![1.0; CALIBRATION],
+            calibrated: 0,
+            way: Way::Script,
+            lost: false,
+            now: 0.0,
+            clock: Clock::default(),
+            arrived: f64::NEG_INFINITY,
+            late: 0.0,
+            set_out: 0.0,
+            position: Observed { place: Vec3::zeros(), rate: Vec3::zeros() },
+            rotation: ObservedRotation { place: Quat::identity(), rate: Vec3::zeros() },
+            joints: vec![[Observed { place: 0.0, rate: 0.0 }; 2]; joints],
+            script: stance.clone(),
+            stance,
+            script_known: false,
+        }
+    }
+
+    /// True when it is of a hand with as many joints.
+    fn fits(&self, other: &Self) -> bool {
+        let joints = |memory: &Self| {
+            let (stance, script) = (&memory.stance, &memory.script);
+            let lists = [&stance.angles, &stance.rates, &script.angles, &script.rates];
+            (memory.joints.len(), lists.map(Vec::len))
+        };
+        joints(self) == joints(other)
+            && self.ratios.len() == other.ratios.len()
+            && self.calibrated <= self.ratios.len()
+    }
+}
+
+/// What a [`LiveHand`] remembers, apart from it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LiveMemory {
+    memory: Memory,
+    wrist_offset: Option<Quat>,
+    knuckles: [Vec3; 4],
+}
+
+/// The same, where it is.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct LiveMemoryRef<'a> {
+    memory: &'a Memory,
+    wrist_offset: Option<Quat>,
+    knuckles: [Vec3; 4],
+}
+
+impl LiveHand {
+    /// All that the next step depends on besides the scene and what enters.
+    pub fn memory(&self) -> LiveMemoryRef<'_> {
+        LiveMemoryRef {
+            memory: &self.memory,
+            wrist_offset: self.retarget.as_ref().map(|retarget| retarget.wrist_offset()),
+            knuckles: self.knuckles.sums(),
+        }
+    }
+
+    /// True when [`LiveHand::recall`] takes this.
+    pub fn fits(&self, kept: &LiveMemory) -> bool {
+        kept.memory.fits(&self.memory) && kept.wrist_offset.is_some() == self.retarget.is_some()
+    }
+
+    /// Goes on from what a hand of the same scene remembered.
+    ///
+    /// # Errors
+    /// It was another hand. Nothing has changed then.
+    pub fn recall(&mut self, kept: &LiveMemory) -> Result<(), LiveError> {
+        if !self.fits(kept) {
+            let cause = "what it is to remember is of a hand with other joints".into();
+            return Err(LiveError::Unfit { hand: self.name.clone(), cause });
+        }
+        self.memory.clone_from(&kept.memory);
+        if let (Some(retarget), Some(offset)) = (&mut self.retarget, kept.wrist_offset) {
+            retarget.set_wrist_offset(offset);
+        }
+        self.knuckles.set_sums(kept.knuckles);
+        Ok(())
+    }
+}

@@ -1,0 +1,34 @@
+//! Why a recording cannot be replayed any further.
+
+use crate::SceneError;
+use std::io;
+use std::path::PathBuf;
+use thenar_record::OpenError;
+
+/// Why a recording cannot be replayed any further.
+#[derive(Debug, thiserror::Error)]
+pub enum ReplayError {
+    /// It cannot be opened.
+    #[error(transparent)]
+    Open(#[from] OpenError),
+    /// Reading fails.
+    #[error("cannot read the recording: {0}")]
+    Read(#[from] io::Error),
+    /// The scene cannot be built.
+    #[error("the recorded scene cannot be built: {0}")]
+    Scene(#[from] SceneError),
+    /// The scene's files cannot be unpacked.
+    #[error("cannot unpack the scene's files: {0}")]
+    Asset(io::Error),
+    /// A file was too large for the recording, and is gone or different.
+    #[error("the recording needs {}, which is missing or not as it was", .0.display())]
+    NotThere(PathBuf),
+    /// A frame is whole, but not understood.
+    #[error("the frame before byte {offset} makes no sense: {what}")]
+    Content {
+        /// Where it ends.
+        offset: u64,
+        /// What.
+        what: &'static str,
+    },
+}

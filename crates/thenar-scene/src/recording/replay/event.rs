@@ -1,0 +1,47 @@
+//! What happens in a replay.
+
+use thenar_record::{ChannelInfo, Gap};
+
+/// What happened in a replay. Times are those of the recording \[ns\].
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// A session has begun.
+    Scene {
+        /// When.
+        time_ns: u64,
+    },
+    /// Something entered, named as for a person.
+    Entered {
+        /// When.
+        time_ns: u64,
+        /// What.
+        what: String,
+        /// Of a kind that comes many times a second: a pose, or targets.
+        often: bool,
+    },
+    /// A step was made.
+    Stepped {
+        /// When it was over.
+        time_ns: u64,
+        /// What it took when it was recorded \[ns\]; `None` where no mark was kept.
+        cost_ns: Option<u32>,
+    },
+    /// A channel is announced.
+    Channel(ChannelInfo),
+    /// A record of a channel.
+    Record {
+        /// When.
+        time_ns: u64,
+        /// Channel.
+        channel: u32,
+        /// Values.
+        values: Vec<f64>,
+    },
+    /// Frames are missing.
+    Gap {
+        /// When.
+        time_ns: u64,
+        /// What.
+        gap: Gap,
+    },
+}

@@ -1,0 +1,55 @@
+//! Frames, understood.
+
+use super::{Replay, ReplayError};
+use crate::recording::content::{Keyframe, SceneStart, StepMark};
+use crate::recording::entry::Input;
+use thenar_record::{ChannelInfo, Frame, Gap, Kind, Record};
+
+/// A frame, understood.
+#[derive(Debug)]
+pub enum Item {
+    Scene(Box<SceneStart>),
+    Input(Box<Input>),
+    Step(StepMark),
+    Keyframe(Box<Keyframe>),
+    Channel(ChannelInfo),
+    Record(u32, Vec<f64>),
+    Gap(Gap),
+    Other,
+}
+
+impl Item {
+    fn of(frame: &Frame) -> Option<Self> {
+        let body = frame.body;
+        match frame.kind {
+            Some(Kind::Scene) => postcard::from_bytes(body).ok().map(|s| Self::Scene(Box::new(s))),
+            Some(Kind::Input) => postcard::from_bytes(body).ok().map(|i| Self::Input(Box::new(i))),
+            Some(Kind::Step) => StepMark::read(body).map(Self::Step),
+            Some(Kind::Keyframe) => Keyframe::read(body).map(|k| Self::Keyframe(Box::new(k))),
+            Some(Kind::Channel) => serde_json::from_slice(body).ok().map(Self::Channel),
+            Some(Kind::Record) => Record::read(body)
+                .map(|record| Self::Record(record.channel, record.values().collect())),
+            Some(Kind::Gap) => Gap::read(body).map(Self::Gap),
+            Some(Kind::Header | Kind::End) | None => Some(Self::Other),
+        }
+    }
+}
+
+impl Replay {
+    /// The next frame and its time \[ns\].
+    pub(super) fn read(&mut self) -> Result<Option<(u64, Item)>, ReplayError> {
+        let Some(frame) = self.frames.next()? else {
+            self.meet_damage();
+            return Ok(None);
+        };
+        let (time_ns, item) = (frame.time_ns, Item::of(&frame));
+        let item = item.ok_or_else(|| self.nonsense("its body cannot be decoded"))?;
+        self.meet_damage();
+        Ok(Some((time_ns, item)))
+    }
+
+    /// The frame read last makes no sense.
+    pub(super) fn nonsense(&self, what: &'static str) -> ReplayError {
+        ReplayError::Content { offset: self.frames.offset(), what }
+    }
+}

@@ -1,0 +1,199 @@
+//! Makes a recorded session again, event by event.
+
+mod error;
+mod event;
+mod index;
+mod item;
+mod keyframe;
+mod seek;
+mod step;
+mod trust;
+
+pub use error::ReplayError;
+pub use event::Event;
+pub use index::Index;
+
+use super::content::{Keyframe, SceneStart};
+use super::scene;
+use super::verdict::Verdict;
+use crate::session::Session;
+use item::Item;
+use std::collections::VecDeque;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+use thenar_record::{Frames, Header};
+use trust::Trust;
+
+/// More steps than this are not made without a mark.
+const UNMARKED_MAX: u64 = 10_000_000;
+
+/// A recording being made again.
+#[derive(Debug)]
+pub struct Replay {
+    header: Header,
+    frames: Frames<BufReader<File>>,
+    session: Option<Session>,
+    /// Where in the file its scene is \[bytes\], and the session as it was built.
+    beginning: Option<(u64, Keyframe)>,
+    /// Hash of the state that its scene began with when it was recorded.
+    start_hash: u64,
+    /// Steps since the scene frame.
+    number: u64,
+    pending: Option<(u64, Item)>,
+    /// To be told before what comes next.
+    told: VecDeque<Event>,
+    /// Byte offset of the keyframe to begin after, if any.
+    begin: Option<u64>,
+    trust: Trust,
+    verdict: Verdict,
+}
+
+impl Replay {
+    /// Opens a recording.
+    ///
+    /// # Errors
+    /// It cannot be opened, or not even its header is whole.
+    pub fn open(file: &Path) -> Result<Self, ReplayError> {
+        let (header, frames) = thenar_record::open(file)?;
+        Ok(Self {
+            header,
+            frames,
+            session: None,
+            beginning: None,
+            start_hash: 0,
+            number: 0,
+            pending: None,
+            told: VecDeque::new(),
+            begin: None,
+            trust: Trust::Sound,
+            verdict: Verdict::default(),
+        })
+    }
+
+    /// What the recording says of itself.
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// The session as it is now; `None` before the first scene.
+    pub fn session(&self) -> Option<&Session> {
+        self.session.as_ref()
+    }
+
+    /// The same, to evaluate probes.
+    pub fn session_mut(&mut self) -> Option<&mut Session> {
+        self.session.as_mut()
+    }
+
+    /// What was found so far.
+    pub fn verdict(&self) -> &Verdict {
+        &self.verdict
+    }
+
+    /// Goes on to the next event; `None` at the end of what can be read.
+    ///
+    /// # Errors
+    /// The recording cannot be replayed any further.
+    #[allow(clippy::should_implement_trait)] // the session is looked at in between
+    pub fn next(&mut self) -> Result<Option<Event>, ReplayError> {
+        if let Some(event) = self.told.pop_front() {
+            return Ok(Some(event));
+        }
+        loop {
+            let (time_ns, item) = match self.pending.take() {
+                Some(pending) => pending,
+                None => match self.read()? {
+                    Some(item) => item,
+                    None => {
+                        self.verdict.ended = self.frames.ended();
+                        return Ok(None);
+                    }
+                },
+            };
+            // Other frames may carry another clock.
+            if matches!(item, Item::Scene(_) | Item::Input(_) | Item::Step(_)) {
+                self.verdict.seconds = self.verdict.seconds.max(time_ns as f64 * 1e-9);
+            }
+            if let Some(event) = self.take(time_ns, item)? {
+                return Ok(Some(event));
+            }
+        }
+    }
+
+    fn take(&mut self, time_ns: u64, item: Item) -> Result<Option<Event>, ReplayError> {
+        let early = self.begin.is_some_and(|begin| self.frames.offset() < begin);
+        let passing = early || self.trust == Trust::Lost;
+        match item {
+            Item::Scene(start) => {
+                let offset = self.frames.place().offset();
+                return self.start(time_ns, offset, &start).map(Some);
+            }
+            Item::Channel(info) => return Ok(Some(Event::Channel(info))),
+            Item::Record(..) if early => {}
+            Item::Record(channel, values) => {
+                return Ok(Some(Event::Record { time_ns, channel, values }));
+            }
+            Item::Gap(gap) => {
+                self.verdict.gaps.push((time_ns as f64 * 1e-9, gap));
+                return Ok(Some(Event::Gap { time_ns, gap }));
+            }
+            Item::Other => {}
+            // What belongs to a scene that is missing.
+            Item::Input(_) | Item::Step(_) | Item::Keyframe(_) if self.is_foreign(&item) => {}
+            Item::Input(input) => {
+                if self.missing(input.number)? > 0 {
+                    self.pending = Some((time_ns, Item::Input(input)));
+                    return Ok(self.step(passing, time_ns, None));
+                }
+                return Ok(self.enter(time_ns, &input).filter(|_| !early));
+            }
+            Item::Step(mark) => {
+                if self.missing(mark.number.saturating_sub(1))? > 0 {
+                    self.pending = Some((time_ns, Item::Step(mark)));
+                    return Ok(self.step(passing, time_ns, None));
+                }
+                return Ok(self.step(passing, time_ns, Some(mark)));
+            }
+            Item::Keyframe(keyframe) => {
+                // From here on nothing depends on what is missing.
+                if matches!(self.trust, Trust::Doubtful(_)) {
+                    self.lose();
+                }
+                let passing = early || self.trust == Trust::Lost;
+                if passing && keyframe.kept.is_some() {
+                    self.pass_to(&keyframe)?;
+                } else if self.missing(keyframe.number)? > 0 {
+                    self.pending = Some((time_ns, Item::Keyframe(keyframe)));
+                    return Ok(self.step(passing, time_ns, None));
+                }
+                self.compare(early, time_ns, &keyframe);
+            }
+        }
+        Ok(None)
+    }
+
+    /// Begins a scene that stands at this byte of the file.
+    fn start(&mut self, time_ns: u64, at: u64, start: &SceneStart) -> Result<Event, ReplayError> {
+        let known = self.beginning.as_ref().filter(|(known, _)| *known == at);
+        let back = |session: &mut Session| {
+            known.is_some_and(|(_, beginning)| keyframe::put(session, beginning))
+        };
+        // Building a hand takes a second; a scene that has been built already goes back.
+        if !self.session.as_mut().is_some_and(back) {
+            let session = scene::session(start)?;
+            self.beginning = Keyframe::of(&session, start.hash).map(|beginning| (at, beginning));
+            self.session = Some(session);
+        }
+        self.verdict.scenes += 1;
+        (self.number, self.start_hash) = (0, start.hash);
+        if self.session.as_ref().is_some_and(|s| s.world().state_hash() != start.hash) {
+            self.differs(0, time_ns);
+        }
+        if self.trust != Trust::Sound {
+            self.lose();
+            self.settle(time_ns as f64 * 1e-9);
+        }
+        Ok(Event::Scene { time_ns })
+    }
+}

@@ -1,0 +1,149 @@
+//! What a session remembers besides the state of its world: with both, another session from the same
+//! source goes on with the same bits.
+
+use super::{Session, drive};
+use crate::flat::{FlatTarget, Flattened, target};
+use crate::live::{LiveMemory, LiveMemoryRef};
+use crate::tuning::SettingValue;
+use serde::{Deserialize, Serialize, Serializer};
+use thenar::world::{State, StepReport, Target};
+
+/// What a session remembers, apart from it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Memory {
+    /// Steps done since the start.
+    steps: u64,
+    /// Settings that were changed, by key.
+    set: Vec<(String, Value)>,
+    hands: Vec<HandMemory>,
+}
+
+/// What it remembers of a hand.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct HandMemory {
+    /// `None` for a hand that poses cannot move.
+    live: Option<LiveMemory>,
+    /// Where its bones are led.
+    led: Option<Vec<FlatTarget>>,
+    /// Where they were to be in the last step.
+    targets: Vec<Option<FlatTarget>>,
+}
+
+/// A setting's value, with its kind in the bytes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+enum Value {
+    Number(f64),
+    Choice(String),
+}
+
+/// The same as [`Memory`], where it is: nothing is copied to the heap.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct MemoryRef<'a> {
+    steps: u64,
+    set: SetRef<'a>,
+    hands: HandsRef<'a>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct SetRef<'a>(&'a Session);
+
+#[derive(Clone, Copy, Debug)]
+struct HandsRef<'a>(&'a Session);
+
+#[derive(Serialize)]
+enum ValueRef<'a> {
+    Number(f64),
+    Choice(&'a str),
+}
+
+#[derive(Serialize)]
+struct HandRef<'a> {
+    live: Option<LiveMemoryRef<'a>>,
+    led: Option<Flattened<'a, Target>>,
+    targets: Flattened<'a, Option<Target>>,
+}
+
+impl Serialize for SetRef<'_> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_seq(self.0.tuning.changed().map(|(key, value)| {
+            let value = match value {
+                SettingValue::Number(value) => ValueRef::Number(*value),
+                SettingValue::Choice(value) => ValueRef::Choice(value),
+            };
+            (key, value)
+        }))
+    }
+}
+
+impl Serialize for HandsRef<'_> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let Session { live, led, input, built, .. } = self.0;
+        to.collect_seq(built.hands.iter().zip(live).zip(led).map(|((hand, live), led)| HandRef {
+            live: live.as_ref().ok().map(|live| live.memory()),
+            led: led.as_deref().map(Flattened),
+            targets: Flattened(&input.targets[drive::bones(hand)]),
+        }))
+    }
+}
+
+impl Session {
+    /// What the next step depends on besides the world's state, the source and what enters.
+    pub(crate) fn memory(&self) -> MemoryRef<'_> {
+        MemoryRef { steps: self.steps, set: SetRef(self), hands: HandsRef(self) }
+    }
+
+    /// Goes on from what another session of the same source was at an instant. False, and nothing
+    /// changes, when it does not fit. Takes milliseconds where settings differ.
+    pub(crate) fn recall(&mut self, state: &State, memory: &Memory) -> bool {
+        let set = memory.set.iter().map(|(key, value)| (&key[..], value.setting()));
+        if !self.takes(memory) || !self.world.fits(state) {
+            return false;
+        }
+        if !self.tuning.is_changed_to(set.clone()) {
+            let Ok((tuning, desc)) = self.tuning.changed_to(set) else { return false };
+            let gravity = desc.gravity;
+            if self.world.retune(desc).is_err() {
+                return false;
+            }
+            (self.tuning, self.input.gravity) = (tuning, gravity);
+        }
+        self.world.restore(state);
+        for (k, kept) in memory.hands.iter().enumerate() {
+            if let (Ok(live), Some(kept)) = (&mut self.live[k], &kept.live) {
+                // It was found to fit.
+                let _ = live.recall(kept);
+            }
+            self.led[k] = kept.led.as_ref().map(|led| led.iter().map(target).collect());
+            let bones = drive::bones(&self.built.hands[k]);
+            for (to, kept) in self.input.targets[bones].iter_mut().zip(&kept.targets) {
+                *to = kept.as_ref().map(target);
+            }
+        }
+        (self.steps, self.report) = (memory.steps, StepReport::default());
+        true
+    }
+
+    /// True when hands, bones and joints are as many.
+    fn takes(&self, memory: &Memory) -> bool {
+        let fits = |(k, kept): (usize, &HandMemory)| {
+            let bones = drive::bones(&self.built.hands[k]).len();
+            let live = match (&self.live[k], &kept.live) {
+                (Ok(live), Some(kept)) => live.fits(kept),
+                (Err(_), None) => true,
+                _ => false,
+            };
+            live && kept.targets.len() == bones
+                && kept.led.as_ref().is_none_or(|l| l.len() == bones)
+        };
+        memory.hands.len() == self.built.hands.len() && memory.hands.iter().enumerate().all(fits)
+    }
+}
+
+impl Value {
+    fn setting(&self) -> SettingValue {
+        match self {
+            Self::Number(value) => SettingValue::Number(*value),
+            Self::Choice(value) => SettingValue::Choice(value.clone()),
+        }
+    }
+}
