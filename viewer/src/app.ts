@@ -52,6 +52,9 @@ export function createApp(canvas: HTMLCanvasElement): App {
     get inControl() {
       return connection.inControl;
     },
+    get recorded() {
+      return (connection.status?.recording ?? null) !== null;
+    },
     askControl() {
       if (connection.inControl) return true;
       if (connection.status === null || connection.status.control !== null) return false;

@@ -30,9 +30,10 @@ class Fake extends InputSourceBase {
   }
 }
 
-function desk(free = true) {
+function desk(free = true, recorded = false) {
   const log: string[] = [];
-  const line = { inControl: free, askControl: () => free, script: () => void log.push("script") };
+  const script = () => void log.push("script");
+  const line = { inControl: free, recorded, askControl: () => free, script };
   return { log, sources: new InputSources(line) };
 }
 
@@ -46,6 +47,13 @@ describe("input sources", () => {
     sources.stop();
     expect(log).toEqual(["start a", "stop a", "start b", "stop b", "script"]);
     expect(sources.active).toBeNull();
+  });
+
+  it("do not begin where a recording is shown", async () => {
+    const { log, sources } = desk(true, true);
+    sources.register(new Fake("a", log));
+    await expect(sources.start("a")).rejects.toThrow("This is a recording");
+    expect([log, sources.active]).toEqual([[], null]);
   });
 
   it("give the hand back when a source ends by itself", async () => {

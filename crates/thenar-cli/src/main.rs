@@ -12,6 +12,7 @@ mod error;
 mod files;
 mod haptics;
 mod interrupt;
+mod page;
 mod picture;
 mod record;
 mod recording;

@@ -1,4 +1,4 @@
-//! Serves a live simulation: a thread that steps a scene in real time, the binary protocol of
+//! Serves a live simulation, or a recorded one: a thread that steps a scene in real time, the binary protocol of
 //! `docs/protocol.md`, and the page that draws it.
 
 mod dead_man;
@@ -6,4 +6,5 @@ pub mod http;
 pub mod hub;
 pub mod live;
 pub mod page;
+pub mod playback;
 pub mod protocol;

@@ -40,8 +40,17 @@ export class Server {
   ) {}
 
   static async start(scene: string, args: readonly string[] = []): Promise<Server> {
+    return Server.of(["serve", scene, ...args]);
+  }
+
+  /** Shows a recording. */
+  static async replay(file: string): Promise<Server> {
+    return Server.of(["replay", file, "--serve"]);
+  }
+
+  private static async of(args: readonly string[]): Promise<Server> {
     const port = await freePort();
-    const server = new Server(port, ["serve", scene, "--port", String(port), "--no-open", ...args]);
+    const server = new Server(port, [...args, "--port", String(port), "--no-open"]);
     await server.restart();
     return server;
   }

@@ -64,6 +64,8 @@ export abstract class InputSourceBase implements InputSource {
 /** What the registry needs of the connection. */
 export interface ControlLine {
   readonly inControl: boolean;
+  /** The server shows a recording, whose hands nothing moves. */
+  readonly recorded: boolean;
   /** Asks for control where nobody holds it; true if this page has it or asked for it. */
   askControl(): boolean;
   /** Gives the hands back to the script. */
@@ -100,6 +102,7 @@ export class InputSources {
     if (source === null) throw new Error(`There is no input "${id}".`);
     if (!source.available) throw new Error(source.note || `${source.label} is not available here.`);
     if (this.given === source) return;
+    if (this.line.recorded) throw new Error("This is a recording: its hands move as they did.");
     if (!this.line.askControl()) {
       throw new Error("Someone else holds control. Take control first, in the Run panel.");
     }

@@ -262,6 +262,17 @@ export interface Status {
   /** What stands in the simulation's way, or null. */
   readonly problem?: string | null;
   readonly settings: readonly Setting[];
+  /** The recording that is shown; absent when a scene is live. */
+  readonly recording?: Recorded;
+}
+
+/** A recording that the server shows. */
+export interface Recorded {
+  readonly file: string;
+  /** Place in it, s. */
+  readonly time: number;
+  /** Its length, s. */
+  readonly end: number;
 }
 
 export interface ErrorMessage {
@@ -328,6 +339,7 @@ export type Command =
   | { readonly type: "step" }
   | { readonly type: "reset" }
   | { readonly type: "speed"; readonly value: number }
+  | { readonly type: "seek"; readonly time: number }
   | { readonly type: "scene"; readonly name: string }
   | {
       readonly type: "hands";

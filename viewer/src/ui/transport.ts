@@ -5,6 +5,7 @@ import { command, type Desk } from "./desk";
 import { h, setText } from "./dom";
 import { fixed } from "./format";
 import { ICONS, icon } from "./icons";
+import { playback } from "./playback";
 import { iconButton } from "./widgets";
 
 export function transport(desk: Desk): { top: HTMLElement; bottom: HTMLElement } {
@@ -30,6 +31,7 @@ export function transport(desk: Desk): { top: HTMLElement; bottom: HTMLElement }
     reset,
     clock,
     pace,
+    playback(desk),
   );
 
   const add = (key: string, label: string, act: () => void, name?: string) =>
@@ -54,7 +56,8 @@ export function transport(desk: Desk): { top: HTMLElement; bottom: HTMLElement }
     const others = (connection.status?.viewers ?? 1) - 1;
     const who = connection.inControl ? "you control" : "watching";
     const crowd = others > 0 ? `, ${others} more ${others === 1 ? "viewer" : "viewers"}` : "";
-    setText(state, !feed.live ? "Replay" : open ? `Live: ${who}${crowd}` : "Not connected");
+    const shown = (connection.status?.recording ?? null) === null ? "Live" : "Recorded";
+    setText(state, !feed.live ? "Replay" : open ? `${shown}: ${who}${crowd}` : "Not connected");
     state.dataset["state"] = !feed.live ? "recorded" : open ? "live" : "lost";
   };
   connection.on("status", refresh);

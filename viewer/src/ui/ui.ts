@@ -88,8 +88,11 @@ function hint(app: App): HTMLElement {
     "Drag the hand to take it. Drag beside it to look around. Help tells the rest (key ?).",
     button("Got it", gone, { class: "plain" }),
   );
-  // Scenes without a hand have nothing to take.
-  app.feed.on("model", ({ hands }) => (element.hidden = seen || hands.length === 0));
+  // Scenes without a hand have nothing to take, and recorded hands cannot be.
+  app.feed.on("model", ({ hands }) => {
+    const recorded = (app.connection.status?.recording ?? null) !== null;
+    element.hidden = seen || recorded || hands.length === 0;
+  });
   app.inputs.onChange(() => {
     if (app.inputs.active !== null) gone();
   });

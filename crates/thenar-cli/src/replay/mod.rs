@@ -2,9 +2,11 @@
 
 mod csv;
 mod mcap;
+mod show;
 
 use crate::error::CliError;
 use crate::interrupt;
+use crate::page::PageOptions;
 use crate::recording::header;
 use csv::Tables;
 use mcap::Export;
@@ -12,7 +14,7 @@ use std::path::PathBuf;
 use thenar_record::Header;
 use thenar_scene::recording::{Event, Loss, Replay, ReplayError, TimeOf, Verdict};
 
-/// Make a recorded session again: verify it, export it.
+/// Make a recorded session again: verify it, export it, show it.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// A recording, of `thenar record`, or of `--record` elsewhere.
@@ -34,6 +36,12 @@ pub struct Args {
     /// the MCAP file 30.
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     rate: Option<f64>,
+    /// Show it on the live page, at its own pace, with pause and places to go to.
+    #[arg(long, conflicts_with_all = ["verify", "mcap", "csv", "rate"])]
+    serve: bool,
+    /// Where that page is, and for whom.
+    #[command(flatten)]
+    page: PageOptions,
     /// No summary.
     #[arg(long, short)]
     quiet: bool,
@@ -84,6 +92,13 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     }
     if !args.from.is_finite() || args.from < 0.0 {
         return Err(CliError::Input("--from must be 0 or more".into()));
+    }
+    if args.serve {
+        return show::run(args);
+    }
+    if args.page.any() {
+        let what = "--port, --lan, --open and --no-open are for --serve";
+        return Err(CliError::Input(what.into()));
     }
     let mut replay = match args.from {
         0.0 => Replay::open(&args.recording)?,

@@ -81,9 +81,13 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         }
     };
     let (remote, mut port) = (device.remote(), device.port());
-    port.attach(&session).map_err(|error| CliError::Input(error.to_string()))?;
+    if let Err(error) = port.attach(&session) {
+        drop((session, device));
+        recording.map(Recording::discard).unwrap_or_default();
+        return Err(CliError::Input(error.to_string()));
+    }
     args.devices.arm_if_asked(&remote);
-    let beside = simulate(&mut session, &mut port, &remote, args)?;
+    let beside = simulate(&mut session, &mut port, &remote, args, recording.as_mut())?;
     let status = remote.status();
     drop(device);
     drop(session.take_witness());
@@ -103,6 +107,7 @@ fn simulate(
     port: &mut SimulationPort,
     remote: &Remote,
     args: &Args,
+    mut recording: Option<&mut Recording>,
 ) -> Result<Beside, CliError> {
     let alarm = Alarm::set();
     let period = Duration::from_secs_f64(session.world().time_step());
@@ -121,6 +126,9 @@ fn simulate(
             if !args.quiet {
                 report::line(elapsed, &remote.status());
             }
+        }
+        if let Some(recording) = &mut recording {
+            recording.complain();
         }
         alarm.wait(deadlines.next_ns());
         let began = now_ns();

@@ -19,7 +19,7 @@ fn from_any_frame_the_same_frames_follow() {
         write(&file.0);
         if damaged {
             let mut bytes = std::fs::read(&file.0).unwrap();
-            let middle = bytes.len() / 2;
+            let middle = bytes.len() * 3 / 4;
             bytes[middle] ^= 1;
             std::fs::write(&file.0, bytes).unwrap();
         }

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::Path;
 use thenar_record::Kind;
-use thenar_scene::recording::{Replay, ReplayError};
+use thenar_scene::recording::{Index, Replay, ReplayError};
 use thenar_scene::session::Session;
 use thenar_scene::tuning::SettingValue;
 
@@ -147,6 +147,28 @@ fn damage_anywhere_costs_no_more_than_up_to_the_next_keyframe() {
         lost += usize::from(verdict.lost > 0);
     }
     assert!(caught_up > 3 && lost > 10, "{caught_up} {lost}");
+}
+
+/// Its steps have the numbers that would follow in the scene before, and its state would fit.
+#[test]
+fn a_scene_whose_beginning_is_lost_is_not_taken_for_the_one_before() {
+    let folder = Folder::new("foreign");
+    let heavy = BALL.replace("mass = 0.2", "mass = 0.4").replace("0.06", "0.2");
+    let (file, recorded) = folder.record_all(&[(BALL, 5), (&heavy, 25)], |_, _| ());
+    let frames = frames(&file);
+    let scene = frames.iter().rfind(|frame| frame.0 == Some(Kind::Scene)).unwrap();
+    let eighth = frames.iter().find(|frame| frame.0 == Some(Kind::Step) && frame.1 == 13).unwrap();
+    let mut hurt = bytes(&file);
+    hurt[scene.2.start..eighth.2.end].fill(0x5a);
+    let (mut replay, steps) = replay_of(&folder, &hurt);
+    let hashes: Vec<u64> = steps.iter().map(|step| step.1).collect();
+    assert_eq!(hashes, recorded[..5]);
+    let verdict = replay.verdict();
+    assert!(verdict.is_same() && verdict.losses[0].until.is_none(), "{verdict:?}");
+    let index = Index::of(&folder.file("hurt.rec")).unwrap();
+    let error = replay.go_to(&index, 0.2).unwrap_err().to_string();
+    assert!(error.contains("a scene that is not in the recording"), "{error}");
+    assert_eq!(replay.go_to(&index, 0.03).unwrap(), 0.0);
 }
 
 #[test]

@@ -11,7 +11,7 @@ use thenar_rig::hand::{HandOptions, asset, build_hand};
 use thenar_rig::{Model, write_model};
 use thenar_scene::live::LivePose;
 use thenar_scene::recording::{Event, Replay, SessionTape, TimeOf};
-use thenar_scene::session::Session;
+use thenar_scene::session::{Session, Witness};
 
 /// Time step of the scenes \[s\].
 pub const H: f64 = 0.01;
@@ -118,22 +118,35 @@ impl Folder {
         &self,
         text: &str,
         steps: usize,
+        drive: impl FnMut(usize, &mut Session),
+    ) -> (PathBuf, Vec<u64>) {
+        self.record_all(&[(text, steps)], drive)
+    }
+
+    /// The same of several scenes, one after another.
+    pub fn record_all(
+        &self,
+        scenes: &[(&str, usize)],
         mut drive: impl FnMut(usize, &mut Session),
     ) -> (PathBuf, Vec<u64>) {
         let file = self.file("test.rec");
-        let mut session = self.open(text);
         let recorder = Recorder::create(&file, &Header::default()).unwrap();
         let every = H * KEYFRAME as f64;
         let tape =
             SessionTape::new(recorder.session(), recorder.clock(), TimeOf::Simulation, every);
-        session.set_witness(Box::new(tape));
+        let mut witness: Box<dyn Witness> = Box::new(tape);
         let mut hashes = Vec::new();
-        for k in 0..steps {
-            drive(k, &mut session);
-            session.step(&mut ());
-            hashes.push(session.world().state_hash());
+        for (text, steps) in scenes {
+            let mut session = self.open(text);
+            session.set_witness(witness);
+            for k in 0..*steps {
+                drive(k, &mut session);
+                session.step(&mut ());
+                hashes.push(session.world().state_hash());
+            }
+            witness = session.take_witness().unwrap();
         }
-        drop(session);
+        drop(witness);
         recorder.finish().unwrap();
         (file, hashes)
     }

@@ -76,13 +76,10 @@ impl Loop {
     /// True for who holds control. Others are refused, but for what they sent before they knew
     /// that they had lost it.
     fn may(&self, client: ClientId) -> bool {
-        let holder = self.control.holder();
-        if holder != Some(client) && !self.control.held_just_now(client, Instant::now()) {
-            let who = holder.map_or("nobody".into(), |holder| format!("client {}", holder.0));
-            let reason = format!("{who} holds control; take it to change anything");
+        self.control.may(client, Instant::now()).unwrap_or_else(|reason| {
             self.refuse(client, &reason);
-        }
-        holder == Some(client)
+            false
+        })
     }
 
     fn pass_control(&mut self, client: ClientId, take: bool) {
@@ -120,6 +117,9 @@ impl Loop {
                     play.reset();
                 }
                 self.show();
+            }
+            Command::Seek { .. } => {
+                self.tell(client, text::error("only a recording has places to go to"));
             }
             Command::Speed { value } => {
                 self.speed = value;

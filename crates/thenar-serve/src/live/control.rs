@@ -63,6 +63,21 @@ impl Control {
         }
     }
 
+    /// True for who holds control; false for who sent something before it knew that it had lost it.
+    ///
+    /// # Errors
+    /// It never had it; says who has.
+    pub fn may(&self, client: ClientId, now: Instant) -> Result<bool, String> {
+        match self.holder {
+            Some(holder) if holder == client => Ok(true),
+            _ if self.held_just_now(client, now) => Ok(false),
+            holder => {
+                let who = holder.map_or("nobody".into(), |holder| format!("client {}", holder.0));
+                Err(format!("{who} holds control; take it to change anything"))
+            }
+        }
+    }
+
     /// True for a viewer that held control until just now.
     pub fn held_just_now(&self, client: ClientId, now: Instant) -> bool {
         self.former.is_some_and(|(former, since)| former == client && now - since < GRACE)

@@ -9,14 +9,14 @@
 mod adopt;
 mod builder;
 mod commands;
-mod control;
+pub(crate) mod control;
 mod haptics;
 mod pacer;
-mod play;
-mod publish;
+pub(crate) mod play;
+pub(crate) mod publish;
 mod run;
 mod source;
-mod status;
+pub(crate) mod status;
 
 pub use haptics::Haptics;
 pub use source::{LiveError, SceneSource};

@@ -75,7 +75,7 @@ impl Play {
 
     /// Back to the start. Tracked hands stay tracked.
     pub fn reset(&mut self) {
-        if self.any(Mover::Live) {
+        if movers(&self.session).any(|mover| mover == Mover::Live) {
             self.session.restart();
         } else {
             self.follow_script();
@@ -142,8 +142,7 @@ impl Play {
 
     /// Flags of a snapshot.
     pub fn flags(&self) -> u16 {
-        let script = if self.all(Mover::Script) { flags::SCRIPT } else { 0 };
-        script | if self.any(Mover::Live) { flags::TRACKED } else { 0 }
+        mover_flags(&self.session)
     }
 
     /// Newest pose message that acts, 0 if none.
@@ -151,17 +150,20 @@ impl Play {
         self.pose
     }
 
-    fn movers(&self) -> impl Iterator<Item = Mover> {
-        (0..self.session.hands().len()).map(|hand| self.session.mover(hand))
-    }
-
     fn all(&self, mover: Mover) -> bool {
-        self.movers().all(|one| one == mover)
+        movers(&self.session).all(|one| one == mover)
     }
+}
 
-    fn any(&self, mover: Mover) -> bool {
-        self.movers().any(|one| one == mover)
-    }
+fn movers(session: &Session) -> impl Iterator<Item = Mover> {
+    (0..session.hands().len()).map(|hand| session.mover(hand))
+}
+
+/// Flags of a snapshot that tell who moves the hands.
+pub fn mover_flags(session: &Session) -> u16 {
+    let script = movers(session).all(|mover| mover == Mover::Script);
+    let tracked = movers(session).any(|mover| mover == Mover::Live);
+    (if script { flags::SCRIPT } else { 0 }) | if tracked { flags::TRACKED } else { 0 }
 }
 
 fn side_name(side: Side) -> &'static str {

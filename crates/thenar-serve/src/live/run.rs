@@ -258,6 +258,7 @@ impl Loop {
             hands: self.recipe.hands,
             problem: self.problem.as_deref(),
             settings: self.play.as_ref().map_or(Vec::new(), |play| play.session().settings()),
+            recording: None,
         };
         let text = status.text();
         self.desk.status.send_if_modified(|last| {

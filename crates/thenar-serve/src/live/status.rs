@@ -26,6 +26,20 @@ pub struct Status<'a> {
     pub problem: Option<&'a str>,
     /// What can be set.
     pub settings: Vec<Setting>,
+    /// The recording that is shown; absent when a scene is live.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recording: Option<Recorded<'a>>,
+}
+
+/// A recording that is shown.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Recorded<'a> {
+    /// Its file, without folder.
+    pub file: &'a str,
+    /// Place in it \[s\].
+    pub time: f64,
+    /// Its length \[s\].
+    pub end: f64,
 }
 
 impl Status<'_> {

@@ -24,6 +24,11 @@ pub enum Command {
     Step {},
     /// Back to the start.
     Reset {},
+    /// To another place of a recording.
+    Seek {
+        /// Its time \[s\].
+        time: f64,
+    },
     /// Slow motion.
     Speed {
         /// Simulated over real time.
@@ -105,6 +110,9 @@ impl Command {
         match self {
             Self::Speed { value } if !(Self::SPEED_MIN..=1.0).contains(value) => {
                 Err(format!("speed {}; expected {} to 1", plain(*value), Self::SPEED_MIN))
+            }
+            Self::Seek { time } if !(time.is_finite() && *time >= 0.0) => {
+                Err(format!("place {}; expected 0 s or more", plain(*time)))
             }
             Self::Hands { lengths, .. } => {
                 let bad = |l: &&f64| !(HAND_MIN..=HAND_MAX).contains(*l);

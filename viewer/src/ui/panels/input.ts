@@ -43,12 +43,12 @@ export function inputPanel(desk: Desk): Panel {
   const refresh = () => {
     for (const source of inputs.list) if (!rows.has(source.id)) list.append(rowOf(source));
     for (const update of rows.values()) update();
-    setText(
-      intro,
+    const recorded = (connection.status?.recording ?? null) !== null;
+    const live =
       inputs.active === null
         ? "The scene's script moves the hand. Choose what shall move it instead; Esc gives it back."
-        : "Esc gives the hand back to the script.",
-    );
+        : "Esc gives the hand back to the script.";
+    setText(intro, recorded ? "This is a recording: its hands move as they did." : live);
   };
   inputs.onChange(refresh);
   for (const name of ["open", "close", "status"] as const) connection.on(name, refresh);

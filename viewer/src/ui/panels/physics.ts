@@ -13,6 +13,9 @@ const INTERVAL = 100;
 /** A value just set here is not overwritten by older ones from the server for so long, ms. */
 const SETTLE = 400;
 
+const WATCHING = "You are watching. Take control, in the Run panel, to change these.";
+const RECORDED = "This is a recording: the settings are those of then.";
+
 /** The label of a row with a button that shows its help. */
 function labelled(id: string, helpId: string) {
   const label = h("label", { for: id });
@@ -49,7 +52,7 @@ export function physicsPanel(desk: Desk): Panel {
   const watching = h(
     "p",
     { class: "help" },
-    "You are watching. Take control, in the Run panel, to change these.",
+    WATCHING,
   );
   const list = h("div");
   const reset = button("Back to the scene's values", () => {
@@ -76,8 +79,10 @@ export function physicsPanel(desk: Desk): Panel {
 
   const refresh = () => {
     const { status } = connection;
-    form.disabled = !connection.inControl;
-    watching.hidden = connection.inControl;
+    const recorded = (status?.recording ?? null) !== null;
+    form.disabled = recorded || !connection.inControl;
+    watching.hidden = !form.disabled;
+    setText(watching, recorded ? RECORDED : WATCHING);
     if (status === null) return;
     const now = JSON.stringify(status.settings.map((s) => [s.key, s.group, isChoice(s) ? s.choices : 0]));
     if (now !== shape) rebuild(status.settings);

@@ -41,6 +41,10 @@ export function runPanel(desk: Desk): Panel {
     const { status, welcome } = connection;
     const mine = connection.inControl;
     settable.disabled = !mine;
+    // What is recorded keeps its scene and its hands.
+    const recorded = (status?.recording ?? null) !== null;
+    scene.input.disabled = recorded;
+    hands.element.hidden = recorded;
     take.disabled = connection.state !== "open";
     setText(take, mine ? "Give up control" : "Take control");
     const holder = status?.control ?? null;

@@ -63,9 +63,10 @@ impl Replay {
     }
 
     fn begin_at(&mut self, keyframe: &Keyframe) -> Result<(), ReplayError> {
-        let fits = self.session.as_mut().is_some_and(|session| put(session, keyframe));
-        if !fits {
-            return Err(self.nonsense("it does not fit its scene"));
+        let start = self.start_hash;
+        let own = keyframe.kept.as_ref().is_some_and(|kept| kept.start == start);
+        if !own || !self.session.as_mut().is_some_and(|session| put(session, keyframe)) {
+            return Err(self.nonsense("it belongs to a scene that is not in the recording"));
         }
         (self.number, self.verdict.passed) = (keyframe.number, keyframe.number);
         Ok(())

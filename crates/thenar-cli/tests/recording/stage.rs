@@ -1,0 +1,72 @@
+//! What the tests share: folders, the program, and what it said.
+
+use std::path::PathBuf;
+use std::process::{Child, Command, Output};
+use std::time::{Duration, Instant};
+
+/// An empty folder of its own for each test.
+pub struct Folder(pub PathBuf);
+
+impl Folder {
+    pub fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("thenar-cli-{name}-{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&path);
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    pub fn command(&self, args: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_thenar"));
+        command.args(args).current_dir(&self.0);
+        command
+    }
+
+    pub fn thenar(&self, args: &[&str]) -> Output {
+        self.command(args).output().unwrap()
+    }
+
+    pub fn text(&self, file: &str) -> String {
+        std::fs::read_to_string(self.0.join(file)).unwrap()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+pub fn out(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+pub fn err(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// The hash that a summary ends with.
+pub fn state(output: &Output) -> String {
+    let text = out(output);
+    let hash = text.lines().rev().find_map(|line| line.trim().strip_prefix("state "));
+    hash.unwrap_or_else(|| panic!("{text}{}", err(output))).into()
+}
+
+/// Ends a program the hard way when the test ends.
+pub struct Running(pub Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// Waits until a file has grown beyond so many bytes.
+#[track_caller]
+pub fn wait_for(file: &std::path::Path, bytes: u64) {
+    let begun = Instant::now();
+    while std::fs::metadata(file).map_or(0, |m| m.len()) < bytes {
+        assert!(begun.elapsed() < Duration::from_secs(120), "{} does not grow", file.display());
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}

@@ -1,0 +1,282 @@
+//! The loop: events, steps of the recording, snapshots.
+
+use super::PlaybackError;
+use super::deck::Deck;
+use super::rhythm::Rhythm;
+use crate::hub::{ClientId, Desk, Event, Note};
+use crate::live::control::Control;
+use crate::live::play::mover_flags;
+use crate::live::publish::Publisher;
+use crate::live::status::{Recorded, Status};
+use crate::protocol::{self, Pace, flags, text};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use thenar_scene::hands::Hands;
+
+/// Longest sleep, so that the end of the program is not missed.
+const NAP: Duration = Duration::from_millis(50);
+/// Statuses are at least so far apart.
+const STATUS_EVERY: Duration = Duration::from_millis(40);
+/// The place in the recording is told so often while it goes on.
+const PLACE_EVERY: Duration = Duration::from_millis(200);
+/// On the way to another place events are looked at so often.
+const APPROACH: Duration = Duration::from_millis(20);
+/// The end stays for so long before the recording begins again.
+const HOLD: Duration = Duration::from_millis(1500);
+/// Events taken between two looks at the clock.
+const EVENTS_AT_ONCE: usize = 256;
+/// Snapshots are at least so far apart.
+const SNAPSHOT_EVERY: Duration = Duration::from_micros(8300);
+/// Slower than this part of the wanted speed is called slow.
+const SLOW: f64 = 0.95;
+
+/// All that the thread holds.
+pub struct Loop {
+    desk: Desk,
+    pub(super) control: Control,
+    pub(super) deck: Deck,
+    file: String,
+    pub(super) paused: bool,
+    pub(super) speed: f64,
+    /// Time \[s\] of a step that was made and is not shown yet.
+    made: Option<f64>,
+    /// Since when the end has been shown.
+    ended: Option<Instant>,
+    pub(super) rhythm: Rhythm,
+    publisher: Publisher,
+    /// Scene whose model clients have.
+    scene: u32,
+    shown: Instant,
+    told: Instant,
+    pub(super) changed: bool,
+    pub(super) problem: Option<String>,
+    /// When a client was last told that poses move nothing.
+    pub(super) scolded: Option<Instant>,
+    pub(super) started: Instant,
+}
+
+impl Loop {
+    /// A loop that waits for somebody to watch.
+    ///
+    /// # Errors
+    /// The scene is too large for a page.
+    pub fn new(desk: Desk, deck: Deck, file: String) -> Result<Self, PlaybackError> {
+        let now = Instant::now();
+        let mut new = Self {
+            desk,
+            control: Control::default(),
+            rhythm: Rhythm::new(deck.at(), now),
+            deck,
+            file,
+            paused: false,
+            speed: 1.0,
+            made: None,
+            ended: None,
+            publisher: Publisher::default(),
+            scene: 0,
+            shown: now,
+            told: now,
+            changed: true,
+            problem: None,
+            scolded: None,
+            started: now,
+        };
+        new.show_scene()?;
+        new.show();
+        new.tell_status();
+        Ok(new)
+    }
+
+    /// Runs until told to stop, or until all clients' ends are gone.
+    pub fn run(mut self, stop: &AtomicBool) {
+        while !stop.load(Ordering::Relaxed) && self.round() {}
+    }
+
+    /// Sleeps until something is due or comes. False when nothing can come any more.
+    fn round(&mut self) -> bool {
+        let Ok(mut event) = self.desk.wait(self.sleep()) else { return false };
+        for _ in 0..EVENTS_AT_ONCE {
+            let Some(one) = event else { break };
+            self.take(one);
+            event = self.desk.next();
+        }
+        if let Some(one) = event {
+            self.take(one);
+        }
+        if self.deck.is_seeking() {
+            if self.deck.approach(APPROACH) {
+                self.arrive();
+            }
+        } else if self.is_running() {
+            self.go_on();
+        }
+        let every = if self.changed { STATUS_EVERY } else { PLACE_EVERY };
+        if (self.changed || self.is_running()) && self.told.elapsed() >= every {
+            self.tell_status();
+        }
+        true
+    }
+
+    fn is_running(&self) -> bool {
+        !self.paused && self.control.viewers() > 0
+    }
+
+    fn sleep(&self) -> Duration {
+        match self.made {
+            _ if self.deck.is_seeking() => Duration::ZERO,
+            Some(at) if self.is_running() => {
+                let due = self.rhythm.due(at, self.speed);
+                due.saturating_duration_since(Instant::now()).min(NAP)
+            }
+            None if self.is_running() && self.ended.is_none() => Duration::ZERO,
+            _ if self.changed => STATUS_EVERY.saturating_sub(self.told.elapsed()),
+            _ => NAP,
+        }
+    }
+
+    fn take(&mut self, event: Event) {
+        self.changed |= !matches!(event, Event::Binary(..));
+        match event {
+            Event::Joined(client) => {
+                // Whoever comes first sees it go on from where it was left.
+                if self.control.viewers() == 0 {
+                    self.rhythm = Rhythm::new(self.deck.at(), Instant::now());
+                }
+                self.control.join(client);
+            }
+            Event::Left(client) => self.control.leave(client),
+            Event::Text(client, text) => self.text(client, &text),
+            Event::Binary(client, _) => self.pose(client),
+        }
+    }
+
+    /// Shows what is due, and makes what comes next.
+    fn go_on(&mut self) {
+        let now = Instant::now();
+        if let Some(since) = self.ended {
+            if now - since >= HOLD {
+                self.seek(0.0);
+            }
+            return;
+        }
+        if let Some(at) = self.made.filter(|at| now >= self.rhythm.due(*at, self.speed)) {
+            self.made = None;
+            self.rhythm.shown(at, self.speed, now);
+            if now - self.shown >= SNAPSHOT_EVERY {
+                self.show();
+            }
+        }
+        if self.made.is_none() {
+            self.make();
+        }
+    }
+
+    /// Makes a step, to be shown when it is due. False at the end.
+    pub(super) fn make(&mut self) -> bool {
+        self.made = self.deck.step();
+        if self.made.is_none() {
+            (self.ended, self.changed) = (Some(Instant::now()), true);
+            self.show();
+        }
+        if self.scene != self.deck.scene()
+            && let Err(error) = self.show_scene()
+        {
+            (self.problem, self.paused) = (Some(error.to_string()), true);
+        }
+        let problem = self.deck.problem();
+        if self.problem != problem {
+            (self.problem, self.changed) = (problem, true);
+        }
+        self.made.is_some()
+    }
+
+    /// Sets out for another place.
+    pub(super) fn seek(&mut self, seconds: f64) {
+        (self.made, self.ended, self.changed) = (None, None, true);
+        if let Err(error) = self.deck.seek(seconds) {
+            (self.problem, self.paused) = (Some(error.to_string()), true);
+        }
+    }
+
+    /// It is there.
+    fn arrive(&mut self) {
+        if self.scene != self.deck.scene()
+            && let Err(error) = self.show_scene()
+        {
+            (self.problem, self.paused) = (Some(error.to_string()), true);
+        }
+        self.problem = self.deck.problem();
+        self.changed = true;
+        self.rhythm = Rhythm::new(self.deck.at(), Instant::now());
+        self.show();
+    }
+
+    /// Sends the model of the scene that has begun.
+    fn show_scene(&mut self) -> Result<(), PlaybackError> {
+        let session = self.deck.session().ok_or(PlaybackError::Empty)?;
+        let model = protocol::model(session, session.name(), 0)?;
+        self.scene = self.deck.scene();
+        self.publisher.model(model, &self.desk);
+        self.changed = true;
+        Ok(())
+    }
+
+    /// Sends a snapshot of how things stand. What was made counts as shown.
+    pub(super) fn show(&mut self) {
+        self.shown = Instant::now();
+        if self.paused {
+            self.made = None;
+        }
+        let Some(session) = self.deck.session() else { return };
+        let reached = self.rhythm.speed().unwrap_or(self.speed);
+        let paused = if self.paused { flags::PAUSED } else { 0 };
+        let slow = if reached < SLOW * self.speed { flags::SLOW } else { 0 };
+        let pace = Pace {
+            flags: paused | slow | mover_flags(session),
+            cost_ms: self.deck.cost().as_secs_f64() * 1e3,
+            budget_ms: session.world().time_step() / self.speed * 1e3,
+            speed: if self.paused { 0.0 } else { reached },
+            ..Pace::default()
+        };
+        self.publisher.snapshot(session, pace, &self.desk);
+    }
+
+    fn tell_status(&mut self) {
+        (self.changed, self.told) = (false, Instant::now());
+        let Some(session) = self.deck.session() else { return };
+        let status = Status {
+            control: self.control.holder().map(|client| client.0),
+            viewers: self.control.viewers(),
+            paused: self.paused,
+            speed: self.speed,
+            scene: session.name(),
+            loading: None,
+            hands: Hands::Scene,
+            problem: self.problem.as_deref(),
+            settings: session.settings(),
+            recording: Some(Recorded {
+                file: &self.file,
+                time: self.deck.at(),
+                end: self.deck.end(),
+            }),
+        };
+        let text = status.text();
+        self.desk.status.send_if_modified(|last| {
+            let changed = *last != text;
+            if changed {
+                *last = text;
+            }
+            changed
+        });
+    }
+
+    /// Remarks something to a client.
+    pub(super) fn tell(&self, client: ClientId, text: String) {
+        self.desk.note(Note { client, text, refusal: false });
+    }
+
+    /// Refuses what a client sent.
+    pub(super) fn refuse(&self, client: ClientId, reason: &str) {
+        self.desk.note(Note { client, text: text::error(reason), refusal: true });
+    }
+}
