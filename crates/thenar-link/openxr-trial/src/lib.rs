@@ -10,7 +10,7 @@
 //! This is the only crate here with `unsafe` calls of C: it is not published, and empty without its
 //! feature `trial`.
 
-#![cfg(all(feature = "trial", unix))]
+#![cfg(all(feature = "trial", target_os = "linux"))]
 
 mod calls;
 pub mod hand;

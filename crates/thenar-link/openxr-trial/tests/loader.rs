@@ -3,7 +3,7 @@
 //! of its own (`openxr-hands`) whose `XR_RUNTIME_JSON` names the trial runtime, and writes that
 //! runtime's script while it goes. The loader must be installed (Debian: libopenxr-loader1).
 
-#![cfg(unix)]
+#![cfg(target_os = "linux")]
 
 use std::collections::VecDeque;
 use std::io::{BufRead, BufReader};

@@ -6,8 +6,8 @@ use std::collections::VecDeque;
 const KEPT: usize = 64;
 /// Longest message, in characters.
 const LENGTH: usize = 200;
-/// Reports of refused bytes are told once a second at most \[ns\].
-const REFUSED_EVERY_NS: u64 = 1_000_000_000;
+/// Reports of refused bytes, and the same note again, are told once a second at most \[ns\].
+const REPEATED_EVERY_NS: u64 = 1_000_000_000;
 
 /// The queue.
 pub struct Messages {
@@ -17,12 +17,21 @@ pub struct Messages {
     /// When refused bytes were last told of, and how often they came since.
     refused_ns: Option<u64>,
     refused: u64,
+    /// What the device told of itself last, and when.
+    note: Option<(String, u64)>,
 }
 
 impl Messages {
     /// Messages of the device with this name.
     pub fn new(name: &str) -> Self {
-        Self { name: name.into(), queue: VecDeque::new(), lost: 0, refused_ns: None, refused: 0 }
+        Self {
+            name: name.into(),
+            queue: VecDeque::new(),
+            lost: 0,
+            refused_ns: None,
+            refused: 0,
+            note: None,
+        }
     }
 
     /// Adds one.
@@ -37,10 +46,21 @@ impl Messages {
         self.queue.push_back(format!("{}: {text}", self.name));
     }
 
+    /// The device tells of itself: what it repeats is told once a second at most.
+    pub fn note(&mut self, now_ns: u64, text: &str) {
+        let again = |(last, at): &(String, u64)| {
+            last == text && now_ns.saturating_sub(*at) < REPEATED_EVERY_NS
+        };
+        if !self.note.as_ref().is_some_and(again) {
+            self.note = Some((text.into(), now_ns));
+            self.tell(text);
+        }
+    }
+
     /// Bytes were refused: tells the first time, then once a second at most.
     pub fn refuse(&mut self, now_ns: u64, why: &str) {
         self.refused += 1;
-        if self.refused_ns.is_some_and(|last| now_ns.saturating_sub(last) < REFUSED_EVERY_NS) {
+        if self.refused_ns.is_some_and(|last| now_ns.saturating_sub(last) < REPEATED_EVERY_NS) {
             return;
         }
         let times = self.refused;
@@ -80,6 +100,15 @@ mod tests {
         assert!(told.iter().all(|m| m.chars().count() <= LENGTH + 3));
         assert!(told[1].starts_with("d: 936x") && told[KEPT].starts_with("d: 999x"));
         assert!(messages.take().is_empty());
+    }
+
+    #[test]
+    fn notes_that_are_repeated_are_told_once_a_second() {
+        let mut messages = Messages::new("d");
+        (0..2500).for_each(|ms| messages.note(ms * 1_000_000, "jumped"));
+        assert_eq!(messages.take(), ["d: jumped"; 3]);
+        ["a", "b", "a"].iter().for_each(|text| messages.note(2_500_000_000, text));
+        assert_eq!(messages.take(), ["d: a", "d: b", "d: a"]);
     }
 
     #[test]

@@ -190,7 +190,7 @@ fn take(
             samples[k].write(Some(sample));
         }
         Event::Alive => {}
-        Event::Note(text) => shared.messages().tell(&text),
+        Event::Note(text) => shared.messages().note(now, &text),
         Event::Refused(why) => return shared.messages().refuse(now, &why),
     }
     shared.heard_ns.store(now, Ordering::Relaxed);
