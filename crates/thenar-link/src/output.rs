@@ -1,6 +1,7 @@
 //! What force displays are told: everything that any of them can render, per finger.
 
 use thenar::Vec3;
+use thenar::haptic::safety::Limits;
 use thenar::model::Side;
 
 /// Fingers of a hand, thumb first.
@@ -60,4 +61,16 @@ pub enum Rendering {
     Vibration,
     /// A force in space, and perhaps a torque, on one point.
     Wrench,
+}
+
+impl Rendering {
+    /// Limits as this rendering asks for them: finger pads press or do not, and what would pull a finger
+    /// in is nothing to show; a stop lets a finger go that opens, whatever force is wanted.
+    pub fn limits(self, own: Limits) -> Limits {
+        match self {
+            Self::Wrench => own,
+            Self::Tendons => Limits { unilateral: true, ..own },
+            Self::Stops | Self::Vibration => Limits { unilateral: true, passive: true, ..own },
+        }
+    }
 }

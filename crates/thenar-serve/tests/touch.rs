@@ -38,7 +38,7 @@ impl ForceDisplay for Display {
     }
 
     fn limits(&self) -> Limits {
-        Limits { gap_max: 60.0, ..Limits::cybergrasp() }
+        Limits { gap_hold: 60.0, gap_max: 60.0, ..Limits::cybergrasp() }
     }
 
     fn loop_profile(&self) -> LoopProfile {

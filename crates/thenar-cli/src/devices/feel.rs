@@ -37,7 +37,7 @@ pub fn run(
     if !arm && !agreed()? {
         return Err(CliError::Other("not armed: no force was shown".into()));
     }
-    let limits = gentle(&display.limits());
+    let limits = gentle(&display.rendering().limits(display.limits()));
     let mut guard =
         Guard::<DIGITS>::new(limits, 2000).map_err(|e| CliError::Other(e.to_string()))?;
     guard.arm();
@@ -169,9 +169,7 @@ fn velocity(speeds: &Speeds, rendering: Rendering, now_ns: u64) -> [f64; DIGITS]
             let v = speeds.wrist(now_ns);
             [v.x, v.y, v.z, 0.0, 0.0]
         }
-        // A stop only resists: it gives nothing to a finger that opens.
-        Rendering::Stops => speeds.opening(now_ns).map(|v| v.min(0.0)),
-        Rendering::Tendons | Rendering::Vibration => speeds.opening(now_ns),
+        Rendering::Tendons | Rendering::Stops | Rendering::Vibration => speeds.opening(now_ns),
     }
 }
 

@@ -37,11 +37,12 @@ pub struct DeviceOptions {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum ModeWord {
     /// Proxies beside a slower simulation, as in the paper.
-    #[default]
     Multirate,
     /// The whole simulation within each tick of the loop.
     SingleRate,
-    /// Proxies, with contact solved in each tick on what the simulation publishes.
+    /// Proxies, with contact solved in each tick on what the simulation publishes; as `multirate` where
+    /// its solver publishes nothing.
+    #[default]
     Shared,
 }
 

@@ -69,9 +69,7 @@ impl Actuators {
                 None => Bank::new(&[limits], 0)?,
             }),
             Rendering::Tendons | Rendering::Stops | Rendering::Vibration => {
-                // The pads press or do not; what would pull a finger in is nothing to show.
-                let limits = Limits { unilateral: true, ..limits };
-                Guards::Fingers(Bank::new(&[limits; DIGITS], 0)?)
+                Guards::Fingers(Bank::new(&[rendering.limits(limits); DIGITS], 0)?)
             }
         };
         let latch = StopLatch::new(STOP_FORCES[0], STOP_FORCES[1]);

@@ -37,6 +37,7 @@ mod histogram;
 mod lookout;
 mod monitor;
 mod page;
+mod pauses;
 mod port;
 mod realtime;
 mod record;
@@ -95,7 +96,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             rate_hz: 1000.0,
-            mode: LoopMode::Multirate,
+            mode: LoopMode::default(),
             design: CouplingDesign::default(),
             user_fraction: None,
             trip_folder: None,

@@ -2,6 +2,7 @@
 
 use super::control::{HandStatus, State, Status};
 use super::lookout::Lookouts;
+use super::pauses::Pauses;
 use super::record::{self, TickRecord};
 use super::{Ability, Shared};
 use crate::{Messenger, now_ns};
@@ -57,9 +58,11 @@ impl Monitor {
         let mut kept = VecDeque::with_capacity(KEPT);
         let mut tripped = false;
         let mut last_ns = None;
+        let mut pauses = Pauses::default();
         for look in 0_u32.. {
             let quit = self.shared.control.quit.load(Ordering::Acquire);
-            self.take_records(&mut status, &mut kept, &mut last_ns);
+            self.take_records(&mut status, &mut kept, &mut last_ns, &mut pauses);
+            status.messages.extend(pauses.tell());
             self.judge(&mut status, &kept);
             if look.is_multiple_of(MESSAGES_EVERY) || quit {
                 self.gather_messages(&mut status);
@@ -85,8 +88,10 @@ impl Monitor {
         status: &mut Status,
         kept: &mut VecDeque<TickRecord>,
         last_ns: &mut Option<u64>,
+        pauses: &mut Pauses,
     ) {
         while let Ok(record) = self.records.pop() {
+            pauses.see(&record);
             if let Some(watcher) = &mut self.watcher {
                 watcher(&record);
             }

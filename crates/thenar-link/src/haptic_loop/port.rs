@@ -20,11 +20,12 @@ use thenar_scene::session::Session;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LoopMode {
     /// Proxies, and the simulation's newest bones carried forward: the paper's.
-    #[default]
     Multirate,
     /// The whole simulation steps within the tick.
     SingleRate,
-    /// Proxies, and contact solved anew each tick on the condensed frame.
+    /// Proxies, and contact solved anew each tick on the condensed frame; frames without a response, of
+    /// the two-step scheme, as in `Multirate`.
+    #[default]
     Shared,
 }
 

@@ -1,6 +1,6 @@
 //! Faults put in: poses that are NaN, that teleport, that stop coming; devices that fall silent.
 
-use crate::rig::{MS, PRESS, Rig, check_outputs, limits};
+use crate::rig::{MS, PRESS, Rig, blocked, check_outputs, limits};
 use thenar::{Pose, Quat, Vec3};
 use thenar_link::Rendering;
 use thenar_link::haptic_loop::{LoopMode, Settings};
@@ -8,7 +8,7 @@ use thenar_scene::live::LivePose;
 use thenar_scene::session::Random;
 
 fn pressing() -> Rig {
-    let mut rig = Rig::new(&Settings::default(), Rendering::Tendons);
+    let mut rig = Rig::new(&blocked(), Rendering::Tendons);
     rig.pressing();
     rig
 }
@@ -148,7 +148,7 @@ fn forces_of_who_has_gone_fade_and_then_stop() {
 
 #[test]
 fn nobody_can_have_left_what_nobody_armed() {
-    let mut rig = Rig::new(&Settings::default(), Rendering::Tendons);
+    let mut rig = Rig::new(&blocked(), Rendering::Tendons);
     rig.clock.remote().abandon();
     rig.run(100, |_| 0.0);
     assert_eq!(rig.clock.core(|core| core.tripped()), None);
@@ -183,10 +183,18 @@ fn a_stop_outlives_the_hands() {
     }
 }
 
+/// A short stall lets go, and force comes back after wait and ramp; a long one is a trip.
 #[test]
-fn a_clock_that_jumps_trips() {
+fn a_clock_that_jumps_pauses_or_trips() {
     let mut rig = pressing();
     rig.now_ns += 50 * MS;
+    rig.run(1, |_| PRESS);
+    assert_eq!(rig.index_force(), 0.0);
+    assert!(rig.clock.core(|core| core.tripped().is_none()));
+    rig.run(300, |_| 0.0);
+    rig.run(900, |ms| PRESS * (ms as f64 / 500.0).min(1.0));
+    assert!(rig.index_force() > 0.2, "{}", rig.index_force());
+    rig.now_ns += 600 * MS;
     rig.run(1, |_| PRESS);
     assert_eq!(rig.index_force(), 0.0);
     let reason = rig.clock.core(|core| core.tripped().unwrap().to_string());

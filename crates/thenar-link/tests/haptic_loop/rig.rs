@@ -6,7 +6,7 @@ use thenar::Pose;
 use thenar::haptic::LoopProfile;
 use thenar::haptic::safety::Limits;
 use thenar::model::Side;
-use thenar_link::haptic_loop::{ManualLoop, Settings, SimulationPort};
+use thenar_link::haptic_loop::{LoopMode, ManualLoop, Settings, SimulationPort};
 use thenar_link::{ForceDisplay, HandOutput, HandSample, Rendering, Tracker};
 use thenar_scene::live::LivePose;
 use thenar_scene::motion::ANGLES;
@@ -72,6 +72,11 @@ pub fn limits() -> Limits {
 /// Of a small arm that turns its handle.
 pub fn torque_limits() -> Limits {
     Limits { ramp: 0.3, ..Limits::torque(0.2) }
+}
+
+/// For hands that are held by hand, as no simulation would: between frames they stay as they are.
+pub fn blocked() -> Settings {
+    Settings { mode: LoopMode::Multirate, ..Settings::default() }
 }
 
 pub struct FakeDisplay {

@@ -19,6 +19,7 @@ const PATIENCE: Duration = Duration::from_secs(30);
 fn patient() -> Limits {
     Limits {
         ramp: 0.02,
+        gap_hold: GAP.as_secs_f64(),
         gap_max: GAP.as_secs_f64(),
         simulation_hold: 0.3,
         tracking_hold: 0.3,
@@ -219,6 +220,11 @@ fn a_simulation_that_ends_fades_and_comes_back() {
     until("the reason", || {
         matches!(world.remote.status().state, State::Waiting(why) if why.contains("simulation"))
             || matches!(world.remote.status().state, State::Tripped(_))
+    });
+    // Its message stays, whatever comes after.
+    until("the message", || {
+        let told = world.remote.status().messages;
+        told.iter().any(|m| m.starts_with("forces paused") || m.starts_with("forces stopped"))
     });
     world.does(Simulation::Steps);
     world.press_again();

@@ -1,6 +1,6 @@
 //! A display of one point: force and torque, each behind its guard, and no weight of the hand.
 
-use crate::rig::{MS, Rig, SCENE, limits, torque_limits};
+use crate::rig::{MS, Rig, SCENE, blocked, limits, torque_limits};
 use thenar::haptic::safety::Limits;
 use thenar::{Pose, Quat, Vec3};
 use thenar_link::haptic_loop::{LoopMode, Settings};
@@ -35,7 +35,7 @@ fn check(outputs: &[HandOutput]) -> [f64; 2] {
 /// what the arm may do.
 #[test]
 fn a_blocked_palm_is_twisted_back_within_the_torque_limits() {
-    let mut rig = Rig::new(&Settings::default(), Rendering::Wrench);
+    let mut rig = Rig::new(&blocked(), Rendering::Wrench);
     rig.engaged();
     let home = rig.wrist;
     for ms in 0..900 {
@@ -62,7 +62,7 @@ fn a_blocked_palm_is_twisted_back_within_the_torque_limits() {
 /// Spun faster than a wrist turns: force and torque are both stopped, and the reason says which it was.
 #[test]
 fn a_palm_that_spins_stops_everything() {
-    let mut rig = Rig::new(&Settings::default(), Rendering::Wrench);
+    let mut rig = Rig::new(&blocked(), Rendering::Wrench);
     rig.engaged();
     let home = rig.wrist;
     let mut tripped = None;

@@ -40,6 +40,8 @@ pub struct Guard<const N: usize> {
     /// What was sent in the last tick \[N\].
     sent: [f64; N],
     passivity: Passivity,
+    /// How far what comes in was trusted in the last tick, 0 to 1.
+    trust: f64,
     log: SignalLog<N>,
 }
 
@@ -56,6 +58,7 @@ impl<const N: usize> Guard<N> {
             exact: [0.0; N],
             sent: [0.0; N],
             passivity: Passivity::default(),
+            trust: 1.0,
             log: SignalLog::new(log_ticks),
         })
     }
@@ -135,10 +138,13 @@ impl<const N: usize> Guard<N> {
         }
         check_finite(signal)?; // 1
         let dt = self.advance_clock(now_ns)?;
-        let (trust, pause) = self.freshness(now_ns, signal); // 2
+        let (trust, mut pause) = self.freshness(now_ns, signal); // 2
+        if dt > self.limits.gap_hold {
+            pause = Some(Pause::Loop { gap_s: dt });
+        }
         let wanted = self.clamp(&signal.force); // 3
         let change = self.limits.change_max(dt); // 4
-        let gain = trust * self.engage(dt, pause, length(&wanted)); // 5
+        let gain = self.regain(trust, dt) * self.engage(dt, pause, length(&wanted)); // 5
         let speed = length(&signal.velocity);
         let limit = self.limits.speed_max;
         if speed > limit {
@@ -148,6 +154,10 @@ impl<const N: usize> Guard<N> {
             }); // 6
         }
         let damping = self.balance_energy(&signal.velocity, dt)?; // 7
+        if dt > self.limits.gap_hold {
+            // The device was let go meanwhile.
+            return Ok([0.0; N]);
+        }
         let even = std::array::from_fn(|i| gain * wanted[i] - damping * signal.velocity[i]);
         // Neither fade nor ramp nor damping may undo stages 3 and 4.
         Ok(approach(&self.exact, &self.clamp(&even), change))
@@ -194,6 +204,18 @@ impl<const N: usize> Guard<N> {
         (simulation.min(tracking), pause)
     }
 
+    /// Trust falls at once and comes back slowly.
+    fn regain(&mut self, trust: f64, dt: f64) -> f64 {
+        let ramps = matches!(self.status, Status::Ramping { .. } | Status::Live);
+        let most = if ramps && self.limits.regain > 0.0 {
+            self.trust + dt / self.limits.regain
+        } else {
+            1.0
+        };
+        self.trust = trust.min(most);
+        self.trust
+    }
+
     /// Waiting, ramp, full force: the part of the wanted force that passes.
     fn engage(&mut self, dt: f64, pause: Option<Pause>, wanted: f64) -> f64 {
         if pause.is_some() {
@@ -224,7 +246,11 @@ impl<const N: usize> Guard<N> {
     /// Books the last interval; the damping that evens out a deficit \[N s/m\].
     fn balance_energy(&mut self, velocity: &[f64; N], dt: f64) -> Result<f64, Trip> {
         let limits = &self.limits;
-        self.passivity.observe(&self.sent, velocity, dt, limits.energy_ceiling);
+        let power: f64 = self.sent.iter().zip(velocity).map(|(f, v)| f * v).sum();
+        if !(limits.passive && power > 0.0) {
+            let held = dt.min(limits.gap_hold);
+            self.passivity.observe(&self.sent, velocity, held, limits.energy_ceiling);
+        }
         let given_out = -self.passivity.balance();
         if given_out > limits.energy_reserve {
             return Err(Trip::Energy { given_out, reserve: limits.energy_reserve });

@@ -11,6 +11,8 @@ pub struct Limits {
     pub user_fraction: f64,
     /// Components are never negative: a tendon pulls.
     pub unilateral: bool,
+    /// It holds and never pushes: a stop, or what is shown as vibration. It gives out no energy.
+    pub passive: bool,
     /// Largest change per second \[N/s\].
     pub slew: f64,
     /// Largest change per tick \[N\], however long the tick: no kicks.
@@ -23,9 +25,15 @@ pub struct Limits {
     pub tracking_hold: f64,
     /// How long either fade takes \[s\].
     pub fade: f64,
+    /// Trust that has faded takes so long to come back from nothing \[s\]: force that fades before each
+    /// frame of a slow simulation stays low, and does not buzz.
+    pub regain: f64,
     /// A device that has been silent for longer pauses the output \[s\].
     pub device_silence_max: f64,
-    /// A longer gap between two ticks trips \[s\].
+    /// After a longer gap between two ticks forces begin anew \[s\]: whoever watched over the loop has
+    /// let go by then.
+    pub gap_hold: f64,
+    /// One that is still longer trips \[s\].
     pub gap_max: f64,
     /// Engaging waits until the wanted force is below this \[N\] ...
     pub engage_force: f64,
@@ -68,14 +76,17 @@ impl Limits {
             turns: false,
             user_fraction: 0.5,
             unilateral: false,
+            passive: false,
             slew: rated / 0.02,
             step_max: rated / 10.0,
             speed_max: 1.2,
             simulation_hold: 0.05,
             tracking_hold: 0.1,
             fade: 0.05,
+            regain: 0.5,
             device_silence_max: 0.02,
-            gap_max: 0.02,
+            gap_hold: 0.02,
+            gap_max: 0.5,
             engage_force: 0.2,
             engage_ticks: 4,
             ramp: 2.0,
@@ -131,6 +142,7 @@ impl Limits {
             ("slew", self.slew),
             ("step_max", self.step_max),
             ("speed_max", self.speed_max),
+            ("gap_hold", self.gap_hold),
             ("gap_max", self.gap_max),
             ("engage_force", self.engage_force),
         ];
@@ -143,6 +155,7 @@ impl Limits {
             ("simulation_hold", self.simulation_hold),
             ("tracking_hold", self.tracking_hold),
             ("fade", self.fade),
+            ("regain", self.regain),
             ("device_silence_max", self.device_silence_max),
             ("ramp", self.ramp),
             ("energy_reserve", self.energy_reserve),

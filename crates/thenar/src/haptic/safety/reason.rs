@@ -98,6 +98,12 @@ pub enum Pause {
         /// Its age \[s\].
         age_s: f64,
     },
+    /// Nobody called for a while.
+    #[error("the haptic loop stood still for {} s", short(*gap_s))]
+    Loop {
+        /// How long \[s\].
+        gap_s: f64,
+    },
     /// The device has said nothing.
     #[error("nothing from the device for {} s", short(*age_s))]
     Device {
