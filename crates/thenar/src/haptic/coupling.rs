@@ -90,6 +90,17 @@ impl Proxy {
         };
         (Self { device, bone: *drive, ..*self }, shown)
     }
+
+    /// A proxy of `part` of the mass, as critically damped by its bone coupling as before.
+    pub fn lighter(&self, part: f64) -> Self {
+        let root = part.sqrt();
+        let bone = Drive {
+            damping: root * self.bone.damping,
+            angular_damping: root * self.bone.angular_damping,
+            ..self.bone
+        };
+        Self { mass: part * self.mass, inertia_B: self.inertia_B * part, bone, ..*self }
+    }
 }
 
 /// Force \[N\] and torque \[N m\] on the wearer, world, of a coupling between the hand and a body,

@@ -56,6 +56,10 @@ impl Default for HandSettings {
 /// How fast a hand is led to where its tracker found it \[s\]; half a metre in most of a second.
 pub(super) const GLIDE: f64 = 0.15;
 
+/// Part of the masses that proxies keep with shared constraints. There bones follow their proxies without
+/// any mass, so that their couplings damp nothing in free air, and a proxy of a palm's mass would ring on the
+/// device coupling.
+const LIGHT: f64 = 0.001;
 /// So far bones are always carried on \[s\]: no more than the proxies lag.
 const ALWAYS: f64 = 0.004;
 /// A frame that is older than this part of a period when it arrives is late.
@@ -119,6 +123,10 @@ impl HapticHand {
         });
         // Half of what would just be stable.
         let periods_when_late = 0.5 * least_stable.fold(1.0, f64::min);
+        let mut proxies = proxies;
+        if settings.mode == Mode::SharedConstraints {
+            proxies.iter_mut().for_each(|proxy| *proxy = proxy.lighter(LIGHT));
+        }
         let proxies = Proxies::new(proxies, start)?;
         Ok(Self {
             settings,
