@@ -49,7 +49,7 @@ fn shared_constraints_feel_like_the_simulation_within_the_tick() {
     let most = whole.force.iter().fold(0.0_f64, |a, f| a.max(*f));
     assert!((40.0..70.0).contains(&most), "the hand is pressed with {most} N");
     assert!(whole.given < 0.01 * whole.stored_max);
-    for (period, jump) in [(16, 0.4), (50, 0.9)] {
+    for (period, jump) in [(16, 0.4), (50, 1.1)] {
         let shared = run(TouchMode::SharedConstraints, period);
         let paper = run(TouchMode::Multirate, period);
         for one in [&shared, &paper] {
@@ -73,8 +73,8 @@ fn shared_constraints_feel_like_the_simulation_within_the_tick() {
 
 /// A glove of soft couplings (200 N/m to its proxies) on stiff bones (400 and 1600 N/m): a bone that
 /// lags behind its proxy by e leads a proxy that feels it to (k_s/k_h) e beyond the hand, two or eight
-/// times as far, and both would chase each other. In free air nothing is to be felt but the masses of
-/// the proxies, 0.15 kg in all at 2 m/s² and twice that where the motion sets in.
+/// times as far, and both would chase each other. Felt is where the bones come to rest, at their proxies: what
+/// is left is less than 0.1 N for each of 16 couplings, half a millimetre on 200 N/m.
 #[test]
 fn a_soft_coupling_to_stiff_bones_is_quiet_in_free_air() {
     let session = open(OVER_A_TABLE);
@@ -90,7 +90,7 @@ fn a_soft_coupling_to_stiff_bones_is_quiet_in_free_air() {
             most(&shared),
             most(&paper)
         );
-        assert!(most(&shared) < 1.0, "{bone_stiffness} N/m, {period} ms: {} N", most(&shared));
+        assert!(most(&shared) < 1.6, "{bone_stiffness} N/m, {period} ms: {} N", most(&shared));
         assert!(shared.given < 0.0, "{} J are given", shared.given);
     }
 }

