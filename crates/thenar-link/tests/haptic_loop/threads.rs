@@ -1,6 +1,6 @@
 //! The loop on its own threads: every way out sends zeros.
 
-use crate::rig::{MS, PRESS, SCENE, Wearer, devices_within, limits, session};
+use crate::rig::{MS, PRESS, SCENE, Wearer, blocked, devices_within, limits, session};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
@@ -63,7 +63,7 @@ impl World {
     /// Armed and pressing.
     fn pressing(folder: Option<std::path::PathBuf>) -> Self {
         let (wearer, tracker, display) = devices_within(patient(), Rendering::Tendons);
-        let settings = Settings { trip_folder: folder, ..Settings::default() };
+        let settings = Settings { trip_folder: folder, ..blocked() };
         let device = HapticLoop::start(settings, vec![tracker], vec![display]).expect("a loop");
         let remote = device.remote();
         let mut world = Self {
