@@ -2,9 +2,11 @@
 //! tracker breaks it. Method: a hand of about 600 tetrahedra over a table, or closing on itself, in
 //! simulated time; haptic ticks of 1 ms.
 
+use std::f64::consts::TAU;
 use std::path::Path;
 use thenar::haptic::safety::{Guard, Limits, Signal, Status};
-use thenar::haptic::{CouplingDesign, Prediction};
+use thenar::haptic::{CouplingDesign, Pad, Prediction};
+use thenar::math::rotation_vector;
 use thenar::model::Digit;
 use thenar::world::Target;
 use thenar::{Pose, Quat, Vec3};
@@ -136,32 +138,35 @@ fn a_stalled_simulation_keeps_the_period_and_a_continuous_force() {
     }
 }
 
+/// The scene's pinch with the thumb moved as a whole until its pad is 13 mm beyond where it meets
+/// that of the index finger, and the pads of both.
+fn interpenetrating(session: &Session) -> (Vec<Pose>, [Pad; 2]) {
+    let mut pinch = commanded(session, 1.0);
+    let model = &session.hands()[0].model;
+    let bones = &model.bones;
+    let pads = [0, 1].map(|i| Pad::of_hand(model)[i]);
+    assert_eq!(pads.map(|pad| pad.digit), [Digit::Thumb, Digit::Index]);
+    // The flesh pads: a radius below the bone's end.
+    let [thumb, index] = pads.map(|pad| {
+        let radius = bones[pad.bone].radius;
+        pinch[pad.bone].point(&(pad.point_B - Vec3::y() * radius))
+    });
+    let inward = pinch[pads[0].bone].vector(&-Vec3::y());
+    for (bone, pose) in bones.iter().zip(&mut pinch) {
+        if bone.digit == Digit::Thumb {
+            pose.position += index - thumb + inward * 0.013;
+        }
+    }
+    (pinch, pads)
+}
+
 /// Thumb commanded 13 mm into the index finger.
 #[test]
 fn a_commanded_interpenetration_is_held_apart_without_chatter() {
     let session = open(PINCH);
-    let mut pinch = commanded(&session, 1.0);
-    let bones = &session.hands()[0].model.bones;
+    let (pinch, pads) = interpenetrating(&session);
     for mode in [TouchMode::SingleRate, TouchMode::SharedConstraints, TouchMode::Multirate] {
         let mut chain = Rehearsal::new(&session, 0, &settings(mode, 16)).unwrap();
-        let pads = [0, 1].map(|i| chain.pads()[i]);
-        assert_eq!(pads.map(|pad| pad.digit), [Digit::Thumb, Digit::Index]);
-        // The flesh pads: a radius below the bone's end.
-        let pad_of = |poses: &[Pose], i: usize| {
-            let (pad, radius) = (&pads[i], bones[pads[i].bone].radius);
-            poses[pad.bone].point(&(pad.point_B - Vec3::y() * radius))
-        };
-        if mode == TouchMode::SingleRate {
-            // Move the thumb as a whole until it is 13 mm beyond where the pads meet.
-            let between = pad_of(&pinch, 1) - pad_of(&pinch, 0);
-            let inward = pinch[pads[0].bone].vector(&-Vec3::y());
-            let shift = between + inward * 0.013;
-            for (bone, pose) in bones.iter().zip(&mut pinch) {
-                if bone.digit == Digit::Thumb {
-                    pose.position += shift;
-                }
-            }
-        }
         let open_hand = commanded(&session, 0.0);
         let (mut last, mut penetration) = (Vec::new(), 0.0_f64);
         for ms in 0..1800u64 {
@@ -191,6 +196,54 @@ fn a_commanded_interpenetration_is_held_apart_without_chatter() {
         assert!(out.iter().all(|f| (0.5..5.2).contains(f)), "{mode:?}: {mean:?} along {apart}");
         assert!(rms.iter().all(|rms| *rms < 0.02), "{mode:?}: chatter of {rms:?} N rms");
         assert!(penetration < 2e-3, "{mode:?}: {penetration} m");
+    }
+}
+
+/// The same pinch closed and opened twice a second. A cycle begins and ends with the hand open and
+/// nothing stored, so that what a passive hand gives on balance over it is nothing or less, at any step of
+/// the simulation; and a cycle is like the one before, for nothing builds up.
+#[test]
+fn a_repeated_interpenetration_gives_out_no_energy() {
+    use TouchMode::{Multirate, SharedConstraints, SingleRate};
+    const CYCLE: u64 = 500;
+    let session = open(PINCH);
+    let (pinch, pads) = interpenetrating(&session);
+    let open_hand = commanded(&session, 0.0);
+    let modes = [(SingleRate, 1), (SharedConstraints, 4), (SharedConstraints, 17)];
+    for (mode, period) in modes.into_iter().chain([(Multirate, 4), (Multirate, 17)]) {
+        let mut chain = Rehearsal::new(&session, 0, &settings(mode, period)).unwrap();
+        let (mut given, mut stored, mut peaks) = ([0.0; 3], [0.0_f64; 3], [0.0_f64; 3]);
+        for ms in 0..3 * CYCLE {
+            let (cycle, rate) = ((ms / CYCLE) as usize, TAU * 1000.0 / CYCLE as f64);
+            let phase = rate * 1e-3 * (ms + 1) as f64;
+            let (part, speed) = (0.5 - 0.5 * phase.cos(), 0.5 * rate * phase.sin());
+            for (bone, (from, to)) in open_hand.iter().zip(&pinch).enumerate() {
+                let way = to.position - from.position;
+                let turn = rotation_vector(&(to.rotation * from.rotation.inverse()));
+                let turned = Quat::from_scaled_axis(turn * part) * from.rotation;
+                let pose = Pose::new(from.position + way * part, turned);
+                chain.track(bone, pose, Some([way * speed, turn * speed]));
+            }
+            chain.tick(false);
+            given[cycle] += 1e-3 * chain.power();
+            stored[cycle] = stored[cycle].max(-given[cycle]);
+            let forces = [0, 1].map(|i| chain.readings()[i].force_W.norm());
+            peaks[cycle] = forces.into_iter().fold(peaks[cycle], f64::max);
+        }
+        // The first cycle begins with the hand elsewhere.
+        for cycle in 1..3 {
+            let (given, stored) = (given[cycle], stored[cycle]);
+            assert!(stored > 0.01, "{mode:?} {period} ms: the pinch takes {stored} J");
+            assert!(given < 0.01 * stored, "{mode:?} {period} ms: {given} J of {stored} J");
+        }
+        // At most 13 mm on 400 N/m, and what a simulation that is three periods late, behind couplings of
+        // some 5 ms each, lags behind the fastest pad.
+        let way = |pad: &Pad| (pinch[pad.bone].position - open_hand[pad.bone].position).norm();
+        let fastest = 0.5 * TAU * 1000.0 / CYCLE as f64 * way(&pads[0]).max(way(&pads[1]));
+        let most = 400.0 * (0.013 + fastest * (3e-3 * period as f64 + 0.01));
+        let [_, second, third] = peaks;
+        assert!(second > 0.5 && second < most, "{mode:?} {period} ms: {second} of {most} N");
+        assert!((third / second - 1.0).abs() < 0.02, "{mode:?} {period} ms: {peaks:?} N");
     }
 }
 
