@@ -4,7 +4,7 @@ use super::check::checked;
 use super::clock::Timing;
 use super::follower::{Law, follow, follow_rotation};
 use super::memory::{CALIBRATION, Memory, Way};
-use super::observer::{Gains, Observed, ObservedRotation};
+use super::observer::{Observed, ObservedRotation};
 use super::stance::Stance;
 use super::{JOINT_RATE_MAX, LiveError, LivePose, Mover, OPENING, SPEED_MAX, SPIN_MAX, STALE};
 use crate::motion::{
@@ -298,25 +298,24 @@ impl LiveHand {
     /// Takes the pose carried over into the observers; sets out anew where it does not continue
     /// the ones before.
     fn observe(&mut self, wrist: &Pose, timing: &Timing, was_lost: bool) {
-        let gains = Gains::after(timing.gap);
         let gap = timing.gap.unwrap_or(0.0);
         let far = |[base, rate]: [f64; 2]| base + rate * gap;
-        let teleported = self.memory.position.surprise(wrist.position, &gains) > far(TELEPORT)
-            || self.memory.rotation.surprise(&wrist.rotation, &gains) > far(TELEPORT_TURN);
+        let teleported = self.memory.position.surprise(wrist.position, timing.gap) > far(TELEPORT)
+            || self.memory.rotation.surprise(&wrist.rotation, timing.gap) > far(TELEPORT_TURN);
         if was_lost || timing.fresh || teleported {
-            self.memory.position = Observed { place: wrist.position, rate: Vec3::zeros() };
-            self.memory.rotation = ObservedRotation { place: wrist.rotation, rate: Vec3::zeros() };
+            self.memory.position = Observed::at(wrist.position);
+            self.memory.rotation = ObservedRotation::at(wrist.rotation);
             for (joint, angles) in self.memory.joints.iter_mut().zip(&self.angles) {
-                *joint = angles.map(|place| Observed { place, rate: 0.0 });
+                *joint = angles.map(Observed::at);
             }
             self.memory.set_out = self.memory.now;
             return;
         }
-        self.memory.position.take(wrist.position, &gains, SPEED_MAX);
-        self.memory.rotation.take(&wrist.rotation, &gains, SPIN_MAX);
+        self.memory.position.take(wrist.position, timing.gap, SPEED_MAX);
+        self.memory.rotation.take(&wrist.rotation, timing.gap, SPIN_MAX);
         for (joint, angles) in self.memory.joints.iter_mut().zip(&self.angles) {
             for k in 0..2 {
-                joint[k].take(angles[k], &gains, JOINT_RATE_MAX);
+                joint[k].take(angles[k], timing.gap, JOINT_RATE_MAX);
             }
         }
     }
