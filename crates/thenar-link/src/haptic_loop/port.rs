@@ -175,9 +175,10 @@ impl SimulationPort {
             beginnings: self.beginnings,
         };
         // The scene's drives are the couplings to the bones; displays bound what is shown of them.
-        let proxies: Vec<_> = (self.design.hand(model).into_iter().zip(&drives))
-            .map(|(proxy, drive)| proxy.driven_by(&drive.unwrap_or(proxy.bone)))
-            .collect();
+        let held = || {
+            let each = self.design.hand(model).into_iter().zip(&drives);
+            each.map(|(proxy, drive)| (proxy, drive.unwrap_or(proxy.bone)))
+        };
         let touch: Box<dyn Touch + Send> = if single {
             // Samples come every tick, already smooth.
             let settings = SingleRateSettings {
@@ -188,8 +189,8 @@ impl SimulationPort {
             if let Some(input) = inner.input_mut() {
                 input.copy_from(session.input());
             }
-            for (bone, (_, parts)) in proxies.iter().enumerate() {
-                inner.show(bone, *parts);
+            for (bone, (proxy, drive)) in held().enumerate() {
+                inner.show(bone, proxy.parts_of_drive(&drive));
             }
             Box::new(inner)
         } else {
@@ -202,7 +203,8 @@ impl SimulationPort {
                 tracking: Prediction { blend: 0.0, ..Prediction::TRACKER },
                 ..HandSettings::default()
             };
-            let (proxies, parts): (_, Vec<_>) = proxies.into_iter().unzip();
+            let (proxies, parts): (_, Vec<_>) =
+                held().map(|(proxy, drive)| proxy.driven_by(&drive)).unzip();
             let mut hand = HapticHand::new(settings, proxies, &start, self.contacts_max())?;
             for (bone, parts) in parts.into_iter().enumerate() {
                 hand.show(bone, parts);

@@ -13,7 +13,7 @@ use crate::motion::{
 use std::f64::consts::TAU;
 use thenar::model::HandModel;
 use thenar::world::Target;
-use thenar::{Pose, Quat, Vec3};
+use thenar::{Pose, Quat};
 
 /// A pose is carried forward by so much at most \[s\].
 const AHEAD_MAX: f64 = 0.025;
