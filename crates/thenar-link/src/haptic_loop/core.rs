@@ -224,6 +224,11 @@ impl Core {
         &self.outputs
     }
 
+    /// The guards, display by display, hand by hand.
+    pub fn actuators(&self) -> &[Actuators] {
+        &self.actuators
+    }
+
     /// Hands, for tests and read-outs.
     pub fn hands(&self) -> &[LoopHand] {
         &self.hands

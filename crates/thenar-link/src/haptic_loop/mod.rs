@@ -261,8 +261,9 @@ fn share(
     displays: Vec<Box<dyn ForceDisplay>>,
 ) -> Result<(Arc<Shared>, Consumer<TickRecord>), LinkError> {
     let wrong = |what: &str, cause: String| LinkError::Setting { what: what.into(), cause };
-    if !(settings.rate_hz >= 50.0 && settings.rate_hz <= 20_000.0) {
-        let cause = format!("{} Hz is not between 50 and 20000", settings.rate_hz);
+    // Guards begin anew after gaps of 20 ms.
+    if !(settings.rate_hz >= 100.0 && settings.rate_hz <= 20_000.0) {
+        let cause = format!("{} Hz is not between 100 and 20000", settings.rate_hz);
         return Err(wrong("the haptic rate", cause));
     }
     let limits = limits_of(settings, &displays);

@@ -1,16 +1,20 @@
 //! Tells of forces that paused: they come back by themselves, so their state soon forgets why.
 
 use super::record::TickRecord;
+use std::mem::{Discriminant, discriminant};
 use thenar::haptic::safety::{Pause, Status};
+use thenar::model::Side;
 
-/// Pauses told of between two looks of the monitor.
-const MOST: usize = 4;
+/// A kind of pause is told of again after so long \[ns\].
+const AGAIN_NS: u64 = 1_000_000_000;
 
 /// Which displays let forces through, and pauses not told of yet.
 #[derive(Default)]
 pub struct Pauses {
-    passing: Vec<(u8, thenar::model::Side)>,
+    passing: Vec<(u8, Side)>,
     untold: Vec<Pause>,
+    /// When each kind was last told of \[ns\].
+    told: Vec<(Discriminant<Pause>, u64)>,
 }
 
 impl Pauses {
@@ -25,7 +29,7 @@ impl Pauses {
             (status, Some(at)) => {
                 self.passing.swap_remove(at);
                 if let Status::Waiting { pause: Some(pause), .. } = status
-                    && self.untold.len() < MOST
+                    && self.is_news(&pause, record.time_ns)
                 {
                     self.untold.push(pause);
                 }
@@ -33,10 +37,18 @@ impl Pauses {
         }
     }
 
+    fn is_news(&mut self, pause: &Pause, now_ns: u64) -> bool {
+        let kind = discriminant(pause);
+        match self.told.iter_mut().find(|(other, _)| *other == kind) {
+            Some((_, told_ns)) if now_ns.saturating_sub(*told_ns) < AGAIN_NS => return false,
+            Some((_, told_ns)) => *told_ns = now_ns,
+            None => self.told.push((kind, now_ns)),
+        }
+        true
+    }
+
     /// What is to be told, once.
     pub fn tell(&mut self) -> impl Iterator<Item = String> + '_ {
-        // What pauses one display mostly pauses all.
-        self.untold.dedup();
         self.untold.drain(..).map(|pause| {
             format!("forces paused: {pause}; they begin anew once little force is wanted")
         })

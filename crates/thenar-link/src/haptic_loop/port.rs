@@ -11,7 +11,7 @@ use thenar::haptic::{
     CouplingDesign, HandSettings, HapticHand, Mode, Prediction, ProxyError, RigidState, SingleRate,
     SingleRateSettings, SlowToFast, Touch,
 };
-use thenar::model::{Digit, Drive, Side};
+use thenar::model::{Digit, Drive, Side, SolverKind};
 use thenar::readout::ContactReadout;
 use thenar_scene::live::LiveError;
 use thenar_scene::session::Session;
@@ -194,8 +194,10 @@ impl SimulationPort {
             }
             Box::new(inner)
         } else {
+            // Another solver publishes no response.
+            let responds = world.desc().solver.kind == SolverKind::Exact;
             let settings = HandSettings {
-                mode: if self.mode == LoopMode::Shared {
+                mode: if self.mode == LoopMode::Shared && responds {
                     Mode::SharedConstraints
                 } else {
                     Mode::Multirate

@@ -188,3 +188,37 @@ force = [0, 0, 0.05]
         assert!((late..most + 1e-3).contains(&ball.z), "{ball}: {late} to {most} m");
     });
 }
+
+/// Until a tracker finds it, a hand is where its scene has it, with its own weight: what is led at the
+/// first pose sets out from there.
+#[test]
+fn a_hand_that_nobody_tracks_stays_with_its_simulation() {
+    for mode in [LoopMode::Shared, LoopMode::Multirate] {
+        let mut rig = Rig::new(&settings(mode), Rendering::Tendons);
+        for ms in 0..600 {
+            if ms % 16 == 0 {
+                rig.simulated_frame();
+            }
+            rig.tick();
+        }
+        let first = rig.session.hands()[0].handle.bones.start;
+        let bones = rig.clock.core(|core| core.hands()[0].touch().bones().to_vec());
+        for (b, bone) in bones.iter().enumerate() {
+            let there = rig.session.world().rigid_pose(first + b as u32);
+            let off = (bone.pose_WB.position - there.position).norm();
+            assert!(off < 1e-3, "{mode:?}, bone {b}: {off} m");
+        }
+        // And the first pose does not throw it.
+        for ms in 0..300 {
+            if ms % 16 == 0 {
+                rig.simulated_frame();
+            }
+            rig.wearer.say(rig.now_ns, Some(rig.pose(0.0)));
+            rig.tick();
+            let world = rig.session.world();
+            let speed = (0..bones.len() as u32).map(|b| world.rigid_velocity(first + b)[0].norm());
+            let fastest = speed.fold(0.0, f64::max);
+            assert!(fastest < 1.0, "{mode:?}, {ms} ms: {fastest} m/s");
+        }
+    }
+}

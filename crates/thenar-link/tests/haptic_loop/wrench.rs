@@ -1,7 +1,7 @@
 //! A display of one point: force and torque, each behind its guard, and no weight of the hand.
 
 use crate::rig::{MS, Rig, SCENE, blocked, limits, torque_limits};
-use thenar::haptic::safety::Limits;
+use thenar::haptic::safety::{Limits, Status};
 use thenar::{Pose, Quat, Vec3};
 use thenar_link::haptic_loop::{LoopMode, Settings};
 use thenar_link::{HandOutput, Rendering};
@@ -153,6 +153,8 @@ fn the_weight_of_the_simulated_hand_is_not_felt() {
         assert!(forces.norm() < 0.05 * weight, "{mode:?}: {forces} N of {weight} N");
         let status = rig.clock.core(|core| core.tripped());
         assert_eq!(status, None);
+        let live = rig.clock.core(|core| core.actuators()[0].status());
+        assert_eq!(live, Status::Live, "{mode:?}: forces began");
         assert!(rig.now_ns > 2000 * MS && rig.wearer.last().force_W.norm() < 0.05);
         // They began: a push of a hand that is held by hand is answered (these limits let through what
         // points upwards).

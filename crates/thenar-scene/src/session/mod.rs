@@ -137,8 +137,13 @@ impl Session {
         &mut self.world
     }
 
-    /// Fills how bones answer, for the haptic loop; see [`World::condense`].
+    /// Fills how bones answer, for the haptic loop; see [`World::condense`]. After a step that was taken back,
+    /// or left to the stand-in, nobody knows the contact forces: there is no response.
     pub fn condense(&mut self, bones: Range<u32>, to: &mut SlowToFast) -> bool {
+        if self.report.non_finite || self.report.fell_back {
+            to.response.clear();
+            return false;
+        }
         self.world.condense(bones, &self.input, to)
     }
 

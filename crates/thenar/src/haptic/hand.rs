@@ -158,13 +158,23 @@ impl HapticHand {
                 self.shared.begin(response);
                 self.shared_step = Some(frame.step);
             }
+            // Nobody leads a bone that was never tracked: its proxy is where the frame has it.
+            for (i, of_frame) in frame.bones.iter().enumerate() {
+                if !self.hand.is_known(i) {
+                    self.proxies.place(i, RigidState::at_rest(of_frame.pose_WB));
+                }
+            }
             let (tolerance, sweeps) = (self.settings.force_tolerance, self.settings.sweeps_max);
             let states = self.proxies.states();
             let resolution = self.shared.resolve(response, states, h, tolerance, sweeps);
             for (i, (bone, of_frame)) in self.bones.iter_mut().zip(&frame.bones).enumerate() {
                 // Resolved for where the proxies were; their step asks for its end.
                 let resolved = self.shared.bone(i, of_frame);
-                *bone = RigidState { pose_WB: resolved.pose_after(h), ..resolved };
+                *bone = if self.hand.is_known(i) {
+                    RigidState { pose_WB: resolved.pose_after(h), ..resolved }
+                } else {
+                    *of_frame
+                };
             }
             return resolution;
         }

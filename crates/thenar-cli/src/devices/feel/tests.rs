@@ -77,7 +77,7 @@ fn trial(rendering: Rendering, rate: f64) -> (Result<(), CliError>, Vec<HandOutp
     let mut display = Display { rendering, heard_ns: clock.clone(), shown: shown.clone() };
     let mut tracker: Box<dyn Tracker> =
         Box::new(Bending { rate, now_ns: clock.clone(), sample: None });
-    let mut guard = Guard::new(gentle(&display.limits()), 10).unwrap();
+    let mut guard = Guard::new(gentle(&display.rendering().limits(display.limits())), 10).unwrap();
     guard.arm();
     let mut trial = Trial {
         display: &mut display,

@@ -34,7 +34,7 @@ pub struct CondensedContact {
 /// The publisher fills the first three, `contacts`, `springs`, `targets` and, for a frame that is not at
 /// rest, `rest`, and calls `prepare`.
 /// `World::condense` knows the last two without J and W, which it leaves empty.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Condensed {
     bones: usize,
     contacts_max: usize,
@@ -56,6 +56,15 @@ pub struct Condensed {
     pub(super) lift: Vec<f64>,
     pub(super) delassus: Vec<f64>,
     ready: bool,
+}
+
+impl Clone for Condensed {
+    /// With all of its room.
+    fn clone(&self) -> Self {
+        let mut copy = Self::new(self.bones, self.contacts_max);
+        copy.copy_from(self);
+        copy
+    }
 }
 
 impl Condensed {
