@@ -90,7 +90,6 @@ mod tests {
                 normal_W: Vec3::y(),
                 gap,
                 friction: 0.5,
-                area: 0.0,
             });
         }
         let found = collector.finish();

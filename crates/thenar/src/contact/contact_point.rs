@@ -56,10 +56,6 @@ pub struct Contact {
     pub gap: f64,
     /// Coulomb friction coefficient of the pair.
     pub friction: f64,
-    /// Surface area the point stands for \[m²\]: a third of the triangles at a soft vertex,
-    /// projected along the normal (half of that between two soft bodies, where both sides contribute points); zero for rigid
-    /// pairs, and for rigid features found between soft vertices, whose area those vertices hold.
-    pub area: f64,
 }
 
 /// Place and motion of a rigid body.

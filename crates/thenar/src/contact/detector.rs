@@ -2,6 +2,7 @@
 
 use crate::contact::aabb::Aabb;
 use crate::contact::apart::{Apart, Regions};
+use crate::contact::area::{self, AreaScratch, Skin};
 use crate::contact::collector::{Collector, feature_key};
 use crate::contact::manifold::{DELIVERED_MAX, Manifold};
 use crate::contact::pairs::PairTable;
@@ -50,6 +51,7 @@ struct Scratch {
     features: FeatureScratch,
     pair: PairScratch,
     manifold: Manifold,
+    area: AreaScratch,
 }
 
 /// Where a surface is during the step, and how it moves.
@@ -79,13 +81,17 @@ impl SurfaceBounds {
 impl Detector {
     /// Prepares for a (valid) world.
     pub fn new(desc: &WorldDesc) -> Self {
-        let bodies: Vec<_> = desc.rigids.iter().map(RigidBody::new).collect();
         let mut surfaces = Vec::with_capacity(desc.softs.len());
         let mut vertices = 0;
         for (i, soft) in desc.softs.iter().enumerate() {
-            surfaces.push(Surface::new(&soft.flesh, vertices, &regions(desc, i).of_vertex));
+            let regions = regions(desc, i).of_vertex;
+            surfaces.push(Surface::new(i as u32, &soft.flesh, vertices, &regions));
             vertices += soft.flesh.collision.vertices.len();
         }
+        // Two points within each triangle that an edge may cross.
+        let edges = surfaces.iter().map(|s| s.edge_mean).filter(|edge| *edge > 0.0);
+        let spacing = 0.5 * edges.fold(f64::INFINITY, f64::min);
+        let bodies: Vec<_> = desc.rigids.iter().map(|r| RigidBody::new(r, spacing)).collect();
         let pairs = PairTable::new(desc);
         let soft_rigid = soft_rigid_pairs(&pairs, &surfaces, &bodies);
         let apart = neighbors_at_rest(desc, &surfaces);
@@ -173,6 +179,45 @@ impl Detector {
         collector.finish().penetration
     }
 
+    /// The area \[m²\] over which each of these contacts touches with bodies where they are now: see
+    /// [`area`]. Zero between rigid bodies, and where surfaces do not touch.
+    pub fn areas(
+        &mut self,
+        rigids: &[RigidPlace],
+        positions: &[Vec3],
+        contacts: &[Contact],
+        areas: &mut [f64],
+    ) {
+        let Self { bodies, surfaces, scratch, .. } = self;
+        let skin = |soft: u32| {
+            let surface = &surfaces[soft as usize];
+            let vertices = surface.first_vertex..surface.first_vertex + surface.vertex_count();
+            Skin { surface, x: &positions[vertices] }
+        };
+        for run in area::runs(contacts) {
+            let (of, areas) = (&contacts[run.clone()], &mut areas[run]);
+            match (&of[0].a, &of[0].b) {
+                (Site::Soft(a), Site::Rigid { body: i, .. }) => {
+                    let Some(body) = &bodies[*i as usize] else { continue };
+                    let placed = body.place(&rigids[*i as usize], 0.0);
+                    area::with_rigid(skin(a.soft), (body, &placed), of, areas, &mut scratch.area);
+                }
+                (Site::Soft(a), Site::Soft(b)) => {
+                    let gap = |c: &Contact| {
+                        let at = |site: &Site| match site {
+                            Site::Soft(point) => point.interpolate(skin(point.soft).x),
+                            Site::Rigid { .. } => Vec3::zeros(),
+                        };
+                        c.normal_W.dot(&(at(&c.a) - at(&c.b)))
+                    };
+                    let skins = [skin(a.soft), skin(b.soft)];
+                    area::between_soft(skins, of, gap, areas, &mut scratch.area);
+                }
+                (Site::Rigid { .. }, _) => areas.fill(0.0),
+            }
+        }
+    }
+
     fn search(
         &mut self,
         reach: Reach,
@@ -243,7 +288,6 @@ impl Detector {
                         normal_W: p.normal_W,
                         gap: p.gap,
                         friction,
-                        area: 0.0,
                     });
                 }
             }
@@ -265,7 +309,7 @@ impl Detector {
         let placed = &placed[rigid];
         let surface = &self.surfaces[soft];
         // A feature may have come through a triangle by so much and still touch.
-        let inflated = reach.margin + 0.25 * surface.edge_mean;
+        let inflated = reach.margin.max(surface.edge_mean);
         if !placed.may_touch(&body.shape, &bounds[soft].swept, inflated, reach.h) {
             return;
         }
@@ -328,7 +372,7 @@ impl Scratch {
         let vertices = surfaces.iter().map(Surface::vertex_count).max().unwrap_or(0);
         let triangles = surfaces.iter().map(|s| s.triangles.len()).max().unwrap_or(0);
         let shaped = bodies.iter().enumerate().filter_map(|(i, b)| b.as_ref().map(|b| (i, b)));
-        let points = shaped.clone().map(|(_, b)| b.features.points.len()).max().unwrap_or(0);
+        let points = shaped.clone().map(|(_, b)| b.sharp.points.len()).max().unwrap_or(0);
         Self {
             placed: vec![Placed::NOWHERE; bodies.len()],
             order: shaped.map(|(i, _)| i as u32).collect(),
@@ -337,6 +381,7 @@ impl Scratch {
             features: FeatureScratch::with_size(points, triangles),
             pair: PairScratch::with_size(vertices),
             manifold: Manifold::new(),
+            area: AreaScratch::with_size(triangles, vertices),
         }
     }
 }

@@ -32,10 +32,6 @@ impl Features {
         let boxes: Vec<Aabb> = points.iter().map(|p| Aabb { min: *p, max: *p }).collect();
         Self { tree: Bvh::build(&boxes), points, segments, radius }
     }
-
-    pub fn is_empty(&self) -> bool {
-        self.points.is_empty() && self.segments.is_empty()
-    }
 }
 
 /// The ends of a capsule's axis.

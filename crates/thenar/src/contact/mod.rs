@@ -15,6 +15,7 @@
 mod aabb;
 mod apart;
 mod approach;
+mod area;
 mod bvh;
 mod collector;
 mod contact_point;
@@ -24,7 +25,7 @@ mod distance;
 mod features;
 mod grid;
 mod manifold;
-
+mod near;
 mod pairs;
 mod ridge;
 mod rigid_body;
@@ -32,7 +33,9 @@ mod rigid_pair;
 #[cfg(test)]
 mod rigid_tests;
 mod shape;
+mod sharp;
 mod sides;
+mod smooth;
 mod soft_feature;
 mod soft_rigid;
 mod soft_soft;

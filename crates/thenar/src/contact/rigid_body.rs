@@ -2,6 +2,7 @@
 
 use crate::contact::aabb::Aabb;
 use crate::contact::features::Features;
+use crate::contact::sharp::Sharp;
 use crate::contact::{RigidPlace, Shape};
 use crate::math::{Mat3, Pose, Vec3};
 use crate::model::{Motion, RigidDesc};
@@ -14,6 +15,8 @@ pub(crate) struct RigidBody {
     pub dynamic: bool,
     pub friction: f64,
     pub features: Features,
+    /// What soft surfaces meet of it between their vertices.
+    pub sharp: Sharp,
     /// Box around the shape, in S; unbounded for a half-space.
     pub bounds_S: Aabb,
     /// Largest distance of the shape from the centre of mass \[m\]; zero for a half-space.
@@ -21,8 +24,8 @@ pub(crate) struct RigidBody {
 }
 
 impl RigidBody {
-    /// `None` when the body has no shape.
-    pub fn new(desc: &RigidDesc) -> Option<Self> {
+    /// `None` when the body has no shape. Sharp edges are tried at least every `spacing` \[m\].
+    pub fn new(desc: &RigidDesc, spacing: f64) -> Option<Self> {
         let shape = desc.shape.clone()?;
         let bounds_S = bounds(&shape);
         let radius = match shape {
@@ -31,6 +34,7 @@ impl RigidBody {
         };
         Some(Self {
             features: Features::of(&shape),
+            sharp: Sharp::of(&shape, spacing),
             pose_BS: desc.pose_BS,
             dynamic: desc.motion == Motion::Dynamic,
             friction: desc.friction,

@@ -30,6 +30,22 @@ pub enum Shape {
     Mesh(#[cfg_attr(feature = "serde", serde(with = "shared"))] Arc<MeshShape>),
 }
 
+impl Shape {
+    /// The least radius of curvature \[m\] at which its distance is to be sampled: that of a round
+    /// shape; of one with edges, half its least extent.
+    pub(crate) fn least_radius(&self) -> f64 {
+        match self {
+            Self::Sphere { radius } | Self::Capsule { radius, .. } => *radius,
+            Self::Cuboid { half } => half.min(),
+            Self::HalfSpace => f64::INFINITY,
+            Self::Mesh(mesh) => {
+                let (n, cell) = (mesh.grid.dims.map(|n| n - 1), mesh.grid.cell);
+                0.5 * cell * f64::from(n.into_iter().min().unwrap_or(1))
+            }
+        }
+    }
+}
+
 /// A rigid triangle mesh made ready for contact.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

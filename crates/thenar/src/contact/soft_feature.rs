@@ -1,85 +1,77 @@
-//! Sharp or small parts of a rigid shape against the triangles of a deformable surface: what
-//! comes between the vertices. Corners, mesh points and sphere centres are tested as points;
-//! edges of a cuboid and the axis of a capsule where they pass nearest to each triangle.
+//! What of a rigid shape comes between the vertices of a deformable surface: its sharp points, and,
+//! where it is round, its centre line.
+//!
+//! Every contact made here stands for a point of one surface and its true distance to the other, so
+//! none holds what does not meet. A sharp point touches the triangle that is nearest to it. A round
+//! part touches *every* triangle near it, each at its own nearest point: contacts then move along with
+//! the bodies, and a large ball does not rest on one triangle after another.
 
-use crate::contact::aabb::Aabb;
+use crate::contact::Shape;
 use crate::contact::collector::{Collector, feature_key};
+use crate::contact::features::capsule_axis;
+use crate::contact::near::{Arrival, Near};
 use crate::contact::soft_rigid::{KEY_POINT, KEY_SEGMENT, SoftRigid, VertexScratch};
-use crate::contact::triangle::{
-    Closest, Feature, area_vector, closest_on_triangle, segment_parameter,
-};
+use crate::contact::triangle::{Closest, Feature, segment_parameter};
 use crate::contact::{Contact, Site, SurfacePoint};
 use crate::math::Vec3;
 
 const NONE: u32 = u32::MAX;
-const UNMET: (f64, u32) = (f64::INFINITY, NONE);
 
-/// Nearest triangle of each feature point, and deepest feature of each triangle.
+/// Work space of the search.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FeatureScratch {
-    nearest: Vec<(f64, u32)>,
-    /// Points with an entry in `nearest`, in the order they were met.
+    /// Per sharp point the nearest triangle, and the one that arrives first.
+    meets: Vec<Meet>,
+    /// Points with an entry in `meets`, in the order they were met.
     met: Vec<u32>,
-    deepest: Vec<Option<Touch>>,
-    touched: Vec<u32>,
     /// Per triangle, the round in which it was last visited.
     visited: Vec<u32>,
     round: u32,
+    /// Of round parts.
+    touches: Vec<Touch>,
 }
+
+/// What comes near to a sharp point.
+#[derive(Clone, Copy, Debug)]
+struct Meet {
+    /// Squared distance \[m²\] and triangle.
+    nearest: (f64, u32),
+    /// Part of the step and triangle.
+    arriving: (f64, u32),
+}
+
+const UNMET: Meet = Meet { nearest: (f64::INFINITY, NONE), arriving: (f64::INFINITY, NONE) };
 
 impl FeatureScratch {
     pub fn with_size(points: usize, triangles: usize) -> Self {
         Self {
-            nearest: vec![UNMET; points],
+            meets: vec![UNMET; points],
             met: Vec::with_capacity(points),
-            deepest: vec![None; triangles],
-            touched: Vec::with_capacity(triangles),
             visited: vec![0; triangles],
             round: 0,
+            touches: Vec::with_capacity(ROUND_PLACES * triangles),
         }
     }
 }
 
-/// A rigid feature at a triangle.
+/// A point of the surface that touches, in the shape frame.
 #[derive(Clone, Copy, Debug)]
 struct Touch {
     key: [u32; 2],
-    closest: Closest,
-    /// Outward normal of the soft surface, in the shape frame.
+    triangle: u32,
+    weights: [f64; 3],
+    /// From the shape to the surface.
     normal: Vec3,
     gap: f64,
 }
 
-/// A triangle within reach of the shape, in the shape frame.
-struct Near {
-    index: u32,
-    x: [Vec3; 3],
-    /// Motions of its corners in this step.
-    u: [Vec3; 3],
-    /// The largest of them \[m\].
-    travel: f64,
-    /// Distance of the nearest corner to the shape.
-    vertex_gap: f64,
+/// How deep a feature may lie and still be taken as having come through the triangle \[m\]: the
+/// search looks one triangle deep.
+pub(crate) fn depth_max(pair: &SoftRigid) -> f64 {
+    pair.margin.max(pair.surface.edge_mean)
 }
 
-impl Near {
-    fn new(pair: &SoftRigid, vertices: &VertexScratch, index: u32) -> Self {
-        let v = pair.surface.triangles[index as usize].map(|v| v as usize);
-        let [(x0, u0), (x1, u1), (x2, u2)] = v.map(|v| pair.in_shape(v));
-        let squared = u0.norm_squared().max(u1.norm_squared()).max(u2.norm_squared());
-        let vertex_gap = v.iter().map(|&v| vertices.gaps[v]).fold(f64::INFINITY, f64::min);
-        Self { index, x: [x0, x1, x2], u: [u0, u1, u2], travel: squared.sqrt(), vertex_gap }
-    }
-
-    fn edge_max(&self) -> f64 {
-        let [a, b, c] = &self.x;
-        let squared = (b - a).norm_squared().max((c - b).norm_squared());
-        squared.max((a - c).norm_squared()).sqrt()
-    }
-}
-
-/// Adds at most one contact per triangle, where a feature comes closer than the triangle's own
-/// vertices.
+/// Adds the contacts of sharp points and of the round part.
 pub(crate) fn find(
     pair: &SoftRigid,
     vertices: &VertexScratch,
@@ -87,168 +79,293 @@ pub(crate) fn find(
     out: &mut Collector,
 ) {
     scratch.round = scratch.round.wrapping_add(1);
+    scratch.touches.clear();
+    let axis = round_part(&pair.body.shape);
+    let mut inmost = Inmost::default();
     for &v in &vertices.near {
         for &t in pair.surface.around(v) {
             if std::mem::replace(&mut scratch.visited[t as usize], scratch.round) == scratch.round {
                 continue;
             }
-            let near = Near::new(pair, vertices, t);
-            // Any point of a triangle is within 1/√3 of its longest edge of some corner.
-            let edge = 0.578 * near.edge_max();
-            if near.vertex_gap > edge + depth_max(pair) + near.travel {
-                continue;
+            let near = Near::new(pair, t);
+            meet_sharp(pair, &near, scratch);
+            if let Some((axis, radius)) = &axis {
+                meet_round(pair, &near, axis, *radius, &mut inmost, &mut scratch.touches);
             }
-            meet_points(pair, &near, scratch);
-            meet_segments(pair, &near, edge, scratch);
         }
     }
-    settle_points(pair, vertices, scratch);
-    deliver(pair, scratch, out);
+    settle_sharp(pair, scratch, out);
+    settle_round(pair, &inmost, scratch, out);
 }
 
-/// How deep a feature may lie and still be taken as having come through the triangle.
-pub(crate) fn depth_max(pair: &SoftRigid) -> f64 {
-    pair.margin + 0.25 * pair.surface.edge_mean
+/// The line about which a shape is round, and its radius there.
+fn round_part(shape: &Shape) -> Option<([Vec3; 2], f64)> {
+    match shape {
+        Shape::Sphere { radius } => Some(([Vec3::zeros(); 2], *radius)),
+        Shape::Capsule { radius, half_length } => Some((capsule_axis(*half_length), *radius)),
+        Shape::Cuboid { .. } | Shape::HalfSpace | Shape::Mesh(_) => None,
+    }
 }
 
-/// Offers a triangle to every feature point around it.
-fn meet_points(pair: &SoftRigid, near: &Near, scratch: &mut FeatureScratch) {
-    let features = &pair.body.features;
-    let reach = depth_max(pair) + near.travel + features.radius;
-    let around = Aabb::of_points(&near.x).inflate(reach);
-    let normal = area_vector(&near.x).try_normalize(1e-300).unwrap_or_else(Vec3::zeros);
-    features.tree.overlapping(&around, |i| {
-        let p = &features.points[i as usize];
+// Sharp points.
+
+/// Offers a triangle to every sharp point around it.
+fn meet_sharp(pair: &SoftRigid, near: &Near, scratch: &mut FeatureScratch) {
+    let reach = depth_max(pair);
+    let around = near.swept().inflate(reach);
+    pair.body.sharp.tree.overlapping(&around, |i| {
+        let p = &pair.body.sharp.points[i as usize];
         if !around.contains(p) {
             return;
         }
-        let best = &mut scratch.nearest[i as usize];
-        // The plane of the triangle is not farther than the triangle.
-        let height = normal.dot(&(p - near.x[0]));
-        if height.abs() > reach || height * height > best.0 {
-            return;
+        let Meet { mut nearest, mut arriving } = scratch.meets[i as usize];
+        let squared = near.closest(p).distance_squared;
+        if squared <= reach * reach {
+            // Of equally near triangles the lowest index.
+            nearest = least(nearest, (squared, near.index));
         }
-        let closest = closest_on_triangle(p, &near.x);
-        // Of equally near triangles the lowest index.
-        if (closest.distance_squared, near.index) < *best {
-            if best.1 == NONE {
-                scratch.met.push(i);
+        if near.travel > pair.margin
+            && squared > pair.margin * pair.margin
+            && let Some(arrival) = near.arrival(p, 0.0, pair.margin)
+        {
+            arriving = least(arriving, (arrival.at, near.index));
+        }
+        let known = scratch.meets[i as usize];
+        if known.nearest.1 == NONE && known.arriving.1 == NONE {
+            if nearest.1 == NONE && arriving.1 == NONE {
+                return;
             }
-            *best = (closest.distance_squared, near.index);
+            scratch.met.push(i);
         }
+        scratch.meets[i as usize] = Meet { nearest, arriving };
     });
 }
 
-/// Turns the nearest triangle of each point into a touch, and forgets it.
-fn settle_points(pair: &SoftRigid, vertices: &VertexScratch, scratch: &mut FeatureScratch) {
+fn least(a: (f64, u32), b: (f64, u32)) -> (f64, u32) {
+    if b < a { b } else { a }
+}
+
+/// Turns what each point met into a contact, in the order of the points.
+fn settle_sharp(pair: &SoftRigid, scratch: &mut FeatureScratch, out: &mut Collector) {
+    scratch.met.sort_unstable();
     for m in 0..scratch.met.len() {
         let i = scratch.met[m];
-        let (_, t) = std::mem::replace(&mut scratch.nearest[i as usize], UNMET);
-        let near = Near::new(pair, vertices, t);
-        let p = pair.body.features.points[i as usize];
-        let closest = closest_on_triangle(&p, &near.x);
-        consider(pair, &near, &p, closest, [KEY_POINT, i], scratch);
+        let Meet { nearest, arriving } = std::mem::replace(&mut scratch.meets[i as usize], UNMET);
+        let p = pair.body.sharp.points[i as usize];
+        let touch = sharp_at_nearest(pair, &p, i, nearest.1)
+            .or_else(|| sharp_that_arrives(pair, &p, i, arriving.1));
+        touch.iter().for_each(|touch| out.push(contact(pair, touch)));
     }
     scratch.met.clear();
 }
 
-/// Tests each segment where it passes nearest to the middle of a triangle, whose points lie
-/// within `size` of a corner.
-fn meet_segments(pair: &SoftRigid, near: &Near, size: f64, scratch: &mut FeatureScratch) {
-    let features = &pair.body.features;
-    let middle = (near.x[0] + near.x[1] + near.x[2]) / 3.0;
-    let reach = 2.0 * size + depth_max(pair) + features.radius + near.travel;
-    for (s, [a, b]) in features.segments.iter().enumerate() {
-        let at = |q: &Vec3| segment_parameter(q, a, b);
-        let t = at(&middle);
-        let p = a + t * (b - a);
-        // The corners of a cuboid are tested as points.
-        let is_corner = features.radius == 0.0 && (t == 0.0 || t == 1.0);
-        if is_corner || (p - middle).norm_squared() > reach * reach {
-            continue;
-        }
-        let (mut p, mut closest) = (p, closest_on_triangle(&p, &near.x));
-        if features.radius > 0.0 {
-            // The axis of a capsule stays outside, so the nearest pair of points is meant.
-            p = a + at(&closest.point) * (b - a);
-            closest = closest_on_triangle(&p, &near.x);
-        }
-        if pair.surface.owns(near.index, closest.feature) {
-            consider(pair, near, &p, closest, [KEY_SEGMENT | s as u32, near.index], scratch);
-        }
+/// The contact of a sharp point with its nearest triangle, if that is within the margin or the point
+/// has come in through it.
+fn sharp_at_nearest(pair: &SoftRigid, p: &Vec3, i: u32, t: u32) -> Option<Touch> {
+    if t == NONE {
+        return None;
+    }
+    let near = Near::new(pair, t);
+    let closest = near.closest(p);
+    let x = pair.state.positions;
+    let to_shape = |normal_W: Vec3| pair.placed.rotation.tr_mul(&normal_W);
+    let outward = to_shape(pair.surface.pseudonormal(t, closest.feature, x));
+    let distance = closest.distance_squared.sqrt();
+    let gap = distance.copysign((p - closest.point).dot(&outward));
+    if gap > pair.margin || is_free(&pair.body.shape, &closest, gap) {
+        return None;
+    }
+    let smooth = to_shape(pair.surface.smooth_normal(t, &closest.weights, x));
+    let normal = -if smooth == Vec3::zeros() { outward } else { smooth };
+    (normal != Vec3::zeros()).then_some(Touch {
+        key: [KEY_POINT, i],
+        triangle: t,
+        weights: closest.weights,
+        normal,
+        gap,
+    })
+}
+
+/// A point that has come in through a place of the surface has taken that place: the shape is there.
+/// Near the far side of a thin or folded part a point lies inside as well, but the place is free: it
+/// lies outside the shape, not only beside the point (within 45° of the way there).
+fn is_free(shape: &Shape, closest: &Closest, gap: f64) -> bool {
+    gap < 0.0 && shape.distance(&closest.point).value > -gap * std::f64::consts::FRAC_1_SQRT_2
+}
+
+fn sharp_that_arrives(pair: &SoftRigid, p: &Vec3, i: u32, t: u32) -> Option<Touch> {
+    if t == NONE {
+        return None;
+    }
+    let Arrival { weights, normal, gap, .. } = Near::new(pair, t).arrival(p, 0.0, pair.margin)?;
+    Some(Touch { key: [KEY_POINT, i], triangle: t, weights, normal, gap })
+}
+
+// The round part.
+
+/// Places on the centre line that one triangle may touch.
+const ROUND_PLACES: usize = 3;
+
+/// The place on the centre line that is nearest to the surface from inside.
+#[derive(Clone, Copy, Debug)]
+struct Inmost {
+    distance_squared: f64,
+    inside: Option<Touch>,
+}
+
+impl Default for Inmost {
+    fn default() -> Self {
+        Self { distance_squared: f64::INFINITY, inside: None }
     }
 }
 
-/// Keeps feature point `p` if it touches and is the deepest of its triangle.
-fn consider(
+/// Lets a triangle touch a round part wherever it is nearest.
+fn meet_round(
     pair: &SoftRigid,
     near: &Near,
-    p: &Vec3,
-    closest: Closest,
-    key: [u32; 2],
-    scratch: &mut FeatureScratch,
+    axis: &[Vec3; 2],
+    radius: f64,
+    inmost: &mut Inmost,
+    touches: &mut Vec<Touch>,
 ) {
-    // At a vertex the vertex itself is the contact; what is far needs no normal.
-    let radius = pair.body.features.radius;
-    let distance = closest.distance_squared.sqrt();
-    let at_vertex = matches!(closest.feature, Feature::Vertex(_));
-    if at_vertex || distance - radius > depth_max(pair) + near.travel {
-        return;
-    }
-    // The pseudonormal is taken in the world, then turned into the shape frame.
-    let outward_W = pair.surface.pseudonormal(near.index, closest.feature, pair.state.positions);
-    let outward = pair.placed.rotation.tr_mul(&outward_W);
-    let to_p = p - closest.point;
-    let signed = distance.copysign(to_p.dot(&outward));
-    let on_face = closest.feature == Feature::Face || distance < 1e-9;
-    let normal = if on_face { outward } else { to_p / signed };
-    let gap = signed - radius;
-
-    let u: Vec3 = (0..3).map(|k| near.u[k] * closest.weights[k]).sum();
-    let closing = u.dot(&normal).max(0.0);
-    let missed = gap < near.vertex_gap - 0.1 * pair.margin;
-    let too_deep = gap < -depth_max(pair) - radius;
-    if gap > pair.margin + closing || !missed || too_deep || normal == Vec3::zeros() {
-        return;
-    }
-    // What has come in through this triangle has taken the place of its nearest point. Near the
-    // far side of a thin or folded part it lies inside as well, but that place is free.
-    if signed < 0.0 && radius == 0.0 && pair.body.shape.distance(&closest.point).value > 0.0 {
-        return;
-    }
-    let deepest = &mut scratch.deepest[near.index as usize];
-    match deepest {
-        Some(old) if old.gap <= gap => {}
-        _ => {
-            if deepest.is_none() {
-                scratch.touched.push(near.index);
+    let (places, count) = places_on(axis, &near.x, radius);
+    for (k, &at) in places[..count].iter().enumerate() {
+        let c = axis[0] + at * (axis[1] - axis[0]);
+        let closest = near.closest(&c);
+        let key = [KEY_SEGMENT | k as u32, near.index];
+        let distance = closest.distance_squared.sqrt();
+        if distance - radius > pair.margin + near.travel {
+            continue;
+        }
+        if distance - radius > pair.margin {
+            if let Some(a) = near.arrival(&c, radius, pair.margin) {
+                let Arrival { weights, normal, gap, .. } = a;
+                offer(touches, Touch { key, triangle: near.index, weights, normal, gap });
             }
-            *deepest = Some(Touch { key, closest, normal, gap });
+            continue;
+        }
+        let x = pair.state.positions;
+        let outward_W = pair.surface.pseudonormal(near.index, closest.feature, x);
+        let outward = pair.placed.rotation.tr_mul(&outward_W);
+        let faces = outward.dot(&(c - closest.point)) > 0.0;
+        let direction = (closest.point - c).try_normalize(0.0).unwrap_or(-outward);
+        let touch = |normal: Vec3, gap: f64| Touch {
+            key,
+            triangle: near.index,
+            weights: closest.weights,
+            normal,
+            gap,
+        };
+        if closest.distance_squared < inmost.distance_squared {
+            let inside = !faces && distance <= depth_max(pair);
+            *inmost = Inmost {
+                distance_squared: closest.distance_squared,
+                inside: inside.then(|| touch(-direction, -distance - radius)),
+            };
+        }
+        if faces && is_nearest_around(pair, near, &closest, &c) {
+            offer(touches, touch(direction, distance - radius));
         }
     }
 }
 
-/// Hands over one contact per touched triangle.
-fn deliver(pair: &SoftRigid, scratch: &mut FeatureScratch, out: &mut Collector) {
-    scratch.touched.sort_unstable();
-    for i in 0..scratch.touched.len() {
-        let t = scratch.touched[i];
-        let Some(touch) = scratch.deepest[t as usize].take() else { continue };
-        let position_W = pair.placed.world_point(&touch.closest.point);
-        let vertices = pair.surface.triangles[t as usize];
-        let point = SurfacePoint { soft: pair.soft, vertices, weights: touch.closest.weights };
-        let [kind, feature] = touch.key;
-        out.push(Contact {
-            key: feature_key([kind, pair.soft, pair.rigid, feature]),
-            a: Site::Soft(point),
-            b: Site::Rigid { body: pair.rigid, offset_W: position_W - pair.placed.center_of_mass },
-            position_W,
-            // The rigid feature lies outside the soft surface: from B to A is inward.
-            normal_W: -(pair.placed.rotation * touch.normal),
-            gap: touch.gap,
-            friction: pair.friction,
-            area: 0.0,
-        });
+fn offer(touches: &mut Vec<Touch>, touch: Touch) {
+    if touches.len() < touches.capacity() {
+        touches.push(touch);
     }
-    scratch.touched.clear();
+}
+
+/// False where the neighbour across the edge is nearer, or speaks for the edge; vertices are contacts
+/// of their own.
+fn is_nearest_around(pair: &SoftRigid, near: &Near, closest: &Closest, c: &Vec3) -> bool {
+    match closest.feature {
+        Feature::Face => true,
+        Feature::Vertex(_) => false,
+        Feature::Edge(k) => {
+            pair.surface.owns(near.index, closest.feature)
+                && pair.surface.across(near.index, k).is_none_or(|other| {
+                    let beyond = Near::new(pair, other).closest(c).distance_squared;
+                    beyond >= closest.distance_squared * (1.0 - 1e-9)
+                })
+        }
+    }
+}
+
+/// Where along its centre line a round part comes near to a triangle: at the place nearest to it, and
+/// where it enters and leaves what lies over it. A line along the triangle is thus held at both ends.
+fn places_on(axis: &[Vec3; 2], x: &[Vec3; 3], radius: f64) -> ([f64; ROUND_PLACES], usize) {
+    let along = axis[1] - axis[0];
+    let length = along.norm();
+    if length == 0.0 {
+        return ([0.0; ROUND_PLACES], 1);
+    }
+    let at = |p: &Vec3| segment_parameter(p, &axis[0], &axis[1]);
+    let point = |t: f64| axis[0] + t * along;
+    let mut nearest = at(&((x[0] + x[1] + x[2]) / 3.0));
+    for _ in 0..NEAREST_ROUNDS {
+        nearest = at(&crate::contact::triangle::closest_on_triangle(&point(nearest), x).point);
+    }
+    let mut places = [nearest; ROUND_PLACES];
+    let mut count = 1;
+    let normal = (x[1] - x[0]).cross(&(x[2] - x[0]));
+    let (mut from, mut to) = (0.0_f64, 1.0_f64);
+    for k in 0..3 {
+        let inward = normal.cross(&(x[(k + 1) % 3] - x[k]));
+        let (start, slope) = (inward.dot(&(axis[0] - x[k])), inward.dot(&along));
+        if slope.abs() <= 1e-12 * inward.norm() * length {
+            if start < 0.0 {
+                return (places, count);
+            }
+        } else if slope > 0.0 {
+            from = from.max(-start / slope);
+        } else {
+            to = to.min(-start / slope);
+        }
+    }
+    if from < to {
+        // Nearer together than this they are one: a ball of the radius is as good as flat there.
+        let same = 1e-3 * radius / length;
+        for end in [from, to] {
+            if places[..count].iter().all(|p| (p - end).abs() > same) {
+                places[count] = end;
+                count += 1;
+            }
+        }
+    }
+    (places, count)
+}
+
+/// Alternations between line and triangle on the way to their nearest points.
+const NEAREST_ROUNDS: usize = 8;
+
+/// Hands over the contacts of the round part: all of them, or, where its centre is inside the surface,
+/// the one that leads it out.
+fn settle_round(
+    pair: &SoftRigid,
+    inmost: &Inmost,
+    scratch: &mut FeatureScratch,
+    out: &mut Collector,
+) {
+    if let Some(touch) = &inmost.inside {
+        out.push(contact(pair, touch));
+        return;
+    }
+    scratch.touches.sort_unstable_by_key(|touch| (touch.triangle, touch.key));
+    scratch.touches.iter().for_each(|touch| out.push(contact(pair, touch)));
+}
+
+fn contact(pair: &SoftRigid, touch: &Touch) -> Contact {
+    let vertices = pair.surface.triangles[touch.triangle as usize];
+    let point = SurfacePoint { soft: pair.soft, vertices, weights: touch.weights };
+    let position_W = point.interpolate(pair.state.positions);
+    let [kind, feature] = touch.key;
+    Contact {
+        key: feature_key([kind, pair.soft, pair.rigid, feature]),
+        a: Site::Soft(point),
+        b: Site::Rigid { body: pair.rigid, offset_W: position_W - pair.placed.center_of_mass },
+        position_W,
+        normal_W: pair.placed.rotation * touch.normal,
+        gap: touch.gap,
+        friction: pair.friction,
+    }
 }

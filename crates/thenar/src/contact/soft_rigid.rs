@@ -6,7 +6,7 @@ use crate::contact::rigid_body::{Placed, RigidBody};
 use crate::contact::sides::Sight;
 use crate::contact::soft_feature::{self, FeatureScratch};
 use crate::contact::surface::Surface;
-use crate::contact::{Contact, Distance, Site, SurfacePoint, SurfaceState};
+use crate::contact::{Contact, Distance, Shape, Site, SurfacePoint, SurfaceState};
 use crate::math::Vec3;
 
 /// Kinds of contact, as they enter the key.
@@ -58,7 +58,7 @@ impl SoftRigid<'_> {
         features: &mut FeatureScratch,
         out: &mut Collector,
     ) {
-        let has_features = !self.body.features.is_empty();
+        let has_features = !matches!(self.body.shape, Shape::HalfSpace);
         let around_W = self.placed.swept_W.inflate(self.margin + self.travel);
         vertices.gaps.fill(f64::INFINITY);
         vertices.near.clear();
@@ -129,7 +129,6 @@ impl SoftRigid<'_> {
             normal_W,
             gap: distance.value,
             friction: self.friction,
-            area: self.surface.vertex_area(v, &normal_W, self.state.positions),
         }
     }
 }

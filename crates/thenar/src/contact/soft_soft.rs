@@ -250,7 +250,6 @@ impl SoftSoft<'_> {
             normal_W: normal,
             gap,
             friction: self.friction,
-            area: 0.5 * own.surface.vertex_area(v, &normal, own.state.positions),
         });
         true
     }
@@ -352,7 +351,6 @@ impl SoftSoft<'_> {
                 normal_W: normal,
                 gap,
                 friction: self.friction,
-                area: 0.0,
             });
         }
     }

@@ -3,6 +3,7 @@
 use crate::contact::SurfaceState;
 use crate::contact::aabb::Aabb;
 use crate::contact::bvh::Bvh;
+use crate::contact::smooth::SmoothNormals;
 use crate::contact::triangle::{Feature, area_vector};
 use crate::math::Vec3;
 use crate::model::Flesh;
@@ -12,6 +13,8 @@ const NONE: u32 = u32::MAX;
 /// Topology of one surface and a tree over its triangles.
 #[derive(Clone, Debug)]
 pub(crate) struct Surface {
+    /// Index of the deformable body.
+    pub soft: u32,
     pub triangles: Vec<[u32; 3]>,
     /// Triangle across edge k (from corner k to k + 1), or `NONE`.
     neighbors: Vec<[u32; 3]>,
@@ -28,21 +31,25 @@ pub(crate) struct Surface {
     /// Longest edge of the triangles around each vertex, at rest \[m\].
     pub edge_around: Vec<f64>,
     pub friction: f64,
+    smooth: SmoothNormals,
     /// Where its vertices begin in lists over all surfaces.
     pub first_vertex: usize,
 }
 
 impl Surface {
     /// `region_of_vertex` may be empty; parts of one region lie together in the tree.
-    pub fn new(flesh: &Flesh, first_vertex: usize, region_of_vertex: &[u32]) -> Self {
+    pub fn new(soft: u32, flesh: &Flesh, first_vertex: usize, region_of_vertex: &[u32]) -> Self {
         let mut rest = vec![Vec3::zeros(); flesh.collision.vertices.len()];
         flesh.collision.positions(&flesh.tets, &flesh.nodes, &mut rest);
         let triangles = flesh.collision.triangles.clone();
         let (around_start, around) = triangles_around(&triangles, rest.len());
         let boxes: Vec<Aabb> = triangles.iter().map(|t| triangle_box(t, &rest)).collect();
         let lengths: Vec<f64> = triangles.iter().flat_map(|t| edge_lengths(t, &rest)).collect();
+        let neighbors = neighbors(&triangles);
+        let across = |t: u32, k: usize| Some(neighbors[t as usize][k]).filter(|&u| u != NONE);
         Self {
-            neighbors: neighbors(&triangles),
+            soft,
+            smooth: SmoothNormals::new(&triangles, &rest, across),
             around_start,
             around,
             tree: Bvh::build_grouped(&boxes, |t| {
@@ -55,6 +62,7 @@ impl Surface {
             edge_around: longest_around(&triangles, &lengths, rest.len()),
             friction: flesh.friction,
             first_vertex,
+            neighbors,
             triangles,
         }
     }
@@ -111,13 +119,6 @@ impl Surface {
         &self.around[self.around_start[v] as usize..self.around_start[v + 1] as usize]
     }
 
-    /// The area \[m²\] a vertex stands for in contact along `normal_W` (towards this body): a
-    /// third of the triangles around it, as seen along the normal; those facing away count zero.
-    pub fn vertex_area(&self, vertex: u32, normal_W: &Vec3, x: &[Vec3]) -> f64 {
-        let facing = |&t: &u32| (-normal_W.dot(&area_vector(&self.corners(t, x)))).max(0.0);
-        self.around(vertex).iter().map(facing).sum::<f64>() / 3.0
-    }
-
     /// The normal that decides inside from outside at a feature: of the face, the sum over an
     /// edge's two faces, or the angle-weighted sum around a vertex (Bærentzen & Aanæs 2005).
     /// Unit length; zero for a degenerate neighbourhood.
@@ -136,6 +137,12 @@ impl Surface {
             }
         };
         sum.try_normalize(1e-12).unwrap_or_else(Vec3::zeros)
+    }
+
+    /// The outward normal at a point of a triangle, interpolated over the smooth piece of the surface
+    /// around it. Unit length; zero for a degenerate neighbourhood.
+    pub fn smooth_normal(&self, triangle: u32, weights: &[f64; 3], x: &[Vec3]) -> Vec3 {
+        self.smooth.at(triangle, weights, &self.triangles, x)
     }
 
     /// True when this triangle answers for the feature: of two triangles that share an edge,

@@ -1,6 +1,7 @@
 //! The stepped world: one hand or many, and what they touch.
 
 mod advance;
+mod areas;
 mod assemble;
 mod check;
 mod condense;
@@ -107,6 +108,7 @@ impl World {
         }
         (report.joint_gap_max, report.joint_misalignment_max) = advance::joint_errors(model, state);
         self.embed();
+        self.measure_areas();
         timer.begin(None);
         report
     }

@@ -155,7 +155,7 @@ pub fn report(
             gap: contact.gap,
             force_W: row.frame.tr_mul(&row.lambda) / h,
             slip_W: v - contact.normal_W * along,
-            area: contact.area,
+            area: 0.0,
             friction: row.friction,
             slips: is_on_rim(cone, row.friction, &row.lambda),
         });

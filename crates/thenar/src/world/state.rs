@@ -211,6 +211,8 @@ pub struct Scratch {
     pub anticipation: Anticipation,
     /// Contacts as reported.
     pub contacts: Vec<ContactPoint>,
+    /// Their areas \[m²\].
+    pub areas: Vec<f64>,
     /// Contacts and limits that touch is told of, by weight.
     pub chosen: Vec<u32>,
     /// Their gaps at the end of the step \[m\].
@@ -261,6 +263,7 @@ impl Scratch {
             rows: ContactRows::with_capacity(rigids, contacts_max + limits::rows_max(model)),
             anticipation: Anticipation::new(rigids, nodes),
             contacts: Vec::with_capacity(contacts_max),
+            areas: Vec::with_capacity(contacts_max),
             chosen: Vec::with_capacity(contacts_max + limits::rows_max(model)),
             gaps: Vec::with_capacity(contacts_max + limits::rows_max(model)),
             vertices: vec![Vec3::zeros(); model.vertices.len()],

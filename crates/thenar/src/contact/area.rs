@@ -1,0 +1,278 @@
+//! The area over which surfaces touch.
+//!
+//! The area of a contact patch is that of the part of the soft surface nearer than [`TOUCHING`] to the
+//! other body, at the end of the step. It is found triangle by triangle: the distance is sampled over a
+//! triangle, taken as linear in between, and the part below the bound is cut out. What is found on a
+//! triangle is shared evenly by the contacts that touch it, so that their sum does not depend on how
+//! many there are.
+
+use crate::contact::rigid_body::{Placed, RigidBody};
+use crate::contact::surface::Surface;
+use crate::contact::triangle::area_vector;
+use crate::contact::{Contact, Shape, Site, SurfacePoint};
+use crate::math::Vec3;
+use std::ops::Range;
+
+/// Surfaces nearer than this touch \[m\]: some fingerprint ridges high, a definition.
+pub(crate) const TOUCHING: f64 = 20e-6;
+
+/// Most parts into which the edges of a triangle are divided.
+const PARTS_MAX: usize = 16;
+
+/// Work space: per triangle of the largest surface.
+#[derive(Clone, Debug)]
+pub(crate) struct AreaScratch {
+    /// Contacts that touch a triangle, and then its area for each of them \[m²\].
+    count: Vec<u32>,
+    share: Vec<f64>,
+    /// Triangles with a count.
+    touched: Vec<u32>,
+    /// Per vertex, the distance to another soft surface \[m\].
+    gaps: Vec<f64>,
+    known: Vec<u32>,
+}
+
+impl AreaScratch {
+    pub fn with_size(triangles: usize, vertices: usize) -> Self {
+        Self {
+            count: vec![0; triangles],
+            share: vec![0.0; triangles],
+            touched: Vec::with_capacity(triangles),
+            gaps: vec![f64::INFINITY; vertices],
+            known: Vec::with_capacity(vertices),
+        }
+    }
+
+    fn clear(&mut self) {
+        for t in self.touched.drain(..) {
+            (self.count[t as usize], self.share[t as usize]) = (0, 0.0);
+        }
+        for v in self.known.drain(..) {
+            self.gaps[v as usize] = f64::INFINITY;
+        }
+    }
+
+    fn touch(&mut self, t: u32) {
+        if self.count[t as usize] == 0 {
+            self.touched.push(t);
+        }
+        self.count[t as usize] += 1;
+    }
+}
+
+/// A soft surface as it is at the end of the step.
+#[derive(Clone, Copy)]
+pub(crate) struct Skin<'a> {
+    pub surface: &'a Surface,
+    pub x: &'a [Vec3],
+}
+
+impl Skin<'_> {
+    /// The triangles a contact lies on: those around a vertex, both of an edge, or one.
+    fn triangles_of(&self, point: &SurfacePoint, mut each: impl FnMut(u32)) {
+        let heavy = |k: usize| point.weights[k] > 1e-9;
+        let around = self.surface.around(point.vertices[(0..3).find(|k| heavy(*k)).unwrap_or(0)]);
+        for &t in around {
+            let corners = self.surface.triangles[t as usize];
+            if (0..3).all(|k| !heavy(k) || corners.contains(&point.vertices[k])) {
+                each(t);
+            }
+        }
+    }
+
+    fn corners(&self, t: u32) -> [Vec3; 3] {
+        self.surface.corners(t, self.x)
+    }
+
+    fn triangle_area(&self, t: u32) -> f64 {
+        area_vector(&self.corners(t)).norm()
+    }
+}
+
+/// Areas of the contacts `of` of one surface with one rigid body, all of which are of this pair.
+pub(crate) fn with_rigid(
+    skin: Skin,
+    (body, placed): (&RigidBody, &Placed),
+    of: &[Contact],
+    areas: &mut [f64],
+    scratch: &mut AreaScratch,
+) {
+    let distance = |x_W: &Vec3| body.shape.distance(&placed.shape_point(x_W)).value;
+    let touching = |c: &Contact| match c.a {
+        Site::Soft(point) if distance(&point.interpolate(skin.x)) <= TOUCHING => Some(point),
+        _ => None,
+    };
+    for point in of.iter().filter_map(touching) {
+        skin.triangles_of(&point, |t| scratch.touch(t));
+    }
+    for i in 0..scratch.touched.len() {
+        let t = scratch.touched[i];
+        let x = skin.corners(t);
+        let parts = parts_for(&body.shape, &x);
+        // A point that touches where samples find nothing stands for the finest part.
+        let least = skin.triangle_area(t) / (PARTS_MAX * PARTS_MAX) as f64;
+        let area = Some(area_below(&x, parts, distance)).filter(|a| *a > 0.0).unwrap_or(least);
+        scratch.share[t as usize] = area / f64::from(scratch.count[t as usize]);
+    }
+    for (contact, area) in of.iter().zip(areas) {
+        *area = 0.0;
+        if let Some(point) = touching(contact) {
+            skin.triangles_of(&point, |t| *area += scratch.share[t as usize]);
+        }
+    }
+    scratch.clear();
+}
+
+/// Areas of contacts between two soft surfaces (or one and itself): half of what touches on either
+/// side. `gap` gives each contact's distance at the end of the step.
+pub(crate) fn between_soft(
+    skins: [Skin; 2],
+    of: &[Contact],
+    gap: impl Fn(&Contact) -> f64,
+    areas: &mut [f64],
+    scratch: &mut AreaScratch,
+) {
+    areas.fill(0.0);
+    let itself = skins[0].surface.soft == skins[1].surface.soft;
+    for skin in &skins[..if itself { 1 } else { 2 }] {
+        for contact in of.iter().filter(|c| gap(c) <= TOUCHING) {
+            for point in points_on(contact, skin.surface.soft) {
+                for (v, _) in point.vertices.iter().zip(point.weights).filter(|(_, w)| *w > 0.0) {
+                    scratch.gaps[*v as usize] = gap(contact).min(scratch.gaps[*v as usize]);
+                    scratch.known.push(*v);
+                }
+                skin.triangles_of(point, |t| scratch.touch(t));
+            }
+        }
+        for i in 0..scratch.touched.len() {
+            let t = scratch.touched[i];
+            let corners = skin.surface.triangles[t as usize];
+            // A corner that touches nothing counts as twice as far as what touches.
+            let gaps = corners.map(|v| scratch.gaps[v as usize].min(2.0 * TOUCHING));
+            let least = 1.0 / (PARTS_MAX * PARTS_MAX) as f64;
+            let part = Some(part_below(gaps)).filter(|a| *a > 0.0).unwrap_or(least);
+            let area = skin.triangle_area(t) * part;
+            scratch.share[t as usize] = 0.5 * area / f64::from(scratch.count[t as usize]);
+        }
+        for (contact, area) in of.iter().zip(areas.iter_mut()).filter(|(c, _)| gap(c) <= TOUCHING) {
+            for point in points_on(contact, skin.surface.soft) {
+                skin.triangles_of(point, |t| *area += scratch.share[t as usize]);
+            }
+        }
+        scratch.clear();
+    }
+}
+
+/// The points of a contact that touch from this soft body: a vertex, but not the face it touches; both
+/// of two edges.
+fn points_on(contact: &Contact, soft: u32) -> impl Iterator<Item = &SurfacePoint> + '_ {
+    let is_vertex = |p: &SurfacePoint| p.vertices[0] == p.vertices[1];
+    let (a, b) = (soft_point(&contact.a), soft_point(&contact.b));
+    let b = b.filter(|_| !a.is_some_and(is_vertex));
+    a.into_iter().chain(b).filter(move |p| p.soft == soft)
+}
+
+fn soft_point(site: &Site) -> Option<&SurfacePoint> {
+    match site {
+        Site::Soft(point) => Some(point),
+        Site::Rigid { .. } => None,
+    }
+}
+
+/// Runs of contacts of the same two bodies.
+pub(crate) fn runs(contacts: &[Contact]) -> impl Iterator<Item = Range<usize>> {
+    let body = |site: &Site| match site {
+        Site::Rigid { body, .. } => (0, *body),
+        Site::Soft(point) => (1, point.soft),
+    };
+    let pair = move |c: &Contact| {
+        let (a, b) = (body(&c.a), body(&c.b));
+        if a <= b { (a, b) } else { (b, a) }
+    };
+    let mut start = 0;
+    contacts.chunk_by(move |c, d| pair(c) == pair(d)).map(move |run| {
+        start += run.len();
+        start - run.len()..start
+    })
+}
+
+/// Into how many parts to divide the edges of a triangle: over one part a surface of the shape's
+/// curvature bends by a quarter of what counts as touching.
+fn parts_for(shape: &Shape, x: &[Vec3; 3]) -> usize {
+    let edge = (0..3).map(|k| (x[(k + 1) % 3] - x[k]).norm_squared()).fold(0.0, f64::max).sqrt();
+    let part = (8.0 * shape.least_radius() * TOUCHING / 4.0).sqrt();
+    ((edge / part).ceil() as usize).clamp(1, PARTS_MAX)
+}
+
+/// Area of the part of triangle `x` where `distance` is below [`TOUCHING`] \[m²\], with edges divided
+/// into so many parts.
+pub(crate) fn area_below(x: &[Vec3; 3], parts: usize, distance: impl Fn(&Vec3) -> f64) -> f64 {
+    let n = parts.min(PARTS_MAX);
+    let at = |i: usize, j: usize| {
+        let (u, v) = (i as f64 / n as f64, j as f64 / n as f64);
+        distance(&(x[0] + (x[1] - x[0]) * u + (x[2] - x[0]) * v))
+    };
+    // Two rows of samples at a time.
+    let mut below = [0.0; PARTS_MAX + 1];
+    let mut above = [0.0; PARTS_MAX + 1];
+    (0..=n).for_each(|i| below[i] = at(i, 0));
+    let mut parts_below = 0.0;
+    for j in 0..n {
+        (0..n - j).for_each(|i| above[i] = at(i, j + 1));
+        for i in 0..n - j {
+            parts_below += part_below([below[i], below[i + 1], above[i]]);
+            if i + 1 < n - j {
+                parts_below += part_below([below[i + 1], above[i + 1], above[i]]);
+            }
+        }
+        std::mem::swap(&mut below, &mut above);
+    }
+    area_vector(x).norm() * parts_below / (n * n) as f64
+}
+
+/// The part of a triangle's area where a linear function with these corner values is below
+/// [`TOUCHING`].
+fn part_below(gaps: [f64; 3]) -> f64 {
+    let g = gaps.map(|g| g - TOUCHING);
+    let count = g.iter().filter(|g| **g <= 0.0).count();
+    // The corner that lies alone on its side of the cut.
+    let cut = |inside: bool| {
+        let k = (0..3).find(|&k| (g[k] <= 0.0) == inside).unwrap_or(0);
+        let (a, b, c) = (g[k], g[(k + 1) % 3], g[(k + 2) % 3]);
+        (a / (a - b)) * (a / (a - c))
+    };
+    match count {
+        0 => 0.0,
+        1 => cut(true),
+        2 => 1.0 - cut(false),
+        _ => 1.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn linear_cuts_are_exact() {
+        let t = TOUCHING;
+        assert_eq!(part_below([0.0, 0.0, 0.0]), 1.0);
+        assert_eq!(part_below([2.0 * t; 3]), 0.0);
+        // Below at one corner, as far above at the others: a quarter; and the other way round.
+        assert!((part_below([0.0, 2.0 * t, 2.0 * t]) - 0.25).abs() < 1e-12);
+        assert!((part_below([2.0 * t, 0.0, 0.0]) - 0.75).abs() < 1e-12);
+    }
+
+    /// A flat triangle under a ball that just touches it is nearer than the bound within a disc of
+    /// radius `√(2 R t + t²)`.
+    #[test]
+    fn a_ball_on_a_plane_touches_a_disc() {
+        let (radius, t): (f64, f64) = (0.06, TOUCHING);
+        let x =
+            [Vec3::new(-6e-3, 0.0, -4e-3), Vec3::new(0.0, 0.0, 6e-3), Vec3::new(6e-3, 0.0, -4e-3)];
+        let distance = |p: &Vec3| (p - Vec3::y() * radius).norm() - radius;
+        let disc = std::f64::consts::PI * (2.0 * radius * t + t * t);
+        let area = area_below(&x, PARTS_MAX, distance);
+        assert!((area / disc - 1.0).abs() < 0.1, "{area} of {disc} m²");
+    }
+}

@@ -1,0 +1,76 @@
+//! A triangle of a soft surface near a rigid shape, seen from the shape.
+
+use crate::contact::aabb::Aabb;
+use crate::contact::soft_rigid::SoftRigid;
+use crate::contact::triangle::{Closest, closest_on_triangle};
+use crate::math::Vec3;
+
+/// Most places at which a ball is looked for along the way of a triangle.
+const ADVANCES_MAX: usize = 32;
+
+/// A triangle and its motion in this step relative to the shape, in the shape frame.
+pub(crate) struct Near {
+    pub index: u32,
+    pub x: [Vec3; 3],
+    /// Motions of the corners in this step \[m\].
+    u: [Vec3; 3],
+    /// The largest of them \[m\].
+    pub travel: f64,
+}
+
+/// Where a triangle comes to touch a ball.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Arrival {
+    /// Part of the step until then.
+    pub at: f64,
+    pub weights: [f64; 3],
+    /// Unit direction from the ball's centre to the triangle then.
+    pub normal: Vec3,
+    /// How far the triangle's point has to go along the normal to touch, from where it is now \[m\].
+    pub gap: f64,
+}
+
+impl Near {
+    pub fn new(pair: &SoftRigid, index: u32) -> Self {
+        let v = pair.surface.triangles[index as usize].map(|v| v as usize);
+        let [(x0, u0), (x1, u1), (x2, u2)] = v.map(|v| pair.in_shape(v));
+        let squared = u0.norm_squared().max(u1.norm_squared()).max(u2.norm_squared());
+        Self { index, x: [x0, x1, x2], u: [u0, u1, u2], travel: squared.sqrt() }
+    }
+
+    /// Box around the triangle during the step.
+    pub fn swept(&self) -> Aabb {
+        let moved = [0, 1, 2].map(|k| self.x[k] + self.u[k]);
+        moved.iter().fold(Aabb::of_points(&self.x), |b, p| b.with(p))
+    }
+
+    /// The point of the triangle nearest to `p`.
+    pub fn closest(&self, p: &Vec3) -> Closest {
+        closest_on_triangle(p, &self.x)
+    }
+
+    /// Follows the triangle to where it first comes within `margin` of a ball about `c`, if it does
+    /// so in this step (conservative advancement: no point of it moves farther than `travel`).
+    pub fn arrival(&self, c: &Vec3, radius: f64, margin: f64) -> Option<Arrival> {
+        if self.travel <= 0.0 {
+            return None;
+        }
+        let mut at = 0.0;
+        for _ in 0..ADVANCES_MAX {
+            let x = [0, 1, 2].map(|k| self.x[k] + at * self.u[k]);
+            let closest = closest_on_triangle(c, &x);
+            let distance = closest.distance_squared.sqrt();
+            if distance - radius <= margin {
+                let normal = (closest.point - c).try_normalize(0.0)?;
+                let now: Vec3 = (0..3).map(|k| self.x[k] * closest.weights[k]).sum();
+                let gap = normal.dot(&(now - c)) - radius;
+                return Some(Arrival { at, weights: closest.weights, normal, gap });
+            }
+            at += (distance - radius - 0.5 * margin) / self.travel;
+            if at > 1.0 {
+                return None;
+            }
+        }
+        None
+    }
+}
