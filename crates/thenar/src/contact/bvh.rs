@@ -1,6 +1,7 @@
 //! A binary tree of bounding boxes: built once, refitted when its items move.
 
 use crate::contact::aabb::Aabb;
+use crate::math::Vec3;
 
 const LEAF_ITEMS_MAX: usize = 4;
 /// Median splits halve the items, so 2³² items need no more than this.
@@ -130,6 +131,38 @@ impl Bvh {
             for &(_, m) in self.roots[k..].iter().filter(|(h, _)| !apart(g, *h)) {
                 walk(self, self, (n, m), reach, &skip, &mut visit);
             }
+        }
+    }
+
+    /// Visits items whose boxes may be nearest to `p`: `distance_squared` of each item visited tells its
+    /// squared distance, and boxes farther than the least so far are left out.
+    pub fn nearest(&self, p: &Vec3, mut distance_squared: impl FnMut(u32) -> f64) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        let far = |n: u32| self.nodes[n as usize].aabb.distance_squared(p);
+        let mut least = f64::INFINITY;
+        let mut stack = [(0u32, 0.0); STACK];
+        stack[0].1 = far(0);
+        let mut top = 1;
+        while top > 0 {
+            top -= 1;
+            let (n, away) = stack[top];
+            if away > least {
+                continue;
+            }
+            let node = self.nodes[n as usize];
+            if node.count > 0 {
+                for k in node.first..node.first + node.count {
+                    least = least.min(distance_squared(self.items[k as usize]));
+                }
+                continue;
+            }
+            let (l, r) = ((node.first, far(node.first)), (node.first + 1, far(node.first + 1)));
+            let (near, beyond) = if l.1 <= r.1 { (l, r) } else { (r, l) };
+            stack[top] = beyond;
+            stack[top + 1] = near;
+            top += 2;
         }
     }
 

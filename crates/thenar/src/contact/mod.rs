@@ -36,6 +36,7 @@ mod shape;
 mod sharp;
 mod sides;
 mod smooth;
+mod soft_deep;
 mod soft_feature;
 mod soft_rigid;
 mod soft_soft;

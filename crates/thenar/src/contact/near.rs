@@ -34,8 +34,13 @@ impl Near {
     pub fn new(pair: &SoftRigid, index: u32) -> Self {
         let v = pair.surface.triangles[index as usize].map(|v| v as usize);
         let [(x0, u0), (x1, u1), (x2, u2)] = v.map(|v| pair.in_shape(v));
-        let squared = u0.norm_squared().max(u1.norm_squared()).max(u2.norm_squared());
-        Self { index, x: [x0, x1, x2], u: [u0, u1, u2], travel: squared.sqrt() }
+        Self::moving(index, [x0, x1, x2], [u0, u1, u2])
+    }
+
+    /// A triangle whose corners move so far in this step.
+    pub fn moving(index: u32, x: [Vec3; 3], u: [Vec3; 3]) -> Self {
+        let squared = u.iter().map(Vec3::norm_squared).fold(0.0, f64::max);
+        Self { index, x, u, travel: squared.sqrt() }
     }
 
     /// Box around the triangle during the step.

@@ -6,8 +6,10 @@ use crate::contact::apart::Apart;
 use crate::contact::approach::Seen;
 use crate::contact::bvh::Bvh;
 use crate::contact::collector::{Collector, feature_key};
+use crate::contact::near::Near;
 use crate::contact::ridge::{Crossing, Passing, Ridge, crossing, passing};
 use crate::contact::sides::Sight;
+use crate::contact::soft_deep::DeepScratch;
 use crate::contact::soft_rigid::{KEY_CROSSING, KEY_SOFT_SOFT};
 use crate::contact::surface::Surface;
 use crate::contact::triangle::{Closest, Feature, area_vector, closest_on_triangle};
@@ -47,17 +49,20 @@ pub(crate) struct SoftSoft<'a> {
 /// What is found of the vertices of one side, and of edges.
 #[derive(Clone, Debug)]
 pub(crate) struct PairScratch {
-    vertices: [VertexScratch; 2],
+    pub(super) vertices: [VertexScratch; 2],
+    pub(super) deep: [DeepScratch; 2],
     crossings: Vec<Cross>,
     /// No more are kept; not the room that the list happens to have, which a clone lacks.
     crossings_max: usize,
 }
 
 #[derive(Clone, Debug)]
-struct VertexScratch {
-    /// Per vertex the nearest triangle of the other side.
+pub(super) struct VertexScratch {
+    /// Per vertex the nearest triangle of the other side,
     nearest: Vec<Option<(u32, Closest)>>,
-    /// The vertices that have one.
+    /// and the one that arrives first, with the part of the step until then.
+    arriving: Vec<(f64, u32)>,
+    /// The vertices that have either.
     met: Vec<u32>,
     /// Per vertex the triangle it touches, or `NONE`.
     touched: Vec<u32>,
@@ -75,14 +80,26 @@ impl PairScratch {
     pub fn with_size(vertices: usize) -> Self {
         let one = || VertexScratch {
             nearest: vec![None; vertices],
+            arriving: vec![NEVER; vertices],
             met: Vec::with_capacity(vertices),
             touched: vec![NONE; vertices],
         };
         Self {
             vertices: [one(), one()],
+            deep: [0, 1].map(|_| DeepScratch::with_size(vertices)),
             crossings: Vec::with_capacity(vertices),
             crossings_max: vertices,
         }
+    }
+}
+
+/// A vertex that no triangle reaches in the step.
+const NEVER: (f64, u32) = (f64::INFINITY, NONE);
+
+impl VertexScratch {
+    /// Whether a vertex is in contact.
+    pub fn touches(&self, v: u32) -> bool {
+        self.touched[v as usize] != NONE
     }
 }
 
@@ -98,6 +115,8 @@ impl SoftSoft<'_> {
                 Bvh::pairs(a, b, reach, |s, t| self.meet([s, t], reach, sight, scratch, out));
                 self.settle(0, sight, scratch, out);
                 self.settle(1, sight, scratch, out);
+                self.settle_deep(0, sight, scratch, out);
+                self.settle_deep(1, sight, scratch, out);
             }
             Some(apart) => {
                 let settled = |n, m| apart.are_settled(n, m);
@@ -121,7 +140,7 @@ impl SoftSoft<'_> {
     }
 
     /// The two sides as seen by a vertex of side `i`: its own and the other one.
-    fn facing(&self, i: usize) -> [&SoftSide<'_>; 2] {
+    pub(super) fn facing(&self, i: usize) -> [&SoftSide<'_>; 2] {
         [self.side(i), self.side(1 - i)]
     }
 
@@ -152,10 +171,13 @@ impl SoftSoft<'_> {
             self.offer(1, v, s, reach, sight, &mut scratch.vertices[second]);
         }
         self.cross([s, t], reach, scratch, out);
+        if self.apart.is_none() {
+            self.pierce([s, t], &mut scratch.deep);
+        }
     }
 
-    /// Keeps triangle `t` if it is the nearest so far to vertex `v` of side `i`; for a vertex that
-    /// was in contact, among those that face it.
+    /// Keeps triangle `t` if it is the nearest so far to vertex `v` of side `i`, or the first to reach
+    /// it in the step; for a vertex that was in contact, among those that face it.
     fn offer(
         &self,
         i: usize,
@@ -174,24 +196,43 @@ impl SoftSoft<'_> {
             return;
         }
         let x = other.surface.corners(t, other.state.positions);
+        let seen = sight.recall(own.surface.first_vertex + v as usize, other.id);
+        if seen.is_some_and(|s: Seen| s.normal.dot(&area_vector(&x)) <= 0.0) {
+            return;
+        }
         let closest = closest_on_triangle(p, &x);
-        let best = &mut scratch.nearest[v as usize];
+        let VertexScratch { nearest, arriving, met, .. } = scratch;
+        let (best, first) = (&mut nearest[v as usize], &mut arriving[v as usize]);
+        let known = best.is_some() || *first != NEVER;
         // Of equally near triangles (a shared edge) the lowest index, whatever the order.
         let nearer = match best {
             None => true,
             Some((u, c)) => (closest.distance_squared, t) < (c.distance_squared, *u),
         };
-        if !nearer {
-            return;
+        if nearer {
+            *best = Some((t, closest));
         }
-        let seen = sight.recall(own.surface.first_vertex + v as usize, other.id);
-        if seen.is_some_and(|s: Seen| s.normal.dot(&area_vector(&x)) <= 0.0) {
-            return;
+        if closest.distance_squared > self.margin * self.margin {
+            let near = self.relative(i, v, t);
+            let reaches = near.travel + self.margin > closest.distance_squared.sqrt();
+            let arrival = if reaches { near.arrival(p, 0.0, self.margin) } else { None };
+            let then = arrival.map_or(NEVER, |a| (a.at, t));
+            if then < *first {
+                *first = then;
+            }
         }
-        if best.is_none() {
-            scratch.met.push(v);
+        if !known && (nearer || *first != NEVER) {
+            met.push(v);
         }
-        *best = Some((t, closest));
+    }
+
+    /// Triangle `t` of the other side as it moves past vertex `v` of side `i`.
+    fn relative(&self, i: usize, v: u32, t: u32) -> Near {
+        let [own, other] = self.facing(i);
+        let own_velocity = own.state.velocities[v as usize];
+        let corners = other.surface.triangles[t as usize].map(|w| w as usize);
+        let motion = |w: usize| (other.state.velocities[w] - own_velocity) * self.h;
+        Near::moving(t, corners.map(|w| other.state.positions[w]), corners.map(motion))
     }
 
     /// Turns the nearest triangles of side `i` into contacts, in the order of its vertices.
@@ -203,10 +244,14 @@ impl SoftSoft<'_> {
         own.touched.fill(NONE);
         for m in 0..own.met.len() {
             let v = own.met[m];
-            let Some((t, closest)) = own.nearest[v as usize].take() else { continue };
+            let arriving = std::mem::replace(&mut own.arriving[v as usize], NEVER);
             let mirrored = if itself { Some(&own.touched[..]) } else { before };
-            if self.vertex(i, v, t, &closest, mirrored, sight, out) {
+            let nearest = own.nearest[v as usize].take();
+            let touched = nearest.filter(|(t, c)| self.vertex(i, v, *t, c, mirrored, sight, out));
+            if let Some((t, _)) = touched {
                 own.touched[v as usize] = t;
+            } else if arriving != NEVER && self.arrive(i, v, arriving.1, sight, out) {
+                own.touched[v as usize] = arriving.1;
             }
         }
         own.met.clear();
@@ -227,31 +272,77 @@ impl SoftSoft<'_> {
         let [own, other] = self.facing(i);
         let p = own.state.positions[v as usize];
         let Some((normal, gap)) = signed(other, &p, t, closest) else { return false };
-        let triangle = other.surface.triangles[t as usize];
-        let point = SurfacePoint { soft: other.soft, vertices: triangle, weights: closest.weights };
-        let slip = own.state.velocities[v as usize] - point.interpolate(other.state.velocities);
-        let closing = (-slip.dot(&normal)).max(0.0) * self.h;
-        if gap > self.margin + closing || gap < -self.depth(other) {
+        if gap > self.margin || gap < -self.depth(other) {
             return false;
         }
         let own_normal = own.surface.vertex_normal(v, own.state.positions);
         if own_normal.dot(&normal) > FACING * own_normal.norm() {
             return false;
         }
+        let triangle = other.surface.triangles[t as usize];
         if mirrored.is_some_and(|touched| is_mirrored([own, other], v, &triangle, touched)) {
             return false;
         }
+        self.push([own, other], v, t, closest.weights, (normal, gap), sight, out);
+        true
+    }
+
+    /// A vertex of side `i` at the triangle that it comes to in this step.
+    fn arrive(&self, i: usize, v: u32, t: u32, sight: &mut Sight, out: &mut Collector) -> bool {
+        let [own, other] = self.facing(i);
+        let p = own.state.positions[v as usize];
+        let Some(arrival) = self.relative(i, v, t).arrival(&p, 0.0, self.margin) else {
+            return false;
+        };
+        let normal = -arrival.normal;
+        let own_normal = own.surface.vertex_normal(v, own.state.positions);
+        if own_normal.dot(&normal) > FACING * own_normal.norm() {
+            return false;
+        }
+        self.push([own, other], v, t, arrival.weights, (normal, arrival.gap), sight, out);
+        true
+    }
+
+    /// A vertex of side `i` that leaves through triangle `t`.
+    pub(super) fn push_vertex(
+        &self,
+        i: usize,
+        v: u32,
+        t: u32,
+        closest: &Closest,
+        sight: &mut Sight,
+        out: &mut Collector,
+    ) {
+        let [own, other] = self.facing(i);
+        let p = own.state.positions[v as usize];
+        let to_p = p - closest.point;
+        let Some(inward) = to_p.try_normalize(1e-12) else { return };
+        let gap = -closest.distance_squared.sqrt();
+        self.push([own, other], v, t, closest.weights, (-inward, gap), sight, out);
+    }
+
+    fn push(
+        &self,
+        [own, other]: [&SoftSide; 2],
+        v: u32,
+        t: u32,
+        weights: [f64; 3],
+        (normal, gap): (Vec3, f64),
+        sight: &mut Sight,
+        out: &mut Collector,
+    ) {
+        let p = own.state.positions[v as usize];
+        let vertices = other.surface.triangles[t as usize];
         sight.note(own.surface.first_vertex + v as usize, other.id, Seen { normal, place: p });
         out.push(Contact {
             key: feature_key([KEY_SOFT_SOFT, own.soft, other.soft, v]),
             a: Site::Soft(SurfacePoint::vertex(own.soft, v)),
-            b: Site::Soft(point),
+            b: Site::Soft(SurfacePoint { soft: other.soft, vertices, weights }),
             position_W: p - 0.5 * gap * normal,
             normal_W: normal,
             gap,
             friction: self.friction,
         });
-        true
     }
 
     /// Notes the edges of `s` and `t` that cross; each edge belongs to one triangle.

@@ -104,6 +104,12 @@ impl Surface {
         Some(self.neighbors[triangle as usize][k]).filter(|&t| t != NONE)
     }
 
+    /// Calls `each` for the vertices that share an edge with `vertex`, some of them twice.
+    pub fn neighbors_of(&self, vertex: u32, mut each: impl FnMut(u32)) {
+        let corners = self.around(vertex).iter().flat_map(|&t| self.triangles[t as usize]);
+        corners.filter(|&w| w != vertex).for_each(&mut each);
+    }
+
     /// The outward normal at a vertex, weighted by area; of any length.
     pub fn vertex_normal(&self, vertex: u32, x: &[Vec3]) -> Vec3 {
         self.around(vertex).iter().map(|&t| area_vector(&self.corners(t, x))).sum()
