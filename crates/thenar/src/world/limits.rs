@@ -13,11 +13,7 @@ use crate::solver::TURN_LEVER;
 use crate::solver::exact::Bound;
 use crate::world::model::Model;
 use crate::world::state::{Scratch, State};
-use crate::world::{World, assemble};
-
-/// An axis past its bound, perhaps placed there, is turned back no faster than this \[rad/s\], lest
-/// it be thrown.
-const TURN_BACK_RATE_MAX: f64 = 2.0;
+use crate::world::{World, assemble, push_out};
 
 /// Whether limits are kept by rows; if not, springs act.
 pub fn by_rows(settings: &SolverSettings) -> bool {
@@ -43,16 +39,11 @@ pub fn set_bounds(limits: Limits, model: &Model, state: &State, h: f64, scratch:
                 child: joint.child,
                 parent: joint.parent,
                 axis_W: present.direction_W * sign,
-                wanted: wanted(gap, h),
+                wanted: push_out::wanted_turn(gap, h),
                 impulse: (sign * state.limit_impulses[j][k]).max(0.0) / TURN_LEVER,
             }));
         }
     }
-}
-
-/// How fast to turn away from a bound at this distance \[rad\], at [`TURN_LEVER`] \[m/s\].
-fn wanted(gap: f64, h: f64) -> f64 {
-    TURN_LEVER * (-gap / h).min(TURN_BACK_RATE_MAX)
 }
 
 /// Appends the rows of all bounds, for the velocities without contact in `state`. What the exact
@@ -75,7 +66,7 @@ pub fn build_rows(kind: SolverKind, model: &Model, state: &State, h: f64, scratc
                 }
                 let row = &rows.rows[i];
                 let v = row.frame * rows.relative_velocity(row, &state.v);
-                rows.rows[i].target = Vec3::new(wanted(gap, h), 0.0, 0.0) - v;
+                rows.rows[i].target = Vec3::new(push_out::wanted_turn(gap, h), 0.0, 0.0) - v;
                 if included != 0.0 {
                     rows.rows[i].included = included;
                     rows.rows[i].lambda.x = included.max(0.0);

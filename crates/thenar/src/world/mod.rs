@@ -13,6 +13,7 @@ mod hash;
 mod io;
 mod limits;
 mod model;
+mod push_out;
 mod reference;
 mod response;
 mod retune;

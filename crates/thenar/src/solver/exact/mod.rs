@@ -27,7 +27,6 @@ mod dense;
 mod direct;
 mod factor;
 mod free_motion;
-mod gauss_seidel;
 mod half_solves;
 mod held;
 mod jacobi;
