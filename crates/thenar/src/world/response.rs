@@ -4,8 +4,8 @@ use crate::contact::{
     Contact, Detector, Found, Reach, RigidPlace, Site, SurfacePoint, SurfaceState,
 };
 use crate::math::Vec3;
-use crate::model::{BodyId, Cone, SolverSettings};
-use crate::solver::{AnticipationSettings, ContactRows, Convergence, is_on_rim};
+use crate::model::{BodyId, Cone};
+use crate::solver::{ContactRows, Convergence, is_on_rim};
 use crate::world::model::Model;
 use crate::world::push_out;
 use crate::world::state::{Scratch, State};
@@ -52,31 +52,6 @@ pub fn build_rows(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
         rows.rows[i].target = Vec3::new(wanted, 0.0, 0.0) - v;
         rows.rows[i].bounds = push_out::bounds(contact, h);
     }
-}
-
-/// Resolves the contacts, `A Δv = Jᵀ λ`, `0 ≤ λ ⊥ J (v + Δv) + g/Δt ≥ 0` with friction, joints
-/// ignored as in the paper; leaves Δv in the state's contact change.
-pub fn anticipate(
-    settings: &SolverSettings,
-    state: &mut State,
-    scratch: &mut Scratch,
-) -> Convergence {
-    if scratch.rows.rows.is_empty() {
-        state.contact_change.fill(Vec3::zeros());
-        return Convergence::default();
-    }
-    scratch.anticipation.solve(
-        &scratch.A,
-        &scratch.D,
-        &mut scratch.rows,
-        &AnticipationSettings {
-            tolerance: settings.contact_tolerance,
-            sweeps_max: settings.contact_sweeps_max,
-            inner_passes: settings.contact_inner_passes,
-            cone: settings.cone,
-        },
-        &mut state.contact_change,
-    )
 }
 
 /// Adds Δv to the velocities and keeps the impulses for the next step.
