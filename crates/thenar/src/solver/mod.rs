@@ -19,7 +19,7 @@ mod tree;
 
 pub use anticipation::{Anticipation, AnticipationSettings};
 pub use articulated::{Articulated, JointBlock};
-pub use block_matrix::{Block, BlockMatrix};
+pub use block_matrix::BlockMatrix;
 pub use conjugate_gradients::{CgWorkspace, conjugate_gradients, share_of_energy};
 pub(crate) use contact_law::{Bounds, is_on_rim, project};
 pub use contact_rows::{ContactRow, ContactRows, TURN_LEVER};

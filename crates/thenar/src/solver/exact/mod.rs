@@ -44,7 +44,6 @@ mod symbolic;
 mod vectors;
 
 pub use held::Bound;
-pub use pcg::Solved;
 pub use publish::Answer;
 pub use reduction::Reduction;
 pub use relative::{Carried, Coordinates, System};
