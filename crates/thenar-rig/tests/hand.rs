@@ -3,8 +3,8 @@
 
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
+use thenar::kinematics::Tree;
 use thenar::model::{Digit, HandModel, JointKind, Side};
-use thenar::skeleton::Tree;
 use thenar::{Pose, Quat, Vec3};
 use thenar_rig::hand::{
     HandOptions, HandReport, Size, asset, build_hand, build_hand_with_report, default_hand,

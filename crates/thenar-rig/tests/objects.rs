@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 use thenar::Vec3;
-use thenar::contact::Shape;
 use thenar::model::{Law, Material, Motion};
+use thenar::shape::Shape;
 use thenar::{Pose, Quat};
 use thenar_rig::TriMesh;
 use thenar_rig::mesh::shapes;

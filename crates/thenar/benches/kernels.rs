@@ -6,10 +6,12 @@ mod common;
 
 use common::{FLESH, bar, body, finger};
 use divan::{Bencher, black_box};
-use thenar::contact::Shape;
-use thenar::flesh::{PAIRS, RestTet, respond, rotation_of};
+use thenar::kernels::{
+    BlockDiagonal, BlockMatrix, CgWorkspace, PAIRS, RestTet, conjugate_gradients, respond,
+    rotation_of,
+};
 use thenar::model::{Binding, Drive, Law, Material, Motion, SolverKind, WorldDesc};
-use thenar::solver::{BlockDiagonal, BlockMatrix, CgWorkspace, conjugate_gradients};
+use thenar::shape::Shape;
 use thenar::world::{Input, Target};
 use thenar::{Mat3, Pose, Quat, Vec3, World};
 

@@ -6,7 +6,7 @@ mod contact_scene;
 
 use contact_scene::ContactScene;
 use std::time::Instant;
-use thenar::contact::{Detector, Reach, Sides, Site, SurfaceState};
+use thenar::kernels::{Detector, Reach, Sides, Site, SurfaceState};
 
 fn main() {
     for loaf in [false, true] {

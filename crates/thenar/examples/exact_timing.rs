@@ -7,8 +7,8 @@ mod common;
 
 use common::{FLESH, bar, body, finger};
 use std::time::Instant;
-use thenar::contact::Shape;
 use thenar::model::{Binding, Drive, Motion, SolverKind};
+use thenar::shape::Shape;
 use thenar::world::{Stage, StageTimer, Target};
 use thenar::{Pose, Quat, Vec3, World};
 

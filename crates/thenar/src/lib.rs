@@ -4,16 +4,16 @@
 //! Units are SI (m, kg, s, N, Pa, rad); frames are right-handed. `pose_AB` is the
 //! pose of frame B in frame A, so that `p_A = pose_AB * p_B`.
 
-pub mod contact;
-pub mod coupling;
-pub mod flesh;
+mod contact;
+mod coupling;
+mod flesh;
 pub mod haptic;
 pub mod math;
 pub mod model;
 mod processor;
 pub mod readout;
-pub mod skeleton;
-pub mod solver;
+mod skeleton;
+mod solver;
 #[cfg(test)]
 mod testing;
 pub mod world;
@@ -21,3 +21,25 @@ pub mod world;
 pub use math::{Mat3, Pose, Quat, Vec3};
 pub use processor::vector_instructions;
 pub use world::World;
+
+/// Shapes of rigid bodies.
+pub mod shape {
+    pub use crate::contact::{DistanceGrid, MeshShape, Shape};
+}
+
+/// Angles, axes and poses of jointed bones, outside any simulation.
+pub mod kinematics {
+    pub use crate::skeleton::{
+        Tree, TreeError, closest_angles, joint_angles, joint_rotation, joint_spin, velocity_between,
+    };
+}
+
+/// The kernels of a step, one by one: benches time them, `thenar validate` holds them against
+/// differences of energies, and probes measure stress by them. Stepping a world needs none of them.
+pub mod kernels {
+    pub use crate::contact::{Detector, Reach, RigidPlace, Side, Sides, Site, SurfaceState};
+    pub use crate::coupling::{BoneSystem, EffectiveMass, skin_target};
+    pub use crate::flesh::{PAIRS, RestTet, respond, rotation_of, signed_svd};
+    pub use crate::skeleton::{JointFrames, axis_states, joint_block, spring_torque};
+    pub use crate::solver::{BlockDiagonal, BlockMatrix, CgWorkspace, conjugate_gradients};
+}

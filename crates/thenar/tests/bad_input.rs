@@ -5,11 +5,11 @@ mod common;
 
 use common::{FLESH, bar, body, finger};
 use std::sync::Arc;
-use thenar::contact::{DistanceGrid, MeshShape, Shape};
 use thenar::model::{
     Axis, BodyId, Cone, Drive, FixedNode, JointDesc, JointKind, Motion, PairRule, SoftDesc,
     SolverKind, WorldDesc,
 };
+use thenar::shape::{DistanceGrid, MeshShape, Shape};
 use thenar::world::{Input, Target};
 use thenar::{Pose, Quat, Vec3, World};
 

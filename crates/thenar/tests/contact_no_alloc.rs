@@ -7,7 +7,7 @@ mod contact_scene;
 use contact_scene::ContactScene;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
-use thenar::contact::{Detector, Reach, Sides, SurfaceState};
+use thenar::kernels::{Detector, Reach, Sides, SurfaceState};
 
 struct Counting;
 

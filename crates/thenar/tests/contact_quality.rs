@@ -5,10 +5,10 @@
 mod common;
 
 use common::{FLESH, bar, body};
-use thenar::contact::Shape;
 use thenar::model::{
     Binding, BodyId, Coupling, Drive, Material, Motion, SoftDesc, SolverKind, WorldDesc,
 };
+use thenar::shape::Shape;
 use thenar::world::{Input, Target};
 use thenar::{Pose, Quat, Vec3, World};
 

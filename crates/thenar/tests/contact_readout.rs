@@ -4,9 +4,9 @@
 mod common;
 
 use common::{FLESH, bar, body, finger};
-use thenar::contact::Shape;
 use thenar::model::{BodyId, BodyParts, Drive, Motion, SoftDesc, SolverKind, WorldDesc};
 use thenar::readout::{ContactReadout, SlipState};
+use thenar::shape::Shape;
 use thenar::world::{Input, Target};
 use thenar::{Pose, Vec3, World};
 

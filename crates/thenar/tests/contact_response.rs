@@ -4,8 +4,8 @@
 mod common;
 
 use common::{FLESH, bar, body, finger};
-use thenar::contact::Shape;
 use thenar::model::{BodyId, Cone, Drive, Motion, PairRule, SoftDesc, SolverKind, WorldDesc};
+use thenar::shape::Shape;
 use thenar::world::Target;
 use thenar::{Pose, Quat, Vec3, World};
 

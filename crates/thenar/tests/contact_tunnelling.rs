@@ -4,8 +4,8 @@
 mod common;
 
 use common::{FLESH, bar, body};
-use thenar::contact::Shape;
 use thenar::model::{Motion, SoftDesc, WorldDesc};
+use thenar::shape::Shape;
 use thenar::{Pose, Quat, Vec3, World};
 
 fn plate(desc: &mut WorldDesc) {

@@ -5,8 +5,8 @@
 mod common;
 
 use common::{FLESH, bar, body, finger};
-use thenar::contact::Shape;
 use thenar::model::{BodyId, Cone, Drive, Motion, SoftDesc, SolverKind, WorldDesc};
+use thenar::shape::Shape;
 use thenar::world::{Input, Target};
 use thenar::{Pose, Quat, Vec3, World};
 

@@ -4,9 +4,9 @@
 mod common;
 
 use common::{FLESH, bar, body};
-use thenar::contact::Shape;
 use thenar::model::{BodyId, BodyParts, FrictionTable, Motion, SoftDesc, SolverKind, WorldDesc};
 use thenar::readout::{ContactReadout, SlipState};
+use thenar::shape::Shape;
 use thenar::{Pose, Vec3, World};
 
 /// From 1 to 20 N the coefficient falls by 46 % (Seo et al. 2009), here by straight lines.

@@ -6,11 +6,11 @@
 mod common;
 
 use common::{body, finger};
-use thenar::contact::Shape;
 use thenar::haptic::shared::SharedConstraints;
 use thenar::haptic::{RigidState, SlowToFast};
 use thenar::math::rotation_vector;
 use thenar::model::{AngleLimit, Drive, Motion, SolverKind};
+use thenar::shape::Shape;
 use thenar::world::Input;
 use thenar::{Pose, Quat, Vec3, World};
 

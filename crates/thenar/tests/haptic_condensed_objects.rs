@@ -5,11 +5,11 @@
 mod common;
 
 use common::{bar, body, boundary};
-use thenar::contact::Shape;
 use thenar::haptic::shared::SharedConstraints;
 use thenar::haptic::{RigidState, SlowToFast};
 use thenar::math::rotation_vector;
 use thenar::model::{Drive, FixedNode, Law, Material, Motion, SoftDesc, WorldDesc};
+use thenar::shape::Shape;
 use thenar::world::Input;
 use thenar::{Pose, Vec3, World};
 

@@ -5,13 +5,13 @@
 mod common;
 
 use common::{body, finger, random};
-use thenar::contact::Shape;
 use thenar::haptic::safety::{Guard, Limits, Signal, Status};
 use thenar::haptic::{
     CouplingDesign, FastToSlow, HandSettings, HapticHand, Mode, Pad, Proxy, RigidState, SlowToFast,
     Touch,
 };
 use thenar::model::{Digit, Motion};
+use thenar::shape::Shape;
 use thenar::{Mat3, Pose, Quat, Vec3, World};
 
 const MS: u64 = 1_000_000;

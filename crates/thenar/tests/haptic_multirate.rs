@@ -5,7 +5,6 @@
 mod common;
 
 use common::body;
-use thenar::contact::Shape;
 use thenar::haptic::shared::CondensedContact;
 use thenar::haptic::virtual_user::{Device, VirtualUser};
 use thenar::haptic::{
@@ -13,6 +12,7 @@ use thenar::haptic::{
     Touch,
 };
 use thenar::model::{Motion, WorldDesc};
+use thenar::shape::Shape;
 use thenar::{Mat3, Pose, Vec3, World};
 
 const MS: u64 = 1_000_000;

@@ -6,7 +6,6 @@ mod common;
 use common::{body, finger};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
-use thenar::contact::Shape;
 use thenar::haptic::safety::{Bank, Limits, Signal, Trip};
 use thenar::haptic::shared::CondensedContact;
 use thenar::haptic::{
@@ -14,6 +13,7 @@ use thenar::haptic::{
     SingleRateSettings, SlowToFast, Touch, pad_force,
 };
 use thenar::model::Motion;
+use thenar::shape::Shape;
 use thenar::{Mat3, Pose, Vec3, World};
 
 struct Counting;

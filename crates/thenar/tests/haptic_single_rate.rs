@@ -4,12 +4,12 @@
 mod common;
 
 use common::body;
-use thenar::contact::Shape;
 use thenar::haptic::{
     CouplingDesign, FastToSlow, HapticHand, Pad, RigidState, SingleRate, SingleRateSettings,
     SlowToFast, Touch, series_drive,
 };
 use thenar::model::{Digit, Motion, WorldDesc};
+use thenar::shape::Shape;
 use thenar::{Mat3, Pose, Vec3, World};
 
 const MS: u64 = 1_000_000;

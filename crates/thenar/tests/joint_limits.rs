@@ -5,10 +5,10 @@
 mod common;
 
 use common::{body, finger, random};
-use thenar::contact::Shape;
 use thenar::model::{
     AngleLimit, Axis, Drive, JointDesc, JointKind, Limits, Motion, SolverKind, WorldDesc,
 };
+use thenar::shape::Shape;
 use thenar::world::Target;
 use thenar::{Pose, Quat, Vec3, World};
 

@@ -5,8 +5,8 @@
 mod common;
 
 use common::{FLESH, bar, body};
-use thenar::contact::Shape;
 use thenar::model::{Motion, SoftDesc, SolverKind, WorldDesc};
+use thenar::shape::Shape;
 use thenar::world::State;
 use thenar::{Pose, Vec3, World};
 

@@ -5,10 +5,10 @@
 mod common;
 
 use common::{FLESH, bar, body, finger};
-use thenar::contact::Shape;
 use thenar::model::{
     BodyId, Drive, FixedNode, JointKind, Motion, PairRule, SoftDesc, SolverKind, WorldDesc,
 };
+use thenar::shape::Shape;
 use thenar::world::{Input, ModelError, Target};
 use thenar::{Pose, Vec3, World};
 

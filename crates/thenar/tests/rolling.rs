@@ -6,8 +6,8 @@
 mod common;
 
 use common::{FLESH, bar, body};
-use thenar::contact::Shape;
 use thenar::model::{FixedNode, Motion, SoftDesc, SolverKind, WorldDesc};
+use thenar::shape::Shape;
 use thenar::{Pose, Quat, Vec3, World};
 
 const H: f64 = 1e-3;

@@ -6,9 +6,9 @@ mod common;
 use common::{FLESH, bar, body, finger};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
-use thenar::contact::Shape;
 use thenar::model::{BodyId, Drive, FrictionTable, Motion, SoftDesc, SolverKind};
 use thenar::readout::ContactReadout;
+use thenar::shape::Shape;
 use thenar::world::Target;
 use thenar::{Pose, Vec3, World};
 

@@ -5,8 +5,8 @@
 mod common;
 
 use common::{FLESH, bar, body, finger, random};
-use thenar::contact::Shape;
 use thenar::model::{Drive, Material, Motion, SoftDesc, SolverSettings, WorldDesc};
+use thenar::shape::Shape;
 use thenar::world::{Failure, Input, StepReport, Target};
 use thenar::{Pose, Quat, Vec3, World};
 

@@ -2,7 +2,7 @@
 
 use cpu_time::ThreadTime;
 use std::process::ExitCode;
-use thenar::contact::Shape;
+use thenar::shape::Shape;
 use thenar::model::{
     Axis, Binding, BodyId, Coupling, Drive, EmbeddedSurface, FixedNode, Flesh, JointDesc,
     JointKind, Law, Material, Motion, RigidDesc, SoftDesc, SolverKind, SurfaceVertex, WorldDesc,

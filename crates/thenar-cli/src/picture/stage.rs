@@ -8,8 +8,8 @@ use super::scene3d::{Ground, Material, Mesh, Pattern, Scene3d};
 use super::shapes::Solid;
 use super::surface::{self, Nodes};
 use super::{Camera, Layers};
-use thenar::contact::Shape;
 use thenar::model::BodyId;
+use thenar::shape::Shape;
 use thenar::world::{ContactPoint, Input};
 use thenar::{Vec3, World};
 

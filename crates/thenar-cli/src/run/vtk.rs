@@ -3,9 +3,9 @@
 use crate::error::CliError;
 use crate::picture;
 use std::path::Path;
-use thenar::contact::Shape;
 use thenar::model::EmbeddedSurface;
 use thenar::readout::{ContactReadout, VertexContact};
+use thenar::shape::Shape;
 use thenar::{Pose, Vec3};
 use thenar_rig::export::{Field, Series, flesh_cell_fields, lines, surface, tetrahedra};
 use thenar_scene::session::Session;

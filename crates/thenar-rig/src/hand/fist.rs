@@ -2,8 +2,8 @@
 
 use crate::RigError;
 use crate::lattice::tet;
+use thenar::kinematics::Tree;
 use thenar::model::{Binding, Bone, Digit, HandModel, JointKind};
-use thenar::skeleton::Tree;
 use thenar::{Pose, Vec3};
 
 /// Elements turned inside out.

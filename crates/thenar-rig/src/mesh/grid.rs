@@ -4,7 +4,7 @@ use super::mass::{MassProperties, Moments};
 use crate::mesh::{Bvh, Topology};
 use crate::{RigError, TriMesh};
 use thenar::Vec3;
-use thenar::contact::DistanceGrid;
+use thenar::shape::DistanceGrid;
 
 /// How fine a distance grid is.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -3,8 +3,8 @@
 use crate::RigError;
 use crate::lattice::tet;
 use crate::object::{RigidModel, SoftModel};
-use thenar::contact::Shape;
 use thenar::model::{Binding, Bone, EmbeddedSurface, Flesh, HandModel, JointDesc, JointKind};
+use thenar::shape::Shape;
 use thenar::{Mat3, Pose, Vec3};
 
 type Check = Result<(), RigError>;

@@ -195,7 +195,7 @@ fn loft(rings: &[Vec<Vec3>]) -> TriMesh {
 mod tests {
     use super::*;
     use crate::mesh::{MassProperties, Topology};
-    use thenar::contact::Shape;
+    use thenar::shape::Shape;
 
     #[test]
     fn the_car_is_of_closed_parts_and_stands_on_its_wheels() {

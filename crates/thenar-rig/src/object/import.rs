@@ -20,7 +20,7 @@ use crate::mesh::{
 };
 use crate::{RigError, TriMesh};
 use std::sync::Arc;
-use thenar::contact::{DistanceGrid, MeshShape, Shape};
+use thenar::shape::{DistanceGrid, MeshShape, Shape};
 use thenar::{Pose, Quat, Vec3};
 
 /// What decides the mass of a body.

@@ -6,7 +6,7 @@ use crate::error::positive;
 use crate::mesh::shapes;
 use crate::{RigError, TriMesh};
 use std::f64::consts::PI;
-use thenar::contact::Shape;
+use thenar::shape::Shape;
 use thenar::{Mat3, Pose, Vec3};
 
 const FRICTION: f64 = 0.5;

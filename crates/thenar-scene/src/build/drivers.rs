@@ -183,7 +183,7 @@ mod tests {
             for t in [0.6, 0.9, 1.2, 1.45] {
                 let (_, [v, w]) = track.at(t);
                 let e = 1e-6;
-                let [v_fd, w_fd] = thenar::skeleton::velocity_between(
+                let [v_fd, w_fd] = thenar::kinematics::velocity_between(
                     &track.at(t - e).0,
                     &track.at(t + e).0,
                     2.0 * e,

@@ -4,8 +4,8 @@ use super::{Built, place};
 use crate::format::{Joint, JointWord, Scene};
 use crate::math::{Pose, Quat, Vec3};
 use crate::text::{At, Fault};
+use thenar::kinematics::{joint_rotation, joint_spin};
 use thenar::model::{AngleLimit, Axis, JointDesc, JointKind};
-use thenar::skeleton::{joint_rotation, joint_spin};
 
 /// A joint that places its child.
 struct Link {

@@ -5,7 +5,7 @@ use super::{assets, inertia};
 use crate::format::Shape as Table;
 use crate::math::{Mat3, Pose};
 use crate::text::{At, Fault};
-use thenar::contact::Shape;
+use thenar::shape::Shape;
 use thenar_rig::TriMesh;
 use thenar_rig::object::{Paint, Weight};
 

@@ -1,8 +1,8 @@
 //! A hand's skeleton as a motion sees it: wrist and joint angles in, bone targets out.
 
 use super::error::MotionError;
+use thenar::kinematics::Tree;
 use thenar::model::HandModel;
-use thenar::skeleton::Tree;
 use thenar::world::Target;
 use thenar::{Pose, Vec3};
 

@@ -2,7 +2,7 @@
 
 use super::recording::RecordingError;
 use std::path::PathBuf;
-use thenar::skeleton::TreeError;
+use thenar::kinematics::TreeError;
 
 /// Why a motion cannot be used.
 #[derive(Debug, thiserror::Error)]

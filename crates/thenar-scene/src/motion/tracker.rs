@@ -3,8 +3,8 @@
 use super::recording::{Recording, TRACKED_JOINTS, mirrored};
 use std::fmt::Write;
 use std::path::Path;
+use thenar::kinematics::Tree;
 use thenar::model::{HandModel, Side};
-use thenar::skeleton::Tree;
 use thenar::{Pose, Quat, Vec3};
 
 /// What the watched hand does, and what the tracker does to it.

@@ -4,9 +4,9 @@ use crate::build::{Built, BuiltHand, Follow};
 use crate::live::{LiveError, LiveHand};
 use std::ops::Range;
 use thenar::World;
+use thenar::kinematics::velocity_between;
 use thenar::math::Vec3;
 use thenar::model::RigidDesc;
-use thenar::skeleton::velocity_between;
 use thenar::world::{Input, Target};
 
 /// Fills targets and prescribed velocities for a step that ends at time `t` \[s\].

@@ -2,8 +2,8 @@
 
 use super::arrays::{Array, Arrays, seven};
 use serde::Serialize;
-use thenar::contact::Shape;
 use thenar::model::{Motion, RigidDesc};
+use thenar::shape::Shape;
 use thenar_rig::TriMesh;
 use thenar_rig::object::Paint;
 use thenar_scene::build::RigidLook;

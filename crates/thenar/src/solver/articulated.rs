@@ -84,11 +84,6 @@ impl Articulated {
         Self { factors: vec![zero; links.len()], links, dense, ends: ends.to_vec() }
     }
 
-    /// True when joints close loops and the dense path is taken.
-    pub fn has_loops(&self) -> bool {
-        self.dense.is_some()
-    }
-
     /// Solves `[S Jᵀ; J 0] [v; λ] = [r; c]`.
     ///
     /// `S_diagonal[b]` is S_bb (overwritten); `S_edge[j]` is the block of S with the rows of joint
@@ -303,7 +298,7 @@ mod tests {
             .collect();
 
         let mut solver = Articulated::new(moves, ends, rows);
-        assert_eq!(solver.has_loops(), loops);
+        assert_eq!(solver.dense.is_some(), loops, "loops take the dense path");
         let mut v = vec![Vec6::zeros(); n];
         let mut lambda = vec![Vec6::zeros(); ends.len()];
         assert!(solver.solve(

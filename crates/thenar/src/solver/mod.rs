@@ -8,24 +8,24 @@ mod anticipation;
 mod articulated;
 mod block_matrix;
 mod conjugate_gradients;
+mod contact_law;
 mod contact_rows;
 mod dense;
 mod diagonal;
 pub mod exact;
 mod failure;
-mod friction_cone;
 mod monolithic;
 mod tree;
 
 pub use anticipation::{Anticipation, AnticipationSettings};
 pub use articulated::{Articulated, JointBlock};
-pub use block_matrix::{Block, BlockMatrix};
+pub use block_matrix::BlockMatrix;
 pub use conjugate_gradients::{CgWorkspace, conjugate_gradients, share_of_energy};
+pub(crate) use contact_law::{Bounds, is_on_rim, project};
 pub use contact_rows::{ContactRow, ContactRows, TURN_LEVER};
 pub use dense::DenseLu;
 pub use diagonal::BlockDiagonal;
 pub use failure::Failure;
-pub(crate) use friction_cone::{is_on_rim, project};
 pub use monolithic::Monolithic;
 
 /// Joints that close a loop often ask twice for the same thing, and a joint between bodies that do

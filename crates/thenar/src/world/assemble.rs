@@ -7,7 +7,7 @@
 use crate::coupling::{EffectiveMass, add_part};
 use crate::flesh::Tally;
 use crate::math::{Mat3, Vec3};
-use crate::model::{Limits, WorldDesc};
+use crate::model::{FleshInStep1, Limits, WorldDesc};
 use crate::skeleton::{JointFrames, axis_states, joint_block, linearise_drive, spring_torque};
 use crate::world::Input;
 use crate::world::model::Model;
@@ -26,7 +26,7 @@ pub fn joint_frames(model: &Model, state: &State, j: usize) -> JointFrames {
     }
 }
 
-/// Bones and joints: `A_s`, `b_s`, `J_s`, `b_λs`. Limits that are rows add nothing here.
+/// Bones and joints: `A_s`, `b_s`, `J_s`, `b_λs`, added to an A of zeros. Limits that are rows add nothing here.
 pub fn skeleton(
     desc: &WorldDesc,
     model: &Model,
@@ -36,13 +36,6 @@ pub fn skeleton(
     h: f64,
     scratch: &mut Scratch,
 ) {
-    // The blocks between bones and flesh are most of what is not flesh, and the exact solver writes
-    // none of them.
-    match &scratch.exact {
-        Some(exact) if !scratch.coupled => exact.clear(&mut scratch.A),
-        _ => scratch.A.clear(),
-    }
-    scratch.coupled = false;
     scratch.b.fill(Vec3::zeros());
     scratch.bones.clear();
     for b in 0..model.rigids.len() {
@@ -149,13 +142,19 @@ fn add_to_body(scratch: &mut Scratch, b: usize, part: usize, m: &Mat3) {
 
 /// The springs between bones and flesh: `A_sf`, `A_fs`, and their parts of `A_s` and `A_f`
 /// (Eq. 7-9).
-pub fn coupling(desc: &WorldDesc, model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
+pub fn coupling(
+    step1_flesh: FleshInStep1,
+    model: &Model,
+    state: &State,
+    h: f64,
+    scratch: &mut Scratch,
+) {
     scratch.coupled = true;
     for (n, mass) in scratch.step1_mass.iter_mut().enumerate() {
         let damped = model.flesh.mass[n] * (1.0 + h * model.flesh.mass_damping[n]);
         *mass = if model.is_held[n] { f64::INFINITY } else { damped };
     }
-    let step1 = EffectiveMass { flesh: desc.solver.step1_flesh, mass: &scratch.step1_mass };
+    let step1 = EffectiveMass { flesh: step1_flesh, mass: &scratch.step1_mass };
     model.coupling.assemble(
         &state.poses_WB,
         &state.x,

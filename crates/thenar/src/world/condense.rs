@@ -9,10 +9,12 @@ use crate::contact::Site;
 use crate::haptic::shared::CondensedContact;
 use crate::haptic::{RigidState, SlowToFast};
 use crate::math::{Mat3, Vec3};
-use crate::model::{Drive, SolverKind, WorldDesc};
-use crate::solver::exact::{Accuracy, Answer, PRESSING_MAX, StepSystem};
-use crate::world::state::Scratch;
-use crate::world::{Input, World, assemble, exact, limits};
+use crate::model::{Drive, Limits, WorldDesc};
+use crate::solver::TURN_LEVER;
+use crate::solver::exact::{Accuracy, Answer, Exact, PRESSING_MAX, StepSystem};
+use crate::world::scheme::Solver;
+use crate::world::state::{Scratch, State};
+use crate::world::{Input, Model, World, assemble, exact};
 use std::cmp::Ordering;
 use std::ops::Range;
 
@@ -44,24 +46,19 @@ impl World {
         for (state, b) in to.bones.iter_mut().zip(bones.clone()) {
             *state = RigidState::of(self, b as u32);
         }
-        if self.desc.solver.kind != SolverKind::Exact || self.scratch.exact.is_none() {
-            return false;
-        }
-        self.choose(to.response.contacts_max());
-        self.assemble_at_rest(input);
+        let Self { desc, model, state, scratch, solver, time_step: h, .. } = self;
+        let Solver::Exact(exact) = solver else { return false };
+        let mut rest = Rest { desc, model, state, scratch, input, h: *h };
+        rest.choose(to.response.contacts_max());
+        rest.assemble(exact);
         for b in bones.clone() {
-            let held = self.desc.drives[b].zip(input.target(b));
-            let (spring, pose_WB) = held
-                .map_or((LOOSE, self.state.poses_WB[b]), |(drive, target)| (drive, target.pose_WB));
+            let held = desc.drives[b].zip(input.target(b));
+            let (spring, pose_WB) =
+                held.map_or((LOOSE, state.poses_WB[b]), |(drive, target)| (drive, target.pose_WB));
             to.response.springs.push(spring);
             to.response.targets.push(RigidState::at_rest(pose_WB));
         }
-        let Self { desc, model, scratch, time_step, .. } = self;
-        let Scratch { A, b, joints, rows, found, chosen, gaps, before, exact: Some(exact), .. } =
-            scratch
-        else {
-            return false;
-        };
+        let Scratch { A, b, joints, rows, found, chosen, gaps, before, .. } = scratch;
         let is_turned = |i: usize| -> bool {
             let on = |site| is_on(desc, &bones, site);
             found.get(i).is_some_and(|contact| !on(&contact.a) && on(&contact.b))
@@ -87,7 +84,7 @@ impl World {
         }
         let contacts = chosen.iter().map(|&i| {
             let (i, row) = (i as usize, &rows.rows[i as usize]);
-            let force = row.lambda / *time_step;
+            let force = row.lambda / *h;
             // What bears force touches, though the solver left a trace of a gap.
             let gap = if force.x > 0.0 { 0.0 } else { gaps[i].max(0.0) };
             let moves = row.frame * rows.relative_velocity(row, motion) * REST;
@@ -102,18 +99,31 @@ impl World {
         to.response.contacts.extend(contacts);
         to.response.finish()
     }
+}
 
+/// What the system at rest is made of.
+struct Rest<'a> {
+    desc: &'a WorldDesc,
+    model: &'a Model,
+    state: &'a mut State,
+    scratch: &'a mut Scratch,
+    input: &'a Input,
+    /// Time step of the simulation \[s\].
+    h: f64,
+}
+
+impl Rest<'_> {
     /// Lists the contacts and joint limits of the last step by what they matter, at most so many:
     /// those that bear force, then the nearest.
     fn choose(&mut self, most: usize) {
-        let Self { model, state, scratch, time_step: h, .. } = self;
+        let Self { desc, state, scratch, h, .. } = self;
         scratch.chosen.clear();
         scratch.gaps.clear();
         scratch.gaps.extend(scratch.found.iter().map(|contact| contact.gap));
-        if limits::by_rows(&self.desc.solver) {
-            limits::list_gaps(model, &scratch.axes, &mut scratch.gaps);
+        if desc.solver.limits == Limits::Rows {
+            scratch.gaps.extend(scratch.limits.iter().map(|limit| limit.gap * TURN_LEVER));
         }
-        let Scratch { rows, gaps, chosen, .. } = scratch;
+        let Scratch { rows, gaps, chosen, .. } = &mut **scratch;
         for (gap, row) in gaps.iter_mut().zip(&rows.rows) {
             *gap += *h * (row.frame * rows.relative_velocity(row, &state.v)).x;
         }
@@ -128,27 +138,28 @@ impl World {
     }
 
     /// The system whose solution is where all comes to rest under the contact forces of the last step.
-    fn assemble_at_rest(&mut self, input: &Input) {
-        let Self { desc, model, state, scratch, .. } = self;
+    fn assemble(&mut self, exact: &mut Exact) {
+        let Self { desc, model, state, scratch, input, .. } = self;
         scratch.before.v.copy_from_slice(&state.v);
+        exact::clear(exact, scratch);
         assemble::skeleton(desc, model, desc.solver.limits, state, input, REST, scratch);
-        exact::couple(model, state, REST, scratch);
+        exact::couple(exact, model, state, REST);
         assemble::flesh(model, state, input, REST, scratch);
         // Prescribed bodies were given this input's velocities.
         state.v.copy_from_slice(&scratch.before.v);
-        self.hold_targets(input);
-        self.add_objects(input);
-        let Self { scratch: Scratch { b, rows, .. }, time_step, .. } = self;
+        self.hold_targets();
+        self.add_objects();
+        let Self { scratch: Scratch { b, rows, .. }, h, .. } = self;
         for row in rows.rows.iter().filter(|row| row.lambda != Vec3::zeros()) {
-            let impulse = row.frame.tr_mul(&row.lambda) * (REST / *time_step);
+            let impulse = row.frame.tr_mul(&row.lambda) * (REST / *h);
             rows.scatter(row, &impulse, b);
         }
     }
 
     /// Targets stay where they are: takes the damping of drives towards their velocity out again.
-    fn hold_targets(&mut self, input: &Input) {
+    fn hold_targets(&mut self) {
         for (i, drive) in self.desc.drives.iter().enumerate() {
-            let Some((drive, target)) = drive.as_ref().zip(input.target(i)) else { continue };
+            let Some((drive, target)) = drive.as_ref().zip(self.input.target(i)) else { continue };
             let b = &mut self.scratch.b[2 * i..][..2];
             b[0] -= target.velocity_W * (drive.damping * REST);
             b[1] -= target.angular_velocity_W * (drive.angular_damping * REST);
@@ -156,10 +167,10 @@ impl World {
     }
 
     /// What hangs on no drive and no bones moves by `h v + h² f/m` in a time step of h.
-    fn add_objects(&mut self, input: &Input) {
-        let Self { desc, model, state, scratch, time_step, .. } = self;
-        let steps = REST / *time_step;
-        let Scratch { A, b: rhs, .. } = scratch;
+    fn add_objects(&mut self) {
+        let Self { desc, model, state, scratch, input, h } = self;
+        let steps = REST / *h;
+        let Scratch { A, b: rhs, .. } = &mut **scratch;
         for (b, body) in model.rigids.iter().enumerate() {
             let driven = desc.drives[b].is_some() && input.target(b).is_some();
             if body.moves && !driven {

@@ -2,16 +2,20 @@
 
 use crate::coupling::skin_target;
 use crate::math::Vec3;
-use crate::model::SolverSettings;
+use crate::model::{Limits, SolverSettings, WorldDesc};
 use crate::solver::exact::{Accuracy, Carried, Exact, Plan, StepSystem};
 use crate::solver::{Convergence, Failure};
 use crate::world::fall_back::Care;
-use crate::world::limits;
 use crate::world::model::Model;
+use crate::world::scheme::Scheme;
 use crate::world::state::{Scratch, State};
+use crate::world::{limits, response};
 
-/// The solver of a model whose nodes rest at `positions`.
-pub fn build(model: &Model, positions: &[Vec3], contacts_max: usize) -> Exact {
+/// The solver of a model that may find so many contacts.
+pub fn build(desc: &WorldDesc, model: &Model, contacts_max: usize) -> Exact {
+    let places = desc.softs.iter();
+    let positions: Vec<Vec3> =
+        places.flat_map(|soft| soft.flesh.nodes.iter().map(|x| soft.pose_WM.point(x))).collect();
     let moves: Vec<bool> = model.rigids.iter().map(|r| r.moves).collect();
     let ends: Vec<_> = model.joints.iter().map(|j| (j.parent, j.child)).collect();
     let rows: Vec<usize> = model.joints.iter().map(|j| j.kind.rows()).collect();
@@ -40,16 +44,25 @@ pub fn build(model: &Model, positions: &[Vec3], contacts_max: usize) -> Exact {
         rows: &rows,
         carried: &carried,
         soft_of_node: &soft_of_node,
-        positions,
+        positions: &positions,
         pattern: &model.pattern,
-        contacts_max,
+        contacts_max: contacts_max + limits::rows_max(model),
         bounds_max: limits::rows_max(model),
     })
 }
 
+/// Sets A to zero. The blocks between bones and flesh are most of what is not flesh, and the exact
+/// solver writes none of them.
+pub fn clear(exact: &Exact, scratch: &mut Scratch) {
+    if scratch.coupled {
+        scratch.clear_matrix();
+    } else {
+        exact.clear(&mut scratch.A);
+    }
+}
+
 /// The coupling springs at this state (Eq. 6-8).
-pub fn couple(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
-    let Some(exact) = &mut scratch.exact else { return };
+pub fn couple(exact: &mut Exact, model: &Model, state: &State, h: f64) {
     let coupling = &model.coupling;
     for (k, (bound, carried)) in coupling.bound.iter().zip(&mut exact.carried).enumerate() {
         let target = skin_target(bound, &state.poses_WB);
@@ -60,64 +73,106 @@ pub fn couple(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
     }
 }
 
-/// Velocities without contact. What does not converge is an error, or taken as it is: `care` tells.
-///
-/// # Errors
-/// The system cannot be solved to tolerance.
-pub fn solve(
-    settings: &SolverSettings,
-    care: Care,
-    model: &Model,
-    state: &mut State,
-    h: f64,
-    scratch: &mut Scratch,
-) -> Result<Convergence, Failure> {
-    let Some(exact) = &mut scratch.exact else { return Err(Failure::NotPositiveDefinite) };
-    if !scratch.b.iter().all(|b| b.iter().all(|x| x.is_finite())) {
-        return Err(Failure::NotFinite);
-    }
-    let step = StepSystem { A: &scratch.A, b: &scratch.b, known: &model.known };
-    let accuracy = accuracy(settings, care);
-    let touched = state.impulses.iter().any(|(_, impulse)| *impulse != Vec3::zeros());
-    if touched {
-        // Near what the step before had without contact.
-        state.v.iter_mut().zip(&state.contact_change).for_each(|(v, change)| *v -= change);
-    }
-    let solved = exact.solve(&step, &scratch.joints, h, touched, &accuracy, &mut state.v)?;
-    Ok(Convergence { iterations: solved.iterations, residual: solved.error })
+/// A step by the exact solver. What does not converge is an error, or taken as it is: `care` tells.
+pub struct ExactScheme<'a> {
+    pub exact: &'a mut Exact,
+    pub settings: SolverSettings,
+    pub care: Care,
 }
 
-fn accuracy(settings: &SolverSettings, care: Care) -> Accuracy {
-    Accuracy {
-        best_effort: care == Care::Safe,
-        velocity: settings.velocity_tolerance,
-        iterations_max: settings.cg_iterations_max,
-        sweeps_max: settings.contact_sweeps_max,
+impl ExactScheme<'_> {
+    fn accuracy(&self) -> Accuracy {
+        Accuracy {
+            best_effort: self.care == Care::Safe,
+            velocity: self.settings.velocity_tolerance,
+            iterations_max: self.settings.cg_iterations_max,
+            sweeps_max: self.settings.contact_sweeps_max,
+        }
     }
 }
 
-/// Contact through the compliance of the whole system; leaves Δv in the state's contact change.
-///
-/// # Errors
-/// The flesh cannot be factored; where accuracy is asked for, also when it cannot be had.
-pub fn respond(
-    settings: &SolverSettings,
-    care: Care,
-    model: &Model,
-    state: &mut State,
-    scratch: &mut Scratch,
-) -> Result<Convergence, Failure> {
-    let Some(exact) = &mut scratch.exact else { return Err(Failure::NotPositiveDefinite) };
-    let step = StepSystem { A: &scratch.A, b: &scratch.b, known: &model.known };
-    let accuracy = accuracy(settings, care);
-    let change = &mut state.contact_change;
-    exact.respond(&step, &mut scratch.rows, settings.cone, &accuracy, change)
-}
+impl Scheme for ExactScheme<'_> {
+    /// The exact solver keeps its own factor.
+    type Factored = ();
 
-/// Shortens the velocities until they bring in no energy, and returns by how much: see
-/// [`Exact::calm`].
-pub fn calm(model: &Model, state: &mut State, scratch: &mut Scratch) -> f64 {
-    let Some(exact) = &mut scratch.exact else { return 1.0 };
-    let step = StepSystem { A: &scratch.A, b: &scratch.b, known: &model.known };
-    exact.calm(&step, &mut state.v)
+    fn limits(&self) -> Limits {
+        self.settings.limits
+    }
+
+    fn clear(&self, scratch: &mut Scratch) {
+        clear(self.exact, scratch);
+    }
+
+    fn couple(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        h: f64,
+        scratch: &mut Scratch,
+    ) -> Result<(), Failure> {
+        couple(self.exact, model, state, h);
+        let bounds = scratch.limits.iter().map(|limit| limit.bound(model, state, h));
+        self.exact.bounds_mut().extend(bounds);
+        Ok(())
+    }
+
+    fn free(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        h: f64,
+        scratch: &mut Scratch,
+    ) -> Result<((), Convergence), Failure> {
+        if !scratch.b.iter().all(|b| b.iter().all(|x| x.is_finite())) {
+            return Err(Failure::NotFinite);
+        }
+        let accuracy = self.accuracy();
+        let Self { exact, .. } = self;
+        let step = StepSystem { A: &scratch.A, b: &scratch.b, known: &model.known };
+        let touched = state.impulses.iter().any(|(_, impulse)| *impulse != Vec3::zeros());
+        if touched {
+            // Near what the step before had without contact.
+            state.v.iter_mut().zip(&state.contact_change).for_each(|(v, change)| *v -= change);
+        }
+        let solved = exact.solve(&step, &scratch.joints, h, touched, &accuracy, &mut state.v)?;
+        for (limit, bound) in scratch.limits.iter_mut().zip(exact.bounds()) {
+            limit.included = bound.impulse;
+        }
+        Ok(((), Convergence { iterations: solved.iterations, residual: solved.error }))
+    }
+
+    /// Contact through the compliance of the whole system.
+    fn respond(
+        &mut self,
+        (): &(),
+        model: &Model,
+        state: &mut State,
+        scratch: &mut Scratch,
+    ) -> Result<Convergence, Failure> {
+        let (accuracy, cone) = (self.accuracy(), self.settings.cone);
+        let step = StepSystem { A: &scratch.A, b: &scratch.b, known: &model.known };
+        let change = &mut state.contact_change;
+        self.exact.respond(&step, &mut scratch.rows, cone, &accuracy, change)
+    }
+
+    /// Impulses and velocities may each be off by the tolerance.
+    fn residual_max(&self) -> f64 {
+        2.0 * self.settings.velocity_tolerance
+    }
+
+    /// Where safety is asked for, velocities are shortened until they bring in no energy.
+    fn finish(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        _: f64,
+        scratch: &mut Scratch,
+    ) -> Result<(), Failure> {
+        if self.care == Care::Safe {
+            let step = StepSystem { A: &scratch.A, b: &scratch.b, known: &model.known };
+            let share = self.exact.calm(&step, &mut state.v);
+            response::shorten(share, state, scratch);
+        }
+        Ok(())
+    }
 }

@@ -4,14 +4,18 @@
 //! tolerance, the contacts that it had room for). Then, where its system has no solution at all, the
 //! two-step scheme with flesh that yields. Either way the velocities found are shortened until the
 //! step brings in no energy (`Exact::calm`), so that steps that fail one after the other cannot
-//! build up motion. When neither works [`World::step`] puts all to rest
+//! build up motion. When neither works [`World::step`](crate::world::World::step) puts all to rest
 //! where it is.
 
-use crate::model::SolverKind;
+use crate::model::SolverSettings;
 use crate::solver::Failure;
-use crate::world::{Input, StageTimer, StepReport, World, advance};
+use crate::solver::exact::Exact;
+use crate::world::exact::ExactScheme;
+use crate::world::step::Step;
+use crate::world::two_step::TwoStep;
+use crate::world::{StageTimer, StepReport, advance};
 
-/// What is asked of a solver.
+/// What is asked of the exact solver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Care {
     /// A solution to tolerance, or none.
@@ -20,31 +24,38 @@ pub enum Care {
     Safe,
 }
 
-impl World {
-    /// Velocities after the exact solver has failed with what `report` says.
-    ///
-    /// # Errors
-    /// There are none that make sense.
-    pub(super) fn fall_back(
-        &mut self,
-        input: &Input,
-        timer: &mut impl StageTimer,
-        report: &mut StepReport,
-    ) -> Result<(), Failure> {
-        let mut found = Err(Failure::NotFinite);
-        for kind in [SolverKind::Exact, SolverKind::TwoStep] {
-            advance::take_velocities_back(&mut self.state, &self.scratch.before);
-            *report = StepReport {
-                bad_targets: report.bad_targets,
-                failure: report.failure,
-                fell_back: true,
-                ..StepReport::default()
-            };
-            found = self.find_velocities(kind, Care::Safe, input, timer, report);
-            if found.is_ok() {
-                break;
-            }
-        }
-        found
+/// Velocities by the exact solver, or those that stand in for them; `report` then says why.
+///
+/// # Errors
+/// No velocities were found that make sense.
+pub fn solve(
+    exact: &mut Exact,
+    settings: &SolverSettings,
+    step: &mut Step<'_>,
+    timer: &mut impl StageTimer,
+    report: &mut StepReport,
+) -> Result<(), Failure> {
+    let settings = *settings;
+    let mut scheme = ExactScheme { exact, settings, care: Care::Accurate };
+    let Err(failure) = step.find_velocities(&mut scheme, timer, report) else { return Ok(()) };
+
+    begin_again(failure, step, report);
+    scheme.care = Care::Safe;
+    if step.find_velocities(&mut scheme, timer, report).is_ok() {
+        return Ok(());
     }
+
+    begin_again(failure, step, report);
+    step.find_velocities(&mut TwoStep { settings, stands_in: true }, timer, report)
+}
+
+/// Takes back what the attempt before did that ended with this failure.
+fn begin_again(failure: Failure, step: &mut Step<'_>, report: &mut StepReport) {
+    advance::take_velocities_back(step.state, &step.scratch.before);
+    *report = StepReport {
+        bad_targets: report.bad_targets,
+        failure: Some(failure),
+        fell_back: true,
+        ..StepReport::default()
+    };
 }

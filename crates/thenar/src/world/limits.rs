@@ -4,7 +4,8 @@
 //!   0 ≤ λ  ⊥  (θ - bound)/Δt + θ̇ ≥ 0        (mirrored at the upper bound)
 //! ```
 //!
-//! The rows stand behind those of contact and are solved together with them.
+//! The bounds of a step are listed once ([`list`]). Their rows stand behind those of contact, in the
+//! order of the list, and are solved together with them.
 
 use crate::math::Vec3;
 use crate::model::{AngleLimit, Limits, SolverKind, SolverSettings};
@@ -13,11 +14,24 @@ use crate::solver::TURN_LEVER;
 use crate::solver::exact::Bound;
 use crate::world::model::Model;
 use crate::world::state::{Scratch, State};
-use crate::world::{World, assemble};
+use crate::world::{World, assemble, push_out};
 
-/// An axis past its bound, perhaps placed there, is turned back no faster than this \[rad/s\], lest
-/// it be thrown.
-const TURN_BACK_RATE_MAX: f64 = 2.0;
+/// One bound of one axis of a joint.
+#[derive(Clone, Copy, Debug)]
+pub struct LimitRow {
+    /// Index of the joint.
+    pub joint: u32,
+    /// Measured axis of the joint, 0 or 1.
+    pub axis: u32,
+    /// The sign of torques that push away from the bound: 1 at the lower bound, -1 at the upper.
+    pub sign: f64,
+    /// How far the angle is from the bound, negative beyond it \[rad\].
+    pub gap: f64,
+    /// The turn of the child that leads away from the bound, world, of unit length.
+    pub direction_W: Vec3,
+    /// The impulse that the velocities without contact have in them already, at [`TURN_LEVER`] \[N s\].
+    pub included: f64,
+}
 
 /// Whether limits are kept by rows; if not, springs act.
 pub fn by_rows(settings: &SolverSettings) -> bool {
@@ -29,90 +43,92 @@ pub fn rows_max(model: &Model) -> usize {
     2 * model.joints.iter().map(|joint| joint.kind.angles()).sum::<usize>()
 }
 
-/// Tells the exact solver all bounds, in the order of their rows, and what each bore in the last step.
-pub fn set_bounds(limits: Limits, model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
-    let Some(exact) = &mut scratch.exact else { return };
-    let bounds = exact.bounds_mut();
+/// Lists the bounds of the step, none where springs keep them.
+pub fn list(limits: Limits, model: &Model, scratch: &mut Scratch) {
+    let Scratch { limits: list, axes, .. } = scratch;
+    list.clear();
     if limits == Limits::Springs {
         return;
     }
-    for (j, joint) in model.joints.iter().enumerate() {
-        for (k, axis) in joint.axes[..joint.kind.angles()].iter().enumerate() {
-            let (Some(limit), Some(present)) = (axis.limit, scratch.axes[j][k]) else { continue };
-            bounds.extend(gaps(&limit, present.angle).map(|(sign, gap)| Bound {
-                child: joint.child,
-                parent: joint.parent,
-                axis_W: present.direction_W * sign,
-                wanted: wanted(gap, h),
-                impulse: (sign * state.limit_impulses[j][k]).max(0.0) / TURN_LEVER,
-            }));
+    for (j, k, limit, present) in limited(model, axes) {
+        list.extend(gaps(&limit, present.angle).map(|(sign, gap)| LimitRow {
+            joint: j as u32,
+            axis: k as u32,
+            sign,
+            gap,
+            direction_W: present.direction_W * sign,
+            included: 0.0,
+        }));
+    }
+}
+
+/// Joint, axis, limit and present state of each axis that has a limit.
+fn limited<'a>(
+    model: &'a Model,
+    axes: &'a [[Option<AxisState>; 2]],
+) -> impl Iterator<Item = (usize, usize, AngleLimit, AxisState)> + 'a {
+    model.joints.iter().zip(axes).enumerate().flat_map(|(j, (joint, present))| {
+        let axes = joint.axes[..joint.kind.angles()].iter().zip(present).enumerate();
+        axes.filter_map(move |(k, (axis, present))| Some((j, k, axis.limit?, (*present)?)))
+    })
+}
+
+/// Direction in which each bound pushes, and how far the angle is from it \[rad\].
+fn gaps(limit: &AngleLimit, angle: f64) -> [(f64, f64); 2] {
+    let angle = turned_towards(limit, angle);
+    [(1.0, angle - limit.min), (-1.0, limit.max - angle)]
+}
+
+impl LimitRow {
+    /// The bound as the exact solver takes it, with what it bore in the last step.
+    pub fn bound(&self, model: &Model, state: &State, h: f64) -> Bound {
+        let joint = &model.joints[self.joint as usize];
+        Bound {
+            child: joint.child,
+            parent: joint.parent,
+            axis_W: self.direction_W,
+            wanted: push_out::wanted_turn(self.gap, h),
+            impulse: self.borne(state) / TURN_LEVER,
+        }
+    }
+
+    /// The impulse by which the bound pushed in the last step \[N m s\].
+    fn borne(&self, state: &State) -> f64 {
+        (self.sign * state.limit_impulses[self.joint as usize][self.axis as usize]).max(0.0)
+    }
+}
+
+/// Appends the rows of all bounds, for the velocities without contact in `state`. What these have in
+/// them already starts from there.
+pub fn build_rows(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
+    let Scratch { limits, rows, .. } = scratch;
+    for limit in limits.iter() {
+        let joint = &model.joints[limit.joint as usize];
+        let i = rows.begin_turn(&limit.direction_W, limit.borne(state));
+        rows.hold_rigid(joint.child, Vec3::zeros(), 1.0);
+        if let Some(parent) = joint.parent {
+            rows.hold_rigid(parent, Vec3::zeros(), -1.0);
+        }
+        let row = &rows.rows[i];
+        let v = row.frame * rows.relative_velocity(row, &state.v);
+        let row = &mut rows.rows[i];
+        row.target = Vec3::new(push_out::wanted_turn(limit.gap, h), 0.0, 0.0) - v;
+        if limit.included != 0.0 {
+            row.included = limit.included;
+            row.lambda.x = limit.included.max(0.0);
         }
     }
 }
 
-/// How fast to turn away from a bound at this distance \[rad\], at [`TURN_LEVER`] \[m/s\].
-fn wanted(gap: f64, h: f64) -> f64 {
-    TURN_LEVER * (-gap / h).min(TURN_BACK_RATE_MAX)
-}
-
-/// Appends the rows of all bounds, for the velocities without contact in `state`. What the exact
-/// solver holds already starts from the impulse in these.
-pub fn build_rows(kind: SolverKind, model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
-    let mut next = 0;
-    for (j, joint) in model.joints.iter().enumerate() {
-        for (k, axis) in joint.axes[..joint.kind.angles()].iter().enumerate() {
-            let (Some(limit), Some(present)) = (axis.limit, scratch.axes[j][k]) else { continue };
-            for (sign, gap) in gaps(&limit, present.angle) {
-                let held = scratch.exact.as_ref().filter(|_| kind == SolverKind::Exact);
-                let included = held.map_or(0.0, |exact| exact.bounds()[next].impulse);
-                next += 1;
-                let before = (sign * state.limit_impulses[j][k]).max(0.0);
-                let rows = &mut scratch.rows;
-                let i = rows.begin_turn(&(present.direction_W * sign), before);
-                rows.hold_rigid(joint.child, Vec3::zeros(), 1.0);
-                if let Some(parent) = joint.parent {
-                    rows.hold_rigid(parent, Vec3::zeros(), -1.0);
-                }
-                let row = &rows.rows[i];
-                let v = row.frame * rows.relative_velocity(row, &state.v);
-                rows.rows[i].target = Vec3::new(wanted(gap, h), 0.0, 0.0) - v;
-                if included != 0.0 {
-                    rows.rows[i].included = included;
-                    rows.rows[i].lambda.x = included.max(0.0);
-                }
-            }
-        }
-    }
-}
-
-/// Appends how far each row's bound was at the start of the step, as its row counts it \[m\].
-pub fn list_gaps(model: &Model, axes: &[[Option<AxisState>; 2]], to: &mut Vec<f64>) {
-    for (joint, axes) in model.joints.iter().zip(axes) {
-        for (axis, present) in joint.axes[..joint.kind.angles()].iter().zip(axes) {
-            let (Some(limit), Some(present)) = (axis.limit, present) else { continue };
-            to.extend(gaps(&limit, present.angle).map(|(_, gap)| gap * TURN_LEVER));
-        }
-    }
-}
-
-/// Keeps the impulses found for the next step; returns how many bounds bear load. `first` is the
-/// first row of a limit.
-pub fn keep_impulses(model: &Model, first: usize, state: &mut State, scratch: &Scratch) -> u32 {
+/// Keeps the impulses found for the next step; returns how many bounds bear load.
+pub fn keep_impulses(state: &mut State, scratch: &Scratch) -> u32 {
     state.limit_impulses.fill([0.0; 2]);
-    let (mut row, mut active) = (first, 0);
-    for (j, joint) in model.joints.iter().enumerate() {
-        for (k, axis) in joint.axes[..joint.kind.angles()].iter().enumerate() {
-            let (Some(limit), Some(present)) = (axis.limit, scratch.axes[j][k]) else { continue };
-            for (sign, _) in gaps(&limit, present.angle) {
-                if row >= scratch.rows.rows.len() {
-                    continue;
-                }
-                let lambda = scratch.rows.rows[row].lambda.x;
-                state.limit_impulses[j][k] += sign * lambda * TURN_LEVER;
-                active += u32::from(lambda > 0.0);
-                row += 1;
-            }
-        }
+    let Scratch { limits, rows, found, .. } = scratch;
+    let mut active = 0;
+    for (limit, row) in limits.iter().zip(&rows.rows[found.len()..]) {
+        let impulse = limit.sign * row.lambda.x * TURN_LEVER;
+        state.limit_impulses[limit.joint as usize][limit.axis as usize] += impulse;
+        active += u32::from(row.lambda.x > 0.0);
     }
     active
 }
@@ -120,22 +136,14 @@ pub fn keep_impulses(model: &Model, first: usize, state: &mut State, scratch: &S
 /// Keeps the impulses that the springs of limits gave in a step which the two-step scheme made for
 /// the exact solver: those of the angles and rates at its end, as they are implicit.
 pub fn keep_spring_impulses(model: &Model, state: &mut State, h: f64, scratch: &Scratch) {
-    for (j, joint) in model.joints.iter().enumerate() {
+    for (j, k, _, present) in limited(model, &scratch.axes) {
+        let joint = &model.joints[j];
         let turning = |b: u32| state.v[2 * b as usize + 1];
         let relative = turning(joint.child) - joint.parent.map_or(Vec3::zeros(), turning);
-        for (k, axis) in joint.axes[..joint.kind.angles()].iter().enumerate() {
-            let Some(present) = scratch.axes[j][k] else { continue };
-            let rate = present.direction_W.dot(&relative);
-            let torque = limit_spring_torque(axis, joint, present.angle + h * rate, rate);
-            state.limit_impulses[j][k] = h * torque;
-        }
+        let rate = present.direction_W.dot(&relative);
+        let angle = present.angle + h * rate;
+        state.limit_impulses[j][k] = h * limit_spring_torque(&joint.axes[k], joint, angle, rate);
     }
-}
-
-/// Direction in which each bound pushes, and how far the angle is from it \[rad\].
-fn gaps(limit: &AngleLimit, angle: f64) -> [(f64, f64); 2] {
-    let angle = turned_towards(limit, angle);
-    [(1.0, angle - limit.min), (-1.0, limit.max - angle)]
 }
 
 impl World {

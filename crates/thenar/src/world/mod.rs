@@ -14,12 +14,15 @@ mod hash;
 mod io;
 mod limits;
 mod model;
+mod push_out;
 mod reference;
 mod response;
 mod retune;
+mod scheme;
 mod stability;
 mod start;
 mod state;
+mod step;
 mod two_step;
 
 pub use crate::solver::Failure;
@@ -28,14 +31,13 @@ pub use io::{ContactPoint, Energy, Input, Stage, StageTimer, StepReport, Target}
 pub use model::Model;
 pub use state::State;
 
-use crate::contact::{Contact, Detector, Reach, RigidPlace, Sides};
+use crate::contact::{Contact, Detector, RigidPlace, Sides};
 use crate::coupling::skin_target;
 use crate::math::{Pose, Vec3};
-use crate::model::{Limits, SolverKind, SolverSettings, WorldDesc};
+use crate::model::{SolverKind, SolverSettings, WorldDesc};
 use crate::skeleton::axis_states;
-use crate::solver::Convergence;
 use check::is_time_step;
-use fall_back::Care;
+use scheme::Solver;
 use state::Scratch;
 use std::ops::Range;
 
@@ -48,6 +50,7 @@ pub struct World {
     scratch: Scratch,
     detector: Detector,
     places: Vec<RigidPlace>,
+    solver: Solver,
     time_step: f64,
 }
 
@@ -69,8 +72,8 @@ impl World {
         };
         let places = state.poses_WB.iter().map(place).collect();
         let time_step = desc.time_step;
-        let mut world = Self { desc, model, state, scratch, detector, places, time_step };
-        world.prepare_solver();
+        let solver = Solver::new(desc.solver.kind, &desc, &model, contacts_max);
+        let mut world = Self { desc, model, state, scratch, detector, places, solver, time_step };
         world.embed();
         Ok(world)
     }
@@ -83,13 +86,9 @@ impl World {
     pub fn step(&mut self, input: &Input, timer: &mut impl StageTimer) -> StepReport {
         let mut report = StepReport { bad_targets: input.bad_targets(), ..StepReport::default() };
         self.scratch.remember(&self.state);
-        let kind = self.desc.solver.kind;
-        let mut found = self.find_velocities(kind, Care::Accurate, input, timer, &mut report);
+        let found = self.find_velocities(input, timer, &mut report);
         if let Err(failure) = found {
-            report.failure = Some(failure);
-            if kind == SolverKind::Exact {
-                found = self.fall_back(input, timer, &mut report);
-            }
+            report.failure.get_or_insert(failure);
         }
 
         timer.begin(Some(Stage::Embed));
@@ -113,112 +112,12 @@ impl World {
         report
     }
 
-    /// The velocities at the end of the step, contact included.
-    ///
-    /// # Errors
-    /// This solver fails.
-    fn find_velocities(
-        &mut self,
-        kind: SolverKind,
-        care: Care,
-        input: &Input,
-        timer: &mut impl StageTimer,
-        report: &mut StepReport,
-    ) -> Result<(), Failure> {
-        let Self { desc, model, state, scratch, detector, places, time_step: h, .. } = self;
-        let (h, settings) = (*h, &desc.solver);
-        // The two-step scheme, also as the exact solver's stand-in, has no rows for limits.
-        let limits = if kind == SolverKind::TwoStep { Limits::Springs } else { settings.limits };
-
-        timer.begin(Some(Stage::Skeleton));
-        assemble::skeleton(desc, model, limits, state, input, h, scratch); // A_s, b_s, J_s (4)
-        match kind {
-            SolverKind::Exact => {
-                exact::couple(model, state, h, scratch); //                               (7-9)
-                limits::set_bounds(limits, model, state, h, scratch);
-            }
-            _ => assemble::coupling(desc, model, state, h, scratch), //   A_sf, A_fs      (7-9)
-        }
-        if kind == SolverKind::TwoStep {
-            two_step::articulated_body(model, state, h, scratch)?; //                        (10)
-        }
-
-        timer.begin(Some(Stage::Flesh));
-        let tally = assemble::flesh(model, state, input, h, scratch); //  A_f, b_f        (5)
-        report.inverted_tets = tally.inverted;
-        let mut whole = None;
-        let cg = match kind {
-            SolverKind::TwoStep => {
-                two_step::unconstrained_deformation(settings, model, state, scratch)? //  (11)
-            }
-            SolverKind::Exact => exact::solve(settings, care, model, state, h, scratch)?, // (9)
-            SolverKind::Monolithic => {
-                let solved = reference::solve(model, state, h, scratch); //               (9)
-                whole = Some(solved.ok_or(Failure::NotPositiveDefinite)?);
-                Convergence::default()
-            }
-        };
-        report.cg_iterations = cg.iterations;
-        report.cg_residual = cg.residual;
-        if !state.is_sound() {
-            return Err(Failure::NotFinite);
-        }
-
-        timer.begin(Some(Stage::Detect));
-        let reach = Reach { h, margin: settings.contact_margin };
-        let found = response::detect(reach, model, state, detector, places, scratch);
-        report.contacts_dropped = found.dropped;
-
-        timer.begin(Some(Stage::Contact));
-        response::build_rows(model, state, h, scratch); //                                (12)
-        friction::set_coefficients(model, state, scratch);
-        let contacts = scratch.rows.rows.len();
-        if limits == Limits::Rows {
-            limits::build_rows(kind, model, state, h, scratch);
-        }
-        let contact = match (kind, &whole) {
-            (SolverKind::Exact, _) => exact::respond(settings, care, model, state, scratch)?,
-            (_, Some(whole)) => reference::respond(whole, model, settings.cone, state, scratch),
-            _ => response::anticipate(settings, state, scratch),
-        };
-        report.contact_unconverged = match kind {
-            // Impulses and velocities may each be off by the tolerance.
-            SolverKind::Exact => contact.residual > 2.0 * settings.velocity_tolerance,
-            _ => contact.residual > settings.contact_tolerance,
-        };
-        response::apply(state, scratch);
-        if !state.is_sound() {
-            return Err(Failure::NotFinite);
-        }
-        friction::keep_loads(model, &scratch.found, &scratch.rows, h, &mut state.patch_loads);
-        report.limits_active = limits::keep_impulses(model, contacts, state, scratch);
-        let close = settings.close_joints || care == Care::Safe;
-        if kind == SolverKind::TwoStep && close && !model.joints.is_empty() {
-            two_step::close_joints(model, state, h, scratch)?;
-        }
-        if care == Care::Safe {
-            let share = match kind {
-                SolverKind::Exact => exact::calm(model, state, scratch),
-                _ => two_step::calm(model, state, scratch),
-            };
-            response::shorten(share, state, scratch);
-        }
-        if limits == Limits::Springs && limits::by_rows(settings) {
-            limits::keep_spring_impulses(model, state, h, scratch);
-        }
-        response::report(state, h, settings.cone, contact, scratch, report);
-        Ok(())
-    }
-
-    /// Builds the exact solver when it is chosen and not there yet.
+    /// Builds the solver that the settings choose, when it is another one than before.
     fn prepare_solver(&mut self) {
-        if self.desc.solver.kind == SolverKind::Exact && self.scratch.exact.is_none() {
-            let places = self.desc.softs.iter();
-            let rest: Vec<Vec3> = places
-                .flat_map(|soft| soft.flesh.nodes.iter().map(|x| soft.pose_WM.point(x)))
-                .collect();
-            let contacts_max = self.detector.capacity() + limits::rows_max(&self.model);
-            self.scratch.exact = Some(exact::build(&self.model, &rest, contacts_max));
+        let kind = self.desc.solver.kind;
+        if self.solver.kind() != kind {
+            let contacts_max = self.detector.capacity();
+            self.solver = Solver::new(kind, &self.desc, &self.model, contacts_max);
         }
     }
 
@@ -259,7 +158,7 @@ impl World {
         }
     }
 
-    /// Chooses another solver. Choosing the exact one for the first time allocates its memory.
+    /// Chooses another solver. Choosing the exact one allocates its memory, choosing another frees it.
     pub fn set_solver(&mut self, kind: SolverKind) {
         self.desc.solver.kind = kind;
         self.prepare_solver();

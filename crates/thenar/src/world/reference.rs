@@ -1,19 +1,73 @@
 //! The reference solution of a step: Eq. 9 in one piece.
 
-use crate::model::Cone;
-use crate::solver::{Convergence, Monolithic};
+use crate::model::{Limits, SolverSettings};
+use crate::solver::{Convergence, Failure, Monolithic};
+use crate::world::assemble;
 use crate::world::model::Model;
+use crate::world::scheme::Scheme;
 use crate::world::state::{Scratch, State};
 use crate::world::two_step::known_rates;
 
-/// Velocities of skeleton and flesh together, joints included: replaces steps 1 and 2. Leaves
-/// the factored system for contact. `None` when the system is singular.
-pub fn solve(
-    model: &Model,
-    state: &mut State,
-    h: f64,
-    scratch: &mut Scratch,
-) -> Option<Monolithic> {
+/// Impulses may change by this part of the largest in the last sweep.
+const TOLERANCE: f64 = 1e-12;
+
+/// A step by the dense reference.
+pub struct Dense {
+    pub settings: SolverSettings,
+}
+
+impl Scheme for Dense {
+    /// The factored system.
+    type Factored = Monolithic;
+
+    fn limits(&self) -> Limits {
+        self.settings.limits
+    }
+
+    fn couple(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        h: f64,
+        scratch: &mut Scratch,
+    ) -> Result<(), Failure> {
+        assemble::coupling(self.settings.step1_flesh, model, state, h, scratch);
+        Ok(())
+    }
+
+    fn free(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        h: f64,
+        scratch: &mut Scratch,
+    ) -> Result<(Monolithic, Convergence), Failure> {
+        let system = solve(model, state, h, scratch).ok_or(Failure::NotPositiveDefinite)?;
+        Ok((system, Convergence::default()))
+    }
+
+    /// Contact through the compliance of the whole system, joints held.
+    fn respond(
+        &mut self,
+        system: &Monolithic,
+        model: &Model,
+        state: &mut State,
+        scratch: &mut Scratch,
+    ) -> Result<Convergence, Failure> {
+        let (change, convergence) =
+            system.contact(&mut scratch.rows, &model.known, self.settings.cone, TOLERANCE);
+        state.contact_change = change;
+        Ok(convergence)
+    }
+
+    fn residual_max(&self) -> f64 {
+        self.settings.contact_tolerance
+    }
+}
+
+/// Velocities of skeleton and flesh together, joints included, and the factored system. `None` when it
+/// is singular.
+fn solve(model: &Model, state: &mut State, h: f64, scratch: &mut Scratch) -> Option<Monolithic> {
     let unknowns = 3 * model.rows();
     let (mut J, mut c) = (Vec::new(), Vec::new());
     for (j, joint) in model.joints.iter().enumerate() {
@@ -35,18 +89,4 @@ pub fn solve(
     let system = Monolithic::new(&scratch.A, &J)?;
     state.v = system.solve(&scratch.b, &c).0;
     Some(system)
-}
-
-/// Contact through the compliance of the whole system, joints held; leaves Δv in the state's
-/// contact change.
-pub fn respond(
-    system: &Monolithic,
-    model: &Model,
-    cone: Cone,
-    state: &mut State,
-    scratch: &mut Scratch,
-) -> Convergence {
-    let (change, convergence) = system.contact(&mut scratch.rows, &model.known, cone, 1e-12);
-    state.contact_change = change;
-    convergence
 }

@@ -4,26 +4,12 @@ use crate::contact::{
     Contact, Detector, Found, Reach, RigidPlace, Site, SurfacePoint, SurfaceState,
 };
 use crate::math::Vec3;
-use crate::model::{BodyId, Cone, SolverSettings};
-use crate::solver::{AnticipationSettings, ContactRows, Convergence, is_on_rim};
+use crate::model::{BodyId, Cone};
+use crate::solver::{ContactRows, Convergence, is_on_rim};
 use crate::world::model::Model;
+use crate::world::push_out;
 use crate::world::state::{Scratch, State};
 use crate::world::{ContactPoint, StepReport};
-
-/// A penetrating point is moved out no faster than this \[m/s\], lest it be thrown out.
-const PUSH_OUT_SPEED_MAX: f64 = 0.5;
-
-/// Two deformable surfaces that overlap by more than this \[m\] may be entangled: then no force
-/// beyond that which does `PUSH_OUT_WORK_MAX` \[J\] on the way out pushes them apart (10 N at 1 mm),
-/// though any force keeps them from going deeper.
-const ENTANGLED_DEPTH: f64 = 0.5e-3;
-const PUSH_OUT_WORK_MAX: f64 = 0.01;
-
-/// A surface point deeper than this is caught: perhaps between two bodies that cannot both let it
-/// out \[m\]. It is then pushed no harder than `CAUGHT_FORCE_MAX` \[N\], lest a contradiction
-/// between contacts pump energy into the flesh without end.
-const CAUGHT_DEPTH: f64 = 2e-3;
-const CAUGHT_FORCE_MAX: f64 = 5.0;
 
 /// Finds the points that touch, or would within the step at the contact-free velocities.
 pub fn detect(
@@ -59,47 +45,13 @@ pub fn build_rows(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
         let impulse = at.map_or(Vec3::zeros(), |i| state.impulses[i].1);
         add_row(model, contact, &impulse, rows);
     }
-    for i in 0..rows.rows.len() {
+    for (i, contact) in scratch.found.iter().enumerate() {
         let row = &rows.rows[i];
         let v = row.frame * rows.relative_velocity(row, &state.v);
-        let wanted = (-scratch.found[i].gap / h).min(PUSH_OUT_SPEED_MAX);
+        let wanted = push_out::wanted_speed(contact.gap, h);
         rows.rows[i].target = Vec3::new(wanted, 0.0, 0.0) - v;
-        let sites = [&scratch.found[i].a, &scratch.found[i].b];
-        let softs = sites.iter().filter(|site| matches!(site, Site::Soft(_))).count();
-        let depth = -scratch.found[i].gap;
-        if softs == 2 && depth > ENTANGLED_DEPTH {
-            rows.rows[i].push_out = wanted;
-            rows.rows[i].push_impulse_max = h * PUSH_OUT_WORK_MAX / depth;
-        }
-        if softs > 0 && depth > CAUGHT_DEPTH {
-            rows.rows[i].impulse_max = CAUGHT_FORCE_MAX * h;
-        }
+        rows.rows[i].bounds = push_out::bounds(contact, h);
     }
-}
-
-/// Resolves the contacts, `A Δv = Jᵀ λ`, `0 ≤ λ ⊥ J (v + Δv) + g/Δt ≥ 0` with friction, joints
-/// ignored as in the paper; leaves Δv in the state's contact change.
-pub fn anticipate(
-    settings: &SolverSettings,
-    state: &mut State,
-    scratch: &mut Scratch,
-) -> Convergence {
-    if scratch.rows.rows.is_empty() {
-        state.contact_change.fill(Vec3::zeros());
-        return Convergence::default();
-    }
-    scratch.anticipation.solve(
-        &scratch.A,
-        &scratch.D,
-        &mut scratch.rows,
-        &AnticipationSettings {
-            tolerance: settings.contact_tolerance,
-            sweeps_max: settings.contact_sweeps_max,
-            inner_passes: settings.contact_inner_passes,
-            cone: settings.cone,
-        },
-        &mut state.contact_change,
-    )
 }
 
 /// Adds Δv to the velocities and keeps the impulses for the next step.

@@ -5,13 +5,14 @@ use crate::coupling::BoneSystem;
 use crate::math::{Mat6, Pose, Vec3, Vec6};
 use crate::model::WorldDesc;
 use crate::skeleton::AxisState;
-use crate::solver::exact::Exact;
 use crate::solver::{
-    Anticipation, Articulated, BlockDiagonal, BlockMatrix, CgWorkspace, ContactRows, JointBlock,
+    Anticipation, Articulated, BlockDiagonal, BlockMatrix, CgWorkspace, ContactRows, Failure,
+    JointBlock,
 };
 use crate::world::friction::{PatchKey, patches_max};
 use crate::world::hash::Hasher;
-use crate::world::{ContactPoint, Model, limits};
+use crate::world::limits::{self, LimitRow};
+use crate::world::{ContactPoint, Model};
 
 /// A state beyond these is taken for a failed step, not for motion \[m, m/s, rad/s\]: products of
 /// numbers within them stay finite, so that a step can always go on from such a state.
@@ -102,6 +103,14 @@ impl State {
         self.patch_loads.clone_from(&other.patch_loads);
     }
 
+    /// Whether a step can go on from this state.
+    ///
+    /// # Errors
+    /// The state is not sound.
+    pub fn check(&self) -> Result<(), Failure> {
+        if self.is_sound() { Ok(()) } else { Err(Failure::NotFinite) }
+    }
+
     /// True when every number is finite and nothing is farther than 1e9 m or faster than 1e9 m/s.
     pub fn is_sound(&self) -> bool {
         self.poses_WB.iter().all(is_sound_pose)
@@ -164,7 +173,8 @@ pub fn is_sound_pose(pose: &Pose) -> bool {
     is_sound_position(&pose.position) && pose.is_finite()
 }
 
-/// Memory that a step works in; nothing in it outlives the step.
+/// Memory that a step works in. Until the next step, readouts and touch read what the last one left in
+/// `found`, `rows`, `limits`, `contacts` and `vertices`; the next step itself reads nothing of it.
 #[derive(Clone, Debug)]
 pub struct Scratch {
     /// The system matrix A.
@@ -201,6 +211,8 @@ pub struct Scratch {
     pub step1_mass: Vec<f64>,
     /// Conjugate gradients.
     pub cg: CgWorkspace,
+    /// Bounds of joints that have rows.
+    pub limits: Vec<LimitRow>,
     /// Contacts found.
     pub found: Vec<Contact>,
     /// The sides seen with them.
@@ -221,8 +233,6 @@ pub struct Scratch {
     pub vertices: Vec<Vec3>,
     /// Velocities of these.
     pub vertex_velocities: Vec<Vec3>,
-    /// The exact solver, when it is chosen and the joints are a tree.
-    pub exact: Option<Exact>,
     /// The state before the step.
     pub before: State,
 }
@@ -258,6 +268,7 @@ impl Scratch {
             lambda: vec![Vec6::zeros(); model.joints.len()],
             step1_mass: vec![0.0; nodes],
             cg: CgWorkspace::new(rows),
+            limits: Vec::with_capacity(limits::rows_max(model)),
             found: Vec::with_capacity(contacts_max),
             sides: Sides::with_capacity(sides_max),
             rows: ContactRows::with_capacity(rigids, contacts_max + limits::rows_max(model)),
@@ -268,9 +279,14 @@ impl Scratch {
             gaps: Vec::with_capacity(contacts_max + limits::rows_max(model)),
             vertices: vec![Vec3::zeros(); model.vertices.len()],
             vertex_velocities: vec![Vec3::zeros(); model.vertices.len()],
-            exact: None,
             before,
         }
+    }
+
+    /// Sets A to zero.
+    pub fn clear_matrix(&mut self) {
+        self.A.clear();
+        self.coupled = false;
     }
 
     /// Keeps a copy of what a step changes before it is known to be sound, to go back to when it
@@ -282,6 +298,7 @@ impl Scratch {
     /// The last step's contacts and limits are not those of the state.
     pub fn forget_contacts(&mut self) {
         self.found.clear();
+        self.limits.clear();
         self.rows.clear();
         self.contacts.clear();
     }

@@ -2,10 +2,86 @@
 
 use crate::coupling::skin_target;
 use crate::math::{Mat6, Vec3, Vec6};
-use crate::model::SolverSettings;
-use crate::solver::{Convergence, Failure, conjugate_gradients, share_of_energy};
+use crate::model::{Limits, SolverSettings};
+use crate::solver::{
+    AnticipationSettings, Convergence, Failure, conjugate_gradients, share_of_energy,
+};
 use crate::world::model::Model;
+use crate::world::scheme::Scheme;
 use crate::world::state::{Scratch, State};
+use crate::world::{assemble, limits, response};
+
+/// A step by the paper's scheme.
+pub struct TwoStep {
+    pub settings: SolverSettings,
+    /// The step is made for the exact solver, which has failed: joints are closed, and velocities
+    /// shortened until they bring in no energy.
+    pub stands_in: bool,
+}
+
+impl Scheme for TwoStep {
+    type Factored = ();
+
+    /// The scheme has no rows for limits.
+    fn limits(&self) -> Limits {
+        Limits::Springs
+    }
+
+    fn couple(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        h: f64,
+        scratch: &mut Scratch,
+    ) -> Result<(), Failure> {
+        assemble::coupling(self.settings.step1_flesh, model, state, h, scratch);
+        articulated_body(model, state, h, scratch)
+    }
+
+    fn free(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        _: f64,
+        scratch: &mut Scratch,
+    ) -> Result<((), Convergence), Failure> {
+        Ok(((), unconstrained_deformation(&self.settings, model, state, scratch)?))
+    }
+
+    fn respond(
+        &mut self,
+        (): &(),
+        _: &Model,
+        state: &mut State,
+        scratch: &mut Scratch,
+    ) -> Result<Convergence, Failure> {
+        Ok(anticipate(&self.settings, state, scratch))
+    }
+
+    fn residual_max(&self) -> f64 {
+        self.settings.contact_tolerance
+    }
+
+    fn finish(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        h: f64,
+        scratch: &mut Scratch,
+    ) -> Result<(), Failure> {
+        if (self.settings.close_joints || self.stands_in) && !model.joints.is_empty() {
+            close_joints(model, state, h, scratch)?;
+        }
+        if self.stands_in {
+            let share = calm(model, state, scratch);
+            response::shorten(share, state, scratch);
+            if self.settings.limits == Limits::Rows {
+                limits::keep_spring_impulses(model, state, h, scratch);
+            }
+        }
+        Ok(())
+    }
+}
 
 /// Step 1 (Eq. 10): bone velocities `v_s,1` that satisfy the joints, with the flesh's velocities
 /// as they are. Written for the change `Δ = v_s,1 - v_s,0`:
@@ -21,7 +97,7 @@ use crate::world::state::{Scratch, State};
 ///
 /// # Errors
 /// A pivot is singular.
-pub fn articulated_body(
+fn articulated_body(
     model: &Model,
     state: &mut State,
     h: f64,
@@ -75,7 +151,7 @@ pub fn articulated_body(
 ///
 /// # Errors
 /// A pivot is singular.
-pub fn close_joints(
+fn close_joints(
     model: &Model,
     state: &mut State,
     h: f64,
@@ -163,7 +239,7 @@ pub fn known_rates(model: &Model, state: &State, j: usize, scratch: &mut Scratch
 ///
 /// # Errors
 /// The matrix is not positive definite or a number is not finite.
-pub fn unconstrained_deformation(
+fn unconstrained_deformation(
     settings: &SolverSettings,
     model: &Model,
     state: &mut State,
@@ -189,9 +265,30 @@ pub fn unconstrained_deformation(
     if reached.residual.is_finite() { Ok(reached) } else { Err(Failure::NotFinite) }
 }
 
+/// Resolves the contacts, `A Δv = Jᵀ λ`, `0 ≤ λ ⊥ J (v + Δv) + g/Δt ≥ 0` with friction, joints
+/// ignored as in the paper; leaves Δv in the state's contact change.
+fn anticipate(settings: &SolverSettings, state: &mut State, scratch: &mut Scratch) -> Convergence {
+    if scratch.rows.rows.is_empty() {
+        state.contact_change.fill(Vec3::zeros());
+        return Convergence::default();
+    }
+    scratch.anticipation.solve(
+        &scratch.A,
+        &scratch.D,
+        &mut scratch.rows,
+        &AnticipationSettings {
+            tolerance: settings.contact_tolerance,
+            sweeps_max: settings.contact_sweeps_max,
+            inner_passes: settings.contact_inner_passes,
+            cone: settings.cone,
+        },
+        &mut state.contact_change,
+    )
+}
+
 /// Shortens the velocities so that the step brings in no energy, as `Exact::calm` does; joint
 /// impulses, which do no work where joints hold, are left out. Returns by how much.
-pub fn calm(model: &Model, state: &mut State, scratch: &mut Scratch) -> f64 {
+fn calm(model: &Model, state: &mut State, scratch: &mut Scratch) -> f64 {
     let bones = scratch.b_kept.len();
     scratch.b[..bones].copy_from_slice(&scratch.b_kept);
     let s = share_of_energy(&scratch.A, &scratch.b, &model.known, &state.v, &mut scratch.cg);
@@ -218,7 +315,7 @@ fn mask_known(model: &Model, scratch: &mut Scratch) {
 }
 
 /// Linear above angular velocity.
-pub fn body_velocity(state: &State, b: usize) -> Vec6 {
+fn body_velocity(state: &State, b: usize) -> Vec6 {
     stack(&state.v[2 * b], &state.v[2 * b + 1])
 }
 

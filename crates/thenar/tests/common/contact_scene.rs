@@ -1,10 +1,11 @@
 //! A hand-sized deformable surface over a plane, in contact with a second, softer body and nine
 //! rigid ones: the sizes of the paper's hand (1441 collision triangles) and a loaf.
 
-use thenar::contact::{DistanceGrid, MeshShape, RigidPlace, Shape};
+use thenar::kernels::RigidPlace;
 use thenar::model::{
     EmbeddedSurface, Flesh, Motion, RigidDesc, SoftDesc, SurfaceVertex, WorldDesc,
 };
+use thenar::shape::{DistanceGrid, MeshShape, Shape};
 use thenar::{Mat3, Pose, Quat, Vec3};
 
 /// A world and its state.

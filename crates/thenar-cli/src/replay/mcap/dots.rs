@@ -5,7 +5,7 @@ use super::picture::{ARROW, BONE, FORCE, FORCE_MIN, GROUND, WORLD, colour_of, co
 use foxglove::messages::packed_element_field::NumericType;
 use foxglove::messages::{PackedElementField, PointCloud};
 use std::f64::consts::{PI, TAU};
-use thenar::contact::Shape;
+use thenar::shape::Shape;
 use thenar::{Pose, Vec3};
 use thenar_scene::session::Session;
 

@@ -5,8 +5,8 @@ use foxglove::messages::{
     ArrowPrimitive, Color, CubePrimitive, CylinderPrimitive, FrameTransforms, SceneEntity,
     SceneUpdate, SpherePrimitive, Timestamp, TriangleListPrimitive,
 };
-use thenar::contact::Shape;
 use thenar::model::RigidDesc;
+use thenar::shape::Shape;
 use thenar::{Pose, Quat, Vec3};
 use thenar_scene::session::Session;
 

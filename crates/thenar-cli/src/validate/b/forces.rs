@@ -4,7 +4,7 @@
 use super::{PATCH, RIGID_MOTION};
 use crate::validate::case::{CaseError, Check, Figure};
 use crate::validate::run::Solver;
-use thenar::flesh::{RestTet, respond};
+use thenar::kernels::{RestTet, respond};
 use thenar::{Quat, Vec3};
 use thenar_scene::session::{Random, Session};
 

@@ -5,9 +5,8 @@ use super::differences::Rows::{Coordinates, OneKind};
 use super::differences::{Matrix, coordinates, differences, minus_cross, mismatch, scatter_bones};
 use crate::validate::case::{CaseError, Check, Figure};
 use crate::validate::run::Solver;
-use thenar::coupling::{BoneSystem, EffectiveMass, skin_target};
+use thenar::kernels::{BlockMatrix, BoneSystem, EffectiveMass, skin_target};
 use thenar::model::FleshInStep1;
-use thenar::solver::BlockMatrix;
 use thenar::{Mat3, Quat, Vec3, World};
 use thenar_scene::session::Random;
 

@@ -5,7 +5,8 @@ use super::differences::Rows::OneKind;
 use super::differences::{Matrix, coordinates, differences, mismatch, scatter_bones};
 use crate::validate::case::{CaseError, Check, Figure};
 use crate::validate::run::Solver;
-use thenar::skeleton::{JointFrames, Tree, axis_states, joint_block, spring_torque};
+use thenar::kernels::{JointFrames, axis_states, joint_block, spring_torque};
+use thenar::kinematics::Tree;
 use thenar::{Pose, Vec3, World};
 use thenar_scene::session::Random;
 

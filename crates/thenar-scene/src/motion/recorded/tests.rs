@@ -8,7 +8,7 @@ use crate::motion::retarget::size_ratio;
 use crate::motion::tracker::Tracker;
 use std::path::Path;
 use thenar::Vec3;
-use thenar::skeleton::velocity_between;
+use thenar::kinematics::velocity_between;
 
 /// All fingers closing and opening, the wrist on a tilted circle.
 fn wave(time: f64) -> (Pose, Vec<[f64; 2]>) {

@@ -3,7 +3,7 @@
 use super::NodeSet;
 use crate::math::{Mat3, Vec3};
 use thenar::World;
-use thenar::flesh::{RestTet, respond, signed_svd};
+use thenar::kernels::{RestTet, respond, signed_svd};
 
 /// One element whose stress is measured.
 #[derive(Debug)]

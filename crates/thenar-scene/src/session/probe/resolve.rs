@@ -10,7 +10,7 @@ use crate::format::{
 use crate::math::Vec3;
 use crate::text::{At, Fault};
 use thenar::World;
-use thenar::flesh::RestTet;
+use thenar::kernels::RestTet;
 use thenar::model::{BodyId, Digit};
 use thenar::readout::ContactReadout;
 

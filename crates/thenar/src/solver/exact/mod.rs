@@ -27,7 +27,6 @@ mod dense;
 mod direct;
 mod factor;
 mod free_motion;
-mod gauss_seidel;
 mod half_solves;
 mod held;
 mod jacobi;
@@ -45,7 +44,6 @@ mod symbolic;
 mod vectors;
 
 pub use held::Bound;
-pub use pcg::Solved;
 pub use publish::Answer;
 pub use reduction::Reduction;
 pub use relative::{Carried, Coordinates, System};

@@ -16,6 +16,7 @@ mod tests;
 
 use crate::math::Vec3;
 use crate::model::Cone;
+use crate::solver::contact_law::Response;
 use crate::solver::exact::System;
 use crate::solver::exact::aligned::Aligned;
 use crate::solver::exact::coarse::Coarse;
@@ -23,7 +24,6 @@ use crate::solver::exact::compliance::Compliance;
 use crate::solver::exact::decay::{Decay, SAFETY};
 use crate::solver::exact::direct::Direct;
 use crate::solver::exact::factor::LANES;
-use crate::solver::exact::gauss_seidel::Response;
 use crate::solver::exact::pcg::Workspace;
 use crate::solver::{ContactRow, ContactRows};
 use columns::Columns;
@@ -233,7 +233,7 @@ impl Delassus {
             well &= missed.norm() <= tolerance / SAFETY;
             violation = violation.max(missed.norm());
             let own = &self.own[m];
-            let lambda = sweeps::wanted(cone, row, own, &d);
+            let lambda = row.resolved(cone, own, &d);
             violation = violation.max((own.W * (lambda - row.lambda)).norm());
         }
         violation = violation.max(self.members.queue(contacts, &self.measured, tolerance));

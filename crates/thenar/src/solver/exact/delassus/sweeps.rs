@@ -3,11 +3,11 @@
 use super::Delassus;
 use crate::math::Vec3;
 use crate::model::Cone;
+use crate::solver::contact_law::Response;
 use crate::solver::exact::compliance::Compliance;
 use crate::solver::exact::decay::SAFETY;
 use crate::solver::exact::direct::Direct;
 use crate::solver::exact::factor::LANES;
-use crate::solver::exact::gauss_seidel::Response;
 use crate::solver::{ContactRow, ContactRows, Convergence};
 use fearless_simd::{Simd, dispatch};
 
@@ -91,7 +91,7 @@ fn visit<S: Simd>(
     if row.lambda == Vec3::zeros() && value.x >= 0.0 {
         return 0.0;
     }
-    let lambda = wanted(cone, row, own, &value);
+    let lambda = row.resolved(cone, own, &value);
     let delta = lambda - row.lambda;
     if delta == Vec3::zeros() {
         return 0.0;
@@ -108,14 +108,4 @@ fn largest_change(before: &[f64], after: &[f64]) -> f64 {
         (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2) + (a[2] - b[2]).powi(2)
     };
     pairs.map(change2).fold(0.0, f64::max).sqrt()
-}
-
-/// The impulse a contact should have, all others being what they are.
-pub fn wanted(cone: Cone, row: &ContactRow, own: &Response, d: &Vec3) -> Vec3 {
-    let b = d - own.W * row.lambda;
-    let lambda = own.impulse(cone, row.friction, &b, &row.lambda);
-    row.bounded(lambda, |push_out| {
-        let b = Vec3::new(b.x + push_out, b.y, b.z);
-        own.impulse(cone, row.friction, &b, &row.lambda)
-    })
 }

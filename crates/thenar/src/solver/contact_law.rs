@@ -1,0 +1,246 @@
+//! The contact law, for the solvers of a step and for touch between two frames.
+//!
+//! A contact sees the velocity d of its two sides against each other (in touch: their distance) in
+//! its own frame, the normal first, less what is wanted there. An impulse λ changes it by `W λ`,
+//! where W is the contact's own response: `d = b + W λ`. The law asks for
+//!
+//! ```text
+//!   0 ≤ λ_n  ⊥  d_n ≥ 0           push only, and only where surfaces meet
+//!   |λ_t| ≤ μ λ_n                 Coulomb's disc
+//!   d_t = -s λ_t,  s ≥ 0          stick (s = 0), or slide against friction,
+//!   s (μ λ_n - |λ_t|) = 0         which is then on the rim of the disc
+//! ```
+//!
+//! The linearised cone of the paper puts a square in place of the disc: see [`project`]. Solvers visit
+//! contacts one after another, each with all others as they are, and there are two ways to visit:
+//!
+//! - [`project`] makes one cheap update from the present impulse. Only its fixed point obeys the law.
+//!   The two-step scheme, the dense reference and touch use it.
+//! - [`Response::impulse`] finds the impulse that obeys the law at once where the contact opens or
+//!   sticks, and comes nearer with each visit where it slides. The exact solver uses it.
+//!
+//! A row of a step ([`ContactRow`]) may besides bound its impulse ([`Bounds`]), because surfaces that
+//! overlap cannot always be moved apart as fast as they should; which bounds a contact gets is decided
+//! in `world::push_out`. [`ContactRow::projected`] and [`ContactRow::resolved`] visit a row in either
+//! way, bounds included. [`is_on_rim`] tells whether a contact slides.
+
+use crate::math::{Mat3, Vec3};
+use crate::model::Cone;
+use crate::solver::ContactRow;
+
+/// A direction that yields less than this part of the others does not move at all: both sides are
+/// held there, and no impulse can do anything.
+const IMMOVABLE: f64 = 1e-12;
+/// A force on the rim of the cone within this part of its radius slides.
+const RIM: f64 = 1e-6;
+/// Alternations between normal and tangential part within one visit of a sliding contact.
+const ALTERNATIONS: usize = 4;
+/// Bisections and Newton steps that find the impulse on the rim of the friction disc.
+const RIM_STEPS: usize = 30;
+
+/// Whether neither side can move along the normal.
+fn is_immovable(W: &Mat3) -> bool {
+    W.m11.is_nan() || W.m11 <= IMMOVABLE * W.trace()
+}
+
+/// One projected Gauss-Seidel update of the impulse `lambda` = (normal, two tangents) of a point
+/// whose constraint value is `d` and whose own response is `W` (d changes by `W Δλ`).
+///
+/// At a fixed point the normal impulse is complementary to `d_n`; the tangential one lies in
+/// the disc of radius `μ λ_n` (or, linearised, in the square inscribed in it, so that friction falls
+/// short of Coulomb's by up to 1 - cos 45° and never exceeds it), and where it lies on
+/// the rim, sliding opposes it. Where neither side can move, the impulse is zero.
+pub fn project(cone: Cone, friction: f64, W: &Mat3, d: &Vec3, lambda: &Vec3) -> Vec3 {
+    let least = IMMOVABLE * W.trace();
+    if is_immovable(W) {
+        return Vec3::zeros();
+    }
+    let normal = (lambda.x - d.x / W.m11).max(0.0);
+    let bound = friction * normal;
+    if bound == 0.0 {
+        return Vec3::new(normal, 0.0, 0.0);
+    }
+    let dn = normal - lambda.x;
+    let slide = [d.y + W.m21 * dn, d.z + W.m31 * dn];
+    let from = |t: f64, slide: f64, stiff: f64| if stiff > least { t - slide / stiff } else { 0.0 };
+    match cone {
+        Cone::Circular => {
+            // Larger eigenvalue of the tangential block: the step that surely does not overshoot.
+            let mean = 0.5 * (W.m22 + W.m33);
+            let stiff = mean + (0.25 * (W.m22 - W.m33).powi(2) + W.m23 * W.m32).sqrt();
+            let t = [from(lambda.y, slide[0], stiff), from(lambda.z, slide[1], stiff)];
+            let length = t[0].hypot(t[1]);
+            let scale = if length > bound { bound / length } else { 1.0 };
+            Vec3::new(normal, t[0] * scale, t[1] * scale)
+        }
+        Cone::Linearised => {
+            let bound = bound * std::f64::consts::FRAC_1_SQRT_2;
+            let t1 = from(lambda.y, slide[0], W.m22).max(-bound).min(bound);
+            let slide2 = slide[1] + W.m32 * (t1 - lambda.y);
+            let t2 = from(lambda.z, slide2, W.m33).max(-bound).min(bound);
+            Vec3::new(normal, t1, t2)
+        }
+    }
+}
+
+/// How one contact answers its own impulse, prepared for many visits.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Response {
+    /// The response, symmetric \[1/kg\].
+    pub W: Mat3,
+    /// Its inverse, where it has one.
+    pub inverse: Option<Mat3>,
+    /// Eigenvalues of its tangential part, the larger first.
+    high: f64,
+    low: f64,
+    /// Direction of the larger one.
+    cos: f64,
+    sin: f64,
+}
+
+impl Response {
+    /// Prepares visits.
+    pub fn new(W: &Mat3) -> Self {
+        let (mean, half) = (0.5 * (W.m22 + W.m33), 0.5 * (W.m22 - W.m33));
+        let spread = half.hypot(W.m23);
+        let (sin, cos) = (0.5 * W.m23.atan2(half)).sin_cos();
+        let (high, low) = (mean + spread, (mean - spread).max(0.0));
+        Self { W: *W, inverse: W.try_inverse(), high, low, cos, sin }
+    }
+
+    /// The impulse λ so that `d = b + W λ` obeys the contact law: `0 ≤ λ_n ⊥ d_n ≥ 0`,
+    /// `|λ_t| ≤ μ λ_n`, and on the rim of that disc λ_t opposes d_t. Exact when the contact opens or
+    /// sticks; a sliding one comes nearer with each visit.
+    pub fn impulse(&self, cone: Cone, friction: f64, b: &Vec3, start: &Vec3) -> Vec3 {
+        let W = &self.W;
+        if is_immovable(W) || b.x >= 0.0 {
+            return Vec3::zeros();
+        }
+        if cone == Cone::Linearised {
+            let mut lambda = *start;
+            for _ in 0..ALTERNATIONS {
+                lambda = project(cone, friction, W, &(b + W * lambda), &lambda);
+            }
+            return lambda;
+        }
+        if let Some(inverse) = &self.inverse {
+            let stick = -(inverse * b);
+            let bound = friction * stick.x;
+            if stick.x >= 0.0 && stick.y * stick.y + stick.z * stick.z <= bound * bound {
+                return stick;
+            }
+        }
+        let mut t = [start.y, start.z];
+        let mut normal = 0.0;
+        for _ in 0..ALTERNATIONS {
+            normal = (-(b.x + W.m12 * t[0] + W.m13 * t[1]) / W.m11).max(0.0);
+            let pull = [b.y + W.m21 * normal, b.z + W.m31 * normal];
+            t = self.in_disc(pull, friction * normal);
+        }
+        Vec3::new(normal, t[0], t[1])
+    }
+
+    /// The t in the disc of this radius with the least `½ tᵀ W t + c·t`.
+    fn in_disc(&self, c: [f64; 2], radius: f64) -> [f64; 2] {
+        let size = (c[0] * c[0] + c[1] * c[1]).sqrt();
+        if radius <= 0.0 || size == 0.0 {
+            return [0.0; 2];
+        }
+        // In the axes of W.
+        let Self { high, low, cos, sin, .. } = *self;
+        let (p, q) = (c[0] * cos + c[1] * sin, c[1] * cos - c[0] * sin);
+        let back = |p: f64, q: f64| [p * cos - q * sin, p * sin + q * cos];
+        if low > 0.0 && (p / high).powi(2) + (q / low).powi(2) <= radius * radius {
+            return back(-p / high, -q / low);
+        }
+        // On the rim: (W + s) t = -c. The length of t falls with s, and s lies between these.
+        let (mut least, mut most) =
+            ((size / radius - high).max(0.0), (size / radius - low).max(0.0));
+        let mut s = most;
+        for _ in 0..RIM_STEPS {
+            let (a, b) = (p / (high + s), q / (low + s));
+            let length = (a * a + b * b).sqrt();
+            if (length - radius).abs() <= 1e-13 * radius {
+                break;
+            }
+            *(if length > radius { &mut least } else { &mut most }) = s;
+            // Newton on 1/|t| - 1/radius, which is nearly a straight line.
+            let slope = (a * a / (high + s) + b * b / (low + s)) / length.powi(3);
+            let next = s - (1.0 / length - 1.0 / radius) / slope;
+            s = if next > least && next < most { next } else { 0.5 * (least + most) };
+        }
+        back(-p / (high + s), -q / (low + s))
+    }
+}
+
+/// How hard a row may push.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounds {
+    /// Largest normal impulse \[N s\].
+    pub impulse_max: f64,
+    /// The part of the target that moves bodies apart which overlap \[m/s\].
+    pub push_out: f64,
+    /// The impulse beyond which that part is given up: bodies are kept from coming nearer at any
+    /// price, but not pushed apart. Two contacts that push one point against each other cannot both
+    /// have their way; without this bound their impulses grow without end \[N s\].
+    pub push_impulse_max: f64,
+}
+
+impl Bounds {
+    /// Any impulse.
+    pub const NONE: Self =
+        Self { impulse_max: f64::INFINITY, push_out: 0.0, push_impulse_max: f64::INFINITY };
+
+    /// Bounds the impulse `free` that the target asks for. `held` finds the one for a target less by
+    /// so much along the normal.
+    #[inline]
+    fn applied(&self, free: Vec3, held: impl FnOnce(f64) -> Vec3) -> Vec3 {
+        let mut lambda = free;
+        if free.x > self.push_impulse_max && self.push_out > 0.0 {
+            let holding = held(self.push_out);
+            lambda = if holding.x >= self.push_impulse_max {
+                holding
+            } else {
+                free * (self.push_impulse_max / free.x)
+            };
+        }
+        let excess = lambda.x / self.impulse_max;
+        if excess > 1.0 { lambda / excess } else { lambda }
+    }
+}
+
+impl ContactRow {
+    /// The impulse after one update by [`project`], within the row's bounds; `value` is the velocity
+    /// less the target.
+    #[inline]
+    pub fn projected(&self, cone: Cone, value: &Vec3) -> Vec3 {
+        let update = |d: &Vec3| project(cone, self.friction, &self.response, d, &self.lambda);
+        let held = |push_out| update(&Vec3::new(value.x + push_out, value.y, value.z));
+        self.bounds.applied(update(value), held)
+    }
+
+    /// The impulse by [`Response::impulse`], within the row's bounds; `value` is the velocity less the
+    /// target.
+    #[inline]
+    pub fn resolved(&self, cone: Cone, own: &Response, value: &Vec3) -> Vec3 {
+        let b = value - own.W * self.lambda;
+        let impulse = |b: &Vec3| own.impulse(cone, self.friction, b, &self.lambda);
+        let held = |push_out| impulse(&Vec3::new(b.x + push_out, b.y, b.z));
+        self.bounds.applied(impulse(&b), held)
+    }
+}
+
+/// Whether friction gives all it can to a contact that presses, so that it slides (or is about to).
+pub fn is_on_rim(cone: Cone, friction: f64, lambda: &Vec3) -> bool {
+    let rim = friction * lambda.x * (1.0 - RIM);
+    lambda.x > 0.0
+        && match cone {
+            Cone::Circular => lambda.y.hypot(lambda.z) >= rim,
+            Cone::Linearised => {
+                lambda.y.abs().max(lambda.z.abs()) >= rim * std::f64::consts::FRAC_1_SQRT_2
+            }
+        }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,96 @@
+use super::*;
+use crate::testing::Random;
+
+/// Iterates one point to its fixed point and checks the law there.
+#[test]
+fn the_fixed_point_obeys_coulomb() {
+    let mut random = Random::new(3);
+    for _ in 0..200 {
+        let a = Mat3::from_fn(|_, _| random.range(-1.0, 1.0));
+        let W = a * a.transpose() + Mat3::identity() * 0.5;
+        let free = random.vec3(1.0);
+        let mu = random.range(0.1, 1.2);
+        let mut lambda = Vec3::zeros();
+        for _ in 0..20_000 {
+            lambda = project(Cone::Circular, mu, &W, &(free + W * lambda), &lambda);
+        }
+        let d = free + W * lambda;
+        assert!(lambda.x >= 0.0 && d.x > -1e-9 && (lambda.x * d.x).abs() < 1e-9);
+        let (t, slide) = (lambda.yz(), d.yz());
+        if t.norm() < mu * lambda.x - 1e-9 {
+            assert!(slide.norm() < 1e-8, "sticking yet sliding: {slide}");
+        } else if lambda.x > 1e-9 {
+            let along = t.dot(&slide) + t.norm() * slide.norm();
+            assert!(along < 1e-7, "friction must oppose sliding: {along}");
+        }
+    }
+}
+
+/// Sliding in any direction, the pyramid of four sides gives between cos 45° and all of
+/// Coulomb's friction.
+#[test]
+fn the_linearised_cone_lies_within_the_circular_one() {
+    for k in 0..64 {
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 64.0).sin_cos();
+        let slide = Vec3::new(-1.0, -10.0 * cos, -10.0 * sin);
+        let lambda = project(Cone::Linearised, 0.7, &Mat3::identity(), &slide, &Vec3::zeros());
+        let ratio = lambda.yz().norm() / (0.7 * lambda.x);
+        let least = std::f64::consts::FRAC_1_SQRT_2;
+        assert!((least - 1e-12..=1.0 + 1e-12).contains(&ratio), "direction {k}: {ratio}");
+    }
+}
+
+fn responses(random: &mut Random) -> (Mat3, Vec3, f64) {
+    let a = Mat3::from_fn(|_, _| random.range(-1.0, 1.0));
+    (a * a.transpose() + Mat3::identity() * 0.3, random.vec3(1.0), random.range(0.05, 1.0))
+}
+
+#[test]
+fn visits_end_at_coulombs_law() {
+    let mut random = Random::new(17);
+    let (mut stuck, mut slid) = (0, 0);
+    for _ in 0..500 {
+        let (W, b, mu) = responses(&mut random);
+        let mut lambda = Vec3::zeros();
+        let response = Response::new(&W);
+        for _ in 0..200 {
+            lambda = response.impulse(Cone::Circular, mu, &b, &lambda);
+        }
+        let d = b + W * lambda;
+        assert!(lambda.x >= 0.0 && d.x > -1e-9 && (lambda.x * d.x).abs() < 1e-9);
+        let (t, slide) = (lambda.yz(), d.yz());
+        assert!(t.norm() <= mu * lambda.x + 1e-12);
+        if lambda.x > 0.0 && t.norm() < mu * lambda.x - 1e-9 {
+            assert!(slide.norm() < 1e-9, "sticks yet slides at {slide}");
+            stuck += 1;
+        } else if lambda.x > 0.0 {
+            let along = t.dot(&slide) + t.norm() * slide.norm();
+            assert!(along.abs() < 1e-9, "friction must oppose sliding: {along}");
+            slid += 1;
+        }
+    }
+    assert!(stuck > 10 && slid > 50, "{stuck} stuck, {slid} slid");
+}
+
+/// No other point of the disc has less energy.
+#[test]
+fn the_disc_minimum_is_least() {
+    let mut random = Random::new(18);
+    for _ in 0..200 {
+        let (W, c, radius) = responses(&mut random);
+        let energy = |t: [f64; 2]| {
+            0.5 * (W.m22 * t[0] * t[0] + 2.0 * W.m23 * t[0] * t[1] + W.m33 * t[1] * t[1])
+                + c.y * t[0]
+                + c.z * t[1]
+        };
+        let found = Response::new(&W).in_disc([c.y, c.z], radius);
+        assert!(found[0].hypot(found[1]) <= radius * (1.0 + 1e-9));
+        for k in 0..360 {
+            let (sin, cos) = f64::from(k).to_radians().sin_cos();
+            for r in [0.3, 0.7, 1.0] {
+                let other = [radius * r * cos, radius * r * sin];
+                assert!(energy(found) <= energy(other) + 1e-12);
+            }
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! What the schemes of a step have in common: [`Step::find_velocities`](crate::world::step::Step)
+//! is the same for all of them but for these parts.
+
+use crate::model::{Limits, SolverKind, WorldDesc};
+use crate::solver::exact::Exact;
+use crate::solver::{Convergence, Failure};
+use crate::world::exact;
+use crate::world::model::Model;
+use crate::world::state::{Scratch, State};
+
+/// The solver that a world's settings choose, with the memory that it alone needs.
+#[derive(Clone, Debug)]
+pub enum Solver {
+    /// Eq. 9 to a velocity tolerance (`world::exact`).
+    Exact(Box<Exact>),
+    /// The paper's two steps (`world::two_step`).
+    TwoStep,
+    /// Eq. 9 in one dense piece (`world::reference`).
+    Monolithic,
+}
+
+impl Solver {
+    /// The solver of this kind for a world that may find so many contacts.
+    pub fn new(kind: SolverKind, desc: &WorldDesc, model: &Model, contacts_max: usize) -> Self {
+        match kind {
+            SolverKind::Exact => Self::Exact(Box::new(exact::build(desc, model, contacts_max))),
+            SolverKind::TwoStep => Self::TwoStep,
+            SolverKind::Monolithic => Self::Monolithic,
+        }
+    }
+
+    /// The kind of this solver, as settings name it.
+    pub fn kind(&self) -> SolverKind {
+        match self {
+            Self::Exact(_) => SolverKind::Exact,
+            Self::TwoStep => SolverKind::TwoStep,
+            Self::Monolithic => SolverKind::Monolithic,
+        }
+    }
+}
+
+/// One way to solve Eq. 9, with its settings. Each part finds in `scratch` what the parts before it
+/// left there.
+pub trait Scheme {
+    /// What the solve without contact leaves for the response to contact.
+    type Factored;
+
+    /// What keeps joints within their range.
+    fn limits(&self) -> Limits;
+
+    /// Sets A to zero.
+    fn clear(&self, scratch: &mut Scratch) {
+        scratch.clear_matrix();
+    }
+
+    /// The springs between bones and flesh, and all that can be done before the flesh is assembled
+    /// (Eq. 6-8, 10).
+    ///
+    /// # Errors
+    /// The bones' system is singular.
+    fn couple(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        h: f64,
+        scratch: &mut Scratch,
+    ) -> Result<(), Failure>;
+
+    /// The state's velocities become those without contact (Eq. 9, 11).
+    ///
+    /// # Errors
+    /// The system cannot be solved.
+    fn free(
+        &mut self,
+        model: &Model,
+        state: &mut State,
+        h: f64,
+        scratch: &mut Scratch,
+    ) -> Result<(Self::Factored, Convergence), Failure>;
+
+    /// The impulses of contacts and joint limits in `scratch.rows`, and what they add to the
+    /// velocities in `state.contact_change` (Eq. 12).
+    ///
+    /// # Errors
+    /// The system cannot be solved.
+    fn respond(
+        &mut self,
+        factored: &Self::Factored,
+        model: &Model,
+        state: &mut State,
+        scratch: &mut Scratch,
+    ) -> Result<Convergence, Failure>;
+
+    /// A residual of [`Scheme::respond`] beyond which contact has not converged.
+    fn residual_max(&self) -> f64;
+
+    /// What is left to do once contact is in the velocities.
+    ///
+    /// # Errors
+    /// The bones' system is singular.
+    fn finish(
+        &mut self,
+        _model: &Model,
+        _state: &mut State,
+        _h: f64,
+        _scratch: &mut Scratch,
+    ) -> Result<(), Failure> {
+        Ok(())
+    }
+}
