@@ -48,7 +48,8 @@ pub struct Contact {
     pub a: Site,
     /// Side B.
     pub b: Site,
-    /// The common point of application, world \[m\].
+    /// The point whose distance to the other surface the gap is, world \[m\]: a vertex of side A or the
+    /// sharp point of a rigid side; between rigid bodies and between edges the middle.
     pub position_W: Vec3,
     /// Unit normal, from B to A, world.
     pub normal_W: Vec3,

@@ -44,6 +44,8 @@ mod surface;
 #[cfg(test)]
 mod tests;
 mod triangle;
+#[cfg(test)]
+mod truth_tests;
 
 pub use contact_point::{Contact, Found, RigidPlace, Site, SurfacePoint, SurfaceState};
 pub use detector::Detector;

@@ -60,6 +60,8 @@ struct Touch {
     key: [u32; 2],
     triangle: u32,
     weights: [f64; 3],
+    /// The sharp point, if it is one.
+    sharp: Option<Vec3>,
     /// From the shape to the surface.
     normal: Vec3,
     gap: f64,
@@ -181,6 +183,7 @@ fn sharp_at_nearest(pair: &SoftRigid, p: &Vec3, i: u32, t: u32) -> Option<Touch>
         key: [KEY_POINT, i],
         triangle: t,
         weights: closest.weights,
+        sharp: Some(*p),
         normal,
         gap,
     })
@@ -198,7 +201,8 @@ fn sharp_that_arrives(pair: &SoftRigid, p: &Vec3, i: u32, t: u32) -> Option<Touc
         return None;
     }
     let Arrival { weights, normal, gap, .. } = Near::new(pair, t).arrival(p, 0.0, pair.margin)?;
-    Some(Touch { key: [KEY_POINT, i], triangle: t, weights, normal, gap })
+    let (key, sharp) = ([KEY_POINT, i], Some(*p));
+    Some(Touch { key, triangle: t, weights, sharp, normal, gap })
 }
 
 // The round part.
@@ -209,13 +213,13 @@ const ROUND_PLACES: usize = 3;
 /// The place on the centre line that is nearest to the surface from inside.
 #[derive(Clone, Copy, Debug)]
 struct Inmost {
-    distance_squared: f64,
+    distance: f64,
     inside: Option<Touch>,
 }
 
 impl Default for Inmost {
     fn default() -> Self {
-        Self { distance_squared: f64::INFINITY, inside: None }
+        Self { distance: f64::INFINITY, inside: None }
     }
 }
 
@@ -230,40 +234,44 @@ fn meet_round(
 ) {
     let (places, count) = places_on(axis, &near.x, radius);
     for (k, &at) in places[..count].iter().enumerate() {
-        let c = axis[0] + at * (axis[1] - axis[0]);
-        let closest = near.closest(&c);
+        let over = axis[0] + at * (axis[1] - axis[0]);
+        let closest = near.closest(&over);
+        // The place on the line nearest to that point tells its distance.
+        let c =
+            axis[0] + segment_parameter(&closest.point, &axis[0], &axis[1]) * (axis[1] - axis[0]);
         let key = [KEY_SEGMENT | k as u32, near.index];
-        let distance = closest.distance_squared.sqrt();
+        let to_line = closest.point - c;
+        let distance = to_line.norm();
         if distance - radius > pair.margin + near.travel {
             continue;
         }
         if distance - radius > pair.margin {
             if let Some(a) = near.arrival(&c, radius, pair.margin) {
                 let Arrival { weights, normal, gap, .. } = a;
-                offer(touches, Touch { key, triangle: near.index, weights, normal, gap });
+                let (triangle, sharp) = (near.index, None);
+                offer(touches, Touch { key, triangle, weights, sharp, normal, gap });
             }
             continue;
         }
         let x = pair.state.positions;
         let outward_W = pair.surface.pseudonormal(near.index, closest.feature, x);
         let outward = pair.placed.rotation.tr_mul(&outward_W);
-        let faces = outward.dot(&(c - closest.point)) > 0.0;
-        let direction = (closest.point - c).try_normalize(0.0).unwrap_or(-outward);
+        let faces = outward.dot(&to_line) < 0.0;
+        let direction = to_line.try_normalize(0.0).unwrap_or(-outward);
         let touch = |normal: Vec3, gap: f64| Touch {
             key,
             triangle: near.index,
             weights: closest.weights,
+            sharp: None,
             normal,
             gap,
         };
-        if closest.distance_squared < inmost.distance_squared {
+        if distance < inmost.distance {
             let inside = !faces && distance <= depth_max(pair);
-            *inmost = Inmost {
-                distance_squared: closest.distance_squared,
-                inside: inside.then(|| touch(-direction, -distance - radius)),
-            };
+            *inmost =
+                Inmost { distance, inside: inside.then(|| touch(-direction, -distance - radius)) };
         }
-        if faces && is_nearest_around(pair, near, &closest, &c) {
+        if faces && is_nearest_around(pair, near, &closest, &over) {
             offer(touches, touch(direction, distance - radius));
         }
     }
@@ -357,12 +365,13 @@ fn settle_round(
 fn contact(pair: &SoftRigid, touch: &Touch) -> Contact {
     let vertices = pair.surface.triangles[touch.triangle as usize];
     let point = SurfacePoint { soft: pair.soft, vertices, weights: touch.weights };
-    let position_W = point.interpolate(pair.state.positions);
+    let on_surface_W = point.interpolate(pair.state.positions);
+    let position_W = touch.sharp.map_or(on_surface_W, |p| pair.placed.world_point(&p));
     let [kind, feature] = touch.key;
     Contact {
         key: feature_key([kind, pair.soft, pair.rigid, feature]),
         a: Site::Soft(point),
-        b: Site::Rigid { body: pair.rigid, offset_W: position_W - pair.placed.center_of_mass },
+        b: Site::Rigid { body: pair.rigid, offset_W: on_surface_W - pair.placed.center_of_mass },
         position_W,
         normal_W: pair.placed.rotation * touch.normal,
         gap: touch.gap,

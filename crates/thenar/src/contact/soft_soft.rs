@@ -338,7 +338,7 @@ impl SoftSoft<'_> {
             key: feature_key([KEY_SOFT_SOFT, own.soft, other.soft, v]),
             a: Site::Soft(SurfacePoint::vertex(own.soft, v)),
             b: Site::Soft(SurfacePoint { soft: other.soft, vertices, weights }),
-            position_W: p - 0.5 * gap * normal,
+            position_W: p,
             normal_W: normal,
             gap,
             friction: self.friction,

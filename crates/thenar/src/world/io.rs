@@ -89,7 +89,7 @@ pub struct ContactPoint {
     pub bodies: [BodyId; 2],
     /// Collision-surface vertex nearest to the point, of each body that is deformable.
     pub vertices: [Option<u32>; 2],
-    /// Place, world \[m\].
+    /// The point whose distance to the other surface the gap is, world \[m\].
     pub position_W: Vec3,
     /// Unit normal from B towards A, world.
     pub normal_W: Vec3,
