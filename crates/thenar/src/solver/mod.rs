@@ -15,7 +15,7 @@ pub mod exact;
 mod failure;
 mod friction_cone;
 mod monolithic;
-mod tree;
+pub mod tree;
 
 pub use anticipation::{Anticipation, AnticipationSettings};
 pub use articulated::{Articulated, JointBlock};

@@ -11,6 +11,7 @@ use crate::solver::{
 };
 use crate::world::friction::{PatchKey, patches_max};
 use crate::world::hash::Hasher;
+use crate::world::kinematic_advance::Moved;
 use crate::world::{ContactPoint, Model, limits};
 
 /// A state beyond these is taken for a failed step, not for motion \[m, m/s, rad/s\]: products of
@@ -221,6 +222,8 @@ pub struct Scratch {
     pub vertex_velocities: Vec<Vec3>,
     /// The exact solver, when it is chosen and the joints are a tree.
     pub exact: Option<Exact>,
+    /// Where things would be without joints, and memory to close these.
+    pub moved: Moved,
     /// The state before the step.
     pub before: State,
 }
@@ -266,6 +269,7 @@ impl Scratch {
             vertices: vec![Vec3::zeros(); model.vertices.len()],
             vertex_velocities: vec![Vec3::zeros(); model.vertices.len()],
             exact: None,
+            moved: Moved::new(model),
             before,
         }
     }
