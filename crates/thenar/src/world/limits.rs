@@ -19,6 +19,11 @@ use crate::world::{World, assemble};
 /// it be thrown.
 const TURN_BACK_RATE_MAX: f64 = 2.0;
 
+/// What keeps limits.
+pub fn kind(settings: &SolverSettings) -> Limits {
+    if by_rows(settings) { Limits::Rows } else { Limits::Springs }
+}
+
 /// Whether limits are kept by rows; if not, springs act.
 pub fn by_rows(settings: &SolverSettings) -> bool {
     settings.limits == Limits::Rows && settings.kind != SolverKind::TwoStep
