@@ -39,6 +39,23 @@ pub fn joint_spin(kind: JointKind, q: [f64; 2], rates: [f64; 2]) -> Vec3 {
     }
 }
 
+/// `R_JK` after a joint has turned for `h` \[s\] by the angular velocity of K against J, in J \[rad/s\]: about
+/// its own axes alone, each at a constant rate. What of the rotation and of the velocity the joint does not
+/// allow is left out.
+pub fn turn_joint(kind: JointKind, R_JK: &Quat, spin_J: &Vec3, h: f64) -> Quat {
+    let q = joint_angles(kind, R_JK);
+    let (sin, cos) = q[0].sin_cos();
+    match kind {
+        JointKind::Hinge => joint_rotation(kind, [q[0] + h * spin_J.x, 0.0]),
+        JointKind::Universal => {
+            let flexion = cos * spin_J.x - sin * spin_J.z;
+            joint_rotation(kind, [q[0] + h * spin_J.y, q[1] + h * flexion])
+        }
+        JointKind::Fixed => Quat::identity(),
+        JointKind::Ball | JointKind::Free => Quat::from_scaled_axis(spin_J * h) * R_JK,
+    }
+}
+
 /// Angles in (-π, π] whose [`joint_rotation`] is nearest to `R_JK` (smallest remaining rotation);
 /// exact when the joint can reach it. Joints without angles give zeros.
 pub fn joint_angles(kind: JointKind, R_JK: &Quat) -> [f64; 2] {

@@ -1,7 +1,7 @@
 //! Springs, dampers and limits about joint axes.
 
 use crate::math::Vec3;
-use crate::model::{AngleLimit, Axis, JointDesc, JointKind};
+use crate::model::{AngleLimit, Axis, JointDesc, JointKind, Limits};
 use crate::skeleton::JointFrames;
 use std::f64::consts::TAU;
 
@@ -32,12 +32,17 @@ pub fn axis_states(kind: JointKind, frames: &JointFrames) -> [Option<AxisState>;
 }
 
 /// Elastic torque on the child about the axis at this angle \[N m\], and the stiffness
-/// \[N m/rad\] and damping \[N m s/rad\] to be taken implicitly. Past a limit a stiff spring adds
-/// itself (Sec. 3.1).
-pub fn spring_torque(axis: &Axis, joint: &JointDesc, angle: f64) -> (f64, f64, f64) {
-    let mut torque = -axis.stiffness * (angle - axis.rest_angle);
+/// \[N m/rad\] and damping \[N m s/rad\] to be taken implicitly. Past a limit that is kept by springs a
+/// stiff one adds itself (Sec. 3.1).
+pub fn spring_torque(
+    axis: &Axis,
+    joint: &JointDesc,
+    limits: Limits,
+    angle: f64,
+) -> (f64, f64, f64) {
+    let mut torque = -axis.stiffness * stretch(axis, angle);
     let (mut stiffness, mut damping) = (axis.stiffness, axis.damping);
-    let past = past_limit(axis, angle);
+    let past = if limits == Limits::Springs { past_limit(axis, angle) } else { 0.0 };
     if past != 0.0 {
         torque -= joint.limit_stiffness * past;
         stiffness += joint.limit_stiffness;
@@ -46,10 +51,10 @@ pub fn spring_torque(axis: &Axis, joint: &JointDesc, angle: f64) -> (f64, f64, f
     (torque, stiffness, damping)
 }
 
-/// Energy of spring and limit at this angle \[J\].
-pub fn spring_energy(axis: &Axis, joint: &JointDesc, angle: f64) -> f64 {
-    let stretch = angle - axis.rest_angle;
-    let past = past_limit(axis, angle);
+/// Energy of the spring, and of a limit's where limits are kept by springs, at this angle \[J\].
+pub fn spring_energy(axis: &Axis, joint: &JointDesc, limits: Limits, angle: f64) -> f64 {
+    let stretch = stretch(axis, angle);
+    let past = if limits == Limits::Springs { past_limit(axis, angle) } else { 0.0 };
     0.5 * (axis.stiffness * stretch * stretch + joint.limit_stiffness * past * past)
 }
 
@@ -59,6 +64,22 @@ pub fn limit_spring_torque(axis: &Axis, joint: &JointDesc, angle: f64, rate: f64
     match past_limit(axis, angle) {
         0.0 => 0.0,
         past => -joint.limit_stiffness * past - joint.limit_damping * rate,
+    }
+}
+
+/// How far an axis is turned from where its spring is relaxed \[rad\]. The angle is known but for whole
+/// turns. Within a range shorter than a turn it is that near the range, and the spring is wound up as far as
+/// its rest angle says. Otherwise the spring acts the shorter way round, by half a turn at most: its energy
+/// is a function of the pose alone, so that no motion round the axis can draw on it.
+fn stretch(axis: &Axis, angle: f64) -> f64 {
+    match axis.limit {
+        Some(limit) if limit.max - limit.min < TAU => {
+            turned_towards(&limit, angle) - axis.rest_angle
+        }
+        _ => {
+            let stretch = angle - axis.rest_angle;
+            stretch - TAU * (stretch / TAU).round()
+        }
     }
 }
 
@@ -87,15 +108,8 @@ mod tests {
     use crate::model::AngleLimit;
     use crate::testing::jacobian;
 
-    #[test]
-    fn torque_is_minus_the_energy_gradient_and_limits_push_back() {
-        let axis = Axis {
-            limit: Some(AngleLimit { min: -0.2, max: 1.0 }),
-            stiffness: 0.04,
-            rest_angle: 0.3,
-            damping: 0.0,
-        };
-        let joint = JointDesc {
+    fn hinge(axis: Axis) -> JointDesc {
+        JointDesc {
             name: String::new(),
             kind: JointKind::Hinge,
             parent: None,
@@ -104,15 +118,48 @@ mod tests {
             pose_CK: Pose::identity(),
             axes: [axis, Axis::default()],
             limit_stiffness: 3.0,
-            limit_damping: 0.0,
-        };
-        for angle in [-0.5, -0.1, 0.3, 0.9, 1.4] {
-            let numeric = jacobian(|q| vec![-spring_energy(&axis, &joint, q[0])], &[angle], 1e-6);
-            let (torque, stiffness, _) = spring_torque(&axis, &joint, angle);
-            assert!((torque - numeric[0][0]).abs() < 1e-8);
-            let slope = jacobian(|q| vec![-spring_torque(&axis, &joint, q[0]).0], &[angle], 1e-6);
-            assert!((stiffness - slope[0][0]).abs() < 1e-8);
+            limit_damping: 0.7,
         }
+    }
+
+    #[test]
+    fn torque_is_minus_the_energy_gradient_and_limits_push_back() {
+        let ranges = [None, Some((-0.2, 1.0)), Some((2.5, 4.0)), Some((-9.0, 9.0))];
+        for (range, rest_angle) in ranges.into_iter().flat_map(|r| [(r, 0.3), (r, 3.3), (r, -2.9)])
+        {
+            let limit = range.map(|(min, max)| AngleLimit { min, max });
+            let axis = Axis { limit, stiffness: 0.04, rest_angle, damping: 0.1 };
+            let joint = hinge(axis);
+            for limits in [Limits::Springs, Limits::Rows] {
+                for angle in [-3.1, -2.6, -0.5, -0.1, 0.3, 0.9, 1.4, 2.6, 3.1] {
+                    let energy = |q: f64| spring_energy(&axis, &joint, limits, q);
+                    let torque = |q: f64| spring_torque(&axis, &joint, limits, q).0;
+                    let numeric = jacobian(|q| vec![-energy(q[0])], &[angle], 1e-6)[0][0];
+                    let slope = jacobian(|q| vec![-torque(q[0])], &[angle], 1e-6)[0][0];
+                    let (value, stiffness, damping) = spring_torque(&axis, &joint, limits, angle);
+                    assert!((value - numeric).abs() < 1e-8, "{axis:?} at {angle}");
+                    assert!((stiffness - slope).abs() < 1e-8, "{axis:?} at {angle}");
+                    // Whole turns make no difference, and springs of limits are damped.
+                    assert!((energy(angle + TAU) - energy(angle)).abs() < 1e-12);
+                    assert!((torque(angle + TAU) - torque(angle)).abs() < 1e-12);
+                    let past = stiffness > 1.0;
+                    assert!((damping - if past { 0.8 } else { 0.1 }).abs() < 1e-12);
+                }
+            }
+        }
+    }
+
+    /// Without a range the spring acts the shorter way round; with one it is wound up.
+    #[test]
+    fn a_spring_acts_the_shorter_way_or_as_wound() {
+        let free = Axis { stiffness: 1.0, rest_angle: 3.0, ..Axis::default() };
+        let torque = |axis: &Axis, angle| spring_torque(axis, &hinge(*axis), Limits::Rows, angle).0;
+        assert!((torque(&free, 3.15 - TAU) + 0.15).abs() < 1e-12);
+        assert!((torque(&free, -0.1) - 3.1).abs() < 1e-12);
+        assert!((torque(&free, -0.2) - (3.2 - TAU)).abs() < 1e-12);
+        let wound =
+            Axis { limit: Some(AngleLimit { min: 0.0, max: 1.0 }), rest_angle: -8.0, ..free };
+        assert!((torque(&wound, 0.5) + 8.5).abs() < 1e-12);
     }
 
     #[test]

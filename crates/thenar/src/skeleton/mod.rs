@@ -9,7 +9,7 @@ mod kinematics;
 #[cfg(test)]
 mod noise;
 
-pub use angles::{closest_angles, joint_angles, joint_rotation, joint_spin};
+pub use angles::{closest_angles, joint_angles, joint_rotation, joint_spin, turn_joint};
 pub use drives::{drive_energy, drive_force, linearise_drive};
 pub use free_body::turn_freely;
 pub use joint_rows::{JointFrames, joint_block, misalignment};

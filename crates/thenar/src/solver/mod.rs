@@ -15,7 +15,7 @@ mod diagonal;
 pub mod exact;
 mod failure;
 mod monolithic;
-mod tree;
+pub mod tree;
 
 pub use anticipation::{Anticipation, AnticipationSettings};
 pub use articulated::{Articulated, JointBlock};

@@ -103,11 +103,7 @@ fn add_joint_springs(
     }
     for (k, axis) in scratch.axes[j].into_iter().enumerate() {
         let Some(axis) = axis else { continue };
-        let mut springs = joint.axes[k];
-        if limits == Limits::Rows {
-            springs.limit = None;
-        }
-        let (torque, stiffness, damping) = spring_torque(&springs, joint, axis.angle);
+        let (torque, stiffness, damping) = spring_torque(&joint.axes[k], joint, limits, axis.angle);
         let a = axis.direction_W;
         let implicit = a * a.transpose() * (h * h * stiffness + h * damping);
         add_relative(model, j, &implicit, &(a * ((torque + torques[k]) * h)), scratch);

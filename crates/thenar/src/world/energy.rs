@@ -3,7 +3,7 @@
 use crate::coupling::{SkinTarget, skin_target};
 use crate::math::Vec3;
 use crate::model::JointKind;
-use crate::skeleton::{axis_states, drive_energy, drive_force, spring_energy};
+use crate::skeleton::{AxisState, axis_states, drive_energy, drive_force, spring_energy};
 use crate::world::assemble::joint_frames;
 use crate::world::{Energy, Input, World, limits};
 
@@ -27,7 +27,7 @@ impl World {
             energy.kinetic += 0.5 * mass * state.v[row0 + n].norm_squared();
             energy.gravity -= mass * input.gravity.dot(&state.x[n]);
         }
-        let rows = limits::by_rows(&self.desc.solver);
+        let limits = limits::kind(&self.desc.solver);
         for (j, joint) in model.joints.iter().enumerate() {
             let frames = joint_frames(model, state, j);
             if joint.kind == JointKind::Ball {
@@ -35,9 +35,8 @@ impl World {
                 energy.joint += 0.5 * joint.axes[0].stiffness * angle * angle;
             }
             for (k, axis) in axis_states(joint.kind, &frames).iter().enumerate() {
-                let mut springs = joint.axes[k];
-                springs.limit = springs.limit.filter(|_| !rows);
-                energy.joint += axis.map_or(0.0, |a| spring_energy(&springs, joint, a.angle));
+                let stored = |a: AxisState| spring_energy(&joint.axes[k], joint, limits, a.angle);
+                energy.joint += axis.map_or(0.0, stored);
             }
         }
         energy.elastic = model.flesh.tally(&state.x).energy;

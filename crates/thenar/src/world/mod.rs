@@ -12,6 +12,9 @@ mod fall_back;
 mod friction;
 mod hash;
 mod io;
+mod joint_tree;
+mod keep_momentum;
+mod kinematic_advance;
 mod limits;
 mod model;
 mod push_out;
@@ -92,8 +95,8 @@ impl World {
         }
 
         timer.begin(Some(Stage::Embed));
-        let Self { model, state, scratch, time_step: h, .. } = self;
-        advance::advance(model, state, *h);
+        let Self { model, state, scratch, solver, time_step: h, .. } = self;
+        advance::advance(solver, model, state, None, *h, scratch);
         let sound = found.is_ok() && state.is_sound();
         if sound {
             std::mem::swap(&mut state.sides, &mut scratch.sides);

@@ -5,6 +5,7 @@ use crate::flesh::{FleshModel, RestTet};
 use crate::math::{Mat3, Vec3};
 use crate::model::{FrictionTable, JointDesc, Motion, SoftDesc, WorldDesc};
 use crate::solver::BlockMatrix;
+use crate::world::joint_tree::JointTree;
 use crate::world::{ModelError, check::check};
 use std::ops::Range;
 
@@ -46,6 +47,8 @@ pub struct Model {
     pub rigids: Vec<RigidModel>,
     /// Joints.
     pub joints: Vec<JointDesc>,
+    /// The order in which they place bodies.
+    pub tree: JointTree,
     /// Their places in the matrix.
     pub joint_entries: Vec<JointEntries>,
     /// Flesh of all deformable bodies.
@@ -91,6 +94,7 @@ impl Model {
         let mut model = Self {
             rigids,
             joints: desc.joints.clone(),
+            tree: JointTree::default(),
             joint_entries: Vec::new(),
             flesh: FleshModel::default(),
             coupling: CouplingModel::default(),
@@ -121,6 +125,7 @@ impl Model {
                 model.known[row0 + *node as usize][axis] |= axes[axis];
             }
         }
+        model.tree = JointTree::new(&model);
         model.lay_out();
         model.flesh.arrange();
         Ok(model)

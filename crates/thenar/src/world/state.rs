@@ -11,6 +11,7 @@ use crate::solver::{
 };
 use crate::world::friction::{PatchKey, patches_max};
 use crate::world::hash::Hasher;
+use crate::world::kinematic_advance::Moved;
 use crate::world::limits::{self, LimitRow};
 use crate::world::{ContactPoint, Model};
 
@@ -233,6 +234,8 @@ pub struct Scratch {
     pub vertices: Vec<Vec3>,
     /// Velocities of these.
     pub vertex_velocities: Vec<Vec3>,
+    /// Where things would be without joints, and memory to close these.
+    pub moved: Moved,
     /// The state before the step.
     pub before: State,
 }
@@ -279,6 +282,7 @@ impl Scratch {
             gaps: Vec::with_capacity(contacts_max + limits::rows_max(model)),
             vertices: vec![Vec3::zeros(); model.vertices.len()],
             vertex_velocities: vec![Vec3::zeros(); model.vertices.len()],
+            moved: Moved::new(model),
             before,
         }
     }

@@ -7,6 +7,7 @@ use crate::validate::case::{CaseError, Check, Figure};
 use crate::validate::run::Solver;
 use thenar::kernels::{JointFrames, axis_states, joint_block, spring_torque};
 use thenar::kinematics::Tree;
+use thenar::model::Limits;
 use thenar::{Pose, Vec3, World};
 use thenar_scene::session::Random;
 
@@ -61,7 +62,8 @@ fn spring_torques(world: &World) -> Vec<f64> {
     for (j, joint) in world.desc().joints.iter().enumerate() {
         for (k, axis) in axis_states(joint.kind, &frames(world, j)).iter().enumerate() {
             let Some(axis) = axis else { continue };
-            let torque = axis.direction_W * spring_torque(&joint.axes[k], joint, axis.angle).0;
+            let torque = axis.direction_W
+                * spring_torque(&joint.axes[k], joint, Limits::Springs, axis.angle).0;
             add(joint.child, torque);
             if let Some(parent) = joint.parent {
                 add(parent, -torque);

@@ -49,7 +49,7 @@ pub use reduction::Reduction;
 pub use relative::{Carried, Coordinates, System};
 
 use crate::math::Vec3;
-use crate::solver::BlockMatrix;
+use crate::solver::{BlockMatrix, JointBlock};
 use coarse::Coarse;
 use delassus::Delassus;
 use direct::Direct;
@@ -224,6 +224,19 @@ impl Exact {
     /// These; after a solve their impulses are those in the velocities found.
     pub fn bounds(&self) -> &[Bound] {
         &self.held.bounds
+    }
+
+    /// The motion over 1 s after which all joints are closed, by the freedoms that the tree of joints
+    /// leaves; `still` has the velocities, zero, of bodies that do not move by themselves. `None` where a
+    /// joint's rows are dependent.
+    pub fn closing_motion(
+        &mut self,
+        A: &BlockMatrix,
+        joints: &[JointBlock],
+        still: &[Vec3],
+    ) -> Option<&Reduction> {
+        let closed = self.bodies.refresh(A, joints, still, 1.0);
+        closed.then_some(&self.bodies)
     }
 
     /// Shortens velocities so that they take no more energy than forces and motion put in. With

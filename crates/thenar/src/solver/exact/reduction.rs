@@ -8,10 +8,10 @@
 //!   σ (v_a - v_b) + F_a ω_a + F_b ω_b = c_p
 //! ```
 //!
-//! with c = -C/Δt, so that position errors are removed within the step exactly as the joint rows
-//! of Eq. 9 ask. (Moving the bones onto their joints after the step instead would shift masses
-//! without an impulse and so lose momentum.) Joint rows then hold to round-off whatever the
-//! accuracy of u. Joints that close loops are left out of this and dealt with in `loops`.
+//! with c = -C/Δt, so that position errors of the start are removed within the step exactly as the joint
+//! rows of Eq. 9 ask. Joint rows then hold to round-off whatever the accuracy of u; positions follow in the
+//! same coordinates (`world::kinematic_advance`). Joints that close loops are left out of this and dealt
+//! with in `loops`.
 
 use crate::math::{Mat3, Vec3, Vec6, tangents};
 use crate::solver::exact::loops::{Columns, Cut, Loops};
