@@ -10,7 +10,6 @@
 
 use crate::math::{Vec3, Vec6};
 use crate::model::Cone;
-use crate::solver::friction_cone::project;
 use crate::solver::{BlockDiagonal, BlockMatrix, ContactRows, Convergence};
 
 /// When to stop.
@@ -160,11 +159,7 @@ impl Anticipation {
             }
             let w = contacts.relative_velocity(row, &self.anticipated);
             let value = row.frame * w - row.target;
-            let free = project(cone, row.friction, &row.response, &value, &row.lambda);
-            let lambda = row.bounded(free, |push_out| {
-                let value = Vec3::new(value.x + push_out, value.y, value.z);
-                project(cone, row.friction, &row.response, &value, &row.lambda)
-            });
+            let lambda = row.visit(cone, &value);
             let change = row.frame.tr_mul(&(lambda - row.lambda));
             if change != Vec3::zeros() {
                 contacts.scatter_response(row, &change, d, &mut self.anticipated);

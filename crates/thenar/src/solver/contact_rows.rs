@@ -3,7 +3,10 @@
 //! A joint limit is a row too, which holds how two bodies turn against each other.
 
 use crate::math::{Mat3, Mat6, Vec3, Vec6, tangents};
+use crate::model::Cone;
 use crate::solver::BlockDiagonal;
+use crate::solver::friction_cone::project;
+use crate::solver::push_out::Push;
 use std::ops::Range;
 
 /// A turn enters as the speed of a point so far from its axis, so that one tolerance \[m/s\] serves
@@ -26,18 +29,12 @@ pub struct ContactRow {
     pub friction: f64,
     /// Wanted `J Δv`: at least this along the normal, exactly this along a sticking tangent \[m/s\].
     pub target: Vec3,
-    /// Largest normal impulse \[N s\].
-    pub impulse_max: f64,
-    /// The part of the target that moves bodies apart which overlap \[m/s\],
-    pub push_out: f64,
-    /// and the impulse beyond which it is given up: bodies are kept from coming nearer at any price,
-    /// but not pushed apart. Two contacts that push one point against each other cannot both have
-    /// their way; without this their impulses grow without end \[N s\].
-    pub push_impulse_max: f64,
     /// Impulse in the contact frame \[N s\].
     pub lambda: Vec3,
     /// The part of its normal component that is in the velocities without contact already \[N s\].
     pub included: f64,
+    /// While overlaps are undone, what the row asks for then.
+    pub push: Option<Push>,
     /// Own response `J D⁻¹ Jᵀ` \[1/kg\].
     pub response: Mat3,
 }
@@ -86,10 +83,8 @@ impl ContactRows {
             rigids: [None; 2],
             friction,
             target: Vec3::zeros(),
-            impulse_max: f64::INFINITY,
-            push_out: 0.0,
-            push_impulse_max: f64::INFINITY,
             included: 0.0,
+            push: None,
             response: Mat3::zeros(),
         });
         self.rows.len() - 1
@@ -200,21 +195,14 @@ impl ContactRows {
 }
 
 impl ContactRow {
-    /// Puts the bounds to the impulse `free` that the target asks for. `held` finds the one for a
-    /// target less by so much along the normal.
+    /// One projected Gauss-Seidel update, `value` being `J Δv` less its target at the present impulse.
     #[inline]
-    pub fn bounded(&self, free: Vec3, held: impl FnOnce(f64) -> Vec3) -> Vec3 {
-        let mut lambda = free;
-        if free.x > self.push_impulse_max && self.push_out > 0.0 {
-            let holding = held(self.push_out);
-            lambda = if holding.x >= self.push_impulse_max {
-                holding
-            } else {
-                free * (self.push_impulse_max / free.x)
-            };
+    pub fn visit(&self, cone: Cone, value: &Vec3) -> Vec3 {
+        let W = &self.response;
+        match &self.push {
+            Some(push) => push.impulse(W, value.x - W.m11 * self.lambda.x),
+            None => project(cone, self.friction, W, value, &self.lambda),
         }
-        let excess = lambda.x / self.impulse_max;
-        if excess > 1.0 { lambda / excess } else { lambda }
     }
 
     /// What the row sees of a body that moves and turns so and is held at `lever`.

@@ -15,6 +15,7 @@ pub mod exact;
 mod failure;
 mod friction_cone;
 mod monolithic;
+mod push_out;
 mod tree;
 
 pub use anticipation::{Anticipation, AnticipationSettings};
@@ -27,6 +28,7 @@ pub use diagonal::BlockDiagonal;
 pub use failure::Failure;
 pub(crate) use friction_cone::{is_on_rim, project};
 pub use monolithic::Monolithic;
+pub use push_out::{Push, Wish};
 
 /// Joints that close a loop often ask twice for the same thing, and a joint between bodies that do
 /// not move asks for nothing that can be given. A compliance of this part of a row's own response

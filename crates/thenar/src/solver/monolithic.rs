@@ -4,7 +4,6 @@
 
 use crate::math::{Mat3, Vec3};
 use crate::model::Cone;
-use crate::solver::friction_cone::project;
 use crate::solver::{BlockMatrix, ContactRows, Convergence, DenseLu, joint_compliance};
 
 /// The factored system.
@@ -94,11 +93,7 @@ impl Monolithic {
             for i in 0..contacts.rows.len() {
                 let row = &contacts.rows[i];
                 let value = row.frame * contacts.relative_velocity(row, &u) - row.target;
-                let free = project(cone, row.friction, &row.response, &value, &row.lambda);
-                let lambda = row.bounded(free, |push_out| {
-                    let value = Vec3::new(value.x + push_out, value.y, value.z);
-                    project(cone, row.friction, &row.response, &value, &row.lambda)
-                });
+                let lambda = row.visit(cone, &value);
                 let delta = lambda - row.lambda;
                 if delta != Vec3::zeros() {
                     for (axis, column) in columns[i].iter().enumerate() {

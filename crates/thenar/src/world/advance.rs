@@ -6,8 +6,10 @@ use crate::world::assemble::joint_frames;
 use crate::world::model::Model;
 use crate::world::state::State;
 
-/// `q₁ = q₀ + Δt v₁`. Rigid bodies turn with their angular momentum fixed in the world.
-pub fn advance(model: &Model, state: &mut State, h: f64) {
+/// `q₁ = q₀ + Δt (v₁ + p)` with the pseudo-velocity p of this step, where there is one. Rigid bodies turn
+/// with their angular momentum fixed in the world, but for p, which turns their motion with them: so
+/// it changes no kinetic energy.
+pub fn advance(model: &Model, state: &mut State, push: Option<&[Vec3]>, h: f64) {
     let row0 = 2 * model.rigids.len();
     for (b, body) in model.rigids.iter().enumerate() {
         let pose = &mut state.poses_WB[b];
@@ -24,7 +26,25 @@ pub fn advance(model: &Model, state: &mut State, h: f64) {
     for (x, v) in state.x.iter_mut().zip(&state.v[row0..]) {
         *x += v * h;
     }
+    if let Some(push) = push {
+        displace(model, state, push, h);
+    }
     state.time += h;
+}
+
+/// Moves all by `Δt p`.
+fn displace(model: &Model, state: &mut State, push: &[Vec3], h: f64) {
+    let (bones, nodes) = push.split_at(2 * model.rigids.len());
+    for (b, _) in model.rigids.iter().enumerate().filter(|(_, body)| body.moves) {
+        let pose = &mut state.poses_WB[b];
+        pose.position += bones[2 * b] * h;
+        let turn = Quat::from_scaled_axis(bones[2 * b + 1] * h);
+        pose.rotation = Quat::new_normalize((turn * pose.rotation).into_inner());
+        state.v[2 * b + 1] = turn * state.v[2 * b + 1];
+    }
+    for (x, p) in state.x.iter_mut().zip(nodes) {
+        *x += p * h;
+    }
 }
 
 /// Largest joint gap \[m\] and axis misalignment \[rad\].

@@ -113,9 +113,11 @@ impl World {
         if limits::by_rows(&self.desc.solver) {
             limits::list_gaps(model, &scratch.axes, &mut scratch.gaps);
         }
-        let Scratch { rows, gaps, chosen, .. } = scratch;
+        let Scratch { rows, gaps, chosen, push, pushes, .. } = scratch;
+        let push = pushes.then_some(&*push);
         for (gap, row) in gaps.iter_mut().zip(&rows.rows) {
-            *gap += *h * (row.frame * rows.relative_velocity(row, &state.v)).x;
+            let pushed = push.map_or(Vec3::zeros(), |push| rows.relative_velocity(row, push));
+            *gap += *h * (row.frame * (rows.relative_velocity(row, &state.v) + pushed)).x;
         }
         chosen.extend(0..gaps.len().min(rows.rows.len()) as u32);
         let by_weight = |&i: &u32, &j: &u32| -> Ordering {

@@ -87,7 +87,8 @@ pub fn solve(
     Ok(Convergence { iterations: solved.iterations, residual: solved.error })
 }
 
-fn accuracy(settings: &SolverSettings, care: Care) -> Accuracy {
+/// How accurately this step is solved.
+pub fn accuracy(settings: &SolverSettings, care: Care) -> Accuracy {
     Accuracy {
         best_effort: care == Care::Safe,
         velocity: settings.velocity_tolerance,

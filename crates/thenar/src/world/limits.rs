@@ -15,10 +15,6 @@ use crate::world::model::Model;
 use crate::world::state::{Scratch, State};
 use crate::world::{World, assemble};
 
-/// An axis past its bound, perhaps placed there, is turned back no faster than this \[rad/s\], lest
-/// it be thrown.
-const TURN_BACK_RATE_MAX: f64 = 2.0;
-
 /// Whether limits are kept by rows; if not, springs act.
 pub fn by_rows(settings: &SolverSettings) -> bool {
     settings.limits == Limits::Rows && settings.kind != SolverKind::TwoStep
@@ -50,9 +46,10 @@ pub fn set_bounds(limits: Limits, model: &Model, state: &State, h: f64, scratch:
     }
 }
 
-/// How fast to turn away from a bound at this distance \[rad\], at [`TURN_LEVER`] \[m/s\].
+/// How fast to turn away from a bound at this distance \[rad\], at [`TURN_LEVER`] \[m/s\]. Beyond a bound
+/// an axis turns no further; `push_out` brings it back.
 fn wanted(gap: f64, h: f64) -> f64 {
-    TURN_LEVER * (-gap / h).min(TURN_BACK_RATE_MAX)
+    TURN_LEVER * -gap.max(0.0) / h
 }
 
 /// Appends the rows of all bounds, for the velocities without contact in `state`. What the exact

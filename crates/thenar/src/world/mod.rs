@@ -13,6 +13,7 @@ mod hash;
 mod io;
 mod limits;
 mod model;
+mod push_out;
 mod reference;
 mod response;
 mod retune;
@@ -93,7 +94,7 @@ impl World {
 
         timer.begin(Some(Stage::Embed));
         let Self { model, state, scratch, time_step: h, .. } = self;
-        advance::advance(model, state, *h);
+        advance::advance(model, state, scratch.push(), *h);
         let sound = found.is_ok() && state.is_sound();
         if sound {
             std::mem::swap(&mut state.sides, &mut scratch.sides);
@@ -125,6 +126,7 @@ impl World {
     ) -> Result<(), Failure> {
         let Self { desc, model, state, scratch, detector, places, time_step: h, .. } = self;
         let (h, settings) = (*h, &desc.solver);
+        scratch.pushes = false;
         // The two-step scheme, also as the exact solver's stand-in, has no rows for limits.
         let limits = if kind == SolverKind::TwoStep { Limits::Springs } else { settings.limits };
 
@@ -204,6 +206,7 @@ impl World {
         if limits == Limits::Springs && limits::by_rows(settings) {
             limits::keep_spring_impulses(model, state, h, scratch);
         }
+        push_out::find((settings, care), kind, whole.as_ref(), model, state, h, scratch);
         response::report(state, h, settings.cone, contact, scratch, report);
         Ok(())
     }
@@ -253,6 +256,7 @@ impl World {
     /// Changes the time step \[s\]; ignored unless positive and at most 10 s.
     pub fn set_time_step(&mut self, h: f64) {
         if is_time_step(h) {
+            self.state.scale_impulses(h / self.time_step);
             self.time_step = h;
         }
     }

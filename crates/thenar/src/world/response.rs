@@ -10,21 +10,6 @@ use crate::world::model::Model;
 use crate::world::state::{Scratch, State};
 use crate::world::{ContactPoint, StepReport};
 
-/// A penetrating point is moved out no faster than this \[m/s\], lest it be thrown out.
-const PUSH_OUT_SPEED_MAX: f64 = 0.5;
-
-/// Two deformable surfaces that overlap by more than this \[m\] may be entangled: then no force
-/// beyond that which does `PUSH_OUT_WORK_MAX` \[J\] on the way out pushes them apart (10 N at 1 mm),
-/// though any force keeps them from going deeper.
-const ENTANGLED_DEPTH: f64 = 0.5e-3;
-const PUSH_OUT_WORK_MAX: f64 = 0.01;
-
-/// A surface point deeper than this is caught: perhaps between two bodies that cannot both let it
-/// out \[m\]. It is then pushed no harder than `CAUGHT_FORCE_MAX` \[N\], lest a contradiction
-/// between contacts pump energy into the flesh without end.
-const CAUGHT_DEPTH: f64 = 2e-3;
-const CAUGHT_FORCE_MAX: f64 = 5.0;
-
 /// Finds the points that touch, or would within the step at the contact-free velocities.
 pub fn detect(
     reach: Reach,
@@ -49,8 +34,9 @@ pub fn detect(
     detector.find(reach, places, surfaces, &state.sides, &mut scratch.sides, &mut scratch.found)
 }
 
-/// Builds the rows of the contacts found: `J Δv ≥ -g/Δt - J v`, started from the impulses of the
-/// step before.
+/// Builds the rows of the contacts found, `J (v + Δv) ≥ -g₊/Δt`, started from the impulses of the step
+/// before. An overlap asks for no speed: it does not grow, and `push_out` undoes it. So
+/// no target is above zero, zero velocity obeys all rows, and contacts cannot contradict each other.
 pub fn build_rows(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
     let rows = &mut scratch.rows;
     rows.clear();
@@ -62,18 +48,8 @@ pub fn build_rows(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
     for i in 0..rows.rows.len() {
         let row = &rows.rows[i];
         let v = row.frame * rows.relative_velocity(row, &state.v);
-        let wanted = (-scratch.found[i].gap / h).min(PUSH_OUT_SPEED_MAX);
+        let wanted = -scratch.found[i].gap.max(0.0) / h;
         rows.rows[i].target = Vec3::new(wanted, 0.0, 0.0) - v;
-        let sites = [&scratch.found[i].a, &scratch.found[i].b];
-        let softs = sites.iter().filter(|site| matches!(site, Site::Soft(_))).count();
-        let depth = -scratch.found[i].gap;
-        if softs == 2 && depth > ENTANGLED_DEPTH {
-            rows.rows[i].push_out = wanted;
-            rows.rows[i].push_impulse_max = h * PUSH_OUT_WORK_MAX / depth;
-        }
-        if softs > 0 && depth > CAUGHT_DEPTH {
-            rows.rows[i].impulse_max = CAUGHT_FORCE_MAX * h;
-        }
     }
 }
 
@@ -144,7 +120,10 @@ pub fn report(
     for (contact, row) in scratch.found.iter().zip(&scratch.rows.rows) {
         let v = scratch.rows.relative_velocity(row, &state.v);
         let along = v.dot(&contact.normal_W);
-        report.penetration_max = report.penetration_max.max(-(contact.gap + h * along));
+        let pushed =
+            scratch.push().map_or(Vec3::zeros(), |p| scratch.rows.relative_velocity(row, p));
+        let gap = contact.gap + h * (along + pushed.dot(&contact.normal_W));
+        report.penetration_max = report.penetration_max.max(-gap);
         report.contacts_active += u32::from(row.lambda.x > 0.0);
         let sides = [&contact.a, &contact.b];
         scratch.contacts.push(ContactPoint {

@@ -102,6 +102,34 @@ pub fn close_joints(
     Ok(())
 }
 
+/// Brings the pseudo-velocity of bones back to what joints allow, as step 1 does with velocities. What
+/// cannot be brought back pushes nothing.
+pub fn keep_joints(model: &Model, scratch: &mut Scratch) {
+    if model.joints.is_empty() {
+        return;
+    }
+    scratch.r.fill(Vec6::zeros());
+    scratch.bones.diagonal.copy_from_slice(&scratch.S_kept);
+    let moved = |push: &[Vec3], b: u32| stack(&push[2 * b as usize], &push[2 * b as usize + 1]);
+    for (j, joint) in model.joints.iter().enumerate() {
+        let block = &scratch.joints[j];
+        let mut rate = block.J_child * moved(&scratch.push, joint.child);
+        if let Some(parent) = joint.parent {
+            rate += block.J_parent * moved(&scratch.push, parent);
+        }
+        scratch.c[j] = -rate;
+    }
+    if solve_bones(scratch).is_err() {
+        scratch.push.fill(Vec3::zeros());
+        return;
+    }
+    for (b, _) in model.rigids.iter().enumerate().filter(|(_, body)| body.moves) {
+        let [lin, ang] = unstack(&scratch.dv[b]);
+        scratch.push[2 * b] += lin;
+        scratch.push[2 * b + 1] += ang;
+    }
+}
+
 /// `[S Jᵀ; J 0] [Δ; λ] = [r; c]` by the tree.
 fn solve_bones(scratch: &mut Scratch) -> Result<(), Failure> {
     let solved = scratch.articulated.solve(

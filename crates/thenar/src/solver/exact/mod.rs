@@ -36,6 +36,7 @@ mod loops;
 mod ordering;
 mod pcg;
 mod publish;
+mod push_out;
 mod reduction;
 mod relative;
 mod respond;

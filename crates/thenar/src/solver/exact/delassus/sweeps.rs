@@ -113,9 +113,8 @@ fn largest_change(before: &[f64], after: &[f64]) -> f64 {
 /// The impulse a contact should have, all others being what they are.
 pub fn wanted(cone: Cone, row: &ContactRow, own: &Response, d: &Vec3) -> Vec3 {
     let b = d - own.W * row.lambda;
-    let lambda = own.impulse(cone, row.friction, &b, &row.lambda);
-    row.bounded(lambda, |push_out| {
-        let b = Vec3::new(b.x + push_out, b.y, b.z);
-        own.impulse(cone, row.friction, &b, &row.lambda)
-    })
+    match &row.push {
+        Some(push) => push.impulse(&own.W, b.x),
+        None => own.impulse(cone, row.friction, &b, &row.lambda),
+    }
 }

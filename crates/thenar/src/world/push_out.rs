@@ -1,0 +1,126 @@
+//! Bodies that overlap are moved apart, not thrown apart: how fast, and by which solver.
+
+use crate::math::Vec3;
+use crate::model::{SolverKind, SolverSettings};
+use crate::solver::exact::StepSystem;
+use crate::solver::{AnticipationSettings, Monolithic, Wish};
+use crate::world::fall_back::Care;
+use crate::world::model::Model;
+use crate::world::state::{Scratch, State};
+use crate::world::{exact, limits, two_step};
+
+/// A free elastic body whose one side is moved by s leaves it with up to 2 s (a bar struck at one end),
+/// and would so rise by `2 s²/g`: overlaps are undone at the speed that makes this part of
+/// the contact margin, whatever the stiffness.
+const LIFT: f64 = 0.1;
+/// Standard gravity \[m/s²\], also where there is none.
+const GRAVITY: f64 = 9.80665;
+/// Overlaps that the velocities' tolerance makes in so many steps are not worth a solve.
+const STEPS_OF_TOLERANCE: f64 = 4.0;
+
+/// How fast overlaps are undone at most \[m/s\]: 22 mm/s at a margin of 1 mm.
+pub fn speed_max(settings: &SolverSettings) -> f64 {
+    let margin = settings.contact_margin;
+    let margin = if margin > 0.0 { margin } else { SolverSettings::default().contact_margin };
+    (0.5 * GRAVITY * LIFT * margin).sqrt()
+}
+
+/// What a contact at `gap` \[m\] that opens at `speed` \[m/s\] asks for.
+pub fn wish(gap: f64, speed: f64, h: f64, speed_max: f64) -> Wish {
+    let least = (-gap.max(0.0) / h - speed).min(0.0);
+    if gap >= 0.0 {
+        return Wish { wanted: least, least };
+    }
+    Wish { wanted: ((-gap / h).min(speed_max) - speed).max(least), least }
+}
+
+/// Lists what all rows ask for, given the velocities at the end of the step. False when none asks for
+/// more than the tolerance.
+pub fn list(
+    settings: &SolverSettings,
+    model: &Model,
+    state: &State,
+    h: f64,
+    scratch: &mut Scratch,
+) -> bool {
+    let Scratch { found, gaps, rows, wishes, axes, .. } = scratch;
+    gaps.clear();
+    gaps.extend(found.iter().map(|contact| contact.gap));
+    limits::list_gaps(model, axes, gaps);
+    wishes.clear();
+    let speed_max = speed_max(settings);
+    let opening = |row| (rows.relative_velocity(row, &state.v), row.frame);
+    wishes.extend(gaps.iter().zip(&rows.rows).map(|(gap, row)| {
+        let (v, frame) = opening(row);
+        wish(*gap, (frame * v).x, h, speed_max)
+    }));
+    let enough = STEPS_OF_TOLERANCE * settings.velocity_tolerance;
+    let asks = |(wish, gap): (&Wish, &f64)| wish.wanted > enough && -gap / h > enough;
+    wishes.iter().zip(gaps.iter()).any(asks)
+}
+
+/// Finds the pseudo-velocity of this step, when one is needed. A step that is made safely has none:
+/// what it adds is not known to bring in no energy.
+pub fn find(
+    (settings, care): (&SolverSettings, Care),
+    kind: SolverKind,
+    whole: Option<&Monolithic>,
+    model: &Model,
+    state: &State,
+    h: f64,
+    scratch: &mut Scratch,
+) {
+    scratch.pushes = care == Care::Accurate && list(settings, model, state, h, scratch);
+    if !scratch.pushes {
+        return;
+    }
+    scratch.push.fill(Vec3::zeros());
+    match (kind, whole) {
+        (SolverKind::Exact, _) => by_exact(settings, model, scratch),
+        (_, Some(whole)) => by_reference(settings, model, whole, scratch),
+        _ => by_anticipation(settings, model, scratch),
+    }
+    let sound = scratch.push.iter().all(|v| v.iter().all(|v| v.is_finite()));
+    scratch.pushes = sound;
+}
+
+fn by_exact(settings: &SolverSettings, model: &Model, scratch: &mut Scratch) {
+    let Scratch { A, b, rows, wishes, push, exact: Some(exact), .. } = scratch else { return };
+    let step = StepSystem { A, b, known: &model.known };
+    let accuracy = exact::accuracy(settings, Care::Safe);
+    if exact.push_out(&step, rows, wishes, &accuracy, push).is_err() {
+        push.fill(Vec3::zeros());
+    }
+}
+
+fn by_reference(
+    settings: &SolverSettings,
+    model: &Model,
+    whole: &Monolithic,
+    scratch: &mut Scratch,
+) {
+    let Scratch { rows, wishes, push, .. } = scratch;
+    rows.begin_push(wishes);
+    let (found, _) = whole.contact(rows, &model.known, settings.cone, 1e-12);
+    push.copy_from_slice(&found);
+    rows.end_push();
+}
+
+fn by_anticipation(settings: &SolverSettings, model: &Model, scratch: &mut Scratch) {
+    let Scratch { A, D, rows, wishes, push, anticipation, .. } = scratch;
+    rows.begin_push(wishes);
+    anticipation.solve(
+        A,
+        D,
+        rows,
+        &AnticipationSettings {
+            tolerance: settings.contact_tolerance,
+            sweeps_max: settings.contact_sweeps_max,
+            inner_passes: settings.contact_inner_passes,
+            cone: settings.cone,
+        },
+        push,
+    );
+    rows.end_push();
+    two_step::keep_joints(model, scratch);
+}
