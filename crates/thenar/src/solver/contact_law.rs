@@ -19,10 +19,10 @@
 //! - [`Response::impulse`] finds the impulse that obeys the law at once where the contact opens or
 //!   sticks, and comes nearer with each visit where it slides. The exact solver uses it.
 //!
-//! A row of a step ([`ContactRow`]) may besides bound its impulse ([`Bounds`]), because surfaces that
-//! overlap cannot always be moved apart as fast as they should; which bounds a contact gets is decided
-//! in `world::push_out`. [`ContactRow::projected`] and [`ContactRow::resolved`] visit a row in either
-//! way, bounds included. [`is_on_rim`] tells whether a contact slides.
+//! No target is above zero, so that zero velocity obeys all rows and contacts cannot contradict each
+//! other: what overlaps is kept from going deeper, and moved apart by a second solve in which rows stand
+//! for what they wish of a pseudo-velocity (`solver::push_out`). [`ContactRow::projected`] and
+//! [`ContactRow::resolved`] visit a row in either way. [`is_on_rim`] tells whether a contact slides.
 
 use crate::math::{Mat3, Vec3};
 use crate::model::Cone;
@@ -39,7 +39,7 @@ const ALTERNATIONS: usize = 4;
 const RIM_STEPS: usize = 30;
 
 /// Whether neither side can move along the normal.
-fn is_immovable(W: &Mat3) -> bool {
+pub(super) fn is_immovable(W: &Mat3) -> bool {
     W.m11.is_nan() || W.m11 <= IMMOVABLE * W.trace()
 }
 
@@ -173,60 +173,25 @@ impl Response {
     }
 }
 
-/// How hard a row may push.
-#[derive(Clone, Copy, Debug)]
-pub struct Bounds {
-    /// Largest normal impulse \[N s\].
-    pub impulse_max: f64,
-    /// The part of the target that moves bodies apart which overlap \[m/s\].
-    pub push_out: f64,
-    /// The impulse beyond which that part is given up: bodies are kept from coming nearer at any
-    /// price, but not pushed apart. Two contacts that push one point against each other cannot both
-    /// have their way; without this bound their impulses grow without end \[N s\].
-    pub push_impulse_max: f64,
-}
-
-impl Bounds {
-    /// Any impulse.
-    pub const NONE: Self =
-        Self { impulse_max: f64::INFINITY, push_out: 0.0, push_impulse_max: f64::INFINITY };
-
-    /// Bounds the impulse `free` that the target asks for. `held` finds the one for a target less by
-    /// so much along the normal.
-    #[inline]
-    fn applied(&self, free: Vec3, held: impl FnOnce(f64) -> Vec3) -> Vec3 {
-        let mut lambda = free;
-        if free.x > self.push_impulse_max && self.push_out > 0.0 {
-            let holding = held(self.push_out);
-            lambda = if holding.x >= self.push_impulse_max {
-                holding
-            } else {
-                free * (self.push_impulse_max / free.x)
-            };
-        }
-        let excess = lambda.x / self.impulse_max;
-        if excess > 1.0 { lambda / excess } else { lambda }
-    }
-}
-
 impl ContactRow {
-    /// The impulse after one update by [`project`], within the row's bounds; `value` is the velocity
-    /// less the target.
+    /// The impulse after one update by [`project`]; `value` is the velocity less the target.
     #[inline]
     pub fn projected(&self, cone: Cone, value: &Vec3) -> Vec3 {
-        let update = |d: &Vec3| project(cone, self.friction, &self.response, d, &self.lambda);
-        let held = |push_out| update(&Vec3::new(value.x + push_out, value.y, value.z));
-        self.bounds.applied(update(value), held)
+        let W = &self.response;
+        match &self.push {
+            Some(push) => push.impulse(W, value.x - W.m11 * self.lambda.x),
+            None => project(cone, self.friction, W, value, &self.lambda),
+        }
     }
 
-    /// The impulse by [`Response::impulse`], within the row's bounds; `value` is the velocity less the
-    /// target.
+    /// The impulse by [`Response::impulse`]; `value` is the velocity less the target.
     #[inline]
     pub fn resolved(&self, cone: Cone, own: &Response, value: &Vec3) -> Vec3 {
         let b = value - own.W * self.lambda;
-        let impulse = |b: &Vec3| own.impulse(cone, self.friction, b, &self.lambda);
-        let held = |push_out| impulse(&Vec3::new(b.x + push_out, b.y, b.z));
-        self.bounds.applied(impulse(&b), held)
+        match &self.push {
+            Some(push) => push.impulse(&own.W, b.x),
+            None => own.impulse(cone, self.friction, &b, &self.lambda),
+        }
     }
 }
 

@@ -3,7 +3,8 @@
 //! A joint limit is a row too, which holds how two bodies turn against each other.
 
 use crate::math::{Mat3, Mat6, Vec3, Vec6, tangents};
-use crate::solver::{BlockDiagonal, Bounds};
+use crate::solver::BlockDiagonal;
+use crate::solver::push_out::Push;
 use std::ops::Range;
 
 /// A turn enters as the speed of a point so far from its axis, so that one tolerance \[m/s\] serves
@@ -26,12 +27,12 @@ pub struct ContactRow {
     pub friction: f64,
     /// Wanted `J Δv`: at least this along the normal, exactly this along a sticking tangent \[m/s\].
     pub target: Vec3,
-    /// How hard it may push.
-    pub bounds: Bounds,
     /// Impulse in the contact frame \[N s\].
     pub lambda: Vec3,
     /// The part of its normal component that is in the velocities without contact already \[N s\].
     pub included: f64,
+    /// While overlaps are undone, what the row asks for then.
+    pub push: Option<Push>,
     /// Own response `J D⁻¹ Jᵀ` \[1/kg\].
     pub response: Mat3,
 }
@@ -80,8 +81,8 @@ impl ContactRows {
             rigids: [None; 2],
             friction,
             target: Vec3::zeros(),
-            bounds: Bounds::NONE,
             included: 0.0,
+            push: None,
             response: Mat3::zeros(),
         });
         self.rows.len() - 1

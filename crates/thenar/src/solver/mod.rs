@@ -15,18 +15,20 @@ mod diagonal;
 pub mod exact;
 mod failure;
 mod monolithic;
+mod push_out;
 pub mod tree;
 
 pub use anticipation::{Anticipation, AnticipationSettings};
 pub use articulated::{Articulated, JointBlock};
 pub use block_matrix::BlockMatrix;
 pub use conjugate_gradients::{CgWorkspace, conjugate_gradients, share_of_energy};
-pub(crate) use contact_law::{Bounds, is_on_rim, project};
+pub(crate) use contact_law::{is_on_rim, project};
 pub use contact_rows::{ContactRow, ContactRows, TURN_LEVER};
 pub use dense::DenseLu;
 pub use diagonal::BlockDiagonal;
 pub use failure::Failure;
 pub use monolithic::Monolithic;
+pub use push_out::Wish;
 
 /// Joints that close a loop often ask twice for the same thing, and a joint between bodies that do
 /// not move asks for nothing that can be given. A compliance of this part of a row's own response

@@ -39,24 +39,31 @@ pub fn move_each(model: &Model, state: &mut State, push: Option<&[Vec3]>, h: f64
             (pose.rotation, *omega) =
                 turn_freely(&pose.rotation, omega, &body.inertia, &body.inverse_inertia, h);
         } else {
-            pose.rotation = turned(&pose.rotation, &(*omega * h));
+            let turn = Quat::from_scaled_axis(*omega * h);
+            pose.rotation = Quat::new_normalize((turn * pose.rotation).into_inner());
         }
     }
     for (x, v) in state.x.iter_mut().zip(&state.v[row0..]) {
         *x += v * h;
     }
-    let Some(push) = push else { return };
-    for (b, pose) in state.poses_WB.iter_mut().enumerate() {
-        pose.position += push[2 * b] * h;
-        pose.rotation = turned(&pose.rotation, &(push[2 * b + 1] * h));
-    }
-    for (x, push) in state.x.iter_mut().zip(&push[row0..]) {
-        *x += push * h;
+    if let Some(push) = push {
+        displace(model, state, push, h);
     }
 }
 
-fn turned(rotation: &Quat, turn: &Vec3) -> Quat {
-    Quat::new_normalize((Quat::from_scaled_axis(*turn) * rotation).into_inner())
+/// Moves all by `Δt p`.
+fn displace(model: &Model, state: &mut State, push: &[Vec3], h: f64) {
+    let (bones, nodes) = push.split_at(2 * model.rigids.len());
+    for (b, _) in model.rigids.iter().enumerate().filter(|(_, body)| body.moves) {
+        let pose = &mut state.poses_WB[b];
+        pose.position += bones[2 * b] * h;
+        let turn = Quat::from_scaled_axis(bones[2 * b + 1] * h);
+        pose.rotation = Quat::new_normalize((turn * pose.rotation).into_inner());
+        state.v[2 * b + 1] = turn * state.v[2 * b + 1];
+    }
+    for (x, p) in state.x.iter_mut().zip(nodes) {
+        *x += p * h;
+    }
 }
 
 /// Largest joint gap \[m\] and axis misalignment \[rad\].

@@ -123,9 +123,11 @@ impl Rest<'_> {
         if desc.solver.limits == Limits::Rows {
             scratch.gaps.extend(scratch.limits.iter().map(|limit| limit.gap * TURN_LEVER));
         }
-        let Scratch { rows, gaps, chosen, .. } = &mut **scratch;
+        let Scratch { rows, gaps, chosen, push, pushes, .. } = &mut **scratch;
+        let push = pushes.then_some(&*push);
         for (gap, row) in gaps.iter_mut().zip(&rows.rows) {
-            *gap += *h * (row.frame * rows.relative_velocity(row, &state.v)).x;
+            let pushed = push.map_or(Vec3::zeros(), |push| rows.relative_velocity(row, push));
+            *gap += *h * (row.frame * (rows.relative_velocity(row, &state.v) + pushed)).x;
         }
         chosen.extend(0..gaps.len().min(rows.rows.len()) as u32);
         let by_weight = |&i: &u32, &j: &u32| -> Ordering {

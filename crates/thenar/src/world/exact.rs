@@ -175,4 +175,17 @@ impl Scheme for ExactScheme<'_> {
         }
         Ok(())
     }
+
+    fn pushes_out(&self) -> bool {
+        self.care == Care::Accurate
+    }
+
+    fn push_out(&mut self, (): &(), model: &Model, scratch: &mut Scratch) {
+        let accuracy = Accuracy { best_effort: true, ..self.accuracy() };
+        let Scratch { A, b, rows, wishes, push, .. } = scratch;
+        let step = StepSystem { A, b, known: &model.known };
+        if self.exact.push_out(&step, rows, wishes, &accuracy, push).is_err() {
+            push.fill(Vec3::zeros());
+        }
+    }
 }

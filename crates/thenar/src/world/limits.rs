@@ -14,7 +14,7 @@ use crate::solver::TURN_LEVER;
 use crate::solver::exact::Bound;
 use crate::world::model::Model;
 use crate::world::state::{Scratch, State};
-use crate::world::{World, assemble, push_out};
+use crate::world::{World, assemble};
 
 /// One bound of one axis of a joint.
 #[derive(Clone, Copy, Debug)]
@@ -92,7 +92,7 @@ impl LimitRow {
             child: joint.child,
             parent: joint.parent,
             axis_W: self.direction_W,
-            wanted: push_out::wanted_turn(self.gap, h),
+            wanted: wanted(self.gap, h),
             impulse: self.borne(state) / TURN_LEVER,
         }
     }
@@ -117,12 +117,18 @@ pub fn build_rows(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
         let row = &rows.rows[i];
         let v = row.frame * rows.relative_velocity(row, &state.v);
         let row = &mut rows.rows[i];
-        row.target = Vec3::new(push_out::wanted_turn(limit.gap, h), 0.0, 0.0) - v;
+        row.target = Vec3::new(wanted(limit.gap, h), 0.0, 0.0) - v;
         if limit.included != 0.0 {
             row.included = limit.included;
             row.lambda.x = limit.included.max(0.0);
         }
     }
+}
+
+/// How fast to turn away from a bound at this distance \[rad\], at [`TURN_LEVER`] \[m/s\]. Beyond a bound
+/// an axis turns no further; `push_out` brings it back.
+fn wanted(gap: f64, h: f64) -> f64 {
+    TURN_LEVER * -gap.max(0.0) / h
 }
 
 /// Keeps the impulses found for the next step; returns how many bounds bear load.

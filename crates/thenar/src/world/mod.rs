@@ -96,7 +96,9 @@ impl World {
 
         timer.begin(Some(Stage::Embed));
         let Self { model, state, scratch, solver, time_step: h, .. } = self;
-        advance::advance(solver, model, state, None, *h, scratch);
+        let push = std::mem::take(&mut scratch.push);
+        advance::advance(solver, model, state, scratch.pushes.then_some(&push), *h, scratch);
+        scratch.push = push;
         let sound = found.is_ok() && state.is_sound();
         if sound {
             std::mem::swap(&mut state.sides, &mut scratch.sides);
@@ -157,6 +159,7 @@ impl World {
     /// Changes the time step \[s\]; ignored unless positive and at most 10 s.
     pub fn set_time_step(&mut self, h: f64) {
         if is_time_step(h) {
+            self.state.scale_impulses(h / self.time_step);
             self.time_step = h;
         }
     }

@@ -1,55 +1,70 @@
-//! How what overlaps is moved apart: the speed that is asked for, and the impulse it may cost.
-//!
-//! A contact whose gap g is closed by the end of a step wants `J v ≥ -g/Δt` (Eq. 12). Where g is
-//! negative that is a speed apart, which is kept low enough not to throw bodies; and where bodies may be
-//! entangled, or caught between others, the impulse is bounded too (`solver::contact_law`). The same
-//! holds for a joint that is past its bound.
+//! Bodies that overlap are moved apart, not thrown apart: how fast, and by which solver.
 
-use crate::contact::{Contact, Site};
-use crate::solver::{Bounds, TURN_LEVER};
+use crate::math::Vec3;
+use crate::model::SolverSettings;
+use crate::solver::{TURN_LEVER, Wish};
+use crate::world::model::Model;
+use crate::world::scheme::Scheme;
+use crate::world::state::{Scratch, State};
 
-/// A penetrating point is moved out no faster than this \[m/s\], lest it be thrown out.
-const PUSH_OUT_SPEED_MAX: f64 = 0.5;
+/// A free elastic body whose one side is moved by s leaves it with up to 2 s (a bar struck at one end),
+/// and would so rise by `2 s²/g`: overlaps are undone at the speed that makes this part of
+/// the contact margin, whatever the stiffness.
+const LIFT: f64 = 0.1;
+/// Standard gravity \[m/s²\], also where there is none.
+const GRAVITY: f64 = 9.80665;
+/// Overlaps that the velocities' tolerance makes in so many steps are not worth a solve.
+const STEPS_OF_TOLERANCE: f64 = 4.0;
 
-/// Two deformable surfaces that overlap by more than this \[m\] may be entangled: then no force
-/// beyond that which does `PUSH_OUT_WORK_MAX` \[J\] on the way out pushes them apart (10 N at 1 mm),
-/// though any force keeps them from going deeper.
-const ENTANGLED_DEPTH: f64 = 0.5e-3;
-/// See [`ENTANGLED_DEPTH`] \[J\].
-const PUSH_OUT_WORK_MAX: f64 = 0.01;
-
-/// A surface point deeper than this is caught: perhaps between two bodies that cannot both let it
-/// out \[m\]. It is then pushed no harder than `CAUGHT_FORCE_MAX` \[N\], lest a contradiction
-/// between contacts pump energy into the flesh without end.
-const CAUGHT_DEPTH: f64 = 2e-3;
-/// See [`CAUGHT_DEPTH`] \[N\].
-const CAUGHT_FORCE_MAX: f64 = 5.0;
-
-/// An axis past its bound, perhaps placed there, is turned back no faster than this \[rad/s\], lest
-/// it be thrown.
-const TURN_BACK_RATE_MAX: f64 = 2.0;
-
-/// How fast the sides of a contact should move apart at this gap \[m\], at least \[m/s\].
-pub fn wanted_speed(gap: f64, h: f64) -> f64 {
-    (-gap / h).min(PUSH_OUT_SPEED_MAX)
+/// How fast overlaps are undone at most \[m/s\]: 22 mm/s at a margin of 1 mm.
+pub fn speed_max(settings: &SolverSettings) -> f64 {
+    let margin = settings.contact_margin;
+    let margin = if margin > 0.0 { margin } else { SolverSettings::default().contact_margin };
+    (0.5 * GRAVITY * LIFT * margin).sqrt()
 }
 
-/// How fast to turn away from a joint's bound at this distance \[rad\], at [`TURN_LEVER`] \[m/s\].
-pub fn wanted_turn(gap: f64, h: f64) -> f64 {
-    TURN_LEVER * (-gap / h).min(TURN_BACK_RATE_MAX)
+/// What a contact at `gap` \[m\] that opens at `speed` \[m/s\] asks for.
+pub fn wish(gap: f64, speed: f64, h: f64, speed_max: f64) -> Wish {
+    let least = (-gap.max(0.0) / h - speed).min(0.0);
+    if gap >= 0.0 {
+        return Wish { wanted: least, least };
+    }
+    Wish { wanted: ((-gap / h).min(speed_max) - speed).max(least), least }
 }
 
-/// How hard a contact may push.
-pub fn bounds(contact: &Contact, h: f64) -> Bounds {
-    let softs = [&contact.a, &contact.b].map(|site| matches!(site, Site::Soft(_)));
-    let depth = -contact.gap;
-    let mut bounds = Bounds::NONE;
-    if softs == [true; 2] && depth > ENTANGLED_DEPTH {
-        bounds.push_out = wanted_speed(contact.gap, h);
-        bounds.push_impulse_max = h * PUSH_OUT_WORK_MAX / depth;
+/// Lists what all rows ask for, given the velocities at the end of the step. False when none asks for
+/// more than the tolerance.
+pub fn list(settings: &SolverSettings, state: &State, h: f64, scratch: &mut Scratch) -> bool {
+    let Scratch { found, gaps, rows, wishes, limits, .. } = scratch;
+    gaps.clear();
+    gaps.extend(found.iter().map(|contact| contact.gap));
+    gaps.extend(limits.iter().map(|limit| limit.gap * TURN_LEVER));
+    wishes.clear();
+    let speed_max = speed_max(settings);
+    let opening = |row| (rows.relative_velocity(row, &state.v), row.frame);
+    wishes.extend(gaps.iter().zip(&rows.rows).map(|(gap, row)| {
+        let (v, frame) = opening(row);
+        wish(*gap, (frame * v).x, h, speed_max)
+    }));
+    let enough = STEPS_OF_TOLERANCE * settings.velocity_tolerance;
+    let asks = |(wish, gap): (&Wish, &f64)| wish.wanted > enough && -gap / h > enough;
+    wishes.iter().zip(gaps.iter()).any(asks)
+}
+
+/// Finds the pseudo-velocity of this step by its scheme, when one is needed.
+pub fn find<S: Scheme>(
+    scheme: &mut S,
+    factored: &S::Factored,
+    settings: &SolverSettings,
+    model: &Model,
+    state: &State,
+    h: f64,
+    scratch: &mut Scratch,
+) {
+    if !scheme.pushes_out() || !list(settings, state, h, scratch) {
+        return;
     }
-    if softs != [false; 2] && depth > CAUGHT_DEPTH {
-        bounds.impulse_max = CAUGHT_FORCE_MAX * h;
-    }
-    bounds
+    scratch.push.fill(Vec3::zeros());
+    scheme.push_out(factored, model, scratch);
+    scratch.pushes = scratch.push.iter().all(|v| v.iter().all(|v| v.is_finite()));
 }

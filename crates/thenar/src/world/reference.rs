@@ -63,6 +63,14 @@ impl Scheme for Dense {
     fn residual_max(&self) -> f64 {
         self.settings.contact_tolerance
     }
+
+    fn push_out(&mut self, system: &Monolithic, model: &Model, scratch: &mut Scratch) {
+        let Scratch { rows, wishes, push, .. } = scratch;
+        rows.begin_push(wishes);
+        let (found, _) = system.contact(rows, &model.known, self.settings.cone, TOLERANCE);
+        push.copy_from_slice(&found);
+        rows.end_push();
+    }
 }
 
 /// Velocities of skeleton and flesh together, joints included, and the factored system. `None` when it

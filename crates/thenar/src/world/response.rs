@@ -7,7 +7,6 @@ use crate::math::Vec3;
 use crate::model::{BodyId, Cone};
 use crate::solver::{ContactRows, Convergence, is_on_rim};
 use crate::world::model::Model;
-use crate::world::push_out;
 use crate::world::state::{Scratch, State};
 use crate::world::{ContactPoint, StepReport};
 
@@ -35,8 +34,9 @@ pub fn detect(
     detector.find(reach, places, surfaces, &state.sides, &mut scratch.sides, &mut scratch.found)
 }
 
-/// Builds the rows of the contacts found: `J Δv ≥ -g/Δt - J v`, started from the impulses of the
-/// step before.
+/// Builds the rows of the contacts found, `J (v + Δv) ≥ -g₊/Δt`, started from the impulses of the step
+/// before. An overlap asks for no speed: it does not grow, and `push_out` undoes it. So
+/// no target is above zero, zero velocity obeys all rows, and contacts cannot contradict each other.
 pub fn build_rows(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
     let rows = &mut scratch.rows;
     rows.clear();
@@ -48,9 +48,8 @@ pub fn build_rows(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
     for (i, contact) in scratch.found.iter().enumerate() {
         let row = &rows.rows[i];
         let v = row.frame * rows.relative_velocity(row, &state.v);
-        let wanted = push_out::wanted_speed(contact.gap, h);
+        let wanted = -contact.gap.max(0.0) / h;
         rows.rows[i].target = Vec3::new(wanted, 0.0, 0.0) - v;
-        rows.rows[i].bounds = push_out::bounds(contact, h);
     }
 }
 
@@ -96,7 +95,10 @@ pub fn report(
     for (contact, row) in scratch.found.iter().zip(&scratch.rows.rows) {
         let v = scratch.rows.relative_velocity(row, &state.v);
         let along = v.dot(&contact.normal_W);
-        report.penetration_max = report.penetration_max.max(-(contact.gap + h * along));
+        let pushed =
+            scratch.push().map_or(Vec3::zeros(), |p| scratch.rows.relative_velocity(row, p));
+        let gap = contact.gap + h * (along + pushed.dot(&contact.normal_W));
+        report.penetration_max = report.penetration_max.max(-gap);
         report.contacts_active += u32::from(row.lambda.x > 0.0);
         let sides = [&contact.a, &contact.b];
         scratch.contacts.push(ContactPoint {

@@ -29,6 +29,7 @@ impl World {
             self.scratch.before.patch_loads.reserve(patches_max(&self.model));
         }
         self.detector.retune(&desc);
+        self.state.scale_impulses(desc.time_step / self.time_step);
         self.time_step = desc.time_step;
         self.desc = desc;
         self.prepare_solver();

@@ -107,4 +107,14 @@ pub trait Scheme {
     ) -> Result<(), Failure> {
         Ok(())
     }
+
+    /// Whether this scheme undoes overlaps. A step that is made safely does not: what that adds is not
+    /// known to bring in no energy.
+    fn pushes_out(&self) -> bool {
+        true
+    }
+
+    /// The pseudo-velocity that `scratch.wishes` ask for, into `scratch.push`, which is zero
+    /// (`solver::push_out`).
+    fn push_out(&mut self, factored: &Self::Factored, model: &Model, scratch: &mut Scratch);
 }

@@ -7,7 +7,7 @@ use crate::model::WorldDesc;
 use crate::skeleton::AxisState;
 use crate::solver::{
     Anticipation, Articulated, BlockDiagonal, BlockMatrix, CgWorkspace, ContactRows, Failure,
-    JointBlock,
+    JointBlock, Wish,
 };
 use crate::world::friction::{PatchKey, patches_max};
 use crate::world::hash::Hasher;
@@ -83,6 +83,14 @@ impl State {
                 }
             }
         }
+    }
+
+    /// What contact and limits remember of the last step is of its length: for one that is `ratio`
+    /// times as long the same forces give so much more.
+    pub fn scale_impulses(&mut self, ratio: f64) {
+        self.impulses.iter_mut().for_each(|(_, impulse)| *impulse *= ratio);
+        self.limit_impulses.as_flattened_mut().iter_mut().for_each(|impulse| *impulse *= ratio);
+        self.contact_change.iter_mut().for_each(|change| *change *= ratio);
     }
 
     /// Becomes a copy of another state of the same world.
@@ -228,8 +236,14 @@ pub struct Scratch {
     pub areas: Vec<f64>,
     /// Contacts and limits that touch is told of, by weight.
     pub chosen: Vec<u32>,
-    /// Their gaps at the end of the step \[m\].
+    /// Their gaps at the end of the step \[m\]; before, those of all rows at its start.
     pub gaps: Vec<f64>,
+    /// What all rows ask of the pseudo-velocity that undoes overlaps.
+    pub wishes: Vec<Wish>,
+    /// This pseudo-velocity: positions move by it, besides the velocities \[m/s\].
+    pub push: Vec<Vec3>,
+    /// There is one in this step.
+    pub pushes: bool,
     /// Collision vertices of all deformable bodies, world, and their velocities.
     pub vertices: Vec<Vec3>,
     /// Velocities of these.
@@ -280,6 +294,9 @@ impl Scratch {
             areas: Vec::with_capacity(contacts_max),
             chosen: Vec::with_capacity(contacts_max + limits::rows_max(model)),
             gaps: Vec::with_capacity(contacts_max + limits::rows_max(model)),
+            wishes: Vec::with_capacity(contacts_max + limits::rows_max(model)),
+            push: vec![Vec3::zeros(); rows],
+            pushes: false,
             vertices: vec![Vec3::zeros(); model.vertices.len()],
             vertex_velocities: vec![Vec3::zeros(); model.vertices.len()],
             moved: Moved::new(model),
@@ -297,6 +314,11 @@ impl Scratch {
     /// fails.
     pub fn remember(&mut self, state: &State) {
         self.before.copy_motion(state);
+    }
+
+    /// The pseudo-velocity of this step, where there is one.
+    pub fn push(&self) -> Option<&[Vec3]> {
+        self.pushes.then_some(&self.push)
     }
 
     /// The last step's contacts and limits are not those of the state.

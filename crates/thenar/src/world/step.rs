@@ -8,8 +8,8 @@ use crate::world::scheme::{Scheme, Solver};
 use crate::world::state::{Scratch, State};
 use crate::world::two_step::TwoStep;
 use crate::world::{
-    Input, Stage, StageTimer, StepReport, World, assemble, fall_back, friction, limits, reference,
-    response,
+    Input, Stage, StageTimer, StepReport, World, assemble, fall_back, friction, limits, push_out,
+    reference, response,
 };
 
 /// What a step reads and writes.
@@ -66,6 +66,7 @@ impl Step<'_> {
         let h = *h;
 
         timer.begin(Some(Stage::Skeleton));
+        scratch.pushes = false;
         scheme.clear(scratch);
         assemble::skeleton(desc, model, scheme.limits(), state, input, h, scratch); // A_s, b_s, J_s (4)
         limits::list(scheme.limits(), model, scratch);
@@ -94,6 +95,7 @@ impl Step<'_> {
         friction::keep_loads(model, &scratch.found, &scratch.rows, h, &mut state.patch_loads);
         report.limits_active = limits::keep_impulses(state, scratch);
         scheme.finish(model, state, h, scratch)?;
+        push_out::find(scheme, &factored, &desc.solver, model, state, h, scratch); //    overlaps
         response::report(state, h, desc.solver.cone, contact, scratch, report);
         Ok(())
     }

@@ -81,6 +81,18 @@ impl Scheme for TwoStep {
         }
         Ok(())
     }
+
+    fn pushes_out(&self) -> bool {
+        !self.stands_in
+    }
+
+    fn push_out(&mut self, (): &(), model: &Model, scratch: &mut Scratch) {
+        let Scratch { A, D, rows, wishes, push, anticipation, .. } = scratch;
+        rows.begin_push(wishes);
+        anticipation.solve(A, D, rows, &anticipation_settings(&self.settings), push);
+        rows.end_push();
+        keep_joints(model, scratch);
+    }
 }
 
 /// Step 1 (Eq. 10): bone velocities `v_s,1` that satisfy the joints, with the flesh's velocities
@@ -176,6 +188,34 @@ fn close_joints(
         }
     }
     Ok(())
+}
+
+/// Brings the pseudo-velocity of bones back to what joints allow, as step 1 does with velocities. What
+/// cannot be brought back pushes nothing.
+fn keep_joints(model: &Model, scratch: &mut Scratch) {
+    if model.joints.is_empty() {
+        return;
+    }
+    scratch.r.fill(Vec6::zeros());
+    scratch.bones.diagonal.copy_from_slice(&scratch.S_kept);
+    let moved = |push: &[Vec3], b: u32| stack(&push[2 * b as usize], &push[2 * b as usize + 1]);
+    for (j, joint) in model.joints.iter().enumerate() {
+        let block = &scratch.joints[j];
+        let mut rate = block.J_child * moved(&scratch.push, joint.child);
+        if let Some(parent) = joint.parent {
+            rate += block.J_parent * moved(&scratch.push, parent);
+        }
+        scratch.c[j] = -rate;
+    }
+    if solve_bones(scratch).is_err() {
+        scratch.push.fill(Vec3::zeros());
+        return;
+    }
+    for (b, _) in model.rigids.iter().enumerate().filter(|(_, body)| body.moves) {
+        let [lin, ang] = unstack(&scratch.dv[b]);
+        scratch.push[2 * b] += lin;
+        scratch.push[2 * b + 1] += ang;
+    }
 }
 
 /// `[S Jᵀ; J 0] [Δ; λ] = [r; c]` by the tree.
@@ -276,14 +316,18 @@ fn anticipate(settings: &SolverSettings, state: &mut State, scratch: &mut Scratc
         &scratch.A,
         &scratch.D,
         &mut scratch.rows,
-        &AnticipationSettings {
-            tolerance: settings.contact_tolerance,
-            sweeps_max: settings.contact_sweeps_max,
-            inner_passes: settings.contact_inner_passes,
-            cone: settings.cone,
-        },
+        &anticipation_settings(settings),
         &mut state.contact_change,
     )
+}
+
+fn anticipation_settings(settings: &SolverSettings) -> AnticipationSettings {
+    AnticipationSettings {
+        tolerance: settings.contact_tolerance,
+        sweeps_max: settings.contact_sweeps_max,
+        inner_passes: settings.contact_inner_passes,
+        cone: settings.cone,
+    }
 }
 
 /// Shortens the velocities so that the step brings in no energy, as `Exact::calm` does; joint

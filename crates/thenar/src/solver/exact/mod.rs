@@ -35,6 +35,7 @@ mod loops;
 mod ordering;
 mod pcg;
 mod publish;
+mod push_out;
 mod reduction;
 mod relative;
 mod respond;

@@ -28,6 +28,7 @@ impl Exact {
         change: &mut [Vec3],
     ) -> Result<Convergence, Failure> {
         if contacts.rows.iter().all(|row| is_kept(row, accuracy.velocity)) {
+            self.delassus.leave();
             return Ok(rest(contacts, change));
         }
         self.factor_if_needed(step)?;
@@ -51,7 +52,7 @@ impl Exact {
         }
     }
 
-    fn factor_if_needed(&mut self, step: &StepSystem<'_>) -> Result<(), Failure> {
+    pub(super) fn factor_if_needed(&mut self, step: &StepSystem<'_>) -> Result<(), Failure> {
         let Self { bodies, carried, springs, split, coarse, direct, ready, .. } = self;
         let system = system(step, bodies, carried, springs, split);
         coarse.complete(&system);
@@ -83,7 +84,7 @@ impl Exact {
     }
 
     /// The true change of velocities under the present impulses: `K Δ = Jᵀ λ`.
-    fn follow(
+    pub(super) fn follow(
         &mut self,
         step: &StepSystem<'_>,
         contacts: &ContactRows,
@@ -111,7 +112,7 @@ impl Exact {
     }
 
     /// The compliance of all members, and the impulses on it.
-    fn sweep(
+    pub(super) fn sweep(
         &mut self,
         step: &StepSystem<'_>,
         contacts: &mut ContactRows,

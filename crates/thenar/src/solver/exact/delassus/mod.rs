@@ -100,6 +100,31 @@ impl Delassus {
         self.arrange(contacts, direct);
     }
 
+    /// Nobody is in W: what it holds is of another step.
+    pub fn leave(&mut self) {
+        self.forget();
+        self.members.clear();
+    }
+
+    /// Goes on with other rows for the same contacts, no impulse yet; what asks for one joins. False when
+    /// none does.
+    pub fn begin_push(
+        &mut self,
+        contacts: &ContactRows,
+        change: &[Vec3],
+        tolerance: f64,
+        direct: &Direct,
+    ) -> bool {
+        self.measure(contacts, change);
+        self.first.copy_from_slice(&self.measured);
+        (self.moved, self.decay) = (0.0, Decay::default());
+        self.members.queue(contacts, &self.measured, tolerance);
+        if self.members.waiting() > 0 {
+            self.join(contacts, direct);
+        }
+        !self.members.list().is_empty()
+    }
+
     /// Takes in what the present impulses truly do, the change of velocities that they make.
     pub fn measure(&mut self, contacts: &ContactRows, change: &[Vec3]) {
         let own = self.applied.iter_mut().zip(&mut self.measured);
