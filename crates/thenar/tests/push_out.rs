@@ -5,11 +5,11 @@
 mod common;
 
 use common::{FLESH, bar, body};
-use thenar::shape::Shape;
 use thenar::model::{
     AngleLimit, Axis, BodyId, JointDesc, JointKind, Material, Motion, SoftDesc, SolverKind,
     WorldDesc,
 };
+use thenar::shape::Shape;
 use thenar::{Pose, Quat, Vec3, World};
 
 const STEPS: [f64; 3] = [1e-4, 1e-3, 1.0 / 60.0];

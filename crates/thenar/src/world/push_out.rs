@@ -33,7 +33,9 @@ pub fn wish(gap: f64, speed: f64, h: f64, speed_max: f64) -> Wish {
 }
 
 /// Lists what all rows ask for, given the velocities at the end of the step. False when none asks for
-/// more than the tolerance.
+/// more than the tolerance. A contact may be pushed faster by as much as its sides would close without it
+/// in this step: that gives no more than a landing at this speed would, and keeps pace with
+/// surfaces that are driven together.
 pub fn list(settings: &SolverSettings, state: &State, h: f64, scratch: &mut Scratch) -> bool {
     let Scratch { found, gaps, rows, wishes, limits, .. } = scratch;
     gaps.clear();
@@ -44,7 +46,7 @@ pub fn list(settings: &SolverSettings, state: &State, h: f64, scratch: &mut Scra
     let opening = |row| (rows.relative_velocity(row, &state.v), row.frame);
     wishes.extend(gaps.iter().zip(&rows.rows).map(|(gap, row)| {
         let (v, frame) = opening(row);
-        wish(*gap, (frame * v).x, h, speed_max)
+        wish(*gap, (frame * v).x, h, speed_max + row.target.x.max(0.0))
     }));
     let enough = STEPS_OF_TOLERANCE * settings.velocity_tolerance;
     let asks = |(wish, gap): (&Wish, &f64)| wish.wanted > enough && -gap / h > enough;

@@ -10,6 +10,8 @@ use crate::solver::{ContactRow, ContactRows, Convergence, Failure};
 
 /// Times that contact is solved, compared with the true velocities, and solved again.
 const ROUNDS_MAX: u32 = 8;
+/// Times, besides, that sweeps which ran out go on, from the true velocities and with a new history.
+const RESUMED_MAX: u32 = 3;
 /// Times, besides, that contacts join which the ones before left to close.
 const JOINS_MAX: u32 = 32;
 
@@ -46,7 +48,8 @@ impl Exact {
             let tolerance = accuracy.velocity;
             let verdict = self.delassus.check(contacts, change, cone, tolerance, &self.direct);
             total.residual = verdict.violation.max(sweeps.residual);
-            if !rounds.go_on(&verdict, accuracy)? {
+            let swept = sweeps.residual <= accuracy.velocity;
+            if !rounds.go_on(&verdict, swept, accuracy)? {
                 return Ok(total);
             }
         }
@@ -130,13 +133,20 @@ impl Exact {
 #[derive(Clone, Copy, Debug, Default)]
 struct Rounds {
     corrections: u32,
+    resumed: u32,
     joins: u32,
 }
 
 impl Rounds {
     /// False when all is well or rounds run out.
-    fn go_on(&mut self, verdict: &Verdict, accuracy: &Accuracy) -> Result<bool, Failure> {
+    fn go_on(
+        &mut self,
+        verdict: &Verdict,
+        swept: bool,
+        accuracy: &Accuracy,
+    ) -> Result<bool, Failure> {
         match verdict.next {
+            Next::Done | Next::Correct if !swept && self.resumed < RESUMED_MAX => self.resumed += 1,
             Next::Correct if self.corrections + 1 < ROUNDS_MAX => self.corrections += 1,
             Next::Joined if self.joins < JOINS_MAX => self.joins += 1,
             Next::Full if !accuracy.best_effort => {

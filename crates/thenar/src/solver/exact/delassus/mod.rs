@@ -6,6 +6,7 @@
 //! (`members`). Impulses come from sweeps over them (`sweeps`). All this is in the factor's
 //! precision: rounds with the true velocities correct what it lacks.
 
+mod anderson;
 mod columns;
 mod combine;
 mod handles;
@@ -26,6 +27,7 @@ use crate::solver::exact::direct::Direct;
 use crate::solver::exact::factor::LANES;
 use crate::solver::exact::pcg::Workspace;
 use crate::solver::{ContactRow, ContactRows};
+use anderson::Anderson;
 use columns::Columns;
 use combine::Combine;
 use fearless_simd::dispatch;
@@ -52,6 +54,10 @@ pub struct Delassus {
     /// That before the present sweep.
     before: Aligned<f64>,
     decay: Decay,
+    anderson: Anderson,
+    /// Impulses of the members before a sweep, and what it changed.
+    x: Vec<f64>,
+    f: Vec<f64>,
     /// Of every contact: an impulse, and the true `J Δv` less its target there, from which W goes on.
     applied: Vec<Vec3>,
     measured: Vec<Vec3>,
@@ -84,6 +90,9 @@ impl Delassus {
             d: Aligned::new(batches * LANES),
             before: Aligned::new(batches * LANES),
             decay: Decay::default(),
+            anderson: Anderson::new(3 * capacity),
+            x: vec![0.0; 3 * capacity],
+            f: vec![0.0; 3 * capacity],
             applied: vec![Vec3::zeros(); contacts_max],
             measured: vec![Vec3::zeros(); contacts_max],
             first: vec![Vec3::zeros(); contacts_max],

@@ -11,12 +11,21 @@ use crate::solver::exact::factor::LANES;
 use crate::solver::{ContactRow, ContactRows, Convergence};
 use fearless_simd::{Simd, dispatch};
 
+/// The last sweeps are plain: what they leave is not thrown off by a combination.
+const LAST: u32 = 8;
+/// What mixing expects is believed when so many sweeps agree: the first ones know few directions.
+const LOOKS: usize = 5;
+/// What all further sweeps change is taken to be so many times what mixing expects: twice the factor for
+/// bodies that move more than their contacts, as the history knows only some directions.
+const EXPECTED_SAFETY: f64 = 2.0 * SAFETY;
+
 impl Delassus {
     /// Finds impulses from the present ones by sweeps over the members, until one changes no
     /// contact's velocity by more than `tolerance` \[m/s\] through its own impulse, and all
-    /// further ones together are not expected to change any velocity by more. Where they run out
-    /// before, the residual is no more than sweeps have moved a contact in this step, as a rate near
-    /// 1 cannot be told from a standstill, but enough above the tolerance not to pass for converged.
+    /// further ones together are not expected to change any velocity by more: as their mixing tells, or,
+    /// where they are plain, a geometric series. Where they run out before, the residual is the larger of
+    /// what the last sweep changed and what the last mixing expected; it is no more than sweeps have moved a
+    /// contact in this step, but enough above the tolerance not to pass for converged.
     pub fn solve(
         &mut self,
         contacts: &mut ContactRows,
@@ -39,40 +48,124 @@ impl Delassus {
         tolerance: f64,
         sweeps_max: u32,
     ) -> Convergence {
-        let Self { members, W, own, d, before, decay, applied, measured, first, moved, .. } = self;
+        self.begin_sweeps(simd, contacts);
+        let Self { members, W, own, d, before, decay, anderson, x, f, first, moved, .. } = self;
         let (members, n) = (members.list(), members.list().len());
         let used = (3 * n).next_multiple_of(LANES);
-        let d = &mut d[..used];
-        d.fill(0.0);
-        for m in 0..n {
-            let i = members[m] as usize;
-            let more = contacts.rows[i].lambda - applied[i];
-            if more != Vec3::zeros() {
-                W.add_answer(simd, m, &more, d);
-            }
-        }
-        for m in 0..n {
-            let start = measured[members[m] as usize];
-            (0..3).for_each(|a| d[3 * m + a] += start[a]);
-        }
-        let before = &mut before[..used];
+        let (d, before, x, f) =
+            (&mut d[..used], &mut before[..used], &mut x[..3 * n], &mut f[..3 * n]);
         let mut convergence = Convergence { iterations: 0, residual: f64::INFINITY };
-        decay.interrupt();
-        while convergence.iterations < sweeps_max && convergence.residual > tolerance {
+        // What mixing expected to be left after each of the last sweeps.
+        let mut expected = [f64::INFINITY; LOOKS];
+        let mut mixed = false;
+        loop {
             before.copy_from_slice(d);
+            gather(members, contacts, x);
             let mut own_change = 0.0_f64;
             for m in 0..n {
                 let row = &mut contacts.rows[members[m] as usize];
                 own_change = own_change.max(visit(simd, m, W, &own[m], cone, row, d));
             }
-            convergence.residual = own_change.max(decay.error_after(largest_change(before, d)));
             convergence.iterations += 1;
             for (m, d) in d.as_chunks::<3>().0.iter().enumerate().take(n) {
                 *moved = moved.max((Vec3::from(*d) - first[members[m] as usize]).norm());
             }
+            let change = largest_change(before, d);
+            let last = convergence.iterations + LAST > sweeps_max;
+            convergence.residual = own_change.max(decay.error_after(change));
+            // After a mixing one plain sweep says nothing of what shrinks slowest.
+            if convergence.residual <= tolerance && (last || !mixed || change == 0.0) {
+                break;
+            }
+            if last {
+                if convergence.iterations >= sweeps_max {
+                    let left = (EXPECTED_SAFETY * largest(&expected)).min(convergence.residual);
+                    convergence.residual = own_change.max(left).max(SAFETY * tolerance);
+                    break;
+                }
+                continue;
+            }
+            // From here on `before` keeps the velocities that the sweep ended with, x its impulses.
+            before.copy_from_slice(d);
+            for (m, x) in x.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+                let lambda = contacts.rows[members[m] as usize].lambda;
+                let weight = own[m].W.trace().sqrt();
+                (0..3).for_each(|a| f[3 * m + a] = weight * (lambda[a] - x[a]));
+                *x = lambda.into();
+            }
+            if !anderson.mix(f, x, &mut d[..3 * n]) {
+                expected = [f64::INFINITY; LOOKS];
+                continue;
+            }
+            mixed = true;
+            expected.rotate_left(1);
+            expected[LOOKS - 1] = largest_change(before, d);
+            convergence.residual = own_change.max(EXPECTED_SAFETY * largest(&expected));
+            if convergence.residual <= tolerance {
+                d.copy_from_slice(before);
+                break;
+            }
+            decay.interrupt();
+            for m in 0..n {
+                let row = &mut contacts.rows[members[m] as usize];
+                let mixed = Vec3::from_column_slice(&x[3 * m..3 * m + 3]);
+                row.lambda = within(cone, row.friction, &mixed);
+                let delta = row.lambda - mixed;
+                if delta != Vec3::zeros() {
+                    W.add_answer(simd, m, &delta, d);
+                }
+            }
         }
         convergence.residual = convergence.residual.min(SAFETY * tolerance + *moved);
         convergence
+    }
+
+    /// Velocities at the present impulses: the true ones, and what W says of the rest.
+    #[inline(always)]
+    fn begin_sweeps<S: Simd>(&mut self, simd: S, contacts: &ContactRows) {
+        let Self { members, W, d, applied, measured, decay, anderson, .. } = self;
+        let members = members.list();
+        let d = &mut d[..(3 * members.len()).next_multiple_of(LANES)];
+        d.fill(0.0);
+        for (m, &i) in members.iter().enumerate() {
+            let more = contacts.rows[i as usize].lambda - applied[i as usize];
+            if more != Vec3::zeros() {
+                W.add_answer(simd, m, &more, d);
+            }
+        }
+        for (m, &i) in members.iter().enumerate() {
+            (0..3).for_each(|a| d[3 * m + a] += measured[i as usize][a]);
+        }
+        decay.interrupt();
+        anderson.restart();
+    }
+}
+
+fn largest(x: &[f64]) -> f64 {
+    x.iter().copied().fold(0.0, f64::max)
+}
+
+fn gather(members: &[u32], contacts: &ContactRows, x: &mut [f64]) {
+    for (x, &i) in x.as_chunks_mut::<3>().0.iter_mut().zip(members) {
+        *x = contacts.rows[i as usize].lambda.into();
+    }
+}
+
+/// The impulse of the cone that has this normal part, or none, and the nearest friction.
+fn within(cone: Cone, friction: f64, lambda: &Vec3) -> Vec3 {
+    let normal = lambda.x.max(0.0);
+    let bound = friction * normal;
+    match cone {
+        Cone::Circular => {
+            let length = lambda.y.hypot(lambda.z);
+            let scale = if length > bound { bound / length } else { 1.0 };
+            Vec3::new(normal, lambda.y * scale, lambda.z * scale)
+        }
+        Cone::Linearised => {
+            let bound = bound * std::f64::consts::FRAC_1_SQRT_2;
+            let t = [lambda.y, lambda.z].map(|t| t.max(-bound).min(bound));
+            Vec3::new(normal, t[0], t[1])
+        }
     }
 }
 
