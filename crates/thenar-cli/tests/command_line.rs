@@ -75,8 +75,10 @@ fn a_run_reports_every_promised_figure() {
         numbers.extend(["median_us", "p99_us", "max_us"].map(|k| format!("/stages/{stage}/{k}")));
     }
     for finger in ["thumb", "index", "middle", "ring", "little"] {
-        numbers
-            .extend(["normal_n", "shear_n", "area_m2"].map(|k| format!("/fingers/{finger}/{k}")));
+        numbers.extend(
+            ["normal_n", "shear_n", "area_m2", "pressure_mean_pa"]
+                .map(|k| format!("/fingers/{finger}/{k}")),
+        );
     }
     for key in numbers {
         assert!(report.pointer(&key).is_some_and(Value::is_number), "{key}");
@@ -84,6 +86,7 @@ fn a_run_reports_every_promised_figure() {
     for key in ["scene", "solver", "state_hash"] {
         assert!(report[key].is_string(), "{key}");
     }
+    assert_eq!(report["report_version"], 2);
     assert_eq!(report["scene"], "soft-cube");
     assert_eq!(report["steps"], 150);
     assert_eq!(report["tets"], 320);
@@ -126,6 +129,7 @@ fn tables_have_headers_with_units_and_a_row_for_the_start() {
     assert!((first[1] - 0.095).abs() < 1e-12, "{first:?}");
     let jsonl = folder.read("t.jsonl");
     let rows: Vec<Value> = jsonl.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    assert_eq!(rows[0]["version"], 2);
     assert_eq!(rows[0]["units"]["tip.x"], "m");
     assert_eq!(rows.len(), 1 + 11);
     // The parser of this test rounds the last digit.

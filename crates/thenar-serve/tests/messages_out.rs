@@ -160,6 +160,32 @@ fn contacts_and_loads_add_up() {
 }
 
 #[test]
+fn a_model_tells_what_starts_inside_each_other() {
+    let text = "version = 1
+        [[rigid]]
+        name = \"table\"
+        shape = { kind = \"plane\" }
+        motion = \"fixed\"
+        [[rigid]]
+        name = \"ball\"
+        shape = { kind = \"sphere\", radius = 0.02 }
+        mass = 0.1
+        position = [0.1, 0.017, 0]";
+    let mut session = Session::from_text(text, Path::new("s.toml"), &[]).unwrap();
+    // It is about the start, whenever the model is sent.
+    session.step(&mut ());
+    let (model, _) = messages(&session, &Pace::default());
+    let told = &model.json["overlaps"];
+    assert_eq!(told.as_array().unwrap().len(), 1);
+    assert!((told[0]["depth"].as_f64().unwrap() - 0.003).abs() < 1e-9, "{told}");
+    assert!((told[0]["place"][0].as_f64().unwrap() - 0.1).abs() < 1e-9, "{told}");
+    let bodies: Vec<_> = told[0]["bodies"].as_array().unwrap().iter().collect();
+    assert!(bodies.len() == 2 && bodies.iter().any(|name| *name == "ball"), "{told}");
+    let (plain, _) = messages(&self::session("falling-box"), &Pace::default());
+    assert_eq!(plain.json["overlaps"], serde_json::json!([]));
+}
+
+#[test]
 fn a_snapshot_says_what_the_loop_tells_it() {
     let session = touching("falling-box", 0.05);
     let energy = session.world().energy(session.input());

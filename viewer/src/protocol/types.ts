@@ -124,6 +124,14 @@ export interface SceneCamera {
   readonly fov_deg: number;
 }
 
+/** Two bodies that the scene starts inside each other. */
+export interface Overlap {
+  readonly bodies: readonly [string, string];
+  /** m */
+  readonly depth: number;
+  readonly place: Vec3;
+}
+
 export interface SceneModel {
   readonly epoch: number;
   readonly scene: string;
@@ -135,6 +143,8 @@ export interface SceneModel {
   readonly rigids: readonly RigidModel[];
   readonly softs: readonly SoftModel[];
   readonly hands: readonly HandModel[];
+  /** The deepest first. */
+  readonly overlaps: readonly Overlap[];
   /** Sums over the bodies, to check snapshots against. */
   readonly node_count: number;
   readonly target_count: number;

@@ -13,6 +13,7 @@ mod hash;
 mod io;
 mod limits;
 mod model;
+mod overlap;
 mod reference;
 mod response;
 mod retune;
@@ -25,6 +26,7 @@ pub use crate::solver::Failure;
 pub use error::ModelError;
 pub use io::{ContactPoint, Energy, Input, Stage, StageTimer, StepReport, Target};
 pub use model::Model;
+pub use overlap::Overlap;
 pub use state::State;
 
 use crate::contact::{Contact, Detector, Reach, RigidPlace, Sides};
