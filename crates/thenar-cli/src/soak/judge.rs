@@ -1,4 +1,5 @@
-//! What a soak must keep to.
+//! What a soak must keep to. Limits of quality are requirements, the same at every step and seed: what
+//! a wearer of a glove or a viewer of the page would notice.
 
 use super::Extremes;
 use std::fmt;
@@ -6,11 +7,10 @@ use std::fmt;
 /// A hand can put no more energy than this into the scene: its drives at full stretch across the
 /// pen hold about 100 J.
 const ENERGY_MAX_J: f64 = 1000.0;
-/// Penetration that most steps stay under \[m\], and how many of them \[%\]: skin that is thinner has no feeling
-/// of its own, and a page shows no less.
+/// Penetration that steps stay under \[m\], and how many of them at least \[%\].
 pub const DEEP: f64 = 1e-3;
 const SHALLOW_LEAST: f64 = 99.9;
-/// Penetration that no step exceeds \[m\]: half a finger, beyond which it may come out on the other side.
+/// Penetration that no step exceeds \[m\].
 const PENETRATION_MAX: f64 = 5e-3;
 /// No penetration stays above [`DEEP`] for so long \[s\].
 const DEEP_TIME_MAX: f64 = 0.1;
