@@ -35,7 +35,7 @@ impl Session {
         &self.start_overlaps
     }
 
-    /// Those of the present state.
+    /// Pairs of bodies that overlap in the present state, the deepest first.
     pub(super) fn find_overlaps(&self) -> Vec<StartOverlap> {
         self.world.overlaps().iter().map(|overlap| self.named(overlap)).collect()
     }
