@@ -12,7 +12,7 @@ const PEN: [f64; 2] = [0.25, 0.4];
 const TRIES: u32 = 64;
 
 /// Opens the scene of a seed where the hand overlaps nothing; also tells how many places were tried before.
-/// The same seed gives the same place, and the same motion after it wherever it begins.
+/// A seed always gives one place, and one motion after it wherever it begins.
 ///
 /// # Errors
 /// The scene is wrong, or everything that was tried overlaps.
