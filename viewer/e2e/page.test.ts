@@ -48,10 +48,12 @@ test("the hand grips the loaf: forces reach the page and balance its weight", as
     const snapshot = t.snapshot!;
     const bread = t.model!.softs.findIndex((soft) => soft.look === "bread") + 32768;
     const contacts = snapshot.contacts;
+    const force = { x: 0, y: 0, z: 0 };
     let lift = 0;
     for (let i = 0; i < contacts.count; i++) {
       const sign = contacts.bodyA(i) === bread ? 1 : contacts.bodyB(i) === bread ? -1 : 0;
-      lift += sign * contacts.numbers[12 * i + 6]!;
+      contacts.force(i, force);
+      lift += sign * force.y;
     }
     const pressing = Array.from(snapshot.fingers).filter((_, i) => i % 3 === 0);
     return { lift, pressing };

@@ -82,7 +82,7 @@ async function onLoaf(page: Page): Promise<number> {
     let force = 0;
     for (let i = 0; i < contacts.count; i++) {
       const pair = [kind(contacts.bodyA(i)), kind(contacts.bodyB(i))];
-      if (pair.includes("bread") && pair.includes("hand")) force += contacts.numbers[12 * i + 8]!;
+      if (pair.includes("bread") && pair.includes("hand")) force += contacts.normalForce(i);
     }
     return force;
   });

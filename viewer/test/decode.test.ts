@@ -1,5 +1,6 @@
 // Models and snapshots, as an encoder that knows only docs/protocol.md writes them.
 
+import { Vector3 } from "three";
 import { describe, expect, it } from "vitest";
 import { ProtocolError } from "../src/protocol/check";
 import { decode } from "../src/protocol/decode";
@@ -22,7 +23,9 @@ function snapshot(bytes: ArrayBuffer, of = model()): Snapshot {
 const CONTACT = {
   bodies: [32768, 0],
   vertices: [2, 65535],
-  numbers: [0.1, 0.2, 0.3, 1, 2, 2, 2.5, 4e-6, 0.01, -1e-4],
+  numbers: [0.1, 0.2, 0.3, 1, 2, 2, 0, 4e-6, 0.01, -1e-4],
+  // (1, 2, -2) / 3 by hand: (0.2, 0.4) folded to (1 - 0.4, 1 - 0.2).
+  normal: [19660, 26214],
 } as const;
 
 describe("a model", () => {
@@ -79,7 +82,35 @@ describe("a snapshot", () => {
     expect(s.fingers[17]).toBe(17);
     const c = s.contacts;
     expect([c.count, c.bodyA(0), c.bodyB(0), c.vertexA(0), c.vertexB(0)]).toEqual([1, 32768, 0, 2, 65535]);
-    expect(Array.from(c.numbers.slice(5, 9))).toEqual([1, 2, 2, 2.5]);
+    const [place, force, normal] = [new Vector3(), new Vector3(), new Vector3()];
+    c.place(0, place);
+    c.force(0, force);
+    c.normal(0, normal);
+    expect(place.toArray()).toEqual([0.1, 0.2, 0.3].map(Math.fround));
+    expect(force.toArray()).toEqual([1, 2, 2]);
+    expect(normal.distanceTo(new Vector3(1, 2, -2).divideScalar(3))).toBeLessThan(1e-4);
+    expect(c.normalForce(0)).toBeCloseTo(1 / 3, 3);
+    expect([c.area(0), c.slip(0), c.gap(0)]).toEqual([4e-6, 0.01, -1e-4].map(Math.fround));
+  });
+
+  it("tells normals in any direction", () => {
+    const axes: [[number, number], number[]][] = [
+      [[32767, 0], [1, 0, 0]],
+      [[-32767, 0], [-1, 0, 0]],
+      [[0, 32767], [0, 1, 0]],
+      [[0, -32767], [0, -1, 0]],
+      [[0, 0], [0, 0, 1]],
+      [[32767, 32767], [0, 0, -1]],
+      [[-32767, 32767], [0, 0, -1]],
+      [[-19660, 26214], [-1 / 3, 2 / 3, -2 / 3]],
+      [[19660, -26214], [1 / 3, -2 / 3, -2 / 3]],
+      [[-6553, -13107], [-1 / 3, -2 / 3, 2 / 3]],
+    ];
+    for (const [sent, meant] of axes) {
+      const normal = new Vector3();
+      snapshot(encodeSnapshot(1, 0.5, [{ ...CONTACT, normal: sent }])).contacts.normal(0, normal);
+      expect(normal.distanceTo(new Vector3(...meant)), String(sent)).toBeLessThan(1e-4);
+    }
   });
 
   it("of another epoch is stale, not wrong", () => {
@@ -103,8 +134,8 @@ describe("a snapshot", () => {
 
   it("of another protocol asks for a reload", () => {
     const bytes = encodeSnapshot(1, 0);
-    new DataView(bytes).setUint8(1, 2);
-    expect(() => decode(bytes, model(), 0)).toThrow(/Reload/);
+    new DataView(bytes).setUint8(1, 1);
+    expect(() => decode(bytes, model(), 0)).toThrow("speaks protocol 1, this page 2. Reload");
   });
 });
 

@@ -8,7 +8,7 @@ import { restPoses, skinNodes } from "../src/scene/skinning";
 import { vertexAreas, vertexNormals } from "../src/scene/surface";
 import { decode } from "../src/protocol/decode";
 import type { SceneModel, Snapshot } from "../src/protocol/types";
-import { encodeSnapshot, encodeWorld, NODES, TETS } from "./encode-world";
+import { encodeSnapshot, encodeWorld, NODES, TETS, type TestContact } from "./encode-world";
 
 const rest = Float32Array.from(NODES);
 const tets = Uint32Array.from(TETS);
@@ -111,18 +111,57 @@ describe("skinning", () => {
 });
 
 describe("pressure", () => {
-  it("times area is the force that pressed", () => {
-    const soft = world().softs[0];
-    const map = new PressureMap(soft);
+  const FLESH = 32768;
+  const UP: [number, number] = [0, 0];
+  const contact = (force: number, area: number, place: number[], vertices: [number, number]) => ({
+    bodies: [FLESH, 3] as const,
+    vertices,
+    numbers: [...place, 0, 0, force, 0, area, 0, 0],
+    normal: UP,
+  });
+  const pressed = (contacts: readonly TestContact[]) => {
+    const model = world();
+    const message = decode(encodeSnapshot(1, 0, contacts), model, 0);
+    if (message.kind !== "snapshot") throw new Error(message.kind);
     const out = new Float32Array(4);
-    map.press(1, 3, out);
-    map.press(3, 0.5, out);
-    map.press(65535, 100, out);
+    const peak = new PressureMap(model.softs[0]).update(message.snapshot, 0, out);
     const positions = Float32Array.from([0, 1, 2, 4].flatMap((n) => NODES.slice(3 * n, 3 * n + 3)));
-    const areas = vertexAreas(positions, soft.render.triangles);
-    const force = out.reduce((sum, p, v) => sum + p * areas[v], 0);
-    expect(force).toBeCloseTo(3.5, 4);
-    expect(out[1]).toBeGreaterThan(out[0]);
+    const areas = vertexAreas(positions, model.softs[0].render.triangles);
+    return { out, peak, areas, force: out.reduce((sum, p, v) => sum + p * areas[v], 0) };
+  };
+
+  it("times area is the normal force, whatever the area", () => {
+    for (const area of [0, 1e-6, 1e-4, 1e-2]) {
+      const { force } = pressed([
+        contact(3, area, [0.01, 0, 0], [1, 65535]),
+        contact(0.5, area, [0.01, 0.01, 0.01], [3, 65535]),
+        contact(-1, area, [0, 0, 0], [0, 65535]),
+      ]);
+      expect(force, `${area} m²`).toBeCloseTo(3.5, 4);
+    }
+    // Friction along the skin is no pressure.
+    const shear = { ...contact(0, 1e-4, [0, 0, 0], [0, 65535]), normal: [32767, 0] as [number, number] };
+    expect(pressed([shear]).force).toBe(0);
+  });
+
+  it("is force over area where one contact covers a vertex alone", () => {
+    const { areas } = pressed([]);
+    // Its area is the vertex's own, so the bell sinks to exp(-π r²/A) at the next, 14 mm away.
+    const { out, peak } = pressed([contact(2, areas[0], [0, 0, 0], [0, 65535])]);
+    expect(peak).toBe(out[0]);
+    const others = Math.exp((-Math.PI * 1e-4) / areas[0]);
+    expect(out[0] / (2 / areas[0])).toBeGreaterThan(1 - 8 * others);
+    expect(out[0] / (2 / areas[0])).toBeLessThanOrEqual(1 + 1e-6);
+  });
+
+  it("goes by the contact's place, not by its vertex", () => {
+    const { out } = pressed([contact(1, 1e-5, [0, 0.0099, 0], [1, 65535])]);
+    expect(Math.max(...out)).toBe(out[2]);
+  });
+
+  it("of a body on itself presses on both sides", () => {
+    const self = { ...contact(1, 1e-6, [0, 0, 0], [0, 3]), bodies: [FLESH, FLESH] as const };
+    expect(pressed([self]).force).toBeCloseTo(2, 4);
   });
 });
 

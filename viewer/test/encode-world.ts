@@ -36,7 +36,7 @@ export function encodeModel(json: object, arrays: Arrays, epoch: number): ArrayB
   const out = new Uint8Array(16 + body.length + arrays.all().length);
   const view = new DataView(out.buffer);
   out[0] = 1;
-  out[1] = 1;
+  out[1] = 2;
   view.setUint32(4, epoch, true);
   view.setUint32(8, body.length, true);
   out.set(body, 16);
@@ -136,7 +136,10 @@ export function encodeWorld(epoch = 1): ArrayBuffer {
 export interface TestContact {
   readonly bodies: readonly [number, number];
   readonly vertices: readonly [number, number];
+  /** Place, force, anything, area, slip, gap. */
   readonly numbers: readonly number[];
+  /** As it is sent: two numbers of 16 bits. */
+  readonly normal: readonly [number, number];
 }
 
 const ANGLE = {
@@ -165,7 +168,7 @@ export function encodeSnapshot(
   ];
   const out = new DataView(new ArrayBuffer(88 + 4 * floats.length + 48 * contacts.length));
   out.setUint8(0, 2);
-  out.setUint8(1, 1);
+  out.setUint8(1, 2);
   out.setUint16(2, 16, true);
   out.setUint32(4, epoch, true);
   out.setUint32(8, 7, true);
@@ -176,10 +179,11 @@ export function encodeSnapshot(
   out.setUint32(60, 12, true);
   [4, 5, 2, contacts.length, 1].forEach((x, i) => out.setUint32(64 + 4 * i, x, true));
   floats.forEach((x, i) => out.setFloat32(88 + 4 * i, x, true));
-  contacts.forEach(({ bodies, vertices, numbers }, i) => {
+  contacts.forEach(({ bodies, vertices, numbers, normal }, i) => {
     const at = 88 + 4 * floats.length + 48 * i;
     [...bodies, ...vertices].forEach((x, k) => out.setUint16(at + 2 * k, x, true));
     numbers.forEach((x, k) => out.setFloat32(at + 8 + 4 * k, x, true));
+    normal.forEach((x, k) => out.setInt16(at + 32 + 2 * k, x, true));
   });
   return out.buffer;
 }

@@ -2,7 +2,7 @@
 
 use crate::error::CliError;
 use crate::recording::{RecordOptions, attach};
-use crate::run::{open, progress};
+use crate::run::{open, progress, tell_overlaps};
 use crate::{files, interrupt};
 use std::path::{Path, PathBuf};
 
@@ -34,6 +34,7 @@ pub struct Args {
 /// The scene is wrong, the file cannot be written, or the run was interrupted.
 pub fn run(args: &Args) -> Result<(), CliError> {
     let mut session = open(&args.scene, &args.set)?;
+    tell_overlaps(&session);
     let steps = crate::run::steps(&session, args.seconds)?;
     let name = || Path::new(session.name()).with_extension("rec");
     let file = args.out.clone().unwrap_or_else(name);

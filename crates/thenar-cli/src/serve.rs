@@ -75,6 +75,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
             return Err(error);
         }
     };
+    live.start_overlaps().iter().for_each(|overlap| eprintln!("warning: {overlap}"));
     args.page.announce(&format!("{} is live", args.scene.display()), &server);
     let mut teller = Teller::default();
     while !interrupt::asked() {

@@ -1,23 +1,19 @@
-//! `thenar soak`: thrashes a hand at random against table, car and bread, and watches for numbers
-//! that are not finite and for energy that grows.
+//! `thenar soak`: thrashes a hand at random against table, car and bread, and judges how well
+//! contact and joints hold.
 
+mod judge;
+mod scene;
 mod sweep;
 
-use std::fmt::Write as _;
-use std::path::Path;
+use judge::{Figure, quality, soundness};
 use std::process::ExitCode;
 use thenar::model::BodyId;
-use thenar::world::Failure;
-use thenar_scene::session::{Random, Session};
+use thenar::world::{Failure, StepReport};
+use thenar_scene::session::Session;
 
-/// A hand can put no more energy than this into the scene: its drives at full stretch across the
-/// pen hold about 100 J.
-const ENERGY_MAX_J: f64 = 1000.0;
-
-/// Half the width of the pen that keeps everything within reach, and its height \[m\].
-const PEN: [f64; 2] = [0.25, 0.4];
-
-/// Thrashes a hand at random against a table, a car and a loaf of bread.
+/// Thrashes a hand at random against a table, a car and a loaf of bread, and judges how well contact and joints hold.
+///
+/// The hand begins where it overlaps nothing. Exit code 1 when a figure misses its limit.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Simulated time \[s\].
@@ -29,6 +25,10 @@ pub struct Args {
     /// Seed of the motion.
     #[arg(long, default_value_t = 1)]
     seed: u32,
+    /// Judge penetration, joint gaps and the accuracy of contact; with `false` only that numbers stay finite and
+    /// energy bounded, which is all that `--sweep` judges.
+    #[arg(long, value_name = "BOOL", default_value_t = true, action = clap::ArgAction::Set)]
+    judge: bool,
     /// Soaks at couplings of 1e7 to 1e10 N/m⁴ and tissue of 5 kPa to 5 MPa, each at steps of 0.25 to
     /// 20 ms, instead of `--time-step`.
     #[arg(long, conflicts_with = "time_steps")]
@@ -41,6 +41,8 @@ pub struct Args {
 /// Extremes of one soak.
 #[derive(Clone, Copy, Debug, Default)]
 struct Extremes {
+    /// Places that were tried before one without overlap was found.
+    tries: u32,
     steps: u64,
     non_finite: u64,
     fell_back: u64,
@@ -49,22 +51,53 @@ struct Extremes {
     penetration: f64,
     /// When that was \[s\], and between which bodies.
     deepest: Option<(f64, [BodyId; 2])>,
+    /// Steps with a penetration of [`judge::DEEP`] or more; of these the last ones in a row, and the
+    /// most in a row.
+    deep: u64,
+    deep_now: u64,
+    deep_longest: u64,
     joint_gap: f64,
     inverted: u32,
     contacts: u32,
     contact_residual: f64,
+    /// Steps whose contact missed its accuracy, and the largest velocity error of these \[m/s\].
+    missed: u64,
+    missed_by: f64,
     speed: f64,
     hash: u64,
 }
 
 impl Extremes {
     fn sound(&self) -> bool {
-        self.non_finite == 0 && self.energy < ENERGY_MAX_J
+        soundness(self).iter().all(|figure| figure.kept)
     }
 
     fn word(&self) -> &'static str {
-        if self.sound() { "ok" } else { "FAIL" }
+        word(self.sound())
     }
+
+    /// Takes in the step just done.
+    fn take(&mut self, report: &StepReport) {
+        self.steps += 1;
+        self.non_finite += u64::from(report.non_finite);
+        self.fell_back += u64::from(report.fell_back);
+        self.failure = report.failure.or(self.failure);
+        self.deep_now = if report.penetration_max < judge::DEEP { 0 } else { self.deep_now + 1 };
+        self.deep += u64::from(self.deep_now > 0);
+        self.deep_longest = self.deep_longest.max(self.deep_now);
+        self.joint_gap = self.joint_gap.max(report.joint_gap_max);
+        self.inverted = self.inverted.max(report.inverted_tets);
+        self.contacts = self.contacts.max(report.contacts_active);
+        self.contact_residual = self.contact_residual.max(report.contact_residual);
+        if report.contact_unconverged {
+            self.missed += 1;
+            self.missed_by = self.missed_by.max(report.contact_residual);
+        }
+    }
+}
+
+fn word(passed: bool) -> &'static str {
+    if passed { "ok" } else { "FAIL" }
 }
 
 /// Runs the command; exit code 1 when a soak went wrong.
@@ -88,174 +121,83 @@ fn each_step(args: &Args) -> Result<bool, String> {
     let mut passed = true;
     for &h in &args.time_steps {
         let e = soak(args, h, &[])?;
-        passed &= e.sound();
-        println!(
-            "{:4}  step {:.3} ms, {} s, seed {}: {} steps, not finite {}, fell back {}, energy max \
-             {:.3} J, penetration max {:.3} mm, joint gap max {:.3} mm, inverted tets max {}, \
-             contacts max {}, node speed max {:.2} m/s, hash {:016x}",
-            e.word(),
-            h * 1e3,
-            args.seconds,
-            args.seed,
-            e.steps,
-            e.non_finite,
-            e.fell_back,
-            e.energy,
-            e.penetration * 1e3,
-            e.joint_gap * 1e3,
-            e.inverted,
-            e.contacts,
-            e.speed,
-            e.hash,
-        );
-        if let Some((time, bodies)) = e.deepest {
-            let [a, b] = bodies.map(name_of);
-            println!("      deepest at {time:.3} s, between {a} and {b}");
+        let mut figures = soundness(&e);
+        if args.judge {
+            figures.extend(quality(&e, h));
         }
-        if let Some(failure) = e.failure {
-            println!("      the last step that fell back: {failure}");
-        }
+        passed &= print(args, h, &e, &figures);
     }
     Ok(passed)
+}
+
+/// Prints a soak; true when all figures keep to their limits.
+fn print(args: &Args, h: f64, e: &Extremes, figures: &[Figure]) -> bool {
+    let passed = figures.iter().all(|figure| figure.kept);
+    println!(
+        "{:4}  step {:.3} ms, {} s, seed {}: {} steps, not finite {}, fell back {}, energy max \
+         {:.3} J, penetration max {:.3} mm, joint gap max {:.3} mm, inverted tets max {}, \
+         contacts max {}, node speed max {:.2} m/s, hash {:016x}",
+        word(passed),
+        h * 1e3,
+        args.seconds,
+        args.seed,
+        e.steps,
+        e.non_finite,
+        e.fell_back,
+        e.energy,
+        e.penetration * 1e3,
+        e.joint_gap * 1e3,
+        e.inverted,
+        e.contacts,
+        e.speed,
+        e.hash,
+    );
+    if e.tries > 0 {
+        println!("      begins at the first place without overlap: try {}", e.tries + 1);
+    }
+    if let Some((time, bodies)) = e.deepest {
+        let [a, b] = bodies.map(scene::name_of);
+        println!("      deepest at {time:.3} s, between {a} and {b}");
+    }
+    if let Some(failure) = e.failure {
+        println!("      the last step that fell back: {failure}");
+    }
+    if e.non_finite > 0 {
+        println!("      {} steps were taken back: their numbers made no sense", e.non_finite);
+    }
+    figures.iter().for_each(|figure| println!("      {figure}"));
+    passed
 }
 
 fn soak(args: &Args, h: f64, more: &[String]) -> Result<Extremes, String> {
     let mut overrides = vec![format!("time_step={h}")];
     overrides.extend(args.overrides.iter().chain(more).cloned());
-    let text = scene(args.seconds, args.seed);
-    let mut session =
-        Session::from_text(&text, Path::new("soak.toml"), &overrides).map_err(|e| e.to_string())?;
-    let mut extremes = Extremes::default();
+    let (mut session, tries) = scene::open(args.seconds, args.seed, &overrides)?;
+    let mut extremes = Extremes { tries, ..Extremes::default() };
     let steps = (args.seconds / h).round() as u64;
     for step in 0..steps {
         let report = session.step(&mut ());
-        extremes.steps += 1;
-        extremes.non_finite += u64::from(report.non_finite);
-        extremes.fell_back += u64::from(report.fell_back);
-        extremes.failure = report.failure.or(extremes.failure);
+        extremes.take(&report);
         if report.penetration_max > extremes.penetration {
             extremes.penetration = report.penetration_max;
             let world = session.world();
             let deepest = world.contacts().iter().min_by(|a, b| a.gap.total_cmp(&b.gap));
             extremes.deepest = deepest.map(|contact| (world.time(), contact.bodies));
         }
-        extremes.joint_gap = extremes.joint_gap.max(report.joint_gap_max);
-        extremes.inverted = extremes.inverted.max(report.inverted_tets);
-        extremes.contacts = extremes.contacts.max(report.contacts_active);
-        extremes.contact_residual = extremes.contact_residual.max(report.contact_residual);
         if step % 16 == 0 {
-            let world = session.world();
-            extremes.energy = extremes.energy.max(world.energy(session.input()).total().abs());
-            let speeds = world.node_velocities(0).iter().map(|v| v.norm());
-            extremes.speed = speeds.fold(extremes.speed, f64::max);
+            look_around(&session, &mut extremes);
         }
     }
     extremes.hash = session.world().state_hash();
     Ok(extremes)
 }
 
-/// A closed pen with a table, a car, a loaf and a hand that goes anywhere in it at random.
-fn scene(seconds: f64, seed: u32) -> String {
-    let mut random = Random::new(u64::from(seed));
-    let mut text = String::from(
-        r#"
-version = 1
-gravity = [0, -9.81, 0]
-
-[[rigid]]
-name = "table"
-shape = { kind = "plane" }
-motion = "fixed"
-"#,
-    );
-    let [half, height] = PEN;
-    let walls = [
-        ("east", [half, 0.0], 90.0, [0, 0, 1]),
-        ("west", [-half, 0.0], -90.0, [0, 0, 1]),
-        ("north", [0.0, half], -90.0, [1, 0, 0]),
-        ("south", [0.0, -half], 90.0, [1, 0, 0]),
-    ];
-    for (name, [x, z], angle, axis) in walls {
-        let _ = write!(
-            text,
-            "\n[[rigid]]\nname = \"{name}\"\nshape = {{ kind = \"plane\" }}\nmotion = \"fixed\"\n\
-             position = [{x}, 0, {z}]\nrotation = {{ axis = {axis:?}, angle_deg = {angle} }}\n"
-        );
-    }
-    let _ = write!(
-        text,
-        r#"
-[[rigid]]
-name = "lid"
-shape = {{ kind = "plane" }}
-motion = "fixed"
-position = [0, {height}, 0]
-rotation = {{ axis = [0, 0, 1], angle_deg = 180 }}
-
-[[rigid]]
-name = "car"
-shape = {{ kind = "car" }}
-mass = 0.1
-position = [0.1, 0.03, 0.1]
-
-[[soft]]
-name = "bread"
-shape = {{ kind = "bread" }}
-position = [-0.1, 0.06, 0]
-material = {{ young = 12e3, poisson = 0.25, density = 250 }}
-stiffness_damping = 0.005
-
-[[hand]]
-name = "hand"
-position = [0, 0.2, 0]
-motion = {{ kind = "keyframes", limits = "clamp", key = [
-"#
-    );
-    // It begins above everything, as a hand that is in the table already says nothing.
-    let (mut t, mut lowest) = (0.0, 0.2);
-    while t < seconds + 1.0 {
-        let position: Vec<String> = [-0.15, lowest, -0.15]
-            .iter()
-            .zip([0.15, 0.25, 0.15])
-            .map(|(low, high)| format!("{:.4}", between(&mut random, *low, high)))
-            .collect();
-        let curl: Vec<String> = ["thumb", "index", "middle", "ring", "little"]
-            .iter()
-            .map(|finger| format!("{finger} = {:.3}", between(&mut random, 0.0, 1.0)))
-            .collect();
-        let fingers: Vec<String> = (0..3).map(|_| format!("{:.3}", random.symmetric())).collect();
-        let back: Vec<String> = (0..3).map(|_| format!("{:.3}", random.symmetric())).collect();
-        let _ = writeln!(
-            text,
-            "{{ time = {t:.3}, wrist = {{ position = [{}], fingers = [{}], back = [{}] }}, \
-             curl = {{ {} }} }},",
-            position.join(", "),
-            fingers.join(", "),
-            back.join(", "),
-            curl.join(", ")
-        );
-        t += between(&mut random, 0.25, 0.9);
-        lowest = 0.02;
-    }
-    text.push_str("] }\n");
-    text
-}
-
-/// What the scene calls a body.
-fn name_of(body: BodyId) -> &'static str {
-    match body {
-        BodyId::Soft(0) => "the hand",
-        BodyId::Soft(_) => "the bread",
-        BodyId::Rigid(0) => "the table",
-        BodyId::Rigid(1..=4) => "a wall",
-        BodyId::Rigid(5) => "the lid",
-        BodyId::Rigid(6) => "the car",
-        BodyId::Rigid(_) => "a bone",
-    }
-}
-
-fn between(random: &mut Random, low: f64, high: f64) -> f64 {
-    low + (high - low) * 0.5 * (random.symmetric() + 1.0)
+/// What is looked at now and then.
+fn look_around(session: &Session, extremes: &mut Extremes) {
+    let world = session.world();
+    extremes.energy = extremes.energy.max(world.energy(session.input()).total().abs());
+    let speeds = world.node_velocities(0).iter().map(|v| v.norm());
+    extremes.speed = speeds.fold(extremes.speed, f64::max);
 }
 
 #[cfg(test)]
@@ -266,11 +208,29 @@ mod tests {
     #[test]
     fn a_short_soak_is_sound_and_repeats() {
         let (seconds, time_steps, overrides) = (5.0, vec![], vec![]);
-        let args = Args { seconds, time_steps, seed: 3, sweep: false, overrides };
+        let args = Args { seconds, time_steps, seed: 3, judge: true, sweep: false, overrides };
         let first = soak(&args, 1.0 / 60.0, &[]).unwrap();
-        assert_eq!(first.non_finite, 0);
-        assert!(first.energy < ENERGY_MAX_J, "{first:?}");
+        assert!(first.sound(), "{first:?}");
         assert!(first.contacts > 10, "it must hit something: {first:?}");
         assert_eq!(first.hash, soak(&args, 1.0 / 60.0, &[]).unwrap().hash);
+    }
+
+    /// Deep steps are counted in a row, misses with their size.
+    #[test]
+    fn the_tally_tells_how_long_and_how_much() {
+        let mut e = Extremes::default();
+        for depth in [0.0, 1e-3, 2e-3, 0.9e-3, 1e-3, 3e-3, 1.5e-3, 0.0] {
+            e.take(&StepReport { penetration_max: depth, ..StepReport::default() });
+        }
+        let missed = |contact_residual| StepReport {
+            contact_unconverged: true,
+            contact_residual,
+            ..StepReport::default()
+        };
+        e.take(&missed(2e-4));
+        e.take(&missed(1e-4));
+        e.take(&StepReport { contact_residual: 5e-3, ..StepReport::default() });
+        assert_eq!((e.steps, e.deep, e.deep_longest), (11, 5, 3));
+        assert_eq!((e.missed, e.missed_by), (2, 2e-4));
     }
 }

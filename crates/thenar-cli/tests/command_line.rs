@@ -75,8 +75,10 @@ fn a_run_reports_every_promised_figure() {
         numbers.extend(["median_us", "p99_us", "max_us"].map(|k| format!("/stages/{stage}/{k}")));
     }
     for finger in ["thumb", "index", "middle", "ring", "little"] {
-        numbers
-            .extend(["normal_n", "shear_n", "area_m2"].map(|k| format!("/fingers/{finger}/{k}")));
+        numbers.extend(
+            ["normal_n", "shear_n", "area_m2", "pressure_mean_pa"]
+                .map(|k| format!("/fingers/{finger}/{k}")),
+        );
     }
     for key in numbers {
         assert!(report.pointer(&key).is_some_and(Value::is_number), "{key}");
@@ -84,6 +86,7 @@ fn a_run_reports_every_promised_figure() {
     for key in ["scene", "solver", "state_hash"] {
         assert!(report[key].is_string(), "{key}");
     }
+    assert_eq!(report["report_version"], 2);
     assert_eq!(report["scene"], "soft-cube");
     assert_eq!(report["steps"], 150);
     assert_eq!(report["tets"], 320);
@@ -126,10 +129,75 @@ fn tables_have_headers_with_units_and_a_row_for_the_start() {
     assert!((first[1] - 0.095).abs() < 1e-12, "{first:?}");
     let jsonl = folder.read("t.jsonl");
     let rows: Vec<Value> = jsonl.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
+    assert_eq!(rows[0]["version"], 2);
     assert_eq!(rows[0]["units"]["tip.x"], "m");
     assert_eq!(rows.len(), 1 + 11);
     // The parser of this test rounds the last digit.
     assert!((rows[1]["tip.x"].as_f64().unwrap() - first[1]).abs() < 1e-15);
+}
+
+#[test]
+fn what_overlaps_at_the_start_is_told_by_run_and_record() {
+    let folder = Folder::new("overlap");
+    let scene = "version = 1
+        [[rigid]]
+        name = \"table\"
+        shape = { kind = \"plane\" }
+        motion = \"fixed\"
+        [[rigid]]
+        name = \"ball\"
+        shape = { kind = \"sphere\", radius = 0.02 }
+        mass = 0.1
+        position = [0, 0.017, 0]";
+    std::fs::write(folder.0.join("s.toml"), scene).unwrap();
+    let run: &[&str] = &["run", "s.toml", "--seconds", "0.01", "-q", "--report", "r.json"];
+    let record: &[&str] = &["record", "s.toml", "--seconds", "0.01", "-q", "-o", "s.rec"];
+    for args in [run, record] {
+        let output = folder.thenar(args);
+        let told = error(&output);
+        assert!(output.status.success(), "{told}");
+        let lines: Vec<&str> = told.lines().filter(|line| line.contains("overlap")).collect();
+        assert_eq!(lines.len(), 1, "{told}");
+        assert!(lines[0].starts_with("warning: ") && lines[0].contains("3.000 mm"), "{told}");
+        assert!(lines[0].contains("ball") && lines[0].contains("table"), "{told}");
+    }
+    let report: Value = serde_json::from_str(&folder.read("r.json")).unwrap();
+    let overlap = &report["start_overlaps"][0];
+    assert!((overlap["depth_m"].as_f64().unwrap() - 0.003).abs() < 1e-9, "{overlap}");
+    assert_eq!(overlap["bodies"].as_array().unwrap().len(), 2);
+    assert_eq!(overlap["place_m"].as_array().unwrap().len(), 3);
+    let apart =
+        ["run", "s.toml", "--seconds", "0.01", "-q", "--set", "rigid.ball.position=[0,0.02,0]"];
+    assert_eq!(error(&folder.thenar(&apart)), "");
+}
+
+#[test]
+fn a_soak_prints_each_figure_with_its_limit() {
+    let folder = Folder::new("soak");
+    let args = ["soak", "--seconds", "0.2", "--time-step", "0.005"];
+    let judged = String::from_utf8(folder.thenar(&args).stdout).unwrap();
+    let figures = [
+        ("steps taken back", "at most 0"),
+        ("largest energy", "under 1000"),
+        ("steps under 1 mm of penetration", "at least 99.9"),
+        ("deepest penetration", "at most 5"),
+        ("longest time above 1 mm", "under 0.1"),
+        ("largest joint gap", "under 0.05"),
+        ("steps that missed the contact accuracy", "under 5"),
+        ("largest miss of it", "at most 0.001"),
+    ];
+    for (figure, limit) in figures {
+        let line = judged.lines().find(|line| line.contains(figure)).expect(figure);
+        assert!(line.ends_with(limit), "{line}");
+    }
+    let lax = folder.thenar(&[&args[..], &["--judge", "false"]].concat());
+    assert!(lax.status.success());
+    assert!(!String::from_utf8(lax.stdout).unwrap().contains("largest joint gap"));
+    // A table that nobody can be above of: a plane at the lid's height.
+    let low = ["soak", "--seconds", "0.1", "--set", "rigid.table.position=[0,0.5,0]"];
+    let output = folder.thenar(&low);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(error(&output).contains("no start without overlap"), "{}", error(&output));
 }
 
 #[test]

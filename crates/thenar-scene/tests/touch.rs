@@ -92,6 +92,16 @@ fn the_same_force_acts_on_skin_bone_and_plate() {
         1e-6,
     );
     near(total(&mut session, "f.", |x| x), force, 1e-9); // no friction: only y
+    // One normal, no friction: the sum of sizes is the resultant. Mean pressure is force over area.
+    near(value(&mut session, "plate.normal_sum"), force, 1e-9);
+    near(value(&mut session, "plate.shear_sum"), 0.0, 1e-12);
+    let area = value(&mut session, "plate.area");
+    let mean = value(&mut session, "plate.pressure_mean");
+    near(mean * area, force, 1e-9);
+    assert!(
+        area > 1e-6 && mean < value(&mut session, "plate.pressure_max"),
+        "{area} m², {mean} Pa"
+    );
     // Without friction all that presses slides.
     let pressed = pressures.iter().filter(|p| **p > 0.0).count();
     near(total(&mut session, "s.", |x| x), 2.0 * pressed as f64, 0.0);
@@ -145,10 +155,22 @@ fn fingers_and_palm_bear_what_the_plate_does() {
             value(&mut session, &format!("old.{f}.shear")),
             1e-10,
         );
+        let [area, mean] =
+            ["area", "pressure_mean"].map(|figure| value(&mut session, &format!("{f}.{figure}")));
+        near(mean * area, normal, 1e-9);
+        near(mean, value(&mut session, &format!("old.{f}.pressure")), 1e-6 * mean);
         touching += u32::from(normal > 0.0);
         assert_eq!(value(&mut session, &format!("{f}.state")) > 0.0, normal > 0.0);
     }
     assert!(touching > 0);
+    let [normal, shear] = ["normal", "shear_sum"].map(|figure| {
+        let column = |f: &&str| value(&mut session, &format!("{f}.{figure}"));
+        fingers.iter().map(column).sum::<f64>()
+    });
+    near(value(&mut session, "c.normal_sum"), normal, 1e-10);
+    near(value(&mut session, "c.shear_sum"), shear, 1e-10);
+    // Sizes are no less than the size of the sum.
+    assert!(shear >= value(&mut session, "c.shear") - 1e-12, "{shear} N");
     let bones: f64 = fingers.iter().map(|f| value(&mut session, &format!("{f}.bone_fy"))).sum();
     near(bones, force, 0.2 * force); // still settling
 }

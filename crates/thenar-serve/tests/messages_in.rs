@@ -13,7 +13,7 @@ fn pick(random: &mut Random, n: usize) -> usize {
 }
 
 fn header(kind: u8, hand: u8, number: u32, clock: f64) -> Vec<u8> {
-    let mut bytes = vec![kind, 1, hand, 0];
+    let mut bytes = vec![kind, 2, hand, 0];
     bytes.extend(number.to_le_bytes());
     bytes.extend(clock.to_le_bytes());
     bytes
@@ -87,7 +87,9 @@ fn what_does_not_fit_is_refused_by_name() {
     let (joints, angles) = (joints(), angles());
     let f = f32::to_le_bytes;
     assert_eq!(changed(&joints, 0, &[19]), PoseError::Kind(19));
-    assert_eq!(changed(&joints, 1, &[2]), PoseError::Version(2));
+    assert_eq!(changed(&joints, 1, &[1]), PoseError::Version(1));
+    let older = PoseError::Version(1).to_string();
+    assert!(older.contains("version 1") && older.contains("reload"), "{older}");
     assert_eq!(changed(&joints, 2, &[2]), PoseError::Hand(2));
     assert_eq!(changed(&joints, 3, &[1]), PoseError::Padding(1));
     assert_eq!(changed(&joints, 4, &[0; 4]), PoseError::Number);

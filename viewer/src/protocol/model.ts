@@ -6,6 +6,7 @@ import {
   type HandAngle,
   type HandBone,
   type HandModel,
+  type Overlap,
   type Pose7,
   type Quat4,
   type Rgb,
@@ -229,6 +230,18 @@ function readHand(value: unknown, i: number, rigids: number, softs: number, arra
   };
 }
 
+function readOverlap(value: unknown, i: number): Overlap {
+  const what = `overlaps[${i}]`;
+  const json = object(value, what);
+  const bodies = list(json["bodies"], `${what}.bodies`).map((name) => text(name, `${what}.bodies`));
+  check(bodies.length === 2, `${what} has ${bodies.length} bodies instead of 2.`);
+  return {
+    bodies: [bodies[0], bodies[1]],
+    depth: number(json["depth"], `${what}.depth`),
+    place: vec3(json["place"], `${what}.place`),
+  };
+}
+
 export function decodeModel(bytes: ArrayBuffer, epoch: number): SceneModel {
   check(bytes.byteLength >= 16, `A model of ${bytes.byteLength} bytes is cut off.`);
   const length = new DataView(bytes).getUint32(8, true);
@@ -277,6 +290,8 @@ export function decodeModel(bytes: ArrayBuffer, epoch: number): SceneModel {
     rigids,
     softs,
     hands,
+    // Page recordings of protocol 1 have none.
+    overlaps: list(json["overlaps"] ?? [], "overlaps").map(readOverlap),
     node_count,
     target_count,
   };

@@ -1,35 +1,11 @@
 // A snapshot: fixed header, then arrays whose sizes the model fixes.
 
 import { check } from "./check";
-import type { Contacts, SceneModel, Snapshot } from "./types";
+import { CONTACT_WORDS, ContactTable } from "./contacts";
+import type { SceneModel, Snapshot } from "./types";
 
 const HEADER = 88;
-const CONTACT_WORDS = 12;
 const MAX_CONTACTS = 512;
-
-class ContactTable implements Contacts {
-  constructor(
-    readonly count: number,
-    private readonly halves: Uint16Array,
-    readonly numbers: Float32Array,
-  ) {}
-
-  bodyA(i: number): number {
-    return this.halves[2 * CONTACT_WORDS * i];
-  }
-
-  bodyB(i: number): number {
-    return this.halves[2 * CONTACT_WORDS * i + 1];
-  }
-
-  vertexA(i: number): number {
-    return this.halves[2 * CONTACT_WORDS * i + 2];
-  }
-
-  vertexB(i: number): number {
-    return this.halves[2 * CONTACT_WORDS * i + 3];
-  }
-}
 
 export function decodeSnapshot(bytes: ArrayBuffer, model: SceneModel, now: number): Snapshot {
   check(bytes.byteLength >= HEADER, `A snapshot of ${bytes.byteLength} bytes is cut off.`);
@@ -61,7 +37,6 @@ export function decodeSnapshot(bytes: ArrayBuffer, model: SceneModel, now: numbe
   const nodePositions = take(3 * nodes);
   const targetPoses = take(7 * targets);
   const fingers = take(18 * hands);
-  const halves = new Uint16Array(bytes, at, 2 * CONTACT_WORDS * contacts);
   return {
     epoch: u32(4),
     flags: view.getUint16(2, true),
@@ -80,7 +55,7 @@ export function decodeSnapshot(bytes: ArrayBuffer, model: SceneModel, now: numbe
     nodes: nodePositions,
     targets: targetPoses,
     fingers,
-    contacts: new ContactTable(contacts, halves, take(CONTACT_WORDS * contacts)),
+    contacts: new ContactTable(contacts, bytes, at),
     bytes: bytes.byteLength,
     received: now,
   };

@@ -1,7 +1,7 @@
 // What the live protocol carries, as docs/protocol.md sets it down.
 // Metres, newtons, seconds, radians; right-handed world frame, +y up; quaternions x, y, z, w.
 
-export const PROTOCOL_VERSION = 1;
+export const PROTOCOL_VERSION = 2;
 
 export type Vec3 = readonly [number, number, number];
 /** Position then quaternion. */
@@ -124,6 +124,14 @@ export interface SceneCamera {
   readonly fov_deg: number;
 }
 
+/** Two bodies that the scene starts inside each other. */
+export interface Overlap {
+  readonly bodies: readonly [string, string];
+  /** m */
+  readonly depth: number;
+  readonly place: Vec3;
+}
+
 export interface SceneModel {
   readonly epoch: number;
   readonly scene: string;
@@ -135,6 +143,8 @@ export interface SceneModel {
   readonly rigids: readonly RigidModel[];
   readonly softs: readonly SoftModel[];
   readonly hands: readonly HandModel[];
+  /** The deepest first. */
+  readonly overlaps: readonly Overlap[];
   /** Sums over the bodies, to check snapshots against. */
   readonly node_count: number;
   readonly target_count: number;
@@ -155,16 +165,35 @@ export const SOFT_BODY = 32768;
 /** In place of a collision vertex: the body is rigid. */
 export const NO_VERTEX = 65535;
 
+/** Three numbers to be written, such as a Vector3. */
+export interface Numbers3 {
+  x: number;
+  y: number;
+  z: number;
+}
+
 /** Contacts of one snapshot, read in place. Force is on body A; the normal runs from B to A. */
 export interface Contacts {
   readonly count: number;
   bodyA(i: number): number;
   bodyB(i: number): number;
+  /** Nearest collision vertex of A, or NO_VERTEX. */
   vertexA(i: number): number;
   vertexB(i: number): number;
-  /** Twelve numbers per contact from `12 * i`: [bodies, vertices as bits], place 2..4, force 5..7,
-   * normal force 8 N, area 9 m², slip 10 m/s, gap 11 m. */
-  readonly numbers: Float32Array;
+  /** Place, m. */
+  place(i: number, out: Numbers3): void;
+  /** Force on A, N. */
+  force(i: number, out: Numbers3): void;
+  /** Unit normal from B to A. */
+  normal(i: number, out: Numbers3): void;
+  /** Part of the force along the normal, N. */
+  normalForce(i: number): number;
+  /** Surface that it stands for, m²; 0 between rigid bodies. */
+  area(i: number): number;
+  /** Slip speed, m/s. */
+  slip(i: number): number;
+  /** Gap, m. */
+  gap(i: number): number;
 }
 
 export interface Snapshot {

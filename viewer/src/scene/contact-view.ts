@@ -14,9 +14,8 @@ import {
   type BufferGeometry,
 } from "three";
 import { mergeGeometries } from "three/examples/jsm/utils/BufferGeometryUtils.js";
-import { NO_VERTEX, SOFT_BODY, type SceneModel, type SoftModel, type Snapshot } from "../protocol/types";
+import { SOFT_BODY, type SceneModel, type Snapshot } from "../protocol/types";
 import { roundUp } from "./colour-map";
-import { ContactSurface } from "./contact-surface";
 
 const MOST = 512;
 /** The longest arrow, m. */
@@ -38,7 +37,6 @@ export class ContactView {
   readonly group = new Group();
   /** Force of the longest arrow, N. */
   forceMost = 1;
-  private readonly surfaces = new Map<SoftModel, ContactSurface>();
   private readonly stick = new Color(CONTACT_COLOURS.sticking);
   private readonly slide = new Color(CONTACT_COLOURS.sliding);
 
@@ -57,26 +55,23 @@ export class ContactView {
   update(snapshot: Snapshot, model: SceneModel): void {
     if (!this.points.visible && !this.normals.visible) return;
     const { contacts } = snapshot;
-    const x = contacts.numbers;
     let most = 0;
-    for (let i = 0; i < contacts.count; i++) most = Math.max(most, Math.abs(x[12 * i + 8]));
+    for (let i = 0; i < contacts.count; i++) most = Math.max(most, Math.abs(contacts.normalForce(i)));
     this.rescale(most);
     const scale = LONGEST / this.forceMost;
     for (let i = 0; i < contacts.count; i++) {
-      const at = 12 * i;
-      PLACE.set(x[at + 2], x[at + 3], x[at + 4]);
-      FORCE.set(x[at + 5], x[at + 6], x[at + 7]);
+      contacts.place(i, PLACE);
+      contacts.force(i, SHEAR);
+      contacts.normal(i, NORMAL);
+      NORMAL.multiplyScalar(contacts.normalForce(i));
+      SHEAR.sub(NORMAL);
       // Arrows show the force on the hand, which pushes into its skin.
-      const onB = !isHand(model, contacts.bodyA(i)) && isHand(model, contacts.bodyB(i));
-      if (onB) FORCE.negate();
-      const body = onB ? contacts.bodyB(i) : contacts.bodyA(i);
-      const vertex = onB ? contacts.vertexB(i) : contacts.vertexA(i);
-      if (vertex === NO_VERTEX || !this.normalsOf(model, body, vertex, snapshot.nodes, GUESS))
-        GUESS.copy(FORCE);
-      else GUESS.negate();
-      split(FORCE, Math.abs(x[at + 8]), GUESS, NORMAL, SHEAR);
+      if (!isHand(model, contacts.bodyA(i)) && isHand(model, contacts.bodyB(i))) {
+        NORMAL.negate();
+        SHEAR.negate();
+      }
       this.points.setMatrixAt(i, MATRIX.makeTranslation(PLACE));
-      this.points.setColorAt(i, x[at + 10] > SLIDING ? this.slide : this.stick);
+      this.points.setColorAt(i, contacts.slip(i) > SLIDING ? this.slide : this.stick);
       put(this.normals, i, NORMAL, scale);
       put(this.shears, i, SHEAR, scale);
     }
@@ -87,24 +82,6 @@ export class ContactView {
     if (this.points.instanceColor !== null) this.points.instanceColor.needsUpdate = true;
   }
 
-  /** Normal of a soft body's collision surface at a vertex; false if there is none. */
-  private normalsOf(
-    model: SceneModel,
-    body: number,
-    vertex: number,
-    nodes: Float32Array,
-    out: Vector3,
-  ): boolean {
-    const soft = model.softs[body - SOFT_BODY];
-    if (soft === undefined) return false;
-    let surface = this.surfaces.get(soft);
-    if (surface === undefined) {
-      surface = new ContactSurface(soft);
-      this.surfaces.set(soft, surface);
-    }
-    return surface.normal(vertex, nodes, out);
-  }
-
   /** Scales step up at once and down only when forces have become much smaller. */
   private rescale(most: number): void {
     if (most > this.forceMost || most < 0.25 * this.forceMost) this.forceMost = Math.max(0.02, roundUp(most));
@@ -112,10 +89,8 @@ export class ContactView {
 }
 
 const PLACE = new Vector3();
-const FORCE = new Vector3();
 const NORMAL = new Vector3();
 const SHEAR = new Vector3();
-const GUESS = new Vector3();
 const SIDE = new Vector3();
 const UP = new Vector3(0, 1, 0);
 const MATRIX = new Matrix4();
@@ -124,35 +99,6 @@ const SIZE = new Vector3();
 
 function isHand(model: SceneModel, body: number): boolean {
   return body >= SOFT_BODY && model.softs[body - SOFT_BODY]?.hand != null;
-}
-
-/** A contact tells the normal part's size, not its direction. Among the directions that fit, the one
- * nearest to the skin's normal, `guess`, is meant. */
-export function split(
-  force: Vector3,
-  normalPart: number,
-  guess: Vector3,
-  normal: Vector3,
-  shear: Vector3,
-): void {
-  const whole = force.length();
-  if (whole < 1e-9) {
-    normal.set(0, 0, 0);
-    shear.set(0, 0, 0);
-    return;
-  }
-  const cosine = Math.min(1, normalPart / whole);
-  // The part of the guess across the force tells to which side the normal leans.
-  const along = guess.dot(force) / (whole * whole);
-  shear.copy(guess).addScaledVector(force, -along);
-  if (shear.lengthSq() < 1e-12) shear.set(0, 0, 0);
-  else shear.normalize();
-  normal
-    .copy(force)
-    .multiplyScalar(cosine / whole)
-    .addScaledVector(shear, Math.sqrt(1 - cosine * cosine))
-    .multiplyScalar(normalPart);
-  shear.subVectors(force, normal);
 }
 
 function put(mesh: InstancedMesh, i: number, force: Vector3, scale: number): void {

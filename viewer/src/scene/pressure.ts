@@ -1,22 +1,19 @@
-// Pressure on the skin, from contact forces. A contact presses at one vertex of the collision surface;
-// its normal force is spread over the drawn skin around, along the rest shape, by a bell of 3 mm, or
-// wider where the collision surface is coarser than that.
-// The spread pressure times the area adds up to the force again.
+// Pressure on the skin: of each contact the normal force F over its area A. It is drawn around the
+// contact's place as the bell F/A exp(-π r²/A), whose height is the pressure and whose integral is
+// the force, over the drawn skin as it lies now. The sum over the drawn skin is the force again.
 
-import type { Contacts } from "../protocol/types";
+import { Vector3 } from "three";
+import type { Contacts, Snapshot } from "../protocol/types";
 import { NO_VERTEX, SOFT_BODY, type SoftModel } from "../protocol/types";
 import { neighbours, restPositions, vertexAreas, type Neighbours } from "./surface";
 
-/** Least width (standard deviation) of the bell, m; as a part of the spacing of collision vertices;
- * and where it is cut off, in widths. */
-const WIDTH_LEAST = 0.003;
-const WIDTH_OF_SPACING = 0.55;
-const REACH = 3;
+/** Where the bell is cut off, in roots of its area: there it has a thousandth of its height. */
+const REACH = Math.sqrt(Math.log(1000) / Math.PI);
 
-/** What one newton at a collision vertex gives: Pa at each of some vertices. */
-interface Bell {
+/** The drawn skin around a collision vertex, out to a distance at rest. */
+interface Patch {
+  readonly reach: number;
   readonly vertices: Uint32Array;
-  readonly pascals: Float32Array;
 }
 
 export class PressureMap {
@@ -24,54 +21,66 @@ export class PressureMap {
   private readonly areas: Float32Array;
   private readonly around: Neighbours;
   private readonly collision: Float32Array;
-  /** Of the bell at each collision vertex, m. */
-  private readonly widths: Float32Array;
-  private readonly bells = new Map<number, Bell>();
+  private readonly patches = new Map<number, Patch>();
+  private shares = new Float64Array(64);
 
-  constructor(soft: SoftModel) {
+  constructor(private readonly soft: SoftModel) {
     this.rest = restPositions(soft.render, soft.nodes, soft.tets);
     this.areas = vertexAreas(this.rest, soft.render.triangles);
     this.around = neighbours(this.rest, soft.render.triangles);
     this.collision = restPositions(soft.collision, soft.nodes, soft.tets);
-    this.widths = vertexAreas(this.collision, soft.collision.triangles).map((area) =>
-      Math.max(WIDTH_LEAST, WIDTH_OF_SPACING * Math.sqrt(area)),
-    );
   }
 
-  /** Adds all contacts of this body, number `index` among the soft ones; gives the peak, Pa. */
-  update(contacts: Contacts, index: number, out: Float32Array): number {
+  /** Pressure at each drawn vertex by all contacts of this body, number `index` among the soft ones;
+   * gives the peak, Pa. */
+  update({ contacts, nodes }: Pick<Snapshot, "contacts" | "nodes">, index: number, out: Float32Array): number {
     out.fill(0);
     const body = SOFT_BODY + index;
     for (let i = 0; i < contacts.count; i++) {
-      const force = Math.abs(contacts.numbers[12 * i + 8]);
-      if (contacts.bodyA(i) === body) this.press(contacts.vertexA(i), force, out);
-      else if (contacts.bodyB(i) === body) this.press(contacts.vertexB(i), force, out);
+      if (contacts.bodyA(i) === body) this.press(contacts, i, contacts.vertexA(i), nodes, out);
+      if (contacts.bodyB(i) === body) this.press(contacts, i, contacts.vertexB(i), nodes, out);
     }
     let most = 0;
     for (let v = 0; v < out.length; v++) if (out[v] > most) most = out[v];
     return most;
   }
 
-  /** A normal force, N, at a collision vertex. */
-  press(vertex: number, force: number, out: Float32Array): void {
-    if (vertex === NO_VERTEX || 3 * vertex >= this.collision.length) return;
-    let bell = this.bells.get(vertex);
-    if (bell === undefined) {
-      bell = this.spread(vertex);
-      this.bells.set(vertex, bell);
-    }
-    for (let k = 0; k < bell.vertices.length; k++) out[bell.vertices[k]] += force * bell.pascals[k];
+  /** Contact `i` presses near a collision vertex. */
+  private press(contacts: Contacts, i: number, vertex: number, nodes: Float32Array, out: Float32Array): void {
+    const force = contacts.normalForce(i);
+    if (!(force > 0) || vertex === NO_VERTEX || 3 * vertex >= this.collision.length) return;
+    contacts.place(i, PLACE);
+    this.where(this.soft.collision, vertex, nodes, AT);
+    const size = Math.sqrt(contacts.area(i));
+    const { vertices } = this.patch(vertex, PLACE.distanceTo(AT) + REACH * size);
+    // The skin shows nothing finer than one of its vertices.
+    const area = Math.max(size * size, this.areas[vertices[0]]);
+    if (this.shares.length < vertices.length) this.shares = new Float64Array(2 * vertices.length);
+    let least = Infinity;
+    vertices.forEach((v, k) => {
+      this.where(this.soft.render, v, nodes, AT);
+      this.shares[k] = PLACE.distanceToSquared(AT);
+      least = Math.min(least, this.shares[k]);
+    });
+    let whole = 0;
+    vertices.forEach((v, k) => {
+      this.shares[k] = Math.exp((-Math.PI * (this.shares[k] - least)) / area);
+      whole += this.shares[k] * this.areas[v];
+    });
+    if (!(whole > 0)) return;
+    vertices.forEach((v, k) => (out[v] += (force * this.shares[k]) / whole));
   }
 
   /** Walks over the skin from the nearest vertex, so that a force on one finger does not colour the
    * finger beside it. */
-  private spread(vertex: number): Bell {
-    const at = 3 * vertex;
-    const width = this.widths[vertex];
-    const reach = REACH * width;
+  private patch(vertex: number, reach: number): Patch {
+    const known = this.patches.get(vertex);
+    if (known !== undefined && known.reach >= reach) return known;
+    // Somewhat farther, so that a growing contact does not ask each time.
+    const wide = 1.5 * reach;
     const square = (v: number) => {
       let sum = 0;
-      for (let c = 0; c < 3; c++) sum += (this.rest[3 * v + c] - this.collision[at + c]) ** 2;
+      for (let c = 0; c < 3; c++) sum += (this.rest[3 * v + c] - this.collision[3 * vertex + c]) ** 2;
       return sum;
     };
     let nearest = 0;
@@ -85,17 +94,29 @@ export class PressureMap {
     for (let i = 0; i < found.length; i++) {
       for (let k = this.around.start[found[i]]; k < this.around.start[found[i] + 1]; k++) {
         const next = this.around.list[k];
-        if (seen.has(next) || square(next) > reach * reach) continue;
+        if (seen.has(next) || square(next) > wide * wide) continue;
         seen.add(next);
         found.push(next);
       }
     }
-    const shape = found.map((v) => Math.exp(-(square(v) - least) / (2 * width * width)));
-    let whole = 0;
-    found.forEach((v, k) => (whole += shape[k] * this.areas[v]));
-    return {
-      vertices: Uint32Array.from(found),
-      pascals: Float32Array.from(shape, (s) => (whole > 0 ? s / whole : 0)),
-    };
+    const patch = { reach: wide, vertices: Uint32Array.from(found) };
+    this.patches.set(vertex, patch);
+    return patch;
+  }
+
+  /** Where a vertex of a surface lies now. */
+  private where(surface: SoftModel["render"], vertex: number, nodes: Float32Array, out: Vector3): void {
+    out.set(0, 0, 0);
+    const tet = surface.tets[vertex];
+    for (let k = 0; k < 4; k++) {
+      const at = 3 * (this.soft.node_start + this.soft.tets[4 * tet + k]);
+      const w = surface.weights[4 * vertex + k];
+      out.x += w * nodes[at];
+      out.y += w * nodes[at + 1];
+      out.z += w * nodes[at + 2];
+    }
   }
 }
+
+const PLACE = new Vector3();
+const AT = new Vector3();

@@ -189,7 +189,7 @@ export class WorldView {
         map = new PressureMap(view.model);
         this.pressures.set(index, map);
       }
-      peak = Math.max(peak, map.update(snapshot.contacts, index, view.pressure.array as Float32Array));
+      peak = Math.max(peak, map.update(snapshot, index, view.pressure.array as Float32Array));
       view.pressure.needsUpdate = true;
     });
     // The scale follows the peak of the last seconds, in steps.

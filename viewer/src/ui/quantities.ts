@@ -1,4 +1,4 @@
-// What is plotted: per hand and digit force and area, and what the step costs.
+// What is plotted: per hand and digit force, area and pressure, and what the step costs.
 
 import { DIGITS, type Snapshot } from "../protocol/types";
 
@@ -7,7 +7,9 @@ export const DIGIT_COLOURS = ["#8d97a5", "#e0651a", "#d99a00", "#00a37a", "#3d9f
 export const DIGIT_LABELS = DIGITS.map((digit) => digit[0].toUpperCase() + digit.slice(1));
 
 export const HANDS_MOST = 2;
-const PER_HAND = 18;
+/** Numbers of a hand in a snapshot, and in a sample: normal, shear, area, pressure of each digit. */
+const SENT = 18;
+const PER_HAND = 24;
 const STEP = HANDS_MOST * PER_HAND;
 export const COLUMNS = STEP + 5;
 
@@ -47,7 +49,7 @@ function perDigit(
       DIGITS.map((_, d) => ({
         label: DIGIT_LABELS[d],
         colour: DIGIT_COLOURS[d],
-        column: PER_HAND * hand + 3 * d + k,
+        column: PER_HAND * hand + 4 * d + k,
       })),
   };
 }
@@ -56,6 +58,7 @@ export const QUANTITIES: readonly Quantity[] = [
   perDigit("normal", "Normal force", "N", 1, 0.5, 0),
   perDigit("shear", "Shear force", "N", 1, 0.5, 1),
   perDigit("area", "Contact area", "mm²", 1e6, 50, 2),
+  perDigit("pressure", "Mean pressure", "kPa", 1e-3, 5, 3),
   {
     id: "cost",
     label: "Step time",
@@ -81,10 +84,19 @@ export const QUANTITIES: readonly Quantity[] = [
   },
 ];
 
+/** Normal force over contact area, Pa; 0 where nothing is touched. */
+export function meanPressure(normal: number, area: number): number {
+  return area > 0 ? normal / area : 0;
+}
+
 /** One sample of all columns; hands that are not there are NaN. */
 export function sample(snapshot: Snapshot, out: Float32Array): void {
   out.fill(NaN, 0, STEP);
-  out.set(snapshot.fingers.subarray(0, STEP));
-  const { energy } = snapshot;
+  const { fingers, energy } = snapshot;
+  const digits = Math.min(fingers.length, HANDS_MOST * SENT) / 3;
+  for (let d = 0; d < digits; d++) {
+    const [normal, shear, area] = fingers.subarray(3 * d, 3 * d + 3);
+    out.set([normal, shear, area, meanPressure(normal, area)], 4 * d);
+  }
   out.set([snapshot.stepCost, snapshot.stepBudget, energy.total, energy.kinetic, energy.elastic], STEP);
 }

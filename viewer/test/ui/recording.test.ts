@@ -35,6 +35,22 @@ describe("recording files", () => {
     expect(loaded.entries).toEqual(entries);
   });
 
+  it("of protocol 1 are shown without contacts, and say so", async () => {
+    const older = recording(2).map(({ time, message }, i) => {
+      // The last snapshot has one contact.
+      const grown = new Uint8Array(message.byteLength + (i === 2 ? 48 : 0));
+      grown.set(new Uint8Array(message));
+      grown[1] = 1;
+      if (i === 2) grown[76] = 1;
+      return { time, message: grown.buffer };
+    });
+    const loaded = read(await file(older));
+    expect(loaded.lacks).toMatch(/contacts and pressure are not shown/);
+    expect(loaded.entries).toEqual(recording(2));
+    expect(new Player(loaded.entries).show(0).snapshot.contacts.count).toBe(0);
+    expect(read(await file(recording(2))).lacks).toBeNull();
+  });
+
   it("cut off anywhere give all whole messages before the cut", async () => {
     const entries = recording(4);
     const whole = await file(entries);

@@ -125,7 +125,7 @@ export function modelMessage(epoch = 1, scene = "bread-grasp"): ArrayBuffer {
   const message = new ArrayBuffer(16 + bytes.length);
   const view = new DataView(message);
   view.setUint8(0, 1);
-  view.setUint8(1, 1);
+  view.setUint8(1, 2);
   view.setUint32(4, epoch, true);
   view.setUint32(8, bytes.length, true);
   new Uint8Array(message, 16).set(bytes);
@@ -151,7 +151,7 @@ export function snapshotMessage(instant: Instant): ArrayBuffer {
   const message = new ArrayBuffer(88 + 4 * words);
   const view = new DataView(message);
   view.setUint8(0, 2);
-  view.setUint8(1, 1);
+  view.setUint8(1, 2);
   view.setUint16(2, instant.flags ?? 0, true);
   view.setUint32(4, instant.epoch ?? 1, true);
   view.setUint32(8, instant.number ?? 1, true);

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use thenar::model::Digit;
 use thenar_record::ChannelInfo;
 use thenar_scene::recording::{Event, Replay};
-use thenar_scene::session::Session;
+use thenar_scene::session::{HandLoad, Session};
 
 /// Tables of the scenes and channels of a recording.
 pub struct Tables {
@@ -76,8 +76,9 @@ impl Tables {
         }
         for hand in session.hands().iter().filter(|hand| hand.flesh().is_some()) {
             for finger in Digit::FINGERS {
-                let figures = ["normal [N]", "shear [N]", "area [m²]"];
-                names.extend(figures.map(|f| format!("{}.{}.{f}", hand.name, finger.name())));
+                let of =
+                    |(figure, unit)| format!("{}.{}.{figure} [{unit}]", hand.name, finger.name());
+                names.extend(HandLoad::FIGURES.map(of));
             }
         }
         names.extend(session.columns().iter().map(|c| format!("probe.{} [{}]", c.name, c.unit)));
@@ -108,9 +109,7 @@ impl Tables {
         for (k, hand) in session.hands().iter().enumerate() {
             if hand.flesh().is_some() {
                 let [_, fingers @ ..] = session.hand_loads(k);
-                fingers
-                    .iter()
-                    .for_each(|f| [f.normal, f.shear, f.area].into_iter().for_each(&mut put));
+                fingers.iter().flat_map(HandLoad::figures).for_each(&mut put);
             }
         }
         session.probe().iter().for_each(|x| put(*x));

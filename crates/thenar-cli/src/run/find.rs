@@ -47,6 +47,11 @@ pub fn open(scene: &Path, overrides: &[String]) -> Result<Session, CliError> {
     }
 }
 
+/// Says on the error output what overlaps at the start, a line for each pair of bodies.
+pub fn tell_overlaps(session: &Session) {
+    session.start_overlaps().iter().for_each(|overlap| eprintln!("warning: {overlap}"));
+}
+
 /// The file that a scene is read from, or would be: relative paths in it start there.
 ///
 /// # Errors

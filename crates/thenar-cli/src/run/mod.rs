@@ -7,7 +7,7 @@ mod report;
 mod timer;
 mod vtk;
 
-pub use find::{Found, file, find, open};
+pub use find::{Found, file, find, open, tell_overlaps};
 pub use histogram::Histogram;
 pub use report::{report, times};
 pub use timer::{STAGES, StageTimes, StopWatch};
@@ -83,6 +83,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     for warning in session.world().stability_warnings() {
         eprintln!("warning: {warning}");
     }
+    tell_overlaps(&session);
     let mut outputs = Outputs::create(args, &session, steps)?;
     let recording = attach(&args.recording, &mut session)?;
     interrupt::listen();

@@ -5,9 +5,13 @@ use super::histogram::Histogram;
 use super::timer::STAGES;
 use serde_json::{Map, Value, json};
 use thenar::model::{Digit, SolverKind, SolverSettings};
-use thenar_scene::session::{Session, Summary};
+use thenar_scene::session::{HandLoad, Session, StartOverlap, Summary};
 
-/// The report as JSON. Units are part of the keys: `_s`, `_us`, `_m`, `_j`, `_n`, `_m2`.
+/// Version of the report. 2: each finger's mean pressure, and what overlaps at the start; what
+/// version 1 gave is there under the same keys.
+const REPORT_VERSION: u32 = 2;
+
+/// The report as JSON. Units are part of the keys: `_s`, `_us`, `_m`, `_j`, `_n`, `_m2`, `_pa`.
 pub fn report(session: &Session, outcome: &Outcome) -> Value {
     let world = session.world();
     let s = &outcome.summary;
@@ -19,10 +23,16 @@ pub fn report(session: &Session, outcome: &Outcome) -> Value {
     stages.insert("total".into(), times(&outcome.times.total));
     let mut fingers = Map::new();
     for (digit, peak) in Digit::FINGERS.iter().zip(&s.fingers) {
-        let peak = json!({ "normal_n": peak.normal, "shear_n": peak.shear, "area_m2": peak.area });
+        let peak = json!({
+            "normal_n": peak.normal,
+            "shear_n": peak.shear,
+            "area_m2": peak.area,
+            "pressure_mean_pa": peak.pressure,
+        });
         fingers.insert(digit.name().into(), peak);
     }
     json!({
+        "report_version": REPORT_VERSION,
         "scene": session.name(),
         "solver": solver_name(world.desc().solver.kind),
         "dt_s": world.time_step(),
@@ -48,8 +58,18 @@ pub fn report(session: &Session, outcome: &Outcome) -> Value {
             "max": s.energy_max,
         },
         "fingers": fingers,
+        "start_overlaps": session.start_overlaps().iter().map(overlap).collect::<Vec<_>>(),
         "state_hash": format!("{:016x}", world.state_hash()),
         "version": env!("CARGO_PKG_VERSION"),
+    })
+}
+
+fn overlap(overlap: &StartOverlap) -> Value {
+    let place = overlap.place_W;
+    json!({
+        "bodies": overlap.bodies,
+        "depth_m": overlap.depth,
+        "place_m": [place.x, place.y, place.z],
     })
 }
 
@@ -156,15 +176,7 @@ pub fn print(session: &Session, outcome: &Outcome) {
         s.energy_final.total(),
         s.energy_max
     );
-    for (digit, peak) in Digit::FINGERS.iter().zip(&s.fingers).filter(|(_, p)| p.normal > 0.0) {
-        println!(
-            "  {:6} at most {:.3} N normal, {:.3} N shear, {:.1} mm² in contact",
-            digit.name(),
-            peak.normal,
-            peak.shear,
-            peak.area * 1e6
-        );
-    }
+    fingers(&s.fingers);
     if s.fell_back > 0 {
         println!("  {} steps did not converge and were made safely instead", s.fell_back);
     }
@@ -175,4 +187,25 @@ pub fn print(session: &Session, outcome: &Outcome) {
         println!("  {} steps gave numbers that are not finite and were taken back", s.non_finite);
     }
     println!("  state {:016x}", world.state_hash());
+}
+
+/// A table of the fingers that touched something.
+fn fingers(peaks: &[HandLoad; 5]) {
+    if peaks.iter().all(|peak| peak.normal <= 0.0) {
+        return;
+    }
+    println!(
+        "  {:10} {:>11} {:>11} {:>11} {:>13}",
+        "at most", "normal N", "shear N", "area mm²", "mean kPa (*)"
+    );
+    for (digit, peak) in Digit::FINGERS.iter().zip(peaks).filter(|(_, p)| p.normal > 0.0) {
+        let HandLoad { normal, shear, area, pressure } = peak;
+        println!(
+            "  {:10} {normal:11.3} {shear:11.3} {:11.1} {:13.2}",
+            digit.name(),
+            area * 1e6,
+            pressure * 1e-3
+        );
+    }
+    println!("  (*) mean pressure, force over area, when the normal force was largest");
 }

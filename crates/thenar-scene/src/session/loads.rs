@@ -13,6 +13,30 @@ pub struct HandLoad {
     pub shear: f64,
     /// Area in contact \[m²\].
     pub area: f64,
+    /// Mean pressure \[Pa\]: normal force over area; zero where nothing touches. Of the most that did,
+    /// that at the largest normal force.
+    pub pressure: f64,
+}
+
+impl HandLoad {
+    /// Names and units of [`HandLoad::figures`].
+    pub const FIGURES: [(&'static str, &'static str); 4] =
+        [("normal", "N"), ("shear", "N"), ("area", "m²"), ("pressure", "Pa")];
+
+    /// All numbers, in the order of [`HandLoad::FIGURES`].
+    pub fn figures(&self) -> [f64; 4] {
+        [self.normal, self.shear, self.area, self.pressure]
+    }
+
+    /// Becomes the larger in each number; the pressure stays with its force.
+    pub fn grow(&mut self, other: &Self) {
+        if other.normal > self.normal {
+            self.pressure = other.pressure;
+        }
+        self.normal = self.normal.max(other.normal);
+        self.shear = self.shear.max(other.shear);
+        self.area = self.area.max(other.area);
+    }
 }
 
 /// Palm, thumb, index, middle, ring, little.
@@ -39,5 +63,8 @@ pub fn hand_loads(contacts: &[ContactPoint], soft: u32, digits: &[Digit]) -> [Ha
             sums[part].2 += if normal > 0.0 { contact.area } else { 0.0 };
         }
     }
-    sums.map(|(normal, shear, area)| HandLoad { normal, shear: shear.norm(), area })
+    sums.map(|(normal, shear, area)| {
+        let pressure = if area > 0.0 { normal / area } else { 0.0 };
+        HandLoad { normal, shear: shear.norm(), area, pressure }
+    })
 }

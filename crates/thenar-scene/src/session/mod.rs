@@ -7,6 +7,7 @@ mod load;
 mod loads;
 mod memory;
 mod open;
+mod overlap;
 mod probe;
 mod random;
 mod replay;
@@ -20,6 +21,7 @@ pub use library::{Builtin, builtin, builtins};
 pub use loads::{HandLoad, PARTS};
 pub use memory::{Memory, MemoryRef};
 pub use open::read;
+pub use overlap::StartOverlap;
 pub use probe::{Column, Probes};
 pub use random::{Random, random_at};
 pub use source::Source;
@@ -53,6 +55,7 @@ pub struct Session {
     led: Vec<Option<Vec<Target>>>,
     tuning: Tuning,
     report: StepReport,
+    start_overlaps: Vec<StartOverlap>,
     steps: u64,
     /// `None` for a scene that was changed by a program.
     source: Option<Source>,

@@ -95,12 +95,14 @@ impl Session {
             led,
             tuning,
             report: StepReport::default(),
+            start_overlaps: Vec::new(),
             steps: 0,
             source: None,
             files: files.into_used(),
             witness: None,
         };
         session.start();
+        session.start_overlaps = session.find_overlaps();
         Ok(session)
     }
 

@@ -66,9 +66,7 @@ impl Summary {
         for hand in 0..session.hands().len() {
             let [_, fingers @ ..] = session.hand_loads(hand);
             for (peak, now) in self.fingers.iter_mut().zip(fingers) {
-                peak.normal = peak.normal.max(now.normal);
-                peak.shear = peak.shear.max(now.shear);
-                peak.area = peak.area.max(now.area);
+                peak.grow(&now);
             }
         }
     }

@@ -4,12 +4,16 @@ use super::Column;
 use serde_json::{Map, Value, json};
 use std::io::{self, Write};
 
+/// Version of the tables. 2: `contact` and `finger` give sums of sizes and mean pressure, `fingers`
+/// the mean pressure; what version 1 gave is there under the same names.
+const VERSION: u32 = 2;
+
 /// How a table is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TableFormat {
     /// A header `time [s],name [unit],…`, then one line per row.
     Csv,
-    /// A line with the units, then one object per row.
+    /// A line with the format's version and the units, then one object per row.
     JsonLines,
 }
 
@@ -40,7 +44,7 @@ impl<W: Write> TableWriter<W> {
                 let mut units = Map::new();
                 units.insert("time".into(), json!("s"));
                 units.extend(columns.iter().map(|c| (c.name.clone(), json!(c.unit))));
-                writeln!(out, "{}", json!({ "units": units }))?;
+                writeln!(out, "{}", json!({ "version": VERSION, "units": units }))?;
             }
         }
         Ok(Self { out, format, keys })

@@ -29,7 +29,7 @@ use source::Catalogue;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
-use thenar_scene::session::{Session, Witness};
+use thenar_scene::session::{Session, StartOverlap, Witness};
 
 /// Is shown the session after every step; must not take long.
 pub type Watcher = Box<dyn FnMut(&Session) + Send>;
@@ -53,9 +53,15 @@ pub struct Live {
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
     reporter: Option<JoinHandle<()>>,
+    start_overlaps: Vec<StartOverlap>,
 }
 
 impl Live {
+    /// What overlaps where the first scene begins.
+    pub fn start_overlaps(&self) -> &[StartOverlap] {
+        &self.start_overlaps
+    }
+
     /// Makes the scene ready and starts the simulation's thread.
     ///
     /// # Errors
@@ -68,7 +74,8 @@ impl Live {
         let hub = hub.with_devices(devices.clone());
         let stop = Arc::new(AtomicBool::new(false));
         let told = stop.clone();
-        let mut new = Self { stop, thread: None, reporter: None };
+        let start_overlaps = ready.session.start_overlaps().to_vec();
+        let mut new = Self { stop, thread: None, reporter: None, start_overlaps };
         if let Some(devices) = devices.clone() {
             let (touch, stop) = (desk.touch.clone(), new.stop.clone());
             let report = move || haptics::report(&devices, &touch, &stop);

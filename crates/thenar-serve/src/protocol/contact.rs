@@ -1,6 +1,7 @@
 //! Contacts in a snapshot.
 
 use super::snapshot::Bytes;
+use thenar::Vec3;
 use thenar::model::BodyId;
 use thenar::world::ContactPoint;
 
@@ -26,10 +27,22 @@ pub fn put(contact: &ContactPoint, out: &mut Bytes) {
     contact.vertices.iter().for_each(|v| out.u16(vertex(v)));
     out.vector(&contact.position_W);
     out.vector(&contact.force_W);
-    out.f32(contact.force_W.dot(&contact.normal_W));
+    octahedral(&contact.normal_W).iter().for_each(|x| out.i16(*x));
     out.f32(contact.area);
     out.f32(contact.slip_W.norm());
     out.f32(contact.gap);
+}
+
+/// A unit vector as two numbers, good to 1e-4 rad: projected onto the octahedron `|x| + |y| + |z| = 1`,
+/// whose lower half is folded over the upper one (Cigolle et al. 2014); 1 becomes 32767.
+fn octahedral(n: &Vec3) -> [i16; 2] {
+    let size = n.x.abs() + n.y.abs() + n.z.abs();
+    let [x, y] = [n.x / size, n.y / size];
+    let folded = match n.z < 0.0 {
+        true => [(1.0 - y.abs()) * 1.0_f64.copysign(x), (1.0 - x.abs()) * 1.0_f64.copysign(y)],
+        false => [x, y],
+    };
+    folded.map(|part| (part * f64::from(i16::MAX)).round() as i16)
 }
 
 /// A body's number; a model message is only made of scenes whose bodies have one.

@@ -17,8 +17,8 @@ pub use model::{ModelError, model, set_epoch};
 pub use pose::{ANGLES_BYTES, JOINTS_BYTES, LOST_BYTES, PoseBody, PoseError, PoseMessage};
 pub use snapshot::{Pace, Snapshots, flags};
 
-/// Version of the protocol, in every binary message.
-pub const VERSION: u8 = 1;
+/// Version of the protocol, in every binary message. A client of another one is refused.
+pub const VERSION: u8 = 2;
 
 /// Longest text message from a client \[bytes\].
 pub const TEXT_BYTES_MAX: usize = 4096;

@@ -44,6 +44,15 @@ struct Json<'a> {
     rigids: Vec<rigid::Rigid>,
     softs: Vec<soft::Soft>,
     hands: Vec<hand::Hand>,
+    overlaps: Vec<Overlap<'a>>,
+}
+
+/// Two bodies that start inside each other.
+#[derive(Serialize)]
+struct Overlap<'a> {
+    bodies: &'a [String; 2],
+    depth: f64,
+    place: [f64; 3],
 }
 
 #[derive(Serialize)]
@@ -118,6 +127,11 @@ fn describe<'a>(session: &'a Session, scene: &'a str, arrays: &mut Arrays) -> Js
         rigids,
         softs,
         hands,
+        overlaps: session
+            .start_overlaps()
+            .iter()
+            .map(|o| Overlap { bodies: &o.bodies, depth: o.depth, place: triple(&o.place_W) })
+            .collect(),
     }
 }
 

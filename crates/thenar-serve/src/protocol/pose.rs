@@ -68,7 +68,7 @@ pub enum PoseError {
     #[error("binary message of kind {0}; expected 16, 17 or 18")]
     Kind(u8),
     /// Another protocol.
-    #[error("protocol version {0}; this is version {VERSION}")]
+    #[error("protocol version {0}; this server speaks version {VERSION}: reload the page")]
     Version(u8),
     /// Neither left nor right.
     #[error("hand {0}; expected 0 (left) or 1 (right)")]

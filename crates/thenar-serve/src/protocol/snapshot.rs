@@ -52,6 +52,10 @@ impl Bytes {
         self.0.extend_from_slice(&x.to_le_bytes());
     }
 
+    pub(super) fn i16(&mut self, x: i16) {
+        self.0.extend_from_slice(&x.to_le_bytes());
+    }
+
     fn u32(&mut self, x: u32) {
         self.0.extend_from_slice(&x.to_le_bytes());
     }

@@ -33,7 +33,7 @@ pub struct Model {
 
 impl Model {
     pub fn read(bytes: &[u8]) -> Self {
-        assert_eq!(bytes[..4], [1, 1, 0, 0], "kind, version, flags");
+        assert_eq!(bytes[..4], [1, 2, 0, 0], "kind, version, flags");
         let length = u32_at(bytes, 8) as usize;
         assert_eq!(length % 4, 0);
         assert_eq!(u32_at(bytes, 12), 0);
@@ -72,7 +72,7 @@ pub struct Contact {
     pub vertices: [u16; 2],
     pub place: [f64; 3],
     pub force: [f64; 3],
-    pub normal: f64,
+    pub normal: [f64; 3],
     pub area: f64,
     pub slip: f64,
     pub gap: f64,
@@ -103,7 +103,7 @@ pub struct Snapshot {
 
 impl Snapshot {
     pub fn read(bytes: &[u8]) -> Self {
-        assert_eq!(bytes[..2], [2, 1], "kind, version");
+        assert_eq!(bytes[..2], [2, 2], "kind, version");
         let count = |k: usize| u32_at(bytes, 64 + 4 * k) as usize;
         let mut at = 88;
         let rigids = many::<7>(bytes, &mut at, count(0));
@@ -157,13 +157,30 @@ fn many<const N: usize>(bytes: &[u8], at: &mut usize, count: usize) -> Vec<[f64;
     (0..count).map(|i| std::array::from_fn(|k| f32_at(bytes, from + 4 * (N * i + k)))).collect()
 }
 
+impl Contact {
+    /// Normal part of the force.
+    pub fn normal_force(&self) -> f64 {
+        (0..3).map(|k| self.force[k] * self.normal[k]).sum()
+    }
+}
+
+/// A unit vector from two numbers.
+fn octahedral(folded: [i16; 2]) -> [f64; 3] {
+    let [u, v] = folded.map(|x| f64::from(x) / 32767.0);
+    let z = 1.0 - u.abs() - v.abs();
+    let t = (-z).max(0.0);
+    let [x, y] = [u - t.copysign(u), v - t.copysign(v)];
+    let length = (x * x + y * y + z * z).sqrt();
+    [x, y, z].map(|part| part / length)
+}
+
 fn contact(bytes: &[u8], at: usize) -> Contact {
     Contact {
         bodies: [u16_at(bytes, at), u16_at(bytes, at + 2)],
         vertices: [u16_at(bytes, at + 4), u16_at(bytes, at + 6)],
         place: [8, 12, 16].map(|k| f32_at(bytes, at + k)),
         force: [20, 24, 28].map(|k| f32_at(bytes, at + k)),
-        normal: f32_at(bytes, at + 32),
+        normal: octahedral([32, 34].map(|k| u16_at(bytes, at + k) as i16)),
         area: f32_at(bytes, at + 36),
         slip: f32_at(bytes, at + 40),
         gap: f32_at(bytes, at + 44),

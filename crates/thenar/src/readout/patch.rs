@@ -17,6 +17,9 @@ pub struct PatchContact {
     pub normal_W: Vec3,
     /// Friction on it, world \[N\].
     pub shear_W: Vec3,
+    /// Sum of the sizes of the points' friction \[N\]: no less than the size of `shear_W`, and more where
+    /// it points to several sides.
+    pub shear_sum: f64,
     /// Centre of pressure: mean place by load, world \[m\]; zero when nothing presses.
     pub centre_W: Vec3,
     /// Torque on it about the centre of pressure, world \[N m\].
@@ -35,6 +38,11 @@ pub struct PatchContact {
 }
 
 impl PatchContact {
+    /// Mean pressure \[Pa\]: the sum of normal forces over the area; zero where no area bears load.
+    pub fn pressure_mean(&self) -> f64 {
+        if self.area > 0.0 { self.normal / self.area } else { 0.0 }
+    }
+
     /// Torque on it about another point, world \[N m\].
     pub fn torque_about(&self, point_W: &Vec3) -> Vec3 {
         self.torque_W + (self.centre_W - point_W).cross(&self.force_W)
@@ -65,6 +73,7 @@ impl Sum {
         p.normal += normal;
         p.normal_W += push_W;
         p.shear_W += force_W - push_W;
+        p.shear_sum += (force_W - push_W).norm();
         p.centre_W += point.position_W * normal;
         p.area += point.area;
         p.slip_W += point.slip_W * (normal * sign);
@@ -84,5 +93,38 @@ impl Sum {
         }
         p.torque_W = self.torque_W - p.centre_W.cross(&p.force_W);
         PatchContact { pressure_max, ..p }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::BodyId;
+
+    /// A thing held from two sides: 3 N each, 2 N of friction that turn it. Of the forces nothing is left,
+    /// of their sizes all; pressure goes by the sizes.
+    #[test]
+    fn a_grip_has_no_resultant_but_a_pressure() {
+        let side = |sign: f64, area: f64| ContactPoint {
+            bodies: [BodyId::Soft(0), BodyId::Rigid(0)],
+            vertices: [Some(0), None],
+            position_W: Vec3::x() * (-0.01 * sign),
+            normal_W: Vec3::x() * sign,
+            gap: -1e-5,
+            force_W: Vec3::new(3.0, 2.0, 0.0) * sign,
+            slip_W: Vec3::zeros(),
+            area,
+            friction: 1.0,
+            slips: false,
+        };
+        for body in 0..2 {
+            let mut sum = Sum::default();
+            [side(1.0, 1e-5), side(-1.0, 2e-5)].iter().for_each(|point| sum.add(point, body));
+            let patch = sum.finish(0.0);
+            assert_eq!((patch.normal, patch.shear_sum), (6.0, 4.0));
+            assert_eq!((patch.force_W, patch.shear_W), (Vec3::zeros(), Vec3::zeros()));
+            assert!((patch.pressure_mean() - 6.0 / 3e-5).abs() < 1e-6);
+        }
+        assert_eq!(Sum::default().finish(0.0).pressure_mean(), 0.0);
     }
 }

@@ -17,6 +17,7 @@ mod keep_momentum;
 mod kinematic_advance;
 mod limits;
 mod model;
+mod overlap;
 mod push_out;
 mod reference;
 mod response;
@@ -32,6 +33,7 @@ pub use crate::solver::Failure;
 pub use error::ModelError;
 pub use io::{ContactPoint, Energy, Input, Stage, StageTimer, StepReport, Target};
 pub use model::Model;
+pub use overlap::Overlap;
 pub use state::State;
 
 use crate::contact::{Contact, Detector, RigidPlace, Sides};

@@ -1,4 +1,4 @@
-// Force and contact area of each finger: a hand with numbers, a table, a rolling plot.
+// Force, contact area and mean pressure of each finger: a hand with numbers, a table, a rolling plot.
 
 import { Chart } from "../chart";
 import type { Desk, Panel } from "../desk";
@@ -11,6 +11,7 @@ import {
   DIGIT_COLOURS,
   DIGIT_LABELS,
   HANDS_MOST,
+  meanPressure,
   QUANTITIES,
   sample,
   type Quantity,
@@ -67,22 +68,42 @@ export function forcesPanel(desk: Desk): Panel {
   which.element.hidden = true;
 
   const cells = DIGIT_LABELS.map((label, d) => {
-    const values = [h("td"), h("td"), h("td")];
+    const values = [h("td"), h("td"), h("td"), h("td")];
     const dot = h("i", { class: "dot" });
     dot.style.background = DIGIT_COLOURS[d];
     return { values, row: h("tr", {}, h("th", { scope: "row" }, dot, label), ...values) };
   });
-  const total = [h("td"), h("td"), h("td")];
+  const total = [h("td"), h("td"), h("td"), h("td")];
   const head = (text: string, of: string) => h("th", { scope: "col" }, text, h("small", {}, ` ${of}`));
   const table = h(
     "table",
     { class: "numbers" },
-    h("thead", {}, h("tr", {}, h("td"), head("Normal", "N"), head("Shear", "N"), head("Area", "mm²"))),
+    h(
+      "thead",
+      {},
+      h(
+        "tr",
+        {},
+        h("td"),
+        head("Normal", "N"),
+        head("Shear", "N"),
+        head("Area", "mm²"),
+        head("Pressure", "kPa"),
+      ),
+    ),
     h("tbody", {}, ...cells.map((cell) => cell.row)),
     h("tfoot", {}, h("tr", {}, h("th", { scope: "row" }, "All"), ...total)),
   );
   const facts = h("dl", { class: "facts" });
 
+  const put = (row: readonly HTMLElement[], normal: number, shear: number, area: number) => {
+    const pressure = meanPressure(normal, area);
+    const texts = [fixed(normal, 2), fixed(shear, 2), fixed(1e6 * area, 0), fixed(1e-3 * pressure, 1)];
+    [normal, shear, area, pressure].forEach((value, k) => {
+      setText(row[k], texts[k]);
+      row[k].dataset["zero"] = String(value === 0);
+    });
+  };
   const write = () => {
     const { snapshot } = feed;
     if (snapshot === null) return;
@@ -90,14 +111,11 @@ export function forcesPanel(desk: Desk): Panel {
     diagram.show(fingers);
     const sums = [0, 0, 0];
     cells.forEach(({ values }, d) => {
-      values.forEach((cell, k) => {
-        const value = fingers[3 * d + k] ?? NaN;
-        sums[k] += value;
-        setText(cell, k < 2 ? fixed(value, 2) : fixed(1e6 * value, 0));
-        cell.dataset["zero"] = String(value === 0);
-      });
+      const [normal, shear, area] = fingers.subarray(3 * d, 3 * d + 3);
+      [normal, shear, area].forEach((value, k) => (sums[k] += value));
+      put(values, normal, shear, area);
     });
-    total.forEach((cell, k) => setText(cell, k < 2 ? fixed(sums[k], 2) : fixed(1e6 * sums[k], 0)));
+    put(total, sums[0], sums[1], sums[2]);
     const rows: [string, string][] = [
       ["Step", `${fixed(snapshot.stepCost, 1)} of ${fixed(snapshot.stepBudget, 1)} ms`],
       ["Contacts", `${snapshot.contacts.count}, ${snapshot.sweeps} sweeps`],

@@ -77,6 +77,7 @@ export function recordPanel(desk: Desk): Panel {
       const next = new Player(loaded.entries);
       next.show(performance.now());
       open(next);
+      if (loaded.lacks !== null) desk.toasts.show(loaded.lacks, "warning");
       if (loaded.damage !== null) desk.toasts.show(`The recording is damaged. ${loaded.damage}`, "warning");
     } catch (error) {
       fail(error);

@@ -5,6 +5,7 @@ import { command, type Desk, type Panel } from "../desk";
 import { button, h, setText } from "../dom";
 import { bytes, fixed, significant } from "../format";
 import { ICONS } from "../icons";
+import { overlapLines, overlapRemark } from "../overlaps";
 import { Throttle } from "../throttle";
 import { group, segmented, select, slider } from "../widgets";
 
@@ -23,6 +24,7 @@ export function runPanel(desk: Desk): Panel {
   });
   const scene = select("Scene", [], (name) => void command(desk, { type: "scene", name }));
   const about = h("p", { class: "help" });
+  const overlaps = h("ul", { class: "help", hidden: true });
   const hands = segmented("Hands", HANDS, (which) => {
     command(desk, { type: "hands", which, lengths: { left: null, right: null } });
   });
@@ -33,7 +35,7 @@ export function runPanel(desk: Desk): Panel {
     (value) => (value === 1 ? "real time" : `${significant(value, 2)} × real time`),
     (value) => throttle.push(value),
   );
-  const settable = h("fieldset", { class: "bare" }, scene.element, about, hands.element, speed.element);
+  const settable = h("fieldset", { class: "bare" }, scene.element, about, overlaps, hands.element, speed.element);
   const line = h("dl", { class: "facts" });
   const body = h("div", {}, group("Control", who, take), settable, group("Connection", line));
 
@@ -80,7 +82,13 @@ export function runPanel(desk: Desk): Panel {
     }
   };
   for (const name of ["status", "welcome", "open", "close"] as const) connection.on(name, refresh);
-  feed.on("model", (model) => setText(about, model.description.replace(/\s+/g, " ").trim()));
+  feed.on("model", (model) => {
+    setText(about, model.description.replace(/\s+/g, " ").trim());
+    overlaps.replaceChildren(...overlapLines(model.overlaps).map((line) => h("li", {}, line)));
+    overlaps.hidden = model.overlaps.length === 0;
+    const remark = overlapRemark(model.overlaps);
+    if (remark !== null) desk.toasts.show(remark, "warning");
+  });
   refresh();
 
   let timer: ReturnType<typeof setInterval> | undefined;

@@ -2,7 +2,7 @@
 
 use super::numbers::Numbers;
 use thenar_record::ChannelInfo;
-use thenar_scene::session::{PARTS, Session};
+use thenar_scene::session::{HandLoad, PARTS, Session};
 
 /// When steps were made.
 pub fn timing_numbers() -> Numbers {
@@ -63,8 +63,7 @@ pub fn step(session: &Session) -> [f64; 10] {
 pub fn force_numbers(session: &Session) -> Numbers {
     let of = |hand: &str| {
         let part = |name: &str| {
-            [("normal", "N"), ("shear", "N"), ("area", "m²")]
-                .map(|(figure, unit)| (format!("{hand}_{name}_{figure}"), unit))
+            HandLoad::FIGURES.map(|(figure, unit)| (format!("{hand}_{name}_{figure}"), unit))
         };
         PARTS.iter().flat_map(|digit| part(digit.name())).collect::<Vec<_>>()
     };
@@ -74,7 +73,7 @@ pub fn force_numbers(session: &Session) -> Numbers {
 /// Values of [`force_numbers`].
 pub fn force(session: &Session) -> impl Iterator<Item = f64> {
     let hands = 0..session.hands().len();
-    hands.flat_map(|k| session.hand_loads(k)).flat_map(|load| [load.normal, load.shear, load.area])
+    hands.flat_map(|k| session.hand_loads(k)).flat_map(|load| load.figures())
 }
 
 /// The scene's probes.

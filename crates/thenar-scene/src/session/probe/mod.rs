@@ -120,7 +120,9 @@ fn evaluate_touch(
     match probe {
         Measure::Contact(pair) => {
             contact::between(world.contacts(), *pair, out);
-            touch::slip(&readout.pair(world, *pair), out);
+            let patch = readout.pair(world, *pair);
+            touch::slip(&patch, out);
+            touch::sums(&patch, out);
         }
         Measure::ContactForce(body) => touch::on_body(world, readout, *body, out),
         Measure::Vertices(soft, what) => touch::vertices(readout, *soft, *what, out),
@@ -173,7 +175,7 @@ fn evaluate(
             let soft = hand.handle.soft;
             let loads = hand_loads(world.contacts(), soft, &hand.model.collision_digits);
             for finger in &loads[1..] {
-                out.extend([finger.normal, finger.shear, finger.area]);
+                out.extend(finger.figures());
             }
         }
         Measure::BoneForce(i) => {

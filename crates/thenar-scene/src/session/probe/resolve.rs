@@ -8,6 +8,7 @@ use crate::format::{
     QuantityWord, RadiusProbe, Scene, Selector, StressProbe, StressWord, VertexWord, VerticesProbe,
 };
 use crate::math::Vec3;
+use crate::session::HandLoad;
 use crate::text::{At, Fault};
 use thenar::World;
 use thenar::kernels::RestTet;
@@ -131,6 +132,8 @@ fn resolve<'a>(
                 parts(&["cx", "cy", "cz", "penetration"], "m"),
                 parts(&["points"], "1"),
                 slip_parts(),
+                parts(&["normal_sum", "shear_sum"], "N"),
+                parts(&["pressure_mean"], "Pa"),
             ]
             .concat(),
         ),
@@ -175,6 +178,8 @@ fn one_finger_parts() -> Parts {
         slip_parts(),
         parts(&["bone_fx", "bone_fy", "bone_fz"], "N"),
         parts(&["bone_tx", "bone_ty", "bone_tz"], "N m"),
+        parts(&["shear_sum"], "N"),
+        parts(&["pressure_mean"], "Pa"),
     ]
     .concat()
 }
@@ -206,12 +211,7 @@ fn step_parts() -> Parts {
 
 fn finger_parts() -> Parts {
     let of = |d: &Digit| {
-        let name = d.name();
-        [
-            (format!("{name}.normal"), "N"),
-            (format!("{name}.shear"), "N"),
-            (format!("{name}.area"), "m²"),
-        ]
+        HandLoad::FIGURES.map(|(figure, unit)| (format!("{}.{figure}", d.name()), unit))
     };
     Digit::FINGERS.iter().flat_map(of).collect()
 }

@@ -12,6 +12,11 @@ pub fn slip(patch: &PatchContact, out: &mut Vec<f64>) {
     out.extend([patch.pressure_max, patch.slip_W.norm(), patch.slipping, state]);
 }
 
+/// Sums of the sizes of normal forces and of friction, mean pressure.
+pub fn sums(patch: &PatchContact, out: &mut Vec<f64>) {
+    out.extend([patch.normal, patch.shear_sum, patch.pressure_mean()]);
+}
+
 /// Force on a body by all its contacts, and its torque about the centre of mass.
 pub fn on_body(world: &World, readout: &mut ContactReadout, body: BodyId, out: &mut Vec<f64>) {
     let centre_W = match body {
@@ -35,6 +40,7 @@ pub fn finger(part: &PartContact, out: &mut Vec<f64>) {
     out.push(contact.area);
     slip(contact, out);
     out.extend(part.bone_force_W.iter().chain(part.bone_torque_W.iter()));
+    out.extend([contact.shear_sum, contact.pressure_mean()]);
 }
 
 /// One quantity of all vertices.
