@@ -1,14 +1,37 @@
 //! The sharp or small features of a rigid shape that soft vertices could miss.
 
-use crate::contact::Shape;
 use crate::contact::aabb::Aabb;
 use crate::contact::bvh::Bvh;
+use crate::contact::triangle::area_vector;
+use crate::contact::{MeshShape, Shape};
 use crate::math::Vec3;
 
 /// A straight edge (or the axis of a capsule) in the shape frame.
 pub(crate) type Segment = [Vec3; 2];
 
+/// Sample points around a rim by default: the chord between two bends off the rim by 0.5 % of its
+/// radius.
+pub(crate) const RIM_SAMPLES: usize = 32;
+/// Samples of a mesh lie at most this part of its longest side apart, ...
+const MESH_SPACING: f64 = 1.0 / 14.0;
+/// ... unless they would be more than about so many.
+const MESH_SAMPLES_MAX: usize = 2000;
+
 /// Fixed points and segments of a shape, in its frame; each stands for a ball of `radius`.
+///
+/// | shape | points | segments |
+/// |---|---|---|
+/// | sphere | its centre | |
+/// | capsule | | its axis |
+/// | cuboid | 8 corners | 12 edges |
+/// | cylinder | 32 on each rim | |
+/// | cone | apex, 32 on the rim | |
+/// | ellipsoid, half-space | | |
+/// | mesh | corners and samples at most 1/14 of its size apart | |
+/// | compound | those of its parts | those of its parts |
+///
+/// Segments are whole: who needs points along them chooses the spacing. [`Features::with_spacing`]
+/// refines rims and meshes.
 #[derive(Clone, Debug)]
 pub(crate) struct Features {
     pub points: Vec<Vec3>,
@@ -18,17 +41,27 @@ pub(crate) struct Features {
 }
 
 impl Features {
-    /// Corners and edges of a cuboid, centre of a sphere, axis of a capsule, points of a mesh.
+    /// Features at the default spacing.
     pub fn of(shape: &Shape) -> Self {
-        let (points, segments, radius) = match shape {
-            Shape::Sphere { radius } => (vec![Vec3::zeros()], vec![], *radius),
-            Shape::Capsule { radius, half_length } => {
-                (vec![], vec![capsule_axis(*half_length)], *radius)
+        Self::with_spacing(shape, f64::INFINITY)
+    }
+
+    /// Features with points on rims and meshes at most `spacing` \[m\] apart, and never farther than
+    /// by default. Of a compound of round parts of several radii, only sharp parts give any.
+    pub fn with_spacing(shape: &Shape, spacing: f64) -> Self {
+        let (mut points, mut segments) = (Vec::new(), Vec::new());
+        let mut radius = 0.0;
+        match shape {
+            Shape::Sphere { radius: r } => {
+                points.push(Vec3::zeros());
+                radius = *r;
             }
-            Shape::Cuboid { half } => (corners(half).to_vec(), edges(half).to_vec(), 0.0),
-            Shape::HalfSpace => (vec![], vec![], 0.0),
-            Shape::Mesh(mesh) => (mesh.points.clone(), vec![], 0.0),
-        };
+            Shape::Capsule { radius: r, half_length } => {
+                segments.push(capsule_axis(*half_length));
+                radius = *r;
+            }
+            _ => sharp(shape, spacing, &mut points, &mut segments),
+        }
         let boxes: Vec<Aabb> = points.iter().map(|p| Aabb { min: *p, max: *p }).collect();
         Self { tree: Bvh::build(&boxes), points, segments, radius }
     }
@@ -36,6 +69,92 @@ impl Features {
     pub fn is_empty(&self) -> bool {
         self.points.is_empty() && self.segments.is_empty()
     }
+}
+
+/// Adds the sharp features of a shape; round ones have none.
+fn sharp(shape: &Shape, spacing: f64, points: &mut Vec<Vec3>, segments: &mut Vec<Segment>) {
+    match shape {
+        Shape::Sphere { .. }
+        | Shape::Capsule { .. }
+        | Shape::Ellipsoid { .. }
+        | Shape::HalfSpace => {}
+        Shape::Cuboid { half } => {
+            points.extend(corners(half));
+            segments.extend(edges(half));
+        }
+        Shape::Cylinder { radius, half_length } => {
+            for y in [-half_length, *half_length] {
+                points.extend(rim(*radius, y, rim_samples(*radius, spacing)));
+            }
+        }
+        Shape::Cone { radius, height } => {
+            points.push(Vec3::y() * (0.75 * height));
+            points.extend(rim(*radius, -0.25 * height, rim_samples(*radius, spacing)));
+        }
+        Shape::Mesh(mesh) => points.extend(mesh_samples(mesh, spacing)),
+        Shape::Compound(parts) => {
+            for part in parts.iter() {
+                let (p, s) = (points.len(), segments.len());
+                sharp(&part.shape, spacing, points, segments);
+                points[p..].iter_mut().for_each(|x| *x = part.pose_SP.point(x));
+                segments[s..].iter_mut().flatten().for_each(|x| *x = part.pose_SP.point(x));
+            }
+        }
+    }
+}
+
+fn rim_samples(radius: f64, spacing: f64) -> usize {
+    let needed = (std::f64::consts::TAU * radius / spacing).ceil() as usize;
+    needed.clamp(RIM_SAMPLES, 1 << 16)
+}
+
+/// Points evenly around the circle of `radius` at height `y`, the first at +x, towards +z.
+pub(crate) fn rim(radius: f64, y: f64, count: usize) -> impl Iterator<Item = Vec3> {
+    (0..count).map(move |k| {
+        let (sin, cos) = (std::f64::consts::TAU * k as f64 / count as f64).sin_cos();
+        Vec3::new(radius * cos, y, radius * sin)
+    })
+}
+
+/// Vertices of the triangles, and points on triangles that are longer than the spacing.
+fn mesh_samples(mesh: &MeshShape, spacing: f64) -> Vec<Vec3> {
+    let used = mesh.triangles.iter().flatten();
+    let sound = |v: &&u32| (**v as usize) < mesh.points.len();
+    let mut vertices: Vec<u32> = used.filter(sound).copied().collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let size = 2.0 * Aabb::of_points(&mesh.points).half().max();
+    let corners = |t: &u32| mesh.triangles[*t as usize].map(|v| mesh.points[v as usize]);
+    let triangles = &mesh.index.items;
+    let area: f64 = triangles.iter().map(|t| area_vector(&corners(t)).norm()).sum();
+    let by_count = (1.5 * area / MESH_SAMPLES_MAX as f64).sqrt();
+    let wanted = spacing.min((MESH_SPACING * size).max(by_count));
+    // Fine meshes give every n-th vertex.
+    let most = (area / (wanted * wanted)).ceil().max(MESH_SAMPLES_MAX as f64) as usize;
+    let every = vertices.len().div_ceil(most).max(1);
+    let mut points: Vec<Vec3> =
+        vertices.iter().step_by(every).map(|&v| mesh.points[v as usize]).collect();
+    for t in triangles {
+        let x = corners(t);
+        let longest = (0..3).map(|k| (x[(k + 1) % 3] - x[k]).norm()).fold(0.0, f64::max);
+        let n = ((longest / wanted).ceil() as u32).clamp(1, 64);
+        for i in 0..=n {
+            for j in 0..=n - i {
+                let corner = [i, j, n - i - j].contains(&n);
+                // Of the two triangles at an edge, one has it as its first or second.
+                let shared = i == 0
+                    && mesh.triangles[*t as usize][1] > mesh.triangles[*t as usize][2]
+                    || j == 0 && mesh.triangles[*t as usize][2] > mesh.triangles[*t as usize][0]
+                    || i + j == n
+                        && mesh.triangles[*t as usize][0] > mesh.triangles[*t as usize][1];
+                if !corner && !shared {
+                    let w = [i, j, n - i - j].map(|w| f64::from(w) / f64::from(n));
+                    points.push(x[0] * w[0] + x[1] * w[1] + x[2] * w[2]);
+                }
+            }
+        }
+    }
+    points
 }
 
 /// The ends of a capsule's axis.

@@ -18,25 +18,34 @@ mod approach;
 mod bvh;
 mod collector;
 mod contact_point;
+mod convex_pair;
 mod cuboid_pair;
 mod detector;
 mod distance;
+mod ellipsoid;
 mod features;
 mod grid;
 mod manifold;
-
+mod mesh_index;
+mod mesh_pair;
+mod nearest;
+#[cfg(test)]
+mod pair_tests;
 mod pairs;
 mod ridge;
 mod rigid_body;
 mod rigid_pair;
 #[cfg(test)]
 mod rigid_tests;
+mod separation;
 mod shape;
 mod sides;
 mod soft_feature;
 mod soft_rigid;
 mod soft_soft;
+mod support;
 mod surface;
+mod sweep;
 #[cfg(test)]
 mod tests;
 mod triangle;
@@ -45,5 +54,5 @@ pub use contact_point::{Contact, Found, RigidPlace, Site, SurfacePoint, SurfaceS
 pub use detector::Detector;
 pub use distance::Distance;
 pub use rigid_pair::Reach;
-pub use shape::{DistanceGrid, MeshShape, Shape};
+pub use shape::{DistanceGrid, MeshShape, Part, Shape};
 pub use sides::{Side, Sides};

@@ -17,7 +17,34 @@ pub(crate) struct RigidBody {
     /// Box around the shape, in S; unbounded for a half-space.
     pub bounds_S: Aabb,
     /// Largest distance of the shape from the centre of mass \[m\]; zero for a half-space.
-    radius: f64,
+    pub radius: f64,
+    /// The parts of a compound, or the shape itself.
+    pub pieces: Vec<Piece>,
+}
+
+/// A shape that is no compound, in the shape frame of its body.
+#[derive(Clone, Debug)]
+pub(crate) struct Piece {
+    pub shape: Shape,
+    pub rotation: Mat3,
+    pub position: Vec3,
+    /// Box around it, in its own frame.
+    pub bounds: Aabb,
+}
+
+impl Piece {
+    fn all_of(shape: &Shape) -> Vec<Self> {
+        let piece = |shape: &Shape, pose: &Pose| Self {
+            bounds: bounds(shape),
+            shape: shape.clone(),
+            rotation: pose.rotation.to_rotation_matrix().into_inner(),
+            position: pose.position,
+        };
+        match shape {
+            Shape::Compound(parts) => parts.iter().map(|p| piece(&p.shape, &p.pose_SP)).collect(),
+            _ => vec![piece(shape, &Pose::identity())],
+        }
+    }
 }
 
 impl RigidBody {
@@ -34,6 +61,7 @@ impl RigidBody {
             pose_BS: desc.pose_BS,
             dynamic: desc.motion == Motion::Dynamic,
             friction: desc.friction,
+            pieces: Piece::all_of(&shape),
             bounds_S,
             radius,
             shape,
@@ -78,7 +106,19 @@ fn bounds(shape: &Shape) -> Aabb {
             all.max.y = 0.0;
             all
         }
-        Shape::Mesh(mesh) => Aabb::of_points(&mesh.points),
+        Shape::Mesh(mesh) => Aabb::of_points(&mesh.points).inflate(mesh.index.rounding),
+        Shape::Cylinder { radius, half_length } => {
+            Aabb::symmetric(Vec3::new(*radius, *half_length, *radius))
+        }
+        Shape::Ellipsoid { half } => Aabb::symmetric(*half),
+        Shape::Cone { radius, height } => Aabb {
+            min: Vec3::new(-radius, -0.25 * height, -radius),
+            max: Vec3::new(*radius, 0.75 * height, *radius),
+        },
+        Shape::Compound(parts) => parts.iter().fold(Aabb::EMPTY, |all, part| {
+            let rotation = part.pose_SP.rotation.to_rotation_matrix().into_inner();
+            all.union(&bounds(&part.shape).moved(&rotation, &part.pose_SP.position))
+        }),
     }
 }
 
