@@ -3,7 +3,7 @@
 use crate::contact::aabb::Aabb;
 use crate::contact::bvh::Bvh;
 use crate::contact::triangle::area_vector;
-use crate::contact::{MeshShape, Shape};
+use crate::contact::{MeshShape, Part, Shape};
 use crate::math::Vec3;
 
 /// A straight edge (or the axis of a capsule) in the shape frame.
@@ -68,6 +68,47 @@ impl Features {
 
     pub fn is_empty(&self) -> bool {
         self.points.is_empty() && self.segments.is_empty()
+    }
+}
+
+/// Cosine of the bend from which an edge of a mesh counts as sharp, 20°.
+const SHARP: f64 = 0.939_692_620_785_908_4;
+
+impl Shape {
+    /// The sharp edges in the shape frame, for sampling along them: of a cuboid, of a mesh where its
+    /// faces bend outward by more than 20° or end, of a cylinder or cone its rims as chords (`chords` to
+    /// each, which lie within `radius (1 - cos(π/chords))` of it), of a compound those of its parts.
+    pub fn sharp_edges(&self, chords: usize) -> Vec<[Vec3; 2]> {
+        let ring = |radius: f64, y: f64| {
+            let points: Vec<Vec3> = rim(radius, y, chords.max(3)).collect();
+            let next = points.iter().cycle().skip(1);
+            points.iter().zip(next).map(|(a, b)| [*a, *b]).collect::<Vec<_>>()
+        };
+        match self {
+            Self::Cuboid { half } => edges(half).to_vec(),
+            Self::Cylinder { radius, half_length } => {
+                [ring(*radius, -half_length), ring(*radius, *half_length)].concat()
+            }
+            Self::Cone { radius, height } => ring(*radius, -0.25 * height),
+            Self::Mesh(mesh) => {
+                let sharp = mesh.index.edges.iter().filter(|e| {
+                    e.normals[0] == e.normals[1] || e.normals[0].dot(&e.normals[1]) < SHARP
+                });
+                sharp.map(|e| e.vertices.map(|v| mesh.points[v as usize])).collect()
+            }
+            Self::Compound(parts) => {
+                let placed = |part: &Part| {
+                    let edges = part.shape.sharp_edges(chords);
+                    let moved = edges.into_iter().map(|e| e.map(|p| part.pose_SP.point(&p)));
+                    moved.collect::<Vec<_>>()
+                };
+                parts.iter().flat_map(placed).collect()
+            }
+            Self::Sphere { .. }
+            | Self::Capsule { .. }
+            | Self::Ellipsoid { .. }
+            | Self::HalfSpace => Vec::new(),
+        }
     }
 }
 
@@ -190,6 +231,39 @@ pub(crate) fn edges(half: &Vec3) -> [Segment; 12] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::DistanceGrid;
+    use crate::contact::tests::cube;
+    use std::sync::Arc;
+
+    /// A finely meshed cube has its twelve edges in pieces, and nothing on its faces.
+    #[test]
+    fn sharp_edges_are_those_of_the_shape() {
+        let (points, triangles) = cube(0.02, 4);
+        let grid = DistanceGrid {
+            origin: Vec3::repeat(1e3),
+            cell: 1.0,
+            dims: [2; 3],
+            values: vec![1.0; 8],
+        };
+        let mesh = Shape::Mesh(Arc::new(MeshShape::new(points, triangles, grid)));
+        let length = |shape: &Shape| -> f64 {
+            shape.sharp_edges(64).iter().map(|[a, b]| (b - a).norm()).sum()
+        };
+        assert_eq!(mesh.sharp_edges(64).len(), 48);
+        assert!((length(&mesh) - 0.24).abs() < 1e-12);
+        assert!((length(&Shape::Cuboid { half: Vec3::repeat(0.01) }) - 0.24).abs() < 1e-12);
+        let cylinder = Shape::Cylinder { radius: 0.01, half_length: 0.02 };
+        let chord = 2.0 * 0.01 * (std::f64::consts::PI / 64.0).sin();
+        assert!((length(&cylinder) - 128.0 * chord).abs() < 1e-12);
+        for shape in [&mesh, &cylinder] {
+            for [a, b] in shape.sharp_edges(64) {
+                assert!(
+                    shape.distance(&a).value.abs() < 1e-15
+                        && shape.distance(&b).value.abs() < 1e-15
+                );
+            }
+        }
+    }
 
     #[test]
     fn a_cuboid_has_twelve_different_edges_of_its_lengths() {
