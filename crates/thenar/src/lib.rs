@@ -24,7 +24,7 @@ pub use world::World;
 
 /// Shapes of rigid bodies.
 pub mod shape {
-    pub use crate::contact::{DistanceGrid, MeshShape, Shape};
+    pub use crate::contact::{Distance, DistanceGrid, MeshShape, Part, Shape};
 }
 
 /// Angles, axes and poses of jointed bones, outside any simulation.

@@ -22,7 +22,19 @@ import {
 
 type Json = { readonly [key: string]: unknown };
 
-const SHAPES: readonly ShapeKind[] = ["bone", "plane", "sphere", "capsule", "box", "mesh", "none"];
+const SHAPES: readonly ShapeKind[] = [
+  "bone",
+  "plane",
+  "sphere",
+  "capsule",
+  "box",
+  "mesh",
+  "none",
+  "cylinder",
+  "ellipsoid",
+  "cone",
+  "compound",
+];
 const LOOKS = ["skin", "bread", "rubber"] as const;
 const SIDES = ["left", "right"] as const;
 const TYPES = { f32: Float32Array, u32: Uint32Array, u16: Uint16Array, u8: Uint8Array };
@@ -129,8 +141,7 @@ function readMesh(value: unknown, arrays: Arrays, what: string): RigidMesh {
   return { positions, triangles, colours };
 }
 
-function readRigid(value: unknown, i: number, arrays: Arrays): RigidModel {
-  const what = `rigids[${i}]`;
+function readRigid(value: unknown, what: string, arrays: Arrays): RigidModel {
   const json = object(value, what);
   const size = (key: string) => orNull(json[key], (v) => number(v, `${what}.${key}`));
   return {
@@ -143,6 +154,9 @@ function readRigid(value: unknown, i: number, arrays: Arrays): RigidModel {
     pose_BS: orNull(json["pose_BS"], (v) => pose(v, `${what}.pose_BS`)) ?? [0, 0, 0, 0, 0, 0, 1],
     colour: orNull(json["colour"], (v) => rgb(v, `${what}.colour`)),
     mesh: orNull(json["mesh"], (v) => readMesh(v, arrays, `${what}.mesh`)),
+    parts: list(json["parts"] ?? [], `${what}.parts`).map((v, k) =>
+      readRigid(v, `${what}.parts[${k}]`, arrays),
+    ),
   };
 }
 
@@ -254,7 +268,7 @@ export function decodeModel(bytes: ArrayBuffer, epoch: number): SceneModel {
   const softList = list(json["softs"], "softs");
   const handList = list(json["hands"], "hands");
   const [R, S, H] = [rigidList.length, softList.length, handList.length];
-  const rigids = rigidList.map((v, i) => readRigid(v, i, arrays));
+  const rigids = rigidList.map((v, i) => readRigid(v, `rigids[${i}]`, arrays));
   const softs = softList.map((v, i) => readSoft(v, i, R, H, arrays));
   const hands = handList.map((v, i) => readHand(v, i, R, S, arrays));
 

@@ -32,7 +32,18 @@ export interface RigidMesh {
   readonly colours: Uint8Array | null;
 }
 
-export type ShapeKind = "bone" | "plane" | "sphere" | "capsule" | "box" | "mesh" | "none";
+export type ShapeKind =
+  | "bone"
+  | "plane"
+  | "sphere"
+  | "capsule"
+  | "box"
+  | "mesh"
+  | "none"
+  | "cylinder"
+  | "ellipsoid"
+  | "cone"
+  | "compound";
 
 export interface RigidModel {
   readonly name: string;
@@ -44,6 +55,8 @@ export interface RigidModel {
   readonly pose_BS: Pose7;
   readonly colour: Rgb | null;
   readonly mesh: RigidMesh | null;
+  /** Of a compound; their poses are in the body's frame. */
+  readonly parts: readonly RigidModel[];
 }
 
 /** The skinning target of a node: sum of weight * (bone position + bone rotation * offset). */

@@ -43,8 +43,8 @@ export class RigidView {
     const painted = geometry.hasAttribute("color");
     this.body = new Mesh(geometry, paintMaterial(colour, painted, shared));
     this.body.castShadow = this.body.receiveShadow = true;
-    if (model.mesh === null) {
-      // Primitives are given in the shape's frame, meshes in the body's.
+    if (model.mesh === null && model.parts.length === 0) {
+      // Primitives are given in the shape's frame, meshes and parts in the body's.
       this.body.position.fromArray(model.pose_BS);
       this.body.quaternion.fromArray(model.pose_BS, 3);
     }
@@ -88,6 +88,21 @@ function shape(model: RigidModel): BufferGeometry | null {
     return creased(geometry);
   }
   switch (model.kind) {
+    case "cylinder": {
+      const radius = model.radius ?? 0.01;
+      return new CylinderGeometry(radius, radius, 2 * (model.half_length ?? 0.01), 64);
+    }
+    case "cone": {
+      // The origin is the centre of mass: a quarter of the height above the base.
+      const half = model.half_length ?? 0.01;
+      return new CylinderGeometry(0, model.radius ?? 0.01, 2 * half, 64).translate(0, 0.5 * half, 0);
+    }
+    case "ellipsoid": {
+      const [x, y, z] = model.half ?? [0.01, 0.01, 0.01];
+      return new SphereGeometry(1, 48, 24).scale(x, y, z);
+    }
+    case "compound":
+      return together(model.parts);
     case "box": {
       const [x, y, z] = model.half ?? [0.01, 0.01, 0.01];
       return new BoxGeometry(2 * x, 2 * y, 2 * z);
@@ -102,6 +117,24 @@ function shape(model: RigidModel): BufferGeometry | null {
     default:
       return null;
   }
+}
+
+/** The parts of a compound in one geometry, in the body's frame. */
+function together(parts: readonly RigidModel[]): BufferGeometry | null {
+  const placed = parts.flatMap((part) => {
+    const geometry = shape(part);
+    if (geometry === null) return [];
+    if (part.mesh === null) {
+      geometry.applyQuaternion(new Quaternion().fromArray(part.pose_BS, 3));
+      const [x, y, z] = part.pose_BS;
+      geometry.translate(x, y, z);
+    }
+    // Merging needs the same attributes in each.
+    const single = geometry.index === null ? geometry : geometry.toNonIndexed();
+    single.deleteAttribute("uv");
+    return [single];
+  });
+  return placed.length === 0 ? null : mergeGeometries(placed);
 }
 
 /** Half the size of what stands for a body without a shape, m. */

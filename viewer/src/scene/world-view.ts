@@ -283,5 +283,11 @@ function extent(rigid: RigidModel): number | null {
     }
     return Math.sqrt(square);
   }
+  if (rigid.parts.length > 0) {
+    const [x, y, z] = rigid.pose_BS;
+    const reach = (part: RigidModel) =>
+      (extent(part) ?? 0) + Math.hypot(part.pose_BS[0] - x, part.pose_BS[1] - y, part.pose_BS[2] - z);
+    return Math.max(...rigid.parts.map(reach));
+  }
   return rigid.half === null ? (rigid.radius ?? 0) + (rigid.half_length ?? 0) : Math.hypot(...rigid.half);
 }

@@ -4,7 +4,7 @@ use super::actors::{Hand, Rigid};
 use super::colour::{Rgb, from_srgb_triple, hex};
 use super::draw::bone;
 use super::scene3d::{Material, Mesh};
-use super::shapes::{Solid, capsule, cuboid, sphere};
+use super::shapes::{Solid, of_shape, sphere};
 use thenar::model::{JointKind, Motion, RigidDesc};
 use thenar::shape::Shape;
 use thenar::{Pose, Vec3, World};
@@ -28,17 +28,7 @@ pub fn rigid_mesh(desc: &RigidDesc, pose_WB: &Pose, look: &Rigid) -> Option<Mesh
         return Some(Mesh { colours, material: white, ..drawn });
     }
     let pose_WS = *pose_WB * desc.pose_BS;
-    let solid = match desc.shape.as_ref()? {
-        Shape::Sphere { radius } => sphere(Vec3::zeros(), *radius, 64),
-        Shape::Capsule { radius, half_length } => {
-            capsule(-Vec3::y() * *half_length, Vec3::y() * *half_length, *radius, 48)
-        }
-        Shape::Cuboid { half } => cuboid(&Pose::identity(), *half, 16),
-        Shape::Mesh(mesh) => {
-            Solid { positions: mesh.points.clone(), triangles: mesh.triangles.clone() }
-        }
-        Shape::HalfSpace => return None,
-    };
+    let solid = of_shape(desc.shape.as_ref()?, 64, 16)?;
     Some(solid.placed(&pose_WS).mesh(material))
 }
 

@@ -42,7 +42,7 @@ pub use portrait::hand_portrait;
 pub use recorder::{PictureOptions, RecordError, Recorder};
 pub use render::{Quality, render};
 pub use scene3d::{Backdrop, Ground, Material, Pattern};
-pub use shapes::{capsule, cuboid, sphere};
+pub use shapes::of_shape;
 pub use stage::{Scales, Stage};
 
 /// A vector in single precision, relative to the camera's target.

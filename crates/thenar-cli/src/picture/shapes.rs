@@ -2,6 +2,7 @@
 
 use super::scene3d::{Material, Mesh};
 use std::f64::consts::{PI, TAU};
+use thenar::shape::Shape;
 use thenar::{Pose, Vec3};
 
 /// Vertices and outward triangles.
@@ -132,6 +133,46 @@ pub fn cuboid(pose: &Pose, half: Vec3, cells: usize) -> Solid {
     solid
 }
 
+/// An ellipsoid with these half axes; `detail` segments round it.
+pub fn ellipsoid(half: Vec3, detail: usize) -> Solid {
+    let mut solid = sphere(Vec3::zeros(), 1.0, detail);
+    solid.positions.iter_mut().for_each(|p| p.component_mul_assign(&half));
+    solid
+}
+
+/// The outline of a contact shape in its own frame; of a half-space nothing. `detail` segments go
+/// round round shapes, the faces of a box have `cells`² squares.
+pub fn of_shape(shape: &Shape, detail: usize, cells: usize) -> Option<Solid> {
+    let up = |y: f64| Vec3::y() * y;
+    Some(match shape {
+        Shape::Sphere { radius } => sphere(Vec3::zeros(), *radius, detail),
+        Shape::Capsule { radius, half_length } => {
+            capsule(up(-half_length), up(*half_length), *radius, detail)
+        }
+        Shape::Cuboid { half } => cuboid(&Pose::identity(), *half, cells),
+        Shape::Cylinder { radius, half_length } => {
+            cylinder(up(-half_length), up(*half_length), [*radius; 2], detail)
+        }
+        Shape::Ellipsoid { half } => ellipsoid(*half, detail),
+        Shape::Cone { radius, height } => {
+            cylinder(up(-0.25 * height), up(0.75 * height), [*radius, 0.0], detail)
+        }
+        Shape::Mesh(mesh) => {
+            Solid { positions: mesh.points.clone(), triangles: mesh.triangles.clone() }
+        }
+        Shape::Compound(parts) => {
+            let mut whole = Solid::default();
+            for part in parts.iter() {
+                if let Some(solid) = of_shape(&part.shape, detail, cells) {
+                    whole.join(&solid.placed(&part.pose_SP));
+                }
+            }
+            whole
+        }
+        Shape::HalfSpace => return None,
+    })
+}
+
 /// An eight-faced spindle from `a` to `b`, widest a fifth of the way: the usual sign for a bone.
 pub fn spindle(a: Vec3, b: Vec3, radius: f64) -> Solid {
     let length = (b - a).norm();
@@ -159,6 +200,9 @@ mod tests {
         close(capsule(a, b, 0.2, 96), PI * 0.04 * 0.5 + 4.0 / 3.0 * PI * 0.008);
         close(cylinder(a, b, [0.2, 0.2], 96), PI * 0.04 * 0.5);
         close(cylinder(a, b, [0.2, 0.0], 96), PI * 0.04 * 0.5 / 3.0);
+        close(ellipsoid(Vec3::new(0.1, 0.2, 0.3), 96), 4.0 / 3.0 * PI * 0.006);
+        let cone = of_shape(&Shape::Cone { radius: 0.2, height: 0.3 }, 96, 1);
+        close(cone.unwrap_or_default(), PI * 0.04 * 0.1);
         close(cuboid(&Pose::identity(), Vec3::new(0.1, 0.2, 0.3), 3), 0.048);
         // Two square pyramids of base 2 r² over the length 0.5.
         close(spindle(a, b, 0.1), 2.0 * 0.01 * 0.5 / 3.0);

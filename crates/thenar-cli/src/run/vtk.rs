@@ -123,24 +123,12 @@ fn rigids(session: &Session, parts: &mut Parts) -> Result<(), CliError> {
 
 /// The surface of a shape in the world; of a half space, a square of 1 m.
 fn outline(shape: &Shape, pose_WS: &Pose) -> Option<(Vec<Vec3>, Vec<[u32; 3]>)> {
-    let solid = match shape {
-        Shape::Sphere { radius } => picture::sphere(pose_WS.position, *radius, 24),
-        Shape::Capsule { radius, half_length } => {
-            let end = |y: f64| pose_WS.point(&Vec3::new(0.0, y, 0.0));
-            picture::capsule(end(-half_length), end(*half_length), *radius, 24)
-        }
-        Shape::Cuboid { half } => picture::cuboid(pose_WS, *half, 1),
-        Shape::HalfSpace => {
-            let corner = |x: f64, z: f64| pose_WS.point(&Vec3::new(x, 0.0, z));
-            let corners =
-                [corner(-0.5, -0.5), corner(-0.5, 0.5), corner(0.5, 0.5), corner(0.5, -0.5)];
-            return Some((corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]));
-        }
-        Shape::Mesh(mesh) => {
-            let points = mesh.points.iter().map(|p| pose_WS.point(p)).collect();
-            return Some((points, mesh.triangles.clone()));
-        }
-    };
+    if matches!(shape, Shape::HalfSpace) {
+        let corner = |x: f64, z: f64| pose_WS.point(&Vec3::new(x, 0.0, z));
+        let corners = [corner(-0.5, -0.5), corner(-0.5, 0.5), corner(0.5, 0.5), corner(0.5, -0.5)];
+        return Some((corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]));
+    }
+    let solid = picture::of_shape(shape, 24, 1)?.placed(pose_WS);
     Some((solid.positions, solid.triangles))
 }
 

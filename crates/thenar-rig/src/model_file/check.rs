@@ -121,6 +121,22 @@ fn shape(shape: &Shape) -> Check {
         }
         Shape::Cuboid { half } => numbers("half edge", half.iter().copied(), |h| h > 0.0),
         Shape::HalfSpace => Ok(()),
+        Shape::Cylinder { radius, half_length } => {
+            numbers("cylinder radius or length", [*radius, *half_length], |x| x > 0.0)
+        }
+        Shape::Ellipsoid { half } => numbers("half axis", half.iter().copied(), |h| h > 0.0),
+        Shape::Cone { radius, height } => {
+            numbers("cone radius or height", [*radius, *height], |x| x > 0.0)
+        }
+        Shape::Compound(parts) => {
+            ensure(!parts.is_empty(), || "a compound has no parts".into())?;
+            parts.iter().try_for_each(|part| {
+                let nested = matches!(part.shape, Shape::HalfSpace | Shape::Compound(_));
+                ensure(!nested, || "a compound holds a plane or a compound".into())?;
+                ensure(placement(&part.pose_SP), || "a part's pose is not a placement".into())?;
+                self::shape(&part.shape)
+            })
+        }
         Shape::Mesh(mesh) => {
             check_triangles("contact mesh", &mesh.points, &mesh.triangles)?;
             let grid = &mesh.grid;

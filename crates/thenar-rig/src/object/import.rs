@@ -9,6 +9,7 @@
 //!    remaining mesh suggests.
 //! 3. Mass properties are the exact polyhedral integrals if the mesh is closed and their volume
 //!    agrees with that of the grid; otherwise they are integrated over the grid.
+//!    Holes with a simple border are closed by fans in the surface that others touch.
 //! 4. A mesh with no inside (a sheet, a strip, scattered triangles) becomes a shell: all points
 //!    nearer to it than half a stated thickness.
 
@@ -47,7 +48,7 @@ impl Weight {
 pub struct ImportOptions {
     /// Distance grid.
     pub grid: GridOptions,
-    /// At most so many contact points.
+    /// Vertices of the surface that others touch; a mesh of more is simplified.
     pub points_max: usize,
     /// Thickness of a mesh without inside \[m\]; `None` is 1/25 of its longest side.
     pub shell_thickness: Option<f64>,
@@ -58,7 +59,7 @@ pub struct ImportOptions {
 impl Default for ImportOptions {
     fn default() -> Self {
         let grid = GridOptions::default();
-        Self { grid, points_max: 2000, shell_thickness: None, friction: 0.5 }
+        Self { grid, points_max: 100_000, shell_thickness: None, friction: 0.5 }
     }
 }
 
@@ -88,7 +89,7 @@ pub struct MeshReport {
     pub interior: Interior,
     /// Volume \[m³\].
     pub volume: f64,
-    /// Contact points.
+    /// Vertices of the surface that others touch.
     pub contact_points: usize,
     /// Spacing of the distance grid \[m\].
     pub grid_cell: f64,
@@ -102,8 +103,6 @@ const SIZE_RANGE: [f64; 2] = [1e-4, 1e3];
 const WELD: f64 = 1e-6;
 /// Exact and grid volume agree when they differ by less than this part.
 const VOLUME_AGREEMENT: f64 = 0.03;
-/// Edges of the contact mesh are at most so many grid cells long.
-const POINT_SPACING_CELLS: f64 = 4.0;
 
 /// Makes a rigid body of a mesh, by the method of this module's head. The mesh may be open, of
 /// many parts, or a sheet.
@@ -137,7 +136,9 @@ pub fn rigid_from_mesh(
     let (interior, grid, body) = inside_of(&clean, &topology, size, options)?;
     let mass = weight.mass(body.mass)?;
     let pose_MB = Pose::new(body.centre, Quat::identity());
-    let model = assemble(name, mesh, &clean, grid, body.with_mass(mass), pose_MB, options)?;
+    let body_of_mass = body.with_mass(mass);
+    let surfaces = [mesh, &clean];
+    let model = assemble(name, surfaces, interior, grid, body_of_mass, pose_MB, options)?;
     let Shape::Mesh(shape) = &model.shape else {
         return Err(RigError::invalid("a mesh must have a mesh shape"));
     };
@@ -214,25 +215,74 @@ fn deep_values(grid: &DistanceGrid) -> usize {
     grid.values.iter().filter(|&&d| f64::from(d) < -0.5 * grid.cell).count()
 }
 
+/// The mesh with each hole whose border is one simple loop closed by a fan about the loop's middle.
+fn capped(mesh: &TriMesh) -> TriMesh {
+    let mut sides: Vec<[u32; 2]> =
+        mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
+    sides.sort_unstable();
+    let has = |side: &[u32; 2]| sides.binary_search(side).is_ok();
+    // Along a hole, against the sides of the triangles around it.
+    let mut border: Vec<[u32; 2]> =
+        sides.iter().filter(|[a, b]| !has(&[*b, *a])).map(|&[a, b]| [b, a]).collect();
+    border.sort_unstable();
+    let mut done = vec![false; border.len()];
+    let mut whole = mesh.clone();
+    for first in 0..border.len() {
+        let mut ring = Vec::new();
+        let mut at = first;
+        while !std::mem::replace(&mut done[at], true) {
+            ring.push(border[at]);
+            let from = border[at][1];
+            let next = border.partition_point(|side| side[0] < from);
+            let ways = border[next..].iter().take_while(|side| side[0] == from).count();
+            if ways != 1 {
+                ring.clear();
+                break;
+            }
+            at = next;
+        }
+        if ring.len() < 3 || at != first {
+            continue;
+        }
+        let places = ring.iter().map(|side| mesh.positions[side[0] as usize]);
+        let middle = whole.positions.len() as u32;
+        whole.positions.push(places.sum::<Vec3>() / ring.len() as f64);
+        whole.triangles.extend(ring.iter().map(|&[a, b]| [a, b, middle]));
+    }
+    whole
+}
+
 fn assemble(
     name: &str,
-    drawn: &TriMesh,
-    clean: &TriMesh,
+    [drawn, clean]: [&TriMesh; 2],
+    interior: Interior,
     grid: DistanceGrid,
     body: MassProperties,
     pose_MB: Pose,
     options: &ImportOptions,
 ) -> Result<RigidModel, RigError> {
     let to_B = |p: &Vec3| p - pose_MB.position;
-    // Areas per point and spacing of the grid both bound how dense points are useful.
-    let by_count = (clean.area() * 1.5 / options.points_max.max(16) as f64).sqrt();
-    let spacing = (POINT_SPACING_CELLS * grid.cell).max(by_count);
-    let contact = resampled(clean, spacing, options.points_max.max(16))?;
-    let shape = MeshShape {
-        points: contact.positions.iter().map(to_B).collect(),
-        triangles: contact.triangles,
-        grid: DistanceGrid { origin: to_B(&grid.origin), ..grid },
+    // The surface itself: bodies touch it exactly. Only what is too fine is simplified.
+    let closed;
+    let contact = match interior {
+        Interior::Winding => {
+            closed = capped(clean);
+            &closed
+        }
+        _ => clean,
     };
+    let coarse;
+    let contact = if contact.positions.len() <= options.points_max.max(16) {
+        contact
+    } else {
+        coarse = resampled(contact, f64::INFINITY, options.points_max.max(16))?;
+        &coarse
+    };
+    let shape = MeshShape::new(
+        contact.positions.iter().map(to_B).collect(),
+        contact.triangles.clone(),
+        DistanceGrid { origin: to_B(&grid.origin), ..grid },
+    );
     Ok(RigidModel {
         name: name.to_owned(),
         mass: body.mass,
@@ -244,4 +294,35 @@ fn assemble(
         paint: Vec::new(),
         friction: options.friction,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes;
+
+    /// A scan without its bottom, as most are: the rest is touched where it is, and the hole is
+    /// closed where its border lies flat.
+    #[test]
+    fn a_ball_cut_open_is_closed_flat_and_exact_elsewhere() {
+        let mut mesh = shapes::sphere(0.03, 12);
+        let positions = mesh.positions.clone();
+        mesh.triangles.retain(|t| t.iter().all(|&v| positions[v as usize].y > -0.02));
+        let mesh = mesh.compacted();
+        let weight = Weight::Density(1000.0);
+        let (model, report) =
+            rigid_from_mesh("scan", &mesh, weight, &ImportOptions::default()).unwrap();
+        assert_eq!(report.interior, Interior::Winding);
+        let Shape::Mesh(shape) = &model.shape else { panic!("a mesh") };
+        assert!(
+            Topology::of(&TriMesh::new(shape.points.clone(), shape.triangles.clone()).unwrap())
+                .closed()
+        );
+        let at = |p: Vec3| model.shape.distance(&(p - model.pose_MB.position)).value;
+        for height in [0.031, 0.05, 0.3] {
+            let exact = Bvh::new(&mesh).closest(&(Vec3::y() * height)).distance;
+            assert!((at(Vec3::y() * height) - exact).abs() < 1e-9);
+        }
+        assert!(at(Vec3::zeros()) < -0.015 && at(Vec3::y() * -0.025) > 0.0);
+    }
 }

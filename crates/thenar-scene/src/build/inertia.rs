@@ -25,6 +25,25 @@ pub fn of_primitive(shape: &Shape) -> Option<(f64, Mat3)> {
             Some((volume, Mat3::from_diagonal(&diagonal)))
         }
         Shape::Capsule { radius, half_length } => Some(of_capsule(*radius, *half_length)),
+        Shape::Cylinder { radius, half_length } => {
+            let (square, volume) = (radius * radius, 2.0 * PI * radius * radius * half_length);
+            let across = volume * (0.25 * square + half_length * half_length / 3.0);
+            let inertia = Vec3::new(across, 0.5 * volume * square, across);
+            Some((volume, Mat3::from_diagonal(&inertia)))
+        }
+        Shape::Ellipsoid { half } => {
+            let volume = 4.0 / 3.0 * PI * half.product();
+            let square = half.component_mul(half);
+            let inertia = square.map(|own| 0.2 * volume * (square.sum() - own));
+            Some((volume, Mat3::from_diagonal(&inertia)))
+        }
+        Shape::Cone { radius, height } => {
+            let volume = PI * radius * radius * height / 3.0;
+            let (square, rise) = (radius * radius, height * height);
+            let across = volume * (0.15 * square + 0.0375 * rise);
+            let inertia = Vec3::new(across, 0.3 * volume * square, across);
+            Some((volume, Mat3::from_diagonal(&inertia)))
+        }
         _ => None,
     }
 }
@@ -86,6 +105,14 @@ mod tests {
                 }
                 Shape::Sphere { radius } => p.norm() <= *radius,
                 Shape::Cuboid { half } => (0..3).all(|k| p[k].abs() <= half[k]),
+                Shape::Cylinder { radius, half_length } => {
+                    p.x.hypot(p.z) <= *radius && p.y.abs() <= *half_length
+                }
+                Shape::Ellipsoid { half } => p.component_div(half).norm() <= 1.0,
+                Shape::Cone { radius, height } => {
+                    let up = p.y / height + 0.25;
+                    up >= 0.0 && p.x.hypot(p.z) <= radius * (1.0 - up)
+                }
                 _ => false,
             };
             if inside {
@@ -102,6 +129,9 @@ mod tests {
             Shape::Sphere { radius: 0.9 },
             Shape::Capsule { radius: 0.4, half_length: 0.55 },
             Shape::Cuboid { half: Vec3::new(0.5, 0.75, 0.25) },
+            Shape::Cylinder { radius: 0.6, half_length: 0.9 },
+            Shape::Ellipsoid { half: Vec3::new(0.9, 0.4, 0.7) },
+            Shape::Cone { radius: 0.8, height: 1.2 },
         ];
         for shape in shapes {
             let (volume, inertia) = of_primitive(&shape).unwrap();

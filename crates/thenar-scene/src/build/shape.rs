@@ -1,11 +1,12 @@
 //! Contact shapes of rigid bodies.
 
 use super::Files;
-use super::{assets, inertia};
-use crate::format::Shape as Table;
-use crate::math::{Mat3, Pose};
+use super::{assets, inertia, place};
+use crate::format::{CompoundPart, CompoundShape, Shape as Table};
+use crate::math::{Mat3, Pose, Quat, Vec3};
 use crate::text::{At, Fault};
-use thenar::shape::Shape;
+use std::sync::Arc;
+use thenar::shape::{Part, Shape};
 use thenar_rig::TriMesh;
 use thenar_rig::object::{Paint, Weight};
 
@@ -33,6 +34,69 @@ impl Solid {
     }
 }
 
+/// A part with its volume \[m³\] (of a mesh in units of its mass), centre, and inertia about it at
+/// density 1, both in the compound's frame.
+struct Weighed {
+    part: Part,
+    volume: f64,
+    centre: Vec3,
+    inertia: Mat3,
+}
+
+/// Puts parts together about their common centre of mass.
+fn compound(
+    table: &CompoundShape,
+    at: &At<Table>,
+    weight: Weight,
+    files: &Files,
+) -> Result<Solid, Fault> {
+    if table.parts.is_empty() {
+        return Err(at.fault("a compound needs at least one part"));
+    }
+    let parts = table.parts.iter().map(|part| weighed(&part.value, files));
+    let parts = parts.collect::<Result<Vec<_>, _>>()?;
+    let volume: f64 = parts.iter().map(|p| p.volume).sum();
+    let centre = parts.iter().map(|p| p.centre * p.volume).sum::<Vec3>() / volume;
+    // Steiner's theorem for each part.
+    let inertia: Mat3 = parts
+        .iter()
+        .map(|p| {
+            let d = p.centre - centre;
+            p.inertia + (Mat3::identity() * d.norm_squared() - d * d.transpose()) * p.volume
+        })
+        .sum();
+    let mass = weight.mass(volume).map_err(|e| at.fault(e.to_string()))?;
+    let to_B = Pose::new(-centre, Quat::identity());
+    let placed = |p: Weighed| Part { pose_SP: to_B * p.part.pose_SP, ..p.part };
+    Ok(Solid {
+        shape: Shape::Compound(Arc::new(parts.into_iter().map(placed).collect())),
+        pose_BS: Pose::identity(),
+        pose_MB: to_B.inverse(),
+        moments: None,
+        weighed: Some((mass, inertia * (mass / volume))),
+        look: None,
+    })
+}
+
+fn weighed(part: &CompoundPart, files: &Files) -> Result<Weighed, Fault> {
+    let inner = &part.shape;
+    if matches!(inner.value, Table::Plane(_) | Table::Car(_) | Table::Compound(_)) {
+        return Err(inner.fault("a compound holds no plane, car or compound"));
+    }
+    let made = solid(inner, Weight::Density(1.0), files)?;
+    let Some((volume, inertia)) = made.moments.or(made.weighed) else {
+        return Err(inner.fault("a part needs a volume"));
+    };
+    let pose = place::frame(part.frame.as_ref())? * made.pose_MB;
+    let turn = pose.rotation.to_rotation_matrix().into_inner();
+    Ok(Weighed {
+        part: Part { shape: made.shape, pose_SP: pose * made.pose_BS },
+        volume,
+        centre: pose.position,
+        inertia: turn * inertia * turn.transpose(),
+    })
+}
+
 /// Makes the shape that a table describes; a mesh gets `weight`.
 pub fn solid(table: &At<Table>, weight: Weight, files: &Files) -> Result<Solid, Fault> {
     match &table.value {
@@ -41,6 +105,12 @@ pub fn solid(table: &At<Table>, weight: Weight, files: &Files) -> Result<Solid, 
         Table::Capsule(c) => {
             Ok(Solid::primitive(Shape::Capsule { radius: c.radius, half_length: c.length / 2.0 }))
         }
+        Table::Cylinder(c) => {
+            Ok(Solid::primitive(Shape::Cylinder { radius: c.radius, half_length: c.length / 2.0 }))
+        }
+        Table::Ellipsoid(e) => Ok(Solid::primitive(Shape::Ellipsoid { half: e.size / 2.0 })),
+        Table::Cone(c) => Ok(Solid::primitive(Shape::Cone { radius: c.radius, height: c.height })),
+        Table::Compound(c) => compound(c, table, weight, files),
         Table::Plane(_) => Ok(Solid::primitive(Shape::HalfSpace)),
         Table::Car(car) => assets::car(car, weight, table),
         Table::Mesh(mesh) => assets::rigid_mesh(mesh, weight, files),

@@ -36,7 +36,8 @@ pub use probe::{
 };
 pub use profile::{Constant, KeyframeProfile, Profile, RampProfile, RandomProfile, SineProfile};
 pub use rigid::{
-    BoxShape, CapsuleShape, CarShape, MeshShape, MotionWord, PlaneShape, Rigid, Shape, SphereShape,
+    BoxShape, CapsuleShape, CarShape, CompoundPart, CompoundShape, ConeShape, CylinderShape,
+    EllipsoidShape, MeshShape, MotionWord, PlaneShape, Rigid, Shape, SphereShape,
 };
 pub use scene::{Pair, Scene};
 pub use selector::{Selector, Shell, SideWord};

@@ -31,6 +31,55 @@ table! {
 }
 
 table! {
+    /// A cylinder along y, its centre at the origin.
+    pub struct CylinderShape {
+        /// Radius [m].
+        radius: f64 where SIZE;
+        /// Length from end to end [m].
+        length: f64 where SIZE;
+    }
+}
+
+table! {
+    /// An ellipsoid, its centre at the origin.
+    pub struct EllipsoidShape {
+        /// Whole axes along x, y, z [m].
+        size: Vec3 where SIZE;
+    }
+}
+
+table! {
+    /// A cone along y, apex up. The origin is its centre of mass: the base lies a quarter of the
+    /// height below it.
+    pub struct ConeShape {
+        /// Radius of the base [m].
+        radius: f64 where SIZE;
+        /// Height [m].
+        height: f64 where SIZE;
+    }
+}
+
+table! {
+    /// Several shapes as one rigid body. Its mass is that of the parts, each weighed for itself: where
+    /// they overlap, twice. As with a mesh, `position`, `rotation` and `keyframes` place the frame
+    /// that the parts are given in; the body's own frame has its origin at the centre of mass.
+    pub struct CompoundShape {
+        /// At least one.
+        parts: Vec<At<CompoundPart>>;
+    }
+}
+
+table! {
+    /// A part of a compound.
+    pub struct CompoundPart {
+        /// Any shape but a plane, a car and a compound.
+        shape: At<Shape>;
+        /// Placement in the compound's frame. Default: the same frame.
+        frame: Option<Placement>;
+    }
+}
+
+table! {
     /// All points with y <= 0; its normal is +y. Not for dynamic bodies.
     pub struct PlaneShape {}
 }
@@ -67,6 +116,14 @@ choice! {
         "sphere" => Sphere(SphereShape),
         /// A capsule along y.
         "capsule" => Capsule(CapsuleShape),
+        /// A cylinder along y.
+        "cylinder" => Cylinder(CylinderShape),
+        /// An ellipsoid.
+        "ellipsoid" => Ellipsoid(EllipsoidShape),
+        /// A cone along y.
+        "cone" => Cone(ConeShape),
+        /// Several shapes as one body.
+        "compound" => Compound(CompoundShape),
         /// A half space below y = 0.
         "plane" => Plane(PlaneShape),
         /// The built-in toy car.
@@ -89,8 +146,8 @@ words! {
 }
 
 table! {
-    /// A rigid body. Its frame has its origin at the centre of mass. Of a mesh or car, `position`,
-    /// `rotation` and `keyframes` place the frame of the mesh file instead; everything else,
+    /// A rigid body. Its frame has its origin at the centre of mass. Of a mesh, car or compound,
+    /// `position`, `rotation` and `keyframes` place the frame of the file or of the parts instead; everything else,
     /// probes too, uses the centre of mass.
     pub struct Rigid {
         /// Name, unique in the scene.

@@ -3,7 +3,8 @@
 use super::arrays::{Array, Arrays, seven};
 use serde::Serialize;
 use thenar::model::{Motion, RigidDesc};
-use thenar::shape::Shape;
+use thenar::shape::{Part, Shape};
+use thenar::{Mat3, Pose, Vec3};
 use thenar_rig::TriMesh;
 use thenar_rig::object::Paint;
 use thenar_scene::build::RigidLook;
@@ -23,6 +24,8 @@ pub struct Rigid {
     pose_BS: [f64; 7],
     colour: Option<[f64; 3]>,
     mesh: Option<Mesh>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    parts: Vec<Rigid>,
 }
 
 #[derive(Debug, Serialize)]
@@ -52,6 +55,14 @@ pub fn rigid(
         }
         Some(Shape::Cuboid { half: h }) => (kind, half) = ("box", Some([h.x, h.y, h.z])),
         Some(Shape::Mesh(_)) => kind = "mesh",
+        Some(Shape::Cylinder { radius: r, half_length: l }) => {
+            (kind, radius, half_length) = ("cylinder", Some(*r), Some(*l));
+        }
+        Some(Shape::Ellipsoid { half: h }) => (kind, half) = ("ellipsoid", Some([h.x, h.y, h.z])),
+        Some(Shape::Cone { radius: r, height: h }) => {
+            (kind, radius, half_length) = ("cone", Some(*r), Some(0.5 * h));
+        }
+        Some(Shape::Compound(_)) => kind = "compound",
     }
     let colour = look.and_then(|look| look.colour);
     let mesh = match (look.and_then(|look| look.mesh.as_ref()), &desc.shape) {
@@ -80,7 +91,30 @@ pub fn rigid(
         pose_BS: seven(&desc.pose_BS),
         colour,
         mesh,
+        parts: match &desc.shape {
+            Some(Shape::Compound(parts)) if !bone => {
+                parts.iter().map(|part| self::part(part, &desc.pose_BS, arrays)).collect()
+            }
+            _ => Vec::new(),
+        },
     }
+}
+
+/// A part of a compound, as a body of its own in the compound's frame.
+fn part(part: &Part, pose_BS: &Pose, arrays: &mut Arrays) -> Rigid {
+    let desc = RigidDesc {
+        name: String::new(),
+        motion: Motion::Dynamic,
+        mass: 0.0,
+        inertia: Mat3::zeros(),
+        pose_WB: Pose::identity(),
+        velocity_W: Vec3::zeros(),
+        angular_velocity_W: Vec3::zeros(),
+        shape: Some(part.shape.clone()),
+        pose_BS: *pose_BS * part.pose_SP,
+        friction: 0.0,
+    };
+    rigid(&desc, None, false, false, arrays)
 }
 
 fn drawn(mesh: &TriMesh, paint: &[Paint], arrays: &mut Arrays) -> Mesh {

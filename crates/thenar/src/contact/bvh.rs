@@ -134,34 +134,66 @@ impl Bvh {
         }
     }
 
-    /// Visits items whose boxes may be nearest to `p`: `distance_squared` of each item visited tells its
-    /// squared distance, and boxes farther than the least so far are left out.
-    pub fn nearest(&self, p: &Vec3, mut distance_squared: impl FnMut(u32) -> f64) {
+    /// Calls `visit` for every item of a leaf whose box reaches below `height` along `up`.
+    pub fn below(&self, up: &Vec3, height: f64, mut visit: impl FnMut(u32)) {
         if self.nodes.is_empty() {
             return;
         }
-        let far = |n: u32| self.nodes[n as usize].aabb.distance_squared(p);
-        let mut least = f64::INFINITY;
-        let mut stack = [(0u32, 0.0); STACK];
-        stack[0].1 = far(0);
+        let mut stack = [0u32; STACK];
         let mut top = 1;
         while top > 0 {
             top -= 1;
-            let (n, away) = stack[top];
-            if away > least {
+            let node = self.nodes[stack[top] as usize];
+            if up.dot(&node.aabb.center()) - up.abs().dot(&node.aabb.half()) > height {
                 continue;
             }
-            let node = self.nodes[n as usize];
             if node.count > 0 {
-                for k in node.first..node.first + node.count {
-                    least = least.min(distance_squared(self.items[k as usize]));
+                (node.first..node.first + node.count).for_each(|k| visit(self.items[k as usize]));
+                continue;
+            }
+            (stack[top], stack[top + 1]) = (node.first + 1, node.first);
+            top += 2;
+        }
+    }
+
+    /// The groups in order, each with the box around it and its node.
+    pub fn groups(&self) -> impl Iterator<Item = (u32, &Aabb, u32)> {
+        self.roots.iter().map(|&(group, node)| (group, &self.nodes[node as usize].aabb, node))
+    }
+
+    /// Goes through the items below `node` whose box is nearer to `p` than the least squared
+    /// distance that `visit` has returned so far, at first `reach_squared`; the nearer box first.
+    pub fn nearest(
+        &self,
+        node: u32,
+        p: &Vec3,
+        reach_squared: f64,
+        mut visit: impl FnMut(u32) -> f64,
+    ) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        let to = |n: u32| self.nodes[n as usize].aabb.distance_squared(p);
+        let mut least = reach_squared;
+        let mut stack = [(0.0, 0u32); STACK];
+        stack[0] = (to(node), node);
+        let mut top = 1;
+        while top > 0 {
+            top -= 1;
+            let (distance, n) = stack[top];
+            if distance >= least {
+                continue;
+            }
+            let Node { first, count, .. } = self.nodes[n as usize];
+            if count > 0 {
+                for k in first..first + count {
+                    least = least.min(visit(self.items[k as usize]));
                 }
                 continue;
             }
-            let (l, r) = ((node.first, far(node.first)), (node.first + 1, far(node.first + 1)));
-            let (near, beyond) = if l.1 <= r.1 { (l, r) } else { (r, l) };
-            stack[top] = beyond;
-            stack[top + 1] = near;
+            let (l, r) = ((to(first), first), (to(first + 1), first + 1));
+            let (near, far) = if l.0 <= r.0 { (l, r) } else { (r, l) };
+            (stack[top], stack[top + 1]) = (far, near);
             top += 2;
         }
     }
@@ -257,7 +289,6 @@ fn push(stack: &mut [(u32, u32)], top: &mut usize, n: usize, m: usize) {
 mod tests {
     use super::*;
     use crate::contact::triangle::tests::Random;
-    use crate::math::Vec3;
 
     fn boxes(random: &mut Random, n: usize) -> Vec<Aabb> {
         (0..n)

@@ -1,5 +1,5 @@
-//! Two cuboids: the axis of least overlap (of latest meeting, when they fly at each other),
-//! then the faces clipped against each other, or the two nearest edges.
+//! Two cuboids that touch or overlap: the axis of least overlap, then the faces clipped against
+//! each other, or the two nearest edges.
 //!
 //! ```text
 //!        incident face (clipped to the sides of the reference face)
@@ -8,9 +8,9 @@
 //!      |   reference face    |
 //! ```
 
+use crate::contact::Shape;
 use crate::contact::manifold::{Manifold, ManifoldPoint};
-use crate::contact::rigid_body::Placed;
-use crate::contact::rigid_pair::Reach;
+use crate::contact::support::Solid;
 use crate::math::{Mat3, Vec3};
 
 /// A cuboid in the world; columns of `axes` are its own axes.
@@ -47,74 +47,45 @@ enum Axis {
     Edges(usize, usize),
 }
 
-/// A candidate: unit direction from B to A, separation now, closing speed times step.
+/// A candidate: unit direction from B to A, and the separation along it.
 #[derive(Clone, Copy)]
 struct Candidate {
     axis: Axis,
     normal: Vec3,
     separation: f64,
-    closing: f64,
 }
 
-/// Adds the contact points of cuboids A and B, each a place and half its edge lengths.
-pub(crate) fn find(
-    a: (&Placed, &Vec3),
-    b: (&Placed, &Vec3),
-    reach: Reach,
-    manifold: &mut Manifold,
-) {
+/// Adds the contact points of cuboids A and B whose gap is at most `margin`.
+pub(crate) fn find(a: &Solid, b: &Solid, margin: f64, manifold: &mut Manifold) {
+    let (Shape::Cuboid { half: half_a }, Shape::Cuboid { half: half_b }) = (a.shape, b.shape)
+    else {
+        return;
+    };
     let in_world =
-        |p: &Placed, half: &Vec3| Box3 { center: p.origin, axes: p.rotation, half: *half };
-    let (box_a, box_b) = (in_world(a.0, a.1), in_world(b.0, b.1));
-    let u = (a.0.velocity_at(&a.0.origin) - b.0.velocity_at(&b.0.origin)) * reach.h;
-    let slack = reach.margin + a.0.turn + b.0.turn;
-    let Some(best) = choose_axis(&box_a, &box_b, &u, slack, reach.margin) else { return };
-
-    // When they meet only later in the step, the points are made where they meet.
-    let (gap, closing) = (best.separation, best.closing);
-    let s = if gap > slack { (gap / closing.max(gap)).clamp(0.0, 1.0) } else { 0.0 };
-    let shifted = Box3 { center: box_a.center + s * u, ..box_a };
+        |s: &Solid, half: &Vec3| Box3 { center: s.origin, axes: s.rotation, half: *half };
+    let (box_a, box_b) = (in_world(a, half_a), in_world(b, half_b));
+    let Some(best) = choose_axis(&box_a, &box_b, margin) else { return };
     let first = manifold.points().len();
     match best.axis {
-        Axis::FaceA(k) => clip_faces(&shifted, &box_b, k, &-best.normal, false, manifold),
-        Axis::FaceB(k) => clip_faces(&box_b, &shifted, k, &best.normal, true, manifold),
-        Axis::Edges(i, j) => join_edges(&shifted, &box_b, i, j, &best.normal, manifold),
+        Axis::FaceA(k) => clip_faces(&box_a, &box_b, k, &-best.normal, false, manifold),
+        Axis::FaceB(k) => clip_faces(&box_b, &box_a, k, &best.normal, true, manifold),
+        Axis::Edges(i, j) => join_edges(&box_a, &box_b, i, j, &best.normal, manifold),
     }
-    for p in &mut manifold.points_mut()[first..] {
-        p.gap -= s * u.dot(&best.normal);
-        p.position_W -= 0.5 * s * u;
-    }
-    drop_far(a.0, b.0, reach, first, manifold);
+    manifold.retain_from(first, |p| p.gap <= margin);
 }
 
-/// Removes points that stay farther than the margin.
-fn drop_far(a: &Placed, b: &Placed, reach: Reach, first: usize, manifold: &mut Manifold) {
-    manifold.retain_from(first, |p| {
-        let approach = b.velocity_at(&p.position_W) - a.velocity_at(&p.position_W);
-        p.gap <= reach.margin + reach.h * approach.dot(&p.normal_W).max(0.0)
-    });
-}
-
-/// The axis on which the boxes touch, or `None` when they stay apart by more than `slack`.
-fn choose_axis(a: &Box3, b: &Box3, u: &Vec3, slack: f64, margin: f64) -> Option<Candidate> {
+/// The axis on which the boxes touch, or `None` when they are apart by more than `margin`.
+fn choose_axis(a: &Box3, b: &Box3, margin: f64) -> Option<Candidate> {
     let between = a.center - b.center;
     let test = |axis: Axis, direction: Vec3| {
         let normal = direction * 1.0_f64.copysign(direction.dot(&between));
         let separation = normal.dot(&between) - a.extent(&normal) - b.extent(&normal);
-        Candidate { axis, normal, separation, closing: -u.dot(&normal) }
+        Candidate { axis, normal, separation }
     };
-    let stays_apart = |c: &Candidate| c.separation - c.closing.max(0.0) > slack;
-    // Later is better; an edge pair must be clearly better than a face.
-    let later = |c: &Candidate, best: &Candidate, handicap: f64| {
-        if best.separation > slack.max(margin) || c.separation > slack.max(margin) {
-            let time = |c: &Candidate| match c.separation {
-                s if s <= 0.0 => 0.0,
-                s => s / c.closing.max(1e-300),
-            };
-            return time(c) * (1.0 - 1e-6) > time(best);
-        }
-        c.separation > best.separation + handicap
-    };
+    let stays_apart = |c: &Candidate| c.separation > margin;
+    // An edge pair must be clearly better than a face.
+    let later =
+        |c: &Candidate, best: &Candidate, handicap: f64| c.separation > best.separation + handicap;
 
     let size = a.half.min().min(b.half.min());
     let mut best: Option<Candidate> = None;

@@ -1,37 +1,27 @@
-//! The sharp or small features of a rigid shape that soft vertices could miss.
+//! Corners, edges and rims of shapes, in their frames.
 
-use crate::contact::Shape;
-use crate::contact::aabb::Aabb;
-use crate::contact::bvh::Bvh;
 use crate::math::Vec3;
 
 /// A straight edge (or the axis of a capsule) in the shape frame.
 pub(crate) type Segment = [Vec3; 2];
 
-/// Fixed points and segments of a shape, in its frame; each stands for a ball of `radius`.
-#[derive(Clone, Debug)]
-pub(crate) struct Features {
-    pub points: Vec<Vec3>,
-    pub segments: Vec<Segment>,
-    pub radius: f64,
-    pub tree: Bvh,
+/// Points around a rim by default: the chord between two bends off the rim by 0.5 % of its radius.
+const RIM_POINTS: usize = 32;
+/// Most points around a rim.
+const RIM_POINTS_MAX: usize = 1 << 12;
+
+/// How many points a rim needs to have one at least every `spacing` \[m\], and no fewer than by default.
+pub(crate) fn rim_points(radius: f64, spacing: f64) -> usize {
+    let needed = (std::f64::consts::TAU * radius / spacing).ceil() as usize;
+    needed.clamp(RIM_POINTS, RIM_POINTS_MAX)
 }
 
-impl Features {
-    /// Corners and edges of a cuboid, centre of a sphere, axis of a capsule, points of a mesh.
-    pub fn of(shape: &Shape) -> Self {
-        let (points, segments, radius) = match shape {
-            Shape::Sphere { radius } => (vec![Vec3::zeros()], vec![], *radius),
-            Shape::Capsule { radius, half_length } => {
-                (vec![], vec![capsule_axis(*half_length)], *radius)
-            }
-            Shape::Cuboid { half } => (corners(half).to_vec(), edges(half).to_vec(), 0.0),
-            Shape::HalfSpace => (vec![], vec![], 0.0),
-            Shape::Mesh(mesh) => (mesh.points.clone(), vec![], 0.0),
-        };
-        let boxes: Vec<Aabb> = points.iter().map(|p| Aabb { min: *p, max: *p }).collect();
-        Self { tree: Bvh::build(&boxes), points, segments, radius }
-    }
+/// Points evenly around the circle of `radius` at height `y`, the first at +x, towards +z.
+pub(crate) fn rim(radius: f64, y: f64, count: usize) -> impl Iterator<Item = Vec3> {
+    (0..count).map(move |k| {
+        let (sin, cos) = (std::f64::consts::TAU * k as f64 / count as f64).sin_cos();
+        Vec3::new(radius * cos, y, radius * sin)
+    })
 }
 
 /// The ends of a capsule's axis.

@@ -2,10 +2,15 @@
 
 use crate::math::Vec3;
 
-/// Points offered are at most this many; of more, the deepest.
+/// Points held at once. When there are more, those that would be delivered last are let go.
 const OFFERED_MAX: usize = 64;
+/// How many remain then.
+const KEPT: usize = 32;
 /// Points delivered are at most this many: the deepest, and those farthest apart.
 pub(crate) const DELIVERED_MAX: usize = 8;
+/// Of points higher than the deepest by more than this part of how far apart they lie, the lower go
+/// first: a body can only stand on the lower ones.
+const LEVEL: f64 = 1e-2;
 
 /// One point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,16 +46,12 @@ impl Manifold {
         &mut self.points
     }
 
-    /// Offers a point; when full it replaces the shallowest if that is shallower.
+    /// Offers a point.
     pub fn offer(&mut self, point: ManifoldPoint) {
-        if self.points.len() < OFFERED_MAX {
-            self.points.push(point);
-            return;
+        if self.points.len() == OFFERED_MAX {
+            self.leave(KEPT);
         }
-        let shallowest = self.points.iter_mut().max_by(|a, b| a.gap.total_cmp(&b.gap));
-        if let Some(old) = shallowest.filter(|old| old.gap > point.gap) {
-            *old = point;
-        }
+        self.points.push(point);
     }
 
     /// Removes points from `first` on that `keep` does not hold for.
@@ -66,30 +67,39 @@ impl Manifold {
     }
 
     /// Leaves at most `DELIVERED_MAX` points: first the deepest, then again and again the one
-    /// farthest from those chosen.
+    /// farthest from those chosen, at first of those about as deep.
     pub fn reduce(&mut self) {
+        self.leave(DELIVERED_MAX);
+    }
+
+    fn leave(&mut self, count: usize) {
         let n = self.points.len();
-        if n <= DELIVERED_MAX {
+        if n <= count {
             return;
         }
         let deepest = (0..n).min_by(|&i, &j| self.points[i].gap.total_cmp(&self.points[j].gap));
         self.points.swap(0, deepest.unwrap_or(0));
-        for chosen in 1..DELIVERED_MAX {
-            let apart = |i: usize| {
-                let p = self.points[i].position_W;
-                let to = |c: &ManifoldPoint| (c.position_W - p).norm_squared();
-                self.points[..chosen].iter().map(to).fold(f64::INFINITY, f64::min)
+        let first = self.points[0];
+        let spread = |p: &ManifoldPoint| (p.position_W - first.position_W).norm_squared();
+        let reach = self.points.iter().map(spread).fold(0.0, f64::max).sqrt();
+        let level = first.gap.max(0.0) + LEVEL * reach;
+        for chosen in 1..count {
+            let worth = |i: usize| {
+                let p = &self.points[i];
+                let to = |c: &ManifoldPoint| (c.position_W - p.position_W).norm_squared();
+                let apart = self.points[..chosen].iter().map(to).fold(f64::INFINITY, f64::min);
+                (p.gap <= level, apart)
             };
-            let mut best = (chosen, apart(chosen));
+            let mut best = (chosen, worth(chosen));
             for i in chosen + 1..n {
-                let distance = apart(i);
-                if distance > best.1 {
-                    best = (i, distance);
+                let other = worth(i);
+                if other > best.1 {
+                    best = (i, other);
                 }
             }
             self.points.swap(chosen, best.0);
         }
-        self.points.truncate(DELIVERED_MAX);
+        self.points.truncate(count);
     }
 }
 

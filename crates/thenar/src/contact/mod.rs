@@ -19,19 +19,27 @@ mod area;
 mod bvh;
 mod collector;
 mod contact_point;
+mod convex_pair;
 mod cuboid_pair;
 mod detector;
 mod distance;
+mod ellipsoid;
 mod features;
 mod grid;
 mod manifold;
+mod mesh_index;
+mod mesh_pair;
 mod near;
+mod nearest;
+#[cfg(test)]
+mod pair_tests;
 mod pairs;
 mod ridge;
 mod rigid_body;
 mod rigid_pair;
 #[cfg(test)]
 mod rigid_tests;
+mod separation;
 mod shape;
 mod sharp;
 mod sides;
@@ -39,8 +47,11 @@ mod smooth;
 mod soft_deep;
 mod soft_feature;
 mod soft_rigid;
+mod soft_round;
 mod soft_soft;
+mod support;
 mod surface;
+mod sweep;
 #[cfg(test)]
 mod tests;
 mod triangle;
@@ -51,5 +62,5 @@ pub use contact_point::{Contact, Found, RigidPlace, Site, SurfacePoint, SurfaceS
 pub use detector::Detector;
 pub use distance::Distance;
 pub use rigid_pair::Reach;
-pub use shape::{DistanceGrid, MeshShape, Shape};
+pub use shape::{DistanceGrid, MeshShape, Part, Shape};
 pub use sides::{Side, Sides};

@@ -49,6 +49,11 @@ impl Near {
         moved.iter().fold(Aabb::of_points(&self.x), |b, p| b.with(p))
     }
 
+    /// How far the point with these weights moves in this step \[m\].
+    pub fn motion(&self, weights: &[f64; 3]) -> Vec3 {
+        (0..3).map(|k| self.u[k] * weights[k]).sum()
+    }
+
     /// The point of the triangle nearest to `p`.
     pub fn closest(&self, p: &Vec3) -> Closest {
         closest_on_triangle(p, &self.x)

@@ -1,7 +1,6 @@
 //! A rigid body as contact sees it: a shape, and where it is in this step.
 
 use crate::contact::aabb::Aabb;
-use crate::contact::features::Features;
 use crate::contact::sharp::Sharp;
 use crate::contact::{RigidPlace, Shape};
 use crate::math::{Mat3, Pose, Vec3};
@@ -14,13 +13,39 @@ pub(crate) struct RigidBody {
     pub pose_BS: Pose,
     pub dynamic: bool,
     pub friction: f64,
-    pub features: Features,
     /// What soft surfaces meet of it between their vertices.
     pub sharp: Sharp,
     /// Box around the shape, in S; unbounded for a half-space.
     pub bounds_S: Aabb,
     /// Largest distance of the shape from the centre of mass \[m\]; zero for a half-space.
-    radius: f64,
+    pub radius: f64,
+    /// The parts of a compound, or the shape itself.
+    pub pieces: Vec<Piece>,
+}
+
+/// A shape that is no compound, in the shape frame of its body.
+#[derive(Clone, Debug)]
+pub(crate) struct Piece {
+    pub shape: Shape,
+    pub rotation: Mat3,
+    pub position: Vec3,
+    /// Box around it, in its own frame.
+    pub bounds: Aabb,
+}
+
+impl Piece {
+    fn all_of(shape: &Shape) -> Vec<Self> {
+        let piece = |shape: &Shape, pose: &Pose| Self {
+            bounds: bounds(shape),
+            shape: shape.clone(),
+            rotation: pose.rotation.to_rotation_matrix().into_inner(),
+            position: pose.position,
+        };
+        match shape {
+            Shape::Compound(parts) => parts.iter().map(|p| piece(&p.shape, &p.pose_SP)).collect(),
+            _ => vec![piece(shape, &Pose::identity())],
+        }
+    }
 }
 
 impl RigidBody {
@@ -33,11 +58,11 @@ impl RigidBody {
             _ => desc.pose_BS.point(&bounds_S.center()).norm() + bounds_S.half().norm(),
         };
         Some(Self {
-            features: Features::of(&shape),
             sharp: Sharp::of(&shape, spacing),
             pose_BS: desc.pose_BS,
             dynamic: desc.motion == Motion::Dynamic,
             friction: desc.friction,
+            pieces: Piece::all_of(&shape),
             bounds_S,
             radius,
             shape,
@@ -82,7 +107,19 @@ fn bounds(shape: &Shape) -> Aabb {
             all.max.y = 0.0;
             all
         }
-        Shape::Mesh(mesh) => Aabb::of_points(&mesh.points),
+        Shape::Mesh(mesh) => Aabb::of_points(&mesh.points).inflate(mesh.index.rounding),
+        Shape::Cylinder { radius, half_length } => {
+            Aabb::symmetric(Vec3::new(*radius, *half_length, *radius))
+        }
+        Shape::Ellipsoid { half } => Aabb::symmetric(*half),
+        Shape::Cone { radius, height } => Aabb {
+            min: Vec3::new(-radius, -0.25 * height, -radius),
+            max: Vec3::new(*radius, 0.75 * height, *radius),
+        },
+        Shape::Compound(parts) => parts.iter().fold(Aabb::EMPTY, |all, part| {
+            let rotation = part.pose_SP.rotation.to_rotation_matrix().into_inner();
+            all.union(&bounds(&part.shape).moved(&rotation, &part.pose_SP.position))
+        }),
     }
 }
 

@@ -31,7 +31,7 @@ fn mesh_cube(half: f64) -> Shape {
     let (points, triangles) = cube(2.0 * half, 4);
     // Grid planes coincide with the faces, so that the trilinear field is exact near them.
     let grid = grid_of(&boxed(half), 2.0 * half, 33);
-    Shape::Mesh(Arc::new(MeshShape { points, triangles, grid }))
+    Shape::Mesh(Arc::new(MeshShape::new(points, triangles, grid)))
 }
 
 /// The same gap and normal everywhere, and this many points.
@@ -273,7 +273,7 @@ fn fast_rigid_bodies_are_announced() {
             let pose = Pose::new(Vec3::new(0.0, 0.011 + height, 0.0), rotation);
             let contacts = between((&shape, pose), (&plate, Pose::identity()), fall, 1.0 / 60.0);
             let deepest = contacts.iter().map(|c| c.gap).fold(f64::INFINITY, f64::min);
-            assert!((deepest - height).abs() < 1e-6, "{shape:?} at {height}: {deepest}");
+            assert!((deepest - height).abs() < 1e-6, "at {height}: {deepest}");
             assert!(contacts.iter().all(|c| (c.normal_W - Vec3::y()).norm() < 1e-6));
         }
         let pose = Pose::new(Vec3::new(0.25, 0.05, 0.0), rotation);
@@ -306,7 +306,7 @@ fn swapping_the_bodies_turns_the_normal() {
             let (one, other) = (find(false), find(true));
             let deepest = |c: &[Contact]| c.iter().map(|c| c.gap).fold(f64::INFINITY, f64::min);
             assert!((deepest(&one) - deepest(&other)).abs() < 1e-9, "{upper:?} {lower:?}");
-            assert!(one.iter().all(|c| c.normal_W.y > 0.0), "{upper:?} {lower:?} {one:#?}");
+            assert!(one.iter().all(|c| c.normal_W.y > 0.0), "{one:#?}");
             assert!(other.iter().all(|c| c.normal_W.y < 0.0));
         }
     }

@@ -1,6 +1,7 @@
 //! Contact shapes of rigid bodies.
 
-use crate::math::Vec3;
+use crate::contact::mesh_index::MeshIndex;
+use crate::math::{Pose, Vec3};
 use std::sync::Arc;
 
 /// The contact shape of a rigid body, in its shape frame S.
@@ -28,6 +29,38 @@ pub enum Shape {
     HalfSpace,
     /// A triangle mesh.
     Mesh(#[cfg_attr(feature = "serde", serde(with = "shared"))] Arc<MeshShape>),
+    /// Axis along y, centre at the origin.
+    Cylinder {
+        /// Radius \[m\].
+        radius: f64,
+        /// Half the height \[m\].
+        half_length: f64,
+    },
+    /// Centre at the origin.
+    Ellipsoid {
+        /// Half the axes along x, y, z \[m\].
+        half: Vec3,
+    },
+    /// Axis along y, apex up. The origin is the centroid: the base lies at y = -height/4, the apex
+    /// at y = 3 height/4.
+    Cone {
+        /// Radius of the base \[m\].
+        radius: f64,
+        /// Height \[m\].
+        height: f64,
+    },
+    /// The union of several shapes.
+    Compound(#[cfg_attr(feature = "serde", serde(with = "shared"))] Arc<Vec<Part>>),
+}
+
+/// A shape in a compound: any but a half-space or another compound.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Part {
+    /// What it is.
+    pub shape: Shape,
+    /// Placement of its frame in the compound's frame S.
+    pub pose_SP: Pose,
 }
 
 impl Shape {
@@ -37,25 +70,70 @@ impl Shape {
         match self {
             Self::Sphere { radius } | Self::Capsule { radius, .. } => *radius,
             Self::Cuboid { half } => half.min(),
+            Self::Cylinder { radius, half_length } => radius.min(*half_length),
+            Self::Ellipsoid { half } => half.min() * half.min() / half.max(),
+            Self::Cone { radius, height } => 0.5 * radius.min(*height),
             Self::HalfSpace => f64::INFINITY,
             Self::Mesh(mesh) => {
                 let (n, cell) = (mesh.grid.dims.map(|n| n - 1), mesh.grid.cell);
                 0.5 * cell * f64::from(n.into_iter().min().unwrap_or(1))
+            }
+            Self::Compound(parts) => {
+                parts.iter().map(|part| part.shape.least_radius()).fold(f64::INFINITY, f64::min)
             }
         }
     }
 }
 
 /// A rigid triangle mesh made ready for contact.
-#[derive(Clone, Debug, PartialEq)]
+///
+/// A closed mesh is the solid that it encloses; overlapping closed pieces are one body. An open
+/// mesh is what its grid says: where that holds an inside, the triangles bound it; where the grid
+/// is positive by a constant less than the distance, the mesh is a shell of that half thickness.
+#[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(from = "MeshFile"))]
 pub struct MeshShape {
-    /// Surface points tested against other bodies \[m\].
+    /// Vertices \[m\].
     pub points: Vec<Vec3>,
     /// Triangles over `points`, counter-clockwise from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// Signed distance around the mesh.
+    /// Signed distance around the mesh; says what is inside of open meshes and speeds queries up.
     pub grid: DistanceGrid,
+    /// What queries need, made from the above.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(crate) index: MeshIndex,
+}
+
+impl MeshShape {
+    /// Makes triangles ready for queries. Triangles that name points that are not there are left
+    /// out of the index (and refused when a world is built).
+    pub fn new(points: Vec<Vec3>, triangles: Vec<[u32; 3]>, grid: DistanceGrid) -> Self {
+        let index = MeshIndex::new(&points, &triangles, &grid);
+        Self { points, triangles, grid, index }
+    }
+}
+
+impl PartialEq for MeshShape {
+    fn eq(&self, other: &Self) -> bool {
+        self.points == other.points && self.triangles == other.triangles && self.grid == other.grid
+    }
+}
+
+/// A mesh as files hold it.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct MeshFile {
+    points: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    grid: DistanceGrid,
+}
+
+#[cfg(feature = "serde")]
+impl From<MeshFile> for MeshShape {
+    fn from(file: MeshFile) -> Self {
+        Self::new(file.points, file.triangles, file.grid)
+    }
 }
 
 /// Signed distance to a surface on a regular grid, negative inside.

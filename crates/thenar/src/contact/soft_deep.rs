@@ -132,7 +132,7 @@ impl SoftSoft<'_> {
 /// The nearest of those triangles that `wanted` admits.
 fn nearest_on(side: &SoftSide, p: &Vec3, wanted: impl Fn(u32) -> bool) -> Option<(u32, Closest)> {
     let mut best: Option<(u32, Closest)> = None;
-    side.surface.tree.nearest(p, |t| {
+    side.surface.tree.nearest(0, p, f64::INFINITY, |t| {
         if !wanted(t) {
             return f64::INFINITY;
         }

@@ -10,8 +10,9 @@ use crate::contact::Shape;
 use crate::contact::collector::{Collector, feature_key};
 use crate::contact::features::capsule_axis;
 use crate::contact::near::{Arrival, Near};
-use crate::contact::soft_rigid::{KEY_POINT, KEY_SEGMENT, SoftRigid, VertexScratch};
-use crate::contact::triangle::{Closest, Feature, segment_parameter};
+use crate::contact::soft_rigid::{KEY_POINT, SoftRigid, VertexScratch};
+use crate::contact::soft_round::{Inmost, Touches, meet_curved, meet_line};
+use crate::contact::triangle::Closest;
 use crate::contact::{Contact, Site, SurfacePoint};
 use crate::math::Vec3;
 
@@ -56,15 +57,16 @@ impl FeatureScratch {
 
 /// A point of the surface that touches, in the shape frame.
 #[derive(Clone, Copy, Debug)]
-struct Touch {
-    key: [u32; 2],
-    triangle: u32,
-    weights: [f64; 3],
+pub(crate) struct Touch {
+    /// Kind and number of the feature.
+    pub key: [u32; 2],
+    pub triangle: u32,
+    pub weights: [f64; 3],
     /// The sharp point, if it is one.
-    sharp: Option<Vec3>,
+    pub sharp: Option<Vec3>,
     /// From the shape to the surface.
-    normal: Vec3,
-    gap: f64,
+    pub normal: Vec3,
+    pub gap: f64,
 }
 
 /// How deep a feature may lie and still be taken as having come through the triangle \[m\]: the
@@ -82,7 +84,6 @@ pub(crate) fn find(
 ) {
     scratch.round = scratch.round.wrapping_add(1);
     scratch.touches.clear();
-    let axis = round_part(&pair.body.shape);
     let mut inmost = Inmost::default();
     for &v in &vertices.near {
         for &t in pair.surface.around(v) {
@@ -91,8 +92,15 @@ pub(crate) fn find(
             }
             let near = Near::new(pair, t);
             meet_sharp(pair, &near, scratch);
-            if let Some((axis, radius)) = &axis {
-                meet_round(pair, &near, axis, *radius, &mut inmost, &mut scratch.touches);
+            for (r, round) in (0..).zip(&pair.body.sharp.rounds) {
+                let mut touches = Touches { kept: &mut scratch.touches, inmost: &mut inmost };
+                match round_line(&round.shape) {
+                    Some((line, radius)) => {
+                        let line = line.map(|p| round.pose_SP.point(&p));
+                        meet_line(pair, &near, r, &line, radius, &mut touches);
+                    }
+                    None => meet_curved(pair, &near, r, round, &mut touches),
+                }
             }
         }
     }
@@ -100,12 +108,12 @@ pub(crate) fn find(
     settle_round(pair, &inmost, scratch, out);
 }
 
-/// The line about which a shape is round, and its radius there.
-fn round_part(shape: &Shape) -> Option<([Vec3; 2], f64)> {
+/// The line about which a shape is round everywhere, and its radius there.
+fn round_line(shape: &Shape) -> Option<([Vec3; 2], f64)> {
     match shape {
         Shape::Sphere { radius } => Some(([Vec3::zeros(); 2], *radius)),
         Shape::Capsule { radius, half_length } => Some((capsule_axis(*half_length), *radius)),
-        Shape::Cuboid { .. } | Shape::HalfSpace | Shape::Mesh(_) => None,
+        _ => None,
     }
 }
 
@@ -205,149 +213,13 @@ fn sharp_that_arrives(pair: &SoftRigid, p: &Vec3, i: u32, t: u32) -> Option<Touc
     Some(Touch { key, triangle: t, weights, sharp, normal, gap })
 }
 
-// The round part.
+// Round parts.
 
-/// Places on the centre line that one triangle may touch.
-const ROUND_PLACES: usize = 3;
+/// Places on the centre line of a round part that one triangle may touch.
+pub(crate) const ROUND_PLACES: usize = 3;
 
-/// The place on the centre line that is nearest to the surface from inside.
-#[derive(Clone, Copy, Debug)]
-struct Inmost {
-    distance: f64,
-    inside: Option<Touch>,
-}
-
-impl Default for Inmost {
-    fn default() -> Self {
-        Self { distance: f64::INFINITY, inside: None }
-    }
-}
-
-/// Lets a triangle touch a round part wherever it is nearest.
-fn meet_round(
-    pair: &SoftRigid,
-    near: &Near,
-    axis: &[Vec3; 2],
-    radius: f64,
-    inmost: &mut Inmost,
-    touches: &mut Vec<Touch>,
-) {
-    let (places, count) = places_on(axis, &near.x, radius);
-    for (k, &at) in places[..count].iter().enumerate() {
-        let over = axis[0] + at * (axis[1] - axis[0]);
-        let closest = near.closest(&over);
-        // The place on the line nearest to that point tells its distance.
-        let c =
-            axis[0] + segment_parameter(&closest.point, &axis[0], &axis[1]) * (axis[1] - axis[0]);
-        let key = [KEY_SEGMENT | k as u32, near.index];
-        let to_line = closest.point - c;
-        let distance = to_line.norm();
-        if distance - radius > pair.margin + near.travel {
-            continue;
-        }
-        if distance - radius > pair.margin {
-            if let Some(a) = near.arrival(&c, radius, pair.margin) {
-                let Arrival { weights, normal, gap, .. } = a;
-                let (triangle, sharp) = (near.index, None);
-                offer(touches, Touch { key, triangle, weights, sharp, normal, gap });
-            }
-            continue;
-        }
-        let x = pair.state.positions;
-        let outward_W = pair.surface.pseudonormal(near.index, closest.feature, x);
-        let outward = pair.placed.rotation.tr_mul(&outward_W);
-        let faces = outward.dot(&to_line) < 0.0;
-        let direction = to_line.try_normalize(0.0).unwrap_or(-outward);
-        let touch = |normal: Vec3, gap: f64| Touch {
-            key,
-            triangle: near.index,
-            weights: closest.weights,
-            sharp: None,
-            normal,
-            gap,
-        };
-        if distance < inmost.distance {
-            let inside = !faces && distance <= depth_max(pair);
-            *inmost =
-                Inmost { distance, inside: inside.then(|| touch(-direction, -distance - radius)) };
-        }
-        if faces && is_nearest_around(pair, near, &closest, &over) {
-            offer(touches, touch(direction, distance - radius));
-        }
-    }
-}
-
-fn offer(touches: &mut Vec<Touch>, touch: Touch) {
-    if touches.len() < touches.capacity() {
-        touches.push(touch);
-    }
-}
-
-/// False where the neighbour across the edge is nearer, or speaks for the edge; vertices are contacts
-/// of their own.
-fn is_nearest_around(pair: &SoftRigid, near: &Near, closest: &Closest, c: &Vec3) -> bool {
-    match closest.feature {
-        Feature::Face => true,
-        Feature::Vertex(_) => false,
-        Feature::Edge(k) => {
-            pair.surface.owns(near.index, closest.feature)
-                && pair.surface.across(near.index, k).is_none_or(|other| {
-                    let beyond = Near::new(pair, other).closest(c).distance_squared;
-                    beyond >= closest.distance_squared * (1.0 - 1e-9)
-                })
-        }
-    }
-}
-
-/// Where along its centre line a round part comes near to a triangle: at the place nearest to it, and
-/// where it enters and leaves what lies over it. A line along the triangle is thus held at both ends.
-fn places_on(axis: &[Vec3; 2], x: &[Vec3; 3], radius: f64) -> ([f64; ROUND_PLACES], usize) {
-    let along = axis[1] - axis[0];
-    let length = along.norm();
-    if length == 0.0 {
-        return ([0.0; ROUND_PLACES], 1);
-    }
-    let at = |p: &Vec3| segment_parameter(p, &axis[0], &axis[1]);
-    let point = |t: f64| axis[0] + t * along;
-    let mut nearest = at(&((x[0] + x[1] + x[2]) / 3.0));
-    for _ in 0..NEAREST_ROUNDS {
-        nearest = at(&crate::contact::triangle::closest_on_triangle(&point(nearest), x).point);
-    }
-    let mut places = [nearest; ROUND_PLACES];
-    let mut count = 1;
-    let normal = (x[1] - x[0]).cross(&(x[2] - x[0]));
-    let (mut from, mut to) = (0.0_f64, 1.0_f64);
-    for k in 0..3 {
-        let inward = normal.cross(&(x[(k + 1) % 3] - x[k]));
-        let (start, slope) = (inward.dot(&(axis[0] - x[k])), inward.dot(&along));
-        if slope.abs() <= 1e-12 * inward.norm() * length {
-            if start < 0.0 {
-                return (places, count);
-            }
-        } else if slope > 0.0 {
-            from = from.max(-start / slope);
-        } else {
-            to = to.min(-start / slope);
-        }
-    }
-    if from < to {
-        // Nearer together than this they are one: a ball of the radius is as good as flat there.
-        let same = 1e-3 * radius / length;
-        for end in [from, to] {
-            if places[..count].iter().all(|p| (p - end).abs() > same) {
-                places[count] = end;
-                count += 1;
-            }
-        }
-    }
-    (places, count)
-}
-
-/// Alternations between line and triangle on the way to their nearest points.
-const NEAREST_ROUNDS: usize = 8;
-
-/// Hands over the contacts of the round part: all of them, or, where its centre is inside the surface,
-/// the one that leads it out.
+/// Hands over the contacts of round parts: all of them, or, where the centre of one is inside the
+/// surface, the one that leads it out.
 fn settle_round(
     pair: &SoftRigid,
     inmost: &Inmost,

@@ -40,7 +40,12 @@ fn to_shape(p_S: &Vec3, shape: &Shape) -> f64 {
             let inside = (0..3).all(|k| p_S[k].abs() < half[k]);
             if inside { -least } else { least }
         }
-        Shape::HalfSpace | Shape::Mesh(_) => unreachable!("not tried here"),
+        Shape::Cylinder { radius, half_length } => {
+            let (away, beyond) = (p_S.xz().norm() - radius, p_S.y.abs() - half_length);
+            let outside = away.max(0.0).hypot(beyond.max(0.0));
+            if outside > 0.0 { outside } else { away.max(beyond) }
+        }
+        _ => unreachable!("not tried here"),
     }
 }
 
@@ -58,8 +63,9 @@ fn gaps_of_soft_surfaces_with_shapes_are_their_distances() {
         Shape::Capsule { radius: 0.004, half_length: 0.03 },
         boxed(0.01),
         Shape::Cuboid { half: Vec3::new(0.002, 0.015, 0.04) },
+        Shape::Cylinder { radius: 0.012, half_length: 0.02 },
     ];
-    let mut seen = [0; 5];
+    let mut seen = [0; 6];
     for (shape, seen) in shapes.iter().zip(&mut seen) {
         for _ in 0..120 {
             let (points, triangles) = cube(0.04, 8);

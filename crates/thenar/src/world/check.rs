@@ -1,6 +1,6 @@
 //! Checks of a description before anything is built from it.
 
-use crate::contact::{MeshShape, Shape};
+use crate::contact::{MeshShape, Part, Shape};
 use crate::math::Mat3;
 use crate::model::{
     BodyId, BodyParts, FrictionTable, JointDesc, Motion, RigidDesc, SoftDesc, WorldDesc,
@@ -166,7 +166,35 @@ fn check_shape(name: &str, shape: &Shape) -> Result<(), ModelError> {
         Shape::Cuboid { half } => half.iter().try_for_each(|&x| size("half edge", x)),
         Shape::HalfSpace => Ok(()),
         Shape::Mesh(mesh) => check_mesh(name, mesh),
+        Shape::Cylinder { radius, half_length } => {
+            size("radius", *radius)?;
+            size("half length", *half_length)
+        }
+        Shape::Ellipsoid { half } => half.iter().try_for_each(|&x| size("half axis", x)),
+        Shape::Cone { radius, height } => {
+            size("radius", *radius)?;
+            size("height", *height)
+        }
+        Shape::Compound(parts) => check_compound(name, parts),
     }
+}
+
+fn check_compound(name: &str, parts: &[Part]) -> Result<(), ModelError> {
+    number(name, "number of parts", "at least 1", parts.len() as f64, |n| n >= 1.0)?;
+    for part in parts {
+        let nested = matches!(part.shape, Shape::HalfSpace | Shape::Compound(_));
+        number(
+            name,
+            "planes and compounds among its parts",
+            "0",
+            f64::from(u8::from(nested)),
+            |n| n == 0.0,
+        )?;
+        let finite = if part.pose_SP.is_finite() { 0.0 } else { f64::NAN };
+        number(name, "place of a part", "finite", finite, f64::is_finite)?;
+        check_shape(name, &part.shape)?;
+    }
+    Ok(())
 }
 
 fn check_mesh(name: &str, mesh: &MeshShape) -> Result<(), ModelError> {

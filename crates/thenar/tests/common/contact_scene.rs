@@ -77,7 +77,7 @@ fn mesh_shape(half: Vec3) -> Shape {
         values.push((f * (f - 1.0) / slope.norm().max(1e-9)) as f32);
     }
     let grid = DistanceGrid { origin, cell, dims: [n; 3], values };
-    Shape::Mesh(std::sync::Arc::new(MeshShape { points, triangles, grid }))
+    Shape::Mesh(std::sync::Arc::new(MeshShape::new(points, triangles, grid)))
 }
 
 impl ContactScene {

@@ -130,6 +130,12 @@ fn shape(rigid: &RigidDesc, color: Color, entity: &mut SceneEntity) {
             let points: Vec<Vec3> = mesh.points.iter().map(|p| pose.point(p)).collect();
             entity.triangles.push(surface(&points, &mesh.triangles, color));
         }
+        Some(other) => {
+            if let Some(solid) = crate::picture::of_shape(other, 48, 1) {
+                let solid = solid.placed(&pose);
+                entity.triangles.push(surface(&solid.positions, &solid.triangles, color));
+            }
+        }
     }
 }
 

@@ -1,0 +1,267 @@
+//! The contact points of two convex shapes: the nearest points, and where the faces that look at
+//! each other overlap.
+//!
+//! ```text
+//!        incident face (clipped to the sides of the reference face)
+//!          .-------------.
+//!      ....|.............|....  gap along n at each remaining corner
+//!      |   reference face    |
+//! ```
+
+use crate::contact::manifold::{Manifold, ManifoldPoint};
+use crate::contact::separation::{Separation, TOUCHING, separation};
+use crate::contact::support::{DISC_CORNERS, Face, Solid, inradius};
+use crate::contact::{Shape, cuboid_pair};
+use crate::math::Vec3;
+
+/// A flat face is the reference when the normal differs from its own by less than this (2.6°).
+const ALIGNED: f64 = 0.999;
+/// The face of A is preferred to that of B only if so much better aligned: lest it change.
+const HANDICAP: f64 = 1e-4;
+/// Lines that stand at less than this angle touch along their common length \[rad\].
+const PARALLEL: f64 = 0.05;
+/// A corner no higher than this part of the size above the nearest point stands for it.
+const SAME: f64 = 1e-7;
+
+/// Features: the nearest points, corners of a clipped face, ends of a common length.
+const NEAREST: u32 = 3 << 16;
+const CLIPPED: u32 = 4 << 16;
+const ENDS: u32 = 5 << 16;
+
+/// How far A is from B, of which one may be a half-space.
+pub(crate) fn apart(a: &Solid, b: &Solid) -> Separation {
+    match (a.shape, b.shape) {
+        (Shape::HalfSpace, _) => turned(apart(b, a)),
+        (_, Shape::HalfSpace) => {
+            let normal = b.rotation.column(1).into_owned();
+            let point_a = a.support(&-normal, 0.0);
+            let gap = normal.dot(&(point_a - b.origin));
+            Separation { gap, normal, point_a, point_b: point_a - gap * normal }
+        }
+        (Shape::Sphere { radius }, _) => {
+            let d = b.distance(&a.origin);
+            let point_a = a.origin - *radius * d.gradient;
+            let gap = d.value - radius;
+            Separation { gap, normal: d.gradient, point_a, point_b: point_a - gap * d.gradient }
+        }
+        (_, Shape::Sphere { .. }) => turned(apart(b, a)),
+        _ => separation(a, b),
+    }
+}
+
+fn turned(s: Separation) -> Separation {
+    Separation { gap: s.gap, normal: -s.normal, point_a: s.point_b, point_b: s.point_a }
+}
+
+/// Round-off taken out of a separation whose normal is that of a flat face.
+fn on_face(a: &Solid, b: &Solid, near: Separation) -> Separation {
+    let bounded = |s: &Solid| !matches!(s.shape, Shape::HalfSpace);
+    if !bounded(a) || !bounded(b) {
+        return near;
+    }
+    let faces = [a.face(&-near.normal).normal.map(|m| -m), b.face(&near.normal).normal];
+    let flat = faces.into_iter().flatten().find(|m| m.dot(&near.normal) > 1.0 - 1e-12);
+    let Some(normal) = flat else { return near };
+    let gap = normal.dot(&(a.support(&-normal, 0.0) - b.support(&normal, 0.0)));
+    Separation { gap, normal, ..near }
+}
+
+/// Adds the contact points of A and B if they are no farther than `near_enough`, normals from B to A;
+/// of the faces those whose gap is at most `margin`, which is more for bodies that move fast: stopped
+/// at one point, they turn others in.
+pub(crate) fn find(a: &Solid, b: &Solid, near_enough: f64, margin: f64, manifold: &mut Manifold) {
+    let near = apart(a, b);
+    if near.gap > near_enough {
+        return;
+    }
+    let near = on_face(a, b, near);
+    let boxes = matches!((a.shape, b.shape), (Shape::Cuboid { .. }, Shape::Cuboid { .. }));
+    if boxes && near.gap < TOUCHING * inradius(a.shape).min(inradius(b.shape)) {
+        cuboid_pair::find(a, b, margin, manifold);
+        return;
+    }
+    let n = near.normal;
+    let first = manifold.points().len();
+    let face_a = a.face(&-n);
+    let face_b = match b.shape {
+        Shape::HalfSpace => None,
+        _ => Some(b.face(&n)),
+    };
+    let on_plane = matches!(a.shape, Shape::HalfSpace);
+    let aligned = |face: &Face, towards: &Vec3| face.normal.map_or(-1.0, |m| m.dot(towards));
+    let by_a = if on_plane { -1.0 } else { aligned(&face_a, &-n) };
+    let by_b = face_b.as_ref().map_or(2.0, |face| aligned(face, &n));
+    match &face_b {
+        _ if on_plane => {
+            if let Some(face) = &face_b {
+                flatten(face, &near.point_a, &-n, &[], true, margin, manifold);
+            }
+        }
+        None => flatten(&face_a, &near.point_b, &n, &[], false, margin, manifold),
+        Some(face_b) if by_b >= ALIGNED && by_b + HANDICAP >= by_a => {
+            let m = face_b.normal.unwrap_or(n);
+            flatten(&face_a, &face_b.corners()[0], &m, face_b.corners(), false, margin, manifold);
+        }
+        Some(face_b) if by_a >= ALIGNED => {
+            let m = face_a.normal.unwrap_or(-n);
+            flatten(face_b, &face_a.corners()[0], &m, face_a.corners(), true, margin, manifold);
+        }
+        Some(face_b) => lines(&face_a, face_b, &n, margin, manifold),
+    }
+    // The nearest points themselves, unless corners are as near on all sides.
+    let size = inradius(a.shape).min(inradius(b.shape));
+    let found = &manifold.points()[first..];
+    let least = found.iter().map(|p| p.gap).fold(f64::INFINITY, f64::min);
+    if found.len() < 2 || least > near.gap + SAME * size {
+        let position_W = 0.5 * (near.point_a + near.point_b);
+        let beside = |p: &ManifoldPoint| (p.position_W - position_W).norm() > 1e-6 * size;
+        manifold.retain_from(first, beside);
+        manifold.offer(ManifoldPoint { feature: NEAREST, position_W, normal_W: n, gap: near.gap });
+    }
+}
+
+/// Offers the part of the face `incident` over the polygon `sides` (everything if that is empty) in
+/// the plane through `p` with normal `n`. `by_a` tells that this plane belongs to A.
+fn flatten(
+    incident: &Face,
+    p: &Vec3,
+    n: &Vec3,
+    sides: &[Vec3],
+    by_a: bool,
+    margin: f64,
+    manifold: &mut Manifold,
+) {
+    let corners = incident.corners();
+    if corners.len() < 2 {
+        return;
+    }
+    let mut polygon = Polygon::new(corners);
+    let middle = sides.iter().sum::<Vec3>() / sides.len().max(1) as f64;
+    for (k, from) in sides.iter().enumerate() {
+        let to = sides[(k + 1) % sides.len()];
+        let across = (to - from).cross(n);
+        let outward = across * 1.0_f64.copysign(across.dot(&(from - middle)));
+        let length = outward.norm();
+        if length > 0.0 {
+            let outward = outward / length;
+            polygon = polygon.clip(&outward, outward.dot(from), k as u32, 1e-9 * length);
+        }
+    }
+    let (normal_W, flag) = if by_a { (-n, 1 << 15) } else { (*n, 0) };
+    for corner in &polygon.corners[..polygon.count] {
+        let gap = n.dot(&(corner.p - p));
+        if gap <= margin {
+            manifold.offer(ManifoldPoint {
+                feature: CLIPPED | flag | corner.id,
+                position_W: corner.p - 0.5 * gap * n,
+                normal_W,
+                gap,
+            });
+        }
+    }
+}
+
+/// The line of a face that lies farthest along `n`: an edge of a rectangle, or a face that is one.
+fn straight(face: &Face, n: &Vec3) -> Option<[Vec3; 2]> {
+    let corners = face.corners();
+    if corners.len() < 2 || corners.len() > 4 {
+        return None;
+    }
+    let edge = |k: usize| [corners[k], corners[(k + 1) % corners.len()]];
+    let height = |k: &usize| n.dot(&(edge(*k)[0] + edge(*k)[1]));
+    (0..corners.len()).max_by(|i, j| height(i).total_cmp(&height(j))).map(edge)
+}
+
+/// Two nearly parallel lines touch along their common length: its ends.
+fn lines(a: &Face, b: &Face, n: &Vec3, margin: f64, manifold: &mut Manifold) {
+    let (Some([a0, a1]), Some([b0, b1])) = (straight(a, &-n), straight(b, n)) else { return };
+    let (along_a, along_b) = (a1 - a0, b1 - b0);
+    let (square_a, square_b) = (along_a.norm_squared(), along_b.norm_squared());
+    let sine = along_a.cross(&along_b).norm() / (square_a * square_b).sqrt();
+    if sine > PARALLEL {
+        return;
+    }
+    let place = |p: &Vec3| (p - a0).dot(&along_a) / square_a;
+    let (s, t) = (place(&b0), place(&b1));
+    let (low, high) = (s.min(t).max(0.0), s.max(t).min(1.0));
+    if low >= high {
+        return;
+    }
+    for (k, s) in [low, high].into_iter().enumerate() {
+        let p = a0 + s * along_a;
+        let q = b0 + ((p - b0).dot(&along_b) / square_b) * along_b;
+        let gap = (p - q).dot(n);
+        // Lines that are not the nearest ones lie beside each other.
+        let beside = ((p - q) - gap * n).norm();
+        let allowed = 1e-2 * gap.abs() + 1e-4 * square_a.min(square_b).sqrt();
+        if gap <= margin && beside <= allowed {
+            manifold.offer(ManifoldPoint {
+                feature: ENDS | k as u32,
+                position_W: 0.5 * (p + q),
+                normal_W: *n,
+                gap,
+            });
+        }
+    }
+}
+
+/// A corner of the clipped face. `edge` names the line to the next corner: 0 on an edge of the
+/// incident face, 64 on a side of the reference face.
+#[derive(Clone, Copy, Default)]
+struct Corner {
+    p: Vec3,
+    id: u32,
+    edge: u32,
+}
+
+/// Each side adds at most one corner to a convex polygon.
+const CORNERS_MAX: usize = 2 * DISC_CORNERS;
+
+struct Polygon {
+    corners: [Corner; CORNERS_MAX],
+    count: usize,
+    /// Corners nearer than this are one: a segment is cut on its way there and back \[m\].
+    same: f64,
+}
+
+impl Polygon {
+    /// A polygon, or a segment taken there and back.
+    fn new(points: &[Vec3]) -> Self {
+        let same = 1e-9 * points.iter().map(|p| (p - points[0]).norm()).fold(0.0, f64::max);
+        let mut polygon = Self { corners: [Corner::default(); CORNERS_MAX], count: 0, same };
+        for (k, p) in points.iter().enumerate() {
+            polygon.push(Corner { p: *p, id: k as u32, edge: k as u32 });
+        }
+        polygon
+    }
+
+    fn push(&mut self, corner: Corner) {
+        let near = |c: &Corner| (c.p - corner.p).norm() <= self.same;
+        let same = self.corners[..self.count].iter().any(near);
+        if self.count < CORNERS_MAX && !same {
+            self.corners[self.count] = corner;
+            self.count += 1;
+        }
+    }
+
+    /// Keeps the part with `n · p ≤ offset`; corners within `tolerance` of the side stay.
+    fn clip(&self, n: &Vec3, offset: f64, side: u32, tolerance: f64) -> Self {
+        let mut out = Self { corners: [Corner::default(); CORNERS_MAX], count: 0, same: self.same };
+        for i in 0..self.count {
+            let (from, to) = (self.corners[i], self.corners[(i + 1) % self.count]);
+            let (d0, d1) = (n.dot(&from.p) - offset, n.dot(&to.p) - offset);
+            let (in0, in1) = (d0 <= tolerance, d1 <= tolerance);
+            if in0 {
+                let leaves_on_side = !in1 && d0 > -tolerance;
+                out.push(if leaves_on_side { Corner { edge: 64 + side, ..from } } else { from });
+            }
+            let on_side = if in0 { d0 > -tolerance } else { d1 > -tolerance };
+            if in0 != in1 && !on_side {
+                let p = from.p + (to.p - from.p) * (d0 / (d0 - d1));
+                let edge = if in0 { 64 + side } else { from.edge };
+                out.push(Corner { p, id: 128 + side * 128 + from.edge, edge });
+            }
+        }
+        out
+    }
+}

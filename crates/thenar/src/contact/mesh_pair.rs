@@ -1,0 +1,488 @@
+//! The contact points of a mesh with other shapes.
+//!
+//! A contact is a point of one surface and the exact distance of the other there. Points are offered
+//! generously: corners, rims and moving lowest points of a convex shape; on each near triangle the
+//! point nearest to the shape; ends of the part of each edge that runs along a face of the shape;
+//! vertices of meshes; edges that cross. Whatever is offered has its true gap, so that none of
+//! them can hold what the surfaces do not.
+
+use crate::contact::aabb::Aabb;
+use crate::contact::approach::approach;
+use crate::contact::features::{corners, edges as cuboid_edges, rim};
+use crate::contact::manifold::{Manifold, ManifoldPoint};
+use crate::contact::mesh_index::MeshEdge;
+use crate::contact::nearest::point as weighted;
+use crate::contact::rigid_pair::{Reach, reversed};
+use crate::contact::support::{Solid, inradius, support};
+use crate::contact::sweep::Mover;
+use crate::contact::{MeshShape, Shape};
+use crate::math::Vec3;
+
+/// Points on each rim of a cylinder or cone.
+const RIM_POINTS: usize = 8;
+/// Iterations that find the lowest point of a rim over a mesh; on a flat one the first does.
+const SETTLE: usize = 4;
+/// Points nearer to each other than this part of the shape are one.
+const SAME: f64 = 1e-4;
+
+/// Deeper than this part of a sharp shape's inradius its nearest face need not be the one that was
+/// entered: there only corners and vertices tell the way out.
+const SHALLOW: f64 = 0.01;
+/// Edges that stand at less than this to a face lie on it \[rad\]: the distance along the normal errs
+/// by half its square.
+const LYING: f64 = 0.1;
+
+const POINT: u32 = 0;
+const FACE: u32 = 1 << 28;
+const EDGE: u32 = 2 << 28;
+const VERTEX: u32 = 3 << 28;
+const CROSSING: u32 = 4 << 28;
+/// Set in the feature of a point that came from side B.
+const FROM_B: u32 = 1 << 31;
+
+/// A mesh piece.
+pub(crate) fn mesh_of(shape: &Shape) -> Option<&MeshShape> {
+    match shape {
+        Shape::Mesh(mesh) => Some(mesh),
+        _ => None,
+    }
+}
+
+/// Adds the contact points of any convex shape or half-space A against mesh B.
+pub(crate) fn convex_on_mesh(a: &Mover, b: &Mover, reach: Reach, manifold: &mut Manifold) {
+    let Some(mesh) = mesh_of(&b.piece.shape) else { return };
+    let pair = Pair::new(a, b, reach);
+    if matches!(pair.a.shape, Shape::HalfSpace) {
+        reversed(manifold, |m| vertices(&Pair::new(b, a, reach), mesh, FROM_B, m));
+        return;
+    }
+    let first = manifold.points().len();
+    points_of(&pair, mesh, manifold);
+    let shallow = match pair.a.shape {
+        Shape::Cuboid { .. } | Shape::Cylinder { .. } | Shape::Cone { .. } => {
+            SHALLOW * inradius(pair.a.shape)
+        }
+        _ => f64::INFINITY,
+    };
+    faces(&pair, mesh, shallow, manifold);
+    edges(&pair, mesh, shallow, manifold);
+    if shallow < f64::INFINITY {
+        reversed(manifold, |m| vertices(&Pair::new(b, a, reach), mesh, FROM_B, m));
+        if manifold.points().len() == first {
+            faces(&pair, mesh, f64::INFINITY, manifold);
+        }
+        drop_strays(first, shallow, manifold);
+    }
+    if pair.travel > reach.margin && shallow == f64::INFINITY {
+        // What lies beyond the margin now.
+        reversed(manifold, |m| vertices(&Pair::new(b, a, reach), mesh, FROM_B, m));
+    }
+}
+
+/// Leaves out points from `first` on that are deep and would be let out by another face than the
+/// deepest one: they have sunk in near the border of the face that was entered.
+fn drop_strays(first: usize, shallow: f64, manifold: &mut Manifold) {
+    let points = manifold.points()[first..].iter();
+    let Some(deepest) = points.min_by(|a, b| a.gap.total_cmp(&b.gap)).copied() else { return };
+    manifold.retain_from(first, |p| {
+        p.gap >= -shallow || p.normal_W.dot(&deepest.normal_W) > std::f64::consts::FRAC_1_SQRT_2
+    });
+}
+
+/// Adds the contact points of two meshes.
+pub(crate) fn mesh_on_mesh(a: &Mover, b: &Mover, reach: Reach, manifold: &mut Manifold) {
+    let (Some(mesh_a), Some(mesh_b)) = (mesh_of(&a.piece.shape), mesh_of(&b.piece.shape)) else {
+        return;
+    };
+    vertices(&Pair::new(a, b, reach), mesh_a, 0, manifold);
+    reversed(manifold, |m| vertices(&Pair::new(b, a, reach), mesh_b, FROM_B, m));
+    crossings(&Pair::new(a, b, reach), mesh_a, mesh_b, manifold);
+}
+
+/// Two pieces, and how they move.
+struct Pair<'a> {
+    a: Solid<'a>,
+    b: Solid<'a>,
+    movers: [&'a Mover<'a>; 2],
+    reach: Reach,
+    /// How far points can move against each other in the step \[m\].
+    travel: f64,
+    /// A length of A below which places do not differ \[m\].
+    same: f64,
+}
+
+impl<'a> Pair<'a> {
+    fn new(a: &'a Mover<'a>, b: &'a Mover<'a>, reach: Reach) -> Self {
+        let (pa, pb) = (a.side.placed, b.side.placed);
+        let travel = reach.h * (pa.velocity - pb.velocity).norm() + pa.turn + pb.turn;
+        let size = |m: &Mover| match mesh_of(&m.piece.shape) {
+            Some(_) => m.side.body.radius,
+            None => inradius(&m.piece.shape),
+        };
+        let same = SAME * size(a).min(size(b));
+        Self { a: a.at(0.0, 0.0), b: b.at(0.0, 0.0), movers: [a, b], reach, travel, same }
+    }
+
+    /// A ball of A (centre `p_W`) against the distance of B, and its motion in the step.
+    fn offer(&self, feature: u32, p_W: &Vec3, radius: f64, manifold: &mut Manifold) {
+        let p = self.b.shape_point(p_W);
+        let limit = radius + self.reach.margin + self.travel;
+        if self.b.shape.distance_within(&p, limit).is_none() {
+            return;
+        }
+        let [a, b] = self.movers.map(|m| m.side.placed.velocity_at(p_W));
+        let u = self.b.rotation.tr_mul(&(a - b)) * self.reach.h;
+        let Some(found) = approach(self.b.shape, &p, &u, radius, self.reach.margin) else { return };
+        let normal_W = self.b.rotation * found.gradient;
+        // The end of a capsule is a ball of which one half lies inside.
+        let touching = p_W - radius * normal_W;
+        let round = matches!(self.a.shape, Shape::Capsule { .. });
+        if round && self.a.distance(&touching).value < -1e-3 * self.same {
+            return;
+        }
+        self.push(
+            feature,
+            p_W - (radius + 0.5 * found.value) * normal_W,
+            normal_W,
+            found.value,
+            manifold,
+        );
+    }
+
+    fn push(
+        &self,
+        feature: u32,
+        position_W: Vec3,
+        normal_W: Vec3,
+        gap: f64,
+        manifold: &mut Manifold,
+    ) {
+        let same = |p: &ManifoldPoint| {
+            (p.position_W - position_W).norm() < self.same && p.normal_W.dot(&normal_W) > 0.999
+        };
+        if !manifold.points().iter().any(same) {
+            manifold.offer(ManifoldPoint { feature, position_W, normal_W, gap });
+        }
+    }
+
+    /// The box around the piece of A in the frame of B, with all that could touch it.
+    fn around_a(&self) -> Aabb {
+        let rotation = self.b.rotation.transpose() * self.a.rotation;
+        let bounds =
+            self.movers[0].piece.bounds.moved(&rotation, &self.b.shape_point(&self.a.origin));
+        bounds.inflate(self.reach.margin + self.travel)
+    }
+
+    /// Whether mesh B, which holds the surface point `q_W`, is nearest there to what lies off it by
+    /// `gap` (or at least a little) along `n_W`: whether `n_W` is one of its normals.
+    fn is_normal(&self, q_W: &Vec3, gap: f64, n_W: &Vec3) -> bool {
+        let off = gap.max(self.same);
+        let there = self.b.distance(&(q_W + off * n_W));
+        (there.value - off).abs() <= 1e-3 * off
+    }
+}
+
+/// Corners, rims, centres and lowest points of convex A.
+fn points_of(pair: &Pair, mesh: &MeshShape, manifold: &mut Manifold) {
+    let mut next = POINT;
+    let mut offer = |p: Vec3, radius: f64| {
+        pair.offer(next, &pair.a.world_point(&p), radius, manifold);
+        next += 1;
+    };
+    let up = |y: f64| Vec3::y() * y;
+    match pair.a.shape {
+        Shape::Sphere { radius } => offer(Vec3::zeros(), *radius),
+        Shape::Capsule { radius, half_length } => {
+            offer(up(-half_length), *radius);
+            offer(up(*half_length), *radius);
+        }
+        Shape::Cuboid { half } => corners(half).into_iter().for_each(|p| offer(p, 0.0)),
+        Shape::Cylinder { radius, half_length } => {
+            for y in [-half_length, *half_length] {
+                rim(*radius, y, RIM_POINTS).for_each(|p| offer(p, 0.0));
+                offer(lowest_on_rim(pair, mesh, *radius, y), 0.0);
+            }
+        }
+        Shape::Cone { radius, height } => {
+            offer(up(0.75 * height), 0.0);
+            rim(*radius, -0.25 * height, RIM_POINTS).for_each(|p| offer(p, 0.0));
+            offer(lowest_on_rim(pair, mesh, *radius, -0.25 * height), 0.0);
+        }
+        Shape::Ellipsoid { .. } => {
+            let mut p = Vec3::zeros();
+            for _ in 0..SETTLE {
+                p = support(pair.a.shape, &-gradient_at(pair, mesh, &p), 0.0);
+            }
+            offer(p, 0.0);
+        }
+        _ => {}
+    }
+}
+
+/// Gradient of the mesh's distance at a point of A; all in the frame of A.
+fn gradient_at(pair: &Pair, mesh: &MeshShape, p_A: &Vec3) -> Vec3 {
+    let d = mesh.distance(&pair.b.shape_point(&pair.a.world_point(p_A)));
+    pair.a.rotation.tr_mul(&(pair.b.rotation * d.gradient))
+}
+
+/// The point of a rim that looks most against the mesh's normal there.
+fn lowest_on_rim(pair: &Pair, mesh: &MeshShape, radius: f64, y: f64) -> Vec3 {
+    let mut p = Vec3::y() * y;
+    for _ in 0..SETTLE {
+        let g = gradient_at(pair, mesh, &p);
+        let aside = Vec3::new(g.x, 0.0, g.z).try_normalize(1e-9).unwrap_or_else(Vec3::x);
+        p = Vec3::y() * y - radius * aside;
+    }
+    p
+}
+
+/// The point of each near triangle that is nearest to A, where A's nearest point agrees.
+fn faces(pair: &Pair, mesh: &MeshShape, shallow: f64, manifold: &mut Manifold) {
+    let around = pair.around_a().inflate(mesh.index.rounding);
+    let (margin, rounding) = (pair.reach.margin, mesh.index.rounding);
+    mesh.index.tree.overlapping(&around, |item| {
+        let t = mesh.index.items[item as usize];
+        let tri = mesh.triangles[t as usize].map(|v| mesh.points[v as usize]);
+        if !Aabb::of_points(&tri).overlaps(&around) {
+            return;
+        }
+        let tri = tri.map(|p| pair.a.shape_point(&pair.b.world_point(&p)));
+        let middle = (tri[0] + tri[1] + tri[2]) / 3.0;
+        let reach = tri.iter().map(|p| (p - middle).norm()).fold(0.0, f64::max);
+        if pair.a.shape.distance(&middle).value > margin + rounding + reach {
+            return;
+        }
+        let q = weighted(&tri, &pair.a.shape.nearest_on_triangle(&tri));
+        let d = pair.a.shape.distance(&q);
+        let gap = d.value - rounding;
+        let n_W = -(pair.a.rotation * d.gradient);
+        let q_W = pair.a.world_point(&q) + rounding * n_W;
+        if gap <= margin && gap > -shallow && pair.is_normal(&q_W, gap, &n_W) {
+            pair.push(FACE | t, q_W + 0.5 * gap * n_W, n_W, gap, manifold);
+        }
+    });
+}
+
+/// Axes of the twelve edges of a cuboid.
+const AXES: [usize; 12] = [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2];
+
+/// The ends of the part of each sharp edge that runs along a face of A.
+fn edges(pair: &Pair, mesh: &MeshShape, shallow: f64, manifold: &mut Manifold) {
+    if !matches!(pair.a.shape, Shape::Cuboid { .. } | Shape::Cylinder { .. } | Shape::Cone { .. }) {
+        return;
+    }
+    if let Shape::Cuboid { half } = pair.a.shape {
+        for (i, (ends, axis)) in cuboid_edges(half).into_iter().zip(AXES).enumerate() {
+            let out =
+                Vec3::from_fn(|k, _| if k == axis { 0.0 } else { 1.0_f64.copysign(ends[0][k]) });
+            let mut normals = [Vec3::zeros(); 2];
+            for (slot, k) in [(axis + 1) % 3, (axis + 2) % 3].into_iter().enumerate() {
+                normals[slot][k] = out[k];
+            }
+            crossing(pair, i as u32, ends, normals, 0.0, mesh, manifold);
+        }
+    }
+    let around = pair.around_a().inflate(mesh.index.rounding);
+    let (margin, rounding) = (pair.reach.margin, mesh.index.rounding);
+    let flat = 1e-3 * pair.same;
+    mesh.index.edge_tree.overlapping(&around, |e| {
+        let ends = mesh.index.edges[e as usize].vertices.map(|v| mesh.points[v as usize]);
+        if !Aabb::of_points(&ends).overlaps(&around) {
+            return;
+        }
+        let ends = ends.map(|p| pair.a.shape_point(&pair.b.world_point(&p)));
+        let along = Along::of(pair.a.shape, ends, flat);
+        if along.value - rounding > margin || along.value - rounding < -shallow {
+            return;
+        }
+        let normal = |along: &Along| -(pair.a.rotation * along.gradient);
+        let is_normal = |along: &Along| {
+            let n_W = normal(along);
+            let q_W = pair.a.world_point(&along.lowest) + rounding * n_W;
+            pair.is_normal(&q_W, along.value - rounding, &n_W)
+        };
+        let mut along = along;
+        if along.value < rounding && !is_normal(&along) {
+            let [n1, n2] = mesh.index.edges[e as usize].normals;
+            let out = pair.a.rotation.tr_mul(&(pair.b.rotation * (n1 + n2).normalize()));
+            along.draw_apart(pair.a.shape, ends, &out, 0.5 * shallow.min(inradius(pair.a.shape)));
+        }
+        let n_W = normal(&along);
+        if !is_normal(&along) {
+            return;
+        }
+        for (k, q) in along.ends.into_iter().enumerate() {
+            let gap = along.value + along.gradient.dot(&(q - along.lowest)) - rounding;
+            let q_W = pair.a.world_point(&q) + rounding * n_W;
+            if gap <= margin {
+                pair.push(EDGE | 2 * e | k as u32, q_W + 0.5 * gap * n_W, n_W, gap, manifold);
+            }
+        }
+    });
+}
+
+/// Where a segment is nearest to a convex shape, and the part of it over the same face.
+struct Along {
+    lowest: Vec3,
+    value: f64,
+    gradient: Vec3,
+    ends: [Vec3; 2],
+}
+
+impl Along {
+    /// By bisection of the slope, which rises along the segment since the distance is convex, then
+    /// by bisection for where the distance leaves its tangent plane by more than `flat`.
+    fn of(shape: &Shape, [p, q]: [Vec3; 2], flat: f64) -> Self {
+        let way = q - p;
+        let at = |t: f64| p + t * way;
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..40 {
+            let t = 0.5 * (low + high);
+            if shape.distance(&at(t)).gradient.dot(&way) > 0.0 { high = t } else { low = t }
+        }
+        let t = 0.5 * (low + high);
+        let lowest = at(t);
+        // The middle of what is as low as this, so that the face is that under the segment.
+        let d = shape.distance(&lowest);
+        let leaves = |s: f64| {
+            let x = at(s);
+            shape.distance(&x).value - d.value - d.gradient.dot(&(x - lowest)) > flat
+        };
+        let end = |to: f64| {
+            if !leaves(to) {
+                return at(to);
+            }
+            let (mut on, mut off) = (t, to);
+            for _ in 0..40 {
+                let s = 0.5 * (on + off);
+                *(if leaves(s) { &mut off } else { &mut on }) = s;
+            }
+            at(on)
+        };
+        // A segment that stands off the face touches at its lowest point only.
+        let lies = d.gradient.dot(&way).abs() < LYING * way.norm();
+        let ends = if lies { [end(0.0), end(1.0)] } else { [lowest; 2] };
+        Self { lowest, value: d.value, gradient: d.gradient, ends }
+    }
+}
+
+impl Along {
+    /// Looks again from `way` outside the shape, where an edge that crosses one of the shape's own has
+    /// the direction between the two. `out` leads from the edge into the shape.
+    fn draw_apart(&mut self, shape: &Shape, ends: [Vec3; 2], out: &Vec3, way: f64) {
+        let beside = Self::of(shape, ends.map(|p| p - way * out), 0.0);
+        if beside.value > 0.0 {
+            self.gradient = beside.gradient;
+            self.value = beside.value + way * out.dot(&beside.gradient);
+            self.lowest = beside.lowest + way * out;
+            self.ends = [self.lowest; 2];
+        }
+    }
+}
+
+/// The vertices of mesh A near B against B's distance.
+fn vertices(pair: &Pair, mesh: &MeshShape, flag: u32, manifold: &mut Manifold) {
+    let index = &mesh.index;
+    let mut offer = |i: u32| {
+        let v = index.vertices[i as usize];
+        let p_W = pair.a.world_point(&mesh.points[v as usize]);
+        pair.offer(flag | VERTEX | v, &p_W, index.rounding, manifold);
+    };
+    if matches!(pair.b.shape, Shape::HalfSpace) {
+        let up = pair.a.rotation.tr_mul(&pair.b.rotation.column(1).into_owned());
+        let level = pair.a.shape_point(&pair.b.origin);
+        // How far the plane itself may come.
+        let placed = pair.movers[1].side.placed;
+        let arm = (pair.a.origin - placed.center_of_mass).norm() + pair.movers[0].side.body.radius;
+        let comes = pair.reach.h * placed.angular_velocity.norm() * arm;
+        let height = up.dot(&level) + pair.reach.margin + pair.travel + comes + index.rounding;
+        index.vertex_tree.below(&up, height, offer);
+        return;
+    }
+    let rotation = pair.a.rotation.transpose() * pair.b.rotation;
+    let around = pair.movers[1].piece.bounds.moved(&rotation, &pair.a.shape_point(&pair.b.origin));
+    let around = around.inflate(pair.reach.margin + pair.travel + index.rounding);
+    index.vertex_tree.overlapping(&around, |i| {
+        if around.contains(&mesh.points[index.vertices[i as usize] as usize]) {
+            offer(i);
+        }
+    });
+}
+
+/// Sharp edges of mesh A that cross sharp edges of mesh B.
+fn crossings(pair: &Pair, mesh_a: &MeshShape, mesh_b: &MeshShape, manifold: &mut Manifold) {
+    let rotation = pair.a.rotation.transpose() * pair.b.rotation;
+    let around = pair.movers[1].piece.bounds.moved(&rotation, &pair.a.shape_point(&pair.b.origin));
+    mesh_a.index.edge_tree.overlapping(&around.inflate(pair.reach.margin), |i| {
+        let edge = &mesh_a.index.edges[i as usize];
+        let ends = edge.vertices.map(|v| mesh_a.points[v as usize]);
+        crossing(pair, i, ends, edge.normals, mesh_a.index.rounding, mesh_b, manifold);
+    });
+}
+
+/// One edge of A (number, ends, normals of its faces and rounding, in A's frame) and the sharp edges
+/// of mesh B that it crosses.
+fn crossing(
+    pair: &Pair,
+    i: u32,
+    ends: [Vec3; 2],
+    normals: [Vec3; 2],
+    rounding_a: f64,
+    mesh: &MeshShape,
+    manifold: &mut Manifold,
+) {
+    let turn = pair.b.rotation.transpose() * pair.a.rotation;
+    let ends = ends.map(|p| pair.b.shape_point(&pair.a.world_point(&p)));
+    let edge_a = MeshEdge { vertices: [0; 2], normals: normals.map(|n| turn * n) };
+    let rounding_b = mesh.index.rounding;
+    let near = Aabb::of_points(&ends).inflate(pair.reach.margin + rounding_a + rounding_b);
+    mesh.index.edge_tree.overlapping(&near, |j| {
+        let edge_b = &mesh.index.edges[j as usize];
+        let ends_b = edge_b.vertices.map(|v| mesh.points[v as usize]);
+        let Some((p, q, n)) = cross((&edge_a, ends), (edge_b, ends_b)) else { return };
+        let gap = (p - q).dot(&n) - rounding_a - rounding_b;
+        let deep = SHALLOW * (ends[1] - ends[0]).norm().min((ends_b[1] - ends_b[0]).norm());
+        if gap <= pair.reach.margin && gap > -deep {
+            let middle = 0.5 * (p + q + (rounding_b - rounding_a) * n);
+            let feature = CROSSING | i << 14 & 0x0fff_c000 | j & 0x3fff;
+            let (position_W, normal_W) = (pair.b.world_point(&middle), pair.b.rotation * n);
+            pair.push(feature, position_W, normal_W, gap, manifold);
+        }
+    });
+}
+
+/// The nearest points of two edges' lines if both lie within the edges, and the normal from B to A
+/// if it is outward of both.
+fn cross(a: (&MeshEdge, [Vec3; 2]), b: (&MeshEdge, [Vec3; 2])) -> Option<(Vec3, Vec3, Vec3)> {
+    let (da, db) = (a.1[1] - a.1[0], b.1[1] - b.1[0]);
+    let normal = da.cross(&db);
+    let square = normal.norm_squared();
+    if square <= 1e-6 * da.norm_squared() * db.norm_squared() {
+        return None;
+    }
+    let between = b.1[0] - a.1[0];
+    let s = between.cross(&db).dot(&normal) / square;
+    let t = between.cross(&da).dot(&normal) / square;
+    let inside = |x: f64| x > 1e-9 && x < 1.0 - 1e-9;
+    if !inside(s) || !inside(t) {
+        return None;
+    }
+    let n = normal / square.sqrt();
+    let n = n * 1.0_f64.copysign(n.dot(&(b.0.normals[0] + b.0.normals[1])));
+    let fits = in_cone(&n, b.0, &db) && in_cone(&-n, a.0, &da);
+    fits.then(|| (a.1[0] + s * da, b.1[0] + t * db, n))
+}
+
+/// Whether a normal lies between those of the faces beside an edge.
+fn in_cone(n: &Vec3, edge: &MeshEdge, along: &Vec3) -> bool {
+    let [n1, n2] = edge.normals;
+    if n1 == n2 {
+        return true;
+    }
+    // From the edge into each face.
+    let into = |own: &Vec3, other: &Vec3| {
+        let t = along.cross(own).normalize();
+        t * -1.0_f64.copysign(t.dot(other))
+    };
+    n.dot(&into(&n1, &n2)) < 1e-6 && n.dot(&into(&n2, &n1)) < 1e-6
+}

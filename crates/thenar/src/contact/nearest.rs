@@ -1,0 +1,253 @@
+//! The point of a triangle at which a shape's signed distance is least.
+
+use crate::contact::Shape;
+use crate::contact::triangle::closest_on_triangle;
+use crate::math::Vec3;
+
+/// How much the middle of the triangle is preferred: a point at distance d from it counts as
+/// this times d²/(2 L) farther from the shape, with L the triangle's longest edge. It makes the
+/// point unique and steady where a triangle lies along the shape, and moves it elsewhere by less
+/// than this part of the edge for each unit of curvature times edge.
+const TO_MIDDLE: f64 = 1e-3;
+/// Cuts through the centroid leave at most 1 - 1/e of the area each (Grünbaum, 1960).
+const CUTS_MAX: usize = 64;
+/// Within this part of the longest edge the least distance is found.
+const TOLERANCE: f64 = 1e-9;
+const CORNERS_MAX: usize = CUTS_MAX + 4;
+
+impl Shape {
+    /// Weights of the point of a triangle (in the shape frame) at which the signed distance is
+    /// least. Where that is so along a line or a face, it is the point nearest to the triangle's middle
+    /// (preferred by a thousandth, which keeps the point continuous as things tilt).
+    ///
+    /// Exact for spheres; for other convex shapes within a thousandth of the longest edge times the
+    /// tilt in value, found by convex minimisation. Of a compound, the best over its parts. Of
+    /// a mesh, which is not convex, the best of a descent from the triangle's middle and corners.
+    pub fn nearest_on_triangle(&self, tri: &[Vec3; 3]) -> [f64; 3] {
+        match self {
+            Self::Sphere { .. } => closest_on_triangle(&Vec3::zeros(), tri).weights,
+            Self::Compound(parts) => {
+                let mut best = ([1.0 / 3.0; 3], f64::INFINITY);
+                for part in parts.iter() {
+                    let local = tri.map(|p| part.pose_SP.inverse_point(&p));
+                    let weights = part.shape.nearest_on_triangle(&local);
+                    let value = part.shape.distance(&point(&local, &weights)).value;
+                    if value < best.1 {
+                        best = (weights, value);
+                    }
+                }
+                best.0
+            }
+            Self::Mesh(_) => descend(self, tri),
+            _ => minimise(self, tri),
+        }
+    }
+}
+
+/// The point with these weights.
+pub(crate) fn point(tri: &[Vec3; 3], w: &[f64; 3]) -> Vec3 {
+    tri[0] * w[0] + tri[1] * w[1] + tri[2] * w[2]
+}
+
+fn longest_edge(tri: &[Vec3; 3]) -> f64 {
+    (0..3).map(|k| (tri[(k + 1) % 3] - tri[k]).norm()).fold(0.0, f64::max)
+}
+
+/// The method of centres of gravity in the weights of corners 1 and 2: each gradient cuts off the
+/// half of what is left in which the function is greater than at its centroid.
+fn minimise(shape: &Shape, tri: &[Vec3; 3]) -> [f64; 3] {
+    let (e1, e2) = (tri[1] - tri[0], tri[2] - tri[0]);
+    let middle = (tri[0] + tri[1] + tri[2]) / 3.0;
+    let length = longest_edge(tri);
+    if length <= 0.0 {
+        return [1.0, 0.0, 0.0];
+    }
+    let stiffness = TO_MIDDLE / length;
+    let sample = |u: [f64; 2]| {
+        let p = tri[0] + u[0] * e1 + u[1] * e2;
+        let d = shape.distance(&p);
+        let off = p - middle;
+        let gradient = d.gradient + stiffness * off;
+        (d.value + 0.5 * stiffness * off.norm_squared(), [gradient.dot(&e1), gradient.dot(&e2)])
+    };
+    let mut area = Area::whole();
+    let mut best = ([1.0 / 3.0; 2], f64::INFINITY);
+    for u in [[1.0 / 3.0; 2], [0.0, 0.0], [1.0, 0.0], [0.0, 1.0]] {
+        let (value, gradient) = sample(u);
+        if value < best.1 {
+            best = (u, value);
+        }
+        area.cut(u, gradient);
+    }
+    for _ in 0..CUTS_MAX {
+        let Some(u) = area.centroid() else { break };
+        let (value, gradient) = sample(u);
+        if value < best.1 {
+            best = (u, value);
+        }
+        // By convexity nothing in what is left is below this.
+        let bound = area.corners[..area.count]
+            .iter()
+            .map(|c| value + gradient[0] * (c[0] - u[0]) + gradient[1] * (c[1] - u[1]));
+        if bound.fold(f64::INFINITY, f64::min) > best.1 - TOLERANCE * length {
+            break;
+        }
+        area.cut(u, gradient);
+    }
+    // At a tip of the triangle cuts only come near.
+    for corner in area.corners[..area.count].iter() {
+        let (value, _) = sample(*corner);
+        if value < best.1 {
+            best = (*corner, value);
+        }
+    }
+    let [u, v] = best.0.map(|x| x.clamp(0.0, 1.0));
+    [(1.0 - u - v).max(0.0), u, v]
+}
+
+/// A convex polygon in the plane of the weights.
+struct Area {
+    corners: [[f64; 2]; CORNERS_MAX],
+    count: usize,
+}
+
+impl Area {
+    fn whole() -> Self {
+        let mut corners = [[0.0; 2]; CORNERS_MAX];
+        (corners[1], corners[2]) = ([1.0, 0.0], [0.0, 1.0]);
+        Self { corners, count: 3 }
+    }
+
+    /// Leaves the part in which `g · (x - u) ≤ 0`.
+    fn cut(&mut self, u: [f64; 2], g: [f64; 2]) {
+        let old = self.corners;
+        let height = |c: [f64; 2]| g[0] * (c[0] - u[0]) + g[1] * (c[1] - u[1]);
+        let n = std::mem::take(&mut self.count);
+        for i in 0..n {
+            let (from, to) = (old[i], old[(i + 1) % n]);
+            let (h0, h1) = (height(from), height(to));
+            if h0 <= 0.0 {
+                self.push(from);
+            }
+            if (h0 < 0.0 && h1 > 0.0) || (h0 > 0.0 && h1 < 0.0) {
+                let t = h0 / (h0 - h1);
+                self.push([from[0] + t * (to[0] - from[0]), from[1] + t * (to[1] - from[1])]);
+            }
+        }
+    }
+
+    fn push(&mut self, corner: [f64; 2]) {
+        if self.count < CORNERS_MAX {
+            self.corners[self.count] = corner;
+            self.count += 1;
+        }
+    }
+
+    /// `None` when nothing is left.
+    fn centroid(&self) -> Option<[f64; 2]> {
+        let o = *self.corners[..self.count].first()?;
+        let (mut twice, mut sum) = (0.0, [0.0; 2]);
+        for k in 1..self.count.saturating_sub(1) {
+            let [a, b] = [self.corners[k], self.corners[k + 1]].map(|c| [c[0] - o[0], c[1] - o[1]]);
+            let area = a[0] * b[1] - a[1] * b[0];
+            twice += area;
+            (0..2).for_each(|i| sum[i] += area * (a[i] + b[i]) / 3.0);
+        }
+        if twice <= 1e-18 {
+            return None;
+        }
+        Some([o[0] + sum[0] / twice, o[1] + sum[1] / twice])
+    }
+}
+
+/// Steps against the gradient, each to the point of the triangle nearest to where the surface
+/// would be if it were flat, from the best of five starts.
+fn descend(shape: &Shape, tri: &[Vec3; 3]) -> [f64; 3] {
+    let third = 1.0 / 3.0;
+    let starts = [[third; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let value = |w: &[f64; 3]| shape.distance(&point(tri, w));
+    let length = longest_edge(tri);
+    let mut best = (starts[0], f64::INFINITY);
+    for start in starts {
+        let mut w = start;
+        let mut d = value(&w);
+        let mut stride = d.value.max(0.25 * length);
+        for _ in 0..24 {
+            let target = point(tri, &w) - stride * d.gradient;
+            let next = closest_on_triangle(&target, tri).weights;
+            let there = value(&next);
+            if there.value < d.value - TOLERANCE * length {
+                (w, d) = (next, there);
+            } else {
+                stride *= 0.4;
+            }
+        }
+        // The middle first: others must be clearly better.
+        if d.value < best.1 - TOLERANCE * length {
+            best = (w, d.value);
+        }
+    }
+    best.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::triangle::tests::Random;
+
+    fn shapes() -> Vec<Shape> {
+        vec![
+            Shape::Sphere { radius: 0.02 },
+            Shape::Capsule { radius: 0.01, half_length: 0.02 },
+            Shape::Cuboid { half: Vec3::new(0.01, 0.02, 0.03) },
+            Shape::Cylinder { radius: 0.02, half_length: 0.01 },
+            Shape::Cone { radius: 0.02, height: 0.03 },
+            Shape::Ellipsoid { half: Vec3::new(0.01, 0.02, 0.03) },
+            Shape::HalfSpace,
+        ]
+    }
+
+    /// No point of a lattice on the triangle is nearer by more than the preference for the middle.
+    #[test]
+    fn no_other_point_of_the_triangle_is_nearer() {
+        let mut random = Random::new(12);
+        let n = 40;
+        for shape in shapes() {
+            for _ in 0..300 {
+                let place = random.vector(0.05);
+                let tri = [(); 3].map(|()| place + random.vector(0.02));
+                let w = shape.nearest_on_triangle(&tri);
+                assert!((w.iter().sum::<f64>() - 1.0).abs() < 1e-12 && w.iter().all(|w| *w >= 0.0));
+                let value = shape.distance(&point(&tri, &w)).value;
+                let mut brute = f64::INFINITY;
+                for i in 0..=n {
+                    for j in 0..=n - i {
+                        let w = [i, j, n - i - j].map(|k| f64::from(k) / f64::from(n));
+                        brute = brute.min(shape.distance(&point(&tri, &w)).value);
+                    }
+                }
+                let allowed = 0.25 * TO_MIDDLE * longest_edge(&tri);
+                assert!(value < brute + allowed, "{shape:?} {tri:?}: {value} {brute}");
+            }
+        }
+    }
+
+    /// On a triangle that lies along the shape it is the point nearest to its middle, and a slight
+    /// tilt moves it by little.
+    #[test]
+    fn along_the_shape_the_middle_is_preferred() {
+        let lying = |shape: &Shape, top: f64, tilt: f64| {
+            let tri = [[-0.004, -0.002], [0.004, -0.002], [0.0, 0.004]]
+                .map(|[x, z]| Vec3::new(x, top + 1e-5 + tilt * x, z));
+            point(&tri, &shape.nearest_on_triangle(&tri))
+        };
+        let boxed = Shape::Cuboid { half: Vec3::repeat(0.02) };
+        let cylinder = Shape::Cylinder { radius: 0.02, half_length: 0.01 };
+        for (shape, top) in [(&boxed, 0.02), (&cylinder, 0.01), (&Shape::HalfSpace, 0.0)] {
+            let level = lying(shape, top, 0.0);
+            assert!(level.x.hypot(level.z) < 1e-5, "{shape:?}: {level}");
+            let tilted = lying(shape, top, 1e-5);
+            assert!((tilted - level).norm() < 0.02 * 0.008, "{shape:?}: {tilted}");
+        }
+    }
+}

@@ -1,0 +1,208 @@
+//! How far two convex shapes are apart, or how deep they overlap, and along which direction.
+//!
+//! The nearest points of the two cores are found by Gilbert, Johnson and Keerthi's method (1988).
+//! Cores that are apart have a direction that does not depend on round-off, even where the shapes
+//! themselves touch or overlap; along that direction the shapes' own extents tell the distance.
+
+use crate::contact::support::{Solid, inradius, rounding};
+use crate::contact::triangle::closest_on_triangle;
+use crate::math::Vec3;
+
+const ITERATIONS_MAX: usize = 100;
+/// The squared distance found is at most this part above the true one.
+const TOLERANCE: f64 = 1e-14;
+/// Sharp shapes nearer than this part of their inradius are asked by their cores.
+pub(crate) const TOUCHING: f64 = 1e-3;
+/// How far cores are moved inward, as parts of the inradius: little, so that the direction is that of
+/// the shapes; more, when shapes overlap by as much.
+const INWARD: [f64; 4] = [0.02, 0.1, 0.4, 0.9];
+
+/// Two shapes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Separation {
+    /// Distance along `normal`, negative when they overlap \[m\].
+    pub gap: f64,
+    /// Unit vector from B to A, world.
+    pub normal: Vec3,
+    /// On the surfaces, world.
+    pub point_a: Vec3,
+    pub point_b: Vec3,
+}
+
+/// The separation of A from B, both convex and bounded.
+pub(crate) fn separation(a: &Solid, b: &Solid) -> Separation {
+    let (round_a, round_b) = (rounding(a.shape), rounding(b.shape));
+    let (size_a, size_b) = (inradius(a.shape), inradius(b.shape));
+    let size = size_a.min(size_b);
+    if let Some(near) = nearest(a, b, [round_a, round_b])
+        && (near.gap > TOUCHING * size)
+    {
+        let exact = Separation {
+            gap: near.gap - round_a - round_b,
+            point_a: near.point_a - round_a * near.normal,
+            point_b: near.point_b + round_b * near.normal,
+            ..near
+        };
+        return exact;
+    }
+    for part in INWARD {
+        let inward = |round: f64, size: f64| round.max(part * size);
+        let cores = [inward(round_a, size_a), inward(round_b, size_b)];
+        if let Some(near) = nearest(a, b, cores)
+            && near.gap > TOUCHING * part * size
+        {
+            let rough = along(a, b, near);
+            let better = drawn_apart(a, b, &rough, size).unwrap_or(rough);
+            return drawn_apart(a, b, &better, size).unwrap_or(better);
+        }
+    }
+    // One lies deep in the other: out the shortest way for the middle of A.
+    let out = b.distance(&a.origin);
+    let near = Separation { gap: 0.0, normal: out.gradient, point_a: a.origin, point_b: a.origin };
+    along(a, b, near)
+}
+
+/// The same pair with A moved out along the rough normal until they are just apart, where the nearest
+/// points are exact, and back again.
+fn drawn_apart(a: &Solid, b: &Solid, rough: &Separation, size: f64) -> Option<Separation> {
+    let rounds = [rounding(a.shape), rounding(b.shape)];
+    let way = (2.0 * TOUCHING * size - rough.gap) * rough.normal;
+    let near = nearest(&Solid { origin: a.origin + way, ..*a }, b, rounds)?;
+    let n = near.normal;
+    let gap = near.gap - rounds[0] - rounds[1];
+    let (point_a, point_b) = (near.point_a - rounds[0] * n, near.point_b + rounds[1] * n);
+    let back = gap - way.dot(&n);
+    // The shapes are as far apart as they are along the best direction.
+    let better = gap > 0.0 && back >= rough.gap - 1e-9 * size;
+    better.then(|| {
+        // The part of the way across the normal is shared by both.
+        let across = 0.5 * (way - way.dot(&n) * n);
+        let point_a = point_a - way + across;
+        Separation { gap: back, normal: n, point_a, point_b: point_b - across }
+    })
+}
+
+/// The separation along the direction of the cores: from the farthest points of both.
+fn along(a: &Solid, b: &Solid, cores: Separation) -> Separation {
+    let n = cores.normal;
+    let (low_a, high_b) = (n.dot(&a.support(&-n, 0.0)), n.dot(&b.support(&n, 0.0)));
+    let point_a = a.nearest(&(cores.point_a + (low_a - n.dot(&cores.point_a)) * n));
+    let point_b = b.nearest(&(cores.point_b + (high_b - n.dot(&cores.point_b)) * n));
+    Separation { gap: low_a - high_b, normal: n, point_a, point_b }
+}
+
+/// A point of the difference A - B, from a point of each.
+#[derive(Clone, Copy)]
+struct Corner {
+    w: Vec3,
+    a: Vec3,
+    b: Vec3,
+}
+
+/// The nearest points of two cores; `None` when these overlap.
+fn nearest(a: &Solid, b: &Solid, inward: [f64; 2]) -> Option<Separation> {
+    let corner = |d: &Vec3| {
+        let (p, q) = (a.support(&-d, inward[0]), b.support(d, inward[1]));
+        Corner { w: p - q, a: p, b: q }
+    };
+    let start = a.origin - b.origin;
+    let mut simplex = Simplex::new(corner(&start.try_normalize(1e-12).unwrap_or_else(Vec3::y)));
+    let mut v = simplex.corners[0].w;
+    let scale = inradius(a.shape).min(inradius(b.shape));
+    // A plane between them has been found.
+    let mut disjoint = false;
+    for _ in 0..ITERATIONS_MAX {
+        let square = v.norm_squared();
+        if square < (1e-12 * scale).powi(2) {
+            return None;
+        }
+        let next = corner(&v);
+        if square - v.dot(&next.w) <= TOLERANCE * square || simplex.holds(&next.w) {
+            break;
+        }
+        disjoint |= v.dot(&next.w) > 0.0;
+        let mut larger = simplex;
+        larger.push(next);
+        if !disjoint && larger.count == 4 && larger.surrounds_origin() {
+            return None;
+        }
+        let nearer = larger.reduce()?;
+        if nearer.norm_squared() >= square {
+            break;
+        }
+        (v, simplex) = (nearer, larger);
+    }
+    let gap = v.norm();
+    let (point_a, point_b) = simplex.points();
+    Some(Separation { gap, normal: v / gap, point_a, point_b })
+}
+
+/// Up to four corners, and the weights of the point of their hull nearest to the origin.
+#[derive(Clone, Copy)]
+struct Simplex {
+    corners: [Corner; 4],
+    weights: [f64; 4],
+    count: usize,
+}
+
+impl Simplex {
+    fn new(corner: Corner) -> Self {
+        Self { corners: [corner; 4], weights: [1.0, 0.0, 0.0, 0.0], count: 1 }
+    }
+
+    fn push(&mut self, corner: Corner) {
+        self.corners[self.count] = corner;
+        self.count += 1;
+    }
+
+    fn holds(&self, w: &Vec3) -> bool {
+        self.corners[..self.count].iter().any(|c| c.w == *w)
+    }
+
+    fn points(&self) -> (Vec3, Vec3) {
+        let weighted = || self.corners[..self.count].iter().zip(self.weights);
+        (weighted().map(|(c, w)| c.a * w).sum(), weighted().map(|(c, w)| c.b * w).sum())
+    }
+
+    /// Keeps the corners that the nearest point on the hull's faces needs, and returns it.
+    fn reduce(&mut self) -> Option<Vec3> {
+        let w = |i: usize| self.corners[i].w;
+        let faces: &[[usize; 3]] = match self.count {
+            2 => &[[0, 1, 1]],
+            3 => &[[0, 1, 2]],
+            _ => &[[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]],
+        };
+        let mut best: Option<([usize; 3], [f64; 3], Vec3, f64)> = None;
+        for face in faces {
+            let near = closest_on_triangle(&Vec3::zeros(), &face.map(w));
+            if best.is_none_or(|b| near.distance_squared < b.3) {
+                best = Some((*face, near.weights, near.point, near.distance_squared));
+            }
+        }
+        let (face, weights, _, _) = best?;
+        let mut kept = *self;
+        kept.count = 0;
+        kept.weights = [0.0; 4];
+        for (i, weight) in face.into_iter().zip(weights).filter(|(_, weight)| *weight > 0.0) {
+            // The second of two corners may stand in a triangle twice.
+            if let Some(k) = (0..kept.count).find(|&k| kept.corners[k].w == w(i)) {
+                kept.weights[k] += weight;
+                continue;
+            }
+            kept.corners[kept.count] = self.corners[i];
+            kept.weights[kept.count] = weight;
+            kept.count += 1;
+        }
+        *self = kept;
+        Some(self.corners[..self.count].iter().zip(self.weights).map(|(c, w)| c.w * w).sum())
+    }
+
+    fn surrounds_origin(&self) -> bool {
+        let w = |i: usize| self.corners[i].w;
+        [[0, 1, 2, 3], [0, 3, 1, 2], [0, 2, 3, 1], [1, 3, 2, 0]].iter().all(|&[i, j, k, top]| {
+            let normal = (w(j) - w(i)).cross(&(w(k) - w(i)));
+            let (origin, above) = (-normal.dot(&w(i)), normal.dot(&(w(top) - w(i))));
+            origin * above > 0.0
+        })
+    }
+}
