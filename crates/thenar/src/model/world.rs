@@ -233,6 +233,14 @@ impl WorldDesc {
         (self.rigids.len() - 1) as u32
     }
 
+    /// The deformable body that a rigid body is a bone of, and the part of it that it is in.
+    pub fn flesh_of_bone(&self, rigid: u32) -> Option<(u32, u8)> {
+        self.parts.iter().find_map(|parts| {
+            let bone = parts.bones.iter().find(|(bone, _)| *bone == rigid)?;
+            Some((parts.soft, bone.1))
+        })
+    }
+
     /// Adds a deformable body and returns its index.
     pub fn add_soft(&mut self, soft: SoftDesc) -> u32 {
         self.softs.push(soft);
