@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use std::sync::OnceLock;
 use thenar::kinematics::Tree;
 use thenar::model::{Digit, HandModel, JointKind, Side};
+use thenar::shape::Shape;
 use thenar::{Pose, Quat, Vec3};
 use thenar_rig::hand::{
     HandOptions, HandReport, Size, asset, build_hand, build_hand_with_report, default_hand,
@@ -398,4 +399,49 @@ fn a_damaged_rig_gives_an_error_or_a_sound_hand() {
         }
     }
     assert!(built > 0, "not one survived: the damage is too great to test anything");
+}
+
+/// Diameter of a capsule, least edge of a box \[m\].
+fn thickness(solid: &Shape) -> f64 {
+    match solid {
+        Shape::Capsule { radius, .. } => 2.0 * radius,
+        Shape::Cuboid { half } => 2.0 * half.min(),
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Distance of a point in the frame of a capsule or box from it \[m\]; none inside.
+fn distance(solid: &Shape, p: &Vec3) -> f64 {
+    match solid {
+        Shape::Capsule { radius, half_length } => {
+            (p - Vec3::y() * p.y.clamp(-half_length, *half_length)).norm() - radius
+        }
+        Shape::Cuboid { half } => p.abs().zip_map(half, |x, h| (x - h).max(0.0)).norm(),
+        other => panic!("{other:?}"),
+    }
+}
+
+/// The palm's box and the capsules of the fingers, measured by the skin of the built model rather than
+/// by the mesh that they were made from.
+#[test]
+fn flesh_covers_every_bone() {
+    for (hand, report) in all() {
+        assert_eq!(hand.solids.len(), hand.bones.len());
+        let of_tet = |t: u32| hand.flesh.tets[t as usize].map(|n| hand.flesh.nodes[n as usize]);
+        let vertices = hand.flesh.collision.vertices.iter();
+        let skin: Vec<Vec3> = vertices
+            .map(|v| of_tet(v.tet).iter().zip(v.weights).map(|(x, w)| x * w).sum())
+            .collect();
+        for ((bone, solid), cover) in hand.bones.iter().zip(&hand.solids).zip(&report.bone_covers) {
+            let pose_MS = bone.pose_MB * solid.pose_BS;
+            let distances = skin.iter().map(|p| distance(&solid.shape, &pose_MS.inverse_point(p)));
+            let least = distances.fold(f64::INFINITY, f64::min);
+            assert_eq!(cover.thickness, thickness(&solid.shape));
+            assert!(cover.flesh >= 0.5 * cover.thickness - 1e-12, "{cover:?}");
+            // Surface points lie farther than the faces between them, and decimation moves faces.
+            assert!(least > 0.9 * cover.flesh && least < cover.flesh + 3e-3, "{cover:?}: {least}");
+            // Of the phalanges of a hand of 190 mm none is thinner than 4 mm or thicker than 11 mm.
+            assert!((4e-3..11e-3).contains(&cover.thickness), "{cover:?}");
+        }
+    }
 }

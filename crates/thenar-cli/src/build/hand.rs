@@ -6,7 +6,7 @@ use crate::picture::{Quality, hand_portrait, write_png};
 use std::path::Path;
 use thenar::model::Side;
 use thenar_rig::export::{write_hand_glb, write_hand_json, write_hand_vtk};
-use thenar_rig::hand::{HandOptions, NameMap, Size, asset, build_hand_with_report};
+use thenar_rig::hand::{BoneCover, HandOptions, NameMap, Size, asset, build_hand_with_report};
 use thenar_rig::{HandReport, Model};
 
 /// Largest file of joint names, and of a mesh \[bytes\].
@@ -94,5 +94,9 @@ fn print(r: &HandReport) {
             bone.expected * 1e3,
             bone.deviation_sd
         );
+    }
+    println!("solids of bones, which touch where flesh is crushed, and the least flesh over them:");
+    for BoneCover { bone, thickness, flesh } in &r.bone_covers {
+        println!("  {bone:22} {:5.1} mm thick, {:5.1} mm of flesh", thickness * 1e3, flesh * 1e3);
     }
 }

@@ -28,6 +28,7 @@ pub fn hand_portrait(
             coupling_damping_time: 0.0,
             root_drive: None,
             bone_drive: None,
+            solid_bones: true,
         },
     );
     let world = World::new(desc)?;

@@ -54,7 +54,7 @@ impl Stage<'_> {
         height: u32,
     ) -> Scene3d<'static> {
         let mut scene = Scene3d { ground: self.ground(), ..Scene3d::default() };
-        for (i, rigid) in self.rigids.iter().enumerate() {
+        for (i, rigid) in self.objects() {
             let desc = &self.world.desc().rigids[i];
             scene.meshes.extend(rigid_mesh(desc, &self.world.rigid_pose(i as u32), rigid));
         }
@@ -74,10 +74,16 @@ impl Stage<'_> {
         scene
     }
 
+    /// Rigid bodies that are no bones inside flesh.
+    fn objects(&self) -> impl Iterator<Item = (usize, &Rigid<'_>)> {
+        let all = self.rigids.iter().enumerate();
+        all.filter(|(i, _)| self.world.desc().flesh_of_bone(*i as u32).is_none())
+    }
+
     /// Points that a picture should show.
     pub fn points(&self) -> Vec<Vec3> {
         let mut points: Vec<Vec3> = Vec::new();
-        for (i, rigid) in self.rigids.iter().enumerate() {
+        for (i, rigid) in self.objects() {
             let desc = &self.world.desc().rigids[i];
             if let Some(mesh) = rigid_mesh(desc, &self.world.rigid_pose(i as u32), rigid) {
                 let reach = mesh.positions.iter().map(|p| (p - mesh.positions[0]).norm());

@@ -112,6 +112,7 @@ fn rigids(session: &Session, parts: &mut Parts) -> Result<(), CliError> {
                 let points = mesh.positions.iter().map(|p| pose_WB.point(p)).collect();
                 Some((points, mesh.triangles.clone()))
             }
+            None if world.desc().flesh_of_bone(i as u32).is_some() => None,
             None => rigid.shape.as_ref().and_then(|s| outline(s, &(pose_WB * rigid.pose_BS))),
         };
         if let Some((points, triangles)) = mesh {

@@ -5,7 +5,7 @@ use super::names::{self, Finder};
 use super::options::{HandOptions, Size};
 use super::relax::relax;
 use super::report::HandReport;
-use super::{bones, joints, regions, weights};
+use super::{bones, joints, regions, solids, weights};
 use crate::embed::check_closed;
 use crate::glb::{self, SkinnedMesh};
 use crate::lattice::{Lattice, LatticeOptions};
@@ -46,6 +46,7 @@ pub fn build_hand_with_report(
     let surface = Bvh::new(&skin);
     let bones = bones::bones(&digits, &surface, length);
     let joints = joints::joints(&digits, &bones, side, length);
+    let covered = solids::solids(&bones, &digits, &surface);
 
     // The smooth surface through the skin's vertices is the body; all else is made from it.
     let triangles = options.render_triangles.max(options.collision_triangles);
@@ -78,11 +79,12 @@ pub fn build_hand_with_report(
         render: lattice.embed(&decimate(&smooth, options.render_triangles)?)?,
         collision_digits,
         length,
+        solids: covered.iter().map(|covered| covered.solid.clone()).collect(),
     };
     relax(&mut hand)?;
     // A rig of strange proportions can still lead to a bone without length or mass.
     model_file::check_hand(&hand)?;
-    let report = HandReport::new(&hand, &skin, &digits)?;
+    let report = HandReport::new(&hand, &skin, &digits, &covered)?;
     Ok((hand, report))
 }
 

@@ -11,6 +11,7 @@ mod options;
 mod regions;
 mod relax;
 mod report;
+mod solids;
 mod weights;
 
 pub use asset::{asset, default_hand};
@@ -18,4 +19,4 @@ pub use build::{build_hand, build_hand_file, build_hand_with_report};
 pub use fist::{Inversions, fist};
 pub use names::NameMap;
 pub use options::{HandOptions, Size};
-pub use report::{BoneLength, HandReport};
+pub use report::{BoneCover, BoneLength, HandReport};

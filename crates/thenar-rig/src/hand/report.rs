@@ -2,6 +2,7 @@
 
 use super::digits::DigitRig;
 use super::fist::{Inversions, fist};
+use super::solids::Covered;
 use crate::lattice::{Quality, tet};
 use crate::mesh::Topology;
 use crate::{RigError, TriMesh};
@@ -41,6 +42,19 @@ pub struct HandReport {
     pub anatomy_scale: f64,
     /// Bone lengths against radiographs.
     pub bone_lengths: Vec<BoneLength>,
+    /// Solids of the bones and the flesh over them.
+    pub bone_covers: Vec<BoneCover>,
+}
+
+/// How thick the solid of a bone is, and how much flesh covers it in the rest pose.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct BoneCover {
+    /// Bone.
+    pub bone: String,
+    /// Diameter of a capsule, least edge of a box \[m\].
+    pub thickness: f64,
+    /// Least distance from the solid to the skin \[m\].
+    pub flesh: f64,
 }
 
 /// A bone's length beside that of 66 radiographed hands (Buryanov & Kotiuk 2010).
@@ -87,6 +101,7 @@ impl HandReport {
         hand: &HandModel,
         skin: &TriMesh,
         digits: &[DigitRig],
+        covered: &[Covered],
     ) -> Result<Self, RigError> {
         let flesh = &hand.flesh;
         let corners = |t: &[u32; 4]| t.map(|n| flesh.nodes[n as usize]);
@@ -95,6 +110,13 @@ impl HandReport {
             .sum();
         let vertices = flesh.collision.vertices.iter().chain(&hand.render.vertices);
         let (anatomy_scale, bone_lengths) = bone_lengths(digits);
+        let bone_covers = (hand.bones.iter().zip(covered))
+            .map(|(bone, Covered { thickness, flesh, .. })| BoneCover {
+                bone: bone.name.clone(),
+                thickness: *thickness,
+                flesh: *flesh,
+            })
+            .collect();
         Ok(Self {
             skin: Topology::of(skin),
             skin_volume: skin.volume(),
@@ -111,6 +133,7 @@ impl HandReport {
             fist: fist(hand, 1.0)?,
             anatomy_scale,
             bone_lengths,
+            bone_covers,
         })
     }
 }

@@ -3,7 +3,9 @@
 use crate::RigError;
 use crate::lattice::tet;
 use crate::object::{RigidModel, SoftModel};
-use thenar::model::{Binding, Bone, EmbeddedSurface, Flesh, HandModel, JointDesc, JointKind};
+use thenar::model::{
+    Binding, Bone, BoneSolid, EmbeddedSurface, Flesh, HandModel, JointDesc, JointKind,
+};
 use thenar::shape::Shape;
 use thenar::{Mat3, Pose, Vec3};
 
@@ -40,6 +42,7 @@ pub(crate) fn hand(hand: &HandModel) -> Check {
     ensure(hand.collision_digits.len() == vertices, || {
         format!("{vertices} collision vertices need as many digits")
     })?;
+    check_solids(&hand.solids, hand.bones.len())?;
     numbers("hand length", [hand.length], |l| l > 0.0)
 }
 
@@ -179,6 +182,17 @@ fn check_bone(i: usize, bone: &Bone) -> Check {
     numbers("bone inertia", bone.inertia.iter().copied(), |_| true)?;
     ensure(definite(&bone.inertia), || {
         format!("{}: its inertia is not symmetric positive definite", what())
+    })
+}
+
+fn check_solids(solids: &[BoneSolid], bones: usize) -> Check {
+    ensure(solids.is_empty() || solids.len() == bones, || {
+        format!("{} solids for {bones} bones", solids.len())
+    })?;
+    solids.iter().try_for_each(|solid| {
+        let valid = placement(&solid.pose_BS) && solid.shape != Shape::HalfSpace;
+        ensure(valid, || "the solid of a bone is not placed in it".into())?;
+        shape(&solid.shape)
     })
 }
 

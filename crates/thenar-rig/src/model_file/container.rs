@@ -3,7 +3,8 @@
 use crate::RigError;
 
 const MAGIC: &[u8; 8] = b"THENARMD";
-const VERSION: u32 = 1;
+/// What is written; all from 1 on are read.
+const VERSION: u32 = 2;
 const HEADER_BYTES: usize = 32;
 
 /// What the body is.
@@ -27,8 +28,8 @@ pub(super) fn encode(kind: Kind, model: &impl serde::Serialize) -> Result<Vec<u8
     Ok(bytes)
 }
 
-/// Kind and body of a whole, undamaged file.
-pub(super) fn open(bytes: &[u8]) -> Result<(Kind, &[u8]), RigError> {
+/// Version, kind and body of a whole, undamaged file.
+pub(super) fn open(bytes: &[u8]) -> Result<(u32, Kind, &[u8]), RigError> {
     if bytes.get(..8) != Some(MAGIC) {
         return Err(RigError::byte(0, "not a Thenar model file"));
     }
@@ -42,8 +43,8 @@ pub(super) fn open(bytes: &[u8]) -> Result<(Kind, &[u8]), RigError> {
     ) else {
         return Err(RigError::byte(bytes.len(), "the file ends inside its header"));
     };
-    if version != VERSION {
-        return Err(RigError::byte(8, format!("version {version}, this reads {VERSION}")));
+    if !(1..=VERSION).contains(&version) {
+        return Err(RigError::byte(8, format!("version {version}, this reads 1 to {VERSION}")));
     }
     let kind = match kind {
         1 => Kind::Hand,
@@ -61,7 +62,7 @@ pub(super) fn open(bytes: &[u8]) -> Result<(Kind, &[u8]), RigError> {
     if fnv1a(body) != checksum {
         return Err(RigError::byte(24, "the checksum does not agree: the file is damaged"));
     }
-    Ok((kind, body))
+    Ok((version, kind, body))
 }
 
 pub(super) fn decode<'a, T: serde::Deserialize<'a>>(body: &'a [u8]) -> Result<T, RigError> {

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   byte  0  magic    8 bytes, "THENARMD"
-//!         8  version  u32, 1
+//!         8  version  u32, 2
 //!        12  kind     u32: 1 hand, 2 rigid, 3 soft
 //!        16  length   u64, bytes of the body
 //!        24  checksum u64, FNV-1a of the body
@@ -11,8 +11,8 @@
 //!
 //! All numbers are little-endian. A file is refused as a whole unless magic, version, length and
 //! checksum agree and the decoded model makes sense (indices in range, numbers finite, weights of
-//! sum 1), so that what has been read can be simulated. A reader of version n reads no other
-//! version; files are cheap to build again.
+//! sum 1), so that what has been read can be simulated. Hands of version 1 have no solids of bones and
+//! are read as such: their bones touch nothing. All else of version 1 is as in version 2.
 
 mod check;
 mod container;
@@ -65,13 +65,17 @@ impl Model {
     /// The model in the bytes of a file.
     ///
     /// # Errors
-    /// When the bytes are not a whole, undamaged model file of this version, or hold a model that
+    /// When the bytes are not a whole, undamaged model file of version 1 or 2, or hold a model that
     /// makes no sense.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, RigError> {
-        let (kind, body) = container::open(bytes)?;
+        let (version, kind, body) = container::open(bytes)?;
         match kind {
             Kind::Hand => {
-                let hand: HandModel = container::decode(body)?;
+                let hand: HandModel = match version {
+                    // The list of solids came last and anew: none.
+                    1 => container::decode(&[body, &[0]].concat())?,
+                    _ => container::decode(body)?,
+                };
                 check::hand(&hand)?;
                 Ok(Self::Hand(hand))
             }

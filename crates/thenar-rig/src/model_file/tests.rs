@@ -17,6 +17,7 @@ fn tiny_hand() -> HandModel {
     let mut hand = small_hand();
     hand.bones.truncate(2);
     hand.joints.truncate(1);
+    hand.solids.truncate(2);
     let tet = hand.flesh.tets[0];
     hand.flesh.nodes = tet.map(|n| hand.flesh.nodes[n as usize]).to_vec();
     hand.node_volumes.truncate(4);
@@ -117,7 +118,7 @@ fn every_flipped_bit_is_seen() {
 #[test]
 fn models_that_make_no_sense_are_refused_by_name() {
     type Spoil = fn(&mut HandModel);
-    let cases: [(Spoil, &str); 9] = [
+    let cases: [(Spoil, &str); 10] = [
         (|h| h.bones[1].parent = Some(1), "parent"),
         (|h| h.bones[1].mass = 0.0, "bone mass"),
         (|h| h.bones[0].inertia[(0, 1)] += 1.0, "inertia"),
@@ -127,6 +128,7 @@ fn models_that_make_no_sense_are_refused_by_name() {
         (|h| h.flesh.materials[0].poisson = 0.5, "Poisson"),
         (|h| h.bindings[3].weights = [0.5, 0.6], "node 3"),
         (|h| h.render.triangles[0][2] = 3, "render surface"),
+        (|h| h.solids.truncate(1), "1 solids"),
     ];
     for (spoil, named) in cases {
         let mut hand = tiny_hand();
@@ -143,4 +145,20 @@ fn objects_come_back_as_they_were() {
         let bytes = model.to_bytes().unwrap();
         assert_eq!(Model::from_bytes(&bytes).unwrap().to_bytes().unwrap(), bytes);
     }
+}
+
+/// Version 1 ended before the solids.
+#[test]
+fn a_hand_of_version_1_has_bones_that_touch_nothing() {
+    let hand = HandModel { solids: Vec::new(), ..tiny_hand() };
+    let bytes = bytes_of(&hand);
+    // An empty list is one zero.
+    let mut old = resealed(&bytes[..bytes.len() - 1]);
+    old[8] = 1;
+    let Model::Hand(back) = Model::from_bytes(&old).unwrap() else { panic!("not a hand") };
+    assert!(back.solids.is_empty());
+    assert_eq!(bytes_of(&back), bytes);
+    old[8] = 3;
+    let error = Model::from_bytes(&old).unwrap_err().to_string();
+    assert!(error.contains("version 3"), "{error}");
 }

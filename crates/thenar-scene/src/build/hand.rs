@@ -3,7 +3,7 @@
 use super::soft::law;
 use super::solver::set;
 use super::{Built, Files, Mesh, RigidLook, assets, drivers, motion, place};
-use crate::format::{Hand, HandMaterial, Scene};
+use crate::format::{BonesWord, Hand, HandMaterial, Scene};
 use crate::math::Pose;
 use crate::motion::{ANGLES, AngleRange, Articulation, HandMotion, hand_angles};
 use crate::text::Fault;
@@ -82,6 +82,8 @@ fn add(built: &mut Built, hand: &Hand, files: &Files) -> Result<(), Fault> {
         coupling_damping_time: hand.coupling_damping_time,
         root_drive: drive(hand.palm_drive.as_ref(), PALM_DRIVE),
         bone_drive: drive(hand.bone_drive.as_ref(), BONE_DRIVE),
+        // A skeleton touches nothing.
+        solid_bones: hand.flesh && hand.bones == BonesWord::Solid,
     };
     let mut handle = built.world.add_hand(&model, &placement);
     if !hand.self_contact {

@@ -2,7 +2,7 @@
 
 use super::{DriveTable, LawWord, MotionTable, Rotation};
 use crate::math::Vec3;
-use crate::text::{At, table};
+use crate::text::{At, table, words};
 
 table! {
     /// Changes to the flesh of a hand; what is left out stays as the model has it.
@@ -19,6 +19,16 @@ table! {
         mass_damping: Option<f64> where SPRING;
         /// Rayleigh damping: part of the stiffness matrix [s].
         stiffness_damping: Option<f64> where SPRING;
+    }
+}
+
+words! {
+    /// What bones do when the flesh around them is crushed.
+    pub enum BonesWord {
+        /// They stop other bodies, as solids inside the flesh.
+        "solid" => Solid,
+        /// Nothing: only flesh touches.
+        "none" => None,
     }
 }
 
@@ -49,6 +59,9 @@ table! {
         friction: Option<f64> where FRICTION;
         /// False leaves the flesh out: a skeleton that touches nothing. Default true.
         flesh: bool = true;
+        /// "solid": where flesh is crushed, other bodies touch the bones, which have the friction of the
+        /// skin; "none": only flesh touches. Default "solid".
+        bones: BonesWord = BonesWord::Solid;
         /// True: fingers and palm touch each other. Skin on skin has the hand's `friction`, or that of a
         /// pair of the hand with itself. Default true.
         self_contact: bool = true;

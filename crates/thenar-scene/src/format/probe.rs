@@ -117,7 +117,7 @@ table! {
     pub struct ContactProbe {
         /// Name, unique among probes; the start of its column names.
         name: At<String>;
-        /// The two bodies; forces are those on the first.
+        /// The two bodies; forces are those on the first. The bones of a hand count as the hand.
         bodies: [At<String>; 2];
     }
 }

@@ -2,7 +2,7 @@
 
 use super::mirror;
 use crate::format::{
-    Hand, HandKey, KeyframesTable, LimitsWord, MotionTable, Pair, Scene, WristTable,
+    BonesWord, Hand, HandKey, KeyframesTable, LimitsWord, MotionTable, Pair, Scene, WristTable,
 };
 use crate::math::Vec3;
 use crate::text::At;
@@ -52,6 +52,7 @@ pub fn default_hand(scene: &Scene, side: Side) -> Hand {
         material: None,
         friction: None,
         flesh: true,
+        bones: BonesWord::Solid,
         self_contact: true,
         motion: Some(still(resting(outwards(side)))),
         driven: true,

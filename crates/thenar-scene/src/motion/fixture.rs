@@ -60,6 +60,7 @@ pub fn hand(flip: bool) -> HandModel {
         render: EmbeddedSurface::default(),
         collision_digits: Vec::new(),
         length: 0.186,
+        solids: Vec::new(),
     }
 }
 

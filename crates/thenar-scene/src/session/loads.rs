@@ -1,5 +1,6 @@
 //! What presses on a hand.
 
+use crate::build::BuiltHand;
 use thenar::Vec3;
 use thenar::model::{BodyId, Digit};
 use thenar::world::ContactPoint;
@@ -43,18 +44,13 @@ impl HandLoad {
 pub const PARTS: [Digit; 6] =
     [Digit::Palm, Digit::Thumb, Digit::Index, Digit::Middle, Digit::Ring, Digit::Little];
 
-/// What presses on each part (see [`PARTS`]) of the hand whose flesh is `soft`. `digits` names the
-/// digit of each vertex of its collision surface.
-pub fn hand_loads(contacts: &[ContactPoint], soft: u32, digits: &[Digit]) -> [HandLoad; 6] {
+/// What presses on each part (see [`PARTS`]) of a hand: on its skin, and on bones where flesh is crushed.
+pub fn hand_loads(contacts: &[ContactPoint], hand: &BuiltHand) -> [HandLoad; 6] {
     let mut sums = [(0.0, Vec3::zeros(), 0.0); 6];
     for contact in contacts {
         for side in 0..2 {
-            let vertex = contact.vertices[side].map(|v| v as usize);
-            if contact.bodies[side] != BodyId::Soft(soft) {
-                continue;
-            }
-            let digit = vertex.and_then(|v| digits.get(v));
-            let part = PARTS.iter().position(|part| Some(part) == digit);
+            let digit = digit_touched(contact, side, hand);
+            let part = PARTS.iter().position(|part| Some(*part) == digit);
             let Some(part) = part else { continue };
             let normal = contact.force_W.dot(&contact.normal_W);
             let sign = if side == 0 { 1.0 } else { -1.0 };
@@ -67,4 +63,17 @@ pub fn hand_loads(contacts: &[ContactPoint], soft: u32, digits: &[Digit]) -> [Ha
         let pressure = if area > 0.0 { normal / area } else { 0.0 };
         HandLoad { normal, shear: shear.norm(), area, pressure }
     })
+}
+
+/// The digit of this hand that a point touches on this side.
+fn digit_touched(contact: &ContactPoint, side: usize, hand: &BuiltHand) -> Option<Digit> {
+    match contact.bodies[side] {
+        BodyId::Soft(soft) if Some(soft) == hand.flesh() => {
+            hand.model.collision_digits.get(contact.vertices[side]? as usize).copied()
+        }
+        BodyId::Rigid(bone) if hand.handle.bones.contains(&bone) => {
+            Some(hand.model.bones[(bone - hand.handle.bones.start) as usize].digit)
+        }
+        _ => None,
+    }
 }

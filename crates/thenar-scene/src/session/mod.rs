@@ -171,13 +171,7 @@ impl Session {
     /// # Panics
     /// When there is no hand `hand`.
     pub fn hand_loads(&self, hand: usize) -> [HandLoad; 6] {
-        let hand = &self.built.hands[hand];
-        match hand.flesh() {
-            Some(soft) => {
-                loads::hand_loads(self.world.contacts(), soft, &hand.model.collision_digits)
-            }
-            None => [HandLoad::default(); 6],
-        }
+        loads::hand_loads(self.world.contacts(), &self.built.hands[hand])
     }
 
     /// The soft bodies that are no hands.

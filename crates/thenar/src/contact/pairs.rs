@@ -1,6 +1,6 @@
 //! Which bodies may touch, and with what friction.
 
-use crate::model::{BodyId, SoftDesc, WorldDesc};
+use crate::model::{BodyId, PairRule, SoftDesc, WorldDesc};
 
 /// Pairs that differ from the rule "everything touches, with the geometric mean of friction".
 #[derive(Clone, Debug)]
@@ -14,7 +14,8 @@ pub(crate) struct PairTable {
 
 impl PairTable {
     /// Reads joints, couplings and pair rules. Excluded: bodies joined directly; flesh and the
-    /// bones that carry it; the bones of one hand among themselves; rules without friction.
+    /// bones that carry it; the bones of one hand among themselves; rules without friction. A rule
+    /// for the flesh of a hand holds for its bones too, unless another names the bone.
     pub fn new(desc: &WorldDesc) -> Self {
         let mut table =
             Self { rigids: desc.rigids.len() as u32, excluded: Vec::new(), overrides: Vec::new() };
@@ -32,17 +33,37 @@ impl PairTable {
             }
         }
         for rule in &desc.pairs {
-            let pair = sorted(table.id(rule.bodies[0]), table.id(rule.bodies[1]));
-            match rule.friction {
-                Some(friction) => table.overrides.push((pair, friction)),
-                None => table.excluded.push(pair),
-            }
+            table.add_rule_of_bones(desc, rule);
+        }
+        for rule in &desc.pairs {
+            table.add_rule(rule.bodies, rule.friction);
         }
         table.excluded.sort_unstable();
         table.excluded.dedup();
         // A stable sort: of several rules for one pair the last is found.
         table.overrides.sort_by_key(|o| o.0);
         table
+    }
+
+    fn add_rule(&mut self, bodies: [BodyId; 2], friction: Option<f64>) {
+        let pair = sorted(self.id(bodies[0]), self.id(bodies[1]));
+        match friction {
+            Some(friction) => self.overrides.push((pair, friction)),
+            None => self.excluded.push(pair),
+        }
+    }
+
+    /// Gives the bones inside two bodies what is said of their flesh.
+    fn add_rule_of_bones(&mut self, desc: &WorldDesc, rule: &PairRule) {
+        let sides = rule.bodies.map(|body| body_and_bones(desc, body));
+        for (i, &a) in sides[0].iter().enumerate() {
+            for (j, &b) in sides[1].iter().enumerate() {
+                let named = |rule: &PairRule| rule.bodies == [a, b] || rule.bodies == [b, a];
+                if a != b && i + j > 0 && !desc.pairs.iter().any(named) {
+                    self.add_rule([a, b], rule.friction);
+                }
+            }
+        }
     }
 
     /// One number per body: rigid bodies first.
@@ -70,6 +91,14 @@ impl PairTable {
 
 fn sorted(a: u32, b: u32) -> [u32; 2] {
     [a.min(b), a.max(b)]
+}
+
+/// A body, and the bones with a contact shape of a hand.
+fn body_and_bones(desc: &WorldDesc, body: BodyId) -> Vec<BodyId> {
+    let of_hand = desc.parts.iter().filter(|parts| body == BodyId::Soft(parts.soft));
+    let bones = of_hand.flat_map(|parts| parts.bones.iter().map(|(bone, _)| *bone));
+    let solid = bones.filter(|b| desc.rigids.get(*b as usize).is_some_and(|r| r.shape.is_some()));
+    std::iter::once(body).chain(solid.map(BodyId::Rigid)).collect()
 }
 
 /// The bones with a contact shape that carry this flesh, each once.

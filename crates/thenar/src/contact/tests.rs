@@ -6,8 +6,8 @@ use crate::contact::{
 };
 use crate::math::{Mat3, Pose, Quat, Vec3};
 use crate::model::{
-    BodyId, EmbeddedSurface, Flesh, JointDesc, JointKind, Motion, PairRule, RigidDesc, SoftDesc,
-    SurfaceVertex, WorldDesc,
+    BodyId, BodyParts, EmbeddedSurface, Flesh, JointDesc, JointKind, Motion, PairRule, RigidDesc,
+    SoftDesc, SurfaceVertex, WorldDesc,
 };
 
 /// A world, its state, and a detector for it.
@@ -276,6 +276,30 @@ fn soft_cubes_touch_both_ways() {
         let up = if a.soft == 1 { 1.0 } else { -1.0 };
         assert!((c.normal_W - up * Vec3::y()).norm() < 1e-9);
     }
+}
+
+#[test]
+fn bones_take_the_rules_of_their_flesh() {
+    let frictions = |pairs: &[([BodyId; 2], Option<f64>)]| {
+        let mut scene = Scene::new();
+        scene.rigid(Motion::Dynamic, boxed(0.1), Pose::identity());
+        scene.rigid(Motion::Dynamic, boxed(0.1), Pose::translation(0.0, 0.199, 0.0));
+        let bones = vec![(0, 1)];
+        scene.desc.parts.push(BodyParts { soft: 0, vertices: Vec::new(), bones });
+        let rule = |&(bodies, friction): &([BodyId; 2], Option<f64>)| PairRule { bodies, friction };
+        scene.desc.pairs = pairs.iter().map(rule).collect();
+        let found = scene.find(1e-3);
+        assert!(found.iter().all(|c| c.friction == found[0].friction));
+        found.first().map(|c| c.friction)
+    };
+    let [bone, other, flesh] = [BodyId::Rigid(0), BodyId::Rigid(1), BodyId::Soft(0)];
+    assert!(frictions(&[]).is_some());
+    assert_eq!(frictions(&[([flesh, other], Some(0.125))]), Some(0.125));
+    assert_eq!(frictions(&[([other, flesh], None)]), None);
+    // What is said of the bone itself comes first, wherever it stands.
+    let own = ([other, bone], Some(0.25));
+    assert_eq!(frictions(&[own, ([flesh, other], Some(0.125))]), Some(0.25));
+    assert_eq!(frictions(&[([flesh, other], None), own]), Some(0.25));
 }
 
 #[test]

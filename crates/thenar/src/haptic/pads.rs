@@ -117,6 +117,7 @@ mod tests {
             render: EmbeddedSurface::default(),
             collision_digits: Vec::new(),
             length: 0.18,
+            solids: Vec::new(),
         }
     }
 

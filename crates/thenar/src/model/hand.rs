@@ -1,5 +1,6 @@
 //! A hand (or any jointed soft body): bones, joints, flesh and what binds them.
 
+use crate::contact::Shape;
 use crate::math::{Mat3, Pose, Vec3};
 use crate::model::{Binding, EmbeddedSurface, Flesh, JointDesc};
 
@@ -84,6 +85,16 @@ pub struct Bone {
     pub pose_BT: Pose,
 }
 
+/// What of a bone touches other bodies when its flesh is crushed.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct BoneSolid {
+    /// Contact shape, in its frame S.
+    pub shape: Shape,
+    /// Placement of the shape in the bone's frame B.
+    pub pose_BS: Pose,
+}
+
 /// A hand in its rest pose, in its model frame M.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -109,4 +120,6 @@ pub struct HandModel {
     pub collision_digits: Vec<Digit>,
     /// Wrist to middle fingertip in the rest pose \[m\].
     pub length: f64,
+    /// Solid of each bone, or empty: bones then touch nothing.
+    pub solids: Vec<BoneSolid>,
 }

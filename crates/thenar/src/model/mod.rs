@@ -11,7 +11,7 @@ mod surface;
 
 pub use flesh::{Binding, FixedNode, Flesh, Law, Material};
 pub use friction::{BodyParts, FrictionTable};
-pub use hand::{Bone, Digit, HandModel, Side};
+pub use hand::{Bone, BoneSolid, Digit, HandModel, Side};
 pub use joint::{AngleLimit, Axis, JointDesc, JointKind};
 pub use rigid::{Motion, RigidDesc};
 pub use surface::{EmbeddedSurface, SurfaceVertex};

@@ -1,6 +1,6 @@
 //! The whole scene as one description.
 
-use crate::math::{Pose, Quat, Vec3};
+use crate::math::{Pose, Vec3};
 use crate::model::{
     Binding, BodyParts, Flesh, FrictionTable, HandModel, JointDesc, Motion, RigidDesc,
 };
@@ -212,6 +212,8 @@ pub struct HandPlacement {
     pub root_drive: Option<Drive>,
     /// Drive of every other bone.
     pub bone_drive: Option<Drive>,
+    /// Bones touch other bodies with their solids (`HandModel::solids`), where flesh is crushed.
+    pub solid_bones: bool,
 }
 
 /// Where a hand ended up in the world.
@@ -233,6 +235,14 @@ impl WorldDesc {
         (self.rigids.len() - 1) as u32
     }
 
+    /// The deformable body that a rigid body is a bone of, and the part of it that it is in.
+    pub fn flesh_of_bone(&self, rigid: u32) -> Option<(u32, u8)> {
+        self.parts.iter().find_map(|parts| {
+            let bone = parts.bones.iter().find(|(bone, _)| *bone == rigid)?;
+            Some((parts.soft, bone.1))
+        })
+    }
+
     /// Adds a deformable body and returns its index.
     pub fn add_soft(&mut self, soft: SoftDesc) -> u32 {
         self.softs.push(soft);
@@ -244,6 +254,7 @@ impl WorldDesc {
     pub fn add_hand(&mut self, hand: &HandModel, placement: &HandPlacement) -> HandHandle {
         let bone0 = self.rigids.len() as u32;
         for (i, bone) in hand.bones.iter().enumerate() {
+            let solid = hand.solids.get(i).filter(|_| placement.solid_bones);
             self.add_rigid(RigidDesc {
                 name: format!("{}/{}", placement.name, bone.name),
                 motion: Motion::Dynamic,
@@ -252,8 +263,8 @@ impl WorldDesc {
                 pose_WB: placement.pose_WM * bone.pose_MB,
                 velocity_W: Vec3::zeros(),
                 angular_velocity_W: Vec3::zeros(),
-                shape: None,
-                pose_BS: Pose::new(Vec3::zeros(), Quat::identity()),
+                shape: solid.map(|solid| solid.shape.clone()),
+                pose_BS: solid.map_or(Pose::identity(), |solid| solid.pose_BS),
                 friction: hand.flesh.friction,
             });
             self.drives[bone0 as usize + i] =

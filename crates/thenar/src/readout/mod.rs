@@ -124,7 +124,8 @@ impl ContactReadout {
         &self.parts[self.part_ranges[soft as usize].clone()]
     }
 
-    /// Contact of the first body with the second; forces are those on the first.
+    /// Contact of the first body with the second; forces are those on the first. The bones of a hand
+    /// count as its flesh.
     pub fn pair(&mut self, world: &World, [of, with]: [BodyId; 2]) -> PatchContact {
         self.select(world, of, Some(with))
     }
@@ -140,7 +141,8 @@ impl ContactReadout {
         for (contact, point) in world.contact_sites() {
             for side in 0..2 {
                 let other = point.bodies[1 - side];
-                if point.bodies[side] != of || with.is_some_and(|with| with != other) {
+                let is_in = |found, asked| world.model().is_in(found, asked);
+                if !is_in(point.bodies[side], of) || with.is_some_and(|with| !is_in(other, with)) {
                     continue;
                 }
                 sum.add(point, side);

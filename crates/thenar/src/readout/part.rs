@@ -5,11 +5,12 @@ use crate::math::Vec3;
 use crate::model::BodyId;
 use crate::readout::ContactReadout;
 use crate::readout::patch::{PatchContact, Sum};
+use crate::world::ContactPoint;
 
-/// What a finger feels, and what reaches its bones.
+/// What a finger feels, and what reaches its bones through the flesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PartContact {
-    /// On the skin.
+    /// On the skin, and on bones where flesh is crushed.
     pub contact: PatchContact,
     /// Where the fingertip is: the centre of mass of the part's last bone, world \[m\]; without bones
     /// the centre of pressure.
@@ -35,9 +36,7 @@ pub(super) fn read(readout: &mut ContactReadout, world: &World) {
             let mut sum = Sum::default();
             for point in world.contacts() {
                 for side in 0..2 {
-                    let Some(vertex) = point.vertices[side] else { continue };
-                    let own = point.bodies[side] == BodyId::Soft(soft);
-                    if own && world.model().part_of(soft, vertex) == index as u32 {
+                    if part_touched(world, point, side) == Some((soft, index as u32)) {
                         sum.add(point, side);
                     }
                 }
@@ -64,4 +63,15 @@ pub(super) fn read(readout: &mut ContactReadout, world: &World) {
             part.bone_torque_W += torque_W + arm_W.cross(&force_W);
         }
     });
+}
+
+/// The deformable body and its part that a point touches on this side, on the skin or on a bone.
+fn part_touched(world: &World, point: &ContactPoint, side: usize) -> Option<(u32, u32)> {
+    match point.bodies[side] {
+        BodyId::Soft(soft) => Some((soft, world.model().part_of(soft, point.vertices[side]?))),
+        BodyId::Rigid(bone) => {
+            let (soft, part) = world.model().flesh_of_bone[bone as usize]?;
+            Some((soft, u32::from(part)))
+        }
+    }
 }

@@ -14,7 +14,11 @@ pub type PatchKey = [u32; 3];
 pub fn patches_max(model: &Model) -> usize {
     let parts = |body: &BodyId| match body {
         BodyId::Rigid(_) => 1,
-        BodyId::Soft(s) => 1 + model.parts[*s as usize].iter().copied().max().unwrap_or(0) as usize,
+        BodyId::Soft(s) => {
+            let of_bones = model.flesh_of_bone.iter().flatten().filter(|flesh| flesh.0 == *s);
+            let all = model.parts[*s as usize].iter().copied().chain(of_bones.map(|flesh| flesh.1));
+            1 + all.max().unwrap_or(0) as usize
+        }
     };
     model.friction.iter().map(|table| table.bodies.iter().map(parts).product::<usize>()).sum()
 }
@@ -57,7 +61,7 @@ pub fn keep_loads(
 
 /// The patch of a contact whose pair has a table.
 fn patch(model: &Model, contact: &Contact) -> Option<PatchKey> {
-    let [a, b] = [&contact.a, &contact.b].map(|site| (body_of(site), part_of(model, site)));
+    let [a, b] = [&contact.a, &contact.b].map(|site| body_and_part(model, site));
     model.friction.iter().enumerate().find_map(|(i, table)| match table.bodies {
         // A body against itself: which part is met first means nothing.
         pair if pair == [a.0, b.0] && a.0 == b.0 => Some([i as u32, a.1.min(b.1), a.1.max(b.1)]),
@@ -67,10 +71,13 @@ fn patch(model: &Model, contact: &Contact) -> Option<PatchKey> {
     })
 }
 
-/// Part of its body that a contact touches.
-fn part_of(model: &Model, site: &Site) -> u32 {
+/// The body that a contact touches and the part of it; of a bone its flesh.
+fn body_and_part(model: &Model, site: &Site) -> (BodyId, u32) {
     match (body_of(site), nearest_vertex(site)) {
-        (BodyId::Soft(soft), Some(vertex)) => model.part_of(soft, vertex),
-        _ => 0,
+        (BodyId::Rigid(bone), _) => match model.flesh_of_bone[bone as usize] {
+            Some((soft, part)) => (BodyId::Soft(soft), u32::from(part)),
+            None => (BodyId::Rigid(bone), 0),
+        },
+        (soft @ BodyId::Soft(i), vertex) => (soft, vertex.map_or(0, |v| model.part_of(i, v))),
     }
 }

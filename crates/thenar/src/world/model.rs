@@ -3,7 +3,7 @@
 use crate::coupling::{BoundNode, CouplingEntries, CouplingModel};
 use crate::flesh::{FleshModel, RestTet};
 use crate::math::{Mat3, Vec3};
-use crate::model::{FrictionTable, JointDesc, Motion, SoftDesc, WorldDesc};
+use crate::model::{BodyId, FrictionTable, JointDesc, Motion, SoftDesc, WorldDesc};
 use crate::solver::BlockMatrix;
 use crate::world::joint_tree::JointTree;
 use crate::world::{ModelError, check::check};
@@ -65,6 +65,8 @@ pub struct Model {
     pub vertices: Vec<Embedded>,
     /// Part of each collision vertex, of each deformable body that has parts.
     pub parts: Vec<Vec<u8>>,
+    /// The deformable body that each rigid body is a bone of, and the part of it that it is in.
+    pub flesh_of_bone: Vec<Option<(u32, u8)>>,
     /// Pairs whose friction depends on load.
     pub friction: Vec<FrictionTable>,
     /// Held nodes (numbered through) and axes.
@@ -103,6 +105,7 @@ impl Model {
             soft_vertices: Vec::new(),
             vertices: Vec::new(),
             parts: vec![Vec::new(); desc.softs.len()],
+            flesh_of_bone: (0..desc.rigids.len() as u32).map(|b| desc.flesh_of_bone(b)).collect(),
             friction: desc.friction_tables.clone(),
             held: Vec::new(),
             is_held: Vec::new(),
@@ -139,6 +142,16 @@ impl Model {
     /// Part of a deformable body that a vertex of its collision surface belongs to.
     pub fn part_of(&self, soft: u32, vertex: u32) -> u32 {
         self.parts[soft as usize].get(vertex as usize).map_or(0, |part| u32::from(*part))
+    }
+
+    /// Whether what touches `found` touches `asked`: that body, or a bone inside it.
+    pub fn is_in(&self, found: BodyId, asked: BodyId) -> bool {
+        match (found, asked) {
+            (BodyId::Rigid(bone), BodyId::Soft(soft)) => {
+                self.flesh_of_bone[bone as usize].is_some_and(|flesh| flesh.0 == soft)
+            }
+            _ => found == asked,
+        }
     }
 
     fn add_soft(&mut self, soft: &SoftDesc, desc: &WorldDesc) -> Result<(), ModelError> {

@@ -157,6 +157,8 @@ pub fn objects(session: &Session, ns: u64) -> Vec<(String, PointCloud)> {
         let look = session.looks().get(b).and_then(|look| look.mesh.as_ref());
         let points = match (look, &rigid.shape) {
             (Some((seen, _)), _) => mesh(&seen.positions, &seen.triangles),
+            // Bones follow below.
+            (None, _) if desc.flesh_of_bone(b as u32).is_some() => Vec::new(),
             (None, Some(kind)) => shape(kind, &rigid.pose_BS),
             (None, None) => Vec::new(),
         };

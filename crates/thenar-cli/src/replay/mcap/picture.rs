@@ -55,6 +55,7 @@ pub fn objects(session: &Session, now: Timestamp) -> SceneUpdate {
             Some((mesh, _)) => {
                 entity.triangles.push(surface(&mesh.positions, &mesh.triangles, colour));
             }
+            None if desc.flesh_of_bone(b as u32).is_some() => {}
             None => shape(rigid, colour, &mut entity),
         }
         entities.push(entity);

@@ -171,9 +171,7 @@ fn evaluate(
             flesh::stress(world.nodes(*soft), elements, *nominal, out);
         }
         Measure::Fingers(hand) => {
-            let hand = &built.hands[*hand];
-            let soft = hand.handle.soft;
-            let loads = hand_loads(world.contacts(), soft, &hand.model.collision_digits);
+            let loads = hand_loads(world.contacts(), &built.hands[*hand]);
             for finger in &loads[1..] {
                 out.extend(finger.figures());
             }
