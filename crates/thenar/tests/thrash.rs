@@ -211,7 +211,8 @@ fn flesh_turned_inside_out_comes_back() {
 /// A cube of 602 surface points falls so fast that without the table all of them, far more than there
 /// is room for, would be below it at the end of a step. Those of its lower face keep the others out:
 /// no step falls back, and no point ends below the table by more than the tolerance of both
-/// velocities and impulses lets it drift in a step.
+/// velocities and impulses lets it drift in a step, and what four such steps leave: less is not
+/// pushed out.
 #[test]
 fn points_that_others_keep_out_need_no_room() {
     let h = 1.0 / 60.0;
@@ -239,7 +240,7 @@ fn points_that_others_keep_out_need_no_room() {
         assert!(report.failure.is_none(), "step {i}: {report:?}");
         let lowest = world.nodes(0).iter().map(|x| x.y).fold(f64::INFINITY, f64::min);
         let residual = report.contact_residual.max(1e-5);
-        assert!(lowest > -2.0 * h * residual, "step {i}: {lowest} m, {report:?}");
+        assert!(lowest > -6.0 * h * residual, "step {i}: {lowest} m, {report:?}");
         assert!(residual < 1e-3, "step {i}: {report:?}");
     }
 }

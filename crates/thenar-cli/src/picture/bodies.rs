@@ -6,7 +6,6 @@ use super::draw::bone;
 use super::scene3d::{Material, Mesh};
 use super::shapes::{Solid, of_shape, sphere};
 use thenar::model::{JointKind, Motion, RigidDesc};
-use thenar::shape::Shape;
 use thenar::{Pose, Vec3, World};
 use thenar_rig::TriMesh;
 use thenar_rig::object::Paint;
