@@ -54,6 +54,7 @@ mod surface;
 mod sweep;
 #[cfg(test)]
 mod tests;
+mod traced;
 mod triangle;
 #[cfg(test)]
 mod truth_tests;

@@ -10,6 +10,7 @@ use crate::contact::mesh_pair::{convex_on_mesh, mesh_of, mesh_on_mesh};
 use crate::contact::rigid_body::{Placed, RigidBody};
 use crate::contact::support::Solid;
 use crate::contact::sweep::{Mover, meeting};
+use crate::contact::traced;
 use crate::math::Vec3;
 
 /// One of two rigid bodies.
@@ -47,6 +48,7 @@ pub(crate) fn find(a: RigidSide, b: RigidSide, reach: Reach, manifold: &mut Mani
     if several {
         drop_buried(&a, &b, manifold);
     }
+    traced::find(a, b, reach, manifold);
     manifold.reduce();
 }
 
@@ -90,7 +92,9 @@ fn convex(a: &Mover, b: &Mover, reach: Reach, manifold: &mut Manifold) {
     let first = manifold.points().len();
     let (solid_a, solid_b) = (a.at(s, reach.h), b.at(s, reach.h));
     let travel = a.travel(b, reach.h);
-    let far = if travel > reach.margin { reach.margin + travel } else { reach.margin };
+    // Places away from that of the meeting are told by it only if neither body turns off its tangent.
+    let straight = [a, b].iter().all(|m| !m.leaves_tangent(reach));
+    let far = if travel > reach.margin && straight { reach.margin + travel } else { reach.margin };
     convex_pair::find(&solid_a, &solid_b, reach.margin, far, manifold);
     if s > 0.0 || a.is_turned_fast(reach) || b.is_turned_fast(reach) {
         manifold.points_mut()[first..].iter_mut().for_each(|p| carry(a, b, s, reach.h, p));
@@ -98,24 +102,27 @@ fn convex(a: &Mover, b: &Mover, reach: Reach, manifold: &mut Manifold) {
 }
 
 /// Turns a contact found after the part `s` of the step into one for the solver, whose constraint on
-/// velocities is to hold at the end of the step: the normal turns on with a body that is led (by at
-/// most 60°), the gap is what keeps the two points apart there. In pure translation that adds to the
-/// gap what the way closes.
+/// velocities is to hold at the end of the step: a body that is led, and its normal with it (by at
+/// most 60°), is looked at where it turns to; one that moves by forces moves straight on, as its
+/// constraint does. In pure translation that adds to the gap what the way closes.
 fn carry(a: &Mover, b: &Mover, s: f64, h: f64, p: &mut ManifoldPoint) {
     let half = 0.5 * p.gap * p.normal_W;
-    let end_a = a.carried(&(p.position_W + half), s, 1.0, h);
-    let end_b = b.carried(&(p.position_W - half), s, 1.0, h);
+    let met = [p.position_W + half, p.position_W - half];
     let led = if a.side.body.dynamic { b } else { a };
     let turned = led.turned(&p.normal_W, (1.0 - s) * h);
     if turned.dot(&p.normal_W) > 0.5 {
         p.normal_W = turned;
     }
-    // The lever of the body that is met by the other, or moves faster.
-    let speed = |m: &Mover| m.side.placed.velocity_at(&p.position_W).norm();
-    let of_a = !b.side.body.dynamic || (a.side.body.dynamic && speed(a) >= speed(b));
+    let of_a = a.has_lever(b, &p.position_W);
     p.position_W = (if of_a { a } else { b }).carried(&p.position_W, s, 0.0, h);
-    let [va, vb] = [a, b].map(|m| m.side.placed.velocity_at(&p.position_W));
-    p.gap = p.normal_W.dot(&(end_a - end_b - h * (va - vb)));
+    let [start_a, start_b] = [(a, met[0]), (b, met[1])].map(|(m, met)| {
+        let motion = h * m.side.placed.velocity_at(&p.position_W);
+        match m.side.body.dynamic {
+            true => met - s * motion,
+            false => m.carried(&met, s, 1.0, h) - motion,
+        }
+    });
+    p.gap = p.normal_W.dot(&(start_a - start_b));
 }
 
 /// Runs `find` for the opposite direction and turns the normals of what it adds.

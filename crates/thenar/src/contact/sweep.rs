@@ -13,7 +13,7 @@ use crate::math::{Mat3, Quat, Vec3};
 
 const ADVANCES_MAX: usize = 64;
 /// Bodies meet where they come nearer than this part of the margin; passing farther they do not.
-const MEETING: f64 = 0.05;
+pub(crate) const MEETING: f64 = 0.05;
 
 /// A piece of a body that moves.
 #[derive(Clone, Copy)]
@@ -33,6 +33,20 @@ impl<'a> Mover<'a> {
             rotation: turned * self.piece.rotation,
             origin: origin + turned * self.piece.position,
         }
+    }
+
+    /// The whole body after the part `s` of a step of length `h`.
+    pub fn whole_at(&self, s: f64, h: f64) -> Solid<'a> {
+        let (rotation, origin) = moved(self.side.placed, s * h);
+        Solid { shape: &self.side.body.shape, rotation, origin }
+    }
+
+    /// Whether a contact with `other` at `p_W` has the lever of this one: of the body that is met by the
+    /// other, or moves faster.
+    pub fn has_lever(&self, other: &Mover, p_W: &Vec3) -> bool {
+        let speed = |m: &Mover| m.side.placed.velocity_at(p_W).norm();
+        let dynamic = |m: &Mover| m.side.body.dynamic;
+        !dynamic(other) || (dynamic(self) && speed(self) >= speed(other))
     }
 
     /// How far a point of the body can be carried by turning in a step, as far as `other` reaches.
@@ -70,10 +84,14 @@ impl<'a> Mover<'a> {
     }
 
     /// Whether turning leads points of the body off their tangent by as much as a meeting in the step.
-    pub fn is_turned_fast(&self, reach: Reach) -> bool {
+    pub fn leaves_tangent(&self, reach: Reach) -> bool {
         let angle = self.side.placed.angular_velocity.norm() * reach.h;
-        let off = 0.5 * angle * angle * self.side.body.radius;
-        !self.side.body.dynamic && off > MEETING * reach.margin
+        0.5 * angle * angle * self.side.body.radius > MEETING * reach.margin
+    }
+
+    /// The same of a body that is led.
+    pub fn is_turned_fast(&self, reach: Reach) -> bool {
+        !self.side.body.dynamic && self.leaves_tangent(reach)
     }
 }
 
