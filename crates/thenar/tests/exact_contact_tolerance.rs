@@ -166,7 +166,7 @@ fn grasps() -> [(&'static str, WorldDesc); 5] {
 /// Calls `look` at states 8 ms apart on the way of a grasp, with the step by the reference from
 /// there.
 fn along(desc: WorldDesc, mut look: impl FnMut(&World, &Input, &World)) {
-    let mut world = exact(&World::new(desc).unwrap(), 1e-8, 100_000);
+    let mut world = exact(&World::new(desc).unwrap(), 1e-6, 5_000);
     let mut input = world.input();
     for _ in 0..15 {
         steer(&world, world.time(), &mut input);

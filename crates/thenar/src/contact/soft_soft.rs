@@ -237,17 +237,14 @@ impl SoftSoft<'_> {
 
     /// Turns the nearest triangles of side `i` into contacts, in the order of its vertices.
     fn settle(&self, i: usize, sight: &mut Sight, scratch: &mut PairScratch, out: &mut Collector) {
-        let [first, second] = &mut scratch.vertices;
-        let itself = self.apart.is_some();
-        let (own, before) = if i == 0 { (first, None) } else { (second, Some(&first.touched[..])) };
+        let own = &mut scratch.vertices[i];
         own.met.sort_unstable();
         own.touched.fill(NONE);
         for m in 0..own.met.len() {
             let v = own.met[m];
             let arriving = std::mem::replace(&mut own.arriving[v as usize], NEVER);
-            let mirrored = if itself { Some(&own.touched[..]) } else { before };
             let nearest = own.nearest[v as usize].take();
-            let touched = nearest.filter(|(t, c)| self.vertex(i, v, *t, c, mirrored, sight, out));
+            let touched = nearest.filter(|(t, c)| self.vertex(i, v, *t, c, sight, out));
             if let Some((t, _)) = touched {
                 own.touched[v as usize] = t;
             } else if arriving != NEVER && self.arrive(i, v, arriving.1, sight, out) {
@@ -265,7 +262,6 @@ impl SoftSoft<'_> {
         v: u32,
         t: u32,
         closest: &Closest,
-        mirrored: Option<&[u32]>,
         sight: &mut Sight,
         out: &mut Collector,
     ) -> bool {
@@ -277,10 +273,6 @@ impl SoftSoft<'_> {
         }
         let own_normal = own.surface.vertex_normal(v, own.state.positions);
         if own_normal.dot(&normal) > FACING * own_normal.norm() {
-            return false;
-        }
-        let triangle = other.surface.triangles[t as usize];
-        if mirrored.is_some_and(|touched| is_mirrored([own, other], v, &triangle, touched)) {
             return false;
         }
         self.push([own, other], v, t, closest.weights, (normal, gap), sight, out);
@@ -457,17 +449,4 @@ fn signed(side: &SoftSide, p: &Vec3, t: u32, closest: &Closest) -> Option<(Vec3,
     let gap = closest.distance_squared.sqrt().copysign(to_p.dot(&outward));
     let on_face = closest.feature == Feature::Face || gap.abs() < 1e-9;
     Some((if on_face { outward } else { to_p / gap }, gap))
-}
-
-/// Whether a vertex of `triangle` (of the other side) close to `v` already touches a triangle at v:
-/// then the two vertices are one contact.
-fn is_mirrored([own, other]: [&SoftSide; 2], v: u32, triangle: &[u32; 3], touched: &[u32]) -> bool {
-    let near = 0.25 * own.surface.edge_mean.min(other.surface.edge_mean);
-    let p = &own.state.positions[v as usize];
-    triangle.iter().any(|&w| {
-        let t = touched[w as usize];
-        t != NONE
-            && own.surface.triangles[t as usize].contains(&v)
-            && (other.state.positions[w as usize] - p).norm_squared() < near * near
-    })
 }
