@@ -4,6 +4,7 @@
 //! Cores that are apart have a direction that does not depend on round-off, even where the shapes
 //! themselves touch or overlap; along that direction the shapes' own extents tell the distance.
 
+use crate::contact::Shape;
 use crate::contact::support::{Solid, inradius, rounding};
 use crate::contact::triangle::closest_on_triangle;
 use crate::math::Vec3;
@@ -52,6 +53,7 @@ pub(crate) fn separation(a: &Solid, b: &Solid) -> Separation {
             && near.gap > TOUCHING * part * size
         {
             let rough = along(a, b, near);
+            let rough = past_faces(a, b, rough, size);
             let better = drawn_apart(a, b, &rough, size).unwrap_or(rough);
             return drawn_apart(a, b, &better, size).unwrap_or(better);
         }
@@ -59,7 +61,31 @@ pub(crate) fn separation(a: &Solid, b: &Solid) -> Separation {
     // One lies deep in the other: out the shortest way for the middle of A.
     let out = b.distance(&a.origin);
     let near = Separation { gap: 0.0, normal: out.gradient, point_a: a.origin, point_b: a.origin };
-    along(a, b, near)
+    past_faces(a, b, along(a, b, near), size)
+}
+
+/// The same, or the separation along the normal of a box's face if that is larger: what lies along any
+/// direction is a lower bound. Between the far corners of a thin plate the cores' direction is
+/// lost to round-off.
+fn past_faces(a: &Solid, b: &Solid, found: Separation, size: f64) -> Separation {
+    let mut best = found;
+    for (of, sign) in [(a, -1.0), (b, 1.0)] {
+        if !matches!(of.shape, Shape::Cuboid { .. }) {
+            continue;
+        }
+        for k in 0..6 {
+            let side = if k < 3 { sign } else { -sign };
+            let normal: Vec3 = side * of.rotation.column(k % 3);
+            let (low, high) = (a.support(&-normal, 0.0), b.support(&normal, 0.0));
+            let gap = normal.dot(&(low - high));
+            if gap > best.gap + 1e-6 * size {
+                // A face is met by what of the other body is farthest towards it.
+                let point = if sign < 0.0 { high + gap * normal } else { low };
+                best = Separation { gap, normal, point_a: point, point_b: point - gap * normal };
+            }
+        }
+    }
+    best
 }
 
 /// The same pair with A moved out along the rough normal until they are just apart, where the nearest
@@ -204,5 +230,34 @@ impl Simplex {
             let (origin, above) = (-normal.dot(&w(i)), normal.dot(&(w(top) - w(i))));
             origin * above > 0.0
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::triangle::tests::Random;
+    use crate::math::{Mat3, Quat};
+
+    /// A capsule just in a plate of 4 m by 2 mm: in a thin plate the way out is through its face, as deep
+    /// as the lower end of the axis tells.
+    #[test]
+    fn what_sinks_into_a_wide_thin_plate_is_let_out_by_its_face() {
+        let mut random = Random::new(12);
+        let plate = Shape::Cuboid { half: Vec3::new(2.0, 0.001, 2.0) };
+        let (radius, half_length) = (0.006, 0.008);
+        let capsule = Shape::Capsule { radius, half_length };
+        for _ in 0..2000 {
+            let turn = Quat::from_scaled_axis(random.vector(3.0)).to_rotation_matrix().into_inner();
+            let depth = 1e-3 * random.unit();
+            let end = half_length * turn.column(1).y.abs();
+            let height = 0.001 + radius + end - depth;
+            let origin = Vec3::new(random.vector(1.0).x, height, random.vector(1.0).x);
+            let a = Solid { shape: &capsule, rotation: turn, origin };
+            let b = Solid { shape: &plate, rotation: Mat3::identity(), origin: Vec3::zeros() };
+            let found = separation(&a, &b);
+            assert!((found.gap + depth).abs() < 1e-9, "{} at {depth}", found.gap);
+            assert!((found.normal - Vec3::y()).norm() < 1e-6, "{:?}", found.normal);
+        }
     }
 }
