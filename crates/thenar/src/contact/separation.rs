@@ -64,9 +64,9 @@ pub(crate) fn separation(a: &Solid, b: &Solid) -> Separation {
     past_faces(a, b, along(a, b, near), size)
 }
 
-/// The same, or the separation along the normal of a box's face if that is larger: what lies along any
-/// direction is a lower bound. Between the far corners of a thin plate the cores' direction is
-/// lost to round-off.
+/// What was found, or the separation along the normal of a box's face if that is larger: along any
+/// direction it is a lower bound. The way out for the middle of a wide plate is no way out for
+/// what has sunk in far from there.
 fn past_faces(a: &Solid, b: &Solid, found: Separation, size: f64) -> Separation {
     let mut best = found;
     for (of, sign) in [(a, -1.0), (b, 1.0)] {
@@ -239,25 +239,34 @@ mod tests {
     use crate::contact::triangle::tests::Random;
     use crate::math::{Mat3, Quat};
 
-    /// A capsule just in a plate of 4 m by 2 mm: in a thin plate the way out is through its face, as deep
-    /// as the lower end of the axis tells.
+    /// Capsules and boxes in a plate of 4 m by 2 mm: the way out is through its face, as deep as the
+    /// lowest of their own points tells.
     #[test]
     fn what_sinks_into_a_wide_thin_plate_is_let_out_by_its_face() {
         let mut random = Random::new(12);
         let plate = Shape::Cuboid { half: Vec3::new(2.0, 0.001, 2.0) };
-        let (radius, half_length) = (0.006, 0.008);
-        let capsule = Shape::Capsule { radius, half_length };
-        for _ in 0..2000 {
-            let turn = Quat::from_scaled_axis(random.vector(3.0)).to_rotation_matrix().into_inner();
-            let depth = 1e-3 * random.unit();
-            let end = half_length * turn.column(1).y.abs();
-            let height = 0.001 + radius + end - depth;
-            let origin = Vec3::new(random.vector(1.0).x, height, random.vector(1.0).x);
-            let a = Solid { shape: &capsule, rotation: turn, origin };
+        let shapes = [
+            Shape::Capsule { radius: 0.006, half_length: 0.008 },
+            Shape::Cuboid { half: Vec3::new(0.012, 0.006, 0.006) },
+        ];
+        for i in 0..20_000 {
+            let shape = &shapes[i % 2];
+            // Every other pair lies nearly along the plate.
+            let lying = Quat::from_axis_angle(&Vec3::z_axis(), std::f64::consts::FRAC_PI_2);
+            let tilt = Quat::from_scaled_axis(random.vector(0.1)) * lying;
+            let turn = if i % 4 < 2 { tilt } else { Quat::from_scaled_axis(random.vector(3.0)) };
+            let rotation = turn.to_rotation_matrix().into_inner();
+            // Up to through the plate, but not so far that down is the shorter way.
+            let depth = 6.9e-3 * 10.0_f64.powf(-7.0 * random.unit());
+            let at = |origin: Vec3| Solid { shape, rotation, origin };
+            let low = at(Vec3::zeros()).support(&-Vec3::y(), 0.0).y;
+            let origin = Vec3::new(random.vector(1.0).x, 0.001 - depth - low, random.vector(1.0).x);
             let b = Solid { shape: &plate, rotation: Mat3::identity(), origin: Vec3::zeros() };
-            let found = separation(&a, &b);
-            assert!((found.gap + depth).abs() < 1e-9, "{} at {depth}", found.gap);
-            assert!((found.normal - Vec3::y()).norm() < 1e-6, "{:?}", found.normal);
+            let a = at(origin);
+            for (found, up) in [(separation(&a, &b), 1.0), (separation(&b, &a), -1.0)] {
+                assert!((found.gap + depth).abs() < 1e-9, "{i}: {} at {depth}", found.gap);
+                assert!((up * found.normal - Vec3::y()).norm() < 1e-6, "{:?}", found.normal);
+            }
         }
     }
 }
