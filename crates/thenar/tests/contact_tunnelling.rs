@@ -4,8 +4,9 @@
 mod common;
 
 use common::{FLESH, bar, body};
+use std::sync::Arc;
 use thenar::model::{Motion, SoftDesc, WorldDesc};
-use thenar::shape::Shape;
+use thenar::shape::{Part, Shape};
 use thenar::{Pose, Quat, Vec3, World};
 
 fn plate(desc: &mut WorldDesc) {
@@ -17,10 +18,22 @@ fn plate(desc: &mut WorldDesc) {
 
 #[test]
 fn rigid_bodies_stay_on_their_side() {
+    let block = Part {
+        shape: Shape::Cuboid { half: Vec3::new(0.012, 0.006, 0.006) },
+        pose_SP: Pose::identity(),
+    };
+    let pin = Part {
+        shape: Shape::Capsule { radius: 0.006, half_length: 0.008 },
+        pose_SP: Pose::translation(0.010, 0.004, 0.0),
+    };
     let shapes = [
         Shape::Sphere { radius: 0.01 },
         Shape::Capsule { radius: 0.008, half_length: 0.01 },
         Shape::Cuboid { half: Vec3::new(0.01, 0.006, 0.014) },
+        Shape::Cylinder { radius: 0.008, half_length: 0.012 },
+        Shape::Cone { radius: 0.01, height: 0.02 },
+        Shape::Ellipsoid { half: Vec3::new(0.016, 0.007, 0.009) },
+        Shape::Compound(Arc::new(vec![block, pin])),
     ];
     for shape in shapes {
         for h in [1.0 / 60.0, 1e-3] {

@@ -86,7 +86,7 @@ fn cone(p: &Vec3, radius: f64, height: f64) -> Distance {
     revolved(p, |[r, y]| {
         let y = y + 0.25 * height;
         let to_slant = (r - radius) * normal[0] + y * normal[1];
-        if y <= 0.0 && r <= radius || to_slant <= 0.0 && y <= 0.0 {
+        if y <= 0.0 && (r <= radius || to_slant <= 0.0) {
             let out = (r - radius).max(0.0);
             let length = out.hypot(y);
             return match length > 0.0 {

@@ -315,7 +315,7 @@ fn edges(pair: &Pair, mesh: &MeshShape, shallow: f64, manifold: &mut Manifold) {
             let gap = along.value + along.gradient.dot(&(q - along.lowest)) - rounding;
             let q_W = pair.a.world_point(&q) + rounding * n_W;
             if gap <= margin {
-                pair.push(EDGE | 2 * e | k as u32, q_W + 0.5 * gap * n_W, n_W, gap, manifold);
+                pair.push(EDGE | (2 * e) | k as u32, q_W + 0.5 * gap * n_W, n_W, gap, manifold);
             }
         }
     });

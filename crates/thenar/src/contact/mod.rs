@@ -24,6 +24,8 @@ mod cuboid_pair;
 mod detector;
 mod distance;
 mod ellipsoid;
+#[cfg(test)]
+mod fast_tests;
 mod features;
 mod grid;
 mod manifold;

@@ -8,10 +8,8 @@ use crate::contact::convex_pair;
 use crate::contact::manifold::{Manifold, ManifoldPoint};
 use crate::contact::mesh_pair::{convex_on_mesh, mesh_of, mesh_on_mesh};
 use crate::contact::rigid_body::{Placed, RigidBody};
-use crate::contact::support::Solid;
 use crate::contact::sweep::{Mover, meeting};
 use crate::contact::traced;
-use crate::math::Vec3;
 
 /// One of two rigid bodies.
 #[derive(Clone, Copy)]
@@ -35,7 +33,6 @@ const BURIED: f64 = 1e-6;
 /// Fills `manifold` with the points of A against B, normals from B to A.
 pub(crate) fn find(a: RigidSide, b: RigidSide, reach: Reach, manifold: &mut Manifold) {
     manifold.clear();
-    let several = a.body.pieces.len() * b.body.pieces.len() > 1;
     for (i, piece_a) in a.body.pieces.iter().enumerate() {
         for (j, piece_b) in b.body.pieces.iter().enumerate() {
             let (a, b) = (Mover { side: a, piece: piece_a }, Mover { side: b, piece: piece_b });
@@ -45,45 +42,44 @@ pub(crate) fn find(a: RigidSide, b: RigidSide, reach: Reach, manifold: &mut Mani
             manifold.points_mut()[first..].iter_mut().for_each(|p| p.feature ^= of_pair);
         }
     }
-    if several {
-        drop_buried(&a, &b, manifold);
-    }
     traced::find(a, b, reach, manifold);
     manifold.reduce();
 }
 
-/// Leaves out points inside another piece of a body, or nearer to another piece than to their own.
-fn drop_buried(a: &RigidSide, b: &RigidSide, manifold: &mut Manifold) {
-    let solid = |of: &RigidSide| Solid {
-        rotation: of.placed.rotation,
-        origin: of.placed.origin,
-        shape: &Shape::HalfSpace,
-    };
-    let frames = [solid(a), solid(b)];
-    let height =
-        |k: usize, body: &RigidBody, p: &Vec3| body.shape.distance(&frames[k].shape_point(p)).value;
-    let slack = BURIED * a.body.radius.max(b.body.radius);
-    manifold.retain_from(0, |p| {
+/// Leaves out points from `first` on inside another piece of a body, or nearer to another piece than to
+/// their own, after the part `s` of the step.
+fn drop_buried(a: &Mover, b: &Mover, s: f64, h: f64, first: usize, manifold: &mut Manifold) {
+    let bodies = [a, b].map(|m| m.side.body);
+    if bodies.iter().all(|body| body.pieces.len() == 1) {
+        return;
+    }
+    let wholes = [a.whole_at(s, h), b.whole_at(s, h)];
+    let slack = BURIED * bodies[0].radius.max(bodies[1].radius);
+    manifold.retain_from(first, |p| {
         let half = 0.5 * p.gap * p.normal_W;
         let (on_a, on_b) = (p.position_W + half, p.position_W - half);
-        // A body that has moved since is looked at where it is: only slow ones can be told.
+        // Where a mesh meets something later in the step only slow bodies can be told.
         let slack = slack + 1e-3 * p.gap.abs();
-        height(0, a.body, &on_a) > -slack
-            && height(1, b.body, &on_b) > -slack
-            && height(1, b.body, &on_a) > p.gap - slack
+        wholes[0].distance(&on_a).value > -slack
+            && wholes[1].distance(&on_b).value > -slack
+            && wholes[1].distance(&on_a).value > p.gap - slack
     });
 }
 
 /// Two pieces.
 fn pieces(a: &Mover, b: &Mover, reach: Reach, manifold: &mut Manifold) {
-    let meshes = [a, b].map(|m| mesh_of(&m.piece.shape).is_some());
-    match meshes {
-        _ if matches!((&a.piece.shape, &b.piece.shape), (Shape::HalfSpace, Shape::HalfSpace)) => {}
-        [false, false] => convex(a, b, reach, manifold),
-        [false, true] => convex_on_mesh(a, b, reach, manifold),
-        [true, false] => reversed(manifold, |m| convex_on_mesh(b, a, reach, m)),
-        [true, true] => mesh_on_mesh(a, b, reach, manifold),
+    let shapes = (&a.piece.shape, &b.piece.shape);
+    if matches!(shapes, (Shape::HalfSpace, Shape::HalfSpace)) {
+        return;
     }
+    let first = manifold.points().len();
+    match (mesh_of(shapes.0), mesh_of(shapes.1)) {
+        (None, None) => return convex(a, b, reach, manifold),
+        (None, Some(_)) => convex_on_mesh(a, b, reach, manifold),
+        (Some(_), None) => reversed(manifold, |m| convex_on_mesh(b, a, reach, m)),
+        (Some(_), Some(_)) => mesh_on_mesh(a, b, reach, manifold),
+    }
+    drop_buried(a, b, 0.0, reach.h, first, manifold);
 }
 
 /// Two convex pieces, where they are, or where they will meet within the step.
@@ -96,6 +92,7 @@ fn convex(a: &Mover, b: &Mover, reach: Reach, manifold: &mut Manifold) {
     let straight = [a, b].iter().all(|m| !m.leaves_tangent(reach));
     let far = if travel > reach.margin && straight { reach.margin + travel } else { reach.margin };
     convex_pair::find(&solid_a, &solid_b, reach.margin, far, manifold);
+    drop_buried(a, b, s, reach.h, first, manifold);
     if s > 0.0 || a.is_turned_fast(reach) || b.is_turned_fast(reach) {
         manifold.points_mut()[first..].iter_mut().for_each(|p| carry(a, b, s, reach.h, p));
     }
@@ -114,7 +111,8 @@ fn carry(a: &Mover, b: &Mover, s: f64, h: f64, p: &mut ManifoldPoint) {
         p.normal_W = turned;
     }
     let of_a = a.has_lever(b, &p.position_W);
-    p.position_W = (if of_a { a } else { b }).carried(&p.position_W, s, 0.0, h);
+    let (owner, on_owner, side) = if of_a { (a, met[0], -0.5) } else { (b, met[1], 0.5) };
+    p.position_W = owner.carried(&on_owner, s, 0.0, h);
     let [start_a, start_b] = [(a, met[0]), (b, met[1])].map(|(m, met)| {
         let motion = h * m.side.placed.velocity_at(&p.position_W);
         match m.side.body.dynamic {
@@ -123,6 +121,7 @@ fn carry(a: &Mover, b: &Mover, s: f64, h: f64, p: &mut ManifoldPoint) {
         }
     });
     p.gap = p.normal_W.dot(&(start_a - start_b));
+    p.position_W += side * p.gap * p.normal_W;
 }
 
 /// Runs `find` for the opposite direction and turns the normals of what it adds.

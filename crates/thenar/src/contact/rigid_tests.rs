@@ -281,6 +281,37 @@ fn fast_rigid_bodies_are_announced() {
     }
 }
 
+/// A capsule thrown at a plate, standing as it likes: both its ends are told, each with its height over the
+/// plate, at a lever through the middle of its ball; else the one not told is turned through.
+#[test]
+fn both_ends_of_a_thrown_capsule_are_announced() {
+    let mut random = Random::new(31);
+    let (radius, half_length) = (0.003, 0.006);
+    let capsule = Shape::Capsule { radius, half_length };
+    let plate = Shape::Cuboid { half: Vec3::new(0.2, 0.001, 0.2) };
+    for (h, way) in [(1.0 / 60.0, 0.03), (5e-3, 0.005)] {
+        for _ in 0..200 {
+            let turn = Quat::from_scaled_axis(random.vector(3.0));
+            let place = Vec3::new(0.0, 0.001 + radius + half_length + way * random.unit(), 0.0);
+            let pose = Pose::new(place, turn);
+            let fall = Vec3::new(0.3, -5.0, 0.1);
+            let contacts = between((&capsule, pose), (&plate, Pose::identity()), fall, h);
+            let ends = [-half_length, half_length].map(|y| pose.point(&(Vec3::y() * y)));
+            for end in ends {
+                let gap = end.y - radius - 0.001;
+                let told = contacts.iter().any(|c| {
+                    let aside = c.position_W - end;
+                    (c.gap - gap).abs() < 1e-9
+                        && aside.x.hypot(aside.z) < 1e-6
+                        && (c.normal_W - Vec3::y()).norm() < 1e-9
+                });
+                let near_now = gap < 1e-4;
+                assert!(told || near_now, "h {h}, gap {gap}: {contacts:#?}");
+            }
+        }
+    }
+}
+
 /// Which body is listed first changes only the direction.
 #[test]
 fn swapping_the_bodies_turns_the_normal() {

@@ -4,6 +4,7 @@
 //! Cores that are apart have a direction that does not depend on round-off, even where the shapes
 //! themselves touch or overlap; along that direction the shapes' own extents tell the distance.
 
+use crate::contact::Shape;
 use crate::contact::support::{Solid, inradius, rounding};
 use crate::contact::triangle::closest_on_triangle;
 use crate::math::Vec3;
@@ -52,6 +53,7 @@ pub(crate) fn separation(a: &Solid, b: &Solid) -> Separation {
             && near.gap > TOUCHING * part * size
         {
             let rough = along(a, b, near);
+            let rough = past_faces(a, b, rough, size);
             let better = drawn_apart(a, b, &rough, size).unwrap_or(rough);
             return drawn_apart(a, b, &better, size).unwrap_or(better);
         }
@@ -59,7 +61,31 @@ pub(crate) fn separation(a: &Solid, b: &Solid) -> Separation {
     // One lies deep in the other: out the shortest way for the middle of A.
     let out = b.distance(&a.origin);
     let near = Separation { gap: 0.0, normal: out.gradient, point_a: a.origin, point_b: a.origin };
-    along(a, b, near)
+    past_faces(a, b, along(a, b, near), size)
+}
+
+/// What was found, or the separation along the normal of a box's face if that is larger: along any
+/// direction it is a lower bound. The way out for the middle of a wide plate is no way out for
+/// what has sunk in far from there.
+fn past_faces(a: &Solid, b: &Solid, found: Separation, size: f64) -> Separation {
+    let mut best = found;
+    for (of, sign) in [(a, -1.0), (b, 1.0)] {
+        if !matches!(of.shape, Shape::Cuboid { .. }) {
+            continue;
+        }
+        for k in 0..6 {
+            let side = if k < 3 { sign } else { -sign };
+            let normal: Vec3 = side * of.rotation.column(k % 3);
+            let (low, high) = (a.support(&-normal, 0.0), b.support(&normal, 0.0));
+            let gap = normal.dot(&(low - high));
+            if gap > best.gap + 1e-6 * size {
+                // A face is met by what of the other body is farthest towards it.
+                let point = if sign < 0.0 { high + gap * normal } else { low };
+                best = Separation { gap, normal, point_a: point, point_b: point - gap * normal };
+            }
+        }
+    }
+    best
 }
 
 /// The same pair with A moved out along the rough normal until they are just apart, where the nearest
@@ -204,5 +230,43 @@ impl Simplex {
             let (origin, above) = (-normal.dot(&w(i)), normal.dot(&(w(top) - w(i))));
             origin * above > 0.0
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::triangle::tests::Random;
+    use crate::math::{Mat3, Quat};
+
+    /// Capsules and boxes in a plate of 4 m by 2 mm: the way out is through its face, as deep as the
+    /// lowest of their own points tells.
+    #[test]
+    fn what_sinks_into_a_wide_thin_plate_is_let_out_by_its_face() {
+        let mut random = Random::new(12);
+        let plate = Shape::Cuboid { half: Vec3::new(2.0, 0.001, 2.0) };
+        let shapes = [
+            Shape::Capsule { radius: 0.006, half_length: 0.008 },
+            Shape::Cuboid { half: Vec3::new(0.012, 0.006, 0.006) },
+        ];
+        for i in 0..20_000 {
+            let shape = &shapes[i % 2];
+            // Every other pair lies nearly along the plate.
+            let lying = Quat::from_axis_angle(&Vec3::z_axis(), std::f64::consts::FRAC_PI_2);
+            let tilt = Quat::from_scaled_axis(random.vector(0.1)) * lying;
+            let turn = if i % 4 < 2 { tilt } else { Quat::from_scaled_axis(random.vector(3.0)) };
+            let rotation = turn.to_rotation_matrix().into_inner();
+            // Up to through the plate, but not so far that down is the shorter way.
+            let depth = 6.9e-3 * 10.0_f64.powf(-7.0 * random.unit());
+            let at = |origin: Vec3| Solid { shape, rotation, origin };
+            let low = at(Vec3::zeros()).support(&-Vec3::y(), 0.0).y;
+            let origin = Vec3::new(random.vector(1.0).x, 0.001 - depth - low, random.vector(1.0).x);
+            let b = Solid { shape: &plate, rotation: Mat3::identity(), origin: Vec3::zeros() };
+            let a = at(origin);
+            for (found, up) in [(separation(&a, &b), 1.0), (separation(&b, &a), -1.0)] {
+                assert!((found.gap + depth).abs() < 1e-9, "{i}: {} at {depth}", found.gap);
+                assert!((up * found.normal - Vec3::y()).norm() < 1e-6, "{:?}", found.normal);
+            }
+        }
     }
 }

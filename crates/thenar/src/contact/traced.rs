@@ -1,9 +1,8 @@
 //! All ends of a fast body, each along its own way.
 //!
 //! Where two bodies meet first one of them may be stopped, and turns its other ends through within the
-//! same step. So each corner, end or rim of a body that is fast is followed (as in Sec. 3 of Mirtich's
-//! thesis, 1996, with the distance as the bound) to where it arrives at the other; the contact is
-//! the tangent plane there.
+//! same step. So each corner, end or rim of a body that is fast is followed to where it arrives at the
+//! other (conservative advancement, Mirtich, 1996); the contact is the tangent plane there.
 
 use crate::contact::Shape;
 use crate::contact::features::corners;
@@ -81,7 +80,7 @@ fn offer(point: ManifoldPoint, same: f64, manifold: &mut Manifold) {
 }
 
 /// Balls (of radius zero: points) whose hull is the piece or nearly so, in its frame: of rims the points
-/// that look along unit vector `d`, against it, and across. A ball itself has been met.
+/// that look along unit vector `d`, against it, and across.
 fn ends(piece: &Piece, d: &Vec3, mut each: impl FnMut(Vec3, f64)) {
     let rim = |radius: f64, y: f64, each: &mut dyn FnMut(Vec3, f64)| {
         let out = Vec3::new(d.x, 0.0, d.z).try_normalize(1e-9).unwrap_or_else(Vec3::x);
@@ -90,6 +89,7 @@ fn ends(piece: &Piece, d: &Vec3, mut each: impl FnMut(Vec3, f64)) {
         }
     };
     match &piece.shape {
+        Shape::Sphere { radius } => each(Vec3::zeros(), *radius),
         Shape::Capsule { radius, half_length } => {
             [-half_length, *half_length].into_iter().for_each(|y| each(Vec3::y() * y, *radius));
         }
@@ -115,7 +115,7 @@ fn ends(piece: &Piece, d: &Vec3, mut each: impl FnMut(Vec3, f64)) {
                 }
             }
         }
-        Shape::Sphere { .. } | Shape::HalfSpace | Shape::Mesh(_) | Shape::Compound(_) => {}
+        Shape::HalfSpace | Shape::Mesh(_) | Shape::Compound(_) => {}
     }
 }
 
@@ -164,16 +164,15 @@ impl Trace<'_> {
             false => a.at(1.0, h).world_point(p),
         };
         let end_b = b.carried(&met_b, s, 1.0, h);
-        let place = if a.has_lever(b, &now) {
-            now - radius * normal_W
-        } else {
-            b.carried(&met_b, s, 0.0, h)
+        let (place, side) = match a.has_lever(b, &now) {
+            true => (now - radius * normal_W, -0.5),
+            false => (b.carried(&met_b, s, 0.0, h), 0.5),
         };
         let closing = h * normal_W
             .dot(&(b.side.placed.velocity_at(&place) - a.side.placed.velocity_at(&place)));
         let gap = normal_W.dot(&(end_a - end_b)) - radius + closing;
         let gap = if s > 1.0 { gap.max(closing) } else { gap };
-        let position_W = place - 0.5 * gap * normal_W;
+        let position_W = place + side * gap * normal_W;
         Some(ManifoldPoint { feature, position_W, normal_W, gap })
     }
 }
