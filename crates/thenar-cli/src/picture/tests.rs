@@ -1,7 +1,7 @@
 //! What a picture must show, from geometry alone.
 
 use super::scene3d::{Light, Mesh, Scene3d};
-use super::shapes::Solid;
+use super::shapes::{Solid, cuboid, sphere};
 use super::*;
 use std::f64::consts::{FRAC_PI_4, PI};
 use thenar::Vec3;
