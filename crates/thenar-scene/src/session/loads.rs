@@ -56,7 +56,7 @@ pub fn hand_loads(contacts: &[ContactPoint], hand: &BuiltHand) -> [HandLoad; 6] 
             let sign = if side == 0 { 1.0 } else { -1.0 };
             sums[part].0 += normal;
             sums[part].1 += (contact.force_W - contact.normal_W * normal) * sign;
-            sums[part].2 += if normal > 0.0 { contact.area } else { 0.0 };
+            sums[part].2 += contact.area;
         }
     }
     sums.map(|(normal, shear, area)| {

@@ -50,6 +50,7 @@ mod soft_deep;
 mod soft_feature;
 mod soft_rigid;
 mod soft_round;
+mod soft_samples;
 mod soft_soft;
 mod support;
 mod surface;

@@ -12,6 +12,7 @@ use crate::contact::features::capsule_axis;
 use crate::contact::near::{Arrival, Near};
 use crate::contact::soft_rigid::{KEY_POINT, SoftRigid, VertexScratch};
 use crate::contact::soft_round::{Inmost, Touches, meet_curved, meet_line};
+use crate::contact::soft_samples::{self, meet_samples};
 use crate::contact::triangle::Closest;
 use crate::contact::{Contact, Site, SurfacePoint};
 use crate::math::Vec3;
@@ -50,7 +51,7 @@ impl FeatureScratch {
             met: Vec::with_capacity(points),
             visited: vec![0; triangles],
             round: 0,
-            touches: Vec::with_capacity(ROUND_PLACES * triangles),
+            touches: Vec::with_capacity(ROUND_PLACES * triangles + SAMPLES_MAX.min(9 * triangles)),
         }
     }
 }
@@ -94,6 +95,10 @@ pub(crate) fn find(
             meet_sharp(pair, &near, scratch);
             for (r, round) in (0..).zip(&pair.body.sharp.rounds) {
                 let mut touches = Touches { kept: &mut scratch.touches, inmost: &mut inmost };
+                if let Some(parts) = soft_samples::parts(pair, &near, round) {
+                    meet_samples(pair, &near, r, round, parts, &mut touches);
+                    continue;
+                }
                 match round_line(&round.shape) {
                     Some((line, radius)) => {
                         let line = line.map(|p| round.pose_SP.point(&p));
@@ -214,6 +219,9 @@ fn sharp_that_arrives(pair: &SoftRigid, p: &Vec3, i: u32, t: u32) -> Option<Touc
 }
 
 // Round parts.
+
+/// Room for fixed points, besides.
+const SAMPLES_MAX: usize = 1 << 14;
 
 /// Places on the centre line of a round part that one triangle may touch.
 pub(crate) const ROUND_PLACES: usize = 3;

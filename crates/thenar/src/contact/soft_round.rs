@@ -8,6 +8,7 @@ use crate::contact::approach::approach;
 use crate::contact::near::{Arrival, Near};
 use crate::contact::soft_feature::{ROUND_PLACES, Touch, depth_max};
 use crate::contact::soft_rigid::{KEY_SEGMENT, SoftRigid};
+use crate::contact::soft_samples::PLACES;
 use crate::contact::triangle::{Closest, Feature, closest_on_triangle, segment_parameter};
 use crate::contact::{Distance, Part};
 use crate::math::Vec3;
@@ -38,7 +39,7 @@ pub(crate) struct Touches<'a> {
 }
 
 impl Touches<'_> {
-    fn offer(&mut self, touch: Touch) {
+    pub fn offer(&mut self, touch: Touch) {
         if self.kept.len() < self.kept.capacity() {
             self.kept.push(touch);
         }
@@ -61,7 +62,7 @@ pub(crate) fn meet_line(
         // The place on the line nearest to that point tells its distance.
         let c =
             line[0] + segment_parameter(&closest.point, &line[0], &line[1]) * (line[1] - line[0]);
-        let key = [KEY_SEGMENT | (r * ROUND_PLACES as u32 + k as u32), near.index];
+        let key = [KEY_SEGMENT | (r * PLACES + k as u32), near.index];
         let to_line = closest.point - c;
         let distance = to_line.norm();
         let touch = |weights, normal, gap| Touch {
@@ -123,7 +124,7 @@ pub(crate) fn meet_curved(
     let Some(Distance { value: gap, gradient }) = found else { return };
     let normal = part.pose_SP.vector(&gradient);
     if outward(pair, near, feature).dot(&normal) < 0.0 {
-        let key = [KEY_SEGMENT | (r * ROUND_PLACES as u32), near.index];
+        let key = [KEY_SEGMENT | (r * PLACES), near.index];
         touches.offer(Touch { key, triangle: near.index, weights, sharp: None, normal, gap });
     }
 }
@@ -141,7 +142,7 @@ fn owned_feature(pair: &SoftRigid, near: &Near, weights: &[f64; 3]) -> Option<Fe
 }
 
 /// Outward normal of the soft surface, in the shape frame.
-fn outward(pair: &SoftRigid, near: &Near, feature: Feature) -> Vec3 {
+pub(crate) fn outward(pair: &SoftRigid, near: &Near, feature: Feature) -> Vec3 {
     let outward_W = pair.surface.pseudonormal(near.index, feature, pair.state.positions);
     pair.placed.rotation.tr_mul(&outward_W)
 }

@@ -24,7 +24,7 @@ pub struct PatchContact {
     pub centre_W: Vec3,
     /// Torque on it about the centre of pressure, world \[N m\].
     pub torque_W: Vec3,
-    /// Area of the surface points that bear load \[m²\]; zero between rigid bodies.
+    /// Area of the surface nearer than 20 µm \[m²\]; zero between rigid bodies.
     pub area: f64,
     /// Largest pressure at a vertex of a deformable surface \[Pa\].
     pub pressure_max: f64,
@@ -62,6 +62,8 @@ impl Sum {
     pub fn add(&mut self, point: &ContactPoint, side: usize) {
         let sign = if side == 0 { 1.0 } else { -1.0 };
         let normal = point.force_W.dot(&point.normal_W);
+        // What touches belongs to the patch, though its neighbours may bear all of the load.
+        self.patch.area += point.area;
         if normal <= 0.0 {
             return;
         }
@@ -75,7 +77,6 @@ impl Sum {
         p.shear_W += force_W - push_W;
         p.shear_sum += (force_W - push_W).norm();
         p.centre_W += point.position_W * normal;
-        p.area += point.area;
         p.slip_W += point.slip_W * (normal * sign);
         p.slipping += if point.slips { normal } else { 0.0 };
         self.torque_W += point.position_W.cross(&force_W);

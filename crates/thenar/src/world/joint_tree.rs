@@ -28,6 +28,15 @@ pub struct Floating {
     pub nodes: Vec<Range<usize>>,
 }
 
+/// Bodies that hang on one joint with what is fixed.
+#[derive(Clone, Debug)]
+pub struct Hanging {
+    /// This joint.
+    pub joint: usize,
+    /// Rigid bodies.
+    pub bodies: Vec<usize>,
+}
+
 /// All joints in the order in which they place bodies.
 #[derive(Clone, Debug, Default)]
 pub struct JointTree {
@@ -36,6 +45,8 @@ pub struct JointTree {
     pub cuts: Vec<usize>,
     /// What keeps its momentum.
     pub floating: Vec<Floating>,
+    /// What keeps its swing: trees of rigid bodies without loops.
+    pub hanging: Vec<Hanging>,
 }
 
 impl JointTree {
@@ -56,9 +67,42 @@ impl JointTree {
             hung: hung.collect(),
             cuts: spanned.cuts.iter().map(|&j| real[j]).collect(),
             floating: Vec::new(),
+            hanging: Vec::new(),
         };
         tree.floating = find_floating(model, &real);
+        tree.hanging = tree.find_hanging(model);
         tree
+    }
+
+    /// Trees that hang on one joint with the world, but for those with flesh or loops.
+    fn find_hanging(&self, model: &Model) -> Vec<Hanging> {
+        let mut root_of: Vec<Option<usize>> = vec![None; model.rigids.len()];
+        for hung in &self.hung {
+            let joint = &model.joints[hung.joint];
+            root_of[hung.outward] = match joint.parent {
+                None => Some(hung.joint),
+                Some(p) if hung.reversed => {
+                    root_of[joint.child as usize].filter(|_| p != joint.child)
+                }
+                Some(p) => root_of[p as usize],
+            };
+        }
+        let in_loops = self.cuts.iter().flat_map(|&j| {
+            let joint = &model.joints[j];
+            [Some(joint.child), joint.parent].into_iter().flatten()
+        });
+        let fleshy = model.coupling.bound.iter().flat_map(|bound| bound.bones);
+        let left_out: Vec<Option<usize>> =
+            in_loops.chain(fleshy).map(|b| root_of[b as usize]).collect();
+        let mut roots: Vec<usize> = root_of.iter().flatten().copied().collect();
+        roots.sort_unstable();
+        roots.dedup();
+        roots.retain(|root| !left_out.contains(&Some(*root)));
+        let of = |joint: usize| {
+            let bodies = (0..root_of.len()).filter(|&b| root_of[b] == Some(joint)).collect();
+            Hanging { joint, bodies }
+        };
+        roots.into_iter().map(of).collect()
     }
 
     /// Rotation `R_JK` of each joint after a step: `poses_WB` are those before it, `spin` gives the

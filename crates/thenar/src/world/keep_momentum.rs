@@ -129,13 +129,13 @@ fn lost_spin(
 }
 
 /// Inertia of a body about its own centre, world \[kg m²\].
-fn turned_inertia(model: &Model, state: &State, b: usize) -> Mat3 {
+pub(super) fn turned_inertia(model: &Model, state: &State, b: usize) -> Mat3 {
     let R = state.poses_WB[b].rotation.to_rotation_matrix().into_inner();
     R * model.rigids[b].inertia * R.transpose()
 }
 
 /// Inertia of a mass \[kg\] at the end of a lever \[m\].
-fn point_inertia(mass: f64, lever: &Vec3) -> Mat3 {
+pub(super) fn point_inertia(mass: f64, lever: &Vec3) -> Mat3 {
     let cross = skew(lever);
     cross.tr_mul(&cross) * mass
 }

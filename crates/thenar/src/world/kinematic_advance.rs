@@ -22,6 +22,7 @@ use crate::solver::exact::Exact;
 use crate::world::advance::move_each;
 use crate::world::assemble::joint_frames;
 use crate::world::keep_momentum::{keep_course, keep_spin};
+use crate::world::keep_swing::keep_swing;
 use crate::world::model::Model;
 use crate::world::state::{Scratch, State};
 
@@ -99,6 +100,7 @@ pub fn advance_jointed(
     model.tree.floating.iter().for_each(|floating| keep_course(floating, model, moved, state));
     keep_own_spins(model, state, moved);
     model.tree.floating.iter().for_each(|floating| keep_spin(floating, model, moved, state));
+    model.tree.hanging.iter().for_each(|hanging| keep_swing(hanging, model, moved, state));
 }
 
 /// Closes the joints that the tree leaves out, by motions that the tree allows. Where a round does not

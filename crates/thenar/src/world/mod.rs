@@ -14,6 +14,7 @@ mod hash;
 mod io;
 mod joint_tree;
 mod keep_momentum;
+mod keep_swing;
 mod kinematic_advance;
 mod limits;
 mod model;
