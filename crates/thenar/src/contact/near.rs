@@ -1,5 +1,6 @@
 //! A triangle of a soft surface near a rigid shape, seen from the shape.
 
+use crate::contact::Part;
 use crate::contact::aabb::Aabb;
 use crate::contact::soft_rigid::SoftRigid;
 use crate::contact::triangle::{Closest, closest_on_triangle};
@@ -47,6 +48,15 @@ impl Near {
     pub fn swept(&self) -> Aabb {
         let moved = [0, 1, 2].map(|k| self.x[k] + self.u[k]);
         moved.iter().fold(Aabb::of_points(&self.x), |b, p| b.with(p))
+    }
+
+    /// Whether any point of the triangle can come within `margin` of a part in this step: none is farther
+    /// from the middle than a corner.
+    pub fn may_touch(&self, part: &Part, margin: f64) -> bool {
+        let middle = (self.x[0] + self.x[1] + self.x[2]) / 3.0;
+        let size = self.x.iter().map(|p| (p - middle).norm_squared()).fold(0.0, f64::max).sqrt();
+        let distance = part.shape.distance(&part.pose_SP.inverse_point(&middle)).value;
+        distance - size <= margin + self.travel
     }
 
     /// How far the point with these weights moves in this step \[m\].

@@ -94,6 +94,9 @@ pub(crate) fn find(
             let near = Near::new(pair, t);
             meet_sharp(pair, &near, scratch);
             for (r, round) in (0..).zip(&pair.body.sharp.rounds) {
+                if !near.may_touch(round, pair.margin) {
+                    continue;
+                }
                 let mut touches = Touches { kept: &mut scratch.touches, inmost: &mut inmost };
                 if let Some(parts) = soft_samples::parts(pair, &near, round) {
                     meet_samples(pair, &near, r, round, parts, &mut touches);

@@ -105,12 +105,6 @@ pub(crate) fn meet_curved(
     touches: &mut Touches,
 ) {
     let x = near.x.map(|p| part.pose_SP.inverse_point(&p));
-    // No point of the triangle is farther from its middle than a corner.
-    let middle = (x[0] + x[1] + x[2]) / 3.0;
-    let size = x.iter().map(|p| (p - middle).norm()).fold(0.0, f64::max);
-    if part.shape.distance(&middle).value - size > pair.margin + near.travel {
-        return;
-    }
     let weights = part.shape.nearest_on_triangle(&x);
     let Some(feature) = owned_feature(pair, near, &weights) else { return };
     let p: Vec3 = (0..3).map(|k| x[k] * weights[k]).sum();

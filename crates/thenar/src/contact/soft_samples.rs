@@ -17,7 +17,7 @@ use crate::contact::{Distance, Part};
 use crate::math::Vec3;
 
 /// Most parts of an edge: a ball for which they are not enough is small, and held at its nearest place.
-const PARTS_MAX: u32 = 4;
+const PARTS_MAX: u32 = 6;
 /// Numbers for the places of one part, these and those on its centre line.
 pub(crate) const PLACES: u32 = 64;
 /// The first number of a fixed point.
