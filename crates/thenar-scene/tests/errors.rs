@@ -71,7 +71,7 @@ fn wrong_kinds_of_values() {
     );
     check(
         "[[rigid]]\nname = \"a\"\nshape = {}",
-        "4:9: `rigid[0].shape`: the key `kind` is missing; expected one of \"box\", \"sphere\", \"capsule\", \"plane\", \"car\", \"mesh\"",
+        "4:9: `rigid[0].shape`: the key `kind` is missing; expected one of \"box\", \"sphere\", \"capsule\", \"cylinder\", \"ellipsoid\", \"cone\", \"compound\", \"plane\", \"car\", \"mesh\"",
     );
 }
 

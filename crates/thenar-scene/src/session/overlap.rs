@@ -37,7 +37,17 @@ impl Session {
 
     /// Pairs of bodies that overlap in the present state, the deepest first.
     pub(super) fn find_overlaps(&self) -> Vec<StartOverlap> {
-        self.world.overlaps().iter().map(|overlap| self.named(overlap)).collect()
+        // Bones lie in flesh, which overlaps before they do.
+        let is_bone = |body: &BodyId| match body {
+            BodyId::Rigid(i) => self
+                .hands()
+                .iter()
+                .any(|hand| hand.flesh().is_some() && hand.handle.bones.contains(i)),
+            BodyId::Soft(_) => false,
+        };
+        let overlaps = self.world.overlaps();
+        let told = overlaps.iter().filter(|overlap| !overlap.bodies.iter().any(is_bone));
+        told.map(|overlap| self.named(overlap)).collect()
     }
 
     fn named(&self, overlap: &Overlap) -> StartOverlap {

@@ -50,10 +50,13 @@ fn collect(
             edges(half).iter().for_each(|edge| spread(edge, spacing, points));
         }
         Shape::Mesh(mesh) => {
-            points.extend(&mesh.points);
+            let at = |v: &u32| mesh.points[*v as usize];
+            points.extend(mesh.index.edges.iter().flat_map(|edge| edge.vertices.iter().map(at)));
             for edge in &mesh.index.edges {
-                spread(&edge.vertices.map(|v| mesh.points[v as usize]), spacing, points);
+                spread(&edge.vertices.map(|v| at(&v)), spacing, points);
             }
+            points.extend(&mesh.points);
+            thin(points, first, 0.25 * spacing);
         }
         Shape::Cylinder { radius, half_length } => {
             let count = rim_points(*radius, spacing);
@@ -76,6 +79,24 @@ fn collect(
     if !matches!(shape, Shape::HalfSpace | Shape::Cuboid { .. } | Shape::Mesh(_)) {
         rounds.push(Part { shape: shape.clone(), pose_SP: *pose_SP });
     }
+}
+
+/// Leaves out points from `first` on that lie within `apart` \[m\] (along each axis, twice that at most)
+/// of an earlier one: a soft surface does not tell them apart.
+fn thin(points: &mut Vec<Vec3>, first: usize, apart: f64) {
+    if !apart.is_finite() || apart <= 0.0 {
+        return;
+    }
+    let mut seen = std::collections::BTreeSet::new();
+    let mut kept = first;
+    for i in first..points.len() {
+        let p = points[i];
+        if seen.insert([0, 1, 2].map(|k| (p[k] / apart).floor() as i64)) {
+            points[kept] = p;
+            kept += 1;
+        }
+    }
+    points.truncate(kept);
 }
 
 /// Adds points within an edge, its ends left out.

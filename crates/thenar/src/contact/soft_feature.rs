@@ -13,7 +13,7 @@ use crate::contact::near::{Arrival, Near};
 use crate::contact::soft_rigid::{KEY_POINT, SoftRigid, VertexScratch};
 use crate::contact::soft_round::{Inmost, Touches, meet_curved, meet_line};
 use crate::contact::soft_samples::{self, meet_samples};
-use crate::contact::triangle::Closest;
+use crate::contact::triangle::{Closest, area_vector};
 use crate::contact::{Contact, Site, SurfacePoint};
 use crate::math::Vec3;
 
@@ -70,10 +70,10 @@ pub(crate) struct Touch {
     pub gap: f64,
 }
 
-/// How deep a feature may lie and still be taken as having come through the triangle \[m\]: the
-/// search looks one triangle deep.
+/// How deep a feature may lie and still be taken as having come through the triangle \[m\]: what is
+/// deeper than a quarter of an edge is as near to other triangles, and is led out by the vertices.
 pub(crate) fn depth_max(pair: &SoftRigid) -> f64 {
-    pair.margin.max(pair.surface.edge_mean)
+    pair.margin + 0.25 * pair.surface.edge_mean
 }
 
 /// Adds the contacts of sharp points and of the round part.
@@ -131,9 +131,12 @@ fn round_line(shape: &Shape) -> Option<([Vec3; 2], f64)> {
 fn meet_sharp(pair: &SoftRigid, near: &Near, scratch: &mut FeatureScratch) {
     let reach = depth_max(pair);
     let around = near.swept().inflate(reach);
+    let normal = area_vector(&near.x).try_normalize(1e-300).unwrap_or_else(Vec3::zeros);
     pair.body.sharp.tree.overlapping(&around, |i| {
         let p = &pair.body.sharp.points[i as usize];
-        if !around.contains(p) {
+        // The plane of the triangle is not farther than the triangle.
+        let height = normal.dot(&(p - near.x[0])).abs();
+        if height > reach + near.travel || !around.contains(p) {
             return;
         }
         let Meet { mut nearest, mut arriving } = scratch.meets[i as usize];

@@ -99,7 +99,7 @@ impl SoftRigid<'_> {
             return f64::INFINITY;
         }
         let shape = &self.body.shape;
-        let now = shape.distance(&p);
+        let Some(now) = shape.distance_within(&p, reach) else { return f64::INFINITY };
         let slot = self.surface.first_vertex + v;
         let seen = sight.recall(slot, self.rigid);
         let sided = keep_side(shape, &p, &u, now, seen);

@@ -171,7 +171,7 @@ impl SoftSoft<'_> {
             self.offer(1, v, s, reach, sight, &mut scratch.vertices[second]);
         }
         self.cross([s, t], reach, scratch, out);
-        if self.apart.is_none() {
+        if self.apart.is_none() && box_s.overlaps(box_t) {
             self.pierce([s, t], &mut scratch.deep);
         }
     }
