@@ -131,7 +131,7 @@ impl Detector {
         self.soft_soft = soft_soft_pairs(&self.pairs, &self.surfaces, &self.apart);
     }
 
-    /// Most contacts ever delivered: three per surface vertex and 32 per rigid body with a shape.
+    /// Most contacts ever delivered: three per surface vertex and 48 per rigid body with a shape.
     pub fn capacity(&self) -> usize {
         self.capacity
     }

@@ -7,7 +7,7 @@ const OFFERED_MAX: usize = 64;
 /// How many remain then.
 const KEPT: usize = 32;
 /// Points delivered are at most this many: the deepest, and those farthest apart.
-pub(crate) const DELIVERED_MAX: usize = 8;
+pub(crate) const DELIVERED_MAX: usize = 12;
 /// Of points higher than the deepest by more than this part of how far apart they lie, the lower go
 /// first: a body can only stand on the lower ones.
 const LEVEL: f64 = 1e-2;

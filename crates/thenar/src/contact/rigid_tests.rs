@@ -244,7 +244,7 @@ fn meshes_rest_like_the_shape_they_are() {
         (mesh_cube(0.1), Pose::identity(), 0.1),
     ] {
         let contacts = at_rest((&mesh, at(0.01, top + 0.05 + gap, 0.0)), (&other, pose));
-        check(&contacts, 8, gap, Vec3::y(), 1e-6);
+        check(&contacts, 12, gap, Vec3::y(), 1e-6);
         let bounds = |k: usize| {
             let x = contacts.iter().map(|c| c.position_W[k]);
             (x.clone().fold(f64::INFINITY, f64::min), x.fold(f64::NEG_INFINITY, f64::max))
