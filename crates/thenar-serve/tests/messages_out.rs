@@ -148,7 +148,16 @@ fn contacts_and_loads_add_up() {
             if contact.bodies[side] == 32768 + soft as u16 {
                 let digit = digits[contact.vertices[side] as usize][0] as usize;
                 normal[digit] += contact.normal_force();
-                area[digit] += contact.area;
+            }
+        }
+    }
+    // What touches without bearing load is not sent, but counts.
+    for contact in session.world().contacts() {
+        for side in 0..2 {
+            if let (true, Some(v)) =
+                (contact.bodies[side] == BodyId::Soft(soft), contact.vertices[side])
+            {
+                area[digits[v as usize][0] as usize] += contact.area;
             }
         }
     }
