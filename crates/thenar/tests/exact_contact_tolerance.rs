@@ -77,10 +77,10 @@ fn add_soft_box(desc: &mut WorldDesc, cells: [usize; 3], low_x: f64) {
 /// A rod on a soft box, both between two fingertips.
 fn stack(kappa: f64, mass: f64, h: f64) -> WorldDesc {
     let mut desc = WorldDesc { time_step: h, ..WorldDesc::default() };
-    add_fingertip(&mut desc, kappa, -1.0, -0.0084);
+    add_fingertip(&mut desc, kappa, -1.0, -0.0034);
     add_fingertip(&mut desc, kappa, 1.0, 0.0084);
-    let mut rigid = body("rod", mass, [2.5e-5 * mass; 3], Vec3::new(-0.0041, 0.0005, 0.0));
-    rigid.shape = Some(Shape::Capsule { radius: 0.004, half_length: 0.004 });
+    let mut rigid = body("rod", mass, [2.5e-5 * mass; 3], Vec3::new(-0.0016, 0.0005, 0.0));
+    rigid.shape = Some(Shape::Capsule { radius: 0.0015, half_length: 0.004 });
     desc.add_rigid(rigid);
     add_soft_box(&mut desc, [1, 2, 2], 0.0);
     desc
@@ -198,6 +198,8 @@ fn the_tolerance_is_honoured_in_contact() {
                 let case = format!("{name}, {} s, asked {tolerance:.0e}", before.time());
                 assert!(!report.fell_back && !report.contact_unconverged, "{case}: {report:?}");
                 assert!(off < 10.0, "{case}: off by {off} times as much");
+                // Sweeps alone need 80 000 where the rod creeps between the pads.
+                assert!(report.contact_sweeps < 1600, "{case}: {report:?}");
                 *worst = worst.max(off);
                 steps += 1;
                 over += usize::from(off > 1.0);

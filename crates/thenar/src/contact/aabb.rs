@@ -74,6 +74,22 @@ impl Aabb {
         outside.norm_squared()
     }
 
+    /// How far from `p` along `d`, in lengths of `d`, a ray meets the box; zero from inside.
+    pub fn met_by_ray(&self, p: &Vec3, d: &Vec3) -> Option<f64> {
+        let (mut from, mut to) = (0.0_f64, f64::INFINITY);
+        for k in 0..3 {
+            if d[k] == 0.0 {
+                if p[k] < self.min[k] || p[k] > self.max[k] {
+                    return None;
+                }
+                continue;
+            }
+            let (a, b) = ((self.min[k] - p[k]) / d[k], (self.max[k] - p[k]) / d[k]);
+            (from, to) = (from.max(a.min(b)), to.min(a.max(b)));
+        }
+        (from <= to).then_some(from)
+    }
+
     /// The box around this (finite) box turned by `rotation` and then moved by `offset`.
     pub fn moved(&self, rotation: &Mat3, offset: &Vec3) -> Self {
         let center = rotation * self.center() + offset;

@@ -12,6 +12,15 @@ use std::collections::BinaryHeap;
 const ALONG: f64 = 2.0;
 /// or, through the body, within this many.
 const THROUGH: f64 = 1.0;
+/// At most so many vertices along the surface are neighbours, the nearest, and so many triangles of all of them:
+/// tables then grow with the surface and not with its square, however uneven its edges. Even meshes have some
+/// twenty and forty.
+const ALONG_MAX: usize = 128;
+const TRIANGLES_MAX: usize = 1024;
+/// Through the body, neighbours lie within so many edges of the vertex itself.
+const EDGES_THROUGH: f64 = 16.0;
+/// Larger trees have no table of settled pairs, which only spares a search: 2 MB.
+const NODES_MAX: usize = 4096;
 /// Parts nearer than this part of an edge overlap already.
 const OVERLAP: f64 = 0.05;
 
@@ -60,8 +69,12 @@ impl Apart {
             let mut triangles: Vec<u32> = near
                 .along(&edges, v, ALONG * surface.edge_mean)
                 .flat_map(|w| surface.around(w).iter().copied())
+                .take(TRIANGLES_MAX)
                 .collect();
-            through(surface, &tree, x, v as u32, &mut triangles);
+            let around = edges[v].iter().map(|(_, length)| length).sum::<f64>();
+            let around = around / edges[v].len().max(1) as f64;
+            let reach = THROUGH * surface.edge_mean.min(EDGES_THROUGH * around);
+            through(surface, &tree, x, (v as u32, reach), &mut triangles);
             triangles.sort_unstable();
             triangles.dedup();
             apart.triangles.extend(triangles);
@@ -94,6 +107,9 @@ impl Apart {
 
     /// Whether all below two tree nodes are neighbours.
     pub fn are_settled(&self, n: usize, m: usize) -> bool {
+        if self.settled.is_empty() {
+            return false;
+        }
         let bit = n.min(m) * self.nodes + n.max(m);
         self.settled[bit / 64] >> (bit % 64) & 1 == 1
     }
@@ -101,6 +117,9 @@ impl Apart {
     /// Fills the bits from the leaves up; children come after their parents.
     fn settle(&mut self, surface: &Surface) {
         let tree = &surface.tree;
+        if tree.node_count() > NODES_MAX {
+            return;
+        }
         self.nodes = tree.node_count();
         self.settled = vec![0; (self.nodes * self.nodes).div_ceil(64)];
         for n in (0..self.nodes).rev() {
@@ -130,22 +149,30 @@ impl Apart {
 }
 
 /// Adds the triangles that `v` looks at from behind nearby, and those it already touches.
-fn through(surface: &Surface, tree: &Bvh, x: &[Vec3], v: u32, found: &mut Vec<u32>) {
+fn through(
+    surface: &Surface,
+    tree: &Bvh,
+    x: &[Vec3],
+    (v, reach): (u32, f64),
+    found: &mut Vec<u32>,
+) {
     let p = &x[v as usize];
-    let reach = THROUGH * surface.edge_mean;
     let around = Aabb { min: *p, max: *p }.inflate(reach);
     tree.overlapping(&around, |t| {
         let closest = closest_on_triangle(p, &surface.corners(t, x));
         let distance = closest.distance_squared.sqrt();
-        let outward = surface.pseudonormal(t, closest.feature, x);
-        let behind = outward.dot(&(p - closest.point)) <= 0.0;
-        if distance < OVERLAP * surface.edge_mean || (behind && distance < reach) {
+        let overlaps = distance < OVERLAP * surface.edge_mean;
+        let behind = || {
+            let outward = surface.pseudonormal(t, closest.feature, x);
+            outward.dot(&(p - closest.point)) <= 0.0
+        };
+        if overlaps || (distance < reach && behind()) {
             found.push(t);
         }
     });
 }
 
-/// Ends and lengths of the edges at each vertex.
+/// Ends and lengths of the edges at each vertex, the shortest first.
 fn surface_edges(surface: &Surface, x: &[Vec3]) -> Vec<Vec<(u32, f64)>> {
     let mut edges = vec![Vec::new(); x.len()];
     for t in &surface.triangles {
@@ -156,6 +183,7 @@ fn surface_edges(surface: &Surface, x: &[Vec3]) -> Vec<Vec<(u32, f64)>> {
             edges[j].push((i as u32, length));
         }
     }
+    edges.iter_mut().for_each(|ends| ends.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0))));
     edges
 }
 
@@ -184,14 +212,21 @@ impl Near {
         let mut open = BinaryHeap::from([Reverse((0, from as u32))]);
         self.distance[from] = 0.0;
         self.reached.push(from as u32);
+        let mut visited = 0;
         while let Some(Reverse((bits, v))) = open.pop() {
             let so_far = f64::from_bits(bits);
             if so_far > self.distance[v as usize] {
                 continue;
             }
-            for &(w, length) in &edges[v as usize] {
+            visited += 1;
+            if visited > ALONG_MAX {
+                break;
+            }
+            // Shortest first: what comes after the first that leads too far does too.
+            let near = edges[v as usize].iter().take(ALONG_MAX);
+            for &(w, length) in near.take_while(|(_, length)| so_far + length <= reach) {
                 let (next, known) = (so_far + length, &mut self.distance[w as usize]);
-                if next > reach || next >= *known {
+                if next >= *known {
                     continue;
                 }
                 if *known == f64::INFINITY {
@@ -202,5 +237,79 @@ impl Near {
             }
         }
         self.reached.clone().into_iter()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{EmbeddedSurface, Flesh, SurfaceVertex};
+
+    /// Neighbours on a surface with these vertices, which no bone carries.
+    fn apart(points: &[Vec3], triangles: Vec<[u32; 3]>) -> (Surface, Apart) {
+        // In a tetrahedron of unit legs, coordinates are weights.
+        let weights = |p: &Vec3| [1.0 - p.sum(), p.x, p.y, p.z];
+        let vertices = points.iter().map(|p| SurfaceVertex { tet: 0, weights: weights(p) });
+        let flesh = Flesh {
+            nodes: vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()],
+            tets: vec![[0, 1, 2, 3]],
+            materials: Vec::new(),
+            mass_damping: 0.0,
+            stiffness_damping: 0.0,
+            fixed: Vec::new(),
+            collision: EmbeddedSurface { vertices: vertices.collect(), triangles },
+            friction: 0.0,
+        };
+        let surface = Surface::new(0, &flesh, 0, &[]);
+        let apart = Apart::new(&surface, points, Regions::default());
+        (surface, apart)
+    }
+
+    /// A sheet of `n` by `n` squares.
+    fn sheet(n: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let at = |i: u32| f64::from(i % (n + 1)) / f64::from(n);
+        let points = (0..(n + 1) * (n + 1)).map(|i| Vec3::new(at(i), at(i / (n + 1)), 0.0));
+        let squares = (0..n * n).map(|i| i % n + i / n * (n + 1));
+        let cut = |a: u32| [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]];
+        (points.collect(), squares.flat_map(cut).collect())
+    }
+
+    #[test]
+    fn tables_of_a_large_sheet_grow_with_its_triangles() {
+        let (points, triangles) = sheet(20);
+        let (surface, small) = apart(&points, triangles);
+        assert!(surface.tree.node_count() <= NODES_MAX && !small.settled.is_empty());
+        let (points, triangles) = sheet(100);
+        let (surface, large) = apart(&points, triangles);
+        assert!(surface.tree.node_count() > NODES_MAX && large.settled.is_empty());
+        assert!(!large.are_settled(0, 0));
+        let per_vertex =
+            |apart: &Apart| apart.triangles.len() as f64 / (apart.start.len() - 1) as f64;
+        assert!(per_vertex(&large) < 1.2 * per_vertex(&small), "{}", per_vertex(&large));
+        // What is near stays so, what is far too.
+        let near = surface.triangles.iter().position(|t| t.contains(&0)).unwrap();
+        assert!(large.are_neighbors(0, near as u32, &surface.triangles[near]));
+        let far = surface.triangles.len() - 1;
+        assert!(!large.are_neighbors(0, far as u32, &surface.triangles[far]));
+    }
+
+    /// All triangles meet at one vertex: each would be a neighbour of every vertex.
+    #[test]
+    fn tables_of_a_fan_grow_with_its_triangles() {
+        for n in [200, 1500] {
+            let angle = |i: u32| 2.0 * std::f64::consts::PI * f64::from(i) / f64::from(n);
+            let rim = (0..n).map(|i| Vec3::new(angle(i).cos(), angle(i).sin(), 0.0) * 0.3);
+            let mut points: Vec<Vec3> = rim.collect();
+            points.push(Vec3::zeros());
+            let triangles = (0..n).map(|i| [i, (i + 1) % n, n]).collect();
+            let (surface, apart) = apart(&points, triangles);
+            let most = (0..n as usize).map(|v| apart.start[v + 1] - apart.start[v]).max();
+            assert!(most <= Some(2 * TRIANGLES_MAX as u32), "{most:?} of {n}");
+            for v in 0..n {
+                for t in [v, (v + n - 1) % n] {
+                    assert!(apart.are_neighbors(v, t, &surface.triangles[t as usize]));
+                }
+            }
+        }
     }
 }

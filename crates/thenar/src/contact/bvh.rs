@@ -198,6 +198,37 @@ impl Bvh {
         }
     }
 
+    /// The box around all.
+    pub fn bounds(&self) -> Aabb {
+        self.nodes.first().map_or(Aabb::EMPTY, |root| root.aabb)
+    }
+
+    /// Goes through the items whose leaf's box a ray from `p` along `d` meets nearer than the least
+    /// distance (in lengths of `d`) that `visit` has returned so far.
+    pub fn along_ray(&self, p: &Vec3, d: &Vec3, mut visit: impl FnMut(u32) -> f64) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        let mut least = f64::INFINITY;
+        let mut stack = [0u32; STACK];
+        let mut top = 1;
+        while top > 0 {
+            top -= 1;
+            let Node { aabb, first, count } = &self.nodes[stack[top] as usize];
+            if aabb.met_by_ray(p, d).is_none_or(|at| at > least) {
+                continue;
+            }
+            if *count > 0 {
+                for k in *first..first + count {
+                    least = least.min(visit(self.items[k as usize]));
+                }
+                continue;
+            }
+            (stack[top], stack[top + 1]) = (first + 1, *first);
+            top += 2;
+        }
+    }
+
     /// Calls `visit` for every item of a leaf whose box meets `query`.
     pub fn overlapping(&self, query: &Aabb, mut visit: impl FnMut(u32)) {
         if self.nodes.is_empty() {

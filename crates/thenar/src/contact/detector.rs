@@ -307,19 +307,25 @@ impl Detector {
         let Some(body) = &self.bodies[rigid] else { return };
         let Scratch { placed, bounds, vertices, features, .. } = &mut self.scratch;
         let placed = &placed[rigid];
-        let surface = &self.surfaces[soft];
+        let surface = &mut self.surfaces[soft];
         // A feature may have come through a triangle by so much and still touch.
         let inflated = reach.margin + 0.25 * surface.edge_mean;
         if !placed.may_touch(&body.shape, &bounds[soft].swept, inflated, reach.h) {
             return;
         }
         out.count_pair();
+        let within = |p: &Vec3| bounds[soft].swept.contains(&placed.world_point(p));
+        let may_be_inside = body.sharp.inner.iter().any(|inner| within(&inner.center));
+        if may_be_inside && !std::mem::replace(&mut bounds[soft].refitted, true) {
+            surface.refit(&surface.own(states), reach.h, &bounds[soft].drift);
+        }
         let search = SoftRigid {
             h: reach.h,
             margin: reach.margin,
             soft: pair.soft,
             surface,
             state: surface.own(states),
+            may_be_inside,
             travel: reach.h * (bounds[soft].drift.norm() + bounds[soft].spread),
             rigid: pair.other,
             body,
@@ -379,7 +385,7 @@ impl Scratch {
             bounds: vec![SurfaceBounds::EMPTY; surfaces.len()],
             vertices: VertexScratch::with_size(vertices),
             features: FeatureScratch::with_size(points, triangles),
-            pair: PairScratch::with_size(vertices),
+            pair: PairScratch::with_size(vertices, triangles),
             manifold: Manifold::new(),
             area: AreaScratch::with_size(triangles, vertices),
         }

@@ -33,6 +33,16 @@ impl DistanceGrid {
         Some((f64::from(value.abs()) + (p - q).norm()) * (1.0 + 1e-6))
     }
 
+    /// The grid point with the least value, the first of several; the origin of an unsound grid.
+    pub(crate) fn deepest(&self) -> Vec3 {
+        let values = if self.is_sound() { self.values.as_slice() } else { &[] };
+        let least = values.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
+        let index = least.map_or(0, |(i, _)| i);
+        let (nx, ny) = (self.dims[0].max(1) as usize, self.dims[1].max(1) as usize);
+        let at = [index % nx, index / nx % ny, index / nx / ny];
+        self.origin + self.cell * Vec3::from_fn(|k, _| at[k] as f64)
+    }
+
     /// Whether the trilinear interpolant is negative at `p`; beyond the grid nothing is inside.
     pub(crate) fn is_inside(&self, p: &Vec3) -> bool {
         let scaled = (p - self.origin) / self.cell;

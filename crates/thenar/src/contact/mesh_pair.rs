@@ -67,7 +67,9 @@ pub(crate) fn convex_on_mesh(a: &Mover, b: &Mover, reach: Reach, manifold: &mut 
     faces(&pair, mesh, shallow, manifold);
     edges(&pair, mesh, shallow, manifold);
     if shallow < f64::INFINITY {
+        let before = manifold.points().len();
         reversed(manifold, |m| vertices(&Pair::new(b, a, reach), mesh, FROM_B, m));
+        drop_beside(&pair, before, manifold);
         if manifold.points().len() == first {
             faces(&pair, mesh, f64::INFINITY, manifold);
         }
@@ -77,6 +79,15 @@ pub(crate) fn convex_on_mesh(a: &Mover, b: &Mover, reach: Reach, manifold: &mut 
         // What lies beyond the margin now.
         reversed(manifold, |m| vertices(&Pair::new(b, a, reach), mesh, FROM_B, m));
     }
+}
+
+/// Leaves out vertices of the mesh from `first` on that lie on an edge of A, where its distance may point
+/// either way, along which the mesh has no normal: on the side of a box that stands on them.
+fn drop_beside(pair: &Pair, first: usize, manifold: &mut Manifold) {
+    manifold.retain_from(first, |p| {
+        let q_W = p.position_W - 0.5 * p.gap * p.normal_W;
+        p.gap.abs() > pair.same || pair.is_normal(&q_W, p.gap, &p.normal_W)
+    });
 }
 
 /// Leaves out points from `first` on that are deep and would be let out by another face than the

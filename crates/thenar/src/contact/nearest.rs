@@ -1,4 +1,4 @@
-//! The point of a triangle at which a shape's signed distance is least.
+//! The point of a triangle, or of a segment, at which a shape's signed distance is least.
 
 use crate::contact::Shape;
 use crate::contact::triangle::closest_on_triangle;
@@ -41,6 +41,32 @@ impl Shape {
             Self::Mesh(_) => descend(self, tri),
             _ => minimise(self, tri),
         }
+    }
+}
+
+impl Shape {
+    /// Where on the segment from `a` (0) to `b` (1) the signed distance of a convex shape is least; with
+    /// the same preference for the middle as in [`Shape::nearest_on_triangle`].
+    pub(crate) fn nearest_on_segment(&self, a: &Vec3, b: &Vec3) -> f64 {
+        let along = b - a;
+        let length = along.norm();
+        // Slope of the distance over the length, which grows from end to end.
+        let slope = |t: f64| {
+            let gradient = self.distance(&(a + t * along)).gradient;
+            gradient.dot(&along) + TO_MIDDLE * length * (t - 0.5)
+        };
+        let (mut low, mut high) = (0.0, 1.0);
+        if slope(low) >= 0.0 {
+            return low;
+        }
+        if slope(high) <= 0.0 {
+            return high;
+        }
+        while high - low > TOLERANCE {
+            let t = 0.5 * (low + high);
+            *(if slope(t) < 0.0 { &mut low } else { &mut high }) = t;
+        }
+        0.5 * (low + high)
     }
 }
 
@@ -228,6 +254,23 @@ mod tests {
                 }
                 let allowed = 0.25 * TO_MIDDLE * longest_edge(&tri);
                 assert!(value < brute + allowed, "{shape:?} {tri:?}: {value} {brute}");
+            }
+        }
+    }
+
+    /// No point of a fine division of the segment is nearer by more than the preference for the middle.
+    #[test]
+    fn no_other_point_of_the_segment_is_nearer() {
+        let mut random = Random::new(14);
+        for shape in shapes() {
+            for _ in 0..300 {
+                let place = random.vector(0.05);
+                let [a, b] = [(); 2].map(|()| place + random.vector(0.02));
+                let value = |t: f64| shape.distance(&(a + t * (b - a))).value;
+                let found = value(shape.nearest_on_segment(&a, &b));
+                let brute = (0..=200).map(|k| value(f64::from(k) / 200.0)).fold(f64::MAX, f64::min);
+                let allowed = 0.125 * TO_MIDDLE * (b - a).norm() + 1e-12;
+                assert!(found < brute + allowed, "{shape:?} {a} {b}: {found} {brute}");
             }
         }
     }

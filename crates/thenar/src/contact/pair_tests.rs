@@ -249,3 +249,22 @@ fn check(a: &At, b: &At, found: &[Contact]) {
         );
     }
 }
+
+/// A box stands on a mesh whose vertices lie exactly below its edges: nothing holds it from the side.
+#[test]
+fn vertices_under_the_edges_of_a_box_hold_it_from_below_only() {
+    let mut random = Random::new(31);
+    let support = mesh_cube(0.015, 5);
+    for half in [Vec3::new(0.009, 0.003, 0.004), Vec3::new(0.003, 0.003, 0.009)] {
+        for _ in 0..200 {
+            let shift = random.vector(1e-9) + Vec3::y() * (0.018 - 4e-9);
+            let pose = Pose::new(shift, Quat::from_scaled_axis(random.vector(1e-8)));
+            let found =
+                contacts(&At(&Shape::Cuboid { half }, pose), &At(&support, Pose::identity()));
+            assert!(found.len() >= 4);
+            for c in found {
+                assert!(c.normal_W.y > 0.999, "{half}: normal {}", c.normal_W);
+            }
+        }
+    }
+}

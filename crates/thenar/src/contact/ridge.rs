@@ -57,6 +57,11 @@ impl Ridge {
         Some(Self { outward, falls: [fall(t[(k + 2) % 3])?, fall(far)?] })
     }
 
+    /// Whether one face falls away from a plane with this outward normal.
+    fn is_rim(&self, outward: &Vec3) -> bool {
+        self.falls[0].dot(outward).min(self.falls[1].dot(outward)) < -STEEP
+    }
+
     /// How far the steeper-rising face rises above a plane with this outward normal (sine).
     fn rise(&self, outward: &Vec3) -> f64 {
         self.falls[0].dot(outward).max(self.falls[1].dot(outward))
@@ -100,7 +105,9 @@ pub(crate) fn crossing(passing: &Passing, a: &Ridge, b: &Ridge) -> Option<Crossi
         return None;
     }
     let (rise_a, rise_b) = (a.rise(&-normal), b.rise(&normal));
-    let holds = rise_a.max(rise_b) < RISE_MAX && rise_a.min(rise_b) < -STEEP;
+    let rims = a.is_rim(&-normal) && b.is_rim(&normal);
+    let rise = rise_a.max(rise_b);
+    let holds = (rise < RISE_MAX && rise_a.min(rise_b) < -STEEP) || (rise < STEEP && rims);
     holds.then_some(Crossing { at, normal, gap })
 }
 
@@ -151,6 +158,26 @@ mod tests {
         assert!(meet(0.2, 0.0), "a ridge on a plane's inner edge");
         assert!(meet(0.2, -0.1), "a ridge in a shallow valley");
         assert!(!meet(0.2, -0.8), "a ridge does not reach into a deep valley");
+    }
+
+    /// Where flat boxes cross, the rims bear that are level on the inner side; plains that are only tilted
+    /// against the way past each other do not.
+    #[test]
+    fn rims_of_flat_faces_hold_each_other() {
+        let edge = |up: Vec3, along: Vec3, falls: [f64; 2], at: Vec3| {
+            let across = along.cross(&up);
+            let fall = |side: f64, angle: f64| across * side * angle.cos() - up * angle.sin();
+            let ends = [at - 0.01 * along, at + 0.01 * along];
+            (ends, Ridge { falls: [fall(1.0, falls[0]), fall(-1.0, falls[1])], outward: up })
+        };
+        let pair = |falls| {
+            let above = edge(-Vec3::y(), Vec3::z(), falls, Vec3::y() * -1e-3);
+            let below = edge(Vec3::y(), Vec3::x(), falls, Vec3::zeros());
+            meet(&above, &below)
+        };
+        let rims = pair([0.0, std::f64::consts::FRAC_PI_2]).expect("rims cross");
+        assert!((rims.gap + 1e-3).abs() < 1e-15);
+        assert!(pair([-0.2, 0.2]).is_none(), "tilted plains");
     }
 
     #[test]

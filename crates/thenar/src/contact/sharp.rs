@@ -7,6 +7,7 @@
 use crate::contact::aabb::Aabb;
 use crate::contact::bvh::Bvh;
 use crate::contact::features::{corners, edges, rim, rim_points};
+use crate::contact::soft_inside::{Inner, inner_balls};
 use crate::contact::{Part, Shape};
 use crate::math::{Pose, Vec3};
 
@@ -20,6 +21,8 @@ pub(crate) struct Sharp {
     pub tree: Bvh,
     /// What is smooth and curved, each in its own frame P.
     pub rounds: Vec<Part>,
+    /// Balls inside.
+    pub inner: Vec<Inner>,
 }
 
 impl Sharp {
@@ -28,7 +31,16 @@ impl Sharp {
         let (mut points, mut rounds) = (Vec::new(), Vec::new());
         collect(shape, &Pose::identity(), spacing, &mut points, &mut rounds);
         let boxes: Vec<Aabb> = points.iter().map(|p| Aabb { min: *p, max: *p }).collect();
-        Self { tree: Bvh::build(&boxes), points, rounds }
+        let mut inner = Vec::new();
+        match shape {
+            Shape::Compound(parts) => parts.iter().for_each(|part| {
+                inner_balls(&part.shape, |ball| {
+                    inner.push(Inner { center: part.pose_SP.point(&ball.center), ..ball });
+                });
+            }),
+            _ => inner_balls(shape, |ball| inner.push(ball)),
+        }
+        Self { tree: Bvh::build(&boxes), points, rounds, inner }
     }
 }
 
@@ -131,7 +143,7 @@ mod tests {
         let cube = Part { shape: cube, pose_SP: Pose::translation(0.1, 0.0, 0.0) };
         let both = Shape::Compound(std::sync::Arc::new(vec![ball.clone(), cube]));
         let sharp = Sharp::of(&both, 0.1);
-        assert_eq!((sharp.points.len(), sharp.rounds), (8, vec![ball]));
+        assert_eq!((sharp.points.len(), sharp.rounds, sharp.inner.len()), (8, vec![ball], 2));
         assert!(sharp.points.iter().all(|p| (p.x - 0.1).abs() < 0.0101));
     }
 }

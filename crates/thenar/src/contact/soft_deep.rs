@@ -1,38 +1,115 @@
-//! Deformable surfaces that have got into each other: the way back.
+//! Deformable surfaces that have got into each other: where they are entangled.
 //!
 //! In contact surfaces overlap by the solver's tolerance. A start that overlaps, or a step that could
-//! not be held, leaves vertices deeper inside than the search near the surface looks. They are found
+//! not be held, leaves parts deeper inside than the search near the surface looks. They are found
 //! from where the surfaces cut each other: an edge that pierces a triangle has an end inside, and from
-//! there the inside spreads along the edges of its own surface. Each such vertex is led out to the
-//! nearest place of the other surface that faces it, however deep it is.
+//! there the inside spreads along the edges of its own surface. What hangs together by triangles that
+//! cut each other is one *region*.
+//!
+//! A region that is pressed in has come through the faces nearest to it, against its own normals: each
+//! vertex goes back to its nearest place. Where bodies were put into each other, most vertices are nearest
+//! to a face that they never came through, as those of a side wall are to the wall beside it; such a region
+//! leaves as one, along one direction: see `soft_way`.
+//!
+//! ```text
+//!      ┌────────┐          ○ vertices inside, × places where an edge goes through a face: by both is
+//!   ┌──×────────×──┐       judged which way a region leaves, and led out are vertices, and places of
+//!   │  ○────○───○  │       edges between outer ends
+//! ```
 
-use crate::contact::collector::Collector;
+use crate::contact::collector::{Collector, feature_key};
+use crate::contact::groups::Groups;
 use crate::contact::sides::Sight;
-use crate::contact::soft_soft::{PairScratch, SoftSide, SoftSoft};
+use crate::contact::soft_rigid::KEY_PIERCED;
+use crate::contact::soft_soft::{SoftSide, SoftSoft, VertexScratch};
+use crate::contact::soft_way::{Exit, Way};
 use crate::contact::surface::Surface;
-use crate::contact::triangle::{Closest, area_vector, closest_on_triangle};
+use crate::contact::triangle::{Closest, Feature, area_vector, closest_on_triangle};
+use crate::contact::{Contact, Site, SurfacePoint};
 use crate::math::Vec3;
+use std::ops::Range;
 
+pub(super) const NONE: u32 = u32::MAX;
 /// Contacts rest within this part of an edge; what is deeper has got in.
 const ENTERED: f64 = 0.01;
-/// A vertex leaves through a face that its own normal opposes by at least this (cosine of 120°).
-const OPPOSED: f64 = -0.5;
 
-/// Vertices of one side that are, or may be, deep inside the other.
-#[derive(Clone, Debug, Default)]
-pub(super) struct DeepScratch {
-    queue: Vec<u32>,
-    /// Per vertex, whether it was in the queue.
-    queued: Vec<bool>,
+/// A vertex has come through its nearest face if the way back goes against its normal within 60°.
+const OPPOSED: f64 = 0.5;
+/// Depths along one direction are equal but for rounding.
+const EQUAL: f64 = 1.0 + 1e-9;
+
+/// An edge of side `side` that goes through triangle `through` of the other.
+#[derive(Clone, Copy, Debug)]
+struct Pierce {
+    side: usize,
+    edge: (u32, usize),
+    /// Part of the edge before that.
+    at: f64,
+    through: u32,
 }
 
-impl DeepScratch {
-    pub fn with_size(vertices: usize) -> Self {
-        Self { queue: Vec::with_capacity(vertices), queued: vec![false; vertices] }
+/// A point of one surface inside the other, or where it goes through.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    region: u32,
+    pub side: usize,
+    /// A vertex; `NONE` for a place on an edge.
+    pub vertex: u32,
+    /// Triangle and weights of its own surface.
+    pub triangle: u32,
+    pub weights: [f64; 3],
+    /// For a place on an edge the triangle of the other surface through which it goes.
+    pub through: u32,
+    /// Between outer ends: no vertex leads the edge out.
+    alone: bool,
+    /// Where it is; on an edge as far inside as counts.
+    pub p: Vec3,
+    /// Against the outward normal here, by area: the way that makes the common volume smaller.
+    pub inward: Vec3,
+    /// To the nearest place of the other surface, and its triangle and weights.
+    pub out: Vec3,
+    nearest: (u32, [f64; 3]),
+}
+
+impl Place {
+    /// Whether it has come in through its nearest face.
+    fn is_opposed(&self) -> bool {
+        let least = OPPOSED * self.inward.norm() * self.out.norm();
+        self.vertex != NONE && self.inward.dot(&self.out) > least
+    }
+}
+
+/// Places `start..end` leave by `way`.
+#[derive(Clone, Copy, Debug)]
+struct Region {
+    root: u32,
+    start: usize,
+    end: usize,
+    way: Option<Way>,
+    /// Most of it, by area, has come in through the nearest faces: so deep it is by these \[m\].
+    pressed: Option<f64>,
+    /// The region leaves as one, from deeper than the search near the surface looks.
+    deep: bool,
+}
+
+/// Vertices of one side that are, or may be, inside the other.
+#[derive(Clone, Debug, Default)]
+struct Flood {
+    queue: Vec<u32>,
+    /// Per vertex, whether it was in the queue,
+    queued: Vec<bool>,
+    /// and whether it is inside.
+    inside: Vec<bool>,
+}
+
+impl Flood {
+    fn with_size(vertices: usize) -> Self {
+        let no = vec![false; vertices];
+        Self { queue: Vec::with_capacity(vertices), queued: no.clone(), inside: no }
     }
 
     /// Each vertex is looked at once.
-    pub fn add(&mut self, v: u32) {
+    fn add(&mut self, v: u32) {
         if !std::mem::replace(&mut self.queued[v as usize], true) {
             self.queue.push(v);
         }
@@ -41,24 +118,89 @@ impl DeepScratch {
     fn clear(&mut self) {
         for v in self.queue.drain(..) {
             self.queued[v as usize] = false;
+            self.inside[v as usize] = false;
         }
     }
 }
 
+/// What is entangled.
+#[derive(Clone, Debug, Default)]
+pub(super) struct DeepScratch {
+    floods: [Flood; 2],
+    pierces: Vec<Pierce>,
+    places: Vec<Place>,
+    regions: Vec<Region>,
+    /// Triangles of A, then of B.
+    groups: Groups,
+    triangles: usize,
+    /// No more places are kept.
+    most: usize,
+}
+
+impl DeepScratch {
+    /// For surfaces of up to so many vertices and triangles.
+    pub fn with_size(vertices: usize, triangles: usize) -> Self {
+        let most = 2 * vertices + triangles;
+        Self {
+            floods: [0, 1].map(|_| Flood::with_size(vertices)),
+            pierces: Vec::with_capacity(most),
+            places: Vec::with_capacity(most),
+            regions: Vec::with_capacity(most),
+            groups: Groups::with_size(2 * triangles),
+            triangles,
+            most,
+        }
+    }
+
+    /// Whether an entangled region leads out vertex `v` of a side.
+    pub fn leads(&self, i: usize, v: u32, surface: &Surface) -> bool {
+        self.floods[i].inside[v as usize] && self.is_deep(i, surface.around(v)[0])
+    }
+
+    /// Whether a triangle of a side belongs to a region that is led out as one.
+    pub fn is_deep(&self, i: usize, t: u32) -> bool {
+        if self.regions.is_empty() {
+            return false;
+        }
+        let root = self.groups.find(self.node(i, t));
+        let at = self.regions.binary_search_by_key(&root, |region| region.root);
+        at.is_ok_and(|at| self.regions[at].deep)
+    }
+
+    fn places(&self, range: Range<usize>) -> &[Place] {
+        &self.places[range]
+    }
+
+    fn node(&self, i: usize, t: u32) -> u32 {
+        (i * self.triangles) as u32 + t
+    }
+
+    fn clear(&mut self) {
+        self.floods.iter_mut().for_each(Flood::clear);
+        self.pierces.clear();
+        self.places.clear();
+        self.regions.clear();
+        self.groups.clear();
+    }
+}
+
 impl SoftSoft<'_> {
-    /// Notes the inner ends of the edges by which two triangles pierce each other.
-    pub(super) fn pierce(&self, [s, t]: [u32; 2], deep: &mut [DeepScratch; 2]) {
+    /// The side that a triangle of B counts for: of one surface there is but one.
+    fn second(&self) -> usize {
+        usize::from(self.apart.is_none())
+    }
+
+    /// Notes where the edges of two triangles pierce the other one.
+    pub(super) fn pierce(&self, [s, t]: [u32; 2], deep: &mut DeepScratch) {
         let [a, b] = [&self.a, &self.b];
-        self.pierce_from(a, s, b, t, &mut deep[0]);
-        self.pierce_from(b, t, a, s, &mut deep[1]);
+        self.pierce_from((0, a, s), (self.second(), b, t), deep);
+        self.pierce_from((self.second(), b, t), (0, a, s), deep);
     }
 
     fn pierce_from(
         &self,
-        own: &SoftSide,
-        s: u32,
-        other: &SoftSide,
-        t: u32,
+        (side, own, s): (usize, &SoftSide, u32),
+        (_, other, t): (usize, &SoftSide, u32),
         deep: &mut DeepScratch,
     ) {
         let x = other.surface.corners(t, other.state.positions);
@@ -70,62 +212,264 @@ impl SoftSoft<'_> {
         for k in 0..3 {
             let (i, j) = (k, (k + 1) % 3);
             let (inner, outer) = if height[i] < height[j] { (i, j) } else { (j, i) };
-            if height[inner] > entered || height[outer] <= 0.0 {
+            if height[inner] > entered
+                || height[outer] <= 0.0
+                || !own.surface.owns(s, Feature::Edge(k))
+                || self.is_neighbor(own, s, k, t)
+            {
                 continue;
             }
-            let part = height[outer] / (height[outer] - height[inner]);
-            let cut = p[outer] + part * (p[inner] - p[outer]);
+            let at = height[i] / (height[i] - height[j]);
+            let cut = p[i] + at * (p[j] - p[i]);
             let is_inside = |k: usize| {
                 let edge = x[(k + 1) % 3] - x[k];
                 area.dot(&edge.cross(&(cut - x[k]))) >= 0.0
             };
             if (0..3).all(is_inside) {
-                deep.add(corners[inner]);
+                deep.floods[side].add(corners[inner]);
+                if deep.pierces.len() < deep.most {
+                    deep.pierces.push(Pierce { side, edge: (s, k), at, through: t });
+                }
             }
         }
     }
 
-    /// Contacts of the vertices of side `i` that are deep inside the other, and touch nothing yet.
-    pub(super) fn settle_deep(
-        &self,
-        i: usize,
-        sight: &mut Sight,
-        scratch: &mut PairScratch,
-        out: &mut Collector,
-    ) {
+    /// Finds what is entangled and how it leaves.
+    pub(super) fn entangle(&self, sight: &Sight, deep: &mut DeepScratch) {
+        let sides = 0..=self.second();
+        if self.apart.is_none() && deep.pierces.is_empty() {
+            sides.clone().for_each(|i| self.swallow(i, deep));
+        }
+        if deep.floods.iter().all(|flood| flood.queue.is_empty()) {
+            return;
+        }
+        sides.for_each(|i| self.flood(i, deep));
+        self.tie(deep);
+        if self.apart.is_some() {
+            self.keep_entangled(deep);
+        }
+        let DeepScratch { places, groups, triangles, .. } = deep;
+        for place in places.iter_mut() {
+            place.region = groups.find((place.side * *triangles) as u32 + place.triangle);
+        }
+        // Of each region the deepest first.
+        let key = |p: &Place| (p.region, p.side, p.vertex, p.triangle, p.through);
+        places.sort_unstable_by(|a, b| {
+            let deeper = b.out.norm_squared().total_cmp(&a.out.norm_squared());
+            a.region.cmp(&b.region).then(deeper).then(key(a).cmp(&key(b)))
+        });
+        let mut start = 0;
+        while start < deep.places.len() {
+            let root = deep.places[start].region;
+            let count = deep.places[start..].iter().take_while(|p| p.region == root).count();
+            let end = start + count;
+            let region = self.region(root, start..end, sight, deep);
+            deep.regions.push(region);
+            start = end;
+        }
+    }
+
+    /// Of one surface, what lies inside a fold of its own part is nearest to a face that nothing cuts:
+    /// that is no way back.
+    fn keep_entangled(&self, deep: &mut DeepScratch) {
+        let DeepScratch { floods: [flood, _], pierces, places, .. } = deep;
+        let entered = |t: u32| {
+            let mut corners = self.a.surface.triangles[t as usize].into_iter();
+            corners.any(|v| flood.inside[v as usize]) || pierces.iter().any(|p| p.through == t)
+        };
+        places.retain(|place| place.vertex == NONE || entered(place.nearest.0));
+        flood.inside.fill(false);
+        let kept = places.iter().filter(|place| place.vertex != NONE);
+        kept.for_each(|place| flood.inside[place.vertex as usize] = true);
+    }
+
+    fn region(&self, root: u32, range: Range<usize>, sight: &Sight, deep: &DeepScratch) -> Region {
+        let places = deep.places(range.clone());
+        let opposed = || places.iter().filter(|p| p.is_opposed());
+        let area = |p: &Place| p.inward.norm();
+        let vertices = places.iter().filter(|p| p.vertex != NONE);
+        let is_pressed = 2.0 * opposed().map(area).sum::<f64>() > vertices.map(area).sum();
+        let deepest = opposed().map(|p| p.out.norm()).fold(0.0, f64::max);
+        let pressed = is_pressed.then_some(deepest);
+        let all_opposed = is_pressed && opposed().count() == places.len();
+        // Parts of one surface only go back where they came in.
+        let as_one = !all_opposed && self.apart.is_none() && self.was_put(places, sight);
+        let way = if as_one { self.way(places, sight) } else { None };
+        let deep = !is_pressed && way.is_some_and(|way| way.relative > 1.0);
+        Region { root, start: range.start, end: range.end, way, pressed, deep }
+    }
+
+    /// A whole surface inside the other cuts nothing.
+    fn swallow(&self, i: usize, deep: &mut DeepScratch) {
         let [own, other] = self.facing(i);
-        let mut deep = std::mem::take(&mut scratch.deep[i]);
-        let mut next = 0;
-        while next < deep.queue.len() {
-            let v = deep.queue[next];
-            next += 1;
-            let touches = scratch.vertices[i].touches(v);
-            if !touches {
-                let Some((t, closest)) = self.way_out(own, other, v) else { continue };
-                self.push_vertex(i, v, t, &closest, sight, out);
-            }
-            own.surface.neighbors_of(v, |w| deep.add(w));
+        let (inner, outer) = (own.surface.tree.bounds(), other.surface.tree.bounds());
+        if !inner.is_empty() && outer.contains(&inner.min) && outer.contains(&inner.max) {
+            deep.floods[i].add(0);
         }
-        deep.clear();
-        scratch.deep[i] = deep;
     }
 
-    /// Where vertex `v` leaves the other surface; `None` when it has not got in.
-    fn way_out(&self, own: &SoftSide, other: &SoftSide, v: u32) -> Option<(u32, Closest)> {
+    /// Looks at all that may be inside, from neighbour to neighbour.
+    fn flood(&self, i: usize, deep: &mut DeepScratch) {
+        let [own, other] = self.facing(i);
+        let mut next = 0;
+        while next < deep.floods[i].queue.len() {
+            let v = deep.floods[i].queue[next];
+            next += 1;
+            let Some((out, nearest)) = self.inside(own, other, v) else { continue };
+            let around = own.surface.around(v);
+            let root = deep.node(i, around[0]);
+            around.iter().for_each(|&t| deep.groups.join(root, (i * deep.triangles) as u32 + t));
+            deep.floods[i].inside[v as usize] = true;
+            own.surface.neighbors_of(v, |w| deep.floods[i].add(w));
+            let mut weights = [0.0; 3];
+            let corners = own.surface.triangles[around[0] as usize];
+            corners.iter().zip(&mut weights).for_each(|(&w, part)| *part = f64::from(w == v));
+            deep.places.push(Place {
+                region: 0,
+                side: i,
+                vertex: v,
+                triangle: around[0],
+                weights,
+                through: NONE,
+                alone: false,
+                p: own.state.positions[v as usize],
+                inward: -own.surface.vertex_normal(v, own.state.positions),
+                out,
+                nearest,
+            });
+        }
+    }
+
+    /// The way of a vertex that has got in to the nearest place of the other surface, and this; `None`
+    /// outside.
+    fn inside(&self, own: &SoftSide, other: &SoftSide, v: u32) -> Option<(Vec3, (u32, [f64; 3]))> {
         let p = own.state.positions[v as usize];
-        let (t, nearest) = nearest_on(other, &p, |_| true)?;
-        if depth(other.surface, &p, t, &nearest, other.state.positions)
-            < ENTERED * other.surface.edge_mean
-        {
+        let (t, nearest) = nearest_on(other, &p, |t| !self.are_neighbors(v, t))?;
+        let least = ENTERED * other.surface.edge_mean;
+        let depth = depth(other.surface, &p, t, &nearest, other.state.positions);
+        if depth < least || (self.apart.is_some() && !self.is_wound(v)) {
             return None;
         }
-        let normal = own.surface.vertex_normal(v, own.state.positions);
-        let bound = OPPOSED * normal.norm();
-        let opposed = nearest_on(other, &p, |t| {
-            let area = area_vector(&other.surface.corners(t, other.state.positions));
-            normal.dot(&area) <= bound * area.norm()
+        Some((nearest.point - p, (t, nearest.weights)))
+    }
+
+    /// Joins what cuts each other, and adds the places where edges go through.
+    fn tie(&self, deep: &mut DeepScratch) {
+        let DeepScratch { floods, pierces, places, groups, triangles, most, .. } = deep;
+        for &Pierce { side, edge: (s, k), at, through } in pierces.iter() {
+            let [own, other] = self.facing(side);
+            let node = |i: usize, t: u32| (i * *triangles) as u32 + t;
+            let across = own.surface.across(s, k);
+            across.iter().for_each(|&u| groups.join(node(side, s), node(side, u)));
+            if self.apart.is_none() {
+                groups.join(node(side, s), node(1 - side, through));
+            }
+            let corners = own.surface.triangles[s as usize];
+            let ends = [corners[k], corners[(k + 1) % 3]];
+            if places.len() == *most {
+                continue;
+            }
+            let x = own.state.positions;
+            let mut weights = [0.0; 3];
+            (weights[k], weights[(k + 1) % 3]) = (1.0 - at, at);
+            let area = area_vector(&other.surface.corners(through, other.state.positions));
+            let within = area.try_normalize(0.0).unwrap_or_else(Vec3::zeros)
+                * (ENTERED * other.surface.edge_mean);
+            let p: Vec3 = (0..3).map(|j| x[corners[j] as usize] * weights[j]).sum();
+            let faces = [Some(s), across].into_iter().flatten();
+            let inward: Vec3 = faces.map(|t| -area_vector(&own.surface.corners(t, x))).sum();
+            places.push(Place {
+                region: 0,
+                side,
+                vertex: NONE,
+                triangle: s,
+                weights,
+                through,
+                alone: ends.iter().all(|&v| !floods[side].inside[v as usize]),
+                p: p - within,
+                inward,
+                out: Vec3::zeros(),
+                nearest: (through, {
+                    let x = other.surface.corners(through, other.state.positions);
+                    closest_on_triangle(&p, &x).weights
+                }),
+            });
+        }
+    }
+
+    /// Contacts of all that leads deep regions out, and of vertices in others that touch nothing.
+    pub(super) fn lead_out(
+        &self,
+        deep: &mut DeepScratch,
+        touching: &[VertexScratch; 2],
+        sight: &mut Sight,
+        out: &mut Collector,
+    ) {
+        for region in &deep.regions {
+            for place in &deep.places[region.start..region.end] {
+                let on_edge = place.vertex == NONE;
+                if match region.deep {
+                    true => on_edge && !place.alone,
+                    false => on_edge || touching[place.side].touches(place.vertex),
+                } {
+                    continue;
+                }
+                if let Some((normal, exit)) = self.led_by(region, place) {
+                    self.push_place(place, &normal, &exit, sight, out);
+                }
+            }
+        }
+        deep.clear();
+    }
+
+    /// The direction in which a place is led out, and where. What is not opposed in a region that
+    /// is pressed in follows the rest, and no farther; what came in by itself goes back where it is opposed.
+    fn led_by(&self, region: &Region, place: &Place) -> Option<(Vec3, Exit)> {
+        if place.is_opposed() && (region.pressed.is_some() || region.way.is_none()) {
+            let (triangle, weights) = place.nearest;
+            let depth = place.out.norm();
+            return Some((place.out / depth, Exit { depth, triangle, weights }));
+        }
+        let way = region.way?;
+        let exit = self.exit(place, &way.along)?;
+        let most = region.pressed.map_or(f64::INFINITY, |depth| depth * EQUAL);
+        (exit.depth > 0.0 && exit.depth <= most).then(|| (way.of(place.side), exit))
+    }
+
+    fn push_place(
+        &self,
+        place: &Place,
+        normal: &Vec3,
+        exit: &Exit,
+        sight: &mut Sight,
+        out: &mut Collector,
+    ) {
+        let [own, other] = self.facing(place.side);
+        let gap = -exit.depth;
+        if place.vertex != NONE {
+            let to = (exit.triangle, exit.weights);
+            self.push([own, other], place.vertex, to, (*normal, gap), sight, out);
+            return;
+        }
+        let point = |side: &SoftSide, t: u32, weights| SurfacePoint {
+            soft: side.soft,
+            vertices: side.surface.triangles[t as usize],
+            weights,
+        };
+        out.push(Contact {
+            key: feature_key([
+                KEY_PIERCED | own.soft,
+                other.soft,
+                own.surface.first_vertex as u32 + place.triangle,
+                place.through,
+            ]),
+            a: Site::Soft(point(own, place.triangle, place.weights)),
+            b: Site::Soft(point(other, exit.triangle, exit.weights)),
+            position_W: place.p,
+            normal_W: *normal,
+            gap,
+            friction: self.friction,
         });
-        Some(opposed.unwrap_or((t, nearest)))
     }
 }
 

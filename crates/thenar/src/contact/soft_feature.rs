@@ -6,21 +6,22 @@
 //! part touches *every* triangle near it, each at its own nearest point: contacts then move along with
 //! the bodies, and a large ball does not rest on one triangle after another.
 
-use crate::contact::Shape;
 use crate::contact::collector::{Collector, feature_key};
-use crate::contact::features::capsule_axis;
 use crate::contact::near::{Arrival, Near};
 use crate::contact::soft_rigid::{KEY_POINT, SoftRigid, VertexScratch};
-use crate::contact::soft_round::{Inmost, Touches, meet_curved, meet_line};
+use crate::contact::soft_round::{ROUND_PLACES, Touches, meet_round};
 use crate::contact::soft_samples::{self, meet_samples};
 use crate::contact::triangle::{Closest, area_vector};
 use crate::contact::{Contact, Site, SurfacePoint};
 use crate::math::Vec3;
 
 const NONE: u32 = u32::MAX;
+/// Places nearer to each other than this part of an edge are one: round-off, even of coordinates of a
+/// million edges.
+const ROUND_OFF: f64 = 1e-9;
 
 /// Work space of the search.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct FeatureScratch {
     /// Per sharp point the nearest triangle, and the one that arrives first.
     meets: Vec<Meet>,
@@ -44,6 +45,13 @@ struct Meet {
 
 const UNMET: Meet = Meet { nearest: (f64::INFINITY, NONE), arriving: (f64::INFINITY, NONE) };
 
+/// Nothing in it outlives a search; a clone has as much room.
+impl Clone for FeatureScratch {
+    fn clone(&self) -> Self {
+        Self::with_size(self.meets.len(), self.visited.len())
+    }
+}
+
 impl FeatureScratch {
     pub fn with_size(points: usize, triangles: usize) -> Self {
         Self {
@@ -51,7 +59,7 @@ impl FeatureScratch {
             met: Vec::with_capacity(points),
             visited: vec![0; triangles],
             round: 0,
-            touches: Vec::with_capacity(ROUND_PLACES * triangles + SAMPLES_MAX.min(9 * triangles)),
+            touches: Vec::with_capacity(touches_max(triangles)),
         }
     }
 }
@@ -85,7 +93,7 @@ pub(crate) fn find(
 ) {
     scratch.round = scratch.round.wrapping_add(1);
     scratch.touches.clear();
-    let mut inmost = Inmost::default();
+    let most = touches_max(scratch.visited.len());
     for &v in &vertices.near {
         for &t in pair.surface.around(v) {
             if std::mem::replace(&mut scratch.visited[t as usize], scratch.round) == scratch.round {
@@ -97,32 +105,17 @@ pub(crate) fn find(
                 if !near.may_touch(round, pair.margin) {
                     continue;
                 }
-                let mut touches = Touches { kept: &mut scratch.touches, inmost: &mut inmost };
+                let mut touches = Touches { kept: &mut scratch.touches, most };
                 if let Some(parts) = soft_samples::parts(pair, &near, round) {
                     meet_samples(pair, &near, r, round, parts, &mut touches);
                     continue;
                 }
-                match round_line(&round.shape) {
-                    Some((line, radius)) => {
-                        let line = line.map(|p| round.pose_SP.point(&p));
-                        meet_line(pair, &near, r, &line, radius, &mut touches);
-                    }
-                    None => meet_curved(pair, &near, r, round, &mut touches),
-                }
+                meet_round(pair, &near, r, round, &mut touches);
             }
         }
     }
     settle_sharp(pair, scratch, out);
-    settle_round(pair, &inmost, scratch, out);
-}
-
-/// The line about which a shape is round everywhere, and its radius there.
-fn round_line(shape: &Shape) -> Option<([Vec3; 2], f64)> {
-    match shape {
-        Shape::Sphere { radius } => Some(([Vec3::zeros(); 2], *radius)),
-        Shape::Capsule { radius, half_length } => Some((capsule_axis(*half_length), *radius)),
-        _ => None,
-    }
+    settle_round(pair, scratch, out);
 }
 
 // Sharp points.
@@ -193,7 +186,7 @@ fn sharp_at_nearest(pair: &SoftRigid, p: &Vec3, i: u32, t: u32) -> Option<Touch>
     let outward = to_shape(pair.surface.pseudonormal(t, closest.feature, x));
     let distance = closest.distance_squared.sqrt();
     let gap = distance.copysign((p - closest.point).dot(&outward));
-    if gap > pair.margin || is_free(&pair.body.shape, &closest, gap) {
+    if gap > pair.margin || is_free(pair, &closest, gap) {
         return None;
     }
     let smooth = to_shape(pair.surface.smooth_normal(t, &closest.weights, x));
@@ -210,9 +203,11 @@ fn sharp_at_nearest(pair: &SoftRigid, p: &Vec3, i: u32, t: u32) -> Option<Touch>
 
 /// A point that has come in through a place of the surface has taken that place: the shape is there.
 /// Near the far side of a thin or folded part a point lies inside as well, but the place is free: it
-/// lies outside the shape, not only beside the point (within 45° of the way there).
-fn is_free(shape: &Shape, closest: &Closest, gap: f64) -> bool {
-    gap < 0.0 && shape.distance(&closest.point).value > -gap * std::f64::consts::FRAC_1_SQRT_2
+/// lies outside the shape, not only beside the point (within 45° of the way there). What lies on the surface
+/// to round-off has not come in.
+fn is_free(pair: &SoftRigid, closest: &Closest, gap: f64) -> bool {
+    let outside = |depth: f64| pair.body.shape.distance(&closest.point).value > depth;
+    gap < -ROUND_OFF * pair.surface.edge_mean && outside(-gap * std::f64::consts::FRAC_1_SQRT_2)
 }
 
 fn sharp_that_arrives(pair: &SoftRigid, p: &Vec3, i: u32, t: u32) -> Option<Touch> {
@@ -229,21 +224,13 @@ fn sharp_that_arrives(pair: &SoftRigid, p: &Vec3, i: u32, t: u32) -> Option<Touc
 /// Room for fixed points, besides.
 const SAMPLES_MAX: usize = 1 << 14;
 
-/// Places on the centre line of a round part that one triangle may touch.
-pub(crate) const ROUND_PLACES: usize = 3;
+/// Contacts of round parts that are kept at most, with a surface of so many triangles.
+fn touches_max(triangles: usize) -> usize {
+    ROUND_PLACES * triangles + SAMPLES_MAX
+}
 
-/// Hands over the contacts of round parts: all of them, or, where the centre of one is inside the
-/// surface, the one that leads it out.
-fn settle_round(
-    pair: &SoftRigid,
-    inmost: &Inmost,
-    scratch: &mut FeatureScratch,
-    out: &mut Collector,
-) {
-    if let Some(touch) = &inmost.inside {
-        out.push(contact(pair, touch));
-        return;
-    }
+/// Hands over the contacts of round parts, in the order of the triangles.
+fn settle_round(pair: &SoftRigid, scratch: &mut FeatureScratch, out: &mut Collector) {
     scratch.touches.sort_unstable_by_key(|touch| (touch.triangle, touch.key));
     scratch.touches.iter().for_each(|touch| out.push(contact(pair, touch)));
 }

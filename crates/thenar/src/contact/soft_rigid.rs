@@ -16,6 +16,8 @@ pub(crate) const KEY_SEGMENT: u32 = 3 << 24;
 pub(crate) const KEY_RIGID: u32 = 4 << 24;
 pub(crate) const KEY_SOFT_SOFT: u32 = 5 << 24;
 pub(crate) const KEY_CROSSING: u32 = 6 << 24;
+pub(crate) const KEY_INSIDE: u32 = 7 << 24;
+pub(crate) const KEY_PIERCED: u32 = 8 << 24;
 
 /// One surface and one rigid body, in one step.
 pub(crate) struct SoftRigid<'a> {
@@ -27,6 +29,8 @@ pub(crate) struct SoftRigid<'a> {
     pub state: SurfaceState<'a>,
     /// No vertex travels farther than this in the step \[m\].
     pub travel: f64,
+    /// Whether the body may be inside the surface; its tree is then up to date.
+    pub may_be_inside: bool,
     /// Index of the rigid body.
     pub rigid: u32,
     pub body: &'a RigidBody,
@@ -50,7 +54,8 @@ impl VertexScratch {
 }
 
 impl SoftRigid<'_> {
-    /// All contacts of the pair: first of the vertices, then of what they miss.
+    /// All contacts of the pair: first of the vertices, then of what they miss; while the body is inside
+    /// the surface, those that lead it out.
     pub fn find(
         &self,
         sight: &mut Sight,
@@ -62,18 +67,19 @@ impl SoftRigid<'_> {
         let around_W = self.placed.swept_W.inflate(self.margin + self.travel);
         vertices.gaps.fill(f64::INFINITY);
         vertices.near.clear();
+        let is_inside = self.may_be_inside && self.lead_out(out);
         for v in 0..self.state.positions.len() {
             let feature_reach = if has_features { self.feature_reach(v) } else { 0.0 };
             if !around_W.inflate(feature_reach).contains(&self.state.positions[v]) {
                 continue;
             }
-            let gap = self.vertex(v, feature_reach, sight, out);
+            let gap = self.vertex(v, feature_reach, is_inside, sight, out);
             if gap < f64::INFINITY {
                 vertices.gaps[v] = gap;
                 vertices.near.push(v as u32);
             }
         }
-        if has_features && !vertices.near.is_empty() {
+        if has_features && !is_inside && !vertices.near.is_empty() {
             soft_feature::find(self, vertices, features, out);
         }
     }
@@ -92,7 +98,15 @@ impl SoftRigid<'_> {
     }
 
     /// Tests one vertex; returns its distance to the shape, infinite when out of reach.
-    fn vertex(&self, v: usize, feature_reach: f64, sight: &mut Sight, out: &mut Collector) -> f64 {
+    /// A vertex that looks away from a body inside the surface does not touch it.
+    fn vertex(
+        &self,
+        v: usize,
+        feature_reach: f64,
+        is_inside: bool,
+        sight: &mut Sight,
+        out: &mut Collector,
+    ) -> f64 {
         let (p, u) = self.in_shape(v);
         let reach = feature_reach.max(self.margin + u.norm());
         if self.body.bounds_S.distance_squared(&p) > reach * reach {
@@ -108,7 +122,11 @@ impl SoftRigid<'_> {
         } else {
             approach(shape, &p, &u, 0.0, self.margin)
         };
-        if let Some(distance) = found {
+        let looks_away = |normal: &Vec3| {
+            let outward_W = self.surface.vertex_normal(v as u32, self.state.positions);
+            outward_W.dot(&(self.placed.rotation * normal)) >= 0.0
+        };
+        if let Some(distance) = found.filter(|d| !(is_inside && looks_away(&d.gradient))) {
             // While a point is on the wrong side, where it came from stays the last good place.
             let corrected = sided.gradient != now.gradient;
             let place = seen.filter(|_| corrected).map_or(p, |s| s.place);

@@ -50,7 +50,7 @@ pub(crate) struct SoftSoft<'a> {
 #[derive(Clone, Debug)]
 pub(crate) struct PairScratch {
     pub(super) vertices: [VertexScratch; 2],
-    pub(super) deep: [DeepScratch; 2],
+    pub(super) deep: DeepScratch,
     crossings: Vec<Cross>,
     /// No more are kept; not the room that the list happens to have, which a clone lacks.
     crossings_max: usize,
@@ -76,8 +76,8 @@ struct Cross {
 }
 
 impl PairScratch {
-    /// For surfaces of up to so many vertices.
-    pub fn with_size(vertices: usize) -> Self {
+    /// For surfaces of up to so many vertices and triangles.
+    pub fn with_size(vertices: usize, triangles: usize) -> Self {
         let one = || VertexScratch {
             nearest: vec![None; vertices],
             arriving: vec![NEVER; vertices],
@@ -86,7 +86,7 @@ impl PairScratch {
         };
         Self {
             vertices: [one(), one()],
-            deep: [0, 1].map(|_| DeepScratch::with_size(vertices)),
+            deep: DeepScratch::with_size(vertices, triangles),
             crossings: Vec::with_capacity(vertices),
             crossings_max: vertices,
         }
@@ -113,10 +113,9 @@ impl SoftSoft<'_> {
             None => {
                 let (a, b) = (&self.a.surface.tree, &self.b.surface.tree);
                 Bvh::pairs(a, b, reach, |s, t| self.meet([s, t], reach, sight, scratch, out));
+                self.entangle(sight, &mut scratch.deep);
                 self.settle(0, sight, scratch, out);
                 self.settle(1, sight, scratch, out);
-                self.settle_deep(0, sight, scratch, out);
-                self.settle_deep(1, sight, scratch, out);
             }
             Some(apart) => {
                 let settled = |n, m| apart.are_settled(n, m);
@@ -124,14 +123,17 @@ impl SoftSoft<'_> {
                 self.a.surface.tree.pairs_within(reach, joined, settled, |s, t| {
                     self.meet([s, t], reach, sight, scratch, out);
                 });
+                self.entangle(sight, &mut scratch.deep);
                 self.settle(0, sight, scratch, out);
             }
         }
         self.settle_crossings(scratch, out);
+        let PairScratch { deep, vertices, .. } = scratch;
+        self.lead_out(deep, vertices, sight, out);
     }
 
     /// How deep below a surface a point may lie and still be led out.
-    fn depth(&self, side: &SoftSide) -> f64 {
+    pub(super) fn depth(&self, side: &SoftSide) -> f64 {
         DEPTH * side.surface.edge_mean
     }
 
@@ -144,7 +146,7 @@ impl SoftSoft<'_> {
         [self.side(i), self.side(1 - i)]
     }
 
-    fn are_neighbors(&self, v: u32, t: u32) -> bool {
+    pub(super) fn are_neighbors(&self, v: u32, t: u32) -> bool {
         let corners =
             |apart: &Apart| apart.are_neighbors(v, t, &self.a.surface.triangles[t as usize]);
         self.apart.is_some_and(corners)
@@ -171,7 +173,7 @@ impl SoftSoft<'_> {
             self.offer(1, v, s, reach, sight, &mut scratch.vertices[second]);
         }
         self.cross([s, t], reach, scratch, out);
-        if self.apart.is_none() && box_s.overlaps(box_t) {
+        if box_s.overlaps(box_t) {
             self.pierce([s, t], &mut scratch.deep);
         }
     }
@@ -237,13 +239,18 @@ impl SoftSoft<'_> {
 
     /// Turns the nearest triangles of side `i` into contacts, in the order of its vertices.
     fn settle(&self, i: usize, sight: &mut Sight, scratch: &mut PairScratch, out: &mut Collector) {
-        let own = &mut scratch.vertices[i];
+        let surface = self.side(i).surface;
+        let PairScratch { vertices, deep, .. } = scratch;
+        let own = &mut vertices[i];
         own.met.sort_unstable();
         own.touched.fill(NONE);
         for m in 0..own.met.len() {
             let v = own.met[m];
             let arriving = std::mem::replace(&mut own.arriving[v as usize], NEVER);
             let nearest = own.nearest[v as usize].take();
+            if deep.leads(i, v, surface) {
+                continue;
+            }
             let touched = nearest.filter(|(t, c)| self.vertex(i, v, *t, c, sight, out));
             if let Some((t, _)) = touched {
                 own.touched[v as usize] = t;
@@ -275,7 +282,7 @@ impl SoftSoft<'_> {
         if own_normal.dot(&normal) > FACING * own_normal.norm() {
             return false;
         }
-        self.push([own, other], v, t, closest.weights, (normal, gap), sight, out);
+        self.push([own, other], v, (t, closest.weights), (normal, gap), sight, out);
         true
     }
 
@@ -291,34 +298,16 @@ impl SoftSoft<'_> {
         if own_normal.dot(&normal) > FACING * own_normal.norm() {
             return false;
         }
-        self.push([own, other], v, t, arrival.weights, (normal, arrival.gap), sight, out);
+        self.push([own, other], v, (t, arrival.weights), (normal, arrival.gap), sight, out);
         true
     }
 
-    /// A vertex of side `i` that leaves through triangle `t`.
-    pub(super) fn push_vertex(
-        &self,
-        i: usize,
-        v: u32,
-        t: u32,
-        closest: &Closest,
-        sight: &mut Sight,
-        out: &mut Collector,
-    ) {
-        let [own, other] = self.facing(i);
-        let p = own.state.positions[v as usize];
-        let to_p = p - closest.point;
-        let Some(inward) = to_p.try_normalize(1e-12) else { return };
-        let gap = -closest.distance_squared.sqrt();
-        self.push([own, other], v, t, closest.weights, (-inward, gap), sight, out);
-    }
-
-    fn push(
+    /// A vertex of `own` at a place of `other`, told by triangle and weights.
+    pub(super) fn push(
         &self,
         [own, other]: [&SoftSide; 2],
         v: u32,
-        t: u32,
-        weights: [f64; 3],
+        (t, weights): (u32, [f64; 3]),
         (normal, gap): (Vec3, f64),
         sight: &mut Sight,
         out: &mut Collector,
@@ -393,7 +382,7 @@ impl SoftSoft<'_> {
     }
 
     /// Whether an edge is a neighbour of triangle `other`.
-    fn is_neighbor(&self, side: &SoftSide, t: u32, k: usize, other: u32) -> bool {
+    pub(super) fn is_neighbor(&self, side: &SoftSide, t: u32, k: usize, other: u32) -> bool {
         let corners = side.surface.triangles[t as usize];
         [corners[k], corners[(k + 1) % 3]].iter().any(|&v| self.are_neighbors(v, other))
     }
@@ -422,7 +411,12 @@ impl SoftSoft<'_> {
 
     fn settle_crossings(&self, scratch: &mut PairScratch, out: &mut Collector) {
         scratch.crossings.sort_unstable_by_key(|c| c.edges);
-        for cross in scratch.crossings.drain(..) {
+        let PairScratch { crossings, deep, .. } = scratch;
+        for cross in crossings.drain(..) {
+            let [(s, _), (t, _)] = cross.edges;
+            if deep.is_deep(0, s) || deep.is_deep(usize::from(self.apart.is_none()), t) {
+                continue;
+            }
             let [a, b] = self.points(&cross);
             let [i, j] = cross.edges.map(|(t, k)| 3 * t + k as u32);
             let Crossing { normal, gap, .. } = cross.found;

@@ -230,11 +230,14 @@ fn small_and_sharp_things_between_vertices_are_found() {
             scene.rigid(Motion::Dynamic, shape.clone(), Pose::new(place, rotation));
             scene.soft(cube(0.04, 2));
             let contacts = scene.find(1e-3);
-            assert!(!contacts.is_empty() && contacts.len() <= 2, "{shape:?} {}", contacts.len());
-            for c in &contacts {
-                assert!((c.gap - sign * gap).abs() < 1e-12, "{shape:?}: {}", c.gap);
-                assert!((c.normal_W + Vec3::y()).norm() < 1e-9, "{shape:?} {}", c.normal_W);
-            }
+            // Edges of the face that come near are candidates, farther away.
+            let deepest = contacts.iter().min_by(|a, b| a.gap.total_cmp(&b.gap));
+            let c = deepest.unwrap_or_else(|| panic!("{shape:?} touches nothing"));
+            assert!((c.gap - sign * gap).abs() < 1e-12, "{shape:?}: {}", c.gap);
+            assert!((c.normal_W + Vec3::y()).norm() < 1e-9, "{shape:?} {}", c.normal_W);
+            let pressing = contacts.iter().filter(|c| c.gap < 1e-12).count();
+            let ends = if matches!(shape, Shape::Capsule { .. }) { 2 } else { 1 };
+            assert_eq!(pressing, if sign < 0.0 { ends } else { 0 }, "{shape:?}");
         }
     }
 }

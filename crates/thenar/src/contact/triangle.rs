@@ -87,6 +87,26 @@ pub(crate) fn area_vector(x: &[Vec3; 3]) -> Vec3 {
     0.5 * (x[1] - x[0]).cross(&(x[2] - x[0]))
 }
 
+/// How far from `p` along `d`, in lengths of `d`, a ray cuts triangle `x`, and the weights there. A ray
+/// along an edge, but for rounding, cuts both triangles beside it.
+pub(crate) fn cut_by_ray(p: &Vec3, d: &Vec3, x: &[Vec3; 3]) -> Option<(f64, [f64; 3])> {
+    let area = area_vector(x);
+    let at = area.dot(&(x[0] - p)) / area.dot(d);
+    if !(0.0..f64::INFINITY).contains(&at) {
+        return None;
+    }
+    let cut = p + at * d;
+    let part = |k: usize| {
+        let (i, j) = (x[(k + 1) % 3], x[(k + 2) % 3]);
+        area.dot(&area_vector(&[cut, i, j])) / area.norm_squared()
+    };
+    let weights = [part(0), part(1), part(2)];
+    weights.iter().all(|w| *w >= -ROUNDING).then_some((at, weights))
+}
+
+/// Of weights in a triangle: some thousand units in the last place.
+const ROUNDING: f64 = 1e-12;
+
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;

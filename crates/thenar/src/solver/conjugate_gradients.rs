@@ -1,7 +1,7 @@
 //! Preconditioned conjugate gradients (Hestenes and Stiefel 1952) for Eq. 11.
 
 use crate::math::Vec3;
-use crate::solver::{BlockDiagonal, BlockMatrix, Convergence};
+use crate::solver::{BlockDiagonal, BlockMatrix, Convergence, Islands};
 
 /// Vectors of one size that the iteration works in.
 #[derive(Clone, Debug)]
@@ -66,24 +66,27 @@ pub fn conjugate_gradients(
     Convergence { iterations, residual }
 }
 
-/// The part s of the velocities `v`, at most 1, that has the least `½ v·A v - v·b`; velocities that
-/// are given (`known`) stay. Then these velocities take no more energy than `b` gives.
-pub fn share_of_energy(
+/// Weighs for each island the part s of its velocities `v`, at most 1, that has the least
+/// `½ v·A v - v·b`; velocities that are given (`known`) stay. Then these velocities take no more energy
+/// than `b` gives.
+pub fn weigh_energy(
     a: &BlockMatrix,
     b: &[Vec3],
     known: &[[bool; 3]],
     v: &[Vec3],
     work: &mut CgWorkspace,
-) -> f64 {
+    islands: &mut Islands,
+) {
     let CgWorkspace { z: x, p, q, .. } = work;
     for (x, (v, known)) in x.iter_mut().zip(v.iter().zip(known)) {
         *x = Vec3::from_fn(|k, _| if known[k] { 0.0 } else { v[k] });
     }
     a.times(x, q);
     a.times(v, p);
-    let length = dot(x, q);
-    let given = dot(x, b) - dot(x, p) + length;
-    if given < length { (given / length).max(0.0) } else { 1.0 }
+    for row in 0..x.len() {
+        islands.add(row, x[row].dot(&q[row]), x[row].dot(&(b[row] - p[row])));
+    }
+    islands.weigh();
 }
 
 fn dot(a: &[Vec3], b: &[Vec3]) -> f64 {

@@ -15,6 +15,14 @@ impl DenseLu {
         Self { n, values: vec![0.0; n * n], pivots: vec![0; n] }
     }
 
+    /// Makes it the n×n zero matrix; allocates only where it has never been so large.
+    pub fn restart(&mut self, n: usize) {
+        self.n = n;
+        self.values.clear();
+        self.values.resize(n * n, 0.0);
+        self.pivots.resize(n, 0);
+    }
+
     /// Size.
     pub fn size(&self) -> usize {
         self.n

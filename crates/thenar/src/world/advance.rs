@@ -90,11 +90,16 @@ pub fn take_velocities_back(state: &mut State, before: &State) {
     state.patch_loads.clone_from(&before.patch_loads);
 }
 
-/// Undoes a failed step: positions as before, everything at rest.
-pub fn take_back(state: &mut State, before: &State) {
+/// Undoes that a step moved all.
+pub fn take_positions_back(state: &mut State, before: &State) {
     state.time = before.time;
     state.poses_WB.copy_from_slice(&before.poses_WB);
     state.x.copy_from_slice(&before.x);
+}
+
+/// Undoes a failed step: positions as before, everything at rest.
+pub fn take_back(state: &mut State, before: &State) {
+    take_positions_back(state, before);
     state.v.fill(Vec3::zeros());
     state.contact_change.fill(Vec3::zeros());
     state.impulses.clear();

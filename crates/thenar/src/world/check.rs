@@ -7,6 +7,9 @@ use crate::model::{
 };
 use crate::world::ModelError;
 
+/// Gravity stays below this along each axis \[m/s²\].
+pub const GRAVITY_MAX: f64 = 1e4;
+
 /// The largest coordinate or size accepted \[m\].
 const EXTENT_MAX: f64 = 1e4;
 
@@ -19,7 +22,7 @@ pub fn is_time_step(h: f64) -> bool {
 pub fn check(desc: &WorldDesc) -> Result<(), ModelError> {
     number("world", "time step", "positive and at most 10 s", desc.time_step, is_time_step)?;
     for x in desc.gravity.iter() {
-        number("world", "gravity", "finite and below 1e4 m/s²", *x, |x| x.abs() < 1e4)?;
+        number("world", "gravity", "finite and below 1e4 m/s²", *x, |x| x.abs() < GRAVITY_MAX)?;
     }
     if desc.drives.len() != desc.rigids.len() {
         return Err(ModelError::Count {

@@ -165,13 +165,14 @@ impl Scheme for ExactScheme<'_> {
         &mut self,
         model: &Model,
         state: &mut State,
-        _: f64,
+        h: f64,
         scratch: &mut Scratch,
     ) -> Result<(), Failure> {
         if self.care == Care::Safe {
             let step = StepSystem { A: &scratch.A, b: &scratch.b, known: &model.known };
-            let share = self.exact.calm(&step, &mut state.v);
-            response::shorten(share, state, scratch);
+            scratch.islands.begin(&scratch.rows);
+            self.exact.calm(&step, &mut scratch.islands, &mut state.v);
+            response::shorten(model, h, state, scratch);
         }
         Ok(())
     }

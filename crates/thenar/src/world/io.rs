@@ -168,9 +168,11 @@ pub struct StepReport {
     pub inverted_tets: u32,
     /// Targets that were not finite; their drives let go for the step.
     pub bad_targets: u32,
-    /// The step produced a number that is not finite or beyond any sense, and was taken back: all
-    /// is where it was, at rest.
+    /// The step produced a number that is not finite or beyond any sense: bodies that hang together with
+    /// it are where they were, at rest.
     pub non_finite: bool,
+    /// So is everything else, and no time passed.
+    pub taken_back: bool,
 }
 
 /// The parts of a step, for timing.

@@ -24,6 +24,7 @@ mod reference;
 mod response;
 mod retune;
 mod scheme;
+mod single_out;
 mod stability;
 mod start;
 mod state;
@@ -31,6 +32,7 @@ mod step;
 mod two_step;
 
 pub use crate::solver::Failure;
+pub use check::GRAVITY_MAX;
 pub use error::ModelError;
 pub use io::{ContactPoint, Energy, Input, Stage, StageTimer, StepReport, Target};
 pub use model::Model;
@@ -92,25 +94,16 @@ impl World {
     pub fn step(&mut self, input: &Input, timer: &mut impl StageTimer) -> StepReport {
         let mut report = StepReport { bad_targets: input.bad_targets(), ..StepReport::default() };
         self.scratch.remember(&self.state);
-        let found = self.find_velocities(input, timer, &mut report);
-        if let Err(failure) = found {
-            report.failure.get_or_insert(failure);
-        }
-
-        timer.begin(Some(Stage::Embed));
-        let Self { model, state, scratch, solver, time_step: h, .. } = self;
-        let push = std::mem::take(&mut scratch.push);
-        advance::advance(solver, model, state, scratch.pushes.then_some(&push), *h, scratch);
-        scratch.push = push;
-        let sound = found.is_ok() && state.is_sound();
+        self.scratch.islands.release();
+        let sound = self.attempt(input, timer, &mut report)
+            || self.step_without_what_fails(input, timer, &mut report);
+        let Self { model, state, scratch, .. } = self;
         if sound {
             std::mem::swap(&mut state.sides, &mut scratch.sides);
         } else {
             advance::take_back(state, &scratch.before);
             scratch.forget_contacts();
-        }
-        if !sound {
-            report.non_finite = true;
+            (report.non_finite, report.taken_back) = (true, true);
             report.failure.get_or_insert(Failure::NotFinite);
         }
         (report.joint_gap_max, report.joint_misalignment_max) = advance::joint_errors(model, state);
@@ -118,6 +111,28 @@ impl World {
         self.measure_areas();
         timer.begin(None);
         report
+    }
+
+    /// Finds velocities and moves by them; false when the state makes no sense afterwards.
+    fn attempt(
+        &mut self,
+        input: &Input,
+        timer: &mut impl StageTimer,
+        report: &mut StepReport,
+    ) -> bool {
+        let found = self.find_velocities(input, timer, report);
+        if let Err(failure) = found {
+            report.failure.get_or_insert(failure);
+        } else {
+            self.rest_what_is_held();
+        }
+
+        timer.begin(Some(Stage::Embed));
+        let Self { model, state, scratch, solver, time_step: h, .. } = self;
+        let push = std::mem::take(&mut scratch.push);
+        advance::advance(solver, model, state, scratch.pushes.then_some(&push), *h, scratch);
+        scratch.push = push;
+        found.is_ok() && state.is_sound()
     }
 
     /// Builds the solver that the settings choose, when it is another one than before.

@@ -18,9 +18,13 @@ const STEPS_OF_TOLERANCE: f64 = 4.0;
 
 /// How fast overlaps are undone at most \[m/s\]: 22 mm/s at a margin of 1 mm.
 pub fn speed_max(settings: &SolverSettings) -> f64 {
+    (0.5 * GRAVITY * LIFT * margin(settings)).sqrt()
+}
+
+/// The contact margin \[m\], that of the default where there is none.
+fn margin(settings: &SolverSettings) -> f64 {
     let margin = settings.contact_margin;
-    let margin = if margin > 0.0 { margin } else { SolverSettings::default().contact_margin };
-    (0.5 * GRAVITY * LIFT * margin).sqrt()
+    if margin > 0.0 { margin } else { SolverSettings::default().contact_margin }
 }
 
 /// What a contact at `gap` \[m\] that opens at `speed` \[m/s\] asks for.
@@ -35,18 +39,21 @@ pub fn wish(gap: f64, speed: f64, h: f64, speed_max: f64) -> Wish {
 /// Lists what all rows ask for, given the velocities at the end of the step. False when none asks for
 /// more than the tolerance. A contact may be pushed faster by as much as its sides would close without it
 /// in this step: that gives no more than a landing at this speed would, and keeps pace with
-/// surfaces that are driven together.
+/// surfaces that are driven together. A load closes them likewise: where they overlap by more than the
+/// contact margin, that part falls with the square of the depth, as the energy it gives does, lest
+/// a body that is let out throws what rests on it.
 pub fn list(settings: &SolverSettings, state: &State, h: f64, scratch: &mut Scratch) -> bool {
     let Scratch { found, gaps, rows, wishes, limits, .. } = scratch;
     gaps.clear();
     gaps.extend(found.iter().map(|contact| contact.gap));
     gaps.extend(limits.iter().map(|limit| limit.gap * TURN_LEVER));
     wishes.clear();
-    let speed_max = speed_max(settings);
+    let (margin, speed_max) = (margin(settings), speed_max(settings));
     let opening = |row| (rows.relative_velocity(row, &state.v), row.frame);
     wishes.extend(gaps.iter().zip(&rows.rows).map(|(gap, row)| {
         let (v, frame) = opening(row);
-        wish(*gap, (frame * v).x, h, speed_max + row.target.x.max(0.0))
+        let shallow = (margin / gap.min(-margin)).powi(2);
+        wish(*gap, (frame * v).x, h, speed_max + shallow * row.target.x.max(0.0))
     }));
     let enough = STEPS_OF_TOLERANCE * settings.velocity_tolerance;
     let asks = |(wish, gap): (&Wish, &f64)| wish.wanted > enough && -gap / h > enough;

@@ -8,7 +8,7 @@ use crate::model::{BodyId, Cone};
 use crate::solver::{ContactRows, Convergence, is_on_rim};
 use crate::world::model::Model;
 use crate::world::state::{Scratch, State};
-use crate::world::{ContactPoint, StepReport};
+use crate::world::{ContactPoint, StepReport, friction};
 
 /// Finds the points that touch, or would within the step at the contact-free velocities.
 pub fn detect(
@@ -53,11 +53,16 @@ pub fn build_rows(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
     }
 }
 
-/// Adds Δv to the velocities and keeps the impulses for the next step.
+/// Adds Δv to the velocities and keeps what contact did for the next step.
 pub fn apply(state: &mut State, scratch: &Scratch) {
     for (v, change) in state.v.iter_mut().zip(&state.contact_change) {
         *v += change;
     }
+    keep_impulses(state, scratch);
+}
+
+/// Keeps the impulses of contacts for the next step.
+fn keep_impulses(state: &mut State, scratch: &Scratch) {
     state.impulses.clear();
     state.impulses.extend(
         scratch
@@ -69,13 +74,22 @@ pub fn apply(state: &mut State, scratch: &Scratch) {
     state.impulses.sort_unstable_by_key(|(key, _)| *key);
 }
 
-/// Velocities that were shortened came from impulses in the same measure.
-pub fn shorten(share: f64, state: &mut State, scratch: &mut Scratch) {
-    scratch.rows.rows.iter_mut().for_each(|row| row.lambda *= share);
-    state.contact_change.iter_mut().for_each(|change| *change *= share);
-    state.impulses.iter_mut().for_each(|(_, impulse)| *impulse *= share);
-    state.limit_impulses.as_flattened_mut().iter_mut().for_each(|impulse| *impulse *= share);
-    state.patch_loads.iter_mut().for_each(|(_, load)| *load *= share);
+/// Velocities that were shortened came from impulses in the same measure, island by island.
+pub fn shorten(model: &Model, h: f64, state: &mut State, scratch: &mut Scratch) {
+    let Scratch { rows, islands, found, .. } = scratch;
+    for i in 0..rows.rows.len() {
+        let share = islands.share_of_contact(&rows.rows[i], rows);
+        rows.rows[i].lambda *= share;
+    }
+    for (row, change) in state.contact_change.iter_mut().enumerate() {
+        *change *= islands.share(row);
+    }
+    for (impulses, joint) in state.limit_impulses.iter_mut().zip(&model.joints) {
+        let share = islands.share(2 * joint.child as usize);
+        impulses.iter_mut().for_each(|impulse| *impulse *= share);
+    }
+    friction::keep_loads(model, found, rows, h, &mut state.patch_loads);
+    keep_impulses(state, scratch);
 }
 
 /// Lists the contacts with their forces; penetration is that at the end of the step, to first

@@ -7,7 +7,7 @@ use crate::model::WorldDesc;
 use crate::skeleton::AxisState;
 use crate::solver::{
     Anticipation, Articulated, BlockDiagonal, BlockMatrix, CgWorkspace, ContactRows, Failure,
-    JointBlock, Wish,
+    Islands, JointBlock, Wish,
 };
 use crate::world::friction::{PatchKey, patches_max};
 use crate::world::hash::Hasher;
@@ -248,10 +248,23 @@ pub struct Scratch {
     pub vertices: Vec<Vec3>,
     /// Velocities of these.
     pub vertex_velocities: Vec<Vec3>,
+    /// What moves each other.
+    pub islands: Islands,
     /// Where things would be without joints, and memory to close these.
     pub moved: Moved,
     /// The state before the step.
     pub before: State,
+}
+
+/// Pairs of block rows that joints and coupling tie.
+fn ties(model: &Model) -> impl Iterator<Item = [usize; 2]> {
+    let joints = model.joints.iter();
+    let jointed = joints.filter_map(|j| j.parent.map(|p| [2 * p as usize, 2 * j.child as usize]));
+    let row0 = 2 * model.rigids.len();
+    let coupled = model.coupling.bound.iter().flat_map(move |bound| {
+        bound.bones.map(|bone| [row0 + bound.node as usize, 2 * bone as usize])
+    });
+    jointed.chain(coupled)
 }
 
 impl Scratch {
@@ -299,6 +312,7 @@ impl Scratch {
             pushes: false,
             vertices: vec![Vec3::zeros(); model.vertices.len()],
             vertex_velocities: vec![Vec3::zeros(); model.vertices.len()],
+            islands: Islands::new(&moves, &model.pattern, ties(model)),
             moved: Moved::new(model),
             before,
         }

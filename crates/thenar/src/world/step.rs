@@ -69,12 +69,15 @@ impl Step<'_> {
         scratch.pushes = false;
         scheme.clear(scratch);
         assemble::skeleton(desc, model, scheme.limits(), state, input, h, scratch); // A_s, b_s, J_s (4)
+        scratch.islands.still(&mut scratch.b);
+        scratch.islands.still(&mut state.v);
         limits::list(scheme.limits(), model, scratch);
         scheme.couple(model, state, h, scratch)?; //    A_sf, A_fs (7-9); in two steps v_s,1 (10)
 
         timer.begin(Some(Stage::Flesh));
         let tally = assemble::flesh(model, state, input, h, scratch); //              A_f, b_f (5)
         report.inverted_tets = tally.inverted;
+        scratch.islands.still(&mut scratch.b);
         let (factored, free) = scheme.free(model, state, h, scratch)?; // v without contact (9, 11)
         (report.cg_iterations, report.cg_residual) = (free.iterations, free.residual);
         state.check()?;

@@ -4,7 +4,7 @@ use crate::coupling::skin_target;
 use crate::math::{Mat6, Vec3, Vec6};
 use crate::model::{Limits, SolverSettings};
 use crate::solver::{
-    AnticipationSettings, Convergence, Failure, conjugate_gradients, share_of_energy,
+    AnticipationSettings, Convergence, Failure, conjugate_gradients, weigh_energy,
 };
 use crate::world::model::Model;
 use crate::world::scheme::Scheme;
@@ -73,8 +73,8 @@ impl Scheme for TwoStep {
             close_joints(model, state, h, scratch)?;
         }
         if self.stands_in {
-            let share = calm(model, state, scratch);
-            response::shorten(share, state, scratch);
+            calm(model, state, scratch);
+            response::shorten(model, h, state, scratch);
             if self.settings.limits == Limits::Rows {
                 limits::keep_spring_impulses(model, state, h, scratch);
             }
@@ -330,16 +330,15 @@ fn anticipation_settings(settings: &SolverSettings) -> AnticipationSettings {
     }
 }
 
-/// Shortens the velocities so that the step brings in no energy, as `Exact::calm` does; joint
-/// impulses, which do no work where joints hold, are left out. Returns by how much.
-fn calm(model: &Model, state: &mut State, scratch: &mut Scratch) -> f64 {
+/// Shortens the velocities of each island so that the step brings in no energy, as `Exact::calm` does;
+/// joint impulses, which do no work where joints hold, are left out.
+fn calm(model: &Model, state: &mut State, scratch: &mut Scratch) {
     let bones = scratch.b_kept.len();
     scratch.b[..bones].copy_from_slice(&scratch.b_kept);
-    let s = share_of_energy(&scratch.A, &scratch.b, &model.known, &state.v, &mut scratch.cg);
-    for (v, known) in state.v.iter_mut().zip(&model.known) {
-        (0..3).filter(|&k| !known[k]).for_each(|k| v[k] *= s);
-    }
-    s
+    let Scratch { A, b, cg, islands, rows, .. } = scratch;
+    islands.begin(rows);
+    weigh_energy(A, b, &model.known, &state.v, cg, islands);
+    islands.shorten(&model.known, &mut state.v);
 }
 
 /// Known velocities do not respond: their rows and columns of D⁻¹ are zero.

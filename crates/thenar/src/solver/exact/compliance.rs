@@ -26,6 +26,11 @@ impl Compliance {
         self.numbers[row * self.stride + column]
     }
 
+    /// One row.
+    pub fn row(&self, row: usize) -> &[Scalar] {
+        &self.numbers[row * self.stride..(row + 1) * self.stride]
+    }
+
     /// What contact m does to itself.
     pub fn own(&self, m: usize) -> Mat3 {
         Mat3::from_fn(|a, b| f64::from(self.at(3 * m + a, 3 * m + b)))

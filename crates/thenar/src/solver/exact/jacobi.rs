@@ -82,6 +82,19 @@ impl BlockJacobi {
         sound
     }
 
+    /// Adds `K⁻¹ r` of one group to its freedoms; overwrites r. Nothing where its block is not
+    /// positive definite.
+    pub fn correct(&mut self, coarse: &Coarse, group: usize, r: &mut [f64], u: &mut [f64]) {
+        let block = coarse.block(group);
+        let l = &mut self.bodies[block.clone()];
+        l.copy_from_slice(&coarse.blocks[block]);
+        if small_cholesky::factor(l, r.len()) {
+            small_cholesky::forward(l, r.len(), r);
+            small_cholesky::backward(l, r.len(), r);
+            u.iter_mut().zip(r.iter()).for_each(|(u, r)| *u += r);
+        }
+    }
+
     /// The bodies' part: `u = K_uu⁻¹ u`.
     pub fn solve_bodies(&self, system: &System<'_>, coarse: &Coarse, u: &mut [f64]) {
         for (g, dofs) in system.bodies.groups().iter().enumerate() {

@@ -50,7 +50,7 @@ pub use reduction::Reduction;
 pub use relative::{Carried, Coordinates, System};
 
 use crate::math::Vec3;
-use crate::solver::{BlockMatrix, JointBlock};
+use crate::solver::{BlockMatrix, Islands, JointBlock};
 use coarse::Coarse;
 use delassus::Delassus;
 use direct::Direct;
@@ -240,28 +240,49 @@ impl Exact {
         closed.then_some(&self.bodies)
     }
 
-    /// Shortens velocities so that they take no more energy than forces and motion put in. With
-    /// `v = T x + v̄` the solution without contact minimises `½ xᵀ K x - xᵀ g`; of all velocities
-    /// `s x`, `0 ≤ s ≤ 1`, that with the least is taken. Then `xᵀ K x ≤ xᵀ g`, which is the
-    /// balance of energy of a backward Euler step: contacts and errors can take energy out, not
-    /// bring it in. Returns s.
-    pub fn calm(&mut self, step: &StepSystem<'_>, v: &mut [Vec3]) -> f64 {
-        let Self { bodies, carried, springs, split, x, work, .. } = self;
+    /// Shortens the velocities of each island so that they take no more energy than forces and motion put
+    /// in. With `v = T x + v̄` the solution without contact minimises `½ xᵀ K x - xᵀ g`; of all
+    /// velocities `s x`, `0 ≤ s ≤ 1`, that with the least is taken. Then `xᵀ K x ≤ xᵀ g`, which is
+    /// the balance of energy of a backward Euler step: contacts and errors can take energy out,
+    /// not bring it in.
+    pub fn calm(&mut self, step: &StepSystem<'_>, islands: &mut Islands, v: &mut [Vec3]) {
+        let Self { bodies, carried, springs, split, coarse, jacobi, x, work, .. } = self;
         let system = system(step, bodies, carried, springs, split);
         system.coordinates(v, x, &mut work.v);
-        let (length, given) = {
-            let pcg::Workspace { r, q, v, f, .. } = work;
-            system.residual(step.b, x, r, v, f);
-            system.product(x, q, v, f);
-            let length = x.dot(q);
-            (length, length + x.dot(r))
-        };
-        let s = if given < length { (given / length).max(0.0) } else { 1.0 };
-        work.r.copy_from(x);
-        x.clear();
-        x.add(s, &work.r);
+        let pcg::Workspace { r, q, v: moved, f, .. } = work;
+        system.residual(step.b, x, r, moved, f);
+        // Bodies that nothing touches are solved by themselves, whatever others came to.
+        for (group, freedoms) in bodies.groups().iter().enumerate() {
+            if islands.are_free(2 * bodies.first_of_group(group)) {
+                jacobi.correct(
+                    coarse,
+                    group,
+                    &mut r.u[freedoms.clone()],
+                    &mut x.u[freedoms.clone()],
+                );
+            }
+        }
+        system.residual(step.b, x, r, moved, f);
+        system.product(x, q, moved, f);
+        let row0 = 2 * bodies.bodies();
+        for (group, freedoms) in bodies.groups().iter().enumerate() {
+            let row = 2 * bodies.first_of_group(group);
+            for k in freedoms.clone() {
+                islands.add(row, x.u[k] * q.u[k], x.u[k] * r.u[k]);
+            }
+        }
+        for (node, w) in x.w.iter().enumerate() {
+            islands.add(row0 + node, w.dot(&q.w[node]), w.dot(&r.w[node]));
+        }
+        islands.weigh();
+        for (group, freedoms) in bodies.groups().iter().enumerate() {
+            let s = islands.share(2 * bodies.first_of_group(group));
+            x.u[freedoms.clone()].iter_mut().for_each(|u| *u *= s);
+        }
+        for (node, w) in x.w.iter_mut().enumerate() {
+            *w *= islands.share(row0 + node);
+        }
         system.velocities(x, v);
-        s
     }
 }
 

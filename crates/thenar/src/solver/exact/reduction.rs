@@ -54,6 +54,8 @@ pub struct Reduction {
     groups: Vec<Range<usize>>,
     /// Group of each body that moves.
     group_of_body: Vec<Option<u32>>,
+    /// First body of each group.
+    first_of_group: Vec<u32>,
 }
 
 impl Reduction {
@@ -105,6 +107,7 @@ impl Reduction {
             offsets: vec![Vec6::zeros(); moves.len()],
             groups: Vec::new(),
             group_of_body: vec![None; moves.len()],
+            first_of_group: Vec::new(),
         };
         let mut paths: Vec<Vec<u32>> = vec![Vec::new(); moves.len()];
         let mut next = 0;
@@ -133,6 +136,10 @@ impl Reduction {
             }
             reduction.groups.push(start..next);
         }
+        let of_group =
+            |g: usize| reduction.group_of_body.iter().position(|group| *group == Some(g as u32));
+        let first = (0..reduction.groups.len()).map(|g| of_group(g).unwrap_or(0) as u32);
+        reduction.first_of_group = first.collect();
         reduction.tree = Columns::new(&paths);
         if !cuts.is_empty() {
             reduction.loops = Some(reduction.plan_loops(&cuts));
@@ -179,6 +186,11 @@ impl Reduction {
     /// Group of a body; `None` when it does not move by itself.
     pub fn group_of_body(&self, body: usize) -> Option<usize> {
         self.group_of_body[body].map(|g| g as usize)
+    }
+
+    /// The first body of a group.
+    pub fn first_of_group(&self, group: usize) -> usize {
+        self.first_of_group[group] as usize
     }
 
     /// Freedoms that move a body, with the body's motion per unit of each.

@@ -11,7 +11,7 @@ use crate::solver::{ContactRow, ContactRows, Convergence, Failure};
 /// Times that contact is solved, compared with the true velocities, and solved again.
 const ROUNDS_MAX: u32 = 8;
 /// Times, besides, that sweeps which ran out go on, from the true velocities and with a new history.
-const RESUMED_MAX: u32 = 3;
+pub(super) const RESUMED_MAX: u32 = 7;
 /// Times, besides, that contacts join which the ones before left to close.
 const JOINS_MAX: u32 = 32;
 

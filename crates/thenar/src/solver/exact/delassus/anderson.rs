@@ -22,6 +22,9 @@ const PLAIN: u32 = 2;
 /// Squares of differences below this part of those of the changes themselves are round-off.
 const ROUND_OFF: f64 = 1e-12;
 
+/// Sweeps until as many are combined as ever are.
+pub const FULL: u32 = PLAIN + KEPT as u32;
+
 /// The last sweeps.
 #[derive(Clone, Debug)]
 pub struct Anderson {

@@ -11,6 +11,7 @@ mod columns;
 mod combine;
 mod handles;
 mod members;
+mod newton;
 mod sweeps;
 #[cfg(test)]
 mod tests;
@@ -33,6 +34,7 @@ use combine::Combine;
 use fearless_simd::dispatch;
 use handles::Handles;
 use members::Members;
+use newton::Newton;
 use std::ops::Range;
 
 /// W of the contacts that may press, and the iteration on it.
@@ -55,6 +57,7 @@ pub struct Delassus {
     before: Aligned<f64>,
     decay: Decay,
     anderson: Anderson,
+    newton: Newton,
     /// Impulses of the members before a sweep, and what it changed.
     x: Vec<f64>,
     f: Vec<f64>,
@@ -65,6 +68,9 @@ pub struct Delassus {
     /// from there \[m/s\].
     first: Vec<Vec3>,
     moved: f64,
+    /// Sweeps of the step, and those that Newton's method has cost as much as.
+    swept: u32,
+    spent: u32,
 }
 
 impl Delassus {
@@ -91,12 +97,15 @@ impl Delassus {
             before: Aligned::new(batches * LANES),
             decay: Decay::default(),
             anderson: Anderson::new(3 * capacity),
+            newton: Newton::new(capacity),
             x: vec![0.0; 3 * capacity],
             f: vec![0.0; 3 * capacity],
             applied: vec![Vec3::zeros(); contacts_max],
             measured: vec![Vec3::zeros(); contacts_max],
             first: vec![Vec3::zeros(); contacts_max],
             moved: 0.0,
+            swept: 0,
+            spent: 0,
         }
     }
 
@@ -104,7 +113,7 @@ impl Delassus {
     pub fn begin(&mut self, contacts: &mut ContactRows, direct: &Direct) {
         self.forget();
         self.first.copy_from_slice(&self.measured);
-        self.moved = 0.0;
+        (self.moved, self.swept, self.spent) = (0.0, 0, 0);
         self.members.begin(contacts, &self.measured);
         self.arrange(contacts, direct);
     }
@@ -126,7 +135,7 @@ impl Delassus {
     ) -> bool {
         self.measure(contacts, change);
         self.first.copy_from_slice(&self.measured);
-        (self.moved, self.decay) = (0.0, Decay::default());
+        (self.moved, self.swept, self.spent, self.decay) = (0.0, 0, 0, Decay::default());
         self.members.queue(contacts, &self.measured, tolerance);
         if self.members.waiting() > 0 {
             self.join(contacts, direct);
@@ -250,7 +259,7 @@ impl Delassus {
     }
 
     /// Compares with the true change of velocities, from which W goes on; contacts
-    /// that would now close by more than `tolerance` join.
+    /// that would now close by more than `tolerance` allows for join.
     pub fn check(
         &mut self,
         contacts: &ContactRows,
@@ -270,7 +279,7 @@ impl Delassus {
             let lambda = row.resolved(cone, own, &d);
             violation = violation.max((own.W * (lambda - row.lambda)).norm());
         }
-        violation = violation.max(self.members.queue(contacts, &self.measured, tolerance));
+        violation = violation.max(self.members.queue(contacts, &self.measured, tolerance / SAFETY));
         let next = if self.members.waiting() > 0 {
             if self.join(contacts, direct) { Next::Joined } else { Next::Full }
         } else if well {

@@ -8,6 +8,7 @@ use crate::solver::exact::compliance::Compliance;
 use crate::solver::exact::decay::SAFETY;
 use crate::solver::exact::direct::Direct;
 use crate::solver::exact::factor::LANES;
+use crate::solver::exact::respond::RESUMED_MAX;
 use crate::solver::{ContactRow, ContactRows, Convergence};
 use fearless_simd::{Simd, dispatch};
 
@@ -15,6 +16,8 @@ use fearless_simd::{Simd, dispatch};
 const LAST: u32 = 8;
 /// What mixing expects is believed when so many sweeps agree: the first ones know few directions.
 const LOOKS: usize = 5;
+/// Times that Newton's method may fail before what mixing expects is believed all the same.
+const ATTEMPTS: u32 = 3;
 /// What all further sweeps change is taken to be so many times what mixing expects: twice the factor for
 /// bodies that move more than their contacts, as the history knows only some directions.
 const EXPECTED_SAFETY: f64 = 2.0 * SAFETY;
@@ -23,7 +26,8 @@ impl Delassus {
     /// Finds impulses from the present ones by sweeps over the members, until one changes no
     /// contact's velocity by more than `tolerance` \[m/s\] through its own impulse, and all
     /// further ones together are not expected to change any velocity by more: as their mixing tells, or,
-    /// where they are plain, a geometric series. Where they run out before, the residual is the larger of
+    /// where they are plain, a geometric series. Where sweeps have cost as much as Newton's method, it takes over
+    /// (`newton`). Where they run out before, the residual is the larger of
     /// what the last sweep changed and what the last mixing expected; it is no more than sweeps have moved a
     /// contact in this step, but enough above the tolerance not to pass for converged.
     pub fn solve(
@@ -49,16 +53,33 @@ impl Delassus {
         sweeps_max: u32,
     ) -> Convergence {
         self.begin_sweeps(simd, contacts);
-        let Self { members, W, own, d, before, decay, anderson, x, f, first, moved, .. } = self;
-        let (members, n) = (members.list(), members.list().len());
-        let used = (3 * n).next_multiple_of(LANES);
-        let (d, before, x, f) =
-            (&mut d[..used], &mut before[..used], &mut x[..3 * n], &mut f[..3 * n]);
         let mut convergence = Convergence { iterations: 0, residual: f64::INFINITY };
         // What mixing expected to be left after each of the last sweeps.
         let mut expected = [f64::INFINITY; LOOKS];
         let mut mixed = false;
+        let worth = self.sweeps_worth_steps(contacts, cone);
+        let (mut wait, mut attempts) = (worth, 0);
+        // Steps of Newton's method cost at most what the sweeps do that run out otherwise.
+        let budget = (1 + RESUMED_MAX).saturating_mul(sweeps_max);
         loop {
+            let steps_max = budget.saturating_sub(self.spent) / worth;
+            if self.swept >= wait && steps_max > 0 {
+                if let Some(left) = self.improve(simd, contacts, cone, tolerance, steps_max) {
+                    convergence.residual = left;
+                    break;
+                }
+                (wait, attempts) = (self.swept.saturating_mul(2), attempts + 1);
+                self.decay.interrupt();
+                self.anderson.restart();
+                expected = [f64::INFINITY; LOOKS];
+            }
+            let Self {
+                members, W, own, d, before, decay, anderson, x, f, first, moved, swept, ..
+            } = self;
+            let (members, n) = (members.list(), members.list().len());
+            let used = (3 * n).next_multiple_of(LANES);
+            let (d, before, x, f) =
+                (&mut d[..used], &mut before[..used], &mut x[..3 * n], &mut f[..3 * n]);
             before.copy_from_slice(d);
             gather(members, contacts, x);
             let mut own_change = 0.0_f64;
@@ -67,15 +88,24 @@ impl Delassus {
                 own_change = own_change.max(visit(simd, m, W, &own[m], cone, row, d));
             }
             convergence.iterations += 1;
+            *swept += 1;
             for (m, d) in d.as_chunks::<3>().0.iter().enumerate().take(n) {
                 *moved = moved.max((Vec3::from(*d) - first[members[m] as usize]).norm());
             }
             let change = largest_change(before, d);
             let last = convergence.iterations + LAST > sweeps_max;
             convergence.residual = own_change.max(decay.error_after(change));
+            // Where Newton's method is worth it, estimates are not believed, unless it failed often.
+            let believed = *swept < worth || attempts == ATTEMPTS || worth > budget;
             // After a mixing one plain sweep says nothing of what shrinks slowest.
             if convergence.residual <= tolerance && (last || !mixed || change == 0.0) {
-                break;
+                if believed || change == 0.0 {
+                    break;
+                }
+                wait = 0;
+                if !last {
+                    continue;
+                }
             }
             if last {
                 if convergence.iterations >= sweeps_max {
@@ -103,7 +133,11 @@ impl Delassus {
             convergence.residual = own_change.max(EXPECTED_SAFETY * largest(&expected));
             if convergence.residual <= tolerance {
                 d.copy_from_slice(before);
-                break;
+                if believed {
+                    break;
+                }
+                wait = 0;
+                continue;
             }
             decay.interrupt();
             for m in 0..n {
@@ -116,7 +150,7 @@ impl Delassus {
                 }
             }
         }
-        convergence.residual = convergence.residual.min(SAFETY * tolerance + *moved);
+        convergence.residual = convergence.residual.min(SAFETY * tolerance + self.moved);
         convergence
     }
 
@@ -152,7 +186,7 @@ fn gather(members: &[u32], contacts: &ContactRows, x: &mut [f64]) {
 }
 
 /// The impulse of the cone that has this normal part, or none, and the nearest friction.
-fn within(cone: Cone, friction: f64, lambda: &Vec3) -> Vec3 {
+pub(super) fn within(cone: Cone, friction: f64, lambda: &Vec3) -> Vec3 {
     let normal = lambda.x.max(0.0);
     let bound = friction * normal;
     match cone {
@@ -171,7 +205,7 @@ fn within(cone: Cone, friction: f64, lambda: &Vec3) -> Vec3 {
 
 /// Gives member m its impulse; returns the change of its velocity \[m/s\].
 #[inline(always)]
-fn visit<S: Simd>(
+pub(super) fn visit<S: Simd>(
     simd: S,
     m: usize,
     W: &Compliance,
@@ -195,7 +229,7 @@ fn visit<S: Simd>(
 }
 
 /// Largest change of a contact's velocity \[m/s\].
-fn largest_change(before: &[f64], after: &[f64]) -> f64 {
+pub(super) fn largest_change(before: &[f64], after: &[f64]) -> f64 {
     let pairs = before.as_chunks::<3>().0.iter().zip(after.as_chunks::<3>().0);
     let change2 = |(b, a): (&[f64; 3], &[f64; 3])| {
         (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2) + (a[2] - b[2]).powi(2)

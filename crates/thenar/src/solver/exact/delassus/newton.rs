@@ -1,0 +1,379 @@
+//! Newton's method on the contact law, where sweeps creep.
+//!
+//! Sweeps pass load on from contact to contact. Where many contacts hold a body that is light for their
+//! stiffness, thousands of them are needed, and what each changes says little of what is left. So once
+//! sweeps have cost as much as a factorisation of the pressing contacts, the law is solved for all of these
+//! at once, as the root of (Alart and Curnier 1991; d is affine in the impulses, `Δd = W Δλ`)
+//!
+//! ```text
+//!   d_n = 0                                pressing, of those that keep an impulse λ_n - d_n / w_n > 0
+//!   λ_n = 0, λ_t = 0                       all others
+//!   d_t = 0                                sticking, where |z| ≤ μ λ_n, z = λ_t - d_t / w_t
+//!   λ_t = μ λ_n z / |z|                    sliding
+//! ```
+//!
+//! w is the contact's own response. The root is sought by steps with the derivative on the present piece
+//! of each condition, shortened where that brings the law nearer; what a step would change tells how far the
+//! one before was off. Pieces may alternate for ever: then impulses are put back, and sweeps go on.
+
+use super::Delassus;
+use super::anderson::FULL;
+use super::sweeps::{visit, within};
+use crate::math::{Mat3, Vec3};
+use crate::model::Cone;
+use crate::solver::contact_law::is_immovable;
+use crate::solver::exact::compliance::Compliance;
+use crate::solver::exact::decay::SAFETY;
+use crate::solver::exact::factor::LANES;
+use crate::solver::{ContactRow, ContactRows, DenseLu};
+use fearless_simd::Simd;
+
+/// Pressing contacts at most: with more, a factorisation costs as much as sweeps are allowed to.
+const PRESSING_MAX: usize = 96;
+/// Steps of one attempt at most.
+const STEPS_MAX: u32 = 60;
+/// A whole step that changes no velocity by more than this part of the tolerance has come close: what it
+/// changes shrinks as its square near the root, and hardly at all where the root is on another piece.
+const CLOSE: f64 = 0.01;
+/// So many such steps in a row end an attempt: after the first, a sweep may still find a contact on another
+/// piece.
+const CALM: u32 = 2;
+/// Parts of a step, tried until one brings the law nearer. Where none does, as at the border of a piece, the
+/// last is made all the same: the next step is on another piece.
+const PARTS: [f64; 7] = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125, 0.015625];
+/// A part of a step must bring the law nearer by so much of itself (Armijo).
+const DESCENT: f64 = 0.2;
+/// Added to each contact's own response, in parts of it: ten times the round-off of W, which is of single
+/// precision. Contacts that share a load at will (four under a rigid box) then share it evenly.
+const REGULAR: f64 = 10.0 * f32::EPSILON as f64;
+
+/// Work space.
+#[derive(Debug)]
+pub struct Newton {
+    capacity: usize,
+    lu: DenseLu,
+    /// Members that press or close, and their changes of impulse.
+    pressing: Vec<u32>,
+    change: Vec<f64>,
+    /// Where the attempt began.
+    impulses: Vec<Vec3>,
+    velocities: Vec<f64>,
+}
+
+/// Nothing in it outlives an attempt; a clone has as much room.
+impl Clone for Newton {
+    fn clone(&self) -> Self {
+        Self::new(self.capacity)
+    }
+}
+
+impl Newton {
+    /// Room for so many members.
+    pub fn new(capacity: usize) -> Self {
+        let most = PRESSING_MAX.min(capacity);
+        Self {
+            capacity,
+            lu: DenseLu::new(3 * most),
+            pressing: Vec::with_capacity(capacity),
+            change: Vec::with_capacity(3 * most),
+            impulses: Vec::with_capacity(capacity),
+            velocities: Vec::with_capacity((3 * capacity).next_multiple_of(LANES)),
+        }
+    }
+}
+
+impl Delassus {
+    /// How many sweeps cost as much as a step of Newton's method for the members that press now: `2 (3 n)²`
+    /// operations each, against `2/3 (3 n)³`; no fewer than mixing needs to show what it can do, as sweeps stay nearer
+    /// to the impulses of the step before. More than are ever made, where no step is.
+    pub(super) fn sweeps_worth_steps(&self, contacts: &ContactRows, cone: Cone) -> u32 {
+        let rows = || self.members.list().iter().map(|&i| &contacts.rows[i as usize]);
+        let pressing = rows().filter(|row| row.lambda.x > 0.0).count();
+        let may = cone == Cone::Circular
+            && pressing <= PRESSING_MAX
+            && rows().all(|row| row.push.is_none());
+        if may { FULL.max(pressing as u32) } else { u32::MAX }
+    }
+
+    /// Goes on from the present impulses by Newton's method. The error that is left \[m/s\]; `None` where it
+    /// leads nowhere, with the impulses as they were.
+    #[inline(always)]
+    pub(super) fn improve<S: Simd>(
+        &mut self,
+        simd: S,
+        contacts: &mut ContactRows,
+        cone: Cone,
+        tolerance: f64,
+        steps_max: u32,
+    ) -> Option<f64> {
+        let n = self.members.list().len();
+        let used = (3 * n).next_multiple_of(LANES);
+        self.newton.velocities.clear();
+        self.newton.velocities.extend_from_slice(&self.d[..used]);
+        self.newton.impulses.clear();
+        for &i in self.members.list() {
+            self.newton.impulses.push(contacts.rows[i as usize].lambda);
+        }
+        let mut calm = 0;
+        for _ in 0..steps_max.min(STEPS_MAX) {
+            let made = self.newton_step(simd, contacts);
+            self.spent = self.spent.saturating_add(self.newton.pressing.len() as u32);
+            let Some((step, part)) = made else { break };
+            if part < 1.0 || step > CLOSE * tolerance {
+                calm = 0;
+                continue;
+            }
+            let left = SAFETY * step.max(self.plain_sweep(simd, contacts, cone));
+            calm = if left <= tolerance { calm + 1 } else { 0 };
+            if calm == CALM {
+                return Some(left);
+            }
+        }
+        self.d[..used].copy_from_slice(&self.newton.velocities);
+        for (&i, lambda) in self.members.list().iter().zip(&self.newton.impulses) {
+            contacts.rows[i as usize].lambda = *lambda;
+        }
+        None
+    }
+
+    /// Brings impulses into their cones and sweeps once; returns the most that a contact changed its own
+    /// velocity \[m/s\].
+    #[inline(always)]
+    fn plain_sweep<S: Simd>(&mut self, simd: S, contacts: &mut ContactRows, cone: Cone) -> f64 {
+        let Self { members, W, own, d, .. } = self;
+        let members = members.list();
+        let d = &mut d[..(3 * members.len()).next_multiple_of(LANES)];
+        let mut swept = 0.0_f64;
+        for (m, &i) in members.iter().enumerate() {
+            let row = &mut contacts.rows[i as usize];
+            let allowed = within(cone, row.friction, &row.lambda);
+            let delta = allowed - row.lambda;
+            row.lambda = allowed;
+            W.add_answer(simd, m, &delta, d);
+            swept = swept.max(visit(simd, m, W, &own[m], cone, row, d));
+        }
+        swept
+    }
+
+    /// How far the members are from the law: the sum of the squares of what its conditions leave.
+    fn merit(&self, contacts: &ContactRows) -> f64 {
+        let members = self.members.list().iter().enumerate();
+        members
+            .map(|(m, &i)| {
+                let (row, value) = (
+                    &contacts.rows[i as usize],
+                    Vec3::from_column_slice(&self.d[3 * m..3 * m + 3]),
+                );
+                if row.lambda == Vec3::zeros() && value.x >= 0.0 || is_immovable(&self.own[m].W) {
+                    return 0.0;
+                }
+                conditions(row, &self.own[m].W, &value).iter().map(|c| c.value * c.value).sum()
+            })
+            .sum()
+    }
+
+    /// One step; returns the most that it would change a contact's velocity \[m/s\], and which part of it was
+    /// made.
+    #[inline(always)]
+    fn newton_step<S: Simd>(&mut self, simd: S, contacts: &mut ContactRows) -> Option<(f64, f64)> {
+        let merit = self.merit(contacts);
+        let Self { members, W, own, d, before, newton, .. } = self;
+        let members = members.list();
+        let used = (3 * members.len()).next_multiple_of(LANES);
+        let (d, before) = (&mut d[..used], &mut before[..used]);
+        let row_of = |m: u32| members[m as usize] as usize;
+        newton.pressing.clear();
+        newton.pressing.extend((0..members.len() as u32).filter(|&m| {
+            let closes = d[3 * m as usize] < 0.0;
+            contacts.rows[row_of(m)].lambda != Vec3::zeros()
+                || closes && !is_immovable(&own[m as usize].W)
+        }));
+        let pressing = newton.pressing.as_slice();
+        if pressing.len() > PRESSING_MAX {
+            return None;
+        }
+        newton.lu.restart(3 * pressing.len());
+        newton.change.clear();
+        for (k, &m) in pressing.iter().enumerate() {
+            let value = Vec3::from_column_slice(&d[3 * m as usize..3 * m as usize + 3]);
+            let conditions = conditions(&contacts.rows[row_of(m)], &own[m as usize].W, &value);
+            for (a, condition) in conditions.iter().enumerate() {
+                condition.put(3 * k + a, (k, m), W, pressing, &mut newton.lu);
+                newton.change.push(-condition.value);
+            }
+        }
+        if !newton.lu.factor() {
+            return None;
+        }
+        newton.lu.solve(&mut newton.change);
+        // What all of the step would do.
+        before.fill(0.0);
+        for (&m, change) in pressing.iter().zip(newton.change.as_chunks::<3>().0) {
+            W.add_answer(simd, m as usize, &Vec3::from(*change), before);
+        }
+        let step =
+            before.as_chunks::<3>().0.iter().map(|d| Vec3::from(*d).norm()).fold(0.0, f64::max);
+        if !step.is_finite() {
+            return None;
+        }
+        let mut made = 0.0;
+        for part in PARTS {
+            self.move_on(contacts, part - made);
+            made = part;
+            if self.merit(contacts) <= (1.0 - DESCENT * part) * merit {
+                return Some((step, part));
+            }
+        }
+        Some((step, made))
+    }
+
+    /// Makes so much of the step.
+    fn move_on(&mut self, contacts: &mut ContactRows, part: f64) {
+        let newton = &self.newton;
+        for (&m, change) in newton.pressing.iter().zip(newton.change.as_chunks::<3>().0) {
+            contacts.rows[self.members.list()[m as usize] as usize].lambda +=
+                part * Vec3::from(*change);
+        }
+        let used = (3 * self.members.list().len()).next_multiple_of(LANES);
+        self.d[..used].iter_mut().zip(&self.before[..used]).for_each(|(d, more)| *d += part * more);
+    }
+}
+
+/// One condition, made linear: `own · δλ + seen · δd = -value` for its contact's own impulse and velocity.
+#[derive(Clone, Copy, Debug)]
+struct Condition {
+    value: f64,
+    own: Vec3,
+    seen: Vec3,
+}
+
+impl Condition {
+    /// Fills a row of the system: the condition of member m, the k-th that presses.
+    #[inline(always)]
+    fn put(
+        &self,
+        row: usize,
+        (k, m): (usize, u32),
+        W: &Compliance,
+        pressing: &[u32],
+        lu: &mut DenseLu,
+    ) {
+        for a in (0..3).filter(|&a| self.seen[a] != 0.0) {
+            let response = W.row(3 * m as usize + a);
+            for (j, &other) in pressing.iter().enumerate() {
+                for b in 0..3 {
+                    let value = self.seen[a] * f64::from(response[3 * other as usize + b]);
+                    lu.add(row, 3 * j + b, value);
+                }
+            }
+        }
+        for b in 0..3 {
+            lu.add(row, 3 * k + b, self.own[b]);
+        }
+    }
+}
+
+/// What the law asks of one contact, on the piece on which it is now; in units of velocity.
+fn conditions(row: &ContactRow, W: &Mat3, d: &Vec3) -> [Condition; 3] {
+    let axes: [Vec3; 3] = std::array::from_fn(|a| Vec3::ith(a, 1.0));
+    let lambda = &row.lambda;
+    // At rest without impulse, or held by a little more than its own response.
+    let w = [W.m11, 0.5 * (W.m22 + W.m33)];
+    let weight = |a: usize| w[a.min(1)];
+    let none = |a: usize| {
+        let scale = W.m11.max(weight(a));
+        Condition { value: scale * lambda[a], own: axes[a] * scale, seen: Vec3::zeros() }
+    };
+    let held =
+        |a: usize| Condition { value: d[a], own: axes[a] * (REGULAR * weight(a)), seen: axes[a] };
+    let normal = lambda.x - d.x / w[0];
+    if normal <= 0.0 {
+        return [none(0), none(1), none(2)];
+    }
+    // Of a contact that begins to press, what it is about to bear.
+    let bears = if lambda.x > 0.0 { lambda.x } else { normal };
+    let bound = row.friction * bears.max(0.0);
+    if bound == 0.0 || w[1] <= f64::EPSILON * w[0] {
+        return [held(0), none(1), none(2)];
+    }
+    let z = [lambda.y - d.y / w[1], lambda.z - d.z / w[1]];
+    let length = z[0].hypot(z[1]);
+    if length <= bound {
+        return [held(0), held(1), held(2)];
+    }
+    let (n, part) = ([z[0] / length, z[1] / length], bound / length);
+    let slides = |a: usize| {
+        // Across the direction of sliding: 1 - n nᵀ.
+        let across = Vec3::new(0.0, f64::from(a == 1), f64::from(a == 2))
+            - n[a - 1] * Vec3::new(0.0, n[0], n[1]);
+        let own = axes[a] - part * across - row.friction * n[a - 1] * axes[0];
+        let value = w[1] * (lambda[a] - bound * n[a - 1]);
+        Condition { value, own: w[1] * own, seen: part * across }
+    };
+    [held(0), slides(1), slides(2)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::contact_law::Response;
+    use crate::testing::Random;
+
+    fn contact(random: &mut Random) -> (ContactRow, Mat3) {
+        let a = Mat3::from_fn(|_, _| random.range(-1.0, 1.0));
+        let W = a * a.transpose() + Mat3::identity() * 0.3;
+        let mut rows = ContactRows::with_capacity(0, 1);
+        rows.begin(&Vec3::x(), random.range(0.1, 1.0), &Vec3::zeros());
+        (rows.rows.remove(0), W)
+    }
+
+    /// Where visits have found the impulse of the law, its conditions leave nothing.
+    #[test]
+    fn the_conditions_hold_where_the_law_does() {
+        let mut random = Random::new(31);
+        let (mut stuck, mut slid) = (0, 0);
+        for _ in 0..500 {
+            let (mut row, W) = contact(&mut random);
+            let (b, response) = (random.vec3(1.0), Response::new(&W));
+            for _ in 0..300 {
+                row.lambda = response.impulse(Cone::Circular, row.friction, &b, &row.lambda);
+            }
+            let d = b + W * row.lambda;
+            for condition in conditions(&row, &W, &d) {
+                assert!(condition.value.abs() < 1e-8, "{row:?} {d}");
+            }
+            slid += usize::from(row.lambda.x > 0.0 && d.yz().norm() > 1e-3);
+            stuck += usize::from(row.lambda.x > 0.0 && d.yz().norm() < 1e-9);
+        }
+        assert!(stuck > 10 && slid > 50, "{stuck} stuck, {slid} slid");
+    }
+
+    /// The derivative of the conditions is that of central differences, on every piece but for what keeps the system regular.
+    #[test]
+    fn the_conditions_are_made_linear() {
+        let mut random = Random::new(32);
+        let mut slid = 0;
+        for _ in 0..500 {
+            let (mut row, W) = contact(&mut random);
+            let mut impulse = random.vec3(1.0);
+            impulse.x = impulse.x.abs() + 0.1;
+            let (d, change) = (random.vec3(0.5), random.vec3(1.0));
+            row.lambda = impulse;
+            let here = conditions(&row, &W, &d);
+            let e = 1e-6;
+            let mut at = |part: f64| {
+                row.lambda = impulse + part * change;
+                conditions(&row, &W, &(d + part * (W * change))).map(|c| c.value)
+            };
+            let (ahead, behind) = (at(e), at(-e));
+            for (k, condition) in here.iter().enumerate() {
+                let told = condition.own.dot(&change) + condition.seen.dot(&(W * change));
+                let seen = (ahead[k] - behind[k]) / (2.0 * e);
+                let regular = 2.0 * REGULAR * W.trace() * change.norm();
+                assert!((told - seen).abs() < regular + 1e-7, "condition {k}: {told}, {seen}");
+                slid += usize::from(condition.own.norm() > 1e-3 && condition.seen != Vec3::zeros());
+            }
+        }
+        assert!(slid > 100, "{slid} conditions of sliding");
+    }
+}
