@@ -1,7 +1,8 @@
 //! Why a command ended, and with which exit code.
 
-use crate::picture::RecordError;
+use crate::picture::{EncodeError, RecordError};
 use std::process::ExitCode;
+use thenar_output::OutputError;
 use thenar_rig::RigError;
 use thenar_scene::SceneError;
 
@@ -43,6 +44,27 @@ impl From<RigError> for CliError {
 
 impl From<RecordError> for CliError {
     fn from(error: RecordError) -> Self {
-        Self::Other(error.to_string())
+        match error {
+            RecordError::Picture(error) => error.into(),
+            RecordError::Folder { .. } => Self::Other(error.to_string()),
+        }
+    }
+}
+
+impl From<EncodeError> for CliError {
+    fn from(error: EncodeError) -> Self {
+        match error {
+            EncodeError::Output(error) => error.into(),
+            _ => Self::Other(error.to_string()),
+        }
+    }
+}
+
+impl From<OutputError> for CliError {
+    fn from(error: OutputError) -> Self {
+        match error.is_usage() {
+            true => Self::Input(error.to_string()),
+            false => Self::Other(error.to_string()),
+        }
     }
 }

@@ -3,8 +3,12 @@
 //! Every command is a module with `Args`, read by clap, and `run`, which does the work; the list
 //! of commands is [`Command`]. Exit codes: 0 done, 2 bad usage or input, 1 anything else.
 
+#[macro_use]
+mod terminal;
+
 mod bench;
 mod build;
+mod building;
 mod chart;
 mod compare;
 mod devices;
@@ -21,6 +25,7 @@ mod run;
 mod scenes;
 mod serve;
 mod soak;
+mod taken_back;
 mod touch;
 mod validate;
 
@@ -67,6 +72,7 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    interrupt::hear();
     let cli = Cli::parse();
     let done = match cli.command {
         Some(Command::Serve(args)) => serve::run(&args),
@@ -84,10 +90,10 @@ fn main() -> ExitCode {
         Some(Command::Validate(args)) => validate::run(&args),
         None => serve::run(&serve::Args::of_scene(DEMO)),
     };
-    match done {
+    match done.and_then(|()| terminal::complete()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            eprintln!("error: {}", thenar_input::brief(&error.to_string()));
             error.exit_code()
         }
     }

@@ -3,7 +3,7 @@
 use crate::error::CliError;
 use crate::recording::{RecordOptions, attach};
 use crate::run::{open, progress, tell_overlaps};
-use crate::{files, interrupt};
+use crate::{files, interrupt, taken_back};
 use std::path::{Path, PathBuf};
 
 /// Run a scene as fast as it can and record it.
@@ -39,12 +39,12 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let name = || Path::new(session.name()).with_extension("rec");
     let file = args.out.clone().unwrap_or_else(name);
     let options = RecordOptions { record: Some(file), keyframes: args.keyframes };
-    let mut recording = attach(&options, &mut session)?;
     interrupt::listen();
+    let mut recording = attach(&options, &mut session)?;
     let bar = progress(steps, args.quiet);
-    let mut made = 0;
+    let (mut made, mut taken) = (0, 0);
     while made < steps && !interrupt::asked() {
-        session.step(&mut ());
+        taken += u64::from(session.step(&mut ()).non_finite);
         made += 1;
         bar.inc(1);
         if let Some(recording) = &mut recording {
@@ -65,6 +65,6 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     }
     match made < steps {
         true => Err(CliError::Other("interrupted; what was recorded up to here is kept".into())),
-        false => Ok(()),
+        false => taken_back::judge(taken, made),
     }
 }

@@ -3,6 +3,7 @@
 use crate::error::CliError;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
+use thenar_output::Claim;
 use thenar_record::{Build, Channel, Clock, Field, Header, RecordError, Recorder};
 use thenar_scene::recording::{SessionTape, TimeOf};
 use thenar_scene::session::{Session, Witness};
@@ -25,6 +26,8 @@ pub struct Recording {
     file: PathBuf,
     recorder: Recorder,
     told: bool,
+    /// No other output takes its name.
+    claim: Claim,
 }
 
 /// A recording, and the witness that a session is to get.
@@ -54,10 +57,11 @@ impl Recording {
             return Err(CliError::Input("--keyframes must be 0 or more".into()));
         }
         let Some(file) = &options.record else { return Ok(None) };
+        let claim = Claim::of(file)?;
         let recorder = Recorder::create(file, &header(time_of))?;
         let every = if every == 0.0 { f64::INFINITY } else { every };
         let tape = SessionTape::new(recorder.session(), recorder.clock(), time_of, every);
-        Ok(Some((Self { file: file.clone(), recorder, told: false }, Box::new(tape))))
+        Ok(Some((Self { file: file.clone(), recorder, told: false, claim }, Box::new(tape))))
     }
 
     /// The file.
@@ -92,6 +96,7 @@ impl Recording {
     /// Not all of it could be written.
     pub fn finish(self) -> Result<u64, CliError> {
         let (told, file) = (self.told, self.file);
+        self.claim.keep();
         match self.recorder.finish() {
             Ok(written) => Ok(written.bytes),
             // The cause has been told.

@@ -1,5 +1,6 @@
 //! `thenar serve`: a scene live, for pages and headsets.
 
+use crate::building::told;
 use crate::error::CliError;
 use crate::page::PageOptions;
 use crate::recording::{RecordOptions, Recording};
@@ -126,7 +127,7 @@ fn start(
 ) -> Result<(Option<Device>, Live, Server), CliError> {
     let (device, haptics) = feel(&args.devices, recording)?;
     let live_options = live::Options { haptics, ..live_options };
-    let (live, hub) = Live::start(source, live_options)?;
+    let (live, hub) = told(|| Ok(Live::start(source, live_options)?))?;
     Ok((device, live, args.page.serve(hub)?))
 }
 

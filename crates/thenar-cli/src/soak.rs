@@ -5,6 +5,7 @@ mod judge;
 mod scene;
 mod sweep;
 
+use crate::interrupt;
 use judge::{Figure, quality, soundness};
 use std::process::ExitCode;
 use thenar::model::BodyId;
@@ -126,6 +127,10 @@ fn each_step(args: &Args) -> Result<bool, String> {
             figures.extend(quality(&e, h));
         }
         passed &= print(args, h, &e, &figures);
+        // Nobody reads the next one.
+        if interrupt::asked() {
+            return Ok(false);
+        }
     }
     Ok(passed)
 }

@@ -40,6 +40,7 @@ fn links_between_documents_lead_somewhere() {
         "docs/exact.md",
         "docs/two-step.md",
         "docs/recording.md",
+        "docs/outputs.md",
     ] {
         let text = read(file);
         let folder = root().join(file).parent().map(Path::to_path_buf).unwrap_or_default();

@@ -3,7 +3,6 @@
 use crate::options::Options;
 use crate::pose_stream::{LINE_BYTES_MAX, Line, natural_order};
 use crate::{Driver, Found, HandSample, LinkError, Opened, Tracker, now_ns};
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::sync::Arc;
@@ -34,7 +33,7 @@ impl Motion {
     pub fn open(path: &Path) -> Result<Self, LinkError> {
         let what = format!("recording {}", path.display());
         let refuse = |cause: String| LinkError::Setting { what: what.clone(), cause };
-        let file = File::open(path).map_err(|e| refuse(e.to_string()))?;
+        let (file, _) = thenar_input::open_plain(path).map_err(|e| refuse(e.to_string()))?;
         Self::read(BufReader::new(file)).map_err(refuse)
     }
 

@@ -7,7 +7,7 @@ use crate::resync::{Newest, Search};
 use crate::{Header, Kind, OpenError, VERSION};
 use std::fmt;
 use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom};
 use std::path::Path;
 
 /// What is wrong with the first frame that cannot be trusted.
@@ -23,6 +23,8 @@ pub enum Fault {
     Header,
     /// It is older than one before it: it has been moved or repeated.
     Order,
+    /// Whoever reads the frames finds that this one cannot stand here: [`Frames::reject`].
+    Content,
 }
 
 /// A piece of a recording that makes no sense.
@@ -46,6 +48,7 @@ impl fmt::Display for Damage {
             Fault::Length => "a frame has an impossible length",
             Fault::Header => "there is no header",
             Fault::Order => "a frame is not in its place",
+            Fault::Content => "a frame's number, time or state cannot be",
         };
         let Self { offset, lost_bytes, resumed, .. } = self;
         let which = if *resumed { "bytes from there" } else { "bytes from there on" };
@@ -82,6 +85,8 @@ pub struct Frames<R> {
     payload: Vec<u8>,
     damages: Vec<Damage>,
     newest: Newest,
+    /// Times of the newest frames before the one that was read last.
+    before: Newest,
     /// Bytes that may still be read to find the way after damage.
     budget: u64,
     ended: bool,
@@ -94,8 +99,8 @@ pub struct Frames<R> {
 /// frame is over.
 pub fn open(file: &Path) -> Result<(Header, Frames<BufReader<File>>), OpenError> {
     let read = |cause| OpenError::Read { file: file.into(), cause };
-    let input = File::open(file).map_err(read)?;
-    let size = input.metadata().map_err(read)?.len();
+    let (input, size) = thenar_input::open_plain(file).map_err(|e| read(e.into()))?;
+    let size = size.ok_or_else(|| read(ErrorKind::NotSeekable.into()))?;
     Frames::new(BufReader::with_capacity(1 << 16, input), size).map_err(|error| match error {
         Refused::Read(cause) => read(cause),
         Refused::Foreign => OpenError::Foreign { file: file.into() },
@@ -143,6 +148,7 @@ impl<R: Read + Seek> Frames<R> {
             payload: Vec::new(),
             damages: Vec::new(),
             newest: Newest::default(),
+            before: Newest::default(),
             budget: size.saturating_mul(16).saturating_add(1 << 26),
             ended: false,
         };
@@ -179,6 +185,7 @@ impl<R: Read + Seek> Frames<R> {
         self.at += (HEAD_BYTES + self.payload.len()) as u64;
         let frame = Frame::of(&self.payload);
         if let Some(frame) = &frame {
+            self.before.clone_from(&self.newest);
             self.newest.note(frame);
             self.ended |= frame.kind == Some(Kind::End);
         }
@@ -231,6 +238,50 @@ impl<R: Read + Seek> Frames<R> {
             return Ok(Err(Fault::Order));
         }
         Ok(Ok(()))
+    }
+
+    /// Says that the frame that [`Frames::next`] gave last cannot stand where it does, though its
+    /// checksum agrees: it counts as damage, and frames after it are not compared with it.
+    pub fn reject(&mut self) {
+        let (offset, _) = self.last;
+        self.newest.clone_from(&self.before);
+        self.damages.push(Damage {
+            offset,
+            fault: Fault::Content,
+            lost_bytes: self.at - offset,
+            resumed: self.at < self.size,
+        });
+    }
+
+    /// Looks at the frames after the one that [`Frames::next`] gave last, up to one for which `look`
+    /// gives something or up to damage. [`Frames::next`] goes on as if nothing had been looked at.
+    ///
+    /// # Errors
+    /// Reading fails.
+    pub fn look_ahead<T>(
+        &mut self,
+        mut look: impl FnMut(&Frame<'_>) -> Option<T>,
+    ) -> io::Result<Option<T>> {
+        let (at, sum, last, ended) = (self.at, self.sum, self.last, self.ended);
+        let (newest, before, met) = (self.newest.clone(), self.before.clone(), self.damages.len());
+        // What is looked at is not compared with a frame that is in doubt.
+        self.newest.clone_from(&self.before);
+        let seen = loop {
+            match self.next()? {
+                None => break None,
+                Some(frame) => {
+                    let seen = look(&frame);
+                    if seen.is_some() || self.damages.len() > met {
+                        break seen;
+                    }
+                }
+            }
+        };
+        (self.at, self.sum, self.last, self.ended) = (at, sum, last, ended);
+        (self.newest, self.before) = (newest, before);
+        self.damages.truncate(met);
+        self.input.seek(SeekFrom::Start(at))?;
+        Ok(seen)
     }
 
     /// Where the frame begins that [`Frames::next`] gave last.

@@ -79,7 +79,11 @@ impl Recorder {
         // Texts and numbers always have a JSON form.
         payload.extend(serde_json::to_vec(header).unwrap_or_default());
         append(&mut bytes, &mut sum, &payload);
-        out.write_all(&bytes).and_then(|()| out.sync_all()).map_err(failed)?;
+        out.write_all(&bytes).and_then(|()| out.sync_all()).map_err(|cause| {
+            // Made by us a moment ago; without its header it is of no use.
+            let _ = std::fs::remove_file(file);
+            failed(cause)
+        })?;
 
         let shared = Arc::new(Shared::default());
         shared.bytes.store(bytes.len() as u64, Ordering::Relaxed);

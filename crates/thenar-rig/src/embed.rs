@@ -3,6 +3,7 @@
 use crate::lattice::{Lattice, LatticeOptions, Quality};
 use crate::mesh::{Topology, decimate, subdivide_to};
 use crate::object::SoftModel;
+use crate::size::sensible_size;
 use crate::{RigError, TriMesh};
 use thenar::model::{EmbeddedSurface, Flesh, Material};
 use thenar::{Quat, Vec3};
@@ -73,6 +74,7 @@ pub fn embed(
     material: impl Fn(&Vec3) -> Material,
 ) -> Result<Embedded, RigError> {
     mesh.check()?;
+    sensible_size(mesh.bounds())?;
     check_closed("the mesh", mesh)?;
     let fine = match options.render_triangles {
         Some(triangles) => subdivide_to(mesh, triangles)?.mesh,

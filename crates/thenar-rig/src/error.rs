@@ -1,5 +1,7 @@
 //! What can go wrong while a model is built.
 
+use thenar_input::brief;
+
 /// Why a mesh or a model could not be read or built. The message names the place and the cause.
 #[derive(Debug, thiserror::Error)]
 pub enum RigError {
@@ -46,6 +48,9 @@ pub enum RigError {
     /// The data is well formed, but no model can be built from it.
     #[error("{0}")]
     Invalid(String),
+    /// Whoever watched the work (see [`crate::work`]) ended it.
+    #[error("stopped")]
+    Stopped,
     /// A parameter is outside its range.
     #[error("{name} must be {expected}, not {value}")]
     Parameter {
@@ -61,20 +66,20 @@ pub enum RigError {
 impl RigError {
     /// The same error, naming the file it comes from.
     pub fn in_file(self, file: impl std::fmt::Display) -> Self {
-        Self::InFile { file: file.to_string(), error: Box::new(self) }
+        Self::InFile { file: brief(&file.to_string()), error: Box::new(self) }
     }
 
     /// Data from which no model can be built: thing and cause.
     pub fn invalid(what: impl Into<String>) -> Self {
-        Self::Invalid(what.into())
+        Self::Invalid(brief(&what.into()))
     }
 
     pub(crate) fn line(line: usize, what: impl Into<String>) -> Self {
-        Self::Line { line, what: what.into() }
+        Self::Line { line, what: brief(&what.into()) }
     }
 
     pub(crate) fn byte(offset: usize, what: impl Into<String>) -> Self {
-        Self::Byte { offset, what: what.into() }
+        Self::Byte { offset, what: brief(&what.into()) }
     }
 }
 

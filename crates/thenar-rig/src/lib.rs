@@ -12,7 +12,9 @@ pub mod lattice;
 pub mod mesh;
 pub mod model_file;
 pub mod object;
+mod size;
 pub mod weights;
+pub mod work;
 
 pub use error::RigError;
 pub use hand::{HandOptions, HandReport, build_hand, default_hand};

@@ -52,7 +52,7 @@ fn wrong_kinds_of_values() {
     check("gravity = 9.81", "2:11: `gravity`: expected an array of 3, got 9.81");
     check(
         "gravity = [0, true, 0]",
-        "2:15: `gravity[1]`: expected a finite number from -1e5 to 1e5, got true",
+        "2:15: `gravity[1]`: expected a finite number between -10000 and 10000, both excluded, got true",
     );
     check(
         "title = \"\"",
@@ -84,7 +84,7 @@ fn numbers_out_of_bounds() {
     );
     check(
         "gravity = [0, inf, 0]",
-        "2:15: `gravity[1]`: expected a finite number from -1e5 to 1e5, got inf",
+        "2:15: `gravity[1]`: expected a finite number between -10000 and 10000, both excluded, got inf",
     );
     check(
         "[[rigid]]\nname = \"a\"\nmass = -1",

@@ -5,9 +5,11 @@ use super::memory::resident_mb;
 use super::samples::{Samples, Stopwatch};
 use super::works::{LASTS, SOLVERS, Wanted, free, press, press_with};
 use serde_json::{Value, json};
+use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 use thenar::world::Stage;
+use thenar_output::Output;
 use thenar_scene::session::Session;
 
 /// The goals' table.
@@ -133,6 +135,7 @@ pub fn run(args: &Args) -> Result<(), String> {
     if args.steps == 0 {
         return Err("at least one step must be measured".into());
     }
+    let json = args.json.as_deref().map(Output::create).transpose().map_err(|e| e.to_string())?;
     let memory = paper_size_memory()?;
     let mut table = Table::new(
         args.markdown,
@@ -244,7 +247,7 @@ pub fn run(args: &Args) -> Result<(), String> {
          contacts are least/median/most active at a step of the exact solver.",
         args.steps
     );
-    if let Some(path) = &args.json {
+    if let Some(mut json) = json {
         let report = json!({
             "works": all,
             "haptic_us": { "median": median, "p99": p99, "goal": 5.0 },
@@ -252,7 +255,8 @@ pub fn run(args: &Args) -> Result<(), String> {
             "two_cores": cores,
         });
         let text = serde_json::to_string_pretty(&report).map_err(|e| e.to_string())?;
-        std::fs::write(path, text).map_err(|e| format!("{}: {e}", path.display()))?;
+        json.write_all(text.as_bytes()).map_err(|e| format!("cannot write {e}"))?;
+        json.finish().map_err(|e| e.to_string())?;
     }
     Ok(())
 }

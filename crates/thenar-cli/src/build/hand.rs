@@ -1,11 +1,11 @@
 //! Hands.
 
-use super::{Args, name};
+use super::{Args, Outputs, name, write};
 use crate::error::CliError;
 use crate::picture::{Quality, hand_portrait, write_png};
 use std::path::Path;
 use thenar::model::Side;
-use thenar_rig::export::{write_hand_glb, write_hand_json, write_hand_vtk};
+use thenar_rig::export::{hand_glb, hand_json, write_hand_vtk};
 use thenar_rig::hand::{BoneCover, HandOptions, NameMap, Size, asset, build_hand_with_report};
 use thenar_rig::{HandReport, Model};
 
@@ -14,7 +14,7 @@ const NAMES_BYTES_MAX: u64 = 1 << 20;
 const MESH_BYTES_MAX: u64 = 512 << 20;
 
 /// Builds a hand and prints what it is like.
-pub fn build(args: &Args) -> Result<Model, CliError> {
+pub fn build(args: &Args, outputs: &mut Outputs) -> Result<Model, CliError> {
     let options = options(args)?;
     let bytes = match args.input.to_str() {
         Some("left") => asset(Side::Left).to_vec(),
@@ -29,16 +29,16 @@ pub fn build(args: &Args) -> Result<Model, CliError> {
             .map_err(|e| CliError::Other(format!("cannot make {}: {e}", folder.display())))?;
         write_hand_vtk(folder, &hand)?;
     }
-    if let Some(path) = &args.glb {
-        write_hand_glb(path, &hand)?;
+    if let Some(output) = outputs.glb.take() {
+        write(Some(output), &hand_glb(&hand)?)?;
     }
-    if let Some(path) = &args.json {
-        write_hand_json(path, &hand)?;
+    if let Some(output) = outputs.json.take() {
+        write(Some(output), hand_json(&hand)?.as_bytes())?;
     }
-    if let Some(path) = &args.picture {
+    if let Some(output) = outputs.picture.take() {
         let image = hand_portrait(&hand, &args.layers, [960, 640], &Quality::still())
             .map_err(|e| CliError::Input(e.to_string()))?;
-        write_png(path, &image).map_err(|e| CliError::Other(e.to_string()))?;
+        write_png(output, &image)?;
     }
     Ok(Model::Hand(hand))
 }
@@ -66,12 +66,8 @@ fn names(path: &Path) -> Result<NameMap, CliError> {
 }
 
 fn read(path: &Path, bytes_max: u64) -> Result<Vec<u8>, CliError> {
-    let fault = |problem: String| CliError::Input(format!("{}: {problem}", path.display()));
-    let size = std::fs::metadata(path).map_err(|e| fault(e.to_string()))?.len();
-    if size > bytes_max {
-        return Err(fault(format!("the file has {size} bytes, more than {bytes_max}")));
-    }
-    std::fs::read(path).map_err(|e| fault(e.to_string()))
+    thenar_input::read(path, bytes_max)
+        .map_err(|e| CliError::Input(format!("{}: {e}", path.display())))
 }
 
 fn print(r: &HandReport) {

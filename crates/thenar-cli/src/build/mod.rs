@@ -5,8 +5,11 @@ mod object;
 
 use crate::error::CliError;
 use crate::picture::Layers;
+use crate::{building, interrupt};
+use std::io::Write;
 use std::path::PathBuf;
-use thenar_rig::{Model, write_model};
+use thenar_output::{Output, protect};
+use thenar_rig::Model;
 
 /// Build a simulation-ready model from a mesh.
 #[derive(Debug, clap::Args)]
@@ -73,15 +76,16 @@ pub struct Args {
 /// # Errors
 /// The mesh or an option is wrong, or an output cannot be written.
 pub fn run(args: &Args) -> Result<(), CliError> {
-    let model = if args.hand {
-        hand::build(args)?
-    } else if args.rigid {
-        object::rigid(args)?
-    } else {
-        object::soft(args)?
-    };
+    // What cannot be written is known before anything is built.
+    let mut outputs = Outputs::create(args)?;
+    interrupt::listen();
+    let model = building::told(|| match (args.hand, args.rigid) {
+        (true, _) => hand::build(args, &mut outputs),
+        (_, true) => object::rigid(args),
+        _ => object::soft(args),
+    })?;
     let Some(path) = &args.output else { return Ok(()) };
-    write_model(path, &model)?;
+    write(outputs.model, &model.to_bytes().map_err(|e| e.in_file(path.display()))?)?;
     let kind = match model {
         Model::Hand(_) => "hand",
         Model::Rigid(_) => "rigid body",
@@ -89,6 +93,35 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     };
     println!("wrote the {kind} to {}", path.display());
     Ok(())
+}
+
+/// The files that are asked for.
+struct Outputs {
+    model: Option<Output>,
+    glb: Option<Output>,
+    json: Option<Output>,
+    picture: Option<Output>,
+}
+
+impl Outputs {
+    fn create(args: &Args) -> Result<Self, CliError> {
+        protect(&args.input);
+        args.joint_names.iter().for_each(|names| protect(names));
+        let begin = |path: &Option<PathBuf>| path.as_deref().map(Output::create).transpose();
+        Ok(Self {
+            model: begin(&args.output)?,
+            glb: begin(&args.glb)?,
+            json: begin(&args.json)?,
+            picture: begin(&args.picture)?,
+        })
+    }
+}
+
+/// Writes all of an output, if it is wanted.
+fn write(output: Option<Output>, bytes: &[u8]) -> Result<(), CliError> {
+    let Some(mut output) = output else { return Ok(()) };
+    output.write_all(bytes).map_err(|e| CliError::Other(format!("cannot write {e}")))?;
+    Ok(output.finish()?)
 }
 
 /// Name of a model: that of its file.

@@ -9,6 +9,7 @@ use thenar_rig::export::{flesh_cell_fields, surface, tetrahedra, write_whole};
 use thenar_rig::mesh::{load_mesh, weld};
 use thenar_rig::object::{ImportOptions, SoftModel, Weight, rigid_from_mesh};
 use thenar_rig::{Model, TriMesh};
+use thenar_scene::build::TET_BYTES;
 
 /// Vertices nearer than this part of the mesh's size are one.
 const WELD: f64 = 1e-6;
@@ -67,6 +68,8 @@ pub fn soft(args: &Args) -> Result<Model, CliError> {
     println!("flesh: {} tetrahedra, {} nodes", body.flesh.tets.len(), body.flesh.nodes.len());
     println!("volume: {:.3} ml", body.node_volumes.iter().sum::<f64>() * 1e6);
     println!("elements: {:?}", body.quality);
+    let bytes = TET_BYTES * body.flesh.tets.len() as u64;
+    println!("memory: about {} when simulated", crate::files::size(bytes));
     let model = SoftModel { name: name(args), flesh: body.flesh, render: body.render };
     if let Some(folder) = &args.vtk {
         let flesh = &model.flesh;

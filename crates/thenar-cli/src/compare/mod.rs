@@ -6,12 +6,12 @@ mod print;
 mod sweep;
 
 use crate::error::CliError;
-use crate::files::Draft;
 use crate::interrupt;
 use crate::run::{StopWatch, open, progress};
 use charts::Charts;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use thenar_output::Output;
 use thenar_scene::compare::{CompareError, Comparison, Mode, SIDES, Scheme};
 use thenar_scene::session::{TableFormat, TableWriter};
 
@@ -76,11 +76,11 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let mode = if args.single_steps { Mode::SingleSteps } else { Mode::Trajectories };
     let scheme = if args.paper { Scheme::Paper } else { Scheme::AsSet };
     let mut comparison = Comparison::new(sessions, mode, scheme)?;
-    let mut table = args.csv.as_deref().map(|path| start_table(path, &comparison)).transpose()?;
-    let mut svg = args.svg.as_deref().map(Draft::create).transpose()?;
-    let mut report = args.report.as_deref().map(Draft::create).transpose()?;
-
     interrupt::listen();
+    let mut table = args.csv.as_deref().map(|path| start_table(path, &comparison)).transpose()?;
+    let mut svg = args.svg.as_deref().map(Output::create).transpose()?;
+    let mut report = args.report.as_deref().map(Output::create).transpose()?;
+
     let mut watches = [StopWatch::default(), StopWatch::default()];
     let mut charts = Charts::new(&comparison, steps);
     let bar = progress(steps, args.quiet);
@@ -133,10 +133,10 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     }
 }
 
-fn start_table(path: &Path, of: &Comparison) -> Result<TableWriter<Draft>, CliError> {
+fn start_table(path: &Path, of: &Comparison) -> Result<TableWriter<Output>, CliError> {
     let lines = path.extension().is_some_and(|e| e == "jsonl");
     let format = if lines { TableFormat::JsonLines } else { TableFormat::Csv };
-    let draft = Draft::create(path)?;
+    let draft = Output::create(path)?;
     TableWriter::new(draft, format, of.columns()).map_err(|e| failed("the table", &e))
 }
 

@@ -3,10 +3,10 @@
 use super::Args;
 use crate::chart::{Axis, Dash, Line, Panel, page};
 use crate::error::CliError;
-use crate::files::Draft;
 use crate::run::{file, open};
 use serde_json::{Value, json};
 use std::io::Write;
+use thenar_output::Output;
 use thenar_scene::compare::Scheme;
 use thenar_scene::compare::sweep::{Measured, Plan, Point, SCHEMES, SweepError, sweep};
 
@@ -52,8 +52,8 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         from: options.from,
         seconds: args.seconds.unwrap_or(0.5),
     };
-    let svg = args.svg.as_deref().map(Draft::create).transpose()?;
-    let report = args.report.as_deref().map(Draft::create).transpose()?;
+    let svg = args.svg.as_deref().map(Output::create).transpose()?;
+    let report = args.report.as_deref().map(Output::create).transpose()?;
 
     if !args.quiet {
         println!("{}", HEAD.trim_end());

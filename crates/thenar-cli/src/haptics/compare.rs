@@ -1,12 +1,13 @@
 //! The three modes on one motion.
 
+use crate::building::told;
 use crate::chart::{Axis, Dash, Line, Panel, page};
 use crate::error::CliError;
-use crate::files::Draft;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use thenar::Vec3;
 use thenar::haptic::CouplingDesign;
+use thenar_output::Output;
 use thenar_scene::session::Session;
 use thenar_scene::touch::{Comparison, Study, TouchMode, compare};
 
@@ -44,7 +45,7 @@ const RUNS: [(TouchMode, u64); 5] = [
 /// # Errors
 /// The scene is wrong, or the picture cannot be written.
 pub fn run(args: &Args) -> Result<(), CliError> {
-    let svg = args.svg.as_deref().map(Draft::create).transpose()?;
+    let svg = args.svg.as_deref().map(Output::create).transpose()?;
     let way = Vec3::new(args.way[0], args.way[1], args.way[2]);
     if !(way.norm() > 0.0 && way.norm() < 1.0) {
         return Err(CliError::Input("the way must be longer than 0 and shorter than 1 m".into()));
@@ -53,7 +54,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         return Err(CliError::Input("the frequency must be from 0.05 to 20 Hz".into()));
     }
     let session = match &args.scene {
-        Some(file) => Session::load(file, &[])?,
+        Some(file) => told(|| Ok(Session::load(file, &[])?))?,
         None => Session::from_text(SCENE, Path::new("e09-press.toml"), &[])?,
     };
     let cycle = (1000.0 / args.frequency).round() as u64;

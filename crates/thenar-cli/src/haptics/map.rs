@@ -2,10 +2,10 @@
 
 use crate::chart::{Axis, Dash, Line, Panel, page};
 use crate::error::CliError;
-use crate::files::Draft;
 use std::io::Write;
 use std::path::PathBuf;
 use thenar::haptic::virtual_user::{Device, Wall, predicted_onset, stability_onset};
+use thenar_output::Output;
 
 /// Where onsets are sought \[N/m\].
 const RANGE: [f64; 2] = [1.0, 1e6];
@@ -76,7 +76,7 @@ struct Cell {
 /// # Errors
 /// The picture cannot be written.
 pub fn run(args: &Args) -> Result<(), CliError> {
-    let svg = args.svg.as_deref().map(Draft::create).transpose()?;
+    let svg = args.svg.as_deref().map(Output::create).transpose()?;
     let map = map(args);
     print!("{}", table(args, &map));
     if let Some(mut svg) = svg {

@@ -1,21 +1,21 @@
 //! PNG and animated PNG files, written whole or not at all.
 
 use super::image::Image;
-use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::cell::RefCell;
+use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use thenar_output::{Output, OutputError};
 
 /// Why a picture could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum EncodeError {
-    /// The file system refused.
-    #[error("cannot write picture {path}: {cause}")]
-    File {
-        /// File.
-        path: PathBuf,
-        /// Cause.
-        cause: std::io::Error,
-    },
+    /// The file cannot be made.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// Writing failed; the cause names the file.
+    #[error("cannot write picture {0}")]
+    Write(std::io::Error),
     /// The encoder refused.
     #[error("cannot encode picture {path}: {cause}")]
     Encoder {
@@ -46,26 +46,32 @@ pub enum EncodeError {
     },
 }
 
+fn fault(path: &Path, cause: png::EncodingError) -> EncodeError {
+    match cause {
+        png::EncodingError::IoError(cause) => EncodeError::Write(cause),
+        cause => EncodeError::Encoder { path: path.to_owned(), cause },
+    }
+}
+
 /// Writes a PNG file.
-pub fn write_png(path: &Path, image: &Image) -> Result<(), EncodeError> {
-    let draft = Draft::create(path)?;
-    let fault = |cause| EncodeError::Encoder { path: path.to_owned(), cause };
-    let mut file = draft.writer()?;
-    let mut encoder = png::Encoder::new(&mut file, image.width, image.height);
+pub fn write_png(mut output: Output, image: &Image) -> Result<(), EncodeError> {
+    let path = output.target().to_owned();
+    let fault = |cause| fault(&path, cause);
+    let mut encoder = png::Encoder::new(&mut output, image.width, image.height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     let mut writer = encoder.write_header().map_err(fault)?;
     writer.write_image_data(&image.rgb).map_err(fault)?;
     writer.finish().map_err(fault)?;
-    draft.publish(file)
+    Ok(output.finish()?)
 }
 
 /// An animated PNG in the making. Pixels that do not change from frame to frame cost nothing.
 pub struct Movie {
-    draft: Draft,
-    writer: png::Writer<BufWriter<File>>,
-    handle: File,
+    path: PathBuf,
+    writer: png::Writer<Shared>,
+    output: Shared,
     size: [u32; 2],
     announced: u32,
     pushed: u32,
@@ -75,18 +81,17 @@ pub struct Movie {
 impl Movie {
     /// Starts a movie of `frames` frames, `fps` in each second, that repeats for ever.
     pub fn create(path: &Path, size: [u32; 2], frames: u32, fps: u16) -> Result<Self, EncodeError> {
-        let draft = Draft::create(path)?;
-        let fault = |cause| EncodeError::Encoder { path: path.to_owned(), cause };
-        let file = draft.writer()?;
-        let handle = file.get_ref().try_clone().map_err(|cause| draft.fault(cause))?;
-        let mut encoder = png::Encoder::new(file, size[0], size[1]);
+        let output = Shared(Rc::new(RefCell::new(Output::create(path)?)));
+        let fault = |cause| fault(path, cause);
+        let mut encoder = png::Encoder::new(output.clone(), size[0], size[1]);
         encoder.set_color(png::ColorType::Rgba);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         encoder.set_animated(frames, 0).map_err(fault)?;
         encoder.set_frame_delay(1, fps.max(1)).map_err(fault)?;
         let writer = encoder.write_header().map_err(fault)?;
-        Ok(Self { draft, writer, handle, size, announced: frames, pushed: 0, last: None })
+        let path = path.to_owned();
+        Ok(Self { path, writer, output, size, announced: frames, pushed: 0, last: None })
     }
 
     /// Frames still to be pushed.
@@ -98,34 +103,44 @@ impl Movie {
     pub fn push(&mut self, image: &Image) -> Result<(), EncodeError> {
         let got = [image.width, image.height];
         if got != self.size {
-            let (path, expected) = (self.draft.path.clone(), self.size);
+            let (path, expected) = (self.path.clone(), self.size);
             return Err(EncodeError::FrameSize { path, expected, got });
         }
         if self.pushed >= self.announced {
             return Err(self.miscounted(self.pushed + 1));
         }
         let changed = Changed::between(self.last.as_ref(), image);
-        self.write(&changed, image)
-            .map_err(|cause| EncodeError::Encoder { path: self.draft.path.clone(), cause })?;
+        let rgba = changed.rgba(self.last.as_ref(), image);
+        self.write(&changed, &rgba).map_err(|cause| fault(&self.path, cause))?;
         self.pushed += 1;
         self.last = Some(image.clone());
         Ok(())
     }
 
-    fn write(&mut self, changed: &Changed, image: &Image) -> Result<(), png::EncodingError> {
-        let first = self.last.is_none();
-        if !first {
+    fn write(&mut self, changed: &Changed, rgba: &[u8]) -> Result<(), png::EncodingError> {
+        if self.pushed > 0 {
             // The encoder checks each against the other: back to the corner in between.
             self.writer.set_frame_position(0, 0)?;
             self.writer.set_frame_dimension(changed.width, changed.height)?;
             self.writer.set_frame_position(changed.x, changed.y)?;
             self.writer.set_blend_op(png::BlendOp::Over)?;
         }
-        self.writer.write_image_data(&changed.rgba(self.last.as_ref(), image))
+        self.writer.write_image_data(rgba)
     }
 
     fn miscounted(&self, got: u32) -> EncodeError {
-        EncodeError::FrameCount { path: self.draft.path.clone(), expected: self.announced, got }
+        EncodeError::FrameCount { path: self.path.clone(), expected: self.announced, got }
+    }
+
+    /// Fills up with frames in which nothing moves, up to the number announced.
+    pub fn stand_still(&mut self) -> Result<(), EncodeError> {
+        // A pixel of the corner, as it is already.
+        let nothing = Changed { x: 0, y: 0, width: 1, height: 1 };
+        while self.pushed > 0 && self.frames_left() > 0 {
+            self.write(&nothing, &[0; 4]).map_err(|cause| fault(&self.path, cause))?;
+            self.pushed += 1;
+        }
+        Ok(())
     }
 
     /// Completes the file and puts it in its place.
@@ -133,9 +148,12 @@ impl Movie {
         if self.pushed != self.announced {
             return Err(self.miscounted(self.pushed));
         }
-        let path = self.draft.path.clone();
-        self.writer.finish().map_err(|cause| EncodeError::Encoder { path, cause })?;
-        self.draft.publish(BufWriter::new(self.handle))
+        self.writer.finish().map_err(|cause| fault(&self.path, cause))?;
+        // The writer has gone, and with it the only other owner.
+        match Rc::into_inner(self.output.0) {
+            Some(output) => Ok(output.into_inner().finish()?),
+            None => Ok(()),
+        }
     }
 }
 
@@ -182,38 +200,16 @@ impl Changed {
     }
 }
 
-/// A file that takes its name only when it is complete; dropped before, it leaves nothing.
-struct Draft {
-    path: PathBuf,
-    temporary: PathBuf,
-}
+/// The output of an encoder that keeps what it is given for itself.
+#[derive(Clone)]
+struct Shared(Rc<RefCell<Output>>);
 
-impl Draft {
-    fn create(path: &Path) -> Result<Self, EncodeError> {
-        let mut name = path.file_name().unwrap_or_default().to_owned();
-        name.push(format!(".{}.part", std::process::id()));
-        Ok(Self { path: path.to_owned(), temporary: path.with_file_name(name) })
+impl Write for Shared {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0.borrow_mut().write(bytes)
     }
 
-    fn writer(&self) -> Result<BufWriter<File>, EncodeError> {
-        let file = File::create(&self.temporary).map_err(|cause| self.fault(cause))?;
-        Ok(BufWriter::new(file))
-    }
-
-    fn fault(&self, cause: std::io::Error) -> EncodeError {
-        EncodeError::File { path: self.path.clone(), cause }
-    }
-
-    fn publish(self, mut file: BufWriter<File>) -> Result<(), EncodeError> {
-        file.flush().map_err(|cause| self.fault(cause))?;
-        file.get_ref().sync_all().map_err(|cause| self.fault(cause))?;
-        std::fs::rename(&self.temporary, &self.path).map_err(|cause| self.fault(cause))
-    }
-}
-
-impl Drop for Draft {
-    fn drop(&mut self) {
-        // Already renamed when it was published; nothing can be done about a failure.
-        let _ = std::fs::remove_file(&self.temporary);
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.0.borrow_mut().flush()
     }
 }

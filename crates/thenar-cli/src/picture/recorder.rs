@@ -2,7 +2,8 @@
 
 use super::from_session::{camera, stage};
 use super::{Camera, EncodeError, Image, Layers, Movie, Quality, Scales, render, write_png};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use thenar_output::Output;
 use thenar_scene::session::Session;
 
 /// What `thenar run` is to show.
@@ -75,9 +76,8 @@ pub struct Recorder {
     options: PictureOptions,
     camera: Camera,
     movie: Option<Movie>,
-    last: Option<Image>,
+    picture: Option<Output>,
     frames: u32,
-    pictured: bool,
 }
 
 impl Recorder {
@@ -99,13 +99,13 @@ impl Recorder {
         }
         let count = (seconds.max(0.0) * f64::from(o.fps) + 1e-6).floor() as u32 + 1;
         let movie = |path: &PathBuf| Movie::create(path, o.size, count, o.fps);
+        let picture = o.picture.as_deref().map(Output::create).transpose();
         let mut recorder = Self {
             camera: camera(session, f64::from(o.size[0]) / f64::from(o.size[1])),
             movie: o.movie.as_ref().map(movie).transpose()?,
+            picture: picture.map_err(EncodeError::from)?,
             options: o.clone(),
-            last: None,
             frames: 0,
-            pictured: false,
         };
         recorder.observe(session)?;
         Ok(Some(recorder))
@@ -118,7 +118,7 @@ impl Recorder {
             self.frame(session)?;
             self.frames += 1;
         }
-        if !self.pictured && self.options.at.is_some_and(|at| time >= at) {
+        if self.options.at.is_some_and(|at| time >= at) {
             self.take_picture(session)?;
         }
         Ok(())
@@ -126,15 +126,9 @@ impl Recorder {
 
     /// Completes all files. A movie that is short of frames stands still at its end.
     pub fn finish(mut self, session: &Session) -> Result<(), RecordError> {
-        if !self.pictured {
-            self.take_picture(session)?;
-        }
+        self.take_picture(session)?;
         if let Some(mut movie) = self.movie {
-            if let Some(last) = &self.last {
-                while movie.frames_left() > 0 {
-                    movie.push(last)?;
-                }
-            }
+            movie.stand_still()?;
             movie.finish()?;
         }
         Ok(())
@@ -144,20 +138,21 @@ impl Recorder {
         if self.movie.is_some() || self.options.frames.is_some() {
             let image = self.draw(session, &Quality::movie());
             if let Some(folder) = &self.options.frames {
-                write_png(&folder.join(format!("frame-{:06}.png", self.frames)), &image)?;
+                let file = folder.join(format!("frame-{:06}.png", self.frames));
+                let output = Output::create(&file).map_err(EncodeError::from)?;
+                write_png(output, &image)?;
             }
             if let Some(movie) = self.movie.as_mut().filter(|m| m.frames_left() > 0) {
                 movie.push(&image)?;
             }
-            self.last = Some(image);
         }
         Ok(())
     }
 
+    /// Draws the picture, if it is still to be drawn.
     fn take_picture(&mut self, session: &Session) -> Result<(), RecordError> {
-        self.pictured = true;
-        let Some(path) = &self.options.picture else { return Ok(()) };
-        Ok(write_png(Path::new(path), &self.draw(session, &Quality::still()))?)
+        let Some(output) = self.picture.take() else { return Ok(()) };
+        Ok(write_png(output, &self.draw(session, &Quality::still()))?)
     }
 
     fn draw(&self, session: &Session, quality: &Quality) -> Image {
@@ -171,6 +166,7 @@ impl Recorder {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::Path;
 
     #[test]
     fn sizes_are_read_or_refused_with_what_was_expected() {

@@ -182,6 +182,7 @@ fn a_floor_that_passes_under_the_eye_is_cut_at_the_near_plane() {
 mod files {
     use super::*;
     use std::path::PathBuf;
+    use thenar_output::Output;
 
     fn folder(name: &str) -> PathBuf {
         let dir = std::env::temp_dir().join(format!("thenar-{name}-{}", std::process::id()));
@@ -205,7 +206,7 @@ mod files {
     fn a_png_reads_back_as_it_was_written() {
         let dir = folder("png");
         let path = dir.join("a.png");
-        write_png(&path, &frame(3)).expect("written");
+        write_png(Output::create(&path).expect("begun"), &frame(3)).expect("written");
         let file = std::io::BufReader::new(std::fs::File::open(&path).expect("there"));
         let mut reader = png::Decoder::new(file).read_info().expect("a PNG");
         let mut bytes = vec![0; reader.output_buffer_size().expect("a size")];
@@ -265,7 +266,7 @@ mod files {
 
     #[test]
     fn a_folder_that_does_not_exist_is_named_in_the_error() {
-        let error = write_png(std::path::Path::new("no-such-folder/a.png"), &frame(0));
+        let error = Output::create(std::path::Path::new("no-such-folder/a.png"));
         assert!(error.expect_err("refused").to_string().contains("no-such-folder/a.png"));
     }
 }

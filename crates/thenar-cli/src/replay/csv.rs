@@ -2,12 +2,12 @@
 
 use super::{Every, Sink};
 use crate::error::CliError;
-use crate::files::Draft;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use thenar::model::Digit;
+use thenar_output::Output;
 use thenar_record::ChannelInfo;
 use thenar_scene::recording::{Event, Replay};
 use thenar_scene::session::{HandLoad, Session};
@@ -17,10 +17,10 @@ pub struct Tables {
     file: PathBuf,
     every: Every,
     scenes: u32,
-    scene: Draft,
+    scene: Output,
     /// Those that are complete.
-    done: Vec<Draft>,
-    channels: BTreeMap<u32, Draft>,
+    done: Vec<Output>,
+    channels: BTreeMap<u32, Output>,
     line: String,
 }
 
@@ -53,7 +53,7 @@ impl Tables {
             file: file.into(),
             every: Every::at_most(rate),
             scenes: 0,
-            scene: Draft::create(file)?,
+            scene: Output::create(file)?,
             done: Vec::new(),
             channels: BTreeMap::new(),
             line: String::new(),
@@ -63,7 +63,7 @@ impl Tables {
     fn begin_scene(&mut self, session: &Session) -> Result<(), CliError> {
         self.scenes += 1;
         if self.scenes > 1 {
-            let next = Draft::create(&beside(&self.file, &self.scenes.to_string()))?;
+            let next = Output::create(&beside(&self.file, &self.scenes.to_string()))?;
             self.done.push(std::mem::replace(&mut self.scene, next));
         }
         let mut names: Vec<String> =
@@ -120,7 +120,7 @@ impl Tables {
         // A name from a file must not lead anywhere.
         let name: String =
             info.name.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
-        let mut draft = Draft::create(&beside(&self.file, &format!("{}-{name}", info.id)))?;
+        let mut draft = Output::create(&beside(&self.file, &format!("{}-{name}", info.id)))?;
         let fields =
             info.fields.iter().map(|f| format!(",{}", cell(&format!("{} [{}]", f.name, f.unit))));
         writeln!(draft, "time [s]{}", fields.collect::<String>()).map_err(|e| failed(&e))?;
@@ -148,6 +148,7 @@ impl Sink for Tables {
 
     fn finish(self: Box<Self>, _: &Replay) -> Result<(), CliError> {
         let channels = self.channels.into_values();
-        self.done.into_iter().chain([self.scene]).chain(channels).try_for_each(Draft::finish)
+        let mut all = self.done.into_iter().chain([self.scene]).chain(channels);
+        Ok(all.try_for_each(Output::finish)?)
     }
 }

@@ -4,13 +4,15 @@ mod csv;
 mod mcap;
 mod show;
 
+use crate::building::heard;
 use crate::error::CliError;
 use crate::interrupt;
 use crate::page::PageOptions;
 use crate::recording::header;
+use crate::taken_back;
 use csv::Tables;
 use mcap::Export;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use thenar_record::Header;
 use thenar_scene::recording::{Event, Loss, Replay, ReplayError, TimeOf, Verdict};
 
@@ -93,6 +95,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     if !args.from.is_finite() || args.from < 0.0 {
         return Err(CliError::Input("--from must be 0 or more".into()));
     }
+    thenar_output::protect(&args.recording);
     if args.serve {
         return show::run(args);
     }
@@ -100,10 +103,12 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         let what = "--port, --lan, --open and --no-open are for --serve";
         return Err(CliError::Input(what.into()));
     }
-    let mut replay = match args.from {
-        0.0 => Replay::open(&args.recording)?,
-        from => Replay::open_at(&args.recording, from)?,
-    };
+    let opened = heard(|| match args.from {
+        0.0 => Replay::open(&args.recording),
+        from => Replay::open_at(&args.recording, from),
+    });
+    let mut replay = opened.map_err(|error| named(&args.recording, error))?;
+    interrupt::listen();
     let mut sinks: Vec<Box<dyn Sink>> = Vec::new();
     if let Some(file) = &args.csv {
         sinks.push(Box::new(Tables::create(file, args.rate)?));
@@ -111,18 +116,18 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     if let Some(file) = &args.mcap {
         sinks.push(Box::new(Export::create(file, args.rate, replay.header())?));
     }
-    interrupt::listen();
     let failed = loop {
         if interrupt::asked() {
             return Err(CliError::Other("interrupted; nothing was exported".into()));
         }
-        match replay.next() {
+        match heard(|| replay.next()) {
             Ok(Some(event)) => {
                 for sink in &mut sinks {
                     sink.take(&event, &mut replay)?;
                 }
             }
             Ok(None) => break None,
+            Err(_) if interrupt::asked() => {}
             // What was made before it is worth keeping.
             Err(error) => break Some(error),
         }
@@ -135,8 +140,12 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         tell(args, &replay, &here);
     }
     match failed {
-        Some(error) => Err(error.into()),
-        None => judge(args, replay.verdict(), replay.header(), &here),
+        Some(error) => Err(named(&args.recording, error)),
+        None => {
+            let verdict = replay.verdict();
+            judge(args, verdict, replay.header(), &here)?;
+            taken_back::judge(verdict.taken_back, verdict.steps)
+        }
     }
 }
 
@@ -159,6 +168,9 @@ fn tell(args: &Args, replay: &Replay, here: &Header) {
         if causes.is_empty() {
             println!("  the build and the processor are the same: this should not be");
         }
+    }
+    if verdict.taken_back > 0 {
+        println!("  {} steps were taken back: their numbers are not finite", verdict.taken_back);
     }
     verdict.refused.iter().take(3).for_each(|reason| println!("  refused: {reason}"));
     for (time, gap) in &verdict.gaps {
@@ -208,6 +220,11 @@ fn judge(args: &Args, verdict: &Verdict, recorded: &Header, here: &Header) -> Re
         lines.extend(verdict.refused.first().cloned());
         return Err(CliError::Other(lines.join("; ")));
     }
+    let (put_right, _) = verdict.put_right;
+    if put_right > 0 {
+        let what = "keyframes remember something else than the session";
+        return Err(CliError::Other(format!("{what}, {put_right} times")));
+    }
     match verdict.losses.len() {
         1.. => Err(CliError::Other(damaged(verdict))),
         _ if !verdict.ended => Err(CliError::Other("the recording was not ended".into())),
@@ -218,12 +235,14 @@ fn judge(args: &Args, verdict: &Verdict, recorded: &Header, here: &Header) -> Re
     }
 }
 
-impl From<ReplayError> for CliError {
-    fn from(error: ReplayError) -> Self {
-        match error {
-            ReplayError::Read(_) | ReplayError::Asset(_) => Self::Other(error.to_string()),
-            _ => Self::Input(error.to_string()),
+/// What is wrong with a recording, which is named.
+fn named(recording: &Path, error: ReplayError) -> CliError {
+    match error {
+        ReplayError::Open(error) => CliError::Input(error.to_string()),
+        ReplayError::Read(_) | ReplayError::Asset(_) => {
+            CliError::Other(format!("{}: {error}", recording.display()))
         }
+        _ => CliError::Input(format!("{}: {error}", recording.display())),
     }
 }
 

@@ -1,9 +1,11 @@
 //! A recording on the live page.
 
-use super::Args;
+use super::{Args, named};
+use crate::building::told;
 use crate::error::CliError;
 use crate::interrupt;
 use std::io::Write;
+use std::path::Path;
 use std::time::Duration;
 use thenar_serve::playback::{Playback, PlaybackError};
 
@@ -13,7 +15,9 @@ use thenar_serve::playback::{Playback, PlaybackError};
 /// The recording cannot be replayed, or the port cannot be had.
 pub fn run(args: &Args) -> Result<(), CliError> {
     interrupt::listen();
-    let (playback, hub) = Playback::start(&args.recording, args.from)?;
+    let (playback, hub) = told(|| {
+        Playback::start(&args.recording, args.from).map_err(|error| failed(&args.recording, error))
+    })?;
     let server = args.page.serve(hub)?;
     args.page.announce(&format!("{} is shown", args.recording.display()), &server);
     while !interrupt::asked() {
@@ -26,12 +30,10 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     Ok(())
 }
 
-impl From<PlaybackError> for CliError {
-    fn from(error: PlaybackError) -> Self {
-        match error {
-            PlaybackError::Replay(error) => error.into(),
-            PlaybackError::Thread(_) => Self::Other(error.to_string()),
-            _ => Self::Input(error.to_string()),
-        }
+fn failed(recording: &Path, error: PlaybackError) -> CliError {
+    match error {
+        PlaybackError::Replay(error) => named(recording, error),
+        PlaybackError::Thread(_) => CliError::Other(error.to_string()),
+        _ => CliError::Input(format!("{}: {error}", recording.display())),
     }
 }

@@ -1,5 +1,6 @@
 //! Which scene is meant.
 
+use crate::building::told;
 use crate::error::CliError;
 use std::path::{Path, PathBuf};
 use thenar_scene::session::{Builtin, Session, builtin, builtins};
@@ -34,17 +35,23 @@ pub fn find(scene: &Path) -> Result<Found, CliError> {
     })
 }
 
-/// Opens a scene.
+/// Opens a scene. No output of this command replaces a file that it is made from.
 ///
 /// # Errors
 /// There is no such scene, or it is wrong.
 pub fn open(scene: &Path, overrides: &[String]) -> Result<Session, CliError> {
-    match find(scene)? {
-        Found::File(path) => Ok(Session::load(&path, overrides)?),
+    let found = find(scene)?;
+    let session = told(|| match found {
+        Found::File(path) => {
+            thenar_output::protect(&path);
+            Ok(Session::load(&path, overrides)?)
+        }
         Found::Builtin(known) => {
             Ok(Session::from_text(known.text, &beside(known.name), overrides)?)
         }
-    }
+    })?;
+    session.files().values().for_each(|file| thenar_output::protect(file));
+    Ok(session)
 }
 
 /// Says on the error output what overlaps at the start, a line for each pair of bodies.

@@ -16,6 +16,7 @@ use crate::error::CliError;
 use crate::interrupt;
 use crate::picture::PictureOptions;
 use crate::recording::{RecordOptions, Recording, attach};
+use crate::taken_back;
 use indicatif::{ProgressBar, ProgressStyle};
 use outputs::Outputs;
 use std::path::PathBuf;
@@ -65,6 +66,8 @@ pub struct Outcome {
     pub times: StageTimes,
     /// Time of the whole loop \[s\].
     pub wall: f64,
+    /// Steps that were made.
+    pub steps: u64,
     /// Ctrl-C ended it early.
     pub interrupted: bool,
 }
@@ -85,8 +88,8 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     }
     tell_overlaps(&session);
     let mut outputs = Outputs::create(args, &session, steps)?;
-    let recording = attach(&args.recording, &mut session)?;
     interrupt::listen();
+    let recording = attach(&args.recording, &mut session)?;
     let outcome = advance(&mut session, steps, &mut outputs, args.quiet)?;
     outputs.finish(&session, &outcome)?;
     drop(session.take_witness());
@@ -100,7 +103,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         true => {
             Err(CliError::Other("interrupted; what was asked for is written up to here".into()))
         }
-        false => Ok(()),
+        false => taken_back::judge(outcome.summary.non_finite, outcome.steps),
     }
 }
 
@@ -135,13 +138,14 @@ fn advance(
     let mut watch = StopWatch::default();
     let mut summary = Summary::new(session);
     let start = Instant::now();
-    let mut interrupted = false;
+    let (mut interrupted, mut made) = (false, 0);
     outputs.take(session)?;
     for _ in 0..steps {
         session.step(&mut watch);
         summary.take(session);
         outputs.take(session)?;
         bar.inc(1);
+        made += 1;
         if interrupt::asked() {
             interrupted = true;
             break;
@@ -149,7 +153,7 @@ fn advance(
     }
     let wall = start.elapsed().as_secs_f64();
     bar.finish_and_clear();
-    Ok(Outcome { summary, times: watch.times, wall, interrupted })
+    Ok(Outcome { summary, times: watch.times, wall, steps: made, interrupted })
 }
 
 /// A bar on the terminal with rate and time left; nothing when there is no terminal.

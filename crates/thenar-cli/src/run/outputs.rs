@@ -3,15 +3,15 @@
 use super::vtk::VtkSeries;
 use super::{Args, Outcome, report};
 use crate::error::CliError;
-use crate::files::Draft;
 use crate::picture::Recorder;
 use std::io::Write;
+use thenar_output::Output;
 use thenar_scene::session::{Session, TableFormat, TableWriter};
 
 /// All files of a run.
 pub struct Outputs {
-    table: Option<TableWriter<Draft>>,
-    report: Option<Draft>,
+    table: Option<TableWriter<Output>>,
+    report: Option<Output>,
     vtk: Option<VtkSeries>,
     pictures: Option<Recorder>,
 }
@@ -33,12 +33,12 @@ impl Outputs {
                 }
                 let lines = path.extension().is_some_and(|e| e == "jsonl");
                 let format = if lines { TableFormat::JsonLines } else { TableFormat::Csv };
-                let draft = Draft::create(path)?;
+                let draft = Output::create(path)?;
                 Some(TableWriter::new(draft, format, session.columns()).map_err(|e| failed(&e))?)
             }
             None => None,
         };
-        let report = args.report.as_deref().map(Draft::create).transpose()?;
+        let report = args.report.as_deref().map(Output::create).transpose()?;
         let vtk = match &args.vtk {
             Some(folder) => Some(VtkSeries::create(folder, session, args.vtk_interval)?),
             None => None,

@@ -4,7 +4,7 @@ mod bodies;
 mod chains;
 mod landing;
 
-use super::case::{Case, CaseError, Check, Figure, SceneText, scene};
+use super::case::{Basis, Case, CaseError, Check, Figure, SceneText, scene};
 use super::run::{Solver, order, step_words};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -44,7 +44,9 @@ fn free_fall(solver: Solver) -> Result<Vec<Figure>, CaseError> {
         let n = (0.5_f64 / h).round();
         let expected = -9.81 * h * h * n * (n + 1.0) / 2.0;
         let what = "y(0.5 s) [m], recurrence";
-        figures.push(Figure::new(what, step_words(h), expected, height(h)?, Check::Absolute(1e-9)));
+        let (setup, check) = (step_words(h), Check::Absolute(1e-9));
+        let figure = Figure::new(what, setup, expected, height(h)?, check);
+        figures.push(figure.rests_on(Basis::Construction));
     }
     let off = |h: f64| Ok::<f64, CaseError>(height(h)? + 9.81 * 0.125);
     let what = "error against g t²/2: ratio when h halves";
@@ -109,7 +111,8 @@ fn damped_oscillator(solver: Solver) -> Result<Vec<Figure>, CaseError> {
         let got = solver.with_step(&OSCILLATOR, h)?.to(0.1)?.value("mass.x")?;
         let expected = oscillator_recurrence(h, 0.1);
         let what = "x(0.1 s) [m], recurrence";
-        figures.push(Figure::new(what, step_words(h), expected, got, Check::Absolute(1e-9)));
+        let figure = Figure::new(what, step_words(h), expected, got, Check::Absolute(1e-9));
+        figures.push(figure.rests_on(Basis::Construction));
         off.push(got - exact);
     }
     let p = order(off[1], off[2], 10.0);

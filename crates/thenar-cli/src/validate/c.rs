@@ -5,6 +5,7 @@ mod incline;
 mod indentation;
 mod rest;
 mod slip;
+mod tangential;
 
 use super::case::{Case, CaseError, Figure, SceneText, scene};
 use super::run::Solver;
@@ -20,6 +21,8 @@ const SLIDING: SceneText = scene!("c07-sliding");
 const PINCH: SceneText = scene!("c08-pinch");
 const COLLISION: SceneText = scene!("c09-collision");
 const TIPPING: SceneText = scene!("c10-tipping");
+const MINDLIN: SceneText = scene!("c11-mindlin");
+const TORSION: SceneText = scene!("c12-torsion");
 
 /// Gravity of the scenes \[m/s²\].
 const G: f64 = 9.81;
@@ -47,6 +50,8 @@ pub const CASES: &[Case] = &[
     case("C8", "pinch hold", false, rest::pinch),
     case("C9", "action and reaction", false, balance::balance),
     case("C10", "tipping before slipping", false, incline::tipping),
+    case("C11", "Cattaneo and Mindlin: a pressed ball dragged aside", true, tangential::mindlin),
+    case("C12", "a pressed ball turned about the normal", true, tangential::torsion),
 ];
 
 /// The value between `low` (where `holds` is true) and `high` (where it is false) at which

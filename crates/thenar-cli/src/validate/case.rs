@@ -98,6 +98,19 @@ pub enum Outcome {
     Stated,
 }
 
+/// What the expected value of a figure rests on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Basis {
+    /// Theory, a published figure or an independent computation.
+    #[default]
+    Theory,
+    /// How the program is built: whoever knows that knows the figure. It guards against slips and says
+    /// nothing of nature.
+    Construction,
+    /// Another part of this program.
+    Itself,
+}
+
 /// One row of the table: a number measured, beside the one expected.
 #[derive(Clone, Debug)]
 pub struct Figure {
@@ -111,6 +124,8 @@ pub struct Figure {
     pub got: f64,
     /// When it is met.
     pub check: Check,
+    /// What the expected value rests on.
+    pub basis: Basis,
     /// Why the model cannot meet it, should it not.
     pub cannot: Option<String>,
 }
@@ -124,7 +139,14 @@ impl Figure {
         got: f64,
         check: Check,
     ) -> Self {
-        Self { what: what.into(), setup: setup.into(), expected, got, check, cannot: None }
+        let (what, setup, basis) = (what.into(), setup.into(), Basis::Theory);
+        Self { what, setup, expected, got, check, basis, cannot: None }
+    }
+
+    /// Says what the expected value rests on, where that is not theory.
+    pub fn rests_on(mut self, basis: Basis) -> Self {
+        self.basis = basis;
+        self
     }
 
     /// States why the model cannot meet this figure; shown only when it does not.

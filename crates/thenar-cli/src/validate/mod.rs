@@ -12,7 +12,6 @@ mod report;
 mod run;
 
 use crate::error::CliError;
-use crate::files::Draft;
 use case::Case;
 use report::Finding;
 use run::Solver;
@@ -20,6 +19,7 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
+use thenar_output::Output;
 
 /// Runs cases whose results are known from theory, and prints expected beside measured.
 #[derive(Debug, clap::Args)]
@@ -44,7 +44,7 @@ pub struct Args {
 /// The request is wrong, a case fails, or the table cannot be written.
 pub fn run(args: &Args) -> Result<(), CliError> {
     let chosen = choose(args)?;
-    let json = args.json.as_deref().map(Draft::create).transpose()?;
+    let json = args.json.as_deref().map(Output::create).transpose()?;
     println!("{}", report::head());
     let findings =
         examine_all(&chosen, args.solver, |finding| println!("{}", report::rows(finding)));

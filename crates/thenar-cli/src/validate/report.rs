@@ -1,6 +1,6 @@
 //! The table of figures, as text and as JSON.
 
-use super::case::{Case, CaseError, Check, Figure, Outcome};
+use super::case::{Basis, Case, CaseError, Check, Figure, Outcome};
 use serde_json::{Value, json};
 
 /// What became of a case.
@@ -55,7 +55,7 @@ fn figure_row(figure: &Figure) -> String {
             String::new()
         },
         tolerance(&figure.check),
-        word(figure.outcome()).to_string(),
+        format!("{}{}", word(figure.outcome()), mark(figure.basis)),
     ]);
     match (figure.outcome(), &figure.cannot) {
         (Outcome::Cannot, Some(reason)) => format!("{line}\n       because {reason}"),
@@ -119,12 +119,31 @@ pub fn word(outcome: Outcome) -> &'static str {
     }
 }
 
+/// What is put behind the outcome of a figure that rests on no theory.
+fn mark(basis: Basis) -> &'static str {
+    match basis {
+        Basis::Theory => "",
+        Basis::Construction => ", by construction",
+        Basis::Itself => ", against itself",
+    }
+}
+
+/// The word for a basis in JSON.
+fn basis_word(basis: Basis) -> &'static str {
+    match basis {
+        Basis::Theory => "theory",
+        Basis::Construction => "construction",
+        Basis::Itself => "itself",
+    }
+}
+
 /// All findings as JSON.
 pub fn to_json(findings: &[Finding]) -> Value {
     let figure = |f: &Figure| {
         json!({
             "what": f.what, "setup": f.setup, "expected": f.expected, "got": f.got,
             "error": f.error(), "tolerance": tolerance(&f.check), "result": word(f.outcome()),
+            "basis": basis_word(f.basis),
             "cannot": f.cannot.as_ref().filter(|_| f.outcome() == Outcome::Cannot),
         })
     };
@@ -139,21 +158,26 @@ pub fn to_json(findings: &[Finding]) -> Value {
     json!({ "cases": findings.iter().map(case).collect::<Vec<_>>() })
 }
 
-/// The last line: how many figures passed, failed, could not be met.
+/// The last lines: how many figures passed, failed, could not be met, and how many of those that passed
+/// say nothing of nature.
 pub fn tally(findings: &[Finding]) -> String {
-    let outcomes: Vec<Outcome> = findings
-        .iter()
-        .filter_map(|f| f.figures.as_ref().ok())
-        .flat_map(|list| list.iter().map(Figure::outcome))
-        .collect();
-    let count = |o: Outcome| outcomes.iter().filter(|x| **x == o).count();
+    let figures = || findings.iter().filter_map(|f| f.figures.as_ref().ok()).flatten();
+    let count = |o: Outcome| figures().filter(|f| f.outcome() == o).count();
+    let passed = |basis: Basis| {
+        figures().filter(|f| f.outcome() == Outcome::Pass && f.basis == basis).count()
+    };
     let broken = findings.iter().filter(|f| f.figures.is_err()).count();
     format!(
-        "{} cases: {} figures pass, {} fail, {} cannot be met, {} stated; {broken} cases did not run",
+        "{} cases: {} figures pass, {} fail, {} cannot be met, {} stated; {broken} cases did not run\n\
+         of those that pass {} rest on theory or an independent computation, {} hold by construction, {} compare \
+         the program with itself",
         findings.len(),
         count(Outcome::Pass),
         count(Outcome::Fail),
         count(Outcome::Cannot),
         count(Outcome::Stated),
+        passed(Basis::Theory),
+        passed(Basis::Construction),
+        passed(Basis::Itself),
     )
 }

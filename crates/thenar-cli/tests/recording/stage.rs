@@ -40,8 +40,10 @@ pub fn out(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
+/// What it said, but for how far building was: a slow machine has that told.
 pub fn err(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
+    let text = String::from_utf8_lossy(&output.stderr);
+    text.split_inclusive('\n').filter(|line| !line.ends_with(" %\n")).collect()
 }
 
 /// The hash that a summary ends with.
@@ -58,6 +60,21 @@ impl Drop for Running {
     fn drop(&mut self) {
         let _ = self.0.kill();
         let _ = self.0.wait();
+    }
+}
+
+/// Waits until a name with this in it is in a folder.
+#[track_caller]
+#[allow(dead_code)] // for the tests of outputs
+pub fn wait_for_name(folder: &std::path::Path, part: &str) {
+    let begun = Instant::now();
+    let is_there = || {
+        let mut names = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name());
+        names.any(|name| name.to_string_lossy().contains(part))
+    };
+    while !is_there() {
+        assert!(begun.elapsed() < Duration::from_secs(120), "no {part} in {}", folder.display());
+        std::thread::sleep(Duration::from_millis(2));
     }
 }
 

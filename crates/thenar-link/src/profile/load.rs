@@ -5,8 +5,13 @@ use crate::LinkError;
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 use thenar::model::Side;
+use thenar_input::{InputError, brief, read_text};
+use thenar_output::write_whole;
 use toml::{Table, Value};
 use toml_edit::{DocumentMut, Item, TableLike, TomlError};
+
+/// Largest profile \[bytes\]; the longest that is shipped has five thousand.
+const PROFILE_BYTES_MAX: u64 = 1 << 20;
 
 /// A profile that can tell what is wrong with its numbers.
 pub trait Check: DeserializeOwned {
@@ -29,7 +34,7 @@ pub fn load<P: Check>(driver: &str, shipped: &str, address: &Address) -> Result<
     };
     let text = match &file {
         None => String::new(),
-        Some(file) => std::fs::read_to_string(file).map_err(|error| LinkError::Setting {
+        Some(file) => read_text(file, PROFILE_BYTES_MAX).map_err(|error| LinkError::Setting {
             what: format!("profile {}", file.display()),
             cause: error.to_string(),
         })?,
@@ -88,7 +93,8 @@ fn lay_over(below: &mut Table, above: Table) {
 }
 
 fn one_line(text: &str) -> String {
-    text.split('\n').map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
+    let lines = text.split('\n').map(str::trim).filter(|line| !line.is_empty()).map(brief);
+    brief(&lines.collect::<Vec<_>>().join(" "))
 }
 
 /// Puts `above` into a person's own text: comments, order and spaces stay.
@@ -141,23 +147,20 @@ fn edited(value: &Value) -> toml_edit::Value {
 pub fn save(file: &Path, keys: Table) -> Result<(), LinkError> {
     let refuse =
         |cause: String| LinkError::Setting { what: format!("profile {}", file.display()), cause };
-    let old = match std::fs::read_to_string(file) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
+    let old = match read_text(file, PROFILE_BYTES_MAX) {
+        Err(InputError::System(error)) if error.kind() == std::io::ErrorKind::NotFound => {
+            String::new()
+        }
         result => result.map_err(|error| refuse(error.to_string()))?,
     };
     let mut document: DocumentMut =
         old.parse().map_err(|e: TomlError| refuse(one_line(&e.to_string())))?;
     write_over(document.as_table_mut(), &keys);
     let text = document.to_string();
-    let write = || {
-        if let Some(folder) = file.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-            std::fs::create_dir_all(folder)?;
-        }
-        let new = file.with_extension("toml.new");
-        std::fs::write(&new, text)?;
-        std::fs::rename(&new, file)
-    };
-    write().map_err(|error| refuse(error.to_string()))
+    if let Some(folder) = file.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        std::fs::create_dir_all(folder).map_err(|error| refuse(error.to_string()))?;
+    }
+    write_whole(file, text.as_bytes()).map_err(|error| refuse(error.cause.to_string()))
 }
 
 #[cfg(test)]
@@ -199,13 +202,55 @@ mod tests {
             ("display.rated = nan", "profile FILE, display.rated: is NaN N"),
             ("display.user_fraction = 2.0", "display.user_fraction"),
             ("wrist.rotation = [0.0, 0.0, 0.0, 0.0]", "wrist.rotation: has length 0"),
+            ("wrist.position = [9.0, 9.0, 9.0]", "wrist.position: expected three numbers within"),
             ("sensors.analog_max = 70000", "analog_max"),
             ("gloves = 1", "unknown field `gloves`"),
             ("a = = 1", "profile FILE: TOML parse error at line 1"),
+            ("display.damping = 1e300", "display.damping: is 1e300, expected 0 to 100"),
+            ("display.resolution = 1e300", "display.resolution: is 1e300, expected 0 to 0.01"),
+            ("display.friction = inf", "display.friction: is inf, expected 0 to 100"),
+            ("display.delay = 1.5", "display.delay: is 1.5, expected 0 to 1"),
+            ("display.delay = -1.0", "display.delay: is -1.0, expected 0 to 1"),
+            ("display.stiffness_max = 1e7", "display.stiffness_max: is 10000000.0 N/m"),
         ] {
             let message = read(text).unwrap_err();
             assert!(message.contains(told) && !message.contains('\n'), "{text}: {message}");
         }
+    }
+
+    /// Numbers of the shipped profile replaced, and its text damaged, in a seeded sequence: read, or refused in a
+    /// line that names the file and repeats no more than some of it.
+    #[test]
+    fn damaged_profiles_are_read_or_refused() {
+        let mut state = 0x5eed_u64;
+        let mut below = |n: usize| {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 33) as usize % n
+        };
+        let numbers = ["0", "-1", "1e300", "nan", "inf", "1e-300", "4294967296", "\"a\"", "[]"];
+        let (mut good, mut refused) = (0, 0);
+        for round in 0..600 {
+            let mut lines: Vec<String> = SHIPPED.lines().map(str::to_owned).collect();
+            let at = below(lines.len());
+            let line = lines[at].clone();
+            match (round % 3, line.split_once('=')) {
+                (0, Some((key, _))) => lines[at] = format!("{key}= {}", numbers[below(9)]),
+                (1, _) => lines[at] = line.chars().filter(|_| below(9) > 0).collect(),
+                _ => lines[at] = format!("{line}{}", "x".repeat(50_000)),
+            }
+            match read(&lines.join("\n")) {
+                Ok(profile) => {
+                    profile.check().unwrap();
+                    good += 1;
+                }
+                Err(told) => {
+                    assert!(told.starts_with("profile FILE") && told.len() < 2500, "{told}");
+                    assert!(!told.contains('\n'), "{told}");
+                    refused += 1;
+                }
+            }
+        }
+        assert!(good > 50 && refused > 100, "{good} {refused}");
     }
 
     #[test]

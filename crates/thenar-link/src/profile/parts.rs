@@ -1,5 +1,6 @@
 //! What the profiles of several devices have in common.
 
+use crate::joints::in_reach;
 use serde::{Deserialize, Serialize};
 use thenar::haptic::LoopProfile;
 use thenar::haptic::safety::Limits;
@@ -47,9 +48,9 @@ pub struct Wrist {
 impl Wrist {
     /// Refuses what is no pose.
     pub fn check(&self) -> Result<(), Refusal> {
-        let finite = self.position.iter().all(|x| x.is_finite() && x.abs() <= 10.0);
-        if !finite {
-            return refuse("wrist.position", "expected three numbers within 10 m");
+        // No session takes a hand farther away.
+        if !in_reach(&Vec3::from(self.position)) {
+            return refuse("wrist.position", "expected three numbers within 10 m of the origin");
         }
         let norm = self.rotation.iter().map(|x| x * x).sum::<f64>().sqrt();
         if !(0.99..=1.01).contains(&norm) {
@@ -121,25 +122,25 @@ pub struct Display {
 impl Display {
     /// Refuses what is no actuator.
     pub fn check(&self) -> Result<(), Refusal> {
-        let not_negative = [
-            ("delay", self.delay),
-            ("damping", self.damping),
-            ("friction", self.friction),
-            ("resolution", self.resolution),
+        // The ranges of mechanisms are those of arms, see `force_device`; beyond a second nothing is felt.
+        let ranges = [
+            ("delay", self.delay, 0.0..=1.0),
+            ("damping", self.damping, 0.0..=100.0),
+            ("friction", self.friction, 0.0..=100.0),
+            ("resolution", self.resolution, 0.0..=0.01),
         ];
-        for (key, value) in not_negative {
-            if !(value >= 0.0 && value.is_finite()) {
-                return refuse(
-                    &format!("display.{key}"),
-                    format!("is {value}, expected 0 or more"),
-                );
+        for (key, value, range) in ranges {
+            if !range.contains(&value) {
+                let cause = format!("is {value:?}, expected {} to {}", range.start(), range.end());
+                return refuse(&format!("display.{key}"), cause);
             }
         }
         if !(1.0..=20_000.0).contains(&self.rate) {
             return refuse("display.rate", format!("is {} Hz, expected 1 to 20000", self.rate));
         }
-        if !(self.stiffness_max > 0.0 && self.stiffness_max.is_finite()) {
-            let cause = format!("is {} N/m, expected more than 0", self.stiffness_max);
+        if !(self.stiffness_max > 0.0 && self.stiffness_max <= 1e6) {
+            let cause =
+                format!("is {:?} N/m, expected more than 0, at most 1e6", self.stiffness_max);
             return refuse("display.stiffness_max", cause);
         }
         if !(self.rated > 0.0 && self.rated <= 100.0) {

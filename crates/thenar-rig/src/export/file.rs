@@ -1,32 +1,22 @@
 //! Files that are complete or not there.
 
 use crate::RigError;
-use std::fs;
-use std::io::Write;
 use std::path::Path;
 
 /// Writes `bytes` beside `path` first and then gives the file its name, so that no reader ever
-/// sees half of it.
+/// sees half of it. Links, pipes and devices of this name stay what they are (`thenar-output`).
 ///
 /// # Errors
 /// When the file system refuses; nothing is left behind then.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RigError> {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(format!(".{}.part", std::process::id()));
-    let draft = path.with_file_name(name);
-    let written = fs::File::create(&draft)
-        .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
-        .and_then(|()| fs::rename(&draft, path));
-    written.map_err(|cause| {
-        // The draft may not exist; the first cause is the one to tell.
-        let _ = fs::remove_file(&draft);
-        RigError::Write { file: path.display().to_string(), cause }
-    })
+    thenar_output::write_whole(path, bytes)
+        .map_err(|error| RigError::Write { file: path.display().to_string(), cause: error.into() })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
     fn a_refused_file_is_named_and_leaves_nothing() {

@@ -23,9 +23,6 @@ pub(super) fn open<'a>(
 ) -> Result<Elements<'a>, RigError> {
     let what = format!("{what} (accessor {})", accessor.index());
     let fail = |cause: String| RigError::invalid(format!("{what}: {cause}"));
-    if accessor.sparse().is_some() {
-        return Err(fail("sparse accessors are not supported".into()));
-    }
     if accessor.dimensions() != dimensions {
         return Err(fail(format!("is {:?}, expected {dimensions:?}", accessor.dimensions())));
     }

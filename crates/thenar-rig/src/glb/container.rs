@@ -24,7 +24,30 @@ impl Container {
                 "the file requires the glTF extension {name}, which is not supported"
             )));
         }
-        Ok(Self { document: parsed.document, blob: parsed.blob.unwrap_or_default() })
+        let file = Self { document: parsed.document, blob: parsed.blob.unwrap_or_default() };
+        file.check_buffers()?;
+        Ok(file)
+    }
+
+    /// Refuses what would be read wrongly, also where nothing uses it.
+    fn check_buffers(&self) -> Result<(), RigError> {
+        if let Some(accessor) = self.document.accessors().find(|a| a.sparse().is_some()) {
+            return Err(RigError::invalid(format!(
+                "accessor {} is sparse, which is not supported",
+                accessor.index()
+            )));
+        }
+        for buffer in self.document.buffers() {
+            let there = self.blob.len();
+            if matches!(buffer.source(), gltf::buffer::Source::Bin) && buffer.length() > there {
+                return Err(RigError::invalid(format!(
+                    "buffer {} says {} bytes, its binary chunk has {there}",
+                    buffer.index(),
+                    buffer.length()
+                )));
+            }
+        }
+        Ok(())
     }
 }
 

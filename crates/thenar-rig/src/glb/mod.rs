@@ -29,6 +29,7 @@ pub fn read_glb(bytes: &[u8]) -> Result<TriMesh, RigError> {
         let placement = if node.skin().is_some() { nalgebra::Matrix4::identity() } else { world };
         for part in source.primitives() {
             mesh.append(&primitive::read(&file, &part, &placement)?);
+            mesh.check_count()?;
         }
     }
     if mesh.triangles.is_empty() {

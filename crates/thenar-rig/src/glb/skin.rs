@@ -44,6 +44,7 @@ pub(super) fn read(file: &Container) -> Result<SkinnedMesh, RigError> {
         let piece = primitive::read(file, &part, &Matrix4::identity())?;
         influences.extend(read_influences(file, &part, piece.positions.len(), joints.len())?);
         mesh.append(&piece);
+        mesh.check_count()?;
     }
     mesh.check()?;
     Ok(SkinnedMesh { mesh, joints, influences })

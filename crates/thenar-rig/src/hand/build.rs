@@ -9,7 +9,8 @@ use super::{bones, joints, regions, solids, weights};
 use crate::embed::check_closed;
 use crate::glb::{self, SkinnedMesh};
 use crate::lattice::{Lattice, LatticeOptions};
-use crate::mesh::{Bvh, decimate, subdivide_to, weld};
+use crate::mesh::{Bvh, decimate, read_file, subdivide_to, weld};
+use crate::work::Stage;
 use crate::{RigError, TriMesh, model_file};
 use std::path::Path;
 use thenar::model::{Binding, Bone, Digit, Flesh, HandModel, Material, Side};
@@ -17,7 +18,7 @@ use thenar::model::{Binding, Bone, Digit, Flesh, HandModel, Material, Side};
 /// Vertices nearer than this are one \[m\], at the size of the file.
 const WELD_TOLERANCE: f64 = 1e-5;
 /// Lengths that a hand may have \[m\].
-const LENGTHS: [f64; 2] = [0.05, 0.5];
+pub const LENGTHS: [f64; 2] = [0.05, 0.5];
 /// Least part of the hand's mass that is flesh, where a very light hand was asked for.
 const FLESH_MIN: f64 = 0.2;
 
@@ -46,7 +47,7 @@ pub fn build_hand_with_report(
     let surface = Bvh::new(&skin);
     let bones = bones::bones(&digits, &surface, length);
     let joints = joints::joints(&digits, &bones, side, length);
-    let covered = solids::solids(&bones, &digits, &surface);
+    let covered = solids::solids(&bones, &digits, &surface)?;
 
     // The smooth surface through the skin's vertices is the body; all else is made from it.
     let triangles = options.render_triangles.max(options.collision_triangles);
@@ -103,10 +104,8 @@ fn bindings(lattice: &Lattice, digits: &[DigitRig]) -> Vec<Binding> {
 /// # Errors
 /// As there, naming the file; also when it cannot be read.
 pub fn build_hand_file(path: &Path, options: &HandOptions) -> Result<HandModel, RigError> {
-    let file = path.display().to_string();
-    let bytes =
-        std::fs::read(path).map_err(|cause| RigError::Read { file: file.clone(), cause })?;
-    build_hand(&bytes, options).map_err(|e| e.in_file(file))
+    let bytes = read_file(path)?;
+    build_hand(&bytes, options).map_err(|e| e.in_file(path.display()))
 }
 
 /// The rig in the model frame at its final size.
@@ -126,11 +125,10 @@ fn rigged(rig: &SkinnedMesh, options: &HandOptions) -> Result<Rigged, RigError> 
     };
     let rigged = at_scale(rig, options, scale)?;
     if !(LENGTHS[0]..=LENGTHS[1]).contains(&rigged.length) {
-        return Err(RigError::Parameter {
-            name: "hand length (wrist to middle fingertip, m)",
-            expected: "in 0.05..0.5",
-            value: rigged.length,
-        });
+        let ([low, high], length) = (LENGTHS, rigged.length);
+        return Err(RigError::invalid(format!(
+            "the hand length, wrist to middle fingertip, is {length:.4} m, expected {low} to {high} m"
+        )));
     }
     if options.side.is_some_and(|side| side != rigged.side) {
         return Err(RigError::invalid(format!(
@@ -157,13 +155,24 @@ fn at_scale(rig: &SkinnedMesh, options: &HandOptions, scale: f64) -> Result<Rigg
 
     let welded = weld(&scaled.mesh, WELD_TOLERANCE * scale).mesh;
     let skin = welded.compacted().transformed(&pose_MR);
+    if skin.triangles.is_empty() {
+        return Err(RigError::invalid("all triangles of the hand's surface are without extent"));
+    }
     let surface = Bvh::new(&skin);
     // First guess of the length: wrist to the middle finger's tracked tip.
-    let guess = (pose_MR * finder.pose("middle-finger-tip")?).position.norm();
-    let digits = Digit::FINGERS
-        .iter()
-        .map(|&digit| digits::read(&finder, &pose_MR, digit, &surface, guess))
-        .collect::<Result<Vec<_>, _>>()?;
+    let middle_tip = (pose_MR * finder.pose("middle-finger-tip")?).position;
+    let guess = middle_tip.norm();
+    let stage = Stage::new(
+        "finding the fingertips",
+        Digit::FINGERS.len(),
+        (Digit::FINGERS.len() * digits::WAY_MAX) as f64 * surface.signed_distance_cost(&middle_tip),
+        "its triangles lie in each other's way; simplify the mesh",
+    )?;
+    let mut digits = Vec::new();
+    for (k, &digit) in Digit::FINGERS.iter().enumerate() {
+        digits.push(digits::read(&finder, &pose_MR, digit, &surface, guess)?);
+        stage.at(k + 1)?;
+    }
     let length = digits[2].tip.norm();
     let side = digits::side(&digits);
     Ok(Rigged { skin, digits, side, length })

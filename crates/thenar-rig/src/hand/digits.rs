@@ -96,10 +96,13 @@ pub(super) fn read(
     Ok(DigitRig { digit, base, joints, joint_names, end, tip, flexion })
 }
 
+/// Steps on the way out of the skin at most.
+pub(super) const WAY_MAX: usize = 64;
+
 /// Where a ray from inside leaves the skin, by steps of the distance to it.
 pub(super) fn leave(surface: &Bvh, from: &Vec3, along: &Vec3, length: f64) -> Vec3 {
     let mut at = *from;
-    for _ in 0..64 {
+    for _ in 0..WAY_MAX {
         let distance = surface.signed_distance(&at);
         if distance > -1e-6 * length {
             break;

@@ -15,7 +15,7 @@ mod solids;
 mod weights;
 
 pub use asset::{asset, default_hand};
-pub use build::{build_hand, build_hand_file, build_hand_with_report};
+pub use build::{LENGTHS, build_hand, build_hand_file, build_hand_with_report};
 pub use fist::{Inversions, fist};
 pub use names::NameMap;
 pub use options::{HandOptions, Size};

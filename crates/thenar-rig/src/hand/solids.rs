@@ -6,7 +6,9 @@
 //! is nowhere nearer than half its thickness.
 
 use super::digits::DigitRig;
+use crate::RigError;
 use crate::mesh::Bvh;
+use crate::work::Stage;
 use thenar::model::{Bone, BoneSolid};
 use thenar::shape::Shape;
 use thenar::{Pose, Quat, Vec3};
@@ -27,33 +29,96 @@ pub(super) struct Covered {
 }
 
 /// The solids of all bones, in their order: the palm, then three per digit.
-pub(super) fn solids(bones: &[Bone], digits: &[DigitRig], surface: &Bvh) -> Vec<Covered> {
-    let moving = bones.iter().skip(1).map(|bone| capsule(bone, surface));
-    bones.iter().take(1).map(|bone| palm(bone, digits, surface)).chain(moving).collect()
+///
+/// # Errors
+/// The surface is such a thicket that to measure in it would take too long.
+pub(super) fn solids(
+    bones: &[Bone],
+    digits: &[DigitRig],
+    surface: &Bvh,
+) -> Result<Vec<Covered>, RigError> {
+    let mut skin = Skin::new(bones, surface)?;
+    let (palms, moving) = bones.split_at(1.min(bones.len()));
+    let palms = palms.iter().map(|bone| palm(bone, digits, &mut skin));
+    let palms = palms.collect::<Result<Vec<_>, _>>()?;
+    let moving = moving.iter().map(|bone| capsule(bone, &mut skin));
+    palms.into_iter().map(Ok).chain(moving).collect()
+}
+
+/// Places on the surface of a box.
+const BOX_PLACES: usize = 6 * SAMPLES * SAMPLES;
+/// How often a box is made smaller at most: a hundred attempts leave a twentieth, which lies within any palm
+/// that has flesh at all.
+const ATTEMPTS: usize = 100;
+
+/// Where flesh is measured, and what that may cost.
+struct Skin<'a> {
+    surface: &'a Bvh,
+    stage: Stage,
+    asked: usize,
+}
+
+impl<'a> Skin<'a> {
+    /// Asks for as much as a box that fits at once and all capsules take; what more is needed is asked for as it
+    /// comes.
+    fn new(bones: &[Bone], surface: &'a Bvh) -> Result<Self, RigError> {
+        let ends = || bones.iter().flat_map(|bone| bone.ends_B.map(|end| bone.pose_MB.point(&end)));
+        let places = 2 * BOX_PLACES + ATTEMPTS + SAMPLES * bones.len();
+        let each = ends().map(|p| surface.signed_distance_cost(&p)).sum::<f64>()
+            / ends().count().max(1) as f64;
+        let stage = Stage::new(
+            "measuring the flesh over the bones",
+            places,
+            each * places as f64,
+            "its triangles lie in each other's way; simplify the mesh",
+        )?;
+        Ok(Self { surface, stage, asked: 0 })
+    }
+
+    fn ask(&mut self) -> Result<(), RigError> {
+        self.asked += 1;
+        self.stage.at_most(self.asked)
+    }
+
+    /// How far a place is below the skin \[m\], negative outside.
+    fn depth(&mut self, p: &Vec3) -> Result<f64, RigError> {
+        self.ask()?;
+        Ok(-self.surface.signed_distance(p))
+    }
+
+    /// True when a place is less far below the skin than `depth` \[m\].
+    fn is_shallower(&mut self, p: &Vec3, depth: f64) -> Result<bool, RigError> {
+        self.ask()?;
+        let distance = self.surface.closest(p).distance;
+        // Too near the skin, whichever side it is on.
+        Ok(distance < depth || -distance < depth && !self.surface.contains(p))
+    }
 }
 
 /// The capsule between a bone's ends.
-fn capsule(bone: &Bone, surface: &Bvh) -> Covered {
+fn capsule(bone: &Bone, skin: &mut Skin) -> Result<Covered, RigError> {
     let [a, b] = bone.ends_B;
     let length = (b - a).norm();
     // The caps lie within the joints, as those of its mass do.
     let inset = bone.radius.min(0.4 * length);
     let half_length = 0.5 * length - inset;
     let share = |k: usize| (inset + 2.0 * half_length * fraction(k)) / length;
-    let places = (0..SAMPLES).map(|k| bone.pose_MB.point(&a.lerp(&b, share(k))));
-    let least = places.map(|p| -surface.signed_distance(&p)).fold(f64::INFINITY, f64::min);
+    let mut least = f64::INFINITY;
+    for k in 0..SAMPLES {
+        least = least.min(skin.depth(&bone.pose_MB.point(&a.lerp(&b, share(k))))?);
+    }
     let radius = bone.radius.min(0.5 * least);
     let turn = Quat::rotation_between(&Vec3::y(), &(b - a)).unwrap_or_else(Quat::identity);
     let pose_BS = Pose::new((a + b) / 2.0, turn);
-    Covered {
+    Ok(Covered {
         solid: BoneSolid { shape: Shape::Capsule { radius, half_length }, pose_BS },
         thickness: 2.0 * radius,
         flesh: least - radius,
-    }
+    })
 }
 
 /// The box around the four metacarpals, in the plane that runs between them.
-fn palm(bone: &Bone, digits: &[DigitRig], surface: &Bvh) -> Covered {
+fn palm(bone: &Bone, digits: &[DigitRig], skin: &mut Skin) -> Result<Covered, RigError> {
     let rays: Vec<[Vec3; 2]> =
         digits[1..].iter().map(|rig| [rig.base, rig.joints[0].position]).collect();
     let center = rays.iter().map(|[a, b]| (a + b) / 2.0).sum::<Vec3>() / rays.len() as f64;
@@ -67,21 +132,37 @@ fn palm(bone: &Bone, digits: &[DigitRig], surface: &Bvh) -> Covered {
         reach.fold(0.0, f64::max)
     };
     let whole = Vec3::new(extent(&Vec3::x()), bone.radius, extent(&Vec3::z()));
-    let flesh = |half: &Vec3| {
-        let places = box_places(half).map(|p| -surface.signed_distance(&pose_MS.point(&p)));
-        places.fold(f64::INFINITY, f64::min)
-    };
     let sizes = std::iter::successors(Some(whole), |half| Some(half * SHRINK));
-    // A hundred attempts leave a twentieth, which lies within any palm that has flesh at all.
-    let half = sizes.take(100).find(|half| flesh(half) >= half.y).unwrap_or(whole * 0.05);
-    Covered {
+    let mut found = None;
+    for half in sizes.take(ATTEMPTS) {
+        if !is_bare(&half, &pose_MS, skin)? {
+            found = Some(half);
+            break;
+        }
+    }
+    let half = found.unwrap_or(whole * 0.05);
+    let mut flesh = f64::INFINITY;
+    for p in box_places(&half) {
+        flesh = flesh.min(skin.depth(&pose_MS.point(&p))?);
+    }
+    Ok(Covered {
         solid: BoneSolid {
             shape: Shape::Cuboid { half },
             pose_BS: bone.pose_MB.inverse() * pose_MS,
         },
         thickness: 2.0 * half.min(),
-        flesh: flesh(&half),
+        flesh,
+    })
+}
+
+/// True when the skin is nearer to a box than half its thickness, somewhere.
+fn is_bare(half: &Vec3, pose_MS: &Pose, skin: &mut Skin) -> Result<bool, RigError> {
+    for p in box_places(half) {
+        if skin.is_shallower(&pose_MS.point(&p), half.y)? {
+            return Ok(true);
+        }
     }
+    Ok(false)
 }
 
 /// Places on the surface of a box.

@@ -21,6 +21,8 @@ mod union_find;
 
 pub use quality::Quality;
 
+use crate::size::REACH_MAX;
+use crate::work::Stage;
 use crate::{RigError, TriMesh};
 use pieces::Pieces;
 use samples::Samples;
@@ -85,7 +87,7 @@ impl Lattice {
         let turned = turned(mesh, &options.rotation.inverse());
         let per_tet = (volume / options.tets as f64).cbrt();
         let samples = Samples::new(&turned, spacing(&turned, per_tet)?)?;
-        let pieces = fit_count(&samples, options.tets, 2.5 * per_tet);
+        let pieces = fit_count(&samples, options.tets, 2.5 * per_tet)?;
         Self::from_pieces(samples, pieces, options.rotation, volume)
     }
 
@@ -154,6 +156,13 @@ impl Lattice {
 fn spacing(mesh: &TriMesh, per_tet: f64) -> Result<f64, RigError> {
     let [low, high] = mesh.bounds();
     let extent = high - low;
+    // Lattice points are counted from the origin in 32 bits, with room for smaller elements.
+    let far = low.amax().max(high.amax());
+    if far > REACH_MAX * per_tet {
+        return Err(RigError::invalid(format!(
+            "the mesh lies {far:e} m from its origin: too far for elements of {per_tet:e} m"
+        )));
+    }
     let affordable = (extent.x * extent.y * extent.z / POINTS_WANTED).cbrt();
     let spacing = affordable.max(SPACING * per_tet);
     if spacing > SPACING_MAX * per_tet {
@@ -165,11 +174,15 @@ fn spacing(mesh: &TriMesh, per_tet: f64) -> Result<f64, RigError> {
 }
 
 /// Searches the cube edge that gives about the wanted number of tetrahedra.
-fn fit_count(samples: &Samples, wanted: usize, first: f64) -> Pieces {
+fn fit_count(samples: &Samples, wanted: usize, first: f64) -> Result<Pieces, RigError> {
     let shift = Vec3::new(0.25, 0.25, 0.25);
     let mut cube = first;
     let mut best: Option<Pieces> = None;
-    for _ in 0..ATTEMPTS {
+    // An inside point is looked at about ten times.
+    let work = (10 * ATTEMPTS * samples.cells.len()) as f64;
+    let stage = Stage::new("filling the mesh with tetrahedra", ATTEMPTS, work, "")?;
+    for attempt in 0..ATTEMPTS {
+        stage.at(attempt)?;
         let mut pieces = Pieces::new(samples, cube, &shift);
         prune::prune(&mut pieces, samples, FILL_MIN);
         let ratio = pieces.len() as f64 / wanted as f64;
@@ -184,7 +197,7 @@ fn fit_count(samples: &Samples, wanted: usize, first: f64) -> Pieces {
         // steep on coarse lattices.
         cube *= ratio.powf(0.36);
     }
-    best.unwrap_or_else(|| Pieces::new(samples, cube, &shift))
+    Ok(best.unwrap_or_else(|| Pieces::new(samples, cube, &shift)))
 }
 
 fn turned(mesh: &TriMesh, rotation: &Quat) -> TriMesh {

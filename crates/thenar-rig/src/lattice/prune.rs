@@ -46,22 +46,44 @@ fn keep_largest_component(pieces: &Pieces, keep: &mut [bool]) {
     }
 }
 
-/// Spreads the kept pieces over the points of the others, breadth first along links.
-fn reassign(pieces: &mut Pieces, samples: &Samples, keep: &[bool]) {
+/// Spreads the kept pieces over the points of the others, breadth first along links; returns how many links
+/// were looked at: about those of each point twice, however far the pieces reach.
+fn reassign(pieces: &mut Pieces, samples: &Samples, keep: &[bool]) -> usize {
     let lost = |pieces: &Pieces, i: u32| !keep[pieces.of_sample[i as usize] as usize];
-    loop {
-        let mut moves: Vec<(u32, u32)> = Vec::new();
-        for_each_link(samples, |i, j| match (lost(pieces, i), lost(pieces, j)) {
+    let mut looked_at = 0;
+    // Points and the pieces they go to; of several the one along the last link counts.
+    let mut moves: Vec<(u32, u32)> = Vec::new();
+    for_each_link(samples, |i, j| {
+        looked_at += 1;
+        match (lost(pieces, i), lost(pieces, j)) {
             (true, false) => moves.push((i, pieces.of_sample[j as usize])),
             (false, true) => moves.push((j, pieces.of_sample[i as usize])),
             _ => {}
-        });
-        if moves.is_empty() {
-            break;
         }
-        for (i, piece) in moves {
+    });
+    while !moves.is_empty() {
+        for &(i, piece) in &moves {
             pieces.of_sample[i as usize] = piece;
         }
+        // Only beside what has just moved can anything follow.
+        let mut front: Vec<u32> = moves.drain(..).map(|(i, _)| i).collect();
+        front.sort_unstable();
+        front.dedup();
+        let mut links: Vec<(u32, usize, u32, u32)> = Vec::new();
+        for i in front {
+            let piece = pieces.of_sample[i as usize];
+            for axis in 0..3 {
+                looked_at += 2;
+                if let Some(j) = samples.next(i as usize, axis).filter(|&j| lost(pieces, j)) {
+                    links.push((i, axis, j, piece));
+                }
+                if let Some(j) = samples.previous(i as usize, axis).filter(|&j| lost(pieces, j)) {
+                    links.push((j, axis, j, piece));
+                }
+            }
+        }
+        links.sort_unstable();
+        moves.extend(links.into_iter().map(|(_, _, i, piece)| (i, piece)));
     }
     // What no link reaches (specks of the sampling) goes to the first kept piece near it.
     let kept = keep.iter().position(|&k| k).unwrap_or(0) as u32;
@@ -71,6 +93,7 @@ fn reassign(pieces: &mut Pieces, samples: &Samples, keep: &[bool]) {
             pieces.of_sample[i as usize] = near.map_or(kept, |j| pieces.of_sample[j as usize]);
         }
     }
+    looked_at
 }
 
 fn compact(pieces: &mut Pieces, keep: &[bool]) {
@@ -103,4 +126,61 @@ pub(super) fn drop_unused(tets: &mut [[u32; 4]], nodes: &mut Vec<Vec3>) {
         *node = index[*node as usize];
     }
     *nodes = kept;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes;
+
+    /// A bar of one piece at its end, and many behind it that are left out.
+    fn bar(length: f64) -> (Samples, Pieces) {
+        let mesh = shapes::cuboid(&Vec3::new(length, 0.01, 0.01));
+        let samples = Samples::new(&mesh, 2e-3).unwrap();
+        let pieces = Pieces::new(&samples, 0.01, &Vec3::repeat(0.25));
+        (samples, pieces)
+    }
+
+    /// The same, by looking at all links again and again.
+    fn by_rounds(pieces: &mut Pieces, samples: &Samples, keep: &[bool]) {
+        let lost = |of: &[u32], i: u32| !keep[of[i as usize] as usize];
+        loop {
+            let mut moves = Vec::new();
+            let of = &pieces.of_sample;
+            for_each_link(samples, |i, j| match (lost(of, i), lost(of, j)) {
+                (true, false) => moves.push((i, of[j as usize])),
+                (false, true) => moves.push((j, of[i as usize])),
+                _ => {}
+            });
+            if moves.is_empty() {
+                return;
+            }
+            moves.into_iter().for_each(|(i, piece)| pieces.of_sample[i as usize] = piece);
+        }
+    }
+
+    /// Two pieces in the middle are kept.
+    #[test]
+    fn points_go_to_the_piece_that_the_last_link_leads_to() {
+        let (samples, mut pieces) = bar(0.05);
+        let keep: Vec<bool> = (0..pieces.len()).map(|k| k == 40 || k == 41).collect();
+        assert!(keep.len() > 100);
+        let (_, mut expected) = bar(0.05);
+        by_rounds(&mut expected, &samples, &keep);
+        reassign(&mut pieces, &samples, &keep);
+        assert_eq!(pieces.of_sample, expected.of_sample);
+    }
+
+    /// A point has three links to others behind it, and six in all.
+    #[test]
+    fn the_way_through_a_long_body_costs_no_more_than_its_points() {
+        for length in [0.02, 0.2, 2.0] {
+            let (samples, mut pieces) = bar(length);
+            let keep: Vec<bool> = (0..pieces.len()).map(|k| k == 0).collect();
+            let looked_at = reassign(&mut pieces, &samples, &keep);
+            let points = samples.cells.len();
+            assert!(points as f64 > 5e4 * length && looked_at <= 9 * points, "{looked_at}");
+            assert!(pieces.of_sample.iter().all(|&piece| piece == 0));
+        }
+    }
 }

@@ -4,6 +4,7 @@
 //! ray says which points are inside; a cut between two neighbours says that they are not linked,
 //! however thin the gap between two parts of the surface is there.
 
+use crate::work::Stage;
 use crate::{RigError, TriMesh};
 use thenar::Vec3;
 
@@ -43,8 +44,14 @@ impl Samples {
         let half = Vec3::from(dims.map(|n| (n as f64 - 1.0) / 2.0)) * spacing;
         let offset = Vec3::new(1.17e-4, 1.31e-4, 1.47e-4) * spacing;
         let origin = (low + high) / 2.0 - half + offset;
+        let rays = Stage::new(
+            "sampling the inside of the mesh",
+            3,
+            mesh_crossings(mesh, spacing),
+            "its triangles are too large for their number, or overlap too much; simplify the mesh",
+        )?;
         let mut grid = RayGrid { origin, spacing, dims, inside: Vec::new(), cut: Vec::new() };
-        grid.cast(mesh);
+        grid.cast(mesh, &rays)?;
         let samples = grid.into_samples();
         if samples.cells.is_empty() {
             return Err(RigError::invalid("the mesh encloses no volume"));
@@ -65,6 +72,13 @@ impl Samples {
         let mut cell = self.cells[i].map(|c| c as usize);
         cell[axis] += 1;
         self.at(cell)
+    }
+
+    /// The inside neighbour of point `i` along -x, -y or -z that is linked to it.
+    pub fn previous(&self, i: usize, axis: usize) -> Option<u32> {
+        let mut cell = self.cells[i].map(|c| c as usize);
+        cell[axis] = cell[axis].checked_sub(1)?;
+        self.at(cell).filter(|&before| self.links[before as usize][axis])
     }
 
     /// Inside points within `reach` grid steps of `p` along each axis.
@@ -90,6 +104,25 @@ impl Samples {
     }
 }
 
+/// Memory of the crossings of rays along one axis is kept below 320 MB: 16 bytes each.
+const CROSSINGS_MAX: f64 = 2e7;
+
+/// Rays that the triangles' boxes meet, along three axes; infinite where their crossings would take too much
+/// memory.
+fn mesh_crossings(mesh: &TriMesh, spacing: f64) -> f64 {
+    let mut sums = [0.0; 3];
+    for t in 0..mesh.triangles.len() {
+        let [a, b, c] = mesh.corners(t);
+        let steps = (a.sup(&b).sup(&c) - a.inf(&b).inf(&c)) / spacing + Vec3::repeat(1.0);
+        for axis in 0..3 {
+            sums[axis] += steps[(axis + 1) % 3] * steps[(axis + 2) % 3];
+        }
+    }
+    // A triangle covers half of its box.
+    let most = sums.iter().copied().fold(0.0, f64::max) / 2.0;
+    if most > CROSSINGS_MAX { f64::INFINITY } else { sums.iter().sum() }
+}
+
 /// The grid while rays are cast.
 struct RayGrid {
     origin: Vec3,
@@ -101,7 +134,7 @@ struct RayGrid {
 }
 
 impl RayGrid {
-    fn cast(&mut self, mesh: &TriMesh) {
+    fn cast(&mut self, mesh: &TriMesh, stage: &Stage) -> Result<(), RigError> {
         let count = self.dims.iter().product();
         self.inside = vec![false; count];
         self.cut = vec![[false; 3]; count];
@@ -114,7 +147,9 @@ impl RayGrid {
                 hits.sort_by(|a, b| a.0.total_cmp(&b.0));
                 self.mark(axis, ray, &hits);
             }
+            stage.at(axis + 1)?;
         }
+        Ok(())
     }
 
     /// Enters one ray's hits (depth, +1 entering or -1 leaving).

@@ -1,7 +1,7 @@
 //! A bounding-volume hierarchy over the triangles of a mesh.
 
 use super::closest::{Closest, closest_on_triangle};
-use super::winding::{Cluster, solid_angle};
+use super::winding::{AngleSum, Cluster};
 use crate::TriMesh;
 use thenar::Vec3;
 
@@ -162,23 +162,62 @@ impl Bvh {
     }
 
     fn winding(&self, p: &Vec3, far_radii: f64) -> f64 {
-        let mut angle = 0.0;
+        let (mut far, mut near) = (0.0, AngleSum::new());
         let mut stack = vec![0];
         while let Some(index) = stack.pop() {
             let node = &self.nodes[index as usize];
-            if let Some(far) = node.cluster.solid_angle_if_far(p, far_radii) {
-                angle += far;
+            if let Some(angle) = node.cluster.solid_angle_if_far(p, far_radii) {
+                far += angle;
             } else if node.second == 0 {
-                let triangles = &self.order[node.first as usize..node.end as usize];
-                angle += triangles
-                    .iter()
-                    .map(|&t| solid_angle(p, &self.corners[t as usize]))
-                    .sum::<f64>();
+                for &t in &self.order[node.first as usize..node.end as usize] {
+                    near.add(p, &self.corners[t as usize]);
+                }
             } else {
                 stack.extend([index + 1, node.second]);
             }
         }
-        angle / (4.0 * std::f64::consts::PI)
+        (far + near.solid_angle()) / (4.0 * std::f64::consts::PI)
+    }
+
+    /// Nodes and triangles that a winding number about `p` looks at.
+    pub(super) fn winding_cost(&self, p: &Vec3) -> usize {
+        self.cost_of_winding(p, GUESS_RADII)
+    }
+
+    fn cost_of_winding(&self, p: &Vec3, far_radii: f64) -> usize {
+        self.cost(|node| node.cluster.solid_angle_if_far(p, far_radii).is_some())
+    }
+
+    /// Nodes and triangles that a search looks at which goes no deeper where `passes`.
+    fn cost(&self, passes: impl Fn(&Node) -> bool) -> usize {
+        let mut cost = 0;
+        let mut stack = vec![0];
+        while let Some(index) = stack.pop() {
+            let node = &self.nodes[index as usize];
+            cost += 1;
+            if passes(node) {
+                continue;
+            }
+            if node.second == 0 {
+                cost += (node.end - node.first) as usize;
+            } else {
+                stack.extend([index + 1, node.second]);
+            }
+        }
+        cost
+    }
+
+    /// Nodes and triangles nearer to `p` than `distance`, which a search for the nearest point looks at.
+    pub(super) fn closest_cost(&self, p: &Vec3, distance: f64) -> usize {
+        self.cost(|node| node.distance2(p) > distance * distance)
+    }
+
+    /// Nodes and triangles that a signed distance at `p` looks at.
+    pub(crate) fn signed_distance_cost(&self, p: &Vec3) -> f64 {
+        let distance = self.closest(p).distance;
+        // The winding number is guessed first, and asked again where the guess is not clear.
+        let winding = self.winding_cost(p) + self.cost_of_winding(p, FAR_RADII);
+        (self.closest_cost(p, distance) + winding) as f64
     }
 
     /// True when the winding number is at least ½.

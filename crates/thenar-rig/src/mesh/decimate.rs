@@ -7,6 +7,7 @@
 
 use super::edges::Edges;
 use super::quadric::Quadric;
+use crate::work::{STAGE_MAX, Stage};
 use crate::{RigError, TriMesh};
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
@@ -19,14 +20,22 @@ const TURN_COSINE_MIN: f64 = 0.17;
 /// Smallest quality (1 for equilateral) of a triangle, unless it was worse before.
 const QUALITY_MIN: f64 = 0.1;
 
+/// Looks at triangles that one collapse takes in an even mesh: six edges offered again, and about three tried,
+/// with twelve triangles around each.
+const LOOKS: f64 = 110.0;
+/// Looks that a mesh may take in all. Each costs about as much as four comparisons of a point with a triangle.
+const LOOKS_MAX: usize = (STAGE_MAX / 4.0) as usize;
+
 /// Collapses edges until at most `triangles_target` remain, or nothing more can be collapsed
 /// without harm. A closed manifold stays one and keeps its volume.
 pub fn decimate(mesh: &TriMesh, triangles_target: usize) -> Result<TriMesh, RigError> {
     mesh.check()?;
     let mut work = Work::new(mesh);
+    let wanted = mesh.triangles.len().saturating_sub(triangles_target);
+    let stage = Stage::new("simplifying the mesh", wanted, 4.0 * LOOKS * wanted as f64, "")?;
     loop {
         let before = work.alive;
-        work.collapse_until(triangles_target);
+        work.collapse_until(triangles_target, &stage)?;
         // What was refused may have become possible meanwhile.
         if work.alive <= triangles_target || work.alive == before {
             return Ok(work.finish());
@@ -74,6 +83,8 @@ struct Work {
     /// On an edge of more than two triangles: never moved.
     locked: Vec<bool>,
     heap: BinaryHeap<Reverse<Candidate>>,
+    /// Triangles looked at so far.
+    looked: usize,
     alive: usize,
     origin: Vec3,
 }
@@ -106,6 +117,7 @@ impl Work {
             boundary: vec![false; n],
             locked: vec![false; n],
             heap: BinaryHeap::new(),
+            looked: 0,
             origin,
         };
         work.gather();
@@ -151,6 +163,7 @@ impl Work {
     }
 
     fn offer(&mut self, edge: [u32; 2]) {
+        self.looked += edge.map(|v| self.around[v as usize].len()).iter().sum::<usize>();
         self.heap.extend(self.candidate(edge).map(Reverse));
     }
 
@@ -220,10 +233,21 @@ impl Work {
         }
     }
 
-    fn collapse_until(&mut self, triangles_target: usize) {
+    fn collapse_until(&mut self, triangles_target: usize, stage: &Stage) -> Result<(), RigError> {
+        let (first, mut tried) = (self.triangles.len(), 0_usize);
         while self.alive > triangles_target {
-            let Some(Reverse(next)) = self.heap.pop() else { return };
+            let Some(Reverse(next)) = self.heap.pop() else { return Ok(()) };
             let [u, v] = next.vertices;
+            self.looked += self.around[u as usize].len() + self.around[v as usize].len();
+            if self.looked > LOOKS_MAX {
+                return Err(RigError::invalid(
+                    "the mesh cannot be simplified: too many triangles meet at one vertex",
+                ));
+            }
+            tried += 1;
+            if tried.is_multiple_of(1000) {
+                stage.tell(first - self.alive)?;
+            }
             if [u, v].map(|x| self.stamps[x as usize]) != next.stamps {
                 continue;
             }
@@ -235,6 +259,7 @@ impl Work {
                 self.collapse(u, v, fresh.point);
             }
         }
+        Ok(())
     }
 
     /// The vertices around `v`, ascending.

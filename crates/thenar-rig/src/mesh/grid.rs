@@ -1,7 +1,9 @@
 //! Signed distance to a mesh on a regular grid.
 
+use super::edges::Edges;
 use super::mass::{MassProperties, Moments};
-use crate::mesh::{Bvh, Topology};
+use crate::mesh::Bvh;
+use crate::work::{STAGE_MAX, Stage};
 use crate::{RigError, TriMesh};
 use thenar::Vec3;
 use thenar::shape::DistanceGrid;
@@ -36,6 +38,10 @@ pub enum Inside {
 
 /// The grid of a mesh: distances to its triangles, exact at every grid point. `reach` \[m\] is
 /// added around the padding (half the thickness of a shell).
+///
+/// # Errors
+/// The options are out of range, or the triangles overlap so much that the grid would take longer than
+/// [`STAGE_MAX`](crate::work::STAGE_MAX).
 pub fn distance_grid(
     mesh: &TriMesh,
     bvh: &Bvh,
@@ -44,38 +50,108 @@ pub fn distance_grid(
 ) -> Result<DistanceGrid, RigError> {
     let reach = if let Inside::Shell(thickness) = inside { thickness / 2.0 } else { 0.0 };
     let mut grid = layout(mesh, reach, options)?;
-    let closed = {
-        let topology = Topology::of(mesh);
-        topology.closed() && topology.oriented()
-    };
-    let [nx, ny, nz] = grid.dims.map(|n| n as usize);
-    let mut values = Vec::with_capacity(nx * ny * nz);
-    let mut near = 0;
-    for k in 0..nz {
-        for j in 0..ny {
-            let mut previous: Option<f64> = None;
-            for i in 0..nx {
-                let p = grid.origin + Vec3::new(i as f64, j as f64, k as f64) * grid.cell;
-                let found = bvh.closest_from(&p, near);
-                near = found.triangle;
-                let distance = match inside {
-                    Inside::Shell(_) => found.distance,
-                    Inside::Winding => {
-                        // Between two points farther from a closed surface than their spacing,
-                        // the winding number cannot change.
-                        let before = previous
-                            .filter(|d| closed && d.abs() + found.distance > 1.001 * grid.cell);
-                        let within = before.map_or_else(|| bvh.contains(&p), |d| d < 0.0);
-                        if within { -found.distance } else { found.distance }
-                    }
+    let mut laying = Laying { bvh, inside, balanced: balanced(mesh), values: Vec::new(), near: 0 };
+    let stage = Stage::new(
+        "laying a grid of distances",
+        grid.dims[2] as usize,
+        laying.cost(&grid),
+        "its triangles are too large for their number, or overlap too much; simplify the mesh",
+    )?;
+    laying.values.reserve_exact(grid.dims.iter().map(|&n| n as usize).product());
+    for k in 0..grid.dims[2] {
+        laying.layer(&grid, k);
+        stage.at(k as usize + 1)?;
+    }
+    grid.values = laying.values.iter().map(|d| (d - reach) as f32).collect();
+    Ok(grid)
+}
+
+/// Whether as many triangles run along each edge one way as the other: the surface then has no border, and
+/// its winding number is a whole number that changes only across it.
+fn balanced(mesh: &TriMesh) -> bool {
+    let edges = Edges::new(&mesh.triangles);
+    (0..edges.list.len()).all(|e| {
+        let sides = edges.sides(e);
+        2 * sides.iter().filter(|side| side.forward).count() == sides.len()
+    })
+}
+
+/// A grid while it is laid, x fastest.
+struct Laying<'a> {
+    bvh: &'a Bvh,
+    inside: Inside,
+    balanced: bool,
+    /// Signed distances so far \[m\].
+    values: Vec<f64>,
+    /// A triangle near the last point.
+    near: u32,
+}
+
+/// Points along each axis at which the cost of a grid is looked at beforehand.
+const PROBES: u32 = 5;
+
+impl Laying<'_> {
+    /// One layer of constant z.
+    fn layer(&mut self, grid: &DistanceGrid, k: u32) {
+        for j in 0..grid.dims[1] {
+            for i in 0..grid.dims[0] {
+                let found = self.bvh.closest_from(&place(grid, [i, j, k]), self.near);
+                self.near = found.triangle;
+                let inside = match self.inside {
+                    Inside::Shell(_) => false,
+                    Inside::Winding => self.is_inside(grid, [i, j, k], found.distance),
                 };
-                previous = Some(distance);
-                values.push((distance - reach) as f32);
+                self.values.push(if inside { -found.distance } else { found.distance });
             }
         }
     }
-    grid.values = values;
-    Ok(grid)
+
+    /// Between two points farther from a surface without border than their spacing, the winding number
+    /// cannot change.
+    fn is_inside(&self, grid: &DistanceGrid, at: [u32; 3], distance: f64) -> bool {
+        if self.balanced {
+            let mut back = 1;
+            for axis in 0..3 {
+                if at[axis] > 0 {
+                    let before = self.values[self.values.len() - back];
+                    if before.abs() + distance > 1.001 * grid.cell {
+                        return before < 0.0;
+                    }
+                }
+                back *= grid.dims[axis] as usize;
+            }
+        }
+        self.bvh.contains(&place(grid, at))
+    }
+
+    /// Comparisons that the whole grid will take, from those at a few points; at least so many where they are too
+    /// many.
+    fn cost(&self, grid: &DistanceGrid) -> f64 {
+        let points: f64 = grid.dims.iter().map(|&n| f64::from(n)).product();
+        let each = points / f64::from(PROBES.pow(3));
+        let mut sum = 0.0;
+        let spread = |k: usize, n: u32| (2 * n + 1) * (grid.dims[k] - 1) / (2 * PROBES);
+        for probe in 0..PROBES.pow(3) {
+            let at = [probe % PROBES, probe / PROBES % PROBES, probe / PROBES.pow(2)];
+            let p = place(grid, std::array::from_fn(|k| spread(k, at[k])));
+            let distance = self.bvh.closest(&p).distance;
+            sum += each * self.bvh.closest_cost(&p, distance) as f64;
+            let skipped = self.balanced && distance > grid.cell;
+            if matches!(self.inside, Inside::Winding) && !skipped {
+                sum += each * self.bvh.winding_cost(&p) as f64;
+            }
+            // What is too much already need not be known better.
+            if sum > STAGE_MAX {
+                break;
+            }
+        }
+        sum
+    }
+}
+
+/// Where a grid point lies.
+fn place(grid: &DistanceGrid, at: [u32; 3]) -> Vec3 {
+    grid.origin + Vec3::from(at.map(f64::from)) * grid.cell
 }
 
 /// Origin, spacing and dimensions of the grid around a mesh.

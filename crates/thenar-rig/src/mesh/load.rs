@@ -19,6 +19,7 @@ pub fn load_mesh(path: impl AsRef<Path>, scale: f64) -> Result<TriMesh, RigError
     let read = || -> Result<TriMesh, RigError> {
         let mesh = parse(path, &read_file(path)?)?.scaled(scale);
         mesh.check()?;
+        mesh.check_count()?;
         Ok(mesh)
     };
     read().map_err(|error| match error {
@@ -30,13 +31,7 @@ pub fn load_mesh(path: impl AsRef<Path>, scale: f64) -> Result<TriMesh, RigError
 /// The bytes of a file of sensible size.
 pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, RigError> {
     let failed = |cause| RigError::Read { file: path.display().to_string(), cause };
-    let size = std::fs::metadata(path).map_err(failed)?.len();
-    if size > FILE_BYTES_MAX {
-        return Err(RigError::invalid(format!(
-            "{size} bytes are more than the limit of {FILE_BYTES_MAX}"
-        )));
-    }
-    std::fs::read(path).map_err(failed)
+    thenar_input::read(path, FILE_BYTES_MAX).map_err(|cause| failed(cause.into()))
 }
 
 fn parse(path: &Path, bytes: &[u8]) -> Result<TriMesh, RigError> {

@@ -22,6 +22,7 @@ pub use closest::{Closest, Feature, closest_on_triangle};
 pub use decimate::decimate;
 pub use grid::{GridOptions, Inside, distance_grid, mass_of_grid};
 pub use load::load_mesh;
+pub(crate) use load::read_file;
 pub use mass::MassProperties;
 pub use obj::read_obj;
 pub use sample::resampled;
@@ -36,6 +37,10 @@ use thenar::{Pose, Vec3};
 
 /// Largest admissible coordinate \[m\]; keeps every product of coordinates finite.
 const COORDINATE_MAX: f64 = 1e6;
+
+/// Triangles and vertices of a file's mesh: building from so many stays below a gigabyte.
+const TRIANGLES_MAX: usize = 1_000_000;
+const VERTICES_MAX: usize = 3 * TRIANGLES_MAX;
 
 /// A triangle mesh. Triangles are counter-clockwise seen from outside.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -77,6 +82,18 @@ impl TriMesh {
                     "triangle {t} names vertex {v}, but there are only {count}"
                 )));
             }
+        }
+        Ok(())
+    }
+
+    /// Errs when a file holds more than a body can be built from in a sensible time.
+    pub(crate) fn check_count(&self) -> Result<(), RigError> {
+        let (triangles, vertices) = (self.triangles.len(), self.positions.len());
+        if triangles > TRIANGLES_MAX || vertices > VERTICES_MAX {
+            return Err(RigError::invalid(format!(
+                "the mesh has {triangles} triangles and {vertices} vertices or more, at most \
+                 {TRIANGLES_MAX} and {VERTICES_MAX} can be used: simplify it"
+            )));
         }
         Ok(())
     }

@@ -2,8 +2,10 @@
 
 use crate::{RigError, TriMesh};
 use thenar::Vec3;
+use thenar_input::quoted;
 
-/// Reads the triangles of an OBJ file. Polygons are cut into fans. Positions keep the file's
+/// Reads the triangles of an OBJ file. Polygons are cut into fans, those of
+/// more than eight corners by chords. Positions keep the file's
 /// unit and axes. Memory stays below about ten times the size of the input.
 pub fn read_obj(bytes: &[u8]) -> Result<TriMesh, RigError> {
     let mut mesh = TriMesh::default();
@@ -15,7 +17,10 @@ pub fn read_obj(bytes: &[u8]) -> Result<TriMesh, RigError> {
         let mut words = text.split_ascii_whitespace();
         match words.next() {
             Some("v") => mesh.positions.push(vertex(words, number)?),
-            Some("f") => face(words, number, &mut mesh)?,
+            Some("f") => {
+                face(words, number, &mut mesh)?;
+                mesh.check_count()?;
+            }
             _ => {}
         }
     }
@@ -32,11 +37,9 @@ fn vertex<'a>(mut words: impl Iterator<Item = &'a str>, line: usize) -> Result<V
         let word = words.next().ok_or_else(|| {
             RigError::line(line, format!("a vertex needs three coordinates, not {k}"))
         })?;
-        p[k] = word
-            .parse()
-            .ok()
-            .filter(|x: &f64| x.is_finite())
-            .ok_or_else(|| RigError::line(line, format!("{word:?} is not a finite number")))?;
+        p[k] = word.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| {
+            RigError::line(line, format!("{} is not a finite number", quoted(word)))
+        })?;
     }
     Ok(p)
 }
@@ -46,22 +49,35 @@ fn face<'a>(
     line: usize,
     mesh: &mut TriMesh,
 ) -> Result<(), RigError> {
-    let mut corners = 0;
-    let (mut first, mut last) = (0, 0);
-    for word in words {
-        let corner = corner(word, line, mesh.positions.len())?;
-        corners += 1;
-        match corners {
-            1 => first = corner,
-            2 => {}
-            _ => mesh.triangles.push([first, last, corner]),
+    let count = mesh.positions.len();
+    let corners = words.map(|word| corner(word, line, count)).collect::<Result<Vec<_>, _>>()?;
+    match corners[..] {
+        [] | [_] | [_, _] => {
+            let problem = format!("a face needs three corners, not {}", corners.len());
+            Err(RigError::line(line, problem))
         }
-        last = corner;
+        [first, ref rest @ ..] if rest.len() < FAN_CORNERS_MAX => {
+            mesh.triangles.extend(rest.windows(2).map(|side| [first, side[0], side[1]]));
+            Ok(())
+        }
+        _ => {
+            halved(&corners, &mut mesh.triangles);
+            Ok(())
+        }
     }
-    if corners < 3 {
-        return Err(RigError::line(line, format!("a face needs three corners, not {corners}")));
+}
+
+/// Polygons of more corners are halved: a fan of slivers would be slow to search.
+const FAN_CORNERS_MAX: usize = 8;
+
+/// Cuts a polygon into triangles by chords that halve what is left.
+fn halved(corners: &[u32], triangles: &mut Vec<[u32; 3]>) {
+    if corners.len() > 2 {
+        let (middle, last) = (corners.len() / 2, corners.len() - 1);
+        triangles.push([corners[0], corners[middle], corners[last]]);
+        halved(&corners[..=middle], triangles);
+        halved(&corners[middle..], triangles);
     }
-    Ok(())
 }
 
 /// The vertex index of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`: from 1, or from -1 backwards.
@@ -69,7 +85,7 @@ fn corner(word: &str, line: usize, count: usize) -> Result<u32, RigError> {
     let text = word.split('/').next().unwrap_or_default();
     let index: i64 = text
         .parse()
-        .map_err(|_| RigError::line(line, format!("{text:?} is not a vertex index")))?;
+        .map_err(|_| RigError::line(line, format!("{} is not a vertex index", quoted(text))))?;
     let from_zero = if index < 0 { index + count as i64 } else { index - 1 };
     match u32::try_from(from_zero) {
         Ok(v) if (v as usize) < count => Ok(v),
@@ -91,6 +107,25 @@ mod tests {
         let mesh = read_obj(text.as_bytes()).unwrap();
         assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 1, 2]]);
         assert_eq!(mesh.positions[2], Vec3::new(1.0, 1.0, 0.0));
+    }
+
+    /// The area of a regular polygon, n/2 sin(2π/n), whatever its cuts; no triangle is a sliver.
+    #[test]
+    fn a_polygon_of_many_corners_is_halved() {
+        for n in [3, 8, 9, 10, 57, 4000] {
+            let corner = |i: usize| 2.0 * std::f64::consts::PI * i as f64 / n as f64;
+            let mut text = String::new();
+            (0..n).for_each(|i| text += &format!("v {} {} 0\n", corner(i).cos(), corner(i).sin()));
+            text += "f";
+            (1..=n).for_each(|i| text += &format!(" {i}"));
+            let mesh = read_obj(text.as_bytes()).unwrap();
+            assert_eq!(mesh.triangles.len(), n - 2);
+            let exact = n as f64 / 2.0 * corner(1).sin();
+            let up: f64 = (0..n - 2).map(|t| mesh.area_vector(t).z).sum();
+            assert!((mesh.area() - exact).abs() < 1e-9 && (up - exact).abs() < 1e-9, "{n}");
+            let edges = crate::mesh::Topology::of(&mesh);
+            assert_eq!((edges.boundary_edges, edges.components), (n, 1));
+        }
     }
 
     #[test]

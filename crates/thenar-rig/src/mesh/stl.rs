@@ -3,6 +3,7 @@
 use super::weld;
 use crate::{RigError, TriMesh};
 use thenar::Vec3;
+use thenar_input::quoted;
 
 const HEADER_BYTES: usize = 84;
 const TRIANGLE_BYTES: usize = 50;
@@ -93,7 +94,10 @@ fn read_ascii(bytes: &[u8]) -> Result<TriMesh, RigError> {
             "outer" | "endloop" if in_facet => {}
             "endsolid" if !in_facet => ended = true,
             other => {
-                return Err(RigError::line(number, format!("{other:?} is out of place in STL")));
+                return Err(RigError::line(
+                    number,
+                    format!("{} is out of place in STL", quoted(other)),
+                ));
             }
         }
     }
@@ -107,11 +111,9 @@ fn corner<'a>(mut words: impl Iterator<Item = &'a str>, line: usize) -> Result<V
     let mut p = Vec3::zeros();
     for k in 0..3 {
         let word = words.next().unwrap_or_default();
-        p[k] = word
-            .parse()
-            .ok()
-            .filter(|x: &f64| x.is_finite())
-            .ok_or_else(|| RigError::line(line, format!("{word:?} is not a finite number")))?;
+        p[k] = word.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| {
+            RigError::line(line, format!("{} is not a finite number", quoted(word)))
+        })?;
     }
     Ok(p)
 }

@@ -3,6 +3,7 @@
 use crate::RigError;
 use crate::lattice::tet;
 use crate::object::{RigidModel, SoftModel};
+use crate::size::{bounds, sensible_size};
 use thenar::model::{
     Binding, Bone, BoneSolid, EmbeddedSurface, Flesh, HandModel, JointDesc, JointKind,
 };
@@ -53,6 +54,7 @@ pub(super) fn flesh(flesh: &Flesh) -> Check {
         format!("{} materials for {} tetrahedra", flesh.materials.len(), flesh.tets.len())
     })?;
     numbers("node position", flesh.nodes.iter().flat_map(|x| x.iter().copied()), |_| true)?;
+    sensible_size(bounds(&flesh.nodes))?;
     for (t, nodes) in flesh.tets.iter().enumerate() {
         let all = nodes.iter().all(|&n| (n as usize) < flesh.nodes.len());
         ensure(all, || format!("tetrahedron {t} names a node that is not there"))?;
@@ -142,6 +144,7 @@ fn shape(shape: &Shape) -> Check {
         }
         Shape::Mesh(mesh) => {
             check_triangles("contact mesh", &mesh.points, &mesh.triangles)?;
+            sensible_size(bounds(&mesh.points))?;
             let grid = &mesh.grid;
             numbers("grid spacing", [grid.cell], |c| c > 0.0)?;
             numbers("grid origin", grid.origin.iter().copied(), |_| true)?;
@@ -240,5 +243,5 @@ fn numbers(what: &str, values: impl IntoIterator<Item = f64>, ok: impl Fn(f64) -
 }
 
 fn ensure(ok: bool, what: impl FnOnce() -> String) -> Check {
-    if ok { Ok(()) } else { Err(RigError::Invalid(what())) }
+    if ok { Ok(()) } else { Err(RigError::invalid(what())) }
 }

@@ -20,10 +20,10 @@ mod container;
 pub(crate) use check::hand as check_hand;
 
 use crate::RigError;
+use crate::export::write_whole;
 use crate::object::{RigidModel, SoftModel};
 use container::Kind;
-use std::io::{Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use thenar::model::HandModel;
 
 /// A built body.
@@ -99,17 +99,8 @@ impl Model {
 /// # Errors
 /// When the model makes no sense or the file cannot be written.
 pub fn write_model(path: &Path, model: &Model) -> Result<(), RigError> {
-    let fail = |cause| RigError::Write { file: path.display().to_string(), cause };
     let bytes = model.to_bytes().map_err(|e| e.in_file(path.display()))?;
-    let temporary = beside(path);
-    let written = std::fs::File::create(&temporary)
-        .and_then(|mut file| file.write_all(&bytes).and_then(|()| file.sync_all()))
-        .and_then(|()| std::fs::rename(&temporary, path));
-    written.map_err(|cause| {
-        // What is left of it is of no use; that it may already be gone is fine.
-        let _ = std::fs::remove_file(&temporary);
-        fail(cause)
-    })
+    write_whole(path, &bytes)
 }
 
 /// Reads a model file.
@@ -117,21 +108,9 @@ pub fn write_model(path: &Path, model: &Model) -> Result<(), RigError> {
 /// # Errors
 /// When it cannot be read, or as [`Model::from_bytes`].
 pub fn read_model(path: &Path) -> Result<Model, RigError> {
-    let fail = |cause| RigError::Read { file: path.display().to_string(), cause };
-    let file = std::fs::File::open(path).map_err(fail)?;
-    let mut bytes = Vec::new();
-    file.take(FILE_BYTES_MAX + 1).read_to_end(&mut bytes).map_err(fail)?;
-    if bytes.len() as u64 > FILE_BYTES_MAX {
-        return Err(RigError::invalid("larger than a model file may be").in_file(path.display()));
-    }
+    let bytes = thenar_input::read(path, FILE_BYTES_MAX)
+        .map_err(|e| RigError::Read { file: path.display().to_string(), cause: e.into() })?;
     Model::from_bytes(&bytes).map_err(|e| e.in_file(path.display()))
-}
-
-/// A name in the same folder that no other process uses.
-fn beside(path: &Path) -> PathBuf {
-    let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(format!(".{}.tmp", std::process::id()));
-    path.with_file_name(name)
 }
 
 #[cfg(test)]

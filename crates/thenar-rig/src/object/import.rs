@@ -1,7 +1,8 @@
 //! Rigid bodies from triangle meshes of any quality.
 //!
 //! The method, in order:
-//! 1. Vertices closer than 1e-6 of the size are welded; triangles are made to agree on their
+//! 1. Vertices closer than 1e-6 of the size are welded and triangles given several times are taken once;
+//!    triangles are made to agree on their
 //!    outside, and closed pieces face outward (cavities stay). Open pieces keep the side they
 //!    have: one that faces inward encloses nothing and becomes a shell (4).
 //! 2. The inside is where the generalised winding number is at least ½, on a grid of distances.
@@ -19,6 +20,7 @@ use crate::mesh::{
     Bvh, GridOptions, Inside, MassProperties, Orientation, Topology, distance_grid, mass_of_grid,
     resampled, weld,
 };
+use crate::size::sensible_size;
 use crate::{RigError, TriMesh};
 use std::sync::Arc;
 use thenar::shape::{DistanceGrid, MeshShape, Shape};
@@ -97,8 +99,6 @@ pub struct MeshReport {
     pub grid_values: usize,
 }
 
-/// Smallest and largest admissible longest side of a body \[m\].
-const SIZE_RANGE: [f64; 2] = [1e-4, 1e3];
 /// Vertices closer than this part of the mesh's size are one.
 const WELD: f64 = 1e-6;
 /// Exact and grid volume agree when they differ by less than this part.
@@ -117,7 +117,7 @@ pub fn rigid_from_mesh(
 ) -> Result<(RigidModel, MeshReport), RigError> {
     weight.mass(1.0)?;
     mesh.check()?;
-    let size = sensible_size(mesh)?;
+    let size = sensible_size(mesh.bounds())?;
     let welded = weld(mesh, WELD * size);
     let mut clean = welded.mesh.compacted();
     clean.triangles.retain({
@@ -127,6 +127,7 @@ pub fn rigid_from_mesh(
             (b - a).cross(&(c - a)).norm() > 0.0
         }
     });
+    drop_repeated(&mut clean.triangles);
     if clean.triangles.is_empty() {
         return Err(RigError::invalid("all triangles of the mesh are without area"));
     }
@@ -156,17 +157,20 @@ pub fn rigid_from_mesh(
     Ok((model, report))
 }
 
-/// Longest side of the mesh, if it is one that a body may have.
-pub(crate) fn sensible_size(mesh: &TriMesh) -> Result<f64, RigError> {
-    let [min, max] = mesh.bounds();
-    let size = (max - min).max();
-    let [low, high] = SIZE_RANGE;
-    if size < low || size > high {
-        return Err(RigError::invalid(format!(
-            "the mesh is {size:e} m long, outside {low:e} to {high:e} m (is the scale right?)"
-        )));
-    }
-    Ok(size)
+/// Keeps the first of triangles that have the same corners in the same sense of rotation.
+fn drop_repeated(triangles: &mut Vec<[u32; 3]>) {
+    let turned = |t: &[u32; 3]| {
+        let first = (0..3).fold(0, |best, k| if t[k] < t[best] { k } else { best });
+        [t[first], t[(first + 1) % 3], t[(first + 2) % 3]]
+    };
+    let mut seen: Vec<([u32; 3], u32)> =
+        (0..).zip(&*triangles).map(|(i, t)| (turned(t), i)).collect();
+    seen.sort_unstable();
+    seen.dedup_by_key(|(corners, _)| *corners);
+    let mut keep = vec![false; triangles.len()];
+    seen.iter().for_each(|&(_, i)| keep[i as usize] = true);
+    let mut keep = keep.into_iter();
+    triangles.retain(|_| keep.next().unwrap_or(true));
 }
 
 /// Interior, grid and mass properties at density 1.
@@ -177,7 +181,29 @@ fn inside_of(
     options: &ImportOptions,
 ) -> Result<(Interior, DistanceGrid, MassProperties), RigError> {
     let bvh = Bvh::new(mesh);
-    let grid = distance_grid(mesh, &bvh, Inside::Winding, &options.grid)?;
+    let [min, max] = mesh.bounds();
+    // What is as thin as welding reaches encloses nothing.
+    let flat = (max - min).min() <= WELD * size;
+    if !flat && let Some(found) = enclosed(mesh, &bvh, topology, options)? {
+        return Ok(found);
+    }
+    let thickness = match options.shell_thickness {
+        Some(t) => positive("shell_thickness", t)?,
+        None => size / 25.0,
+    };
+    let grid = distance_grid(mesh, &bvh, Inside::Shell(thickness), &options.grid)?;
+    let body = mass_of_grid(&grid, 1.0)?;
+    Ok((Interior::Shell(thickness), grid, body))
+}
+
+/// The same of a mesh that has an inside; none for others.
+fn enclosed(
+    mesh: &TriMesh,
+    bvh: &Bvh,
+    topology: &Topology,
+    options: &ImportOptions,
+) -> Result<Option<(Interior, DistanceGrid, MassProperties)>, RigError> {
+    let grid = distance_grid(mesh, bvh, Inside::Winding, &options.grid)?;
     let on_grid = mass_of_grid(&grid, 1.0);
     let exact = MassProperties::of_solid(mesh, 1.0);
 
@@ -185,29 +211,19 @@ fn inside_of(
         if let (Ok(exact), Ok(on_grid)) = (&exact, &on_grid)
             && (exact.mass / on_grid.mass - 1.0).abs() < VOLUME_AGREEMENT
         {
-            return Ok((Interior::Closed, grid, *exact));
+            return Ok(Some((Interior::Closed, grid, *exact)));
         }
         // Thinner than the grid resolves, but of one piece and sound.
         if let (Ok(exact), 1) = (exact, topology.components) {
-            return Ok((Interior::Closed, grid, exact));
+            return Ok(Some((Interior::Closed, grid, exact)));
         }
     }
-    // A sheet too has half of each crossed cell inside: ask for more.
-    let sheet = 0.75 * mesh.area() * grid.cell;
-    match on_grid {
-        Ok(body) if deep_values(&grid) > 0 && body.mass > 0.1 * sheet => {
-            Ok((Interior::Winding, grid, body))
-        }
-        _ => {
-            let thickness = match options.shell_thickness {
-                Some(t) => positive("shell_thickness", t)?,
-                None => size / 25.0,
-            };
-            let grid = distance_grid(mesh, &bvh, Inside::Shell(thickness), &options.grid)?;
-            let body = mass_of_grid(&grid, 1.0)?;
-            Ok((Interior::Shell(thickness), grid, body))
-        }
-    }
+    // A sheet too has half of each crossed cell inside: ask for more. Of parts upon each other only what the
+    // grid can tell apart counts.
+    let crossed = grid.values.iter().filter(|&&d| f64::from(d.abs()) < 0.5 * grid.cell).count();
+    let sheet = 0.75 * mesh.area().min(crossed as f64 * grid.cell.powi(2)) * grid.cell;
+    let body = on_grid.ok().filter(|body| deep_values(&grid) > 0 && body.mass > 0.1 * sheet);
+    Ok(body.map(|body| (Interior::Winding, grid, body)))
 }
 
 /// Number of grid points more than half a cell inside.
@@ -324,5 +340,56 @@ mod tests {
             assert!((at(Vec3::y() * height) - exact).abs() < 1e-9);
         }
         assert!(at(Vec3::zeros()) < -0.015 && at(Vec3::y() * -0.025) > 0.0);
+    }
+
+    #[test]
+    fn a_triangle_given_again_is_taken_once() {
+        let mut triangles = vec![[0, 1, 2], [2, 0, 1], [0, 2, 1], [3, 1, 2], [1, 2, 0], [1, 2, 3]];
+        drop_repeated(&mut triangles);
+        assert_eq!(triangles, [[0, 1, 2], [0, 2, 1], [3, 1, 2]]);
+    }
+
+    /// Copies at one place change nothing, and copies nearby are one body with them.
+    #[test]
+    fn a_cube_given_a_hundred_times_is_a_cube() {
+        let cube = shapes::cuboid(&Vec3::new(0.01, 0.02, 0.03));
+        let (mut same, mut shifted) = (cube.clone(), cube.clone());
+        for i in 1..100 {
+            same.append(&cube);
+            if i <= 20 {
+                let mut other = cube.clone();
+                other.positions.iter_mut().for_each(|p| p.x += 5e-6 * f64::from(i));
+                shifted.append(&other);
+            }
+        }
+        let weight = Weight::Density(1000.0);
+        let of = |mesh| rigid_from_mesh("x", mesh, weight, &ImportOptions::default()).unwrap();
+        let (one, again) = (of(&cube), of(&same));
+        assert_eq!((one.1.interior, again.1.interior), (Interior::Closed, Interior::Closed));
+        assert!((one.0.mass - again.0.mass).abs() < 1e-15 * one.0.mass);
+        assert_eq!(again.1.dropped_triangles, 99 * 12);
+        // 20.1 mm instead of 20 along x.
+        let (body, report) = of(&shifted);
+        assert_eq!(report.interior, Interior::Winding);
+        assert!((body.mass / one.0.mass / 1.005 - 1.0).abs() < 0.01, "{}", body.mass);
+    }
+
+    /// A hundred thousand triangles across the whole body: refused before anything is spent.
+    #[test]
+    fn a_thicket_is_refused_with_its_cost() {
+        let mut thicket = TriMesh::default();
+        let mut state = 1_u64;
+        let mut next = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        for t in 0..100_000 {
+            thicket.positions.extend((0..3).map(|_| Vec3::from_fn(|_, _| next())));
+            thicket.triangles.push([3 * t, 3 * t + 1, 3 * t + 2]);
+        }
+        let options = ImportOptions::default();
+        let error = rigid_from_mesh("x", &thicket, Weight::Mass(1.0), &options).unwrap_err();
+        let error = error.to_string();
+        assert!(error.contains("would take") && error.contains("simplify the mesh"), "{error}");
     }
 }

@@ -5,6 +5,7 @@ use crate::RigError;
 use crate::error::positive;
 use crate::lattice::Quality;
 use crate::mesh::{find, join};
+use crate::size::{bounds, sensible_size};
 use thenar::Vec3;
 use thenar::model::{EmbeddedSurface, Flesh, Material};
 
@@ -154,6 +155,7 @@ fn check_elements(nodes: &[Vec3], tets: &[[u32; 4]]) -> Result<(), RigError> {
     if let Some(i) = nodes.iter().position(|p| !p.iter().all(|x| x.abs() <= 1e6)) {
         return Err(RigError::invalid(format!("node {i} is not finite, or beyond 1e6 m")));
     }
+    sensible_size(bounds(nodes))?;
     for (t, tet) in tets.iter().enumerate() {
         if let Some(n) = tet.iter().find(|&&n| n as usize >= nodes.len()) {
             return Err(RigError::invalid(format!(

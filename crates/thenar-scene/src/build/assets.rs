@@ -38,11 +38,7 @@ pub fn path(files: &Files, file: &At<String>) -> PathBuf {
 pub fn read_text(files: &Files, file: &At<String>, bytes_max: u64) -> Result<String, Fault> {
     let path = path(files, file);
     let fault = |problem: String| file.fault(format!("{}: {problem}", path.display()));
-    let size = std::fs::metadata(&path).map_err(|e| fault(e.to_string()))?.len();
-    if size > bytes_max {
-        return Err(fault(format!("the file has {size} bytes, more than {bytes_max}")));
-    }
-    std::fs::read_to_string(&path).map_err(|e| fault(e.to_string()))
+    thenar_input::read_text(&path, bytes_max).map_err(|e| fault(e.to_string()))
 }
 
 /// Nodes and tetrahedra from a TOML file.

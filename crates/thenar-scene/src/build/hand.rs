@@ -63,7 +63,16 @@ pub fn add_all(built: &mut Built, scene: &Scene, files: &Files) -> Result<(), Fa
 }
 
 fn add(built: &mut Built, hand: &Hand, files: &Files) -> Result<(), Fault> {
+    let at = |problem| hand.name.fault(problem);
+    // That of a model file is known when it is read.
+    let built_here = hand.model.as_ref().is_none_or(|file| !file.value.ends_with(".thenar"));
+    if built_here {
+        built.memory.take_tets(u64::from(hand.tets), at)?;
+    }
     let mut model = assets::hand(hand, files)?;
+    if !built_here {
+        built.memory.take_tets(model.flesh.tets.len() as u64, at)?;
+    }
     soften(&mut model.flesh, hand.material.as_ref());
     set(&mut model.flesh.friction, hand.friction);
     let own = Pose::new(hand.position, place::rotation(hand.rotation.as_ref())?);

@@ -9,6 +9,7 @@ mod inertia;
 mod joint;
 mod lattice;
 mod load;
+mod memory;
 mod motion;
 mod names;
 mod pair;
@@ -23,6 +24,7 @@ pub use drivers::{Driver, Follow, Track};
 pub use files::Files;
 pub use hand::BuiltHand;
 pub use load::{ActiveLoad, Factor, LoadKind};
+pub use memory::{BODIES_BYTES_MAX, Memory, TET_BYTES};
 pub use names::Names;
 pub use rigid::RigidLook;
 pub use select::{Face, Mesh};
@@ -53,8 +55,19 @@ pub struct Built {
     pub drivers: Vec<Driver>,
     /// Loads.
     pub loads: Vec<ActiveLoad>,
+    /// Memory that the bodies take.
+    pub memory: Memory,
     /// How rigid bodies look, one entry per rigid body of the world.
     pub looks: Vec<RigidLook>,
+}
+
+/// Memory that the bodies of a scene will take \[bytes\], as far as it says so itself: that of files is not
+/// counted.
+pub fn wanted_bytes(scene: &Scene) -> u64 {
+    let softs = scene.soft.iter().filter_map(|soft| soft::tets_wanted(&soft.shape.value));
+    let hands = scene.hand.iter().map(|hand| u64::from(hand.tets));
+    let tets = softs.chain(hands).fold(0, u64::saturating_add);
+    tets.saturating_mul(TET_BYTES).saturating_add(memory::RIGID_BYTES * scene.rigid.len() as u64)
 }
 
 /// Builds a scene; `files` tells where those that it names are.
@@ -77,6 +90,7 @@ pub fn build(scene: &Scene, files: &Files) -> Result<Built, Fault> {
         drivers: Vec::new(),
         loads: Vec::new(),
         looks: Vec::new(),
+        memory: Memory::default(),
     };
     rigid::add_all(&mut built, scene, files)?;
     hand::add_all(&mut built, scene, files)?;

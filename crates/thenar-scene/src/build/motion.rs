@@ -63,9 +63,14 @@ fn recorded(
 ) -> Result<HandMotion, Fault> {
     let recording = Recording::open(&assets::path(files, file))
         .map_err(|e| file.fault(MotionError::from(e).to_string()))?;
+    let problem = |e: MotionError| match e {
+        // The recording's, not the scene's.
+        MotionError::NoHand { .. } => format!("{}: {e}", assets::path(files, file).display()),
+        other => other.to_string(),
+    };
     Recorded::new(desc, &recording, hand)
         .map(|motion| HandMotion::Recorded(Box::new(motion)))
-        .map_err(|e| file.fault(e.to_string()))
+        .map_err(|e| file.fault(problem(e)))
 }
 
 fn recorded_desc(t: &RecordedTable) -> RecordedDesc {

@@ -26,6 +26,7 @@ pub fn add_all(built: &mut Built, scene: &Scene, files: &Files) -> Result<(), Fa
     for rigid in &scene.rigid {
         built.names.add_rigid(&rigid.name, built.world.rigids.len() as u32)?;
         let (desc, look) = describe(rigid, files)?;
+        built.memory.take_shape(desc.shape.as_ref(), |problem| rigid.name.fault(problem))?;
         built.world.add_rigid(desc);
         built.looks.push(look);
     }

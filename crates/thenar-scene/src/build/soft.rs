@@ -2,7 +2,7 @@
 
 use super::solver::set;
 use super::{Built, Files, Mesh, assets, lattice, place};
-use crate::format::{Bind, FixedSet, LawWord, MaterialTable, Scene, Soft, SoftShape};
+use crate::format::{Bind, FixedSet, LawWord, MaterialTable, Scene, Soft, SoftShape, SplitWord};
 use crate::math::{Mat3, Pose, Vec3};
 use crate::text::{At, Fault};
 use std::collections::BTreeMap;
@@ -31,7 +31,15 @@ pub fn add_all(built: &mut Built, scene: &Scene, files: &Files) -> Result<(), Fa
 }
 
 fn add(built: &mut Built, soft: &Soft, files: &Files) -> Result<(), Fault> {
+    let at = |problem| soft.shape.fault(problem);
+    let known = tets_wanted(&soft.shape.value);
+    if let Some(tets) = known {
+        built.memory.take_tets(tets, at)?;
+    }
     let SoftModel { mut flesh, render, .. } = rest_shape(&soft.shape, files)?;
+    if known.is_none() {
+        built.memory.take_tets(flesh.tets.len() as u64, at)?;
+    }
     let mesh = Mesh::new(&flesh.nodes, &flesh.tets);
     let pose_WM = Pose::new(soft.position, place::rotation(soft.rotation.as_ref())?);
     let start = start(soft, &mesh, &pose_WM)?;
@@ -60,6 +68,25 @@ fn add(built: &mut Built, soft: &Soft, files: &Files) -> Result<(), Fault> {
     built.meshes.push(mesh);
     built.node_starts.push(start);
     Ok(())
+}
+
+/// How many tetrahedra a shape will have; none where a file says so.
+pub(super) fn tets_wanted(shape: &SoftShape) -> Option<u64> {
+    let product = |cells: &[u32; 3]| cells.iter().map(|&n| u64::from(n)).product::<u64>();
+    Some(match shape {
+        SoftShape::Lattice(s) => {
+            let planes = s.coordinates.as_ref().map(|p| [0, 1, 2].map(|k| p[k].len() as u32));
+            let per_cell = if s.split == SplitWord::Kuhn { 6 } else { 5 };
+            per_cell * s.cells.or(planes).as_ref().map_or(0, product)
+        }
+        // An icosahedron's 20 triangles, each cut into frequency² prisms of three tetrahedra a layer, and
+        // tetrahedra about the centre.
+        SoftShape::Ball(s) => 20 * u64::from(s.frequency).pow(2) * (3 * u64::from(s.layers) + 1),
+        SoftShape::Bread(s) => 5 * product(&assets::loaf(s).cells),
+        SoftShape::Explicit(s) => s.tets.value.len() as u64,
+        SoftShape::Mesh(s) if !s.file.value.ends_with(".thenar") => u64::from(s.tets),
+        SoftShape::Mesh(_) | SoftShape::File(_) => return None,
+    })
 }
 
 fn rest_shape(shape: &At<SoftShape>, files: &Files) -> Result<SoftModel, Fault> {

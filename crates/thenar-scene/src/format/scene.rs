@@ -14,7 +14,7 @@ table! {
         /// More words.
         description: Option<String>;
         /// Gravity, world [m/s²]. Default [0, -9.81, 0].
-        gravity: Vec3 where RATE = Vec3::new(0.0, -9.81, 0.0);
+        gravity: Vec3 where GRAVITY = Vec3::new(0.0, -9.81, 0.0);
         /// Time step [s]. Default 0.001.
         time_step: f64 where TIME_STEP = 1e-3;
         /// Simulated time of a run [s]. Default 1.

@@ -9,7 +9,7 @@ const REACH: f64 = 10.0;
 /// Largest deviation of a quaternion's length from 1.
 const NORM_SLACK: f64 = 1e-2;
 /// Largest radius \[m\].
-const RADIUS_MAX: f64 = 0.5;
+pub(crate) const RADIUS_MAX: f64 = 0.5;
 
 /// Why a live pose was refused. Nothing has changed then.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

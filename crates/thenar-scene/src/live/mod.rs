@@ -32,6 +32,7 @@ mod stance;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use check::RADIUS_MAX;
 pub use check::{LiveError, checked};
 pub use hand::LiveHand;
 pub use memory::{LiveMemory, LiveMemoryRef};

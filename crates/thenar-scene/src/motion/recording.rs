@@ -11,7 +11,6 @@
 //! WebXR: -z along the bone away from the wrist, +y out of the back of the hand. Whatever breaks
 //! these rules is refused with the file, the line and the cause; nothing is guessed.
 
-use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use thenar::model::Side;
@@ -102,8 +101,10 @@ pub struct Recording {
 impl Recording {
     /// Reads a file.
     pub fn open(file: &Path) -> Result<Self, RecordingError> {
-        let opened = File::open(file)
-            .map_err(|cause| RecordingError::Read { file: file.to_path_buf(), cause })?;
+        let (opened, _) = thenar_input::open_plain(file).map_err(|cause| RecordingError::Read {
+            file: file.to_path_buf(),
+            cause: cause.into(),
+        })?;
         Self::read(BufReader::new(opened), file)
     }
 

@@ -19,6 +19,15 @@ pub struct SceneStart {
     pub time_step: f64,
 }
 
+impl SceneStart {
+    /// Whether a session that has just been made begins as it says.
+    pub(super) fn is_of(&self, session: &Session) -> bool {
+        let world = session.world();
+        let times = [world.time(), world.time_step()];
+        world.state_hash() == self.hash && times == [self.time, self.time_step]
+    }
+}
+
 /// A file that a scene names.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Asset {

@@ -7,10 +7,13 @@ use crate::session::{Session, Source};
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU32, Ordering};
+use thenar_output::TemporaryFolder;
 
 /// Larger files are not put into a recording, which then needs them where they were \[bytes\].
 pub const ASSET_BYTES_MAX: u64 = 64 << 20;
+
+/// The largest files that scenes name are models \[bytes\].
+const FILE_BYTES_MAX: u64 = 1 << 30;
 
 /// What a scene frame says of a session; `None` for one that a program has changed.
 pub fn start(session: &Session) -> Option<SceneStart> {
@@ -25,7 +28,7 @@ pub fn start(session: &Session) -> Option<SceneStart> {
 
 /// A file that has gone meanwhile is kept by name: replay says that it is missing.
 fn asset(name: &str, path: &Path) -> Asset {
-    let bytes = std::fs::read(path).unwrap_or_default();
+    let bytes = thenar_input::read(path, FILE_BYTES_MAX).unwrap_or_default();
     Asset {
         name: name.into(),
         bytes: bytes.len() as u64,
@@ -36,7 +39,7 @@ fn asset(name: &str, path: &Path) -> Asset {
 
 /// Makes the session of a scene frame.
 pub fn session(start: &SceneStart) -> Result<Session, ReplayError> {
-    let folder = Folder::new();
+    let mut folder = Folder::default();
     let mut moved = BTreeMap::new();
     for (k, asset) in start.assets.iter().enumerate() {
         match &asset.content {
@@ -55,37 +58,27 @@ pub fn session(start: &SceneStart) -> Result<Session, ReplayError> {
 fn check(source: &Source, asset: &Asset) -> Result<(), ReplayError> {
     let path = source.file.parent().unwrap_or(Path::new("")).join(&asset.name);
     let same = |bytes: Vec<u8>| crc32fast::hash(&bytes) == asset.crc32;
-    match std::fs::read(&path).is_ok_and(same) {
+    match thenar_input::read(&path, FILE_BYTES_MAX).is_ok_and(same) {
         true => Ok(()),
         false => Err(ReplayError::NotThere(path)),
     }
 }
 
-/// A folder for the time in which a scene is built.
-struct Folder(PathBuf);
-
-static COUNT: AtomicU32 = AtomicU32::new(0);
+/// A folder for the time in which a scene is built, if it needs one.
+#[derive(Default)]
+struct Folder(Option<TemporaryFolder>);
 
 impl Folder {
-    fn new() -> Self {
-        let number = COUNT.fetch_add(1, Ordering::Relaxed);
-        let name = format!("thenar-replay-{}-{number}", std::process::id());
-        Self(std::env::temp_dir().join(name))
-    }
-
     /// Only the ending of the name matters; the rest could lead anywhere.
-    fn put(&self, k: usize, name: &str, bytes: &[u8]) -> io::Result<PathBuf> {
-        std::fs::create_dir_all(&self.0)?;
+    fn put(&mut self, k: usize, name: &str, bytes: &[u8]) -> io::Result<PathBuf> {
+        let folder = match self.0.take() {
+            Some(folder) => folder,
+            None => TemporaryFolder::new("thenar-replay")?,
+        };
         let ending = Path::new(name).extension().unwrap_or_default();
-        let path = self.0.join(format!("asset-{k}")).with_extension(ending);
+        let path = folder.path().join(format!("asset-{k}")).with_extension(ending);
+        self.0 = Some(folder);
         std::fs::write(&path, bytes)?;
         Ok(path)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        // It may never have been made.
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }

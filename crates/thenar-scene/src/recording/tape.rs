@@ -92,7 +92,7 @@ impl Witness for SessionTape {
             number: self.number,
             hash: world.state_hash(),
             cost_ns: u32::try_from(cost).unwrap_or(u32::MAX),
-            taken_back: session.report().non_finite,
+            taken_back: session.report().taken_back,
         };
         self.tape.frame(Kind::Step, now, Weight::Usual, |body| mark.write(body));
         // Half a step early is not late.

@@ -77,6 +77,8 @@ pub struct Verdict {
     pub same: u64,
     /// Of these, without a mark to compare with.
     pub unmarked: u64,
+    /// Of these, taken back: their numbers were not finite.
+    pub taken_back: u64,
     /// Steps passed over on the way to a later beginning.
     pub passed: u64,
     /// Time of the session's newest frame \[s\].

@@ -20,7 +20,7 @@ pub(crate) use drive::bones;
 pub use library::{Builtin, builtin, builtins};
 pub use loads::{HandLoad, PARTS};
 pub use memory::{Memory, MemoryRef};
-pub use open::read;
+pub use open::{read, read_scene};
 pub use overlap::StartOverlap;
 pub use probe::{Column, Probes};
 pub use random::{Random, random_at};

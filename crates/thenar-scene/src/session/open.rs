@@ -21,13 +21,7 @@ impl Session {
     /// # Errors
     /// The file cannot be read, or something in it is wrong; says what and where.
     pub fn load(path: &Path, overrides: &[String]) -> Result<Self, SceneError> {
-        let error = |problem: String| SceneError::File { file: path.to_path_buf(), problem };
-        let size = std::fs::metadata(path).map_err(|e| error(e.to_string()))?.len();
-        if size > SCENE_BYTES_MAX {
-            return Err(error(format!("the file has {size} bytes, more than {SCENE_BYTES_MAX}")));
-        }
-        let text = std::fs::read_to_string(path).map_err(|e| error(e.to_string()))?;
-        Self::from_text(&text, path, overrides)
+        Self::from_text(&read_scene(path)?, path, overrides)
     }
 
     /// Loads a scene from its text; `file` names it in messages and is where relative paths
@@ -148,6 +142,15 @@ pub(super) fn live_hand(hand: &BuiltHand) -> Result<Box<LiveHand>, LiveError> {
         true => LiveHand::new(&hand.name, &hand.model).map(Box::new),
         false => Err(LiveError::NotDriven { hand: hand.name.clone() }),
     }
+}
+
+/// The text of a scene file.
+///
+/// # Errors
+/// The file cannot be read, is no plain file or too large.
+pub fn read_scene(path: &Path) -> Result<String, SceneError> {
+    thenar_input::read_text(path, SCENE_BYTES_MAX)
+        .map_err(|e| SceneError::File { file: path.to_path_buf(), problem: e.to_string() })
 }
 
 /// Reads and checks a scene's text without building anything.

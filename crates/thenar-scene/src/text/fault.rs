@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use thenar_input::brief;
 
 /// Where a value was written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -81,9 +82,10 @@ fn prefix(key: &str) -> String {
 }
 
 impl Fault {
-    /// A fault at a place.
+    /// A fault at a place. What is long of key and problem is shortened: both may repeat what a user wrote.
     pub fn new(place: &Place, key: impl Into<String>, problem: impl Into<String>) -> Self {
-        Self { place: place.clone(), key: key.into(), problem: problem.into() }
+        let (key, problem) = (brief(&key.into()), brief(&problem.into()));
+        Self { place: place.clone(), key, problem }
     }
 
     /// Adds the file's name, line and column.
@@ -95,7 +97,7 @@ impl Fault {
                 SceneError::InFile { file: file.to_path_buf(), line, column, key, problem }
             }
             Place::Override(i) => {
-                let text = overrides.get(i).cloned().unwrap_or_default();
+                let text = overrides.get(i).map(|text| brief(text)).unwrap_or_default();
                 SceneError::InOverride { text, key, problem }
             }
         }

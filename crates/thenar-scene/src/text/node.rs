@@ -1,6 +1,7 @@
 //! A TOML document as a tree in which every value knows where it was written.
 
 use super::{Fault, Place, plain};
+use thenar_input::quoted;
 use toml::de::{DeTable, DeValue};
 
 /// A value and its place.
@@ -112,7 +113,7 @@ fn from_table(table: &DeTable<'_>, place: MakePlace<'_>) -> Result<Value, Fault>
 
 fn from_value(value: &toml::Spanned<DeValue<'_>>, place: MakePlace<'_>) -> Result<Value, Fault> {
     let too_big = |text: &str| {
-        Fault::new(&place(value.span()), "", format!("the number {text} is too large"))
+        Fault::new(&place(value.span()), "", format!("the number {} is too large", quoted(text)))
     };
     Ok(match value.get_ref() {
         DeValue::String(s) => Value::Text(s.to_string()),

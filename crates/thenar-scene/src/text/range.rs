@@ -1,5 +1,8 @@
 //! Bounds of numbers, with words for messages.
 
+use thenar::world::GRAVITY_MAX;
+use thenar_rig::hand::LENGTHS;
+
 /// An interval of admissible numbers. Numbers must be finite in any case.
 #[derive(Debug)]
 pub struct Range {
@@ -35,6 +38,9 @@ impl Range {
     pub const PLACE: &'static Range = &closed(-1e4, 1e4);
     /// A speed \[m/s\] or \[rad/s\].
     pub const RATE: &'static Range = &closed(-1e5, 1e5);
+    /// Gravity \[m/s²\].
+    pub const GRAVITY: &'static Range =
+        &Range { min: -GRAVITY_MAX, max: GRAVITY_MAX, open_min: true, open_max: true };
     /// Mass \[kg\].
     pub const MASS: &'static Range = &closed(1e-9, 1e6);
     /// Density \[kg/m³\].
@@ -85,7 +91,7 @@ impl Range {
     /// A ratio of sizes.
     pub const GRADING: &'static Range = &closed(0.01, 100.0);
     /// The length of a hand \[m\].
-    pub const HAND_LENGTH: &'static Range = &closed(0.01, 2.0);
+    pub const HAND_LENGTH: &'static Range = &closed(LENGTHS[0], LENGTHS[1]);
     /// Time between random draws \[s\].
     pub const INTERVAL: &'static Range = &closed(1e-4, 1e3);
     /// A force, torque, traction or pressure.

@@ -7,3 +7,4 @@ mod bits;
 mod damage;
 mod difference;
 mod stage;
+mod tampered;

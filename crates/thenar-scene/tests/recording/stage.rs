@@ -130,7 +130,8 @@ impl Folder {
         mut drive: impl FnMut(usize, &mut Session),
     ) -> (PathBuf, Vec<u64>) {
         let file = self.file("test.rec");
-        let recorder = Recorder::create(&file, &Header::default()).unwrap();
+        let header = Header { simulated_time: true, ..Header::default() };
+        let recorder = Recorder::create(&file, &header).unwrap();
         let every = H * KEYFRAME as f64;
         let tape =
             SessionTape::new(recorder.session(), recorder.clock(), TimeOf::Simulation, every);

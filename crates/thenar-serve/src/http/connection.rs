@@ -1,15 +1,14 @@
 //! Connections: taken in, counted, encrypted where asked, and handed to the site.
 
+use super::crowd::{Crowd, Place};
 use super::metered::Metered;
-use super::options::Limits;
 use super::site::Site;
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper_util::rt::{TokioIo, TokioTimer};
-use std::collections::HashMap;
 use std::io::{Result, Write};
 use std::net::IpAddr;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncWrite, AsyncWriteExt};
 use tokio::net::{TcpListener, TcpStream};
@@ -44,17 +43,22 @@ pub async fn accept(listener: TcpListener, tls: Option<TlsAcceptor>, site: Arc<S
             continue;
         };
         let peer = peer.ip().to_canonical();
-        let Some(place) = crowd.enter(peer, &site.limits) else {
+        // Where a token is asked for, whoever comes is a stranger.
+        let place = match &tls {
+            Some(_) => Some(crowd.meet(peer, &site.limits)),
+            None => crowd.enter(peer, &site.limits),
+        };
+        let Some(place) = place else {
             // A new socket has room for this; where it has not, nobody is told.
             let _ = stream.into_std().and_then(|mut stream| stream.write(FULL));
             continue;
         };
-        let (tls, site) = (tls.clone(), site.clone());
-        tokio::spawn(async move {
+        let (tls, site, held) = (tls.clone(), site.clone(), place.clone());
+        let serving = tokio::spawn(async move {
             // A connection that fails is over; there is nobody to tell.
-            let _ = serve(stream, peer, tls, site).await;
-            drop(place);
+            let _ = serve(stream, peer, tls, site, held).await;
         });
+        place.served_by(serving.abort_handle());
     }
 }
 
@@ -63,11 +67,12 @@ async fn serve(
     peer: IpAddr,
     tls: Option<TlsAcceptor>,
     site: Arc<Site>,
+    place: Arc<Place>,
 ) -> Result<()> {
     stream.set_nodelay(true)?;
     let limits = &site.limits;
     let Some(tls) = tls else {
-        return requests(Metered::new(stream, limits), peer, site).await;
+        return requests(Metered::new(stream, limits), peer, site, place).await;
     };
     let mut first = [0];
     timeout(limits.head, stream.peek(&mut first)).await??;
@@ -77,18 +82,18 @@ async fn serve(
         return stream.shutdown().await;
     }
     let stream = timeout(limits.head, tls.accept(stream)).await??;
-    requests(stream, peer, site).await
+    requests(stream, peer, site, place).await
 }
 
 /// Answers the requests of one connection, until one of them turns it into a session.
-async fn requests<S>(stream: S, peer: IpAddr, site: Arc<Site>) -> Result<()>
+async fn requests<S>(stream: S, peer: IpAddr, site: Arc<Site>, place: Arc<Place>) -> Result<()>
 where
     S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
 {
     let stopping = site.clone();
     let mut http = http1::Builder::new();
     http.timer(TokioTimer::new()).header_read_timeout(site.limits.head).max_buf_size(HEAD_BYTES);
-    let service = service_fn(move |request| site.clone().answer(peer, request));
+    let service = service_fn(move |request| site.clone().answer(peer, place.clone(), request));
     let connection = http.serve_connection(TokioIo::new(stream), service).with_upgrades();
     let mut connection = std::pin::pin!(connection);
     tokio::select! {
@@ -96,40 +101,4 @@ where
         () = stopping.stopped() => connection.as_mut().graceful_shutdown(),
     }
     connection.await.map_err(std::io::Error::other)
-}
-
-/// Counts connections, all and by address.
-#[derive(Debug, Default)]
-struct Crowd(Mutex<HashMap<IpAddr, usize>>);
-
-/// A place in the crowd, given back when dropped.
-#[derive(Debug)]
-struct Place {
-    crowd: Arc<Crowd>,
-    from: IpAddr,
-}
-
-impl Crowd {
-    fn enter(self: &Arc<Self>, from: IpAddr, limits: &Limits) -> Option<Place> {
-        let mut table = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let all: usize = table.values().sum();
-        let here = table.get(&from).copied().unwrap_or(0);
-        if all >= limits.connections || here >= limits.connections_per_address {
-            return None;
-        }
-        table.insert(from, here + 1);
-        Some(Place { crowd: self.clone(), from })
-    }
-}
-
-impl Drop for Place {
-    fn drop(&mut self) {
-        let mut table = self.crowd.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(count) = table.get_mut(&self.from) {
-            *count -= 1;
-            if *count == 0 {
-                table.remove(&self.from);
-            }
-        }
-    }
 }

@@ -8,7 +8,9 @@
 
 mod certificate;
 mod connection;
+mod crowd;
 mod guard;
+mod hall;
 mod listen;
 mod metered;
 mod options;
@@ -24,6 +26,7 @@ pub use options::{Limits, Options, Port, Reach};
 use crate::hub::Hub;
 use crate::page;
 use certificate::Certificate;
+use hall::Hall;
 use site::{Door, Site};
 use std::net::{SocketAddr, TcpListener};
 use std::sync::Arc;
@@ -32,7 +35,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 use token::{Guesses, Token};
 use tokio::runtime::{Builder, Runtime};
-use tokio::sync::{Semaphore, watch};
+use tokio::sync::watch;
 
 /// How long sessions get to say goodbye.
 const GOODBYE: Duration = Duration::from_secs(2);
@@ -87,7 +90,7 @@ impl Server {
             assets: page::assets(),
             door,
             limits: options.limits.clone(),
-            slots: Arc::new(Semaphore::new(options.limits.clients)),
+            hall: Hall::new(options.limits.clients),
             clients: AtomicU32::new(0),
             stopping,
         });
@@ -188,10 +191,8 @@ fn serve(
     runtime.block_on(async {
         // Cannot fail: the listener is a fresh one that does not block.
         let Ok(listener) = tokio::net::TcpListener::from_std(listener) else { return };
-        let (slots, clients) = (site.slots.clone(), site.limits.clients);
-        connection::accept(listener, certificate.map(|c| c.acceptor), site).await;
-        // Each session gives its slot back when it has ended.
-        let all = u32::try_from(clients).unwrap_or(u32::MAX);
-        let _ = tokio::time::timeout(GOODBYE, slots.acquire_many(all)).await;
+        connection::accept(listener, certificate.map(|c| c.acceptor), site.clone()).await;
+        // Each session gives its place back when it has ended.
+        let _ = tokio::time::timeout(GOODBYE, site.hall.empty(site.limits.clients)).await;
     });
 }

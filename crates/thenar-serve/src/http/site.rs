@@ -1,6 +1,8 @@
 //! What all connections share.
 
-use super::guard::{self, Admission};
+use super::crowd::Place;
+use super::guard::{self, Admission, Refusal};
+use super::hall::Hall;
 use super::options::Limits;
 use super::reply::{self, Reply};
 use super::session;
@@ -8,14 +10,17 @@ use super::token::{Guesses, Token};
 use crate::hub::Hub;
 use crate::page::Asset;
 use hyper::body::Incoming;
-use hyper::{Method, Request};
+use hyper::{Method, Request, StatusCode};
 use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::net::IpAddr;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU32;
 use std::time::Duration;
-use tokio::sync::{Semaphore, watch};
+use tokio::sync::watch;
+
+/// The answer to who has shown the token, as many others have.
+const FULL: Refusal = Refusal(StatusCode::SERVICE_UNAVAILABLE, "Too many connections.");
 
 /// How long a guess too many waits for its answer.
 const SLOW: Duration = Duration::from_secs(1);
@@ -47,8 +52,8 @@ pub struct Site {
     pub door: Door,
     /// What clients may do.
     pub limits: Limits,
-    /// One permit for each session that may still begin.
-    pub slots: Arc<Semaphore>,
+    /// Places of sessions.
+    pub hall: Hall,
     /// The number of the last client.
     pub clients: AtomicU32,
     /// Turns true when the server ends.
@@ -66,11 +71,13 @@ impl Site {
     pub async fn answer(
         self: Arc<Self>,
         peer: IpAddr,
+        place: Arc<Place>,
         mut request: Request<Incoming>,
     ) -> Result<Reply, Infallible> {
         let upgrade = hyper::upgrade::on(&mut request);
         let (request, _) = request.into_parts();
         let mut reply = match guard::admit(&self, peer, &request) {
+            Ok(_) if !place.admit(&self.limits) => reply::refuse(&FULL),
             Err(refusal) => {
                 if refusal == guard::TOO_MANY {
                     tokio::time::sleep(SLOW).await;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use thenar_scene::SceneError;
 use thenar_scene::build::Files;
 use thenar_scene::hands::Hands;
-use thenar_scene::session::{Session, Source, builtin, builtins, read};
+use thenar_scene::session::{Session, Source, builtin, builtins, read, read_scene};
 
 /// Where the first scene comes from.
 #[derive(Clone, Debug)]
@@ -91,7 +91,7 @@ impl Catalogue {
         let title = |text: &str| read(text, &[]).ok().and_then(|scene| scene.title);
         let own = self.own.iter().map(|(name, path)| SceneName {
             name: name.clone(),
-            title: std::fs::read_to_string(path)
+            title: read_scene(path)
                 .ok()
                 .and_then(|text| title(&text))
                 .unwrap_or_else(|| name.clone()),
@@ -117,7 +117,7 @@ impl Catalogue {
         let name = &recipe.scene;
         let own = self.own.as_ref().filter(|own| own.0 == *name);
         let (text, path) = match (own, builtin(name)) {
-            (Some((_, path)), _) => (scene_text(path)?, path.clone()),
+            (Some((_, path)), _) => (read_scene(path)?, path.clone()),
             (None, Some(shipped)) => (shipped.text.into(), Path::new(name).with_extension("toml")),
             (None, None) => return Err(LiveError::Unknown(name.clone())),
         };
@@ -129,10 +129,4 @@ impl Catalogue {
         let model = protocol::model(&session, name, 0)?;
         Ok(Ready { recipe: recipe.clone(), session, model })
     }
-}
-
-/// The text of a scene file.
-fn scene_text(path: &Path) -> Result<String, SceneError> {
-    std::fs::read_to_string(path)
-        .map_err(|e| SceneError::File { file: path.to_path_buf(), problem: e.to_string() })
 }

@@ -2,6 +2,7 @@
 
 use super::TEXT_BYTES_MAX;
 use serde::{Deserialize, Serialize};
+use thenar_input::brief;
 use thenar_scene::hands::Hands;
 use thenar_scene::text::plain;
 use thenar_scene::tuning::SettingValue;
@@ -101,7 +102,7 @@ impl Command {
             ));
         }
         let command: Self =
-            serde_json::from_str(text).map_err(|error| format!("not a command: {error}"))?;
+            serde_json::from_str(text).map_err(|e| brief(&format!("not a command: {e}")))?;
         command.check()?;
         Ok(command)
     }

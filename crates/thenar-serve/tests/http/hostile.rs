@@ -205,3 +205,34 @@ fn who_never_reads_is_cut_off() {
     });
     good.watch(50);
 }
+
+/// Clients send answers to pings that they have not read, and other signs of life, from all places there are.
+#[test]
+fn who_reads_nothing_gives_way_to_who_does() {
+    let stage = Stage::desk();
+    let mut good = stage.join();
+    let mut idle: Vec<TcpStream> =
+        (1..Limits::default().clients).map(|_| stage.join_raw()).collect();
+    assert_eq!(stage.try_join().err(), Some(503), "any of them may be reading");
+    let begun = std::time::Instant::now();
+    let mut number = 0_u32;
+    let mut newcomer = None;
+    // Answers for all pings to come, and empty ones.
+    while newcomer.is_none() {
+        assert!(begun.elapsed() < crate::stage::FOREVER, "nobody gives way");
+        number += 1;
+        let signs = [frame(0x8a, &number.to_le_bytes()), frame(0x8a, b""), frame(0x89, b"")];
+        for stream in &mut idle {
+            let _ = stream.write_all(&signs.concat());
+        }
+        good.watch(3);
+        newcomer = stage.try_join().ok();
+    }
+    newcomer.unwrap().watch(20);
+    stage.wait_left(1);
+    // Who reads stays, whoever comes.
+    for _ in 0..10 {
+        stage.join().watch(3);
+    }
+    good.watch(20);
+}

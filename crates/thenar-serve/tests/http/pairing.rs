@@ -181,3 +181,61 @@ fn guessing_is_answered_late_and_locks_nobody_out() {
 fn two_starts_have_different_tokens() {
     assert_ne!(Lan::new().token, Lan::new().token);
 }
+
+/// Connections that nobody goes on with, in every state before the token: silent, in the middle of the
+/// handshake, shaken hands, half a request.
+fn half_open(lan: &Lan, count: usize) -> Vec<Box<dyn std::any::Any>> {
+    let open = |k: usize| -> Box<dyn std::any::Any> {
+        match k % 4 {
+            0 => Box::new(lan.stage.connect()),
+            1 => {
+                let mut stream = lan.stage.connect();
+                // It may have been turned out already.
+                let _ = stream.write_all(&[0x16, 0x03, 0x01, 0x02, 0x00, 0x01]);
+                Box::new(stream)
+            }
+            2 => Box::new(lan.ask("")),
+            _ => Box::new(lan.ask("GET / HTTP/1.1\r\n")),
+        }
+    };
+    (0..count).map(open).collect()
+}
+
+#[test]
+fn strangers_who_hold_connections_keep_nobody_out() {
+    let lan = Lan::new();
+    let limits = Limits::default();
+    let cookie = lan.cookie(&lan.token);
+    for count in [limits.connections_per_address, 2 * limits.connections] {
+        let held = half_open(&lan, count);
+        assert!(lan.get(&format!("/?token={}", lan.token), "").starts_with("HTTP/1.1 303"));
+        assert!(lan.get("/", &cookie).starts_with("HTTP/1.1 200"));
+        assert_eq!(lan.join("/live", &cookie), "HTTP/1.1 101");
+        drop(held);
+    }
+}
+
+#[test]
+fn who_has_shown_the_token_is_not_turned_out() {
+    let lan = Lan::new();
+    let cookie = lan.cookie(&lan.token);
+    let request = format!("GET /none HTTP/1.1\r\nHost: {}\r\n{cookie}\r\n", lan.stage.host);
+    let mut mine = lan.ask(&request);
+    let answered = |mine: &mut Tls| {
+        let mut text = Vec::new();
+        while !text.ends_with(b"\r\n\r\n") {
+            let mut byte = [0];
+            mine.read_exact(&mut byte).unwrap();
+            text.push(byte[0]);
+        }
+        let text = String::from_utf8(text).unwrap().to_lowercase();
+        let length = text.lines().find_map(|line| line.strip_prefix("content-length: "));
+        let mut body = vec![0; length.unwrap().parse().unwrap()];
+        mine.read_exact(&mut body).unwrap();
+        text
+    };
+    assert!(answered(&mut mine).starts_with("http/1.1 404"));
+    let _held = half_open(&lan, 2 * Limits::default().connections);
+    mine.write_all(request.as_bytes()).unwrap();
+    assert!(answered(&mut mine).starts_with("http/1.1 404"));
+}

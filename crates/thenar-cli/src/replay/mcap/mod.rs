@@ -9,7 +9,6 @@ mod picture;
 
 use super::{Every, Sink};
 use crate::error::CliError;
-use crate::files::Draft;
 use ::mcap::records::MessageHeader;
 use ::mcap::write::NoSeek;
 use ::mcap::{McapError, WriteOptions, Writer};
@@ -20,6 +19,7 @@ use foxglove::messages::{FrameTransforms, Log, PointCloud, SceneUpdate, Timestam
 use numbers::Numbers;
 use std::collections::BTreeMap;
 use std::path::Path;
+use thenar_output::Output;
 use thenar_record::{ChannelInfo, Header};
 use thenar_scene::recording::{Event, Replay};
 use thenar_scene::session::Session;
@@ -36,7 +36,7 @@ struct Topic {
 
 /// The file.
 pub struct Export {
-    writer: Writer<NoSeek<Draft>>,
+    writer: Writer<NoSeek<Output>>,
     topics: BTreeMap<String, Topic>,
     every: Every,
     /// When the recording began \[ns since 1970\].
@@ -54,7 +54,11 @@ pub struct Export {
 }
 
 fn failed(error: &McapError) -> CliError {
-    CliError::Other(format!("cannot write the MCAP file: {error}"))
+    CliError::Other(match error {
+        // Names the file.
+        McapError::Io(cause) => format!("cannot write the MCAP file: {cause}"),
+        error => format!("cannot write the MCAP file: {error}"),
+    })
 }
 
 impl Export {
@@ -67,7 +71,7 @@ impl Export {
             .compression(None)
             .disable_seeking(true)
             .library(concat!("thenar ", env!("CARGO_PKG_VERSION")));
-        let draft = NoSeek::new(Draft::create(file)?);
+        let draft = NoSeek::new(Output::create(file)?);
         let mut export = Self {
             writer: options.create(draft).map_err(|e| failed(&e))?,
             topics: BTreeMap::new(),
@@ -281,6 +285,6 @@ impl Sink for Export {
             self.log(newest, Level::Warning, loss.to_string())?;
         }
         self.writer.finish().map_err(|e| failed(&e))?;
-        self.writer.into_inner().into_inner().finish()
+        Ok(self.writer.into_inner().into_inner().finish()?)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::COLLISION;
 use crate::validate::b::PAD_PRESS;
-use crate::validate::case::{CaseError, Check, Figure};
+use crate::validate::case::{Basis, CaseError, Check, Figure};
 use crate::validate::run::Solver;
 
 /// Columns of the collision: total momentum, the cube's, forces on ball and box.
@@ -47,8 +47,10 @@ fn collision(solver: Solver) -> Result<Vec<Figure>, CaseError> {
             1e-10,
             sum / force,
             Check::AtMost,
-        ),
-        Figure::new("momentum gained / momentum", &setup, 1e-10, total / momentum, Check::AtMost),
+        )
+        .rests_on(Basis::Construction),
+        Figure::new("momentum gained / momentum", &setup, 1e-10, total / momentum, Check::AtMost)
+            .rests_on(Basis::Construction),
         Figure::new(
             "angular momentum gained / angular momentum",
             setup,

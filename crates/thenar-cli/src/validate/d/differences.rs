@@ -4,7 +4,7 @@
 //! axes) for each bone, then three for each node.
 
 use super::{coupled, jointed};
-use crate::validate::case::{CaseError, Figure};
+use crate::validate::case::{Basis, CaseError, Figure};
 use crate::validate::run::Solver;
 use thenar::{Mat3, Pose, Quat, Vec3, World};
 use thenar_scene::session::Random;
@@ -14,7 +14,7 @@ pub fn all(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let mut figures = coupled::coupling(solver)?;
     figures.extend(coupled::flesh(solver)?);
     figures.extend(jointed::skeleton(solver)?);
-    Ok(figures)
+    Ok(figures.into_iter().map(|figure| figure.rests_on(Basis::Itself)).collect())
 }
 
 /// A matrix as rows.

@@ -1,7 +1,7 @@
 //! Weights and targets of linear blend skinning.
 
 use super::HAND;
-use crate::validate::case::{CaseError, Check, Figure, SceneText, scene};
+use crate::validate::case::{Basis, CaseError, Check, Figure, SceneText, scene};
 use crate::validate::run::Solver;
 use thenar::{Pose, Quat, Vec3};
 use thenar_scene::session::Random;
@@ -23,7 +23,9 @@ pub fn weights(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let apart = bindings.iter().filter(|b| b.weights[1] > 0.0 && !joined(b.bones[0], b.bones[1]));
     let shared = bindings.iter().filter(|b| b.weights[0] > 0.0 && b.weights[1] > 0.0).count();
     let unbound = hand.flesh.nodes.len() - bindings.len();
-    let row = |what: &str, expected, got, check| Figure::new(what, &setup, expected, got, check);
+    let row = |what: &str, expected, got, check| {
+        Figure::new(what, &setup, expected, got, check).rests_on(Basis::Construction)
+    };
     Ok(vec![
         row("least weight", 0.0, least, Check::AtLeast),
         row("largest |sum of weights - 1|", 1e-12, off.fold(0.0, f64::max), Check::AtMost),
@@ -62,7 +64,7 @@ pub fn rigid_motion(solver: Solver) -> Result<Vec<Figure>, CaseError> {
         worst = worst.max(off.fold(0.0, f64::max));
     }
     let what = "largest error of a target, 100 motions [m]";
-    Ok(vec![Figure::new(what, setup, 1e-12, worst, Check::AtMost)])
+    Ok(vec![Figure::new(what, setup, 1e-12, worst, Check::AtMost).rests_on(Basis::Construction)])
 }
 
 /// Where the weights are one half each the targets shrink by cos 45 degrees; flesh resists.
@@ -75,8 +77,10 @@ pub fn twist(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let setup = run.setup();
     let row = |what: &str, expected, got, check| Figure::new(what, &setup, expected, got, check);
     Ok(vec![
-        row("radius of the targets / at rest", cos, target, Check::Absolute(1e-5)),
-        row("area of the targets / at rest", 0.5, target * target, Check::Absolute(1e-5)),
+        row("radius of the targets / at rest", cos, target, Check::Absolute(1e-5))
+            .rests_on(Basis::Construction),
+        row("area of the targets / at rest", 0.5, target * target, Check::Absolute(1e-5))
+            .rests_on(Basis::Construction),
         row("radius of the flesh / at rest", cos + 1e-3, flesh, Check::AtLeast),
         row("area of the flesh / at rest", 0.5, flesh * flesh, Check::Report),
     ])

@@ -1,7 +1,7 @@
 //! The two-step scheme against Eq. 9 solved in one piece, one step from the same state.
 
 use super::{FINGER, HAND};
-use crate::validate::case::{CaseError, Check, Figure, SceneText};
+use crate::validate::case::{Basis, CaseError, Check, Figure, SceneText};
 use crate::validate::run::{Run, Solver};
 use thenar::model::{FleshInStep1, SolverKind};
 use thenar::{Vec3, World};
@@ -114,7 +114,7 @@ fn compare(solver: Solver, setting: &Setting, kappa: f64) -> Result<Vec<Figure>,
 /// The differences at the largest step, and the largest ratio from each step to the next.
 fn rows(name: &str, coarse: &str, found: &[Difference; 3]) -> [Figure; 4] {
     let row = |what: &str, setup: &str, expected, got, check| {
-        Figure::new(format!("{name}: {what}"), setup, expected, got, check)
+        Figure::new(format!("{name}: {what}"), setup, expected, got, check).rests_on(Basis::Itself)
     };
     let ratio = |of: fn(&Difference) -> f64| {
         let next = |w: &[Difference]| of(&w[1]) / of(&w[0]).max(of(&FLOOR));

@@ -1,9 +1,11 @@
 //! One line of a recording.
 
 use super::{TRACKED_JOINTS, TrackedSample};
+use crate::live::RADIUS_MAX;
 use serde::Deserialize;
 use thenar::model::Side;
 use thenar::{Pose, Quat, Vec3};
+use thenar_input::{brief, quoted};
 
 /// Where in a line each joint of [`TRACKED_JOINTS`] stands.
 pub type Order = [usize; 25];
@@ -27,6 +29,9 @@ struct Sample {
     hand: Side,
     pos: Vec<[f64; 3]>,
     quat: Vec<[f64; 4]>,
+    /// Radii of the joints \[m\]: checked, not used.
+    #[serde(default)]
+    radius: Option<Vec<f64>>,
 }
 
 /// Reads the first line.
@@ -34,12 +39,13 @@ pub fn header(text: &[u8]) -> Result<Order, String> {
     let header: Header = json(text).map_err(|cause| format!("header: {cause}"))?;
     if header.format != "hand-joints-jsonl" || header.version != 1 {
         return Err(format!(
-            "header: expected format \"hand-joints-jsonl\" version 1, got \"{}\" version {}",
-            header.format, header.version
+            "header: expected format \"hand-joints-jsonl\" version 1, got {} version {}",
+            quoted(&header.format),
+            header.version
         ));
     }
     if header.quat != "x,y,z,w" {
-        return Err(format!("header: quat must be \"x,y,z,w\", got \"{}\"", header.quat));
+        return Err(format!("header: quat must be \"x,y,z,w\", got {}", quoted(&header.quat)));
     }
     if header.joints.len() != TRACKED_JOINTS.len() {
         return Err(format!("header: expected 25 joints, got {}", header.joints.len()));
@@ -61,10 +67,15 @@ pub fn sample(text: &[u8], order: &Order) -> Result<(Side, TrackedSample), Strin
     if sample.t.is_nan() || sample.t.abs() > TIME_MAX {
         return Err(format!("t is {}, expected at most {TIME_MAX} s", sample.t));
     }
-    for (what, count) in [("pos", sample.pos.len()), ("quat", sample.quat.len())] {
+    let radii = sample.radius.as_deref();
+    let counts = [("pos", sample.pos.len()), ("quat", sample.quat.len())];
+    for (what, count) in counts.into_iter().chain(radii.map(|radii| ("radius", radii.len()))) {
         if count != order.len() {
             return Err(format!("{what} has {count} entries, expected {}", order.len()));
         }
+    }
+    if let Some(odd) = radii.unwrap_or_default().iter().find(|r| !(0.0..=RADIUS_MAX).contains(*r)) {
+        return Err(format!("a radius is {odd} m, expected 0 to {RADIUS_MAX}"));
     }
     let mut joints = [Pose::identity(); 25];
     for ((joint, from), name) in joints.iter_mut().zip(order).zip(TRACKED_JOINTS) {
@@ -92,6 +103,6 @@ fn json<'a, T: Deserialize<'a>>(text: &'a [u8]) -> Result<T, String> {
         let place = format!(" at line {} column {}", error.line(), error.column());
         let message = error.to_string();
         let cause = message.strip_suffix(&place).unwrap_or(&message);
-        format!("column {}: {cause}", error.column())
+        brief(&format!("column {}: {cause}", error.column()))
     })
 }

@@ -1,6 +1,7 @@
 //! Where a recording can be replayed from.
 
 use super::ReplayError;
+use super::pace::{LEAP_NS, is_ahead};
 use std::path::Path;
 use thenar_record::{ChannelInfo, Kind, Place};
 
@@ -28,7 +29,7 @@ impl Index {
     /// # Errors
     /// It cannot be opened or read.
     pub fn of(file: &Path) -> Result<Self, ReplayError> {
-        let (_, mut frames) = thenar_record::open(file)?;
+        let (header, mut frames) = thenar_record::open(file)?;
         let mut index = Self::default();
         while let Some(frame) = frames.next()? {
             let (kind, time_ns) = (frame.kind, frame.time_ns);
@@ -39,6 +40,10 @@ impl Index {
             }
             // Other frames may carry another clock.
             if matches!(kind, Some(Kind::Scene | Kind::Input | Kind::Step)) {
+                let leaps = time_ns > index.end_ns + LEAP_NS;
+                if leaps && is_ahead(&mut frames, time_ns, None, header.simulated_time)? {
+                    continue;
+                }
                 index.end_ns = index.end_ns.max(time_ns);
             }
             let mark = |scene| Mark { time_ns, place: frames.place(), scene };

@@ -19,7 +19,22 @@ pub enum Item {
 }
 
 impl Item {
-    fn of(frame: &Frame) -> Option<Self> {
+    /// Carries the session's time.
+    pub fn is_of_session(&self) -> bool {
+        matches!(self, Self::Scene(_) | Self::Input(_) | Self::Step(_) | Self::Keyframe(_))
+    }
+
+    /// Steps made since the scene frame when it was written, for what stands between steps.
+    pub fn number(&self) -> Option<u64> {
+        match self {
+            Self::Input(input) => Some(input.number),
+            Self::Step(mark) => Some(mark.number),
+            Self::Keyframe(keyframe) => Some(keyframe.number),
+            _ => None,
+        }
+    }
+
+    pub(super) fn of(frame: &Frame) -> Option<Self> {
         let body = frame.body;
         match frame.kind {
             Some(Kind::Scene) => postcard::from_bytes(body).ok().map(|s| Self::Scene(Box::new(s))),

@@ -1,7 +1,7 @@
 //! Keyframes: there a replay is right, or is put right.
 
+use super::Replay;
 use super::trust::Trust;
-use super::{Replay, ReplayError};
 use crate::recording::content::Keyframe;
 use crate::recording::verdict::Moved;
 use crate::session::Session;
@@ -14,16 +14,33 @@ pub fn put(session: &mut Session, keyframe: &Keyframe) -> bool {
     }
 }
 
+/// True when a keyframe is not the state whose hash the mark before it has, of this number: both were written
+/// at once.
+pub fn is_forged(keyframe: &Keyframe, mark: Option<(u64, u64)>) -> bool {
+    let own = mark.filter(|(number, _)| *number == keyframe.number);
+    own.is_some_and(|(_, hash)| hash != keyframe.state.hash())
+}
+
 impl Replay {
+    /// Counts the keyframe that was read last as damage, which costs nothing else.
+    pub(super) fn leave_out(&mut self) {
+        let known = self.trust == Trust::Sound;
+        self.frames.reject();
+        self.meet_damage();
+        if known {
+            self.settle(self.verdict.seconds);
+        }
+    }
+
     /// Passes over all steps before a keyframe that lacks nothing.
-    pub(super) fn pass_to(&mut self, keyframe: &Keyframe) -> Result<(), ReplayError> {
-        let missing = self.missing(keyframe.number)?;
+    pub(super) fn pass_to(&mut self, keyframe: &Keyframe) {
+        let missing = keyframe.number.saturating_sub(self.number);
+        self.pace.lose();
         self.number = keyframe.number;
         match self.trust {
             Trust::Lost => self.verdict.lost += missing,
             _ => self.verdict.passed += missing,
         }
-        Ok(())
     }
 
     /// At a keyframe the replay is right, or is put right.

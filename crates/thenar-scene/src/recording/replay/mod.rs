@@ -5,6 +5,7 @@ mod event;
 mod index;
 mod item;
 mod keyframe;
+mod pace;
 mod seek;
 mod step;
 mod trust;
@@ -18,15 +19,14 @@ use super::scene;
 use super::verdict::Verdict;
 use crate::session::Session;
 use item::Item;
+use keyframe::is_forged;
+use pace::Pace;
 use std::collections::VecDeque;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 use thenar_record::{Frames, Header};
 use trust::Trust;
-
-/// More steps than this are not made without a mark.
-const UNMARKED_MAX: u64 = 10_000_000;
 
 /// A recording being made again.
 #[derive(Debug)]
@@ -40,6 +40,9 @@ pub struct Replay {
     start_hash: u64,
     /// Steps since the scene frame.
     number: u64,
+    /// Number and hash of the mark that was read last, if nothing of the session came after it.
+    mark: Option<(u64, u64)>,
+    pace: Pace,
     pending: Option<(u64, Item)>,
     /// To be told before what comes next.
     told: VecDeque<Event>,
@@ -57,12 +60,14 @@ impl Replay {
     pub fn open(file: &Path) -> Result<Self, ReplayError> {
         let (header, frames) = thenar_record::open(file)?;
         Ok(Self {
+            pace: Pace::start(header.simulated_time),
             header,
             frames,
             session: None,
             beginning: None,
             start_hash: 0,
             number: 0,
+            mark: None,
             pending: None,
             told: VecDeque::new(),
             begin: None,
@@ -104,6 +109,11 @@ impl Replay {
             let (time_ns, item) = match self.pending.take() {
                 Some(pending) => pending,
                 None => match self.read()? {
+                    Some((time_ns, item)) if self.is_impossible(time_ns, &item)? => {
+                        self.frames.reject();
+                        self.meet_damage();
+                        continue;
+                    }
                     Some(item) => item,
                     None => {
                         self.verdict.ended = self.frames.ended();
@@ -112,11 +122,17 @@ impl Replay {
                 },
             };
             // Other frames may carry another clock.
-            if matches!(item, Item::Scene(_) | Item::Input(_) | Item::Step(_)) {
+            if item.is_of_session() {
                 self.verdict.seconds = self.verdict.seconds.max(time_ns as f64 * 1e-9);
+                self.pace.note(time_ns);
             }
-            if let Some(event) = self.take(time_ns, item)? {
-                return Ok(Some(event));
+            let of_session = item.is_of_session();
+            let event = self.take(time_ns, item)?;
+            if of_session && self.trust == Trust::Sound && self.pending.is_none() {
+                self.pace.find(time_ns, self.header.simulated_time);
+            }
+            if event.is_some() {
+                return Ok(event);
             }
         }
     }
@@ -124,6 +140,11 @@ impl Replay {
     fn take(&mut self, time_ns: u64, item: Item) -> Result<Option<Event>, ReplayError> {
         let early = self.begin.is_some_and(|begin| self.frames.offset() < begin);
         let passing = early || self.trust == Trust::Lost;
+        let before = match &item {
+            Item::Step(mark) => self.mark.replace((mark.number, mark.hash)),
+            item if item.is_of_session() => self.mark.take(),
+            _ => None,
+        };
         match item {
             Item::Scene(start) => {
                 let offset = self.frames.place().offset();
@@ -155,6 +176,7 @@ impl Replay {
                 }
                 return Ok(self.step(passing, time_ns, Some(mark)));
             }
+            Item::Keyframe(keyframe) if is_forged(&keyframe, before) => self.leave_out(),
             Item::Keyframe(keyframe) => {
                 // From here on nothing depends on what is missing.
                 if matches!(self.trust, Trust::Doubtful(_)) {
@@ -162,7 +184,7 @@ impl Replay {
                 }
                 let passing = early || self.trust == Trust::Lost;
                 if passing && keyframe.kept.is_some() {
-                    self.pass_to(&keyframe)?;
+                    self.pass_to(&keyframe);
                 } else if self.missing(keyframe.number)? > 0 {
                     self.pending = Some((time_ns, Item::Keyframe(keyframe)));
                     return Ok(self.step(passing, time_ns, None));
@@ -187,7 +209,7 @@ impl Replay {
         }
         self.verdict.scenes += 1;
         (self.number, self.start_hash) = (0, start.hash);
-        if self.session.as_ref().is_some_and(|s| s.world().state_hash() != start.hash) {
+        if self.session.as_ref().is_some_and(|session| !start.is_of(session)) {
             self.differs(0, time_ns);
         }
         if self.trust != Trust::Sound {

@@ -2,6 +2,7 @@
 
 use super::item::Item;
 use super::keyframe::put;
+use super::pace::Pace;
 use super::trust::Trust;
 use super::{Event, Index, Replay, ReplayError};
 use crate::recording::content::Keyframe;
@@ -28,6 +29,7 @@ impl Replay {
     /// The recording cannot be read, or its scene cannot be built.
     pub fn go_to(&mut self, index: &Index, seconds: f64) -> Result<f64, ReplayError> {
         (self.pending, self.begin, self.trust) = (None, None, Trust::Sound);
+        self.mark = None;
         self.verdict = Verdict::default();
         self.told.clear();
         // Without a scene there is nothing to be found.
@@ -57,6 +59,7 @@ impl Replay {
             }
         }
         let before = |(offset, _): &&(u64, _)| *offset < self.frames.offset();
+        self.pace = Pace::at(time_ns);
         self.told.push_back(Event::Scene { time_ns });
         self.told.extend(index.channels.iter().filter(before).map(|c| Event::Channel(c.1.clone())));
         Ok(time_ns as f64 * 1e-9)

@@ -1,10 +1,13 @@
 //! Steps and what enters between them.
 
 use super::trust::Trust;
-use super::{Event, Replay, ReplayError, UNMARKED_MAX};
+use super::{Event, Replay, ReplayError};
 use crate::recording::content::StepMark;
 use crate::recording::entry::Input;
 use crate::recording::verdict::Difference;
+
+/// More steps than this are not passed over one by one.
+const PASSED_MAX: u64 = 10_000_000;
 
 impl Replay {
     /// Steps that are missing before this number of them.
@@ -13,7 +16,7 @@ impl Replay {
             return Err(self.nonsense("it belongs to a scene that is not in the recording"));
         }
         match number.checked_sub(self.number) {
-            Some(missing @ 0..=UNMARKED_MAX) => Ok(missing),
+            Some(missing @ 0..=PASSED_MAX) => Ok(missing),
             _ => Err(self.nonsense("its step number does not follow")),
         }
     }
@@ -27,6 +30,7 @@ impl Replay {
     ) -> Option<Event> {
         let session = self.session.as_mut()?;
         self.number += 1;
+        self.pace.step(session.world().time_step());
         if passing {
             session.pass(mark.is_some_and(|mark| mark.taken_back));
             match self.trust {
@@ -35,15 +39,19 @@ impl Replay {
             }
             return None;
         }
-        session.step(&mut ());
+        let report = session.step(&mut ());
+        let (taken_back, all_taken_back) = (report.non_finite, report.taken_back);
         let hash = session.world().state_hash();
         if let Trust::Doubtful(made) = self.trust {
             return self.try_step(made + 1, time_ns, mark, hash);
         }
         self.verdict.steps += 1;
+        self.verdict.taken_back += u64::from(taken_back);
         match mark {
             None => self.verdict.unmarked += 1,
-            Some(mark) if mark.hash == hash => self.verdict.same += 1,
+            Some(mark) if mark.hash == hash && mark.taken_back == all_taken_back => {
+                self.verdict.same += 1;
+            }
             Some(mark) => self.differs(mark.number, time_ns),
         }
         Some(Event::Stepped { time_ns, cost_ns: mark.map(|mark| mark.cost_ns) })

@@ -1,9 +1,10 @@
 //! How far a replay is to be trusted after damage.
 
 use super::item::Item;
-use super::{Event, Replay, UNMARKED_MAX};
+use super::{Event, Replay};
 use crate::recording::content::StepMark;
 use crate::recording::verdict::Loss;
+use thenar_record::Fault;
 
 /// After damage so many steps are made to find out whether anything of the session is missing.
 const DOUBTED_MAX: u64 = 100;
@@ -28,6 +29,10 @@ impl Replay {
         let met = self.verdict.losses.len();
         for damage in &self.frames.damages()[met..] {
             let from = self.verdict.seconds;
+            // A frame that was rejected is all that is missing there.
+            if damage.fault != Fault::Content {
+                self.pace.lose();
+            }
             self.verdict.losses.push(Loss { damage: *damage, from, until: None });
             if self.trust == Trust::Sound {
                 self.trust = Trust::Doubtful(0);
@@ -58,8 +63,7 @@ impl Replay {
             Item::Keyframe(keyframe) => keyframe.number,
             _ => return false,
         };
-        let follows = self.session.is_some()
-            && number.checked_sub(self.number).is_some_and(|missing| missing <= UNMARKED_MAX);
+        let follows = self.session.is_some() && number >= self.number;
         if self.trust != Trust::Sound && !follows {
             self.lose();
             self.trust = Trust::Foreign;

@@ -6,6 +6,7 @@ mod reader;
 mod writer;
 
 use super::guard::Refusal;
+use super::hall::Seat;
 use super::reply::{self, Reply};
 use super::site::Site;
 use crate::hub::{ClientId, Event};
@@ -66,6 +67,8 @@ enum End {
     Flood,
     /// It gave no sign of life.
     Silent,
+    /// A client that read nothing: another has its place.
+    Displaced,
     /// It took too long to take a message.
     Slow,
     /// The simulation has ended.
@@ -90,7 +93,7 @@ pub fn open(site: &Arc<Site>, request: &Parts, upgrade: OnUpgrade) -> Reply {
             "This is the address of the live WebSocket; see docs/protocol.md.",
         ));
     };
-    let Ok(slot) = site.slots.clone().try_acquire_owned() else {
+    let Some(seat) = site.hall.enter() else {
         return reply::refuse(&Refusal(
             StatusCode::SERVICE_UNAVAILABLE,
             "As many clients as this server takes are here already; try again later.",
@@ -99,14 +102,14 @@ pub fn open(site: &Arc<Site>, request: &Parts, upgrade: OnUpgrade) -> Reply {
     let site = site.clone();
     tokio::spawn(async move {
         if let Ok(stream) = upgrade.await {
-            run(&site, TokioIo::new(stream)).await;
+            run(&site, &seat, TokioIo::new(stream)).await;
         }
-        drop(slot);
+        drop(seat);
     });
     reply
 }
 
-async fn run(site: &Site, stream: TokioIo<Upgraded>) {
+async fn run(site: &Site, seat: &Seat, stream: TokioIo<Upgraded>) {
     let config = WebSocketConfig::default()
         .max_message_size(Some(MESSAGE_BYTES))
         .max_frame_size(Some(MESSAGE_BYTES))
@@ -121,11 +124,12 @@ async fn run(site: &Site, stream: TokioIo<Upgraded>) {
         Ok(()) => {
             let (remarks_in, remarks) = mpsc::channel(16);
             let (pongs_in, pongs) = watch::channel(0);
-            let reader = Reader::new(site, id, &mut ingoing, remarks_in, pongs_in);
-            let writer = Writer::new(site, id, &mut outgoing, notes, remarks, pongs);
+            let reader = Reader::new(site, seat, id, &mut ingoing, remarks_in, pongs_in);
+            let writer = Writer::new(site, seat, id, &mut outgoing, notes, remarks, pongs);
             let end = tokio::select! {
                 end = reader.run() => end,
                 end = writer.run() => end,
+                () = seat.taken.notified() => End::Displaced,
             };
             // Where the simulation has ended, nobody needs to know.
             let _ = site.hub.submit(Event::Left(id));
@@ -138,7 +142,7 @@ async fn run(site: &Site, stream: TokioIo<Upgraded>) {
 /// Says why, and gives the client a moment to hear it: a socket closed before all is read takes
 /// the last words back.
 async fn goodbye(end: &End, mut outgoing: Outgoing, ingoing: Ingoing) {
-    if matches!(end, End::Slow) {
+    if matches!(end, End::Slow | End::Displaced) {
         return;
     }
     let frame = CloseFrame { code: end.code(), reason: end.to_string().into() };
@@ -162,7 +166,9 @@ impl End {
             Self::Broken(Error::Capacity(_)) => CloseCode::Size,
             Self::Broken(Error::Utf8(_)) => CloseCode::Invalid,
             Self::Broken(_) => CloseCode::Protocol,
-            Self::Refusals | Self::Flood | Self::Silent | Self::Slow => CloseCode::Policy,
+            Self::Refusals | Self::Flood | Self::Silent | Self::Displaced | Self::Slow => {
+                CloseCode::Policy
+            }
             Self::Ended => CloseCode::Error,
             Self::Stopping => CloseCode::Away,
         }
@@ -180,6 +186,7 @@ impl std::fmt::Display for End {
             Self::Refusals => f.write_str("too many messages were refused"),
             Self::Flood => f.write_str("too many messages"),
             Self::Silent => f.write_str("no sign of life"),
+            Self::Displaced => f.write_str("another has the place"),
             Self::Slow => f.write_str("too slow"),
             Self::Ended => f.write_str("the simulation has ended"),
             Self::Stopping => f.write_str("the server ends"),

@@ -1,6 +1,7 @@
 //! What a client sends: bounded, and handed to the simulation without waiting for it.
 
 use super::{End, Ingoing, Remark};
+use crate::http::hall::Seat;
 use crate::http::rates::Bucket;
 use crate::http::site::Site;
 use crate::hub::{ClientId, Event, Refused};
@@ -24,6 +25,7 @@ const REMIND: Duration = Duration::from_secs(1);
 /// The reading half of a session.
 pub struct Reader<'a> {
     site: &'a Site,
+    seat: &'a Seat,
     id: ClientId,
     ingoing: &'a mut Ingoing,
     remarks: mpsc::Sender<Remark>,
@@ -42,6 +44,7 @@ impl<'a> Reader<'a> {
     /// Reads for this client; answers to our pings are passed on as their numbers.
     pub fn new(
         site: &'a Site,
+        seat: &'a Seat,
         id: ClientId,
         ingoing: &'a mut Ingoing,
         remarks: mpsc::Sender<Remark>,
@@ -50,6 +53,7 @@ impl<'a> Reader<'a> {
         let (limits, now) = (&site.limits, Instant::now());
         Self {
             site,
+            seat,
             id,
             ingoing,
             remarks,
@@ -100,8 +104,8 @@ impl<'a> Reader<'a> {
             Message::Text(text) => self.text(text.as_str(), now),
             Message::Binary(bytes) => self.binary(bytes),
             Message::Pong(bytes) => {
-                if let Ok(number) = <[u8; 4]>::try_from(bytes.as_ref()) {
-                    self.pongs.send_replace(u32::from_le_bytes(number));
+                if let Some(number) = self.seat.answered(&bytes) {
+                    self.pongs.send_replace(number);
                 }
                 Ok(())
             }

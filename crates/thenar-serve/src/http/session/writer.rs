@@ -1,6 +1,7 @@
 //! What a client gets: the welcome, then always the newest of everything.
 
 use super::{End, Outgoing, Remark};
+use crate::http::hall::Seat;
 use crate::http::rates::Refusals;
 use crate::http::site::Site;
 use crate::hub::{ClientId, Note};
@@ -18,6 +19,7 @@ const UNDERWAY: u32 = 4;
 /// The writing half of a session.
 pub struct Writer<'a> {
     site: &'a Site,
+    seat: &'a Seat,
     id: ClientId,
     outgoing: &'a mut Outgoing,
     notes: broadcast::Receiver<Note>,
@@ -26,7 +28,7 @@ pub struct Writer<'a> {
     touch: watch::Receiver<String>,
     model: watch::Receiver<Bytes>,
     snapshot: watch::Receiver<Bytes>,
-    /// Number of the last answered ping.
+    /// Number of the newest ping that was answered.
     pongs: watch::Receiver<u32>,
     /// Number of the last ping.
     pings: u32,
@@ -40,6 +42,7 @@ impl<'a> Writer<'a> {
     /// Writes for this client.
     pub fn new(
         site: &'a Site,
+        seat: &'a Seat,
         id: ClientId,
         outgoing: &'a mut Outgoing,
         notes: broadcast::Receiver<Note>,
@@ -53,6 +56,7 @@ impl<'a> Writer<'a> {
         let pinged = Instant::now();
         Self {
             site,
+            seat,
             id,
             outgoing,
             notes,
@@ -88,7 +92,14 @@ impl<'a> Writer<'a> {
     /// Waits for the most urgent news and sends it.
     async fn next(&mut self) -> Result<(), End> {
         let site = self.site;
-        let full = self.pings.wrapping_sub(*self.pongs.borrow()) >= UNDERWAY;
+        let answered = self.pongs.has_changed().unwrap_or(false);
+        let waiting = self.pings.wrapping_sub(*self.pongs.borrow_and_update());
+        self.seat.wait(waiting, answered);
+        let full = waiting >= UNDERWAY;
+        // Other signs of life may come from who reads nothing.
+        let patience = self.site.limits.ping * 3;
+        let silent =
+            self.seat.waits_since().map_or(self.pinged + patience, |since| since + patience);
         tokio::select! {
             biased;
             () = site.stopped() => Err(End::Stopping),
@@ -116,7 +127,11 @@ impl<'a> Writer<'a> {
                 changed.map_err(|_| End::Ended)?;
                 self.send_snapshot().await
             }
-            _ = self.pongs.changed(), if full => Ok(()),
+            _ = self.pongs.changed() => {
+                self.pongs.mark_changed();
+                Ok(())
+            }
+            () = sleep_until(silent) => Err(End::Silent),
             () = sleep_until(self.pinged + self.site.limits.ping) => self.ping().await,
         }
     }
@@ -154,7 +169,8 @@ impl<'a> Writer<'a> {
     async fn ping(&mut self) -> Result<(), End> {
         self.pings = self.pings.wrapping_add(1);
         self.pinged = Instant::now();
-        self.send(Message::Ping(Bytes::copy_from_slice(&self.pings.to_le_bytes()))).await
+        self.seat.wait(self.pings.wrapping_sub(*self.pongs.borrow()), false);
+        self.send(Message::Ping(Bytes::copy_from_slice(&self.seat.ping(self.pings)))).await
     }
 
     async fn send(&mut self, message: Message) -> Result<(), End> {

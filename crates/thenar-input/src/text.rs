@@ -1,0 +1,51 @@
+//! Quoting of what a user wrote.
+
+/// Characters of a word or a line that a message repeats.
+const WORD_MAX: usize = 80;
+/// Characters that a message keeps of its beginning, and of its end.
+const HEAD: usize = 600;
+const TAIL: usize = 400;
+
+/// A word in quotation marks, for a message: control characters escaped; of a long one the beginning, and how
+/// long it is.
+pub fn quoted(word: &str) -> String {
+    match word.char_indices().nth(WORD_MAX) {
+        None => format!("{word:?}"),
+        Some((end, _)) => format!("{:?}… ({} bytes)", &word[..end], word.len()),
+    }
+}
+
+/// A message with its middle left out if it is long: the beginning names the file and the place, the end the
+/// cause.
+pub fn brief(message: &str) -> String {
+    let Some((head, _)) = message.char_indices().nth(HEAD + TAIL) else { return message.into() };
+    let head = message[..head].char_indices().nth(HEAD).map_or(0, |(at, _)| at);
+    let tail = message.char_indices().rev().nth(TAIL - 1).map_or(head, |(at, _)| at);
+    format!("{} … ({} bytes left out) … {}", &message[..head], tail - head, &message[tail..])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn short_text_is_quoted_whole() {
+        assert_eq!(quoted("1e\n5"), "\"1e\\n5\"");
+        assert_eq!(quoted(&"x".repeat(80)).len(), 82);
+        assert_eq!(brief("mesh.obj: line 3"), "mesh.obj: line 3");
+        let whole = "é".repeat(1000);
+        assert_eq!(brief(&whole), whole);
+    }
+
+    #[test]
+    fn long_text_keeps_its_ends() {
+        assert!(quoted(&"é".repeat(5_000_000)).ends_with("é\"… (10000000 bytes)"));
+        assert!(quoted(&"\u{1}".repeat(5_000_000)).len() < 500);
+        let message = format!("{}{}{}", "a".repeat(600), "é".repeat(70), "z".repeat(400));
+        let short = brief(&message);
+        assert_eq!(
+            short,
+            format!("{} … (140 bytes left out) … {}", "a".repeat(600), "z".repeat(400))
+        );
+    }
+}

@@ -1,0 +1,106 @@
+//! Goal: a hand at rest on something round presses it with the same force in every step. Method: the
+//! default hand comes down on a fixed body, a finger here and a palm there, and after it has come to rest
+//! the force of each finger is compared from step to step.
+
+use std::path::Path;
+use thenar_scene::session::Session;
+
+/// Steps that are compared, at the end.
+const WATCHED: u64 = 40;
+/// Largest change of a finger's normal force from one step to the next, over that force.
+const FLICKER_MAX: f64 = 1e-3;
+/// A finger that bears less is not felt \[N\].
+const FELT: f64 = 0.05;
+
+/// `reach` is where the wrist ends beside the middle of the body \[m\].
+fn scene(shape: &str, reach: f64, h: f64) -> String {
+    format!(
+        r#"version = 1
+time_step = {h}
+duration = 1.6
+[[rigid]]
+name = "body"
+shape = {{ {shape} }}
+motion = "fixed"
+position = [0, 0.15, 0]
+[[hand]]
+name = "hand"
+friction = 0.8
+[hand.motion]
+kind = "keyframes"
+[[hand.motion.key]]
+time = 0
+pose = "open"
+wrist = {{ position = [{}, 0.15, 0.09], fingers = [0, 0, -1], back = [1, 0, 0] }}
+[[hand.motion.key]]
+time = 0.7
+pose = "relaxed"
+wrist = {{ position = [{reach}, 0.15, 0.09], fingers = [0, 0, -1], back = [1, 0, 0] }}
+[[probe]]
+name = "of"
+measure = "fingers"
+hand = "hand"
+"#,
+        reach + 0.055
+    )
+}
+
+/// The largest relative change in the watched steps, and the force of all fingers \[N\].
+fn flicker(text: &str) -> (f64, f64) {
+    let mut session =
+        Session::from_text(text, Path::new("test.toml"), &[]).unwrap_or_else(|e| panic!("{e}"));
+    let columns = session.columns();
+    let is_normal = |i: &usize| columns[*i].name.ends_with("normal");
+    let normals: Vec<usize> = (0..columns.len()).filter(is_normal).collect();
+    assert!(!normals.is_empty());
+    let steps = session.steps_wanted();
+    for _ in WATCHED..steps {
+        session.step(&mut ());
+    }
+    let forces = |session: &mut Session| -> Vec<f64> {
+        let row = session.probe();
+        normals.iter().map(|&i| row[i]).collect()
+    };
+    let mut before = forces(&mut session);
+    let mut worst = 0.0_f64;
+    for _ in 0..WATCHED {
+        session.step(&mut ());
+        let now = forces(&mut session);
+        for (a, b) in before.iter().zip(&now) {
+            if a.max(*b) > FELT {
+                worst = worst.max((a - b).abs() / a.max(*b));
+            }
+        }
+        before = now;
+    }
+    (worst, before.iter().sum())
+}
+
+fn rests_quietly(shape: &str, reach: f64, steps: &[f64]) {
+    for &h in steps {
+        let (flicker, force) = flicker(&scene(shape, reach, h));
+        assert!(force > 5.0, "{shape} at {h} s: the fingers bear {force} N");
+        assert!(flicker < FLICKER_MAX, "{shape} at {h} s: the force changes by {flicker:.1e}");
+    }
+}
+
+#[test]
+fn on_a_large_ball() {
+    rests_quietly(r#"kind = "sphere", radius = 0.06"#, 0.075, &[0.005, 1.0 / 60.0]);
+}
+
+#[test]
+fn on_a_small_ball() {
+    rests_quietly(r#"kind = "sphere", radius = 0.025"#, 0.04, &[0.005, 1.0 / 60.0]);
+}
+
+#[test]
+fn on_an_ellipsoid() {
+    rests_quietly(r#"kind = "ellipsoid", size = [0.12, 0.16, 0.1]"#, 0.075, &[0.005]);
+}
+
+#[test]
+fn on_a_capsule_and_a_cylinder() {
+    rests_quietly(r#"kind = "capsule", radius = 0.05, length = 0.1"#, 0.075, &[1.0 / 60.0]);
+    rests_quietly(r#"kind = "cylinder", radius = 0.06, length = 0.12"#, 0.075, &[0.005]);
+}

@@ -1,0 +1,6 @@
+//! What the fuzz targets that build things have in common. Ordinary tests run the same code.
+
+pub mod bodies;
+pub mod profiles;
+pub mod recordings;
+pub mod scenes;
