@@ -43,7 +43,8 @@ pub fn out(output: &Output) -> String {
 /// What it said, but for how far building was: a slow machine has that told.
 pub fn err(output: &Output) -> String {
     let text = String::from_utf8_lossy(&output.stderr);
-    text.split_inclusive('\n').filter(|line| !line.ends_with(" %\n")).collect()
+    let progress = |line: &str| line.ends_with(" %\n") && !line.starts_with("error");
+    text.split_inclusive('\n').filter(|line| !progress(line)).collect()
 }
 
 /// The hash that a summary ends with.
