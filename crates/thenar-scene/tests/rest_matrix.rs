@@ -4,7 +4,8 @@
 //! down on what lies on a column, and held there.
 //!
 //! A fixed tenth of the cases runs here. All of them: `THENAR_MATRIX=all cargo test -p thenar-scene
-//! --test rest_matrix -- --nocapture`.
+//! --test rest_matrix -- --nocapture`; with another text, those whose names contain it. The scenes of cases that
+//! fail are kept, and named.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -338,16 +339,25 @@ fn judge(case: &Case, folder: &std::path::Path) -> Option<String> {
     let limit = 1e-6 + 1e-3 * start.abs();
     let well = travel < 2e-4 && sunk < 2e-4 && speed < 1e-3 && flicker < 1e-3 && gained < limit;
     (!well).then(|| {
+        let file = folder.join(format!("{}.toml", case.name.replace([' ', ','], "-")));
+        std::fs::write(&file, &case.text).unwrap();
         format!(
-            "{}: {:.3} mm sideways, {:.3} mm up or down, {:.2e} m/s, force changes by {:.2} %, {:.1e} J gained",
-            case.name, travel * 1e3, sunk * 1e3, speed, flicker * 100.0, gained
+            "{}: {:.3} mm sideways, {:.3} mm up or down, {:.2e} m/s, force changes by {:.2} %, {:.1e} J gained: {}",
+            case.name, travel * 1e3, sunk * 1e3, speed, flicker * 100.0, gained, file.display()
         )
     })
 }
 
-/// Cases that failed where a contact came or went by round-off.
-const HARD: [&str; 2] =
-    ["cube 10 on hand, h 0.0010, at [0.0, 0.0]", "slab on mesh fine, h 0.0167, at [0.0, 0.0]"];
+/// Cases that failed where a contact came or went by round-off, where the direction of an edge did (tin and
+/// mug), and where the only place of a triangle wandered under a flat body (pebble and ball).
+const HARD: [&str; 6] = [
+    "cube 10 on hand, h 0.0010, at [0.0, 0.0]",
+    "slab on mesh fine, h 0.0167, at [0.0, 0.0]",
+    "tin on hand, h 0.0010, at [0.017, -0.019]",
+    "mug on hand, h 0.0010, at [-0.021, -0.013]",
+    "pebble on hand, h 0.0050, at [-0.021, -0.013]",
+    "ball 30 on soft coarse, h 0.0010, at [0.0, 0.0]",
+];
 
 /// Cases known to fall short: judged with all others, not in the tenth. In three a contact on skin moves to
 /// another place; the rod's force changes by what the solver's tolerance makes of its weight.
@@ -360,14 +370,18 @@ const OPEN: [&str; 4] = [
 
 #[test]
 fn what_is_set_down_stays() {
-    let all = std::env::var("THENAR_MATRIX").is_ok_and(|v| v == "all");
+    let wanted = std::env::var("THENAR_MATRIX").ok();
     // A tenth that meets every thing, support, step and place: 11 is coprime to their numbers.
     let chosen: Vec<Case> = cases()
         .into_iter()
         .enumerate()
         .filter(|(i, case)| {
             let among = |list: &[&str]| list.iter().any(|name| case.name.starts_with(name));
-            all || among(&HARD) || i % 11 == 3 && !among(&OPEN)
+            match wanted.as_deref() {
+                Some("all") => true,
+                Some(text) => case.name.contains(text),
+                None => among(&HARD) || i % 11 == 3 && !among(&OPEN),
+            }
         })
         .map(|(_, case)| case)
         .collect();
@@ -387,7 +401,8 @@ fn what_is_set_down_stays() {
     });
     let mut wrong = wrong.into_inner().unwrap_or_else(PoisonError::into_inner);
     wrong.sort();
-    assert!(chosen.len() >= 110, "{} cases", chosen.len());
+    let least = if wanted.is_some() { 1 } else { 110 };
+    assert!(chosen.len() >= least, "{} cases", chosen.len());
     let (count, of) = (wrong.len(), chosen.len());
     assert!(wrong.is_empty(), "{count} of {of} do not stay:\n{}", wrong.join("\n"));
 }

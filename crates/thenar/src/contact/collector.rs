@@ -1,12 +1,14 @@
 //! Where contacts go as they are found.
 
-use crate::contact::{Contact, Found};
+use crate::contact::{Contact, Found, Site};
 
 /// Keeps at most `capacity` contacts, the deepest ones; or, without an output, only the depth.
 pub(crate) struct Collector<'a> {
     out: Option<&'a mut Vec<Contact>>,
     capacity: usize,
     found: Found,
+    /// Since it was full the contacts are a heap, the shallowest first, until they are put in order.
+    heaped: bool,
 }
 
 impl<'a> Collector<'a> {
@@ -14,12 +16,12 @@ impl<'a> Collector<'a> {
     pub fn into(out: &'a mut Vec<Contact>, capacity: usize) -> Self {
         out.clear();
         out.reserve(capacity);
-        Self { out: Some(out), capacity, found: Found::default() }
+        Self { out: Some(out), capacity, found: Found::default(), heaped: false }
     }
 
     /// Only measures.
     pub fn measuring() -> Self {
-        Self { out: None, capacity: 0, found: Found::default() }
+        Self { out: None, capacity: 0, found: Found::default(), heaped: false }
     }
 
     /// Takes one contact.
@@ -31,9 +33,12 @@ impl<'a> Collector<'a> {
             return;
         }
         self.found.dropped += 1;
-        let shallowest = (0..out.len()).max_by(|&i, &j| out[i].gap.total_cmp(&out[j].gap));
-        if let Some(i) = shallowest.filter(|&i| out[i].gap > contact.gap) {
-            out[i] = contact;
+        if !std::mem::replace(&mut self.heaped, true) {
+            (0..out.len() / 2).rev().for_each(|i| sift(out, i));
+        }
+        if let Some(shallowest) = out.first_mut().filter(|c| c.gap > contact.gap) {
+            *shallowest = contact;
+            sift(out, 0);
         }
     }
 
@@ -48,16 +53,40 @@ impl<'a> Collector<'a> {
     }
 
     /// Puts the contacts found so far in order of their key.
-    pub fn sort_by_key(&mut self, key: impl Fn(&Contact) -> (u32, u32, u64)) {
+    pub fn sort_by_key<B: Ord>(&mut self, key: impl Fn(&Contact) -> (B, B, u64)) {
         if let Some(out) = &mut self.out {
             out.sort_unstable_by_key(key);
+            self.heaped = false;
         }
     }
 
-    /// The counts.
-    pub fn finish(self) -> Found {
+    /// The counts. Contacts of one pair of bodies are then together, as they were found.
+    pub fn finish(mut self) -> Found {
+        if self.heaped {
+            self.sort_by_key(|c| (body_of(&c.a), body_of(&c.b), c.key));
+        }
         let contacts = self.out.map_or(0, |out| out.len() as u32);
         Found { contacts, ..self.found }
+    }
+}
+
+/// Soft or not, and its number.
+fn body_of(site: &Site) -> (bool, u32) {
+    match site {
+        Site::Rigid { body, .. } => (false, *body),
+        Site::Soft(point) => (true, point.soft),
+    }
+}
+
+/// Lets a contact sink in a heap until none below it is shallower.
+fn sift(heap: &mut [Contact], mut i: usize) {
+    loop {
+        let below = (2 * i + 1..heap.len().min(2 * i + 3))
+            .max_by(|&j, &k| heap[j].gap.total_cmp(&heap[k].gap))
+            .filter(|&j| heap[j].gap > heap[i].gap);
+        let Some(j) = below else { return };
+        heap.swap(i, j);
+        i = j;
     }
 }
 
@@ -74,28 +103,61 @@ pub(crate) fn feature_key(parts: [u32; 4]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::{Site, SurfacePoint};
+    use crate::contact::SurfacePoint;
     use crate::math::Vec3;
+
+    fn contact(key: u64, gap: f64) -> Contact {
+        Contact {
+            key,
+            a: Site::Soft(SurfacePoint::vertex(0, 0)),
+            b: Site::Rigid { body: 0, offset_W: Vec3::zeros() },
+            position_W: Vec3::zeros(),
+            normal_W: Vec3::y(),
+            gap,
+            friction: 0.5,
+        }
+    }
+
+    /// Gaps without order, none twice: multiples of a number without common factor with 1009.
+    fn gaps(count: u64) -> impl Iterator<Item = (u64, f64)> {
+        (1..=count).map(|i| (i, (i * 619 % 1009) as f64 / 1009.0 - 0.5))
+    }
 
     #[test]
     fn when_full_the_deepest_stay() {
-        let mut out = Vec::new();
-        let mut collector = Collector::into(&mut out, 3);
-        for gap in [0.5, -0.2, 0.1, 0.4, -0.3, 0.9] {
-            collector.push(Contact {
-                key: 0,
-                a: Site::Soft(SurfacePoint::vertex(0, 0)),
-                b: Site::Rigid { body: 0, offset_W: Vec3::zeros() },
-                position_W: Vec3::zeros(),
-                normal_W: Vec3::y(),
-                gap,
-                friction: 0.5,
-            });
+        for capacity in [0, 1, 2, 3, 7, 64, 499, 500] {
+            let mut out = Vec::new();
+            let mut collector = Collector::into(&mut out, capacity);
+            gaps(500).for_each(|(key, gap)| collector.push(contact(key, gap)));
+            let found = collector.finish();
+            let mut expected: Vec<f64> = gaps(500).map(|(_, gap)| gap).collect();
+            expected.sort_by(f64::total_cmp);
+            assert_eq!(found.penetration, -expected[0]);
+            expected.truncate(capacity);
+            let counts = (found.contacts as usize, found.dropped as usize);
+            assert_eq!(counts, (capacity, 500 - capacity));
+            let mut kept: Vec<f64> = out.iter().map(|c| c.gap).collect();
+            kept.sort_by(f64::total_cmp);
+            assert_eq!(kept, expected);
+            assert!(out.is_sorted_by_key(|c| c.key), "those of one pair are in order");
         }
-        let found = collector.finish();
-        assert_eq!((found.contacts, found.dropped, found.penetration), (3, 3, 0.3));
-        let mut gaps: Vec<f64> = out.iter().map(|c| c.gap).collect();
-        gaps.sort_by(f64::total_cmp);
-        assert_eq!(gaps, [-0.3, -0.2, 0.1]);
+    }
+
+    #[test]
+    fn order_asked_for_between_changes_nothing_of_that() {
+        let mut out = Vec::new();
+        let mut collector = Collector::into(&mut out, 20);
+        for (key, gap) in gaps(200) {
+            collector.push(contact(key, gap));
+            if key % 30 == 0 {
+                collector.sort_by_key(|c| (0, 0, c.key));
+            }
+        }
+        collector.finish();
+        let mut expected: Vec<f64> = gaps(200).map(|(_, gap)| gap).collect();
+        expected.sort_by(f64::total_cmp);
+        let mut kept: Vec<f64> = out.iter().map(|c| c.gap).collect();
+        kept.sort_by(f64::total_cmp);
+        assert_eq!(kept, expected[..20]);
     }
 }

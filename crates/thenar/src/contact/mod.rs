@@ -16,6 +16,7 @@ mod aabb;
 mod apart;
 mod approach;
 mod area;
+mod blunt;
 mod bvh;
 mod collector;
 mod contact_point;

@@ -94,6 +94,7 @@ pub(crate) fn find(
     scratch.round = scratch.round.wrapping_add(1);
     scratch.touches.clear();
     let most = touches_max(scratch.visited.len());
+    let mut dropped = 0;
     for &v in &vertices.near {
         for &t in pair.surface.around(v) {
             if std::mem::replace(&mut scratch.visited[t as usize], scratch.round) == scratch.round {
@@ -105,7 +106,8 @@ pub(crate) fn find(
                 if !near.may_touch(round, pair.margin) {
                     continue;
                 }
-                let mut touches = Touches { kept: &mut scratch.touches, most };
+                let mut touches =
+                    Touches { kept: &mut scratch.touches, most, dropped: &mut dropped };
                 if let Some(parts) = soft_samples::parts(pair, &near, round) {
                     meet_samples(pair, &near, r, round, parts, &mut touches);
                     continue;
@@ -116,6 +118,7 @@ pub(crate) fn find(
     }
     settle_sharp(pair, scratch, out);
     settle_round(pair, scratch, out);
+    (0..dropped).for_each(|_| out.count_dropped());
 }
 
 // Sharp points.

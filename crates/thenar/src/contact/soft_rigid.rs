@@ -1,6 +1,7 @@
 //! A deformable surface against a rigid shape.
 
 use crate::contact::approach::{Seen, approach, keep_side};
+use crate::contact::blunt::{blunted, has_edges};
 use crate::contact::collector::{Collector, feature_key};
 use crate::contact::rigid_body::{Placed, RigidBody};
 use crate::contact::sides::Sight;
@@ -117,10 +118,10 @@ impl SoftRigid<'_> {
         let slot = self.surface.first_vertex + v;
         let seen = sight.recall(slot, self.rigid);
         let sided = keep_side(shape, &p, &u, now, seen);
-        let found = if sided.value <= self.margin {
-            Some(sided)
-        } else {
-            approach(shape, &p, &u, 0.0, self.margin)
+        let is_near = sided.value <= self.margin;
+        let found = match is_near {
+            true => Some(self.blunted(v, &p, now, sided)),
+            false => approach(shape, &p, &u, 0.0, self.margin),
         };
         let looks_away = |normal: &Vec3| {
             let outward_W = self.surface.vertex_normal(v as u32, self.state.positions);
@@ -130,10 +131,23 @@ impl SoftRigid<'_> {
             // While a point is on the wrong side, where it came from stays the last good place.
             let corrected = sided.gradient != now.gradient;
             let place = seen.filter(|_| corrected).map_or(p, |s| s.place);
-            sight.note(slot, self.rigid, Seen { normal: distance.gradient, place });
+            // A side is that of the shape as it is, edges and all.
+            let normal = if is_near { sided.gradient } else { distance.gradient };
+            sight.note(slot, self.rigid, Seen { normal, place });
             out.push(self.vertex_contact(v as u32, distance));
         }
         sided.value
+    }
+
+    /// A vertex at distance `now` does not feel how sharp an edge is, unless it was led out another way.
+    fn blunted(&self, v: usize, p: &Vec3, now: Distance, sided: Distance) -> Distance {
+        if sided.gradient != now.gradient || !has_edges(&self.body.shape) {
+            return sided;
+        }
+        let outward_W = self.surface.mean_normal_at(v as u32, self.state.positions);
+        let outward = self.placed.rotation.tr_mul(&outward_W);
+        let edge = self.surface.edge_mean.min(self.surface.edge_around[v]);
+        blunted(&self.body.shape, p, &outward, edge, sided)
     }
 
     fn vertex_contact(&self, v: u32, distance: Distance) -> Contact {

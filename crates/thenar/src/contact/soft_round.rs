@@ -6,6 +6,7 @@
 //! whether it is there does not depend on the others.
 
 use crate::contact::approach::approach;
+use crate::contact::blunt::{blunted, has_edges};
 use crate::contact::features::capsule_axis;
 use crate::contact::near::{Arrival, Near};
 use crate::contact::soft_feature::Touch;
@@ -26,12 +27,15 @@ const ON_EDGE: u32 = 3;
 pub(crate) struct Touches<'a> {
     pub kept: &'a mut Vec<Touch>,
     pub most: usize,
+    /// How many found no room.
+    pub dropped: &'a mut u32,
 }
 
 impl Touches<'_> {
     pub fn offer(&mut self, touch: Touch) {
-        if self.kept.len() < self.most {
-            self.kept.push(touch);
+        match self.kept.len() < self.most {
+            true => self.kept.push(touch),
+            false => *self.dropped += 1,
         }
     }
 }
@@ -59,6 +63,7 @@ pub(crate) fn meet_round(
         }
         is_far = false;
         if pair.surface.owns(near.index, feature) {
+            let now = blunted_on(pair, near, part, (&p, feature), now);
             offer(pair, near, (r, part), (place, feature, weights), now, touches);
         }
     });
@@ -179,6 +184,23 @@ fn arrive(
     if let Some(found) = approach(&part.shape, &p, &u_P, 0.0, pair.margin) {
         offer(pair, near, (r, part), (0, Feature::Face, weights), found, touches);
     }
+}
+
+/// What place `p` of a feature of a triangle, in the frame of the part, sees of an edge of the part.
+pub(crate) fn blunted_on(
+    pair: &SoftRigid,
+    near: &Near,
+    part: &Part,
+    (p, feature): (&Vec3, Feature),
+    now: Distance,
+) -> Distance {
+    if !has_edges(&part.shape) {
+        return now;
+    }
+    let outward_W = pair.surface.mean_normal(near.index, feature, pair.state.positions);
+    let outward = part.pose_SP.inverse_vector(&pair.placed.rotation.tr_mul(&outward_W));
+    let edge = pair.surface.edge_mean.min(pair.surface.edge_of[near.index as usize]);
+    blunted(&part.shape, p, &outward, edge, now)
 }
 
 /// Outward normal of the soft surface, in the shape frame.

@@ -28,6 +28,8 @@ pub(crate) struct Surface {
     owned: Vec<[bool; 3]>,
     /// Mean edge length at rest \[m\].
     pub edge_mean: f64,
+    /// Longest edge of each triangle, at rest \[m\].
+    pub edge_of: Vec<f64>,
     /// Longest edge of the triangles around each vertex, at rest \[m\].
     pub edge_around: Vec<f64>,
     pub friction: f64,
@@ -45,6 +47,8 @@ impl Surface {
         let (around_start, around) = triangles_around(&triangles, rest.len());
         let boxes: Vec<Aabb> = triangles.iter().map(|t| triangle_box(t, &rest)).collect();
         let lengths: Vec<f64> = triangles.iter().flat_map(|t| edge_lengths(t, &rest)).collect();
+        let longest = |edges: &[f64]| edges.iter().copied().fold(0.0, f64::max);
+        let edge_of: Vec<f64> = lengths.chunks(3).map(longest).collect();
         let neighbors = neighbors(&triangles);
         let across = |t: u32, k: usize| Some(neighbors[t as usize][k]).filter(|&u| u != NONE);
         Self {
@@ -59,7 +63,8 @@ impl Surface {
             boxes,
             owned: owners(&triangles, rest.len()),
             edge_mean: lengths.iter().sum::<f64>() / lengths.len().max(1) as f64,
-            edge_around: longest_around(&triangles, &lengths, rest.len()),
+            edge_around: longest_around(&triangles, &edge_of, rest.len()),
+            edge_of,
             friction: flesh.friction,
             first_vertex,
             neighbors,
@@ -123,6 +128,26 @@ impl Surface {
     pub fn around(&self, vertex: u32) -> &[u32] {
         let v = vertex as usize;
         &self.around[self.around_start[v] as usize..self.around_start[v + 1] as usize]
+    }
+
+    /// The mean of the unit normals around a vertex, by areas: shorter than 1 where the surface is bent.
+    pub fn mean_normal_at(&self, vertex: u32, x: &[Vec3]) -> Vec3 {
+        let areas = self.around(vertex).iter().map(|&t| area_vector(&self.corners(t, x)));
+        let (sum, whole) = areas.fold((Vec3::zeros(), 0.0), |(s, a), n| (s + n, a + n.norm()));
+        if whole > 0.0 { sum / whole } else { Vec3::zeros() }
+    }
+
+    /// The mean of the unit normals at a feature: of the face, of an edge's two faces, around a vertex by areas.
+    pub fn mean_normal(&self, triangle: u32, feature: Feature, x: &[Vec3]) -> Vec3 {
+        match feature {
+            Feature::Face => self.normal(triangle, x),
+            Feature::Edge(k) => {
+                let across = self.neighbors[triangle as usize][k];
+                let other = if across == NONE { Vec3::zeros() } else { self.normal(across, x) };
+                0.5 * (self.normal(triangle, x) + other)
+            }
+            Feature::Vertex(k) => self.mean_normal_at(self.triangles[triangle as usize][k], x),
+        }
     }
 
     /// The normal that decides inside from outside at a feature: of the face, the sum over an
@@ -190,11 +215,10 @@ fn owners(triangles: &[[u32; 3]], vertices: usize) -> Vec<[bool; 3]> {
     triangles.iter().map(|t| t.map(&mut take)).collect()
 }
 
-/// For each vertex the longest of its triangles' edges; `lengths` has three per triangle.
-fn longest_around(triangles: &[[u32; 3]], lengths: &[f64], vertices: usize) -> Vec<f64> {
+/// For each vertex the longest of its triangles' longest edges.
+fn longest_around(triangles: &[[u32; 3]], edge_of: &[f64], vertices: usize) -> Vec<f64> {
     let mut longest = vec![0.0_f64; vertices];
-    for (triangle, edges) in triangles.iter().zip(lengths.chunks(3)) {
-        let edge = edges.iter().copied().fold(0.0, f64::max);
+    for (triangle, &edge) in triangles.iter().zip(edge_of) {
         triangle.iter().for_each(|&v| longest[v as usize] = longest[v as usize].max(edge));
     }
     longest

@@ -50,7 +50,8 @@ pub fn keep_loads(
         return;
     }
     for (contact, row) in found.iter().zip(&rows.rows) {
-        let Some(key) = patch(model, contact).filter(|_| row.lambda.x > 0.0) else { continue };
+        let pressing = row.lambda.x > 0.0 && row.lambda.x.is_finite();
+        let Some(key) = patch(model, contact).filter(|_| pressing) else { continue };
         let load = row.lambda.x / h;
         match loads.binary_search_by_key(&key, |(key, _)| *key) {
             Ok(i) => loads[i].1 += load,

@@ -54,12 +54,11 @@ impl World {
             if found.depth < least(sites[0]).max(least(sites[1])) {
                 continue;
             }
-            match overlaps.iter_mut().find(|known| known.is_of(found.bodies)) {
-                Some(known) if known.depth >= found.depth => {}
-                Some(known) => *known = found,
-                None => overlaps.push(found),
-            }
+            overlaps.push(found);
         }
+        // Of each pair the deepest; of equals the first.
+        overlaps.sort_by(|a, b| a.pair().cmp(&b.pair()).then(b.depth.total_cmp(&a.depth)));
+        overlaps.dedup_by_key(|overlap| overlap.pair());
         overlaps.sort_by(|a, b| b.depth.total_cmp(&a.depth));
         overlaps
     }
@@ -85,9 +84,14 @@ impl World {
 }
 
 impl Overlap {
-    /// True when it is that of these bodies, in either order.
-    fn is_of(&self, [a, b]: [BodyId; 2]) -> bool {
-        self.bodies == [a, b] || self.bodies == [b, a]
+    /// The same for these bodies in either order.
+    fn pair(&self) -> [(bool, u32); 2] {
+        let mut pair = self.bodies.map(|body| match body {
+            BodyId::Rigid(i) => (false, i),
+            BodyId::Soft(i) => (true, i),
+        });
+        pair.sort_unstable();
+        pair
     }
 }
 

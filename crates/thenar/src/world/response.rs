@@ -61,16 +61,13 @@ pub fn apply(state: &mut State, scratch: &Scratch) {
     keep_impulses(state, scratch);
 }
 
-/// Keeps the impulses of contacts for the next step.
+/// Keeps the impulses of contacts for the next step, but for what is no number: a state may have begun with
+/// impulses that no sum of them can hold.
 fn keep_impulses(state: &mut State, scratch: &Scratch) {
+    let rows = scratch.found.iter().zip(&scratch.rows.rows);
+    let impulses = rows.map(|(contact, row)| (contact.key, row.frame.tr_mul(&row.lambda)));
     state.impulses.clear();
-    state.impulses.extend(
-        scratch
-            .found
-            .iter()
-            .zip(&scratch.rows.rows)
-            .map(|(contact, row)| (contact.key, row.frame.tr_mul(&row.lambda))),
-    );
+    state.impulses.extend(impulses.filter(|(_, impulse)| impulse.iter().all(|x| x.is_finite())));
     state.impulses.sort_unstable_by_key(|(key, _)| *key);
 }
 
@@ -171,6 +168,64 @@ pub fn nearest_vertex(site: &Site) -> Option<u32> {
         Site::Soft(point) => {
             let heaviest = (0..3).max_by(|&i, &j| point.weights[i].total_cmp(&point.weights[j]));
             heaviest.map(|i| point.vertices[i])
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::Shape;
+    use crate::math::{Mat3, Pose};
+    use crate::model::{Motion, RigidDesc, SolverKind, WorldDesc};
+    use crate::world::World;
+
+    /// A cube of 0.1 kg that rests on a floor.
+    fn resting(kind: SolverKind) -> World {
+        let mut desc = WorldDesc { time_step: 1e-3, ..WorldDesc::default() };
+        desc.solver.kind = kind;
+        let mut floor = RigidDesc {
+            name: "floor".into(),
+            motion: Motion::Prescribed,
+            mass: 0.1,
+            inertia: Mat3::from_diagonal_element(1e-5),
+            pose_WB: Pose::identity(),
+            velocity_W: Vec3::zeros(),
+            angular_velocity_W: Vec3::zeros(),
+            shape: Some(Shape::HalfSpace),
+            pose_BS: Pose::identity(),
+            friction: 0.5,
+        };
+        desc.add_rigid(floor.clone());
+        floor.name = "cube".into();
+        floor.motion = Motion::Dynamic;
+        floor.shape = Some(Shape::Cuboid { half: Vec3::repeat(0.01) });
+        floor.pose_WB = Pose::translation(0.0, 0.01, 0.0);
+        desc.add_rigid(floor);
+        let mut world = World::new(desc).unwrap();
+        let input = world.input();
+        (0..3).for_each(|_| {
+            world.step(&input, &mut ());
+        });
+        world
+    }
+
+    #[test]
+    fn impulses_that_no_sum_can_hold_are_forgotten() {
+        for kind in [SolverKind::Exact, SolverKind::TwoStep] {
+            for size in [1e300, f64::MAX] {
+                let mut world = resting(kind);
+                let input = world.input();
+                assert!(!world.state.impulses.is_empty());
+                world.state.impulses.iter_mut().for_each(|(_, impulse)| impulse.fill(size));
+                (0..50).for_each(|_| {
+                    world.step(&input, &mut ());
+                    assert!(world.state.is_finite(), "{kind:?} {size}: {:?}", world.state);
+                });
+                // What happened once is over: the cube lies as it did.
+                let weight: f64 = world.contacts().iter().map(|c| c.force_W.y).sum();
+                assert!((weight.abs() - 0.981).abs() < 1e-3, "{kind:?} {size}: {weight} N");
+            }
         }
     }
 }
