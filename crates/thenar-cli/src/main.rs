@@ -18,6 +18,7 @@ mod haptics;
 mod interrupt;
 mod page;
 mod picture;
+mod progress;
 mod record;
 mod recording;
 mod replay;

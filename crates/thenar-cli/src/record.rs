@@ -1,8 +1,9 @@
 //! `thenar record`: a scene run and recorded.
 
 use crate::error::CliError;
+use crate::progress::Meter;
 use crate::recording::{RecordOptions, attach};
-use crate::run::{open, progress, tell_overlaps};
+use crate::run::{open, tell_overlaps};
 use crate::{files, interrupt, taken_back};
 use std::path::{Path, PathBuf};
 
@@ -34,24 +35,24 @@ pub struct Args {
 /// The scene is wrong, the file cannot be written, or the run was interrupted.
 pub fn run(args: &Args) -> Result<(), CliError> {
     let mut session = open(&args.scene, &args.set)?;
-    tell_overlaps(&session);
+    tell_overlaps(session.start_overlaps());
     let steps = crate::run::steps(&session, args.seconds)?;
     let name = || Path::new(session.name()).with_extension("rec");
     let file = args.out.clone().unwrap_or_else(name);
     let options = RecordOptions { record: Some(file), keyframes: args.keyframes };
     interrupt::listen();
     let mut recording = attach(&options, &mut session)?;
-    let bar = progress(steps, args.quiet);
+    let mut meter = Meter::of_steps(steps, args.quiet);
     let (mut made, mut taken) = (0, 0);
     while made < steps && !interrupt::asked() {
         taken += u64::from(session.step(&mut ()).non_finite);
         made += 1;
-        bar.inc(1);
+        meter.at(made, made);
         if let Some(recording) = &mut recording {
             recording.complain();
         }
     }
-    bar.finish_and_clear();
+    drop(meter);
     let hash = session.world().state_hash();
     let time = session.world().time();
     drop(session);

@@ -4,7 +4,7 @@ use crate::building::told;
 use crate::error::CliError;
 use crate::page::PageOptions;
 use crate::recording::{RecordOptions, Recording};
-use crate::run::{Found, find};
+use crate::run::{Found, find, tell_overlaps};
 use crate::touch::{DeviceOptions, Teller, WavingGlove, tick_recorder};
 use crate::{files, interrupt};
 use std::io::Write;
@@ -76,7 +76,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
             return Err(error);
         }
     };
-    live.start_overlaps().iter().for_each(|overlap| eprintln!("warning: {overlap}"));
+    tell_overlaps(live.start_overlaps());
     args.page.announce(&format!("{} is live", args.scene.display()), &server);
     let mut teller = Teller::default();
     while !interrupt::asked() {

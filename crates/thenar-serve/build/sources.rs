@@ -7,7 +7,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// In the viewer's folder, but not in the page.
-const NOT_SOURCES: [&str; 3] = ["node_modules", "dist", "test"];
+const NOT_SOURCES: [&str; 4] = ["node_modules", "dist", "test", "e2e"];
 
 /// What lies in the viewer's folder and goes into the page.
 pub fn entries(viewer: &Path) -> io::Result<Vec<PathBuf>> {

@@ -24,6 +24,13 @@ describe("what overlaps at the start", () => {
     expect(overlapRemark(overlaps([THUMB, THUMB, THUMB]))).toMatch(/ 2 more pairs do\./);
   });
 
+  it("names twenty pairs and counts the rest", () => {
+    const lines = overlapLines(overlaps(Array.from({ length: 23 }, () => THUMB)));
+    expect(lines.length).toBe(21);
+    expect(lines[20]).toBe("3 more pairs do, no deeper.");
+    expect(overlapLines(overlaps(Array.from({ length: 21 }, () => THUMB)))[20]).toBe("One more pair does, no deeper.");
+  });
+
   it("is nothing where nothing does", () => {
     expect(overlapRemark(overlaps([]))).toBeNull();
     const message = decode(encodeWorld(), null, 0);

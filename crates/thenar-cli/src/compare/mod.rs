@@ -7,7 +7,8 @@ mod sweep;
 
 use crate::error::CliError;
 use crate::interrupt;
-use crate::run::{StopWatch, open, progress};
+use crate::progress::Meter;
+use crate::run::{StopWatch, open};
 use charts::Charts;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -83,12 +84,12 @@ pub fn run(args: &Args) -> Result<(), CliError> {
 
     let mut watches = [StopWatch::default(), StopWatch::default()];
     let mut charts = Charts::new(&comparison, steps);
-    let bar = progress(steps, args.quiet);
+    let mut meter = Meter::of_steps(steps, args.quiet);
     let mut lost = [false; 2];
     for step in 0..=steps {
         if step > 0 {
             comparison.step(&mut watches);
-            bar.inc(1);
+            meter.at(step, step);
         }
         if let Some(table) = &mut table {
             let time = comparison.moment().time;
@@ -100,14 +101,14 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         for side in 0..2 {
             if comparison.has_diverged(side) && !lost[side] {
                 lost[side] = true;
-                bar.suspend(|| print::divergence(&comparison, side));
+                meter.suspend(|| print::divergence(&comparison, side));
             }
         }
         if interrupt::asked() || !comparison.goes_on() {
             break;
         }
     }
-    bar.finish_and_clear();
+    drop(meter);
 
     if let Some(table) = table {
         table.finish().map_err(|e| failed("the table", &e))?.finish()?;

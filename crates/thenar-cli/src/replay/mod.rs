@@ -8,6 +8,7 @@ use crate::building::heard;
 use crate::error::CliError;
 use crate::interrupt;
 use crate::page::PageOptions;
+use crate::progress::Meter;
 use crate::recording::header;
 use crate::taken_back;
 use csv::Tables;
@@ -116,12 +117,15 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     if let Some(file) = &args.mcap {
         sinks.push(Box::new(Export::create(file, args.rate, replay.header())?));
     }
+    let bytes = std::fs::metadata(&args.recording).map_or(0, |file| file.len());
+    let mut meter = Meter::of_bytes(bytes, args.quiet);
     let failed = loop {
         if interrupt::asked() {
             return Err(CliError::Other("interrupted; nothing was exported".into()));
         }
         match heard(|| replay.next()) {
             Ok(Some(event)) => {
+                meter.at(replay.bytes_read(), replay.verdict().steps);
                 for sink in &mut sinks {
                     sink.take(&event, &mut replay)?;
                 }
@@ -132,6 +136,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
             Err(error) => break Some(error),
         }
     };
+    drop(meter);
     for sink in sinks {
         sink.finish(&replay)?;
     }

@@ -3,7 +3,7 @@
 use crate::building::told;
 use crate::error::CliError;
 use std::path::{Path, PathBuf};
-use thenar_scene::session::{Builtin, Session, builtin, builtins};
+use thenar_scene::session::{Builtin, Session, StartOverlap, builtin, builtins};
 
 /// Where a scene is.
 #[derive(Debug)]
@@ -54,9 +54,18 @@ pub fn open(scene: &Path, overrides: &[String]) -> Result<Session, CliError> {
     Ok(session)
 }
 
-/// Says on the error output what overlaps at the start, a line for each pair of bodies.
-pub fn tell_overlaps(session: &Session) {
-    session.start_overlaps().iter().for_each(|overlap| eprintln!("warning: {overlap}"));
+/// Most pairs of bodies that are named for overlapping: what a person reads.
+const OVERLAPS_TOLD: usize = 20;
+
+/// Says on the error output what overlaps at the start, a line for each pair of bodies, the deepest first.
+pub fn tell_overlaps(overlaps: &[StartOverlap]) {
+    let (told, rest) = overlaps.split_at(overlaps.len().min(OVERLAPS_TOLD));
+    told.iter().for_each(|overlap| eprintln!("warning: {overlap}"));
+    if !rest.is_empty() {
+        let pairs = if rest.len() == 1 { "pair" } else { "pairs" };
+        let count = rest.len();
+        eprintln!("warning: {count} more {pairs} of bodies overlap at the start, no deeper");
+    }
 }
 
 /// The file that a scene is read from, or would be: relative paths in it start there.

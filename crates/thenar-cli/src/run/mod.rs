@@ -15,9 +15,9 @@ pub use timer::{STAGES, StageTimes, StopWatch};
 use crate::error::CliError;
 use crate::interrupt;
 use crate::picture::PictureOptions;
+use crate::progress::Meter;
 use crate::recording::{RecordOptions, Recording, attach};
 use crate::taken_back;
-use indicatif::{ProgressBar, ProgressStyle};
 use outputs::Outputs;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -86,7 +86,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     for warning in session.world().stability_warnings() {
         eprintln!("warning: {warning}");
     }
-    tell_overlaps(&session);
+    tell_overlaps(session.start_overlaps());
     let mut outputs = Outputs::create(args, &session, steps)?;
     interrupt::listen();
     let recording = attach(&args.recording, &mut session)?;
@@ -134,7 +134,7 @@ fn advance(
     outputs: &mut Outputs,
     quiet: bool,
 ) -> Result<Outcome, CliError> {
-    let bar = progress(steps, quiet);
+    let mut meter = Meter::of_steps(steps, quiet);
     let mut watch = StopWatch::default();
     let mut summary = Summary::new(session);
     let start = Instant::now();
@@ -144,27 +144,14 @@ fn advance(
         session.step(&mut watch);
         summary.take(session);
         outputs.take(session)?;
-        bar.inc(1);
         made += 1;
+        meter.at(made, made);
         if interrupt::asked() {
             interrupted = true;
             break;
         }
     }
     let wall = start.elapsed().as_secs_f64();
-    bar.finish_and_clear();
+    drop(meter);
     Ok(Outcome { summary, times: watch.times, wall, steps: made, interrupted })
-}
-
-/// A bar on the terminal with rate and time left; nothing when there is no terminal.
-pub fn progress(steps: u64, quiet: bool) -> ProgressBar {
-    if quiet {
-        return ProgressBar::hidden();
-    }
-    let style = "{bar:40} {percent:>3} %  step {pos} of {len}  {per_sec}  {eta} left";
-    let bar = ProgressBar::new(steps);
-    bar.set_style(
-        ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar()),
-    );
-    bar
 }

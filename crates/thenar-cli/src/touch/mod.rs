@@ -64,7 +64,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         return Err(CliError::Input(advice.into()));
     }
     let mut session = open(&args.scene, &args.set)?;
-    tell_overlaps(&session);
+    tell_overlaps(session.start_overlaps());
     interrupt::listen();
     let mut recording = match Recording::start(&args.recording, TimeOf::Clock)? {
         Some((recording, witness)) => {

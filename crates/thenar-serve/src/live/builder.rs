@@ -1,10 +1,13 @@
-//! Makes scenes ready on a thread of their own, one at a time; of several wishes the last counts.
+//! Makes scenes ready on a thread of their own, one at a time; of several wishes the last counts, and ends
+//! what is being made for another.
 
 use super::source::{Catalogue, LiveError, Ready, Recipe};
 use crate::hub::ClientId;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use thenar_rig::work::watched;
 
 /// Who wished what.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,11 +21,20 @@ pub struct Wish {
 /// What became of a wish.
 pub type Made = Result<Box<Ready>, String>;
 
+/// A scene in the making.
+#[derive(Debug)]
+struct Work {
+    wish: Wish,
+    made: Receiver<Made>,
+    /// True when nobody waits for it any more.
+    overtaken: Arc<AtomicBool>,
+}
+
 /// The thread, if it is at work, and what comes after.
 #[derive(Debug)]
 pub struct Builder {
     catalogue: Arc<Catalogue>,
-    working: Option<(Wish, Receiver<Made>)>,
+    working: Option<Work>,
     next: Option<Wish>,
 }
 
@@ -39,23 +51,27 @@ impl Builder {
 
     /// What is wished for last, unless it is done.
     pub fn wished(&self) -> Option<&Recipe> {
-        self.next.as_ref().or(self.working.as_ref().map(|(wish, _)| wish)).map(|wish| &wish.recipe)
+        let working = self.working.as_ref().map(|work| &work.wish);
+        self.next.as_ref().or(working).map(|wish| &wish.recipe)
     }
 
-    /// Makes this, after what is being made.
+    /// Makes this instead of what is being made.
     pub fn wish(&mut self, wish: Wish) {
+        if let Some(work) = &self.working {
+            work.overtaken.store(true, Ordering::Relaxed);
+        }
         self.next = Some(wish);
         self.begin();
     }
 
     /// What has been made since the last call. What has been overtaken by another wish is dropped.
     pub fn take(&mut self) -> Option<(Wish, Made)> {
-        let made = match self.working.as_ref()?.1.try_recv() {
+        let made = match self.working.as_ref()?.made.try_recv() {
             Ok(made) => made,
             Err(TryRecvError::Empty) => return None,
             Err(TryRecvError::Disconnected) => Err("the scene could not be made".into()),
         };
-        let (wish, _) = self.working.take()?;
+        let Work { wish, .. } = self.working.take()?;
         let overtaken = self.next.is_some();
         self.begin();
         (!overtaken).then_some((wish, made))
@@ -67,9 +83,12 @@ impl Builder {
         }
         let Some(wish) = self.next.take() else { return };
         let (done, made) = channel();
+        let overtaken = Arc::new(AtomicBool::new(false));
+        let ended = overtaken.clone();
         let (catalogue, recipe) = (self.catalogue.clone(), wish.recipe.clone());
         let work = move || {
-            let make = || catalogue.make(&recipe).map(Box::new);
+            let wanted = move |_| !ended.load(Ordering::Relaxed);
+            let make = || watched(wanted, || catalogue.make(&recipe).map(Box::new));
             let made = match catch_unwind(AssertUnwindSafe(make)) {
                 Ok(made) => made.map_err(|error: LiveError| error.to_string()),
                 Err(_) => Err(format!("making the scene `{}` failed", recipe.scene)),
@@ -79,6 +98,6 @@ impl Builder {
         };
         // Should no thread start, `done` is dropped and the wish fails.
         let _ = std::thread::Builder::new().name("scene".into()).spawn(work);
-        self.working = Some((wish, made));
+        self.working = Some(Work { wish, made, overtaken });
     }
 }

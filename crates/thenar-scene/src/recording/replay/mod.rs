@@ -96,6 +96,11 @@ impl Replay {
         &self.verdict
     }
 
+    /// How much of the file has been read \[bytes\].
+    pub fn bytes_read(&self) -> u64 {
+        self.frames.offset()
+    }
+
     /// Goes on to the next event; `None` at the end of what can be read.
     ///
     /// # Errors

@@ -1,0 +1,127 @@
+//! How far a command is: a bar on a terminal; elsewhere lines on the error output, ever more rarely.
+
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+/// After so long the first line comes, and after twice the time of each the next: an hour has twelve.
+const FIRST_LINE: Duration = Duration::from_secs(1);
+
+/// Tells how much of a work is done.
+pub struct Meter {
+    total: u64,
+    /// The bar says which step it is.
+    names_steps: bool,
+    bar: Option<ProgressBar>,
+    lines: Option<Lines>,
+}
+
+struct Lines {
+    begun: Instant,
+    /// When the next is due, since it was begun.
+    due: Duration,
+}
+
+impl Lines {
+    /// True when a line is due, which is then taken for told.
+    fn are_due(&mut self, since: Duration) -> bool {
+        let due = since >= self.due;
+        while self.due <= since {
+            self.due *= 2;
+        }
+        due
+    }
+}
+
+impl Meter {
+    /// Of so many steps.
+    pub fn of_steps(total: u64, quiet: bool) -> Self {
+        let style = "{bar:40} {percent:>3} %  step {pos} of {len}  {per_sec}  {eta} left";
+        Self::new(total, style, quiet)
+    }
+
+    /// Of a file of so many bytes from which steps are made.
+    pub fn of_bytes(total: u64, quiet: bool) -> Self {
+        Self::new(total, "{bar:40} {percent:>3} %  {msg}", quiet)
+    }
+
+    fn new(total: u64, style: &str, quiet: bool) -> Self {
+        let terminal = std::io::stderr().is_terminal();
+        let bar = || {
+            let style = ProgressStyle::with_template(style);
+            ProgressBar::new(total)
+                .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+        };
+        let lines = || Lines { begun: Instant::now(), due: FIRST_LINE };
+        Self {
+            total,
+            names_steps: style.contains("{msg}"),
+            bar: (terminal && !quiet).then(bar),
+            lines: (!terminal && !quiet).then(lines),
+        }
+    }
+
+    /// So much is done, and so many steps made.
+    pub fn at(&mut self, done: u64, steps: u64) {
+        if let Some(bar) = &self.bar {
+            bar.set_position(done);
+            if self.names_steps {
+                bar.set_message(format!("step {steps}"));
+            }
+        }
+        if let Some(lines) = &mut self.lines
+            && lines.are_due(lines.begun.elapsed())
+        {
+            eprintln!("step {steps}: {:.0} %", share(done, self.total));
+        }
+    }
+
+    /// Does something that writes to the error output.
+    pub fn suspend(&self, tell: impl FnOnce()) {
+        match &self.bar {
+            Some(bar) => bar.suspend(tell),
+            None => tell(),
+        }
+    }
+}
+
+/// Percent of a whole; of nothing all is done.
+fn share(done: u64, total: u64) -> f64 {
+    if total > 0 { 100.0 * done.min(total) as f64 / total as f64 } else { 100.0 }
+}
+
+impl Drop for Meter {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_come_at_one_two_four_seconds_and_so_on() {
+        let mut lines = Lines { begun: Instant::now(), due: FIRST_LINE };
+        let seconds = (0..36_000).map(|tenth| f64::from(tenth) * 0.1);
+        let told: Vec<f64> =
+            seconds.filter(|s| lines.are_due(Duration::from_secs_f64(*s))).collect();
+        let expected: Vec<f64> = (0..12).map(|k| f64::from(1 << k)).collect();
+        assert_eq!(told, expected);
+        // What was missed is not caught up.
+        let mut late = Lines { begun: Instant::now(), due: FIRST_LINE };
+        let times = [0.5, 100.0, 100.1, 127.0, 128.0];
+        let due = times.map(|s| late.are_due(Duration::from_secs_f64(s)));
+        assert_eq!(due, [false, true, false, false, true]);
+    }
+
+    #[test]
+    fn a_share_is_of_a_hundred() {
+        assert_eq!(
+            [share(0, 0), share(1, 4), share(9, 4), share(4, 4)],
+            [100.0, 25.0, 100.0, 100.0]
+        );
+    }
+}
