@@ -69,7 +69,7 @@ pub fn hand_model(bytes: &[u8]) -> Result<HandModel, RigError> {
     build_hand(bytes, &HandOptions { render_triangles: 100, ..coarse })
 }
 
-/// What a model file holds, once its checksum is made to agree.
+/// Content of a model file, once its checksum is made to agree.
 pub fn model(bytes: &[u8]) -> Result<bool, RigError> {
     Ok(falls(&Model::from_bytes(&sealed(bytes))?))
 }

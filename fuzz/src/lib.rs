@@ -1,4 +1,4 @@
-//! What the fuzz targets that build things have in common. Ordinary tests run the same code.
+//! Common parts of the fuzz targets that build things. Ordinary tests run the same code.
 
 pub mod bodies;
 pub mod profiles;

@@ -78,7 +78,7 @@ fn loaded<P: Check>(name: &str, shipped: &str, file: &Path) -> Result<P, LinkErr
     load(name, shipped, &address(None))
 }
 
-/// What is read of an actuator is something that its guards take.
+/// Every actuator that is read passes its guards.
 fn bounded(display: &Display) {
     for unilateral in [false, true] {
         display.limits(unilateral).check().unwrap();

@@ -1,4 +1,4 @@
-//! What is said of files.
+//! Messages about files.
 
 /// A file's size for a person.
 pub fn size(bytes: u64) -> String {

@@ -23,7 +23,7 @@ pub fn out(text: Arguments<'_>) {
 /// Whether all was printed that somebody may read.
 ///
 /// # Errors
-/// It was not.
+/// Some of the output was lost.
 pub fn complete() -> Result<(), CliError> {
     match LOST.get() {
         Some(cause) => Err(CliError::Other(format!("cannot write the standard output: {cause}"))),

@@ -27,7 +27,7 @@ impl Folder {
         path
     }
 
-    /// What is no plain file, under this name: a pipe, a link to a device, a folder.
+    /// Anything but a plain file, under this name: a pipe, a link to a device, a folder.
     fn others(&self, name: &str) -> Vec<PathBuf> {
         let places = ["pipe", "zero", "folder"].map(|kind| {
             std::fs::create_dir_all(self.0.join(kind)).unwrap();
@@ -213,7 +213,7 @@ fn a_scene_may_be_piped_in() {
     assert!(text.contains("/dev/stdin: the file is larger than"), "{text}");
 }
 
-/// What a file says at any length, a message repeats at some.
+/// Messages quote a file up to a bound, however long its text.
 #[test]
 fn messages_repeat_what_they_quote_up_to_a_bound() {
     let folder = Folder::new("long");
@@ -248,7 +248,7 @@ fn messages_repeat_what_they_quote_up_to_a_bound() {
     refused(&["build", "--hand", "right", "--joint-names", text(&names)], &["names.toml"]);
 }
 
-/// What a scene would take of memory is refused before it is taken, with both numbers.
+/// A scene that would take too much memory is refused before it takes any, with both numbers.
 #[test]
 fn a_scene_of_gigabytes_is_refused() {
     let folder = Folder::new("large");

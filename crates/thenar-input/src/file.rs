@@ -7,11 +7,11 @@ use std::path::Path;
 /// Why a file was not read. The caller names the file.
 #[derive(Debug)]
 pub enum InputError {
-    /// What the system said.
+    /// The system's own error.
     System(io::Error),
     /// The path leads to something else than a plain file.
     NotAFile {
-        /// What is there, with its article.
+        /// Kind of the thing there, with its article.
         kind: &'static str,
     },
     /// The file is larger than it may be.

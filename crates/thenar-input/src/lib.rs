@@ -1,4 +1,4 @@
-//! What comes from users: files, read up to a bound, and text, quoted in messages up to one.
+//! Input from users: files, read up to a bound, and text, quoted in messages up to one.
 //!
 //! Every file that a user names is read through this crate. It opens plain files only, so that a pipe, a
 //! device or a folder gives an error instead of a wait without end, and reads no more than it was told it may.

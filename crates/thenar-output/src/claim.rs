@@ -58,7 +58,7 @@ impl Claim {
     /// Claims the file that a name leads to, through links; what writes it is not an [`Output`].
     ///
     /// # Errors
-    /// It is an input, or another output.
+    /// The target is an input, or another output.
     ///
     /// [`Output`]: crate::Output
     pub fn of(target: &Path) -> Result<Self, crate::OutputError> {

@@ -16,16 +16,16 @@ pub struct OutputError {
 /// Why an output cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum Cause {
-    /// It ends in a separator, or in nothing.
+    /// The path ends in a separator, or in nothing.
     #[error("this is not the name of a file")]
     NoName,
     /// A folder has this name.
     #[error("it is a folder")]
     Folder,
-    /// What is there is neither file, pipe nor character device.
+    /// The target is neither file, pipe nor character device.
     #[error("it is a {0}")]
     Refused(&'static str),
-    /// What is there is read, and would be lost.
+    /// The target is an input, and would be lost.
     #[error("it is an input of this command; give the output another name")]
     Input,
     /// The later of two outputs would replace the earlier.

@@ -44,7 +44,7 @@ pub fn behind(link: &Path) -> io::Result<File> {
     Ok(File::from(descriptor))
 }
 
-/// There are no such names elsewhere.
+/// Other systems have no such names.
 #[cfg(not(unix))]
 pub fn behind(link: &Path) -> io::Result<File> {
     OpenOptions::new().append(true).open(link)

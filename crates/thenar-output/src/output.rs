@@ -22,7 +22,7 @@ pub struct Output {
     draft: Option<Draft>,
 }
 
-/// What becomes a plain file.
+/// Draft that becomes a plain file.
 #[derive(Debug)]
 struct Draft {
     path: PathBuf,

@@ -14,7 +14,7 @@ pub const STAGE_MAX: f64 = 2e9;
 /// How far a stage is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
-    /// What is done, for a person: "distances to 1200 triangles".
+    /// Name of the work, for a person: "distances to 1200 triangles".
     pub stage: &'static str,
     /// Work of the whole stage, in comparisons (see [`STAGE_MAX`]).
     pub work: f64,
@@ -58,7 +58,7 @@ impl Stage {
     /// A stage of `steps` steps that cost `work` in all.
     ///
     /// # Errors
-    /// It would cost more than may be spent; `cure` says what helps.
+    /// The work would cost more than may be spent; `cure` says what helps.
     pub fn new(
         name: &'static str,
         steps: usize,

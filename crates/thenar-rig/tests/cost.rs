@@ -22,7 +22,7 @@ use thenar_rig::object::{ImportOptions, Weight, rigid_from_mesh};
 use thenar_rig::work::{Progress, STAGE_MAX, watched};
 use thenar_rig::{HandOptions, TriMesh, build_hand};
 
-/// What `build` gives, and the work of all its stages together.
+/// The result of `build`, and the work of all its stages together.
 fn cost<T>(build: impl FnOnce() -> T) -> (T, f64) {
     let stages: Rc<RefCell<Vec<Progress>>> = Rc::default();
     let heard = Rc::clone(&stages);

@@ -38,7 +38,7 @@ position = [0, -0.01, 0]
 fixed = [{ nodes = { side = "y-min" } }]
 "#;
 
-/// What moves over what.
+/// A body that moves over another.
 #[derive(Clone, Copy)]
 struct Case<'a> {
     name: &'a str,
@@ -177,7 +177,7 @@ fn check_spectrum(case: &Case<'_>) -> Vec<[Vec3; 2]> {
     found
 }
 
-/// That, and half the change at half the speed.
+/// Checks the spectrum, and that half the speed halves the change.
 fn check(case: &Case<'_>) {
     let found = check_spectrum(case);
     let slow = wrenches(case, 0.5 * case.speed);

@@ -45,7 +45,7 @@ force = [0, -1, 0]
 "#,
 ];
 
-/// What a scene's numbers may be replaced by.
+/// Replacements for the numbers of a scene.
 const NUMBERS: [&str; 12] =
     ["0", "-1", "1", "1e-300", "1e300", "1e-9", "1e9", "4294967295", "0.5", "100", "nan", "inf"];
 

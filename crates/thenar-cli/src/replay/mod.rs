@@ -240,7 +240,7 @@ fn judge(args: &Args, verdict: &Verdict, recorded: &Header, here: &Header) -> Re
     }
 }
 
-/// What is wrong with a recording, which is named.
+/// Names the recording and the fault in it.
 fn named(recording: &Path, error: ReplayError) -> CliError {
     match error {
         ReplayError::Open(error) => CliError::Input(error.to_string()),

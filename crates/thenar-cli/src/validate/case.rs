@@ -98,7 +98,7 @@ pub enum Outcome {
     Stated,
 }
 
-/// What the expected value of a figure rests on.
+/// The grounds of a figure's expected value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Basis {
     /// Theory, a published figure or an independent computation.
@@ -124,7 +124,7 @@ pub struct Figure {
     pub got: f64,
     /// When it is met.
     pub check: Check,
-    /// What the expected value rests on.
+    /// Grounds of the expected value.
     pub basis: Basis,
     /// Why the model cannot meet it, should it not.
     pub cannot: Option<String>,

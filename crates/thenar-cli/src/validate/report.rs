@@ -119,7 +119,7 @@ pub fn word(outcome: Outcome) -> &'static str {
     }
 }
 
-/// What is put behind the outcome of a figure that rests on no theory.
+/// The words behind the outcome of a figure that rests on no theory.
 fn mark(basis: Basis) -> &'static str {
     match basis {
         Basis::Theory => "",

@@ -40,7 +40,7 @@ pub fn out(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// What it said, but for how far building was: a slow machine has that told.
+/// Errors and warnings, without the progress that only slow machines tell.
 pub fn err(output: &Output) -> String {
     let text = String::from_utf8_lossy(&output.stderr);
     let progress = |line: &str| line.ends_with(" %\n") && !line.starts_with("error");

@@ -1,4 +1,4 @@
-//! What damage makes of bytes, in a seeded sequence.
+//! Damage to bytes, in a seeded sequence.
 
 /// Numbers in a seeded sequence (xorshift, Marsaglia 2003).
 pub struct Random(pub u64);

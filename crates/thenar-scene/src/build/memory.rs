@@ -13,7 +13,7 @@ pub(super) const RIGID_BYTES: u64 = 16_000;
 /// Memory that all bodies of a scene may take \[bytes\].
 pub const BODIES_BYTES_MAX: u64 = 850_000_000;
 
-/// What is taken so far.
+/// Memory taken so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Memory {
     bytes: u64,
@@ -23,7 +23,7 @@ impl Memory {
     /// Takes what so many tetrahedra need; called before they are made.
     ///
     /// # Errors
-    /// It is more than there is, in which case `at` makes the fault.
+    /// The sum exceeds the memory there is, in which case `at` makes the fault.
     pub fn take_tets(&mut self, tets: u64, at: impl Fn(String) -> Fault) -> Result<(), Fault> {
         self.take(tets.saturating_mul(TET_BYTES), &format!("{tets} tetrahedra"), at)
     }

@@ -226,7 +226,7 @@ fn times_of_a_live_session_do_not_leap_ahead_of_what_follows() {
     assert!(verdict.is_same() && verdict.losses.is_empty() && verdict.steps == 60, "{verdict:?}");
 }
 
-/// What really happens: other time steps, restarts, scenes, marks that were dropped.
+/// Honest recordings pass: other time steps, restarts, scenes, marks that were dropped.
 #[test]
 fn what_was_written_is_possible() {
     let folder = Folder::new("possible");

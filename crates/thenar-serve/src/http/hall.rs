@@ -77,7 +77,7 @@ impl Hall {
 }
 
 impl Seat {
-    /// What a ping of this number carries: who has not read it cannot know it.
+    /// Payload of the ping of this number: who has not read it cannot know it.
     pub fn ping(&self, number: u32) -> [u8; 12] {
         let mut bytes = [0; 12];
         bytes[..4].copy_from_slice(&number.to_le_bytes());

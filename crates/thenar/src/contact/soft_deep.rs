@@ -123,7 +123,7 @@ impl Flood {
     }
 }
 
-/// What is entangled.
+/// Workspace of the search for entangled regions.
 #[derive(Clone, Debug, Default)]
 pub(super) struct DeepScratch {
     floods: [Flood; 2],

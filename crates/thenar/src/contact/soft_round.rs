@@ -186,7 +186,7 @@ fn arrive(
     }
 }
 
-/// What place `p` of a feature of a triangle, in the frame of the part, sees of an edge of the part.
+/// View of an edge of the part from place `p` of a feature of a triangle, in the frame of the part.
 pub(crate) fn blunted_on(
     pair: &SoftRigid,
     near: &Near,

@@ -1,4 +1,4 @@
-//! Which way an entangled region leaves.
+//! Direction in which an entangled region leaves.
 //!
 //! Vertices that each took the nearest place outside would pull their body apart: those of a side wall
 //! are nearest to the wall beside them. A region leaves along one direction n, A by +n and B by -n,
@@ -97,7 +97,7 @@ impl SoftSoft<'_> {
         2 * parallel >= self.seen(places, sight).count()
     }
 
-    /// What its vertices saw in the step before, as directions for A.
+    /// Directions for A that its vertices saw in the step before.
     fn seen(&self, places: &[Place], sight: &Sight) -> impl Iterator<Item = Vec3> {
         places.iter().filter(|p| p.vertex != NONE).filter_map(|place| {
             let [own, other] = self.facing(place.side);

@@ -248,7 +248,7 @@ pub struct Scratch {
     pub vertices: Vec<Vec3>,
     /// Velocities of these.
     pub vertex_velocities: Vec<Vec3>,
-    /// What moves each other.
+    /// Groups of bodies that move each other.
     pub islands: Islands,
     /// Where things would be without joints, and memory to close these.
     pub moved: Moved,

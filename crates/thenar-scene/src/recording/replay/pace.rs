@@ -27,7 +27,7 @@ pub struct Pace {
     pub newest_ns: u64,
     /// Simulated time as it was summed up while recording \[s\]; `None` where it is not known.
     simulated: Option<f64>,
-    /// What `simulated` may be off by: it was read from a frame \[ns\].
+    /// Uncertainty of `simulated`, which was read from a frame \[ns\].
     slack_ns: u64,
 }
 

@@ -273,7 +273,7 @@ impl Condition {
     }
 }
 
-/// What the law asks of one contact, on the piece on which it is now; in units of velocity.
+/// Residual of the law at one contact, on the piece on which it is now; in units of velocity.
 fn conditions(row: &ContactRow, W: &Mat3, d: &Vec3) -> [Condition; 3] {
     let axes: [Vec3; 3] = std::array::from_fn(|a| Vec3::ith(a, 1.0));
     let lambda = &row.lambda;
