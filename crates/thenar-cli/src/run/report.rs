@@ -7,9 +7,9 @@ use serde_json::{Map, Value, json};
 use thenar::model::{Digit, SolverKind, SolverSettings};
 use thenar_scene::session::{HandLoad, Session, StartOverlap, Summary};
 
-/// Version of the report. 2: each finger's mean pressure, and what overlaps at the start; what
-/// version 1 gave is there under the same keys.
-const REPORT_VERSION: u32 = 2;
+/// Version of the report. 2: each finger's mean pressure, and what overlaps at the start. 3: contacts
+/// left out. What an earlier version gave is there under the same keys.
+const REPORT_VERSION: u32 = 3;
 
 /// The report as JSON. Units are part of the keys: `_s`, `_us`, `_m`, `_j`, `_n`, `_m2`, `_pa`.
 pub fn report(session: &Session, outcome: &Outcome) -> Value {
@@ -45,6 +45,7 @@ pub fn report(session: &Session, outcome: &Outcome) -> Value {
         "tets": tets(session),
         "nodes": world.state().x.len(),
         "contacts_max": s.contacts_max,
+        "contacts_dropped_max": s.contacts_dropped_max,
         "max_joint_gap_m": s.joint_gap_max,
         "max_penetration_m": s.penetration_max,
         "inverted_tets_max": s.inverted_tets_max,
@@ -177,6 +178,12 @@ pub fn print(session: &Session, outcome: &Outcome) {
         s.energy_max
     );
     fingers(&s.fingers);
+    if s.contacts_dropped_max > 0 {
+        println!(
+            "  up to {} contacts of a step were left out: too many bodies are inside each other",
+            s.contacts_dropped_max
+        );
+    }
     if s.fell_back > 0 {
         println!("  {} steps did not converge and were made safely instead", s.fell_back);
     }

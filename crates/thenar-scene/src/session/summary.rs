@@ -8,6 +8,8 @@ use thenar::world::Energy;
 pub struct Summary {
     /// Most contact constraints in one step.
     pub contacts_max: u32,
+    /// Most contacts left out in one step: see [`StepReport::contacts_dropped`](thenar::world::StepReport).
+    pub contacts_dropped_max: u32,
     /// Largest distance between the two sides of a joint \[m\].
     pub joint_gap_max: f64,
     /// Deepest penetration \[m\].
@@ -52,6 +54,7 @@ impl Summary {
     pub fn take(&mut self, session: &Session) {
         let r = session.report();
         self.contacts_max = self.contacts_max.max(r.contacts);
+        self.contacts_dropped_max = self.contacts_dropped_max.max(r.contacts_dropped);
         self.joint_gap_max = self.joint_gap_max.max(r.joint_gap_max);
         self.penetration_max = self.penetration_max.max(r.penetration_max);
         self.inverted_tets_max = self.inverted_tets_max.max(r.inverted_tets);

@@ -42,9 +42,10 @@ impl<'a> Collector<'a> {
         }
     }
 
-    /// Counts a contact for which there was no room.
-    pub fn count_dropped(&mut self) {
-        self.found.dropped += 1;
+    /// Counts contacts for which there was no room.
+    pub fn count_dropped(&mut self, count: usize) {
+        let count = u32::try_from(count).unwrap_or(u32::MAX);
+        self.found.dropped = self.found.dropped.saturating_add(count);
     }
 
     /// Counts a pair that was looked at.

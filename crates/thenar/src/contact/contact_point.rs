@@ -84,7 +84,8 @@ pub struct SurfaceState<'a> {
 pub struct Found {
     /// Contacts delivered.
     pub contacts: u32,
-    /// Contacts left out because the capacity was reached; the deepest were kept.
+    /// Contacts left out because the capacity was reached (the deepest were kept), and pairs of rigid bodies
+    /// that were not looked at in a crowd.
     pub dropped: u32,
     /// Pairs of bodies near enough to be looked at.
     pub pairs: u32,

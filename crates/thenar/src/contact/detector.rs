@@ -4,6 +4,7 @@ use crate::contact::aabb::Aabb;
 use crate::contact::apart::{Apart, Regions};
 use crate::contact::area::{self, AreaScratch, Skin};
 use crate::contact::collector::{Collector, feature_key};
+use crate::contact::crowd::Allowance;
 use crate::contact::manifold::{DELIVERED_MAX, Manifold};
 use crate::contact::pairs::PairTable;
 use crate::contact::rigid_body::{Placed, RigidBody};
@@ -243,15 +244,24 @@ impl Detector {
         }
     }
 
-    /// Sweeps along x over all rigid bodies; contacts are then put in the order of the bodies.
+    /// Sweeps along x over all rigid bodies, as far as the [`Allowance`] goes; contacts are then put in the
+    /// order of the bodies.
     fn rigid_rigid(&mut self, reach: Reach, out: &mut Collector) {
         let Self { pairs, bodies, scratch, .. } = self;
         let Scratch { placed, order, manifold, .. } = scratch;
         let low = |i: u32| placed[i as usize].swept_W.min.x;
         order.sort_unstable_by(|&i, &j| low(i).total_cmp(&low(j)).then(i.cmp(&j)));
+        let mut allowance = Allowance::new(order.len());
         for (k, &i) in order.iter().enumerate() {
             let end = placed[i as usize].swept_W.max.x + reach.margin;
-            for &j in order[k + 1..].iter().take_while(|&&j| low(j) <= end) {
+            let ahead = &order[k + 1..];
+            let ahead = &ahead[..ahead.partition_point(|&j| low(j) <= end)];
+            allowance.next_body();
+            for (passed, &j) in ahead.iter().enumerate() {
+                let Some(margin) = allowance.margin(reach.margin) else {
+                    out.count_dropped(ahead.len() - passed);
+                    break;
+                };
                 let (i, j) = (i.min(j), i.max(j));
                 let (Some(a), Some(b)) = (&bodies[i as usize], &bodies[j as usize]) else {
                     continue;
@@ -264,7 +274,7 @@ impl Detector {
                 let near = |of: RigidSide, other: RigidSide| {
                     let swept = &other.placed.swept_W;
                     let bounded = *swept != Aabb::EVERYTHING;
-                    !bounded || of.placed.may_touch(&of.body.shape, swept, reach.margin, reach.h)
+                    !bounded || of.placed.may_touch(&of.body.shape, swept, margin, reach.h)
                 };
                 if !near(sides[0], sides[1]) || !near(sides[1], sides[0]) {
                     continue;
@@ -274,6 +284,7 @@ impl Detector {
                     continue;
                 };
                 out.count_pair();
+                allowance.spend();
                 rigid_pair::find(sides[0], sides[1], reach, manifold);
                 for p in manifold.points() {
                     let site = |i: u32| Site::Rigid {

@@ -21,6 +21,7 @@ mod bvh;
 mod collector;
 mod contact_point;
 mod convex_pair;
+mod crowd;
 mod cuboid_pair;
 mod detector;
 mod distance;

@@ -118,7 +118,7 @@ pub(crate) fn find(
     }
     settle_sharp(pair, scratch, out);
     settle_round(pair, scratch, out);
-    (0..dropped).for_each(|_| out.count_dropped());
+    out.count_dropped(dropped);
 }
 
 // Sharp points.

@@ -28,7 +28,7 @@ pub(crate) struct Touches<'a> {
     pub kept: &'a mut Vec<Touch>,
     pub most: usize,
     /// How many found no room.
-    pub dropped: &'a mut u32,
+    pub dropped: &'a mut usize,
 }
 
 impl Touches<'_> {

@@ -353,7 +353,7 @@ impl SoftSoft<'_> {
                 if scratch.crossings.len() < scratch.crossings_max {
                     scratch.crossings.push(Cross { edges, found });
                 } else {
-                    out.count_dropped();
+                    out.count_dropped(1);
                 }
             }
         }
