@@ -16,8 +16,7 @@
 //!
 //! - [`project`] makes one cheap update from the present impulse. Only its fixed point obeys the law.
 //!   The two-step scheme, the dense reference and touch use it.
-//! - [`Response::impulse`] finds the impulse that obeys the law at once where the contact opens or
-//!   sticks, and comes nearer with each visit where it slides. The exact solver uses it.
+//! - [`Response::impulse`] finds the impulse that obeys the law at once. The exact solver uses it.
 //!
 //! No target is above zero, so that zero velocity obeys all rows and contacts cannot contradict each
 //! other: what overlaps is kept from going deeper, and moved apart by a second solve in which rows stand
@@ -27,6 +26,7 @@
 use crate::math::{Mat3, Vec3};
 use crate::model::Cone;
 use crate::solver::ContactRow;
+use sliding::Sliding;
 
 /// A direction that yields less than this part of the others does not move at all: both sides are
 /// held there, and no impulse can do anything.
@@ -109,8 +109,8 @@ impl Response {
     }
 
     /// The impulse λ so that `d = b + W λ` obeys the contact law: `0 ≤ λ_n ⊥ d_n ≥ 0`,
-    /// `|λ_t| ≤ μ λ_n`, and on the rim of that disc λ_t opposes d_t. Exact when the contact opens or
-    /// sticks; a sliding one comes nearer with each visit.
+    /// `|λ_t| ≤ μ λ_n`, and on the rim of that disc λ_t opposes d_t. Where the response is not positive
+    /// definite, a sliding contact comes nearer with each visit.
     pub fn impulse(&self, cone: Cone, friction: f64, b: &Vec3, start: &Vec3) -> Vec3 {
         let W = &self.W;
         if is_immovable(W) || b.x >= 0.0 {
@@ -128,6 +128,10 @@ impl Response {
             let bound = friction * stick.x;
             if stick.x >= 0.0 && stick.y * stick.y + stick.z * stick.z <= bound * bound {
                 return stick;
+            }
+            let sliding = Sliding::new(W, (*b).into(), friction);
+            if let Some(lambda) = sliding.impulse([start.y, start.z]).filter(|_| friction > 0.0) {
+                return lambda.into();
             }
         }
         let mut t = [start.y, start.z];
@@ -207,5 +211,6 @@ pub fn is_on_rim(cone: Cone, friction: f64, lambda: &Vec3) -> bool {
         }
 }
 
+mod sliding;
 #[cfg(test)]
 mod tests;

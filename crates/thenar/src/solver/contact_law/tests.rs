@@ -94,3 +94,41 @@ fn the_disc_minimum_is_least() {
         }
     }
 }
+
+/// The response of a point of a free rigid body of 1 kg, far out: half the radii of gyration are short.
+fn lever(random: &mut Random) -> Mat3 {
+    let turn = *random.rotation(3.1).to_rotation_matrix().matrix();
+    let gyration = Vec3::new(random.range(0.05, 1.0), random.range(0.05, 1.0), 1.0);
+    let inertia = gyration.map(|k| 1.0 / (k * k));
+    let arm = random.vec3(1.5).cross_matrix();
+    Mat3::identity()
+        + arm.transpose() * turn * Mat3::from_diagonal(&inertia) * turn.transpose() * arm
+}
+
+/// Whatever a body's shape, one visit gives what the law asks for: the quartic in the direction of sliding has
+/// a root that does (an impulse exists for every response that is positive definite).
+#[test]
+fn one_visit_obeys_the_law_on_any_lever() {
+    let mut random = Random::new(23);
+    let (mut stuck, mut slid) = (0, 0);
+    for _ in 0..20_000 {
+        let (W, mu) = (lever(&mut random), random.range(0.05, 1.5));
+        let (mut b, start) = (random.vec3(1.0), random.vec3(1.0));
+        b.x = -b.x.abs();
+        let lambda = Response::new(&W).impulse(Cone::Circular, mu, &b, &start);
+        let d = b + W * lambda;
+        let (t, slide) = (lambda.yz(), d.yz());
+        let case = format!("W {W} b {b} μ {mu} λ {lambda} d {d} start {start}");
+        assert!(lambda.x > 0.0 && d.x.abs() < 1e-9, "{case}");
+        assert!(t.norm() <= mu * lambda.x * (1.0 + 1e-9), "{case}");
+        if slide.norm() < 1e-9 {
+            stuck += 1;
+        } else {
+            assert!((t.norm() - mu * lambda.x).abs() < 1e-9 * lambda.x, "{case}");
+            let along = t.dot(&slide) + t.norm() * slide.norm();
+            assert!(along < 1e-9 * t.norm(), "{along}: {case}");
+            slid += 1;
+        }
+    }
+    assert!(stuck > 1000 && slid > 5000, "{stuck} stuck, {slid} slid");
+}
