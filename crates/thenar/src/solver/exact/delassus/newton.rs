@@ -32,9 +32,10 @@ use fearless_simd::Simd;
 const PRESSING_MAX: usize = 96;
 /// Steps of one attempt at most.
 const STEPS_MAX: u32 = 60;
-/// A whole step that changes no velocity by more than this part of the tolerance has come close: what it
-/// changes shrinks as its square near the root, and hardly at all where the root is on another piece.
-const CLOSE: f64 = 0.01;
+/// A step that, made whole, would change no velocity by more than this part of the tolerance has come close: what
+/// it changes shrinks as its square near the root, and hardly at all where the root is on another piece. How much
+/// of it was made says nothing: at the root round-off hides whether the law comes nearer.
+const CLOSE: f64 = 0.1;
 /// So many such steps in a row end an attempt: after the first, a sweep may still find a contact on another
 /// piece.
 const CALM: u32 = 2;
@@ -118,8 +119,8 @@ impl Delassus {
         for _ in 0..steps_max.min(STEPS_MAX) {
             let made = self.newton_step(simd, contacts);
             self.spent = self.spent.saturating_add(self.newton.pressing.len() as u32);
-            let Some((step, part)) = made else { break };
-            if part < 1.0 || step > CLOSE * tolerance {
+            let Some(step) = made else { break };
+            if step > CLOSE * tolerance {
                 calm = 0;
                 continue;
             }
@@ -172,10 +173,10 @@ impl Delassus {
             .sum()
     }
 
-    /// One step; returns the most that it would change a contact's velocity \[m/s\], and which part of it was
-    /// made.
+    /// One step, or as much of it as brings the law nearer; returns the most that all of it would change a
+    /// contact's velocity \[m/s\].
     #[inline(always)]
-    fn newton_step<S: Simd>(&mut self, simd: S, contacts: &mut ContactRows) -> Option<(f64, f64)> {
+    fn newton_step<S: Simd>(&mut self, simd: S, contacts: &mut ContactRows) -> Option<f64> {
         let merit = self.merit(contacts);
         let Self { members, W, own, d, before, newton, .. } = self;
         let members = members.list();
@@ -221,10 +222,10 @@ impl Delassus {
             self.move_on(contacts, part - made);
             made = part;
             if self.merit(contacts) <= (1.0 - DESCENT * part) * merit {
-                return Some((step, part));
+                return Some(step);
             }
         }
-        Some((step, made))
+        Some(step)
     }
 
     /// Makes so much of the step.
