@@ -39,9 +39,12 @@ const CLOSE: f64 = 0.1;
 /// So many such steps in a row end an attempt: after the first, a sweep may still find a contact on another
 /// piece.
 const CALM: u32 = 2;
-/// Parts of a step, tried until one brings the law nearer. Where none does, as at the border of a piece, the
-/// last is made all the same: the next step is on another piece.
+/// Parts of a step, tried until one brings the law nearer.
 const PARTS: [f64; 7] = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125, 0.015625];
+/// Where none does, as at the border of a piece, so much is made all the same: the next step is on another
+/// piece. Attempts take turns: half a step crosses most borders, where grasps slide; a small part is safer where
+/// a body is jammed. With either alone steps of both kinds ran out.
+const ACROSS: [f64; 2] = [0.5, 0.015625];
 /// A part of a step must bring the law nearer by so much of itself (Armijo).
 const DESCENT: f64 = 0.2;
 /// Added to each contact's own response, in parts of it: ten times the round-off of W, which is of single
@@ -96,7 +99,7 @@ impl Delassus {
         if may { FULL.max(pressing as u32) } else { u32::MAX }
     }
 
-    /// Goes on from the present impulses by Newton's method. The error that is left \[m/s\]; `None` where it
+    /// Goes on from the present impulses by Newton's method, for this attempt of a solve. The error that is left \[m/s\]; `None` where it
     /// leads nowhere, with the impulses as they were.
     #[inline(always)]
     pub(super) fn improve<S: Simd>(
@@ -106,6 +109,7 @@ impl Delassus {
         cone: Cone,
         tolerance: f64,
         steps_max: u32,
+        attempt: u32,
     ) -> Option<f64> {
         let n = self.members.list().len();
         let used = (3 * n).next_multiple_of(LANES);
@@ -115,9 +119,10 @@ impl Delassus {
         for &i in self.members.list() {
             self.newton.impulses.push(contacts.rows[i as usize].lambda);
         }
+        let across = ACROSS[attempt as usize % ACROSS.len()];
         let mut calm = 0;
         for _ in 0..steps_max.min(STEPS_MAX) {
-            let made = self.newton_step(simd, contacts);
+            let made = self.newton_step(simd, contacts, across);
             self.spent = self.spent.saturating_add(self.newton.pressing.len() as u32);
             let Some(step) = made else { break };
             if step > CLOSE * tolerance {
@@ -173,10 +178,15 @@ impl Delassus {
             .sum()
     }
 
-    /// One step, or as much of it as brings the law nearer; returns the most that all of it would change a
+    /// One step, or as much of it as brings the law nearer, or `across` of it; returns the most that all of it would change a
     /// contact's velocity \[m/s\].
     #[inline(always)]
-    fn newton_step<S: Simd>(&mut self, simd: S, contacts: &mut ContactRows) -> Option<f64> {
+    fn newton_step<S: Simd>(
+        &mut self,
+        simd: S,
+        contacts: &mut ContactRows,
+        across: f64,
+    ) -> Option<f64> {
         let merit = self.merit(contacts);
         let Self { members, W, own, d, before, newton, .. } = self;
         let members = members.list();
@@ -225,6 +235,7 @@ impl Delassus {
                 return Some(step);
             }
         }
+        self.move_on(contacts, across - made);
         Some(step)
     }
 

@@ -67,7 +67,8 @@ impl Delassus {
         loop {
             let steps_max = budget.saturating_sub(self.spent) / worth;
             if self.swept >= wait && steps_max > 0 {
-                if let Some(left) = self.improve(simd, contacts, cone, tolerance, steps_max) {
+                let improved = self.improve(simd, contacts, cone, tolerance, steps_max, attempts);
+                if let Some(left) = improved {
                     convergence.residual = left;
                     break;
                 }
