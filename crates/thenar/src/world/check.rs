@@ -5,7 +5,7 @@ use crate::math::Mat3;
 use crate::model::{
     BodyId, BodyParts, FrictionTable, JointDesc, Motion, RigidDesc, SoftDesc, WorldDesc,
 };
-use crate::world::ModelError;
+use crate::world::{ModelError, freedoms};
 
 /// Gravity stays below this along each axis \[m/s²\].
 pub const GRAVITY_MAX: f64 = 1e4;
@@ -51,7 +51,8 @@ pub fn check(desc: &WorldDesc) -> Result<(), ModelError> {
     }
     desc.friction_tables.iter().try_for_each(|table| check_table(table, desc))?;
     desc.parts.iter().try_for_each(|parts| check_parts(parts, desc))?;
-    check_pairs(desc)
+    check_pairs(desc)?;
+    freedoms::check(desc)
 }
 
 fn check_body(body: BodyId, thing: &str, desc: &WorldDesc) -> Result<(), ModelError> {

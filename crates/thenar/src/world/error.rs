@@ -81,6 +81,19 @@ pub enum ModelError {
         /// Body.
         thing: String,
     },
+    /// Joints hold more together than the exact solver can take.
+    #[error(
+        "{thing} and what joints hold to it have {freedoms} freedoms, more than {most}: the exact solver takes the \
+         cube of them in time; the two-step solver takes any number (solver.kind = \"two-step\")"
+    )]
+    ManyFreedoms {
+        /// First of the bodies.
+        thing: String,
+        /// Freedoms of all of them.
+        freedoms: usize,
+        /// Most that are taken.
+        most: usize,
+    },
     /// A joint connects a body with itself.
     #[error("{thing}: a joint needs two different bodies")]
     SelfJoint {

@@ -9,6 +9,7 @@ mod energy;
 mod error;
 mod exact;
 mod fall_back;
+mod freedoms;
 mod friction;
 mod hash;
 mod io;
