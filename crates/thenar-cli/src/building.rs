@@ -2,8 +2,10 @@
 
 use crate::error::CliError;
 use crate::interrupt;
+use crate::ticker::Ticker;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use thenar_rig::work::{Progress, watched};
 
@@ -25,14 +27,46 @@ pub fn told<T>(work: impl FnOnce() -> Result<T, CliError>) -> Result<T, CliError
     }
 }
 
-/// The same, whatever comes of it: what Ctrl-C ended has failed.
+/// The same, whatever comes of it: what Ctrl-C ended has failed. Work that tells nothing, between stages or in
+/// what has none, is told of each second, and where it does not end by itself within a second after Ctrl-C the
+/// program ends.
 pub fn heard<T>(work: impl FnOnce() -> T) -> T {
-    let mut teller = Teller { stage: "", last: Instant::now(), announced: false, bar: None };
+    let silence = Arc::new(Mutex::new(Silence { begun: Instant::now(), told: Instant::now() }));
+    let shared = Arc::clone(&silence);
+    let mut asked = None;
+    let _ticker = Ticker::new(move || {
+        if interrupt::asked() && asked.get_or_insert_with(Instant::now).elapsed() > PACE {
+            interrupt::end();
+        }
+        lock(&shared).tell();
+    });
+    let mut teller =
+        Teller { stage: "", last: Instant::now(), announced: false, bar: None, silence };
     let watch = move |progress| {
         teller.hear(&progress);
         !interrupt::asked()
     };
     watched(watch, work)
+}
+
+/// Since when nothing was told.
+struct Silence {
+    begun: Instant,
+    told: Instant,
+}
+
+impl Silence {
+    /// Breaks it when it has lasted.
+    fn tell(&mut self) {
+        if self.told.elapsed() > PACE {
+            eprintln!("building: {:.0} s so far", self.begun.elapsed().as_secs_f64());
+            self.told = Instant::now();
+        }
+    }
+}
+
+fn lock(silence: &Mutex<Silence>) -> std::sync::MutexGuard<'_, Silence> {
+    silence.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 struct Teller {
@@ -42,6 +76,7 @@ struct Teller {
     /// The stage was expected to be long, and said so.
     announced: bool,
     bar: Option<ProgressBar>,
+    silence: Arc<Mutex<Silence>>,
 }
 
 impl Teller {
@@ -61,15 +96,19 @@ impl Teller {
             } else if !terminal {
                 eprintln!("{}: {:.0} %", progress.stage, progress.done * 100.0);
                 self.last = Instant::now();
+                lock(&self.silence).told = self.last;
             }
         }
         if let Some(bar) = &self.bar {
+            // A bar that stands still says enough.
+            lock(&self.silence).told = Instant::now();
             bar.set_position((progress.done * 1000.0) as u64);
         }
     }
 
     fn begin(&mut self, terminal: bool, what: &str) {
         if !terminal {
+            lock(&self.silence).told = Instant::now();
             return eprintln!("{what}");
         }
         let bar = ProgressBar::new(1000).with_message(what.to_owned());

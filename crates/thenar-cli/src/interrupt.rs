@@ -67,8 +67,8 @@ fn each_signal(heard: impl Fn() + Send + 'static) -> Result<(), ctrlc::Error> {
     ctrlc::set_handler(heard)
 }
 
-/// Ends the program.
-fn end() -> ! {
+/// Ends the program at once; no unfinished file is left.
+pub fn end() -> ! {
     thenar_link::release_all(LAST_WORDS);
     thenar_output::seal();
     eprintln!("error: interrupted");

@@ -5,6 +5,7 @@
 
 #[macro_use]
 mod terminal;
+mod ticker;
 
 mod bench;
 mod build;

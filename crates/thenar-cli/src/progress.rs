@@ -1,7 +1,10 @@
 //! How far a command is: a bar on a terminal; elsewhere lines on the error output, ever more rarely.
 
+use crate::ticker::Ticker;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
 /// After so long the first line comes, and after twice the time of each the next: an hour has twelve.
@@ -9,11 +12,12 @@ const FIRST_LINE: Duration = Duration::from_secs(1);
 
 /// Tells how much of a work is done.
 pub struct Meter {
-    total: u64,
     /// The bar says which step it is.
     names_steps: bool,
     bar: Option<ProgressBar>,
-    lines: Option<Lines>,
+    /// What is done, and the steps made, for the lines that a ticker prints: one step may take long.
+    now: Arc<[AtomicU64; 2]>,
+    _lines: Option<Ticker>,
 }
 
 struct Lines {
@@ -52,28 +56,35 @@ impl Meter {
             ProgressBar::new(total)
                 .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         };
-        let lines = || Lines { begun: Instant::now(), due: FIRST_LINE };
+        let now = Arc::new([AtomicU64::new(0), AtomicU64::new(0)]);
+        let shared = Arc::clone(&now);
+        let lines = || {
+            let mut lines = Lines { begun: Instant::now(), due: FIRST_LINE };
+            Ticker::new(move || {
+                if lines.are_due(lines.begun.elapsed()) {
+                    let [done, steps] = [0, 1].map(|i| shared[i].load(Relaxed));
+                    eprintln!("step {steps}: {:.0} %", share(done, total));
+                }
+            })
+        };
         Self {
-            total,
             names_steps: style.contains("{msg}"),
             bar: (terminal && !quiet).then(bar),
-            lines: (!terminal && !quiet).then(lines),
+            now,
+            _lines: (!terminal && !quiet).then(lines),
         }
     }
 
     /// So much is done, and so many steps made.
-    pub fn at(&mut self, done: u64, steps: u64) {
+    pub fn at(&self, done: u64, steps: u64) {
         if let Some(bar) = &self.bar {
             bar.set_position(done);
             if self.names_steps {
                 bar.set_message(format!("step {steps}"));
             }
         }
-        if let Some(lines) = &mut self.lines
-            && lines.are_due(lines.begun.elapsed())
-        {
-            eprintln!("step {steps}: {:.0} %", share(done, self.total));
-        }
+        self.now[0].store(done, Relaxed);
+        self.now[1].store(steps, Relaxed);
     }
 
     /// Does something that writes to the error output.

@@ -42,7 +42,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let options = RecordOptions { record: Some(file), keyframes: args.keyframes };
     interrupt::listen();
     let mut recording = attach(&options, &mut session)?;
-    let mut meter = Meter::of_steps(steps, args.quiet);
+    let meter = Meter::of_steps(steps, args.quiet);
     let (mut made, mut taken) = (0, 0);
     while made < steps && !interrupt::asked() {
         taken += u64::from(session.step(&mut ()).non_finite);

@@ -84,7 +84,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
 
     let mut watches = [StopWatch::default(), StopWatch::default()];
     let mut charts = Charts::new(&comparison, steps);
-    let mut meter = Meter::of_steps(steps, args.quiet);
+    let meter = Meter::of_steps(steps, args.quiet);
     let mut lost = [false; 2];
     for step in 0..=steps {
         if step > 0 {

@@ -118,7 +118,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         sinks.push(Box::new(Export::create(file, args.rate, replay.header())?));
     }
     let bytes = std::fs::metadata(&args.recording).map_or(0, |file| file.len());
-    let mut meter = Meter::of_bytes(bytes, args.quiet);
+    let meter = Meter::of_bytes(bytes, args.quiet);
     let failed = loop {
         if interrupt::asked() {
             return Err(CliError::Other("interrupted; nothing was exported".into()));

@@ -134,7 +134,7 @@ fn advance(
     outputs: &mut Outputs,
     quiet: bool,
 ) -> Result<Outcome, CliError> {
-    let mut meter = Meter::of_steps(steps, quiet);
+    let meter = Meter::of_steps(steps, quiet);
     let mut watch = StopWatch::default();
     let mut summary = Summary::new(session);
     let start = Instant::now();

@@ -43,7 +43,8 @@ pub fn out(output: &Output) -> String {
 /// Errors and warnings, without the progress that only slow machines tell.
 pub fn err(output: &Output) -> String {
     let text = String::from_utf8_lossy(&output.stderr);
-    let progress = |line: &str| line.ends_with(" %\n") && !line.starts_with("error");
+    let told = |line: &str| line.ends_with(" %\n") || line.ends_with(" s so far\n");
+    let progress = |line: &str| told(line) && !line.starts_with("error");
     text.split_inclusive('\n').filter(|line| !progress(line)).collect()
 }
 
