@@ -172,6 +172,24 @@ fn crooked_meshes_endure() {
     assert!(rigid > 150 && soft > 5, "{rigid} {soft}");
 }
 
+/// One corner of a ball far away leaves a spike; where it fills no tetrahedron, the body is refused.
+#[test]
+fn spikes_endure() {
+    let ball = shapes::sphere(0.05, 2);
+    for corner in 0..ball.positions.len() {
+        for far in [0.2, 80.0, 822.66] {
+            let mut mesh = ball.clone();
+            mesh.positions[corner] = mesh.positions[corner].normalize() * far;
+            catch_unwind(|| bodies::soft(&obj(&mesh)))
+                .unwrap_or_else(|_| panic!("corner {corner} at {far} m"))
+                .ok();
+        }
+    }
+    let thin = bodies::soft(include_bytes!("../../../fuzz/seeds/soft/spike.obj"));
+    let told = thin.unwrap_err().to_string();
+    assert!(told.contains("fills no tetrahedron"), "{told}");
+}
+
 fn crooked(mesh: &mut TriMesh, random: &mut Random) {
     let (t, v) = (random.below(mesh.triangles.len()), random.below(mesh.positions.len()));
     let w = random.below(mesh.positions.len());

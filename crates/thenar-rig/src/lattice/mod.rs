@@ -184,7 +184,7 @@ fn fit_count(samples: &Samples, wanted: usize, first: f64) -> Result<Pieces, Rig
     for attempt in 0..ATTEMPTS {
         stage.at(attempt)?;
         let mut pieces = Pieces::new(samples, cube, &shift);
-        prune::prune(&mut pieces, samples, FILL_MIN);
+        prune::prune(&mut pieces, samples, FILL_MIN)?;
         let ratio = pieces.len() as f64 / wanted as f64;
         let off = |n: usize| (n as f64 / wanted as f64).ln().abs();
         if best.as_ref().is_none_or(|b| off(pieces.len()) < off(b.len())) {

@@ -4,11 +4,15 @@ use super::bcc;
 use super::pieces::{Pieces, for_each_link};
 use super::samples::Samples;
 use super::union_find::UnionFind;
+use crate::RigError;
 use thenar::Vec3;
 
 /// Removes pieces filled less than `fill_min` and those that hang on by less than a face, and
 /// gives their points to the nearest piece that stays, along links.
-pub(super) fn prune(pieces: &mut Pieces, samples: &Samples, fill_min: f64) {
+///
+/// # Errors
+/// None is filled that far.
+pub(super) fn prune(pieces: &mut Pieces, samples: &Samples, fill_min: f64) -> Result<(), RigError> {
     let tet_volume = bcc::TET_VOLUME * pieces.cube.powi(3);
     let point_volume = samples.spacing.powi(3);
     let mut keep: Vec<bool> = pieces
@@ -16,9 +20,16 @@ pub(super) fn prune(pieces: &mut Pieces, samples: &Samples, fill_min: f64) {
         .iter()
         .map(|&count| f64::from(count) * point_volume >= fill_min * tet_volume)
         .collect();
+    if !keep.contains(&true) {
+        return Err(RigError::invalid(
+            "the mesh is so thin that it fills no tetrahedron: a corner may lie far away, or more \
+             tetrahedra are needed",
+        ));
+    }
     keep_largest_component(pieces, &mut keep);
     reassign(pieces, samples, &keep);
     compact(pieces, &keep);
+    Ok(())
 }
 
 /// Clears `keep` outside the face-connected component that holds most of the body.
