@@ -3,6 +3,10 @@
 use super::node::Entry;
 use super::{Fault, Node, Place, Value};
 
+/// Most parts of a dotted key: as many as the TOML reader takes in a file (its recursion limit). Trees are
+/// walked by recursion.
+const PARTS_MAX: usize = 80;
+
 /// A dotted key and its value, e.g. `rigid.0.mass` and `2.5`.
 #[derive(Clone, Debug)]
 pub struct Override {
@@ -32,6 +36,10 @@ pub fn apply(root: &mut Node, given: &Override, index: usize) -> Result<(), Faul
     let steps: Vec<&str> = key.trim().split('.').map(str::trim).collect();
     if steps.iter().any(|s| s.is_empty()) {
         return Err(fault("the key has an empty part"));
+    }
+    if steps.len() > PARTS_MAX {
+        let count = steps.len();
+        return Err(fault(&format!("too deep: the key has {count} parts, at most {PARTS_MAX}")));
     }
     let value = parse_value(value.trim(), index)?;
     insert(root, &steps, value, &place)
@@ -135,5 +143,17 @@ mod tests {
             assert!(set("a = 1", bad).is_err(), "{bad}");
         }
         assert!(set("r = [1]", "r.4=2").unwrap_err().problem.contains("index of one of 1"));
+    }
+
+    /// The reader of files is the measure: what it takes is taken, what it refuses is refused.
+    #[test]
+    fn keys_are_as_deep_as_those_of_files_and_no_deeper() {
+        let deep = |parts: usize| format!("{}b=1", "a.".repeat(parts - 1));
+        for (parts, taken) in [(2, true), (80, true), (81, false), (50_000, false)] {
+            assert_eq!(set("", &deep(parts)).is_ok(), taken, "{parts} parts");
+            assert_eq!(Node::parse(&deep(parts)).is_ok(), taken, "{parts} parts in a file");
+        }
+        let told = set("", &deep(50_000)).unwrap_err().problem;
+        assert_eq!(told, "too deep: the key has 50000 parts, at most 80");
     }
 }
