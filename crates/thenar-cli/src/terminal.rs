@@ -36,6 +36,11 @@ pub fn err(text: Arguments<'_>) {
     let _ = std::io::stderr().write_fmt(text);
 }
 
+/// Prints a line to the error output, on which nothing that is quoted acts on the terminal.
+pub fn line(text: Arguments<'_>) {
+    err(format_args!("{}\n", thenar_input::visible(&text.to_string())));
+}
+
 macro_rules! println {
     () => { $crate::terminal::out(format_args!("\n")) };
     ($($text:tt)*) => { $crate::terminal::out(format_args!("{}\n", format_args!($($text)*))) };
@@ -46,5 +51,5 @@ macro_rules! print {
 }
 
 macro_rules! eprintln {
-    ($($text:tt)*) => { $crate::terminal::err(format_args!("{}\n", format_args!($($text)*))) };
+    ($($text:tt)*) => { $crate::terminal::line(format_args!($($text)*)) };
 }

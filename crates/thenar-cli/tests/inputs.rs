@@ -251,6 +251,22 @@ fn messages_repeat_what_they_quote_up_to_a_bound() {
     refused(&["build", "--hand", "right", "--joint-names", text(&names)], &["names.toml"]);
 }
 
+/// Overrides come from scripts and from recordings.
+#[test]
+fn overrides_are_as_deep_as_files_and_quoted_without_what_acts_on_a_terminal() {
+    let deep = format!("{}b=1", "a.".repeat(50_000));
+    for command in [&["run"][..], &["record"], &["serve", "--no-open"], &["compare"]] {
+        let arguments = [command, &["falling-box", "--set", &deep]].concat();
+        refused(&arguments, &["override", "too deep: the key has 50001 parts, at most 80"]);
+    }
+    let hostile = "solver.\u{1b}[31mcone\u{202e}=1\nerror: all is lost";
+    let output = thenar(&["run", "falling-box", "--set", hostile], None);
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.contains("`solver.\\u{1b}[31mcone\\u{202e}=1\\nerror: all is lost`"), "{told}");
+    assert_eq!(told.matches(|c: char| c.is_control() || c == '\u{202e}').count(), 1, "{told:?}");
+}
+
 /// A scene that would take too much memory is refused before it takes any, with both numbers.
 #[test]
 fn a_scene_of_gigabytes_is_refused() {

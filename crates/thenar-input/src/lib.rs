@@ -7,4 +7,4 @@ mod file;
 mod text;
 
 pub use file::{InputError, open_plain, read, read_text};
-pub use text::{brief, quoted};
+pub use text::{brief, quoted, visible};

@@ -15,9 +15,23 @@ pub fn quoted(word: &str) -> String {
     }
 }
 
-/// A message with its middle left out if it is long: the beginning names the file and the place, the end the
-/// cause.
+/// A text in which nothing acts on a terminal or hides: line breaks, control characters and those that turn the
+/// direction of writing are escaped as in [`quoted`]; quotation marks and backslashes stay.
+pub fn visible(text: &str) -> String {
+    let kept = ['"', '\'', '\\'];
+    let mut shown = String::with_capacity(text.len());
+    for piece in text.split_inclusive(kept) {
+        let body = piece.trim_end_matches(kept);
+        shown.extend(body.escape_debug());
+        shown.push_str(&piece[body.len()..]);
+    }
+    shown
+}
+
+/// A message on one line of [`visible`] characters, with its middle left out if it is long: the beginning
+/// names the file and the place, the end the cause.
 pub fn brief(message: &str) -> String {
+    let message = &visible(message);
     let Some((head, _)) = message.char_indices().nth(HEAD + TAIL) else { return message.into() };
     let head = message[..head].char_indices().nth(HEAD).map_or(0, |(at, _)| at);
     let tail = message.char_indices().rev().nth(TAIL - 1).map_or(head, |(at, _)| at);
@@ -35,6 +49,20 @@ mod tests {
         assert_eq!(brief("mesh.obj: line 3"), "mesh.obj: line 3");
         let whole = "é".repeat(1000);
         assert_eq!(brief(&whole), whole);
+    }
+
+    #[test]
+    fn nothing_acts_on_a_terminal() {
+        // A colour, a second line, a text that reads backwards, a bell, a byte order mark.
+        let hostile = "a=\u{1b}[31mé\r\nerror: \u{202e}cod\u{7}\u{feff}";
+        let shown = "a=\\u{1b}[31mé\\r\\nerror: \\u{202e}cod\\u{7}\\u{feff}";
+        assert_eq!(visible(hostile), shown);
+        assert_eq!(brief(hostile), shown);
+        // An accent of its own is part of a name.
+        let plain = "C:\\a \"b\" 'c' \\\\ x` 日本 e\u{301}";
+        assert_eq!(visible(plain), plain);
+        // What is escaped stays as it is.
+        assert_eq!(visible(shown), shown);
     }
 
     #[test]
