@@ -26,6 +26,7 @@ pub mod haptic_loop;
 pub mod joints;
 mod lines;
 pub mod lucidgloves;
+mod nesting;
 pub mod null;
 #[cfg(feature = "openxr")]
 pub mod openxr;

@@ -1,10 +1,11 @@
 //! A glove without a place of its own, on a wrist that another device tracks.
 
-use crate::profile::Wrist;
+use crate::profile::{Address, Wrist, profile_name};
 use crate::tracker_clock::TrackerClock;
-use crate::{HandSample, LinkError, Lookout, Messenger, Opened, Tracker, now_ns};
+use crate::{HandSample, LinkError, Lookout, Messenger, Opened, Tracker, nesting, now_ns};
 use thenar::Pose;
 use thenar::model::Side;
+use thenar_input::quoted;
 use thenar_scene::live::LivePose;
 
 /// Adds a tracker for the wrist to a glove, if profile or address name one. The profile's wrist pose
@@ -12,20 +13,30 @@ use thenar_scene::live::LivePose;
 /// it is a place in the world, and means nothing for a wrist that is tracked.
 ///
 /// # Errors
-/// The tracker cannot be opened, or tracks nothing.
+/// The tracker cannot be opened, is the glove itself, or tracks nothing.
 pub fn with_wrist(
     mut glove: Opened,
     wrist: &Wrist,
-    address: Option<&str>,
+    driver: &str,
+    parsed: &Address,
 ) -> Result<Opened, LinkError> {
-    let address = address.unwrap_or(&wrist.tracker);
+    let address = parsed.wrist.as_deref().unwrap_or(&wrist.tracker);
     if address.is_empty() {
         return Ok(glove);
     }
+    let refuse = |cause: &str| {
+        let named = match &parsed.wrist {
+            Some(_) => format!("device `{driver}:{}`, wrist", parsed.place),
+            None => format!("{}, wrist.tracker", profile_name(driver, parsed)),
+        };
+        LinkError::Setting { what: format!("{named} = {}", quoted(address)), cause: cause.into() }
+    };
     let Some(fingers) = glove.tracker.take() else { return Ok(glove) };
+    if nesting::is_opening(address) {
+        return Err(refuse("this is the device whose wrist it is to track"));
+    }
     let Some(base) = crate::open(address)?.tracker else {
-        let cause = "this device tracks no wrist".into();
-        return Err(LinkError::Setting { what: format!("wrist.tracker = \"{address}\""), cause });
+        return Err(refuse("this device tracks no wrist"));
     };
     let pose_TW = if wrist.tracker.is_empty() { Pose::identity() } else { wrist.pose() };
     glove.tracker = Some(Box::new(Paired::new(fingers, base, pose_TW)));

@@ -7,7 +7,7 @@ use crate::force_device::ForceDeviceDriver;
 use crate::hand_tracking_streamer::HandTrackingStreamerDriver;
 use crate::pose_stream::PoseStreamDriver;
 use crate::replay::ReplayDriver;
-use crate::{Driver, LinkError, Opened, cyberglove, cybergrasp, lucidgloves, null};
+use crate::{Driver, LinkError, Opened, cyberglove, cybergrasp, lucidgloves, nesting, null};
 
 /// All drivers.
 pub fn drivers() -> Vec<Box<dyn Driver>> {
@@ -32,8 +32,10 @@ pub fn drivers() -> Vec<Box<dyn Driver>> {
 /// Opens `name:address`, such as `lucidgloves:/dev/ttyUSB0`.
 ///
 /// # Errors
-/// There is no such driver, or it cannot open the address.
+/// There is no such driver, it cannot open the address, or the address names too many devices one inside
+/// another ([`nesting`](crate::nesting)).
 pub fn open(address: &str) -> Result<Opened, LinkError> {
+    let _nested = nesting::enter(address)?;
     let (name, rest) = address.split_once(':').unwrap_or((address, ""));
     let drivers = drivers();
     match drivers.iter().find(|driver| driver.name() == name) {

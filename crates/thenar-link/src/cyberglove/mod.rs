@@ -118,5 +118,5 @@ fn open_with(
         display: None,
         speaks: true,
     };
-    crate::paired::with_wrist(device.open()?, &profile.wrist, parsed.wrist.as_deref())
+    crate::paired::with_wrist(device.open()?, &profile.wrist, driver, parsed)
 }

@@ -81,7 +81,7 @@ fn open_with(parsed: &Address, profile: Profile) -> Result<Opened, LinkError> {
         display: Some(display),
         speaks: true,
     };
-    crate::paired::with_wrist(device.open()?, &profile.wrist, parsed.wrist.as_deref())
+    crate::paired::with_wrist(device.open()?, &profile.wrist, "lucidgloves", parsed)
 }
 
 fn connect(name: &str, place: &str, from: Option<IpAddr>, baud: u32) -> Result<Connect, LinkError> {

@@ -169,8 +169,9 @@ fn wrist_of(tracker: &str, address: Option<&str>) -> Pose {
         rotation: [0.0, 0.0, 0.0, 1.0],
         tracker: tracker.into(),
     };
+    let parsed = Address { wrist: address.map(str::to_owned), ..Address::default() };
     let glove = crate::open("null:right").unwrap();
-    let mut tracker = with_wrist(glove, &profile, address).unwrap().tracker.unwrap();
+    let mut tracker = with_wrist(glove, &profile, "null", &parsed).unwrap().tracker.unwrap();
     let begun = std::time::Instant::now();
     loop {
         let sample = tracker.latest(Side::Right).and_then(|sample| sample.pose.clone());
@@ -189,4 +190,31 @@ fn the_profile_places_a_wrist_on_its_own_tracker_only() {
     assert_eq!(off(wrist_of("", Some("null:right"))), Vec3::zeros());
     // The address takes the place of the tracker that the profile names.
     assert_eq!(off(wrist_of("null:left", Some("null:right"))), Vec3::new(0.0, 0.1, 0.07));
+}
+
+/// Straight, or by way of another profile.
+#[test]
+fn a_glove_is_not_its_own_wrist() {
+    let folder = std::env::temp_dir().join(format!("thenar-own-wrist-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = |name: &str| folder.join(name).display().to_string();
+    let write = |name: &str, tracker: &str| {
+        std::fs::write(file(name), format!("[wrist]\ntracker = '{tracker}'\n")).unwrap();
+    };
+    let why = "this is the device whose wrist it is to track";
+    for driver in ["lucidgloves", "cyberglove", "cyberglove3"] {
+        let own = format!("{driver}:no-such-port?profile={}", file("own.toml"));
+        write("own.toml", &own);
+        let there = format!("lucidgloves:none?profile={}", file("there.toml"));
+        let back = format!("either:null:left||{driver}:none?profile={}", file("back.toml"));
+        write("back.toml", &there);
+        write("there.toml", &back);
+        for (address, profile) in [(&own, "own.toml"), (&there, "back.toml"), (&back, "there.toml")]
+        {
+            let told = crate::open(address).map(|_| ()).unwrap_err().to_string();
+            let named = format!("profile {}, wrist.tracker = \"", file(profile));
+            assert!(told.starts_with(&named) && told.ends_with(why), "{told}");
+        }
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
 }

@@ -28,19 +28,12 @@ pub trait Check: DeserializeOwned {
 /// # Errors
 /// The file cannot be read, is no TOML, has a key that does not exist or a value that does not fit.
 pub fn load<P: Check>(driver: &str, shipped: &str, address: &Address) -> Result<P, LinkError> {
-    let file = match &address.profile {
-        Some(file) => Some(file.clone()),
-        None => user_file(driver, address.side).filter(|file| file.exists()),
-    };
+    let (file, what) = source(driver, address);
     let text = match &file {
         None => String::new(),
-        Some(file) => read_text(file, PROFILE_BYTES_MAX).map_err(|error| LinkError::Setting {
-            what: format!("profile {}", file.display()),
-            cause: error.to_string(),
-        })?,
+        Some(file) => read_text(file, PROFILE_BYTES_MAX)
+            .map_err(|error| LinkError::Setting { what: what.clone(), cause: error.to_string() })?,
     };
-    let what =
-        file.map_or_else(|| format!("profile of {driver}"), |f| format!("profile {}", f.display()));
     let mut profile: P =
         merged(shipped, &text).map_err(|cause| LinkError::Setting { what: what.clone(), cause })?;
     if let Some(side) = address.side {
@@ -50,6 +43,22 @@ pub fn load<P: Check>(driver: &str, shipped: &str, address: &Address) -> Result<
         .check()
         .map_err(|(key, cause)| LinkError::Setting { what: format!("{what}, {key}"), cause })?;
     Ok(profile)
+}
+
+/// The file over the shipped profile of `driver`, if there is one, and a name for the whole.
+fn source(driver: &str, address: &Address) -> (Option<PathBuf>, String) {
+    let own = || user_file(driver, address.side).filter(|file| file.exists());
+    let file = address.profile.clone().or_else(own);
+    let name = match &file {
+        Some(file) => format!("profile {}", file.display()),
+        None => format!("profile of {driver}"),
+    };
+    (file, name)
+}
+
+/// Name in messages of the profile that [`load`] reads.
+pub fn profile_name(driver: &str, address: &Address) -> String {
+    source(driver, address).1
 }
 
 /// Where a user's profile for this driver is kept, whether or not there is one: for this side if

@@ -6,5 +6,5 @@ mod load;
 mod parts;
 
 pub use address::Address;
-pub use load::{Check, load, save, user_file};
+pub use load::{Check, load, profile_name, save, user_file};
 pub use parts::{DigitAngles, Display, Hand, Link, Wrist};
