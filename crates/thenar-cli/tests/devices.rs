@@ -155,6 +155,45 @@ fn what_is_wrong_is_named_and_has_its_exit_code() {
     }
 }
 
+/// Waiting is told, and how long it lasts.
+#[test]
+fn a_silent_device_is_listened_to_aloud() {
+    let args = ["devices", "test", "lucidgloves:/dev/zero", "--seconds", "2.5"];
+    let output = thenar(&args).stdin(Stdio::null()).output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    let waits = ["1.5", "0.5"]
+        .map(|left| format!("lucidgloves:/dev/zero: no pose yet, listening for {left} s more\n"));
+    assert_eq!(
+        told,
+        format!("{}{}error: lucidgloves:/dev/zero told no pose\n", waits[0], waits[1])
+    );
+    // Nothing of it where there is a pose.
+    let heard = thenar(&["devices", "test", "null:left", "--seconds", "1.2"]).output().unwrap();
+    assert_eq!(String::from_utf8_lossy(&heard.stderr), "");
+}
+
+#[test]
+fn devices_inside_devices_have_an_end() {
+    let folder = std::env::temp_dir().join(format!("thenar-inside-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let profile = folder.join("own.toml");
+    let own = format!("lucidgloves:x?profile={}", profile.display());
+    std::fs::write(&profile, format!("[wrist]\ntracker = '{own}'\n")).unwrap();
+    let wrists = format!("{}hts:1", "lucidgloves:x?wrist=".repeat(1000));
+    let faults = format!("{}hts:1", "fault:7:".repeat(3000));
+    let deep = "devices are nested too deep, more than 8 of them";
+    let itself = "own.toml, wrist.tracker = \"lucidgloves:x?profile=";
+    for (address, told) in [(&own, itself), (&wrists, deep), (&faults, deep)] {
+        let output = thenar(&["devices", "test", address]).stdin(Stdio::null()).output().unwrap();
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{error}");
+        assert!(error.starts_with("error: ") && error.contains(told), "{error}");
+        assert!(error.lines().count() == 1 && error.len() < 600, "{error}");
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
 /// No force before a person agrees.
 #[test]
 fn nothing_is_felt_without_consent() {

@@ -47,7 +47,11 @@ pub fn fraction(text: &str) -> Result<f64, String> {
 /// Between lines.
 const SHOW: Duration = Duration::from_millis(200);
 
-/// Prints five lines a second.
+/// Between words of one who still waits for a first pose \[s\].
+const PATIENCE: f64 = 1.0;
+
+/// Prints five lines a second; before the first pose it says once a second, on the error output, how long it
+/// still listens.
 ///
 /// # Errors
 /// The address is wrong, or the device says nothing.
@@ -108,12 +112,20 @@ fn watch(tracker: &mut dyn Tracker, args: &Args) -> Result<(), CliError> {
         println!("hand length {:.0} mm, by the profile", length * 1e3);
     }
     let (start, mut shown) = (Instant::now(), Instant::now());
+    let mut waits = PATIENCE;
     while start.elapsed().as_secs_f64() < args.seconds && !interrupt::asked() {
         for (k, side) in [Side::Left, Side::Right].into_iter().enumerate() {
             if let Some(sample) = tracker.latest(side) {
                 tallies[k].take(sample);
                 newest[k] = Some(sample.clone());
             }
+        }
+        if start.elapsed().as_secs_f64() >= waits && tallies.iter().all(|tally| tally.count == 0) {
+            let left = args.seconds - waits;
+            if left > 0.0 {
+                eprintln!("{}: no pose yet, listening for {left} s more", args.address);
+            }
+            waits += PATIENCE;
         }
         if shown.elapsed() >= SHOW {
             for message in tracker.messages() {
