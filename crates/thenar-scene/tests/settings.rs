@@ -308,7 +308,7 @@ fn what_does_not_fit_is_refused_by_name() {
     let before = session.settings();
     let mut refused = |key: &str, value| session.set(key, &value).unwrap_err().to_string();
     let near = refused("fricton", SettingValue::Number(0.5));
-    assert_eq!(near, "no setting `fricton` in this scene; did you mean `friction`?");
+    assert_eq!(near, "no setting \"fricton\" in this scene; did you mean `friction`?");
     assert!(refused("object_young", SettingValue::Number(1e4)).starts_with("no setting"));
     let high = refused("friction", SettingValue::Number(2.5));
     assert_eq!(high, "`friction`: expected 0 to 2, got 2.5");

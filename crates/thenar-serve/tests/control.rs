@@ -99,6 +99,19 @@ fn nonsense_is_refused_and_changes_nothing() {
         let (note, refusal) = one.note();
         assert!(refusal && note["type"] == "error", "{text}: {note}");
     }
+    // However long the name of what is not there.
+    let long = "\u{1}x".repeat(300);
+    for command in [
+        serde_json::json!({"type": "scene", "name": long}),
+        serde_json::json!({"type": "set", "key": long, "value": 1}),
+        serde_json::json!({"type": "set", "key": "solver", "value": long}),
+    ] {
+        one.say(&command.to_string());
+        let (note, refusal) = one.note();
+        let told = note["message"].as_str().unwrap();
+        assert!(refusal && told.len() < 700 && !told.contains('\u{1}'), "{told}");
+        assert!(told.contains("… ("), "a beginning, and how long it is: {told}");
+    }
     for bytes in [vec![], vec![1, 2, 3], vec![16; 816]] {
         one.send(bytes).unwrap();
         let (note, refusal) = one.note();

@@ -10,6 +10,7 @@ use thenar::model::Side;
 use thenar::{Pose, Vec3};
 use thenar_scene::live::LivePose;
 use thenar_scene::motion::TRACKED_JOINTS;
+use thenar_scene::text::plain;
 
 /// Nothing of a hand is thicker \[m\].
 const RADIUS_MAX: f64 = 0.5;
@@ -72,7 +73,7 @@ impl Line {
         }
         let sample: Sample = json(bytes)?;
         if let Some(t) = sample.t.filter(|t| t.is_nan() || t.abs() > TIME_MAX) {
-            return Err(format!("t is {t}, expected at most {TIME_MAX} s"));
+            return Err(format!("t is {}, expected at most {TIME_MAX} s", plain(t)));
         }
         let pose = if sample.tracked { Some(pose(&sample, order)?) } else { None };
         Ok(Self::Hand { side: sample.hand, time: sample.t, pose })

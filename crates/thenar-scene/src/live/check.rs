@@ -2,6 +2,7 @@
 
 use super::LivePose;
 use crate::motion::TRACKED_JOINTS;
+use crate::text::plain;
 use thenar::Pose;
 
 /// Farthest place \[m\].
@@ -43,7 +44,7 @@ pub enum LiveError {
         what: &'static str,
     },
     /// A quaternion is no rotation.
-    #[error("the quaternion of {what} has length {norm:.4}, expected 1")]
+    #[error("the quaternion of {what} has length {}, expected 1", figure(*norm, 4))]
     Quaternion {
         /// Joint.
         what: &'static str,
@@ -51,7 +52,7 @@ pub enum LiveError {
         norm: f64,
     },
     /// A joint is too far away.
-    #[error("{what} is {distance:.1} m from the origin, expected at most {REACH} m")]
+    #[error("{what} is {} m from the origin, expected at most {REACH} m", figure(*distance, 1))]
     TooFar {
         /// Joint.
         what: &'static str,
@@ -59,13 +60,18 @@ pub enum LiveError {
         distance: f64,
     },
     /// A radius is none.
-    #[error("the radius of {what} is {radius} m, expected 0 to {RADIUS_MAX} m")]
+    #[error("the radius of {what} is {} m, expected 0 to {RADIUS_MAX} m", plain(*radius))]
     Radius {
         /// Joint.
         what: &'static str,
         /// Given \[m\].
         radius: f64,
     },
+}
+
+/// A number to so many places; a large one in powers of ten.
+fn figure(x: f64, places: usize) -> String {
+    if x.abs() < 1e5 { format!("{x:.places$}") } else { plain(x) }
 }
 
 /// Refuses what is no pose of a hand nearby; returns it with unit quaternions.

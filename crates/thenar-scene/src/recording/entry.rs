@@ -3,6 +3,7 @@
 use crate::flat::{FlatTarget, Flattened, flat_pose, pose, target};
 use crate::live::LivePose;
 use crate::session::Entry;
+use crate::text::plain;
 use crate::tuning::SettingValue;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -136,7 +137,7 @@ impl fmt::Display for What {
             Self::LetGo { hand } => write!(f, "hand {hand} is led no more"),
             Self::Resume { .. } => write!(f, "the state of another simulation"),
             Self::Restart => write!(f, "restart"),
-            Self::SetNumber { key, value } => write!(f, "{key} = {value}"),
+            Self::SetNumber { key, value } => write!(f, "{key} = {}", plain(*value)),
             Self::SetChoice { key, value } => write!(f, "{key} = {value}"),
         }
     }

@@ -5,6 +5,7 @@ use super::{Range, Scale, Setting, SettingError, SettingValue};
 use crate::text::plain;
 use SettingValue::{Choice, Number};
 use thenar::model::{Cone, WorldDesc};
+use thenar_input::quoted;
 
 /// Unknowns up to which the dense reference solver is offered.
 const DENSE_UNKNOWNS_MAX: usize = 450;
@@ -238,7 +239,7 @@ pub fn range_around(known: &Known, own: &SettingValue, desc: &WorldDesc) -> Rang
 pub fn check(setting: &Setting, value: &SettingValue) -> Result<(), SettingError> {
     let got = match value {
         Number(x) => plain(*x),
-        Choice(word) => format!("\"{}\"", word.chars().take(40).collect::<String>()),
+        Choice(word) => quoted(word),
     };
     let (fits, expected) = match (&setting.range, value) {
         (Range::Number { min, max, .. }, value) => {

@@ -10,6 +10,7 @@ mod list;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use thenar::model::WorldDesc;
+use thenar_input::quoted;
 
 /// A value of a setting.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -77,7 +78,7 @@ pub struct Setting {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SettingError {
     /// There is no such setting here.
-    #[error("no setting `{key}` in this scene{hint}")]
+    #[error("no setting {} in this scene{hint}", quoted(key))]
     Unknown {
         /// Key given.
         key: String,
@@ -206,7 +207,7 @@ impl Tuning {
                 format!("; there are {}", keys.join(", "))
             }
         };
-        SettingError::Unknown { key: key.chars().take(40).collect(), hint }
+        SettingError::Unknown { key: key.into(), hint }
     }
 }
 

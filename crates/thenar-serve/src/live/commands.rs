@@ -2,7 +2,7 @@
 
 use super::builder::Wish;
 use super::run::Loop;
-use super::source::Recipe;
+use super::source::{LiveError, Recipe};
 use crate::hub::ClientId;
 use crate::protocol::{Command, PoseMessage, text};
 use std::time::{Duration, Instant};
@@ -133,7 +133,7 @@ impl Loop {
             }
             Command::Scene { name } => {
                 if !self.builder.catalogue().has(&name) {
-                    return Err(format!("no scene is named `{name}`"));
+                    return Err(LiveError::Unknown(name).to_string());
                 }
                 self.wish(client, |recipe| recipe.scene = name);
             }

@@ -3,6 +3,7 @@
 use crate::hub::SceneName;
 use crate::protocol::{self, Lengths};
 use std::path::{Path, PathBuf};
+use thenar_input::quoted;
 use thenar_scene::SceneError;
 use thenar_scene::build::Files;
 use thenar_scene::hands::Hands;
@@ -52,7 +53,7 @@ pub struct Ready {
 #[derive(Debug, thiserror::Error)]
 pub enum LiveError {
     /// No scene of that name.
-    #[error("no scene is named `{0}`")]
+    #[error("no scene is named {}", quoted(.0))]
     Unknown(String),
     /// Something is wrong with it.
     #[error(transparent)]
