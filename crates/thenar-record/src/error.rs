@@ -32,6 +32,15 @@ pub enum OpenError {
         /// Its version.
         version: u32,
     },
+    /// The version in its prologue never was.
+    #[error(
+        "{} is damaged: it says that its format version is 0, and versions begin with 1; this program reads version \
+         {VERSION}", file.display()
+    )]
+    NoVersion {
+        /// File.
+        file: PathBuf,
+    },
     /// Nothing of it can be used.
     #[error("{}: nothing can be recovered: {damage}", file.display())]
     Damaged {

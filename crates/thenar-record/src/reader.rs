@@ -104,6 +104,8 @@ pub fn open(file: &Path) -> Result<(Header, Frames<BufReader<File>>), OpenError>
     Frames::new(BufReader::with_capacity(1 << 16, input), size).map_err(|error| match error {
         Refused::Read(cause) => read(cause),
         Refused::Foreign => OpenError::Foreign { file: file.into() },
+        // The first was 1.
+        Refused::Version(0) => OpenError::NoVersion { file: file.into() },
         Refused::Version(version) => OpenError::Version { file: file.into(), version },
         Refused::Damaged(damage) => OpenError::Damaged { file: file.into(), damage },
     })

@@ -276,13 +276,21 @@ fn a_later_version_is_refused_by_name_and_other_files_as_what_they_are() {
     let place = Place::new("version");
     write(&place.0);
     let mut bytes = std::fs::read(&place.0).unwrap();
-    bytes[8] = 7;
-    let sum = crc32(&bytes[..12]);
-    bytes[12..16].copy_from_slice(&sum.to_le_bytes());
-    std::fs::write(&place.0, &bytes).unwrap();
-    let error = open(&place.0).unwrap_err();
+    let mut of_version = |version: u8| {
+        bytes[8] = version;
+        let sum = crc32(&bytes[..12]);
+        bytes[12..16].copy_from_slice(&sum.to_le_bytes());
+        std::fs::write(&place.0, &bytes).unwrap();
+        open(&place.0).unwrap_err()
+    };
+    let error = of_version(7);
     assert!(matches!(error, OpenError::Version { version: 7, .. }));
     assert!(error.to_string().contains("format version 7; this program reads version 1"));
+    // There was none before the first.
+    let error = of_version(0);
+    assert!(matches!(error, OpenError::NoVersion { .. }));
+    let told = error.to_string();
+    assert!(told.contains("is damaged") && !told.contains("later version"), "{told}");
     std::fs::write(&place.0, b"PK\x03\x04 something else entirely").unwrap();
     assert!(matches!(open(&place.0).unwrap_err(), OpenError::Foreign { .. }));
 }
