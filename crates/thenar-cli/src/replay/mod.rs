@@ -14,7 +14,8 @@ use crate::taken_back;
 use csv::Tables;
 use mcap::Export;
 use std::path::{Path, PathBuf};
-use thenar_record::Header;
+use thenar_input::brief;
+use thenar_record::{Gap, Header};
 use thenar_scene::recording::{Event, Loss, Replay, ReplayError, TimeOf, Verdict};
 
 /// Make a recorded session again: verify it, export it, show it.
@@ -22,10 +23,11 @@ use thenar_scene::recording::{Event, Loss, Replay, ReplayError, TimeOf, Verdict}
 pub struct Args {
     /// A recording, of `thenar record`, or of `--record` elsewhere.
     recording: PathBuf,
-    /// Fail unless the recording is whole and every step gives the same bits.
+    /// Fail unless the recording is whole, nothing was dropped while recording, and every step gives
+    /// the same bits.
     #[arg(long)]
     verify: bool,
-    /// Begin at the last keyframe before this time of the recording [s].
+    /// Begin at the last keyframe before this time of the recording, which is no later than its end [s].
     #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
     from: f64,
     /// Write an MCAP file for Foxglove and Rerun.
@@ -148,20 +150,27 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         Some(error) => Err(named(&args.recording, error)),
         None => {
             let verdict = replay.verdict();
-            judge(args, verdict, replay.header(), &here)?;
-            taken_back::judge(verdict.taken_back, verdict.steps)
+            let judged = judge(args, verdict, replay.header(), &here)
+                .and_then(|()| taken_back::judge(verdict.taken_back, verdict.steps));
+            judged
+                .map_err(|error| CliError::Other(format!("{}: {error}", args.recording.display())))
         }
     }
 }
 
 fn tell(args: &Args, replay: &Replay, here: &Header) {
     let (verdict, recorded) = (replay.verdict(), replay.header());
+    // What the file says of itself may be anything.
+    let said = |text: &str| println!("  {}", brief(text));
     println!(
-        "{}: {}, {}, {} vector instructions",
-        args.recording.display(),
-        recorded.program,
-        recorded.system,
-        recorded.vectors
+        "{}",
+        brief(&format!(
+            "{}: {}, {}, {} vector instructions",
+            args.recording.display(),
+            recorded.program,
+            recorded.system,
+            recorded.vectors
+        ))
     );
     if verdict.passed > 0 {
         println!("  {} steps passed over, up to the keyframe to begin at", verdict.passed);
@@ -169,7 +178,7 @@ fn tell(args: &Args, replay: &Replay, here: &Header) {
     println!("  {verdict}");
     if !verdict.is_same() {
         let causes = verdict.causes(recorded, here);
-        causes.iter().for_each(|cause| println!("  {cause}"));
+        causes.iter().for_each(|cause| said(cause));
         if causes.is_empty() {
             println!("  the build and the processor are the same: this should not be");
         }
@@ -177,14 +186,14 @@ fn tell(args: &Args, replay: &Replay, here: &Header) {
     if verdict.taken_back > 0 {
         println!("  {} steps were taken back: their numbers are not finite", verdict.taken_back);
     }
-    verdict.refused.iter().take(3).for_each(|reason| println!("  refused: {reason}"));
-    for (time, gap) in &verdict.gaps {
-        let of = if gap.source == 0 { "of the session" } else { "of a channel" };
-        println!(
-            "  before {time:.3} s {} frames {of} were dropped, {} of them inputs or records: the \
-             disk was too slow",
-            gap.frames, gap.heavy
-        );
+    verdict.refused.iter().take(3).for_each(|reason| said(&format!("refused: {reason}")));
+    let more = verdict.gaps.len().saturating_sub(TOLD_MAX);
+    verdict.gaps.iter().take(TOLD_MAX).for_each(|gap| println!("  {}", dropped(gap)));
+    if more > 0 {
+        println!("  and so at {more} more places");
+    }
+    if verdict.strays > 0 {
+        println!("  {}", stray(verdict));
     }
     if !verdict.losses.is_empty() {
         println!("  {}", damaged(verdict));
@@ -198,7 +207,7 @@ fn tell(args: &Args, replay: &Replay, here: &Header) {
     }
 }
 
-/// Pieces of a damaged file that are told one by one.
+/// Pieces of a damaged file, and gaps, that are told one by one.
 const TOLD_MAX: usize = 5;
 
 fn damaged(verdict: &Verdict) -> String {
@@ -212,6 +221,19 @@ fn damaged(verdict: &Verdict) -> String {
         text += &format!("; {} steps were not made, up to a keyframe after each", verdict.lost);
     }
     text
+}
+
+/// Frames that were dropped while recording, before this time \[s\].
+fn dropped((time, gap): &(f64, Gap)) -> String {
+    let of = if gap.source == 0 { "of the session" } else { "of a channel" };
+    format!(
+        "before {time:.3} s {} frames {of} were dropped, {} of them inputs or records: the disk was too slow",
+        gap.frames, gap.heavy
+    )
+}
+
+fn stray(verdict: &Verdict) -> String {
+    format!("records that fit no channel as it was announced: {}", verdict.strays)
 }
 
 /// What `--verify` says of it.
@@ -236,7 +258,11 @@ fn judge(args: &Args, verdict: &Verdict, recorded: &Header, here: &Header) -> Re
         _ if verdict.unmarked > 0 => {
             Err(CliError::Other(format!("{} steps could not be compared", verdict.unmarked)))
         }
-        _ => Ok(()),
+        _ if verdict.strays > 0 => Err(CliError::Other(stray(verdict))),
+        _ if verdict.steps == 0 && (args.from > 0.0 || verdict.scenes == 0) => {
+            Err(CliError::Other("there is no step to compare".into()))
+        }
+        _ => verdict.gaps.first().map_or(Ok(()), |gap| Err(CliError::Other(dropped(gap)))),
     }
 }
 

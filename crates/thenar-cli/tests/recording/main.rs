@@ -7,6 +7,7 @@ mod disk;
 mod mcap_file;
 mod show;
 mod stage;
+mod verify;
 
 use stage::{Folder, Running, err, out, state, wait_for};
 use std::process::Stdio;

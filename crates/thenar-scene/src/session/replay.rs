@@ -1,6 +1,7 @@
 //! A session that is made again.
 
 use super::{Entry, Session, drive, load};
+use crate::live::LiveError;
 use thenar::world::State;
 
 impl Session {
@@ -13,12 +14,22 @@ impl Session {
             Entry::Pose { hand, time, pose } => {
                 self.live_pose(hand, time, pose).map_err(|e| e.to_string())?;
             }
-            Entry::Lost { hand } => self.live_lost(hand),
-            Entry::Script { hand } => self.follow_script(hand),
+            Entry::Lost { hand } => {
+                self.tracked(hand)?;
+                self.live_lost(hand);
+            }
+            Entry::Script { hand } => {
+                self.tracked(hand)?;
+                self.follow_script(hand);
+            }
             Entry::Lead { hand, targets } => {
                 if !self.lead(hand, targets.iter().copied()) {
                     return Err(format!("hand {hand} cannot be led so"));
                 }
+            }
+            Entry::LetGo { hand } if hand >= self.built.hands.len() => {
+                let count = self.live.len();
+                return Err(LiveError::NoHand { hand, count }.to_string());
             }
             Entry::LetGo { hand } => self.let_go(hand),
             Entry::Resume { state } => {
@@ -30,6 +41,15 @@ impl Session {
             Entry::Set { key, value } => self.set(key, value).map_err(|e| e.to_string())?,
         }
         Ok(())
+    }
+
+    /// Refuses a hand that poses cannot move: nothing was ever told of it.
+    fn tracked(&self, hand: usize) -> Result<(), String> {
+        match self.live.get(hand) {
+            Some(Ok(_)) => Ok(()),
+            Some(Err(error)) => Err(error.to_string()),
+            None => Err(LiveError::NoHand { hand, count: self.live.len() }.to_string()),
+        }
     }
 
     /// Passes over a step: time, scripts and tracked hands move on, bodies stay. To be followed by

@@ -29,9 +29,10 @@ impl Deck {
     /// At the first scene, or where it is at `from` \[s\].
     ///
     /// # Errors
-    /// The recording cannot be replayed, or has no scene.
+    /// The recording cannot be replayed, has no scene, or ends before `from`.
     pub fn open(file: &Path, from: f64) -> Result<Self, PlaybackError> {
         let (index, replay) = (Index::of(file)?, Replay::open(file)?);
+        index.reach(from)?;
         let mut deck =
             Self { replay, index, at: 0.0, cost: Duration::ZERO, goal: None, failed: None };
         deck.at = deck.replay.go_to(&deck.index, from - EARLY)?;

@@ -23,6 +23,14 @@ pub enum ReplayError {
     /// A file was too large for the recording, and is gone or different.
     #[error("the recording needs {}, which is missing or not as it was", .0.display())]
     NotThere(PathBuf),
+    /// A replay was to begin where there is nothing any more.
+    #[error("nothing is left to replay from {from} s on: the recording ends at {end:.3} s")]
+    Beyond {
+        /// Beginning that was asked for \[s\].
+        from: String,
+        /// End of the recording \[s\].
+        end: f64,
+    },
     /// A frame is whole, but not understood.
     #[error("the frame before byte {offset} makes no sense: {what}")]
     Content {

@@ -2,6 +2,7 @@
 
 use super::ReplayError;
 use super::pace::{LEAP_NS, is_ahead};
+use crate::text::plain;
 use std::path::Path;
 use thenar_record::{ChannelInfo, Kind, Place};
 
@@ -59,6 +60,18 @@ impl Index {
     /// Time of the last step, or of what entered after it \[s\].
     pub fn end(&self) -> f64 {
         self.end_ns as f64 * 1e-9
+    }
+
+    /// Whether something is there to be replayed from `seconds` on.
+    ///
+    /// # Errors
+    /// The recording ends before; says when.
+    pub fn reach(&self, seconds: f64) -> Result<(), ReplayError> {
+        // Saturates: what is farther than any time is beyond all of them.
+        if (seconds * 1e9).round() as u64 > self.end_ns {
+            return Err(ReplayError::Beyond { from: plain(seconds), end: self.end() });
+        }
+        Ok(())
     }
 
     /// Times from which a replay can begin \[s\], in order.

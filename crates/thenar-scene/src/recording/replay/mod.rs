@@ -21,7 +21,7 @@ use crate::session::Session;
 use item::Item;
 use keyframe::is_forged;
 use pace::Pace;
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
@@ -46,6 +46,8 @@ pub struct Replay {
     pending: Option<(u64, Item)>,
     /// To be told before what comes next.
     told: VecDeque<Event>,
+    /// Channels that were announced, and how many values their records have.
+    channels: BTreeMap<u32, usize>,
     /// Byte offset of the keyframe to begin after, if any.
     begin: Option<u64>,
     trust: Trust,
@@ -70,6 +72,7 @@ impl Replay {
             mark: None,
             pending: None,
             told: VecDeque::new(),
+            channels: BTreeMap::new(),
             begin: None,
             trust: Trust::Sound,
             verdict: Verdict::default(),
@@ -155,8 +158,14 @@ impl Replay {
                 let offset = self.frames.place().offset();
                 return self.start(time_ns, offset, &start).map(Some);
             }
-            Item::Channel(info) => return Ok(Some(Event::Channel(info))),
+            Item::Channel(info) => {
+                self.channels.insert(info.id, info.fields.len());
+                return Ok(Some(Event::Channel(info)));
+            }
             Item::Record(..) if early => {}
+            Item::Record(channel, values) if self.channels.get(&channel) != Some(&values.len()) => {
+                self.verdict.strays += 1;
+            }
             Item::Record(channel, values) => {
                 return Ok(Some(Event::Record { time_ns, channel, values }));
             }

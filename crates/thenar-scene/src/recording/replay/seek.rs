@@ -14,10 +14,12 @@ impl Replay {
     /// before is read, but no step of it is made.
     ///
     /// # Errors
-    /// As for [`Replay::open`].
+    /// As for [`Replay::open`]; or the recording ends before.
     pub fn open_at(file: &Path, seconds: f64) -> Result<Self, ReplayError> {
         let mut replay = Self::open(file)?;
-        replay.go_to(&Index::of(file)?, seconds)?;
+        let index = Index::of(file)?;
+        index.reach(seconds)?;
+        replay.go_to(&index, seconds)?;
         Ok(replay)
     }
 
@@ -61,7 +63,9 @@ impl Replay {
         let before = |(offset, _): &&(u64, _)| *offset < self.frames.offset();
         self.pace = Pace::at(time_ns);
         self.told.push_back(Event::Scene { time_ns });
-        self.told.extend(index.channels.iter().filter(before).map(|c| Event::Channel(c.1.clone())));
+        let announced = index.channels.iter().filter(before);
+        self.channels = announced.clone().map(|(_, info)| (info.id, info.fields.len())).collect();
+        self.told.extend(announced.map(|(_, info)| Event::Channel(info.clone())));
         Ok(time_ns as f64 * 1e-9)
     }
 
