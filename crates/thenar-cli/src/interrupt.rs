@@ -10,6 +10,7 @@ const LAST_WORDS: Duration = Duration::from_millis(100);
 
 static LISTENS: AtomicBool = AtomicBool::new(false);
 static ASKED: AtomicBool = AtomicBool::new(false);
+static UNREAD: AtomicBool = AtomicBool::new(false);
 
 /// Begins to hear signals, before anything else is done. Where the system does not allow it, Ctrl-C
 /// ends the program as usual.
@@ -92,12 +93,17 @@ fn stop_on_panic() {
     }));
 }
 
-/// True once Ctrl-C was pressed, or nobody reads any more what is printed.
+/// True once Ctrl-C was pressed, or nobody reads any more what is printed: there is nothing left to do.
 pub fn asked() -> bool {
+    pressed() || UNREAD.load(Ordering::Relaxed)
+}
+
+/// True once Ctrl-C was pressed: what was asked for is not complete.
+pub fn pressed() -> bool {
     ASKED.load(Ordering::Relaxed)
 }
 
-/// Asks to end, as Ctrl-C does.
-pub fn ask() {
-    ASKED.store(true, Ordering::SeqCst);
+/// Notes that printing has lost its reader.
+pub fn unread() {
+    UNREAD.store(true, Ordering::SeqCst);
 }

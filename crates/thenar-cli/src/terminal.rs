@@ -14,7 +14,7 @@ static LOST: OnceLock<String> = OnceLock::new();
 /// Prints to the standard output.
 pub fn out(text: Arguments<'_>) {
     match std::io::stdout().write_fmt(text) {
-        Err(error) if error.kind() == ErrorKind::BrokenPipe => interrupt::ask(),
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => interrupt::unread(),
         Err(error) => LOST.set(error.to_string()).unwrap_or_default(),
         Ok(()) => {}
     }

@@ -3,7 +3,7 @@
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 /// An empty folder of its own for each test.
 struct Folder(PathBuf);
@@ -127,4 +127,23 @@ fn a_sweep_prints_a_table_and_draws_it() {
     let report: Value = serde_json::from_str(&folder.read("s.json")).unwrap();
     assert!(report["points"][1]["schemes"][0]["diverged_s"].is_number());
     assert!(folder.read("s.svg").contains("Step 5.0 ms"));
+}
+
+/// As `compare ... | head -c 1` does, at the worst moment.
+#[test]
+fn a_closed_output_is_no_interruption() {
+    let folder = Folder::new("closed");
+    let scene = finger();
+    for more in [&[][..], &["--csv", "a.csv"]] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_thenar"));
+        command.args(["compare", &scene, "--seconds", "0.05"]).args(more).current_dir(&folder.0);
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", said(&output.stderr));
+        assert!(!said(&output.stderr).contains("interrupted"), "{}", said(&output.stderr));
+    }
+    let whole = folder.compare(&[&scene, "--seconds", "0.05", "--csv", "b.csv", "-q"]);
+    assert!(whole.status.success(), "{}", said(&whole.stderr));
+    assert_eq!(folder.read("a.csv"), folder.read("b.csv"));
 }

@@ -81,6 +81,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let mut table = args.csv.as_deref().map(|path| start_table(path, &comparison)).transpose()?;
     let mut svg = args.svg.as_deref().map(Output::create).transpose()?;
     let mut report = args.report.as_deref().map(Output::create).transpose()?;
+    let writes = table.is_some() || svg.is_some() || report.is_some();
 
     let mut watches = [StopWatch::default(), StopWatch::default()];
     let mut charts = Charts::new(&comparison, steps);
@@ -104,10 +105,13 @@ pub fn run(args: &Args) -> Result<(), CliError> {
                 meter.suspend(|| print::divergence(&comparison, side));
             }
         }
-        if interrupt::asked() || !comparison.goes_on() {
+        // Files are made whoever reads what is printed.
+        let unwanted = interrupt::asked() && !writes;
+        if interrupt::pressed() || unwanted || !comparison.goes_on() {
             break;
         }
     }
+    let interrupted = interrupt::pressed();
     drop(meter);
 
     if let Some(table) = table {
@@ -126,7 +130,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     if !args.quiet {
         print::summary(&comparison, args.paper, &watches);
     }
-    match interrupt::asked() {
+    match interrupted {
         true => {
             Err(CliError::Other("interrupted; what was asked for is written up to here".into()))
         }
