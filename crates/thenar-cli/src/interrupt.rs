@@ -1,6 +1,6 @@
 //! Ctrl-C, and being asked to end by the system. Both stop all forces at once. A command that
 //! [listens](listen) ends after its present step, with what it has; a second time, or where none
-//! listens, the program ends at once, and leaves no unfinished file.
+//! listens, the program ends at once, and leaves no unfinished file. A file that outgrows its bound ends nothing.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -15,6 +15,7 @@ static UNREAD: AtomicBool = AtomicBool::new(false);
 /// Begins to hear signals, before anything else is done. Where the system does not allow it, Ctrl-C
 /// ends the program as usual.
 pub fn hear() {
+    let _ = outgrow();
     let _ = each_signal(|| {
         thenar_link::haptic_loop::stop_all();
         let asked_before = ASKED.swap(true, Ordering::SeqCst);
@@ -23,6 +24,19 @@ pub fn hear() {
         }
     });
     stop_on_panic();
+}
+
+/// A file that may grow no further (`ulimit -f`) is a full disk: whoever writes is told. The system would end the
+/// program, and drafts would stay. Programs that this one starts are ended as usual.
+#[cfg(unix)]
+fn outgrow() -> std::io::Result<()> {
+    let unused = std::sync::Arc::default();
+    signal_hook::flag::register(nix::sys::signal::Signal::SIGXFSZ as i32, unused).map(drop)
+}
+
+#[cfg(not(unix))]
+fn outgrow() -> std::io::Result<()> {
+    Ok(())
 }
 
 /// Calls this, on a thread of its own, whenever the program is asked to end.

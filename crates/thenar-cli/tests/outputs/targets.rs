@@ -152,3 +152,31 @@ fn a_reader_that_stops_ends_what_only_prints() {
     assert!(first.contains("seed 1"), "{first}");
     assert_eq!(child.wait().unwrap().code(), Some(1));
 }
+
+/// No signal ends the program: a file that may grow no further is a full disk.
+#[test]
+fn a_file_that_may_not_grow_leaves_the_old_one_and_no_draft() {
+    let folder = stocked("ulimit");
+    let long = folder.thenar(&["record", "falling-box", "--seconds", "2", "-q", "-o", "long.rec"]);
+    assert!(long.status.success(), "{}", err(&long));
+    let program = env!("CARGO_BIN_EXE_thenar");
+    for command in [
+        "run falling-box --seconds 2 -q --probe",
+        "replay long.rec -q --csv",
+        "replay long.rec -q --mcap",
+        "build left --hand --tets 100 -o",
+    ] {
+        std::fs::write(folder.0.join("out"), "old").unwrap();
+        let before = names(&folder.0);
+        // 4 or 8 kB, as the shell counts.
+        let script = format!("ulimit -f 8; exec '{program}' {command} out");
+        let mut shell = std::process::Command::new("sh");
+        let output = shell.args(["-c", &script]).current_dir(&folder.0).output().unwrap();
+        let told = err(&output);
+        assert_eq!(output.status.code(), Some(1), "{command}: {told}");
+        assert_eq!(told.matches("error: ").count(), 1, "{command}: {told}");
+        assert!(told.contains("File too large"), "{command}: {told}");
+        assert_eq!(folder.text("out"), "old", "{command}");
+        assert_eq!(names(&folder.0), before, "{command}");
+    }
+}

@@ -11,7 +11,7 @@ const HAND: &str = "version = 1\ntime_step = 0.01\n[[hand]]\nname = \"hand\"\nfl
 /// The program, whose files may take 64 or 128 kB, as the shell counts.
 fn cramped(folder: &Folder, args: &str) -> Command {
     let program = env!("CARGO_BIN_EXE_thenar");
-    let script = format!("trap '' XFSZ; ulimit -f 128; exec '{program}' {args}");
+    let script = format!("ulimit -f 128; exec '{program}' {args}");
     let mut command = Command::new("sh");
     command
         .args(["-c", &script])
