@@ -6,7 +6,7 @@ use super::site::Site;
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper_util::rt::{TokioIo, TokioTimer};
-use std::io::{Result, Write};
+use std::io::Result;
 use std::net::IpAddr;
 use std::sync::Arc;
 use std::time::Duration;
@@ -25,10 +25,6 @@ const TLS_HANDSHAKE: u8 = 0x16;
 const SPEAK_TLS: &[u8] = b"HTTP/1.1 400 Bad Request\r\nContent-Type: text/plain\r\n\
     Connection: close\r\n\r\nThis server speaks HTTPS only: the address begins with https://\n";
 
-/// What one connection too many gets.
-const FULL: &[u8] = b"HTTP/1.1 503 Service Unavailable\r\nContent-Type: text/plain\r\n\
-    Connection: close\r\n\r\nToo many connections.\n";
-
 /// Takes connections until the site stops.
 pub async fn accept(listener: TcpListener, tls: Option<TlsAcceptor>, site: Arc<Site>) {
     let crowd = Arc::new(Crowd::default());
@@ -43,16 +39,7 @@ pub async fn accept(listener: TcpListener, tls: Option<TlsAcceptor>, site: Arc<S
             continue;
         };
         let peer = peer.ip().to_canonical();
-        // Where a token is asked for, whoever comes is a stranger.
-        let place = match &tls {
-            Some(_) => Some(crowd.meet(peer, &site.limits)),
-            None => crowd.enter(peer, &site.limits),
-        };
-        let Some(place) = place else {
-            // A new socket has room for this; where it has not, nobody is told.
-            let _ = stream.into_std().and_then(|mut stream| stream.write(FULL));
-            continue;
-        };
+        let place = crowd.meet(peer, &site.limits);
         let (tls, site, held) = (tls.clone(), site.clone(), place.clone());
         let serving = tokio::spawn(async move {
             // A connection that fails is over; there is nobody to tell.

@@ -1,11 +1,11 @@
 //! Connections that are no sessions, counted; and which of them has to go when there is no place.
 //!
-//! Who has shown what the door asks for keeps a place until it leaves. Strangers, who have connected
-//! and shown nothing yet, have as many places of their own. When these are taken, a newcomer does not
+//! Who has asked for something that it may have, with `--lan` by showing the token, keeps a place until it
+//! leaves. Strangers, who have connected and shown nothing yet, have as many places of their own. When these are taken, a newcomer does not
 //! wait and is not refused: the stranger that has been there longest goes, of the address with the most
-//! of them, and of addresses from which nobody has shown the token sooner than of others. So
-//! connections that are opened and left keep nobody out: to shake hands takes milliseconds, and a
-//! newcomer is the last to go.
+//! of them, and of addresses from which nobody was let in sooner than of others. So connections that are
+//! opened and left keep nobody out: to shake hands and to ask takes milliseconds, and a newcomer is the
+//! last to go.
 
 use super::options::Limits;
 use std::collections::{HashMap, HashSet};
@@ -13,7 +13,7 @@ use std::net::IpAddr;
 use std::sync::{Arc, Mutex, PoisonError};
 use tokio::task::AbortHandle;
 
-/// Addresses remembered from which the token was shown; beyond, all are forgotten.
+/// Addresses remembered from which somebody was let in; beyond, all are forgotten.
 const ADDRESSES: usize = 1024;
 
 /// All connections that are no sessions.
@@ -24,9 +24,9 @@ pub struct Crowd(Mutex<Tables>);
 struct Tables {
     newest: u64,
     strangers: HashMap<u64, Stranger>,
-    /// Of those who have shown what the door asks for, by address.
+    /// Of those who were let in, by address.
     admitted: HashMap<IpAddr, usize>,
-    /// Where the token was shown once.
+    /// Where somebody was let in once.
     paired: HashSet<IpAddr>,
 }
 
@@ -87,11 +87,6 @@ impl Crowd {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A place for a connection of which nothing more is asked; `None` when there is none.
-    pub fn enter(self: &Arc<Self>, from: IpAddr, limits: &Limits) -> Option<Arc<Place>> {
-        self.tables().admit(from, limits).then(|| self.place(0, from, true))
-    }
-
     /// A place for a stranger.
     pub fn meet(self: &Arc<Self>, from: IpAddr, limits: &Limits) -> Arc<Place> {
         let mut tables = self.tables();
@@ -105,11 +100,7 @@ impl Crowd {
         let number = tables.newest;
         tables.strangers.insert(number, Stranger { from, end: None });
         drop(tables);
-        self.place(number, from, false)
-    }
-
-    fn place(self: &Arc<Self>, number: u64, from: IpAddr, admitted: bool) -> Arc<Place> {
-        Arc::new(Place { crowd: self.clone(), number, from, admitted: Mutex::new(admitted) })
+        Arc::new(Place { crowd: self.clone(), number, from, admitted: Mutex::new(false) })
     }
 }
 
@@ -121,7 +112,7 @@ impl Place {
         }
     }
 
-    /// The token was shown: nobody takes this place any more. False when there is none for such.
+    /// A request was granted: nobody takes this place any more. False when there is none for such.
     pub fn admit(&self, limits: &Limits) -> bool {
         let mut admitted = self.admitted.lock().unwrap_or_else(PoisonError::into_inner);
         if *admitted {
@@ -210,11 +201,11 @@ mod tests {
     #[test]
     fn those_who_are_admitted_are_bounded() {
         let (crowd, limits) = (Arc::new(Crowd::default()), limits());
-        let places: Vec<_> = (0..4).filter_map(|_| crowd.enter(address(1), &limits)).collect();
+        let enter = |k| Some(crowd.meet(address(k), &limits)).filter(|place| place.admit(&limits));
+        let places: Vec<_> = (0..4).filter_map(|_| enter(1)).collect();
         assert_eq!(places.len(), 4);
-        assert!(crowd.enter(address(1), &limits).is_none());
-        assert!(!crowd.meet(address(1), &limits).admit(&limits));
-        let others: Vec<_> = (0..4).filter_map(|_| crowd.enter(address(2), &limits)).collect();
+        assert!(enter(1).is_none());
+        let others: Vec<_> = (0..4).filter_map(|_| enter(2)).collect();
         assert_eq!(others.len(), 2);
         drop(places);
         assert!(crowd.meet(address(1), &limits).admit(&limits));

@@ -19,7 +19,7 @@ use std::sync::atomic::AtomicU32;
 use std::time::Duration;
 use tokio::sync::watch;
 
-/// The answer to who has shown the token, as many others have.
+/// The answer to who may ask, as too many others do.
 const FULL: Refusal = Refusal(StatusCode::SERVICE_UNAVAILABLE, "Too many connections.");
 
 /// How long a guess too many waits for its answer.

@@ -1,6 +1,8 @@
 //! Many at once.
 
 use crate::stage::{Stage, rest};
+use std::io::{Read, Write};
+use std::net::TcpStream;
 use thenar_serve::http::Limits;
 
 /// Of a hundred, 64 are served and 36 hear why not; when those have left, others get in.
@@ -30,14 +32,52 @@ fn a_hundred_clients() {
     }
 }
 
+/// Connections that nobody goes on with: silent, or in the middle of a request.
+fn half_open(stage: &Stage, count: usize) -> Vec<TcpStream> {
+    let open = |k: usize| {
+        let mut stream = stage.connect();
+        stream.write_all(["", "G", "GET / HTTP/1.1\r\nHost: "][k % 3].as_bytes()).unwrap();
+        stream
+    };
+    (0..count).map(open).collect()
+}
+
 #[test]
-fn connections_are_bounded_and_given_back() {
+fn connections_that_ask_for_nothing_keep_nobody_out() {
+    let stage = Stage::desk();
+    let mut first = stage.join();
+    let limits = Limits::default();
+    for count in [limits.connections_per_address, 2 * limits.connections] {
+        let mut held = half_open(&stage, count);
+        assert!(stage.get("/", "").starts_with("HTTP/1.1 200"), "{count}");
+        stage.join().watch(3);
+        // The oldest has given way.
+        assert_eq!(rest(&mut held[0]), "");
+    }
+    first.watch(20);
+}
+
+#[test]
+fn connections_that_ask_are_bounded_and_given_back() {
     let limits = Limits { connections: 8, connections_per_address: 6, ..Limits::default() };
     let stage = Stage::with(limits);
     let mut first = stage.join();
-    let held: Vec<_> = (0..6).map(|_| stage.connect()).collect();
-    // They are taken in the order in which they come.
-    assert!(rest(&mut stage.connect()).starts_with("HTTP/1.1 503"));
+    let ask = || {
+        let mut stream = stage.connect();
+        write!(stream, "GET /none HTTP/1.1\r\nHost: {}\r\n\r\n", stage.host).unwrap();
+        let mut status = [0; 12];
+        stream.read_exact(&mut status).unwrap();
+        (stream, String::from_utf8_lossy(&status).into_owned())
+    };
+    let held: Vec<_> = (0..6).map(|_| ask()).collect();
+    assert!(held.iter().all(|(_, status)| status == "HTTP/1.1 404"));
+    assert_eq!(ask().1, "HTTP/1.1 503");
+    // Who has asked does not give way to who has not.
+    let _silent = half_open(&stage, 20);
+    let mut mine = &held[0].0;
+    write!(mine, "GET /none HTTP/1.1\r\nHost: {}\r\nConnection: close\r\n\r\n", stage.host)
+        .unwrap();
+    assert!(rest(&mut mine).contains("HTTP/1.1 404"));
     first.watch(20);
     drop(held);
     stage.wait("a place", |_| stage.get("/", "").starts_with("HTTP/1.1 200"));
