@@ -131,7 +131,7 @@ words! {
 table! {
     /// A material; what is left out keeps the value of the body's material, or the default.
     pub struct MaterialTable {
-        /// "corotational" (default), "neo-hookean" or "stable-neo-hookean".
+        /// "corotational" (default), "neo-hookean" (default of bread) or "stable-neo-hookean".
         law: Option<LawWord>;
         /// Young's modulus [Pa]. Default 50 000; of bread 12 000.
         young: Option<f64> where YOUNG;
