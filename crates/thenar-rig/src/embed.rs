@@ -1,9 +1,10 @@
 //! Soft bodies without bones: a closed surface embedded in tetrahedra.
 
 use crate::lattice::{Lattice, LatticeOptions, Quality};
-use crate::mesh::{Topology, decimate, subdivide_to};
+use crate::mesh::{Topology, decimate, subdivide_to, weld};
 use crate::object::SoftModel;
 use crate::size::sensible_size;
+use crate::work::phase;
 use crate::{RigError, TriMesh};
 use thenar::model::{EmbeddedSurface, Flesh, Material};
 use thenar::{Quat, Vec3};
@@ -62,6 +63,27 @@ impl Embedded {
     }
 }
 
+/// Vertices closer than this part of the mesh's size are one.
+const WELD: f64 = 1e-6;
+
+/// The mesh of a file as [`embed`] wants it: welded, of one closed piece, its outside out.
+///
+/// # Errors
+/// When the mesh is malformed, not closed, or of several parts.
+pub fn closed_surface(mesh: &TriMesh) -> Result<TriMesh, RigError> {
+    mesh.check()?;
+    phase("welding the mesh")?;
+    let [low, high] = mesh.bounds();
+    let mut whole = weld(mesh, WELD * (high - low).norm()).mesh.compacted();
+    // A mesh that cannot be used need not be turned first.
+    phase("looking at the mesh's edges")?;
+    let topology = Topology::of(&whole);
+    check_holes("the mesh", &topology)?;
+    check_parts("the mesh", &topology)?;
+    whole.orient()?;
+    Ok(whole)
+}
+
 /// Fills a closed, outward-facing mesh with tetrahedra. `material` gives the material at each
 /// place of the mesh's frame (the same everywhere, or a crust around a crumb).
 ///
@@ -75,6 +97,7 @@ pub fn embed(
 ) -> Result<Embedded, RigError> {
     mesh.check()?;
     sensible_size(mesh.bounds())?;
+    phase("looking at the mesh's edges")?;
     check_closed("the mesh", mesh)?;
     let fine = match options.render_triangles {
         Some(triangles) => subdivide_to(mesh, triangles)?.mesh,
@@ -83,7 +106,9 @@ pub fn embed(
     let lattice =
         Lattice::new(&fine, &LatticeOptions { tets: options.tets, rotation: options.rotation })?;
     let collision = lattice.embed(&decimate(&fine, options.collision_triangles)?)?;
+    phase("binding the surface to the tetrahedra")?;
     let render = lattice.embed(&fine)?;
+    phase("weighing the tetrahedra")?;
     Ok(Embedded {
         quality: Quality::of((0..lattice.tets.len()).map(|t| lattice.corners(t))),
         node_volumes: lattice.node_volumes(),
@@ -104,18 +129,27 @@ pub fn embed(
 /// Errs unless a mesh is one closed surface whose triangles agree on which side is out.
 pub(crate) fn check_closed(what: &str, mesh: &TriMesh) -> Result<(), RigError> {
     let topology = Topology::of(mesh);
-    if !topology.closed() {
-        return Err(RigError::invalid(format!(
-            "{what} is not closed: {} edges have one triangle, {} more than two",
-            topology.boundary_edges, topology.non_manifold_edges
-        )));
-    }
+    check_holes(what, &topology)?;
     if topology.misoriented_edges > 0 || topology.non_manifold_vertices > 0 {
         return Err(RigError::invalid(format!(
             "{what} is not a manifold: {} edges turn over, {} vertices pinch it",
             topology.misoriented_edges, topology.non_manifold_vertices
         )));
     }
+    check_parts(what, &topology)
+}
+
+fn check_holes(what: &str, topology: &Topology) -> Result<(), RigError> {
+    if topology.closed() {
+        return Ok(());
+    }
+    Err(RigError::invalid(format!(
+        "{what} is not closed: {} edges have one triangle, {} more than two",
+        topology.boundary_edges, topology.non_manifold_edges
+    )))
+}
+
+fn check_parts(what: &str, topology: &Topology) -> Result<(), RigError> {
     if topology.components != 1 {
         return Err(RigError::invalid(format!(
             "{what} has {} separate parts, expected one",

@@ -45,6 +45,14 @@ pub fn watched<T>(watch: impl FnMut(Progress) -> bool + 'static, work: impl FnOn
     work()
 }
 
+/// Says what comes next: work in proportion to its data, which is told by its name alone.
+///
+/// # Errors
+/// [`RigError::Stopped`] when it is not to go on.
+pub(crate) fn phase(name: &'static str) -> Result<(), RigError> {
+    Stage { name, cure: "", work: 0.0, steps: 1, every: 1 }.tell(0)
+}
+
 /// One stage of a builder.
 pub(crate) struct Stage {
     name: &'static str,
@@ -84,10 +92,22 @@ impl Stage {
     /// # Errors
     /// As [`Stage::at`]; or so many steps cost more than may be spent.
     pub fn at_most(&self, step: usize) -> Result<(), RigError> {
+        if step > self.steps || step.is_multiple_of(self.every) {
+            self.beyond(step)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// The same, however many steps lie between.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn beyond(&self, step: usize) -> Result<(), RigError> {
         if step > self.steps {
             self.bounded(self.work * step as f64 / self.steps.max(1) as f64)?;
         }
-        self.at(step)
+        self.tell(step)
     }
 
     fn bounded(&self, work: f64) -> Result<(), RigError> {
@@ -100,10 +120,10 @@ impl Stage {
         )))
     }
 
-    /// The same, however many steps lie between.
+    /// Says that `step` steps are done, however many lie between.
     ///
     /// # Errors
-    /// As there.
+    /// As [`Stage::at`].
     pub fn tell(&self, step: usize) -> Result<(), RigError> {
         let done = if self.steps > 0 { step as f64 / self.steps as f64 } else { 1.0 };
         let progress = Progress { stage: self.name, work: self.work, done: done.min(1.0) };

@@ -4,15 +4,12 @@ use super::{Args, name};
 use crate::error::CliError;
 use std::path::Path;
 use thenar::model::{Law, Material};
-use thenar_rig::embed::{EmbedOptions, embed};
+use thenar_rig::embed::{EmbedOptions, closed_surface, embed};
 use thenar_rig::export::{flesh_cell_fields, surface, tetrahedra, write_whole};
-use thenar_rig::mesh::{load_mesh, weld};
+use thenar_rig::mesh::load_mesh;
 use thenar_rig::object::{ImportOptions, SoftModel, Weight, rigid_from_mesh};
 use thenar_rig::{Model, TriMesh};
 use thenar_scene::build::TET_BYTES;
-
-/// Vertices nearer than this part of the mesh's size are one.
-const WELD: f64 = 1e-6;
 
 fn read(args: &Args) -> Result<TriMesh, CliError> {
     Ok(load_mesh(&args.input, args.scale)?)
@@ -52,10 +49,8 @@ pub fn rigid(args: &Args) -> Result<Model, CliError> {
 /// Builds a soft body and prints what it is like.
 pub fn soft(args: &Args) -> Result<Model, CliError> {
     let mesh = read(args)?;
-    let [low, high] = mesh.bounds();
-    let mut mesh = weld(&mesh, WELD * (high - low).norm()).mesh.compacted();
     let wrong = |e: thenar_rig::RigError| CliError::from(e.in_file(args.input.display()));
-    mesh.orient().map_err(wrong)?;
+    let mesh = closed_surface(&mesh).map_err(wrong)?;
     let material = Material {
         law: Law::Corotational,
         young: args.young.unwrap_or(5e4),

@@ -1,7 +1,7 @@
-//! What a mesh is made of: pieces, holes, handles, orientation.
+//! What a mesh is made of: pieces, holes, handles.
 
 use super::edges::Edges;
-use crate::{RigError, TriMesh, mesh::Bvh};
+use crate::TriMesh;
 
 /// The shape of a mesh's connections.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -145,115 +145,4 @@ fn non_manifold_vertices(mesh: &TriMesh, edges: &Edges) -> usize {
         }
     }
     fans.iter().filter(|&&f| f > 1).count()
-}
-
-/// What [`TriMesh::orient`] changed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
-pub struct Orientation {
-    /// Triangles turned to agree with their neighbours or to face outward.
-    pub flipped_triangles: usize,
-    /// Edge-connected pieces that cannot be oriented (Möbius strips).
-    pub unorientable_pieces: usize,
-    /// Closed pieces that lie within others and faced inward: kept as walls of cavities.
-    pub cavities: usize,
-}
-
-impl TriMesh {
-    /// Makes neighbouring triangles agree on their orientation and closed pieces face outward.
-    /// A closed piece that faces inward stays so when it lies inside an odd number of others.
-    pub fn orient(&mut self) -> Result<Orientation, RigError> {
-        self.check()?;
-        let before = self.triangles.clone();
-        let mut result = Orientation::default();
-        let pieces = self.agree(&mut result);
-
-        let mut closed = Vec::new();
-        for piece in pieces.iter().filter(|p| p.closed) {
-            let triangles = piece.triangles.iter().map(|&t| self.triangles[t as usize]).collect();
-            let mut part = TriMesh { positions: self.positions.clone(), triangles }.compacted();
-            let inward = part.volume() < 0.0;
-            if inward {
-                part.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-                piece.triangles.iter().for_each(|&t| self.triangles[t as usize].swap(1, 2));
-            }
-            closed.push((piece, inward, part));
-        }
-        if closed.len() > 1 {
-            result.cavities = self.restore_cavities(&closed);
-        }
-        result.flipped_triangles =
-            before.iter().zip(&self.triangles).filter(|(a, b)| a != b).count();
-        Ok(result)
-    }
-
-    /// Turns inward again what is a cavity wall; returns how many are.
-    fn restore_cavities(&mut self, closed: &[(&Piece, bool, TriMesh)]) -> usize {
-        let hierarchies: Vec<Bvh> = closed.iter().map(|(_, _, part)| Bvh::new(part)).collect();
-        let mut cavities = 0;
-        for (i, (piece, inward, part)) in closed.iter().enumerate() {
-            if !inward {
-                continue;
-            }
-            let p = part.positions[0];
-            let depth =
-                (0..closed.len()).filter(|&j| j != i && hierarchies[j].contains(&p)).count();
-            if depth % 2 == 1 {
-                piece.triangles.iter().for_each(|&t| self.triangles[t as usize].swap(1, 2));
-                cavities += 1;
-            }
-        }
-        cavities
-    }
-
-    /// Walks over two-sided edges from the first triangle of each piece, turning triangles to agree.
-    fn agree(&mut self, result: &mut Orientation) -> Vec<Piece> {
-        let edges = Edges::new(&self.triangles);
-        // For each triangle: turned or not, once seen.
-        let mut turned: Vec<Option<bool>> = vec![None; self.triangles.len()];
-        let mut pieces = Vec::new();
-        for seed in 0..self.triangles.len() {
-            if turned[seed].is_some() {
-                continue;
-            }
-            turned[seed] = Some(false);
-            let mut piece = Piece { triangles: vec![seed as u32], closed: true };
-            let (mut next, mut consistent) = (0, true);
-            while next < piece.triangles.len() {
-                let t = piece.triangles[next];
-                next += 1;
-                for e in edges.of_triangle[t as usize] {
-                    let &[a, b] = edges.sides(e as usize) else {
-                        piece.closed = false;
-                        continue;
-                    };
-                    let other = if a.triangle == t { b.triangle } else { a.triangle };
-                    let here = turned[t as usize].unwrap_or(false);
-                    let wanted = here ^ (a.forward == b.forward);
-                    match turned[other as usize] {
-                        None => {
-                            turned[other as usize] = Some(wanted);
-                            piece.triangles.push(other);
-                        }
-                        Some(is) => consistent &= is == wanted,
-                    }
-                }
-            }
-            piece.closed &= consistent;
-            result.unorientable_pieces += usize::from(!consistent);
-            pieces.push(piece);
-        }
-        for (triangle, turned) in self.triangles.iter_mut().zip(turned) {
-            if turned == Some(true) {
-                triangle.swap(1, 2);
-            }
-        }
-        pieces
-    }
-}
-
-/// Triangles connected through two-sided edges.
-struct Piece {
-    triangles: Vec<u32>,
-    /// Orientable and without boundary.
-    closed: bool,
 }

@@ -9,9 +9,9 @@ use crate::text::{At, Cx, Fault, Node, Read};
 use std::path::PathBuf;
 use thenar::math::Vec3;
 use thenar::model::{HandModel, Law, Material, Side};
-use thenar_rig::embed::{EmbedOptions, embed};
+use thenar_rig::embed::{EmbedOptions, closed_surface, embed};
 use thenar_rig::hand::{HandOptions, Size, asset, build_hand, build_hand_file};
-use thenar_rig::mesh::{GridOptions, load_mesh, weld};
+use thenar_rig::mesh::{GridOptions, load_mesh};
 use thenar_rig::object::{
     Ball, Bread, Car, ImportOptions, RigidModel, SoftModel, SoftOptions, Weight, ball as ball_of,
     bread as bread_of, rigid_from_mesh, soft_from_tets, toy_car,
@@ -20,8 +20,6 @@ use thenar_rig::{Model, read_model};
 
 /// Largest file with nodes and tetrahedra \[bytes\].
 const TET_FILE_BYTES_MAX: u64 = 32 << 20;
-/// Vertices of a mesh nearer than this part of its size are one.
-const WELD: f64 = 1e-6;
 
 /// The material of a shape that has none yet. Where the rig scales materials (elements filled in
 /// part, crusts), what it gives is the scale.
@@ -113,9 +111,7 @@ pub fn soft_mesh(shape: &MeshSoftShape, files: &Files) -> Result<SoftModel, Faul
         };
     }
     let mesh = load_mesh(&path, shape.scale).map_err(|e| shape.file.fault(e.to_string()))?;
-    let [low, high] = mesh.bounds();
-    let mut mesh = weld(&mesh, WELD * (high - low).norm()).mesh.compacted();
-    mesh.orient().map_err(|e| fault(e.to_string()))?;
+    let mesh = closed_surface(&mesh).map_err(|e| fault(e.to_string()))?;
     let options = EmbedOptions { tets: shape.tets as usize, ..EmbedOptions::default() };
     let embedded = embed(&mesh, &options, |_| unit()).map_err(|e| fault(e.to_string()))?;
     Ok(SoftModel { name: String::new(), flesh: embedded.flesh, render: embedded.render })
