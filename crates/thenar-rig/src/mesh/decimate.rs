@@ -26,21 +26,27 @@ const LOOKS: f64 = 110.0;
 /// Looks that a mesh may take in all. Each costs about as much as four comparisons of a point with a triangle.
 const LOOKS_MAX: usize = (STAGE_MAX / 4.0) as usize;
 
+/// Looks between two tellings: some 60 ms.
+const EVERY: usize = 1_000_000;
+/// Triangles that may meet at a vertex that moves. To offer all of its edges takes as many looks as the square,
+/// of which a mesh has [`LOOKS_MAX`] in all: enough for 500 such vertices. What has more stays where it is.
+const VALENCE_MAX: usize = 1000;
+
 /// Collapses edges until at most `triangles_target` remain, or nothing more can be collapsed
 /// without harm. A closed manifold stays one and keeps its volume.
 pub fn decimate(mesh: &TriMesh, triangles_target: usize) -> Result<TriMesh, RigError> {
     mesh.check()?;
-    let mut work = Work::new(mesh);
     let wanted = mesh.triangles.len().saturating_sub(triangles_target);
     let stage = Stage::new("simplifying the mesh", wanted, 4.0 * LOOKS * wanted as f64, "")?;
+    let mut work = Work::new(mesh, stage)?;
     loop {
         let before = work.alive;
-        work.collapse_until(triangles_target, &stage)?;
+        work.collapse_until(triangles_target)?;
         // What was refused may have become possible meanwhile.
         if work.alive <= triangles_target || work.alive == before {
             return Ok(work.finish());
         }
-        work.offer_all();
+        work.offer_all()?;
     }
 }
 
@@ -74,17 +80,22 @@ struct Work {
     positions: Vec<Vec3>,
     /// Removed triangles have equal corners.
     triangles: Vec<[u32; 3]>,
-    /// Triangles around each vertex.
+    /// Triangles around each vertex that may move.
     around: Vec<Vec<u32>>,
     quadrics: Vec<Quadric>,
     stamps: Vec<u32>,
     /// On an edge that has one triangle.
     boundary: Vec<bool>,
-    /// On an edge of more than two triangles: never moved.
+    /// On an edge of more than two triangles, or with too many around: never moved.
     locked: Vec<bool>,
     heap: BinaryHeap<Reverse<Candidate>>,
     /// Triangles looked at so far.
     looked: usize,
+    /// As many when they were last told.
+    told: usize,
+    stage: Stage,
+    /// Triangles at first, and now.
+    first: usize,
     alive: usize,
     origin: Vec3,
 }
@@ -100,7 +111,7 @@ fn quality([a, b, c]: &[Vec3; 3]) -> f64 {
 }
 
 impl Work {
-    fn new(mesh: &TriMesh) -> Self {
+    fn new(mesh: &TriMesh, stage: Stage) -> Result<Self, RigError> {
         // Quadrics hold squared coordinates: stay near the origin.
         let [min, max] = mesh.bounds();
         let origin = (min + max) * 0.5;
@@ -109,6 +120,7 @@ impl Work {
         triangles.retain(|&[a, b, c]| a != b && b != c && c != a);
         let mut work = Self {
             positions: mesh.positions.iter().map(|p| p - origin).collect(),
+            first: triangles.len(),
             alive: triangles.len(),
             triangles,
             around: vec![Vec::new(); n],
@@ -118,13 +130,15 @@ impl Work {
             locked: vec![false; n],
             heap: BinaryHeap::new(),
             looked: 0,
+            told: 0,
+            stage,
             origin,
         };
-        work.gather();
-        work
+        work.gather()?;
+        Ok(work)
     }
 
-    fn gather(&mut self) {
+    fn gather(&mut self) -> Result<(), RigError> {
         for (t, triangle) in self.triangles.iter().enumerate() {
             let corners = triangle.map(|v| self.positions[v as usize]);
             let n = area_vector(&corners);
@@ -146,10 +160,15 @@ impl Work {
                 _ => edge.vertices.iter().for_each(|&v| self.locked[v as usize] = true),
             }
         }
-        self.offer_all();
+        for (around, locked) in self.around.iter_mut().zip(&mut self.locked) {
+            if around.len() > VALENCE_MAX {
+                (*around, *locked) = (Vec::new(), true);
+            }
+        }
+        self.offer_all()
     }
 
-    fn offer_all(&mut self) {
+    fn offer_all(&mut self) -> Result<(), RigError> {
         self.heap.clear();
         let alive: Vec<_> = self
             .triangles
@@ -158,13 +177,34 @@ impl Work {
             .filter(|&[a, b, c]| a != b && b != c && c != a)
             .collect();
         for edge in Edges::new(&alive).list {
-            self.offer(edge.vertices);
+            self.offer(edge.vertices)?;
         }
+        Ok(())
     }
 
-    fn offer(&mut self, edge: [u32; 2]) {
-        self.looked += edge.map(|v| self.around[v as usize].len()).iter().sum::<usize>();
+    fn offer(&mut self, edge: [u32; 2]) -> Result<(), RigError> {
+        self.look(edge)?;
         self.heap.extend(self.candidate(edge).map(Reverse));
+        Ok(())
+    }
+
+    /// Counts a look at the triangles around an edge, and tells of every so many.
+    fn look(&mut self, edge: [u32; 2]) -> Result<(), RigError> {
+        self.looked += 1 + self.valence(edge);
+        if self.looked > LOOKS_MAX {
+            return Err(RigError::invalid(
+                "the mesh cannot be simplified: too many triangles meet at one vertex",
+            ));
+        }
+        if self.looked - self.told > EVERY {
+            self.told = self.looked;
+            self.stage.tell(self.first - self.alive)?;
+        }
+        Ok(())
+    }
+
+    fn valence(&self, edge: [u32; 2]) -> usize {
+        edge.iter().map(|&v| self.around[v as usize].len()).sum()
     }
 
     /// Adds a plane through a boundary edge, square to its triangle.
@@ -233,21 +273,11 @@ impl Work {
         }
     }
 
-    fn collapse_until(&mut self, triangles_target: usize, stage: &Stage) -> Result<(), RigError> {
-        let (first, mut tried) = (self.triangles.len(), 0_usize);
+    fn collapse_until(&mut self, triangles_target: usize) -> Result<(), RigError> {
         while self.alive > triangles_target {
             let Some(Reverse(next)) = self.heap.pop() else { return Ok(()) };
             let [u, v] = next.vertices;
-            self.looked += self.around[u as usize].len() + self.around[v as usize].len();
-            if self.looked > LOOKS_MAX {
-                return Err(RigError::invalid(
-                    "the mesh cannot be simplified: too many triangles meet at one vertex",
-                ));
-            }
-            tried += 1;
-            if tried.is_multiple_of(1000) {
-                stage.tell(first - self.alive)?;
-            }
+            self.look(next.vertices)?;
             if [u, v].map(|x| self.stamps[x as usize]) != next.stamps {
                 continue;
             }
@@ -255,8 +285,11 @@ impl Work {
             let Some(fresh) = self.candidate([u, v]) else { continue };
             if fresh.cost > next.cost * (1.0 + 1e-9) {
                 self.heap.push(Reverse(fresh));
-            } else if self.link_condition(u, v) && self.keeps_shape(u, v, &fresh.point) {
-                self.collapse(u, v, fresh.point);
+            } else if self.valence([u, v]) <= VALENCE_MAX
+                && self.link_condition(u, v)
+                && self.keeps_shape(u, v, &fresh.point)
+            {
+                self.collapse(u, v, fresh.point)?;
             }
         }
         Ok(())
@@ -313,7 +346,7 @@ impl Work {
         stays((u, v)) && stays((v, u))
     }
 
-    fn collapse(&mut self, u: u32, v: u32, point: Vec3) {
+    fn collapse(&mut self, u: u32, v: u32, point: Vec3) -> Result<(), RigError> {
         self.positions[u as usize] = point;
         self.quadrics[u as usize] = self.quadrics[u as usize].sum(&self.quadrics[v as usize]);
         self.boundary[u as usize] |= self.boundary[v as usize];
@@ -338,8 +371,9 @@ impl Work {
         // Costs depend on the triangles around, so every edge of the ring is offered afresh.
         self.stamps[u as usize] += 1;
         for x in self.neighbours(u) {
-            self.offer([u, x]);
+            self.offer([u, x])?;
         }
+        Ok(())
     }
 
     fn finish(self) -> TriMesh {
