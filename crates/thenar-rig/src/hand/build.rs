@@ -10,7 +10,7 @@ use crate::embed::check_closed;
 use crate::glb::{self, SkinnedMesh};
 use crate::lattice::{Lattice, LatticeOptions};
 use crate::mesh::{Bvh, decimate, read_file, subdivide_to, weld};
-use crate::work::Stage;
+use crate::work::{Stage, phase};
 use crate::{RigError, TriMesh, model_file};
 use std::path::Path;
 use thenar::model::{Binding, Bone, Digit, Flesh, HandModel, Material, Side};
@@ -41,6 +41,7 @@ pub fn build_hand_with_report(
     options: &HandOptions,
 ) -> Result<(HandModel, HandReport), RigError> {
     options.check()?;
+    phase("reading the hand")?;
     let rig = glb::read_skinned_glb(bytes)?;
     let Rigged { skin, digits, side, length } = rigged(&rig, options)?;
     check_closed("the hand's surface", &skin)?;
@@ -54,11 +55,13 @@ pub fn build_hand_with_report(
     let smooth = subdivide_to(&skin, triangles)?.mesh;
     let rotation = thenar::Quat::identity();
     let lattice = Lattice::new(&smooth, &LatticeOptions { tets: options.tets, rotation })?;
+    phase("binding the flesh to the bones")?;
     let bindings = bindings(&lattice, &digits);
 
     let collision_mesh = decimate(&smooth, options.collision_triangles)?;
     let collision_digits =
         collision_mesh.positions.iter().map(|p| regions::nearest(p, &digits)).collect();
+    phase("weighing the flesh")?;
     let flesh = Flesh {
         materials: materials(&lattice, &bones, &digits, options),
         nodes: lattice.nodes.clone(),
@@ -69,6 +72,7 @@ pub fn build_hand_with_report(
         collision: lattice.embed(&collision_mesh)?,
         friction: options.friction,
     };
+    phase("binding the skin to the flesh")?;
     let mut hand = HandModel {
         name: options.name.clone(),
         side: Some(side),
@@ -85,6 +89,7 @@ pub fn build_hand_with_report(
     relax(&mut hand)?;
     // A rig of strange proportions can still lead to a bone without length or mass.
     model_file::check_hand(&hand)?;
+    phase("measuring the hand")?;
     let report = HandReport::new(&hand, &skin, &digits, &covered)?;
     Ok((hand, report))
 }

@@ -8,12 +8,15 @@
 use super::fist::{inverted, pose};
 use crate::RigError;
 use crate::weights::pair;
+use crate::work::Stage;
 use thenar::model::{Binding, Digit, HandModel};
 
 /// Rounds of evening out; most elements that can be saved are after a dozen.
 const ROUNDS: usize = 24;
 /// How far the hand is closed when elements are looked at.
 const CLOSINGS: [f64; 3] = [0.5, 0.75, 1.0];
+/// Comparisons of a point with a triangle that take as long as to skin and measure a tetrahedron, about.
+const TET: usize = 4;
 /// Part of the way to the neighbours' mean in one round.
 const STEP: f64 = 0.5;
 
@@ -31,13 +34,17 @@ type Place = (Option<usize>, f64);
 /// # Errors
 /// When the model's joints do not make a tree.
 pub(super) fn relax(hand: &mut HandModel) -> Result<(), RigError> {
+    let work = (TET * ROUNDS * CLOSINGS.len() * hand.flesh.tets.len()) as f64;
+    let stage =
+        Stage::new("closing the hand", ROUNDS * CLOSINGS.len(), work, "ask for fewer tetrahedra")?;
     let neighbours = neighbours(hand);
     let poses = CLOSINGS.map(|closing| pose(hand, closing));
     let poses = poses.into_iter().collect::<Result<Vec<_>, _>>()?;
     let mut places: Vec<Place> = hand.bindings.iter().map(place).collect();
-    for _ in 0..ROUNDS {
+    for round in 0..ROUNDS {
         let mut touched = vec![false; places.len()];
-        for pose in &poses {
+        for (k, pose) in poses.iter().enumerate() {
+            stage.at(round * CLOSINGS.len() + k)?;
             for t in inverted(hand, pose) {
                 hand.flesh.tets[t].iter().for_each(|&n| touched[n as usize] = true);
             }

@@ -182,7 +182,6 @@ fn fit_count(samples: &Samples, wanted: usize, first: f64) -> Result<Pieces, Rig
     let work = (10 * ATTEMPTS * samples.cells.len()) as f64;
     let stage = Stage::new("filling the mesh with tetrahedra", ATTEMPTS, work, "")?;
     for attempt in 0..ATTEMPTS {
-        stage.at(attempt)?;
         let mut pieces = Pieces::new(samples, cube, &shift);
         prune::prune(&mut pieces, samples, FILL_MIN)?;
         let ratio = pieces.len() as f64 / wanted as f64;
@@ -190,6 +189,7 @@ fn fit_count(samples: &Samples, wanted: usize, first: f64) -> Result<Pieces, Rig
         if best.as_ref().is_none_or(|b| off(pieces.len()) < off(b.len())) {
             best = Some(pieces);
         }
+        stage.at(attempt + 1)?;
         if (ratio - 1.0).abs() < 0.05 {
             break;
         }

@@ -2,6 +2,7 @@
 
 use super::{read_obj, read_stl};
 use crate::error::positive;
+use crate::work::phase;
 use crate::{RigError, TriMesh};
 use std::path::Path;
 
@@ -17,6 +18,7 @@ pub fn load_mesh(path: impl AsRef<Path>, scale: f64) -> Result<TriMesh, RigError
     let path = path.as_ref();
     positive("scale", scale)?;
     let read = || -> Result<TriMesh, RigError> {
+        phase("reading the mesh")?;
         let mesh = parse(path, &read_file(path)?)?.scaled(scale);
         mesh.check()?;
         mesh.check_count()?;

@@ -2,6 +2,7 @@
 
 use super::edges::Edges;
 use super::{decimate, weld};
+use crate::work::phase;
 use crate::{RigError, TriMesh};
 
 /// The same surface with at most about `points_max` vertices and, as far as that allows, no edge
@@ -17,6 +18,7 @@ pub fn resampled(mesh: &TriMesh, spacing: f64, points_max: usize) -> Result<TriM
     let [min, max] = coarse.bounds();
     let mut tolerance = (max - min).norm() / 400.0;
     while coarse.positions.len() > points_max {
+        phase("merging vertices")?;
         coarse = weld(&coarse, tolerance).mesh.compacted();
         tolerance *= 1.3;
     }

@@ -8,6 +8,7 @@
 //! [`Refined::volume_ratio`] says how much.
 
 use super::edges::Edges;
+use crate::work::phase;
 use crate::{RigError, TriMesh};
 use thenar::Vec3;
 
@@ -51,6 +52,7 @@ pub fn subdivide(mesh: &TriMesh, levels: usize) -> Result<Refined, RigError> {
     if levels == 0 {
         return Ok(Refined { mesh: mesh.clone(), volume_ratio: 1.0, moved_max: 0.0 });
     }
+    phase("refining the mesh")?;
     let mut fine = interpolating_control(mesh);
     for _ in 0..levels {
         fine = split(&fine);

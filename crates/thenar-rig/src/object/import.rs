@@ -21,6 +21,7 @@ use crate::mesh::{
     resampled, weld,
 };
 use crate::size::sensible_size;
+use crate::work::phase;
 use crate::{RigError, TriMesh};
 use std::sync::Arc;
 use thenar::shape::{DistanceGrid, MeshShape, Shape};
@@ -118,6 +119,7 @@ pub fn rigid_from_mesh(
     weight.mass(1.0)?;
     mesh.check()?;
     let size = sensible_size(mesh.bounds())?;
+    phase("welding the mesh")?;
     let welded = weld(mesh, WELD * size);
     let mut clean = welded.mesh.compacted();
     clean.triangles.retain({
@@ -132,6 +134,7 @@ pub fn rigid_from_mesh(
         return Err(RigError::invalid("all triangles of the mesh are without area"));
     }
     let orientation = clean.orient()?;
+    phase("looking at the mesh's edges")?;
     let topology = Topology::of(&clean);
 
     let (interior, grid, body) = inside_of(&clean, &topology, size, options)?;
@@ -180,6 +183,7 @@ fn inside_of(
     size: f64,
     options: &ImportOptions,
 ) -> Result<(Interior, DistanceGrid, MassProperties), RigError> {
+    phase("sorting the triangles into boxes")?;
     let bvh = Bvh::new(mesh);
     let [min, max] = mesh.bounds();
     // What is as thin as welding reaches encloses nothing.
@@ -294,6 +298,7 @@ fn assemble(
         coarse = resampled(contact, f64::INFINITY, options.points_max.max(16))?;
         &coarse
     };
+    phase("preparing the surface that others touch")?;
     let shape = MeshShape::new(
         contact.positions.iter().map(to_B).collect(),
         contact.triangles.clone(),
