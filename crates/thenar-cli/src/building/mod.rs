@@ -1,0 +1,50 @@
+//! Building told: what takes long says so before and while it does, and Ctrl-C ends it.
+
+mod teller;
+
+use crate::error::CliError;
+use crate::interrupt;
+use crate::ticker::Ticker;
+use std::io::IsTerminal;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+use teller::Teller;
+use thenar_rig::work::watched;
+
+/// Work that looks at whether it is to end does so within this time after Ctrl-C.
+const HEARD: Duration = Duration::from_secs(1);
+
+/// Builds something; tells of long stages on the error output and ends with them on Ctrl-C.
+///
+/// # Errors
+/// As `work`; or it was interrupted.
+pub fn told<T>(work: impl FnOnce() -> Result<T, CliError>) -> Result<T, CliError> {
+    match heard(work) {
+        Err(_) if interrupt::asked() => Err(CliError::Other("interrupted".into())),
+        done => done,
+    }
+}
+
+/// The same, whatever comes of it: what Ctrl-C ended has failed. Work that tells nothing is told of each second,
+/// and where it does not end by itself after Ctrl-C the program ends.
+pub fn heard<T>(work: impl FnOnce() -> T) -> T {
+    let terminal = std::io::stderr().is_terminal();
+    let teller = Arc::new(Mutex::new(Teller::new(terminal, Instant::now())));
+    let shared = Arc::clone(&teller);
+    let mut asked = None;
+    let _ticker = Ticker::new(move || {
+        if interrupt::asked() && asked.get_or_insert_with(Instant::now).elapsed() > HEARD {
+            interrupt::end();
+        }
+        with(&shared, |teller| teller.tick(Instant::now()));
+    });
+    let watch = move |progress| {
+        with(&teller, |teller| teller.hear(&progress, Instant::now()));
+        !interrupt::asked()
+    };
+    watched(watch, work)
+}
+
+fn with(teller: &Mutex<Teller>, act: impl FnOnce(&mut Teller)) {
+    act(&mut teller.lock().unwrap_or_else(PoisonError::into_inner));
+}
