@@ -10,8 +10,8 @@ use thenar_input::quoted;
 /// Most devices one inside another. Each kind that names others makes sense once: a fault before a choice of
 /// gloves on wrists of their own is four. Twice that is more than anybody has.
 pub const DEPTH_MAX: usize = 8;
-/// Most devices for one address: a full choice (`either:` takes 8) at each of two levels.
-pub const COUNT_MAX: usize = 64;
+/// Most devices for one address: a choice of choices, both full (`either:` takes 8), is 73.
+pub const COUNT_MAX: usize = 80;
 
 /// Devices that are being opened on this thread.
 #[derive(Default)]

@@ -236,5 +236,5 @@ fn a_wrist_that_is_tracked_carries_the_glove() {
     // A tracker that tells no wrist is refused by name.
     let told = thenar_link::open(&format!("lucidgloves:wifi:{}?wrist=bhaptics:", free_port()));
     let told = told.map(|_| ()).unwrap_err().to_string();
-    assert!(told.contains("wrist.tracker = \"bhaptics:\"") && told.contains("no wrist"), "{told}");
+    assert!(told.contains("wrist = \"bhaptics:\"") && told.contains("no wrist"), "{told}");
 }

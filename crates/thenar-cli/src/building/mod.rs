@@ -20,7 +20,7 @@ const HEARD: Duration = Duration::from_secs(1);
 /// As `work`; or it was interrupted.
 pub fn told<T>(work: impl FnOnce() -> Result<T, CliError>) -> Result<T, CliError> {
     match heard(work) {
-        Err(_) if interrupt::asked() => Err(CliError::Other("interrupted".into())),
+        Err(_) if interrupt::pressed() => Err(CliError::Other("interrupted".into())),
         done => done,
     }
 }
@@ -33,16 +33,21 @@ pub fn heard<T>(work: impl FnOnce() -> T) -> T {
     let shared = Arc::clone(&teller);
     let mut asked = None;
     let _ticker = Ticker::new(move || {
-        if interrupt::asked() && asked.get_or_insert_with(Instant::now).elapsed() > HEARD {
+        if interrupt::pressed() && asked.get_or_insert_with(Instant::now).elapsed() > HEARD {
             interrupt::end();
         }
         with(&shared, |teller| teller.tick(Instant::now()));
     });
     let watch = move |progress| {
         with(&teller, |teller| teller.hear(&progress, Instant::now()));
-        !interrupt::asked()
+        !interrupt::pressed()
     };
     watched(watch, work)
+}
+
+/// Builds in silence what another tells of; what Ctrl-C ended has failed.
+pub fn unheard<T>(work: impl FnOnce() -> T) -> T {
+    watched(|_| !interrupt::pressed(), work)
 }
 
 fn with(teller: &Mutex<Teller>, act: impl FnOnce(&mut Teller)) {

@@ -87,6 +87,8 @@ impl Teller {
                 bar.set_style(style);
             }
             self.bar = Some(bar);
+        } else if let Some(bar) = &self.bar {
+            bar.set_message(line.to_owned());
         }
     }
 

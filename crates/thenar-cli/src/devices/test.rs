@@ -123,7 +123,7 @@ fn watch(tracker: &mut dyn Tracker, args: &Args) -> Result<(), CliError> {
         if start.elapsed().as_secs_f64() >= waits && tallies.iter().all(|tally| tally.count == 0) {
             let left = args.seconds - waits;
             if left > 0.0 {
-                eprintln!("{}: no pose yet, listening for {left} s more", args.address);
+                eprintln!("{}: no pose yet, listening for {left:.1} s more", args.address);
             }
             waits += PATIENCE;
         }

@@ -4,7 +4,7 @@ mod csv;
 mod mcap;
 mod show;
 
-use crate::building::heard;
+use crate::building::{heard, unheard};
 use crate::error::CliError;
 use crate::interrupt;
 use crate::page::PageOptions;
@@ -125,7 +125,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         if interrupt::asked() {
             return Err(CliError::Other("interrupted; nothing was exported".into()));
         }
-        match heard(|| replay.next()) {
+        match unheard(|| replay.next()) {
             Ok(Some(event)) => {
                 meter.at(replay.bytes_read(), replay.verdict().steps);
                 for sink in &mut sinks {

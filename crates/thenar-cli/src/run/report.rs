@@ -180,7 +180,7 @@ pub fn print(session: &Session, outcome: &Outcome) {
     fingers(&s.fingers);
     if s.contacts_dropped_max > 0 {
         println!(
-            "  up to {} contacts of a step were left out: too many bodies are inside each other",
+            "  up to {} contacts, or pairs of bodies in a crowd, were left out of a step: too many are in one place",
             s.contacts_dropped_max
         );
     }

@@ -11,7 +11,7 @@ use thenar::Vec3;
 /// gives their points to the nearest piece that stays, along links.
 ///
 /// # Errors
-/// None is filled that far.
+/// When no piece is filled that far.
 pub(super) fn prune(pieces: &mut Pieces, samples: &Samples, fill_min: f64) -> Result<(), RigError> {
     let tet_volume = bcc::TET_VOLUME * pieces.cube.powi(3);
     let point_volume = samples.spacing.powi(3);

@@ -2,9 +2,10 @@
 //!
 //! Spheres of any sizes that touch without overlap have fewer than 14.93 neighbours on average (Kuperberg
 //! and Schramm, *Average kissing numbers for non-congruent sphere packings*, 1994), which is fewer than 7.47
-//! pairs per body. Four times as many are looked at. A world in which more bodies are near each other is
-//! entangled, or made of grains smaller than the margin: then only pairs whose boxes overlap without the margin
-//! are looked at, and of each body only as many.
+//! pairs per body. Four times as many are looked at, as boxes around bodies meet more often than these. A world in
+//! which more are near each other is entangled, or made of grains smaller than the margin, or of long bodies
+//! askew: then only pairs whose boxes overlap without the margin are looked at, and of each body only as many.
+//! Bodies that do not move by forces meet any number.
 
 /// Pairs of rigid bodies that are looked at per body: four times 7.47, and a bit.
 pub(crate) const PAIRS_PER_BODY: usize = 32;

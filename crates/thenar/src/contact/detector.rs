@@ -251,17 +251,11 @@ impl Detector {
         let Scratch { placed, order, manifold, .. } = scratch;
         let low = |i: u32| placed[i as usize].swept_W.min.x;
         order.sort_unstable_by(|&i, &j| low(i).total_cmp(&low(j)).then(i.cmp(&j)));
-        let mut allowance = Allowance::new(order.len());
+        let (mut allowance, mut skipped) = (Allowance::new(order.len()), 0);
         for (k, &i) in order.iter().enumerate() {
             let end = placed[i as usize].swept_W.max.x + reach.margin;
-            let ahead = &order[k + 1..];
-            let ahead = &ahead[..ahead.partition_point(|&j| low(j) <= end)];
             allowance.next_body();
-            for (passed, &j) in ahead.iter().enumerate() {
-                let Some(margin) = allowance.margin(reach.margin) else {
-                    out.count_dropped(ahead.len() - passed);
-                    break;
-                };
+            for &j in order[k + 1..].iter().take_while(|&&j| low(j) <= end) {
                 let (i, j) = (i.min(j), i.max(j));
                 let (Some(a), Some(b)) = (&bodies[i as usize], &bodies[j as usize]) else {
                     continue;
@@ -269,6 +263,14 @@ impl Detector {
                 if !a.dynamic && !b.dynamic {
                     continue;
                 }
+                // Floors and walls meet any number.
+                let of_crowd = a.dynamic && b.dynamic;
+                let margin =
+                    if of_crowd { allowance.margin(reach.margin) } else { Some(reach.margin) };
+                let Some(margin) = margin else {
+                    skipped += 1;
+                    continue;
+                };
                 let sides = [(a, i), (b, j)]
                     .map(|(body, i)| RigidSide { body, placed: &placed[i as usize] });
                 let near = |of: RigidSide, other: RigidSide| {
@@ -284,7 +286,9 @@ impl Detector {
                     continue;
                 };
                 out.count_pair();
-                allowance.spend();
+                if of_crowd {
+                    allowance.spend();
+                }
                 rigid_pair::find(sides[0], sides[1], reach, manifold);
                 for p in manifold.points() {
                     let site = |i: u32| Site::Rigid {
@@ -303,6 +307,7 @@ impl Detector {
                 }
             }
         }
+        out.count_dropped(skipped);
         out.sort_by_key(|c| (rigid_index(&c.a), rigid_index(&c.b), c.key));
     }
 

@@ -38,6 +38,31 @@ const ALTERNATIONS: usize = 4;
 /// Bisections and Newton steps that find the impulse on the rim of the friction disc.
 const RIM_STEPS: usize = 30;
 
+/// Responses are rounded to single precision: a pivot below ten times that, of the trace, may be none.
+const PIVOT_LEAST: f64 = 10.0 * f32::EPSILON as f64;
+
+/// Whether a symmetric response is positive definite beyond its round-off, by elimination with the largest
+/// pivot first.
+fn is_definite(W: &Mat3) -> bool {
+    let least = PIVOT_LEAST * W.trace();
+    let mut m = *W;
+    for k in 0..3 {
+        let largest = (k..3).fold(k, |best, i| if m[(i, i)] > m[(best, best)] { i } else { best });
+        m.swap_rows(k, largest);
+        m.swap_columns(k, largest);
+        if m[(k, k)].is_nan() || m[(k, k)] <= least {
+            return false;
+        }
+        for i in k + 1..3 {
+            let part = m[(i, k)] / m[(k, k)];
+            for j in k + 1..3 {
+                m[(i, j)] -= part * m[(k, j)];
+            }
+        }
+    }
+    true
+}
+
 /// Whether neither side can move along the normal.
 pub(super) fn is_immovable(W: &Mat3) -> bool {
     W.m11.is_nan() || W.m11 <= IMMOVABLE * W.trace()
@@ -90,6 +115,8 @@ pub struct Response {
     pub W: Mat3,
     /// Its inverse, where it has one.
     pub inverse: Option<Mat3>,
+    /// Surely positive definite.
+    definite: bool,
     /// Eigenvalues of its tangential part, the larger first.
     high: f64,
     low: f64,
@@ -105,7 +132,7 @@ impl Response {
         let spread = half.hypot(W.m23);
         let (sin, cos) = (0.5 * W.m23.atan2(half)).sin_cos();
         let (high, low) = (mean + spread, (mean - spread).max(0.0));
-        Self { W: *W, inverse: W.try_inverse(), high, low, cos, sin }
+        Self { W: *W, inverse: W.try_inverse(), definite: is_definite(W), high, low, cos, sin }
     }
 
     /// The impulse λ so that `d = b + W λ` obeys the contact law: `0 ≤ λ_n ⊥ d_n ≥ 0`,
@@ -129,8 +156,10 @@ impl Response {
             if stick.x >= 0.0 && stick.y * stick.y + stick.z * stick.z <= bound * bound {
                 return stick;
             }
+        }
+        if self.definite && friction > 0.0 {
             let sliding = Sliding::new(W, (*b).into(), friction);
-            if let Some(lambda) = sliding.impulse([start.y, start.z]).filter(|_| friction > 0.0) {
+            if let Some(lambda) = sliding.impulse([start.y, start.z]) {
                 return lambda.into();
             }
         }

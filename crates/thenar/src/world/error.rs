@@ -83,7 +83,7 @@ pub enum ModelError {
     },
     /// Joints hold more together than the exact solver can take.
     #[error(
-        "{thing} and what joints hold to it have {freedoms} freedoms, more than {most}: the exact solver takes the \
+        "{thing} and what joints hold to it have up to {freedoms} freedoms, more than {most}: the exact solver takes the \
          cube of them in time; the two-step solver takes any number (solver.kind = \"two-step\")"
     )]
     ManyFreedoms {

@@ -24,7 +24,7 @@ pub enum ReplayError {
     #[error("the recording needs {}, which is missing or not as it was", .0.display())]
     NotThere(PathBuf),
     /// A replay was to begin where there is nothing any more.
-    #[error("nothing is left to replay from {from} s on: the recording ends at {end:.3} s")]
+    #[error("nothing is left to replay from {from} s on: the recording ends at {:.3} s", (.end * 1e3).floor() * 1e-3)]
     Beyond {
         /// Beginning that was asked for \[s\].
         from: String,

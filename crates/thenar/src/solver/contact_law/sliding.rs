@@ -11,8 +11,8 @@
 //! so that `v = δ d_t = δ b_t - b_n (w + μ T e)` must be opposite to e. What of it is across e is a trigonometric
 //! polynomial of degree two in the angle of e, equivalent to the quartic of Bonnefon and Daviet, *Quartic
 //! formulation of Coulomb 3D frictional contact* (2011). For a positive definite response it has a root that obeys
-//! the law wherever the contact neither opens nor sticks. On a long lever there may be others: the one next to
-//! where friction points already is taken.
+//! the law wherever the contact neither opens nor sticks. On a long lever there may be others: Newton's method
+//! from where friction points already finds one near it, or else the nearest is taken.
 
 use crate::math::Mat3;
 
@@ -20,6 +20,11 @@ use crate::math::Mat3;
 const STEPS: usize = 8;
 /// A step as small as this [rad] has arrived.
 const ARRIVED: f64 = 1e-13;
+/// A response along the normal below this part of the frictionless one is none: the impulse would run away.
+const DENOMINATOR_LEAST: f64 = 1e-6;
+/// Each half of the circle is searched a little beyond its ends, where round-off may give the same value either
+/// sign.
+const END: f64 = 1.0 + 1e-6;
 /// Bisections that find a root to the last bit of a number.
 const BISECTIONS: usize = 52;
 
@@ -88,7 +93,7 @@ impl Sliding {
         let [bn, b1, b2] = self.b;
         let across_w = self.w[0] * e[0] + self.w[1] * e[1];
         let along = delta * (b1 * e[0] + b2 * e[1]) - bn * (across_w + self.friction * pull);
-        delta > 0.0 && along <= 0.0
+        delta > DENOMINATOR_LEAST * self.normal && along <= 0.0
     }
 
     fn newton(&self, start: [f64; 2]) -> Option<[f64; 2]> {
@@ -128,7 +133,7 @@ impl Sliding {
     }
 }
 
-/// The roots of a quartic `Σ c_k u^k` at which it changes its sign between -1 and 1, and how many. Between
+/// The roots of a quartic `Σ c_k u^k` at which it changes its sign between -[`END`] and [`END`], and how many. Between
 /// neighbouring roots of its derivative a polynomial has one at most, so roots are found from the last
 /// derivative up.
 fn roots(c: &[f64; 5]) -> ([f64; 4], usize) {
@@ -143,9 +148,9 @@ fn roots(c: &[f64; 5]) -> ([f64; 4], usize) {
         let value = |u: f64| derived.iter().rev().fold(0.0, |sum, c| sum * u + c);
         let (turns, turned) = (found, count);
         count = 0;
-        let mut low = -1.0;
+        let mut low = -END;
         for k in 0..=turned {
-            let end = if k < turned { turns[k] } else { 1.0 };
+            let end = if k < turned { turns[k] } else { END };
             let positive = value(low) > 0.0;
             if positive != (value(end) > 0.0) {
                 let (mut from, mut to) = (low, end);
