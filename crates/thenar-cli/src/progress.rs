@@ -15,7 +15,7 @@ pub struct Meter {
     /// The bar says which step it is.
     names_steps: bool,
     bar: Option<ProgressBar>,
-    /// What is done, and the steps made, for the lines that a ticker prints: one step may take long.
+    /// Work done and steps made, for the lines that a ticker prints: one step may take long.
     now: Arc<[AtomicU64; 2]>,
     _lines: Option<Ticker>,
 }

@@ -113,7 +113,7 @@ mod tests {
         Progress { stage: "laying", work, done }
     }
 
-    /// What is told in a number of tenths of a second, and in which of them.
+    /// Lines told in a number of tenths of a second, and in which of them.
     fn told(tenths: u64, hear: impl Fn(u64) -> Option<Progress>) -> Vec<(u64, String)> {
         let begin = Instant::now();
         let mut teller = Teller::new(false, begin);

@@ -5,7 +5,7 @@ use super::nesting::depths;
 use crate::work::phase;
 use crate::{RigError, TriMesh};
 
-/// What [`TriMesh::orient`] changed.
+/// Changes that [`TriMesh::orient`] made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Orientation {
     /// Triangles turned to agree with their neighbours or to face outward.

@@ -10,7 +10,7 @@
 /// Pairs of rigid bodies that are looked at per body: four times 7.47, and a bit.
 pub(crate) const PAIRS_PER_BODY: usize = 32;
 
-/// What one search may still look at.
+/// Pairs that one search may still look at.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Allowance {
     all: usize,

@@ -35,7 +35,7 @@ pub(super) struct Sliding {
     tangents: [f64; 3],
     b: [f64; 3],
     friction: f64,
-    /// What of v is across e: `k + a·(cos, sin)(θ) + c·(cos, sin)(2θ)`.
+    /// The part of v across e: `k + a·(cos, sin)(θ) + c·(cos, sin)(2θ)`.
     constant: f64,
     single: [f64; 2],
     double: [f64; 2],
@@ -72,7 +72,7 @@ impl Sliding {
         Some([normal, rim * e[0], rim * e[1]])
     }
 
-    /// What of v is across e, and its derivative by the angle.
+    /// The part of v across e, and its derivative by the angle.
     fn across(&self, e: [f64; 2]) -> (f64, f64) {
         let [c, s] = e;
         let (c2, s2) = (c * c - s * s, 2.0 * s * c);

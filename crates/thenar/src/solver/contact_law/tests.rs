@@ -105,7 +105,7 @@ fn lever(random: &mut Random) -> Mat3 {
         + arm.transpose() * turn * Mat3::from_diagonal(&inertia) * turn.transpose() * arm
 }
 
-/// Whatever a body's shape, one visit gives what the law asks for: the quartic in the direction of sliding has
+/// One visit gives what the law asks for on a body of any shape: the quartic in the direction of sliding has
 /// a root that does (an impulse exists for every response that is positive definite).
 #[test]
 fn one_visit_obeys_the_law_on_any_lever() {

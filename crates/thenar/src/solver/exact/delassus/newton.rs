@@ -178,8 +178,8 @@ impl Delassus {
             .sum()
     }
 
-    /// One step, or as much of it as brings the law nearer, or `across` of it; returns the most that all of it would change a
-    /// contact's velocity \[m/s\].
+    /// Makes a step, or as much of it as brings the law nearer, or `across` of it; returns the most that all of it
+    /// would change a contact's velocity \[m/s\].
     #[inline(always)]
     fn newton_step<S: Simd>(
         &mut self,
