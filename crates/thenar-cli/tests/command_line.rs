@@ -64,6 +64,7 @@ fn a_run_reports_every_promised_figure() {
         "/nodes",
         "/contacts_max",
         "/contacts_dropped_max",
+        "/divided",
         "/max_joint_gap_m",
         "/max_penetration_m",
         "/inverted_tets_max",
@@ -89,7 +90,7 @@ fn a_run_reports_every_promised_figure() {
     for key in ["scene", "solver", "state_hash"] {
         assert!(report[key].is_string(), "{key}");
     }
-    assert_eq!(report["report_version"], 3);
+    assert_eq!(report["report_version"], 4);
     assert_eq!(report["scene"], "soft-cube");
     assert_eq!(report["steps"], 150);
     assert_eq!(report["tets"], 320);

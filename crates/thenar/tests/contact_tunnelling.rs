@@ -55,9 +55,9 @@ fn rigid_bodies_stay_on_their_side() {
                     let y = world.rigid_pose(id).position.y;
                     assert!(y > 0.004, "{shape:?} h {h} k {k}: y {y}");
                 }
-                // A millimetre at 60 Hz: turning is not anticipated beyond first order, and what it makes is
-                // undone in some steps.
-                assert!(deepest < 0.06 * h, "{shape:?} h {h} k {k}: {deepest} m deep");
+                // Turning is not anticipated beyond first order; a step that ends deeper than half the contact
+                // margin is made in parts.
+                assert!(deepest < 0.5e-3, "{shape:?} h {h} k {k}: {deepest} m deep");
             }
         }
     }

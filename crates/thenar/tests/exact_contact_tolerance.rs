@@ -140,6 +140,8 @@ fn exact(world: &World, tolerance: f64, sweeps_max: u32) -> World {
     settings.kind = SolverKind::Exact;
     settings.velocity_tolerance = tolerance;
     settings.contact_sweeps_max = sweeps_max;
+    // A miss is to be seen, not mended.
+    settings.step_halvings_max = 0;
     world.set_solver_settings(settings);
     world
 }

@@ -8,8 +8,8 @@ use thenar::model::{Digit, SolverKind, SolverSettings};
 use thenar_scene::session::{HandLoad, Session, StartOverlap, Summary};
 
 /// Version of the report. 2: each finger's mean pressure, and what overlaps at the start. 3: contacts
-/// left out. What an earlier version gave is there under the same keys.
-const REPORT_VERSION: u32 = 3;
+/// left out. 4: steps made in parts. What an earlier version gave is there under the same keys.
+const REPORT_VERSION: u32 = 4;
 
 /// The report as JSON. Units are part of the keys: `_s`, `_us`, `_m`, `_j`, `_n`, `_m2`, `_pa`.
 pub fn report(session: &Session, outcome: &Outcome) -> Value {
@@ -51,6 +51,7 @@ pub fn report(session: &Session, outcome: &Outcome) -> Value {
         "inverted_tets_max": s.inverted_tets_max,
         "non_finite": s.non_finite,
         "fell_back": s.fell_back,
+        "divided": s.divided,
         "contact_unconverged": s.contact_unconverged,
         "contact_residual_max": s.contact_residual_max,
         "energy_j": {
@@ -186,6 +187,9 @@ pub fn print(session: &Session, outcome: &Outcome) {
     }
     if s.fell_back > 0 {
         println!("  {} steps did not converge and were made safely instead", s.fell_back);
+    }
+    if s.divided > 0 {
+        println!("  {} steps were made in parts: contact changed too much within them", s.divided);
     }
     if s.contact_unconverged > 0 {
         println!("  {}", missed(s, session.steps(), &world.desc().solver));

@@ -42,6 +42,7 @@ pub fn settings(table: Option<&SolverTable>) -> SolverSettings {
     set(&mut s.contact_sweeps_max, t.contact_sweeps_max);
     set(&mut s.contact_inner_passes, t.contact_inner_passes);
     set(&mut s.contact_margin, t.contact_margin);
+    set(&mut s.step_halvings_max, t.step_halvings_max);
     s
 }
 

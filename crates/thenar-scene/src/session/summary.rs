@@ -20,6 +20,8 @@ pub struct Summary {
     pub non_finite: u64,
     /// Steps that the chosen solver could not make, and that were made safely instead.
     pub fell_back: u64,
+    /// Steps that were made in parts: see [`StepReport::parts`](thenar::world::StepReport).
+    pub divided: u64,
     /// Steps whose contact missed the accuracy asked for.
     pub contact_unconverged: u64,
     /// Largest violation of the contact law \[m/s\].
@@ -60,6 +62,7 @@ impl Summary {
         self.inverted_tets_max = self.inverted_tets_max.max(r.inverted_tets);
         self.non_finite += u64::from(r.non_finite);
         self.fell_back += u64::from(r.fell_back);
+        self.divided += u64::from(r.parts > 1);
         self.contact_unconverged += u64::from(r.contact_unconverged);
         self.contact_residual_max = self.contact_residual_max.max(r.contact_residual);
         self.cg_iterations_max = self.cg_iterations_max.max(r.cg_iterations);

@@ -64,6 +64,8 @@ impl Range {
     pub const TOLERANCE: &'static Range = &closed(1e-16, 1.0);
     /// A number of iterations.
     pub const ITERATIONS: &'static Range = &closed(1.0, 1e6);
+    /// How often a step is halved.
+    pub const HALVINGS: &'static Range = &closed(0.0, 10.0);
     /// Cells along one edge.
     pub const CELLS: &'static Range = &closed(1.0, 400.0);
     /// A number of tetrahedra asked for.

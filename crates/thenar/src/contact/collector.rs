@@ -9,6 +9,28 @@ pub(crate) struct Collector<'a> {
     found: Found,
     /// Since it was full the contacts are a heap, the shallowest first, until they are put in order.
     heaped: bool,
+    /// What is no deeper than this on one of its bodies is not measured \[m\].
+    known: Known<'a>,
+}
+
+/// How deep each body is known to be in others \[m\].
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Known<'a> {
+    pub rigids: &'a [f64],
+    pub softs: &'a [f64],
+}
+
+impl Known<'_> {
+    /// A pair is known to be at most as deep as the one of its bodies that is less so; zero for bodies of which
+    /// nothing is known.
+    fn of(&self, contact: &Contact) -> f64 {
+        let of = |site: &Site| match site {
+            Site::Rigid { body, .. } => self.rigids.get(*body as usize),
+            Site::Soft(point) => self.softs.get(point.soft as usize),
+        };
+        let [a, b] = [&contact.a, &contact.b].map(|site| of(site).copied().unwrap_or(0.0));
+        a.min(b)
+    }
 }
 
 impl<'a> Collector<'a> {
@@ -16,17 +38,20 @@ impl<'a> Collector<'a> {
     pub fn into(out: &'a mut Vec<Contact>, capacity: usize) -> Self {
         out.clear();
         out.reserve(capacity);
-        Self { out: Some(out), capacity, found: Found::default(), heaped: false }
+        let known = Known::default();
+        Self { out: Some(out), capacity, found: Found::default(), heaped: false, known }
     }
 
-    /// Only measures.
-    pub fn measuring() -> Self {
-        Self { out: None, capacity: 0, found: Found::default(), heaped: false }
+    /// Only measures, and only what is deeper than known.
+    pub fn measuring(known: Known<'a>) -> Self {
+        Self { out: None, capacity: 0, found: Found::default(), heaped: false, known }
     }
 
     /// Takes one contact.
     pub fn push(&mut self, contact: Contact) {
-        self.found.penetration = self.found.penetration.max(-contact.gap);
+        if -contact.gap > self.known.of(&contact) {
+            self.found.penetration = self.found.penetration.max(-contact.gap);
+        }
         let Some(out) = &mut self.out else { return };
         if out.len() < self.capacity {
             out.push(contact);

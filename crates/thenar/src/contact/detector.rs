@@ -3,7 +3,7 @@
 use crate::contact::aabb::Aabb;
 use crate::contact::apart::{Apart, Regions};
 use crate::contact::area::{self, AreaScratch, Skin};
-use crate::contact::collector::{Collector, feature_key};
+use crate::contact::collector::{Collector, Known, feature_key};
 use crate::contact::crowd::Allowance;
 use crate::contact::manifold::{DELIVERED_MAX, Manifold};
 use crate::contact::pairs::PairTable;
@@ -162,6 +162,11 @@ impl Detector {
         collector.finish()
     }
 
+    /// How far a rigid body's shape reaches from its centre of mass \[m\]; zero without one, and for a half-space.
+    pub(crate) fn radius(&self, rigid: usize) -> f64 {
+        self.bodies[rigid].as_ref().map_or(0.0, |body| body.radius)
+    }
+
     /// Most sides worth keeping: a vertex is rarely near more than four bodies.
     pub fn sides_max(&self) -> usize {
         4 * self.surfaces.iter().map(Surface::vertex_count).sum::<usize>()
@@ -174,7 +179,18 @@ impl Detector {
         surfaces: SurfaceState<'_>,
         before: &Sides,
     ) -> f64 {
-        let mut collector = Collector::measuring();
+        self.deepening(rigids, surfaces, before, Known::default())
+    }
+
+    /// Deepest penetration \[m\] of those that are deeper than is known of their bodies; zero when none is.
+    pub(crate) fn deepening(
+        &mut self,
+        rigids: &[RigidPlace],
+        surfaces: SurfaceState<'_>,
+        before: &Sides,
+        known: Known<'_>,
+    ) -> f64 {
+        let mut collector = Collector::measuring(known);
         let mut sight = Sight { before, now: None };
         self.search(Reach { h: 0.0, margin: 0.0 }, rigids, surfaces, &mut sight, &mut collector);
         collector.finish().penetration

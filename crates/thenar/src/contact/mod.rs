@@ -67,6 +67,7 @@ mod triangle;
 #[cfg(test)]
 mod truth_tests;
 
+pub(crate) use collector::Known;
 pub use contact_point::{Contact, Found, RigidPlace, Site, SurfacePoint, SurfaceState};
 pub use detector::Detector;
 pub use distance::Distance;

@@ -113,6 +113,9 @@ pub struct SolverSettings {
     pub limits: Limits,
     /// Points nearer than this become constraints, before they touch \[m\]; motion adds to it.
     pub contact_margin: f64,
+    /// A step that contact does not carry through (it ends in an overlap of half the margin, or is off by
+    /// a hundred tolerances) is made in halves, and these again, so many times at most: see `World::step`.
+    pub step_halvings_max: u32,
 }
 
 impl Default for SolverSettings {
@@ -130,6 +133,7 @@ impl Default for SolverSettings {
             cone: Cone::Circular,
             limits: Limits::Rows,
             contact_margin: 1e-3,
+            step_halvings_max: 3,
         }
     }
 }

@@ -11,6 +11,7 @@ use crate::model::{FleshInStep1, Limits, WorldDesc};
 use crate::skeleton::{JointFrames, axis_states, joint_block, linearise_drive, spring_torque};
 use crate::world::Input;
 use crate::world::model::Model;
+use crate::world::parts::Part;
 use crate::world::state::{Scratch, State};
 
 /// The two frames of a joint at this state.
@@ -33,9 +34,10 @@ pub fn skeleton(
     limits: Limits,
     state: &mut State,
     input: &Input,
-    h: f64,
+    part: Part,
     scratch: &mut Scratch,
 ) {
+    let h = part.h;
     scratch.b.fill(Vec3::zeros());
     scratch.bones.clear();
     for b in 0..model.rigids.len() {
@@ -43,10 +45,11 @@ pub fn skeleton(
             add_inertia(model, state, input, b, h, scratch);
             // A target that is not finite pulls nowhere: a tracker's bad sample lets go for a step.
             if let (Some(drive), Some(target)) = (&desc.drives[b], input.target(b)) {
-                let (diagonal, rhs) = linearise_drive(drive, target, &state.poses_WB[b], h);
-                for part in 0..2 {
-                    add_to_body(scratch, b, part, &Mat3::from_diagonal_element(diagonal[part]));
-                    scratch.b[2 * b + part] += rhs[part];
+                let target = target.earlier(part.left);
+                let (diagonal, rhs) = linearise_drive(drive, &target, &state.poses_WB[b], h);
+                for i in 0..2 {
+                    add_to_body(scratch, b, i, &Mat3::from_diagonal_element(diagonal[i]));
+                    scratch.b[2 * b + i] += rhs[i];
                 }
             }
         } else {

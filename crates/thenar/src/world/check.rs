@@ -5,7 +5,7 @@ use crate::math::Mat3;
 use crate::model::{
     BodyId, BodyParts, FrictionTable, JointDesc, Motion, RigidDesc, SoftDesc, WorldDesc,
 };
-use crate::world::{ModelError, freedoms};
+use crate::world::{HALVINGS_MAX, ModelError, freedoms};
 
 /// Gravity stays below this along each axis \[m/s²\].
 pub const GRAVITY_MAX: f64 = 1e4;
@@ -121,7 +121,8 @@ fn settings(desc: &WorldDesc) -> Result<(), ModelError> {
     ] {
         number("solver", what, "at least 1", f64::from(value), |x| x >= 1.0)?;
     }
-    Ok(())
+    let halvings = f64::from(s.step_halvings_max);
+    number("solver", "step_halvings_max", "at most 10", halvings, |x| x <= f64::from(HALVINGS_MAX))
 }
 
 fn check_rigid(rigid: &RigidDesc) -> Result<(), ModelError> {

@@ -12,6 +12,7 @@ use crate::math::{Mat3, Vec3};
 use crate::model::{Drive, Limits, WorldDesc};
 use crate::solver::TURN_LEVER;
 use crate::solver::exact::{Accuracy, Answer, Exact, PRESSING_MAX, StepSystem};
+use crate::world::parts::Part;
 use crate::world::scheme::Solver;
 use crate::world::state::{Scratch, State};
 use crate::world::{Input, Model, World, assemble, exact};
@@ -48,7 +49,8 @@ impl World {
         }
         let Self { desc, model, state, scratch, solver, time_step: h, .. } = self;
         let Solver::Exact(exact) = solver else { return false };
-        let mut rest = Rest { desc, model, state, scratch, input, h: *h };
+        let part = scratch.part_length;
+        let mut rest = Rest { desc, model, state, scratch, input, h: *h, part };
         rest.choose(to.response.contacts_max());
         rest.assemble(exact);
         for b in bones.clone() {
@@ -84,7 +86,7 @@ impl World {
         }
         let contacts = chosen.iter().map(|&i| {
             let (i, row) = (i as usize, &rows.rows[i as usize]);
-            let force = row.lambda / *h;
+            let force = row.lambda / part;
             // What bears force touches, though the solver left a trace of a gap.
             let gap = if force.x > 0.0 { 0.0 } else { gaps[i].max(0.0) };
             let moves = row.frame * rows.relative_velocity(row, motion) * REST;
@@ -110,13 +112,15 @@ struct Rest<'a> {
     input: &'a Input,
     /// Time step of the simulation \[s\].
     h: f64,
+    /// Length of the part of the step that contacts are of \[s\].
+    part: f64,
 }
 
 impl Rest<'_> {
     /// Lists the contacts and joint limits of the last step by what they matter, at most so many:
     /// those that bear force, then the nearest.
     fn choose(&mut self, most: usize) {
-        let Self { desc, state, scratch, h, .. } = self;
+        let Self { desc, state, scratch, part, .. } = self;
         scratch.chosen.clear();
         scratch.gaps.clear();
         scratch.gaps.extend(scratch.found.iter().map(|contact| contact.gap));
@@ -127,7 +131,7 @@ impl Rest<'_> {
         let push = pushes.then_some(&*push);
         for (gap, row) in gaps.iter_mut().zip(&rows.rows) {
             let pushed = push.map_or(Vec3::zeros(), |push| rows.relative_velocity(row, push));
-            *gap += *h * (row.frame * (rows.relative_velocity(row, &state.v) + pushed)).x;
+            *gap += *part * (row.frame * (rows.relative_velocity(row, &state.v) + pushed)).x;
         }
         chosen.extend(0..gaps.len().min(rows.rows.len()) as u32);
         let by_weight = |&i: &u32, &j: &u32| -> Ordering {
@@ -144,16 +148,17 @@ impl Rest<'_> {
         let Self { desc, model, state, scratch, input, .. } = self;
         scratch.before.v.copy_from_slice(&state.v);
         exact::clear(exact, scratch);
-        assemble::skeleton(desc, model, desc.solver.limits, state, input, REST, scratch);
+        let rest = Part { h: REST, left: 0.0 };
+        assemble::skeleton(desc, model, desc.solver.limits, state, input, rest, scratch);
         exact::couple(exact, model, state, REST);
         assemble::flesh(model, state, input, REST, scratch);
         // Prescribed bodies were given this input's velocities.
         state.v.copy_from_slice(&scratch.before.v);
         self.hold_targets();
         self.add_objects();
-        let Self { scratch: Scratch { b, rows, .. }, h, .. } = self;
+        let Self { scratch: Scratch { b, rows, .. }, part, .. } = self;
         for row in rows.rows.iter().filter(|row| row.lambda != Vec3::zeros()) {
-            let impulse = row.frame.tr_mul(&row.lambda) * (REST / *h);
+            let impulse = row.frame.tr_mul(&row.lambda) * (REST / *part);
             rows.scatter(row, &impulse, b);
         }
     }
@@ -170,7 +175,7 @@ impl Rest<'_> {
 
     /// What hangs on no drive and no bones moves by `h v + h² f/m` in a time step of h.
     fn add_objects(&mut self) {
-        let Self { desc, model, state, scratch, input, h } = self;
+        let Self { desc, model, state, scratch, input, h, .. } = self;
         let steps = REST / *h;
         let Scratch { A, b: rhs, .. } = &mut **scratch;
         for (b, body) in model.rigids.iter().enumerate() {

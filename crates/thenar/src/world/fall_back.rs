@@ -54,6 +54,7 @@ fn begin_again(failure: Failure, step: &mut Step<'_>, report: &mut StepReport) {
     advance::take_velocities_back(step.state, &step.scratch.before);
     *report = StepReport {
         bad_targets: report.bad_targets,
+        parts: report.parts,
         failure: Some(failure),
         fell_back: true,
         ..StepReport::default()

@@ -1,6 +1,6 @@
 //! What goes into a step and what comes out.
 
-use crate::math::{Pose, Vec3};
+use crate::math::{Pose, Quat, Vec3};
 use crate::model::BodyId;
 use crate::solver::Failure;
 
@@ -16,6 +16,17 @@ pub struct Target {
 }
 
 impl Target {
+    /// Where the target was so much earlier \[s\], by its velocities.
+    pub(super) fn earlier(&self, time: f64) -> Self {
+        if time == 0.0 {
+            return *self;
+        }
+        let turn = Quat::from_scaled_axis(self.angular_velocity_W * -time);
+        let rotation = Quat::new_normalize((turn * self.pose_WB.rotation).into_inner());
+        let position = self.pose_WB.position - self.velocity_W * time;
+        Self { pose_WB: Pose { position, rotation }, ..*self }
+    }
+
     /// True when every number is finite.
     pub fn is_finite(&self) -> bool {
         let rates = self.velocity_W.iter().chain(self.angular_velocity_W.iter());
@@ -143,6 +154,9 @@ pub struct StepReport {
     pub cg_iterations: u32,
     /// Relative residual they reached; with the exact solver the estimated velocity error \[m/s\].
     pub cg_residual: f64,
+    /// Parts in which the step was made: 1 unless contact did not carry it through. Figures below are the
+    /// largest of any part, iterations and sweeps their sums.
+    pub parts: u32,
     /// Outer sweeps of the contact solver.
     pub contact_sweeps: u32,
     /// Relative residual they reached; with the exact solver the estimated velocity error that
@@ -159,7 +173,7 @@ pub struct StepReport {
     pub contacts_dropped: u32,
     /// Joint limits that bear load (0 where limits are springs).
     pub limits_active: u32,
-    /// Deepest penetration at the end of the step \[m\].
+    /// Deepest penetration at the end of the step, or of a part of it \[m\]: where little has moved, to first order.
     pub penetration_max: f64,
     /// Largest distance between the two sides of a joint \[m\].
     pub joint_gap_max: f64,

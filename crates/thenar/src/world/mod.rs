@@ -20,6 +20,7 @@ mod kinematic_advance;
 mod limits;
 mod model;
 mod overlap;
+mod parts;
 mod push_out;
 mod reference;
 mod response;
@@ -38,6 +39,7 @@ pub use error::ModelError;
 pub use io::{ContactPoint, Energy, Input, Stage, StageTimer, StepReport, Target};
 pub use model::Model;
 pub use overlap::Overlap;
+pub use parts::HALVINGS_MAX;
 pub use state::State;
 
 use crate::contact::{Contact, Detector, RigidPlace, Sides};
@@ -46,6 +48,7 @@ use crate::math::{Pose, Vec3};
 use crate::model::{SolverKind, SolverSettings, WorldDesc};
 use crate::skeleton::axis_states;
 use check::is_time_step;
+use parts::{Part, Parts};
 use scheme::Solver;
 use state::Scratch;
 use std::ops::Range;
@@ -87,26 +90,31 @@ impl World {
         Ok(world)
     }
 
-    /// Moves the world forward by one time step: the paper's Sec. 4. Allocates nothing (with the
-    /// dense reference solver it does; a clone fills its work space in its first steps).
+    /// Moves the world forward by one time step: the paper's Sec. 4. A step that contact does not carry
+    /// through is made in parts (`SolverSettings::step_halvings_max`); contacts then are those of the last. Allocates
+    /// nothing (with the dense reference solver it does; a clone fills its work space in its first steps).
     ///
     /// # Panics
     /// When a list of `input` is shorter than [`World::input`] makes it.
     pub fn step(&mut self, input: &Input, timer: &mut impl StageTimer) -> StepReport {
-        let mut report = StepReport { bad_targets: input.bad_targets(), ..StepReport::default() };
-        self.scratch.remember(&self.state);
-        self.scratch.islands.release();
-        let sound = self.attempt(input, timer, &mut report)
-            || self.step_without_what_fails(input, timer, &mut report);
-        let Self { model, state, scratch, .. } = self;
-        if sound {
-            std::mem::swap(&mut state.sides, &mut scratch.sides);
-        } else {
-            advance::take_back(state, &scratch.before);
-            scratch.forget_contacts();
-            (report.non_finite, report.taken_back) = (true, true);
-            report.failure.get_or_insert(Failure::NotFinite);
+        let mut report = StepReport::default();
+        let mut parts = Parts::whole(self.time_step, self.desc.solver.step_halvings_max);
+        let mut length = self.time_step;
+        while let Some(part) = parts.next() {
+            self.remember_for(length, part.h);
+            length = part.h;
+            let mut done = self.make(part, input, timer);
+            if !done.non_finite && !self.was_carried(&mut done) && parts.may_halve() {
+                self.state.go_back(&self.scratch.before);
+                parts.halve();
+                continue;
+            }
+            std::mem::swap(&mut self.state.sides, &mut self.scratch.sides);
+            parts.accept();
+            report = done.after(&report);
         }
+        self.remember_for(length, self.time_step);
+        let Self { model, state, .. } = self;
         (report.joint_gap_max, report.joint_misalignment_max) = advance::joint_errors(model, state);
         self.embed();
         self.measure_areas();
@@ -114,14 +122,35 @@ impl World {
         report
     }
 
+    /// Makes one part of a step, as far as its numbers make sense.
+    fn make(&mut self, part: Part, input: &Input, timer: &mut impl StageTimer) -> StepReport {
+        let bad_targets = input.bad_targets();
+        let mut report = StepReport { bad_targets, parts: 1, ..StepReport::default() };
+        self.scratch.part_length = part.h;
+        self.scratch.remember(&self.state);
+        self.scratch.islands.release();
+        let sound = self.attempt(part, input, timer, &mut report)
+            || self.step_without_what_fails(part, input, timer, &mut report);
+        if !sound {
+            let Self { state, scratch, .. } = self;
+            advance::take_back(state, &scratch.before);
+            scratch.sides.copy_from(&state.sides);
+            scratch.forget_contacts();
+            (report.non_finite, report.taken_back) = (true, true);
+            report.failure.get_or_insert(Failure::NotFinite);
+        }
+        report
+    }
+
     /// Finds velocities and moves by them; false when the state makes no sense afterwards.
     fn attempt(
         &mut self,
+        part: Part,
         input: &Input,
         timer: &mut impl StageTimer,
         report: &mut StepReport,
     ) -> bool {
-        let found = self.find_velocities(input, timer, report);
+        let found = self.find_velocities(part, input, timer, report);
         if let Err(failure) = found {
             report.failure.get_or_insert(failure);
         } else {
@@ -129,9 +158,9 @@ impl World {
         }
 
         timer.begin(Some(Stage::Embed));
-        let Self { model, state, scratch, solver, time_step: h, .. } = self;
+        let Self { model, state, scratch, solver, .. } = self;
         let push = std::mem::take(&mut scratch.push);
-        advance::advance(solver, model, state, scratch.pushes.then_some(&push), *h, scratch);
+        advance::advance(solver, model, state, scratch.pushes.then_some(&push), part.h, scratch);
         scratch.push = push;
         found.is_ok() && state.is_sound()
     }

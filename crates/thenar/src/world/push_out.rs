@@ -22,7 +22,7 @@ pub fn speed_max(settings: &SolverSettings) -> f64 {
 }
 
 /// The contact margin \[m\], that of the default where there is none.
-fn margin(settings: &SolverSettings) -> f64 {
+pub fn margin(settings: &SolverSettings) -> f64 {
     let margin = settings.contact_margin;
     if margin > 0.0 { margin } else { SolverSettings::default().contact_margin }
 }

@@ -2,6 +2,7 @@
 
 use crate::math::Vec3;
 use crate::solver::Failure;
+use crate::world::parts::Part;
 use crate::world::state::{is_sound_pose, is_sound_position, is_sound_velocity};
 use crate::world::{Input, StageTimer, StepReport, World, advance};
 
@@ -11,6 +12,7 @@ impl World {
     /// help.
     pub(super) fn step_without_what_fails(
         &mut self,
+        part: Part,
         input: &Input,
         timer: &mut impl StageTimer,
         report: &mut StepReport,
@@ -23,8 +25,9 @@ impl World {
         advance::take_positions_back(state, &scratch.before);
         advance::take_velocities_back(state, &scratch.before);
         let failure = report.failure;
-        *report = StepReport { bad_targets: report.bad_targets, ..StepReport::default() };
-        let sound = self.attempt(input, timer, report);
+        let StepReport { bad_targets, parts, .. } = *report;
+        *report = StepReport { bad_targets, parts, ..StepReport::default() };
+        let sound = self.attempt(part, input, timer, report);
         report.failure = failure.or(report.failure).or(Some(Failure::NotFinite));
         report.non_finite = true;
         sound

@@ -100,7 +100,7 @@ impl State {
     }
 
     /// All but the sides.
-    fn copy_motion(&mut self, other: &Self) {
+    pub(super) fn copy_motion(&mut self, other: &Self) {
         self.time = other.time;
         self.poses_WB.copy_from_slice(&other.poses_WB);
         self.x.copy_from_slice(&other.x);
@@ -236,6 +236,10 @@ pub struct Scratch {
     pub areas: Vec<f64>,
     /// Contacts and limits that touch is told of, by weight.
     pub chosen: Vec<u32>,
+    /// Length of the step, or of that part of it, that contacts and limits are of \[s\].
+    pub part_length: f64,
+    /// How deep each rigid, then each deformable body was in others when the part began \[m\].
+    pub depths: Vec<f64>,
     /// Their gaps at the end of the step \[m\]; before, those of all rows at its start.
     pub gaps: Vec<f64>,
     /// What all rows ask of the pseudo-velocity that undoes overlaps.
@@ -306,6 +310,8 @@ impl Scratch {
             contacts: Vec::with_capacity(contacts_max),
             areas: Vec::with_capacity(contacts_max),
             chosen: Vec::with_capacity(contacts_max + limits::rows_max(model)),
+            part_length: 0.0,
+            depths: vec![0.0; rigids + model.soft_nodes.len()],
             gaps: Vec::with_capacity(contacts_max + limits::rows_max(model)),
             wishes: Vec::with_capacity(contacts_max + limits::rows_max(model)),
             push: vec![Vec3::zeros(); rows],

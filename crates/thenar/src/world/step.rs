@@ -4,6 +4,7 @@ use crate::contact::{Detector, Reach, RigidPlace};
 use crate::model::WorldDesc;
 use crate::solver::Failure;
 use crate::world::model::Model;
+use crate::world::parts::Part;
 use crate::world::scheme::{Scheme, Solver};
 use crate::world::state::{Scratch, State};
 use crate::world::two_step::TwoStep;
@@ -21,23 +22,24 @@ pub struct Step<'a> {
     detector: &'a mut Detector,
     places: &'a mut [RigidPlace],
     input: &'a Input,
-    h: f64,
+    part: Part,
 }
 
 impl World {
-    /// The velocities at the end of the step, by the solver that the settings choose.
+    /// The velocities at the end of a part of the step, by the solver that the settings choose.
     ///
     /// # Errors
     /// No velocities were found that make sense.
     pub(super) fn find_velocities(
         &mut self,
+        part: Part,
         input: &Input,
         timer: &mut impl StageTimer,
         report: &mut StepReport,
     ) -> Result<(), Failure> {
-        let Self { desc, model, state, scratch, detector, places, solver, time_step: h } = self;
+        let Self { desc, model, state, scratch, detector, places, solver, .. } = self;
         let settings = desc.solver;
-        let mut step = Step { desc, model, state, scratch, detector, places, input, h: *h };
+        let mut step = Step { desc, model, state, scratch, detector, places, input, part };
         match solver {
             Solver::Exact(exact) => fall_back::solve(exact, &settings, &mut step, timer, report),
             Solver::TwoStep => {
@@ -62,13 +64,13 @@ impl Step<'_> {
         timer: &mut impl StageTimer,
         report: &mut StepReport,
     ) -> Result<(), Failure> {
-        let Self { desc, model, state, scratch, detector, places, input, h } = self;
-        let h = *h;
+        let Self { desc, model, state, scratch, detector, places, input, part } = self;
+        let h = part.h;
 
         timer.begin(Some(Stage::Skeleton));
         scratch.pushes = false;
         scheme.clear(scratch);
-        assemble::skeleton(desc, model, scheme.limits(), state, input, h, scratch); // A_s, b_s, J_s (4)
+        assemble::skeleton(desc, model, scheme.limits(), state, input, *part, scratch); // A_s, b_s, J_s (4)
         scratch.islands.still(&mut scratch.b);
         scratch.islands.still(&mut state.v);
         limits::list(scheme.limits(), model, scratch);

@@ -1,0 +1,208 @@
+//! A step that contact does not carry through is made in parts.
+//!
+//! Contact of a step is linear: planes where surfaces are met at its start, moved by velocities of its end.
+//! Bodies that turn, or flesh that folds, by more than that within the step end it in an overlap of which no row
+//! spoke. And some steps change so much that the solver does not meet the law of contact. Such a step is
+//! taken back and made in halves, each linear about a start of its own, and these again where need be. After
+//! a part that went well the next is as long as the halving of the step allows, so that what happens once costs
+//! little.
+
+use crate::contact::{Known, Site, SurfaceState};
+use crate::math::Vec3;
+use crate::model::SolverKind;
+use crate::world::state::State;
+use crate::world::{StepReport, World, push_out};
+
+/// Half of what a step looks ahead for: overlaps that begin deeper than this part of the contact margin were not
+/// foreseen.
+const UNFORESEEN: f64 = 0.5;
+/// An error of so many tolerances is no rounding of the answer: at the default tolerance 1 mm/s, which in the longest
+/// usual step of 16.7 ms moves a point by a sixtieth of the contact margin.
+const MISS: f64 = 100.0;
+
+/// Most halvings of a step: a thousandth of it, beyond which rounding of time is seen.
+pub const HALVINGS_MAX: u32 = 10;
+
+/// A part of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Part {
+    /// Its length \[s\].
+    pub h: f64,
+    /// From its end to that of the step \[s\].
+    pub left: f64,
+}
+
+/// The parts of one step, one after the other: counted in units of the shortest.
+#[derive(Clone, Copy, Debug)]
+pub struct Parts {
+    /// The step \[s\].
+    h: f64,
+    units: u32,
+    done: u32,
+    length: u32,
+}
+
+impl Parts {
+    /// One part, the whole step.
+    pub fn whole(h: f64, halvings_max: u32) -> Self {
+        let units = 1 << halvings_max.min(HALVINGS_MAX);
+        Self { h, units, done: 0, length: units }
+    }
+
+    /// The part to be made; `None` when the step is done.
+    pub fn next(&self) -> Option<Part> {
+        let time = |units: u32| self.h * (f64::from(units) / f64::from(self.units));
+        let left = self.units - self.done;
+        (left > 0).then(|| Part { h: time(self.length), left: time(left - self.length) })
+    }
+
+    /// True when the part to be made may be halved.
+    pub fn may_halve(&self) -> bool {
+        self.length > 1
+    }
+
+    /// Makes the part to be made half as long.
+    pub fn halve(&mut self) {
+        self.length /= 2;
+    }
+
+    /// The part is done. The next is twice as long where halving the step has such a part here.
+    pub fn accept(&mut self) {
+        self.done += self.length;
+        if self.done.is_multiple_of(2 * self.length) {
+            self.length = (2 * self.length).min(self.units - self.done);
+        }
+    }
+}
+
+impl World {
+    /// Whether contact carried the part just made through. Looks for overlaps, and reports them, only where
+    /// something was near and has moved far enough to make one.
+    pub(super) fn was_carried(&mut self, report: &mut StepReport) -> bool {
+        let settings = &self.desc.solver;
+        let exact = settings.kind == SolverKind::Exact;
+        let missed = exact && report.contact_residual > MISS * settings.velocity_tolerance;
+        let unforeseen = UNFORESEEN * push_out::margin(settings);
+        // Two bodies come together by the travel of both.
+        if self.scratch.found.is_empty() || 2.0 * self.travel() <= unforeseen {
+            return !missed;
+        }
+        let depth = self.deepening();
+        report.penetration_max = report.penetration_max.max(depth);
+        !missed && depth <= unforeseen
+    }
+
+    /// How far anything has moved since the start of the part \[m\].
+    fn travel(&self) -> f64 {
+        let Self { state, scratch, detector, .. } = self;
+        let before = &scratch.before;
+        let nodes = state.x.iter().zip(&before.x).map(|(x, x0)| (x - x0).norm_squared());
+        let poses = state.poses_WB.iter().zip(&before.poses_WB).enumerate();
+        let bodies = poses.map(|(b, (pose, pose0))| {
+            let turn = pose.rotation.angle_to(&pose0.rotation);
+            (pose.position - pose0.position).norm() + turn * detector.radius(b)
+        });
+        bodies.fold(nodes.fold(0.0, f64::max).sqrt(), f64::max)
+    }
+
+    /// Deepest overlap now \[m\], of pairs that are deeper than their bodies were at the start of the part.
+    fn deepening(&mut self) -> f64 {
+        self.embed();
+        let Self { state, scratch, detector, places, .. } = self;
+        let (rigids, softs) = scratch.depths.split_at_mut(places.len());
+        rigids.fill(0.0);
+        softs.fill(0.0);
+        for contact in &scratch.found {
+            for site in [&contact.a, &contact.b] {
+                let depth = match site {
+                    Site::Rigid { body, .. } => &mut rigids[*body as usize],
+                    Site::Soft(point) => &mut softs[point.soft as usize],
+                };
+                *depth = depth.max(-contact.gap);
+            }
+        }
+        for (place, pose_WB) in places.iter_mut().zip(&state.poses_WB) {
+            place.pose_WB = *pose_WB;
+            place.velocity_W = Vec3::zeros();
+            place.angular_velocity_W = Vec3::zeros();
+        }
+        scratch.vertex_velocities.fill(Vec3::zeros());
+        let surfaces =
+            SurfaceState { positions: &scratch.vertices, velocities: &scratch.vertex_velocities };
+        detector.deepening(places, surfaces, &scratch.sides, Known { rigids, softs })
+    }
+
+    /// What contact and limits remember of the last step, for one of another length.
+    pub(super) fn remember_for(&mut self, h: f64, h_new: f64) {
+        if h != h_new {
+            self.state.scale_impulses(h_new / h);
+        }
+    }
+}
+
+impl State {
+    /// As it was before, but for the sides, which no part changes before it is accepted.
+    pub(super) fn go_back(&mut self, before: &Self) {
+        self.copy_motion(before);
+    }
+}
+
+impl StepReport {
+    /// Of this part and those before it.
+    pub(super) fn after(mut self, parts: &Self) -> Self {
+        self.failure = parts.failure.or(self.failure);
+        self.fell_back |= parts.fell_back;
+        self.cg_iterations += parts.cg_iterations;
+        self.cg_residual = self.cg_residual.max(parts.cg_residual);
+        self.contact_sweeps += parts.contact_sweeps;
+        self.contact_residual = self.contact_residual.max(parts.contact_residual);
+        self.contact_unconverged |= parts.contact_unconverged;
+        self.contacts = self.contacts.max(parts.contacts);
+        self.contacts_active = self.contacts_active.max(parts.contacts_active);
+        self.contacts_dropped = self.contacts_dropped.max(parts.contacts_dropped);
+        self.limits_active = self.limits_active.max(parts.limits_active);
+        self.penetration_max = self.penetration_max.max(parts.penetration_max);
+        self.inverted_tets = self.inverted_tets.max(parts.inverted_tets);
+        self.non_finite |= parts.non_finite;
+        self.taken_back |= parts.taken_back;
+        self.parts += parts.parts;
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The lengths of the parts in eighths when those of these lengths that begin before `bad` go wrong.
+    fn lengths(goes_well: impl Fn(u32, u32) -> bool) -> Vec<u32> {
+        let mut parts = Parts::whole(0.8, 3);
+        let (mut made, mut begin) = (Vec::new(), 0);
+        while let Some(part) = parts.next() {
+            let length = (part.h * 10.0).round() as u32;
+            assert!((part.left - 0.1 * f64::from(8 - begin - length)).abs() < 1e-15);
+            if !goes_well(begin, length) && parts.may_halve() {
+                parts.halve();
+                continue;
+            }
+            parts.accept();
+            made.push(length);
+            begin += length;
+        }
+        assert_eq!(begin, 8);
+        made
+    }
+
+    #[test]
+    fn parts_make_the_step_by_halving_only_where_need_be() {
+        assert_eq!(lengths(|_, _| true), [8]);
+        assert_eq!(lengths(|_, length| length <= 4), [4, 4]);
+        assert_eq!(lengths(|_, _| false), [1; 8]);
+        // What goes wrong at one place costs small parts there alone.
+        let well =
+            |at: u32| move |begin, length| length == 1 || !(begin..begin + length).contains(&at);
+        assert_eq!(lengths(well(0)), [1, 1, 2, 4]);
+        assert_eq!(lengths(well(3)), [2, 1, 1, 2, 2]);
+        assert_eq!(lengths(well(7)), [4, 2, 1, 1]);
+    }
+}
