@@ -350,6 +350,10 @@ impl SoftSoft<'_> {
         if depth < least || (self.apart.is_some() && !self.is_wound(v)) {
             return None;
         }
+        // At the rim of neighbours there is no way back.
+        if self.apart.is_some() && other.goes_on_nearer(&p, t, &nearest) {
+            return None;
+        }
         Some((nearest.point - p, (t, nearest.weights)))
     }
 

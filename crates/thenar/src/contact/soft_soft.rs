@@ -19,6 +19,8 @@ use crate::math::Vec3;
 const NONE: u32 = u32::MAX;
 /// A vertex may have come in by this part of the other surface's mean edge and is led out again.
 const DEPTH: f64 = 0.25;
+/// Squares of distances to one place are equal but for rounding.
+const BY_ROUNDING: f64 = 1.0 - 1e-9;
 /// A vertex touches a triangle only if their normals (cosine) oppose this far: what has come through
 /// to the far side, or meets a surface turned inside out, would be held where it does not belong.
 const FACING: f64 = 0.3;
@@ -33,6 +35,27 @@ pub(crate) struct SoftSide<'a> {
     pub state: SurfaceState<'a>,
     /// Mean velocity.
     pub drift: Vec3,
+}
+
+impl SoftSide<'_> {
+    /// Whether the surface that goes on beyond the nearest place of a triangle comes nearer to `p`: where some
+    /// triangles are left out (neighbours), the nearest of all others may be at the rim of these, whose inside
+    /// says nothing.
+    pub(super) fn goes_on_nearer(&self, p: &Vec3, t: u32, nearest: &Closest) -> bool {
+        let least = nearest.distance_squared * BY_ROUNDING;
+        let is_nearer = |u: u32| {
+            let corners = self.surface.corners(u, self.state.positions);
+            closest_on_triangle(p, &corners).distance_squared < least
+        };
+        match nearest.feature {
+            Feature::Face => false,
+            Feature::Edge(k) => self.surface.across(t, k).is_some_and(is_nearer),
+            Feature::Vertex(k) => {
+                let vertex = self.surface.triangles[t as usize][k];
+                self.surface.around(vertex).iter().copied().any(is_nearer)
+            }
+        }
+    }
 }
 
 /// Two surfaces in one step.
@@ -278,6 +301,9 @@ impl SoftSoft<'_> {
         if gap > self.margin || gap < -self.depth(other) {
             return false;
         }
+        if gap < 0.0 && self.apart.is_some() && other.goes_on_nearer(&p, t, closest) {
+            return false;
+        }
         let own_normal = own.surface.vertex_normal(v, own.state.positions);
         if own_normal.dot(&normal) > FACING * own_normal.norm() {
             return false;
@@ -443,4 +469,35 @@ fn signed(side: &SoftSide, p: &Vec3, t: u32, closest: &Closest) -> Option<(Vec3,
     let gap = closest.distance_squared.sqrt().copysign(to_p.dot(&outward));
     let on_face = closest.feature == Feature::Face || gap.abs() < 1e-9;
     Some((if on_face { outward } else { to_p / gap }, gap))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::tests::{Scene, cube};
+
+    /// A face that is pressed together sideways to a tenth brings parts of it near each other that are no
+    /// neighbours. None of it lies in the other, whether a vertex is a little above or below their plane.
+    #[test]
+    fn what_lies_beside_the_rim_of_its_neighbours_is_not_in_it() {
+        for n in [6, 9, 12] {
+            for height in [-1e-4, -1e-5, 1e-5] {
+                let mut scene = Scene::new();
+                let soft = scene.soft(cube(0.04, n));
+                scene.desc.self_contact.push(soft);
+                let points = &mut scene.surfaces[0].0;
+                for p in points.iter_mut().filter(|p| p.y > 0.0199) {
+                    p.x *= 0.1;
+                    p.z *= 0.1;
+                }
+                let nearest = |p: &&mut Vec3| p.x.abs() + p.z.abs() < 0.5e-3 && p.y > 0.0199;
+                let raised: Vec<_> = points.iter_mut().filter(nearest).collect();
+                assert!(!raised.is_empty());
+                raised.into_iter().for_each(|p| p.y += height);
+                let deep: Vec<f64> =
+                    scene.find(1e-3).iter().map(|c| c.gap).filter(|gap| *gap < -1e-5).collect();
+                assert!(deep.is_empty(), "{n} cells, {height} m: {deep:?}");
+            }
+        }
+    }
 }
