@@ -31,7 +31,7 @@ use std::ops::Range;
 
 pub(super) const NONE: u32 = u32::MAX;
 /// Contacts rest within this part of an edge; what is deeper has got in.
-const ENTERED: f64 = 0.01;
+pub(super) const ENTERED: f64 = 0.01;
 
 /// A vertex has come through its nearest face if the way back goes against its normal within 60°.
 const OPPOSED: f64 = 0.5;

@@ -9,7 +9,7 @@ use crate::contact::collector::{Collector, feature_key};
 use crate::contact::near::Near;
 use crate::contact::ridge::{Crossing, Passing, Ridge, crossing, passing};
 use crate::contact::sides::Sight;
-use crate::contact::soft_deep::DeepScratch;
+use crate::contact::soft_deep::{DeepScratch, ENTERED};
 use crate::contact::soft_rigid::{KEY_CROSSING, KEY_SOFT_SOFT};
 use crate::contact::surface::Surface;
 use crate::contact::triangle::{Closest, Feature, area_vector, closest_on_triangle};
@@ -301,7 +301,10 @@ impl SoftSoft<'_> {
         if gap > self.margin || gap < -self.depth(other) {
             return false;
         }
-        if gap < 0.0 && self.apart.is_some() && other.goes_on_nearer(&p, t, closest) {
+        if self.apart.is_some()
+            && (gap < 0.0 && other.goes_on_nearer(&p, t, closest)
+                || gap < -ENTERED * other.surface.edge_mean && !self.is_wound(v))
+        {
             return false;
         }
         let own_normal = own.surface.vertex_normal(v, own.state.positions);

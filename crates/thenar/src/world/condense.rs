@@ -148,7 +148,7 @@ impl Rest<'_> {
         let Self { desc, model, state, scratch, input, .. } = self;
         scratch.before.v.copy_from_slice(&state.v);
         exact::clear(exact, scratch);
-        let rest = Part { h: REST, left: 0.0 };
+        let rest = Part { h: REST, left: 0.0, reach: 0.0 };
         assemble::skeleton(desc, model, desc.solver.limits, state, input, rest, scratch);
         exact::couple(exact, model, state, REST);
         assemble::flesh(model, state, input, REST, scratch);

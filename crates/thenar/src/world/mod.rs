@@ -104,9 +104,8 @@ impl World {
             self.remember_for(length, part.h);
             length = part.h;
             let mut done = self.make(part, input, timer);
-            if !done.non_finite && !self.was_carried(&mut done) && parts.may_halve() {
+            if !done.non_finite && !self.was_carried(&mut done) && parts.retry(self.travel()) {
                 self.state.go_back(&self.scratch.before);
-                parts.halve();
                 continue;
             }
             std::mem::swap(&mut self.state.sides, &mut self.scratch.sides);

@@ -4,8 +4,8 @@
 //! Bodies that turn, or flesh that folds, by more than that within the step end it in an overlap of which no row
 //! spoke. And some steps change so much that the solver does not meet the law of contact. Such a step is
 //! taken back and made in halves, each linear about a start of its own, and these again where need be. After
-//! a part that went well the next is as long as the halving of the step allows, so that what happens once costs
-//! little.
+//! a part that went well the next is twice as long again where the halving allows, and the shortest is made once more
+//! with contact that looks as far as anything went in it, so that what happens once costs little.
 
 use crate::contact::{Known, Site, SurfaceState};
 use crate::math::Vec3;
@@ -30,6 +30,8 @@ pub struct Part {
     pub h: f64,
     /// From its end to that of the step \[s\].
     pub left: f64,
+    /// Contact looks so far at least \[m\].
+    pub reach: f64,
 }
 
 /// The parts of one step, one after the other: counted in units of the shortest.
@@ -40,35 +42,41 @@ pub struct Parts {
     units: u32,
     done: u32,
     length: u32,
+    reach: f64,
 }
 
 impl Parts {
     /// One part, the whole step.
     pub fn whole(h: f64, halvings_max: u32) -> Self {
         let units = 1 << halvings_max.min(HALVINGS_MAX);
-        Self { h, units, done: 0, length: units }
+        Self { h, units, done: 0, length: units, reach: 0.0 }
     }
 
     /// The part to be made; `None` when the step is done.
     pub fn next(&self) -> Option<Part> {
         let time = |units: u32| self.h * (f64::from(units) / f64::from(self.units));
         let left = self.units - self.done;
-        (left > 0).then(|| Part { h: time(self.length), left: time(left - self.length) })
+        (left > 0).then(|| Part {
+            h: time(self.length),
+            left: time(left - self.length),
+            reach: self.reach,
+        })
     }
 
-    /// True when the part to be made may be halved.
-    pub fn may_halve(&self) -> bool {
-        self.length > 1
-    }
-
-    /// Makes the part to be made half as long.
-    pub fn halve(&mut self) {
-        self.length /= 2;
+    /// Makes the part to be made once more: half as long, or, when that is not to be, with contact that looks as far as
+    /// anything went in the attempt before. False when it was that already.
+    pub fn retry(&mut self, travel: f64) -> bool {
+        if self.length > 1 {
+            self.length /= 2;
+            return true;
+        }
+        std::mem::replace(&mut self.reach, travel) == 0.0 && self.units > 1 && travel > 0.0
     }
 
     /// The part is done. The next is twice as long where halving the step has such a part here.
     pub fn accept(&mut self) {
         self.done += self.length;
+        self.reach = 0.0;
         if self.done.is_multiple_of(2 * self.length) {
             self.length = (2 * self.length).min(self.units - self.done);
         }
@@ -93,7 +101,7 @@ impl World {
     }
 
     /// How far anything has moved since the start of the part \[m\].
-    fn travel(&self) -> f64 {
+    pub(super) fn travel(&self) -> f64 {
         let Self { state, scratch, detector, .. } = self;
         let before = &scratch.before;
         let nodes = state.x.iter().zip(&before.x).map(|(x, x0)| (x - x0).norm_squared());
@@ -181,8 +189,7 @@ mod tests {
         while let Some(part) = parts.next() {
             let length = (part.h * 10.0).round() as u32;
             assert!((part.left - 0.1 * f64::from(8 - begin - length)).abs() < 1e-15);
-            if !goes_well(begin, length) && parts.may_halve() {
-                parts.halve();
+            if !goes_well(begin, length) && parts.retry(0.0) {
                 continue;
             }
             parts.accept();

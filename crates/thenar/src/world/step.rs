@@ -85,7 +85,7 @@ impl Step<'_> {
         state.check()?;
 
         timer.begin(Some(Stage::Detect));
-        let reach = Reach { h, margin: desc.solver.contact_margin };
+        let reach = Reach { h, margin: desc.solver.contact_margin.max(part.reach) };
         let found = response::detect(reach, model, state, detector, places, scratch);
         report.contacts_dropped = found.dropped;
 
