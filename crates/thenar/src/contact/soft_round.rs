@@ -1,7 +1,7 @@
 //! Round parts of a rigid shape against the triangles of a deformable surface.
 //!
 //! The inside of each triangle and each edge touch a round part where they are nearest to it, and, where
-//! the part is a line of balls, where they are nearest to the line's ends: a line along a triangle is
+//! the part is a line of balls or a cylinder, where they are nearest to the ends of its axis: a line along a triangle is
 //! thus held at both ends of what lies over it. Every such place moves continuously with the bodies, and
 //! whether it is there does not depend on the others.
 
@@ -18,10 +18,13 @@ use crate::math::Vec3;
 
 /// Alternations between line and triangle on the way to their nearest points.
 const NEAREST_ROUNDS: usize = 8;
-/// Places of one triangle at most: two inside, three on each edge.
-pub(crate) const ROUND_PLACES: usize = 11;
-/// Numbers of the places of one edge.
+/// Places of one triangle at most: three inside, three on each edge.
+pub(crate) const ROUND_PLACES: usize = 12;
+/// Numbers of the places inside, and of those of one edge: by the ends of what lies along it, and by the nearest.
+const INSIDE: u32 = 3;
 const ON_EDGE: u32 = 3;
+/// The number of the nearest place.
+const NEAREST: u32 = 2;
 
 /// Where contacts of round parts go.
 pub(crate) struct Touches<'a> {
@@ -84,6 +87,15 @@ fn round_line(shape: &Shape) -> Option<([Vec3; 2], f64)> {
     }
 }
 
+/// The ends of the axis of a shape that is straight along its side.
+fn side_ends(shape: &Shape) -> Option<[Vec3; 2]> {
+    let at = |y: f64| Vec3::y() * y;
+    match shape {
+        Shape::Cylinder { half_length, .. } => Some([at(-half_length), at(*half_length)]),
+        _ => None,
+    }
+}
+
 /// The places inside a triangle and within its edges at which it may touch a shape, in the frame of
 /// the shape.
 fn for_each_place(
@@ -93,22 +105,19 @@ fn for_each_place(
     mut visit: impl FnMut(Place),
 ) {
     let is_inside = |w: &[f64; 3]| w.iter().all(|w| *w > 0.0);
-    let ends: &[Vec3] = match (shape, line) {
-        (Shape::Sphere { .. }, Some((line, _))) => &line[..1],
-        (_, Some((line, _))) => line,
+    let along = line.map_or_else(|| side_ends(shape), |(line, _)| Some(*line));
+    let ends: &[Vec3] = match (shape, &along) {
+        (Shape::Sphere { .. }, Some(line)) => &line[..1],
+        (_, Some(line)) => line,
         (_, None) => &[],
     };
-    match ends {
-        [] => {
-            let weights = shape.nearest_on_triangle(x);
-            is_inside(&weights).then(|| visit((0, Feature::Face, weights)));
-        }
-        _ => {
-            for (place, end) in (0..).zip(ends) {
-                let weights = closest_on_triangle(end, x).weights;
-                is_inside(&weights).then(|| visit((place, Feature::Face, weights)));
-            }
-        }
+    for (place, end) in (0..).zip(ends) {
+        let weights = closest_on_triangle(end, x).weights;
+        is_inside(&weights).then(|| visit((place, Feature::Face, weights)));
+    }
+    if line.is_none() {
+        let weights = shape.nearest_on_triangle(x);
+        is_inside(&weights).then(|| visit((NEAREST, Feature::Face, weights)));
     }
     for k in 0..3 {
         let j = (k + 1) % 3;
@@ -116,7 +125,7 @@ fn for_each_place(
             if t > 0.0 && t < 1.0 {
                 let mut weights = [0.0; 3];
                 (weights[k], weights[j]) = (1.0 - t, t);
-                visit((2 + ON_EDGE * k as u32 + place, Feature::Edge(k), weights));
+                visit((INSIDE + ON_EDGE * k as u32 + place, Feature::Edge(k), weights));
             }
         };
         for (place, end) in (0..).zip(ends) {
@@ -124,7 +133,7 @@ fn for_each_place(
         }
         // A ball has no other place than that nearest to its centre.
         if ends.len() != 1 {
-            on_edge(2, shape.nearest_on_segment(&x[k], &x[j]));
+            on_edge(NEAREST, shape.nearest_on_segment(&x[k], &x[j]));
         }
     }
 }
