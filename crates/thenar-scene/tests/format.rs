@@ -197,4 +197,5 @@ fn documented_solver_defaults_are_the_library_s() {
     assert_eq!(stated("contact_sweeps_max"), f64::from(s.contact_sweeps_max));
     assert_eq!(stated("contact_inner_passes"), f64::from(s.contact_inner_passes));
     assert_eq!(stated("contact_margin"), s.contact_margin);
+    assert_eq!(stated("step_halvings_max"), f64::from(s.step_halvings_max));
 }

@@ -328,6 +328,7 @@ fn solver_settings_arrive() {
         contact_sweeps_max = 13
         contact_inner_passes = 17
         contact_margin = 0.002
+        step_halvings_max = 5
         close_joints = false";
     let expected = SolverSettings {
         kind: SolverKind::Monolithic,
@@ -341,6 +342,7 @@ fn solver_settings_arrive() {
         contact_sweeps_max: 13,
         contact_inner_passes: 17,
         contact_margin: 0.002,
+        step_halvings_max: 5,
         close_joints: false,
     };
     assert_eq!(load(given).world().desc().solver, expected);
