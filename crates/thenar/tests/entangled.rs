@@ -215,3 +215,49 @@ fn crossed_rods_touch_with_their_edges() {
     let contact = world.contacts().iter().min_by(|a, b| a.gap.total_cmp(&b.gap)).unwrap();
     assert!((contact.normal_W.y.abs() - 1.0).abs() < 1e-6, "{}", contact.normal_W);
 }
+
+/// The least translation that frees two boxes, by the fifteen axes of Gottschalk et al. (1996).
+fn least_translation(halves: [Vec3; 2], apart: Vec3, turn: &Quat) -> f64 {
+    let R = turn.to_rotation_matrix();
+    let own = [Vec3::x(), Vec3::y(), Vec3::z()];
+    let turned = own.map(|axis| R * axis);
+    let crossed = own.iter().flat_map(|a| turned.map(|b| a.cross(&b)));
+    let extent = |half: &Vec3, axes: &[Vec3; 3], along: &Vec3| -> f64 {
+        axes.iter().zip(half.iter()).map(|(axis, half)| half * axis.dot(along).abs()).sum()
+    };
+    let axes = own.into_iter().chain(turned).chain(crossed);
+    let overlaps = axes.filter_map(|axis| axis.try_normalize(1e-6)).map(|along| {
+        extent(&halves[0], &own, &along) + extent(&halves[1], &turned, &along)
+            - apart.dot(&along).abs()
+    });
+    overlaps.fold(f64::INFINITY, f64::min)
+}
+
+/// Corners and edges of boxes that are a little in each other are told to be so deep as they are, whatever
+/// lies behind them: a way through the length of one of them is none.
+#[test]
+fn corners_are_as_deep_as_they_are() {
+    let sizes = [Vec3::new(0.1, 0.03, 0.03), Vec3::new(0.024, 0.02, 0.02)];
+    let mut seed = 5;
+    let (mut cases, mut worst) = (0, 0.0_f64);
+    while cases < 400 {
+        let mut any = || common::random(&mut seed);
+        let turn = Quat::from_scaled_axis(Vec3::new(any(), any(), any()) * 3.0);
+        let apart = Vec3::new(0.07 * any(), 0.03 * any(), 0.03 * any());
+        let exact = least_translation(sizes.map(|s| 0.5 * s), apart, &turn);
+        if !(0.5e-3..4e-3).contains(&exact) {
+            continue;
+        }
+        cases += 1;
+        let centred = |size: Vec3, cells: [usize; 3]| {
+            let mut flesh = bar(size, cells, FLESH);
+            flesh.nodes.iter_mut().for_each(|x| *x -= 0.5 * size);
+            flesh
+        };
+        let boxes = [centred(sizes[0], [10, 3, 3]), centred(sizes[1], [2, 2, 2])];
+        let told = told(&World::new(two(1e-3, boxes, apart, turn)).unwrap());
+        worst = worst.max(told / exact);
+    }
+    // Another way than that against the normals is taken when it is four times shorter.
+    assert!(worst < 4.0, "told {worst} times as deep");
+}
