@@ -2,6 +2,9 @@
 //! theory, as scene files.
 
 use std::path::Path;
+use thenar::model::BodyId;
+use thenar::{Pose, Quat};
+use thenar_scene::build::BuiltHand;
 use thenar_scene::session::Session;
 
 fn load(text: &str) -> Session {
@@ -310,6 +313,127 @@ fn contact_carries_the_weight() {
     // Moments about z: the centre of pressure lies towards the extra force.
     near(value(&mut session, "c.cx"), 1.0 + 0.01 / weight, 2e-4);
     near(value(&mut session, "c.cz"), 2.0, 2e-4);
+}
+
+/// A hand whose palm is held, with the tip of the index finger at the origin, pad down.
+fn hand_at_its_fingertip() -> String {
+    let hand = |place: &str| {
+        format!(
+            "gravity = [0, 0, 0]
+            duration = 0.4
+            time_step = 0.005
+            [[hand]]
+            name = \"hand\"
+            {place}"
+        )
+    };
+    let session = load(&hand(""));
+    let BuiltHand { model, handle, .. } = &session.hands()[0];
+    let tip = model.bones.iter().position(|b| b.name == "index-distal").unwrap();
+    let [start_B, end_B] = model.bones[tip].ends_B;
+    let pose_WB = session.world().rigid_pose(handle.bones.start + tip as u32);
+    let pose = (pose_WB * Pose::new((start_B + end_B) / 2.0, Quat::identity())).inverse();
+    let ([x, y, z], q) = (pose.position.into(), pose.rotation);
+    let (axis, angle) = q.axis_angle().unwrap();
+    let (ax, ay, az, angle) = (axis.x, axis.y, axis.z, angle.to_degrees());
+    hand(&format!(
+        "position = [{x}, {y}, {z}]
+        rotation = {{ axis = [{ax}, {ay}, {az}], angle_deg = {angle} }}"
+    ))
+}
+
+/// 200 N on the tip of an index finger between two plates crush its flesh, so that the bone bears most: the
+/// contact of the hand with a plate is all that the plate feels, on whichever side of the pair the hand is.
+#[test]
+fn the_bones_of_a_hand_count_in_its_contact() {
+    let hand = hand_at_its_fingertip();
+    let mut session = load(&format!(
+        "{hand}
+        [[rigid]]
+        name = \"lower\"
+        shape = {{ kind = \"box\", size = [0.018, 0.01, 0.016] }}
+        motion = \"fixed\"
+        position = [0, -0.015, 0]
+        [[rigid]]
+        name = \"upper\"
+        shape = {{ kind = \"box\", size = [0.018, 0.01, 0.016] }}
+        mass = 0.0226
+        inertia = [1e3, 1e3, 1e3]
+        position = [0, 0.015, 0]
+        [[load]]
+        kind = \"force\"
+        body = \"upper\"
+        force = [0, -200, 0]
+        profile = {{ kind = \"ramp\", full = 0.2 }}
+        [[probe]]
+        name = \"c\"
+        measure = \"contact\"
+        bodies = [\"hand\", \"lower\"]
+        [[probe]]
+        name = \"back\"
+        measure = \"contact\"
+        bodies = [\"lower\", \"hand\"]
+        [[probe]]
+        name = \"on plate\"
+        measure = \"contact-force\"
+        body = \"lower\""
+    ));
+    run(&mut session);
+    for axis in ["fx", "fy", "fz"] {
+        let probes = ["c", "back", "on plate"];
+        let [c, back, plate] = probes.map(|p| value(&mut session, &format!("{p}.{axis}")));
+        near(c, -plate, 1e-9 * plate.abs());
+        near(back, plate, 1e-9 * plate.abs());
+    }
+    // The plate's load, less what the drives of the finger hold.
+    near(value(&mut session, "c.fy"), 190.0, 12.0);
+    let [normal, sum] = ["c.normal", "c.normal_sum"].map(|column| value(&mut session, column));
+    assert!(sum >= normal && normal > 180.0, "{normal} N of {sum} N");
+    // Pressure is that on the skin; what the bone bears is told in forces alone.
+    let [area, mean] = ["c.area", "c.pressure_mean"].map(|column| value(&mut session, column));
+    let world = session.world();
+    let lower = world.desc().rigids.iter().position(|r| r.name == "lower").unwrap() as u32;
+    let on_plate = world.contacts().iter().filter(|c| c.bodies.contains(&BodyId::Rigid(lower)));
+    let on_skin = on_plate.filter(|c| c.bodies.iter().any(|b| matches!(b, BodyId::Soft(_))));
+    let skin: f64 = on_skin.map(|c| c.force_W.dot(&c.normal_W)).sum();
+    assert!(skin > 10.0 && sum - skin > 100.0, "the skin bears {skin} N of {sum} N");
+    near(mean * area, skin, 1e-9 * skin);
+}
+
+/// A ball pressed into a pad: no bone bears anything, so the mean pressure times the area is the load.
+#[test]
+fn mean_pressure_times_area_is_the_load() {
+    for depth in [0.5e-3, 1.5e-3] {
+        let mut session = load(&format!(
+            "gravity = [0, 0, 0]
+            duration = 0.3
+            time_step = 0.005
+            [[soft]]
+            name = \"pad\"
+            shape = {{ kind = \"lattice\", size = [0.03, 0.012, 0.03], cells = [12, 5, 12] }}
+            material = {{ young = 50e3, poisson = 0.45 }}
+            stiffness_damping = 0.01
+            fixed = [{{ nodes = {{ side = \"y-min\" }}, axes = \"xyz\" }}]
+            [[rigid]]
+            name = \"ball\"
+            shape = {{ kind = \"sphere\", radius = 0.01 }}
+            motion = \"scripted\"
+            keyframes = [
+                {{ time = 0, position = [0, 0.0165, 0] }},
+                {{ time = 0.2, position = [0, {}, 0] }},
+            ]
+            [[probe]]
+            name = \"c\"
+            measure = \"contact\"
+            bodies = [\"pad\", \"ball\"]",
+            0.016 - depth
+        ));
+        run(&mut session);
+        let [area, mean, load] =
+            ["c.area", "c.pressure_mean", "c.normal_sum"].map(|c| value(&mut session, c));
+        assert!(load > 0.01 && area > 1e-6, "{load} N on {area} m²");
+        near(mean * area, load, 0.01 * load);
+    }
 }
 
 /// Every solver setting arrives in the world.

@@ -3,7 +3,7 @@
 use super::case::{CaseError, SceneText};
 use std::path::Path;
 use thenar::World;
-use thenar::world::Input;
+use thenar::world::{ContactPoint, Input};
 use thenar_scene::session::Session;
 
 /// The solver that cases run with.
@@ -130,6 +130,13 @@ impl Run {
     /// The world as it is now.
     pub fn world(&self) -> &World {
         self.session.world()
+    }
+
+    /// Area of the points that bear load \[m²\], of all contacts: the patch of theory, where surfaces part at
+    /// its rim at once. What a probe calls area has a rim of skin besides, that is within 20 µm and unloaded.
+    pub fn bearing_area(&self) -> f64 {
+        let bears = |c: &&ContactPoint| c.force_W.dot(&c.normal_W) > 0.0;
+        self.world().contacts().iter().filter(bears).map(|c| c.area).sum()
     }
 
     /// What acted in the last step.

@@ -314,10 +314,9 @@ fn fingers(readout: &ContactReadout, soft: u32) -> [FingerContact; DIGITS] {
         let Some(contact) = parts.get(part).map(|part| &part.contact) else {
             return FingerContact::default();
         };
-        let area = contact.area;
         FingerContact {
-            area,
-            pressure_mean: if area > 0.0 { contact.normal / area } else { 0.0 },
+            area: contact.area,
+            pressure_mean: contact.pressure_mean(),
             pressure_max: contact.pressure_max,
             slip_speed: contact.slip_W.norm(),
         }

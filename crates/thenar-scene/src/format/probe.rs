@@ -235,7 +235,8 @@ choice! {
         /// Contact of two bodies: resultant force [N], area [m²], centre of pressure [m], penetration [m],
         /// largest pressure [Pa], mean slip speed [m/s], slip (the part of the load on sliding points,
         /// and the state that most of it is in: 0 open, 1 sticks, 2 slips), sums of the sizes of normal
-        /// forces and of friction [N], mean pressure [Pa].
+        /// forces and of friction [N], mean pressure [Pa]. What a hand's bones bear counts, except in
+        /// area and pressure, which are those of the skin.
         "contact" => Contact(ContactProbe),
         /// Force [N] and torque about its centre of mass [N m] on a body by all its contacts.
         "contact-force" => ContactForce(ProbeBody),

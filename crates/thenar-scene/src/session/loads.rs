@@ -14,8 +14,8 @@ pub struct HandLoad {
     pub shear: f64,
     /// Area in contact \[m²\].
     pub area: f64,
-    /// Mean pressure \[Pa\]: normal force over area; zero where nothing touches. Of the most that did,
-    /// that at the largest normal force.
+    /// Mean pressure \[Pa\]: normal force on skin, without that on bones, over area; zero where no skin
+    /// touches. Of the most that did, that at the largest normal force.
     pub pressure: f64,
 }
 
@@ -46,7 +46,7 @@ pub const PARTS: [Digit; 6] =
 
 /// What presses on each part (see [`PARTS`]) of a hand: on its skin, and on bones where flesh is crushed.
 pub fn hand_loads(contacts: &[ContactPoint], hand: &BuiltHand) -> [HandLoad; 6] {
-    let mut sums = [(0.0, Vec3::zeros(), 0.0); 6];
+    let mut sums = [(HandLoad::default(), Vec3::zeros(), 0.0); 6];
     for contact in contacts {
         for side in 0..2 {
             let digit = digit_touched(contact, side, hand);
@@ -54,14 +54,16 @@ pub fn hand_loads(contacts: &[ContactPoint], hand: &BuiltHand) -> [HandLoad; 6] 
             let Some(part) = part else { continue };
             let normal = contact.force_W.dot(&contact.normal_W);
             let sign = if side == 0 { 1.0 } else { -1.0 };
-            sums[part].0 += normal;
-            sums[part].1 += (contact.force_W - contact.normal_W * normal) * sign;
-            sums[part].2 += contact.area;
+            let (load, shear_W, on_skin) = &mut sums[part];
+            load.normal += normal;
+            load.area += contact.area;
+            *shear_W += (contact.force_W - contact.normal_W * normal) * sign;
+            *on_skin += if contact.touches_skin() { normal } else { 0.0 };
         }
     }
-    sums.map(|(normal, shear, area)| {
-        let pressure = if area > 0.0 { normal / area } else { 0.0 };
-        HandLoad { normal, shear: shear.norm(), area, pressure }
+    sums.map(|(load, shear_W, on_skin)| {
+        let pressure = if load.area > 0.0 { on_skin / load.area } else { 0.0 };
+        HandLoad { shear: shear_W.norm(), pressure, ..load }
     })
 }
 

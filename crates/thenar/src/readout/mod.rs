@@ -125,7 +125,7 @@ impl ContactReadout {
     }
 
     /// Contact of the first body with the second; forces are those on the first. The bones of a hand
-    /// count as its flesh.
+    /// count as its flesh. Of a body with itself each point counts once, with the force on its side A.
     pub fn pair(&mut self, world: &World, [of, with]: [BodyId; 2]) -> PatchContact {
         self.select(world, of, Some(with))
     }
@@ -139,13 +139,19 @@ impl ContactReadout {
         let mut sum = patch::Sum::default();
         self.surfaces.begin_peak();
         for (contact, point) in world.contact_sites() {
+            let mut counted = false;
             for side in 0..2 {
                 let other = point.bodies[1 - side];
                 let is_in = |found, asked| world.model().is_in(found, asked);
                 if !is_in(point.bodies[side], of) || with.is_some_and(|with| !is_in(other, with)) {
                     continue;
                 }
-                sum.add(point, side);
+                // A pair of a body with itself has both sides of a point, and is one contact all the same;
+                // on a body that is asked for alone both sides act.
+                if with.is_none() || !counted {
+                    sum.add(point, side);
+                }
+                counted = true;
                 // Pressure is that on a deformable surface, be it the other's.
                 let sites = [&contact.a, &contact.b];
                 let own = matches!(sites[side], Site::Soft(_));

@@ -13,6 +13,9 @@ pub struct PatchContact {
     pub force_W: Vec3,
     /// Sum of the points' normal forces \[N\]; of a curved patch more than the size of their resultant.
     pub normal: f64,
+    /// The part of it that deformable surfaces bear \[N\]: all but what rigid bodies put on each other, as a
+    /// bone and a plate where the flesh between them is crushed.
+    pub skin_normal: f64,
     /// Mean direction in which they push it, by load, world; zero when nothing presses.
     pub normal_W: Vec3,
     /// Friction on it, world \[N\].
@@ -26,6 +29,8 @@ pub struct PatchContact {
     pub torque_W: Vec3,
     /// Area of the surface nearer than 20 µm \[m²\]; zero between rigid bodies.
     pub area: f64,
+    /// Largest depth of a point, bearing load or not, at the start of the step \[m\].
+    pub penetration: f64,
     /// Largest pressure at a vertex of a deformable surface \[Pa\].
     pub pressure_max: f64,
     /// Mean tangential velocity against the other body, by load, world \[m/s\].
@@ -38,9 +43,15 @@ pub struct PatchContact {
 }
 
 impl PatchContact {
-    /// Mean pressure \[Pa\]: the sum of normal forces over the area; zero where no area bears load.
+    /// Mean pressure \[Pa\]: what deformable surfaces bear over their area in contact; zero without area.
+    /// What rigid bodies put on each other has no area, so it is no part of it.
     pub fn pressure_mean(&self) -> f64 {
-        if self.area > 0.0 { self.normal / self.area } else { 0.0 }
+        if self.area > 0.0 { self.skin_normal / self.area } else { 0.0 }
+    }
+
+    /// Resultant of the normal forces on it, world \[N\].
+    pub fn push_W(&self) -> Vec3 {
+        self.force_W - self.shear_W
     }
 
     /// Torque on it about another point, world \[N m\].
@@ -64,6 +75,7 @@ impl Sum {
         let normal = point.force_W.dot(&point.normal_W);
         // What touches belongs to the patch, though its neighbours may bear all of the load.
         self.patch.area += point.area;
+        self.patch.penetration = self.patch.penetration.max(-point.gap);
         if normal <= 0.0 {
             return;
         }
@@ -73,6 +85,7 @@ impl Sum {
         p.points += 1;
         p.force_W += force_W;
         p.normal += normal;
+        p.skin_normal += if point.touches_skin() { normal } else { 0.0 };
         p.normal_W += push_W;
         p.shear_W += force_W - push_W;
         p.shear_sum += (force_W - push_W).norm();
@@ -122,10 +135,37 @@ mod tests {
             let mut sum = Sum::default();
             [side(1.0, 1e-5), side(-1.0, 2e-5)].iter().for_each(|point| sum.add(point, body));
             let patch = sum.finish(0.0);
-            assert_eq!((patch.normal, patch.shear_sum), (6.0, 4.0));
+            assert_eq!((patch.normal, patch.skin_normal, patch.shear_sum), (6.0, 6.0, 4.0));
+            assert_eq!((patch.push_W(), patch.penetration), (Vec3::zeros(), 1e-5));
             assert_eq!((patch.force_W, patch.shear_W), (Vec3::zeros(), Vec3::zeros()));
             assert!((patch.pressure_mean() - 6.0 / 3e-5).abs() < 1e-6);
         }
         assert_eq!(Sum::default().finish(0.0).pressure_mean(), 0.0);
+    }
+
+    /// A bone that bears 20 N beside skin that bears 3 N adds to the forces, and nothing to the pressure.
+    #[test]
+    fn pressure_is_that_on_the_skin() {
+        let point = |first: BodyId, force: f64, area: f64| ContactPoint {
+            bodies: [first, BodyId::Rigid(0)],
+            vertices: [None; 2],
+            position_W: Vec3::zeros(),
+            normal_W: Vec3::y(),
+            gap: 0.0,
+            force_W: Vec3::y() * force,
+            slip_W: Vec3::zeros(),
+            area,
+            friction: 1.0,
+            slips: false,
+        };
+        let mut sum = Sum::default();
+        sum.add(&point(BodyId::Soft(0), 3.0, 1e-5), 0);
+        // Skin beside the load touches as well.
+        sum.add(&point(BodyId::Soft(0), 0.0, 2e-5), 0);
+        sum.add(&point(BodyId::Rigid(1), 20.0, 0.0), 0);
+        let patch = sum.finish(0.0);
+        assert_eq!((patch.points, patch.normal, patch.skin_normal), (2, 23.0, 3.0));
+        assert_eq!((patch.push_W(), patch.area), (Vec3::y() * 23.0, 1e-5 + 2e-5));
+        assert!((patch.pressure_mean() - 1e5).abs() < 1e-6);
     }
 }

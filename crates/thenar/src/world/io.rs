@@ -118,6 +118,13 @@ pub struct ContactPoint {
     pub slips: bool,
 }
 
+impl ContactPoint {
+    /// Whether one of the bodies is deformable there: the point has an area and a pressure. Bones are rigid.
+    pub fn touches_skin(&self) -> bool {
+        self.bodies.iter().any(|body| matches!(body, BodyId::Soft(_)))
+    }
+}
+
 /// Energies \[J\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {

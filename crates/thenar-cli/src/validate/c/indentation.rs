@@ -21,8 +21,8 @@ struct Press {
 
 /// Force and radius of a quarter model, times four.
 fn quarter(mut run: Run, until: f64) -> Result<Press, CaseError> {
-    let [force, area, bone] = run.to(until)?.values(["press.fy", "press.area", "bone.fy"])?;
-    let radius_mm = 1e3 * (4.0 * area / PI).sqrt();
+    let [force, bone] = run.to(until)?.values(["press.fy", "bone.fy"])?;
+    let radius_mm = 1e3 * (4.0 * run.bearing_area() / PI).sqrt();
     Ok(Press { force: 4.0 * force.abs(), bone: 4.0 * bone.abs(), radius_mm, setup: run.setup() })
 }
 
@@ -118,9 +118,9 @@ fn pad_at(
     let y = -8e-3 + 1e-3 * depth;
     let up = format!("rigid.plate.keyframes.1.position=[0, {y}, 0]");
     let mut run = solver.open(&FINGER_PAD, &[up])?;
-    let [plate, area, bone] = run.to(0.075)?.values(["press.fy", "press.area", "bone.fy"])?;
-    let press =
-        Press { force: plate, bone, radius_mm: 1e3 * (area / PI).sqrt(), setup: run.setup() };
+    let [plate, bone] = run.to(0.075)?.values(["press.fy", "bone.fy"])?;
+    let radius_mm = 1e3 * (run.bearing_area() / PI).sqrt();
+    let press = Press { force: plate, bone, radius_mm, setup: run.setup() };
     let check = Check::Relative(tolerance);
     let a = format!("contact radius at {depth} mm [mm]");
     Ok(vec![

@@ -1,7 +1,6 @@
 //! Probes: what is measured, resolved to indices, and its columns.
 
 mod bodies;
-mod contact;
 mod flesh;
 mod resolve;
 mod touch;
@@ -119,10 +118,7 @@ fn evaluate_touch(
 ) {
     match probe {
         Measure::Contact(pair) => {
-            contact::between(world.contacts(), *pair, out);
-            let patch = readout.pair(world, *pair);
-            touch::slip(&patch, out);
-            touch::sums(&patch, out);
+            touch::between(&readout.pair(world, *pair), out);
         }
         Measure::ContactForce(body) => touch::on_body(world, readout, *body, out),
         Measure::Vertices(soft, what) => touch::vertices(readout, *soft, *what, out),

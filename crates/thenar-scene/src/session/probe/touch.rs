@@ -6,15 +6,20 @@ use thenar::World;
 use thenar::model::BodyId;
 use thenar::readout::{ContactReadout, PartContact, PatchContact};
 
-/// Largest pressure, slip speed, sliding part of the load, state.
-pub fn slip(patch: &PatchContact, out: &mut Vec<f64>) {
-    let state = f64::from(patch.state.number());
-    out.extend([patch.pressure_max, patch.slip_W.norm(), patch.slipping, state]);
+/// All of the contact of two bodies.
+pub fn between(patch: &PatchContact, out: &mut Vec<f64>) {
+    out.extend(patch.force_W.iter());
+    out.extend([patch.push_W().norm(), patch.shear_W.norm(), patch.area]);
+    out.extend(patch.centre_W.iter());
+    out.extend([patch.penetration, f64::from(patch.points)]);
+    slip(patch, out);
+    out.extend([patch.normal, patch.shear_sum, patch.pressure_mean()]);
 }
 
-/// Sums of the sizes of normal forces and of friction, mean pressure.
-pub fn sums(patch: &PatchContact, out: &mut Vec<f64>) {
-    out.extend([patch.normal, patch.shear_sum, patch.pressure_mean()]);
+/// Largest pressure, slip speed, sliding part of the load, state.
+fn slip(patch: &PatchContact, out: &mut Vec<f64>) {
+    let state = f64::from(patch.state.number());
+    out.extend([patch.pressure_max, patch.slip_W.norm(), patch.slipping, state]);
 }
 
 /// Force on a body by all its contacts, and its torque about the centre of mass.
