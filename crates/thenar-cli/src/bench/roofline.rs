@@ -111,6 +111,7 @@ fn counts(wanted: &Wanted, steps: u32) -> Result<Vec<Count>, String> {
     let (usual_n, usual_time) =
         usual.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1)).ok_or("no step was measured")?;
     settings.velocity_tolerance *= 1e-2;
+    settings.step_halvings_max = 0;
     settings.cg_iterations_max = settings.cg_iterations_max.max(1000);
     session.world_mut().set_solver_settings(settings);
     let (accurate, _) = stages(&mut session, steps);

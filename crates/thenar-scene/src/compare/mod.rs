@@ -243,6 +243,8 @@ pub(crate) fn tighten(settings: &mut SolverSettings) {
     settings.cg_tolerance = settings.cg_tolerance.min(1e-10);
     settings.cg_iterations_max = settings.cg_iterations_max.max(5000);
     settings.velocity_tolerance = settings.velocity_tolerance.min(1e-8);
+    // Both make the same steps.
+    settings.step_halvings_max = 0;
     settings.contact_tolerance = settings.contact_tolerance.min(1e-8);
     settings.contact_sweeps_max = settings.contact_sweeps_max.max(5000);
 }

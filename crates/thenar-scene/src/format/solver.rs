@@ -76,7 +76,7 @@ table! {
         contact_inner_passes: Option<u32> where ITERATIONS;
         /// Points nearer than this become constraints before they touch [m]. Default 0.001.
         contact_margin: Option<f64> where MARGIN;
-        /// A step that contact does not carry through (it ends in an overlap of half the margin, or the exact solver is
+        /// A step that contact does not carry through (an overlap grows in it by half the margin, or the exact solver is
         /// off by a hundred tolerances) is made in halves, and these again, so many times at most. Zero never
         /// divides a step, and bounds what it costs. Default 3.
         step_halvings_max: Option<u32> where HALVINGS;

@@ -18,6 +18,8 @@ pub(crate) struct Collector<'a> {
 pub(crate) struct Known<'a> {
     pub rigids: &'a [f64],
     pub softs: &'a [f64],
+    /// What is deeper by no more than this is known, too.
+    pub slack: f64,
 }
 
 impl Known<'_> {
@@ -49,7 +51,7 @@ impl<'a> Collector<'a> {
 
     /// Takes one contact.
     pub fn push(&mut self, contact: Contact) {
-        if -contact.gap > self.known.of(&contact) {
+        if -contact.gap > self.known.of(&contact) + self.known.slack {
             self.found.penetration = self.found.penetration.max(-contact.gap);
         }
         let Some(out) = &mut self.out else { return };

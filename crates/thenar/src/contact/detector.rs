@@ -182,7 +182,7 @@ impl Detector {
         self.deepening(rigids, surfaces, before, Known::default())
     }
 
-    /// Deepest penetration \[m\] of those that are deeper than is known of their bodies; zero when none is.
+    /// Deepest penetration \[m\] of those that are not known of their bodies; zero when none is.
     pub(crate) fn deepening(
         &mut self,
         rigids: &[RigidPlace],

@@ -19,8 +19,8 @@ use crate::math::Vec3;
 const NONE: u32 = u32::MAX;
 /// A vertex may have come in by this part of the other surface's mean edge and is led out again.
 const DEPTH: f64 = 0.25;
-/// Squares of distances to one place are equal but for rounding.
-const BY_ROUNDING: f64 = 1.0 - 1e-9;
+/// Distances to one place are equal but for rounding \[m\].
+const BY_ROUNDING: f64 = 1e-9;
 /// A vertex touches a triangle only if their normals (cosine) oppose this far: what has come through
 /// to the far side, or meets a surface turned inside out, would be held where it does not belong.
 const FACING: f64 = 0.3;
@@ -42,7 +42,7 @@ impl SoftSide<'_> {
     /// triangles are left out (neighbours), the nearest of all others may be at the rim of these, whose inside
     /// says nothing.
     pub(super) fn goes_on_nearer(&self, p: &Vec3, t: u32, nearest: &Closest) -> bool {
-        let least = nearest.distance_squared * BY_ROUNDING;
+        let least = (nearest.distance_squared.sqrt() - BY_ROUNDING).max(0.0).powi(2);
         let is_nearer = |u: u32| {
             let corners = self.surface.corners(u, self.state.positions);
             closest_on_triangle(p, &corners).distance_squared < least
@@ -470,7 +470,7 @@ fn signed(side: &SoftSide, p: &Vec3, t: u32, closest: &Closest) -> Option<(Vec3,
     }
     let to_p = p - closest.point;
     let gap = closest.distance_squared.sqrt().copysign(to_p.dot(&outward));
-    let on_face = closest.feature == Feature::Face || gap.abs() < 1e-9;
+    let on_face = closest.feature == Feature::Face || gap.abs() < BY_ROUNDING;
     Some((if on_face { outward } else { to_p / gap }, gap))
 }
 

@@ -113,7 +113,7 @@ pub struct SolverSettings {
     pub limits: Limits,
     /// Points nearer than this become constraints, before they touch \[m\]; motion adds to it.
     pub contact_margin: f64,
-    /// A step that contact does not carry through (it ends in an overlap of half the margin, or is off by
+    /// A step that contact does not carry through (an overlap grows in it by half the margin, or it is off by
     /// a hundred tolerances) is made in halves, and these again, so many times at most: see `World::step`.
     pub step_halvings_max: u32,
 }

@@ -9,7 +9,7 @@ use crate::solver::Failure;
 pub struct Target {
     /// Wanted pose of the bone frame (at its centre of mass) in the world at the end of the step.
     pub pose_WB: Pose,
-    /// Its velocity, world \[m/s\].
+    /// Velocity of this pose, world \[m/s\]: a step made in parts leads the drive to where the target was by it.
     pub velocity_W: Vec3,
     /// Its angular velocity, world \[rad/s\].
     pub angular_velocity_W: Vec3,
@@ -104,9 +104,9 @@ pub struct ContactPoint {
     pub position_W: Vec3,
     /// Unit normal from B towards A, world.
     pub normal_W: Vec3,
-    /// Gap at the start of the step \[m\], negative when penetrating.
+    /// Gap at the start of the step, or of the last part of one made in parts \[m\], negative when penetrating.
     pub gap: f64,
-    /// Mean force on A during the step, world \[N\]; B feels the opposite.
+    /// Mean force on A during the step, or the last part of one made in parts, world \[N\]; B feels the opposite.
     pub force_W: Vec3,
     /// Relative tangential velocity of A against B at the end of the step \[m/s\].
     pub slip_W: Vec3,
@@ -161,8 +161,8 @@ pub struct StepReport {
     pub cg_iterations: u32,
     /// Relative residual they reached; with the exact solver the estimated velocity error \[m/s\].
     pub cg_residual: f64,
-    /// Parts in which the step was made: 1 unless contact did not carry it through. Figures below are the
-    /// largest of any part, iterations and sweeps their sums.
+    /// Parts in which the step was made: 1 unless contact did not carry it through. Errors and depths are then the
+    /// largest of any part, iterations and sweeps the sums over all, contacts those of the last.
     pub parts: u32,
     /// Outer sweeps of the contact solver.
     pub contact_sweeps: u32,
@@ -180,7 +180,8 @@ pub struct StepReport {
     pub contacts_dropped: u32,
     /// Joint limits that bear load (0 where limits are springs).
     pub limits_active: u32,
-    /// Deepest penetration at the end of the step, or of a part of it \[m\]: where little has moved, to first order.
+    /// Deepest penetration at the end of the step, or of a part of it \[m\]: to first order, or as found there where much
+    /// has moved and overlaps have grown.
     pub penetration_max: f64,
     /// Largest distance between the two sides of a joint \[m\].
     pub joint_gap_max: f64,
@@ -190,7 +191,7 @@ pub struct StepReport {
     pub inverted_tets: u32,
     /// Targets that were not finite; their drives let go for the step.
     pub bad_targets: u32,
-    /// The step produced a number that is not finite or beyond any sense: bodies that hang together with
+    /// The step, or a part of it, produced a number that is not finite or beyond any sense: bodies that hang together with
     /// it are where they were, at rest.
     pub non_finite: bool,
     /// So is everything else, and no time passed.

@@ -99,12 +99,13 @@ impl World {
     pub fn step(&mut self, input: &Input, timer: &mut impl StageTimer) -> StepReport {
         let mut report = StepReport::default();
         let mut parts = Parts::whole(self.time_step, self.desc.solver.step_halvings_max);
-        let mut length = self.time_step;
+        let (mut length, end) = (self.time_step, self.state.time + self.time_step);
         while let Some(part) = parts.next() {
             self.remember_for(length, part.h);
             length = part.h;
             let mut done = self.make(part, input, timer);
-            if !done.non_finite && !self.was_carried(&mut done) && parts.retry(self.travel()) {
+            timer.begin(Some(Stage::Detect));
+            if !self.was_carried(&mut done) && parts.retry(self.reach()) {
                 self.state.go_back(&self.scratch.before);
                 continue;
             }
@@ -113,6 +114,10 @@ impl World {
             report = done.after(&report);
         }
         self.remember_for(length, self.time_step);
+        if !report.taken_back {
+            self.state.time = end;
+        }
+        timer.begin(Some(Stage::Embed));
         let Self { model, state, .. } = self;
         (report.joint_gap_max, report.joint_misalignment_max) = advance::joint_errors(model, state);
         self.embed();

@@ -13,22 +13,25 @@ use crate::model::SolverKind;
 use crate::world::state::State;
 use crate::world::{StepReport, World, push_out};
 
-/// Half of what a step looks ahead for: overlaps that begin deeper than this part of the contact margin were not
-/// foreseen.
+/// Half of what a step looks ahead for: overlaps that grow by more than this part of the contact margin were not
+/// foreseen. Those that were there before no halving mends.
 const UNFORESEEN: f64 = 0.5;
 /// An error of so many tolerances is no rounding of the answer: at the default tolerance 1 mm/s, which in the longest
 /// usual step of 16.7 ms moves a point by a sixtieth of the contact margin.
 const MISS: f64 = 100.0;
 
-/// Most halvings of a step: a thousandth of it, beyond which rounding of time is seen.
+/// Contact that looks again looks so many margins far at most, two fingers' widths: beyond, all of a hand would be met.
+const REACH_MAX: f64 = 32.0;
+
+/// Most halvings of a step: with a thousand parts it takes seconds.
 pub const HALVINGS_MAX: u32 = 10;
 
 /// A part of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Part {
-    /// Its length \[s\].
+    /// Length \[s\].
     pub h: f64,
-    /// From its end to that of the step \[s\].
+    /// Time from the end of the part to that of the step \[s\].
     pub left: f64,
     /// Contact looks so far at least \[m\].
     pub reach: f64,
@@ -43,13 +46,16 @@ pub struct Parts {
     done: u32,
     length: u32,
     reach: f64,
+    /// How often a part was taken back: at most twice for each of the shortest, so that a step costs three times
+    /// these.
+    retries: u32,
 }
 
 impl Parts {
     /// One part, the whole step.
     pub fn whole(h: f64, halvings_max: u32) -> Self {
         let units = 1 << halvings_max.min(HALVINGS_MAX);
-        Self { h, units, done: 0, length: units, reach: 0.0 }
+        Self { h, units, done: 0, length: units, reach: 0.0, retries: 0 }
     }
 
     /// The part to be made; `None` when the step is done.
@@ -64,13 +70,17 @@ impl Parts {
     }
 
     /// Makes the part to be made once more: half as long, or, when that is not to be, with contact that looks as far as
-    /// anything went in the attempt before. False when it was that already.
+    /// anything went in the attempt before. False when it was that already, or retries run out.
     pub fn retry(&mut self, travel: f64) -> bool {
+        if self.units == 1 || self.retries == 2 * self.units {
+            return false;
+        }
+        self.retries += 1;
         if self.length > 1 {
             self.length /= 2;
             return true;
         }
-        std::mem::replace(&mut self.reach, travel) == 0.0 && self.units > 1 && travel > 0.0
+        std::mem::replace(&mut self.reach, travel) == 0.0 && travel > 0.0
     }
 
     /// The part is done. The next is twice as long where halving the step has such a part here.
@@ -87,6 +97,9 @@ impl World {
     /// Whether contact carried the part just made through. Looks for overlaps, and reports them, only where
     /// something was near and has moved far enough to make one.
     pub(super) fn was_carried(&mut self, report: &mut StepReport) -> bool {
+        if report.non_finite {
+            return true;
+        }
         let settings = &self.desc.solver;
         let exact = settings.kind == SolverKind::Exact;
         let missed = exact && report.contact_residual > MISS * settings.velocity_tolerance;
@@ -95,13 +108,18 @@ impl World {
         if self.scratch.found.is_empty() || 2.0 * self.travel() <= unforeseen {
             return !missed;
         }
-        let depth = self.deepening();
+        let depth = self.deepening(unforeseen);
         report.penetration_max = report.penetration_max.max(depth);
-        !missed && depth <= unforeseen
+        !missed && depth == 0.0
     }
 
-    /// How far anything has moved since the start of the part \[m\].
-    pub(super) fn travel(&self) -> f64 {
+    /// How far contact is to look in another attempt at the part just made \[m\].
+    pub(super) fn reach(&self) -> f64 {
+        self.travel().min(REACH_MAX * push_out::margin(&self.desc.solver))
+    }
+
+    /// How far anything has moved since the start of the part \[m\]; a plane that tilts does not count.
+    fn travel(&self) -> f64 {
         let Self { state, scratch, detector, .. } = self;
         let before = &scratch.before;
         let nodes = state.x.iter().zip(&before.x).map(|(x, x0)| (x - x0).norm_squared());
@@ -113,8 +131,9 @@ impl World {
         bodies.fold(nodes.fold(0.0, f64::max).sqrt(), f64::max)
     }
 
-    /// Deepest overlap now \[m\], of pairs that are deeper than their bodies were at the start of the part.
-    fn deepening(&mut self) -> f64 {
+    /// Deepest overlap now \[m\], of pairs that are deeper by more than `slack` than one of their bodies was anywhere at
+    /// the start of the part.
+    fn deepening(&mut self, slack: f64) -> f64 {
         self.embed();
         let Self { state, scratch, detector, places, .. } = self;
         let (rigids, softs) = scratch.depths.split_at_mut(places.len());
@@ -137,7 +156,7 @@ impl World {
         scratch.vertex_velocities.fill(Vec3::zeros());
         let surfaces =
             SurfaceState { positions: &scratch.vertices, velocities: &scratch.vertex_velocities };
-        detector.deepening(places, surfaces, &scratch.sides, Known { rigids, softs })
+        detector.deepening(places, surfaces, &scratch.sides, Known { rigids, softs, slack })
     }
 
     /// What contact and limits remember of the last step, for one of another length.
@@ -165,14 +184,11 @@ impl StepReport {
         self.contact_sweeps += parts.contact_sweeps;
         self.contact_residual = self.contact_residual.max(parts.contact_residual);
         self.contact_unconverged |= parts.contact_unconverged;
-        self.contacts = self.contacts.max(parts.contacts);
-        self.contacts_active = self.contacts_active.max(parts.contacts_active);
         self.contacts_dropped = self.contacts_dropped.max(parts.contacts_dropped);
-        self.limits_active = self.limits_active.max(parts.limits_active);
         self.penetration_max = self.penetration_max.max(parts.penetration_max);
         self.inverted_tets = self.inverted_tets.max(parts.inverted_tets);
         self.non_finite |= parts.non_finite;
-        self.taken_back |= parts.taken_back;
+        self.taken_back &= parts.parts == 0 || parts.taken_back;
         self.parts += parts.parts;
         self
     }

@@ -45,12 +45,12 @@ const PARTS: [f64; 7] = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125, 0.015625];
 /// piece. Attempts take turns: half a step crosses most borders, where grasps slide; a small part is safer where
 /// a body is jammed. With either alone steps of both kinds ran out.
 const ACROSS: [f64; 2] = [0.5, 0.015625];
-/// One of so many attempts, the last, comes from bodies without friction, whose impulses minimise an energy and are
-/// always found, and follows the solution through these parts of it.
+/// Every third attempt comes from bodies without friction, whose impulses minimise an energy and are
+/// always found, and follows the solution through these parts of friction.
 const KINDS: u32 = 3;
 const SHARES: [f64; 6] = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0];
-/// Steps for each of these but the last: a few arrive, or more would not.
-const STEPS_ON_THE_WAY: u32 = 8;
+/// Steps for all of these but the last together: a few arrive at each, or more would not.
+const STEPS_ON_THE_WAY: u32 = 40;
 /// A part of a step must bring the law nearer by so much of itself (Armijo).
 const DESCENT: f64 = 0.2;
 /// Added to each contact's own response, in parts of it: ten times the round-off of W, which is of single
@@ -127,14 +127,21 @@ impl Delassus {
             self.newton.began.push((row.lambda, row.friction));
         }
         let across = ACROSS[attempt as usize % ACROSS.len()];
-        let shares = if (attempt + 1).is_multiple_of(KINDS) { &SHARES[..] } else { &[1.0][..] };
+        let steps_max = steps_max.min(STEPS_MAX);
+        let follows = (attempt + 1).is_multiple_of(KINDS) && steps_max > STEPS_ON_THE_WAY;
+        let shares = if follows { &SHARES[..] } else { &[1.0][..] };
+        let on_the_way = STEPS_ON_THE_WAY / (SHARES.len() as u32 - 1);
         let mut left = None;
         for share in shares {
             for (&i, (_, friction)) in self.members.list().iter().zip(&self.newton.began) {
                 contacts.rows[i as usize].friction = share * friction;
             }
-            let steps_max = steps_max.min(if *share < 1.0 { STEPS_ON_THE_WAY } else { STEPS_MAX });
-            left = self.approach(simd, contacts, cone, tolerance, steps_max, across);
+            let most = match (*share < 1.0, follows) {
+                (true, _) => on_the_way,
+                (false, true) => steps_max - STEPS_ON_THE_WAY,
+                (false, false) => steps_max,
+            };
+            left = self.approach(simd, contacts, cone, tolerance, most, across);
         }
         if left.is_none() {
             self.d[..used].copy_from_slice(&self.newton.velocities);
