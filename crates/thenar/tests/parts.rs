@@ -181,7 +181,7 @@ fn two_parts_are_two_steps() {
     assert!(divided > 0, "nothing was divided");
 }
 
-/// What touch is told of the contacts of a divided step are the forces of its last part.
+/// Touch is told the forces of the last part of a divided step.
 #[test]
 fn touch_is_told_forces_of_the_last_part() {
     let (mut world, input) = rod([3e-3, LOWER], 3, SolverKind::Exact);

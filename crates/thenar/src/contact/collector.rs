@@ -9,7 +9,7 @@ pub(crate) struct Collector<'a> {
     found: Found,
     /// Since it was full the contacts are a heap, the shallowest first, until they are put in order.
     heaped: bool,
-    /// What is no deeper than this on one of its bodies is not measured \[m\].
+    /// Depths that are not measured.
     known: Known<'a>,
 }
 
@@ -18,7 +18,7 @@ pub(crate) struct Collector<'a> {
 pub(crate) struct Known<'a> {
     pub rigids: &'a [f64],
     pub softs: &'a [f64],
-    /// What is deeper by no more than this is known, too.
+    /// Depth beyond these that is not measured either \[m\].
     pub slack: f64,
 }
 

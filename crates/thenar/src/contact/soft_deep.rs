@@ -347,11 +347,7 @@ impl SoftSoft<'_> {
         let (t, nearest) = nearest_on(other, &p, |t| !self.are_neighbors(v, t))?;
         let least = ENTERED * other.surface.edge_mean;
         let depth = depth(other.surface, &p, t, &nearest, other.state.positions);
-        if depth < least || (self.apart.is_some() && !self.is_wound(v)) {
-            return None;
-        }
-        // At the rim of neighbours there is no way back.
-        if self.apart.is_some() && other.goes_on_nearer(&p, t, &nearest) {
+        if depth < least || !self.has_got_in(other, v, &p, (t, &nearest), depth) {
             return None;
         }
         Some((nearest.point - p, (t, nearest.weights)))

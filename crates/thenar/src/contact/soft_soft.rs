@@ -41,7 +41,7 @@ impl SoftSide<'_> {
     /// Whether the surface that goes on beyond the nearest place of a triangle comes nearer to `p`: where some
     /// triangles are left out (neighbours), the nearest of all others may be at the rim of these, whose inside
     /// says nothing.
-    pub(super) fn goes_on_nearer(&self, p: &Vec3, t: u32, nearest: &Closest) -> bool {
+    fn goes_on_nearer(&self, p: &Vec3, t: u32, nearest: &Closest) -> bool {
         let least = (nearest.distance_squared.sqrt() - BY_ROUNDING).max(0.0).powi(2);
         let is_nearer = |u: u32| {
             let corners = self.surface.corners(u, self.state.positions);
@@ -301,10 +301,7 @@ impl SoftSoft<'_> {
         if gap > self.margin || gap < -self.depth(other) {
             return false;
         }
-        if self.apart.is_some()
-            && (gap < 0.0 && other.goes_on_nearer(&p, t, closest)
-                || gap < -ENTERED * other.surface.edge_mean && !self.is_wound(v))
-        {
+        if gap < 0.0 && !self.has_got_in(other, v, &p, (t, closest), -gap) {
             return false;
         }
         let own_normal = own.surface.vertex_normal(v, own.state.positions);
@@ -313,6 +310,21 @@ impl SoftSoft<'_> {
         }
         self.push([own, other], v, (t, closest.weights), (normal, gap), sight, out);
         true
+    }
+
+    /// Whether a vertex at `p`, so far behind its nearest place of the other side, is in it. Two surfaces say so; of
+    /// one it must not be nearest to the rim of its neighbours, nor, once it is deep, outside by winding number.
+    pub(super) fn has_got_in(
+        &self,
+        other: &SoftSide,
+        v: u32,
+        p: &Vec3,
+        (t, nearest): (u32, &Closest),
+        depth: f64,
+    ) -> bool {
+        self.apart.is_none()
+            || !other.goes_on_nearer(p, t, nearest)
+                && (depth <= ENTERED * other.surface.edge_mean || self.is_wound(v))
     }
 
     /// A vertex of side `i` at the triangle that it comes to in this step.

@@ -106,7 +106,8 @@ impl World {
             let mut done = self.make(part, input, timer);
             timer.begin(Some(Stage::Detect));
             if !self.was_carried(&mut done) && parts.retry(self.reach()) {
-                self.state.go_back(&self.scratch.before);
+                // Sides are swapped only when a part is accepted.
+                self.state.copy_motion(&self.scratch.before);
                 continue;
             }
             std::mem::swap(&mut self.state.sides, &mut self.scratch.sides);

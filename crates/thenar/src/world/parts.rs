@@ -10,7 +10,6 @@
 use crate::contact::{Known, Site, SurfaceState};
 use crate::math::Vec3;
 use crate::model::SolverKind;
-use crate::world::state::State;
 use crate::world::{StepReport, World, push_out};
 
 /// Half of what a step looks ahead for: overlaps that grow by more than this part of the contact margin were not
@@ -23,7 +22,7 @@ const MISS: f64 = 100.0;
 /// Contact that looks again looks so many margins far at most, two fingers' widths: beyond, all of a hand would be met.
 const REACH_MAX: f64 = 32.0;
 
-/// Most halvings of a step: with a thousand parts it takes seconds.
+/// Most halvings of a step: it then has a thousand parts, and is made three thousand times at most.
 pub const HALVINGS_MAX: u32 = 10;
 
 /// A part of a step.
@@ -159,7 +158,7 @@ impl World {
         detector.deepening(places, surfaces, &scratch.sides, Known { rigids, softs, slack })
     }
 
-    /// What contact and limits remember of the last step, for one of another length.
+    /// Scales the impulses that contact and limits remember of the last step to one of another length.
     pub(super) fn remember_for(&mut self, h: f64, h_new: f64) {
         if h != h_new {
             self.state.scale_impulses(h_new / h);
@@ -167,15 +166,8 @@ impl World {
     }
 }
 
-impl State {
-    /// As it was before, but for the sides, which no part changes before it is accepted.
-    pub(super) fn go_back(&mut self, before: &Self) {
-        self.copy_motion(before);
-    }
-}
-
 impl StepReport {
-    /// Of this part and those before it.
+    /// Adds the parts before to the report of this one.
     pub(super) fn after(mut self, parts: &Self) -> Self {
         self.failure = parts.failure.or(self.failure);
         self.fell_back |= parts.fell_back;
@@ -198,7 +190,7 @@ impl StepReport {
 mod tests {
     use super::*;
 
-    /// The lengths of the parts in eighths when those of these lengths that begin before `bad` go wrong.
+    /// The lengths of the parts, in eighths, when those go well of which their begin and length say so.
     fn lengths(goes_well: impl Fn(u32, u32) -> bool) -> Vec<u32> {
         let mut parts = Parts::whole(0.8, 3);
         let (mut made, mut begin) = (Vec::new(), 0);

@@ -131,16 +131,13 @@ impl Delassus {
         let follows = (attempt + 1).is_multiple_of(KINDS) && steps_max > STEPS_ON_THE_WAY;
         let shares = if follows { &SHARES[..] } else { &[1.0][..] };
         let on_the_way = STEPS_ON_THE_WAY / (SHARES.len() as u32 - 1);
+        let at_last = steps_max - if follows { STEPS_ON_THE_WAY } else { 0 };
         let mut left = None;
         for share in shares {
             for (&i, (_, friction)) in self.members.list().iter().zip(&self.newton.began) {
                 contacts.rows[i as usize].friction = share * friction;
             }
-            let most = match (*share < 1.0, follows) {
-                (true, _) => on_the_way,
-                (false, true) => steps_max - STEPS_ON_THE_WAY,
-                (false, false) => steps_max,
-            };
+            let most = if *share < 1.0 { on_the_way } else { at_last };
             left = self.approach(simd, contacts, cone, tolerance, most, across);
         }
         if left.is_none() {
