@@ -18,6 +18,9 @@ const SINE_MIN: f64 = 0.05;
 const END: f64 = 0.01;
 /// A fall this steep (sine) makes an edge a ridge that can hold something up.
 const STEEP: f64 = 0.03;
+/// Faces that fall by less (sine) are flat: held at their vertices, what rests on the edge sinks by less than this
+/// part of their size.
+const FLAT: f64 = 1e-3;
 /// On the other side the surface may rise by so much (sine): it may have a valley there.
 const RISE_MAX: f64 = 0.35;
 
@@ -57,9 +60,9 @@ impl Ridge {
         Some(Self { outward, falls: [fall(t[(k + 2) % 3])?, fall(far)?] })
     }
 
-    /// Whether one face falls away from a plane with this outward normal.
-    fn is_rim(&self, outward: &Vec3) -> bool {
-        self.falls[0].dot(outward).min(self.falls[1].dot(outward)) < -STEEP
+    /// How far the steeper-falling face falls away below a plane with this outward normal (sine).
+    fn fall(&self, outward: &Vec3) -> f64 {
+        -self.falls[0].dot(outward).min(self.falls[1].dot(outward))
     }
 
     /// How far the steeper-rising face rises above a plane with this outward normal (sine).
@@ -105,9 +108,12 @@ pub(crate) fn crossing(passing: &Passing, a: &Ridge, b: &Ridge) -> Option<Crossi
         return None;
     }
     let (rise_a, rise_b) = (a.rise(&-normal), b.rise(&normal));
-    let rims = a.is_rim(&-normal) && b.is_rim(&normal);
     let rise = rise_a.max(rise_b);
-    let holds = (rise < RISE_MAX && rise_a.min(rise_b) < -STEEP) || (rise < STEEP && rims);
+    // However gently they fall: what rests on such an edge would sink as far as they fall on to their ends.
+    let fall = a.fall(&-normal).min(b.fall(&normal));
+    let is_ridge = rise < RISE_MAX && rise_a.min(rise_b) < -STEEP;
+    let are_rims = rise < fall.min(STEEP) && fall > FLAT;
+    let holds = is_ridge || are_rims;
     holds.then_some(Crossing { at, normal, gap })
 }
 
@@ -178,6 +184,22 @@ mod tests {
         let rims = pair([0.0, std::f64::consts::FRAC_PI_2]).expect("rims cross");
         assert!((rims.gap + 1e-3).abs() < 1e-15);
         assert!(pair([-0.2, 0.2]).is_none(), "tilted plains");
+    }
+
+    /// Edges whose faces all fall away are where their bodies touch, at every slope from that at which
+    /// vertices hold them as near.
+    #[test]
+    fn gentle_ridges_hold_each_other_at_every_slope() {
+        for slopes in [[0.002, 0.002], [0.005, 0.02], [0.02, 0.005], [0.029, 0.031], [0.029, 0.029]]
+        {
+            let below = roof(Vec3::zeros(), Vec3::x(), Vec3::y(), slopes[0]);
+            let above = roof(Vec3::y() * -5e-5, Vec3::z(), -Vec3::y(), slopes[1]);
+            let c = meet(&above, &below).expect("they hold each other");
+            assert!((c.gap + 5e-5).abs() < 1e-15, "{slopes:?}");
+        }
+        let flat = |y: f64, along, up| roof(Vec3::y() * y, along, up, 1e-4);
+        let pair = [flat(-5e-5, Vec3::z(), -Vec3::y()), flat(0.0, Vec3::x(), Vec3::y())];
+        assert!(meet(&pair[0], &pair[1]).is_none(), "flat faces meet at vertices");
     }
 
     #[test]
