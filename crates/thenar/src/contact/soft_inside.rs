@@ -3,6 +3,9 @@
 //! A body that starts inside the flesh, or was driven there, touches its surface nowhere. Balls inside the
 //! body tell: while the centre of one is inside the surface, it is led out where the surface is nearest,
 //! however deep that is. In contact no centre is inside: the surface lies around the body.
+//!
+//! Flesh that is crushed has folds and places turned inside out. Of those the normal says the wrong side, so
+//! that a centre is inside only if the surface also winds around it.
 
 use crate::contact::collector::{Collector, feature_key};
 use crate::contact::features::capsule_axis;
@@ -50,7 +53,7 @@ impl SoftRigid<'_> {
             let x = self.state.positions;
             let outward = self.surface.pseudonormal(t, closest.feature, x);
             let way = closest.point - center_W;
-            if outward.dot(&way) <= 0.0 {
+            if outward.dot(&way) <= 0.0 || !self.surface.winds_around(&center_W, x) {
                 continue;
             }
             let Some(direction) = way.try_normalize(0.0) else { continue };
@@ -95,6 +98,28 @@ mod tests {
     use crate::contact::tests::{Scene, boxed, cube};
     use crate::math::{Pose, Quat};
     use crate::model::Motion;
+
+    /// A side wall turned inside out, as crushed flesh has them, sees what is in front of it as behind it.
+    #[test]
+    fn what_is_before_a_wall_turned_inside_out_is_not_inside() {
+        for n in [2, 4] {
+            for x in [0.024, 0.026, 0.03] {
+                let mut scene = Scene::new();
+                let at = Vec3::new(x, 1e-3, 0.006);
+                let ball = Shape::Sphere { radius: 0.002 };
+                scene.rigid(Motion::Dynamic, ball, Pose::new(at, Quat::identity()));
+                scene.soft(cube(0.04, n));
+                let points = &mut scene.surfaces[0].0;
+                for p in points.iter_mut().filter(|p| p.x > 0.0199) {
+                    // A corner sticks out so far that the ball is within the surface's box.
+                    let is_corner = p.y < -0.0199 && p.z < -0.0199;
+                    (p.x, p.y) = (if is_corner { 0.04 } else { p.x }, -0.5 * p.y);
+                }
+                let contacts = scene.find(1e-3);
+                assert!(contacts.is_empty(), "{n} cells, at {x} m: {contacts:?}");
+            }
+        }
+    }
 
     /// Bodies wholly inside a soft cube of 40 mm, at several depths and meshes, leave by its nearest face:
     /// the deepest contact points out of it and is as deep as the body's middle, and its inner radius.

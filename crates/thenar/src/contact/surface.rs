@@ -4,7 +4,7 @@ use crate::contact::SurfaceState;
 use crate::contact::aabb::Aabb;
 use crate::contact::bvh::Bvh;
 use crate::contact::smooth::SmoothNormals;
-use crate::contact::triangle::{Feature, area_vector};
+use crate::contact::triangle::{Feature, area_vector, solid_angle};
 use crate::math::Vec3;
 use crate::model::Flesh;
 
@@ -122,6 +122,12 @@ impl Surface {
 
     pub fn corners(&self, triangle: u32, x: &[Vec3]) -> [Vec3; 3] {
         self.triangles[triangle as usize].map(|v| x[v as usize])
+    }
+
+    /// Whether a point is inside by the surface's winding number, which no fold changes.
+    pub fn winds_around(&self, p: &Vec3, x: &[Vec3]) -> bool {
+        let angles = (0..self.triangles.len() as u32).map(|t| solid_angle(p, &self.corners(t, x)));
+        angles.sum::<f64>() > std::f64::consts::TAU
     }
 
     /// The triangles around a vertex.

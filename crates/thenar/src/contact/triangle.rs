@@ -23,6 +23,15 @@ pub(crate) struct Closest {
     pub distance_squared: f64,
 }
 
+/// Solid angle under which `p` sees triangle `x`, positive from behind \[sr\] (van Oosterom and Strackee 1983). A closed
+/// surface fills 4π times its winding number about the point.
+pub(crate) fn solid_angle(p: &Vec3, x: &[Vec3; 3]) -> f64 {
+    let [a, b, c] = x.map(|corner| corner - p);
+    let lengths = [a.norm(), b.norm(), c.norm()];
+    let along = a.dot(&b) * lengths[2] + b.dot(&c) * lengths[0] + c.dot(&a) * lengths[1];
+    2.0 * a.dot(&b.cross(&c)).atan2(lengths.iter().product::<f64>() + along)
+}
+
 /// The point of triangle `x` nearest to `p`. A degenerate triangle is its edges.
 pub(crate) fn closest_on_triangle(p: &Vec3, x: &[Vec3; 3]) -> Closest {
     let (e1, e2, d) = (x[1] - x[0], x[2] - x[0], p - x[0]);
