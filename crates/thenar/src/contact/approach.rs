@@ -41,7 +41,8 @@ pub(crate) fn approach(
     trace(shape, p, u, length, radius, margin)
 }
 
-/// Follows the ball along `u` to the first place within `margin` of the shape.
+/// Follows the ball along `u` to the first place within `margin` of the shape that it nears: one that it passes
+/// by lies behind its tangent plane there, outside though it is.
 fn trace(
     shape: &Shape,
     p: &Vec3,
@@ -54,10 +55,10 @@ fn trace(
     let mut at = shape.distance(p);
     for _ in 0..TRACE_STEPS_MAX {
         let gap = at.value - radius;
-        if gap <= margin {
+        if gap <= margin && u.dot(&at.gradient) < 0.0 {
             break;
         }
-        s += (gap - 0.5 * margin) / length;
+        s += (gap - 0.5 * margin).max(0.5 * margin) / length;
         if s > 1.0 {
             return None;
         }
@@ -167,6 +168,35 @@ mod tests {
             assert_eq!(d.gradient, Vec3::y());
         }
         assert!(approach(&PLATE, &Vec3::new(0.0, 0.087, 0.0), &u, 0.0, 1e-3).is_none());
+    }
+
+    /// Points that fly past a ball or an edge, however near, and points that hit them, from all sides: the constraint
+    /// of one that is outside now never says that it is inside.
+    #[test]
+    fn no_point_outside_is_told_to_be_inside() {
+        let shapes = [
+            Shape::Sphere { radius: 0.02 },
+            Shape::Cuboid { half: Vec3::new(0.02, 0.01, 0.03) },
+            Shape::Capsule { radius: 0.004, half_length: 0.02 },
+        ];
+        let mut seed = 7_u64;
+        let mut any = || {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        let mut arrived = 0;
+        for i in 0..30_000 {
+            let shape = &shapes[i % 3];
+            let p = 0.04 * Vec3::new(any(), any(), any());
+            let u = 0.05 * Vec3::new(any(), any(), any());
+            if shape.distance(&p).value <= 1e-3 {
+                continue;
+            }
+            let Some(d) = approach(shape, &p, &u, 0.0, 1e-3) else { continue };
+            arrived += 1;
+            assert!(d.value > 0.0, "{shape:?} from {p} by {u}: {}", d.value);
+        }
+        assert!(arrived > 2000, "{arrived}");
     }
 
     /// A point that comes in sideways over the edge and lands on the top face is stopped by the
