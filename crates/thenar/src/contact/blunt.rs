@@ -44,8 +44,11 @@ pub(crate) fn blunted(
     }
     let value = at.value + radius * at.gradient.dot(&outward);
     // No plane that touches a convex shape is farther than the shape: in a hollow that is another wall.
-    let is_other = value > now.value + ROUND_OFF * radius;
-    if is_other { now } else { Distance { value, gradient: at.gradient } }
+    if value > now.value + ROUND_OFF * radius {
+        return now;
+    }
+    // Flesh that looks away from a thin edge looks at its far side, from where the point seems deep.
+    Distance { value: value.max(now.value - radius), gradient: at.gradient }
 }
 
 /// Whether a shape has edges that point outward.
@@ -72,6 +75,19 @@ mod tests {
 
     fn seen(shape: &Shape, p: &Vec3, outward: &Vec3) -> Distance {
         blunted(shape, p, &outward.normalize(), EDGE, shape.distance(p))
+    }
+
+    /// A sheet of 2 µm, and a point above it that looks up, as flesh does which is cut from the side.
+    #[test]
+    fn gaps_become_less_by_the_radius_at_most() {
+        let sheet = Shape::Cuboid { half: Vec3::new(0.01, 1e-6, 0.01) };
+        let radius = RADIUS * EDGE;
+        for height in [1e-6, 20e-6, 45e-6, 70e-6, 200e-6] {
+            let p = Vec3::new(0.0, height, 0.0);
+            let (d, exact) = (seen(&sheet, &p, &Vec3::y()), sheet.distance(&p));
+            assert!(d.value <= exact.value, "{height}: {}", d.value);
+            assert!(d.value >= exact.value - radius, "{height}: {}", d.value);
+        }
     }
 
     #[test]

@@ -56,6 +56,8 @@ mod soft_rigid;
 mod soft_round;
 mod soft_samples;
 mod soft_soft;
+#[cfg(test)]
+mod soft_truth_tests;
 mod soft_way;
 mod support;
 mod surface;

@@ -15,7 +15,7 @@ use std::sync::Arc;
 const ALLOWED: f64 = 1e-5;
 
 /// A ball as a mesh of latitudes and longitudes.
-fn mesh_ball(radius: f64, n: u32) -> Shape {
+pub(super) fn mesh_ball(radius: f64, n: u32) -> Shape {
     let mut points = vec![Vec3::y() * radius];
     for i in 1..n {
         let (s, c) = (PI * f64::from(i) / f64::from(n)).sin_cos();
@@ -42,7 +42,7 @@ fn mesh(points: Vec<Vec3>, triangles: Vec<[u32; 3]>, like: &Shape, reach: f64) -
     Shape::Mesh(Arc::new(MeshShape::new(points, triangles, grid_of(like, reach, 17))))
 }
 
-fn mesh_cube(half: f64, n: u32) -> Shape {
+pub(super) fn mesh_cube(half: f64, n: u32) -> Shape {
     let (points, triangles) = cube(2.0 * half, n);
     mesh(points, triangles, &boxed(half), 2.0 * half)
 }
