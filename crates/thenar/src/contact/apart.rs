@@ -8,9 +8,12 @@ use crate::math::Vec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Neighbours lie within this many mean edge lengths along the surface,
+/// Neighbours lie within this many mean edge lengths along the surface: the triangles around a vertex and those
+/// next to them. A fold of a mesh is a row of edges, and lays just these on each other, which no contact could
+/// part. What is farther away comes near by the bending of several rows.
 const ALONG: f64 = 2.0;
-/// or, through the body, within this many.
+/// Or, through the body, they lie within this many. A part no thicker than its triangles are long is pressed flat
+/// before its two sides meet; of a thicker one they are more than their own flesh apart.
 const THROUGH: f64 = 1.0;
 /// At most so many vertices along the surface are neighbours, the nearest, and so many triangles of all of them:
 /// tables then grow with the surface and not with its square, however uneven its edges. Even meshes have some
@@ -21,7 +24,9 @@ const TRIANGLES_MAX: usize = 1024;
 const EDGES_THROUGH: f64 = 16.0;
 /// Larger trees have no table of settled pairs, which only spares a search: 2 MB.
 const NODES_MAX: usize = 4096;
-/// Parts nearer than this part of an edge overlap already.
+/// Parts nearer than this part of an edge at rest overlap already, as in a seam: they would push each other apart
+/// from the first step on. Contacts rest to a hundredth of an edge, and surfaces that were scanned or drawn to lie
+/// on each other do so to a few.
 const OVERLAP: f64 = 0.05;
 
 /// Pairs of a vertex and a triangle that are neighbours: near along the surface at rest, on two

@@ -341,7 +341,7 @@ impl Detector {
         let placed = &placed[rigid];
         let surface = &mut self.surfaces[soft];
         // A feature may have come through a triangle by so much and still touch.
-        let inflated = reach.margin + 0.25 * surface.edge_mean;
+        let inflated = reach.margin + surface.depth_max();
         if !placed.may_touch(&body.shape, &bounds[soft].swept, inflated, reach.h) {
             return;
         }

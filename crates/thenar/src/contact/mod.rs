@@ -37,6 +37,8 @@ mod mesh_pair;
 mod near;
 mod nearest;
 #[cfg(test)]
+mod neighbour_tests;
+#[cfg(test)]
 mod pair_tests;
 mod pairs;
 mod ridge;

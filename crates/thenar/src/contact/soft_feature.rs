@@ -79,9 +79,9 @@ pub(crate) struct Touch {
 }
 
 /// How deep a feature may lie and still be taken as having come through the triangle \[m\]: what is
-/// deeper than a quarter of an edge is as near to other triangles, and is led out by the vertices.
+/// deeper is led out by the vertices.
 pub(crate) fn depth_max(pair: &SoftRigid) -> f64 {
-    pair.margin + 0.25 * pair.surface.edge_mean
+    pair.margin + pair.surface.depth_max()
 }
 
 /// Adds the contacts of sharp points and of the round part.

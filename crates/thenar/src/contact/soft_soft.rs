@@ -17,8 +17,6 @@ use crate::contact::{Contact, Site, SurfacePoint, SurfaceState};
 use crate::math::Vec3;
 
 const NONE: u32 = u32::MAX;
-/// A vertex may have come in by this part of the other surface's mean edge and is led out again.
-const DEPTH: f64 = 0.25;
 /// Distances to one place are equal but for rounding \[m\].
 const BY_ROUNDING: f64 = 1e-9;
 /// A vertex touches a triangle only if their normals (cosine) oppose this far: what has come through
@@ -157,7 +155,7 @@ impl SoftSoft<'_> {
 
     /// How deep below a surface a point may lie and still be led out.
     pub(super) fn depth(&self, side: &SoftSide) -> f64 {
-        DEPTH * side.surface.edge_mean
+        side.surface.depth_max()
     }
 
     fn side(&self, i: usize) -> &SoftSide<'_> {

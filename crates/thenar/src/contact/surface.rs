@@ -9,6 +9,10 @@ use crate::math::Vec3;
 use crate::model::Flesh;
 
 const NONE: u32 = u32::MAX;
+/// A point that has come in by this part of the mean edge has come in through the triangle that is nearest to
+/// it. The circle in an equilateral triangle has a radius of 0.29 edges: below its middle, what is less deep is
+/// nearer to the triangle than to a wall that goes down from its rim.
+const DEPTH: f64 = 0.25;
 
 /// Topology of one surface and a tree over its triangles.
 #[derive(Clone, Debug)]
@@ -70,6 +74,12 @@ impl Surface {
             neighbors,
             triangles,
         }
+    }
+
+    /// How deep a point may lie below the surface and still be led out through its nearest triangle \[m\]: what
+    /// is deeper is as near to others.
+    pub fn depth_max(&self) -> f64 {
+        DEPTH * self.edge_mean
     }
 
     pub fn vertex_count(&self) -> usize {

@@ -1,0 +1,137 @@
+//! Parts of one surface that are no neighbours touch, and only they: forks whose arms are pressed
+//! together, laid on each other, or lie side by side from the start. Lengths are in edges; what must touch
+//! follows from the way between parts along the surface or through the body.
+
+use super::Site;
+use super::tests::Scene;
+use crate::math::Vec3;
+use std::collections::BTreeMap;
+
+/// Length of an edge \[m\], of the squares that are halved.
+const EDGE: f64 = 5e-3;
+/// Between arms that are brought together \[m\].
+const GAP: f64 = 2e-4;
+/// Where the arms end \[edges\], from the bottom of the slit between them.
+const ARM: i32 = 12;
+
+/// The outside of a body of cubes, in edges.
+fn outside(is_filled: impl Fn([i32; 3]) -> bool, size: [i32; 3]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let (mut points, mut known, mut triangles) = (Vec::new(), BTreeMap::new(), Vec::new());
+    let cells = (-1..=size[0])
+        .flat_map(|x| (-1..=size[1]).flat_map(move |y| (-1..=size[2]).map(move |z| [x, y, z])));
+    for cell in cells.filter(|cell| is_filled(*cell)) {
+        for axis in 0..3 {
+            for side in [0, 1] {
+                let mut beside = cell;
+                beside[axis] += 2 * side - 1;
+                if is_filled(beside) {
+                    continue;
+                }
+                let corners = [[0, 0], [1, 0], [1, 1], [0, 1]].map(|[u, v]| {
+                    let mut at = cell;
+                    at[axis] += side;
+                    at[(axis + 1) % 3] += u;
+                    at[(axis + 2) % 3] += v;
+                    *known.entry(at).or_insert_with(|| {
+                        points.push(Vec3::from_fn(|k, _| f64::from(at[k])));
+                        points.len() as u32 - 1
+                    })
+                });
+                let [a, b, c, d] = corners;
+                let square = if side == 1 { [a, b, c, d] } else { [a, d, c, b] };
+                triangles
+                    .extend([[square[0], square[1], square[2]], [square[0], square[2], square[3]]]);
+            }
+        }
+    }
+    (points, triangles)
+}
+
+/// Two arms of two by two edges along x, z up to 2 and from 3, on a foot below x = 0. The slit between them
+/// is so many edges wide.
+fn fork(slit: f64) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let is_filled = |[x, y, z]: [i32; 3]| {
+        let within = (0..ARM + 2).contains(&x) && (0..2).contains(&y) && (0..5).contains(&z);
+        within && (x < 2 || z != 2)
+    };
+    let (mut points, triangles) = outside(is_filled, [ARM + 2, 2, 5]);
+    for p in &mut points {
+        p.x -= 2.0;
+        p.z += if p.z > 2.5 { slit - 1.0 } else { 0.0 };
+    }
+    (points, triangles)
+}
+
+/// The vertices of the fork that touch something of it when it is deformed, by where they were at rest.
+fn touching(slit: f64, deformed: impl Fn(&Vec3) -> Vec3) -> Vec<Vec3> {
+    let (rest, triangles) = fork(slit);
+    let mut scene = Scene::new();
+    let soft = scene.soft((rest.iter().map(|p| p * EDGE).collect(), triangles));
+    scene.desc.self_contact.push(soft);
+    scene.surfaces[0].0 = rest.iter().map(|p| deformed(p) * EDGE).collect();
+    let mut found = Vec::new();
+    for c in scene.find(1e-3) {
+        let (Site::Soft(p), Site::Soft(_)) = (&c.a, &c.b) else { panic!("soft on soft") };
+        if p.vertices[0] == p.vertices[1] {
+            assert!((c.gap - GAP).abs() < 0.01 * EDGE, "a gap of {} m", c.gap);
+            found.push(rest[p.vertices[0] as usize]);
+        }
+    }
+    found
+}
+
+/// The lattice points at which `is_wanted` are all among those that touch.
+fn all_touch(found: &[Vec3], slit: f64, is_wanted: impl Fn(&Vec3) -> bool) {
+    let (rest, _) = fork(slit);
+    let wanted: Vec<Vec3> = rest.into_iter().filter(is_wanted).collect();
+    assert!(wanted.len() >= 5);
+    for p in wanted {
+        let touches = found.iter().any(|q| (q - p).norm() < 1e-9);
+        assert!(touches, "{:?} touches nothing", p.as_slice());
+    }
+}
+
+/// The slit is closed by pressing the arms together. Two vertices that face each other at a distance d from
+/// its bottom are `2 d + 1` edges from each other along the surface: from d = 2 on that is more than anything
+/// that is near, and less than four times as much up to d = 4.
+#[test]
+fn a_slit_that_closes_touches_down_to_its_bottom() {
+    let closed = |p: &Vec3| {
+        let by = if p.z > 2.5 && p.x > 1.5 { 1.0 - GAP / EDGE } else { 0.0 };
+        p - Vec3::z() * by
+    };
+    let found = touching(1.0, closed);
+    let is_inner = |p: &Vec3| (2.0..=3.0).contains(&p.z);
+    all_touch(&found, 1.0, |p| is_inner(p) && p.x > 1.5);
+    // Around the foot parts stay as they are.
+    assert!(found.iter().all(|p| p.x > 0.5 && is_inner(p)), "{found:?}");
+}
+
+/// One arm is laid on the other. At rest its lower side is two edges and more from the upper side of the other,
+/// and lies behind that: through the body, and farther than a part is thick that cannot touch itself.
+#[test]
+fn an_arm_laid_on_the_other_touches_it() {
+    let laid = |p: &Vec3| {
+        // First up, and then over the other.
+        let [up, over] = [1.0, 4.0].map(|from| ((p.x - from) / 3.0).clamp(0.0, 1.0));
+        let on = Vec3::new(0.0, up * (2.0 + GAP / EDGE), over * 3.0);
+        if p.z < 2.5 { p + on } else { *p }
+    };
+    let found = touching(1.0, laid);
+    let is_on = |p: &Vec3| p.x > 6.5 && p.x < f64::from(ARM) - 0.5;
+    // Within the other's rims: there what is nearest is no face.
+    all_touch(&found, 1.0, |p| is_on(p) && p.z < 1.5 && p.z > 0.5 && p.y < 0.5);
+    all_touch(&found, 1.0, |p| is_on(p) && p.z > 3.5 && p.z < 4.5 && p.y > 1.5);
+}
+
+/// Arms that lie a tenth of an edge from each other at rest do not overlap: they touch where they come nearer.
+#[test]
+fn arms_that_lie_side_by_side_touch() {
+    let slit = 0.1;
+    let nearer = |p: &Vec3| {
+        let by = if p.z > 2.05 && p.x > 1.5 { slit - GAP / EDGE } else { 0.0 };
+        p - Vec3::z() * by
+    };
+    let found = touching(slit, nearer);
+    all_touch(&found, slit, |p| p.z > 1.5 && p.z < 2.5 && p.x > 3.5);
+}
