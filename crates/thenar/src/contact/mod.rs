@@ -23,6 +23,8 @@ mod contact_point;
 mod convex_pair;
 mod crowd;
 mod cuboid_pair;
+#[cfg(test)]
+mod depth_tests;
 mod detector;
 mod distance;
 mod ellipsoid;
