@@ -2,11 +2,13 @@
 //! default hand comes down on a fixed body, a finger here and a palm there, and after it has come to rest
 //! the force of each finger is compared from step to step.
 
+use std::f64::consts::{PI, TAU};
+use std::fmt::Write;
 use std::path::Path;
 use thenar_scene::session::Session;
 
-/// Steps that are compared, at the end.
-const WATCHED: u64 = 40;
+/// How long steps are compared, at the end \[s\].
+const WATCHED: f64 = 0.2;
 /// Largest change of a finger's normal force from one step to the next, over that force.
 const FLICKER_MAX: f64 = 1e-3;
 /// A finger that bears less is not felt \[N\].
@@ -54,7 +56,8 @@ fn flicker(text: &str) -> (f64, f64) {
     let normals: Vec<usize> = (0..columns.len()).filter(is_normal).collect();
     assert!(!normals.is_empty());
     let steps = session.steps_wanted();
-    for _ in WATCHED..steps {
+    let watched = (WATCHED / session.world().time_step()).round() as u64;
+    for _ in watched..steps {
         session.step(&mut ());
     }
     let forces = |session: &mut Session| -> Vec<f64> {
@@ -63,7 +66,7 @@ fn flicker(text: &str) -> (f64, f64) {
     };
     let mut before = forces(&mut session);
     let mut worst = 0.0_f64;
-    for _ in 0..WATCHED {
+    for _ in 0..watched {
         session.step(&mut ());
         let now = forces(&mut session);
         for (a, b) in before.iter().zip(&now) {
@@ -82,6 +85,52 @@ fn rests_quietly(shape: &str, reach: f64, steps: &[f64]) {
         assert!(force > 5.0, "{shape} at {h} s: the fingers bear {force} N");
         assert!(flicker < FLICKER_MAX, "{shape} at {h} s: the force changes by {flicker:.1e}");
     }
+}
+
+/// A mesh of rings about y, in a file, from its outline: distance from the axis and height \[m\], from the top
+/// down.
+fn mesh(name: &str, outline: &[(f64, f64)], stretch: f64) -> String {
+    const AROUND: usize = 48;
+    let mut text = String::new();
+    for (radius, y) in outline {
+        for j in 0..AROUND {
+            let (s, c) = (TAU * j as f64 / AROUND as f64).sin_cos();
+            writeln!(text, "v {} {y} {}", radius * c, stretch * radius * s).expect("a string");
+        }
+    }
+    let at = |i: usize, j: usize| 1 + i * AROUND + j % AROUND;
+    for i in 0..outline.len() - 1 {
+        for j in 0..AROUND {
+            let [a, b, c, d] = [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)];
+            writeln!(text, "f {a} {b} {c}\nf {a} {c} {d}").expect("a string");
+        }
+    }
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("resting-{name}.obj"));
+    std::fs::write(&path, text).expect("a file");
+    format!(r#"kind = "mesh", file = {path:?}"#)
+}
+
+/// From pole to pole, half as high as `height`.
+fn arc(radius: f64, height: f64) -> Vec<(f64, f64)> {
+    let at = |k: u32| (PI * f64::from(k) / 32.0).sin_cos();
+    (0..=32).map(at).map(|(s, c)| (radius * s, height * c)).collect()
+}
+
+#[test]
+fn on_meshes() {
+    let outlines = [
+        ("ball", arc(0.06, 0.06), 1.0),
+        ("ellipsoid", arc(0.06, 0.08), 0.8),
+        ("cylinder", vec![(0.0, 0.06), (0.06, 0.06), (0.06, -0.06), (0.0, -0.06)], 1.0),
+    ];
+    for (name, outline, stretch) in outlines {
+        rests_quietly(&mesh(name, &outline, stretch), 0.075, &[0.005]);
+    }
+}
+
+#[test]
+fn at_1_ms() {
+    rests_quietly(r#"kind = "sphere", radius = 0.06"#, 0.075, &[1e-3]);
 }
 
 #[test]
