@@ -16,6 +16,9 @@ use std::ops::Range;
 /// Surfaces nearer than this touch \[m\]: some fingerprint ridges high, a definition.
 pub(crate) const TOUCHING: f64 = 20e-6;
 
+/// A corner of less weight has no part in a point.
+const LIGHT: f64 = 1e-9;
+
 /// Most parts into which the edges of a triangle are divided.
 const PARTS_MAX: usize = 16;
 
@@ -27,9 +30,57 @@ pub(crate) struct AreaScratch {
     share: Vec<f64>,
     /// Triangles with a count.
     touched: Vec<u32>,
-    /// Per vertex, the distance to another soft surface \[m\].
+    /// Per vertex, the distance to another soft surface \[m\], and those that have one.
     gaps: Vec<f64>,
     known: Vec<u32>,
+    /// The same within triangles and their edges.
+    within: Vec<Within>,
+    noted: Vec<u32>,
+}
+
+/// Between surfaces farther apart than this no contact tells a distance \[m\]: the usual margin.
+const FAR: f64 = 1e-3;
+
+/// Distances that contacts tell at places of a triangle between its corners, of each kind the least.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Within {
+    /// Distance \[m\], and part of edge k from corner k.
+    edges: [(f64, f64); 3],
+    /// Distance \[m\], and weights.
+    face: (f64, [f64; 3]),
+}
+
+impl Within {
+    const NOTHING: Self = Self { edges: [(FAR, 0.5); 3], face: (FAR, [0.0; 3]) };
+
+    /// The part of the triangle's area that is nearer than [`TOUCHING`], given the distances of its corners: linear
+    /// between these places, in a fan about the one inside or the nearest.
+    fn part_below(&self, corners: [f64; 3]) -> f64 {
+        // Places as weights of the corners 1 and 2.
+        let mut rim = [([0.0; 2], FAR); 6];
+        let mut count = 0;
+        for (k, start) in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].into_iter().enumerate() {
+            rim[count] = (start, corners[k]);
+            count += 1;
+            let (gap, s) = self.edges[k];
+            if gap < FAR {
+                let end = [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]][k];
+                rim[count] = ([0, 1].map(|i| start[i] + s * (end[i] - start[i])), gap);
+                count += 1;
+            }
+        }
+        let rim = &rim[..count];
+        let (face, weights) = self.face;
+        let nearest = rim.iter().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(rim[0], |p| *p);
+        let (middle, least) = if face < FAR { ([weights[1], weights[2]], face) } else { nearest };
+        let mut part = 0.0;
+        for (i, (p, gap)) in rim.iter().enumerate() {
+            let (q, next) = rim[(i + 1) % count];
+            let [u, v] = [*p, q].map(|x| [x[0] - middle[0], x[1] - middle[1]]);
+            part += (u[0] * v[1] - u[1] * v[0]).abs() * part_below([least, *gap, next]);
+        }
+        part
+    }
 }
 
 impl AreaScratch {
@@ -38,8 +89,10 @@ impl AreaScratch {
             count: vec![0; triangles],
             share: vec![0.0; triangles],
             touched: Vec::with_capacity(triangles),
-            gaps: vec![f64::INFINITY; vertices],
+            gaps: vec![FAR; vertices],
             known: Vec::with_capacity(vertices),
+            within: vec![Within::NOTHING; triangles],
+            noted: Vec::with_capacity(triangles),
         }
     }
 
@@ -48,8 +101,51 @@ impl AreaScratch {
             (self.count[t as usize], self.share[t as usize]) = (0, 0.0);
         }
         for v in self.known.drain(..) {
-            self.gaps[v as usize] = f64::INFINITY;
+            self.gaps[v as usize] = FAR;
         }
+        for t in self.noted.drain(..) {
+            self.within[t as usize] = Within::NOTHING;
+        }
+    }
+
+    /// Notes the distance at a point of a surface.
+    fn note(&mut self, skin: &Skin, point: &SurfacePoint, gap: f64) {
+        if gap >= FAR {
+            return;
+        }
+        skin.triangles_of(point, |t| {
+            let corners = skin.surface.triangles[t as usize];
+            let weights = corners.map(|v| {
+                let of = (0..3).filter(|&k| point.vertices[k] == v).map(|k| point.weights[k]);
+                of.sum::<f64>()
+            });
+            let light = (0..3).filter(|&k| weights[k] <= LIGHT);
+            match light.clone().count() {
+                2 => {
+                    let k = (0..3).find(|&k| weights[k] > LIGHT).unwrap_or(0);
+                    let known = &mut self.gaps[corners[k] as usize];
+                    if *known == FAR {
+                        self.known.push(corners[k]);
+                    }
+                    *known = known.min(gap);
+                }
+                light_count => {
+                    let within = &mut self.within[t as usize];
+                    if *within == Within::NOTHING {
+                        self.noted.push(t);
+                    }
+                    if light_count == 0 && gap < within.face.0 {
+                        within.face = (gap, weights);
+                    }
+                    // Edge k lies across from corner k + 2.
+                    for k in light.map(|k| (k + 1) % 3) {
+                        if gap < within.edges[k].0 {
+                            within.edges[k] = (gap, weights[(k + 1) % 3]);
+                        }
+                    }
+                }
+            }
+        });
     }
 
     fn touch(&mut self, t: u32) {
@@ -70,7 +166,7 @@ pub(crate) struct Skin<'a> {
 impl Skin<'_> {
     /// The triangles a contact lies on: those around a vertex, both of an edge, or one.
     fn triangles_of(&self, point: &SurfacePoint, mut each: impl FnMut(u32)) {
-        let heavy = |k: usize| point.weights[k] > 1e-9;
+        let heavy = |k: usize| point.weights[k] > LIGHT;
         let around = self.surface.around(point.vertices[(0..3).find(|k| heavy(*k)).unwrap_or(0)]);
         for &t in around {
             let corners = self.surface.triangles[t as usize];
@@ -135,22 +231,21 @@ pub(crate) fn between_soft(
     areas.fill(0.0);
     let itself = skins[0].surface.soft == skins[1].surface.soft;
     for skin in &skins[..if itself { 1 } else { 2 }] {
-        for contact in of.iter().filter(|c| gap(c) <= TOUCHING) {
+        // What does not touch tells how far the rim of what does is.
+        for contact in of {
             for point in points_on(contact, skin.surface.soft) {
-                for (v, _) in point.vertices.iter().zip(point.weights).filter(|(_, w)| *w > 0.0) {
-                    scratch.gaps[*v as usize] = gap(contact).min(scratch.gaps[*v as usize]);
-                    scratch.known.push(*v);
+                scratch.note(skin, point, gap(contact));
+                if gap(contact) <= TOUCHING {
+                    skin.triangles_of(point, |t| scratch.touch(t));
                 }
-                skin.triangles_of(point, |t| scratch.touch(t));
             }
         }
         for i in 0..scratch.touched.len() {
             let t = scratch.touched[i];
             let corners = skin.surface.triangles[t as usize];
-            // A corner that touches nothing counts as twice as far as what touches.
-            let gaps = corners.map(|v| scratch.gaps[v as usize].min(2.0 * TOUCHING));
+            let gaps = corners.map(|v| scratch.gaps[v as usize]);
             let least = 1.0 / (PARTS_MAX * PARTS_MAX) as f64;
-            let part = Some(part_below(gaps)).filter(|a| *a > 0.0).unwrap_or(least);
+            let part = scratch.within[t as usize].part_below(gaps).max(least);
             let area = skin.triangle_area(t) * part;
             scratch.share[t as usize] = 0.5 * area / f64::from(scratch.count[t as usize]);
         }
@@ -163,13 +258,10 @@ pub(crate) fn between_soft(
     }
 }
 
-/// The points of a contact that touch from this soft body: a vertex, but not the face it touches; both
-/// of two edges.
+/// The points of a contact on this soft body: a vertex, the face that one touches, places of edges.
 fn points_on(contact: &Contact, soft: u32) -> impl Iterator<Item = &SurfacePoint> + '_ {
-    let is_vertex = |p: &SurfacePoint| p.vertices[0] == p.vertices[1];
-    let (a, b) = (soft_point(&contact.a), soft_point(&contact.b));
-    let b = b.filter(|_| !a.is_some_and(is_vertex));
-    a.into_iter().chain(b).filter(move |p| p.soft == soft)
+    let sites = [&contact.a, &contact.b].into_iter();
+    sites.filter_map(soft_point).filter(move |p| p.soft == soft)
 }
 
 fn soft_point(site: &Site) -> Option<&SurfacePoint> {
@@ -261,6 +353,27 @@ mod tests {
         // Below at one corner, as far above at the others: a quarter; and the other way round.
         assert!((part_below([0.0, 2.0 * t, 2.0 * t]) - 0.25).abs() < 1e-12);
         assert!((part_below([2.0 * t, 0.0, 0.0]) - 0.75).abs() < 1e-12);
+    }
+
+    /// With distances that are linear, places between the corners change nothing; a place of an edge alone that
+    /// touches is a triangle about it.
+    #[test]
+    fn places_within_a_triangle_are_taken_up() {
+        let corners = [0.0, 2.0 * TOUCHING, 4.0 * TOUCHING];
+        let at = |w: [f64; 3]| (0..3).map(|k| w[k] * corners[k]).sum::<f64>();
+        let mut within = Within::NOTHING;
+        let whole = within.part_below(corners);
+        assert!((whole - 0.125).abs() < 1e-12, "{whole}");
+        within.face = (at([0.3, 0.4, 0.3]), [0.3, 0.4, 0.3]);
+        assert!((within.part_below(corners) - whole).abs() < 1e-12);
+        within.edges[2] = (at([0.9, 0.0, 0.1]), 0.9);
+        assert!((within.part_below(corners) - whole).abs() < 1e-12);
+
+        let mut ridge = Within::NOTHING;
+        ridge.edges[0] = (0.0, 0.5);
+        // As far as `TOUCHING / FAR` of the way to each corner: of both halves that part squared.
+        let part = (TOUCHING / FAR).powi(2);
+        assert!((ridge.part_below([FAR; 3]) - part).abs() < 1e-12);
     }
 
     /// A flat triangle under a ball that just touches it is nearer than the bound within a disc of
