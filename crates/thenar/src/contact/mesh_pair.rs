@@ -7,15 +7,17 @@
 //! them can hold what the surfaces do not.
 
 use crate::contact::aabb::Aabb;
+use crate::contact::along::Along;
 use crate::contact::approach::approach;
 use crate::contact::features::{corners, edges as cuboid_edges, rim};
 use crate::contact::manifold::{Manifold, ManifoldPoint};
+use crate::contact::mesh_deep::{self, DeepFace};
 use crate::contact::mesh_index::MeshEdge;
 use crate::contact::nearest::point as weighted;
 use crate::contact::rigid_pair::{Reach, reversed};
 use crate::contact::support::{Solid, inradius, support};
 use crate::contact::sweep::Mover;
-use crate::contact::{MeshShape, Shape};
+use crate::contact::{Distance, MeshShape, Shape};
 use crate::math::Vec3;
 
 /// Points on each rim of a cylinder or cone.
@@ -28,15 +30,14 @@ const SAME: f64 = 1e-4;
 /// Deeper than this part of a sharp shape's inradius its nearest face need not be the one that was
 /// entered: there only corners and vertices tell the way out.
 const SHALLOW: f64 = 0.01;
-/// Edges that stand at less than this to a face lie on it \[rad\]: the distance along the normal errs
-/// by half its square.
-const LYING: f64 = 0.1;
 
 const POINT: u32 = 0;
 const FACE: u32 = 1 << 28;
 const EDGE: u32 = 2 << 28;
 const VERTEX: u32 = 3 << 28;
 const CROSSING: u32 = 4 << 28;
+/// Points of what lies deep in a mesh.
+pub(super) const DEEP: u32 = 5 << 28;
 /// Set in the feature of a point that came from side B.
 const FROM_B: u32 = 1 << 31;
 
@@ -64,7 +65,7 @@ pub(crate) fn convex_on_mesh(a: &Mover, b: &Mover, reach: Reach, manifold: &mut 
         }
         _ => f64::INFINITY,
     };
-    faces(&pair, mesh, shallow, manifold);
+    let deepest = faces(&pair, mesh, shallow, manifold);
     edges(&pair, mesh, shallow, manifold);
     if shallow < f64::INFINITY {
         let before = manifold.points().len();
@@ -74,6 +75,10 @@ pub(crate) fn convex_on_mesh(a: &Mover, b: &Mover, reach: Reach, manifold: &mut 
             faces(&pair, mesh, f64::INFINITY, manifold);
         }
         drop_strays(first, shallow, manifold);
+    }
+    let told = &manifold.points()[first..];
+    if told.is_empty() || deepest.is_some() && told.iter().all(|p| p.gap >= 0.0) {
+        mesh_deep::find(&pair, deepest, manifold);
     }
     if pair.travel > reach.margin && shallow == f64::INFINITY {
         // What lies beyond the margin now.
@@ -111,9 +116,9 @@ pub(crate) fn mesh_on_mesh(a: &Mover, b: &Mover, reach: Reach, manifold: &mut Ma
 }
 
 /// Two pieces, and how they move.
-struct Pair<'a> {
-    a: Solid<'a>,
-    b: Solid<'a>,
+pub(super) struct Pair<'a> {
+    pub a: Solid<'a>,
+    pub b: Solid<'a>,
     movers: [&'a Mover<'a>; 2],
     reach: Reach,
     /// How far points can move against each other in the step \[m\].
@@ -134,33 +139,41 @@ impl<'a> Pair<'a> {
         Self { a: a.at(0.0, 0.0), b: b.at(0.0, 0.0), movers: [a, b], reach, travel, same }
     }
 
-    /// A ball of A (centre `p_W`) against the distance of B, and its motion in the step.
-    fn offer(&self, feature: u32, p_W: &Vec3, radius: f64, manifold: &mut Manifold) {
+    /// The constraint of a ball of A (centre `p_W`) against the distance of B, and its motion in the step.
+    pub fn approach(&self, p_W: &Vec3, radius: f64) -> Option<Distance> {
         let p = self.b.shape_point(p_W);
         let limit = radius + self.reach.margin + self.travel;
-        if self.b.shape.distance_within(&p, limit).is_none() {
-            return;
-        }
+        self.b.shape.distance_within(&p, limit)?;
         let [a, b] = self.movers.map(|m| m.side.placed.velocity_at(p_W));
         let u = self.b.rotation.tr_mul(&(a - b)) * self.reach.h;
-        let Some(found) = approach(self.b.shape, &p, &u, radius, self.reach.margin) else { return };
-        let normal_W = self.b.rotation * found.gradient;
-        // The end of a capsule is a ball of which one half lies inside.
-        let touching = p_W - radius * normal_W;
-        let round = matches!(self.a.shape, Shape::Capsule { .. });
-        if round && self.a.distance(&touching).value < -1e-3 * self.same {
-            return;
-        }
-        self.push(
-            feature,
-            p_W - (radius + 0.5 * found.value) * normal_W,
-            normal_W,
-            found.value,
-            manifold,
-        );
+        let found = approach(self.b.shape, &p, &u, radius, self.reach.margin)?;
+        Some(Distance { gradient: self.b.rotation * found.gradient, ..found })
     }
 
-    fn push(
+    /// A ball whose surface is A's.
+    fn offer(&self, feature: u32, p_W: &Vec3, radius: f64, manifold: &mut Manifold) {
+        let Some(found) = self.approach(p_W, radius) else { return };
+        // The end of a capsule is a ball of which one half lies inside.
+        let touching = p_W - radius * found.gradient;
+        let round = matches!(self.a.shape, Shape::Capsule { .. });
+        if !(round && self.a.distance(&touching).value < -1e-3 * self.same) {
+            self.push_ball(feature, p_W, radius, &found, manifold);
+        }
+    }
+
+    pub fn push_ball(
+        &self,
+        feature: u32,
+        p_W: &Vec3,
+        radius: f64,
+        &Distance { value, gradient }: &Distance,
+        manifold: &mut Manifold,
+    ) {
+        let position_W = p_W - (radius + 0.5 * value) * gradient;
+        self.push(feature, position_W, gradient, value, manifold);
+    }
+
+    pub fn push(
         &self,
         feature: u32,
         position_W: Vec3,
@@ -177,7 +190,7 @@ impl<'a> Pair<'a> {
     }
 
     /// The box around the piece of A in the frame of B, with all that could touch it.
-    fn around_a(&self) -> Aabb {
+    pub fn around_a(&self) -> Aabb {
         let rotation = self.b.rotation.transpose() * self.a.rotation;
         let bounds =
             self.movers[0].piece.bounds.moved(&rotation, &self.b.shape_point(&self.a.origin));
@@ -247,8 +260,10 @@ fn lowest_on_rim(pair: &Pair, mesh: &MeshShape, radius: f64, y: f64) -> Vec3 {
     p
 }
 
-/// The point of each near triangle that is nearest to A, where A's nearest point agrees.
-fn faces(pair: &Pair, mesh: &MeshShape, shallow: f64, manifold: &mut Manifold) {
+/// The point of each near triangle that is nearest to A, where A's nearest point agrees. Returns the deepest in A,
+/// whether or not it does.
+fn faces(pair: &Pair, mesh: &MeshShape, shallow: f64, manifold: &mut Manifold) -> Option<DeepFace> {
+    let mut deepest: Option<DeepFace> = None;
     let around = pair.around_a().inflate(mesh.index.rounding);
     let (margin, rounding) = (pair.reach.margin, mesh.index.rounding);
     mesh.index.tree.overlapping(&around, |item| {
@@ -268,10 +283,17 @@ fn faces(pair: &Pair, mesh: &MeshShape, shallow: f64, manifold: &mut Manifold) {
         let gap = d.value - rounding;
         let n_W = -(pair.a.rotation * d.gradient);
         let q_W = pair.a.world_point(&q) + rounding * n_W;
+        // Of equally deep triangles the lowest index.
+        if gap < deepest.map_or(0.0, |d| d.gap)
+            || deepest.is_some_and(|d| (gap, t) < (d.gap, d.triangle))
+        {
+            deepest = Some(DeepFace { triangle: t, q_W, n_W, gap });
+        }
         if gap <= margin && gap > -shallow && pair.is_normal(&q_W, gap, &n_W) {
             pair.push(FACE | t, q_W + 0.5 * gap * n_W, n_W, gap, manifold);
         }
     });
+    deepest
 }
 
 /// Axes of the twelve edges of a cuboid.
@@ -330,65 +352,6 @@ fn edges(pair: &Pair, mesh: &MeshShape, shallow: f64, manifold: &mut Manifold) {
             }
         }
     });
-}
-
-/// Where a segment is nearest to a convex shape, and the part of it over the same face.
-struct Along {
-    lowest: Vec3,
-    value: f64,
-    gradient: Vec3,
-    ends: [Vec3; 2],
-}
-
-impl Along {
-    /// By bisection of the slope, which rises along the segment since the distance is convex, then
-    /// by bisection for where the distance leaves its tangent plane by more than `flat`.
-    fn of(shape: &Shape, [p, q]: [Vec3; 2], flat: f64) -> Self {
-        let way = q - p;
-        let at = |t: f64| p + t * way;
-        let (mut low, mut high) = (0.0, 1.0);
-        for _ in 0..40 {
-            let t = 0.5 * (low + high);
-            if shape.distance(&at(t)).gradient.dot(&way) > 0.0 { high = t } else { low = t }
-        }
-        let t = 0.5 * (low + high);
-        let lowest = at(t);
-        // The middle of what is as low as this, so that the face is that under the segment.
-        let d = shape.distance(&lowest);
-        let leaves = |s: f64| {
-            let x = at(s);
-            shape.distance(&x).value - d.value - d.gradient.dot(&(x - lowest)) > flat
-        };
-        let end = |to: f64| {
-            if !leaves(to) {
-                return at(to);
-            }
-            let (mut on, mut off) = (t, to);
-            for _ in 0..40 {
-                let s = 0.5 * (on + off);
-                *(if leaves(s) { &mut off } else { &mut on }) = s;
-            }
-            at(on)
-        };
-        // A segment that stands off the face touches at its lowest point only.
-        let lies = d.gradient.dot(&way).abs() < LYING * way.norm();
-        let ends = if lies { [end(0.0), end(1.0)] } else { [lowest; 2] };
-        Self { lowest, value: d.value, gradient: d.gradient, ends }
-    }
-}
-
-impl Along {
-    /// Looks again from `way` outside the shape, where an edge that crosses one of the shape's own has
-    /// the direction between the two. `out` leads from the edge into the shape.
-    fn draw_apart(&mut self, shape: &Shape, ends: [Vec3; 2], out: &Vec3, way: f64) {
-        let beside = Self::of(shape, ends.map(|p| p - way * out), 0.0);
-        if beside.value > 0.0 {
-            self.gradient = beside.gradient;
-            self.value = beside.value + way * out.dot(&beside.gradient);
-            self.lowest = beside.lowest + way * out;
-            self.ends = [self.lowest; 2];
-        }
-    }
 }
 
 /// The vertices of mesh A near B against B's distance.

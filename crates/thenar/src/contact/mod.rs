@@ -13,6 +13,7 @@
 //! crushed until its surface turns inside out keeps its contacts.
 
 mod aabb;
+mod along;
 mod apart;
 mod approach;
 mod area;
@@ -34,6 +35,7 @@ mod features;
 mod grid;
 mod groups;
 mod manifold;
+mod mesh_deep;
 mod mesh_index;
 mod mesh_pair;
 mod near;
