@@ -2,7 +2,7 @@
 //!
 //! A point within the margin of a shape is constrained along the gradient of the distance. A
 //! farther one is followed along its motion of this step (sphere tracing: the distance says how
-//! far it may safely go); if it comes within the margin on the way, the constraint is the
+//! far it may safely go); if it comes within the margin on the way and nears, the constraint is the
 //! tangent plane where it arrives, so that fast points are caught before they cross and points
 //! that fly past are left alone. A point inside a thin shape is led out on the side it came in.
 
@@ -63,6 +63,10 @@ fn trace(
             return None;
         }
         at = shape.distance(&(p + s * u));
+    }
+    if u.dot(&at.gradient) >= 0.0 {
+        // Still on its way past a large shape.
+        return None;
     }
     // Height of the present place over the tangent plane there.
     let value = at.value - radius - s * u.dot(&at.gradient);
@@ -178,6 +182,8 @@ mod tests {
             Shape::Sphere { radius: 0.02 },
             Shape::Cuboid { half: Vec3::new(0.02, 0.01, 0.03) },
             Shape::Capsule { radius: 0.004, half_length: 0.02 },
+            Shape::Sphere { radius: 0.1 },
+            Shape::Cuboid { half: Vec3::new(0.3, 0.002, 0.2) },
         ];
         let mut seed = 7_u64;
         let mut any = || {
@@ -185,10 +191,12 @@ mod tests {
             (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
         };
         let mut arrived = 0;
-        for i in 0..30_000 {
-            let shape = &shapes[i % 3];
-            let p = 0.04 * Vec3::new(any(), any(), any());
-            let u = 0.05 * Vec3::new(any(), any(), any());
+        for i in 0..50_000 {
+            let shape = &shapes[i % 5];
+            // Large ones are flown past farther in a step.
+            let size = if i % 5 < 3 { 0.04 } else { 0.2 };
+            let p = size * Vec3::new(any(), any(), any());
+            let u = 1.25 * size * Vec3::new(any(), any(), any());
             if shape.distance(&p).value <= 1e-3 {
                 continue;
             }

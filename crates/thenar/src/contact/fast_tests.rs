@@ -87,7 +87,7 @@ fn spinning_bodies_are_announced_if_they_meet_and_only_then() {
     assert!(met > 100 && passed > 500, "{met} meet, {passed} pass");
 }
 
-/// Shapes of every kind, the last two meshes.
+/// Shapes of every kind but compounds.
 fn bodies() -> [Shape; 9] {
     [
         Shape::Sphere { radius: 0.008 },

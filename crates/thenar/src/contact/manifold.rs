@@ -28,19 +28,35 @@ pub(crate) struct ManifoldPoint {
     pub gap: f64,
 }
 
-/// A bounded set of points.
+/// A bounded set of points. Those of the pair of pieces in hand lie last, and make room among themselves.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Manifold {
     points: Vec<ManifoldPoint>,
+    /// The first of them.
+    own: usize,
 }
 
 impl Manifold {
     pub fn new() -> Self {
-        Self { points: Vec::with_capacity(OFFERED_MAX) }
+        Self { points: Vec::with_capacity(OFFERED_MAX), own: 0 }
     }
 
     pub fn clear(&mut self) {
         self.points.clear();
+        self.own = 0;
+    }
+
+    /// Begins another pair of pieces, for which half the room is kept. Returns the index of its first point, which
+    /// stays its first whatever is offered.
+    pub fn begin(&mut self) -> usize {
+        self.leave(0, KEPT);
+        self.own = self.points.len();
+        self.own
+    }
+
+    /// Ends the last pair: what is offered now is of the whole.
+    pub fn end(&mut self) {
+        self.own = 0;
     }
 
     pub fn points(&self) -> &[ManifoldPoint] {
@@ -54,7 +70,7 @@ impl Manifold {
     /// Offers a point.
     pub fn offer(&mut self, point: ManifoldPoint) {
         if self.points.len() == OFFERED_MAX {
-            self.leave(KEPT);
+            self.leave(self.own, (OFFERED_MAX - self.own) / 2);
         }
         self.points.push(point);
     }
@@ -74,55 +90,60 @@ impl Manifold {
     /// Leaves at most `DELIVERED_MAX` points: first the deepest, then those that would touch first if the
     /// body tilted, then again and again the one farthest from those chosen, at first of those about as deep.
     pub fn reduce(&mut self) {
-        self.leave(DELIVERED_MAX);
+        self.leave(0, DELIVERED_MAX);
     }
 
-    /// Puts next to those chosen the point that touches first if the body tilts a little in way `k`.
-    fn choose_for_tilt(&mut self, k: usize, (t1, t2): &(Vec3, Vec3)) {
-        let (sin, cos) = (std::f64::consts::TAU * k as f64 / TILTS as f64).sin_cos();
-        let way = (t1 * cos + t2 * sin) * TILT;
-        let early = |p: &ManifoldPoint| way.dot(&p.position_W) - p.gap;
-        let mut best = k + 1;
-        for i in k + 2..self.points.len() {
-            if early(&self.points[i]) > early(&self.points[best]) {
-                best = i;
-            }
+    /// Leaves so many of the points from `first` on.
+    fn leave(&mut self, first: usize, count: usize) {
+        if self.points.len() - first > count {
+            choose(&mut self.points[first..], count);
+            self.points.truncate(first + count);
         }
-        self.points.swap(k + 1, best);
     }
+}
 
-    fn leave(&mut self, count: usize) {
-        let n = self.points.len();
-        if n <= count {
-            return;
+/// Puts next to those chosen the point that touches first if the body tilts a little in way `k`.
+fn choose_for_tilt(points: &mut [ManifoldPoint], k: usize, (t1, t2): &(Vec3, Vec3)) {
+    let (sin, cos) = (std::f64::consts::TAU * k as f64 / TILTS as f64).sin_cos();
+    let way = (t1 * cos + t2 * sin) * TILT;
+    let early = |p: &ManifoldPoint| way.dot(&p.position_W) - p.gap;
+    let mut best = k + 1;
+    for i in k + 2..points.len() {
+        if early(&points[i]) > early(&points[best]) {
+            best = i;
         }
-        let deepest = (0..n).min_by(|&i, &j| self.points[i].gap.total_cmp(&self.points[j].gap));
-        self.points.swap(0, deepest.unwrap_or(0));
-        let first = self.points[0];
-        let spread = |p: &ManifoldPoint| (p.position_W - first.position_W).norm_squared();
-        let reach = self.points.iter().map(spread).fold(0.0, f64::max).sqrt();
-        let level = first.gap.max(0.0) + LEVEL * reach;
-        let tilts = TILTS.min(count - 1);
-        for k in 0..tilts {
-            self.choose_for_tilt(k, &tangents(&first.normal_W));
-        }
-        for chosen in tilts + 1..count {
-            let worth = |i: usize| {
-                let p = &self.points[i];
-                let to = |c: &ManifoldPoint| (c.position_W - p.position_W).norm_squared();
-                let apart = self.points[..chosen].iter().map(to).fold(f64::INFINITY, f64::min);
-                (p.gap <= level, apart)
-            };
-            let mut best = (chosen, worth(chosen));
-            for i in chosen + 1..n {
-                let other = worth(i);
-                if other > best.1 {
-                    best = (i, other);
-                }
+    }
+    points.swap(k + 1, best);
+}
+
+/// Puts the `count` points to keep, of more, before the others.
+fn choose(points: &mut [ManifoldPoint], count: usize) {
+    let n = points.len();
+    let deepest = (0..n).min_by(|&i, &j| points[i].gap.total_cmp(&points[j].gap));
+    points.swap(0, deepest.unwrap_or(0));
+    let first = points[0];
+    let spread = |p: &ManifoldPoint| (p.position_W - first.position_W).norm_squared();
+    let reach = points.iter().map(spread).fold(0.0, f64::max).sqrt();
+    let level = first.gap.max(0.0) + LEVEL * reach;
+    let tilts = TILTS.min(count - 1);
+    for k in 0..tilts {
+        choose_for_tilt(points, k, &tangents(&first.normal_W));
+    }
+    for chosen in tilts + 1..count {
+        let worth = |i: usize| {
+            let p = &points[i];
+            let to = |c: &ManifoldPoint| (c.position_W - p.position_W).norm_squared();
+            let apart = points[..chosen].iter().map(to).fold(f64::INFINITY, f64::min);
+            (p.gap <= level, apart)
+        };
+        let mut best = (chosen, worth(chosen));
+        for i in chosen + 1..n {
+            let other = worth(i);
+            if other > best.1 {
+                best = (i, other);
             }
-            self.points.swap(chosen, best.0);
         }
-        self.points.truncate(count);
+        points.swap(chosen, best.0);
     }
 }
 
@@ -149,5 +170,28 @@ mod tests {
         assert_eq!(manifold.points().len(), DELIVERED_MAX);
         assert!(has(28), "the deepest");
         assert!(has(0) && has(7) && has(56) && has(63), "the four corners");
+    }
+
+    /// Pieces of a body have their own points, however many each offers.
+    #[test]
+    fn points_of_other_pairs_stay_before_those_of_the_pair_in_hand() {
+        let mut manifold = Manifold::new();
+        for pair in 0..20u32 {
+            let first = manifold.begin();
+            for i in 0..100u32 {
+                let position_W =
+                    Vec3::new(f64::from(i % 7), 0.0, f64::from(i) + 200.0 * f64::from(pair));
+                let feature = 1000 * pair + i;
+                manifold.offer(ManifoldPoint {
+                    feature,
+                    position_W,
+                    normal_W: Vec3::y(),
+                    gap: 0.0,
+                });
+            }
+            let own = &manifold.points()[first..];
+            assert!(own.len() >= 16 && own.iter().all(|p| p.feature / 1000 == pair));
+            assert!(manifold.points()[..first].iter().all(|p| p.feature / 1000 < pair));
+        }
     }
 }

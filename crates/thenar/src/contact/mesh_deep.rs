@@ -1,13 +1,17 @@
 //! A convex shape deep in a mesh.
 //!
 //! Points of the surfaces tell the way out as long as it is short: farther in, the normals of the two no longer
-//! agree anywhere, and none is offered. Then balls inside the shape tell, if one lies in the mesh, and else
+//! agree anywhere, and none is offered. Then balls inside the shape tell, if one reaches into the mesh, and else
 //! the face of the mesh that lies deepest in the shape.
 
+use crate::contact::Distance;
 use crate::contact::manifold::Manifold;
 use crate::contact::mesh_pair::{DEEP, Pair};
 use crate::contact::soft_inside::{Inner, inner_balls};
 use crate::math::Vec3;
+
+/// Set in the feature of a ball.
+const OF_BALL: u32 = 1 << 27;
 
 /// The place of a triangle that lies deepest in the shape.
 #[derive(Clone, Copy, Debug)]
@@ -21,11 +25,13 @@ pub(super) struct DeepFace {
 
 /// Adds points of a pair that overlaps, of which no other point tells.
 pub(super) fn find(pair: &Pair, deepest: Option<DeepFace>, manifold: &mut Manifold) {
-    let mut next = DEEP;
+    let mut next = DEEP | OF_BALL;
     let mut is_inside = false;
     inner_balls(pair.a.shape, |Inner { center, radius }| {
         let center_W = pair.a.world_point(&center);
-        if let Some(found) = pair.approach(&center_W, radius).filter(|found| found.value < 0.0) {
+        let there = pair.b.distance(&center_W);
+        let found = Distance { value: there.value - radius, ..there };
+        if found.value < 0.0 {
             pair.push_ball(next, &center_W, radius, &found, manifold);
             is_inside = true;
         }

@@ -38,6 +38,8 @@ const VERTEX: u32 = 3 << 28;
 const CROSSING: u32 = 4 << 28;
 /// Points of what lies deep in a mesh.
 pub(super) const DEEP: u32 = 5 << 28;
+/// Where a feature has its kind.
+pub(super) const KIND: u32 = 7 << 28;
 /// Set in the feature of a point that came from side B.
 const FROM_B: u32 = 1 << 31;
 
@@ -76,8 +78,10 @@ pub(crate) fn convex_on_mesh(a: &Mover, b: &Mover, reach: Reach, manifold: &mut 
         }
         drop_strays(first, shallow, manifold);
     }
+    // What rests, to round-off, is no overlap.
+    let deepest = deepest.filter(|face| face.gap < -pair.same);
     let told = &manifold.points()[first..];
-    if told.is_empty() || deepest.is_some() && told.iter().all(|p| p.gap >= 0.0) {
+    if told.is_empty() || deepest.is_some() && told.iter().all(|p| p.gap > -1e-3 * pair.same) {
         mesh_deep::find(&pair, deepest, manifold);
     }
     if pair.travel > reach.margin && shallow == f64::INFINITY {

@@ -115,7 +115,8 @@ mod tests {
         for _ in 0..30_000 {
             let mut vector = |size: f64| size * Vec3::new(any(), any(), any());
             let (at, way) = (vector(0.04), vector(0.05));
-            let near = Near::moving(0, [0; 3].map(|_| at + vector(0.006)), [way; 3]);
+            let corners = [0; 3].map(|_| at + vector(0.006));
+            let near = Near::moving(0, corners, [0; 3].map(|_| way + vector(0.01)));
             let c = vector(0.005);
             if near.closest(&c).distance_squared.sqrt() <= radius + margin {
                 continue;

@@ -6,7 +6,7 @@
 use crate::contact::Shape;
 use crate::contact::convex_pair;
 use crate::contact::manifold::{Manifold, ManifoldPoint};
-use crate::contact::mesh_pair::{convex_on_mesh, mesh_of, mesh_on_mesh};
+use crate::contact::mesh_pair::{DEEP, KIND, convex_on_mesh, mesh_of, mesh_on_mesh};
 use crate::contact::rigid_body::{Placed, RigidBody};
 use crate::contact::sweep::{Mover, meeting};
 use crate::contact::traced;
@@ -36,12 +36,13 @@ pub(crate) fn find(a: RigidSide, b: RigidSide, reach: Reach, manifold: &mut Mani
     for (i, piece_a) in a.body.pieces.iter().enumerate() {
         for (j, piece_b) in b.body.pieces.iter().enumerate() {
             let (a, b) = (Mover { side: a, piece: piece_a }, Mover { side: b, piece: piece_b });
-            let first = manifold.points().len();
+            let first = manifold.begin();
             pieces(&a, &b, reach, manifold);
             let of_pair = ((i * 4096 + j) as u32).wrapping_mul(0x9E37_79B1);
             manifold.points_mut()[first..].iter_mut().for_each(|p| p.feature ^= of_pair);
         }
     }
+    manifold.end();
     traced::find(a, b, reach, manifold);
     manifold.reduce();
 }
@@ -55,7 +56,12 @@ fn drop_buried(a: &Mover, b: &Mover, s: f64, h: f64, first: usize, manifold: &mu
     }
     let wholes = [a.whole_at(s, h), b.whole_at(s, h)];
     let slack = BURIED * bodies[0].radius.max(bodies[1].radius);
+    // Balls inside a piece tell how deep it is in a mesh, and not where its surface is.
+    let of_mesh = bodies.iter().any(|body| body.pieces.iter().any(|p| mesh_of(&p.shape).is_some()));
     manifold.retain_from(first, |p| {
+        if of_mesh && p.feature & KIND == DEEP {
+            return true;
+        }
         let half = 0.5 * p.gap * p.normal_W;
         let (on_a, on_b) = (p.position_W + half, p.position_W - half);
         // Where a mesh meets something later in the step only slow bodies can be told.
