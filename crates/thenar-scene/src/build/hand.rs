@@ -1,6 +1,6 @@
 //! Hands.
 
-use super::soft::law;
+use super::soft::{group_elements, law};
 use super::solver::set;
 use super::{Built, Files, Mesh, RigidLook, assets, drivers, motion, place};
 use crate::format::{BonesWord, Hand, HandMaterial, Scene};
@@ -101,6 +101,7 @@ fn add(built: &mut Built, hand: &Hand, files: &Files) -> Result<(), Fault> {
     built.names.add_hand(&hand.name, built.hands.len() as u32)?;
     if hand.flesh {
         built.names.add_flesh(&hand.name.value, handle.soft);
+        group_elements(&mut built.world, handle.soft, hand.elements);
         built.meshes.push(Mesh::new(&model.flesh.nodes, &model.flesh.tets));
         built.node_starts.push(None);
     } else {

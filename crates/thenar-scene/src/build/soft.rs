@@ -2,12 +2,15 @@
 
 use super::solver::set;
 use super::{Built, Files, Mesh, assets, lattice, place};
-use crate::format::{Bind, FixedSet, LawWord, MaterialTable, Scene, Soft, SoftShape, SplitWord};
+use crate::format::{
+    Bind, ElementsWord, FixedSet, LawWord, MaterialTable, Scene, Soft, SoftShape, SplitWord,
+};
 use crate::math::{Mat3, Pose, Vec3};
 use crate::text::{At, Fault};
 use std::collections::BTreeMap;
 use thenar::model::{
-    Binding, Coupling, EmbeddedSurface, FixedNode, Flesh, Law, Material, SoftDesc,
+    Binding, Coupling, ElementPatches, EmbeddedSurface, FixedNode, Flesh, Law, Material, SoftDesc,
+    WorldDesc, patches,
 };
 use thenar_rig::object::SoftModel;
 
@@ -60,6 +63,7 @@ fn add(built: &mut Built, soft: &Soft, files: &Files) -> Result<(), Fault> {
         velocity_W: soft.velocity,
         coupling,
     });
+    group_elements(&mut built.world, index, soft.elements);
     if soft.self_contact {
         built.world.self_contact.push(index);
     }
@@ -68,6 +72,15 @@ fn add(built: &mut Built, soft: &Soft, files: &Files) -> Result<(), Fault> {
     built.meshes.push(mesh);
     built.node_starts.push(start);
     Ok(())
+}
+
+/// Groups the elements of a deformable body as the scene asks.
+pub(super) fn group_elements(world: &mut WorldDesc, soft: u32, elements: ElementsWord) {
+    if elements == ElementsWord::Patches {
+        let flesh = &world.softs[soft as usize].flesh;
+        let of_tet = patches(&flesh.nodes, &flesh.tets, &flesh.materials);
+        world.patches.push(ElementPatches { soft, of_tet });
+    }
 }
 
 /// How many tetrahedra a shape will have; none where a file says so.

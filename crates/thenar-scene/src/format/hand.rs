@@ -1,6 +1,6 @@
 //! Hands.
 
-use super::{DriveTable, LawWord, MotionTable, Rotation};
+use super::{DriveTable, ElementsWord, LawWord, MotionTable, Rotation};
 use crate::math::Vec3;
 use crate::text::{At, table, words};
 
@@ -53,6 +53,9 @@ table! {
         coupling_stiffness: f64 where SPRING = 2e9;
         /// Damping time of these springs [s]. Default 0.001.
         coupling_damping_time: f64 where SPRING = 1e-3;
+        /// "tetrahedra": each by itself, as in the paper; "patches": those around one long edge share one
+        /// evaluation of their law, so that flesh bends and bulges as refined meshes do. Default "tetrahedra".
+        elements: ElementsWord = ElementsWord::Tetrahedra;
         /// Changes to the flesh.
         material: Option<HandMaterial>;
         /// Coulomb friction coefficient of the skin; left out, the model's.

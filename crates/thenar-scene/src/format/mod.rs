@@ -42,7 +42,7 @@ pub use rigid::{
 pub use scene::{Pair, Scene};
 pub use selector::{Selector, Shell, SideWord};
 pub use soft::{
-    BallShape, Bind, BreadShape, Deform, ExplicitShape, FileShape, FixedSet, LatticeShape, LawWord,
-    MaterialTable, MeshSoftShape, Region, Soft, SoftShape, SplitWord,
+    BallShape, Bind, BreadShape, Deform, ElementsWord, ExplicitShape, FileShape, FixedSet,
+    LatticeShape, LawWord, MaterialTable, MeshSoftShape, Region, Soft, SoftShape, SplitWord,
 };
 pub use solver::{ConeWord, FleshWord, JointLimitsWord, SolverTable, SolverWord};

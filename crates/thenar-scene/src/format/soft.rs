@@ -190,6 +190,17 @@ table! {
     }
 }
 
+words! {
+    /// How elements of soft bodies are evaluated.
+    pub enum ElementsWord {
+        /// Each by itself, as in the paper: stiffer than flesh where the mesh is coarse or hardly
+        /// compressible.
+        "tetrahedra" => Tetrahedra,
+        /// Those around one long edge together.
+        "patches" => Patches,
+    }
+}
+
 table! {
     /// A soft body of linear tetrahedra.
     pub struct Soft {
@@ -201,6 +212,9 @@ table! {
         material: Option<MaterialTable>;
         /// Parts with other materials.
         region: Vec<Region>;
+        /// "tetrahedra": each by itself; "patches": those around one long edge share one evaluation of their
+        /// law, which a coarse or hardly compressible mesh needs to bend as it should. Default "tetrahedra".
+        elements: ElementsWord = ElementsWord::Tetrahedra;
         /// Rayleigh damping: part of the mass matrix [1/s]. Default 0; of bread 0.5.
         mass_damping: Option<f64> where SPRING;
         /// Rayleigh damping: part of the stiffness matrix [s]. Default 0; of bread 0.005.

@@ -2,7 +2,8 @@
 
 use super::mirror;
 use crate::format::{
-    BonesWord, Hand, HandKey, KeyframesTable, LimitsWord, MotionTable, Pair, Scene, WristTable,
+    BonesWord, ElementsWord, Hand, HandKey, KeyframesTable, LimitsWord, MotionTable, Pair, Scene,
+    WristTable,
 };
 use crate::math::Vec3;
 use crate::text::At;
@@ -49,6 +50,7 @@ pub fn default_hand(scene: &Scene, side: Side) -> Hand {
         rotation: None,
         coupling_stiffness: 2e9,
         coupling_damping_time: 1e-3,
+        elements: ElementsWord::Tetrahedra,
         material: None,
         friction: None,
         flesh: true,

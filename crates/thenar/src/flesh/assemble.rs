@@ -1,10 +1,11 @@
 //! Eq. 5: `A_f = M_f + Δt D_f + Δt² K_f` and `b_f = M_f v_0 + Δt F_f`, over all deformable bodies.
 
 use crate::flesh::lanes::{LANES, RestLanes};
-use crate::flesh::{PAIRS, Response, RestTet, eight, respond};
+use crate::flesh::{PAIRS, Patches, Response, RestTet, eight, respond};
 use crate::math::Vec3;
 use crate::solver::BlockMatrix;
 use fearless_simd::{Level, Simd, dispatch};
+use std::ops::Range;
 
 /// Elements and masses of all deformable bodies, nodes numbered through.
 #[derive(Clone, Debug, Default)]
@@ -21,8 +22,12 @@ pub struct FleshModel {
     pub mass: Vec<f64>,
     /// Mass-proportional damping of each node \[1/s\].
     pub mass_damping: Vec<f64>,
-    /// The elements by eights, as [`FleshModel::arrange`] leaves them.
-    lanes: Vec<RestLanes>,
+    /// Those evaluated by patches, of which none is in `lanes`.
+    pub patches: Patches,
+    /// Tetrahedra of bodies that have patches.
+    pub patched: Vec<Range<usize>>,
+    /// The others by eights, as [`FleshModel::arrange`] leaves them, and the first of each eight.
+    lanes: Vec<(usize, RestLanes)>,
 }
 
 /// Sums over elements.
@@ -51,7 +56,10 @@ impl FleshModel {
         }
         let mut sums = Tally::default();
         let b = &mut b[row0..];
-        dispatch!(Level::new(), simd => self.add_elements(simd, x, h, A, b, &mut sums));
+        dispatch!(Level::new(), simd => {
+            self.add_elements(simd, x, h, A, b, &mut sums);
+            self.patches.assemble(simd, x, h, A, b, &mut sums);
+        });
         sums
     }
 
@@ -59,33 +67,32 @@ impl FleshModel {
     pub fn tally(&self, x: &[Vec3]) -> Tally {
         let mut sums = Tally::default();
         dispatch!(Level::new(), simd => {
-            for (i, rest) in self.lanes.iter().enumerate() {
+            for (first, rest) in &self.lanes {
                 if rest.corotational {
                     eight::tally(simd, rest, x, &mut sums);
                 } else {
-                    self.each(i).for_each(|t| self.respond(t, x, &mut sums, |_| ()));
+                    each(*first, rest).for_each(|t| self.respond(t, x, &mut sums, |_| ()));
                 }
             }
+            self.patches.tally(simd, x, &mut sums);
         });
         sums
     }
 
     /// Lays the elements out for evaluation by eights; to be called when they are complete.
     pub fn arrange(&mut self) {
-        let of = |first: usize| first..(first + LANES).min(self.tets.len());
-        self.lanes = (0..self.tets.len())
-            .step_by(LANES)
-            .map(of)
+        self.patches.arrange();
+        let single = singles(self.tets.len(), &self.patched);
+        let eights = single.into_iter().flat_map(|range| {
+            let end = range.end;
+            range.step_by(LANES).map(move |first| first..(first + LANES).min(end))
+        });
+        self.lanes = eights
             .map(|t| {
                 let damping = &self.stiffness_damping[t.clone()];
-                RestLanes::new(&self.tets[t.clone()], &self.rest[t], damping)
+                (t.start, RestLanes::new(&self.tets[t.clone()], &self.rest[t], damping))
             })
             .collect();
-    }
-
-    /// Elements of the i-th eight.
-    fn each(&self, i: usize) -> std::ops::Range<usize> {
-        i * LANES..i * LANES + self.lanes[i].count
     }
 
     #[inline(always)]
@@ -98,8 +105,8 @@ impl FleshModel {
         b: &mut [Vec3],
         sums: &mut Tally,
     ) {
-        for (i, rest) in self.lanes.iter().enumerate() {
-            let each = self.each(i);
+        for (first, rest) in &self.lanes {
+            let each = each(*first, rest);
             if rest.corotational {
                 eight::assemble(simd, rest, &self.entries[each], x, h, A, b, sums);
             } else {
@@ -142,6 +149,18 @@ impl FleshModel {
         sums.energy += response.energy;
         sums.inverted += u32::from(response.inverted);
     }
+}
+
+/// Elements of an eight.
+fn each(first: usize, rest: &RestLanes) -> Range<usize> {
+    first..first + rest.count
+}
+
+/// What of `0..count` lies in none of these ranges, which ascend.
+fn singles(count: usize, patched: &[Range<usize>]) -> Vec<Range<usize>> {
+    let starts = std::iter::once(0).chain(patched.iter().map(|range| range.end));
+    let ends = patched.iter().map(|range| range.start).chain([count]);
+    starts.zip(ends).map(|(start, end)| start..end).filter(|range| !range.is_empty()).collect()
 }
 
 #[cfg(test)]

@@ -53,7 +53,7 @@ fn evaluate<S: Simd>(simd: S, rest: &RestLanes, x: &[Vec3]) -> Evaluated<S> {
 
 /// `A : B`.
 #[inline(always)]
-fn inner<S: Simd>(a: &Mat3x8<S>, b: &Mat3x8<S>) -> f64x8<S> {
+pub fn inner<S: Simd>(a: &Mat3x8<S>, b: &Mat3x8<S>) -> f64x8<S> {
     dot(&a[0..3], &b[0..3]) + dot(&a[3..6], &b[3..6]) + dot(&a[6..9], &b[6..9])
 }
 
@@ -156,7 +156,7 @@ pub fn assemble<S: Simd>(
 
 /// One list per element from vectors with one number per element.
 #[inline(always)]
-fn dealt<S: Simd>(simd: S, rows: [f64x8<S>; LANES]) -> [[f64; LANES]; LANES] {
+pub fn dealt<S: Simd>(simd: S, rows: [f64x8<S>; LANES]) -> [[f64; LANES]; LANES] {
     let rows = transposed(simd, rows);
     let mut out = [[0.0; LANES]; LANES];
     for lane in 0..LANES {

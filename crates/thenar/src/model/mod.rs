@@ -6,6 +6,7 @@ mod flesh;
 mod friction;
 mod hand;
 mod joint;
+mod patches;
 mod rigid;
 mod surface;
 
@@ -13,6 +14,7 @@ pub use flesh::{Binding, FixedNode, Flesh, Law, Material};
 pub use friction::{BodyParts, FrictionTable};
 pub use hand::{Bone, BoneSolid, Digit, HandModel, Side};
 pub use joint::{AngleLimit, Axis, JointDesc, JointKind};
+pub use patches::{ElementPatches, PATCH_TETS_MAX, patches};
 pub use rigid::{Motion, RigidDesc};
 pub use surface::{EmbeddedSurface, SurfaceVertex};
 mod world;

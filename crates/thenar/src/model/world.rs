@@ -2,7 +2,8 @@
 
 use crate::math::{Pose, Vec3};
 use crate::model::{
-    Binding, BodyParts, Flesh, FrictionTable, HandModel, JointDesc, Motion, RigidDesc,
+    Binding, BodyParts, ElementPatches, Flesh, FrictionTable, HandModel, JointDesc, Motion,
+    RigidDesc,
 };
 use std::ops::Range;
 
@@ -179,6 +180,9 @@ pub struct WorldDesc {
     pub friction_tables: Vec<FrictionTable>,
     /// Deformable bodies of which several parts count, each once.
     pub parts: Vec<BodyParts>,
+    /// Deformable bodies whose tetrahedra are evaluated by patches, each once; the others' are
+    /// evaluated one by one.
+    pub patches: Vec<ElementPatches>,
     /// Indices into `softs`: those whose surface also touches itself. Hands are among them.
     pub self_contact: Vec<u32>,
 }
@@ -196,6 +200,7 @@ impl Default for WorldDesc {
             pairs: Vec::new(),
             friction_tables: Vec::new(),
             parts: Vec::new(),
+            patches: Vec::new(),
             self_contact: Vec::new(),
         }
     }

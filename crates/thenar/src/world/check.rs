@@ -3,7 +3,8 @@
 use crate::contact::{MeshShape, Part, Shape};
 use crate::math::Mat3;
 use crate::model::{
-    BodyId, BodyParts, FrictionTable, JointDesc, Motion, RigidDesc, SoftDesc, WorldDesc,
+    BodyId, BodyParts, ElementPatches, FrictionTable, JointDesc, Motion, PATCH_TETS_MAX, RigidDesc,
+    SoftDesc, WorldDesc,
 };
 use crate::world::{HALVINGS_MAX, ModelError, freedoms};
 
@@ -51,6 +52,7 @@ pub fn check(desc: &WorldDesc) -> Result<(), ModelError> {
     }
     desc.friction_tables.iter().try_for_each(|table| check_table(table, desc))?;
     desc.parts.iter().try_for_each(|parts| check_parts(parts, desc))?;
+    desc.patches.iter().try_for_each(|patches| check_patches(patches, desc))?;
     check_pairs(desc)?;
     freedoms::check(desc)
 }
@@ -101,6 +103,33 @@ fn check_parts(parts: &BodyParts, desc: &WorldDesc) -> Result<(), ModelError> {
     }
     let lists = desc.parts.iter().filter(|other| other.soft == parts.soft).count();
     count(&soft.name, "lists of parts", 1, lists)
+}
+
+fn check_patches(patches: &ElementPatches, desc: &WorldDesc) -> Result<(), ModelError> {
+    index("patches", "deformable body", u64::from(patches.soft), desc.softs.len())?;
+    let SoftDesc { name, flesh, .. } = &desc.softs[patches.soft as usize];
+    count(name, "patches of tetrahedra", flesh.tets.len(), patches.of_tet.len())?;
+    let lists = desc.patches.iter().filter(|other| other.soft == patches.soft).count();
+    count(name, "lists of patches", 1, lists)?;
+    let mut of_patch: Vec<(u32, usize)> = patches.of_tet.iter().copied().zip(0..).collect();
+    of_patch.sort_unstable();
+    for (number, members) in of_patch.chunk_by(|a, b| a.0 == b.0).enumerate() {
+        self::number(
+            name,
+            "numbers of patches",
+            "0, 1, 2, ... without gaps",
+            f64::from(members[0].0),
+            |x| x == number as f64,
+        )?;
+        let expected = "at most 8";
+        self::number(name, "tetrahedra of a patch", expected, members.len() as f64, |x| {
+            x <= PATCH_TETS_MAX as f64
+        })?;
+        let law = |t: usize| flesh.materials[t].law;
+        let others = members.iter().filter(|&&(_, t)| law(t) != law(members[0].1)).count();
+        self::number(name, "laws of a patch", "one", 1.0 + others as f64, |x| x == 1.0)?;
+    }
+    Ok(())
 }
 
 fn settings(desc: &WorldDesc) -> Result<(), ModelError> {

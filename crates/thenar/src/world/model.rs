@@ -175,6 +175,7 @@ impl Model {
         }
         self.soft_nodes.push(node0..self.flesh.mass.len());
         self.soft_tets.push(tet0..self.flesh.tets.len());
+        self.add_patches(desc);
 
         let vertex0 = self.vertices.len();
         self.vertices.extend(flesh.collision.vertices.iter().map(|v| Embedded {
@@ -184,6 +185,22 @@ impl Model {
         self.soft_vertices.push(vertex0..self.vertices.len());
         self.held.extend(flesh.fixed.iter().map(|f| (node0 as u32 + f.node, f.axes)));
         self.add_coupling(soft, desc, node0)
+    }
+
+    /// Evaluates the body added last by patches, if it has some.
+    fn add_patches(&mut self, desc: &WorldDesc) {
+        let soft = self.soft_tets.len() - 1;
+        let tets = self.soft_tets[soft].clone();
+        let Some(patches) = desc.patches.iter().find(|p| p.soft as usize == soft) else { return };
+        let mut members: Vec<(u32, usize)> =
+            patches.of_tet.iter().copied().zip(tets.clone()).collect();
+        members.sort_unstable();
+        for patch in members.chunk_by(|a, b| a.0 == b.0) {
+            let of = |&(_, t): &(u32, usize)| (self.flesh.tets[t], &self.flesh.rest[t]);
+            let members: Vec<_> = patch.iter().map(of).collect();
+            self.flesh.patches.push(&members, self.flesh.stiffness_damping[patch[0].1]);
+        }
+        self.flesh.patched.push(tets);
     }
 
     fn add_coupling(
@@ -244,6 +261,7 @@ impl Model {
                 pairs.extend((0..a).map(|c| (row0 + tet[a], row0 + tet[c])));
             }
         }
+        pairs.extend(self.flesh.patches.pairs().map(|(a, b)| (row0 + a, row0 + b)));
         for bound in &self.coupling.bound {
             for j in 0..bound.carriers() {
                 for part in 0..2 {
@@ -279,6 +297,7 @@ impl Model {
             .iter()
             .map(|tet| tet.map(|a| tet.map(|c| entry(row0 + a, row0 + c))))
             .collect();
+        self.flesh.patches.lay_out(|a, b| entry(row0 + a, row0 + b));
         self.coupling.entries = self
             .coupling
             .bound

@@ -49,7 +49,8 @@ fn same_bodies(old: &WorldDesc, new: &WorldDesc) -> Result<(), ModelError> {
     world(old.softs.len() == new.softs.len(), "the number of soft bodies")?;
     old.rigids.iter().zip(&new.rigids).try_for_each(|(old, new)| same_rigid(old, new))?;
     old.joints.iter().zip(&new.joints).try_for_each(|(old, new)| same_joint(old, new))?;
-    old.softs.iter().zip(&new.softs).try_for_each(|(old, new)| same_soft(old, new))
+    old.softs.iter().zip(&new.softs).try_for_each(|(old, new)| same_soft(old, new))?;
+    world(old.patches == new.patches, "which tetrahedra are patches")
 }
 
 fn same_rigid(old: &RigidDesc, new: &RigidDesc) -> Result<(), ModelError> {
