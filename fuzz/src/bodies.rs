@@ -140,6 +140,7 @@ fn placement() -> HandPlacement {
     HandPlacement {
         name: "hand".into(),
         pose_WM: Pose::identity(),
+        coupling: thenar::model::CouplingKind::Uniform,
         coupling_stiffness: 2e9,
         coupling_damping_time: 0.01,
         root_drive: None,

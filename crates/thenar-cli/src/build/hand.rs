@@ -1,12 +1,12 @@
 //! Hands.
 
-use super::{Args, Outputs, name, write};
+use super::{Args, CouplingArg, Outputs, name, write};
 use crate::error::CliError;
 use crate::picture::{Quality, hand_portrait, write_png};
 use std::path::Path;
-use thenar::model::Side;
+use thenar::model::{CouplingKind, Side};
 use thenar_rig::export::{hand_glb, hand_json, write_hand_vtk};
-use thenar_rig::hand::{BoneCover, HandOptions, NameMap, Size, asset, build_hand_with_report};
+use thenar_rig::hand::{HandOptions, NameMap, Size, asset, build_hand_with_report};
 use thenar_rig::{HandReport, Model};
 
 /// Largest file of joint names, and of a mesh \[bytes\].
@@ -54,6 +54,10 @@ fn options(args: &Args) -> Result<HandOptions, CliError> {
         size: args.length.map_or(Size::Scale(args.scale), Size::Length),
         tets: args.tets,
         material,
+        coupling: match args.coupling {
+            CouplingArg::Uniform => CouplingKind::Uniform,
+            CouplingArg::Bone => CouplingKind::Bone,
+        },
         name_map: args.joint_names.as_deref().map_or(Ok(NameMap::new()), names)?,
         ..usual
     })
@@ -91,8 +95,19 @@ fn print(r: &HandReport) {
             bone.deviation_sd
         );
     }
-    println!("solids of bones, which touch where flesh is crushed, and the least flesh over them:");
-    for BoneCover { bone, thickness, flesh } in &r.bone_covers {
-        println!("  {bone:22} {:5.1} mm thick, {:5.1} mm of flesh", thickness * 1e3, flesh * 1e3);
+    println!(
+        "solids of bones, and the flesh over them: mean on the back, mean on the palm's side, least:"
+    );
+    for cover in &r.bone_covers {
+        let [thick, dorsal, palmar, least] =
+            [cover.thickness, cover.dorsal, cover.palmar, cover.flesh].map(|x| x * 1e3);
+        println!(
+            "  {:22} {thick:5.1} mm thick, flesh {dorsal:5.1}, {palmar:5.1}, {least:5.1} mm; {} nodes \
+             hold {:.2} of {:.2} ml",
+            cover.bone,
+            cover.nodes,
+            cover.bound * 1e6,
+            cover.volume * 1e6
+        );
     }
 }

@@ -33,6 +33,10 @@ pub struct Args {
     /// Wanted number of tetrahedra.
     #[arg(long, default_value_t = 600)]
     tets: usize,
+    /// Hand: what the springs to the bones hold where a scene does not say: all flesh, or that in the
+    /// place of bone.
+    #[arg(long, value_enum, default_value = "uniform", value_name = "KIND", requires = "hand")]
+    coupling: CouplingArg,
     /// Hand: wrist to middle fingertip [m].
     #[arg(long, value_name = "M", conflicts_with = "scale")]
     length: Option<f64>,
@@ -69,6 +73,15 @@ pub struct Args {
     /// Hand: write it as JSON, for simulating it with other programs.
     #[arg(long, value_name = "FILE.json", requires = "hand")]
     json: Option<PathBuf>,
+}
+
+/// What the springs between flesh and bones hold.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum CouplingArg {
+    /// All flesh.
+    Uniform,
+    /// Flesh in the place of bone.
+    Bone,
 }
 
 /// Builds a model.

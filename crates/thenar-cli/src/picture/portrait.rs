@@ -4,7 +4,7 @@ use super::{
     Backdrop, Camera, Ground, Hand, Image, Layers, Material, Pattern, Quality, Scales, Soft, Stage,
     render,
 };
-use thenar::model::{HandModel, HandPlacement, WorldDesc};
+use thenar::model::{CouplingKind, HandModel, HandPlacement, WorldDesc};
 use thenar::world::ModelError;
 use thenar::{Pose, Vec3, World};
 
@@ -24,6 +24,7 @@ pub fn hand_portrait(
         &HandPlacement {
             name: hand.name.clone(),
             pose_WM: Pose::identity(),
+            coupling: CouplingKind::Uniform,
             coupling_stiffness: 1.0,
             coupling_damping_time: 0.0,
             root_drive: None,

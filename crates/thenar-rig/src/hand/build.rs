@@ -5,7 +5,7 @@ use super::names::{self, Finder};
 use super::options::{HandOptions, Size};
 use super::relax::relax;
 use super::report::HandReport;
-use super::{bones, joints, regions, solids, weights};
+use super::{bones, in_bone, joints, regions, solids, weights};
 use crate::embed::check_closed;
 use crate::glb::{self, SkinnedMesh};
 use crate::lattice::{Lattice, LatticeOptions};
@@ -13,7 +13,7 @@ use crate::mesh::{Bvh, decimate, read_file, subdivide_to, weld};
 use crate::work::{Stage, phase};
 use crate::{RigError, TriMesh, model_file};
 use std::path::Path;
-use thenar::model::{Binding, Bone, Digit, Flesh, HandModel, Material, Side};
+use thenar::model::{Binding, Bone, BoneSolid, Digit, Flesh, HandModel, Material, Side};
 
 /// Vertices nearer than this are one \[m\], at the size of the file.
 const WELD_TOLERANCE: f64 = 1e-5;
@@ -73,10 +73,10 @@ pub fn build_hand_with_report(
         friction: options.friction,
     };
     phase("binding the skin to the flesh")?;
+    let solids: Vec<BoneSolid> = covered.iter().map(|covered| covered.solid.clone()).collect();
     let mut hand = HandModel {
         name: options.name.clone(),
         side: Some(side),
-        bones,
         joints,
         flesh,
         bindings,
@@ -84,7 +84,10 @@ pub fn build_hand_with_report(
         render: lattice.embed(&decimate(&smooth, options.render_triangles)?)?,
         collision_digits,
         length,
-        solids: covered.iter().map(|covered| covered.solid.clone()).collect(),
+        bone_nodes: in_bone::bone_nodes(&lattice, &bones, &solids),
+        bones,
+        solids,
+        coupling: options.coupling,
     };
     relax(&mut hand)?;
     // A rig of strange proportions can still lead to a bone without length or mass.

@@ -5,6 +5,7 @@ mod bones;
 mod build;
 mod digits;
 mod fist;
+mod in_bone;
 mod joints;
 mod names;
 mod options;

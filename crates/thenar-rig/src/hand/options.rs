@@ -2,7 +2,7 @@
 
 use super::names::NameMap;
 use crate::RigError;
-use thenar::model::{Law, Material, Side};
+use thenar::model::{CouplingKind, Law, Material, Side};
 
 /// How large a hand is built.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +30,8 @@ pub struct HandOptions {
     /// Young's modulus in the middle of a joint, relative to that elsewhere, in (0, 1]. Skin folds
     /// and slides over a joint; flesh of one modulus throughout would stiffen it several times.
     pub joint_softness: f64,
+    /// What the springs to the bones hold where a scene does not say.
+    pub coupling: CouplingKind,
     /// Rayleigh damping of the flesh, mass-proportional \[1/s\].
     pub mass_damping: f64,
     /// Rayleigh damping of the flesh, stiffness-proportional \[s\].
@@ -59,6 +61,7 @@ impl Default for HandOptions {
                 density: 1080.0,
             },
             joint_softness: 0.2,
+            coupling: CouplingKind::Uniform,
             mass_damping: 1.0,
             stiffness_damping: 1e-3,
             friction: 0.6,

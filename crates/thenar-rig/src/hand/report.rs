@@ -2,6 +2,7 @@
 
 use super::digits::DigitRig;
 use super::fist::{Inversions, fist};
+use super::in_bone;
 use super::solids::Covered;
 use crate::lattice::{Quality, tet};
 use crate::mesh::Topology;
@@ -55,6 +56,17 @@ pub struct BoneCover {
     pub thickness: f64,
     /// Least distance from the solid to the skin \[m\].
     pub flesh: f64,
+    /// Mean thickness of the flesh between the solid and the skin of the back \[m\].
+    pub dorsal: f64,
+    /// The same on the palm's side \[m\].
+    pub palmar: f64,
+    /// Nodes that stand for this bone, alone or with another.
+    pub nodes: usize,
+    /// Volume of the solid \[m³\].
+    pub volume: f64,
+    /// Volume of bone that its nodes stand for; less than that of the solid by what lies at nodes that follow
+    /// other bones \[m³\].
+    pub bound: f64,
 }
 
 /// A bone's length beside that of 66 radiographed hands (Buryanov & Kotiuk 2010).
@@ -110,13 +122,7 @@ impl HandReport {
             .sum();
         let vertices = flesh.collision.vertices.iter().chain(&hand.render.vertices);
         let (anatomy_scale, bone_lengths) = bone_lengths(digits);
-        let bone_covers = (hand.bones.iter().zip(covered))
-            .map(|(bone, Covered { thickness, flesh, .. })| BoneCover {
-                bone: bone.name.clone(),
-                thickness: *thickness,
-                flesh: *flesh,
-            })
-            .collect();
+        let bone_covers = covered.iter().enumerate().map(|(b, c)| cover(hand, b, c)).collect();
         Ok(Self {
             skin: Topology::of(skin),
             skin_volume: skin.volume(),
@@ -135,6 +141,26 @@ impl HandReport {
             bone_lengths,
             bone_covers,
         })
+    }
+}
+
+/// What covers bone `b`, and what holds the flesh to it.
+fn cover(hand: &HandModel, b: usize, covered: &Covered) -> BoneCover {
+    let shares = hand.bone_nodes.iter().map(|node| {
+        let of_bone = (0..2).filter(|&k| node.binding.bones[k] as usize == b);
+        of_bone.map(|k| node.binding.weights[k] * node.volume).sum::<f64>()
+    });
+    let shares: Vec<f64> = shares.filter(|share| *share > 0.0).collect();
+    let [dorsal, palmar] = covered.sides;
+    BoneCover {
+        bone: hand.bones[b].name.clone(),
+        thickness: covered.thickness,
+        flesh: covered.flesh,
+        dorsal,
+        palmar,
+        nodes: shares.len(),
+        volume: in_bone::volume(&covered.solid.shape),
+        bound: shares.iter().sum(),
     }
 }
 

@@ -26,6 +26,9 @@ pub(super) struct Covered {
     pub thickness: f64,
     /// Least distance from its surface to the skin \[m\].
     pub flesh: f64,
+    /// Mean thickness of the flesh between its surface and the skin of the back and of the palm's side,
+    /// along the y axis of the bone's frame \[m\].
+    pub sides: [f64; 2],
 }
 
 /// The solids of all bones, in their order: the palm, then three per digit.
@@ -86,6 +89,19 @@ impl<'a> Skin<'a> {
         Ok(-self.surface.signed_distance(p))
     }
 
+    /// How far the skin is from a place below it in a direction \[m\].
+    fn way(&mut self, p: &Vec3, direction: &Vec3) -> Result<f64, RigError> {
+        let mut way = 0.0;
+        for _ in 0..RAY_STEPS {
+            let depth = self.depth(&(p + direction * way))?;
+            if depth <= RAY_TOLERANCE * way {
+                break;
+            }
+            way += depth;
+        }
+        Ok(way)
+    }
+
     /// True when a place is less far below the skin than `depth` \[m\].
     fn is_shallower(&mut self, p: &Vec3, depth: f64) -> Result<bool, RigError> {
         self.ask()?;
@@ -93,6 +109,29 @@ impl<'a> Skin<'a> {
         // Too near the skin, whichever side it is on.
         Ok(distance < depth || -distance < depth && !self.surface.contains(p))
     }
+}
+
+/// A step along a ray that is this part of the way to the skin ends it.
+const RAY_TOLERANCE: f64 = 1e-3;
+/// Steps along a ray at most; each goes as far as the skin is away, so that a dozen are usual.
+const RAY_STEPS: usize = 64;
+
+/// Mean distance from places in a bone to the skin, out of the back of the hand and out of its palm, less what
+/// the bone itself takes of the way.
+fn sides(
+    bone: &Bone,
+    places: &[Vec3],
+    half_thickness: f64,
+    skin: &mut Skin,
+) -> Result<[f64; 2], RigError> {
+    let back = bone.pose_MB.vector(&Vec3::y());
+    let mut sums = [0.0; 2];
+    for place in places {
+        for (sum, direction) in sums.iter_mut().zip([back, -back]) {
+            *sum += skin.way(place, &direction)?;
+        }
+    }
+    Ok(sums.map(|sum| sum / places.len() as f64 - half_thickness))
 }
 
 /// The capsule between a bone's ends.
@@ -103,9 +142,10 @@ fn capsule(bone: &Bone, skin: &mut Skin) -> Result<Covered, RigError> {
     let inset = bone.radius.min(0.4 * length);
     let half_length = 0.5 * length - inset;
     let share = |k: usize| (inset + 2.0 * half_length * fraction(k)) / length;
+    let axis: Vec<Vec3> = (0..SAMPLES).map(|k| bone.pose_MB.point(&a.lerp(&b, share(k)))).collect();
     let mut least = f64::INFINITY;
-    for k in 0..SAMPLES {
-        least = least.min(skin.depth(&bone.pose_MB.point(&a.lerp(&b, share(k))))?);
+    for place in &axis {
+        least = least.min(skin.depth(place)?);
     }
     let radius = bone.radius.min(0.5 * least);
     let turn = Quat::rotation_between(&Vec3::y(), &(b - a)).unwrap_or_else(Quat::identity);
@@ -114,6 +154,7 @@ fn capsule(bone: &Bone, skin: &mut Skin) -> Result<Covered, RigError> {
         solid: BoneSolid { shape: Shape::Capsule { radius, half_length }, pose_BS },
         thickness: 2.0 * radius,
         flesh: least - radius,
+        sides: sides(bone, &axis, radius, skin)?,
     })
 }
 
@@ -145,6 +186,10 @@ fn palm(bone: &Bone, digits: &[DigitRig], skin: &mut Skin) -> Result<Covered, Ri
     for p in box_places(&half) {
         flesh = flesh.min(skin.depth(&pose_MS.point(&p))?);
     }
+    let middle: Vec<Vec3> = (0..SAMPLES * SAMPLES)
+        .map(|k| [k % SAMPLES, k / SAMPLES].map(|k| 2.0 * fraction(k) - 1.0))
+        .map(|[s, t]| pose_MS.point(&Vec3::new(s * half.x, 0.0, t * half.z)))
+        .collect();
     Ok(Covered {
         solid: BoneSolid {
             shape: Shape::Cuboid { half },
@@ -152,6 +197,7 @@ fn palm(bone: &Bone, digits: &[DigitRig], skin: &mut Skin) -> Result<Covered, Ri
         },
         thickness: 2.0 * half.min(),
         flesh,
+        sides: sides(bone, &middle, half.y, skin)?,
     })
 }
 

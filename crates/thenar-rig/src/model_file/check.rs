@@ -5,7 +5,7 @@ use crate::lattice::tet;
 use crate::object::{RigidModel, SoftModel};
 use crate::size::{bounds, sensible_size};
 use thenar::model::{
-    Binding, Bone, BoneSolid, EmbeddedSurface, Flesh, HandModel, JointDesc, JointKind,
+    Binding, Bone, BoneSolid, CouplingKind, EmbeddedSurface, Flesh, HandModel, JointDesc, JointKind,
 };
 use thenar::shape::Shape;
 use thenar::{Mat3, Pose, Vec3};
@@ -38,6 +38,7 @@ pub(crate) fn hand(hand: &HandModel) -> Check {
         check_binding(i, binding, &hand.bones)?;
     }
     numbers("node volume", hand.node_volumes.iter().copied(), |v| v >= 0.0)?;
+    check_bone_nodes(hand)?;
     surface("render surface", &hand.render, hand.flesh.tets.len())?;
     let vertices = hand.flesh.collision.vertices.len();
     ensure(hand.collision_digits.len() == vertices, || {
@@ -229,6 +230,18 @@ fn check_binding(i: usize, binding: &Binding, bones: &[Bone]) -> Check {
     let sum = binding.weights[0] + binding.weights[1];
     let valid = binding.weights.iter().all(|&w| w >= 0.0) && (sum - 1.0).abs() < SUM_TOLERANCE;
     ensure(valid, || format!("node {i} has the weights {:?}", binding.weights))
+}
+
+fn check_bone_nodes(hand: &HandModel) -> Check {
+    let ascending = hand.bone_nodes.windows(2).all(|pair| pair[0].node < pair[1].node);
+    let last = hand.bone_nodes.last().is_none_or(|n| (n.node as usize) < hand.flesh.nodes.len());
+    ensure(ascending && last, || "the nodes in bone are not in order, or not there".into())?;
+    for bone_node in &hand.bone_nodes {
+        check_binding(bone_node.node as usize, &bone_node.binding, &hand.bones)?;
+    }
+    numbers("volume of bone", hand.bone_nodes.iter().map(|n| n.volume), |v| v > 0.0)?;
+    let unheld = hand.coupling == CouplingKind::Bone && hand.bone_nodes.is_empty();
+    ensure(!unheld, || "the flesh is held in bone, but no node stands for bone".into())
 }
 
 fn placement(pose: &Pose) -> bool {

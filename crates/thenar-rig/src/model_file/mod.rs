@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   byte  0  magic    8 bytes, "THENARMD"
-//!         8  version  u32, 2
+//!         8  version  u32, 3
 //!        12  kind     u32: 1 hand, 2 rigid, 3 soft
 //!        16  length   u64, bytes of the body
 //!        24  checksum u64, FNV-1a of the body
@@ -12,7 +12,8 @@
 //! All numbers are little-endian. A file is refused as a whole unless magic, version, length and
 //! checksum agree and the decoded model makes sense (indices in range, numbers finite, weights of
 //! sum 1), so that what has been read can be simulated. Hands of version 1 have no solids of bones and
-//! are read as such: their bones touch nothing. All else of version 1 is as in version 2.
+//! are read as such: their bones touch nothing. Those of versions 1 and 2 do not know which nodes stand for
+//! bone, so that their flesh can be held uniformly alone. All else is the same in all versions.
 
 mod check;
 mod container;
@@ -65,17 +66,20 @@ impl Model {
     /// The model in the bytes of a file.
     ///
     /// # Errors
-    /// When the bytes are not a whole, undamaged model file of version 1 or 2, or hold a model that
+    /// When the bytes are not a whole, undamaged model file of version 1 to 3, or hold a model that
     /// makes no sense.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, RigError> {
         let (version, kind, body) = container::open(bytes)?;
         match kind {
             Kind::Hand => {
-                let hand: HandModel = match version {
-                    // The list of solids came last and anew: none.
-                    1 => container::decode(&[body, &[0]].concat())?,
-                    _ => container::decode(body)?,
+                // Version 2 has solids besides, version 3 a kind of coupling and a list of nodes in bone. No
+                // solids, the uniform coupling and no nodes are a zero each.
+                let missing: &[u8] = match version {
+                    1 => &[0; 3],
+                    2 => &[0; 2],
+                    _ => &[],
                 };
+                let hand: HandModel = container::decode(&[body, missing].concat())?;
                 check::hand(&hand)?;
                 Ok(Self::Hand(hand))
             }

@@ -5,7 +5,7 @@
 use super::*;
 use crate::hand::{HandOptions, asset, build_hand};
 use crate::object::{Bread, Car, bread, toy_car};
-use thenar::model::{EmbeddedSurface, Side, SurfaceVertex};
+use thenar::model::{Binding, BoneNode, CouplingKind, EmbeddedSurface, Side, SurfaceVertex};
 
 fn small_hand() -> HandModel {
     let options = HandOptions { tets: 60, render_triangles: 200, ..HandOptions::default() };
@@ -22,6 +22,8 @@ fn tiny_hand() -> HandModel {
     hand.flesh.nodes = tet.map(|n| hand.flesh.nodes[n as usize]).to_vec();
     hand.node_volumes.truncate(4);
     hand.bindings.truncate(4);
+    let binding = Binding { bones: [0, 1], weights: [0.5, 0.5] };
+    hand.bone_nodes = vec![BoneNode { node: 2, binding, volume: 1e-7 }];
     for binding in &mut hand.bindings {
         (binding.bones, binding.weights) = ([0, 1], [0.25, 0.75]);
     }
@@ -118,7 +120,7 @@ fn every_flipped_bit_is_seen() {
 #[test]
 fn models_that_make_no_sense_are_refused_by_name() {
     type Spoil = fn(&mut HandModel);
-    let cases: [(Spoil, &str); 10] = [
+    let cases: [(Spoil, &str); 14] = [
         (|h| h.bones[1].parent = Some(1), "parent"),
         (|h| h.bones[1].mass = 0.0, "bone mass"),
         (|h| h.bones[0].inertia[(0, 1)] += 1.0, "inertia"),
@@ -129,6 +131,10 @@ fn models_that_make_no_sense_are_refused_by_name() {
         (|h| h.bindings[3].weights = [0.5, 0.6], "node 3"),
         (|h| h.render.triangles[0][2] = 3, "render surface"),
         (|h| h.solids.truncate(1), "1 solids"),
+        (|h| h.bone_nodes[0].node = 4, "nodes in bone"),
+        (|h| h.bone_nodes[0].volume = 0.0, "volume of bone"),
+        (|h| h.bone_nodes[0].binding.weights = [0.5, 0.6], "node 2"),
+        (|h| (h.coupling, h.bone_nodes) = (CouplingKind::Bone, Vec::new()), "held in bone"),
     ];
     for (spoil, named) in cases {
         let mut hand = tiny_hand();
@@ -147,18 +153,22 @@ fn objects_come_back_as_they_were() {
     }
 }
 
-/// Version 1 ended before the solids.
+/// Version 1 ended before the solids, version 2 after them.
 #[test]
-fn a_hand_of_version_1_has_bones_that_touch_nothing() {
-    let hand = HandModel { solids: Vec::new(), ..tiny_hand() };
-    let bytes = bytes_of(&hand);
-    // An empty list is one zero.
-    let mut old = resealed(&bytes[..bytes.len() - 1]);
-    old[8] = 1;
-    let Model::Hand(back) = Model::from_bytes(&old).unwrap() else { panic!("not a hand") };
-    assert!(back.solids.is_empty());
-    assert_eq!(bytes_of(&back), bytes);
-    old[8] = 3;
-    let error = Model::from_bytes(&old).unwrap_err().to_string();
-    assert!(error.contains("version 3"), "{error}");
+fn hands_of_earlier_versions_lack_what_came_later() {
+    let solids = |n: usize| tiny_hand().solids[..n].to_vec();
+    for (version, solids) in [(1, solids(0)), (2, solids(2))] {
+        let hand = HandModel { solids, bone_nodes: Vec::new(), ..tiny_hand() };
+        let bytes = bytes_of(&hand);
+        // Empty lists and the first of the kinds are a zero each.
+        let mut old = resealed(&bytes[..bytes.len() - if version == 1 { 3 } else { 2 }]);
+        old[8] = version;
+        let Model::Hand(back) = Model::from_bytes(&old).unwrap() else { panic!("not a hand") };
+        assert_eq!(back.solids, hand.solids);
+        assert!(back.bone_nodes.is_empty() && back.coupling == CouplingKind::Uniform);
+        assert_eq!(bytes_of(&back), bytes);
+        old[8] = 4;
+        let error = Model::from_bytes(&old).unwrap_err().to_string();
+        assert!(error.contains("version 4"), "{error}");
+    }
 }

@@ -2,7 +2,9 @@
 //! upper one down.
 #![allow(dead_code)]
 
-use thenar::model::{BodyId, Digit, Drive, HandPlacement, Motion, PairRule, RigidDesc, Side};
+use thenar::model::{
+    BodyId, CouplingKind, Digit, Drive, HandPlacement, Motion, PairRule, RigidDesc, Side,
+};
 use thenar::model::{HandModel, WorldDesc};
 use thenar::shape::Shape;
 use thenar::world::{Input, StepReport, Target};
@@ -146,6 +148,7 @@ fn placement(pose_WM: Pose, solid_bones: bool) -> HandPlacement {
     HandPlacement {
         name: "hand".into(),
         pose_WM,
+        coupling: CouplingKind::Uniform,
         coupling_stiffness: 2e9,
         coupling_damping_time: 1e-3,
         root_drive: Some(palm),

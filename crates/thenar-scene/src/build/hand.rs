@@ -3,11 +3,12 @@
 use super::soft::{group_elements, law};
 use super::solver::set;
 use super::{Built, Files, Mesh, RigidLook, assets, drivers, motion, place};
-use crate::format::{BonesWord, Hand, HandMaterial, Scene};
-use crate::math::Pose;
+use crate::format::{BonesWord, CouplingWord, Hand, HandMaterial, Scene};
+use crate::math::{Pose, Vec3};
 use crate::motion::{ANGLES, AngleRange, Articulation, HandMotion, hand_angles};
 use crate::text::Fault;
-use thenar::model::{Drive, Flesh, HandHandle, HandModel, HandPlacement};
+use thenar::World;
+use thenar::model::{CouplingKind, Drive, Flesh, HandHandle, HandModel, HandPlacement};
 
 /// Palm drive when the scene gives none: the root follows the tracker closely.
 const PALM_DRIVE: Drive =
@@ -29,6 +30,10 @@ pub struct BuiltHand {
     pub motion: Option<HandMotion>,
     /// Its bones have drives.
     pub driven: bool,
+    /// What the springs between flesh and bones hold.
+    pub coupling: CouplingKind,
+    /// Springs between flesh and bones, per volume of what they hold \[N/m⁴\].
+    pub coupling_stiffness: f64,
     /// Red, green, blue from 0 to 1, if the scene says.
     pub colour: Option<[f64; 3]>,
 }
@@ -46,6 +51,25 @@ impl BuiltHand {
     /// The wrist's frame in the palm bone: -z towards the fingers, +y out of the back.
     pub fn wrist_B(&self) -> Pose {
         self.model.bones.first().map_or(Pose::identity(), |palm| palm.pose_BT)
+    }
+
+    /// Where linear blend skinning (Eq. 6) puts all nodes of its flesh, bound or free, world \[m\].
+    pub fn skinned(&self, world: &World) -> Vec<Vec3> {
+        let bones = &self.model.bones;
+        let moves: Vec<Pose> = self
+            .handle
+            .bones
+            .clone()
+            .zip(bones)
+            .map(|(rigid, bone)| world.rigid_pose(rigid) * bone.pose_MB.inverse())
+            .collect();
+        let nodes = self.model.flesh.nodes.iter().zip(&self.model.bindings);
+        nodes
+            .map(|(x, binding)| {
+                let by = |k: usize| moves[binding.bones[k] as usize].point(x) * binding.weights[k];
+                by(0) + by(1)
+            })
+            .collect()
     }
 
     /// The index of its flesh among the deformable bodies, if it has any.
@@ -76,6 +100,9 @@ fn add(built: &mut Built, hand: &Hand, files: &Files) -> Result<(), Fault> {
     soften(&mut model.flesh, hand.material.as_ref());
     set(&mut model.flesh.friction, hand.friction);
     let own = Pose::new(hand.position, place::rotation(hand.rotation.as_ref())?);
+    let coupling = coupling(hand, &model)?;
+    let coupling_stiffness =
+        hand.coupling_stiffness.unwrap_or_else(|| model.usual_coupling_stiffness(coupling));
     let motion = match &hand.motion {
         Some(table) => Some(motion::load(table, &model, &own, files)?),
         None => None,
@@ -87,7 +114,8 @@ fn add(built: &mut Built, hand: &Hand, files: &Files) -> Result<(), Fault> {
     let placement = HandPlacement {
         name: hand.name.value.clone(),
         pose_WM,
-        coupling_stiffness: hand.coupling_stiffness,
+        coupling,
+        coupling_stiffness,
         coupling_damping_time: hand.coupling_damping_time,
         root_drive: drive(hand.palm_drive.as_ref(), PALM_DRIVE),
         bone_drive: drive(hand.bone_drive.as_ref(), BONE_DRIVE),
@@ -125,9 +153,24 @@ fn add(built: &mut Built, hand: &Hand, files: &Files) -> Result<(), Fault> {
         handle,
         motion: motion.filter(|_| hand.driven),
         driven: hand.driven,
+        coupling,
+        coupling_stiffness,
         colour: hand.colour,
     });
     Ok(())
+}
+
+/// What the springs hold: as the scene says, else as the model has it.
+fn coupling(hand: &Hand, model: &HandModel) -> Result<CouplingKind, Fault> {
+    let Some(word) = &hand.coupling else { return Ok(model.coupling) };
+    match word.value {
+        CouplingWord::Uniform => Ok(CouplingKind::Uniform),
+        CouplingWord::Bone if model.bone_nodes.is_empty() => Err(word.fault(
+            "the model does not know which of its nodes lie in bone: it was built by an earlier \
+             version; build it again",
+        )),
+        CouplingWord::Bone => Ok(CouplingKind::Bone),
+    }
 }
 
 /// Changes the flesh as the scene says. A model's elements differ in modulus and density by how

@@ -112,7 +112,7 @@ pub fn sweep(
 fn changed(scene: &Scene, stiffness: f64, time_step: f64) -> Scene {
     let mut scene = scene.clone();
     scene.time_step = time_step;
-    scene.hand.iter_mut().for_each(|hand| hand.coupling_stiffness = stiffness);
+    scene.hand.iter_mut().for_each(|hand| hand.coupling_stiffness = Some(stiffness));
     for bind in scene.soft.iter_mut().flat_map(|soft| &mut soft.bind) {
         (bind.stiffness, bind.node_stiffness) = (Some(stiffness), None);
     }

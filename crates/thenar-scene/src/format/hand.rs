@@ -32,6 +32,16 @@ words! {
     }
 }
 
+words! {
+    /// What the springs between flesh and bones hold.
+    pub enum CouplingWord {
+        /// All flesh, skin and pads included.
+        "uniform" => Uniform,
+        /// Flesh in the place of bone.
+        "bone" => Bone,
+    }
+}
+
 table! {
     /// A hand: 16 bones in soft flesh, following a motion. Its bones are rigid bodies named
     /// `hand/bone` and its joints `hand/joint`, where `hand` is its name.
@@ -49,8 +59,14 @@ table! {
         position: Vec3 where PLACE = Vec3::zeros();
         /// Start rotation. Default none.
         rotation: Option<At<Rotation>>;
-        /// Spring between flesh and bones per volume of flesh [N/m⁴]. Default 2e9.
-        coupling_stiffness: f64 where SPRING = 2e9;
+        /// "uniform": springs hold all flesh to the bones, skin and pads included, as in the paper; "bone":
+        /// they hold the flesh in the place of bone, and what lies between bone and skin is free. Default:
+        /// the model's own, "uniform" for hands built here.
+        coupling: Option<At<CouplingWord>>;
+        /// Spring between flesh and bones [N/m⁴]: per volume of flesh if `coupling` is "uniform", per
+        /// volume of bone if it is "bone". Default 2e9 and 2.2e5 E/L², E the largest Young's modulus of
+        /// the flesh and L the length of the hand: 3e11 for 50 kPa and 190 mm.
+        coupling_stiffness: Option<f64> where SPRING;
         /// Damping time of these springs [s]. Default 0.001.
         coupling_damping_time: f64 where SPRING = 1e-3;
         /// "tetrahedra": each by itself, as in the paper; "patches": those around one long edge share one

@@ -1,7 +1,8 @@
 //! A small skeleton of a right hand for tests: 16 bones, straight fingers along -z, the back up.
 
 use thenar::model::{
-    AngleLimit, Axis, Bone, Digit, EmbeddedSurface, Flesh, HandModel, JointDesc, JointKind, Side,
+    AngleLimit, Axis, Bone, CouplingKind, Digit, EmbeddedSurface, Flesh, HandModel, JointDesc,
+    JointKind, Side,
 };
 use thenar::{Mat3, Pose, Quat, Vec3};
 
@@ -61,6 +62,8 @@ pub fn hand(flip: bool) -> HandModel {
         collision_digits: Vec::new(),
         length: 0.186,
         solids: Vec::new(),
+        coupling: CouplingKind::Uniform,
+        bone_nodes: Vec::new(),
     }
 }
 

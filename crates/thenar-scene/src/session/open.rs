@@ -8,6 +8,7 @@ use crate::live::{LiveError, LiveHand};
 use crate::text::{Fault, Node, Override, SceneError, apply_override, parse};
 use crate::tuning::{HandPart, Tuning};
 use std::path::Path;
+use thenar::model::CouplingKind;
 use thenar::world::StepReport;
 use thenar::{Vec3, World};
 
@@ -69,8 +70,8 @@ impl Session {
         let world = World::new(built.world.clone())
             .map_err(|e| SceneError::World { file: file.to_path_buf(), problem: e.to_string() })?;
         let probes = Probes::new(&scene, &built, &world).map_err(locate)?;
-        let hands = scene.hand.iter().zip(&built.hands).map(|(table, hand)| HandPart {
-            coupling_stiffness: table.coupling_stiffness,
+        let hands = built.hands.iter().map(|hand| HandPart {
+            coupling_stiffness: hand.coupling_stiffness,
             bones: drive::bones(hand),
             soft: hand.flesh().map(|soft| soft as usize),
         });
@@ -115,6 +116,9 @@ impl Session {
                 }
             }
             if let Some(soft) = hand.flesh() {
+                if hand.coupling == CouplingKind::Bone {
+                    self.world.set_nodes(soft, &hand.skinned(&self.world));
+                }
                 let mut nodes = self.world.nodes(soft).to_vec();
                 self.world.skin_targets(soft, &mut nodes);
                 self.world.set_nodes(soft, &nodes);

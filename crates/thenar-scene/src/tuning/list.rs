@@ -130,7 +130,7 @@ pub const ALL: &[Known] = &[
                around the bones, stiff ones glue it to them.",
         group: "Hand",
         unit: "N/m⁴",
-        range: Some((1e7, 1e11, Scale::Log)),
+        range: Some((1e7, 1e13, Scale::Log)),
         own: |_, parts| {
             let hand = parts.hands.iter().find(|hand| hand.soft.is_some())?;
             (hand.coupling_stiffness > 0.0).then_some(Number(hand.coupling_stiffness))

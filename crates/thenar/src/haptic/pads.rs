@@ -75,7 +75,7 @@ mod tests {
     use super::*;
     use crate::haptic::{CouplingDesign, HandSettings, HapticHand, RigidState, SlowToFast};
     use crate::math::{Mat3, Quat};
-    use crate::model::{Bone, EmbeddedSurface, Flesh};
+    use crate::model::{Bone, CouplingKind, EmbeddedSurface, Flesh};
 
     /// A palm and two fingers of two bones, in the order of a model.
     fn hand() -> HandModel {
@@ -118,6 +118,8 @@ mod tests {
             collision_digits: Vec::new(),
             length: 0.18,
             solids: Vec::new(),
+            coupling: CouplingKind::Uniform,
+            bone_nodes: Vec::new(),
         }
     }
 

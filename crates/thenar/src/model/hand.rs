@@ -95,6 +95,29 @@ pub struct BoneSolid {
     pub pose_BS: Pose,
 }
 
+/// Which of a hand's flesh the springs of Eq. 7 to 9 hold.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum CouplingKind {
+    /// Every node, by the flesh that it stands for: the paper's. Skin and pads are held too.
+    #[default]
+    Uniform,
+    /// Nodes in bone, by the bone that they stand for. Flesh between bone and skin is free.
+    Bone,
+}
+
+/// A node that stands for bone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct BoneNode {
+    /// Flesh node.
+    pub node: u32,
+    /// The bone, or the two adjacent ones by their shares.
+    pub binding: Binding,
+    /// Volume of bone that the node stands for \[m³\].
+    pub volume: f64,
+}
+
 /// A hand in its rest pose, in its model frame M.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -111,8 +134,8 @@ pub struct HandModel {
     pub flesh: Flesh,
     /// One binding per flesh node.
     pub bindings: Vec<Binding>,
-    /// Volume of embedded body that each node stands for \[m³\]; a node's coupling stiffness is
-    /// `coupling stiffness per volume × this`.
+    /// Volume of embedded body that each node stands for \[m³\]; where the coupling is uniform, a node's
+    /// stiffness is `coupling stiffness per volume × this`.
     pub node_volumes: Vec<f64>,
     /// Fine surface for drawing.
     pub render: EmbeddedSurface,
@@ -122,4 +145,46 @@ pub struct HandModel {
     pub length: f64,
     /// Solid of each bone, or empty: bones then touch nothing.
     pub solids: Vec<BoneSolid>,
+    /// What the springs hold where a scene does not say.
+    pub coupling: CouplingKind,
+    /// Nodes that stand for bone, ascending; empty in models that hold uniformly alone.
+    pub bone_nodes: Vec<BoneNode>,
+}
+
+/// Springs per volume of flesh of the paper's coupling \[N/m⁴\].
+const UNIFORM_STIFFNESS: f64 = 2e9;
+/// Springs per volume of bone, over Young's modulus of the flesh and the inverse squared length of the hand.
+///
+/// Under 10 N on a pad bone may yield a twentieth of what the flesh over it does. A pad sinks by 3 mm then, in a
+/// hand of L = 190 mm and E = 50 kPa: like a spring of 0.35 E L. The least solid under a pad, that of the
+/// little finger, has v = 3.2e-5 L³ (0.22 ml). From `κ v ≥ 20 · 0.35 E L` follows `κ ≥ 2.2e5 E/L²`.
+const BONE_STIFFNESS: f64 = 2.2e5;
+
+impl HandModel {
+    /// Springs per volume when a scene gives none \[N/m⁴\]: per volume of flesh, or of bone. Those in
+    /// bone are proportional to the flesh's largest modulus and to the inverse squared length of the
+    /// hand, so that hands of all sizes and moduli yield in the same proportions.
+    pub fn usual_coupling_stiffness(&self, kind: CouplingKind) -> f64 {
+        match kind {
+            CouplingKind::Uniform => UNIFORM_STIFFNESS,
+            CouplingKind::Bone => {
+                let young = self.flesh.materials.iter().map(|m| m.young).fold(0.0, f64::max);
+                BONE_STIFFNESS * young / (self.length * self.length)
+            }
+        }
+    }
+
+    /// Binding of every node and the volume by which its spring holds it \[m³\]; 0 leaves it free.
+    pub fn held(&self, kind: CouplingKind) -> (Vec<Binding>, Vec<f64>) {
+        let mut bindings = self.bindings.clone();
+        if kind == CouplingKind::Uniform {
+            return (bindings, self.node_volumes.clone());
+        }
+        let mut volumes = vec![0.0; bindings.len()];
+        for bone in &self.bone_nodes {
+            bindings[bone.node as usize] = bone.binding;
+            volumes[bone.node as usize] = bone.volume;
+        }
+        (bindings, volumes)
+    }
 }

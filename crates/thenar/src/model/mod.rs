@@ -12,7 +12,7 @@ mod surface;
 
 pub use flesh::{Binding, FixedNode, Flesh, Law, Material};
 pub use friction::{BodyParts, FrictionTable};
-pub use hand::{Bone, BoneSolid, Digit, HandModel, Side};
+pub use hand::{Bone, BoneNode, BoneSolid, CouplingKind, Digit, HandModel, Side};
 pub use joint::{AngleLimit, Axis, JointDesc, JointKind};
 pub use patches::{ElementPatches, PATCH_TETS_MAX, patches};
 pub use rigid::{Motion, RigidDesc};

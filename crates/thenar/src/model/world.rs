@@ -2,8 +2,8 @@
 
 use crate::math::{Pose, Vec3};
 use crate::model::{
-    Binding, BodyParts, ElementPatches, Flesh, FrictionTable, HandModel, JointDesc, Motion,
-    RigidDesc,
+    Binding, BodyParts, CouplingKind, ElementPatches, Flesh, FrictionTable, HandModel, JointDesc,
+    Motion, RigidDesc,
 };
 use std::ops::Range;
 
@@ -213,7 +213,9 @@ pub struct HandPlacement {
     pub name: String,
     /// Pose of the model frame in the world.
     pub pose_WM: Pose,
-    /// Coupling stiffness per volume of flesh \[N/m⁴\].
+    /// What the springs to the bones hold.
+    pub coupling: CouplingKind,
+    /// Coupling stiffness per volume of flesh, or of bone \[N/m⁴\].
     pub coupling_stiffness: f64,
     /// Coupling damping time \[s\].
     pub coupling_damping_time: f64,
@@ -288,13 +290,12 @@ impl WorldDesc {
             ..joint.clone()
         }));
 
-        let bindings = hand
-            .bindings
+        let (bindings, volumes) = hand.held(placement.coupling);
+        let bindings = bindings
             .iter()
             .map(|b| Binding { bones: b.bones.map(|j| j + bone0), weights: b.weights })
             .collect();
-        let stiffness =
-            hand.node_volumes.iter().map(|v| v * placement.coupling_stiffness).collect();
+        let stiffness = volumes.iter().map(|v| v * placement.coupling_stiffness).collect();
         let soft = self.add_soft(SoftDesc {
             name: placement.name.clone(),
             flesh: hand.flesh.clone(),

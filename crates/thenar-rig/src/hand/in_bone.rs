@@ -1,0 +1,104 @@
+//! Which nodes of the flesh stand for bone, and for how much of it.
+//!
+//! Every inside point of the lattice that lies in a bone's solid gives its volume to the four nodes of its
+//! tetrahedron by barycentric weights. A node follows the bone whose volume it has, or two adjacent bones
+//! by their shares. There is no threshold: what has no bone is free. The volumes of each bone are scaled
+//! to that of its solid, so that meshes of all sizes hold a bone equally.
+
+use crate::lattice::{Lattice, tet};
+use crate::weights::pair;
+use std::collections::BTreeMap;
+use thenar::model::{Bone, BoneNode, BoneSolid};
+use thenar::shape::Shape;
+use thenar::{Pose, Vec3};
+
+/// Volume of each bone that a node stands for \[m³\].
+type Shares = BTreeMap<u32, f64>;
+
+/// The nodes that stand for bone, ascending.
+pub(super) fn bone_nodes(lattice: &Lattice, bones: &[Bone], solids: &[BoneSolid]) -> Vec<BoneNode> {
+    let mut shares: Vec<Shares> = vec![Shares::new(); lattice.nodes.len()];
+    for (b, points) in points_in_solids(lattice, bones, solids).iter().enumerate() {
+        let each = volume(&solids[b].shape) / points.len().max(1) as f64;
+        for &i in points {
+            let nodes = lattice.tets[lattice.sample_tet(i) as usize];
+            for (node, weight) in nodes.iter().zip(weights(lattice, i)) {
+                *shares[*node as usize].entry(b as u32).or_insert(0.0) += each * weight;
+            }
+        }
+    }
+    let nodes = shares.iter().enumerate();
+    nodes.filter_map(|(n, shares)| bone_node(n as u32, shares, bones)).collect()
+}
+
+/// Inside points in the solid of each bone; where it lies between all of them, the one nearest to its middle.
+fn points_in_solids(lattice: &Lattice, bones: &[Bone], solids: &[BoneSolid]) -> Vec<Vec<usize>> {
+    let poses: Vec<Pose> =
+        bones.iter().zip(solids).map(|(bone, solid)| bone.pose_MB * solid.pose_BS).collect();
+    let mut points = vec![Vec::new(); solids.len()];
+    let mut nearest = vec![(f64::INFINITY, 0); solids.len()];
+    for i in 0..lattice.sample_count() {
+        let x = lattice.sample_position(i);
+        for (b, pose) in poses.iter().enumerate() {
+            let distance = (x - pose.position).norm();
+            if distance < nearest[b].0 {
+                nearest[b] = (distance, i);
+            }
+            if contains(&solids[b].shape, &pose.inverse_point(&x)) {
+                points[b].push(i);
+            }
+        }
+    }
+    for (points, (_, i)) in points.iter_mut().zip(nearest) {
+        if points.is_empty() {
+            points.push(i);
+        }
+    }
+    points
+}
+
+/// Barycentric weights of inside point `i`. Where its own tetrahedron was left out as nearly empty, it may lie
+/// outside the one that took it over: the place in that one that has no negative weights.
+fn weights(lattice: &Lattice, i: usize) -> [f64; 4] {
+    let corners = lattice.corners(lattice.sample_tet(i) as usize);
+    let inside = tet::barycentric(&corners, &lattice.sample_position(i)).map(|w| w.max(0.0));
+    let sum: f64 = inside.iter().sum();
+    inside.map(|w| w / sum)
+}
+
+/// The bone, or the two adjacent ones, of which the node has most.
+fn bone_node(node: u32, shares: &Shares, bones: &[Bone]) -> Option<BoneNode> {
+    let share = |b: u32| shares.get(&b).copied().unwrap_or(0.0);
+    let with_parent = shares.keys().map(|&b| match bones[b as usize].parent {
+        Some(parent) => (b, parent, share(b) + share(parent)),
+        None => (b, b, share(b)),
+    });
+    // Of equals the first.
+    let most = with_parent.reduce(|best, next| if next.2 > best.2 { next } else { best });
+    let (bone, parent, volume) = most.filter(|(_, _, volume)| *volume > 0.0)?;
+    let own = if bone == parent { 1.0 } else { share(bone) / volume };
+    Some(BoneNode { node, binding: pair(parent, bone, own), volume })
+}
+
+/// Whether a point of the solid's frame lies in it.
+fn contains(shape: &Shape, p: &Vec3) -> bool {
+    match *shape {
+        Shape::Capsule { radius, half_length } => {
+            let axis = Vec3::y() * p.y.clamp(-half_length, half_length);
+            (p - axis).norm_squared() <= radius * radius
+        }
+        Shape::Cuboid { half } => (0..3).all(|d| p[d].abs() <= half[d]),
+        ref other => unreachable!("the solid of a bone is a {other:?}"),
+    }
+}
+
+/// Volume of a bone's solid \[m³\].
+pub(super) fn volume(shape: &Shape) -> f64 {
+    match *shape {
+        Shape::Capsule { radius, half_length } => {
+            std::f64::consts::PI * radius * radius * (2.0 * half_length + radius * 4.0 / 3.0)
+        }
+        Shape::Cuboid { half } => 8.0 * half.x * half.y * half.z,
+        ref other => unreachable!("the solid of a bone is a {other:?}"),
+    }
+}
