@@ -10,7 +10,10 @@
 //! outside their tetrahedron, where a nearly empty one was left out.
 
 mod bcc;
+mod cells;
+mod graded;
 mod material;
+mod octree;
 mod pieces;
 mod prune;
 mod quality;
@@ -24,6 +27,9 @@ pub use quality::Quality;
 use crate::size::REACH_MAX;
 use crate::work::Stage;
 use crate::{RigError, TriMesh};
+use cells::Uniform;
+use graded::Graded;
+use octree::Octree;
 use pieces::Pieces;
 use samples::Samples;
 use thenar::{Quat, Vec3};
@@ -35,6 +41,15 @@ pub struct LatticeOptions {
     pub tets: usize,
     /// Orientation of the lattice in the mesh's frame.
     pub rotation: Quat,
+}
+
+/// Sizes of a graded lattice's elements.
+#[derive(Clone, Copy, Debug)]
+pub struct Grading {
+    /// Edge of the coarsest cubes \[m\].
+    pub coarse: f64,
+    /// How often they may be halved.
+    pub halvings: usize,
 }
 
 /// Tetrahedra around a body.
@@ -78,17 +93,49 @@ impl Lattice {
                 options.tets
             )));
         }
-        let volume = mesh.volume();
-        if !(volume.is_finite() && volume > 0.0) {
-            return Err(RigError::invalid(format!(
-                "the mesh encloses {volume:e} m³: it is open, empty or inside out"
-            )));
-        }
+        let volume = enclosed(mesh)?;
         let turned = turned(mesh, &options.rotation.inverse());
         let per_tet = (volume / options.tets as f64).cbrt();
         let samples = Samples::new(&turned, spacing(&turned, per_tet)?)?;
         let pieces = fit_count(&samples, options.tets, 2.5 * per_tet)?;
         Self::from_pieces(samples, pieces, options.rotation, volume)
+    }
+
+    /// Covers the inside of a closed, outward-facing mesh with elements of several sizes: around every place inside,
+    /// cubes are halved until their edge is at most `edge` there \[m\], as far as the grading goes. Dihedral
+    /// angles are 45° to 120°.
+    ///
+    /// # Errors
+    /// When the mesh encloses no volume, hangs together too thinly for elements of this size, or needs more of
+    /// them than there may be.
+    pub fn graded(
+        mesh: &TriMesh,
+        grading: &Grading,
+        edge: impl Fn(&Vec3) -> f64,
+    ) -> Result<Self, RigError> {
+        let volume = enclosed(mesh)?;
+        let mut tree = Octree::new(mesh.bounds(), grading.coarse, grading.halvings)?;
+        let finest = tree.edge(grading.halvings) * bcc::TET_VOLUME.cbrt();
+        let samples = Samples::new(mesh, spacing(mesh, finest)?)?;
+        let count = samples.cells.len();
+        let stage = Stage::new("filling the mesh with tetrahedra", 3, 30.0 * count as f64, "")?;
+        for i in 0..count {
+            let p = samples.position(i);
+            tree.refine(&p, edge(&p));
+        }
+        tree.balance();
+        stage.at(1)?;
+        let mut pieces = Pieces::new(&samples, &Graded { tree });
+        stage.at(2)?;
+        if pieces.len() > TETS_MAX {
+            return Err(RigError::invalid(format!(
+                "the mesh would have {} tetrahedra, more than {TETS_MAX}; ask for less detail",
+                pieces.len()
+            )));
+        }
+        prune::prune(&mut pieces, &samples, FILL_MIN)?;
+        stage.at(3)?;
+        Self::from_pieces(samples, pieces, Quat::identity(), volume)
     }
 
     fn from_pieces(
@@ -152,6 +199,17 @@ impl Lattice {
     }
 }
 
+/// The volume that a mesh encloses.
+fn enclosed(mesh: &TriMesh) -> Result<f64, RigError> {
+    let volume = mesh.volume();
+    if volume.is_finite() && volume > 0.0 {
+        return Ok(volume);
+    }
+    Err(RigError::invalid(format!(
+        "the mesh encloses {volume:e} m³: it is open, empty or inside out"
+    )))
+}
+
 /// Distance between inside points: fine enough to resolve elements, coarse enough for memory.
 fn spacing(mesh: &TriMesh, per_tet: f64) -> Result<f64, RigError> {
     let [low, high] = mesh.bounds();
@@ -182,7 +240,7 @@ fn fit_count(samples: &Samples, wanted: usize, first: f64) -> Result<Pieces, Rig
     let work = (10 * ATTEMPTS * samples.cells.len()) as f64;
     let stage = Stage::new("filling the mesh with tetrahedra", ATTEMPTS, work, "")?;
     for attempt in 0..ATTEMPTS {
-        let mut pieces = Pieces::new(samples, cube, &shift);
+        let mut pieces = Pieces::new(samples, &Uniform { cube, shift });
         prune::prune(&mut pieces, samples, FILL_MIN)?;
         let ratio = pieces.len() as f64 / wanted as f64;
         let off = |n: usize| (n as f64 / wanted as f64).ln().abs();
@@ -197,7 +255,7 @@ fn fit_count(samples: &Samples, wanted: usize, first: f64) -> Result<Pieces, Rig
         // steep on coarse lattices.
         cube *= ratio.powf(0.36);
     }
-    Ok(best.unwrap_or_else(|| Pieces::new(samples, cube, &shift)))
+    Ok(best.unwrap_or_else(|| Pieces::new(samples, &Uniform { cube, shift })))
 }
 
 fn turned(mesh: &TriMesh, rotation: &Quat) -> TriMesh {

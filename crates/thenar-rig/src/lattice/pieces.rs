@@ -6,17 +6,18 @@
 //! share nodes only where a chain of flesh connects them (after Molino et al. 2004, Nesme et al.
 //! 2009).
 
-use super::bcc::{self, TetKey};
+use super::bcc::{Point, TetKey};
+use super::cells::Cells;
 use super::samples::Samples;
 use super::union_find::UnionFind;
 use thenar::Vec3;
 
 /// The lattice cut into pieces.
 pub(super) struct Pieces {
-    /// Edge of the lattice's cubes \[m\].
-    pub cube: f64,
     /// Lattice tetrahedron of each piece.
     pub keys: Vec<TetKey>,
+    /// Volume of that tetrahedron \[m³\].
+    pub volumes: Vec<f64>,
     /// Nodes of each piece.
     pub nodes: Vec<[u32; 4]>,
     /// Place of each node.
@@ -28,11 +29,10 @@ pub(super) struct Pieces {
 }
 
 impl Pieces {
-    /// Cuts the lattice of cube edge `cube`, shifted by `shift` cubes, along the sampled body.
-    pub fn new(samples: &Samples, cube: f64, shift: &Vec3) -> Self {
+    /// Cuts the lattice along the sampled body.
+    pub fn new(samples: &Samples, lattice: &impl Cells) -> Self {
         let count = samples.cells.len();
-        let keys: Vec<TetKey> =
-            (0..count).map(|i| bcc::locate(&(samples.position(i) / cube + shift))).collect();
+        let keys: Vec<TetKey> = (0..count).map(|i| lattice.locate(&samples.position(i))).collect();
 
         // Pieces: points linked within one tetrahedron.
         let mut sets = UnionFind::new(count);
@@ -42,8 +42,8 @@ impl Pieces {
             }
         });
         let mut pieces = Self {
-            cube,
             keys: Vec::new(),
+            volumes: Vec::new(),
             nodes: Vec::new(),
             positions: Vec::new(),
             counts: Vec::new(),
@@ -54,18 +54,19 @@ impl Pieces {
             if root == i {
                 pieces.of_sample[i] = pieces.keys.len() as u32;
                 pieces.keys.push(keys[i]);
+                pieces.volumes.push(lattice.volume(keys[i]));
                 pieces.counts.push(0);
             }
             let piece = pieces.of_sample[root];
             pieces.of_sample[i] = piece;
             pieces.counts[piece as usize] += 1;
         }
-        pieces.merge_nodes(samples, shift);
+        pieces.merge_nodes(samples, lattice);
         pieces
     }
 
     /// Gives each piece four nodes and merges them across the links between pieces.
-    fn merge_nodes(&mut self, samples: &Samples, shift: &Vec3) {
+    fn merge_nodes(&mut self, samples: &Samples, lattice: &impl Cells) {
         let mut pairs: Vec<[u32; 2]> = Vec::new();
         for_each_link(samples, |i, j| {
             let (a, b) = (self.of_sample[i as usize], self.of_sample[j as usize]);
@@ -76,7 +77,7 @@ impl Pieces {
         pairs.sort_unstable();
         pairs.dedup();
 
-        let corners: Vec<[bcc::Point; 4]> = self.keys.iter().map(|&k| bcc::corners(k)).collect();
+        let corners: Vec<[Point; 4]> = self.keys.iter().map(|&k| lattice.corners(k)).collect();
         let mut sets = UnionFind::new(4 * self.keys.len());
         for [a, b] in pairs {
             for (k, p) in corners[a as usize].iter().enumerate() {
@@ -92,7 +93,7 @@ impl Pieces {
                 let root = sets.find((4 * t + k) as u32) as usize;
                 if index[root] == u32::MAX {
                     index[root] = self.positions.len() as u32;
-                    self.positions.push((bcc::place(corners[k]) - shift) * self.cube);
+                    self.positions.push(lattice.place(corners[k]));
                 }
                 index[root]
             });

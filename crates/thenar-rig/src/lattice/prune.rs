@@ -1,6 +1,5 @@
 //! Leaving out nearly empty tetrahedra.
 
-use super::bcc;
 use super::pieces::{Pieces, for_each_link};
 use super::samples::Samples;
 use super::union_find::UnionFind;
@@ -13,12 +12,12 @@ use thenar::Vec3;
 /// # Errors
 /// When no piece is filled that far.
 pub(super) fn prune(pieces: &mut Pieces, samples: &Samples, fill_min: f64) -> Result<(), RigError> {
-    let tet_volume = bcc::TET_VOLUME * pieces.cube.powi(3);
     let point_volume = samples.spacing.powi(3);
     let mut keep: Vec<bool> = pieces
         .counts
         .iter()
-        .map(|&count| f64::from(count) * point_volume >= fill_min * tet_volume)
+        .zip(&pieces.volumes)
+        .map(|(&count, volume)| f64::from(count) * point_volume >= fill_min * volume)
         .collect();
     if !keep.contains(&true) {
         return Err(RigError::invalid(
@@ -113,10 +112,12 @@ fn compact(pieces: &mut Pieces, keep: &[bool]) {
     for t in (0..keep.len()).filter(|&t| keep[t]) {
         index[t] = count;
         pieces.keys[count as usize] = pieces.keys[t];
+        pieces.volumes[count as usize] = pieces.volumes[t];
         pieces.nodes[count as usize] = pieces.nodes[t];
         count += 1;
     }
     pieces.keys.truncate(count as usize);
+    pieces.volumes.truncate(count as usize);
     pieces.nodes.truncate(count as usize);
     pieces.counts = vec![0; count as usize];
     for piece in &mut pieces.of_sample {
@@ -142,13 +143,14 @@ pub(super) fn drop_unused(tets: &mut [[u32; 4]], nodes: &mut Vec<Vec3>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lattice::cells::Uniform;
     use crate::mesh::shapes;
 
     /// A bar of one piece at its end, and many behind it that are left out.
     fn bar(length: f64) -> (Samples, Pieces) {
         let mesh = shapes::cuboid(&Vec3::new(length, 0.01, 0.01));
         let samples = Samples::new(&mesh, 2e-3).unwrap();
-        let pieces = Pieces::new(&samples, 0.01, &Vec3::repeat(0.25));
+        let pieces = Pieces::new(&samples, &Uniform { cube: 0.01, shift: Vec3::repeat(0.25) });
         (samples, pieces)
     }
 
