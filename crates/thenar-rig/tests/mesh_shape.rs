@@ -4,7 +4,9 @@
 use std::f64::consts::PI;
 use thenar::Vec3;
 use thenar_rig::TriMesh;
-use thenar_rig::mesh::{Bvh, Topology, decimate, shapes, subdivide, subdivide_to, weld};
+use thenar_rig::mesh::{
+    Bvh, Topology, decimate, decimate_within, shapes, subdivide, subdivide_to, weld,
+};
 
 /// A seeded sequence of points in the cube [-1, 1]³.
 fn points(n: usize) -> Vec<Vec3> {
@@ -270,4 +272,23 @@ fn bad_meshes_are_refused_by_name() {
     assert!(error(vec![Vec3::zeros(), nan], vec![[0, 1, 0]]).contains("vertex 1 is not finite"));
     let far = Vec3::new(1e9, 0.0, 0.0);
     assert!(error(vec![far], vec![[0, 0, 0]]).contains("scale"));
+}
+
+/// On one half edges may grow to a fifth of the radius, on the other at will.
+#[test]
+fn a_limit_on_edges_holds_where_it_is_set() {
+    let ball = shapes::sphere(1.0, 24);
+    let limit = |p: &Vec3| if p.x > 0.0 { 0.2 } else { f64::INFINITY };
+    let limits = ball.positions.iter().map(limit).collect();
+    let simple = decimate_within(&ball, 100, limits).unwrap();
+    let edges = |right: bool| {
+        let all = simple.triangles.iter().flat_map(|t| (0..3).map(move |k| [t[k], t[(k + 1) % 3]]));
+        let ends = all.map(|e| e.map(|v| simple.positions[v as usize]));
+        let half = ends.filter(move |e| e.iter().all(|x| (x.x > 0.0) == right));
+        half.map(|[a, b]| (a - b).norm()).fold(0.0, f64::max)
+    };
+    assert!(edges(true) <= 0.2 && edges(false) > 0.5, "{} {}", edges(true), edges(false));
+    assert!(simple.triangles.len() < ball.triangles.len() / 2);
+    assert!((simple.volume() / ball.volume() - 1.0).abs() < 1e-9);
+    assert!(decimate_within(&ball, 100, vec![1.0; 3]).is_err());
 }

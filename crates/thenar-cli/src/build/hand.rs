@@ -53,6 +53,7 @@ fn options(args: &Args) -> Result<HandOptions, CliError> {
         name: name(args),
         size: args.length.map_or(Size::Scale(args.scale), Size::Length),
         tets: args.tets,
+        detail: args.detail,
         material,
         coupling: match args.coupling {
             CouplingArg::Uniform => CouplingKind::Uniform,

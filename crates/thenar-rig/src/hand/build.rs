@@ -5,11 +5,11 @@ use super::names::{self, Finder};
 use super::options::{HandOptions, Size};
 use super::relax::relax;
 use super::report::HandReport;
-use super::{bones, in_bone, joints, regions, solids, weights};
+use super::{bones, grading, in_bone, joints, regions, solids, weights};
 use crate::embed::check_closed;
 use crate::glb::{self, SkinnedMesh};
 use crate::lattice::{Lattice, LatticeOptions};
-use crate::mesh::{Bvh, decimate, read_file, subdivide_to, weld};
+use crate::mesh::{Bvh, decimate, decimate_within, read_file, subdivide_to, weld};
 use crate::work::{Stage, phase};
 use crate::{RigError, TriMesh, model_file};
 use std::path::Path;
@@ -51,14 +51,32 @@ pub fn build_hand_with_report(
     let covered = solids::solids(&bones, &digits, &surface)?;
 
     // The smooth surface through the skin's vertices is the body; all else is made from it.
-    let triangles = options.render_triangles.max(options.collision_triangles);
+    let grading = options.detail.map(|detail| grading::grading(length, detail)).transpose()?;
+    let fine = grading.map_or(0, |grading| grading::triangles(skin.area(), &grading));
+    let triangles = options.render_triangles.max(options.collision_triangles).max(fine);
     let smooth = subdivide_to(&skin, triangles)?.mesh;
-    let rotation = thenar::Quat::identity();
-    let lattice = Lattice::new(&smooth, &LatticeOptions { tets: options.tets, rotation })?;
+    let lattice = match &grading {
+        Some(grading) => {
+            Lattice::graded(&smooth, grading, |p| grading::edge(p, &digits, length, grading))?
+        }
+        None => {
+            let rotation = thenar::Quat::identity();
+            Lattice::new(&smooth, &LatticeOptions { tets: options.tets, rotation })?
+        }
+    };
     phase("binding the flesh to the bones")?;
     let bindings = bindings(&lattice, &digits);
 
-    let collision_mesh = decimate(&smooth, options.collision_triangles)?;
+    let collision_mesh = match &grading {
+        Some(_) => {
+            // An edge may be no longer than those of the elements under its ends.
+            let edges = grading::element_edges(&lattice);
+            let under = lattice.embed(&smooth)?;
+            let limits = under.vertices.iter().map(|v| edges[v.tet as usize]).collect();
+            decimate_within(&smooth, options.collision_triangles, limits)?
+        }
+        None => decimate(&smooth, options.collision_triangles)?,
+    };
     let collision_digits =
         collision_mesh.positions.iter().map(|p| regions::nearest(p, &digits)).collect();
     phase("weighing the flesh")?;

@@ -62,6 +62,11 @@ pub(super) fn digit_distance(p: &Vec3, rig: &DigitRig) -> f64 {
     (0..3).map(|k| segment_distance(p, &rig.bone(k))).fold(f64::INFINITY, f64::min)
 }
 
+/// Distance to moving bone `k` of a digit \[m\].
+pub(super) fn bone_distance(p: &Vec3, rig: &DigitRig, k: usize) -> f64 {
+    segment_distance(p, &rig.bone(k))
+}
+
 /// Distance to the metacarpals of the four fingers and the carpus between wrist and metacarpals.
 pub(super) fn palm_distance(p: &Vec3, digits: &[DigitRig]) -> f64 {
     digits[1..]

@@ -71,6 +71,9 @@ const TETS_MIN: usize = 12;
 const TETS_MAX: usize = 200_000;
 /// Sample spacing, relative to the cube root of the volume per wanted tetrahedron.
 const SPACING: f64 = 0.28;
+/// The same relative to the finest tetrahedra of a graded lattice: 15 points in each, three in the half-empty ones
+/// of a thin edge.
+const SPACING_FINEST: f64 = 0.4;
 /// and at most.
 const SPACING_MAX: f64 = 0.5;
 /// About as many grid points as memory should be spent on.
@@ -96,7 +99,7 @@ impl Lattice {
         let volume = enclosed(mesh)?;
         let turned = turned(mesh, &options.rotation.inverse());
         let per_tet = (volume / options.tets as f64).cbrt();
-        let samples = Samples::new(&turned, spacing(&turned, per_tet)?)?;
+        let samples = Samples::new(&turned, spacing(&turned, per_tet, SPACING)?)?;
         let pieces = fit_count(&samples, options.tets, 2.5 * per_tet)?;
         Self::from_pieces(samples, pieces, options.rotation, volume)
     }
@@ -116,7 +119,7 @@ impl Lattice {
         let volume = enclosed(mesh)?;
         let mut tree = Octree::new(mesh.bounds(), grading.coarse, grading.halvings)?;
         let finest = tree.edge(grading.halvings) * bcc::TET_VOLUME.cbrt();
-        let samples = Samples::new(mesh, spacing(mesh, finest)?)?;
+        let samples = Samples::new(mesh, spacing(mesh, finest, SPACING_FINEST)?)?;
         let count = samples.cells.len();
         let stage = Stage::new("filling the mesh with tetrahedra", 3, 30.0 * count as f64, "")?;
         for i in 0..count {
@@ -211,7 +214,7 @@ fn enclosed(mesh: &TriMesh) -> Result<f64, RigError> {
 }
 
 /// Distance between inside points: fine enough to resolve elements, coarse enough for memory.
-fn spacing(mesh: &TriMesh, per_tet: f64) -> Result<f64, RigError> {
+fn spacing(mesh: &TriMesh, per_tet: f64, wanted: f64) -> Result<f64, RigError> {
     let [low, high] = mesh.bounds();
     let extent = high - low;
     // Lattice points are counted from the origin in 32 bits, with room for smaller elements.
@@ -222,7 +225,7 @@ fn spacing(mesh: &TriMesh, per_tet: f64) -> Result<f64, RigError> {
         )));
     }
     let affordable = (extent.x * extent.y * extent.z / POINTS_WANTED).cbrt();
-    let spacing = affordable.max(SPACING * per_tet);
+    let spacing = affordable.max(wanted * per_tet);
     if spacing > SPACING_MAX * per_tet {
         return Err(RigError::invalid(
             "the mesh is too thin, or the elements too many, for its volume to be resolved",

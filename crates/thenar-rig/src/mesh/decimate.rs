@@ -35,10 +35,27 @@ const VALENCE_MAX: usize = 1000;
 /// Collapses edges until at most `triangles_target` remain, or nothing more can be collapsed
 /// without harm. A closed manifold stays one and keeps its volume.
 pub fn decimate(mesh: &TriMesh, triangles_target: usize) -> Result<TriMesh, RigError> {
+    decimate_within(mesh, triangles_target, vec![f64::INFINITY; mesh.positions.len()])
+}
+
+/// [`decimate`] that lengthens no edge beyond the limits of its ends \[m\], one limit per vertex; more triangles
+/// than wanted may remain. A vertex that takes another's place takes the smaller limit of both.
+pub fn decimate_within(
+    mesh: &TriMesh,
+    triangles_target: usize,
+    limits: Vec<f64>,
+) -> Result<TriMesh, RigError> {
     mesh.check()?;
+    if limits.len() != mesh.positions.len() {
+        return Err(RigError::invalid(format!(
+            "{} limits of edges for {} vertices",
+            limits.len(),
+            mesh.positions.len()
+        )));
+    }
     let wanted = mesh.triangles.len().saturating_sub(triangles_target);
     let stage = Stage::new("simplifying the mesh", wanted, 4.0 * LOOKS * wanted as f64, "")?;
-    let mut work = Work::new(mesh, stage)?;
+    let mut work = Work::new(mesh, limits, stage)?;
     loop {
         let before = work.alive;
         work.collapse_until(triangles_target)?;
@@ -83,6 +100,8 @@ struct Work {
     /// Triangles around each vertex that may move.
     around: Vec<Vec<u32>>,
     quadrics: Vec<Quadric>,
+    /// Longest edge that a collapse may make at each vertex.
+    limits: Vec<f64>,
     stamps: Vec<u32>,
     /// On an edge that has one triangle.
     boundary: Vec<bool>,
@@ -111,7 +130,7 @@ fn quality([a, b, c]: &[Vec3; 3]) -> f64 {
 }
 
 impl Work {
-    fn new(mesh: &TriMesh, stage: Stage) -> Result<Self, RigError> {
+    fn new(mesh: &TriMesh, limits: Vec<f64>, stage: Stage) -> Result<Self, RigError> {
         // Quadrics hold squared coordinates: stay near the origin.
         let [min, max] = mesh.bounds();
         let origin = (min + max) * 0.5;
@@ -125,6 +144,7 @@ impl Work {
             triangles,
             around: vec![Vec::new(); n],
             quadrics: vec![Quadric::zero(); n],
+            limits,
             stamps: vec![0; n],
             boundary: vec![false; n],
             locked: vec![false; n],
@@ -288,6 +308,7 @@ impl Work {
             } else if self.valence([u, v]) <= VALENCE_MAX
                 && self.link_condition(u, v)
                 && self.keeps_shape(u, v, &fresh.point)
+                && self.keeps_short(u, v, &fresh.point)
             {
                 self.collapse(u, v, fresh.point)?;
             }
@@ -346,10 +367,26 @@ impl Work {
         stays((u, v)) && stays((v, u))
     }
 
+    /// No edge at the new vertex becomes longer than it may be.
+    fn keeps_short(&self, u: u32, v: u32, point: &Vec3) -> bool {
+        let own = self.limits[u as usize].min(self.limits[v as usize]);
+        let short = |x: &u32| {
+            let limit = own.min(self.limits[*x as usize]);
+            (self.positions[*x as usize] - point).norm_squared() <= limit * limit
+        };
+        own == f64::INFINITY
+            || self
+                .neighbours(u)
+                .iter()
+                .chain(&self.neighbours(v))
+                .all(|x| short(x) || *x == u || *x == v)
+    }
+
     fn collapse(&mut self, u: u32, v: u32, point: Vec3) -> Result<(), RigError> {
         self.positions[u as usize] = point;
         self.quadrics[u as usize] = self.quadrics[u as usize].sum(&self.quadrics[v as usize]);
         self.boundary[u as usize] |= self.boundary[v as usize];
+        self.limits[u as usize] = self.limits[u as usize].min(self.limits[v as usize]);
 
         let moved = std::mem::take(&mut self.around[v as usize]);
         for t in moved {

@@ -21,7 +21,7 @@ mod winding;
 
 pub use bvh::Bvh;
 pub use closest::{Closest, Feature, closest_on_triangle};
-pub use decimate::decimate;
+pub use decimate::{decimate, decimate_within};
 pub use grid::{GridOptions, Inside, distance_grid, mass_of_grid};
 pub use load::load_mesh;
 pub(crate) use load::read_file;

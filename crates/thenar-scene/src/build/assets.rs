@@ -4,13 +4,14 @@ use super::Files;
 use super::shape::Solid;
 use crate::format::{
     BallShape, BreadShape, CarShape, ExplicitShape, FileShape, Hand, MeshShape, MeshSoftShape,
+    PresetWord,
 };
 use crate::text::{At, Cx, Fault, Node, Read};
 use std::path::PathBuf;
 use thenar::math::Vec3;
-use thenar::model::{HandModel, Law, Material, Side};
+use thenar::model::{CouplingKind, HandModel, Law, Material, Side};
 use thenar_rig::embed::{EmbedOptions, closed_surface, embed};
-use thenar_rig::hand::{HandOptions, Size, asset, build_hand, build_hand_file};
+use thenar_rig::hand::{HandOptions, Size, asset, build_hand, build_hand_file, graded_tets};
 use thenar_rig::mesh::{GridOptions, load_mesh};
 use thenar_rig::object::{
     Ball, Bread, Car, ImportOptions, RigidModel, SoftModel, SoftOptions, Weight, ball as ball_of,
@@ -192,7 +193,27 @@ fn options(hand: &Hand) -> HandOptions {
     HandOptions {
         name: hand.name.value.clone(),
         size: hand.length.map_or(Size::Scale(1.0), Size::Length),
-        tets: hand.tets as usize,
-        ..HandOptions::default()
+        ..mesh(hand)
     }
+}
+
+/// Tetrahedra of one size where a scene does not say.
+const TETS: u32 = 600;
+
+/// How finely a hand is built: what the scene says, else its preset.
+fn mesh(hand: &Hand) -> HandOptions {
+    let usual = HandOptions::default();
+    let (detail, coupling) = match hand.preset {
+        PresetWord::Paper => (None, CouplingKind::Uniform),
+        PresetWord::Touch => (Some(1.0), CouplingKind::Bone),
+    };
+    let given = hand.detail.as_ref().map(|detail| detail.value);
+    let detail = if hand.tets.is_some() { None } else { given.or(detail) };
+    HandOptions { tets: hand.tets.unwrap_or(TETS) as usize, detail, coupling, ..usual }
+}
+
+/// Tetrahedra that a hand will have, about.
+pub fn tets_wanted(hand: &Hand) -> u64 {
+    let options = mesh(hand);
+    options.detail.map_or(options.tets as u64, graded_tets)
 }

@@ -91,7 +91,12 @@ fn add(built: &mut Built, hand: &Hand, files: &Files) -> Result<(), Fault> {
     // That of a model file is known when it is read.
     let built_here = hand.model.as_ref().is_none_or(|file| !file.value.ends_with(".thenar"));
     if built_here {
-        built.memory.take_tets(u64::from(hand.tets), at)?;
+        if let (Some(_), Some(detail)) = (hand.tets, &hand.detail) {
+            return Err(
+                detail.fault("`tets` and `detail` are both given: one of them says how fine")
+            );
+        }
+        built.memory.take_tets(assets::tets_wanted(hand), at)?;
     }
     let mut model = assets::hand(hand, files)?;
     if !built_here {

@@ -65,7 +65,7 @@ pub struct Built {
 /// counted.
 pub fn wanted_bytes(scene: &Scene) -> u64 {
     let softs = scene.soft.iter().filter_map(|soft| soft::tets_wanted(&soft.shape.value));
-    let hands = scene.hand.iter().map(|hand| u64::from(hand.tets));
+    let hands = scene.hand.iter().map(assets::tets_wanted);
     let tets = softs.chain(hands).fold(0, u64::saturating_add);
     tets.saturating_mul(TET_BYTES).saturating_add(memory::RIGID_BYTES * scene.rigid.len() as u64)
 }

@@ -33,6 +33,16 @@ words! {
 }
 
 words! {
+    /// Meshes and couplings that go together.
+    pub enum PresetWord {
+        /// The paper's: 600 tetrahedra of one size, 1441 triangles that touch, springs on all flesh.
+        "paper" => Paper,
+        /// For touch: `detail` 1, flesh that hangs on bone.
+        "touch" => Touch,
+    }
+}
+
+words! {
     /// What the springs between flesh and bones hold.
     pub enum CouplingWord {
         /// All flesh, skin and pads included.
@@ -51,8 +61,15 @@ table! {
         /// "right" or "left" for the built-in hands, or the path of a `.thenar` or `.glb` file,
         /// relative to the scene file. Default "right".
         model: Option<At<String>>;
-        /// Tetrahedra wanted, when the model is built from a mesh. Default 600.
-        tets: u32 where TETS = 600;
+        /// Where the values of `tets`, `detail` and `coupling` come from that are not given, when the model is built
+        /// from a mesh. Default "paper".
+        preset: PresetWord = PresetWord::Paper;
+        /// Tetrahedra wanted, all of one size, when the model is built from a mesh.
+        tets: Option<u32> where TETS;
+        /// In the place of `tets`, how fine a graded mesh is. At 1, on a hand of 190 mm, its cubes measure 4 mm
+        /// at the pads of the fingers, 8 mm along fingers and knuckles, 16 mm in palm and back; all are
+        /// proportional to the hand's length and to 1/detail. The skin that touches is at least as fine.
+        detail: Option<At<f64>> where DETAIL;
         /// Wrist to middle fingertip [m]; left out, as the mesh has it.
         length: Option<f64> where HAND_LENGTH;
         /// Start position of the model frame, world [m]. Default [0, 0, 0].
@@ -61,7 +78,7 @@ table! {
         rotation: Option<At<Rotation>>;
         /// "uniform": springs hold all flesh to the bones, skin and pads included, as in the paper; "bone":
         /// they hold the flesh in the place of bone, and what lies between bone and skin is free. Default:
-        /// the model's own, "uniform" for hands built here.
+        /// the model's own; the preset's for hands built here.
         coupling: Option<At<CouplingWord>>;
         /// Spring between flesh and bones [N/m⁴]: per volume of flesh if `coupling` is "uniform", per
         /// volume of bone if it is "bone". Default 2e9 and 2.2e5 E/L², E the largest Young's modulus of

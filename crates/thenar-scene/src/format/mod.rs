@@ -18,7 +18,7 @@ mod soft;
 mod solver;
 
 pub use camera::Camera;
-pub use hand::{BonesWord, CouplingWord, Hand, HandMaterial};
+pub use hand::{BonesWord, CouplingWord, Hand, HandMaterial, PresetWord};
 pub use joint::{Joint, JointWord};
 pub use load::{
     ForceLoad, JointTorqueLoad, Load, NodeForceLoad, PressureLoad, TorqueLoad, TractionLoad,

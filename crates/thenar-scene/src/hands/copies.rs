@@ -2,8 +2,8 @@
 
 use super::mirror;
 use crate::format::{
-    BonesWord, ElementsWord, Hand, HandKey, KeyframesTable, LimitsWord, MotionTable, Pair, Scene,
-    WristTable,
+    BonesWord, ElementsWord, Hand, HandKey, KeyframesTable, LimitsWord, MotionTable, Pair,
+    PresetWord, Scene, WristTable,
 };
 use crate::math::Vec3;
 use crate::text::At;
@@ -44,7 +44,9 @@ pub fn default_hand(scene: &Scene, side: Side) -> Hand {
     Hand {
         name: free_name(scene, side),
         model: Some(mirror::model(side)),
-        tets: 600,
+        preset: PresetWord::Paper,
+        tets: None,
+        detail: None,
         length: None,
         position: Vec3::zeros(),
         rotation: None,

@@ -1,7 +1,7 @@
 //! Bounds of numbers, with words for messages.
 
 use thenar::world::GRAVITY_MAX;
-use thenar_rig::hand::LENGTHS;
+use thenar_rig::hand::{DETAILS, LENGTHS};
 
 /// An interval of admissible numbers. Numbers must be finite in any case.
 #[derive(Debug)]
@@ -70,6 +70,8 @@ impl Range {
     pub const CELLS: &'static Range = &closed(1.0, 400.0);
     /// A number of tetrahedra asked for.
     pub const TETS: &'static Range = &closed(20.0, 200_000.0);
+    /// How fine a graded mesh is.
+    pub const DETAIL: &'static Range = &closed(DETAILS[0], DETAILS[1]);
     /// The version of the format.
     pub const VERSION: &'static Range = &closed(1.0, 1.0);
     /// A field of view \[degrees\].
