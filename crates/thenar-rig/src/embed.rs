@@ -116,6 +116,7 @@ pub fn embed(
             materials: lattice.materials(material),
             nodes: lattice.nodes,
             tets: lattice.tets,
+            relaxation: Vec::new(),
             mass_damping: options.mass_damping,
             stiffness_damping: options.stiffness_damping,
             fixed: Vec::new(),

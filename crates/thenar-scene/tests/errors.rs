@@ -238,3 +238,54 @@ fn files_that_are_not_there() {
     let error = Session::load(Path::new("nowhere/s.toml"), &[]).unwrap_err().to_string();
     assert_eq!(error, "nowhere/s.toml: No such file or directory (os error 2)");
 }
+
+/// Materials outside their sense.
+#[test]
+fn materials_that_no_tissue_has() {
+    let body = |material: &str| {
+        format!(
+            "[[soft]]\nname = \"a\"\nshape = {{ kind = \"ball\", radius = 0.1 }}\n\
+             stiffness_damping = 0.01\nmaterial = {{ {material} }}"
+        )
+    };
+    let check = |terms: &str, expected: &str| {
+        check(&body(&format!("relaxation = {terms}")), expected);
+    };
+    check(
+        "[[0.5, 1], [0.5, 2]]",
+        "6:27: `soft[0].material.relaxation`: the weights must sum to less than 1, so that some stress stays, got 1",
+    );
+    check(
+        "[[0.1, 1], [0.1, 1], [0.1, 1], [0.1, 1], [0.1, 1]]",
+        "6:27: `soft[0].material.relaxation`: expected at most 4 terms, got 5",
+    );
+    check(
+        "[[0.5, -1]]",
+        "6:34: `soft[0].material.relaxation[0][1]`: expected a finite number > 0, got -1",
+    );
+    check(
+        "[[0.5]]",
+        "6:28: `soft[0].material.relaxation[0]`: expected an array of 2, got an array of 1",
+    );
+    check(
+        "[[0.5, 1]]",
+        "6:27: `soft[0].material.relaxation`: expected `relaxation` or `stiffness_damping`, not both: tissue with memory is damped by it, and nothing is damped twice",
+    );
+    let check = |material: &str, expected: &str| {
+        check(&body(material), &format!("6:{expected}"));
+    };
+    check(
+        "law = \"ogden\"",
+        "20: `soft[0].material.law`: Ogden's law needs its exponent, `alpha`, from 4 to 20",
+    );
+    check("alpha = 8", "22: `soft[0].material.alpha`: only `law = \"ogden\"` has an exponent");
+    check(
+        "law = \"ogden\", alpha = 2",
+        "37: `soft[0].material.alpha`: expected a finite number from 4 to 20, got 2",
+    );
+    check("young = 1, mu = 1", "30: `soft[0].material.mu`: expected `young` or `mu`, not both");
+    check(
+        "poisson = 0.5",
+        "24: `soft[0].material.poisson`: expected a finite number between -1 and 0.5, both excluded, got 0.5",
+    );
+}

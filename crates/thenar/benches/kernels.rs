@@ -165,7 +165,7 @@ fn assembly(bencher: Bencher, cells: [usize; 3]) {
     let (mut A, row0) = (model.pattern.clone(), 2 * model.rigids.len());
     let mut b = vec![Vec3::zeros(); A.rows()];
     let v = &world.state().v[row0..];
-    bencher.bench_local(|| model.flesh.assemble(black_box(x), v, 1e-3, row0, &mut A, &mut b));
+    bencher.bench_local(|| model.flesh.assemble(black_box(x), v, &[], 1e-3, row0, &mut A, &mut b));
 }
 
 #[divan::bench(args = CELLS)]

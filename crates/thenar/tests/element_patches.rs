@@ -68,6 +68,7 @@ fn lattice_bar(size: Vec3, cubes: [usize; 3], material: Material) -> Flesh {
         collision: boundary(&tets),
         nodes,
         tets,
+        relaxation: Vec::new(),
         mass_damping: 0.0,
         stiffness_damping: 0.0,
         fixed: Vec::new(),
@@ -79,7 +80,7 @@ fn desc(flesh: Flesh, patched: bool, h: f64) -> WorldDesc {
     let mut desc = WorldDesc { time_step: h, gravity: Vec3::zeros(), ..WorldDesc::default() };
     desc.solver.velocity_tolerance = 1e-14;
     if patched {
-        let of_tet = patches(&flesh.nodes, &flesh.tets, &flesh.materials);
+        let of_tet = patches(&flesh.nodes, &flesh.tets, &flesh.materials, &flesh.relaxation);
         desc.patches.push(ElementPatches { soft: 0, of_tet });
     }
     desc.add_soft(SoftDesc {
@@ -201,7 +202,7 @@ fn a_body_centred_lattice_falls_into_octahedra_and_pyramids() {
         lattice_bar(Vec3::new(0.03, 0.04, 0.02), cubes, material(Law::Corotational, 0.3));
     let turn = Quat::from_euler_angles(0.3, 0.2, 0.9);
     flesh.nodes.iter_mut().for_each(|x| *x = turn * *x);
-    let of_tet = patches(&flesh.nodes, &flesh.tets, &flesh.materials);
+    let of_tet = patches(&flesh.nodes, &flesh.tets, &flesh.materials, &flesh.relaxation);
     let count = *of_tet.iter().max().unwrap() as usize + 1;
     let mut sizes = vec![0; count];
     of_tet.iter().for_each(|&p| sizes[p as usize] += 1);
@@ -274,7 +275,7 @@ fn patches_that_make_no_sense_are_refused() {
         desc.patches.push(ElementPatches { soft, of_tet });
         World::new(desc).err().map(|e| e.to_string()).unwrap_or_default()
     };
-    let fine = patches(&flesh.nodes, &flesh.tets, &flesh.materials);
+    let fine = patches(&flesh.nodes, &flesh.tets, &flesh.materials, &flesh.relaxation);
     assert_eq!(error(0, fine.clone(), &[]), "");
     assert_eq!(
         error(1, fine.clone(), &[]),

@@ -135,7 +135,7 @@ fn counts(wanted: &Wanted, steps: u32) -> Result<Vec<Count>, String> {
     for _ in 0..steps {
         A.clear();
         let begun = Instant::now();
-        model.flesh.assemble(x, v, h, row0, &mut A, &mut b);
+        model.flesh.assemble(x, v, &world.state().faded, h, row0, &mut A, &mut b);
         assembly = assembly.min(begun.elapsed().as_secs_f64());
     }
 

@@ -83,7 +83,7 @@ fn flesh(hand: &HandModel) -> Value {
             masses[node as usize] += material.density * volume / 4.0;
         }
     }
-    json!({
+    let mut flesh_json = json!({
         "nodes": flesh.nodes.iter().map(xyz).collect::<Vec<_>>(),
         "node_masses": masses,
         "node_volumes": hand.node_volumes,
@@ -97,7 +97,11 @@ fn flesh(hand: &HandModel) -> Value {
         "friction": flesh.friction,
         "binding_bones": hand.bindings.iter().map(|b| b.bones).collect::<Vec<_>>(),
         "binding_weights": hand.bindings.iter().map(|b| b.weights).collect::<Vec<_>>(),
-    })
+    });
+    if !flesh.relaxation.is_empty() {
+        flesh_json["relaxation"] = json!(flesh.relaxation);
+    }
+    flesh_json
 }
 
 fn surface(surface: &EmbeddedSurface) -> Value {

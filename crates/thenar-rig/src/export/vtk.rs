@@ -62,7 +62,7 @@ pub fn flesh_cell_fields(flesh: &Flesh) -> Vec<Field> {
         real("young [Pa]", |m| m.young),
         real("poisson", |m| m.poisson),
         real("density [kg/m3]", |m| m.density),
-        Field::whole("law", flesh.materials.iter().map(|m| m.law as i32).collect()),
+        Field::whole("law", flesh.materials.iter().map(|m| m.law.number()).collect()),
     ]
 }
 

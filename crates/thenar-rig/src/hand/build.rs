@@ -84,6 +84,7 @@ pub fn build_hand_with_report(
         materials: materials(&lattice, &bones, &digits, options),
         nodes: lattice.nodes.clone(),
         tets: lattice.tets.clone(),
+        relaxation: Vec::new(),
         mass_damping: options.mass_damping,
         stiffness_damping: options.stiffness_damping,
         fixed: Vec::new(),

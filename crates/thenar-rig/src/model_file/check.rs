@@ -67,6 +67,10 @@ pub(super) fn flesh(flesh: &Flesh) -> Check {
         numbers("Poisson's ratio", [material.poisson], |x| x > -1.0 && x < 0.5)?;
         numbers("density", [material.density], |x| x > 0.0)?;
     }
+    let relaxations = flesh.relaxation.len();
+    ensure(relaxations == 0 || relaxations == flesh.tets.len(), || {
+        format!("{relaxations} relaxations for {} tetrahedra", flesh.tets.len())
+    })?;
     let rest = [flesh.mass_damping, flesh.stiffness_damping, flesh.friction];
     numbers("damping or friction", rest, |x| x >= 0.0)?;
     let fixed = flesh.fixed.iter().all(|f| (f.node as usize) < flesh.nodes.len());

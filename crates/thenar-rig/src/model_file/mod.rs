@@ -12,11 +12,12 @@
 //! All numbers are little-endian. A file is refused as a whole unless magic, version, length and
 //! checksum agree and the decoded model makes sense (indices in range, numbers finite, weights of
 //! sum 1), so that what has been read can be simulated. Hands of version 1 have no solids of bones and
-//! are read as such: their bones touch nothing. Those of versions 1 and 2 do not know which nodes stand for
-//! bone, so that their flesh can be held uniformly alone. All else is the same in all versions.
+//! are read as such: their bones touch nothing. Flesh of versions 1 and 2 has no memory, and their hands do not
+//! know which nodes stand for bone, so that their flesh can be held uniformly alone. All else is as in version 3.
 
 mod check;
 mod container;
+mod old;
 
 pub(crate) use check::hand as check_hand;
 
@@ -72,14 +73,12 @@ impl Model {
         let (version, kind, body) = container::open(bytes)?;
         match kind {
             Kind::Hand => {
-                // Version 2 has solids besides, version 3 a kind of coupling and a list of nodes in bone. No
-                // solids, the uniform coupling and no nodes are a zero each.
-                let missing: &[u8] = match version {
-                    1 => &[0; 3],
-                    2 => &[0; 2],
-                    _ => &[],
+                let hand: HandModel = match version {
+                    // The list of solids came last and anew: none.
+                    1 => container::decode::<old::OldHand>(&[body, &[0]].concat())?.into(),
+                    2 => container::decode::<old::OldHand>(body)?.into(),
+                    _ => container::decode(body)?,
                 };
-                let hand: HandModel = container::decode(&[body, missing].concat())?;
                 check::hand(&hand)?;
                 Ok(Self::Hand(hand))
             }
@@ -89,7 +88,10 @@ impl Model {
                 Ok(Self::Rigid(rigid))
             }
             Kind::Soft => {
-                let soft: SoftModel = container::decode(body)?;
+                let soft: SoftModel = match version {
+                    1 | 2 => container::decode::<old::OldSoft>(body)?.into(),
+                    _ => container::decode(body)?,
+                };
                 check::soft(&soft)?;
                 Ok(Self::Soft(soft))
             }

@@ -107,6 +107,7 @@ pub fn soft_from_tets(
         nodes,
         tets,
         materials,
+        relaxation: Vec::new(),
         mass_damping: options.mass_damping,
         stiffness_damping: options.stiffness_damping,
         fixed: Vec::new(),

@@ -1,6 +1,6 @@
 //! Hands.
 
-use super::soft::{group_elements, law};
+use super::soft::{damped_once, group_elements, law, relaxation};
 use super::solver::set;
 use super::{Built, Files, Mesh, RigidLook, assets, drivers, motion, place};
 use crate::format::{BonesWord, CouplingWord, Hand, HandMaterial, Scene};
@@ -8,7 +8,7 @@ use crate::math::{Pose, Vec3};
 use crate::motion::{ANGLES, AngleRange, Articulation, HandMotion, hand_angles};
 use crate::text::Fault;
 use thenar::World;
-use thenar::model::{CouplingKind, Drive, Flesh, HandHandle, HandModel, HandPlacement};
+use thenar::model::{CouplingKind, Drive, Flesh, HandHandle, HandModel, HandPlacement, Law};
 
 /// Palm drive when the scene gives none: the root follows the tracker closely.
 const PALM_DRIVE: Drive =
@@ -102,7 +102,8 @@ fn add(built: &mut Built, hand: &Hand, files: &Files) -> Result<(), Fault> {
     if !built_here {
         built.memory.take_tets(model.flesh.tets.len() as u64, at)?;
     }
-    soften(&mut model.flesh, hand.material.as_ref());
+    soften(&mut model.flesh, hand.material.as_ref())?;
+    built.memory.take_relaxation(&model.flesh.relaxation, at)?;
     set(&mut model.flesh.friction, hand.friction);
     let own = Pose::new(hand.position, place::rotation(hand.rotation.as_ref())?);
     let coupling = coupling(hand, &model)?;
@@ -180,19 +181,30 @@ fn coupling(hand: &Hand, model: &HandModel) -> Result<CouplingKind, Fault> {
 
 /// Changes the flesh as the scene says. A model's elements differ in modulus and density by how
 /// much of the body they hold: a change of the largest scales them all.
-fn soften(flesh: &mut Flesh, table: Option<&HandMaterial>) {
-    let Some(t) = table else { return };
+fn soften(flesh: &mut Flesh, table: Option<&HandMaterial>) -> Result<(), Fault> {
+    let Some(t) = table else { return Ok(()) };
     let largest = |f: fn(&thenar::model::Material) -> f64| {
         flesh.materials.iter().map(f).fold(f64::MIN_POSITIVE, f64::max)
     };
     let young = t.young.map(|e| e / largest(|m| m.young));
     let density = t.density.map(|d| d / largest(|m| m.density));
+    let own = flesh.materials.first().map_or(Law::Corotational, |m| m.law);
+    let law = law(t.law.as_ref(), t.alpha.as_ref(), own)?;
     for material in &mut flesh.materials {
         material.young *= young.unwrap_or(1.0);
         material.density *= density.unwrap_or(1.0);
-        set(&mut material.law, t.law.map(law));
+        material.law = law;
         set(&mut material.poisson, t.poisson);
     }
     set(&mut flesh.mass_damping, t.mass_damping);
     set(&mut flesh.stiffness_damping, t.stiffness_damping);
+    if let Some(terms) = &t.relaxation {
+        let own = relaxation(terms)?;
+        flesh.relaxation.clear();
+        if !own.is_none() {
+            damped_once(terms, t.stiffness_damping)?;
+            flesh.relaxation.resize(flesh.tets.len(), own);
+        }
+    }
+    Ok(())
 }

@@ -1,6 +1,7 @@
 //! Memory that a scene's bodies take, told and bounded before they are built.
 
 use crate::text::Fault;
+use thenar::model::Relaxation;
 use thenar::shape::Shape;
 
 /// Memory of a tetrahedron while it is simulated, with its share of nodes, matrices and surface \[bytes\]: balls of
@@ -26,6 +27,21 @@ impl Memory {
     /// The sum exceeds the memory there is, in which case `at` makes the fault.
     pub fn take_tets(&mut self, tets: u64, at: impl Fn(String) -> Fault) -> Result<(), Fault> {
         self.take(tets.saturating_mul(TET_BYTES), &format!("{tets} tetrahedra"), at)
+    }
+
+    /// Takes what tetrahedra need besides to remember: their relaxation in the description, in that which settings
+    /// start from and in the model, and what has faded by each term in the state, in a copy of it and in a keyframe.
+    ///
+    /// # Errors
+    /// As [`Memory::take_tets`].
+    pub fn take_relaxation(
+        &mut self,
+        of: &[Relaxation],
+        at: impl Fn(String) -> Fault,
+    ) -> Result<(), Fault> {
+        let terms: usize = of.iter().map(|r| r.terms().len()).sum();
+        let bytes = 3 * size_of_val(of) + 3 * terms * size_of::<[f64; 6]>();
+        self.take(bytes as u64, "memory of tissue", at)
     }
 
     /// Takes what a rigid body of this shape needs.

@@ -3,14 +3,14 @@
 use super::solver::set;
 use super::{Built, Files, Mesh, assets, lattice, place};
 use crate::format::{
-    Bind, ElementsWord, FixedSet, LawWord, MaterialTable, Scene, Soft, SoftShape, SplitWord,
+    Bind, ElementsWord, FixedSet, LawWord, MaterialTable, Scene, Soft, SoftShape, SplitWord, Terms,
 };
 use crate::math::{Mat3, Pose, Vec3};
 use crate::text::{At, Fault};
 use std::collections::BTreeMap;
 use thenar::model::{
-    Binding, Coupling, ElementPatches, EmbeddedSurface, FixedNode, Flesh, Law, Material, SoftDesc,
-    WorldDesc, patches,
+    Binding, Coupling, ElementPatches, EmbeddedSurface, FixedNode, Flesh, Law, Material,
+    Relaxation, SoftDesc, WorldDesc, patches,
 };
 use thenar_rig::object::SoftModel;
 
@@ -51,6 +51,8 @@ fn add(built: &mut Built, soft: &Soft, files: &Files) -> Result<(), Fault> {
     }
     let usual = usual(&soft.shape.value, &flesh);
     colour_in(&mut flesh.materials, soft, &usual.material, is_built(&soft.shape.value), &mesh)?;
+    remember(&mut flesh, soft, &mesh)?;
+    built.memory.take_relaxation(&flesh.relaxation, at)?;
     flesh.mass_damping = soft.mass_damping.unwrap_or(usual.mass_damping);
     flesh.stiffness_damping = soft.stiffness_damping.unwrap_or(usual.stiffness_damping);
     flesh.friction = soft.friction;
@@ -78,7 +80,7 @@ fn add(built: &mut Built, soft: &Soft, files: &Files) -> Result<(), Fault> {
 pub(super) fn group_elements(world: &mut WorldDesc, soft: u32, elements: ElementsWord) {
     if elements == ElementsWord::Patches {
         let flesh = &world.softs[soft as usize].flesh;
-        let of_tet = patches(&flesh.nodes, &flesh.tets, &flesh.materials);
+        let of_tet = patches(&flesh.nodes, &flesh.tets, &flesh.materials, &flesh.relaxation);
         world.patches.push(ElementPatches { soft, of_tet });
     }
 }
@@ -168,7 +170,7 @@ fn colour_in(
     built: bool,
     mesh: &Mesh,
 ) -> Result<(), Fault> {
-    let base = material(soft.material.as_ref(), *usual);
+    let base = material(soft.material.as_ref(), *usual)?;
     let mut scales = materials.to_vec();
     if built {
         scales.iter_mut().for_each(|m| {
@@ -185,7 +187,7 @@ fn colour_in(
         *m = scaled(&base, scale);
     }
     for region in &soft.region {
-        let own = material(Some(&region.material), base);
+        let own = material(Some(&region.material), base)?;
         for t in mesh.select_tets(Some(&region.elements))? {
             materials[t as usize] = scaled(&own, &scales[t as usize]);
         }
@@ -194,23 +196,84 @@ fn colour_in(
 }
 
 /// The material of a table, on top of `base`.
-pub fn material(table: Option<&MaterialTable>, base: Material) -> Material {
+pub fn material(table: Option<&MaterialTable>, base: Material) -> Result<Material, Fault> {
     let mut m = base;
-    if let Some(t) = table {
-        set(&mut m.law, t.law.map(law));
-        set(&mut m.young, t.young);
-        set(&mut m.poisson, t.poisson);
-        set(&mut m.density, t.density);
+    let Some(t) = table else { return Ok(m) };
+    m.law = law(t.law.as_ref(), t.alpha.as_ref(), m.law)?;
+    set(&mut m.young, t.young);
+    set(&mut m.poisson, t.poisson);
+    set(&mut m.density, t.density);
+    if let Some(mu) = &t.mu {
+        if t.young.is_some() {
+            return Err(mu.fault("expected `young` or `mu`, not both"));
+        }
+        m.young = 2.0 * (1.0 + m.poisson) * mu.value;
     }
-    m
+    Ok(m)
 }
 
-/// The law that a word names.
-pub fn law(word: LawWord) -> Law {
-    match word {
-        LawWord::Corotational => Law::Corotational,
-        LawWord::NeoHookean => Law::NeoHookean,
-        LawWord::StableNeoHookean => Law::StableNeoHookean,
+/// The law that a table asks for, in the place of `own`.
+pub fn law(word: Option<&At<LawWord>>, alpha: Option<&At<f64>>, own: Law) -> Result<Law, Fault> {
+    let asked = match word.map(|word| word.value) {
+        None => own,
+        Some(LawWord::Corotational) => Law::Corotational,
+        Some(LawWord::NeoHookean) => Law::NeoHookean,
+        Some(LawWord::StableNeoHookean) => Law::StableNeoHookean,
+        Some(LawWord::Ogden) => match (own, alpha) {
+            (_, Some(alpha)) => Law::Ogden { alpha: alpha.value },
+            (Law::Ogden { .. }, None) => own,
+            (_, None) => {
+                let needs = "Ogden's law needs its exponent, `alpha`, from 4 to 20";
+                return word.map_or(Ok(own), |word| Err(word.fault(needs)));
+            }
+        },
+    };
+    match (asked, alpha) {
+        (Law::Ogden { .. }, Some(alpha)) => Ok(Law::Ogden { alpha: alpha.value }),
+        (_, Some(alpha)) => Err(alpha.fault("only `law = \"ogden\"` has an exponent")),
+        (_, None) => Ok(asked),
+    }
+}
+
+/// Gives every element its relaxation; a body that is built already may have some.
+fn remember(flesh: &mut Flesh, soft: &Soft, mesh: &Mesh) -> Result<(), Fault> {
+    let mut all = std::mem::take(&mut flesh.relaxation);
+    all.resize(flesh.tets.len(), Relaxation::NONE);
+    let own = soft.material.as_ref().and_then(|m| m.relaxation.as_ref());
+    if let Some(terms) = own {
+        all.fill(relaxation(terms)?);
+    }
+    for region in &soft.region {
+        if let Some(terms) = &region.material.relaxation {
+            let own = relaxation(terms)?;
+            for t in mesh.select_tets(Some(&region.elements))? {
+                all[t as usize] = own;
+            }
+        }
+    }
+    if all.iter().any(|r| !r.is_none()) {
+        flesh.relaxation = all;
+        let everywhere = flesh.relaxation.iter().all(|r| !r.is_none());
+        if let Some(terms) = own.filter(|_| everywhere) {
+            damped_once(terms, soft.stiffness_damping)?;
+        }
+    }
+    Ok(())
+}
+
+/// The relaxation of a list of terms.
+pub fn relaxation(terms: &At<Terms>) -> Result<Relaxation, Fault> {
+    Relaxation::new(&terms.value.0).map_err(|error| terms.fault(error.to_string()))
+}
+
+/// Refuses Rayleigh damping that would act on nothing.
+pub fn damped_once(terms: &At<Terms>, stiffness_damping: Option<f64>) -> Result<(), Fault> {
+    match stiffness_damping {
+        Some(damping) if damping > 0.0 => Err(terms.fault(
+            "expected `relaxation` or `stiffness_damping`, not both: tissue with memory is damped by it, \
+             and nothing is damped twice",
+        )),
+        _ => Ok(()),
     }
 }
 

@@ -1,14 +1,16 @@
 //! Hands.
 
-use super::{DriveTable, ElementsWord, LawWord, MotionTable, Rotation};
+use super::{DriveTable, ElementsWord, LawWord, MotionTable, Rotation, Terms};
 use crate::math::Vec3;
 use crate::text::{At, table, words};
 
 table! {
     /// Changes to the flesh of a hand; what is left out stays as the model has it.
     pub struct HandMaterial {
-        /// "corotational", "neo-hookean" or "stable-neo-hookean".
-        law: Option<LawWord>;
+        /// "corotational", "neo-hookean", "stable-neo-hookean" or "ogden".
+        law: Option<At<LawWord>>;
+        /// Exponent of Ogden's law, which it needs; pulp and skin have 6 to 11.
+        alpha: Option<At<f64>> where OGDEN;
         /// Young's modulus [Pa].
         young: Option<f64> where YOUNG;
         /// Poisson's ratio.
@@ -17,6 +19,9 @@ table! {
         density: Option<f64> where DENSITY;
         /// Rayleigh damping: part of the mass matrix [1/s].
         mass_damping: Option<f64> where SPRING;
+        /// Memory: [part, time in s] of up to 4 exponentials by which the stress of a held strain fades; parts sum
+        /// to less than 1. Moduli are those at once. It stands in the place of `stiffness_damping`.
+        relaxation: Option<At<Terms>> where POSITIVE;
         /// Rayleigh damping: part of the stiffness matrix [s].
         stiffness_damping: Option<f64> where SPRING;
     }

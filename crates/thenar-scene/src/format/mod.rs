@@ -43,6 +43,6 @@ pub use scene::{Pair, Scene};
 pub use selector::{Selector, Shell, SideWord};
 pub use soft::{
     BallShape, Bind, BreadShape, Deform, ElementsWord, ExplicitShape, FileShape, FixedSet,
-    LatticeShape, LawWord, MaterialTable, MeshSoftShape, Region, Soft, SoftShape, SplitWord,
+    LatticeShape, LawWord, MaterialTable, MeshSoftShape, Region, Soft, SoftShape, SplitWord, Terms,
 };
 pub use solver::{ConeWord, FleshWord, JointLimitsWord, SolverTable, SolverWord};

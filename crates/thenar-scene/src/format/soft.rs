@@ -2,7 +2,8 @@
 
 use super::{Rotation, Selector};
 use crate::math::Vec3;
-use crate::text::{At, choice, table, words};
+use crate::text::{At, Cx, Defs, Fault, Node, Read, choice, table, words};
+use thenar::model::TERMS_MAX;
 
 words! {
     /// How a lattice cell is cut into tetrahedra.
@@ -125,20 +126,45 @@ words! {
         "neo-hookean" => NeoHookean,
         /// Neo-Hookean that stays finite when an element inverts.
         "stable-neo-hookean" => StableNeoHookean,
+        /// Ogden's of one term, 2μ/α² (Σσ^α − 3) where volume is kept; stays finite when an element inverts.
+        "ogden" => Ogden,
     }
 }
 
 table! {
     /// A material; what is left out keeps the value of the body's material, or the default.
     pub struct MaterialTable {
-        /// "corotational" (default), "neo-hookean" (default of bread) or "stable-neo-hookean".
-        law: Option<LawWord>;
+        /// "corotational" (default), "neo-hookean" (default of bread), "stable-neo-hookean" or "ogden".
+        law: Option<At<LawWord>>;
+        /// Exponent of Ogden's law, which it needs; pulp and skin have 6 to 11.
+        alpha: Option<At<f64>> where OGDEN;
         /// Young's modulus [Pa]. Default 50 000; of bread 12 000.
         young: Option<f64> where YOUNG;
+        /// Shear modulus [Pa] in the place of `young`, which is then 2 (1 + `poisson`) times it.
+        mu: Option<At<f64>> where YOUNG;
         /// Poisson's ratio. Default 0.4; of bread 0.25.
         poisson: Option<f64> where POISSON;
         /// Density [kg/m³]. Default 1000; of bread 250.
         density: Option<f64> where DENSITY;
+        /// Memory: [part, time in s] of up to 4 exponentials by which the stress of a held strain fades; parts sum
+        /// to less than 1. Moduli are those at once. Elements with memory have no `stiffness_damping`. Default [].
+        relaxation: Option<At<Terms>> where POSITIVE;
+    }
+}
+
+/// The terms of a relaxation: part and time \[s\].
+#[derive(Clone, Debug)]
+pub struct Terms(pub Vec<[f64; 2]>);
+
+impl Read for Terms {
+    fn read(node: &Node, cx: &Cx<'_>) -> Result<Self, Fault> {
+        Vec::read(node, cx).map(Self)
+    }
+
+    fn schema(defs: &mut Defs, cx: &Cx<'_>) -> serde_json::Value {
+        let mut schema = Vec::<[f64; 2]>::schema(defs, cx);
+        schema["maxItems"] = TERMS_MAX.into();
+        schema
     }
 }
 

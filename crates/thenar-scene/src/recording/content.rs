@@ -1,5 +1,6 @@
 //! Bodies of the session's frames.
 
+use super::state::{Bare, BareRef};
 use crate::session::{Memory, MemoryRef, Session, Source};
 use serde::{Deserialize, Serialize};
 use thenar::world::State;
@@ -100,12 +101,15 @@ pub struct Kept {
 impl Keyframe {
     /// Reads it. What comes after the last part that is known is left alone.
     pub fn read(body: &[u8]) -> Option<Self> {
-        let ((number, state), rest) = postcard::take_from_bytes(body).ok()?;
-        let kept = match rest {
-            [] => None,
-            rest => Some(postcard::take_from_bytes(rest).ok()?.0),
-        };
-        Some(Self { number, state, kept })
+        let ((number, Bare(mut state)), rest) = postcard::take_from_bytes(body).ok()?;
+        if rest.is_empty() {
+            return Some(Self { number, state, kept: None });
+        }
+        let (kept, rest) = postcard::take_from_bytes(rest).ok()?;
+        if !rest.is_empty() {
+            state.faded = postcard::take_from_bytes(rest).ok()?.0;
+        }
+        Some(Self { number, state, kept: Some(kept) })
     }
 
     /// A session that has just begun.
@@ -130,15 +134,19 @@ impl Keyframe {
 #[derive(Debug, Serialize)]
 pub(super) struct KeyframeRef<'a> {
     number: u64,
-    state: &'a State,
+    state: BareRef<'a>,
     start: u64,
     memory: MemoryRef<'a>,
+    /// What tissue remembers came last to the form.
+    faded: &'a [[f64; 6]],
 }
 
 impl<'a> KeyframeRef<'a> {
     /// That of a session `number` steps after one that began with a state of hash `start`.
     pub fn of(session: &'a Session, number: u64, start: u64) -> Self {
-        Self { number, state: session.world().state(), start, memory: session.memory() }
+        let state = session.world().state();
+        let memory = session.memory();
+        Self { number, state: state.into(), start, memory, faded: &state.faded }
     }
 }
 

@@ -1,5 +1,6 @@
 //! What enters a session, as a recording keeps it.
 
+use super::state::{Bare, BareRef};
 use crate::flat::{FlatTarget, Flattened, flat_pose, pose, target};
 use crate::live::LivePose;
 use crate::session::Entry;
@@ -30,7 +31,8 @@ pub enum What {
     SetChoice { key: String, value: String },
     Lead { hand: u32, targets: Vec<FlatTarget> },
     LetGo { hand: u32 },
-    Resume { state: Box<State> },
+    Resume { state: Box<Bare> },
+    ResumeRemembering { state: Box<Bare>, faded: Vec<[f64; 6]> },
 }
 
 /// The same, while it is written: nothing is copied to the heap.
@@ -52,7 +54,8 @@ pub enum WhatRef<'a> {
     SetChoice { key: &'a str, value: &'a str },
     Lead { hand: u32, targets: Flattened<'a, Target> },
     LetGo { hand: u32 },
-    Resume { state: &'a State },
+    Resume { state: BareRef<'a> },
+    ResumeRemembering { state: BareRef<'a>, faded: &'a [[f64; 6]] },
 }
 
 /// Hands an entry on in the form in which it is written.
@@ -73,7 +76,12 @@ pub fn with_ref(number: u64, entry: Entry<'_>, then: impl FnOnce(&InputRef<'_>))
             give(WhatRef::Lead { hand: hand as u32, targets: Flattened(targets) });
         }
         Entry::LetGo { hand } => give(WhatRef::LetGo { hand: hand as u32 }),
-        Entry::Resume { state } => give(WhatRef::Resume { state }),
+        Entry::Resume { state } if state.faded.is_empty() => {
+            give(WhatRef::Resume { state: state.into() });
+        }
+        Entry::Resume { state } => {
+            give(WhatRef::ResumeRemembering { state: state.into(), faded: &state.faded });
+        }
         Entry::Restart => give(WhatRef::Restart),
         Entry::Set { key, value: SettingValue::Number(value) } => {
             give(WhatRef::SetNumber { key, value: *value });
@@ -89,7 +97,11 @@ impl What {
     pub fn is_often(&self) -> bool {
         matches!(
             self,
-            Self::Joints { .. } | Self::Angles { .. } | Self::Lead { .. } | Self::Resume { .. }
+            Self::Joints { .. }
+                | Self::Angles { .. }
+                | Self::Lead { .. }
+                | Self::Resume { .. }
+                | Self::ResumeRemembering { .. }
         )
     }
 
@@ -114,7 +126,11 @@ impl What {
                 then(Entry::Lead { hand: *hand as usize, targets: &targets })
             }
             Self::LetGo { hand } => then(Entry::LetGo { hand: *hand as usize }),
-            Self::Resume { state } => then(Entry::Resume { state }),
+            Self::Resume { state } => then(Entry::Resume { state: &state.0 }),
+            Self::ResumeRemembering { state, faded } => {
+                let state = State { faded: faded.clone(), ..state.0.clone() };
+                then(Entry::Resume { state: &state })
+            }
             Self::Restart => then(Entry::Restart),
             Self::SetNumber { key, value } => {
                 then(Entry::Set { key, value: &SettingValue::Number(*value) })
@@ -135,7 +151,9 @@ impl fmt::Display for What {
             Self::Script { hand } => write!(f, "hand {hand} follows its script"),
             Self::Lead { hand, .. } => write!(f, "targets of hand {hand}"),
             Self::LetGo { hand } => write!(f, "hand {hand} is led no more"),
-            Self::Resume { .. } => write!(f, "the state of another simulation"),
+            Self::Resume { .. } | Self::ResumeRemembering { .. } => {
+                write!(f, "the state of another simulation")
+            }
             Self::Restart => write!(f, "restart"),
             Self::SetNumber { key, value } => write!(f, "{key} = {}", plain(*value)),
             Self::SetChoice { key, value } => write!(f, "{key} = {value}"),
@@ -186,6 +204,8 @@ mod tests {
         let mut world = thenar::World::new(thenar::model::WorldDesc::default()).unwrap();
         world.set_time(0.1);
         check(Entry::Resume { state: world.state() });
+        let faded = vec![[0.1, -0.0, 1e300, 1.0 / 3.0, -7.0, 5e-324]; 3];
+        check(Entry::Resume { state: &State { faded, ..world.state().clone() } });
         check(Entry::Set { key: "friction", value: &SettingValue::Number(0.25) });
         check(Entry::Set { key: "solver", value: &SettingValue::Choice("two-step".into()) });
     }

@@ -13,6 +13,7 @@ mod content;
 mod entry;
 mod replay;
 mod scene;
+mod state;
 mod tape;
 mod verdict;
 

@@ -1,5 +1,6 @@
 //! Bounds of numbers, with words for messages.
 
+use thenar::model::OGDEN_ALPHA;
 use thenar::world::GRAVITY_MAX;
 use thenar_rig::hand::{DETAILS, LENGTHS};
 
@@ -50,6 +51,8 @@ impl Range {
     /// Poisson's ratio.
     pub const POISSON: &'static Range =
         &Range { min: -1.0, max: 0.5, open_min: true, open_max: true };
+    /// Ogden's exponent.
+    pub const OGDEN: &'static Range = &closed(OGDEN_ALPHA[0], OGDEN_ALPHA[1]);
     /// Friction coefficient.
     pub const FRICTION: &'static Range = &closed(0.0, 100.0);
     /// A normal force \[N\], or a coefficient at it.

@@ -1,7 +1,8 @@
 //! The same bits: whatever enters, from wherever a replay begins.
 
 use crate::stage::*;
-use thenar::world::State;
+use thenar::kernels::Sides;
+use thenar::{Pose, Vec3};
 use thenar_record::{Header, Kind, Recorder};
 use thenar_scene::recording::{Index, Replay};
 use thenar_scene::session::Session;
@@ -43,7 +44,7 @@ fn busy(k: usize, session: &mut Session) {
 
 #[test]
 fn a_replay_gives_the_same_bits_whatever_entered() {
-    for (name, text) in [("glove", GLOVE), ("flesh", FLESH)] {
+    for (name, text) in [("glove", GLOVE), ("flesh", FLESH), ("tissue", TISSUE)] {
         let folder = Folder::new(name);
         let mut contacts = 0;
         let (file, recorded) = folder.record(text, STEPS, |k, session| {
@@ -71,7 +72,7 @@ fn a_replay_gives_the_same_bits_whatever_entered() {
 /// its script, that is led.
 #[test]
 fn a_replay_gives_the_same_bits_from_any_keyframe_on() {
-    for (name, text) in [("at-glove", GLOVE), ("at-flesh", FLESH)] {
+    for (name, text) in [("at-glove", GLOVE), ("at-flesh", FLESH), ("at-tissue", TISSUE)] {
         let folder = Folder::new(name);
         let (file, recorded) = folder.record(text, STEPS, busy);
         let index = Index::of(&file).unwrap();
@@ -96,6 +97,10 @@ fn a_replay_gives_the_same_bits_from_any_keyframe_on() {
     }
 }
 
+/// A state as keyframes had it before tissue remembered, field by field.
+type OldState =
+    (f64, Vec<Pose>, [Vec<Vec3>; 3], Vec<(u64, Vec3)>, Sides, Vec<[f64; 2]>, Vec<([u32; 3], f64)>);
+
 /// Programs before this one kept only the world's state in keyframes.
 #[test]
 fn keyframes_without_memory_are_replayed_as_well() {
@@ -111,7 +116,7 @@ fn keyframes_without_memory_are_replayed_as_well() {
         match frame.kind.unwrap() {
             Kind::End => continue,
             Kind::Keyframe => {
-                let (_, rest) = postcard::take_from_bytes::<(u64, State)>(body).unwrap();
+                let (_, rest) = postcard::take_from_bytes::<(u64, OldState)>(body).unwrap();
                 body = &body[..body.len() - rest.len()];
                 shortened += usize::from(!rest.is_empty());
             }

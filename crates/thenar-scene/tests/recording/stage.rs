@@ -88,6 +88,27 @@ material = { young = 20e3, poisson = 0.3, density = 500.0 }
 shape = { kind = "lattice", size = [0.05, 0.05, 0.05], cells = [2, 2, 2] }
 "#;
 
+/// The same of tissue that remembers.
+pub const TISSUE: &str = r#"
+version = 1
+time_step = 0.01
+[[rigid]]
+name = "table"
+motion = "fixed"
+shape = { kind = "plane" }
+[[hand]]
+name = "right"
+model = "hand.thenar"
+position = [0.0, 0.1, 0.0]
+material = { relaxation = [[0.7, 4e-3], [0.15, 0.07], [0.08, 1.4]] }
+[[soft]]
+name = "cube"
+position = [0.2, 0.03, 0.0]
+velocity = [0.3, -0.5, 0.0]
+material = { young = 20e3, poisson = 0.3, density = 500.0, relaxation = [[0.5, 0.1]] }
+shape = { kind = "lattice", size = [0.05, 0.05, 0.05], cells = [2, 2, 2] }
+"#;
+
 /// A folder of its own for each test, with the hand in it.
 pub struct Folder(pub PathBuf);
 

@@ -259,6 +259,7 @@ mod tests {
             nodes: vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()],
             tets: vec![[0, 1, 2, 3]],
             materials: Vec::new(),
+            relaxation: Vec::new(),
             mass_damping: 0.0,
             stiffness_damping: 0.0,
             fixed: Vec::new(),

@@ -49,6 +49,7 @@ impl Scene {
             tets: (0..points.len() as u32).map(|i| [i; 4]).collect(),
             nodes: points.clone(),
             materials: Vec::new(),
+            relaxation: Vec::new(),
             mass_damping: 0.0,
             stiffness_damping: 0.0,
             fixed: Vec::new(),

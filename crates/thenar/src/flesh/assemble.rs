@@ -1,8 +1,10 @@
 //! Eq. 5: `A_f = M_f + Δt D_f + Δt² K_f` and `b_f = M_f v_0 + Δt F_f`, over all deformable bodies.
 
 use crate::flesh::lanes::{LANES, RestLanes};
-use crate::flesh::{PAIRS, Patches, Response, RestTet, eight, respond};
+use crate::flesh::memory::{self, Faded, Fading, MemoryModel};
+use crate::flesh::{PAIRS, Patches, Response, RestTet, eight, foresight, respond};
 use crate::math::Vec3;
+use crate::model::Relaxation;
 use crate::solver::BlockMatrix;
 use fearless_simd::{Level, Simd, dispatch};
 use std::ops::Range;
@@ -26,7 +28,13 @@ pub struct FleshModel {
     pub patches: Patches,
     /// Tetrahedra of bodies that have patches.
     pub patched: Vec<Range<usize>>,
-    /// The others by eights, as [`FleshModel::arrange`] leaves them, and the first of each eight.
+    /// What elements remember of their stress; of a patch, its first tetrahedron for all.
+    pub memory: MemoryModel,
+    /// Whether elements are there whose steps are looked at (`foresight`).
+    pub(crate) asks_foresight: bool,
+    /// The others' tetrahedra, as [`FleshModel::arrange`] leaves them.
+    pub(super) single: Vec<Range<usize>>,
+    /// These by eights, and the first of each eight.
     lanes: Vec<(usize, RestLanes)>,
 }
 
@@ -40,11 +48,13 @@ pub struct Tally {
 }
 
 impl FleshModel {
-    /// Adds the flesh to `A` and `b`; `row0` is the block row of node 0, `x` and `v` are nodal.
+    /// Adds the flesh to `A` and `b`; `row0` is the block row of node 0, `x` and `v` are nodal, `faded` is what
+    /// elements with memory remember.
     pub fn assemble(
         &self,
         x: &[Vec3],
         v: &[Vec3],
+        faded: &[Faded],
         h: f64,
         row0: usize,
         A: &mut BlockMatrix,
@@ -57,40 +67,59 @@ impl FleshModel {
         let mut sums = Tally::default();
         let b = &mut b[row0..];
         dispatch!(Level::new(), simd => {
-            self.add_elements(simd, x, h, A, b, &mut sums);
-            self.patches.assemble(simd, x, h, A, b, &mut sums);
+            self.add_elements(simd, x, faded, h, A, b, &mut sums);
+            self.patches.assemble(simd, x, &self.memory, faded, h, A, b, &mut sums);
         });
         sums
     }
 
-    /// Elastic energy \[J\] and inverted elements at these positions.
-    pub fn tally(&self, x: &[Vec3]) -> Tally {
+    /// Elastic energy \[J\] (of elements with memory, what they can give back) and inverted elements at these
+    /// positions.
+    pub fn tally(&self, x: &[Vec3], faded: &[Faded]) -> Tally {
         let mut sums = Tally::default();
         dispatch!(Level::new(), simd => {
             for (first, rest) in &self.lanes {
-                if rest.corotational {
+                if rest.together {
                     eight::tally(simd, rest, x, &mut sums);
                 } else {
-                    each(*first, rest).for_each(|t| self.respond(t, x, &mut sums, |_| ()));
+                    each(*first, rest).for_each(|t| self.count(t, x, faded, &mut sums));
                 }
             }
-            self.patches.tally(simd, x, &mut sums);
+            self.patches.tally(simd, x, &self.memory, faded, &mut sums);
         });
         sums
+    }
+
+    /// Moves what elements remember over a step of length `h` \[s\] from positions `x0` to `x1`.
+    pub fn relax(&self, x0: &[Vec3], x1: &[Vec3], h: f64, faded: &mut [Faded]) {
+        if self.memory.is_empty() {
+            return;
+        }
+        let mut fading = Fading::new(&Relaxation::NONE, h);
+        self.patches.relax(&self.memory, x0, x1, &mut fading, h, faded);
+        for t in self.single.iter().cloned().flatten() {
+            let Some((relaxation, place)) = self.memory.of(t) else { continue };
+            let tet = &self.tets[t];
+            let [before, after] = [x0, x1].map(|x| memory::stress_at(&self.rest[t], tet, x).biot);
+            fading.of(relaxation, h).advance(&mut faded[place], &before, &after);
+        }
     }
 
     /// Lays the elements out for evaluation by eights; to be called when they are complete.
     pub fn arrange(&mut self) {
-        self.patches.arrange();
-        let single = singles(self.tets.len(), &self.patched);
-        let eights = single.into_iter().flat_map(|range| {
+        self.memory.arrange(self.tets.len());
+        self.asks_foresight = self.rest.iter().any(foresight::asked);
+        self.patches.arrange(&self.memory);
+        self.single = singles(self.tets.len(), &self.patched);
+        let eights = self.single.iter().cloned().flat_map(|range| {
             let end = range.end;
             range.step_by(LANES).map(move |first| first..(first + LANES).min(end))
         });
         self.lanes = eights
             .map(|t| {
                 let damping = &self.stiffness_damping[t.clone()];
-                (t.start, RestLanes::new(&self.tets[t.clone()], &self.rest[t], damping))
+                let alone = self.memory.any(t.clone());
+                (t.start, RestLanes::new(&self.tets[t.clone()], &self.rest[t], damping, alone))
             })
             .collect();
     }
@@ -100,17 +129,19 @@ impl FleshModel {
         &self,
         simd: S,
         x: &[Vec3],
+        faded: &[Faded],
         h: f64,
         A: &mut BlockMatrix,
         b: &mut [Vec3],
         sums: &mut Tally,
     ) {
+        let mut fading = Fading::new(&Relaxation::NONE, h);
         for (first, rest) in &self.lanes {
             let each = each(*first, rest);
-            if rest.corotational {
+            if rest.together {
                 eight::assemble(simd, rest, &self.entries[each], x, h, A, b, sums);
             } else {
-                each.for_each(|t| self.add_element(t, x, h, A, b, sums));
+                each.for_each(|t| self.add_element(t, x, faded, &mut fading, h, A, b, sums));
             }
         }
     }
@@ -121,33 +152,54 @@ impl FleshModel {
         &self,
         t: usize,
         x: &[Vec3],
+        faded: &[Faded],
+        fading: &mut Fading,
         h: f64,
         A: &mut BlockMatrix,
         b: &mut [Vec3],
         sums: &mut Tally,
     ) {
-        let tet = &self.tets[t];
+        let (rest, tet) = (&self.rest[t], &self.tets[t]);
+        let x = tet.map(|n| x[n as usize]);
+        let response = match self.memory.of(t) {
+            Some((relaxation, place)) => {
+                let (F, fading) = (rest.deformation_gradient(&x), fading.of(relaxation, h));
+                memory::respond(rest, &F, relaxation, fading, &faded[place])
+            }
+            None => respond(rest, &x),
+        };
+        sums.add(&response);
         let scale = h * h + h * self.stiffness_damping[t];
-        self.respond(t, x, sums, |response| {
-            for a in 0..4 {
-                b[tet[a] as usize] += response.forces[a] * h;
+        for a in 0..4 {
+            b[tet[a] as usize] += response.forces[a] * h;
+        }
+        for (block, (a, c)) in response.stiffness.iter().zip(PAIRS) {
+            let block = block * scale;
+            A.add(self.entries[t][a][c], &block);
+            if a != c {
+                A.add(self.entries[t][c][a], &block.transpose());
             }
-            for (block, (a, c)) in response.stiffness.iter().zip(PAIRS) {
-                let block = block * scale;
-                A.add(self.entries[t][a][c], &block);
-                if a != c {
-                    A.add(self.entries[t][c][a], &block.transpose());
-                }
-            }
-        });
+        }
     }
 
-    #[inline]
-    fn respond(&self, t: usize, x: &[Vec3], sums: &mut Tally, mut then: impl FnMut(&Response)) {
-        let response = respond(&self.rest[t], &self.tets[t].map(|n| x[n as usize]));
-        then(&response);
-        sums.energy += response.energy;
-        sums.inverted += u32::from(response.inverted);
+    /// Energy and volume of one element, whatever its law.
+    fn count(&self, t: usize, x: &[Vec3], faded: &[Faded], sums: &mut Tally) {
+        let rest = &self.rest[t];
+        let at = memory::stress_at(rest, &self.tets[t], x);
+        sums.energy += rest.volume
+            * match self.memory.of(t) {
+                Some((relaxation, place)) => memory::energy(rest, relaxation, &at, &faded[place]),
+                None => at.energy,
+            };
+        let F = rest.deformation_gradient(&self.tets[t].map(|n| x[n as usize]));
+        sums.inverted += u32::from(F.determinant() < 0.0);
+    }
+}
+
+impl Tally {
+    fn add(&mut self, response: &Response) {
+        self.energy += response.energy;
+        self.inverted += u32::from(response.inverted);
     }
 }
 
@@ -200,7 +252,7 @@ mod tests {
         let x: Vec<Vec3> = nodes.iter().map(|x| x + random.vec3(0.004)).collect();
         let v: Vec<Vec3> = nodes.iter().map(|_| random.vec3(0.1)).collect();
         let mut b = vec![Vec3::zeros(); 8];
-        let sums = model.assemble(&x, &v, h, 0, &mut A, &mut b);
+        let sums = model.assemble(&x, &v, &[], h, 0, &mut A, &mut b);
 
         let mut want = vec![Mat3::zeros(); 64];
         let mut forces: Vec<Vec3> = v.iter().map(|v| v * 1e-3).collect();
@@ -231,6 +283,6 @@ mod tests {
         }
         assert!(inverted > 0 && sums.inverted == inverted);
         assert!((sums.energy - energy).abs() < 1e-11 * energy);
-        assert!((model.tally(&x).energy - energy).abs() < 1e-11 * energy);
+        assert!((model.tally(&x, &[]).energy - energy).abs() < 1e-11 * energy);
     }
 }

@@ -1,7 +1,7 @@
 //! One linear tetrahedron: deformation gradient to nodal forces and stiffness blocks.
 
 use crate::flesh::polar::{rotation_of, signed_svd};
-use crate::flesh::principal::density;
+use crate::flesh::principal::{Density, density};
 use crate::math::{Mat3, Vec3};
 use crate::model::{Law, Material};
 
@@ -18,6 +18,8 @@ pub struct RestTet {
     pub mu: f64,
     /// Law.
     pub law: Law,
+    /// Density \[kg/m³\].
+    pub density: f64,
 }
 
 impl RestTet {
@@ -37,6 +39,7 @@ impl RestTet {
             lambda: e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)),
             mu: e / (2.0 * (1.0 + nu)),
             law: material.law,
+            density: material.density,
         })
     }
 
@@ -76,7 +79,7 @@ pub fn respond(rest: &RestTet, x: &[Vec3; 4]) -> Response {
     let F = rest.deformation_gradient(x);
     match rest.law {
         Law::Corotational => corotational(rest, &F),
-        Law::NeoHookean | Law::StableNeoHookean => hyperelastic(rest, &F),
+        Law::NeoHookean | Law::StableNeoHookean | Law::Ogden { .. } => hyperelastic(rest, &F),
     }
 }
 
@@ -108,54 +111,118 @@ fn corotational(rest: &RestTet, F: &Mat3) -> Response {
     }
 }
 
-/// Any isotropic law through its principal stretches. In the frames of `F = U σ Vᵀ` the
-/// derivative of P splits into the 3×3 Hessian of ψ and, for each pair of axes, a twist and a
-/// flip with known eigenvalues (Smith, de Goes and Kim 2019); each is kept non-negative.
-fn hyperelastic(rest: &RestTet, F: &Mat3) -> Response {
-    let (U, s, V) = signed_svd(F);
-    let at = density(rest.law, rest.lambda, rest.mu, s);
-    let P = U * Mat3::from_diagonal(&at.stress.into()) * V.transpose();
-    let stretch = positive_part(&at.hessian);
-    let mut twist_flip = [[[0.0; 2]; 3]; 3];
-    for (i, j) in [(0, 1), (0, 2), (1, 2)] {
-        let sum = s[i] + s[j];
-        let difference = s[i] - s[j];
-        let twist = if sum.abs() > 1e-9 { (at.stress[i] + at.stress[j]) / sum } else { 0.0 };
-        let flip = if difference.abs() > 1e-6 {
-            (at.stress[i] - at.stress[j]) / difference
-        } else {
-            at.hessian[(i, i)] - at.hessian[(i, j)]
+/// Elastic stress of an element in its own rotated frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Stress {
+    /// `Rᵀ P` \[Pa\], symmetric.
+    pub biot: Mat3,
+    /// ψ \[J/m³\].
+    pub energy: f64,
+}
+
+/// The stress at a deformation gradient.
+pub fn stress(rest: &RestTet, F: &Mat3) -> Stress {
+    let (lambda, mu) = (rest.lambda, rest.mu);
+    if rest.law == Law::Corotational {
+        let R = rotation_of(F);
+        let strain = R.tr_mul(F) - Mat3::identity();
+        let trace = strain.trace();
+        return Stress {
+            biot: strain * (2.0 * mu) + Mat3::from_diagonal_element(lambda * trace),
+            energy: mu * strain.norm_squared() + 0.5 * lambda * trace * trace,
         };
-        let (twist, flip) = (twist.max(0.0), flip.max(0.0));
-        let pair = [0.5 * (flip + twist), 0.5 * (flip - twist)];
-        twist_flip[i][j] = pair;
-        twist_flip[j][i] = pair;
+    }
+    let Principal { V, at, .. } = Principal::new(rest, F);
+    Stress { biot: V * Mat3::from_diagonal(&at.stress.into()) * V.transpose(), energy: at.energy }
+}
+
+/// An element's deformation gradient `F = U σ Vᵀ` and its law there.
+#[derive(Clone, Copy, Debug)]
+pub struct Principal {
+    /// Axes in the world.
+    pub U: Mat3,
+    /// Stretches; only the last, smallest may be negative.
+    pub s: [f64; 3],
+    /// Axes in the rest shape.
+    pub V: Mat3,
+    /// ψ and its derivatives.
+    pub at: Density,
+}
+
+impl Principal {
+    /// At a deformation gradient.
+    pub fn new(rest: &RestTet, F: &Mat3) -> Self {
+        let (U, s, V) = signed_svd(F);
+        Self { U, s, V, at: density(rest.law, rest.lambda, rest.mu, s) }
     }
 
-    let g = rest.gradients.map(|g| V.tr_mul(&g));
-    Response {
-        energy: rest.volume * at.energy,
-        forces: rest.gradients.map(|g| P * g * -rest.volume),
-        stiffness: PAIRS.map(|(a, b)| {
+    /// `(Pᵢ - Pⱼ) / (σᵢ - σⱼ)`.
+    pub fn flip(&self, i: usize, j: usize) -> f64 {
+        let difference = self.s[i] - self.s[j];
+        if difference.abs() > 1e-6 {
+            (self.at.stress[i] - self.at.stress[j]) / difference
+        } else {
+            self.at.hessian[(i, i)] - self.at.hessian[(i, j)]
+        }
+    }
+
+    /// Stiffness of a pair of axes, against `G_ij² + G_ji²` and against `2 G_ij G_ji`: a twist and a flip (Smith, de
+    /// Goes and Kim 2019), each kept non-negative.
+    pub fn twist_flip(&self, i: usize, j: usize) -> [f64; 2] {
+        let sum = self.s[i] + self.s[j];
+        let both = self.at.stress[i] + self.at.stress[j];
+        let twist = if sum.abs() > 1e-9 { both / sum } else { 0.0 };
+        let (twist, flip) = (twist.max(0.0), self.flip(i, j).max(0.0));
+        [0.5 * (flip + twist), 0.5 * (flip - twist)]
+    }
+
+    /// Stiffness blocks of [`PAIRS`] from the derivative of P in the axes, with `G = Uᵀ dF V`: `stretch` of the
+    /// diagonal of G, and of each pair of axes `[[own, cross]; 3]; 3]`, so that `own[i][j]` goes with `G_ij²` and
+    /// `cross[i][j]` with `G_ij G_ji`.
+    pub fn blocks(&self, rest: &RestTet, stretch: &Mat3, pairs: &[[[f64; 2]; 3]; 3]) -> [Mat3; 10] {
+        let U = &self.U;
+        let g = rest.gradients.map(|g| self.V.tr_mul(&g));
+        PAIRS.map(|(a, b)| {
             let local = Mat3::from_fn(|i, k| {
                 if i == k {
                     let shear: f64 = (0..3)
                         .filter(|&j| j != i)
-                        .map(|j| twist_flip[i][j][0] * g[a][j] * g[b][j])
+                        .map(|j| pairs[i][j][0] * g[a][j] * g[b][j])
                         .sum();
                     stretch[(i, i)] * g[a][i] * g[b][i] + shear
                 } else {
-                    stretch[(i, k)] * g[a][i] * g[b][k] + twist_flip[i][k][1] * g[a][k] * g[b][i]
+                    stretch[(i, k)] * g[a][i] * g[b][k] + pairs[i][k][1] * g[a][k] * g[b][i]
                 }
             });
             U * local * U.transpose() * rest.volume
-        }),
+        })
+    }
+}
+
+/// Any isotropic law through its principal stretches. In the frames of `F = U σ Vᵀ` the
+/// derivative of P splits into the 3×3 Hessian of ψ and, for each pair of axes, a twist and a
+/// flip with known eigenvalues (Smith, de Goes and Kim 2019); each is kept non-negative.
+fn hyperelastic(rest: &RestTet, F: &Mat3) -> Response {
+    let principal = Principal::new(rest, F);
+    let Principal { U, s, V, at } = &principal;
+    let P = U * Mat3::from_diagonal(&at.stress.into()) * V.transpose();
+    let stretch = positive_part(&at.hessian);
+    let mut twist_flip = [[[0.0; 2]; 3]; 3];
+    for (i, j) in [(0, 1), (0, 2), (1, 2)] {
+        let pair = principal.twist_flip(i, j);
+        twist_flip[i][j] = pair;
+        twist_flip[j][i] = pair;
+    }
+    Response {
+        energy: rest.volume * at.energy,
+        forces: rest.gradients.map(|g| P * g * -rest.volume),
+        stiffness: principal.blocks(rest, &stretch, &twist_flip),
         inverted: s[2] < 0.0,
     }
 }
 
 /// The nearest positive semi-definite matrix.
-fn positive_part(m: &Mat3) -> Mat3 {
+pub fn positive_part(m: &Mat3) -> Mat3 {
     let eigen = m.symmetric_eigen();
     let values = eigen.eigenvalues.map(|x| x.max(0.0));
     eigen.eigenvectors * Mat3::from_diagonal(&values) * eigen.eigenvectors.transpose()
@@ -200,7 +267,8 @@ mod tests {
         whole
     }
 
-    const LAWS: [Law; 3] = [Law::Corotational, Law::NeoHookean, Law::StableNeoHookean];
+    const LAWS: [Law; 4] =
+        [Law::Corotational, Law::NeoHookean, Law::StableNeoHookean, Law::Ogden { alpha: 8.0 }];
 
     #[test]
     fn forces_are_minus_the_gradient_of_the_energy() {
@@ -234,7 +302,7 @@ mod tests {
     #[test]
     fn hyperelastic_stiffness_is_exact_under_tension() {
         let mut random = Random::new(2);
-        for law in [Law::NeoHookean, Law::StableNeoHookean] {
+        for law in [Law::NeoHookean, Law::StableNeoHookean, Law::Ogden { alpha: 8.0 }] {
             let rest = rest(law);
             for _ in 0..20 {
                 let turn = random.rotation(3.0).to_rotation_matrix();

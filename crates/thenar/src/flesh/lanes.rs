@@ -21,8 +21,8 @@ pub type Vec3x8<S> = [f64x8<S>; 3];
 pub struct RestLanes {
     /// How many elements there are.
     pub count: usize,
-    /// All of them are corotational, so that they can be evaluated together.
-    pub corotational: bool,
+    /// All of them are corotational without memory, so that they can be evaluated together.
+    pub together: bool,
     /// Their nodes.
     pub tets: [[u32; 4]; LANES],
     /// Gradients of the barycentric coordinates of nodes 1 to 3 \[1/m\], node by node.
@@ -38,14 +38,14 @@ pub struct RestLanes {
 }
 
 impl RestLanes {
-    /// Arranges up to eight elements.
-    pub fn new(tets: &[[u32; 4]], rest: &[RestTet], damping: &[f64]) -> Self {
+    /// Arranges up to eight elements; with `alone` they are evaluated one by one.
+    pub fn new(tets: &[[u32; 4]], rest: &[RestTet], damping: &[f64], alone: bool) -> Self {
         let count = tets.len();
         let of = |lane: usize| lane.min(count - 1);
         let number = |f: &dyn Fn(&RestTet) -> f64| std::array::from_fn(|lane| f(&rest[of(lane)]));
         Self {
             count,
-            corotational: rest.iter().all(|r| r.law == Law::Corotational),
+            together: !alone && rest.iter().all(|r| r.law == Law::Corotational),
             tets: std::array::from_fn(|lane| tets[of(lane)]),
             gradients: std::array::from_fn(|i| number(&|r| r.gradients[1 + i / 3][i % 3])),
             volume: number(&|r| r.volume),

@@ -3,7 +3,10 @@
 mod assemble;
 mod eight;
 mod element;
+mod foresight;
 mod lanes;
+mod memory;
+mod ogden;
 mod patch;
 mod patch_lanes;
 mod polar;
@@ -13,5 +16,6 @@ mod rotations;
 pub use assemble::{FleshModel, Tally};
 pub use element::{PAIRS, Response, RestTet, respond};
 pub(crate) use lanes::transposed;
+pub use memory::Faded;
 pub use patch::Patches;
 pub use polar::{rotation_of, signed_svd};

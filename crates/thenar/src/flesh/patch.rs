@@ -12,14 +12,21 @@
 //! number per pair of nodes. Neither changes when the patch turns, both have positive semi-definite
 //! stiffness, and rigid motions are the only ones that cost nothing. The weights w_e are the elements'
 //! shares of the patch's shear stiffness, so that elements the body fills in part count in part.
+//!
+//! A patch has one memory, of its mean stress. What its elements deviate by is elastic: its modulus is then that
+//! which stays for ever, `g∞ E`, so that relaxed tissue is not held by it.
 
+use crate::flesh::element::{Response, stress};
+use crate::flesh::foresight::{asked, element_foresaw};
 use crate::flesh::lanes::LANES;
+use crate::flesh::memory::{self, Faded, Fading, MemoryModel};
 use crate::flesh::patch_lanes::{self, PatchLanes};
 use crate::flesh::{PAIRS, RestTet, Tally, respond};
 use crate::math::{Mat3, Vec3};
-use crate::model::Law;
+use crate::model::{Law, Relaxation};
 use crate::solver::BlockMatrix;
 use fearless_simd::Simd;
+use std::ops::Range;
 
 /// Stiffness against what elements deviate from their patch's mean, relative to Young's modulus.
 /// Measured on the bars of `tests/element_patches.rs`: three cubes thick they are 2 to 6 % stiffer than
@@ -49,14 +56,16 @@ pub struct Patches {
 
 #[derive(Clone, Debug)]
 struct Patch {
+    /// Its first tetrahedron, which has the memory of all.
+    first: usize,
     /// Volume and material on unit gradients: the tetrahedron (0, F̄ e₁, F̄ e₂, F̄ e₃).
     mean: RestTet,
     /// Stiffness-proportional damping \[s\].
     damping: f64,
-    nodes: std::ops::Range<usize>,
+    nodes: Range<usize>,
     /// First of its pairs in `spread` and `entries`.
     pairs: usize,
-    tets: std::ops::Range<usize>,
+    tets: Range<usize>,
     /// Least `V_e c_e` of its tetrahedra \[J\].
     spread_least: f64,
 }
@@ -65,8 +74,9 @@ struct Patch {
 pub type Members<'a> = [([u32; 4], &'a RestTet)];
 
 impl Patches {
-    /// Adds a patch of tetrahedra that have one law.
-    pub fn push(&mut self, members: &Members, damping: f64) {
+    /// Adds a patch of tetrahedra that have one law and one relaxation; `tet` is the first of them.
+    pub fn push(&mut self, tet: usize, members: &Members, relaxation: &Relaxation, damping: f64) {
+        let spread_modulus = |rest: &RestTet| SPREAD * (1.0 - relaxation.weight()) * young(rest);
         let first = self.nodes.len();
         for node in members.iter().flat_map(|(tet, _)| tet) {
             if !self.nodes[first..].contains(node) {
@@ -92,7 +102,7 @@ impl Patches {
             for (&b, mean_b) in nodes.iter().zip(&mean) {
                 let of = |m: &([u32; 4], &RestTet)| {
                     let deviation = (gradient(m, a) - mean_a).dot(&(gradient(m, b) - mean_b));
-                    SPREAD * young(m.1) * m.1.volume * deviation
+                    spread_modulus(m.1) * m.1.volume * deviation
                 };
                 self.spread.push(members.iter().map(of).sum());
             }
@@ -102,14 +112,16 @@ impl Patches {
         self.gradients.extend(mean);
         let unit = [Vec3::repeat(-1.0), Vec3::x(), Vec3::y(), Vec3::z()];
         let law = members[0].1.law;
+        let density = mean_of(&|rest| rest.density);
         self.list.push(Patch {
-            mean: RestTet { volume, gradients: unit, lambda, mu, law },
+            first: tet,
+            mean: RestTet { volume, gradients: unit, lambda, mu, law, density },
             damping,
             nodes: first..self.nodes.len(),
             pairs,
             tets,
             spread_least: (members.iter())
-                .map(|(_, rest)| SPREAD * young(rest) * rest.volume)
+                .map(|(_, rest)| spread_modulus(rest) * rest.volume)
                 .fold(f64::INFINITY, f64::min),
         });
     }
@@ -133,10 +145,11 @@ impl Patches {
     }
 
     /// Lays the patches out for evaluation by eights; to be called when they are complete.
-    pub fn arrange(&mut self) {
+    pub fn arrange(&mut self, memory: &MemoryModel) {
         let fits = |p: &usize| {
-            let Patch { mean, nodes, .. } = &self.list[*p];
-            mean.law == Law::Corotational && nodes.len() <= patch_lanes::NODES
+            let Patch { first, mean, nodes, .. } = &self.list[*p];
+            let elastic = memory.of(*first).is_none();
+            elastic && mean.law == Law::Corotational && nodes.len() <= patch_lanes::NODES
         };
         let (fit, single): (Vec<usize>, Vec<usize>) = (0..self.list.len()).partition(fits);
         self.lanes = fit.chunks(LANES).map(|eight| self.eight(eight)).collect();
@@ -149,6 +162,8 @@ impl Patches {
         &self,
         simd: S,
         x: &[Vec3],
+        memory: &MemoryModel,
+        faded: &[Faded],
         h: f64,
         A: &mut BlockMatrix,
         b: &mut [Vec3],
@@ -162,22 +177,75 @@ impl Patches {
             let crushed = |p: usize, sums: &mut Tally| self.count_inverted(&self.list[p], x, sums);
             lanes.assemble(simd, places, x, h, A, b, sums, crushed);
         }
-        self.single.iter().for_each(|&p| self.add(&self.list[p], x, h, A, b, sums));
+        let mut fading = Fading::new(&Relaxation::NONE, h);
+        for patch in self.single.iter().map(|&p| &self.list[p]) {
+            let F = self.mean_gradient(patch, x);
+            let response = match memory.of(patch.first) {
+                Some((of, place)) => {
+                    let fading = fading.of(of, h);
+                    memory::respond(&patch.mean, &F, of, fading, &faded[place])
+                }
+                None => respond(&patch.mean, &corners(&F)),
+            };
+            self.add(patch, &response, x, h, A, b, sums);
+        }
+    }
+
+    /// Moves what patches remember over a step of length `h` \[s\] from positions `x0` to `x1`.
+    pub fn relax(
+        &self,
+        memory: &MemoryModel,
+        x0: &[Vec3],
+        x1: &[Vec3],
+        fading: &mut Fading,
+        h: f64,
+        faded: &mut [Faded],
+    ) {
+        for patch in &self.list {
+            let Some((relaxation, place)) = memory.of(patch.first) else { continue };
+            let stress = |x| stress(&patch.mean, &self.mean_gradient(patch, x)).biot;
+            let (before, after) = (stress(x0), stress(x1));
+            fading.of(relaxation, h).advance(&mut faded[place], &before, &after);
+        }
+    }
+
+    /// `FleshModel::foresaw` of the patches among these tetrahedra.
+    pub fn foresaw(&self, tets: &Range<usize>, x0: &[Vec3], x1: &[Vec3], h: f64) -> bool {
+        let mut all = self.list.iter().filter(|p| tets.contains(&p.first) && asked(&p.mean));
+        all.all(|patch| {
+            let [F0, F1] = [x0, x1].map(|x| self.mean_gradient(patch, x));
+            let nodes = &self.nodes[patch.nodes.clone()];
+            element_foresaw(&patch.mean, &F0, &F1, nodes, x0, x1, h)
+        })
     }
 
     /// Adds energies and counts inverted tetrahedra.
     #[inline(always)]
-    pub fn tally<S: Simd>(&self, simd: S, x: &[Vec3], sums: &mut Tally) {
+    pub fn tally<S: Simd>(
+        &self,
+        simd: S,
+        x: &[Vec3],
+        memory: &MemoryModel,
+        faded: &[Faded],
+        sums: &mut Tally,
+    ) {
         for lanes in &self.lanes {
             let crushed = |p: usize, sums: &mut Tally| self.count_inverted(&self.list[p], x, sums);
             lanes.tally(simd, x, sums, crushed);
         }
-        self.single.iter().for_each(|&p| self.tally_one(&self.list[p], x, sums));
+        for patch in self.single.iter().map(|&p| &self.list[p]) {
+            let at = stress(&patch.mean, &self.mean_gradient(patch, x));
+            let energy = match memory.of(patch.first) {
+                Some((of, place)) => memory::energy(&patch.mean, of, &at, &faded[place]),
+                None => at.energy,
+            };
+            sums.energy += patch.mean.volume * energy;
+            self.tally_spread(patch, x, sums);
+        }
     }
 
-    fn tally_one(&self, patch: &Patch, x: &[Vec3], sums: &mut Tally) {
-        let response = respond(&patch.mean, &self.mean_corners(patch, x));
-        sums.energy += response.energy;
+    /// Adds the energy of the spread and counts inverted tetrahedra.
+    fn tally_spread(&self, patch: &Patch, x: &[Vec3], sums: &mut Tally) {
         let nodes = &self.nodes[patch.nodes.clone()];
         let x0 = x[nodes[0] as usize];
         for (a, row) in nodes.iter().zip(self.spread_rows(patch)) {
@@ -229,13 +297,13 @@ impl Patches {
     fn add(
         &self,
         patch: &Patch,
+        response: &Response,
         x: &[Vec3],
         h: f64,
         A: &mut BlockMatrix,
         b: &mut [Vec3],
         sums: &mut Tally,
     ) {
-        let response = respond(&patch.mean, &self.mean_corners(patch, x));
         sums.energy += response.energy;
         self.count_inverted(patch, x, sums);
 
@@ -264,13 +332,12 @@ impl Patches {
         }
     }
 
-    /// The corners (0, F̄ e₁, F̄ e₂, F̄ e₃).
-    fn mean_corners(&self, patch: &Patch, x: &[Vec3]) -> [Vec3; 4] {
+    /// F̄.
+    fn mean_gradient(&self, patch: &Patch, x: &[Vec3]) -> Mat3 {
         let nodes = &self.nodes[patch.nodes.clone()];
         let x0 = x[nodes[0] as usize];
-        let F = (nodes.iter().zip(&self.gradients[patch.nodes.clone()]))
-            .fold(Mat3::zeros(), |F, (&n, g)| F + (x[n as usize] - x0) * g.transpose());
-        [Vec3::zeros(), F.column(0).into(), F.column(1).into(), F.column(2).into()]
+        (nodes.iter().zip(&self.gradients[patch.nodes.clone()]))
+            .fold(Mat3::zeros(), |F, (&n, g)| F + (x[n as usize] - x0) * g.transpose())
     }
 
     fn spread_rows(&self, patch: &Patch) -> std::slice::Chunks<'_, f64> {
@@ -289,6 +356,11 @@ impl Patches {
             sums.inverted += u32::from((b - a).cross(&(c - a)).dot(&(d - a)) < 0.0);
         }
     }
+}
+
+/// The corners (0, F̄ e₁, F̄ e₂, F̄ e₃).
+fn corners(F: &Mat3) -> [Vec3; 4] {
+    [Vec3::zeros(), F.column(0).into(), F.column(1).into(), F.column(2).into()]
 }
 
 /// The stiffness between the three corners that move with F̄, rows and columns.

@@ -1,5 +1,6 @@
 //! Isotropic laws in principal stretches: energy density ψ(σ₁, σ₂, σ₃), its gradient and Hessian.
 
+use crate::flesh::ogden;
 use crate::math::Mat3;
 use crate::model::Law;
 
@@ -24,6 +25,7 @@ pub fn density(law: Law, lambda: f64, mu: f64, s: [f64; 3]) -> Density {
         Law::Corotational => corotational(lambda, mu, s),
         Law::NeoHookean => neo_hookean(lambda, mu, s),
         Law::StableNeoHookean => stable_neo_hookean(lambda, mu, s),
+        Law::Ogden { alpha } => ogden::density(alpha, lambda, mu, s),
     }
 }
 
@@ -87,9 +89,14 @@ mod tests {
     #[test]
     fn stress_and_hessian_are_derivatives_of_the_energy() {
         let mut random = Random::new(5);
-        for law in [Law::Corotational, Law::NeoHookean, Law::StableNeoHookean] {
-            for _ in 0..50 {
-                let s = [random.range(0.3, 1.8), random.range(0.3, 1.8), random.range(0.3, 1.8)];
+        let [pulp, stiffening] = [4.0, 9.2].map(|alpha| Law::Ogden { alpha });
+        for law in [Law::Corotational, Law::NeoHookean, Law::StableNeoHookean, pulp, stiffening] {
+            for k in 0..50 {
+                let mut s =
+                    [random.range(0.3, 1.8), random.range(0.3, 1.8), random.range(0.3, 1.8)];
+                if law != Law::NeoHookean && k % 3 == 0 {
+                    s[2] = -s[2];
+                }
                 let at = |x: &[f64]| density(law, 3.0e4, 2.0e4, [x[0], x[1], x[2]]);
                 let here = at(&s);
                 let stress = jacobian(|x| vec![at(x).energy], &s, 1e-6);

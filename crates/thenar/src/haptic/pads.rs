@@ -106,6 +106,7 @@ mod tests {
                 nodes: Vec::new(),
                 tets: Vec::new(),
                 materials: Vec::new(),
+                relaxation: Vec::new(),
                 mass_damping: 0.0,
                 stiffness_damping: 0.0,
                 fixed: Vec::new(),

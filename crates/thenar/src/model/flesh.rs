@@ -1,10 +1,10 @@
 //! Deformable bodies: nodes, tetrahedra, materials, and their binding to bones.
 
 use crate::math::Vec3;
-use crate::model::EmbeddedSurface;
+use crate::model::{EmbeddedSurface, Relaxation};
 
 /// The constitutive law of an element.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Law {
     /// Linear elasticity in the element's own rotated frame (the paper's).
@@ -13,7 +13,29 @@ pub enum Law {
     NeoHookean,
     /// Neo-Hookean that stays finite when an element inverts (Smith et al. 2018).
     StableNeoHookean,
+    /// Ogden's of one term, `2μ/α² (Σσᵢ^α − 3)` where volume is kept, that stays finite when an element inverts:
+    /// stiffens with stretch.
+    Ogden {
+        /// Exponent, in [`OGDEN_ALPHA`](crate::model::OGDEN_ALPHA). Poisson's ratio is then not negative.
+        alpha: f64,
+    },
 }
+
+impl Law {
+    /// Its number in exported files.
+    pub fn number(self) -> i32 {
+        match self {
+            Self::Corotational => 0,
+            Self::NeoHookean => 1,
+            Self::StableNeoHookean => 2,
+            Self::Ogden { .. } => 3,
+        }
+    }
+}
+
+/// Bounds of Ogden's exponent. Below 4 a crushed element could come to rest; above 20, past what is reported of
+/// tissue, a flattened one is stiffer than at rest by more than `exp(α/3)` = 800.
+pub const OGDEN_ALPHA: [f64; 2] = [4.0, 20.0];
 
 /// The material of one element.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,9 +81,12 @@ pub struct Flesh {
     pub tets: Vec<[u32; 4]>,
     /// One material per tetrahedron.
     pub materials: Vec<Material>,
+    /// One stress relaxation per tetrahedron, or none at all: then nothing has memory.
+    pub relaxation: Vec<Relaxation>,
     /// Rayleigh damping: `D = mass_damping M + stiffness_damping K`. This one \[1/s\].
     pub mass_damping: f64,
-    /// Rayleigh damping \[s\].
+    /// Rayleigh damping \[s\]. Elements with memory have none of this: their relaxation damps them, and
+    /// nothing is to be damped twice.
     pub stiffness_damping: f64,
     /// Held nodes.
     pub fixed: Vec<FixedNode>,

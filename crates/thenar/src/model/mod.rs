@@ -7,14 +7,16 @@ mod friction;
 mod hand;
 mod joint;
 mod patches;
+mod relaxation;
 mod rigid;
 mod surface;
 
-pub use flesh::{Binding, FixedNode, Flesh, Law, Material};
+pub use flesh::{Binding, FixedNode, Flesh, Law, Material, OGDEN_ALPHA};
 pub use friction::{BodyParts, FrictionTable};
 pub use hand::{Bone, BoneNode, BoneSolid, CouplingKind, Digit, HandModel, Side};
 pub use joint::{AngleLimit, Axis, JointDesc, JointKind};
 pub use patches::{ElementPatches, PATCH_TETS_MAX, patches};
+pub use relaxation::{Relaxation, RelaxationError, TERMS_MAX, Term};
 pub use rigid::{Motion, RigidDesc};
 pub use surface::{EmbeddedSurface, SurfaceVertex};
 mod world;

@@ -1,7 +1,7 @@
 //! Patches of tetrahedra: those around one long edge of a body-centred lattice deform as one.
 
 use crate::math::Vec3;
-use crate::model::Material;
+use crate::model::{Material, Relaxation};
 use std::collections::VecDeque;
 
 /// The patch of each tetrahedron of one deformable body (`WorldDesc::patches`). The tetrahedra of a
@@ -29,11 +29,17 @@ const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 /// The patch of each tetrahedron: those around one edge that is the longest, or as long as it, of each.
 /// In a body-centred lattice the four tetrahedra around an edge between two centres form an octahedron
 /// (of the two families of long edges, the one that the first tetrahedron chooses). A tetrahedron that is
-/// left alone joins the neighbouring patch with which it shares most faces. A patch has one law.
+/// left alone joins the neighbouring patch with which it shares most faces. A patch has one
+/// law and one relaxation (`relaxation` has one per tetrahedron, or none at all).
 ///
 /// Deterministic: depends on the order of the tetrahedra and on their shapes alone.
-pub fn patches(nodes: &[Vec3], tets: &[[u32; 4]], materials: &[Material]) -> Vec<u32> {
-    let mut grouping = Grouping::new(nodes, tets, materials);
+pub fn patches(
+    nodes: &[Vec3],
+    tets: &[[u32; 4]],
+    materials: &[Material],
+    relaxation: &[Relaxation],
+) -> Vec<u32> {
+    let mut grouping = Grouping::new(nodes, tets, materials, relaxation);
     let all = 0..tets.len() as u32;
     let inside = all.clone().filter(|&t| grouping.is_inside(t)).collect::<Vec<_>>();
     inside.into_iter().chain(all).for_each(|first| grouping.spread_from(first));
@@ -54,6 +60,7 @@ enum Role {
 struct Grouping<'a> {
     tets: &'a [[u32; 4]],
     materials: &'a [Material],
+    relaxation: &'a [Relaxation],
     /// Long edges (lower node first) with each tetrahedron that has one, sorted.
     long: Vec<([u32; 2], u32)>,
     /// Long edges of each tetrahedron.
@@ -66,7 +73,12 @@ struct Grouping<'a> {
 }
 
 impl<'a> Grouping<'a> {
-    fn new(nodes: &[Vec3], tets: &'a [[u32; 4]], materials: &'a [Material]) -> Self {
+    fn new(
+        nodes: &[Vec3],
+        tets: &'a [[u32; 4]],
+        materials: &'a [Material],
+        relaxation: &'a [Relaxation],
+    ) -> Self {
         let axes: Vec<Vec<[u32; 2]>> = tets.iter().map(|tet| long_edges(nodes, tet)).collect();
         let mut long: Vec<([u32; 2], u32)> = (axes.iter().zip(0..))
             .flat_map(|(axes, t)| axes.iter().map(move |&axis| (axis, t)))
@@ -75,6 +87,7 @@ impl<'a> Grouping<'a> {
         Self {
             tets,
             materials,
+            relaxation,
             long,
             axes,
             behind: behind_faces(tets),
@@ -133,7 +146,7 @@ impl<'a> Grouping<'a> {
         axes.rev().max_by_key(key).unwrap_or([NONE; 2])
     }
 
-    /// The free tetrahedra of one law around an axis, or, of more than make an octahedron, a half that hangs
+    /// The free tetrahedra of one law and relaxation around an axis, or, of more than make an octahedron, a half that hangs
     /// together by faces.
     fn members(&self, t: u32, axis: [u32; 2]) -> Vec<u32> {
         let around: Vec<u32> = self.free_around(axis).filter(|&m| self.are_alike(m, t)).collect();
@@ -160,7 +173,9 @@ impl<'a> Grouping<'a> {
     }
 
     fn are_alike(&self, s: u32, t: u32) -> bool {
-        self.materials[s as usize].law == self.materials[t as usize].law
+        let (s, t) = (s as usize, t as usize);
+        self.materials[s].law == self.materials[t].law
+            && self.relaxation.get(s) == self.relaxation.get(t)
     }
 
     fn join_single(&mut self) {

@@ -171,7 +171,8 @@ pub fn coupling(
 pub fn flesh(model: &Model, state: &State, input: &Input, h: f64, scratch: &mut Scratch) -> Tally {
     let row0 = 2 * model.rigids.len();
     let v = &state.v[row0..];
-    let tally = model.flesh.assemble(&state.x, v, h, row0, &mut scratch.A, &mut scratch.b);
+    let Scratch { A, b, .. } = scratch;
+    let tally = model.flesh.assemble(&state.x, v, &state.faded, h, row0, A, b);
     for (n, mass) in model.flesh.mass.iter().enumerate() {
         scratch.b[row0 + n] += (input.gravity * *mass + input.node_forces[n]) * h;
     }

@@ -3,8 +3,8 @@
 use crate::contact::{MeshShape, Part, Shape};
 use crate::math::Mat3;
 use crate::model::{
-    BodyId, BodyParts, ElementPatches, FrictionTable, JointDesc, Motion, PATCH_TETS_MAX, RigidDesc,
-    SoftDesc, WorldDesc,
+    BodyId, BodyParts, ElementPatches, FrictionTable, JointDesc, Law, Motion, OGDEN_ALPHA,
+    PATCH_TETS_MAX, RigidDesc, SoftDesc, WorldDesc,
 };
 use crate::world::{HALVINGS_MAX, ModelError, freedoms};
 
@@ -128,6 +128,10 @@ fn check_patches(patches: &ElementPatches, desc: &WorldDesc) -> Result<(), Model
         let law = |t: usize| flesh.materials[t].law;
         let others = members.iter().filter(|&&(_, t)| law(t) != law(members[0].1)).count();
         self::number(name, "laws of a patch", "one", 1.0 + others as f64, |x| x == 1.0)?;
+        let relaxation = |t: usize| flesh.relaxation.get(t);
+        let alike = |&&(_, t): &&(u32, usize)| relaxation(t) == relaxation(members[0].1);
+        let others = members.len() - members.iter().filter(alike).count();
+        self::number(name, "relaxations of a patch", "one", 1.0 + others as f64, |x| x == 1.0)?;
     }
     Ok(())
 }
@@ -311,7 +315,19 @@ fn check_soft(soft: &SoftDesc, desc: &WorldDesc) -> Result<(), ModelError> {
         number(name, "Poisson's ratio", "above -1 and below 0.5", material.poisson, |x| {
             x > -1.0 && x < 0.5
         })?;
+        if let Law::Ogden { alpha } = material.law {
+            let [least, most] = OGDEN_ALPHA;
+            let fits = |x: f64| (least..=most).contains(&x);
+            let range =
+                "from 4 to 20 (2 is neo-Hookean; below 4 crushed tissue could stay crushed)";
+            number(name, "Ogden's exponent", range, alpha, fits)?;
+            let range = "at least 0 with Ogden's law, or crushed tissue could stay crushed";
+            number(name, "Poisson's ratio", range, material.poisson, |x| x >= 0.0)?;
+        }
         number(name, "density", "positive [kg/m³]", material.density, |x| x > 0.0 && x < 1e6)?;
+    }
+    if !flesh.relaxation.is_empty() {
+        count(name, "relaxations", flesh.tets.len(), flesh.relaxation.len())?;
     }
     for node in flesh.tets.iter().flatten() {
         index(name, "node", u64::from(*node), nodes)?;

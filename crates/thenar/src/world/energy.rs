@@ -39,7 +39,7 @@ impl World {
                 energy.joint += axis.map_or(0.0, stored);
             }
         }
-        energy.elastic = model.flesh.tally(&state.x).energy;
+        energy.elastic = model.flesh.tally(&state.x, &state.faded).energy;
         energy.coupling = model.coupling.energy(&state.poses_WB, &state.x);
         energy
     }

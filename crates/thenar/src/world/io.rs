@@ -189,6 +189,9 @@ pub struct StepReport {
     pub joint_misalignment_max: f64,
     /// Elements with negative volume.
     pub inverted_tets: u32,
+    /// Parts of the step that were taken back and made shorter because the energy of flesh rose more than linearised
+    /// forces foresaw: each was assembled and solved in vain.
+    pub flesh_retries: u32,
     /// Targets that were not finite; their drives let go for the step.
     pub bad_targets: u32,
     /// The step, or a part of it, produced a number that is not finite or beyond any sense: bodies that hang together with

@@ -9,6 +9,7 @@ mod energy;
 mod error;
 mod exact;
 mod fall_back;
+mod foresight;
 mod freedoms;
 mod friction;
 mod hash;
@@ -99,18 +100,28 @@ impl World {
     pub fn step(&mut self, input: &Input, timer: &mut impl StageTimer) -> StepReport {
         let mut report = StepReport::default();
         let mut parts = Parts::whole(self.time_step, self.desc.solver.step_halvings_max);
+        let mut unforeseen = 0;
         let (mut length, end) = (self.time_step, self.state.time + self.time_step);
         while let Some(part) = parts.next() {
             self.remember_for(length, part.h);
             length = part.h;
             let mut done = self.make(part, input, timer);
             timer.begin(Some(Stage::Detect));
-            if !self.was_carried(&mut done) && parts.retry(self.reach()) {
+            let foreseen = self.flesh_was_foreseen(part, &done);
+            if (!foreseen || !self.was_carried(&mut done)) && parts.retry(self.reach()) {
+                unforeseen += u32::from(!foreseen);
                 // Sides are swapped only when a part is accepted.
                 self.state.copy_motion(&self.scratch.before);
                 continue;
             }
+            if !foreseen && !done.non_finite {
+                self.cut_flesh_short(part);
+            }
             std::mem::swap(&mut self.state.sides, &mut self.scratch.sides);
+            if !done.taken_back {
+                let Self { model, state, scratch, .. } = self;
+                model.flesh.relax(&scratch.before.x, &state.x, part.h, &mut state.faded);
+            }
             parts.accept();
             report = done.after(&report);
         }
@@ -118,6 +129,7 @@ impl World {
         if !report.taken_back {
             self.state.time = end;
         }
+        report.flesh_retries = unforeseen;
         timer.begin(Some(Stage::Embed));
         let Self { model, state, .. } = self;
         (report.joint_gap_max, report.joint_misalignment_max) = advance::joint_errors(model, state);

@@ -3,7 +3,7 @@
 use crate::coupling::{BoundNode, CouplingEntries, CouplingModel};
 use crate::flesh::{FleshModel, RestTet};
 use crate::math::{Mat3, Vec3};
-use crate::model::{BodyId, FrictionTable, JointDesc, Motion, SoftDesc, WorldDesc};
+use crate::model::{BodyId, FrictionTable, JointDesc, Motion, Relaxation, SoftDesc, WorldDesc};
 use crate::solver::BlockMatrix;
 use crate::world::joint_tree::JointTree;
 use crate::world::{ModelError, check::check};
@@ -168,14 +168,16 @@ impl Model {
             }
             self.flesh.tets.push(tet.map(|n| node0 as u32 + n));
             self.flesh.rest.push(rest);
-            self.flesh.stiffness_damping.push(flesh.stiffness_damping);
+            let elastic = flesh.relaxation.get(t).is_none_or(Relaxation::is_none);
+            self.flesh.stiffness_damping.push(if elastic { flesh.stiffness_damping } else { 0.0 });
         }
         if let Some(node) = self.flesh.mass[node0..].iter().position(|&m| m <= 0.0) {
             return Err(ModelError::LooseNode { thing: soft.name.clone(), node });
         }
         self.soft_nodes.push(node0..self.flesh.mass.len());
         self.soft_tets.push(tet0..self.flesh.tets.len());
-        self.add_patches(desc);
+        let shared = self.add_patches(soft, desc);
+        self.flesh.memory.add(tet0, &shared.unwrap_or_else(|| flesh.relaxation.clone()));
 
         let vertex0 = self.vertices.len();
         self.vertices.extend(flesh.collision.vertices.iter().map(|v| Embedded {
@@ -187,20 +189,30 @@ impl Model {
         self.add_coupling(soft, desc, node0)
     }
 
-    /// Evaluates the body added last by patches, if it has some.
-    fn add_patches(&mut self, desc: &WorldDesc) {
+    /// Evaluates the body added last by patches, if it has some; then, what each tetrahedron remembers: the first of
+    /// a patch for all.
+    fn add_patches(&mut self, body: &SoftDesc, desc: &WorldDesc) -> Option<Vec<Relaxation>> {
         let soft = self.soft_tets.len() - 1;
         let tets = self.soft_tets[soft].clone();
-        let Some(patches) = desc.patches.iter().find(|p| p.soft as usize == soft) else { return };
-        let mut members: Vec<(u32, usize)> =
-            patches.of_tet.iter().copied().zip(tets.clone()).collect();
+        let patches = desc.patches.iter().find(|p| p.soft as usize == soft)?;
+        let mut relaxations = body.flesh.relaxation.clone();
+        let mut members: Vec<(u32, usize)> = patches.of_tet.iter().copied().zip(0..).collect();
         members.sort_unstable();
         for patch in members.chunk_by(|a, b| a.0 == b.0) {
-            let of = |&(_, t): &(u32, usize)| (self.flesh.tets[t], &self.flesh.rest[t]);
-            let members: Vec<_> = patch.iter().map(of).collect();
-            self.flesh.patches.push(&members, self.flesh.stiffness_damping[patch[0].1]);
+            let of = |&(_, t): &(u32, usize)| {
+                (self.flesh.tets[tets.start + t], &self.flesh.rest[tets.start + t])
+            };
+            let elements: Vec<_> = patch.iter().map(of).collect();
+            let first = patch[0].1;
+            let relaxation = relaxations.get(first).copied().unwrap_or_default();
+            let damping = self.flesh.stiffness_damping[tets.start + first];
+            self.flesh.patches.push(tets.start + first, &elements, &relaxation, damping);
+            for (_, other) in &patch[1..] {
+                relaxations.get_mut(*other).into_iter().for_each(|r| *r = Relaxation::NONE);
+            }
         }
         self.flesh.patched.push(tets);
+        Some(relaxations)
     }
 
     fn add_coupling(

@@ -18,7 +18,9 @@ impl World {
     /// is as it was then.
     pub fn retune(&mut self, desc: WorldDesc) -> Result<(), ModelError> {
         same_bodies(&self.desc, &desc)?;
-        self.model = Model::new(&desc)?;
+        let model = Model::new(&desc)?;
+        let old = std::mem::replace(&mut self.model, model);
+        self.keep_memory(&old);
         let pairs = |desc: &WorldDesc| -> Vec<_> {
             desc.friction_tables.iter().map(|table| table.bodies).collect()
         };
@@ -34,6 +36,13 @@ impl World {
         self.desc = desc;
         self.prepare_solver();
         Ok(())
+    }
+
+    /// Tissue stays as far relaxed as it was; what has no memory any more forgets.
+    fn keep_memory(&mut self, old: &Model) {
+        let (flesh, was) = (&self.model.flesh, &old.flesh);
+        let stiffer = |t: usize| flesh.rest[t].mu / was.rest[t].mu;
+        self.state.faded = flesh.memory.carry_over(&was.memory, &self.state.faded, stiffer);
     }
 }
 

@@ -37,7 +37,8 @@ impl World {
             && own.x.len() == state.x.len()
             && own.v.len() == state.v.len()
             && own.contact_change.len() == state.contact_change.len()
-            && own.limit_impulses.len() == state.limit_impulses.len();
+            && own.limit_impulses.len() == state.limit_impulses.len()
+            && own.faded.len() == state.faded.len();
         same && state.is_finite()
     }
 

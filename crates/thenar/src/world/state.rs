@@ -2,6 +2,7 @@
 
 use crate::contact::{Contact, Sides};
 use crate::coupling::BoneSystem;
+use crate::flesh::Faded;
 use crate::math::{Mat6, Pose, Vec3, Vec6};
 use crate::model::WorldDesc;
 use crate::skeleton::AxisState;
@@ -42,6 +43,8 @@ pub struct State {
     pub limit_impulses: Vec<[f64; 2]>,
     /// Normal forces of the last step in patches whose friction depends on them, sorted \[N\].
     pub patch_loads: Vec<(PatchKey, f64)>,
+    /// What has faded of the stress of elements with memory: element after element, term after term.
+    pub faded: Vec<Faded>,
 }
 
 impl State {
@@ -68,6 +71,7 @@ impl State {
             sides: Sides::default(),
             limit_impulses: vec![[0.0; 2]; model.joints.len()],
             patch_loads: Vec::with_capacity(patches_max(model)),
+            faded: vec![Faded::default(); model.flesh.memory.len()],
         };
         state.hold(model);
         state
@@ -97,9 +101,10 @@ impl State {
     pub fn copy_from(&mut self, other: &Self) {
         self.copy_motion(other);
         self.sides.copy_from(&other.sides);
+        self.faded.clone_from(&other.faded);
     }
 
-    /// All but the sides.
+    /// All but the sides and what tissue remembers, which change only when a part of a step is accepted.
     pub(super) fn copy_motion(&mut self, other: &Self) {
         self.time = other.time;
         self.poses_WB.copy_from_slice(&other.poses_WB);
@@ -136,6 +141,7 @@ impl State {
             && self.impulses.iter().all(|(_, impulse)| finite(impulse))
             && self.limit_impulses.iter().flatten().all(|impulse| impulse.is_finite())
             && self.patch_loads.iter().all(|(_, load)| load.is_finite())
+            && self.faded.as_flattened().iter().all(|faded| faded.is_finite())
             && self.sides.as_slice().iter().all(|side| finite(&side.normal) && finite(&side.place))
     }
 
@@ -163,6 +169,7 @@ impl State {
             key.iter().for_each(|k| hash.word(u64::from(*k)));
             hash.number(*load);
         }
+        self.faded.as_flattened().iter().for_each(|x| hash.number(*x));
         hash.finish()
     }
 }
@@ -281,7 +288,7 @@ impl Scratch {
         let ends: Vec<(Option<u32>, u32)> =
             model.joints.iter().map(|j| (j.parent, j.child)).collect();
         let joint_rows: Vec<usize> = model.joints.iter().map(|j| j.kind.rows()).collect();
-        let mut before = state.clone();
+        let mut before = State { faded: Vec::new(), ..state.clone() };
         before.impulses.reserve(contacts_max);
         before.patch_loads.reserve(patches_max(model));
         Self {

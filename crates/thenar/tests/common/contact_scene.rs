@@ -109,6 +109,7 @@ impl ContactScene {
                 nodes: points,
                 tets: (0..count).map(|i| [i; 4]).collect(),
                 materials: Vec::new(),
+                relaxation: Vec::new(),
                 mass_damping: 0.0,
                 stiffness_damping: 0.0,
                 fixed: Vec::new(),

@@ -68,6 +68,7 @@ pub fn bar(size: Vec3, cells: [usize; 3], material: Material) -> Flesh {
         materials: vec![material; tets.len()],
         nodes,
         tets,
+        relaxation: Vec::new(),
         mass_damping: 0.0,
         stiffness_damping: 0.0,
         fixed: Vec::new(),

@@ -147,7 +147,7 @@ fn flesh_blocks(world: &World) -> Matrix {
     let mut A = model.pattern.clone();
     let mut b = vec![Vec3::zeros(); A.rows()];
     let at_rest = vec![Vec3::zeros(); state.x.len()];
-    flesh.assemble(&state.x, &at_rest, 1.0, row0, &mut A, &mut b);
+    flesh.assemble(&state.x, &at_rest, &state.faded, 1.0, row0, &mut A, &mut b);
     negated(dense(&A))
 }
 
@@ -157,7 +157,7 @@ fn flesh_forces(world: &World) -> Vec<f64> {
     let mut A = model.pattern.clone();
     let mut b = vec![Vec3::zeros(); A.rows()];
     let at_rest = vec![Vec3::zeros(); state.x.len()];
-    model.flesh.assemble(&state.x, &at_rest, 1.0, row0, &mut A, &mut b);
+    model.flesh.assemble(&state.x, &at_rest, &state.faded, 1.0, row0, &mut A, &mut b);
     flat(&b)
 }
 

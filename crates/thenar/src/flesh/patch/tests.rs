@@ -33,8 +33,8 @@ fn model(nodes: &[Vec3], law: Law, damping: f64) -> (Patches, BlockMatrix) {
         .collect();
     let members: Vec<_> = TETS.iter().copied().zip(&rest).collect();
     let mut patches = Patches::default();
-    patches.push(&members, damping);
-    patches.arrange();
+    patches.push(0, &members, &Relaxation::NONE, damping);
+    patches.arrange(&MemoryModel::default());
     let A = BlockMatrix::with_pattern(6, patches.pairs());
     patches.lay_out(|a, b| A.entry(a, b));
     (patches, A)
@@ -50,7 +50,7 @@ fn flat(x: &[Vec3]) -> Vec<f64> {
 
 fn energy(patches: &Patches, x: &[Vec3]) -> f64 {
     let mut sums = Tally::default();
-    dispatch!(Level::new(), simd => patches.tally(simd, x, &mut sums));
+    dispatch!(Level::new(), simd => patches.tally(simd, x, &MemoryModel::default(), &[], &mut sums));
     sums.energy
 }
 
@@ -58,7 +58,7 @@ fn energy(patches: &Patches, x: &[Vec3]) -> f64 {
 fn assembled(patches: &Patches, A: &BlockMatrix, x: &[Vec3]) -> (Vec<Vec3>, DMatrix<f64>) {
     let (mut A, mut b) = (A.clone(), vec![Vec3::zeros(); 6]);
     let mut sums = Tally::default();
-    dispatch!(Level::new(), simd => patches.assemble(simd, x, 1.0, &mut A, &mut b, &mut sums));
+    dispatch!(Level::new(), simd => patches.assemble(simd, x, &MemoryModel::default(), &[], 1.0, &mut A, &mut b, &mut sums));
     let K =
         DMatrix::from_fn(18, 18, |r, c| A.get(A.entry(r as u32 / 3, c as u32 / 3))[(r % 3, c % 3)]);
     (b, K)
@@ -139,8 +139,8 @@ fn an_even_deformation_costs_what_it_costs_the_tetrahedra() {
         let tets = TETS.map(|tet| RestTet::new(&tet.map(|n| rest[n as usize]), &material).unwrap());
         let members: Vec<_> = TETS.iter().copied().zip(&tets).collect();
         let mut patches = Patches::default();
-        patches.push(&members, 0.0);
-        patches.arrange();
+        patches.push(0, &members, &Relaxation::NONE, 0.0);
+        patches.arrange(&MemoryModel::default());
         for _ in 0..20 {
             let F = Mat3::identity() + Mat3::from_fn(|_, _| random.range(-0.2, 0.2));
             let x: Vec<Vec3> = rest.iter().map(|x| F * x).collect();
@@ -169,13 +169,13 @@ fn eights_sum_to_the_same_as_single_patches() {
             .map(|tet| RestTet::new(&tet.map(|n| rest[n as usize]), &material).unwrap())
             .collect();
         let members: Vec<_> = tets.iter().copied().zip(&shapes).collect();
-        eights.push(&members, 1e-3 * f64::from(k));
+        eights.push(0, &members, &Relaxation::NONE, 1e-3 * f64::from(k));
     }
     let A0 = BlockMatrix::with_pattern(66, eights.pairs());
     eights.lay_out(|a, b| A0.entry(a, b));
     let mut singles = eights.clone();
     singles.single = (0..11).collect();
-    eights.arrange();
+    eights.arrange(&MemoryModel::default());
     assert_eq!((eights.lanes.len(), eights.single.len()), (2, 0));
 
     for spoil in [1e-3, 4e-3, 9e-3] {
@@ -183,10 +183,10 @@ fn eights_sum_to_the_same_as_single_patches() {
         let results = [&eights, &singles].map(|patches| {
             let (mut A, mut b, mut sums) = (A0.clone(), vec![Vec3::zeros(); 66], Tally::default());
             dispatch!(Level::new(), simd => {
-                patches.assemble(simd, &x, 0.005, &mut A, &mut b, &mut sums);
+                patches.assemble(simd, &x, &MemoryModel::default(), &[], 0.005, &mut A, &mut b, &mut sums);
             });
             let mut told = Tally::default();
-            dispatch!(Level::new(), simd => patches.tally(simd, &x, &mut told));
+            dispatch!(Level::new(), simd => patches.tally(simd, &x, &MemoryModel::default(), &[], &mut told));
             assert_eq!(told.inverted, sums.inverted);
             assert!((told.energy - sums.energy).abs() < 1e-12 * sums.energy);
             (A, b, sums)
@@ -212,7 +212,7 @@ fn inverted_tetrahedra_are_counted_one_by_one() {
     // The corner 2 moves across the axis: the two tetrahedra that have it turn inside out.
     x[2] = Vec3::new(0.0, 0.001, 0.001);
     let mut sums = Tally::default();
-    dispatch!(Level::new(), simd => patches.tally(simd, &x, &mut sums));
+    dispatch!(Level::new(), simd => patches.tally(simd, &x, &MemoryModel::default(), &[], &mut sums));
     assert_eq!(sums.inverted, 2);
 }
 
@@ -220,5 +220,5 @@ fn inverted_tetrahedra_are_counted_one_by_one() {
 fn the_tetrahedra_around_one_long_edge_are_one_patch() {
     let law = Law::Corotational;
     let material = Material { law, young: 5e4, poisson: 0.43, density: 1000.0 };
-    assert_eq!(patches(&octahedron(), &TETS, &[material; 4]), [0; 4]);
+    assert_eq!(patches(&octahedron(), &TETS, &[material; 4], &[]), [0; 4]);
 }

@@ -1,0 +1,49 @@
+//! A part of a step that linearised forces did not foresee (`flesh::foresight`) is made again, half as long; one that
+//! may not be halved any more is cut short.
+
+use crate::math::Vec3;
+use crate::world::parts::Part;
+use crate::world::{StepReport, World};
+
+/// Most halvings of what flesh moves in a part that is cut short: a thousand of these are no motion.
+const CUTS_MAX: u32 = 30;
+
+impl World {
+    /// Whether linearised forces foresaw what the part just made did to flesh.
+    pub(super) fn flesh_was_foreseen(&self, part: Part, report: &StepReport) -> bool {
+        let Self { model, state, scratch, .. } = self;
+        if report.non_finite {
+            return !model.flesh.asks_foresight;
+        }
+        let all = 0..model.flesh.tets.len();
+        model.flesh.foresaw(all, &scratch.before.x, &state.x, part.h)
+    }
+
+    /// Takes motion out of bodies whose flesh did what was not foreseen, by halves, until it is: the incremental
+    /// energy falls along the way that was found, so that some part of it does. A body that nothing holds keeps
+    /// its linear momentum.
+    pub(super) fn cut_flesh_short(&mut self, part: Part) {
+        let Self { desc, model, state, scratch, .. } = self;
+        let (row0, before) = (2 * model.rigids.len(), &scratch.before.x);
+        for (soft, (nodes, tets)) in model.soft_nodes.iter().zip(&model.soft_tets).enumerate() {
+            let body = &desc.softs[soft];
+            let free = body.coupling.is_none() && body.flesh.fixed.is_empty();
+            let mass: f64 = model.flesh.mass[nodes.clone()].iter().sum();
+            let momentum = |n: usize| state.v[row0 + n] * model.flesh.mass[n];
+            let mean = match free {
+                true => nodes.clone().map(momentum).sum::<Vec3>() / mass,
+                false => Vec3::zeros(),
+            };
+            for _ in 0..CUTS_MAX {
+                if model.flesh.foresaw(tets.clone(), before, &state.x, part.h) {
+                    break;
+                }
+                for n in nodes.clone() {
+                    let v = &mut state.v[row0 + n];
+                    *v = (*v + mean) * 0.5;
+                    state.x[n] = (state.x[n] + before[n] + mean * part.h) * 0.5;
+                }
+            }
+        }
+    }
+}
