@@ -47,12 +47,15 @@ impl Aabb {
 
     #[inline]
     pub fn overlaps(&self, other: &Self) -> bool {
-        (0..3).all(|k| self.min[k] <= other.max[k] && other.min[k] <= self.max[k])
+        // Without branches: which axis tells boxes apart is anybody's guess.
+        let along = |k: usize| (self.min[k] <= other.max[k]) & (other.min[k] <= self.max[k]);
+        along(0) & along(1) & along(2)
     }
 
     #[inline]
     pub fn contains(&self, p: &Vec3) -> bool {
-        (0..3).all(|k| self.min[k] <= p[k] && p[k] <= self.max[k])
+        let along = |k: usize| (self.min[k] <= p[k]) & (p[k] <= self.max[k]);
+        along(0) & along(1) & along(2)
     }
 
     pub fn is_empty(&self) -> bool {
@@ -70,8 +73,8 @@ impl Aabb {
     /// Squared distance from `p` to the box, zero inside.
     #[inline]
     pub fn distance_squared(&self, p: &Vec3) -> f64 {
-        let outside = (self.min - p).sup(&(p - self.max)).sup(&Vec3::zeros());
-        outside.norm_squared()
+        let beyond = upper(&(self.min - p), &(p - self.max));
+        upper(&beyond, &Vec3::zeros()).norm_squared()
     }
 
     /// How far from `p` along `d`, in lengths of `d`, a ray meets the box; zero from inside.

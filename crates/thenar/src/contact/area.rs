@@ -8,9 +8,10 @@
 
 use crate::contact::rigid_body::{Placed, RigidBody};
 use crate::contact::surface::Surface;
-use crate::contact::triangle::area_vector;
+use crate::contact::triangle::{ROUNDED_UP, area_vector};
 use crate::contact::{Contact, Shape, Site, SurfacePoint};
 use crate::math::Vec3;
+use std::cell::Cell;
 use std::ops::Range;
 
 /// Surfaces nearer than this touch \[m\]: some fingerprint ridges high, a definition.
@@ -18,6 +19,9 @@ pub(crate) const TOUCHING: f64 = 20e-6;
 
 /// A corner of less weight has no part in a point.
 const LIGHT: f64 = 1e-9;
+
+/// The area of a contact that touches, until it is known.
+const TO_COME: f64 = -1.0;
 
 /// Most parts into which the edges of a triangle are divided.
 const PARTS_MAX: usize = 16;
@@ -193,14 +197,22 @@ pub(crate) fn with_rigid(
     areas: &mut [f64],
     scratch: &mut AreaScratch,
 ) {
-    let distance = |x_W: &Vec3| body.shape.distance(&placed.shape_point(x_W)).value;
-    let touching = |c: &Contact| match c.a {
-        Site::Soft(point) if distance(&point.interpolate(skin.x)) <= TOUCHING => Some(point),
-        _ => None,
+    let touches = |point: &SurfacePoint| {
+        let p = placed.shape_point(&point.interpolate(skin.x));
+        let found = body.shape.distance_within(&p, 2.0 * TOUCHING);
+        found.is_some_and(|d| d.value <= TOUCHING)
     };
-    for point in of.iter().filter_map(touching) {
-        skin.triangles_of(&point, |t| scratch.touch(t));
+    for (contact, area) in of.iter().zip(areas.iter_mut()) {
+        *area = 0.0;
+        if let Some(point) = soft_point(&contact.a).filter(|point| touches(point)) {
+            *area = TO_COME;
+            skin.triangles_of(point, |t| scratch.touch(t));
+        }
     }
+    let guess = Cell::new(0);
+    let distance = |x_W: &Vec3, known: f64| {
+        body.shape.distance_near(&placed.shape_point(x_W), known, &guess).value
+    };
     for i in 0..scratch.touched.len() {
         let t = scratch.touched[i];
         let x = skin.corners(t);
@@ -210,10 +222,10 @@ pub(crate) fn with_rigid(
         let area = Some(area_below(&x, parts, distance)).filter(|a| *a > 0.0).unwrap_or(least);
         scratch.share[t as usize] = area / f64::from(scratch.count[t as usize]);
     }
-    for (contact, area) in of.iter().zip(areas) {
+    for (contact, area) in of.iter().zip(areas).filter(|(_, area)| **area == TO_COME) {
         *area = 0.0;
-        if let Some(point) = touching(contact) {
-            skin.triangles_of(&point, |t| *area += scratch.share[t as usize]);
+        if let Some(point) = soft_point(&contact.a) {
+            skin.triangles_of(point, |t| *area += scratch.share[t as usize]);
         }
     }
     scratch.clear();
@@ -296,25 +308,71 @@ fn parts_for(shape: &Shape, x: &[Vec3; 3]) -> usize {
     ((edge / part).ceil() as usize).clamp(1, PARTS_MAX)
 }
 
+/// A distance within bounds. Where they tell that no sample beside it lies on the other side of [`TOUCHING`], they
+/// are not looked into, and the value is one of them.
+#[derive(Clone, Copy)]
+struct Sample {
+    value: f64,
+    low: f64,
+    high: f64,
+}
+
+impl Sample {
+    const UNKNOWN: Self = Self { value: 0.0, low: f64::NEG_INFINITY, high: f64::INFINITY };
+
+    /// What is known at a place so far away, as a distance changes by no more than the way.
+    fn after(&self, way: f64) -> Self {
+        Self { low: self.low - way, high: self.high + way, ..*self }
+    }
+
+    /// Known by both.
+    fn and(&self, other: &Self) -> Self {
+        Self { low: self.low.max(other.low), high: self.high.min(other.high), ..*self }
+    }
+
+    /// Looked into where need be: `distance` is given what it is at most on either side.
+    fn settled(self, widest: f64, distance: impl Fn(f64) -> f64) -> Self {
+        let Self { low, high, .. } = self;
+        if low > TOUCHING + widest {
+            return Self { value: low, ..self };
+        }
+        if high < TOUCHING - widest {
+            return Self { value: high, ..self };
+        }
+        let value = distance(high.max(-low));
+        Self { value, low: value, high: value }
+    }
+}
+
 /// Area of the part of triangle `x` where `distance` is below [`TOUCHING`] \[m²\], with edges divided
-/// into so many parts.
-pub(crate) fn area_below(x: &[Vec3; 3], parts: usize, distance: impl Fn(&Vec3) -> f64) -> f64 {
+/// into so many parts. `distance` is asked with a bound that it does not exceed on either side.
+pub(crate) fn area_below(x: &[Vec3; 3], parts: usize, distance: impl Fn(&Vec3, f64) -> f64) -> f64 {
     let n = parts.min(PARTS_MAX);
-    let at = |i: usize, j: usize| {
+    // Between samples.
+    let ways = [0, 1, 2].map(|k| (x[(k + 1) % 3] - x[k]).norm() / n as f64 * ROUNDED_UP);
+    let widest = ways.iter().copied().fold(0.0, f64::max);
+    let at = |i: usize, j: usize, known: Sample| {
         let (u, v) = (i as f64 / n as f64, j as f64 / n as f64);
-        distance(&(x[0] + (x[1] - x[0]) * u + (x[2] - x[0]) * v))
+        let p = x[0] + (x[1] - x[0]) * u + (x[2] - x[0]) * v;
+        known.settled(widest, |most| distance(&p, most))
     };
     // Two rows of samples at a time.
-    let mut below = [0.0; PARTS_MAX + 1];
-    let mut above = [0.0; PARTS_MAX + 1];
-    (0..=n).for_each(|i| below[i] = at(i, 0));
+    let mut below = [Sample::UNKNOWN; PARTS_MAX + 1];
+    let mut above = [Sample::UNKNOWN; PARTS_MAX + 1];
+    below[0] = at(0, 0, Sample::UNKNOWN);
+    (1..=n).for_each(|i| below[i] = at(i, 0, below[i - 1].after(ways[0])));
     let mut parts_below = 0.0;
     for j in 0..n {
-        (0..n - j).for_each(|i| above[i] = at(i, j + 1));
         for i in 0..n - j {
-            parts_below += part_below([below[i], below[i + 1], above[i]]);
+            let known = below[i].after(ways[2]).and(&below[i + 1].after(ways[1]));
+            let beside = if i > 0 { above[i - 1].after(ways[0]) } else { Sample::UNKNOWN };
+            above[i] = at(i, j + 1, known.and(&beside));
+        }
+        let part = |samples: [Sample; 3]| part_below(samples.map(|s| s.value));
+        for i in 0..n - j {
+            parts_below += part([below[i], below[i + 1], above[i]]);
             if i + 1 < n - j {
-                parts_below += part_below([below[i + 1], above[i + 1], above[i]]);
+                parts_below += part([below[i + 1], above[i + 1], above[i]]);
             }
         }
         std::mem::swap(&mut below, &mut above);
@@ -344,6 +402,7 @@ fn part_below(gaps: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::triangle::tests::Random;
 
     #[test]
     fn linear_cuts_are_exact() {
@@ -376,6 +435,40 @@ mod tests {
         assert!((ridge.part_below([FAR; 3]) - part).abs() < 1e-12);
     }
 
+    /// As many parts are found below as by all samples, of which a third need not be looked into.
+    #[test]
+    fn bounds_tell_what_samples_would() {
+        let (mut random, mut all_asked) = (Random::new(6), 0);
+        for i in 0..300 {
+            let x = [0; 3].map(|_| random.vector(0.01));
+            let radius = 0.002 + 0.05 * random.unit();
+            let middle = (x[0] + x[1] + x[2]) / 3.0 + random.vector(1.0).normalize() * radius;
+            let distance = |p: &Vec3| (p - middle).norm() - radius;
+            let n = PARTS_MAX;
+            let at = |i: usize, j: usize| {
+                let (u, v) = (i as f64 / n as f64, j as f64 / n as f64);
+                distance(&(x[0] + (x[1] - x[0]) * u + (x[2] - x[0]) * v))
+            };
+            let mut parts = 0.0;
+            for (i, j) in (0..n).flat_map(|j| (0..n - j).map(move |i| (i, j))) {
+                parts += part_below([at(i, j), at(i + 1, j), at(i, j + 1)]);
+                if i + j + 1 < n {
+                    parts += part_below([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+                }
+            }
+            let asked = Cell::new(0);
+            let found = area_below(&x, n, |p, most| {
+                asked.set(asked.get() + 1);
+                assert!(distance(p).abs() <= most);
+                distance(p)
+            });
+            let all = area_vector(&x).norm() * parts / (n * n) as f64;
+            assert!((found - all).abs() <= 1e-12 * area_vector(&x).norm(), "{i}: {found} {all}");
+            all_asked += asked.get();
+        }
+        assert!(all_asked < 300 * (PARTS_MAX + 1) * (PARTS_MAX + 2) / 3, "{all_asked}");
+    }
+
     /// A flat triangle under a ball that just touches it is nearer than the bound within a disc of
     /// radius `√(2 R t + t²)`.
     #[test]
@@ -383,7 +476,7 @@ mod tests {
         let (radius, t): (f64, f64) = (0.06, TOUCHING);
         let x =
             [Vec3::new(-6e-3, 0.0, -4e-3), Vec3::new(0.0, 0.0, 6e-3), Vec3::new(6e-3, 0.0, -4e-3)];
-        let distance = |p: &Vec3| (p - Vec3::y() * radius).norm() - radius;
+        let distance = |p: &Vec3, _| (p - Vec3::y() * radius).norm() - radius;
         let disc = std::f64::consts::PI * (2.0 * radius * t + t * t);
         let area = area_below(&x, PARTS_MAX, distance);
         assert!((area / disc - 1.0).abs() < 0.1, "{area} of {disc} m²");

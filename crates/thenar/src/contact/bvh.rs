@@ -1,7 +1,9 @@
 //! A binary tree of bounding boxes: built once, refitted when its items move.
 
 use crate::contact::aabb::Aabb;
+use crate::contact::triangle::ROUNDED_UP;
 use crate::math::Vec3;
+use std::ops::Range;
 
 const LEAF_ITEMS_MAX: usize = 4;
 /// Median splits halve the items, so 2³² items need no more than this.
@@ -16,11 +18,20 @@ struct Node {
     count: u32,
 }
 
+impl Node {
+    /// The items of a leaf.
+    fn range(&self) -> Range<usize> {
+        self.first as usize..(self.first + self.count) as usize
+    }
+}
+
 /// The tree. Its shape depends only on the boxes it was built from.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Bvh {
     nodes: Vec<Node>,
     items: Vec<u32>,
+    /// Boxes of the items, in their order here.
+    boxes: Vec<Aabb>,
     /// The groups, and the node that holds all of each.
     roots: Vec<(u32, u32)>,
 }
@@ -34,7 +45,7 @@ impl Bvh {
     /// The same with the items of each group under a node of their own.
     pub fn build_grouped(boxes: &[Aabb], group_of: impl Fn(u32) -> u32) -> Self {
         let items = (0..boxes.len() as u32).collect();
-        let mut tree = Self { items, ..Self::default() };
+        let mut tree = Self { items, boxes: boxes.to_vec(), ..Self::default() };
         if boxes.is_empty() {
             return tree;
         }
@@ -84,16 +95,25 @@ impl Bvh {
 
     /// Recomputes every box from `box_of(item)`, children before parents.
     pub fn refit(&mut self, box_of: impl Fn(u32) -> Aabb) {
+        for (aabb, &item) in self.boxes.iter_mut().zip(&self.items) {
+            *aabb = box_of(item);
+        }
         for n in (0..self.nodes.len()).rev() {
             let Node { first, count, .. } = self.nodes[n];
             let first = first as usize;
             self.nodes[n].aabb = if count > 0 {
-                let items = &self.items[first..first + count as usize];
-                items.iter().fold(Aabb::EMPTY, |b, &i| b.union(&box_of(i)))
+                let boxes = &self.boxes[first..first + count as usize];
+                boxes.iter().fold(Aabb::EMPTY, Aabb::union)
             } else {
                 self.nodes[first].aabb.union(&self.nodes[first + 1].aabb)
             };
         }
+    }
+
+    /// Numbers the items as their leaves follow each other; returns the former number of each.
+    pub fn renumber(&mut self) -> Vec<u32> {
+        let in_order = (0..self.items.len() as u32).collect();
+        std::mem::replace(&mut self.items, in_order)
     }
 
     /// The number of nodes.
@@ -112,8 +132,7 @@ impl Bvh {
         }
     }
 
-    /// Calls `visit` for every item of A with every item of B in leaves whose boxes come within
-    /// `reach`.
+    /// Calls `visit` for every item of A with every item of B whose boxes come within `reach`.
     pub fn pairs(a: &Self, b: &Self, reach: f64, mut visit: impl FnMut(u32, u32)) {
         walk(a, b, (0, 0), reach, |_, _| false, &mut visit);
     }
@@ -175,25 +194,28 @@ impl Bvh {
         }
         let to = |n: u32| self.nodes[n as usize].aabb.distance_squared(p);
         let mut least = reach_squared;
-        let mut stack = [(0.0, 0u32); STACK];
-        stack[0] = (to(node), node);
+        // Of two lists, which are sooner cleared than one of pairs.
+        let (mut distances, mut stack) = ([0.0; STACK], [0u32; STACK]);
+        (distances[0], stack[0]) = (to(node), node);
         let mut top = 1;
         while top > 0 {
             top -= 1;
-            let (distance, n) = stack[top];
-            if distance >= least {
+            if distances[top] >= least {
                 continue;
             }
-            let Node { first, count, .. } = self.nodes[n as usize];
+            let Node { first, count, .. } = self.nodes[stack[top] as usize];
             if count > 0 {
-                for k in first..first + count {
-                    least = least.min(visit(self.items[k as usize]));
+                for k in first as usize..(first + count) as usize {
+                    if self.boxes[k].distance_squared(p) < least * ROUNDED_UP {
+                        least = least.min(visit(self.items[k]));
+                    }
                 }
                 continue;
             }
             let (l, r) = ((to(first), first), (to(first + 1), first + 1));
             let (near, far) = if l.0 <= r.0 { (l, r) } else { (r, l) };
-            (stack[top], stack[top + 1]) = (far, near);
+            (distances[top], stack[top]) = far;
+            (distances[top + 1], stack[top + 1]) = near;
             top += 2;
         }
     }
@@ -229,7 +251,7 @@ impl Bvh {
         }
     }
 
-    /// Calls `visit` for every item of a leaf whose box meets `query`.
+    /// Calls `visit` for every item whose box meets `query`.
     pub fn overlapping(&self, query: &Aabb, mut visit: impl FnMut(u32)) {
         if self.nodes.is_empty() {
             return;
@@ -243,7 +265,9 @@ impl Bvh {
                 continue;
             }
             if node.count > 0 {
-                (node.first..node.first + node.count).for_each(|k| visit(self.items[k as usize]));
+                for k in node.range().filter(|&k| self.boxes[k].overlaps(query)) {
+                    visit(self.items[k]);
+                }
                 continue;
             }
             stack[top] = node.first + 1;
@@ -287,13 +311,20 @@ fn walk(
         let size =
             |node: &Node| if node.count > 0 { -1.0 } else { node.aabb.half().norm_squared() };
         match (a.children(n), b.children(m)) {
-            (Err(items), _) if itself => {
-                for (k, &i) in items.iter().enumerate() {
-                    items[k + 1..].iter().for_each(|&j| visit(i, j));
+            (Err(_), Err(_)) => {
+                let (of_n, of_m) = (of_a.range(), of_b.range());
+                for k in of_n {
+                    let near = a.boxes[k].inflate(reach);
+                    if !itself && !near.overlaps(&of_b.aabb) {
+                        continue;
+                    }
+                    let first = if itself { k + 1 } else { of_m.start };
+                    for l in first..of_m.end {
+                        if near.overlaps(&b.boxes[l]) {
+                            visit(a.items[k], b.items[l]);
+                        }
+                    }
                 }
-            }
-            (Err(items), Err(others)) => {
-                items.iter().for_each(|&i| others.iter().for_each(|&j| visit(i, j)));
             }
             (Ok([l, r]), _) if itself => {
                 [(l, r), (r, r), (l, l)]

@@ -2,6 +2,7 @@
 
 use crate::contact::{Part, Shape, ellipsoid};
 use crate::math::Vec3;
+use std::cell::Cell;
 
 /// Signed distance to a surface and its gradient.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,6 +42,16 @@ impl Shape {
         match self {
             Self::Mesh(mesh) => mesh.distance_within(p_S, reach),
             _ => Some(self.distance(p_S)).filter(|d| d.value < reach),
+        }
+    }
+
+    /// The distance, given that it is no more than `known` \[m\] on either side: of a mesh, and near it, this takes a
+    /// fraction of the time, the less the nearer to where the last one was asked with the same `guess` (any at first).
+    #[inline]
+    pub(crate) fn distance_near(&self, p_S: &Vec3, known: f64, guess: &Cell<u32>) -> Distance {
+        match self {
+            Self::Mesh(mesh) => mesh.distance_near(p_S, known, guess),
+            _ => self.distance(p_S),
         }
     }
 }

@@ -20,7 +20,7 @@ impl DistanceGrid {
         let scaled = (p - self.origin) / self.cell;
         let mut at = [0usize; 3];
         for k in 0..3 {
-            let nearest = scaled[k].round();
+            let nearest = scaled[k] + 0.5;
             if !(nearest >= 0.0 && nearest < f64::from(self.dims[k])) {
                 return None;
             }

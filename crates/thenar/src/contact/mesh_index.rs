@@ -6,10 +6,10 @@
 //! which is nearest, answers: so pieces that overlap are one body. A cavity belongs to the piece
 //! around it. Where a piece is open, pseudo-normals tell the side near it and the grid far from it.
 
+use crate::contact::DistanceGrid;
 use crate::contact::aabb::Aabb;
 use crate::contact::bvh::Bvh;
 use crate::contact::triangle::{Closest, Feature, area_vector, closest_on_triangle};
-use crate::contact::{Distance, DistanceGrid, MeshShape};
 use crate::math::Vec3;
 
 /// An edge of the mesh that is not flat.
@@ -24,16 +24,20 @@ pub(crate) struct MeshEdge {
 #[derive(Clone, Default)]
 pub(crate) struct MeshIndex {
     pub tree: Bvh,
-    /// Triangle of each item of the tree; those without area are left out.
+    /// Triangle of each item of the tree, in the order of its leaves; those without area are left out.
     pub items: Vec<u32>,
+    /// Corners of each item.
+    pub(super) corners: Vec<[Vec3; 3]>,
     /// Unit normal per triangle.
     pub face_normals: Vec<Vec3>,
     /// Pseudo-normals of the edges of each triangle, edge k from corner k to corner k + 1.
     edge_normals: Vec<[Vec3; 3]>,
     /// Pseudo-normals per vertex, weighted by angle.
     vertex_normals: Vec<Vec3>,
+    /// The pieces: number, box and node of each.
+    pub(super) pieces: Vec<(u32, Aabb, u32)>,
     /// Whether each piece is closed.
-    closed: Vec<bool>,
+    pub(super) closed: Vec<bool>,
     /// Edges whose faces differ in direction by more than `SHARP`.
     pub edges: Vec<MeshEdge>,
     pub edge_tree: Bvh,
@@ -43,7 +47,7 @@ pub(crate) struct MeshIndex {
     /// Half the thickness of a shell, zero for a solid \[m\].
     pub rounding: f64,
     /// Longest side of the box around the mesh \[m\].
-    size: f64,
+    pub(super) size: f64,
 }
 
 impl std::fmt::Debug for MeshIndex {
@@ -52,8 +56,6 @@ impl std::fmt::Debug for MeshIndex {
     }
 }
 
-/// Nearer than this part of the size, a point counts as on the surface.
-const ON_SURFACE: f64 = 1e-10;
 /// Cosine of the bend from which an edge is an edge, 5°. Below it the surface is taken as smooth:
 /// bodies touch it within its faces.
 const SHARP: f64 = 0.996_194_698_091_745_5;
@@ -92,6 +94,7 @@ impl MeshIndex {
         index.closed = vec![true; last];
         open.iter().for_each(|&t| index.closed[pieces.of(t) as usize] = false);
         index.tree = Bvh::build_grouped(&boxes, |i| group[i as usize]);
+        index.pieces = index.tree.groups().map(|(g, around, node)| (g, *around, node)).collect();
         let bounds = boxes.iter().fold(Aabb::EMPTY, |all, b| all.union(b));
         index.size = if boxes.is_empty() { 0.0 } else { 2.0 * bounds.half().max() };
         let of_items = items.iter().flat_map(|&t| triangles[t as usize]);
@@ -100,8 +103,9 @@ impl MeshIndex {
         index.vertices.dedup();
         let place = |&v: &u32| Aabb { min: points[v as usize], max: points[v as usize] };
         index.vertex_tree = Bvh::build(&index.vertices.iter().map(place).collect::<Vec<_>>());
-        index.items = items;
-        index.rounding = index.shell(points, triangles, grid);
+        index.items = index.tree.renumber().into_iter().map(|i| items[i as usize]).collect();
+        index.corners = index.items.iter().map(|&t| corners(t)).collect();
+        index.rounding = index.shell(grid);
         let ends = |e: &MeshEdge| Aabb::of_points(&e.vertices.map(|v| points[v as usize]));
         index.edge_tree = Bvh::build(&index.edges.iter().map(ends).collect::<Vec<_>>());
         index
@@ -155,53 +159,41 @@ impl MeshIndex {
 
     /// Half the thickness of the shell that the grid describes; zero of a solid. The grid of a
     /// shell holds the distance to its triangles less that half, exactly, at each of its points.
-    fn shell(&self, points: &[Vec3], triangles: &[[u32; 3]], grid: &DistanceGrid) -> f64 {
+    fn shell(&self, grid: &DistanceGrid) -> f64 {
         if self.closed.iter().all(|&closed| closed) || !grid.is_sound() {
             return 0.0;
         }
-        let Some(near) = self.closest(points, triangles, &grid.origin, f64::INFINITY) else {
-            return 0.0;
-        };
+        let Some(near) = self.closest(&grid.origin) else { return 0.0 };
         let half = near.distance_squared.sqrt() - f64::from(grid.values[0]);
         if half > 0.5 * grid.cell { half } else { 0.0 }
     }
 
-    /// The nearest point of all triangles within `reach`.
-    fn closest(
-        &self,
-        points: &[Vec3],
-        triangles: &[[u32; 3]],
-        p: &Vec3,
-        reach: f64,
-    ) -> Option<Closest> {
+    /// The nearest point of all triangles.
+    fn closest(&self, p: &Vec3) -> Option<Closest> {
         let mut best: Option<Closest> = None;
-        for (_, _, node) in self.tree.groups() {
-            let reach = best.map_or(reach * reach, |b| b.distance_squared);
-            if let Some((_, near)) = self.closest_below(node, points, triangles, p, reach) {
+        for &(_, _, node) in &self.pieces {
+            let reach = best.map_or(f64::INFINITY, |b| b.distance_squared);
+            if let Some((_, near)) = self.closest_below(node, p, reach) {
                 best = Some(near);
             }
         }
         best
     }
 
-    /// The nearest triangle below a node of the tree, and its nearest point.
-    fn closest_below(
+    /// The nearest item below a node of the tree, and its nearest point.
+    pub(super) fn closest_below(
         &self,
         node: u32,
-        points: &[Vec3],
-        triangles: &[[u32; 3]],
         p: &Vec3,
         reach_squared: f64,
     ) -> Option<(u32, Closest)> {
         let mut best: Option<(u32, Closest)> = None;
         let mut least = reach_squared;
         self.tree.nearest(node, p, reach_squared, |i| {
-            let t = self.items[i as usize];
-            let x = triangles[t as usize].map(|v| points[v as usize]);
-            let near = closest_on_triangle(p, &x);
+            let near = closest_on_triangle(p, &self.corners[i as usize]);
             if near.distance_squared < least {
                 least = near.distance_squared;
-                best = Some((t, near));
+                best = Some((i, near));
             }
             least
         });
@@ -209,75 +201,13 @@ impl MeshIndex {
     }
 
     /// Pseudo-normal of the part of triangle `t` that a point is nearest to; not of unit length.
-    fn normal(&self, triangles: &[[u32; 3]], t: u32, feature: Feature) -> Vec3 {
+    pub(super) fn normal(&self, triangles: &[[u32; 3]], t: u32, feature: Feature) -> Vec3 {
         let t = t as usize;
         match feature {
             Feature::Face => self.face_normals[t],
             Feature::Edge(k) => self.edge_normals[t][k],
             Feature::Vertex(k) => self.vertex_normals[triangles[t][k] as usize],
         }
-    }
-}
-
-impl MeshShape {
-    /// Signed distance from `p` (frame of the mesh).
-    pub(crate) fn distance(&self, p: &Vec3) -> Distance {
-        self.search(p, f64::INFINITY).unwrap_or(Distance { value: f64::MAX, gradient: Vec3::y() })
-    }
-
-    /// The same within `reach` of the surface, or inside it.
-    pub(crate) fn distance_within(&self, p: &Vec3, reach: f64) -> Option<Distance> {
-        self.search(p, reach).filter(|d| d.value < reach)
-    }
-
-    fn search(&self, p: &Vec3, reach: f64) -> Option<Distance> {
-        let index = &self.index;
-        let mut best: Option<Distance> = None;
-        for (group, around, node) in index.tree.groups() {
-            // Outside the box around a piece only a nearer surface matters; inside it a farther
-            // one can mean that the point is deep.
-            let limit = best.map_or(reach, |b| b.value.min(reach));
-            let to_box = around.distance_squared(p);
-            let within = if to_box > 0.0 {
-                let limit = limit + index.rounding;
-                if limit <= 0.0 || to_box >= limit * limit {
-                    continue;
-                }
-                limit * limit
-            } else {
-                self.grid.bound(p).map_or(f64::INFINITY, |d| (d + 2.0 * index.rounding).powi(2))
-            };
-            let find = |reach| index.closest_below(node, &self.points, &self.triangles, p, reach);
-            let found = find(within).or_else(|| (to_box == 0.0).then(|| find(f64::INFINITY))?);
-            let Some((t, near)) = found else { continue };
-            let d = self.signed(p, t, &near, group);
-            if best.is_none_or(|b| d.value < b.value) {
-                best = Some(d);
-            }
-        }
-        best
-    }
-
-    /// Distance by the nearest point `near` of triangle `t` of a piece.
-    fn signed(&self, p: &Vec3, t: u32, near: &Closest, group: u32) -> Distance {
-        let index = &self.index;
-        let away = p - near.point;
-        let length = near.distance_squared.sqrt();
-        let normal = index.normal(&self.triangles, t, near.feature);
-        let mut outside = away.dot(&normal) >= 0.0;
-        if index.rounding > 0.0 {
-            outside = true;
-        } else if !index.closed[group as usize] && length > self.grid.cell {
-            outside = !self.grid.is_inside(p);
-        }
-        let side = if outside { 1.0 } else { -1.0 };
-        let gradient = if length > ON_SURFACE * index.size {
-            away * (side / length)
-        } else {
-            let of_face = index.face_normals[t as usize];
-            normal.try_normalize(1e-12).unwrap_or(of_face)
-        };
-        Distance { value: side * length - index.rounding, gradient }
     }
 }
 
@@ -347,9 +277,11 @@ mod tests {
     use super::*;
     use crate::contact::grid::tests::grid_of;
     use crate::contact::tests::{boxed, cube};
+    use crate::contact::triangle::ROUNDED_UP;
     use crate::contact::triangle::tests::Random;
-    use crate::contact::{Part, Shape};
+    use crate::contact::{MeshShape, Part, Shape};
     use crate::math::Pose;
+    use std::cell::Cell;
     use std::f64::consts::{PI, TAU};
     use std::sync::Arc;
 
@@ -417,6 +349,26 @@ mod tests {
                     assert!(mesh.distance(&foot).value.abs() < 1e-12 * (1.0 + reach));
                     let near = mesh.distance_within(&p, 0.01);
                     assert_eq!(near, Some(d).filter(|d| d.value < 0.01));
+                }
+            }
+        }
+    }
+
+    /// Whatever is guessed and known, near or far, and of pieces within each other.
+    #[test]
+    fn a_guess_changes_nothing() {
+        let mut random = Random::new(4);
+        let mut other = cube(0.02, 3);
+        other.0.iter_mut().for_each(|p| p.x += 0.03);
+        for surface in [torus(0.04, 0.015, 24, 12), join(cube(0.05, 4), other)] {
+            let mesh = MeshShape::new(surface.0, surface.1, any_grid());
+            let guess = Cell::new(0);
+            let mut p = Vec3::zeros();
+            for i in 0..4000 {
+                p = if i % 20 == 0 { random.vector(0.06) } else { p + random.vector(0.002) };
+                let exact = mesh.distance(&p);
+                for known in [exact.value.abs() * ROUNDED_UP, 0.1, f64::INFINITY] {
+                    assert_eq!(mesh.distance_near(&p, known, &guess), exact, "{p}");
                 }
             }
         }

@@ -36,6 +36,7 @@ mod grid;
 mod groups;
 mod manifold;
 mod mesh_deep;
+mod mesh_distance;
 mod mesh_index;
 mod mesh_pair;
 mod near;

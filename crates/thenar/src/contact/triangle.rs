@@ -23,6 +23,10 @@ pub(crate) struct Closest {
     pub distance_squared: f64,
 }
 
+/// Bounds of distances, and of their squares, leave so much room for rounding: what is tried in vain costs little, what
+/// is passed over is missed.
+pub(crate) const ROUNDED_UP: f64 = 1.0 + 1e-9;
+
 /// Solid angle under which `p` sees triangle `x`, positive from behind \[sr\] (van Oosterom and Strackee 1983). A closed
 /// surface fills 4π times its winding number about the point.
 pub(crate) fn solid_angle(p: &Vec3, x: &[Vec3; 3]) -> f64 {
