@@ -29,16 +29,27 @@ pub(crate) fn approach(
     radius: f64,
     margin: f64,
 ) -> Option<Distance> {
-    let now = shape.distance(p);
-    let now = Distance { value: now.value - radius, ..now };
-    if now.value <= margin {
-        return Some(now);
+    approach_from(shape, p, shape.distance(p), u, radius, margin)
+}
+
+/// The same of a centre whose distance `now` is known.
+pub(crate) fn approach_from(
+    shape: &Shape,
+    p: &Vec3,
+    now: Distance,
+    u: &Vec3,
+    radius: f64,
+    margin: f64,
+) -> Option<Distance> {
+    let gap = now.value - radius;
+    if gap <= margin {
+        return Some(Distance { value: gap, ..now });
     }
     let length = u.norm();
-    if now.value > margin + length {
+    if gap > margin + length {
         return None;
     }
-    trace(shape, p, u, length, radius, margin)
+    trace(shape, p, now, u, length, radius, margin)
 }
 
 /// Follows the ball along `u` to the first place within `margin` of the shape that it nears: one that it passes
@@ -46,13 +57,14 @@ pub(crate) fn approach(
 fn trace(
     shape: &Shape,
     p: &Vec3,
+    now: Distance,
     u: &Vec3,
     length: f64,
     radius: f64,
     margin: f64,
 ) -> Option<Distance> {
     let mut s = 0.0;
-    let mut at = shape.distance(p);
+    let mut at = now;
     for _ in 0..TRACE_STEPS_MAX {
         let gap = at.value - radius;
         if gap <= margin && u.dot(&at.gradient) < 0.0 {
@@ -109,11 +121,15 @@ pub(crate) fn keep_side(
 fn entry(shape: &Shape, p: &Vec3, u: &Vec3, depth: f64) -> Option<Vec3> {
     let length = u.norm();
     let from = p - u;
-    if length <= -depth || shape.distance(&from).value <= 0.0 {
+    if length <= -depth {
+        return None;
+    }
+    let there = shape.distance(&from);
+    if there.value <= 0.0 {
         return None;
     }
     let near = 1e-3 * length;
-    approach(shape, &from, u, 0.0, near).map(|d| d.gradient)
+    approach_from(shape, &from, there, u, 0.0, near).map(|d| d.gradient)
 }
 
 /// Whether the segment from `from` to `to` meets the inside of the shape.

@@ -8,9 +8,10 @@
 
 use crate::contact::aabb::Aabb;
 use crate::contact::along::Along;
-use crate::contact::approach::approach;
+use crate::contact::approach::approach_from;
 use crate::contact::features::{corners, edges as cuboid_edges, rim};
 use crate::contact::manifold::{Manifold, ManifoldPoint};
+use crate::contact::mesh_clear;
 use crate::contact::mesh_deep::{self, DeepFace};
 use crate::contact::mesh_index::MeshEdge;
 use crate::contact::nearest::point as weighted;
@@ -57,6 +58,9 @@ pub(crate) fn convex_on_mesh(a: &Mover, b: &Mover, reach: Reach, manifold: &mut 
     let pair = Pair::new(a, b, reach);
     if matches!(pair.a.shape, Shape::HalfSpace) {
         reversed(manifold, |m| vertices(&Pair::new(b, a, reach), mesh, FROM_B, m));
+        return;
+    }
+    if mesh_clear::is_clear(&pair, mesh) {
         return;
     }
     let first = manifold.points().len();
@@ -124,15 +128,15 @@ pub(super) struct Pair<'a> {
     pub a: Solid<'a>,
     pub b: Solid<'a>,
     movers: [&'a Mover<'a>; 2],
-    reach: Reach,
+    pub reach: Reach,
     /// How far points can move against each other in the step \[m\].
-    travel: f64,
+    pub travel: f64,
     /// A length of A below which places do not differ \[m\].
     same: f64,
 }
 
 impl<'a> Pair<'a> {
-    fn new(a: &'a Mover<'a>, b: &'a Mover<'a>, reach: Reach) -> Self {
+    pub fn new(a: &'a Mover<'a>, b: &'a Mover<'a>, reach: Reach) -> Self {
         let (pa, pb) = (a.side.placed, b.side.placed);
         let travel = reach.h * (pa.velocity - pb.velocity).norm() + pa.turn + pb.turn;
         let size = |m: &Mover| match mesh_of(&m.piece.shape) {
@@ -147,10 +151,10 @@ impl<'a> Pair<'a> {
     pub fn approach(&self, p_W: &Vec3, radius: f64) -> Option<Distance> {
         let p = self.b.shape_point(p_W);
         let limit = radius + self.reach.margin + self.travel;
-        self.b.shape.distance_within(&p, limit)?;
+        let now = self.b.shape.distance_within(&p, limit)?;
         let [a, b] = self.movers.map(|m| m.side.placed.velocity_at(p_W));
         let u = self.b.rotation.tr_mul(&(a - b)) * self.reach.h;
-        let found = approach(self.b.shape, &p, &u, radius, self.reach.margin)?;
+        let found = approach_from(self.b.shape, &p, now, &u, radius, self.reach.margin)?;
         Some(Distance { gradient: self.b.rotation * found.gradient, ..found })
     }
 
@@ -277,9 +281,7 @@ fn faces(pair: &Pair, mesh: &MeshShape, shallow: f64, manifold: &mut Manifold) -
             return;
         }
         let tri = tri.map(|p| pair.a.shape_point(&pair.b.world_point(&p)));
-        let middle = (tri[0] + tri[1] + tri[2]) / 3.0;
-        let reach = tri.iter().map(|p| (p - middle).norm()).fold(0.0, f64::max);
-        if pair.a.shape.distance(&middle).value > margin + rounding + reach {
+        if pair.a.shape.least_over(&tri) > margin + rounding {
             return;
         }
         let q = weighted(&tri, &pair.a.shape.nearest_on_triangle(&tri));

@@ -35,6 +35,7 @@ mod features;
 mod grid;
 mod groups;
 mod manifold;
+mod mesh_clear;
 mod mesh_deep;
 mod mesh_distance;
 mod mesh_index;

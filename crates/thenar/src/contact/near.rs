@@ -3,7 +3,7 @@
 use crate::contact::Part;
 use crate::contact::aabb::Aabb;
 use crate::contact::soft_rigid::SoftRigid;
-use crate::contact::triangle::{Closest, closest_on_triangle};
+use crate::contact::triangle::{Closest, ROUNDED_UP, closest_on_triangle};
 use crate::math::Vec3;
 
 /// Most places at which a ball is looked for along the way of a triangle.
@@ -50,13 +50,10 @@ impl Near {
         moved.iter().fold(Aabb::of_points(&self.x), |b, p| b.with(p))
     }
 
-    /// Whether any point of the triangle can come within `margin` of a part in this step: none is farther
-    /// from the middle than a corner.
+    /// Whether any point of the triangle can come within `margin` of a convex part in this step.
     pub fn may_touch(&self, part: &Part, margin: f64) -> bool {
-        let middle = (self.x[0] + self.x[1] + self.x[2]) / 3.0;
-        let size = self.x.iter().map(|p| (p - middle).norm_squared()).fold(0.0, f64::max).sqrt();
-        let distance = part.shape.distance(&part.pose_SP.inverse_point(&middle)).value;
-        distance - size <= margin + self.travel
+        let x = self.x.map(|p| part.pose_SP.inverse_point(&p));
+        part.shape.least_over(&x) <= margin + self.travel
     }
 
     /// How far the point with these weights moves in this step \[m\].
@@ -73,13 +70,24 @@ impl Near {
     /// so in this step: one that passes by is behind its tangent plane there, outside though it is (conservative
     /// advancement: no point of it moves farther than `travel`).
     pub fn arrival(&self, c: &Vec3, radius: f64, margin: f64) -> Option<Arrival> {
-        if self.travel <= 0.0 {
+        self.arrival_from(c, radius, margin, self.closest(c), 1.0)
+    }
+
+    /// The same with the place nearest now known, if it comes no later than after the part `latest` of the step.
+    pub fn arrival_from(
+        &self,
+        c: &Vec3,
+        radius: f64,
+        margin: f64,
+        now: Closest,
+        latest: f64,
+    ) -> Option<Arrival> {
+        let reach = radius + margin;
+        if self.travel <= 0.0 || !may_arrive(c, &now, reach, |k| self.u[k] * latest) {
             return None;
         }
-        let mut at = 0.0;
+        let (mut at, mut closest) = (0.0, now);
         for _ in 0..ADVANCES_MAX {
-            let x = [0, 1, 2].map(|k| self.x[k] + at * self.u[k]);
-            let closest = closest_on_triangle(c, &x);
             let distance = closest.distance_squared.sqrt();
             let normal = (closest.point - c).try_normalize(0.0)?;
             let nears = self.motion(&closest.weights).dot(&normal) < 0.0;
@@ -89,17 +97,62 @@ impl Near {
                 return Some(Arrival { at, weights: closest.weights, normal, gap });
             }
             at += (distance - radius - 0.5 * margin).max(0.5 * margin) / self.travel;
-            if at > 1.0 {
+            if at > latest {
                 return None;
             }
+            closest = closest_on_triangle(c, &[0, 1, 2].map(|k| self.x[k] + at * self.u[k]));
         }
         None
     }
 }
 
+/// Whether a triangle whose corners move by `motion` past `c` may come within `reach` of it: all of it lies beyond the
+/// plane through its nearest place, square to the way there, which comes no faster than the fastest corner.
+pub(crate) fn may_arrive(
+    c: &Vec3,
+    nearest: &Closest,
+    reach: f64,
+    motion: impl Fn(usize) -> Vec3,
+) -> bool {
+    let away = nearest.point - c;
+    let comes = |k: usize| -away.dot(&motion(k));
+    let fastest = comes(0).max(comes(1)).max(comes(2)).max(0.0);
+    let squared = nearest.distance_squared;
+    squared <= (fastest + reach * squared.sqrt()) * ROUNDED_UP
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::triangle::tests::Random;
+
+    /// Whatever comes near is let through; what flies away, or past at a distance, mostly not.
+    #[test]
+    fn what_comes_within_reach_may_arrive() {
+        let mut random = Random::new(5);
+        let (reach, mut near, mut passed) = (2e-3, 0, 0);
+        for _ in 0..20_000 {
+            let (at, way) = (random.vector(0.02), random.vector(0.03));
+            let corners = [0; 3].map(|_| at + random.vector(0.006));
+            let ways = [0; 3].map(|_| way + random.vector(0.01));
+            let c = random.vector(0.005);
+            let now = closest_on_triangle(&c, &corners);
+            if now.distance_squared <= reach * reach {
+                continue;
+            }
+            let least = (0..=100).map(|i| {
+                let at = f64::from(i) / 100.0;
+                let x = [0, 1, 2].map(|k| corners[k] + at * ways[k]);
+                closest_on_triangle(&c, &x).distance_squared
+            });
+            let comes = least.fold(f64::INFINITY, f64::min) <= reach * reach;
+            let may = may_arrive(&c, &now, reach, |k| ways[k]);
+            assert!(may || !comes, "{corners:?} {ways:?} {c}");
+            near += u32::from(comes);
+            passed += u32::from(!may);
+        }
+        assert!(near > 500 && passed > 5000, "{near} {passed}");
+    }
 
     /// Triangles that fly past a ball and triangles that hit it, spinning ones too: that of one outside now never
     /// says that it is inside.

@@ -1,7 +1,7 @@
 //! The point of a triangle, or of a segment, at which a shape's signed distance is least.
 
-use crate::contact::Shape;
 use crate::contact::triangle::closest_on_triangle;
+use crate::contact::{Distance, Shape};
 use crate::math::Vec3;
 
 /// How much the middle of the triangle is preferred: a point at distance d from it counts as
@@ -45,6 +45,21 @@ impl Shape {
 }
 
 impl Shape {
+    /// No point of a triangle is nearer to a convex shape than this \[m\]: its distance lies above the tangent plane at
+    /// the triangle's middle.
+    pub(crate) fn least_over(&self, tri: &[Vec3; 3]) -> f64 {
+        let middle = (tri[0] + tri[1] + tri[2]) / 3.0;
+        let Distance { value, gradient } = self.distance(&middle);
+        let along = tri.map(|p| gradient.dot(&(p - middle)));
+        value + along[0].min(along[1]).min(along[2])
+    }
+
+    /// The same for the segment from `a` to `b`.
+    pub(crate) fn least_along(&self, a: &Vec3, b: &Vec3) -> f64 {
+        let Distance { value, gradient } = self.distance(&(0.5 * (a + b)));
+        value - 0.5 * gradient.dot(&(b - a)).abs()
+    }
+
     /// Where on the segment from `a` (0) to `b` (1) the signed distance of a convex shape is least; with
     /// the same preference for the middle as in [`Shape::nearest_on_triangle`].
     pub(crate) fn nearest_on_segment(&self, a: &Vec3, b: &Vec3) -> f64 {
@@ -231,6 +246,25 @@ mod tests {
             Shape::Ellipsoid { half: Vec3::new(0.01, 0.02, 0.03) },
             Shape::HalfSpace,
         ]
+    }
+
+    #[test]
+    fn bounds_are_below_all_of_a_triangle_and_its_edges() {
+        let mut random = Random::new(3);
+        let n = 12;
+        for shape in shapes() {
+            for _ in 0..300 {
+                let at = random.vector(0.04);
+                let tri = [0; 3].map(|_| at + random.vector(0.02));
+                let (least, along) = (shape.least_over(&tri), shape.least_along(&tri[0], &tri[1]));
+                for (i, j) in (0..=n).flat_map(|i| (0..=n - i).map(move |j| (i, j))) {
+                    let [u, v] = [i, j].map(|i| f64::from(i) / f64::from(n));
+                    let value = shape.distance(&point(&tri, &[1.0 - u - v, u, v])).value;
+                    assert!(value >= least - 1e-12, "{shape:?}");
+                    assert!(j > 0 || value >= along - 1e-12, "{shape:?}");
+                }
+            }
+        }
     }
 
     /// No point of a lattice on the triangle is nearer by more than the preference for the middle.

@@ -11,7 +11,7 @@ use crate::contact::near::{Arrival, Near};
 use crate::contact::soft_rigid::{KEY_POINT, SoftRigid, VertexScratch};
 use crate::contact::soft_round::{ROUND_PLACES, Touches, meet_round};
 use crate::contact::soft_samples::{self, meet_samples};
-use crate::contact::triangle::{Closest, area_vector};
+use crate::contact::triangle::{Closest, ROUNDED_UP, area_vector};
 use crate::contact::{Contact, Site, SurfacePoint};
 use crate::math::Vec3;
 
@@ -128,22 +128,30 @@ fn meet_sharp(pair: &SoftRigid, near: &Near, scratch: &mut FeatureScratch) {
     let reach = depth_max(pair);
     let around = near.swept().inflate(reach);
     let normal = area_vector(&near.x).try_normalize(1e-300).unwrap_or_else(Vec3::zeros);
+    let comes = if near.travel > pair.margin {
+        (pair.margin + near.travel) * ROUNDED_UP
+    } else {
+        f64::NEG_INFINITY
+    };
     pair.body.sharp.tree.overlapping(&around, |i| {
         let p = &pair.body.sharp.points[i as usize];
-        // The plane of the triangle is not farther than the triangle.
+        // The plane of the triangle is not farther than the triangle: it is not nearer than another, and does not come.
         let height = normal.dot(&(p - near.x[0])).abs();
-        if height > reach + near.travel || !around.contains(p) {
+        let Meet { mut nearest, mut arriving } = scratch.meets[i as usize];
+        let is_farther = height * height > nearest.0.min(reach * reach) * ROUNDED_UP;
+        if is_farther && height > comes || !around.contains(p) {
             return;
         }
-        let Meet { mut nearest, mut arriving } = scratch.meets[i as usize];
-        let squared = near.closest(p).distance_squared;
+        let closest = near.closest(p);
+        let squared = closest.distance_squared;
         if squared <= reach * reach {
             // Of equally near triangles the lowest index.
             nearest = least(nearest, (squared, near.index));
         }
         if near.travel > pair.margin
             && squared > pair.margin * pair.margin
-            && let Some(arrival) = near.arrival(p, 0.0, pair.margin)
+            && let Some(arrival) =
+                near.arrival_from(p, 0.0, pair.margin, closest, arriving.0.min(1.0))
         {
             arriving = least(arriving, (arrival.at, near.index));
         }

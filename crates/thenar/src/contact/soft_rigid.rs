@@ -1,6 +1,6 @@
 //! A deformable surface against a rigid shape.
 
-use crate::contact::approach::{Seen, approach, keep_side};
+use crate::contact::approach::{Seen, approach_from, keep_side};
 use crate::contact::blunt::{blunted, has_edges};
 use crate::contact::collector::{Collector, feature_key};
 use crate::contact::rigid_body::{Placed, RigidBody};
@@ -42,15 +42,13 @@ pub(crate) struct SoftRigid<'a> {
 /// Results of the vertices, for the search between them.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct VertexScratch {
-    /// Distance to the shape; infinite when out of reach.
-    pub gaps: Vec<f64>,
     /// The vertices within reach.
     pub near: Vec<u32>,
 }
 
 impl VertexScratch {
     pub fn with_size(vertices: usize) -> Self {
-        Self { gaps: vec![f64::INFINITY; vertices], near: Vec::with_capacity(vertices) }
+        Self { near: Vec::with_capacity(vertices) }
     }
 }
 
@@ -66,7 +64,6 @@ impl SoftRigid<'_> {
     ) {
         let has_features = !matches!(self.body.shape, Shape::HalfSpace);
         let around_W = self.placed.swept_W.inflate(self.margin + self.travel);
-        vertices.gaps.fill(f64::INFINITY);
         vertices.near.clear();
         let is_inside = self.may_be_inside && self.lead_out(out);
         for v in 0..self.state.positions.len() {
@@ -74,9 +71,7 @@ impl SoftRigid<'_> {
             if !around_W.inflate(feature_reach).contains(&self.state.positions[v]) {
                 continue;
             }
-            let gap = self.vertex(v, feature_reach, is_inside, sight, out);
-            if gap < f64::INFINITY {
-                vertices.gaps[v] = gap;
+            if self.vertex(v, feature_reach, is_inside, sight, out) {
                 vertices.near.push(v as u32);
             }
         }
@@ -98,7 +93,7 @@ impl SoftRigid<'_> {
         0.77 * self.surface.edge_around[v] + soft_feature::depth_max(self)
     }
 
-    /// Tests one vertex; returns its distance to the shape, infinite when out of reach.
+    /// Tests one vertex; false when the shape is out of its reach.
     /// A vertex that looks away from a body inside the surface does not touch it.
     fn vertex(
         &self,
@@ -107,21 +102,21 @@ impl SoftRigid<'_> {
         is_inside: bool,
         sight: &mut Sight,
         out: &mut Collector,
-    ) -> f64 {
+    ) -> bool {
         let (p, u) = self.in_shape(v);
         let reach = feature_reach.max(self.margin + u.norm());
         if self.body.bounds_S.distance_squared(&p) > reach * reach {
-            return f64::INFINITY;
+            return false;
         }
         let shape = &self.body.shape;
-        let Some(now) = shape.distance_within(&p, reach) else { return f64::INFINITY };
+        let Some(now) = shape.distance_within(&p, reach) else { return false };
         let slot = self.surface.first_vertex + v;
         let seen = sight.recall(slot, self.rigid);
         let sided = keep_side(shape, &p, &u, now, seen);
         let is_near = sided.value <= self.margin;
         let found = match is_near {
             true => Some(self.blunted(v, &p, now, sided)),
-            false => approach(shape, &p, &u, 0.0, self.margin),
+            false => approach_from(shape, &p, now, &u, 0.0, self.margin),
         };
         let looks_away = |normal: &Vec3| {
             let outward_W = self.surface.vertex_normal(v as u32, self.state.positions);
@@ -136,7 +131,7 @@ impl SoftRigid<'_> {
             sight.note(slot, self.rigid, Seen { normal, place });
             out.push(self.vertex_contact(v as u32, distance));
         }
-        sided.value
+        sided.value < f64::INFINITY
     }
 
     /// A vertex at distance `now` does not feel how sharp an edge is, unless it was led out another way.

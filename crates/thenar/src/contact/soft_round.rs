@@ -12,7 +12,7 @@ use crate::contact::near::{Arrival, Near};
 use crate::contact::soft_feature::Touch;
 use crate::contact::soft_rigid::{KEY_SEGMENT, SoftRigid};
 use crate::contact::soft_samples::PLACES;
-use crate::contact::triangle::{Feature, closest_on_triangle, segment_parameter};
+use crate::contact::triangle::{Feature, ROUNDED_UP, closest_on_triangle, segment_parameter};
 use crate::contact::{Distance, Part, Shape};
 use crate::math::Vec3;
 
@@ -58,7 +58,7 @@ pub(crate) fn meet_round(
     let x = near.x.map(|p| part.pose_SP.inverse_point(&p));
     let line = round_line(&part.shape);
     let mut is_far = true;
-    for_each_place(&part.shape, line.as_ref(), &x, |(place, feature, weights)| {
+    for_each_place(&part.shape, line.as_ref(), &x, pair.margin, |(place, feature, weights)| {
         let p: Vec3 = (0..3).map(|k| x[k] * weights[k]).sum();
         let now = part.shape.distance(&p);
         if now.value > pair.margin {
@@ -96,12 +96,13 @@ fn side_ends(shape: &Shape) -> Option<[Vec3; 2]> {
     }
 }
 
-/// The places inside a triangle and within its edges at which it may touch a shape, in the frame of
-/// the shape.
+/// The places inside a triangle and within its edges at which it may touch a convex shape, in the frame of
+/// the shape; those of edges that come nowhere `within` so far are left out.
 fn for_each_place(
     shape: &Shape,
     line: Option<&([Vec3; 2], f64)>,
     x: &[Vec3; 3],
+    within: f64,
     mut visit: impl FnMut(Place),
 ) {
     let is_inside = |w: &[f64; 3]| w.iter().all(|w| *w > 0.0);
@@ -121,6 +122,9 @@ fn for_each_place(
     }
     for k in 0..3 {
         let j = (k + 1) % 3;
+        if shape.least_along(&x[k], &x[j]) > within * ROUNDED_UP {
+            continue;
+        }
         let mut on_edge = |place: u32, t: f64| {
             if t > 0.0 && t < 1.0 {
                 let mut weights = [0.0; 3];

@@ -6,7 +6,7 @@
 //! each other that the ball bulges by less than [`TOUCHING`] between them hold it as well as all of the
 //! triangle would.
 
-use crate::contact::approach::approach;
+use crate::contact::approach::approach_from;
 use crate::contact::area::TOUCHING;
 use crate::contact::near::Near;
 use crate::contact::soft_feature::Touch;
@@ -114,7 +114,8 @@ pub(crate) fn meet_samples(
             continue;
         }
         let u_P = part.pose_SP.inverse_vector(&near.motion(&weights));
-        let Some(found) = approach(&part.shape, &p, &u_P, 0.0, pair.margin) else { continue };
+        let found = approach_from(&part.shape, &p, now, &u_P, 0.0, pair.margin);
+        let Some(found) = found else { continue };
         let end = found.value + found.gradient.dot(&u_P);
         if arriving.is_none_or(|(least, _)| end < least)
             && let Some(touch) = touch(found)
