@@ -60,6 +60,7 @@ mod smooth;
 mod soft_deep;
 mod soft_feature;
 mod soft_inside;
+mod soft_offer;
 mod soft_rigid;
 mod soft_round;
 mod soft_samples;

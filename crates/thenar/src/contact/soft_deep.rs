@@ -24,7 +24,7 @@ use crate::contact::soft_rigid::KEY_PIERCED;
 use crate::contact::soft_soft::{SoftSide, SoftSoft, VertexScratch};
 use crate::contact::soft_way::{Exit, Way};
 use crate::contact::surface::Surface;
-use crate::contact::triangle::{Closest, Feature, area_vector, closest_on_triangle};
+use crate::contact::triangle::{Closest, Feature, ROUNDED_UP, area_vector, closest_on_triangle};
 use crate::contact::{Contact, Site, SurfacePoint};
 use crate::math::Vec3;
 use std::ops::Range;
@@ -35,8 +35,6 @@ pub(super) const ENTERED: f64 = 0.01;
 
 /// A vertex has come through its nearest face if the way back goes against its normal within 60°.
 const OPPOSED: f64 = 0.5;
-/// Depths along one direction are equal but for rounding.
-const EQUAL: f64 = 1.0 + 1e-9;
 
 /// An edge of side `side` that goes through triangle `through` of the other.
 #[derive(Clone, Copy, Debug)]
@@ -204,10 +202,13 @@ impl SoftSoft<'_> {
         deep: &mut DeepScratch,
     ) {
         let x = other.surface.corners(t, other.state.positions);
-        let area = area_vector(&x);
+        let area = other.surface.facets[t as usize].area;
+        let p = own.surface.corners(s, own.state.positions);
+        let height = [0, 1, 2].map(|k| area.dot(&(p[k] - x[0])));
+        if height.iter().all(|h| *h > 0.0) || height.iter().all(|h| *h <= 0.0) {
+            return;
+        }
         let corners = own.surface.triangles[s as usize];
-        let p = corners.map(|v| own.state.positions[v as usize]);
-        let height = p.map(|p| area.dot(&(p - x[0])));
         let entered = -ENTERED * other.surface.edge_mean * area.norm();
         for k in 0..3 {
             let (i, j) = (k, (k + 1) % 3);
@@ -432,7 +433,7 @@ impl SoftSoft<'_> {
         }
         let way = region.way?;
         let exit = self.exit(place, &way.along)?;
-        let most = region.pressed.map_or(f64::INFINITY, |depth| depth * EQUAL);
+        let most = region.pressed.map_or(f64::INFINITY, |depth| depth * ROUNDED_UP);
         (exit.depth > 0.0 && exit.depth <= most).then(|| (way.of(place.side), exit))
     }
 

@@ -6,13 +6,12 @@ use crate::contact::apart::Apart;
 use crate::contact::approach::Seen;
 use crate::contact::bvh::Bvh;
 use crate::contact::collector::{Collector, feature_key};
-use crate::contact::near::Near;
 use crate::contact::ridge::{Crossing, Passing, Ridge, crossing, passing};
 use crate::contact::sides::Sight;
 use crate::contact::soft_deep::{DeepScratch, ENTERED};
 use crate::contact::soft_rigid::{KEY_CROSSING, KEY_SOFT_SOFT};
 use crate::contact::surface::Surface;
-use crate::contact::triangle::{Closest, Feature, area_vector, closest_on_triangle};
+use crate::contact::triangle::{Closest, Feature, ROUNDED_UP, closest_on_triangle};
 use crate::contact::{Contact, Site, SurfacePoint, SurfaceState};
 use crate::math::Vec3;
 
@@ -80,11 +79,11 @@ pub(crate) struct PairScratch {
 #[derive(Clone, Debug)]
 pub(super) struct VertexScratch {
     /// Per vertex the nearest triangle of the other side,
-    nearest: Vec<Option<(u32, Closest)>>,
+    pub nearest: Vec<Option<(u32, Closest)>>,
     /// and the one that arrives first, with the part of the step until then.
-    arriving: Vec<(f64, u32)>,
+    pub arriving: Vec<(f64, u32)>,
     /// The vertices that have either.
-    met: Vec<u32>,
+    pub met: Vec<u32>,
     /// Per vertex the triangle it touches, or `NONE`.
     touched: Vec<u32>,
 }
@@ -115,7 +114,7 @@ impl PairScratch {
 }
 
 /// A vertex that no triangle reaches in the step.
-const NEVER: (f64, u32) = (f64::INFINITY, NONE);
+pub(super) const NEVER: (f64, u32) = (f64::INFINITY, NONE);
 
 impl VertexScratch {
     /// Whether a vertex is in contact.
@@ -128,8 +127,7 @@ impl SoftSoft<'_> {
     /// Adds at most one contact per vertex, and one per two edges that cross.
     pub fn find(&self, sight: &mut Sight, scratch: &mut PairScratch, out: &mut Collector) {
         let depth = self.depth(&self.a).max(self.depth(&self.b));
-        let flown = self.h * (self.a.drift - self.b.drift).norm();
-        let reach = (self.margin + flown).max(depth);
+        let reach = (self.margin + self.flown()).max(depth);
         match self.apart {
             None => {
                 let (a, b) = (&self.a.surface.tree, &self.b.surface.tree);
@@ -153,6 +151,11 @@ impl SoftSoft<'_> {
         self.lead_out(deep, vertices, sight, out);
     }
 
+    /// How far the surfaces move past each other on the whole \[m\].
+    fn flown(&self) -> f64 {
+        self.h * (self.a.drift - self.b.drift).norm()
+    }
+
     /// How deep below a surface a point may lie and still be led out.
     pub(super) fn depth(&self, side: &SoftSide) -> f64 {
         side.surface.depth_max()
@@ -173,7 +176,8 @@ impl SoftSoft<'_> {
         self.apart.is_some_and(corners)
     }
 
-    /// Offers to each other the vertices and edges of triangle `s` of A and `t` of B.
+    /// Offers to each other the vertices and edges of triangle `s` of A and `t` of B. Those that are farther apart than
+    /// `reach` only touch if they come nearer in this step.
     fn meet(
         &self,
         [s, t]: [u32; 2],
@@ -182,9 +186,14 @@ impl SoftSoft<'_> {
         scratch: &mut PairScratch,
         out: &mut Collector,
     ) {
-        let (box_s, box_t) = (&self.a.surface.boxes[s as usize], &self.b.surface.boxes[t as usize]);
-        if !box_s.inflate(reach).overlaps(box_t) {
-            return;
+        let of_s = &self.a.surface.facets[s as usize];
+        let of_t = &self.b.surface.facets[t as usize];
+        let is_near = of_s.bounds.inflate(reach).overlaps(&of_t.bounds);
+        if !is_near {
+            let comes = (self.margin + of_s.travel_past_all(of_t)) * ROUNDED_UP;
+            if !of_s.bounds.inflate(comes).overlaps(&of_t.bounds) {
+                return;
+            }
         }
         let second = usize::from(self.apart.is_none());
         for v in self.a.surface.owned_corners(s) {
@@ -193,69 +202,12 @@ impl SoftSoft<'_> {
         for v in self.b.surface.owned_corners(t) {
             self.offer(1, v, s, reach, sight, &mut scratch.vertices[second]);
         }
-        self.cross([s, t], reach, scratch, out);
-        if box_s.overlaps(box_t) {
-            self.pierce([s, t], &mut scratch.deep);
-        }
-    }
-
-    /// Keeps triangle `t` if it is the nearest so far to vertex `v` of side `i`, or the first to reach
-    /// it in the step; for a vertex that was in contact, among those that face it.
-    fn offer(
-        &self,
-        i: usize,
-        v: u32,
-        t: u32,
-        reach: f64,
-        sight: &Sight,
-        scratch: &mut VertexScratch,
-    ) {
-        let [own, other] = self.facing(i);
-        let p = &own.state.positions[v as usize];
-        let step = self.h * (own.state.velocities[v as usize] - own.drift).norm();
-        let within = (reach + step) * (reach + step);
-        if other.surface.boxes[t as usize].distance_squared(p) > within || self.are_neighbors(v, t)
-        {
-            return;
-        }
-        let x = other.surface.corners(t, other.state.positions);
-        let seen = sight.recall(own.surface.first_vertex + v as usize, other.id);
-        if seen.is_some_and(|s: Seen| s.normal.dot(&area_vector(&x)) <= 0.0) {
-            return;
-        }
-        let closest = closest_on_triangle(p, &x);
-        let VertexScratch { nearest, arriving, met, .. } = scratch;
-        let (best, first) = (&mut nearest[v as usize], &mut arriving[v as usize]);
-        let known = best.is_some() || *first != NEVER;
-        // Of equally near triangles (a shared edge) the lowest index, whatever the order.
-        let nearer = match best {
-            None => true,
-            Some((u, c)) => (closest.distance_squared, t) < (c.distance_squared, *u),
-        };
-        if nearer {
-            *best = Some((t, closest));
-        }
-        if closest.distance_squared > self.margin * self.margin {
-            let near = self.relative(i, v, t);
-            let reaches = near.travel + self.margin > closest.distance_squared.sqrt();
-            let arrival = if reaches { near.arrival(p, 0.0, self.margin) } else { None };
-            let then = arrival.map_or(NEVER, |a| (a.at, t));
-            if then < *first {
-                *first = then;
+        if is_near {
+            self.cross([s, t], reach, scratch, out);
+            if of_s.bounds.overlaps(&of_t.bounds) {
+                self.pierce([s, t], &mut scratch.deep);
             }
         }
-        if !known && (nearer || *first != NEVER) {
-            met.push(v);
-        }
-    }
-
-    /// Triangle `t` of the other side as it moves past vertex `v` of side `i`.
-    fn relative(&self, i: usize, v: u32, t: u32) -> Near {
-        let [own, other] = self.facing(i);
-        let own_velocity = own.state.velocities[v as usize];
-        let corners = other.surface.triangles[t as usize].map(|w| w as usize);
-        let motion = |w: usize| (other.state.velocities[w] - own_velocity) * self.h;
-        Near::moving(t, corners.map(|w| other.state.positions[w]), corners.map(motion))
     }
 
     /// Turns the nearest triangles of side `i` into contacts, in the order of its vertices.
@@ -417,7 +369,7 @@ impl SoftSoft<'_> {
         let x = side.state.positions;
         let ends = [x[corners[k] as usize], x[corners[(k + 1) % 3] as usize]];
         let around = Aabb { min: ends[0], max: ends[0] }.with(&ends[1]);
-        around.inflate(reach).overlaps(&from.surface.boxes[other as usize]).then_some(ends)
+        around.inflate(reach).overlaps(&from.surface.facets[other as usize].bounds).then_some(ends)
     }
 
     /// Whether an edge is a neighbour of triangle `other`.

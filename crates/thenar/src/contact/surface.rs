@@ -14,6 +14,41 @@ const NONE: u32 = u32::MAX;
 /// nearer to the triangle than to a wall that goes down from its rim.
 const DEPTH: f64 = 0.25;
 
+/// A triangle at the start of a step, and its motion.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Facet {
+    pub bounds: Aabb,
+    /// Area vector \[m²\].
+    pub area: Vec3,
+    /// Mean motion of its corners in the step \[m\].
+    motion: Vec3,
+    /// Its points move by this, but for so much \[m\].
+    spread: f64,
+}
+
+impl Facet {
+    fn new(x: &[Vec3; 3], motions: &[Vec3; 3]) -> Self {
+        let motion = (motions[0] + motions[1] + motions[2]) / 3.0;
+        let off = motions.iter().map(|u| (u - motion).norm_squared()).fold(0.0, f64::max);
+        Self {
+            bounds: Aabb { min: x[0], max: x[0] }.with(&x[1]).with(&x[2]),
+            area: area_vector(x),
+            motion,
+            spread: off.sqrt(),
+        }
+    }
+
+    /// How far its points move at most past one that moves by `motion` \[m\].
+    pub fn travel_past(&self, motion: &Vec3) -> f64 {
+        (self.motion - motion).norm() + self.spread
+    }
+
+    /// The same past any point of another triangle.
+    pub fn travel_past_all(&self, other: &Self) -> f64 {
+        self.travel_past(&other.motion) + other.spread
+    }
+}
+
 /// Topology of one surface and a tree over its triangles.
 #[derive(Clone, Debug)]
 pub(crate) struct Surface {
@@ -26,8 +61,12 @@ pub(crate) struct Surface {
     around_start: Vec<u32>,
     around: Vec<u32>,
     pub tree: Bvh,
-    /// Boxes of the triangles during the step, as of the last [`Surface::refit`].
-    pub boxes: Vec<Aabb>,
+    /// The triangles as of the last [`Surface::refit`],
+    pub facets: Vec<Facet>,
+    /// motions of the vertices in the step \[m\],
+    pub motions: Vec<Vec3>,
+    /// and where these end, seen from the frame of the tree \[m\].
+    ends: Vec<Vec3>,
     /// For each triangle, which of its corners it answers for.
     owned: Vec<[bool; 3]>,
     /// Mean edge length at rest \[m\].
@@ -49,7 +88,10 @@ impl Surface {
         flesh.collision.positions(&flesh.tets, &flesh.nodes, &mut rest);
         let triangles = flesh.collision.triangles.clone();
         let (around_start, around) = triangles_around(&triangles, rest.len());
-        let boxes: Vec<Aabb> = triangles.iter().map(|t| triangle_box(t, &rest)).collect();
+        let still = [Vec3::zeros(); 3];
+        let facets: Vec<Facet> =
+            triangles.iter().map(|t| Facet::new(&of_corners(t, &rest), &still)).collect();
+        let boxes: Vec<Aabb> = facets.iter().map(|facet| facet.bounds).collect();
         let lengths: Vec<f64> = triangles.iter().flat_map(|t| edge_lengths(t, &rest)).collect();
         let longest = |edges: &[f64]| edges.iter().copied().fold(0.0, f64::max);
         let edge_of: Vec<f64> = lengths.chunks(3).map(longest).collect();
@@ -64,7 +106,9 @@ impl Surface {
                 let corner = triangles[t as usize][0] as usize;
                 region_of_vertex.get(corner).copied().unwrap_or(0)
             }),
-            boxes,
+            facets,
+            motions: vec![Vec3::zeros(); rest.len()],
+            ends: rest.clone(),
             owned: owners(&triangles, rest.len()),
             edge_mean: lengths.iter().sum::<f64>() / lengths.len().max(1) as f64,
             edge_around: longest_around(&triangles, &edge_of, rest.len()),
@@ -95,17 +139,21 @@ impl Surface {
         }
     }
 
-    /// Puts the boxes around the triangles as they are and as they are after a step of length `h`,
-    /// both seen from a frame that moves with velocity `drift`.
+    /// Takes the triangles as they are, and puts the boxes of the tree around them and where they are after a step of
+    /// length `h`, both seen from a frame that moves with velocity `drift`.
     pub fn refit(&mut self, state: &SurfaceState, h: f64, drift: &Vec3) {
-        for (aabb, t) in self.boxes.iter_mut().zip(&self.triangles) {
-            let now = triangle_box(t, state.positions);
-            let moved =
-                t.map(|v| state.positions[v as usize] + h * (state.velocities[v as usize] - drift));
-            *aabb = moved.iter().fold(now, |b, p| b.with(p));
+        let Self { triangles, facets, motions, ends, tree, .. } = self;
+        let vertices = motions.iter_mut().zip(ends.iter_mut());
+        for ((motion, end), (p, v)) in vertices.zip(state.positions.iter().zip(state.velocities)) {
+            (*motion, *end) = (h * v, p + h * (v - drift));
         }
-        let boxes = &self.boxes;
-        self.tree.refit(|t| boxes[t as usize]);
+        for (facet, t) in facets.iter_mut().zip(triangles.iter()) {
+            *facet = Facet::new(&of_corners(t, state.positions), &of_corners(t, motions));
+        }
+        tree.refit(|t| {
+            let [a, b, c] = of_corners(&triangles[t as usize], ends);
+            facets[t as usize].bounds.with(&a).with(&b).with(&c)
+        });
     }
 
     /// The corners that this triangle answers for: each vertex has one such triangle.
@@ -131,7 +179,7 @@ impl Surface {
     }
 
     pub fn corners(&self, triangle: u32, x: &[Vec3]) -> [Vec3; 3] {
-        self.triangles[triangle as usize].map(|v| x[v as usize])
+        of_corners(&self.triangles[triangle as usize], x)
     }
 
     /// Whether a point is inside by the surface's winding number, which no fold changes.
@@ -215,9 +263,8 @@ impl Surface {
     }
 }
 
-fn triangle_box(t: &[u32; 3], x: &[Vec3]) -> Aabb {
-    let [a, b, c] = t.map(|v| x[v as usize]);
-    Aabb { min: a, max: a }.with(&b).with(&c)
+fn of_corners(&[u, v, w]: &[u32; 3], x: &[Vec3]) -> [Vec3; 3] {
+    [x[u as usize], x[v as usize], x[w as usize]]
 }
 
 fn edge_lengths(t: &[u32; 3], x: &[Vec3]) -> [f64; 3] {
