@@ -21,7 +21,8 @@ impl SurfacePoint {
 
     /// The combination of a quantity given per surface vertex.
     pub fn interpolate(&self, values: &[Vec3]) -> Vec3 {
-        (0..3).map(|k| values[self.vertices[k] as usize] * self.weights[k]).sum()
+        let of = |k: usize| values[self.vertices[k] as usize] * self.weights[k];
+        Vec3::zeros() + of(0) + of(1) + of(2)
     }
 }
 

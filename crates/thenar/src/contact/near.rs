@@ -33,21 +33,25 @@ pub(crate) struct Arrival {
 
 impl Near {
     pub fn new(pair: &SoftRigid, index: u32) -> Self {
-        let v = pair.surface.triangles[index as usize].map(|v| v as usize);
-        let [(x0, u0), (x1, u1), (x2, u2)] = v.map(|v| pair.in_shape(v));
+        let [a, b, c] = pair.surface.triangles[index as usize];
+        let (x0, u0) = pair.in_shape(a as usize);
+        let (x1, u1) = pair.in_shape(b as usize);
+        let (x2, u2) = pair.in_shape(c as usize);
         Self::moving(index, [x0, x1, x2], [u0, u1, u2])
     }
 
     /// A triangle whose corners move so far in this step.
     pub fn moving(index: u32, x: [Vec3; 3], u: [Vec3; 3]) -> Self {
-        let squared = u.iter().map(Vec3::norm_squared).fold(0.0, f64::max);
-        Self { index, x, u, travel: squared.sqrt() }
+        let squared = |k: usize| u[k].norm_squared();
+        let travel = squared(0).max(squared(1)).max(squared(2)).sqrt();
+        Self { index, x, u, travel }
     }
 
     /// Box around the triangle during the step.
     pub fn swept(&self) -> Aabb {
-        let moved = [0, 1, 2].map(|k| self.x[k] + self.u[k]);
-        moved.iter().fold(Aabb::of_points(&self.x), |b, p| b.with(p))
+        let [a, b, c] = self.x;
+        let now = Aabb { min: a, max: a }.with(&b).with(&c);
+        now.with(&(a + self.u[0])).with(&(b + self.u[1])).with(&(c + self.u[2]))
     }
 
     /// Whether any point of the triangle can come within `margin` of a convex part in this step.
@@ -58,7 +62,7 @@ impl Near {
 
     /// How far the point with these weights moves in this step \[m\].
     pub fn motion(&self, weights: &[f64; 3]) -> Vec3 {
-        (0..3).map(|k| self.u[k] * weights[k]).sum()
+        Vec3::zeros() + self.u[0] * weights[0] + self.u[1] * weights[1] + self.u[2] * weights[2]
     }
 
     /// The point of the triangle nearest to `p`.
@@ -100,7 +104,8 @@ impl Near {
             if at > latest {
                 return None;
             }
-            closest = closest_on_triangle(c, &[0, 1, 2].map(|k| self.x[k] + at * self.u[k]));
+            let x = |k: usize| self.x[k] + at * self.u[k];
+            closest = closest_on_triangle(c, &[x(0), x(1), x(2)]);
         }
         None
     }

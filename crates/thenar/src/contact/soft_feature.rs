@@ -6,6 +6,7 @@
 //! part touches *every* triangle near it, each at its own nearest point: contacts then move along with
 //! the bodies, and a large ball does not rest on one triangle after another.
 
+use crate::contact::aabb::Aabb;
 use crate::contact::collector::{Collector, feature_key};
 use crate::contact::near::{Arrival, Near};
 use crate::contact::soft_rigid::{KEY_POINT, SoftRigid, VertexScratch};
@@ -126,13 +127,13 @@ pub(crate) fn find(
 /// Offers a triangle to every sharp point around it.
 fn meet_sharp(pair: &SoftRigid, near: &Near, scratch: &mut FeatureScratch) {
     let reach = depth_max(pair);
-    let around = near.swept().inflate(reach);
     let normal = area_vector(&near.x).try_normalize(1e-300).unwrap_or_else(Vec3::zeros);
-    let comes = if near.travel > pair.margin {
-        (pair.margin + near.travel) * ROUNDED_UP
-    } else {
-        f64::NEG_INFINITY
+    // What hardly moves comes to nothing that is not near already.
+    let (around, comes) = match near.travel > pair.margin {
+        true => (near.swept(), (pair.margin + near.travel) * ROUNDED_UP),
+        false => (Aabb::of_points(&near.x), f64::NEG_INFINITY),
     };
+    let around = around.inflate(reach);
     pair.body.sharp.tree.overlapping(&around, |i| {
         let p = &pair.body.sharp.points[i as usize];
         // The plane of the triangle is not farther than the triangle: it is not nearer than another, and does not come.

@@ -336,7 +336,8 @@ impl Embedded {
     /// Weighted sum of a nodal quantity.
     #[inline]
     pub fn of(&self, nodal: &[Vec3]) -> Vec3 {
-        (0..4).map(|k| nodal[self.nodes[k] as usize] * self.weights[k]).sum()
+        let of = |k: usize| nodal[self.nodes[k] as usize] * self.weights[k];
+        Vec3::zeros() + of(0) + of(1) + of(2) + of(3)
     }
 }
 
