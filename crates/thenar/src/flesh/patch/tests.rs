@@ -4,7 +4,8 @@ use crate::testing::{Random, assert_close, jacobian};
 use fearless_simd::{Level, dispatch};
 use nalgebra::DMatrix;
 
-const LAWS: [Law; 3] = [Law::Corotational, Law::NeoHookean, Law::StableNeoHookean];
+const LAWS: [Law; 4] =
+    [Law::Corotational, Law::NeoHookean, Law::StableNeoHookean, Law::Ogden { alpha: 8.0 }];
 
 /// The octahedron around an edge between the centres of two cubes of 10 mm, slightly out of shape.
 fn octahedron() -> Vec<Vec3> {
