@@ -5,7 +5,8 @@ use crate::lattice::tet;
 use crate::object::{RigidModel, SoftModel};
 use crate::size::{bounds, sensible_size};
 use thenar::model::{
-    Binding, Bone, BoneSolid, CouplingKind, EmbeddedSurface, Flesh, HandModel, JointDesc, JointKind,
+    Binding, Bone, BoneSolid, CouplingKind, EmbeddedSurface, Flesh, HandModel, JointDesc,
+    JointKind, Law, OGDEN_ALPHA,
 };
 use thenar::shape::Shape;
 use thenar::{Mat3, Pose, Vec3};
@@ -66,6 +67,11 @@ pub(super) fn flesh(flesh: &Flesh) -> Check {
         numbers("Young's modulus", [material.young], |x| x > 0.0)?;
         numbers("Poisson's ratio", [material.poisson], |x| x > -1.0 && x < 0.5)?;
         numbers("density", [material.density], |x| x > 0.0)?;
+        if let Law::Ogden { alpha } = material.law {
+            let [least, most] = OGDEN_ALPHA;
+            numbers("Ogden's exponent", [alpha], |x| (least..=most).contains(&x))?;
+            numbers("Poisson's ratio of Ogden's law", [material.poisson], |x| x >= 0.0)?;
+        }
     }
     let relaxations = flesh.relaxation.len();
     ensure(relaxations == 0 || relaxations == flesh.tets.len(), || {

@@ -9,7 +9,6 @@ use thenar::model::{
 };
 
 #[derive(Deserialize)]
-#[cfg_attr(test, derive(serde::Serialize))]
 struct OldFlesh {
     nodes: Vec<Vec3>,
     tets: Vec<[u32; 4]>,
@@ -23,7 +22,6 @@ struct OldFlesh {
 
 /// A hand of version 1 or 2.
 #[derive(Deserialize)]
-#[cfg_attr(test, derive(serde::Serialize))]
 pub(super) struct OldHand {
     name: String,
     side: Option<Side>,
@@ -35,12 +33,11 @@ pub(super) struct OldHand {
     render: EmbeddedSurface,
     collision_digits: Vec<Digit>,
     length: f64,
-    pub(super) solids: Vec<BoneSolid>,
+    solids: Vec<BoneSolid>,
 }
 
 /// A deformable body of version 1 or 2.
 #[derive(Deserialize)]
-#[cfg_attr(test, derive(serde::Serialize))]
 pub(super) struct OldSoft {
     name: String,
     flesh: OldFlesh,
@@ -86,34 +83,5 @@ impl From<OldHand> for HandModel {
 impl From<OldSoft> for SoftModel {
     fn from(old: OldSoft) -> Self {
         Self { name: old.name, flesh: old.flesh.into(), render: old.render }
-    }
-}
-
-#[cfg(test)]
-impl From<HandModel> for OldHand {
-    fn from(new: HandModel) -> Self {
-        let flesh = new.flesh;
-        Self {
-            name: new.name,
-            side: new.side,
-            bones: new.bones,
-            joints: new.joints,
-            flesh: OldFlesh {
-                nodes: flesh.nodes,
-                tets: flesh.tets,
-                materials: flesh.materials,
-                mass_damping: flesh.mass_damping,
-                stiffness_damping: flesh.stiffness_damping,
-                fixed: flesh.fixed,
-                collision: flesh.collision,
-                friction: flesh.friction,
-            },
-            bindings: new.bindings,
-            node_volumes: new.node_volumes,
-            render: new.render,
-            collision_digits: new.collision_digits,
-            length: new.length,
-            solids: new.solids,
-        }
     }
 }

@@ -5,7 +5,9 @@
 use super::*;
 use crate::hand::{HandOptions, asset, build_hand};
 use crate::object::{Bread, Car, bread, toy_car};
-use thenar::model::{Binding, BoneNode, CouplingKind, EmbeddedSurface, Side, SurfaceVertex};
+use thenar::model::{
+    Binding, BoneNode, CouplingKind, EmbeddedSurface, Law, Relaxation, Side, SurfaceVertex,
+};
 
 fn small_hand() -> HandModel {
     let options = HandOptions { tets: 60, render_triangles: 200, ..HandOptions::default() };
@@ -153,15 +155,28 @@ fn objects_come_back_as_they_were() {
     }
 }
 
+/// The bytes of a hand without memory, held uniformly, as version 2 had them: without the list of relaxations, the
+/// kind of coupling and the list of nodes in bone, a zero each.
+fn of_version_2(hand: &HandModel) -> Vec<u8> {
+    let flesh = &hand.flesh;
+    let before = (&hand.name, hand.side, &hand.bones, &hand.joints);
+    let before = postcard::to_stdvec(&(before, &flesh.nodes, &flesh.tets, &flesh.materials));
+    let mut bytes = bytes_of(hand);
+    assert_eq!(bytes.remove(32 + before.unwrap().len()), 0);
+    assert_eq!(bytes[bytes.len() - 2..], [0, 0]);
+    let mut old = resealed(&bytes[..bytes.len() - 2]);
+    old[8] = 2;
+    old
+}
+
 /// Version 1 ended before the solids, version 2 after them; neither had memory, nor nodes in bone.
 #[test]
 fn hands_of_earlier_versions_lack_what_came_later() {
     for (version, solids) in [(1, 0), (2, 2)] {
         let solids = tiny_hand().solids[..solids].to_vec();
         let hand = HandModel { solids, bone_nodes: Vec::new(), ..tiny_hand() };
-        let mut old = container::encode(Kind::Hand, &old::OldHand::from(hand.clone())).unwrap();
+        let mut old = of_version_2(&hand);
         if version == 1 {
-            // An empty list is a zero.
             old = resealed(&old[..old.len() - 1]);
         }
         old[8] = version;
@@ -174,4 +189,23 @@ fn hands_of_earlier_versions_lack_what_came_later() {
         let error = Model::from_bytes(&old).unwrap_err().to_string();
         assert!(error.contains("version 4"), "{error}");
     }
+}
+
+#[test]
+fn laws_and_memory_come_back_and_are_checked() {
+    let mut hand = tiny_hand();
+    hand.flesh.materials[0].law = Law::Ogden { alpha: 8.5 };
+    hand.flesh.relaxation = vec![Relaxation::new(&[[0.3, 0.01], [0.2, 1.4]]).unwrap()];
+    let Model::Hand(back) = Model::from_bytes(&bytes_of(&hand)).unwrap() else {
+        panic!("not a hand")
+    };
+    assert_eq!(back.flesh.relaxation, hand.flesh.relaxation);
+    assert_eq!(back.flesh.materials, hand.flesh.materials);
+    hand.flesh.relaxation.push(Relaxation::NONE);
+    let error = Model::Hand(hand.clone()).to_bytes().unwrap_err().to_string();
+    assert!(error.contains("2 relaxations for 1 tetrahedra"), "{error}");
+    hand.flesh.relaxation.pop();
+    hand.flesh.materials[0].law = Law::Ogden { alpha: 2.0 };
+    let error = Model::Hand(hand).to_bytes().unwrap_err().to_string();
+    assert!(error.contains("Ogden's exponent 2 is not valid"), "{error}");
 }
