@@ -272,7 +272,7 @@ fn materials_that_no_tissue_has() {
         "6:27: `soft[0].material.relaxation`: expected `relaxation` or `stiffness_damping`, not both: tissue with memory is damped by it, and nothing is damped twice",
     );
     let check = |material: &str, expected: &str| {
-        check(&body(material), &format!("6:{expected}"));
+        self::check(&body(material), &format!("6:{expected}"));
     };
     check(
         "law = \"ogden\"",
