@@ -138,8 +138,16 @@ fn no_two_fingers_share_a_node_at_their_ends() {
 }
 
 #[test]
+fn the_least_and_the_largest_detail_can_be_built() {
+    for (side, detail) in [(Side::Left, 0.25), (Side::Left, 1.5)] {
+        let (_, report) = build(side, detail, 0.19);
+        assert!(report.tets > 400 && report.tets < graded_tets(1.6) as usize, "{}", report.tets);
+    }
+}
+
+#[test]
 fn a_detail_out_of_range_is_refused_by_name() {
-    for detail in [0.0, 0.2, 2.1, -1.0, f64::NAN] {
+    for detail in [0.0, 0.2, 1.6, -1.0, f64::NAN] {
         let options = HandOptions { detail: Some(detail), ..HandOptions::default() };
         let error = build_hand(asset(Side::Right), &options).unwrap_err().to_string();
         assert!(error.contains("detail") && error.contains("0.25"), "{error}");

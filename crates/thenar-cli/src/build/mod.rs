@@ -33,7 +33,7 @@ pub struct Args {
     /// Wanted number of tetrahedra.
     #[arg(long, default_value_t = 600)]
     tets: usize,
-    /// Hand: in the place of --tets, how fine a graded mesh is, from 0.25 to 2.
+    /// Hand: in the place of --tets, how fine a graded mesh is, from 0.25 to 1.5.
     #[arg(long, conflicts_with = "tets", requires = "hand")]
     detail: Option<f64>,
     /// Hand: what the springs to the bones hold where a scene does not say: all flesh, or that in the

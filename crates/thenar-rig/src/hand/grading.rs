@@ -14,10 +14,10 @@ const HALVINGS: usize = 2;
 /// Around the first joint of a finger the palm is as fine as the finger, within this part of the hand's length:
 /// a knuckle is about 20 mm wide on a hand of 190 mm.
 const KNUCKLE: f64 = 10.0 / 190.0;
-/// Least and largest detail. Twice as fine are eight times as many elements, some 60 thousand; finer ones than
-/// that, inside points would no longer resolve.
-pub const DETAILS: [f64; 2] = [0.25, 2.0];
-/// Tetrahedra of a hand of detail 1: 11 thousand in the shipped ones.
+/// Least and largest detail. At the largest a hand has some 32 thousand elements, and inside points are as close as memory
+/// lets them be: finer elements would not be resolved.
+pub const DETAILS: [f64; 2] = [0.25, 1.5];
+/// Tetrahedra of a hand of detail 1: 12 thousand in the shipped ones.
 const TETS: f64 = 1.2e4;
 
 /// Tetrahedra that a hand of this detail will have, about.
@@ -28,7 +28,7 @@ pub fn graded_tets(detail: f64) -> u64 {
 /// Sizes of the elements of a hand of length `length` \[m\] at this detail.
 pub(super) fn grading(length: f64, detail: f64) -> Result<Grading, RigError> {
     if !(DETAILS[0]..=DETAILS[1]).contains(&detail) {
-        let expected = "from 0.25 to 2";
+        let expected = "from 0.25 to 1.5";
         return Err(RigError::Parameter { name: "detail", expected, value: detail });
     }
     Ok(Grading { coarse: COARSE * length / detail, halvings: HALVINGS })

@@ -24,7 +24,7 @@ pub struct HandOptions {
     pub size: Size,
     /// Wanted number of tetrahedra, all of one size, where there is no `detail`.
     pub tets: usize,
-    /// How fine a graded mesh is, from 0.25 to 2: at 1, on a hand of 190 mm, cubes of 4 mm at the pads of the
+    /// How fine a graded mesh is, from 0.25 to 1.5: at 1, on a hand of 190 mm, cubes of 4 mm at the pads of the
     /// fingers, 8 mm along the fingers and at the knuckles, 16 mm in palm and back; all are proportional to
     /// the hand's length and to 1/detail. The surface that touches is at least as fine.
     pub detail: Option<f64>,

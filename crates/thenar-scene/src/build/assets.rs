@@ -1,6 +1,7 @@
 //! Files and built-in objects, through the rig.
 
 use super::Files;
+use super::hand_cache::hand_of;
 use super::shape::Solid;
 use crate::format::{
     BallShape, BreadShape, CarShape, ExplicitShape, FileShape, Hand, MeshShape, MeshSoftShape,
@@ -11,7 +12,7 @@ use std::path::PathBuf;
 use thenar::math::Vec3;
 use thenar::model::{CouplingKind, HandModel, Law, Material, Side};
 use thenar_rig::embed::{EmbedOptions, closed_surface, embed};
-use thenar_rig::hand::{HandOptions, Size, asset, build_hand, build_hand_file, graded_tets};
+use thenar_rig::hand::{HandOptions, Size, asset, build_hand_file, graded_tets};
 use thenar_rig::mesh::{GridOptions, load_mesh};
 use thenar_rig::object::{
     Ball, Bread, Car, ImportOptions, RigidModel, SoftModel, SoftOptions, Weight, ball as ball_of,
@@ -168,7 +169,7 @@ impl From<RigidModel> for Solid {
 pub fn hand(hand: &Hand, files: &Files) -> Result<HandModel, Fault> {
     let built_in = |side| {
         let options = HandOptions { side: Some(side), ..options(hand) };
-        build_hand(asset(side), &options).map_err(|e| hand.name.fault(e.to_string()))
+        hand_of(asset(side), &options).map_err(|e| hand.name.fault(e.to_string()))
     };
     let Some(file) = &hand.model else { return built_in(Side::Right) };
     let path = || path(files, file);

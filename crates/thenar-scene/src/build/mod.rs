@@ -5,6 +5,7 @@ mod assets;
 mod drivers;
 mod files;
 mod hand;
+mod hand_cache;
 mod inertia;
 mod joint;
 mod lattice;

@@ -1,0 +1,78 @@
+//! Hands that were built before in this process: a scene that is opened again, mirrored or swept builds each of its
+//! hands once.
+//!
+//! A hand is known by all that it is made from, the bytes of its mesh and its options, so that no entry can be
+//! stale. The last few are kept.
+
+use std::collections::VecDeque;
+use std::sync::{Mutex, PoisonError};
+use thenar::model::HandModel;
+use thenar_rig::RigError;
+use thenar_rig::hand::{HandOptions, build_hand};
+
+/// Hands kept: two of a scene, and two of another. One takes about 2 MB.
+const KEPT: usize = 4;
+
+/// What a hand is made from.
+#[derive(Clone, PartialEq)]
+struct Source {
+    bytes: Vec<u8>,
+    /// All options but the name, written out.
+    options: String,
+}
+
+static BUILT: Mutex<VecDeque<(Source, HandModel)>> = Mutex::new(VecDeque::new());
+
+/// [`build_hand`], or what that gave for the same bytes and options before.
+///
+/// # Errors
+/// As there.
+pub fn hand_of(bytes: &[u8], options: &HandOptions) -> Result<HandModel, RigError> {
+    let nameless = HandOptions { name: String::new(), ..options.clone() };
+    let source = Source { bytes: bytes.to_vec(), options: format!("{nameless:?}") };
+    let lock = || BUILT.lock().unwrap_or_else(PoisonError::into_inner);
+    let known = lock().iter().find(|(key, _)| *key == source).map(|(_, hand)| hand.clone());
+    // Nobody waits for the lock while a hand is built.
+    let hand = match known {
+        Some(hand) => hand,
+        None => {
+            let hand = build_hand(bytes, &nameless)?;
+            let mut built = lock();
+            built.truncate(KEPT - 1);
+            built.push_front((source, hand.clone()));
+            hand
+        }
+    };
+    Ok(HandModel { name: options.name.clone(), ..hand })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use thenar::model::Side;
+    use thenar_rig::hand::asset;
+
+    fn options(tets: usize, name: &str) -> HandOptions {
+        HandOptions { tets, name: name.into(), render_triangles: 200, ..HandOptions::default() }
+    }
+
+    #[test]
+    fn a_hand_that_is_asked_for_again_is_the_same_under_its_own_name() {
+        let bytes = asset(Side::Right);
+        let first = hand_of(bytes, &options(60, "a")).unwrap();
+        let again = hand_of(bytes, &options(60, "b")).unwrap();
+        assert_eq!((first.name.as_str(), again.name.as_str()), ("a", "b"));
+        assert_eq!(first.flesh.nodes, again.flesh.nodes);
+        // What differs in anything is another hand, and errors are no hands.
+        assert_ne!(hand_of(bytes, &options(90, "a")).unwrap().flesh.nodes, first.flesh.nodes);
+        let left = hand_of(asset(Side::Left), &options(60, "a")).unwrap();
+        assert_eq!(left.side, Some(Side::Left));
+        assert!(hand_of(&bytes[..1000], &options(60, "a")).is_err());
+        for tets in [100, 110, 120, 130] {
+            hand_of(bytes, &options(tets, "a")).unwrap();
+        }
+        assert!(BUILT.lock().unwrap().len() <= KEPT);
+        let fresh = build_hand(bytes, &options(60, "a")).unwrap();
+        assert_eq!(hand_of(bytes, &options(60, "a")).unwrap().flesh.nodes, fresh.flesh.nodes);
+    }
+}
