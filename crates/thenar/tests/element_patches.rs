@@ -283,6 +283,26 @@ fn a_patch_has_one_law() {
     assert!(World::new(desc(flesh, true, 1e-3)).is_ok());
 }
 
+/// Twenty needles around one long edge: more than a patch may have, and more than twice as many.
+#[test]
+fn needles_around_one_edge_are_several_patches() {
+    const COUNT: u32 = 20;
+    let ring = (0..COUNT).map(|k| {
+        let turn = std::f64::consts::TAU * f64::from(k) / f64::from(COUNT);
+        Vec3::new(0.005 * turn.cos(), 0.005 * turn.sin(), 0.0)
+    });
+    let mut flesh = lattice_bar(Vec3::repeat(0.01), [1, 1, 1], material(Law::Corotational, 0.3));
+    flesh.nodes = [-0.02, 0.02].map(|z| Vec3::new(0.0, 0.0, z)).into_iter().chain(ring).collect();
+    flesh.tets = (0..COUNT).map(|k| [0, 2 + k, 2 + (k + 1) % COUNT, 1]).collect();
+    flesh.materials = vec![flesh.materials[0]; flesh.tets.len()];
+    flesh.collision = Default::default();
+    let desc = desc(flesh, true, 1e-3);
+    let of_tet = &desc.patches[0].of_tet;
+    let largest = (0..COUNT).map(|p| of_tet.iter().filter(|&&q| q == p).count()).max();
+    assert!(largest <= Some(8), "{of_tet:?}");
+    assert!(World::new(desc).is_ok());
+}
+
 #[test]
 fn patches_that_make_no_sense_are_refused() {
     let flesh = lattice_bar(Vec3::repeat(0.01), [2, 1, 1], material(Law::Corotational, 0.3));

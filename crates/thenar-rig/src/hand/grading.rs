@@ -14,7 +14,7 @@ const HALVINGS: usize = 2;
 /// Around the first joint of a finger the palm is as fine as the finger, within this part of the hand's length:
 /// a knuckle is about 20 mm wide on a hand of 190 mm.
 const KNUCKLE: f64 = 10.0 / 190.0;
-/// Least and largest detail. At the largest a hand has some 32 thousand elements, and inside points are as close as memory
+/// Least and largest detail. At the largest the shipped hand has 32 thousand elements, and inside points are as close as memory
 /// lets them be: finer elements would not be resolved.
 pub const DETAILS: [f64; 2] = [0.25, 1.5];
 /// Tetrahedra of a hand of detail 1: 12 thousand in the shipped ones.

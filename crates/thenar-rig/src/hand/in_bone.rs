@@ -1,9 +1,10 @@
-//! Which nodes of the flesh stand for bone, and for how much of it.
+//! The nodes of the flesh that stand for bone, and how much of it each has.
 //!
 //! Every inside point of the lattice that lies in a bone's solid gives its volume to the four nodes of its
 //! tetrahedron by barycentric weights. A node follows the bone whose volume it has, or two adjacent bones
 //! by their shares. There is no threshold: what has no bone is free. The volumes of each bone are scaled
-//! to that of its solid, so that meshes of all sizes hold a bone equally.
+//! to that of its solid, so that meshes of all sizes hold a bone about equally; a node that has a share of more
+//! than two bones loses the others, which the report tells (`bound` beside `volume`).
 
 use crate::lattice::{Lattice, tet};
 use crate::weights::pair;

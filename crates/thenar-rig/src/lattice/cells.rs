@@ -7,7 +7,7 @@ use thenar::Vec3;
 pub(super) trait Cells {
     /// The tetrahedron that holds `p`.
     fn locate(&self, p: &Vec3) -> TetKey;
-    /// Its corners, positively oriented.
+    /// Corners, positively oriented.
     fn corners(&self, key: TetKey) -> [Point; 4];
     /// Place of a corner \[m\].
     fn place(&self, point: Point) -> Vec3;

@@ -8,7 +8,7 @@ use crate::math::{Pose, Vec3};
 use crate::motion::{ANGLES, AngleRange, Articulation, HandMotion, hand_angles};
 use crate::text::Fault;
 use thenar::World;
-use thenar::model::{CouplingKind, Drive, Flesh, HandHandle, HandModel, HandPlacement, Law};
+use thenar::model::{CouplingKind, Drive, Flesh, HandHandle, HandModel, HandPlacement};
 
 /// Palm drive when the scene gives none: the root follows the tracker closely.
 const PALM_DRIVE: Drive =
@@ -188,12 +188,10 @@ fn soften(flesh: &mut Flesh, table: Option<&HandMaterial>) -> Result<(), Fault> 
     };
     let young = t.young.map(|e| e / largest(|m| m.young));
     let density = t.density.map(|d| d / largest(|m| m.density));
-    let own = flesh.materials.first().map_or(Law::Corotational, |m| m.law);
-    let law = law(t.law.as_ref(), t.alpha.as_ref(), own)?;
     for material in &mut flesh.materials {
         material.young *= young.unwrap_or(1.0);
         material.density *= density.unwrap_or(1.0);
-        material.law = law;
+        material.law = law(t.law.as_ref(), t.alpha.as_ref(), material.law)?;
         set(&mut material.poisson, t.poisson);
     }
     set(&mut flesh.mass_damping, t.mass_damping);

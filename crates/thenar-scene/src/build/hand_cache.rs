@@ -10,7 +10,7 @@ use thenar::model::HandModel;
 use thenar_rig::RigError;
 use thenar_rig::hand::{HandOptions, build_hand};
 
-/// Hands kept: two of a scene, and two of another. One takes about 2 MB.
+/// Hands kept: two of a scene, and two of another. One of 12 thousand tetrahedra has a file of some megabytes.
 const KEPT: usize = 4;
 
 /// What a hand is made from.

@@ -222,7 +222,7 @@ words! {
         /// Each by itself, as in the paper: stiffer than flesh where the mesh is coarse or hardly
         /// compressible.
         "tetrahedra" => Tetrahedra,
-        /// Those around one long edge together.
+        /// All around one long edge together.
         "patches" => Patches,
     }
 }

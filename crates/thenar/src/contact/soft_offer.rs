@@ -1,4 +1,4 @@
-//! Which triangle a vertex of a deformable surface is nearest to, and which comes to it in a step.
+//! The triangle that a vertex of a deformable surface is nearest to, and the one that comes to it in a step.
 
 use crate::contact::approach::Seen;
 use crate::contact::near::{Arrival, Near, may_arrive};

@@ -22,7 +22,7 @@ pub(crate) struct Facet {
     pub area: Vec3,
     /// Mean motion of its corners in the step \[m\].
     motion: Vec3,
-    /// Its points move by this, but for so much \[m\].
+    /// The points move by this, but for so much \[m\].
     spread: f64,
 }
 

@@ -24,7 +24,7 @@ pub struct FleshModel {
     pub mass: Vec<f64>,
     /// Mass-proportional damping of each node \[1/s\].
     pub mass_damping: Vec<f64>,
-    /// Those evaluated by patches, of which none is in `lanes`.
+    /// Elements evaluated by patches, of which none is in `lanes`.
     pub patches: Patches,
     /// Tetrahedra of bodies that have patches.
     pub patched: Vec<Range<usize>>,
@@ -34,7 +34,7 @@ pub struct FleshModel {
     pub(crate) asks_foresight: bool,
     /// The others' tetrahedra, as [`FleshModel::arrange`] leaves them.
     pub(super) single: Vec<Range<usize>>,
-    /// These by eights, and the first of each eight.
+    /// The same by eights, and the first of each eight.
     lanes: Vec<(usize, RestLanes)>,
 }
 

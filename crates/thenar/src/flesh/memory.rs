@@ -22,8 +22,8 @@
 //! ```
 //!
 //! so that the stiffness of an element is an elastic one times a number in (g∞, 1): no other pattern, and as
-//! definite as before. It has no geometric part: that would act on absolute velocities and brake a spin. With dᵢ ≤ cᵢ ≤ 1 a linear material gives back no more than was put in:
-//! `c² - 2c + d² ≤ 0`.
+//! definite as before. There is no geometric part, which would act on absolute velocities and brake a spin. With
+//! dᵢ ≤ cᵢ ≤ 1 a linear material gives back no more than was put in: `c² - 2c + d² ≤ 0`.
 //!
 //! A stress M that is not along the axes of S is the force `P = R (M + A)` with the skew part A that makes
 //! `P Fᵀ` symmetric: without it an element would turn itself. In the axes of S, with stretches σ,
@@ -38,7 +38,7 @@ use std::ops::Range;
 /// What has faded by one term of one element \[Pa\]: xx, yy, zz, yz, zx, xy in its rest frame.
 pub type Faded = [f64; 6];
 
-/// Which elements have memory, and where it lies in the state.
+/// The elements that have memory, and its places in the state.
 #[derive(Clone, Debug, Default)]
 pub struct MemoryModel {
     /// Of each element; empty when none has memory.
@@ -149,7 +149,7 @@ impl Fading {
         fading
     }
 
-    /// That of another relaxation, computed anew only where it is another.
+    /// The same of another relaxation, computed anew only where it is another.
     pub fn of(&mut self, relaxation: &Relaxation, h: f64) -> &Self {
         if self.of != *relaxation {
             *self = Self::new(relaxation, h);

@@ -22,7 +22,7 @@ pub enum Law {
 }
 
 impl Law {
-    /// Its number in exported files.
+    /// Number in exported files.
     pub fn number(self) -> i32 {
         match self {
             Self::Corotational => 0,

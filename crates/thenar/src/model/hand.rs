@@ -95,7 +95,7 @@ pub struct BoneSolid {
     pub pose_BS: Pose,
 }
 
-/// Which of a hand's flesh the springs of Eq. 7 to 9 hold.
+/// The part of a hand's flesh that the springs of Eq. 7 to 9 hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum CouplingKind {

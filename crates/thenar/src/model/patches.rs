@@ -33,6 +33,9 @@ const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 /// law and one relaxation (`relaxation` has one per tetrahedron, or none at all).
 ///
 /// Deterministic: depends on the order of the tetrahedra and on their shapes alone.
+///
+/// # Panics
+/// When a tetrahedron has a node that does not exist.
 pub fn patches(
     nodes: &[Vec3],
     tets: &[[u32; 4]],
@@ -150,14 +153,15 @@ impl<'a> Grouping<'a> {
     /// together by faces.
     fn members(&self, t: u32, axis: [u32; 2]) -> Vec<u32> {
         let around: Vec<u32> = self.free_around(axis).filter(|&m| self.are_alike(m, t)).collect();
-        if around.len() <= OCTAHEDRON {
+        if (1..=OCTAHEDRON).contains(&around.len()) {
             return around;
         }
         let (mut members, mut next) = (vec![t], 0);
         while next < members.len() {
             for beside in self.behind[members[next] as usize] {
                 let is_new = around.contains(&beside) && !members.contains(&beside);
-                if is_new && 2 * members.len() < around.len() {
+                let has_room = members.len() < PATCH_TETS_MAX && 2 * members.len() < around.len();
+                if is_new && has_room {
                     members.push(beside);
                 }
             }

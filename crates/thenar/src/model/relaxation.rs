@@ -24,7 +24,7 @@ pub struct Term {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "Vec<[f64; 2]>", into = "Vec<[f64; 2]>"))]
 pub struct Relaxation {
-    /// Those beyond `count` have weight 0 and time 1.
+    /// Terms beyond `count` have weight 0 and time 1.
     terms: [Term; TERMS_MAX],
     count: usize,
 }
@@ -83,7 +83,7 @@ impl Relaxation {
         if sum < 1.0 { Ok(relaxation) } else { Err(RelaxationError::Sum(sum)) }
     }
 
-    /// Its terms.
+    /// The terms.
     pub fn terms(&self) -> &[Term] {
         &self.terms[..self.count]
     }

@@ -108,7 +108,8 @@ impl World {
             let mut done = self.make(part, input, timer);
             timer.begin(Some(Stage::Detect));
             let foreseen = self.flesh_was_foreseen(part, &done);
-            if (!foreseen || !self.was_carried(&mut done)) && parts.retry(self.reach()) {
+            let carried = self.was_carried(&mut done);
+            if !(foreseen && carried) && parts.retry(self.reach()) {
                 unforeseen += u32::from(!foreseen);
                 // Sides are swapped only when a part is accepted.
                 self.state.copy_motion(&self.scratch.before);
