@@ -34,7 +34,7 @@ pub struct HandOptions {
     /// Young's modulus in the middle of a joint, relative to that elsewhere, in (0, 1]. Skin folds
     /// and slides over a joint; flesh of one modulus throughout would stiffen it several times.
     pub joint_softness: f64,
-    /// What the springs to the bones hold where a scene does not say.
+    /// The flesh that the springs to the bones hold where a scene does not say.
     pub coupling: CouplingKind,
     /// Rayleigh damping of the flesh, mass-proportional \[1/s\].
     pub mass_damping: f64,

@@ -144,7 +144,7 @@ impl HandReport {
     }
 }
 
-/// What covers bone `b`, and what holds the flesh to it.
+/// The flesh over bone `b`, and the nodes that hold it.
 fn cover(hand: &HandModel, b: usize, covered: &Covered) -> BoneCover {
     let shares = hand.bone_nodes.iter().map(|node| {
         let of_bone = (0..2).filter(|&k| node.binding.bones[k] as usize == b);

@@ -26,7 +26,7 @@ pub(super) struct Graded {
     pub tree: Octree,
 }
 
-/// What of the lattice a tetrahedron is.
+/// The place of a tetrahedron in the lattice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     /// Between cubes of one size.

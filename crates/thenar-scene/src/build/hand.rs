@@ -30,7 +30,7 @@ pub struct BuiltHand {
     pub motion: Option<HandMotion>,
     /// Its bones have drives.
     pub driven: bool,
-    /// What the springs between flesh and bones hold.
+    /// The flesh that the springs to the bones hold.
     pub coupling: CouplingKind,
     /// Springs between flesh and bones, per volume of what they hold \[N/m⁴\].
     pub coupling_stiffness: f64,
@@ -166,7 +166,7 @@ fn add(built: &mut Built, hand: &Hand, files: &Files) -> Result<(), Fault> {
     Ok(())
 }
 
-/// What the springs hold: as the scene says, else as the model has it.
+/// The flesh that the springs hold: as the scene says, else as the model has it.
 fn coupling(hand: &Hand, model: &HandModel) -> Result<CouplingKind, Fault> {
     let Some(word) = &hand.coupling else { return Ok(model.coupling) };
     match word.value {

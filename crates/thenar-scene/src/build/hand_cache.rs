@@ -13,7 +13,7 @@ use thenar_rig::hand::{HandOptions, build_hand};
 /// Hands kept: two of a scene, and two of another. One of 12 thousand tetrahedra has a file of some megabytes.
 const KEPT: usize = 4;
 
-/// What a hand is made from.
+/// The source of a hand.
 #[derive(Clone, PartialEq)]
 struct Source {
     bytes: Vec<u8>,

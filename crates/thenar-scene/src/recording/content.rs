@@ -137,7 +137,7 @@ pub(super) struct KeyframeRef<'a> {
     state: BareRef<'a>,
     start: u64,
     memory: MemoryRef<'a>,
-    /// What tissue remembers came last to the form.
+    /// The memory of tissue came last to the form.
     faded: &'a [[f64; 6]],
 }
 

@@ -28,7 +28,7 @@ pub struct FleshModel {
     pub patches: Patches,
     /// Tetrahedra of bodies that have patches.
     pub patched: Vec<Range<usize>>,
-    /// What elements remember of their stress; of a patch, its first tetrahedron for all.
+    /// Memory of the elements' stress; of a patch, its first tetrahedron for all.
     pub memory: MemoryModel,
     /// Whether elements are there whose steps are looked at (`foresight`).
     pub(crate) asks_foresight: bool,
@@ -208,7 +208,7 @@ fn each(first: usize, rest: &RestLanes) -> Range<usize> {
     first..first + rest.count
 }
 
-/// What of `0..count` lies in none of these ranges, which ascend.
+/// The parts of `0..count` outside these ranges, which ascend.
 fn singles(count: usize, patched: &[Range<usize>]) -> Vec<Range<usize>> {
     let starts = std::iter::once(0).chain(patched.iter().map(|range| range.end));
     let ends = patched.iter().map(|range| range.start).chain([count]);

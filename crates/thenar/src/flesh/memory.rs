@@ -35,7 +35,7 @@ use crate::math::{Mat3, Vec3};
 use crate::model::{Relaxation, TERMS_MAX};
 use std::ops::Range;
 
-/// What has faded by one term of one element \[Pa\]: xx, yy, zz, yz, zx, xy in its rest frame.
+/// Stress that has faded by one term of one element \[Pa\]: xx, yy, zz, yz, zx, xy in its rest frame.
 pub type Faded = [f64; 6];
 
 /// The elements that have memory, and its places in the state.
@@ -118,7 +118,7 @@ impl MemoryModel {
     }
 }
 
-/// What a relaxation does in a step of a certain length.
+/// The work of a relaxation in a step of a certain length.
 #[derive(Clone, Copy, Debug)]
 pub struct Fading {
     of: Relaxation,

@@ -345,7 +345,7 @@ impl Patches {
         self.spread[patch.pairs..patch.pairs + count * count].chunks(count)
     }
 
-    /// What the spread pulls a node back with \[N\]; positions relative to the first node lose no digits.
+    /// The force by which the spread pulls a node back \[N\]; positions relative to the first node lose no digits.
     fn spread_force(&self, nodes: &[u32], row: &[f64], x: &[Vec3], x0: &Vec3) -> Vec3 {
         nodes.iter().zip(row).map(|(&n, s)| (x[n as usize] - x0) * *s).sum()
     }

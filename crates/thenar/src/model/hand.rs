@@ -145,7 +145,7 @@ pub struct HandModel {
     pub length: f64,
     /// Solid of each bone, or empty: bones then touch nothing.
     pub solids: Vec<BoneSolid>,
-    /// What the springs hold where a scene does not say.
+    /// The flesh that the springs hold where a scene does not say.
     pub coupling: CouplingKind,
     /// Nodes that stand for bone, ascending; empty in models that hold uniformly alone.
     pub bone_nodes: Vec<BoneNode>,

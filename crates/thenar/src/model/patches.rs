@@ -50,7 +50,7 @@ pub fn patches(
     grouping.numbered()
 }
 
-/// What a node is to the patches it is in.
+/// The part of a node in the patches around it.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Role {
     Unknown,

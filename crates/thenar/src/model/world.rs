@@ -213,7 +213,7 @@ pub struct HandPlacement {
     pub name: String,
     /// Pose of the model frame in the world.
     pub pose_WM: Pose,
-    /// What the springs to the bones hold.
+    /// The flesh that the springs to the bones hold.
     pub coupling: CouplingKind,
     /// Coupling stiffness per volume of flesh, or of bone \[N/m⁴\].
     pub coupling_stiffness: f64,

@@ -5,7 +5,7 @@ use crate::math::Vec3;
 use crate::world::parts::Part;
 use crate::world::{StepReport, World};
 
-/// Most halvings of what flesh moves in a part that is cut short: a thousand of these are no motion.
+/// Most halvings of what flesh moves in a part that is cut short: a billionth of the way is left then.
 const CUTS_MAX: u32 = 30;
 
 impl World {

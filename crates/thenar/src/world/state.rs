@@ -43,7 +43,7 @@ pub struct State {
     pub limit_impulses: Vec<[f64; 2]>,
     /// Normal forces of the last step in patches whose friction depends on them, sorted \[N\].
     pub patch_loads: Vec<(PatchKey, f64)>,
-    /// What has faded of the stress of elements with memory: element after element, term after term.
+    /// Stress that has faded in elements with memory: element after element, term after term.
     pub faded: Vec<Faded>,
 }
 
