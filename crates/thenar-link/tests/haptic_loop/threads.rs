@@ -124,25 +124,23 @@ impl World {
     /// Arms, opens, waits for full force to be allowed, and presses.
     fn press_again(&self) {
         *self.flexion.lock().unwrap() = 0.0;
-        // A busy machine may stall the loop, which trips it: that is armed again.
-        until("full force", || {
-            let state = self.remote.status().state;
-            if matches!(state, State::DryRun | State::Tripped(_)) {
-                self.remote.arm();
-                std::thread::sleep(Duration::from_millis(50));
-            }
-            state == State::Live
-        });
-        *self.flexion.lock().unwrap() = PRESS;
+        until("full force", || self.allowed());
+        // A busy machine may stop or pause the forces on the way: they come back to an open hand only.
         until("a force", || {
-            if matches!(self.remote.status().state, State::Tripped(_)) {
-                self.remote.arm();
-                *self.flexion.lock().unwrap() = 0.0;
-            } else if self.remote.status().state == State::Live {
-                *self.flexion.lock().unwrap() = PRESS;
-            }
+            let press = if self.allowed() { PRESS } else { 0.0 };
+            *self.flexion.lock().unwrap() = press;
             self.force() > 0.2
         });
+    }
+
+    /// Arms what is stopped; whether full force is allowed.
+    fn allowed(&self) -> bool {
+        let state = self.remote.status().state;
+        if matches!(state, State::DryRun | State::Tripped(_)) {
+            self.remote.arm();
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        state == State::Live
     }
 
     fn force(&self) -> f64 {
