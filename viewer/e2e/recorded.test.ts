@@ -37,7 +37,7 @@ afterAll(async () => {
 
 const place = (page: Page) => page.getByRole("slider", { name: "Place in the recording" });
 const pressing = (page: Page) =>
-  read(page, (t) => Array.from(t.snapshot!.fingers).reduce((sum, force, i) => sum + (i % 3 === 0 ? force : 0), 0));
+  read(page, (t) => Array.from(t.snapshot!.fingers).reduce((sum, force, i) => sum + (i % 4 === 0 ? force : 0), 0));
 
 /** Goes to a place as a person does: the slider is dragged, which keys do, too. */
 async function seek(page: Page, time: number): Promise<void> {

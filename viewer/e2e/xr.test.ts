@@ -129,8 +129,8 @@ test("a headset's hands are tracked, followed, and feel the loaf", { timeout: 24
     .toBeGreaterThan(0.1);
   await until(page, (t) => {
     const hand = t.model!.hands.findIndex((candidate) => candidate.side === "right");
-    const digits = t.snapshot!.fingers.subarray(18 * hand, 18 * hand + 18);
-    return Math.max(...Array.from(digits).filter((_, i) => i % 3 === 0)) > 0.05;
+    const digits = t.snapshot!.fingers.subarray(24 * hand, 24 * hand + 24);
+    return Math.max(...Array.from(digits).filter((_, i) => i % 4 === 0)) > 0.05;
   });
 
   // One hand goes out of sight: it is lost, the other goes on.

@@ -79,7 +79,7 @@ describe("a snapshot", () => {
     expect(Array.from(s.rigids.slice(21, 24))).toEqual([Math.fround(0.3), 0.5, 0]);
     expect(Array.from(s.nodes.slice(3, 6))).toEqual([Math.fround(0.01), 0.5, 0]);
     expect(s.targets.every(Number.isNaN)).toBe(true);
-    expect(s.fingers[17]).toBe(17);
+    expect(s.fingers[23]).toBe(23);
     const c = s.contacts;
     expect([c.count, c.bodyA(0), c.bodyB(0), c.vertexA(0), c.vertexB(0)]).toEqual([1, 32768, 0, 2, 65535]);
     const [place, force, normal] = [new Vector3(), new Vector3(), new Vector3()];
@@ -135,7 +135,7 @@ describe("a snapshot", () => {
   it("of another protocol asks for a reload", () => {
     const bytes = encodeSnapshot(1, 0);
     new DataView(bytes).setUint8(1, 1);
-    expect(() => decode(bytes, model(), 0)).toThrow("speaks protocol 1, this page 2. Reload");
+    expect(() => decode(bytes, model(), 0)).toThrow("speaks protocol 1, this page 3. Reload");
   });
 });
 

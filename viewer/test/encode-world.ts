@@ -36,7 +36,7 @@ export function encodeModel(json: object, arrays: Arrays, epoch: number): ArrayB
   const out = new Uint8Array(16 + body.length + arrays.all().length);
   const view = new DataView(out.buffer);
   out[0] = 1;
-  out[1] = 2;
+  out[1] = 3;
   view.setUint32(4, epoch, true);
   view.setUint32(8, body.length, true);
   out.set(body, 16);
@@ -164,11 +164,11 @@ export function encodeSnapshot(
     ...[0, 1, 2, 3].flatMap((i) => [0.1 * i, rise, 0, 0, 0, 0, 1]),
     ...NODES.map((x, i) => x + (i % 3 === 1 ? rise : 0)),
     ...Array.from({ length: 14 }, () => NaN),
-    ...Array.from({ length: 18 }, (_, i) => i),
+    ...Array.from({ length: 24 }, (_, i) => i),
   ];
   const out = new DataView(new ArrayBuffer(88 + 4 * floats.length + 48 * contacts.length));
   out.setUint8(0, 2);
-  out.setUint8(1, 2);
+  out.setUint8(1, 3);
   out.setUint16(2, 16, true);
   out.setUint32(4, epoch, true);
   out.setUint32(8, 7, true);

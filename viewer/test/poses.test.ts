@@ -9,7 +9,7 @@ describe("pose messages", () => {
     const bytes = encodeJoints("right", 7, 12.5, joints);
     const view = new DataView(bytes);
     expect(bytes.byteLength).toBe(816);
-    expect([0, 1, 2, 3].map((at) => view.getUint8(at))).toEqual([16, 2, 1, 0]);
+    expect([0, 1, 2, 3].map((at) => view.getUint8(at))).toEqual([16, 3, 1, 0]);
     expect(view.getUint32(4, true)).toBe(7);
     expect(view.getFloat64(8, true)).toBe(12.5);
     // Joint 3 starts after 3 × 8 numbers of 4 bytes.

@@ -153,7 +153,7 @@ fn every_scene_can_be_chosen_and_has_its_own_epoch() {
     let (_live, hub) = start("falling-box", &[]);
     let one = Visitor::join(&hub, 1);
     let welcome: serde_json::Value = serde_json::from_str(&hub.welcome(one.id)).unwrap();
-    assert_eq!((&welcome["protocol"], &welcome["client"]), (&2.into(), &1.into()));
+    assert_eq!((&welcome["protocol"], &welcome["client"]), (&3.into(), &1.into()));
     let mut epoch = one.model().epoch;
     for scene in welcome["scenes"].as_array().unwrap() {
         let name = scene["name"].as_str().unwrap();

@@ -87,7 +87,7 @@ fn a_pose_moves_the_hand_and_is_acknowledged() {
 
     // Not tracked any more, it holds still; the script takes it back when asked.
     let number = one.number() + 1;
-    let mut lost = vec![18, 2, 1, 0];
+    let mut lost = vec![18, 3, 1, 0];
     lost.extend(number.to_le_bytes());
     lost.extend(9.0_f64.to_le_bytes());
     one.send(lost).unwrap();
@@ -147,7 +147,7 @@ fn joints_of_a_headset_move_the_hand() {
     let mut k = 0;
     let flat = loop {
         k += 1;
-        let mut bytes = vec![16, 2, 1, 0];
+        let mut bytes = vec![16, 3, 1, 0];
         bytes.extend((k as u32).to_le_bytes());
         bytes.extend((f64::from(k) * 0.011).to_le_bytes());
         for joint in flat_hand(Vec3::new(0.0, 0.25, 0.1)) {

@@ -13,7 +13,7 @@ fn pick(random: &mut Random, n: usize) -> usize {
 }
 
 fn header(kind: u8, hand: u8, number: u32, clock: f64) -> Vec<u8> {
-    let mut bytes = vec![kind, 2, hand, 0];
+    let mut bytes = vec![kind, 3, hand, 0];
     bytes.extend(number.to_le_bytes());
     bytes.extend(clock.to_le_bytes());
     bytes

@@ -162,8 +162,11 @@ fn contacts_and_loads_add_up() {
         }
     }
     for digit in 0..6 {
-        assert!((snapshot.loads[0][3 * digit] - normal[digit]).abs() < 1e-3);
-        assert!((snapshot.loads[0][3 * digit + 2] - area[digit]).abs() < 1e-7);
+        assert!((snapshot.loads[0][4 * digit] - normal[digit]).abs() < 1e-3);
+        assert!((snapshot.loads[0][4 * digit + 2] - area[digit]).abs() < 1e-7);
+        // Nothing is crushed: skin bears all, over all of its area.
+        let pressed = snapshot.loads[0][4 * digit + 3] * area[digit];
+        assert!((pressed - normal[digit]).abs() < 1e-3 * (1.0 + normal[digit]));
     }
     assert!(normal[1..].iter().sum::<f64>() > 0.2, "the fingers hold the bread: {normal:?}");
 }

@@ -2,7 +2,7 @@
 
 import { check } from "./check";
 import { CONTACT_WORDS, ContactTable } from "./contacts";
-import type { SceneModel, Snapshot } from "./types";
+import { PER_HAND, type SceneModel, type Snapshot } from "./types";
 
 const HEADER = 88;
 const MAX_CONTACTS = 512;
@@ -21,7 +21,7 @@ export function decodeSnapshot(bytes: ArrayBuffer, model: SceneModel, now: numbe
     hands === model.hands.length;
   check(fits, "A snapshot counts other bodies than its model.");
   check(contacts <= MAX_CONTACTS, `A snapshot with ${contacts} contacts.`);
-  const words = 7 * rigids + 3 * nodes + 7 * targets + 18 * hands + CONTACT_WORDS * contacts;
+  const words = 7 * rigids + 3 * nodes + 7 * targets + PER_HAND * hands + CONTACT_WORDS * contacts;
   check(
     bytes.byteLength === HEADER + 4 * words,
     `A snapshot of ${bytes.byteLength} bytes instead of ${HEADER + 4 * words}.`,
@@ -36,7 +36,7 @@ export function decodeSnapshot(bytes: ArrayBuffer, model: SceneModel, now: numbe
   const rigidPoses = take(7 * rigids);
   const nodePositions = take(3 * nodes);
   const targetPoses = take(7 * targets);
-  const fingers = take(18 * hands);
+  const fingers = take(PER_HAND * hands);
   return {
     epoch: u32(4),
     flags: view.getUint16(2, true),

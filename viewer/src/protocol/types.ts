@@ -1,7 +1,11 @@
 // What the live protocol carries, as docs/protocol.md sets it down.
 // Metres, newtons, seconds, radians; right-handed world frame, +y up; quaternions x, y, z, w.
 
-export const PROTOCOL_VERSION = 2;
+export const PROTOCOL_VERSION = 3;
+
+/** Numbers per digit and per hand in `Snapshot.fingers`. */
+export const PER_DIGIT = 4;
+export const PER_HAND = 6 * PER_DIGIT;
 
 export type Vec3 = readonly [number, number, number];
 /** Position then quaternion. */
@@ -236,7 +240,7 @@ export interface Snapshot {
   readonly nodes: Float32Array;
   /** Seven numbers per tracked bone; NaN where none. */
   readonly targets: Float32Array;
-  /** Eighteen numbers per hand: per digit normal force N, shear force N, area m². */
+  /** `PER_HAND` numbers: per digit normal force N, shear force N, area m², mean pressure on skin Pa. */
   readonly fingers: Float32Array;
   readonly contacts: Contacts;
   /** Bytes of the message. */

@@ -7,8 +7,8 @@
 //                                     8  f64  time since the recording began, s
 //                                    16       the message (model or snapshot)
 
-import { PROTOCOL_VERSION } from "../protocol/types";
 import { crc32 } from "./crc32";
+import { upgrade } from "./upgrade";
 
 export const MAGIC = "THENARPG";
 export const VERSION = 1;
@@ -16,9 +16,6 @@ const HEADER = 16;
 const ENTRY = 16;
 const KIND_MODEL = 1;
 const KIND_SNAPSHOT = 2;
-/** Where a snapshot of protocol 1 counts its contacts, and the size of one. */
-const CONTACTS_AT = 76;
-const CONTACT_BYTES = 48;
 const WITHOUT_NORMALS =
   "It was made before contacts carried their normals: contacts and pressure are not shown.";
 
@@ -87,23 +84,10 @@ export function read(file: ArrayBuffer): Loaded {
   if (!entries.some(({ message }) => !isModel(message))) {
     throw new RecordingError(`The recording holds no whole snapshot.${damage === null ? "" : ` ${damage}`}`);
   }
-  const older = entries.map(({ message }) => upgrade(message));
-  const whole = entries.map(({ time }, i) => ({ time, message: older[i] ?? entries[i].message }));
-  const lacks = older.some((message) => message !== null) ? WITHOUT_NORMALS : null;
+  const now = entries.map(({ message }) => upgrade(message, isModel(message)));
+  const whole = entries.map(({ time }, i) => ({ time, message: now[i].message }));
+  const lacks = now.some(({ lacks }) => lacks) ? WITHOUT_NORMALS : null;
   return { entries: whole, damage, lacks };
-}
-
-/** A message of protocol 1 as one of protocol 2, or null: it is one. Contacts, which had no normals,
- * are left out. */
-function upgrade(message: ArrayBuffer): ArrayBuffer | null {
-  if (new DataView(message).getUint8(1) !== 1) return null;
-  const none = isModel(message) || message.byteLength < CONTACTS_AT + 4;
-  const contacts = none ? 0 : new DataView(message).getUint32(CONTACTS_AT, true);
-  const out = message.slice(0, Math.max(0, message.byteLength - CONTACT_BYTES * contacts));
-  const view = new DataView(out);
-  view.setUint8(1, PROTOCOL_VERSION);
-  if (contacts > 0) view.setUint32(CONTACTS_AT, 0, true);
-  return out;
 }
 
 function checkHeader(file: ArrayBuffer): void {

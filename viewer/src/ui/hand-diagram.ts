@@ -1,6 +1,6 @@
 // A small open hand, seen on its palm: each finger's pad fills as it is pressed, with its number.
 
-import type { Side } from "../protocol/types";
+import { PER_DIGIT, type Side } from "../protocol/types";
 import { setText, svg } from "./dom";
 import { fixed } from "./format";
 import { DIGIT_COLOURS, DIGIT_LABELS } from "./quantities";
@@ -63,14 +63,14 @@ export class HandDiagram {
   /** `fingers`: normal, shear N and area m² for palm, thumb .. little. */
   show(fingers: ArrayLike<number>): void {
     this.pads.forEach((pad, d) => {
-      const force = fingers[3 * d];
+      const force = fingers[PER_DIGIT * d];
       // The square root lets a light touch be seen beside a firm grip.
       const share = Math.min(1, Math.sqrt(Math.max(0, force) / FULL));
       pad.setAttribute("opacity", fixed(force > 0.005 ? 0.25 + 0.75 * share : 0.08, 2));
       const text = force > 0.005 ? `${fixed(force, force < 10 ? 2 : 1)} N` : "";
       setText(this.labels[d], text);
     });
-    const touching = DIGIT_LABELS.filter((_, d) => fingers[3 * d] > 0.005);
+    const touching = DIGIT_LABELS.filter((_, d) => fingers[PER_DIGIT * d] > 0.005);
     setText(this.title, touching.length === 0 ? "Nothing is touched" : `Touching: ${touching.join(", ")}`);
   }
 }

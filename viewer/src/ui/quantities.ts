@@ -1,15 +1,12 @@
 // What is plotted: per hand and digit force, area and pressure, and what the step costs.
 
-import { DIGITS, type Snapshot } from "../protocol/types";
+import { DIGITS, PER_DIGIT, PER_HAND, type Snapshot } from "../protocol/types";
 
 /** Colours that differ for colour-blind eyes too (after Okabe and Ito), on light and dark. */
 export const DIGIT_COLOURS = ["#8d97a5", "#e0651a", "#d99a00", "#00a37a", "#3d9fe0", "#c56fa3"] as const;
 export const DIGIT_LABELS = DIGITS.map((digit) => digit[0].toUpperCase() + digit.slice(1));
 
 export const HANDS_MOST = 2;
-/** Numbers of a hand in a snapshot, and in a sample: normal, shear, area, pressure of each digit. */
-const SENT = 18;
-const PER_HAND = 24;
 const STEP = HANDS_MOST * PER_HAND;
 export const COLUMNS = STEP + 5;
 
@@ -49,7 +46,7 @@ function perDigit(
       DIGITS.map((_, d) => ({
         label: DIGIT_LABELS[d],
         colour: DIGIT_COLOURS[d],
-        column: PER_HAND * hand + 4 * d + k,
+        column: PER_HAND * hand + PER_DIGIT * d + k,
       })),
   };
 }
@@ -84,19 +81,21 @@ export const QUANTITIES: readonly Quantity[] = [
   },
 ];
 
-/** Normal force over contact area, Pa; 0 where nothing is touched. */
-export function meanPressure(normal: number, area: number): number {
-  return area > 0 ? normal / area : 0;
+/** Sums of a hand's digits, and the mean pressure on all skin that touches. */
+export function wholeHand(fingers: Float32Array): number[] {
+  const sums = [0, 0, 0];
+  let onSkin = 0;
+  for (let at = 0; at < PER_HAND; at += PER_DIGIT) {
+    for (let k = 0; k < 3; k++) sums[k] += fingers[at + k];
+    onSkin += fingers[at + 2] * fingers[at + 3];
+  }
+  return [...sums, sums[2] > 0 ? onSkin / sums[2] : 0];
 }
 
 /** One sample of all columns; hands that are not there are NaN. */
 export function sample(snapshot: Snapshot, out: Float32Array): void {
   out.fill(NaN, 0, STEP);
   const { fingers, energy } = snapshot;
-  const digits = Math.min(fingers.length, HANDS_MOST * SENT) / 3;
-  for (let d = 0; d < digits; d++) {
-    const [normal, shear, area] = fingers.subarray(3 * d, 3 * d + 3);
-    out.set([normal, shear, area, meanPressure(normal, area)], 4 * d);
-  }
+  out.set(fingers.subarray(0, STEP));
   out.set([snapshot.stepCost, snapshot.stepBudget, energy.total, energy.kinetic, energy.elastic], STEP);
 }

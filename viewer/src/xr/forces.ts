@@ -1,10 +1,6 @@
 // Forces of the newest snapshot as XR shows them.
 
-import { DIGITS, type SceneModel, type Side, type Snapshot } from "../protocol/types";
-
-/** Numbers per hand and per digit in `Snapshot.fingers`: normal N, shear N, area m². */
-const PER_HAND = 18;
-const PER_DIGIT = 3;
+import { DIGITS, PER_DIGIT, PER_HAND, type SceneModel, type Side, type Snapshot } from "../protocol/types";
 
 /** Normal force per digit, palm first, N; null if the scene lacks this hand. */
 export function digitForces(model: SceneModel, snapshot: Snapshot, side: Side): number[] | null {

@@ -22,6 +22,21 @@ async function file(entries: Entry[]): Promise<ArrayBuffer> {
   return new Blob(write(entries)).arrayBuffer();
 }
 
+/** A message as protocol 1 or 2 had it: three numbers per digit; with so many contacts of 0.25 m². */
+function before(version: number, { time, message }: Entry, contacts: number): Entry {
+  const old = new Uint8Array(message.slice(0));
+  old[1] = version;
+  if (old[0] === 1) return { time, message: old.buffer };
+  const at = message.byteLength - 4 * 24;
+  const words = Array.from(new Float32Array(message, at)).filter((_, i) => i % 4 !== 3);
+  const out = new Uint8Array(at + 4 * words.length + 48 * contacts);
+  out.set(old.subarray(0, at));
+  out[76] = contacts;
+  new Float32Array(out.buffer, at, words.length).set(words);
+  for (let i = 0; i < contacts; i++) new DataView(out.buffer).setFloat32(at + 4 * words.length + 48 * i + 36, 0.25, true);
+  return { time, message: out.buffer };
+}
+
 describe("recording files", () => {
   it("use the checksum of zip", () => {
     // The check value of CRC-32/ISO-HDLC.
@@ -36,19 +51,25 @@ describe("recording files", () => {
   });
 
   it("of protocol 1 are shown without contacts, and say so", async () => {
-    const older = recording(2).map(({ time, message }, i) => {
-      // The last snapshot has one contact.
-      const grown = new Uint8Array(message.byteLength + (i === 2 ? 48 : 0));
-      grown.set(new Uint8Array(message));
-      grown[1] = 1;
-      if (i === 2) grown[76] = 1;
-      return { time, message: grown.buffer };
-    });
-    const loaded = read(await file(older));
+    const loaded = read(await file(recording(2).map((entry, i) => before(1, entry, i === 2 ? 1 : 0))));
     expect(loaded.lacks).toMatch(/contacts and pressure are not shown/);
     expect(loaded.entries).toEqual(recording(2));
     expect(new Player(loaded.entries).show(0).snapshot.contacts.count).toBe(0);
     expect(read(await file(recording(2))).lacks).toBeNull();
+  });
+
+  it("of protocol 2 are shown with force over area as pressure", async () => {
+    const fingers = Array.from({ length: 24 }, (_, i) => i + 1);
+    const entries = [recording(1)[0], { time: 0, message: snapshotMessage({ place, fingers }) }];
+    const loaded = read(await file(entries.map((entry, i) => before(2, entry, i))));
+    expect(loaded.lacks).toBeNull();
+    const { snapshot: shown } = new Player(loaded.entries).show(0);
+    expect(shown.contacts.count).toBe(1);
+    expect(shown.contacts.area(0)).toBe(0.25);
+    // Each fourth number is force over area, whatever was sent since.
+    const [normal, area] = [(i: number) => fingers[i - 3], (i: number) => fingers[i - 1]];
+    const wanted = fingers.map((x, i) => (i % 4 === 3 ? Math.fround(normal(i) / area(i)) : x));
+    expect(Array.from(shown.fingers)).toEqual(wanted);
   });
 
   it("cut off anywhere give all whole messages before the cut", async () => {

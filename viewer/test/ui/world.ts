@@ -125,7 +125,7 @@ export function modelMessage(epoch = 1, scene = "bread-grasp"): ArrayBuffer {
   const message = new ArrayBuffer(16 + bytes.length);
   const view = new DataView(message);
   view.setUint8(0, 1);
-  view.setUint8(1, 2);
+  view.setUint8(1, 3);
   view.setUint32(4, epoch, true);
   view.setUint32(8, bytes.length, true);
   new Uint8Array(message, 16).set(bytes);
@@ -138,7 +138,7 @@ export interface Instant {
   readonly time?: number;
   readonly flags?: number;
   readonly place: Place;
-  /** 18 numbers. */
+  /** 24 numbers. */
   readonly fingers?: ArrayLike<number>;
   /** NaN in place of tracked poses. */
   readonly untracked?: boolean;
@@ -147,11 +147,11 @@ export interface Instant {
 
 export function snapshotMessage(instant: Instant): ArrayBuffer {
   const bones = forward(instant.place);
-  const words = 7 * 18 + 7 * 16 + 18;
+  const words = 7 * 18 + 7 * 16 + 24;
   const message = new ArrayBuffer(88 + 4 * words);
   const view = new DataView(message);
   view.setUint8(0, 2);
-  view.setUint8(1, 2);
+  view.setUint8(1, 3);
   view.setUint16(2, instant.flags ?? 0, true);
   view.setUint32(4, instant.epoch ?? 1, true);
   view.setUint32(8, instant.number ?? 1, true);
@@ -171,7 +171,7 @@ export function snapshotMessage(instant: Instant): ArrayBuffer {
   bones.forEach((pose, i) => put(targets + 7 * i, pose));
   if (instant.untracked === true) numbers.fill(NaN, targets, targets + 7 * 16);
   numbers.set(
-    Array.from({ length: 18 }, (_, i) => instant.fingers?.[i] ?? 0),
+    Array.from({ length: 24 }, (_, i) => instant.fingers?.[i] ?? 0),
     targets + 7 * 16,
   );
   return message;

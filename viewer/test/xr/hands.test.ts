@@ -95,13 +95,13 @@ describe("asking for hands", () => {
 
 describe("forces", () => {
   const model = { hands: [{ side: "right" }, { side: "left" }] } as unknown as SceneModel;
-  const fingers = Float32Array.from({ length: 36 }, (_, i) => i);
+  const fingers = Float32Array.from({ length: 48 }, (_, i) => i);
   const snapshot = { fingers } as unknown as Snapshot;
 
   it("takes the normal force of each digit of the right side", () => {
-    expect(digitForces(model, snapshot, "right")).toEqual([0, 3, 6, 9, 12, 15]);
-    expect(digitForces(model, snapshot, "left")).toEqual([18, 21, 24, 27, 30, 33]);
-    expect(totalForce(model, snapshot, "right")).toBe(45);
+    expect(digitForces(model, snapshot, "right")).toEqual([0, 4, 8, 12, 16, 20]);
+    expect(digitForces(model, snapshot, "left")).toEqual([24, 28, 32, 36, 40, 44]);
+    expect(totalForce(model, snapshot, "right")).toBe(60);
     expect(digitForces({ hands: [] } as unknown as SceneModel, snapshot, "left")).toBeNull();
     expect(totalForce(null, null, "left")).toBe(0);
   });

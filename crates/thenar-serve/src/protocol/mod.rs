@@ -18,7 +18,7 @@ pub use pose::{ANGLES_BYTES, JOINTS_BYTES, LOST_BYTES, PoseBody, PoseError, Pose
 pub use snapshot::{Pace, Snapshots, flags};
 
 /// Version of the protocol, in every binary message. A client of another one is refused.
-pub const VERSION: u8 = 2;
+pub const VERSION: u8 = 3;
 
 /// Longest text message from a client \[bytes\].
 pub const TEXT_BYTES_MAX: usize = 4096;

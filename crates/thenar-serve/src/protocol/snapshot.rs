@@ -125,7 +125,7 @@ impl Snapshots {
         }
         for hand in 0..session.hands().len() {
             for load in session.hand_loads(hand) {
-                out.f32s([load.normal, load.shear, load.area]);
+                out.f32s(load.figures());
             }
         }
         let pressing = contacts.iter().filter(|c| contact::presses(c));

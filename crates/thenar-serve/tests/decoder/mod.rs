@@ -33,7 +33,7 @@ pub struct Model {
 
 impl Model {
     pub fn read(bytes: &[u8]) -> Self {
-        assert_eq!(bytes[..4], [1, 2, 0, 0], "kind, version, flags");
+        assert_eq!(bytes[..4], [1, 3, 0, 0], "kind, version, flags");
         let length = u32_at(bytes, 8) as usize;
         assert_eq!(length % 4, 0);
         assert_eq!(u32_at(bytes, 12), 0);
@@ -97,19 +97,19 @@ pub struct Snapshot {
     pub rigids: Vec<[f64; 7]>,
     pub nodes: Vec<[f64; 3]>,
     pub targets: Vec<[f64; 7]>,
-    pub loads: Vec<[f64; 18]>,
+    pub loads: Vec<[f64; 24]>,
     pub contacts: Vec<Contact>,
 }
 
 impl Snapshot {
     pub fn read(bytes: &[u8]) -> Self {
-        assert_eq!(bytes[..2], [2, 2], "kind, version");
+        assert_eq!(bytes[..2], [2, 3], "kind, version");
         let count = |k: usize| u32_at(bytes, 64 + 4 * k) as usize;
         let mut at = 88;
         let rigids = many::<7>(bytes, &mut at, count(0));
         let nodes = many::<3>(bytes, &mut at, count(1));
         let targets = many::<7>(bytes, &mut at, count(2));
-        let loads = many::<18>(bytes, &mut at, count(4));
+        let loads = many::<24>(bytes, &mut at, count(4));
         let contacts = (0..count(3)).map(|k| contact(bytes, at + 48 * k)).collect();
         assert_eq!(bytes.len(), at + 48 * count(3), "nothing left over");
         assert_eq!(u32_at(bytes, 84), 0);

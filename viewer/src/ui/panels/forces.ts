@@ -11,13 +11,14 @@ import {
   DIGIT_COLOURS,
   DIGIT_LABELS,
   HANDS_MOST,
-  meanPressure,
   QUANTITIES,
   sample,
+  wholeHand,
   type Quantity,
 } from "../quantities";
 import { RollingSeries } from "../series";
 import { select } from "../widgets";
+import { PER_DIGIT, PER_HAND } from "../../protocol/types";
 
 /** Of the plot, s, and samples of it: 5 s at 400 steps per second. */
 const SPAN = 5;
@@ -96,8 +97,7 @@ export function forcesPanel(desk: Desk): Panel {
   );
   const facts = h("dl", { class: "facts" });
 
-  const put = (row: readonly HTMLElement[], normal: number, shear: number, area: number) => {
-    const pressure = meanPressure(normal, area);
+  const put = (row: readonly HTMLElement[], [normal, shear, area, pressure]: Iterable<number>) => {
     const texts = [fixed(normal, 2), fixed(shear, 2), fixed(1e6 * area, 0), fixed(1e-3 * pressure, 1)];
     [normal, shear, area, pressure].forEach((value, k) => {
       setText(row[k], texts[k]);
@@ -107,15 +107,10 @@ export function forcesPanel(desk: Desk): Panel {
   const write = () => {
     const { snapshot } = feed;
     if (snapshot === null) return;
-    const fingers = snapshot.fingers.subarray(18 * hand, 18 * hand + 18);
+    const fingers = snapshot.fingers.subarray(PER_HAND * hand, PER_HAND * (hand + 1));
     diagram.show(fingers);
-    const sums = [0, 0, 0];
-    cells.forEach(({ values }, d) => {
-      const [normal, shear, area] = fingers.subarray(3 * d, 3 * d + 3);
-      [normal, shear, area].forEach((value, k) => (sums[k] += value));
-      put(values, normal, shear, area);
-    });
-    put(total, sums[0], sums[1], sums[2]);
+    cells.forEach(({ values }, d) => put(values, fingers.subarray(PER_DIGIT * d, PER_DIGIT * (d + 1))));
+    put(total, wholeHand(fingers));
     const rows: [string, string][] = [
       ["Step", `${fixed(snapshot.stepCost, 1)} of ${fixed(snapshot.stepBudget, 1)} ms`],
       ["Contacts", `${snapshot.contacts.count}, ${snapshot.sweeps} sweeps`],
@@ -125,7 +120,7 @@ export function forcesPanel(desk: Desk): Panel {
     facts.replaceChildren(...rows.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]));
   };
 
-  diagram.show(new Float32Array(18));
+  diagram.show(new Float32Array(PER_HAND));
   feed.on("model", (model) => {
     series.clear();
     hand = Math.min(hand, Math.max(0, model.hands.length - 1));
