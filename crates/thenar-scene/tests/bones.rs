@@ -1,9 +1,12 @@
 //! Goal: a scene chooses whether bones are solid, and what a bone bears is its finger's. Method: a hand
 //! lies on a floor under a weight of 200 kg, which its flesh alone cannot bear; loads are summed up
-//! from the contacts of the world.
+//! from the contacts of the world. Of fingers that are driven through each other the distance of the bones' axes
+//! is computed here.
 
 use std::path::Path;
+use thenar::Vec3;
 use thenar::model::BodyId;
+use thenar::shape::Shape;
 use thenar_scene::session::Session;
 
 fn load(hand: &str) -> Session {
@@ -66,4 +69,61 @@ fn what_bones_bear_counts_for_the_hand() {
     let told: f64 = session.hand_loads(0).iter().map(|load| load.normal).sum();
     let all = on_flesh + on_bones;
     assert!((told / all - 1.0).abs() < 1e-9, "{told} N of {all} N");
+}
+
+/// The middle line of a bone's capsule, world, and its radius \[m\].
+fn capsule(session: &Session, name: &str) -> ([Vec3; 2], f64) {
+    let world = session.world();
+    let bone = world.desc().rigids.iter().position(|r| r.name == name).expect(name);
+    let rigid = &world.desc().rigids[bone];
+    let Some(Shape::Capsule { radius, half_length }) = rigid.shape else { panic!("{name}") };
+    let pose = world.rigid_pose(bone as u32) * rigid.pose_BS;
+    ([-half_length, half_length].map(|y| pose.point(&Vec3::new(0.0, y, 0.0))), radius)
+}
+
+/// Least distance of two segments, by parts of a hundredth of their lengths and once more around the best.
+fn distance(a: &[Vec3; 2], b: &[Vec3; 2]) -> f64 {
+    let at = |s: &[Vec3; 2], t: f64| s[0] + (s[1] - s[0]) * t.clamp(0.0, 1.0);
+    let around = |s0: f64, t0: f64, part: f64| {
+        let steps = || (-100..=100).map(|i| part * f64::from(i));
+        let pairs = steps().flat_map(|s| steps().map(move |t| (s0 + s, t0 + t)));
+        pairs.map(|(s, t)| ((at(a, s) - at(b, t)).norm(), s, t)).min_by(|p, q| p.0.total_cmp(&q.0))
+    };
+    let (_, s, t) = around(0.5, 0.5, 0.005).expect("a place");
+    around(s, t, 5e-5).expect("a place").0
+}
+
+/// A thumb and an index finger whose targets lie beyond each other: flesh is crushed between the bones, which do
+/// not pass.
+#[test]
+fn bones_of_two_fingers_do_not_pass_each_other() {
+    for h in [0.001, 0.005, 1.0 / 60.0] {
+        let key = |time: f64, pose: &str| {
+            format!(
+                "[[hand.motion.key]]\ntime = {time}\n{pose}\n\
+                 wrist = {{ position = [0, 0.12, 0], fingers = [0, 1, 0], back = [0, 0, -1] }}\n"
+            )
+        };
+        let text = format!(
+            "version = 1\ntime_step = {h}\nduration = 1.0\n[[hand]]\nname = \"hand\"\n\
+             bone_drive = {{ stiffness = 1e4, damping = 100, angular_stiffness = 10, angular_damping = 0.1 }}\n\
+             [hand.motion]\nkind = \"keyframes\"\n{}{}",
+            key(0.0, "pose = \"open\""),
+            key(
+                0.5,
+                "pose = \"pinch\"\njoints = { thumb-cmc = { flexion_deg = 30, spread_deg = 18 }, thumb-mcp = { flexion_deg = 25 }, index-mcp = { flexion_deg = 85 }, index-pip = { flexion_deg = 70 } }"
+            )
+        );
+        let mut session = Session::from_text(&text, Path::new("test.toml"), &[]).unwrap();
+        let mut least = f64::INFINITY;
+        for _ in 0..session.steps_wanted() {
+            assert!(!session.step(&mut ()).non_finite);
+            let [thumb, index] = ["hand/thumb-distal", "hand/index-distal"];
+            let ((a, ra), (b, rb)) = (capsule(&session, thumb), capsule(&session, index));
+            least = least.min(distance(&a, &b) - ra - rb);
+        }
+        println!("{h}: {least}");
+        assert!(least > -2e-4, "{h} s: {} mm", least * 1e3);
+        assert!(least < 1e-3, "{h} s: {} mm, so the bones hold nothing", least * 1e3);
+    }
 }

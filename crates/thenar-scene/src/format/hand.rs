@@ -103,8 +103,8 @@ table! {
         /// "solid": where flesh is crushed, other bodies touch the bones, which have the friction of the
         /// skin; "none": only flesh touches. Default "solid".
         bones: BonesWord = BonesWord::Solid;
-        /// True: fingers and palm touch each other. Skin on skin has the hand's `friction`, or that of a
-        /// pair of the hand with itself. Default true.
+        /// True: fingers and palm touch each other, with their bones where the flesh between is crushed.
+        /// Skin on skin has the hand's `friction`, or that of a pair of the hand with itself. Default true.
         self_contact: bool = true;
         /// The motion to follow. Without one the hand holds its start pose.
         motion: Option<At<MotionTable>>;

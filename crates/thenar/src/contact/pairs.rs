@@ -14,8 +14,9 @@ pub(crate) struct PairTable {
 
 impl PairTable {
     /// Reads joints, couplings and pair rules. Excluded: bodies joined directly; flesh and the
-    /// bones that carry it; the bones of one hand among themselves; rules without friction. A rule
-    /// for the flesh of a hand holds for its bones too, unless another names the bone.
+    /// bones that carry it; the bones of one finger among themselves, and all bones of flesh that does
+    /// not touch itself; rules without friction. A rule for the flesh of a hand holds for its bones too, unless
+    /// another names the bone.
     pub fn new(desc: &WorldDesc) -> Self {
         let mut table =
             Self { rigids: desc.rigids.len() as u32, excluded: Vec::new(), overrides: Vec::new() };
@@ -27,9 +28,12 @@ impl PairTable {
         for (i, soft) in desc.softs.iter().enumerate() {
             let bones = shaped_bones(desc, soft);
             let id = table.id(BodyId::Soft(i as u32));
+            let touches = desc.self_contact.contains(&(i as u32));
             for (k, &bone) in bones.iter().enumerate() {
                 table.excluded.push(sorted(bone, id));
-                table.excluded.extend(bones[..k].iter().map(|&other| sorted(other, bone)));
+                let alike = |b: u32| !touches || desc.flesh_of_bone(b) == desc.flesh_of_bone(bone);
+                let beside = bones[..k].iter().filter(|&&b| alike(b));
+                table.excluded.extend(beside.map(|&other| sorted(other, bone)));
             }
         }
         for rule in &desc.pairs {
