@@ -20,6 +20,10 @@ const ADVANCES_MAX: usize = 64;
 const FOLLOWED: f64 = 2.0;
 /// Constraints along lines nearer to each other than this part of the inradius are one.
 const SAME: f64 = 1e-4;
+/// Places on one ball whose lines are nearer to each other than this part of its radius are one: what the line of a
+/// capsule that nearly lies offers of its end, and the ball there, whose heights differ by a thousandth of the radius.
+/// Two constraints so much alike pass load back and forth.
+const ON_BALL: f64 = 0.05;
 /// Features: the side that has the point, its piece and its number.
 const TRACED: u32 = 6 << 16;
 const OF_B: u32 = 1 << 15;
@@ -57,7 +61,8 @@ fn points_of(
         let mut next = flag | (i as u32) << 20;
         ends(piece, &towards, |p, radius| {
             if let Some(point) = trace.contact(next, &p, radius) {
-                offer(point, SAME * inradius(&piece.shape), manifold);
+                let same = (SAME * inradius(&piece.shape)).max(ON_BALL * radius);
+                offer(point, same, manifold);
             }
             next += 1;
         });

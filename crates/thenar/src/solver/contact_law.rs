@@ -136,11 +136,14 @@ impl Response {
     }
 
     /// The impulse λ so that `d = b + W λ` obeys the contact law: `0 ≤ λ_n ⊥ d_n ≥ 0`,
-    /// `|λ_t| ≤ μ λ_n`, and on the rim of that disc λ_t opposes d_t. Where the response is not positive
-    /// definite, a sliding contact comes nearer with each visit.
+    /// `|λ_t| ≤ μ λ_n`, and on the rim of that disc λ_t opposes d_t. Of several such impulses it is the one
+    /// nearest to `start`, so that a contact that obeys the law is left as it is: one that went from sticking to
+    /// sliding and back at each visit kept a joint at its limit from coming to rest. Where the response is
+    /// not positive definite, a sliding contact comes nearer with each visit.
     pub fn impulse(&self, cone: Cone, friction: f64, b: &Vec3, start: &Vec3) -> Vec3 {
         let W = &self.W;
-        if is_immovable(W) || b.x >= 0.0 {
+        let ambiguous = cone == Cone::Circular && start.x > 0.0 && self.is_ambiguous(friction);
+        if is_immovable(W) || b.x >= 0.0 && !ambiguous {
             return Vec3::zeros();
         }
         if cone == Cone::Linearised {
@@ -150,19 +153,44 @@ impl Response {
             }
             return lambda;
         }
-        if let Some(inverse) = &self.inverse {
-            let stick = -(inverse * b);
-            let bound = friction * stick.x;
-            if stick.x >= 0.0 && stick.y * stick.y + stick.z * stick.z <= bound * bound {
-                return stick;
-            }
+        let found = if ambiguous {
+            let opens = (b.x >= 0.0).then(Vec3::zeros);
+            let all = [opens, self.sticking(friction, b), self.sliding(friction, b, start)];
+            let away = |lambda: &Vec3| (lambda - start).norm_squared();
+            all.into_iter().flatten().min_by(|p, q| away(p).total_cmp(&away(q)))
+        } else {
+            self.sticking(friction, b).or_else(|| self.sliding(friction, b, start))
+        };
+        found.unwrap_or_else(|| self.alternated(friction, b, start))
+    }
+
+    /// Whether more than one impulse may obey the law: friction all to one side would lift the contact off by
+    /// itself, `μ |W_tn| ≥ W_nn` (in a plane the law is then a complementarity problem without a P-matrix; Painlevé
+    /// 1895). Levers as long belong to what is jammed.
+    fn is_ambiguous(&self, friction: f64) -> bool {
+        friction * self.W.m21.hypot(self.W.m31) >= self.W.m11
+    }
+
+    /// The impulse that holds the contact where it is, if friction can.
+    fn sticking(&self, friction: f64, b: &Vec3) -> Option<Vec3> {
+        let stick = -(self.inverse.as_ref()? * b);
+        let bound = friction * stick.x;
+        let holds = stick.x >= 0.0 && stick.y * stick.y + stick.z * stick.z <= bound * bound;
+        holds.then_some(stick)
+    }
+
+    /// The impulse of the contact as it slides, near friction as it is in `start`.
+    fn sliding(&self, friction: f64, b: &Vec3, start: &Vec3) -> Option<Vec3> {
+        if !(self.definite && friction > 0.0 && b.x < 0.0) {
+            return None;
         }
-        if self.definite && friction > 0.0 {
-            let sliding = Sliding::new(W, (*b).into(), friction);
-            if let Some(lambda) = sliding.impulse([start.y, start.z]) {
-                return lambda.into();
-            }
-        }
+        let sliding = Sliding::new(&self.W, (*b).into(), friction);
+        sliding.impulse([start.y, start.z]).map(Vec3::from)
+    }
+
+    /// The normal impulse and friction in turn, some times.
+    fn alternated(&self, friction: f64, b: &Vec3, start: &Vec3) -> Vec3 {
+        let W = &self.W;
         let mut t = [start.y, start.z];
         let mut normal = 0.0;
         for _ in 0..ALTERNATIONS {

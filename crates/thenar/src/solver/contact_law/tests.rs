@@ -159,3 +159,57 @@ fn round_off_makes_no_response_definite() {
         assert!(!is_definite(&(Mat3::identity() * wrong)));
     }
 }
+
+/// Of several impulses that obey the law a visit leaves the one that is there, and so does what follows: visits that
+/// always took the one that sticks went from it to sliding and back where something else, a limit, gave way.
+#[test]
+fn what_obeys_the_law_is_left_as_it_is() {
+    let mut random = Random::new(29);
+    let mut slides_or_sticks = 0;
+    for case in 0..20_000 {
+        let (W, mu) = (lever(&mut random), random.range(0.05, 1.5));
+        let response = Response::new(&W);
+        let mut b = random.vec3(1.0);
+        b.x = -b.x.abs();
+        let start = random.vec3(1.0);
+        let (Some(sticks), Some(slides)) =
+            (response.sticking(mu, &b), response.sliding(mu, &b, &start))
+        else {
+            continue;
+        };
+        slides_or_sticks += 1;
+        for there in [sticks, slides] {
+            let next = response.impulse(Cone::Circular, mu, &b, &there);
+            let off = (W * (next - there)).norm();
+            assert!(off < 1e-7, "case {case}: {off} m/s, W {W}, b {b}, friction {mu}");
+        }
+    }
+    assert!(slides_or_sticks > 20, "{slides_or_sticks}");
+}
+
+/// Below the threshold visits from anywhere find the same impulse.
+#[test]
+fn only_long_levers_have_several_impulses() {
+    let mut random = Random::new(31);
+    let (mut single, mut several) = (0, 0);
+    for case in 0..20_000 {
+        let (W, mu) = (lever(&mut random), random.range(0.05, 1.5));
+        let response = Response::new(&W);
+        let mut b = random.vec3(1.0);
+        b.x = -b.x.abs();
+        let mut from = || {
+            let mut start = random.vec3(10.0);
+            start.x = start.x.abs();
+            response.impulse(Cone::Circular, mu, &b, &start)
+        };
+        let found: Vec<Vec3> = (0..8).map(|_| from()).collect();
+        let apart = found.iter().map(|l| (W * (l - found[0])).norm()).fold(0.0, f64::max);
+        if response.is_ambiguous(mu) {
+            several += usize::from(apart > 1e-3);
+        } else {
+            single += 1;
+            assert!(apart < 1e-6, "case {case}: {apart}, W {W}, b {b}, friction {mu}");
+        }
+    }
+    assert!(single > 1000 && several > 5, "{single} single, {several} several");
+}

@@ -15,6 +15,7 @@ mod newton;
 mod sweeps;
 #[cfg(test)]
 mod tests;
+mod turns;
 
 use crate::math::Vec3;
 use crate::model::Cone;
@@ -36,6 +37,7 @@ use handles::Handles;
 use members::Members;
 use newton::Newton;
 use std::ops::Range;
+use turns::Turns;
 
 /// W of the contacts that may press, and the iteration on it.
 #[derive(Clone, Debug)]
@@ -58,6 +60,7 @@ pub struct Delassus {
     decay: Decay,
     anderson: Anderson,
     newton: Newton,
+    turns: Turns,
     /// Impulses of the members before a sweep, and what it changed.
     x: Vec<f64>,
     f: Vec<f64>,
@@ -98,6 +101,7 @@ impl Delassus {
             decay: Decay::default(),
             anderson: Anderson::new(3 * capacity),
             newton: Newton::new(capacity),
+            turns: Turns::new(capacity),
             x: vec![0.0; 3 * capacity],
             f: vec![0.0; 3 * capacity],
             applied: vec![Vec3::zeros(); contacts_max],

@@ -31,7 +31,7 @@ impl Delassus {
     /// contact's velocity by more than `tolerance` \[m/s\] through its own impulse, and all
     /// further ones together are not expected to change any velocity by more: as their mixing tells, or,
     /// where they are plain, a geometric series. Where sweeps have cost as much as Newton's method, it takes over
-    /// (`newton`). Where they run out before, the residual is the larger of
+    /// (`newton`); where it fails, limits of joints are held from then on (`turns`). Where they run out before, the residual is the larger of
     /// what the last sweep changed and what the last mixing expected; it is no more than sweeps have moved a
     /// contact in this step, but enough above the tolerance not to pass for converged.
     pub fn solve(
@@ -72,24 +72,53 @@ impl Delassus {
                     convergence.residual = left;
                     break;
                 }
+                // From here on limits give way within each visit.
                 (wait, attempts) = (self.swept.saturating_mul(2), attempts + 1);
                 self.decay.interrupt();
                 self.anderson.restart();
                 expected = [f64::INFINITY; LOOKS];
             }
             let Self {
-                members, W, own, d, before, decay, anderson, x, f, first, moved, swept, ..
+                members,
+                W,
+                own,
+                d,
+                before,
+                decay,
+                anderson,
+                x,
+                f,
+                first,
+                moved,
+                swept,
+                turns,
+                ..
             } = self;
             let (members, n) = (members.list(), members.list().len());
             let used = (3 * n).next_multiple_of(LANES);
             let (d, before, x, f) =
                 (&mut d[..used], &mut before[..used], &mut x[..3 * n], &mut f[..3 * n]);
+            let gives_way = attempts > 0;
+            if gives_way {
+                turns.hold(simd, members, contacts, W, d);
+            }
             before.copy_from_slice(d);
             gather(members, contacts, x);
             let mut own_change = 0.0_f64;
             for m in 0..n {
                 let row = &mut contacts.rows[members[m] as usize];
-                own_change = own_change.max(visit(simd, m, W, &own[m], cone, row, d));
+                if !gives_way {
+                    own_change = own_change.max(visit(simd, m, W, &own[m], cone, row, d));
+                } else if !turns.holds(m) {
+                    let change = visit(simd, m, W, turns.own(m), cone, row, d);
+                    own_change = own_change.max(change);
+                    if change > 0.0 {
+                        turns.settle(simd, members, contacts, W, d);
+                    }
+                }
+            }
+            if gives_way {
+                own_change = own_change.max(turns.pull(members, contacts, W));
             }
             convergence.iterations += 1;
             *swept += 1;

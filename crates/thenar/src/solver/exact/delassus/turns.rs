@@ -1,0 +1,231 @@
+//! Limits of joints that press, held while contacts are visited.
+//!
+//! A body that touches and whose joint is at its limit passes load from contact to limit and back: each visit of
+//! one undoes the other, and where friction pulls on a long lever this never ends. So limits L that press give way
+//! within each visit (block Gauss-Seidel): the contact m sees the response
+//!
+//! ```text
+//!   W_mm - W_mL W_LL⁻¹ W_Lm
+//! ```
+//!
+//! and λ_L follows so that `d_L = 0`. A limit that pulls is let go before the next sweep.
+
+use super::Compliance;
+use crate::math::{Mat3, Vec3};
+use crate::solver::ContactRows;
+use crate::solver::contact_law::Response;
+use crate::solver::exact::small_cholesky;
+use fearless_simd::Simd;
+
+/// Limits held at most: as many as two hands have joints at once; others are visited like contacts.
+const HELD_MAX: usize = 64;
+
+/// The limits held, and how contacts answer meanwhile.
+#[derive(Clone, Debug)]
+pub struct Turns {
+    /// Members of W.
+    held: Vec<u32>,
+    /// Whether each member is held, and its response.
+    is_held: Vec<bool>,
+    own: Vec<Response>,
+    /// Cholesky factor of W_LL, and what is solved with it.
+    gram: Vec<f64>,
+    values: Vec<f64>,
+}
+
+impl Turns {
+    /// Room for so many members.
+    pub fn new(capacity: usize) -> Self {
+        let most = HELD_MAX.min(capacity);
+        Self {
+            held: Vec::with_capacity(most),
+            is_held: vec![false; capacity],
+            own: vec![Response::default(); capacity],
+            gram: vec![0.0; most * most],
+            values: vec![0.0; most],
+        }
+    }
+
+    /// Holds those of the members that are limits and press, and lets go of those that pull.
+    #[inline(always)]
+    pub fn hold<S: Simd>(
+        &mut self,
+        simd: S,
+        members: &[u32],
+        contacts: &mut ContactRows,
+        W: &Compliance,
+        d: &mut [f64],
+    ) {
+        let n = members.len();
+        self.held.clear();
+        self.is_held[..n].fill(false);
+        for (m, &i) in members.iter().enumerate() {
+            let row = &mut contacts.rows[i as usize];
+            if row.turns && row.lambda.x < 0.0 {
+                W.add_answer(simd, m, &-row.lambda, d);
+                row.lambda = Vec3::zeros();
+            } else if row.turns && row.lambda.x > 0.0 && self.held.len() < self.values.len() {
+                self.held.push(m as u32);
+            }
+        }
+        let k = self.held.len();
+        for (a, &row) in self.held.iter().enumerate() {
+            for (b, &column) in self.held.iter().enumerate() {
+                self.gram[a * k + b] = f64::from(W.at(3 * row as usize, 3 * column as usize));
+            }
+        }
+        if !small_cholesky::factor(&mut self.gram[..k * k], k) {
+            // Limits that depend on each other share the load in any way: they are visited one by one.
+            self.held.clear();
+        }
+        self.held.iter().for_each(|&m| self.is_held[m as usize] = true);
+        for m in 0..n {
+            self.own[m] = Response::new(&(W.own(m) - self.given_way(W, m)));
+        }
+        self.settle(simd, members, contacts, W, d);
+    }
+
+    /// `W_mL W_LL⁻¹ W_Lm`.
+    fn given_way(&mut self, W: &Compliance, m: usize) -> Mat3 {
+        let k = self.held.len();
+        let mut columns = Mat3::zeros();
+        for axis in 0..3 {
+            for (value, &limit) in self.values.iter_mut().zip(&self.held) {
+                *value = f64::from(W.at(3 * limit as usize, 3 * m + axis));
+            }
+            self.solve();
+            for (value, &limit) in self.values[..k].iter().zip(&self.held) {
+                for row in 0..3 {
+                    columns[(row, axis)] +=
+                        f64::from(W.at(3 * m + row, 3 * limit as usize)) * value;
+                }
+            }
+        }
+        0.5 * (columns + columns.transpose())
+    }
+
+    fn solve(&mut self) {
+        let k = self.held.len();
+        small_cholesky::forward(&self.gram[..k * k], k, &mut self.values[..k]);
+        small_cholesky::backward(&self.gram[..k * k], k, &mut self.values[..k]);
+    }
+
+    /// Whether a member follows the others.
+    pub fn holds(&self, m: usize) -> bool {
+        self.is_held[m]
+    }
+
+    /// How a member answers while limits give way.
+    pub fn own(&self, m: usize) -> &Response {
+        &self.own[m]
+    }
+
+    /// Lets the limits follow what was visited.
+    #[inline(always)]
+    pub fn settle<S: Simd>(
+        &mut self,
+        simd: S,
+        members: &[u32],
+        contacts: &mut ContactRows,
+        W: &Compliance,
+        d: &mut [f64],
+    ) {
+        for (value, &limit) in self.values.iter_mut().zip(&self.held) {
+            *value = -d[3 * limit as usize];
+        }
+        self.solve();
+        for (value, &limit) in self.values.iter().zip(&self.held) {
+            let delta = Vec3::new(*value, 0.0, 0.0);
+            contacts.rows[members[limit as usize] as usize].lambda += delta;
+            W.add_answer(simd, limit as usize, &delta, d);
+        }
+    }
+
+    /// The most that a limit that pulls is off \[m/s\].
+    pub fn pull(&self, members: &[u32], contacts: &ContactRows, W: &Compliance) -> f64 {
+        let of = |&limit: &u32| {
+            let lambda = contacts.rows[members[limit as usize] as usize].lambda.x;
+            f64::from(W.at(3 * limit as usize, 3 * limit as usize)) * (-lambda).max(0.0)
+        };
+        self.held.iter().map(of).fold(0.0, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Cone;
+    use crate::solver::exact::delassus::sweeps::visit;
+    use crate::solver::exact::factor::LANES;
+    use crate::testing::Random;
+    use fearless_simd::{Level, dispatch};
+
+    /// Sweeps over a contact and the limit of a joint, of a thing of 1 kg that touches with one point on a long
+    /// lever, until they change nothing; the last change \[m/s\].
+    fn swept(random: &mut Random, gives_way: bool) -> f64 {
+        let turn = *random.rotation(3.1).to_rotation_matrix().matrix();
+        let gyration = Vec3::from_fn(|_, _| random.range(0.2, 1.0));
+        let inertia = Mat3::from_diagonal(&gyration.map(|k| 1.0 / (k * k)));
+        let yields = turn * inertia * turn.transpose();
+        let arm = random.vec3(1.5).cross_matrix();
+        let axis = random.vec3(1.0).normalize();
+        let contact = Mat3::identity() + arm.transpose() * yields * arm;
+        let coupling = arm.transpose() * yields * axis;
+        let mut block = [[0.0_f32; LANES]; LANES];
+        for i in 0..3 {
+            (0..3).for_each(|j| block[i][j] = contact[(i, j)] as f32);
+            (block[i][3], block[3][i]) = (coupling[i] as f32, coupling[i] as f32);
+        }
+        block[3][3] = axis.dot(&(yields * axis)) as f32;
+        let mut W = Compliance::new(1);
+        W.set(0, 0, &block);
+
+        let mut contacts = ContactRows::with_capacity(0, 2);
+        contacts.begin(&Vec3::x(), random.range(0.05, 1.5), &Vec3::zeros());
+        contacts.begin(&Vec3::x(), 0.0, &Vec3::zeros());
+        contacts.rows[1].turns = true;
+        let mut d = [0.0; LANES];
+        let mut b = random.vec3(1.0);
+        b.x = -b.x.abs();
+        d[..3].copy_from_slice(b.as_slice());
+        d[3] = random.range(-1.0, 0.2);
+        let members = [0, 1];
+        let own = members.map(|m| Response::new(&W.own(m as usize)));
+        let mut turns = Turns::new(2);
+        let mut change = f64::INFINITY;
+        dispatch!(Level::new(), simd => {
+            for _ in 0..500 {
+                if gives_way {
+                    turns.hold(simd, &members, &mut contacts, &W, &mut d);
+                }
+                change = 0.0;
+                for m in 0..2 {
+                    if gives_way && turns.holds(m) {
+                        continue;
+                    }
+                    let own = if gives_way { turns.own(m) } else { &own[m] };
+                    let row = &mut contacts.rows[m];
+                    change = visit(simd, m, &W, own, Cone::Circular, row, &mut d).max(change);
+                    if gives_way {
+                        turns.settle(simd, &members, &mut contacts, &W, &mut d);
+                    }
+                }
+                change = change.max(turns.pull(&members, &contacts, &W));
+                if change < 1e-6 {
+                    break;
+                }
+            }
+        });
+        change
+    }
+
+    #[test]
+    fn what_is_jammed_at_a_limit_comes_to_rest_where_the_limit_gives_way() {
+        let moving = |gives_way: bool| {
+            let mut random = Random::new(37);
+            (0..2000).filter(|_| swept(&mut random, gives_way) > 1e-6).count()
+        };
+        let (plain, held) = (moving(false), moving(true));
+        assert!(plain > 10 && held == 0, "{plain} by plain visits, {held} of 2000");
+    }
+}
