@@ -21,18 +21,23 @@ const REACH: f64 = 10.0;
 /// In radii: what differs by less is the same plane.
 const ROUND_OFF: f64 = 1e-6;
 
-/// The tangent plane of a shape for a point `p` at distance `now`. `outward` is the mean of the unit normals of
-/// its surface around it, `edge` the length of edges there. All in the shape frame.
+/// The tangent plane of a shape for a point `p` at distance `now`. `outward` gives the mean of the unit normals of
+/// its surface around it, where it is needed; `edge` is the length of edges there. All in the shape frame.
 pub(crate) fn blunted(
     shape: &Shape,
     p: &Vec3,
-    outward: &Vec3,
+    outward: impl FnOnce() -> Vec3,
     edge: f64,
     now: Distance,
 ) -> Distance {
+    let less = now.value.max(0.0) / REACH;
+    if RADIUS * edge <= less {
+        return now;
+    }
+    let outward = outward();
     let length = outward.norm();
     let part = (length - BENT) / (1.0 - BENT);
-    let radius = part * RADIUS * edge - now.value.max(0.0) / REACH;
+    let radius = part * RADIUS * edge - less;
     if radius <= 0.0 {
         return now;
     }
@@ -74,7 +79,7 @@ mod tests {
     const TIN: Shape = Shape::Cylinder { radius: 0.012, half_length: 0.01 };
 
     fn seen(shape: &Shape, p: &Vec3, outward: &Vec3) -> Distance {
-        blunted(shape, p, &outward.normalize(), EDGE, shape.distance(p))
+        blunted(shape, p, || outward.normalize(), EDGE, shape.distance(p))
     }
 
     /// A sheet of 2 µm, and a point above it that looks up, as flesh does which is cut from the side.
@@ -130,7 +135,7 @@ mod tests {
         for off in [-1e-9, 0.0, 1e-9] {
             let p = Vec3::new(0.01 + off, 0.02 + 1e-6, 0.0);
             let (d, exact) =
-                (blunted(&BOX, &p, &outward, EDGE, BOX.distance(&p)), BOX.distance(&p));
+                (blunted(&BOX, &p, || outward, EDGE, BOX.distance(&p)), BOX.distance(&p));
             assert_eq!((d.value, d.gradient), (exact.value, exact.gradient));
             assert!(d.gradient.y > 0.999);
         }

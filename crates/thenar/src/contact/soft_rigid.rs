@@ -139,10 +139,11 @@ impl SoftRigid<'_> {
         if sided.gradient != now.gradient || !has_edges(&self.body.shape) {
             return sided;
         }
-        let outward_W = self.surface.mean_normal_at(v as u32, self.state.positions);
-        let outward = self.placed.rotation.tr_mul(&outward_W);
-        let edge = self.surface.edge_mean.min(self.surface.edge_around[v]);
-        blunted(&self.body.shape, p, &outward, edge, sided)
+        let outward = || {
+            let outward_W = self.surface.mean_normal_at(v as u32, self.state.positions);
+            self.placed.rotation.tr_mul(&outward_W)
+        };
+        blunted(&self.body.shape, p, outward, self.surface.edge_at(v as u32), sided)
     }
 
     fn vertex_contact(&self, v: u32, distance: Distance) -> Contact {

@@ -65,8 +65,9 @@ pub(crate) fn meet_round(
             return;
         }
         is_far = false;
-        if pair.surface.owns(near.index, feature) {
-            let now = blunted_on(pair, near, part, (&p, feature), now);
+        let is_held = place == NEAREST && has_sharp_rim(&part.shape);
+        if !is_held && pair.surface.owns(near.index, feature) {
+            let now = blunted_on(pair, near, part, (&p, &weights), now);
             offer(pair, near, (r, part), (place, feature, weights), now, touches);
         }
     });
@@ -85,6 +86,13 @@ fn round_line(shape: &Shape) -> Option<([Vec3; 2], f64)> {
         Shape::Capsule { radius, half_length } => Some((capsule_axis(*half_length), *radius)),
         _ => None,
     }
+}
+
+/// Whether what is nearest to the inside of a triangle is a point of a sharp rim, or next to one: a straight side
+/// and a flat end are as near at their ends. On the rim that place goes `R / t` for each radian by which a triangle
+/// turns that slopes by t: held there alone it rocks for ever. The points of the rim stay where they are.
+fn has_sharp_rim(shape: &Shape) -> bool {
+    matches!(shape, Shape::Cylinder { .. } | Shape::Cone { .. })
 }
 
 /// The ends of the axis of a shape that is straight along its side.
@@ -199,25 +207,83 @@ fn arrive(
     }
 }
 
-/// View of an edge of the part from place `p` of a feature of a triangle, in the frame of the part.
+/// View of an edge of the part from place `p` of a triangle, in the frame of the part.
 pub(crate) fn blunted_on(
     pair: &SoftRigid,
     near: &Near,
     part: &Part,
-    (p, feature): (&Vec3, Feature),
+    (p, weights): (&Vec3, &[f64; 3]),
     now: Distance,
 ) -> Distance {
     if !has_edges(&part.shape) {
         return now;
     }
-    let outward_W = pair.surface.mean_normal(near.index, feature, pair.state.positions);
-    let outward = part.pose_SP.inverse_vector(&pair.placed.rotation.tr_mul(&outward_W));
-    let edge = pair.surface.edge_mean.min(pair.surface.edge_of[near.index as usize]);
-    blunted(&part.shape, p, &outward, edge, now)
+    let outward = || {
+        let outward_W = pair.surface.mean_normal(near.index, weights, pair.state.positions);
+        part.pose_SP.inverse_vector(&pair.placed.rotation.tr_mul(&outward_W))
+    };
+    blunted(&part.shape, p, outward, pair.surface.edge_within(near.index, weights), now)
 }
 
 /// Outward normal of the soft surface, in the shape frame.
 pub(crate) fn outward(pair: &SoftRigid, near: &Near, feature: Feature) -> Vec3 {
     let outward_W = pair.surface.pseudonormal(near.index, feature, pair.state.positions);
     pair.placed.rotation.tr_mul(&outward_W)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::area::TOUCHING;
+    use crate::contact::tests::{Scene, cube};
+    use crate::contact::{Contact, Site};
+    use crate::math::{Pose, Quat};
+    use crate::model::Motion;
+
+    const RADIUS: f64 = 0.012;
+    const SLOPE: f64 = 0.1;
+
+    /// A tin whose rim touches a face of flesh, 80 mm wide, that slopes down to this side.
+    fn under_a_slope(azimuth: f64) -> Vec<Contact> {
+        let mut scene = Scene::new();
+        let tin = Shape::Cylinder { radius: RADIUS, half_length: 0.01 };
+        let (sin, cos) = azimuth.sin_cos();
+        scene.rigid(Motion::Dynamic, tin, Pose::identity());
+        let (mut points, triangles) = cube(0.08, 1);
+        let tilt = Quat::from_scaled_axis(SLOPE.atan() * Vec3::new(sin, 0.0, -cos));
+        // The lowest place of the rim's neighbourhood is where the face has just come down to it.
+        let up = Vec3::y() * (0.01 + SLOPE * RADIUS);
+        points.iter_mut().for_each(|p| *p = tilt * (*p + Vec3::y() * 0.04) + up);
+        scene.soft((points, triangles));
+        scene.find(1e-3)
+    }
+
+    /// While the slope turns by 1° its lowest place goes 0.2 mm along the rim. What holds it stays, so that its
+    /// force goes over from point to point, and no point between two is deeper than what counts as touching.
+    #[test]
+    fn a_rim_holds_a_slope_at_points_that_stay() {
+        let places = |azimuth: f64| -> Vec<(u64, Vec3, f64)> {
+            let contacts = under_a_slope(azimuth);
+            // Inside of the face's two triangles; the edge between them crosses the rim besides.
+            let is_inside = |c: &Contact| match &c.a {
+                Site::Soft(point) => point.weights.iter().all(|w| *w > 0.0),
+                Site::Rigid { .. } => false,
+            };
+            let near = contacts.into_iter().filter(|c| c.gap < 1e-4 && is_inside(c));
+            near.map(|c| (c.key, c.position_W, c.gap)).collect()
+        };
+        for k in 0..40 {
+            let azimuth = 0.3 + 0.01 * f64::from(k);
+            let [a, b] = [places(azimuth), places(azimuth + 1_f64.to_radians())];
+            for (key, place, _) in &b {
+                if let Some((_, before, _)) = a.iter().find(|(other, ..)| other == key) {
+                    assert!((place - before).norm() < 1e-12, "{before} {place}");
+                }
+            }
+            let least = a.iter().map(|(.., gap)| *gap).fold(f64::INFINITY, f64::min);
+            assert!((0.0..TOUCHING).contains(&(least + 1e-9)), "{least}");
+            // Beside the lowest place on the rim, on both sides.
+            assert!(a.len() >= 2, "{a:?}");
+        }
+    }
 }

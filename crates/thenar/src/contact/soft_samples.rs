@@ -105,7 +105,7 @@ pub(crate) fn meet_samples(
         };
         if now.value <= pair.margin {
             if now.value <= reach {
-                let now = blunted_on(pair, near, part, (&p, feature), now);
+                let now = blunted_on(pair, near, part, (&p, &weights), now);
                 touch(now).into_iter().for_each(|touch| touches.offer(touch));
             }
             continue;

@@ -201,17 +201,22 @@ impl Surface {
         if whole > 0.0 { sum / whole } else { Vec3::zeros() }
     }
 
-    /// The mean of the unit normals at a feature: of the face, of an edge's two faces, around a vertex by areas.
-    pub fn mean_normal(&self, triangle: u32, feature: Feature, x: &[Vec3]) -> Vec3 {
-        match feature {
-            Feature::Face => self.normal(triangle, x),
-            Feature::Edge(k) => {
-                let across = self.neighbors[triangle as usize][k];
-                let other = if across == NONE { Vec3::zeros() } else { self.normal(across, x) };
-                0.5 * (self.normal(triangle, x) + other)
-            }
-            Feature::Vertex(k) => self.mean_normal_at(self.triangles[triangle as usize][k], x),
-        }
+    /// The same at a point of a triangle, interpolated between its corners: no jump where a point goes on from a
+    /// face to an edge or a vertex.
+    pub fn mean_normal(&self, triangle: u32, weights: &[f64; 3], x: &[Vec3]) -> Vec3 {
+        let corners = self.triangles[triangle as usize].into_iter().zip(weights);
+        corners.filter(|(_, w)| **w != 0.0).map(|(v, w)| self.mean_normal_at(v, x) * *w).sum()
+    }
+
+    /// Length of the edges around a vertex, no more than the mean \[m\].
+    pub fn edge_at(&self, vertex: u32) -> f64 {
+        self.edge_mean.min(self.edge_around[vertex as usize])
+    }
+
+    /// The same at a point of a triangle, interpolated like [`Surface::mean_normal`].
+    pub fn edge_within(&self, triangle: u32, weights: &[f64; 3]) -> f64 {
+        let corners = self.triangles[triangle as usize].into_iter().zip(weights);
+        corners.map(|(v, w)| self.edge_at(v) * w).sum()
     }
 
     /// The normal that decides inside from outside at a feature: of the face, the sum over an
@@ -328,4 +333,45 @@ fn neighbors(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
         }
     }
     neighbors
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::tests::{Scene, cube};
+
+    /// Over a cube blown up to a ball, bent everywhere: no jump over edges, nor at vertices.
+    #[test]
+    fn mean_normals_go_on_from_face_to_edge_to_vertex() {
+        let (mut x, triangles) = cube(0.02, 3);
+        x.iter_mut().for_each(|p| *p = p.normalize() * 0.01);
+        let mut scene = Scene::new();
+        scene.soft((x.clone(), triangles.clone()));
+        let surface = Surface::new(0, &scene.desc.softs[0].flesh, 0, &[]);
+        for t in 0..triangles.len() as u32 {
+            for k in 0..3 {
+                let corner = triangles[t as usize][k];
+                let mut weights = [0.0; 3];
+                weights[k] = 1.0;
+                let at = (surface.mean_normal(t, &weights, &x), surface.edge_within(t, &weights));
+                assert!((at.0 - surface.mean_normal_at(corner, &x)).norm() < 1e-15);
+                assert!((at.1 - surface.edge_at(corner)).abs() < 1e-15);
+
+                let next = triangles[t as usize][(k + 1) % 3];
+                let across = surface.across(t, k).expect("a closed surface");
+                let seen = |u: u32, off: f64| {
+                    let place = |v: u32| match v {
+                        v if v == corner => 0.3 - 0.5 * off,
+                        v if v == next => 0.7 - 0.5 * off,
+                        _ => off,
+                    };
+                    let weights = triangles[u as usize].map(place);
+                    (surface.mean_normal(u, &weights, &x), surface.edge_within(u, &weights))
+                };
+                let [(own, edge), (other, edge_there)] = [seen(t, 1e-9), seen(across, 1e-9)];
+                assert!((own - other).norm() < 1e-8 && (edge - edge_there).abs() < 1e-10);
+                assert!((seen(t, 0.3).0 - own).norm() > 1e-3, "it is bent");
+            }
+        }
+    }
 }
