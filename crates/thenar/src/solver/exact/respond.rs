@@ -8,6 +8,11 @@ use crate::solver::exact::{
 };
 use crate::solver::{ContactRow, ContactRows, Convergence, Failure};
 
+/// Sweeps go on to this part of the tolerance. Impulses that are within it stay as they are while the load changes, and
+/// are found anew once they are not: the force of a body that rests jumps then by up to what the tolerance makes of
+/// its weight, `10 µm/s / (g h)`, 0.1 % at 1 ms. A quarter of that is not seen, and takes 3 to 10 % more sweeps
+/// in grasps.
+const SWEPT_TO: f64 = 0.25;
 /// Times that contact is solved, compared with the true velocities, and solved again.
 const ROUNDS_MAX: u32 = 8;
 /// Times, besides, that sweeps which ran out go on, from the true velocities and with a new history.
@@ -125,7 +130,8 @@ impl Exact {
         let Self { bodies, carried, springs, split, coarse, direct, delassus, .. } = self;
         let system = system(step, bodies, carried, springs, split);
         delassus.extend(&system, coarse, direct, contacts);
-        delassus.solve(contacts, cone, accuracy.velocity, accuracy.sweeps_max, direct)
+        let tolerance = SWEPT_TO * accuracy.velocity;
+        delassus.solve(contacts, cone, tolerance, accuracy.sweeps_max, direct)
     }
 }
 
