@@ -349,23 +349,23 @@ fn judge(case: &Case, folder: &std::path::Path) -> Option<String> {
 }
 
 /// Cases that failed where a contact came or went by round-off, where the direction of an edge did (tin and
-/// mug), and where the only place of a triangle wandered under a flat body (pebble and ball).
-const HARD: [&str; 6] = [
+/// mug), where the only place of a triangle wandered under a flat body (pebble and ball) or along a rim with
+/// the triangle that rocked on it (tin and mug), where an overlap of nanometres was undone at once and the body fell
+/// back (pill and pebble), and where impulses stayed within the solver's tolerance until they jumped (mesh ball and
+/// rod: of a body that rests by its weight `10 µm/s / (g h)`, 0.1 % at 1 ms).
+const HARD: [&str; 12] = [
     "cube 10 on hand, h 0.0010, at [0.0, 0.0]",
     "slab on mesh fine, h 0.0167, at [0.0, 0.0]",
     "tin on hand, h 0.0010, at [0.017, -0.019]",
     "mug on hand, h 0.0010, at [-0.021, -0.013]",
     "pebble on hand, h 0.0050, at [-0.021, -0.013]",
     "ball 30 on soft coarse, h 0.0010, at [0.0, 0.0]",
-];
-
-/// Cases known to fall short: judged with all others, not in the tenth. In three a contact on skin moves to
-/// another place; the rod's force changes by what the solver's tolerance makes of its weight.
-const OPEN: [&str; 4] = [
-    "ball 30 on soft coarse, h 0.0010, at [0.0125, 0.0125]",
-    "pebble on hand, h 0.0010, at [0.017, -0.019]",
-    "mug on hand, h 0.0010, at [-0.021, -0.013]",
-    "rod on mesh fine, h 0.0010, at [0.0125, 0.0125]",
+    "tin on hand, h 0.0050, at [0.017, -0.019]",
+    "mug on hand, h 0.0167, at [0.0125, 0.0125]",
+    "pebble on hand, h 0.0167, at [0.0, 0.0]",
+    "pill on soft fine, h 0.0010, at [0.017, -0.019]",
+    "mesh ball on soft coarse, h 0.0010, at [-0.0083, 0.0041]",
+    "rod on mesh coarse, h 0.0010, at [0.017, -0.019]",
 ];
 
 #[test]
@@ -375,13 +375,10 @@ fn what_is_set_down_stays() {
     let chosen: Vec<Case> = cases()
         .into_iter()
         .enumerate()
-        .filter(|(i, case)| {
-            let among = |list: &[&str]| list.iter().any(|name| case.name.starts_with(name));
-            match wanted.as_deref() {
-                Some("all") => true,
-                Some(text) => case.name.contains(text),
-                None => among(&HARD) || i % 11 == 3 && !among(&OPEN),
-            }
+        .filter(|(i, case)| match wanted.as_deref() {
+            Some("all") => true,
+            Some(text) => case.name.contains(text),
+            None => HARD.iter().any(|name| case.name.starts_with(name)) || i % 11 == 3,
         })
         .map(|(_, case)| case)
         .collect();
