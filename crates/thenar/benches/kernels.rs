@@ -10,7 +10,7 @@ use thenar::kernels::{
     BlockDiagonal, BlockMatrix, CgWorkspace, PAIRS, RestTet, conjugate_gradients, respond,
     rotation_of,
 };
-use thenar::model::{Binding, Drive, Law, Material, Motion, SolverKind, WorldDesc};
+use thenar::model::{Binding, Drive, Law, Material, Motion, Relaxation, SolverKind, WorldDesc};
 use thenar::shape::Shape;
 use thenar::world::{Input, Target};
 use thenar::{Mat3, Pose, Quat, Vec3, World};
@@ -59,6 +59,63 @@ fn whole_step_resting_on_the_ground(bencher: Bencher, cells: [usize; 3]) {
         world.step(&input, &mut ());
     }
     bencher.bench_local(|| world.step(black_box(&input), &mut ()));
+}
+
+/// Laws, and one with memory.
+const TISSUES: [(Law, bool); 5] = [
+    (Law::Corotational, false),
+    (Law::StableNeoHookean, false),
+    (Law::Ogden { alpha: 8.0 }, false),
+    (Law::Corotational, true),
+    (Law::Ogden { alpha: 8.0 }, true),
+];
+
+/// One of them, with a name for the table.
+#[derive(Clone, Copy)]
+struct Tissue((Law, bool));
+
+impl std::fmt::Display for Tissue {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (law, remembers) = self.0;
+        write!(f, "{law:?}{}", if remembers { " with memory" } else { "" })
+    }
+}
+
+/// The finger of 2100 tetrahedra of some tissue, strained by a few per cent.
+fn tissue((law, remembers): (Law, bool)) -> World {
+    let mut desc = world(CELLS[1], 10.0, 1e-3).desc().clone();
+    let flesh = &mut desc.softs[0].flesh;
+    flesh.materials.iter_mut().for_each(|material| material.law = law);
+    if remembers {
+        let terms = [[0.7, 4e-3], [0.15, 0.07], [0.08, 1.4]];
+        let relaxation = Relaxation::new(&terms).expect("three terms");
+        flesh.relaxation = vec![relaxation; flesh.tets.len()];
+    }
+    let mut world = World::new(desc).expect("the bench's own world");
+    let mut seed = 7;
+    let strained: Vec<Vec3> = (world.nodes(0).iter())
+        .map(|x| x + Vec3::from_fn(|_, _| 5e-5 * common::random(&mut seed)))
+        .collect();
+    world.set_nodes(0, &strained);
+    world
+}
+
+#[divan::bench(args = TISSUES.map(Tissue))]
+fn whole_step_of_tissue(bencher: Bencher, of: Tissue) {
+    let mut world = tissue(of.0);
+    let input = world.input();
+    bencher.bench_local(|| world.step(black_box(&input), &mut ()));
+}
+
+#[divan::bench(args = TISSUES.map(Tissue))]
+fn assembly_of_tissue(bencher: Bencher, of: Tissue) {
+    let world = tissue(of.0);
+    let (model, state) = (world.model(), world.state());
+    let (mut A, row0) = (model.pattern.clone(), 2 * model.rigids.len());
+    let mut b = vec![Vec3::zeros(); A.rows()];
+    let (x, v, faded) = (&state.x, &state.v[row0..], &state.faded);
+    bencher
+        .bench_local(|| model.flesh.assemble(black_box(x), v, faded, 1e-3, row0, &mut A, &mut b));
 }
 
 const KINDS: [SolverKind; 2] = [SolverKind::TwoStep, SolverKind::Exact];

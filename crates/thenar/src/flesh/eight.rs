@@ -59,7 +59,7 @@ pub fn inner<S: Simd>(a: &Mat3x8<S>, b: &Mat3x8<S>) -> f64x8<S> {
 
 /// What the first node has, for the sum over all four to vanish.
 #[inline(always)]
-fn minus_sum<S: Simd>(of: &[Vec3x8<S>; 3]) -> Vec3x8<S> {
+pub fn minus_sum<S: Simd>(of: &[Vec3x8<S>; 3]) -> Vec3x8<S> {
     three(
         #[inline(always)]
         |k| -(of[0][k] + of[1][k] + of[2][k]),

@@ -4,6 +4,7 @@
 //! the compiler keeps apart is compiled without the vector instructions.
 
 use crate::flesh::RestTet;
+use crate::flesh::ogden::power_end;
 use crate::math::Vec3;
 use crate::model::Law;
 use fearless_simd::{Simd, f64x8, prelude::*};
@@ -21,8 +22,8 @@ pub type Vec3x8<S> = [f64x8<S>; 3];
 pub struct RestLanes {
     /// How many elements there are.
     pub count: usize,
-    /// All of them are corotational without memory, so that they can be evaluated together.
-    pub together: bool,
+    /// How they are evaluated.
+    pub kind: Kind,
     /// Their nodes.
     pub tets: [[u32; 4]; LANES],
     /// Gradients of the barycentric coordinates of nodes 1 to 3 \[1/m\], node by node.
@@ -35,6 +36,43 @@ pub struct RestLanes {
     pub mu: [f64; LANES],
     /// Stiffness-proportional damping \[s\].
     pub damping: [f64; LANES],
+    /// Ogden's exponents; 0 with other laws.
+    pub alpha: [f64; LANES],
+    /// Stretches beyond which powers go on by their expansion.
+    pub power_end: [f64; LANES],
+}
+
+/// Which kernel elements go to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// All are corotational.
+    Corotational,
+    /// All are stable neo-Hookean.
+    StableNeoHookean,
+    /// All have Ogden's law.
+    Ogden,
+    /// All have the logarithmic law.
+    NeoHookean,
+    /// They are of several laws, or some have memory: one by one.
+    Apart,
+}
+
+impl Kind {
+    fn of(rest: &[RestTet]) -> Self {
+        let kind = |rest: &RestTet| match rest.law {
+            Law::Corotational => Self::Corotational,
+            Law::StableNeoHookean => Self::StableNeoHookean,
+            Law::Ogden { .. } => Self::Ogden,
+            Law::NeoHookean => Self::NeoHookean,
+        };
+        let first = kind(&rest[0]);
+        if rest.iter().all(|rest| kind(rest) == first) { first } else { Self::Apart }
+    }
+}
+
+/// The exponent of Ogden's law.
+fn exponent(rest: &RestTet) -> f64 {
+    if let Law::Ogden { alpha } = rest.law { alpha } else { 0.0 }
 }
 
 impl RestLanes {
@@ -45,13 +83,15 @@ impl RestLanes {
         let number = |f: &dyn Fn(&RestTet) -> f64| std::array::from_fn(|lane| f(&rest[of(lane)]));
         Self {
             count,
-            together: !alone && rest.iter().all(|r| r.law == Law::Corotational),
+            kind: if alone { Kind::Apart } else { Kind::of(rest) },
             tets: std::array::from_fn(|lane| tets[of(lane)]),
             gradients: std::array::from_fn(|i| number(&|r| r.gradients[1 + i / 3][i % 3])),
             volume: number(&|r| r.volume),
             lambda: number(&|r| r.lambda),
             mu: number(&|r| r.mu),
             damping: std::array::from_fn(|lane| damping[of(lane)]),
+            alpha: number(&exponent),
+            power_end: number(&|r| power_end(exponent(r))),
         }
     }
 

@@ -2,6 +2,7 @@
 
 mod assemble;
 mod eight;
+mod eight_principal;
 mod element;
 mod foresight;
 mod lanes;
@@ -11,6 +12,7 @@ mod patch;
 mod patch_lanes;
 mod polar;
 mod principal;
+mod principal_lanes;
 mod rotations;
 
 pub use assemble::{FleshModel, Tally};

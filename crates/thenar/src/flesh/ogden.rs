@@ -23,12 +23,16 @@ use crate::math::Mat3;
 const POWER_MAX: f64 = 1e3;
 
 /// Derivatives of a function of one variable, from the zeroth.
-type Jet = [f64; 3];
+pub type Jet = [f64; 3];
 
-/// `|x|^α`, for α ≥ 2.
-fn power(x: f64, alpha: f64) -> Jet {
+/// The stretch beyond which `σ^α` goes on by its expansion.
+pub fn power_end(alpha: f64) -> f64 {
+    POWER_MAX.powf(1.0 / alpha)
+}
+
+/// `|x|^α`, for α ≥ 2, with `end` its [`power_end`].
+pub fn power(x: f64, alpha: f64, end: f64) -> Jet {
     let size = x.abs();
-    let end = POWER_MAX.powf(1.0 / alpha);
     let at = size.min(end);
     let curved = at.powf(alpha - 2.0);
     let jet = [curved * at * at, alpha * curved * at, alpha * (alpha - 1.0) * curved];
@@ -39,7 +43,7 @@ fn power(x: f64, alpha: f64) -> Jet {
 }
 
 /// g.
-fn volume_factor(J: f64, a: f64) -> Jet {
+pub fn volume_factor(J: f64, a: f64) -> Jet {
     let value = (a * (1.0 - J.max(0.0))).exp();
     let past = a * J.min(0.0);
     [value * (1.0 - past + 0.5 * past * past), -a * value * (1.0 - past), a * a * value]
@@ -51,7 +55,8 @@ pub fn density(alpha: f64, lambda: f64, mu: f64, s: [f64; 3]) -> Density {
     let bulk = lambda + 2.0 / 3.0 * mu + 2.0 * mu / alpha;
     let J = s[0] * s[1] * s[2];
     let area = [s[1] * s[2], s[2] * s[0], s[0] * s[1]];
-    let f = s.map(|s| power(s, alpha));
+    let end = power_end(alpha);
+    let f = s.map(|s| power(s, alpha, end));
     let sum = f[0][0] + f[1][0] + f[2][0];
     let [g, slope, curvature] = volume_factor(J, alpha / 3.0);
     // ∂ψ/∂J and ∂²ψ/∂J² of what depends on J.

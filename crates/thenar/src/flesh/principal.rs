@@ -6,7 +6,7 @@ use crate::model::Law;
 
 /// Below this stretch the logarithmic law is continued by its second-order expansion, since it
 /// has no value for crushed or inverted elements.
-const STRETCH_MIN: f64 = 0.05;
+pub const STRETCH_MIN: f64 = 0.05;
 
 /// ψ \[J/m³\], ∂ψ/∂σ \[Pa\], ∂²ψ/∂σ² \[Pa\].
 #[derive(Clone, Copy, Debug)]
