@@ -24,6 +24,8 @@ const TRIANGLES_MAX: usize = 1024;
 const EDGES_THROUGH: f64 = 16.0;
 /// Larger trees have no table of settled pairs, which only spares a search: 2 MB.
 const NODES_MAX: usize = 4096;
+/// The same of pairs of triangles.
+const TABLED_MAX: usize = 4096;
 /// Parts nearer than this part of an edge at rest overlap already, as in a seam: they would push each other apart
 /// from the first step on. Contacts rest to a hundredth of an edge, and surfaces that were scanned or drawn to lie
 /// on each other do so to a few.
@@ -39,6 +41,9 @@ pub(crate) struct Apart {
     /// One bit per pair of tree nodes n ≤ m: no two of their parts may touch.
     nodes: usize,
     settled: Vec<u64>,
+    /// One bit per pair of triangles s ≤ t: they never touch.
+    triangle_count: usize,
+    never: Vec<u64>,
     regions: Regions,
     /// Whether two regions are one or joined, row by row, and how many there are.
     near: Vec<bool>,
@@ -89,6 +94,7 @@ impl Apart {
         let pairs = (0..apart.count).flat_map(|i| (0..apart.count).map(move |j| (i, j)));
         apart.near = pairs.map(|(i, j)| regions.are_joined(i as u32, j as u32)).collect();
         apart.regions = regions;
+        apart.tabulate(surface);
         apart.settle(surface);
         apart
     }
@@ -110,6 +116,12 @@ impl Apart {
         self.near.get(i as usize * self.count + j as usize).is_some_and(|near| *near)
     }
 
+    /// Whether no vertex and no edge of two triangles is to touch the other one; false where no table says so.
+    pub fn touch_never(&self, s: u32, t: u32) -> bool {
+        let bit = s.min(t) as usize * self.triangle_count + s.max(t) as usize;
+        self.never.get(bit / 64).is_some_and(|bits| bits >> (bit % 64) & 1 == 1)
+    }
+
     /// Whether all below two tree nodes are neighbours.
     pub fn are_settled(&self, n: usize, m: usize) -> bool {
         if self.settled.is_empty() {
@@ -117,6 +129,20 @@ impl Apart {
         }
         let bit = n.min(m) * self.nodes + n.max(m);
         self.settled[bit / 64] >> (bit % 64) & 1 == 1
+    }
+
+    /// Fills the bits of triangles.
+    fn tabulate(&mut self, surface: &Surface) {
+        let count = surface.triangles.len();
+        if count > TABLED_MAX {
+            return;
+        }
+        let mut never = vec![0; (count * count).div_ceil(64)];
+        for (s, t) in (0..count).flat_map(|s| (s..count).map(move |t| (s, t))) {
+            let bit = s * count + t;
+            never[bit / 64] |= u64::from(self.are_apart(surface, s as u32, t as u32)) << (bit % 64);
+        }
+        (self.triangle_count, self.never) = (count, never);
     }
 
     /// Fills the bits from the leaves up; children come after their parents.
@@ -130,9 +156,9 @@ impl Apart {
         for n in (0..self.nodes).rev() {
             for m in (n..self.nodes).rev() {
                 let settled = match (tree.children(n), tree.children(m)) {
-                    (Err(items), Err(others)) => items
-                        .iter()
-                        .all(|&s| others.iter().all(|&t| self.touch_never(surface, s, t))),
+                    (Err(items), Err(others)) => {
+                        items.iter().all(|&s| others.iter().all(|&t| self.are_apart(surface, s, t)))
+                    }
                     (Ok([l, r]), _) if n == m => {
                         [(l, l), (l, r), (r, r)].iter().all(|&(i, j)| self.are_settled(i, j))
                     }
@@ -145,7 +171,7 @@ impl Apart {
         }
     }
 
-    fn touch_never(&self, surface: &Surface, s: u32, t: u32) -> bool {
+    fn are_apart(&self, surface: &Surface, s: u32, t: u32) -> bool {
         let corners = |t: u32| surface.triangles[t as usize];
         let (of_s, of_t) = (corners(s), corners(t));
         of_s.iter().all(|&v| self.are_neighbors(v, t, &of_t))

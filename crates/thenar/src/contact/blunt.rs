@@ -7,8 +7,10 @@
 //! give what they gave. Flesh with edges of its own, a block's, has no one direction inward there: the sharper
 //! it is the less is rounded.
 
+use crate::contact::triangle::ROUNDED_UP;
 use crate::contact::{Distance, Shape};
 use crate::math::Vec3;
+use std::cell::Cell;
 
 /// Radius of the rounding over the edges of the surface that touches. Gaps become less by that at most, and a
 /// hundredth of an edge is what they are good for.
@@ -42,7 +44,8 @@ pub(crate) fn blunted(
         return now;
     }
     let outward = outward / length;
-    let at = shape.distance(&(p - radius * outward));
+    let most = (now.value.abs() + radius) * ROUNDED_UP;
+    let at = shape.distance_near(&(p - radius * outward), most, &Cell::new(u32::MAX));
     // Deeper than that, the nearest face leads out.
     if at.value <= 0.0 {
         return now;

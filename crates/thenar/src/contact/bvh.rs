@@ -252,7 +252,17 @@ impl Bvh {
     }
 
     /// Calls `visit` for every item whose box meets `query`.
-    pub fn overlapping(&self, query: &Aabb, mut visit: impl FnMut(u32)) {
+    pub fn overlapping(&self, query: &Aabb, visit: impl FnMut(u32)) {
+        self.overlapping_near(query, |_| true, visit);
+    }
+
+    /// The same, but for items below nodes around whose box nothing is near.
+    pub fn overlapping_near(
+        &self,
+        query: &Aabb,
+        is_near: impl Fn(&Aabb) -> bool,
+        mut visit: impl FnMut(u32),
+    ) {
         if self.nodes.is_empty() {
             return;
         }
@@ -261,7 +271,7 @@ impl Bvh {
         while top > 0 {
             top -= 1;
             let node = self.nodes[stack[top] as usize];
-            if !node.aabb.overlaps(query) {
+            if !node.aabb.overlaps(query) || !is_near(&node.aabb) {
                 continue;
             }
             if node.count > 0 {

@@ -23,15 +23,24 @@ pub(crate) struct Known<'a> {
 }
 
 impl Known<'_> {
+    /// Of a deformable body.
+    pub fn of_soft(&self, soft: u32) -> f64 {
+        self.softs.get(soft as usize).copied().unwrap_or(0.0)
+    }
+
+    /// Of a rigid body.
+    pub fn of_rigid(&self, rigid: u32) -> f64 {
+        self.rigids.get(rigid as usize).copied().unwrap_or(0.0)
+    }
+
     /// A pair is known to be at most as deep as the one of its bodies that is less so; zero for bodies of which
     /// nothing is known.
     fn of(&self, contact: &Contact) -> f64 {
         let of = |site: &Site| match site {
-            Site::Rigid { body, .. } => self.rigids.get(*body as usize),
-            Site::Soft(point) => self.softs.get(point.soft as usize),
+            Site::Rigid { body, .. } => self.of_rigid(*body),
+            Site::Soft(point) => self.of_soft(point.soft),
         };
-        let [a, b] = [&contact.a, &contact.b].map(|site| of(site).copied().unwrap_or(0.0));
-        a.min(b)
+        of(&contact.a).min(of(&contact.b))
     }
 }
 

@@ -1,30 +1,26 @@
 //! Broad phase, and the order in which everything is tested.
 
 use crate::contact::aabb::Aabb;
-use crate::contact::apart::{Apart, Regions};
+use crate::contact::apart::Apart;
 use crate::contact::area::{self, AreaScratch, Skin};
 use crate::contact::collector::{Collector, Known, feature_key};
 use crate::contact::crowd::Allowance;
+use crate::contact::deepening::{Clusters, Moved, RigidMove, Since};
 use crate::contact::manifold::{DELIVERED_MAX, Manifold};
 use crate::contact::pairs::PairTable;
 use crate::contact::rigid_body::{Placed, RigidBody};
 use crate::contact::rigid_pair::{self, Reach, RigidSide};
 use crate::contact::sides::{Sides, Sight};
 use crate::contact::soft_feature::FeatureScratch;
+use crate::contact::soft_pairs::{
+    SoftPair, neighbors_at_rest, regions, soft_rigid_pairs, soft_soft_pairs,
+};
 use crate::contact::soft_rigid::{KEY_RIGID, SoftRigid, VertexScratch};
 use crate::contact::soft_soft::{PairScratch, SoftSide, SoftSoft};
 use crate::contact::surface::Surface;
 use crate::contact::{Contact, Found, RigidPlace, Site, SurfaceState};
 use crate::math::Vec3;
-use crate::model::{BodyId, SoftDesc, SurfaceVertex, WorldDesc};
-
-/// A pair with a deformable body, settled when the world is built.
-#[derive(Clone, Copy, Debug)]
-struct SoftPair {
-    soft: u32,
-    other: u32,
-    friction: f64,
-}
+use crate::model::{BodyId, WorldDesc};
 
 /// Finds contacts. Holds the constant part of the world's surfaces and shapes, and all work space;
 /// what it must remember from step to step is in [`Sides`].
@@ -37,6 +33,7 @@ pub struct Detector {
     soft_soft: Vec<SoftPair>,
     /// Per surface, its neighbouring parts, if it touches itself.
     apart: Vec<Option<Apart>>,
+    clusters: Vec<Clusters>,
     capacity: usize,
     scratch: Scratch,
 }
@@ -45,6 +42,7 @@ pub struct Detector {
 #[derive(Clone, Debug)]
 struct Scratch {
     placed: Vec<Placed>,
+    moves: Vec<RigidMove>,
     /// Rigid bodies with a shape, by where their boxes begin along x.
     order: Vec<u32>,
     bounds: Vec<SurfaceBounds>,
@@ -99,6 +97,7 @@ impl Detector {
         let soft_soft = soft_soft_pairs(&pairs, &surfaces, &apart);
         let shaped = bodies.iter().flatten().count();
         Self {
+            clusters: surfaces.iter().map(Clusters::new).collect(),
             capacity: 3 * vertices + 4 * DELIVERED_MAX * shaped,
             scratch: Scratch::new(&bodies, &surfaces),
             pairs,
@@ -157,7 +156,7 @@ impl Detector {
         now.clear();
         let mut collector = Collector::into(out, self.capacity);
         let mut sight = Sight { before, now: Some(now) };
-        self.search(reach, rigids, surfaces, &mut sight, &mut collector);
+        self.search(reach, rigids, surfaces, None, &mut sight, &mut collector);
         now.sort();
         collector.finish()
     }
@@ -179,21 +178,46 @@ impl Detector {
         surfaces: SurfaceState<'_>,
         before: &Sides,
     ) -> f64 {
-        self.deepening(rigids, surfaces, before, Known::default())
+        self.measure(rigids, surfaces, before, Known::default(), None).penetration
     }
 
-    /// Deepest penetration \[m\] of those that are not known of their bodies; zero when none is.
+    /// Deepest penetration \[m\] of those that are not known of their bodies; zero when none is. Looked for where
+    /// something near has moved since by more than the slack past something else.
     pub(crate) fn deepening(
         &mut self,
         rigids: &[RigidPlace],
         surfaces: SurfaceState<'_>,
         before: &Sides,
         known: Known<'_>,
+        moved: Moved<'_>,
     ) -> f64 {
+        self.measure(rigids, surfaces, before, known, Some(moved)).penetration
+    }
+
+    /// Looks for overlaps: of all pairs or, with `moved`, of those that may have got deeper.
+    pub(super) fn measure(
+        &mut self,
+        rigids: &[RigidPlace],
+        surfaces: SurfaceState<'_>,
+        before: &Sides,
+        known: Known<'_>,
+        moved: Option<Moved<'_>>,
+    ) -> Found {
         let mut collector = Collector::measuring(known);
         let mut sight = Sight { before, now: None };
-        self.search(Reach { h: 0.0, margin: 0.0 }, rigids, surfaces, &mut sight, &mut collector);
-        collector.finish().penetration
+        let reach = Reach { h: 0.0, margin: 0.0 };
+        let mut moves = std::mem::take(&mut self.scratch.moves);
+        let since = moved.map(|moved| {
+            for (i, body) in self.bodies.iter().enumerate() {
+                if let Some(body) = body {
+                    moves[i] = RigidMove::new(body, &moved.poses_WB[i], &rigids[i].pose_WB);
+                }
+            }
+            Since { rigids: &moves, vertices: moved.vertices, known }
+        });
+        self.search(reach, rigids, surfaces, since, &mut sight, &mut collector);
+        self.scratch.moves = moves;
+        collector.finish()
     }
 
     /// The area \[m²\] over which each of these contacts touches with bodies where they are now: see
@@ -235,11 +259,13 @@ impl Detector {
         }
     }
 
+    /// Goes through all pairs or, with `since`, those that may be deeper in each other now.
     fn search(
         &mut self,
         reach: Reach,
         rigids: &[RigidPlace],
         surfaces: SurfaceState<'_>,
+        since: Option<Since>,
         sight: &mut Sight,
         out: &mut Collector,
     ) {
@@ -251,18 +277,23 @@ impl Detector {
         for (bounds, surface) in self.scratch.bounds.iter_mut().zip(&self.surfaces) {
             *bounds = SurfaceBounds::new(&surface.own(surfaces), reach.h);
         }
-        self.rigid_rigid(reach, out);
+        if let Some(since) = since {
+            for (clusters, surface) in self.clusters.iter_mut().zip(&self.surfaces) {
+                clusters.fit(surface.part(surfaces.positions), surface.part(since.vertices));
+            }
+        }
+        self.rigid_rigid(reach, since, out);
         for i in 0..self.soft_rigid.len() {
-            self.soft_rigid(self.soft_rigid[i], reach, surfaces, sight, out);
+            self.soft_rigid(self.soft_rigid[i], reach, surfaces, since, sight, out);
         }
         for i in 0..self.soft_soft.len() {
-            self.soft_soft(self.soft_soft[i], reach, surfaces, sight, out);
+            self.soft_soft(self.soft_soft[i], reach, surfaces, since, sight, out);
         }
     }
 
     /// Sweeps along x over all rigid bodies, as far as the [`Allowance`] goes; contacts are then put in the
     /// order of the bodies.
-    fn rigid_rigid(&mut self, reach: Reach, out: &mut Collector) {
+    fn rigid_rigid(&mut self, reach: Reach, since: Option<Since>, out: &mut Collector) {
         let Self { pairs, bodies, scratch, .. } = self;
         let Scratch { placed, order, manifold, .. } = scratch;
         let low = |i: u32| placed[i as usize].swept_W.min.x;
@@ -295,6 +326,9 @@ impl Detector {
                     !bounded || of.placed.may_touch(&of.body.shape, swept, margin, reach.h)
                 };
                 if !near(sides[0], sides[1]) || !near(sides[1], sides[0]) {
+                    continue;
+                }
+                if since.is_some_and(|since| !since.have_passed(i, j)) {
                     continue;
                 }
                 let ids = [i, j].map(BodyId::Rigid);
@@ -332,6 +366,7 @@ impl Detector {
         pair: SoftPair,
         reach: Reach,
         states: SurfaceState,
+        since: Option<Since>,
         sight: &mut Sight,
         out: &mut Collector,
     ) {
@@ -343,6 +378,10 @@ impl Detector {
         // A feature may have come through a triangle by so much and still touch.
         let inflated = reach.margin + surface.depth_max();
         if !placed.may_touch(&body.shape, &bounds[soft].swept, inflated, reach.h) {
+            return;
+        }
+        let of = (body, placed, rigid);
+        if since.is_some_and(|since| !since.may_deepen_in(surface, states.positions, of)) {
             return;
         }
         out.count_pair();
@@ -372,6 +411,7 @@ impl Detector {
         pair: SoftPair,
         reach: Reach,
         states: SurfaceState,
+        since: Option<Since>,
         sight: &mut Sight,
         out: &mut Collector,
     ) {
@@ -379,6 +419,13 @@ impl Detector {
         let swept = both.map(|i| self.scratch.bounds[i].swept);
         if swept[0].is_empty() || !swept[0].inflate(reach.margin).overlaps(&swept[1]) {
             return;
+        }
+        let apart = self.apart[both[0]].as_ref().filter(|_| both[0] == both[1]);
+        if let Some(since) = since {
+            let sides = both.map(|i| (&self.surfaces[i], &self.clusters[i]));
+            if !since.may_deepen(sides, apart) {
+                return;
+            }
         }
         out.count_pair();
         for i in both {
@@ -395,7 +442,6 @@ impl Detector {
             state: self.surfaces[i].own(states),
             drift: self.scratch.bounds[i].drift,
         });
-        let apart = self.apart[both[0]].as_ref().filter(|_| both[0] == both[1]);
         let Reach { h, margin } = reach;
         SoftSoft { h, margin, a, b, apart, friction: pair.friction }.find(
             sight,
@@ -408,98 +454,22 @@ impl Detector {
 impl Scratch {
     fn new(bodies: &[Option<RigidBody>], surfaces: &[Surface]) -> Self {
         let vertices = surfaces.iter().map(Surface::vertex_count).max().unwrap_or(0);
+        let all = surfaces.iter().map(Surface::vertex_count).sum();
         let triangles = surfaces.iter().map(|s| s.triangles.len()).max().unwrap_or(0);
         let shaped = bodies.iter().enumerate().filter_map(|(i, b)| b.as_ref().map(|b| (i, b)));
         let points = shaped.clone().map(|(_, b)| b.sharp.points.len()).max().unwrap_or(0);
         Self {
             placed: vec![Placed::NOWHERE; bodies.len()],
+            moves: vec![RigidMove::NONE; bodies.len()],
             order: shaped.map(|(i, _)| i as u32).collect(),
             bounds: vec![SurfaceBounds::EMPTY; surfaces.len()],
-            vertices: VertexScratch::with_size(vertices),
+            vertices: VertexScratch::with_size(vertices, all),
             features: FeatureScratch::with_size(points, triangles),
             pair: PairScratch::with_size(vertices, triangles),
             manifold: Manifold::new(),
             area: AreaScratch::with_size(triangles, vertices),
         }
     }
-}
-
-fn soft_rigid_pairs(
-    table: &PairTable,
-    surfaces: &[Surface],
-    bodies: &[Option<RigidBody>],
-) -> Vec<SoftPair> {
-    let mut pairs = Vec::new();
-    for (s, surface) in surfaces.iter().enumerate() {
-        for (r, body) in bodies.iter().enumerate() {
-            let Some(body) = body else { continue };
-            let (soft, other) = (s as u32, r as u32);
-            let ids = [BodyId::Soft(soft), BodyId::Rigid(other)];
-            let friction = table.friction(ids[0], ids[1], surface.friction, body.friction);
-            pairs.extend(friction.map(|friction| SoftPair { soft, other, friction }));
-        }
-    }
-    pairs
-}
-
-/// Two deformable bodies, or one that touches itself.
-fn soft_soft_pairs(
-    table: &PairTable,
-    surfaces: &[Surface],
-    apart: &[Option<Apart>],
-) -> Vec<SoftPair> {
-    let mut pairs = Vec::new();
-    for i in 0..surfaces.len() {
-        for j in i..surfaces.len() {
-            if i == j && apart[i].is_none() {
-                continue;
-            }
-            let (soft, other) = (i as u32, j as u32);
-            let ids = [BodyId::Soft(soft), BodyId::Soft(other)];
-            let friction =
-                table.friction(ids[0], ids[1], surfaces[i].friction, surfaces[j].friction);
-            pairs.extend(friction.map(|friction| SoftPair { soft, other, friction }));
-        }
-    }
-    pairs
-}
-
-/// The bone that carries most of each surface vertex.
-fn regions(desc: &WorldDesc, soft: usize) -> Regions {
-    let SoftDesc { flesh, coupling, .. } = &desc.softs[soft];
-    let Some(coupling) = coupling else { return Regions::default() };
-    let carrier = |vertex: &SurfaceVertex| {
-        // Shares of the bones of the four nodes, of which the largest decides.
-        let nodes = flesh.tets[vertex.tet as usize].map(|n| &coupling.bindings[n as usize]);
-        let share = |bone: u32| -> f64 {
-            let of = |k: usize| -> f64 {
-                (0..2).filter(|&j| nodes[k].bones[j] == bone).map(|j| nodes[k].weights[j]).sum()
-            };
-            (0..4).map(|k| vertex.weights[k] * of(k)).sum()
-        };
-        let bones = nodes.iter().flat_map(|binding| binding.bones);
-        bones.max_by(|&i, &j| share(i).total_cmp(&share(j)).then(j.cmp(&i))).unwrap_or(0)
-    };
-    let joints = desc.joints.iter();
-    let mut joined: Vec<[u32; 2]> = joints
-        .filter_map(|joint| Some([joint.parent?.min(joint.child), joint.parent?.max(joint.child)]))
-        .collect();
-    joined.sort_unstable();
-    Regions { of_vertex: flesh.collision.vertices.iter().map(carrier).collect(), joined }
-}
-
-/// What lies near on each surface that touches itself.
-fn neighbors_at_rest(desc: &WorldDesc, surfaces: &[Surface]) -> Vec<Option<Apart>> {
-    let of = |(i, surface): (usize, &Surface)| {
-        let flesh = &desc.softs[i].flesh;
-        let wanted = desc.self_contact.contains(&(i as u32));
-        wanted.then(|| {
-            let mut rest = vec![Vec3::zeros(); flesh.collision.vertices.len()];
-            flesh.collision.positions(&flesh.tets, &flesh.nodes, &mut rest);
-            Apart::new(surface, &rest, regions(desc, i))
-        })
-    };
-    surfaces.iter().enumerate().map(of).collect()
 }
 
 fn rigid_index(site: &Site) -> u32 {

@@ -45,6 +45,25 @@ impl Shape {
         }
     }
 
+    /// Whether this is a mesh whose distance changes nowhere by more than the way.
+    pub(crate) fn is_solid_mesh(&self) -> bool {
+        matches!(self, Self::Mesh(mesh) if mesh.index.is_solid)
+    }
+
+    /// [`Shape::distance_within`], of a mesh soonest found if near to where it was with the same `guess`.
+    #[inline]
+    pub(crate) fn distance_within_near(
+        &self,
+        p_S: &Vec3,
+        reach: f64,
+        guess: &Cell<u32>,
+    ) -> Option<Distance> {
+        match self {
+            Self::Mesh(mesh) => mesh.distance_within_near(p_S, reach, guess),
+            _ => self.distance_within(p_S, reach),
+        }
+    }
+
     /// The distance, given that it is no more than `known` \[m\] on either side: of a mesh, and near it, this takes a
     /// fraction of the time, the less the nearer to where the last one was asked with the same `guess` (any at first).
     #[inline]

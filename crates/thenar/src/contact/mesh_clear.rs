@@ -3,6 +3,7 @@
 use crate::contact::mesh_pair::Pair;
 use crate::contact::{MeshShape, Shape};
 use crate::math::Vec3;
+use std::cell::Cell;
 
 /// Most places of a line of balls at which its clearance is looked for.
 const PROBES_MAX: usize = 16;
@@ -18,9 +19,10 @@ pub(super) fn is_clear(pair: &Pair, mesh: &MeshShape) -> bool {
     let touching = radius + pair.reach.margin + pair.travel;
     // From here all of the line is clear.
     let all = touching + 2.0 * half;
+    let guess = Cell::new(u32::MAX);
     let clearance = |y: f64| {
         let p = pair.b.shape_point(&pair.a.world_point(&(Vec3::y() * y)));
-        mesh.distance_within(&p, all).map_or(f64::INFINITY, |d| d.value - touching)
+        mesh.distance_within_near(&p, all, &guess).map_or(f64::INFINITY, |d| d.value - touching)
     };
     // From the middle to either end.
     let middle = clearance(0.0);

@@ -22,12 +22,34 @@ impl MeshShape {
         Some(found).filter(|d| d.value < reach)
     }
 
+    /// The same, soonest found if near item `guess`, which becomes the one that it is found by.
+    pub(crate) fn distance_within_near(
+        &self,
+        p: &Vec3,
+        reach: f64,
+        guess: &Cell<u32>,
+    ) -> Option<Distance> {
+        let known = self.distance_to(p, guess);
+        let nearer = known + self.index.rounding;
+        let (found, item) = match nearer < reach {
+            true => self.search(p, nearer, known).or_else(|| self.search(p, reach, f64::INFINITY)),
+            false => self.search(p, reach, f64::INFINITY),
+        }?;
+        guess.set(item);
+        Some(found).filter(|d| d.value < reach)
+    }
+
+    /// No less than the distance to the item of a guess; infinite where that is none.
+    fn distance_to(&self, p: &Vec3, guess: &Cell<u32>) -> f64 {
+        let guessed = self.index.corners.get(guess.get() as usize);
+        let distance = |x| closest_on_triangle(p, x).distance_squared.sqrt() * ROUNDED_UP;
+        guessed.map_or(f64::INFINITY, distance)
+    }
+
     /// The distance, given that it is no more than `known` on either side. Soonest found if near item `guess`, which
     /// becomes the one that it is found by.
     pub(crate) fn distance_near(&self, p: &Vec3, known: f64, guess: &Cell<u32>) -> Distance {
-        let guessed = self.index.corners.get(guess.get() as usize);
-        let to_guess = guessed.map(|x| closest_on_triangle(p, x).distance_squared.sqrt());
-        let known = to_guess.map_or(known, |d| known.min(d * ROUNDED_UP));
+        let known = known.min(self.distance_to(p, guess));
         let reach = known + self.index.rounding;
         let found =
             self.search(p, reach, known).or_else(|| self.search(p, f64::INFINITY, f64::INFINITY));

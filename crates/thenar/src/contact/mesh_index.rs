@@ -46,6 +46,8 @@ pub(crate) struct MeshIndex {
     pub vertex_tree: Bvh,
     /// Half the thickness of a shell, zero for a solid \[m\].
     pub rounding: f64,
+    /// Whether all pieces are closed, or all are shells: where one is open, sides may change in free air.
+    pub(super) is_solid: bool,
     /// Longest side of the box around the mesh \[m\].
     pub(super) size: f64,
 }
@@ -106,6 +108,7 @@ impl MeshIndex {
         index.items = index.tree.renumber().into_iter().map(|i| items[i as usize]).collect();
         index.corners = index.items.iter().map(|&t| corners(t)).collect();
         index.rounding = index.shell(grid);
+        index.is_solid = index.rounding > 0.0 || open.is_empty();
         let ends = |e: &MeshEdge| Aabb::of_points(&e.vertices.map(|v| points[v as usize]));
         index.edge_tree = Bvh::build(&index.edges.iter().map(ends).collect::<Vec<_>>());
         index

@@ -4,9 +4,8 @@
 //! tried as points against the triangles of the surface. The points are fixed on the shape, so that
 //! none comes or goes while things slide. What is round is kept beside them.
 
-use crate::contact::aabb::Aabb;
-use crate::contact::bvh::Bvh;
 use crate::contact::features::{corners, edges, rim, rim_points};
+use crate::contact::sharp_blocks::Blocks;
 use crate::contact::soft_inside::{Inner, inner_balls};
 use crate::contact::{Part, Shape};
 use crate::math::{Pose, Vec3};
@@ -18,7 +17,7 @@ const WITHIN_EDGE_MAX: usize = 512;
 #[derive(Clone, Debug)]
 pub(crate) struct Sharp {
     pub points: Vec<Vec3>,
-    pub tree: Bvh,
+    pub(super) blocks: Blocks,
     /// What is smooth and curved, each in its own frame P.
     pub rounds: Vec<Part>,
     /// Balls inside.
@@ -30,7 +29,6 @@ impl Sharp {
     pub fn of(shape: &Shape, spacing: f64) -> Self {
         let (mut points, mut rounds) = (Vec::new(), Vec::new());
         collect(shape, &Pose::identity(), spacing, &mut points, &mut rounds);
-        let boxes: Vec<Aabb> = points.iter().map(|p| Aabb { min: *p, max: *p }).collect();
         let mut inner = Vec::new();
         match shape {
             Shape::Compound(parts) => parts.iter().for_each(|part| {
@@ -40,7 +38,7 @@ impl Sharp {
             }),
             _ => inner_balls(shape, |ball| inner.push(ball)),
         }
-        Self { tree: Bvh::build(&boxes), points, rounds, inner }
+        Self { blocks: Blocks::new(&points), points, rounds, inner }
     }
 }
 

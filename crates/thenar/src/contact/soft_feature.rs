@@ -9,12 +9,14 @@
 use crate::contact::aabb::Aabb;
 use crate::contact::collector::{Collector, feature_key};
 use crate::contact::near::{Arrival, Near};
+use crate::contact::sharp_blocks::Prism;
 use crate::contact::soft_rigid::{KEY_POINT, SoftRigid, VertexScratch};
 use crate::contact::soft_round::{ROUND_PLACES, Touches, meet_round};
 use crate::contact::soft_samples::{self, meet_samples};
 use crate::contact::triangle::{Closest, ROUNDED_UP, area_vector};
 use crate::contact::{Contact, Site, SurfacePoint};
 use crate::math::Vec3;
+use std::cell::Cell;
 
 const NONE: u32 = u32::MAX;
 /// Places nearer to each other than this part of an edge are one: round-off, even of coordinates of a
@@ -134,37 +136,59 @@ fn meet_sharp(pair: &SoftRigid, near: &Near, scratch: &mut FeatureScratch) {
         false => (Aabb::of_points(&near.x), f64::NEG_INFINITY),
     };
     let around = around.inflate(reach);
-    pair.body.sharp.tree.overlapping(&around, |i| {
-        let p = &pair.body.sharp.points[i as usize];
-        // The plane of the triangle is not farther than the triangle: it is not nearer than another, and does not come.
-        let height = normal.dot(&(p - near.x[0])).abs();
-        let Meet { mut nearest, mut arriving } = scratch.meets[i as usize];
-        let is_farther = height * height > nearest.0.min(reach * reach) * ROUNDED_UP;
-        if is_farther && height > comes || !around.contains(p) {
+    let farthest = (reach * ROUNDED_UP).max(comes);
+    let is_near = |of: &Aabb| of.distance_to_plane(&near.x[0], &normal) <= farthest * ROUNDED_UP;
+    let prism = Prism::new(&near.x, &normal);
+    let sharp = &pair.body.sharp;
+    sharp.blocks.tree.overlapping_near(&around, is_near, |b| {
+        let block = &sharp.blocks.list[b as usize];
+        let least = prism.least_squared(block);
+        for lane in (0..block.count).filter(|&lane| least[lane] <= farthest * farthest * ROUNDED_UP)
+        {
+            offer_to_sharp(pair, near, &around, block.points[lane], least[lane], comes, scratch);
+        }
+    });
+}
+
+/// Offers a triangle to sharp point `i`, which it is no nearer to than its square root `least_squared`. Points out of the
+/// box `around` it do not touch it, and those farther than `comes` do not in this step.
+fn offer_to_sharp(
+    pair: &SoftRigid,
+    near: &Near,
+    around: &Aabb,
+    i: u32,
+    least_squared: f64,
+    comes: f64,
+    scratch: &mut FeatureScratch,
+) {
+    let reach = depth_max(pair);
+    let p = &pair.body.sharp.points[i as usize];
+    let Meet { mut nearest, mut arriving } = scratch.meets[i as usize];
+    let is_farther = least_squared > nearest.0.min(reach * reach) * ROUNDED_UP;
+    let may_come = comes > 0.0 && least_squared <= comes * comes;
+    if is_farther && !may_come || !around.contains(p) {
+        return;
+    }
+    let closest = near.closest(p);
+    let squared = closest.distance_squared;
+    if squared <= reach * reach {
+        // Of equally near triangles the lowest index.
+        nearest = least(nearest, (squared, near.index));
+    }
+    if near.travel > pair.margin
+        && squared > pair.margin * pair.margin
+        && let Some(arrival) = near.arrival_from(p, 0.0, pair.margin, closest, arriving.0.min(1.0))
+    {
+        arriving = least(arriving, (arrival.at, near.index));
+    }
+    let known = scratch.meets[i as usize];
+    if known.nearest.1 == NONE && known.arriving.1 == NONE {
+        if nearest.1 == NONE && arriving.1 == NONE {
             return;
         }
-        let closest = near.closest(p);
-        let squared = closest.distance_squared;
-        if squared <= reach * reach {
-            // Of equally near triangles the lowest index.
-            nearest = least(nearest, (squared, near.index));
-        }
-        if near.travel > pair.margin
-            && squared > pair.margin * pair.margin
-            && let Some(arrival) =
-                near.arrival_from(p, 0.0, pair.margin, closest, arriving.0.min(1.0))
-        {
-            arriving = least(arriving, (arrival.at, near.index));
-        }
-        let known = scratch.meets[i as usize];
-        if known.nearest.1 == NONE && known.arriving.1 == NONE {
-            if nearest.1 == NONE && arriving.1 == NONE {
-                return;
-            }
-            scratch.met.push(i);
-        }
-        scratch.meets[i as usize] = Meet { nearest, arriving };
-    });
+        scratch.met.push(i);
+    }
+    scratch.meets[i as usize] = Meet { nearest, arriving };
 }
 
 fn least(a: (f64, u32), b: (f64, u32)) -> (f64, u32) {
@@ -218,7 +242,12 @@ fn sharp_at_nearest(pair: &SoftRigid, p: &Vec3, i: u32, t: u32) -> Option<Touch>
 /// lies outside the shape, not only beside the point (within 45° of the way there). What lies on the surface
 /// to round-off has not come in.
 fn is_free(pair: &SoftRigid, closest: &Closest, gap: f64) -> bool {
-    let outside = |depth: f64| pair.body.shape.distance(&closest.point).value > depth;
+    // A sharp point is on the shape.
+    let most = closest.distance_squared.sqrt() * ROUNDED_UP;
+    let outside = |depth: f64| {
+        let there = pair.body.shape.distance_near(&closest.point, most, &Cell::new(u32::MAX));
+        there.value > depth
+    };
     gap < -ROUND_OFF * pair.surface.edge_mean && outside(-gap * std::f64::consts::FRAC_1_SQRT_2)
 }
 

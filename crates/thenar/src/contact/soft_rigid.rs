@@ -7,8 +7,10 @@ use crate::contact::rigid_body::{Placed, RigidBody};
 use crate::contact::sides::Sight;
 use crate::contact::soft_feature::{self, FeatureScratch};
 use crate::contact::surface::Surface;
+use crate::contact::triangle::ROUNDED_UP;
 use crate::contact::{Contact, Distance, Shape, Site, SurfacePoint, SurfaceState};
 use crate::math::Vec3;
+use std::cell::Cell;
 
 /// Kinds of contact, as they enter the key.
 pub(crate) const KEY_VERTEX: u32 = 1 << 24;
@@ -44,11 +46,63 @@ pub(crate) struct SoftRigid<'a> {
 pub(crate) struct VertexScratch {
     /// The vertices within reach.
     pub near: Vec<u32>,
+    /// Per vertex of all surfaces, what is known of the last search.
+    guesses: Vec<Guess>,
 }
 
+/// Where a vertex was near a mesh when it was last looked at: spares much of the next search, and does not change what
+/// is found.
+#[derive(Clone, Debug)]
+struct Guess {
+    /// The triangle that it was nearest to.
+    item: Cell<u32>,
+    /// It was no nearer than `far` \[m\] to this body when it was at this place in its frame.
+    rigid: u32,
+    place: Vec3,
+    far: f64,
+}
+
+impl Guess {
+    fn none() -> Self {
+        let place = Vec3::zeros();
+        Self { item: Cell::new(u32::MAX), rigid: u32::MAX, place, far: f64::NEG_INFINITY }
+    }
+
+    /// The distance to `shape` of body `rigid` from `p`, that moves by `u` in this step, if it is below `reach`.
+    fn within(
+        &mut self,
+        shape: &Shape,
+        rigid: u32,
+        (p, u): (&Vec3, f64),
+        reach: f64,
+    ) -> Option<Distance> {
+        if !shape.is_solid_mesh() {
+            return shape.distance_within(p, reach);
+        }
+        let is_far = |at: &Self| at.far - (p - at.place).norm() * ROUNDED_UP >= reach;
+        if self.rigid == rigid && is_far(self) {
+            return None;
+        }
+        let found = shape.distance_within_near(p, reach, &self.item);
+        let farther = BEYOND * reach;
+        if found.is_none() && KEPT * u <= farther - reach {
+            let there = shape.distance_within(p, farther);
+            let far = there.map_or(farther, |d| d.value);
+            (self.rigid, self.place, self.far) = (rigid, *p, far);
+        }
+        found
+    }
+}
+
+/// Vertices out of reach are looked for so many times as far, if they stay there for so many steps: less far is soon
+/// looked for again, and farther costs more.
+const BEYOND: f64 = 1.5;
+const KEPT: f64 = 8.0;
+
 impl VertexScratch {
-    pub fn with_size(vertices: usize) -> Self {
-        Self { near: Vec::with_capacity(vertices) }
+    /// For surfaces of up to so many vertices, `all` together.
+    pub fn with_size(vertices: usize, all: usize) -> Self {
+        Self { near: Vec::with_capacity(vertices), guesses: vec![Guess::none(); all] }
     }
 }
 
@@ -71,7 +125,8 @@ impl SoftRigid<'_> {
             if !around_W.inflate(feature_reach).contains(&self.state.positions[v]) {
                 continue;
             }
-            if self.vertex(v, feature_reach, is_inside, sight, out) {
+            let guess = &mut vertices.guesses[self.surface.first_vertex + v];
+            if self.vertex(v, feature_reach, is_inside, guess, sight, out) {
                 vertices.near.push(v as u32);
             }
         }
@@ -100,6 +155,7 @@ impl SoftRigid<'_> {
         v: usize,
         feature_reach: f64,
         is_inside: bool,
+        guess: &mut Guess,
         sight: &mut Sight,
         out: &mut Collector,
     ) -> bool {
@@ -109,7 +165,9 @@ impl SoftRigid<'_> {
             return false;
         }
         let shape = &self.body.shape;
-        let Some(now) = shape.distance_within(&p, reach) else { return false };
+        let Some(now) = guess.within(shape, self.rigid, (&p, u.norm()), reach) else {
+            return false;
+        };
         let slot = self.surface.first_vertex + v;
         let seen = sight.recall(slot, self.rigid);
         let sided = keep_side(shape, &p, &u, now, seen);
@@ -158,5 +216,44 @@ impl SoftRigid<'_> {
             gap: distance.value,
             friction: self.friction,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::MeshShape;
+    use crate::contact::grid::tests::grid_of;
+    use crate::contact::tests::{boxed, cube};
+    use crate::contact::triangle::tests::Random;
+    use std::sync::Arc;
+
+    /// Points that wander about a cube, slowly and in leaps: each time it is as if they were looked for anew, and what
+    /// is far is mostly known to be.
+    #[test]
+    fn what_is_remembered_changes_nothing() {
+        let (points, triangles) = cube(0.04, 3);
+        let mesh = MeshShape::new(points, triangles, grid_of(&boxed(0.02), 0.03, 13));
+        let shape = Shape::Mesh(Arc::new(mesh));
+        let (mut random, reach) = (Random::new(12), 0.008);
+        let (mut near, mut far, mut known) = (0, 0, 0);
+        for _ in 0..40 {
+            let (mut p, mut guess) = (random.vector(0.05), Guess::none());
+            for step in 0..100 {
+                let u = random.vector(if step % 30 == 0 { 0.02 } else { 3e-4 });
+                p += u;
+                let kept = (guess.place, guess.far);
+                let found = guess.within(&shape, 3, (&p, u.norm()), reach);
+                let anew = shape.distance_within(&p, reach);
+                assert_eq!(found.map(|d| d.value), anew.map(|d| d.value));
+                assert_eq!(found.map(|d| d.gradient), anew.map(|d| d.gradient));
+                match found {
+                    Some(_) => near += 1,
+                    None => far += 1,
+                }
+                known += u32::from(found.is_none() && kept == (guess.place, guess.far));
+            }
+        }
+        assert!(near > 500 && far > 500 && 4 * known > 3 * far, "{near} {far} {known}");
     }
 }

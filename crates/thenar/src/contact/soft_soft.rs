@@ -140,7 +140,9 @@ impl SoftSoft<'_> {
                 let settled = |n, m| apart.are_settled(n, m);
                 let joined = |i, j| apart.are_joined(i, j);
                 self.a.surface.tree.pairs_within(reach, joined, settled, |s, t| {
-                    self.meet([s, t], reach, sight, scratch, out);
+                    if !apart.touch_never(s, t) {
+                        self.meet([s, t], reach, sight, scratch, out);
+                    }
                 });
                 self.entangle(sight, &mut scratch.deep);
                 self.settle(0, sight, scratch, out);

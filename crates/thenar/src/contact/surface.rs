@@ -132,11 +132,13 @@ impl Surface {
 
     /// This surface's part of the vertices of all surfaces.
     pub fn own<'a>(&self, all: SurfaceState<'a>) -> SurfaceState<'a> {
-        let range = self.first_vertex..self.first_vertex + self.vertex_count();
-        SurfaceState {
-            positions: &all.positions[range.clone()],
-            velocities: &all.velocities[range],
-        }
+        let [positions, velocities] = [all.positions, all.velocities].map(|of| self.part(of));
+        SurfaceState { positions, velocities }
+    }
+
+    /// Its part of a list with one entry for each of these.
+    pub fn part<'a>(&self, of_all: &'a [Vec3]) -> &'a [Vec3] {
+        &of_all[self.first_vertex..self.first_vertex + self.vertex_count()]
     }
 
     /// Takes the triangles as they are, and puts the boxes of the tree around them and where they are after a step of

@@ -7,7 +7,7 @@
 //! a part that went well the next is twice as long again where the halving allows, and the shortest is made once more
 //! with contact that looks as far as anything went in it, so that what happens once costs little.
 
-use crate::contact::{Known, Site, SurfaceState};
+use crate::contact::{Known, Moved, Site, SurfaceState};
 use crate::math::Vec3;
 use crate::model::SolverKind;
 use crate::world::{StepReport, World, push_out};
@@ -133,7 +133,14 @@ impl World {
     /// Deepest overlap now \[m\], of pairs that are deeper by more than `slack` than one of their bodies was anywhere at
     /// the start of the part.
     fn deepening(&mut self, slack: f64) -> f64 {
-        self.embed();
+        // The vertices are those of the start of the part.
+        let Self { scratch, model, state, .. } = self;
+        for ((x, way), vertex) in
+            scratch.vertices.iter_mut().zip(&mut scratch.vertex_ways).zip(&model.vertices)
+        {
+            let now = vertex.of(&state.x);
+            *way = now - std::mem::replace(x, now);
+        }
         let Self { state, scratch, detector, places, .. } = self;
         let (rigids, softs) = scratch.depths.split_at_mut(places.len());
         rigids.fill(0.0);
@@ -155,7 +162,9 @@ impl World {
         scratch.vertex_velocities.fill(Vec3::zeros());
         let surfaces =
             SurfaceState { positions: &scratch.vertices, velocities: &scratch.vertex_velocities };
-        detector.deepening(places, surfaces, &scratch.sides, Known { rigids, softs, slack })
+        let moved = Moved { poses_WB: &scratch.before.poses_WB, vertices: &scratch.vertex_ways };
+        let known = Known { rigids, softs, slack };
+        detector.deepening(places, surfaces, &scratch.sides, known, moved)
     }
 
     /// Scales the impulses that contact and limits remember of the last step to one of another length.

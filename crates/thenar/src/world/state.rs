@@ -259,6 +259,8 @@ pub struct Scratch {
     pub vertices: Vec<Vec3>,
     /// Velocities of these.
     pub vertex_velocities: Vec<Vec3>,
+    /// How far they have gone since the start of the part \[m\].
+    pub vertex_ways: Vec<Vec3>,
     /// Groups of bodies that move each other.
     pub islands: Islands,
     /// Where things would be without joints, and memory to close these.
@@ -325,6 +327,7 @@ impl Scratch {
             pushes: false,
             vertices: vec![Vec3::zeros(); model.vertices.len()],
             vertex_velocities: vec![Vec3::zeros(); model.vertices.len()],
+            vertex_ways: vec![Vec3::zeros(); model.vertices.len()],
             islands: Islands::new(&moves, &model.pattern, ties(model)),
             moved: Moved::new(model),
             before,
