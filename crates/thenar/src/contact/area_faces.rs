@@ -35,7 +35,7 @@ impl Face {
 }
 
 impl Faces {
-    /// Those of a shape near triangle `x`, in the frame of the shape; `None` where they tell nothing. `guess` as in
+    /// Faces of a shape near triangle `x`, in the frame of the shape; `None` where they tell nothing. `guess` as in
     /// [`Shape::distance_near`].
     pub fn near(shape: &Shape, x: [Vec3; 3], guess: &Cell<u32>) -> Option<Self> {
         let Shape::Mesh(mesh) = shape else { return None };

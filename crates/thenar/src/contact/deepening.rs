@@ -34,7 +34,7 @@ pub(super) struct RigidMove {
     offset: Vec3,
     /// Of the centre of mass \[m\].
     way: Vec3,
-    /// What turning adds to that at most \[m\].
+    /// Most that turning adds to that \[m\].
     sweep: f64,
 }
 
@@ -71,9 +71,9 @@ impl RigidMove {
 /// Triangles that lie together.
 #[derive(Clone, Debug)]
 struct Cluster {
-    /// Their node of the surface's tree.
+    /// Node of the surface's tree.
     node: usize,
-    /// Its part of the list of vertices.
+    /// Part of the list of vertices.
     vertices: Range<usize>,
     /// Around them,
     bounds: Aabb,

@@ -14,7 +14,7 @@ pub(crate) struct Near {
     pub index: u32,
     pub x: [Vec3; 3],
     /// Motions of the corners in this step \[m\].
-    u: [Vec3; 3],
+    pub u: [Vec3; 3],
     /// The largest of them \[m\].
     pub travel: f64,
 }

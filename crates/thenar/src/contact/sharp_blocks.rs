@@ -2,6 +2,7 @@
 
 use crate::contact::aabb::Aabb;
 use crate::contact::bvh::Bvh;
+use crate::contact::triangle::ROUNDED_UP;
 use crate::math::Vec3;
 use fearless_simd::{Level, Simd, dispatch, f64x8, prelude::*};
 
@@ -12,7 +13,7 @@ pub(super) const LANES: usize = 8;
 #[derive(Clone, Debug)]
 pub(super) struct Block {
     at: [[f64; LANES]; 3],
-    /// Their numbers, and how many there are.
+    /// Numbers of the points, and how many there are.
     pub points: [u32; LANES],
     pub count: usize,
 }
@@ -42,7 +43,7 @@ impl Blocks {
     }
 }
 
-/// What lies over and under a triangle: all beyond it is farther from the triangle than from the planes that bound it.
+/// The space over and under a triangle: all beyond it is farther from the triangle than from the planes that bound it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Prism {
     /// A place and a unit normal of the triangle's plane,
@@ -67,6 +68,17 @@ impl Prism {
         };
         let rounding = ROUNDING * (x[1] - x[0]).norm();
         Self { base: x[0], normal: *normal, sides: [side(0), side(1), side(2)], rounding }
+    }
+
+    /// Whether the triangle may come within `margin` of `p` when its corners move by `motions`: it stays behind each of
+    /// these planes, moved as far as the corner that goes farthest that way.
+    pub fn may_come(&self, p: &Vec3, motions: &[Vec3; 3], margin: f64) -> bool {
+        let goes = |n: &Vec3| motions.iter().map(|u| n.dot(u)).fold(0.0, f64::max);
+        let height = self.normal.dot(&(p - self.base));
+        let up = if height < 0.0 { -self.normal } else { self.normal };
+        let near = |far: f64, n: &Vec3| far <= (margin + goes(n)) * ROUNDED_UP + self.rounding;
+        near(height.abs(), &up)
+            && self.sides.iter().all(|(base, outward)| near(outward.dot(&(p - base)), outward))
     }
 
     /// Squared distances from the triangle that the points of a block do not fall below \[m²\].
@@ -127,6 +139,30 @@ mod tests {
         }
         assert!(seen.iter().all(|count| *count == 100));
         assert!(3 * tight > all, "{tight} of {all}");
+    }
+
+    /// Whatever comes near is let through; what flies away or past at a distance, mostly not.
+    #[test]
+    fn what_comes_within_the_margin_may_come() {
+        let (mut random, margin) = (Random::new(15), 1e-3);
+        let (mut near, mut passed) = (0, 0);
+        for _ in 0..10_000 {
+            let x = [0; 3].map(|_| random.vector(0.006));
+            let way = random.vector(0.02);
+            let ways = [0; 3].map(|_| way + random.vector(0.004));
+            let p = random.vector(0.015);
+            let least = (0..=100).map(|i| {
+                let s = f64::from(i) / 100.0;
+                closest_on_triangle(&p, &[0, 1, 2].map(|k| x[k] + s * ways[k])).distance_squared
+            });
+            let comes = least.fold(f64::INFINITY, f64::min) <= margin * margin;
+            let prism = Prism::new(&x, &area_vector(&x).normalize());
+            let may = prism.may_come(&p, &ways, margin);
+            assert!(may || !comes, "{x:?} {ways:?} {p}");
+            near += u32::from(comes);
+            passed += u32::from(!may);
+        }
+        assert!(near > 200 && passed > 4000, "{near} {passed}");
     }
 
     #[test]

@@ -145,7 +145,8 @@ fn meet_sharp(pair: &SoftRigid, near: &Near, scratch: &mut FeatureScratch) {
         let least = prism.least_squared(block);
         for lane in (0..block.count).filter(|&lane| least[lane] <= farthest * farthest * ROUNDED_UP)
         {
-            offer_to_sharp(pair, near, &around, block.points[lane], least[lane], comes, scratch);
+            let (i, least) = (block.points[lane], least[lane]);
+            offer_to_sharp(pair, (near, &prism, &around), i, least, comes, scratch);
         }
     });
 }
@@ -154,8 +155,7 @@ fn meet_sharp(pair: &SoftRigid, near: &Near, scratch: &mut FeatureScratch) {
 /// box `around` it do not touch it, and those farther than `comes` do not in this step.
 fn offer_to_sharp(
     pair: &SoftRigid,
-    near: &Near,
-    around: &Aabb,
+    (near, prism, around): (&Near, &Prism, &Aabb),
     i: u32,
     least_squared: f64,
     comes: f64,
@@ -165,7 +165,8 @@ fn offer_to_sharp(
     let p = &pair.body.sharp.points[i as usize];
     let Meet { mut nearest, mut arriving } = scratch.meets[i as usize];
     let is_farther = least_squared > nearest.0.min(reach * reach) * ROUNDED_UP;
-    let may_come = comes > 0.0 && least_squared <= comes * comes;
+    let may_come =
+        comes > 0.0 && least_squared <= comes * comes && prism.may_come(p, &near.u, pair.margin);
     if is_farther && !may_come || !around.contains(p) {
         return;
     }
@@ -175,7 +176,7 @@ fn offer_to_sharp(
         // Of equally near triangles the lowest index.
         nearest = least(nearest, (squared, near.index));
     }
-    if near.travel > pair.margin
+    if may_come
         && squared > pair.margin * pair.margin
         && let Some(arrival) = near.arrival_from(p, 0.0, pair.margin, closest, arriving.0.min(1.0))
     {

@@ -56,7 +56,7 @@ pub(crate) struct VertexScratch {
 struct Guess {
     /// The triangle that it was nearest to.
     item: Cell<u32>,
-    /// It was no nearer than `far` \[m\] to this body when it was at this place in its frame.
+    /// The body to which the vertex was no nearer than `far` \[m\] when it was at this place in its frame.
     rigid: u32,
     place: Vec3,
     far: f64,

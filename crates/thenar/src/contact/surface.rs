@@ -136,7 +136,7 @@ impl Surface {
         SurfaceState { positions, velocities }
     }
 
-    /// Its part of a list with one entry for each of these.
+    /// Part of a list with one entry for each of these.
     pub fn part<'a>(&self, of_all: &'a [Vec3]) -> &'a [Vec3] {
         &of_all[self.first_vertex..self.first_vertex + self.vertex_count()]
     }

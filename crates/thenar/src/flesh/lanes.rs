@@ -53,7 +53,7 @@ pub enum Kind {
     Ogden,
     /// All have the logarithmic law.
     NeoHookean,
-    /// They are of several laws, or some have memory: one by one.
+    /// Elements of several laws, or with memory: one by one.
     Apart,
 }
 
