@@ -88,11 +88,12 @@ fn round_line(shape: &Shape) -> Option<([Vec3; 2], f64)> {
     }
 }
 
-/// Whether what is nearest to the inside of a triangle is a point of a sharp rim, or next to one: a straight side
-/// and a flat end are as near at their ends. On the rim that place goes `R / t` for each radian by which a triangle
-/// turns that slopes by t: held there alone it rocks for ever. The points of the rim stay where they are.
+/// Whether what is nearest to the inside of a triangle is a point of a sharp rim, or next to one: a straight side,
+/// held at the ends of its axis, and a flat end are as near at their ends. On the rim that place goes `R / t` for each
+/// radian by which a triangle turns that slopes by t: held there alone it rocks for ever. The points of the rim
+/// stay where they are.
 fn has_sharp_rim(shape: &Shape) -> bool {
-    matches!(shape, Shape::Cylinder { .. } | Shape::Cone { .. })
+    matches!(shape, Shape::Cylinder { .. })
 }
 
 /// The ends of the axis of a shape that is straight along its side.

@@ -13,8 +13,8 @@ use crate::world::state::{Scratch, State};
 const LIFT: f64 = 0.1;
 /// Standard gravity \[m/s²\], also where there is none.
 const GRAVITY: f64 = 9.80665;
-/// Gaps and overlaps that the velocities' tolerance makes in so many steps are its doing: such overlaps are not
-/// worth a solve.
+/// Gaps and overlaps that the default tolerance of velocities makes in so many steps are its doing: such overlaps are
+/// not worth a solve.
 const STEPS_OF_TOLERANCE: f64 = 4.0;
 /// The part of such an overlap that is left when one is undone: a body is not moved by more at once than the
 /// tolerance may move it.
@@ -33,9 +33,10 @@ pub fn margin(settings: &SolverSettings) -> f64 {
     if margin > 0.0 { margin } else { SolverSettings::default().contact_margin }
 }
 
-/// How far contacts may be apart or overlap by what the tolerance makes of them \[m\].
-pub fn slack(settings: &SolverSettings, h: f64) -> f64 {
-    STEPS_OF_TOLERANCE * settings.velocity_tolerance * h
+/// How far contacts may be apart or overlap by what the tolerance makes of them \[m\], 40 nm at 1 ms: of the default
+/// tolerance, as what is asked of the solver must not change what it solves.
+pub fn slack(h: f64) -> f64 {
+    STEPS_OF_TOLERANCE * SolverSettings::default().velocity_tolerance * h
 }
 
 /// How fast a contact may close at `gap` \[m/s\], as a target, not above zero. A gap within the `slack` closes by
@@ -68,7 +69,7 @@ pub fn list(settings: &SolverSettings, state: &State, h: f64, scratch: &mut Scra
     gaps.extend(found.iter().map(|contact| contact.gap));
     gaps.extend(limits.iter().map(|limit| limit.gap * TURN_LEVER));
     wishes.clear();
-    let slack = slack(settings, h);
+    let slack = slack(h);
     let (margin, speed_max) = (margin(settings), speed_max(settings));
     let opening = |row| (rows.relative_velocity(row, &state.v), row.frame);
     wishes.extend(gaps.iter().zip(&rows.rows).map(|(gap, row)| {

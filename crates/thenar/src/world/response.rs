@@ -35,10 +35,10 @@ pub fn detect(
 }
 
 /// Builds the rows of the contacts found, `J (v + Δv) ≥ -g₊/Δt`, started from the impulses of the step
-/// before; a gap within the `slack` \[m\] closes gently. An overlap asks for no speed: it does not grow, and
+/// before; a gap within the slack (`push_out::slack`) closes gently. An overlap asks for no speed: it does not grow, and
 /// `push_out` undoes it. So no target is above zero, zero velocity obeys all rows, and contacts cannot
 /// contradict each other.
-pub fn build_rows(model: &Model, state: &State, h: f64, slack: f64, scratch: &mut Scratch) {
+pub fn build_rows(model: &Model, state: &State, h: f64, scratch: &mut Scratch) {
     let rows = &mut scratch.rows;
     rows.clear();
     for contact in &scratch.found {
@@ -46,6 +46,7 @@ pub fn build_rows(model: &Model, state: &State, h: f64, slack: f64, scratch: &mu
         let impulse = at.map_or(Vec3::zeros(), |i| state.impulses[i].1);
         add_row(model, contact, &impulse, rows);
     }
+    let slack = push_out::slack(h);
     for (i, contact) in scratch.found.iter().enumerate() {
         let row = &rows.rows[i];
         let v = row.frame * rows.relative_velocity(row, &state.v);
@@ -220,7 +221,7 @@ mod tests {
         let input = world.input();
         let h = world.time_step();
         let settings = world.desc().solver;
-        let lift = 0.5 * push_out::slack(&settings, h);
+        let lift = 0.5 * push_out::slack(h);
         let low = world.state.poses_WB[1].position.y;
         world.state.poses_WB[1].position.y += lift;
         let weight = 0.1 * world.desc().gravity.norm();
@@ -240,8 +241,7 @@ mod tests {
         for (depth, part) in [(1.05, 0.3), (100.0, 100.0)] {
             let mut world = resting(SolverKind::Exact);
             let input = world.input();
-            let settings = world.desc().solver;
-            let slack = push_out::slack(&settings, world.time_step());
+            let slack = push_out::slack(world.time_step());
             world.state.poses_WB[1].position.y = 0.01 - depth * slack;
             let from = world.state.poses_WB[1].position.y;
             world.step(&input, &mut ());

@@ -90,8 +90,7 @@ impl Step<'_> {
         report.contacts_dropped = found.dropped;
 
         timer.begin(Some(Stage::Contact));
-        let slack = push_out::slack(&desc.solver, h);
-        response::build_rows(model, state, h, slack, scratch); //                        J_c (12)
+        response::build_rows(model, state, h, scratch); //                               J_c (12)
         friction::set_coefficients(model, state, scratch);
         limits::build_rows(model, state, h, scratch);
         let contact = scheme.respond(&factored, model, state, scratch)?; //            λ, Δv (12)
