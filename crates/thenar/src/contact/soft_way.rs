@@ -18,7 +18,7 @@ use crate::math::Vec3;
 
 /// Another way is taken than it came in by only if that is shorter by this factor: ways of about
 /// one length do not alternate.
-const KEPT: f64 = 2.0;
+pub(super) const KEPT: f64 = 2.0;
 /// So many places offer their nearest way out.
 const OFFERED: usize = 32;
 
