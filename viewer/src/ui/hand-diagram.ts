@@ -60,7 +60,7 @@ export class HandDiagram {
     this.element.setAttribute("aria-label", `Normal force on each finger of the ${side} hand`);
   }
 
-  /** `fingers`: normal, shear N and area m² for palm, thumb .. little. */
+  /** `fingers`: normal and shear force N, area m², pressure Pa for palm, thumb .. little. */
   show(fingers: ArrayLike<number>): void {
     this.pads.forEach((pad, d) => {
       const force = fingers[PER_DIGIT * d];

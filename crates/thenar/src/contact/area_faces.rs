@@ -11,7 +11,7 @@ use std::cell::Cell;
 
 /// Of more faces than this it is sooner told by distances.
 const FACES_MAX: usize = 64;
-/// What is as far as [`TOUCHING`] but for rounding is not told.
+/// Places as far as [`TOUCHING`] but for rounding are not told.
 const FARTHER: f64 = TOUCHING * (1.0 + 1e-6);
 
 /// The faces of a closed mesh that come near to a triangle, some of which is outside.

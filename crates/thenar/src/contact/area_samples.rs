@@ -34,7 +34,7 @@ impl Sample {
         Self { value, low: value, high: value }
     }
 
-    /// What is known at a place so far away, as a distance changes by no more than the way.
+    /// The knowledge of a place so far away, as a distance changes by no more than the way.
     fn after(&self, way: f64) -> Self {
         Self { low: self.low - way, high: self.high + way, ..*self }
     }

@@ -1,6 +1,7 @@
 //! Which pairs of bodies may have got deeper into each other than they were.
 //!
-//! No signed distance changes by more than its two sides have moved past each other. Of surfaces that
+//! No distance to a whole surface changes by more than its two sides have moved past each other; depths along a way
+//! out that is kept may change by more, and are then seen a step later. Of surfaces that
 //! is asked cluster by cluster: what has moved far past some part of a body lies mostly far from it.
 
 use crate::contact::Shape;

@@ -80,7 +80,7 @@ pub(super) fn regions(desc: &WorldDesc, soft: usize) -> Regions {
     Regions { of_vertex: flesh.collision.vertices.iter().map(carrier).collect(), joined }
 }
 
-/// What lies near on each surface that touches itself.
+/// The neighbours on each surface that touches itself.
 pub(super) fn neighbors_at_rest(desc: &WorldDesc, surfaces: &[Surface]) -> Vec<Option<Apart>> {
     let of = |(i, surface): (usize, &Surface)| {
         let flesh = &desc.softs[i].flesh;

@@ -110,7 +110,7 @@ fn face(shape: &Shape, d: &Vec3) -> Face {
     };
     match shape {
         Shape::Capsule { radius, half_length } => {
-            // The end ahead with the place that lies farthest, of which there is one name only.
+            // The end ahead is touched at its ball, wherever it is looked for.
             let end = |y: f64| {
                 let towards = if y * d.y > 0.0 { *d } else { out };
                 Vec3::y() * y + towards * *radius
@@ -134,12 +134,8 @@ fn face(shape: &Shape, d: &Vec3) -> Face {
             if d.y.abs() > std::f64::consts::FRAC_1_SQRT_2 {
                 return disc(*radius, half_length.copysign(d.y), 1.0_f64.copysign(d.y));
             }
-            // The end ahead with the place that lies farthest, of which there is one name only.
-            let end = |y: f64| {
-                let towards = if y * d.y > 0.0 { *d } else { out };
-                Vec3::y() * y + towards * *radius
-            };
-            Face::new([-half_length, *half_length].map(end), None)
+            let ends = [-half_length, *half_length].map(|y| Vec3::new(0.0, y, 0.0) + out * *radius);
+            Face::new(ends, None)
         }
         Shape::Cone { radius, height } => {
             let slant = radius.hypot(*height);

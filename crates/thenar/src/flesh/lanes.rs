@@ -42,7 +42,7 @@ pub struct RestLanes {
     pub power_end: [f64; LANES],
 }
 
-/// Which kernel elements go to.
+/// The kernel that elements go to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// All are corotational.

@@ -39,7 +39,7 @@ const ALTERNATIONS: usize = 4;
 const RIM_STEPS: usize = 30;
 
 /// Responses are rounded to single precision: a pivot below ten times that, of the trace, may be none.
-const PIVOT_LEAST: f64 = 10.0 * f32::EPSILON as f64;
+pub(super) const PIVOT_LEAST: f64 = 10.0 * f32::EPSILON as f64;
 
 /// Whether a symmetric response is positive definite beyond its round-off, by elimination with the largest
 /// pivot first.
@@ -136,8 +136,8 @@ impl Response {
     }
 
     /// The impulse λ so that `d = b + W λ` obeys the contact law: `0 ≤ λ_n ⊥ d_n ≥ 0`,
-    /// `|λ_t| ≤ μ λ_n`, and on the rim of that disc λ_t opposes d_t. Of several such impulses it is the one
-    /// nearest to `start`, so that a contact that obeys the law is left as it is: one that went from sticking to
+    /// `|λ_t| ≤ μ λ_n`, and on the rim of that disc λ_t opposes d_t. Of several such impulses (to open, to stick, to
+    /// slide where friction does not lift the contact off) it is the one nearest to `start`, so that one that obeys the law so is left as it is: one that went from sticking to
     /// sliding and back at each visit kept a joint at its limit from coming to rest. Where the response is
     /// not positive definite, a sliding contact comes nearer with each visit.
     pub fn impulse(&self, cone: Cone, friction: f64, b: &Vec3, start: &Vec3) -> Vec3 {

@@ -48,7 +48,7 @@ pub fn closing(gap: f64, slack: f64, h: f64) -> f64 {
     -((open - slack).max(0.0) + open.min(slack) * CLOSED_IN_A_STEP) / h
 }
 
-/// What a contact at `gap` \[m\] that opens at `speed` \[m/s\] asks for, if overlaps up to `left` \[m\] are left.
+/// The wish of a contact at `gap` \[m\] that opens at `speed` \[m/s\], if overlaps up to `left` \[m\] are left.
 pub fn wish(gap: f64, left: f64, speed: f64, h: f64, speed_max: f64) -> Wish {
     let least = (-gap.max(0.0) / h - speed).min(0.0);
     if gap >= -left {

@@ -31,9 +31,9 @@ impl Delassus {
     /// contact's velocity by more than `tolerance` \[m/s\] through its own impulse, and all
     /// further ones together are not expected to change any velocity by more: as their mixing tells, or,
     /// where they are plain, a geometric series. Where sweeps have cost as much as Newton's method, it takes over
-    /// (`newton`); where it fails, limits of joints are held from then on (`turns`). Where they run out before, the residual is the larger of
-    /// what the last sweep changed and what the last mixing expected; it is no more than sweeps have moved a
-    /// contact in this step, but enough above the tolerance not to pass for converged.
+    /// (`newton`); where it fails, limits of joints are held from then on (`turns`). Where they run out before,
+    /// the residual is the larger of what the last sweep changed and what the last mixing expected; it is no more
+    /// than sweeps have moved a contact in this step, but enough above the tolerance not to pass for converged.
     pub fn solve(
         &mut self,
         contacts: &mut ContactRows,
@@ -57,6 +57,7 @@ impl Delassus {
         sweeps_max: u32,
     ) -> Convergence {
         self.begin_sweeps(simd, contacts);
+        self.turns.forget();
         let mut convergence = Convergence { iterations: 0, residual: f64::INFINITY };
         // What mixing expected to be left after each of the last sweeps.
         let mut expected = [f64::INFINITY; LOOKS];
@@ -182,6 +183,11 @@ impl Delassus {
                     W.add_answer(simd, m, &delta, d);
                 }
             }
+        }
+        if attempts > 0 {
+            let Self { members, W, d, turns, .. } = self;
+            let used = (3 * members.list().len()).next_multiple_of(LANES);
+            turns.release(simd, members.list(), contacts, W, &mut d[..used]);
         }
         convergence.residual = convergence.residual.min(SAFETY * tolerance + self.moved);
         convergence
