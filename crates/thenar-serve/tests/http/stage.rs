@@ -169,7 +169,7 @@ pub fn rest(stream: &mut impl Read) -> String {
 /// A message of this kind, epoch and number.
 fn message(kind: u8, epoch: u32, number: u32, length: usize) -> Vec<u8> {
     let mut bytes = vec![0; length];
-    (bytes[0], bytes[1]) = (kind, 2);
+    (bytes[0], bytes[1]) = (kind, 3);
     bytes[4..8].copy_from_slice(&epoch.to_le_bytes());
     bytes[8..12].copy_from_slice(&number.to_le_bytes());
     bytes

@@ -109,7 +109,7 @@ impl Visitor {
     /// A pose message with angles; `hand` 0 is left, 1 right.
     pub fn angles(&mut self, hand: u8, wrist: &Pose, angles: [f64; 20], clock: f64) -> Vec<u8> {
         self.number += 1;
-        let mut bytes = vec![17, 2, hand, 0];
+        let mut bytes = vec![17, 3, hand, 0];
         bytes.extend(self.number.to_le_bytes());
         bytes.extend(clock.to_le_bytes());
         let (p, q) = (wrist.position, wrist.rotation.coords);
