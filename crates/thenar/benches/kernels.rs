@@ -70,7 +70,7 @@ const TISSUES: [(Law, bool); 5] = [
     (Law::Ogden { alpha: 8.0 }, true),
 ];
 
-/// One of them, with a name for the table.
+/// A tissue with a name for the table.
 #[derive(Clone, Copy)]
 struct Tissue((Law, bool));
 

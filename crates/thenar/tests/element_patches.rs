@@ -214,8 +214,8 @@ fn a_body_centred_lattice_falls_into_octahedra_and_pyramids() {
     assert_eq!(count, inner + outer);
 }
 
-/// What a block of one law that spins freely, pulled out of shape at the start, has lost of its momenta and won
-/// of its energy 0.3 s later, relative to what it had.
+/// The loss of momenta of a block of one law that spins freely, pulled out of shape at the start, and its gain
+/// of energy, 0.3 s later, relative to what it had.
 fn lost(law: Law, relaxation: Relaxation, patched: bool) -> [f64; 3] {
     let mut flesh = lattice_bar(Vec3::new(0.03, 0.02, 0.02), [3, 2, 2], material(law, 0.43));
     flesh.relaxation = vec![relaxation; flesh.tets.len()];

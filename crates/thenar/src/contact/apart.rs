@@ -41,7 +41,7 @@ pub(crate) struct Apart {
     /// One bit per pair of tree nodes n ≤ m: no two of their parts may touch.
     nodes: usize,
     settled: Vec<u64>,
-    /// One bit per pair of triangles s ≤ t: they never touch.
+    /// A bit per pair of triangles s ≤ t that never touch.
     triangle_count: usize,
     never: Vec<u64>,
     regions: Regions,

@@ -1,4 +1,4 @@
-//! Which pairs of bodies may have got deeper into each other than they were.
+//! Pairs of bodies that may have got deeper into each other than they were.
 //!
 //! No distance to a whole surface changes by more than its two sides have moved past each other; depths along a way
 //! out that is kept may change by more, and are then seen a step later. Of surfaces that

@@ -92,7 +92,7 @@ impl MemoryModel {
         !self.is_empty() && self.start[tets.start] < self.start[tets.end]
     }
 
-    /// What `old` remembered as these elements would: as far relaxed as before, relative to moduli and weights.
+    /// The memory of `old` in these elements: as far relaxed as before, relative to moduli and weights.
     /// The same number of terms stays term by term; otherwise each term is as far as all were together.
     /// `stiffer` is the ratio of an element's moduli to what they were.
     pub fn carry_over(

@@ -13,7 +13,7 @@ pub struct At<S: Simd> {
     pub stress: Vec3x8<S>,
     /// Hessian of ψ, its diagonal \[Pa\].
     pub diagonal: Vec3x8<S>,
-    /// Its other entries.
+    /// The Hessian's other entries.
     pub beside: Vec3x8<S>,
     /// `(Pᵢ + Pⱼ) / (σᵢ + σⱼ)`.
     pub twist: Vec3x8<S>,
