@@ -9,6 +9,7 @@
 mod anderson;
 mod columns;
 mod combine;
+mod convex;
 mod handles;
 mod members;
 mod newton;
@@ -74,6 +75,8 @@ pub struct Delassus {
     /// Sweeps of the step, and those that Newton's method has cost as much as.
     swept: u32,
     spent: u32,
+    /// Attempts by Newton's method in this step.
+    attempts: u32,
 }
 
 impl Delassus {
@@ -110,6 +113,7 @@ impl Delassus {
             moved: 0.0,
             swept: 0,
             spent: 0,
+            attempts: 0,
         }
     }
 
@@ -117,7 +121,8 @@ impl Delassus {
     pub fn begin(&mut self, contacts: &mut ContactRows, direct: &Direct) {
         self.forget();
         self.first.copy_from_slice(&self.measured);
-        (self.moved, self.swept, self.spent) = (0.0, 0, 0);
+        (self.moved, self.swept, self.spent, self.attempts) = (0.0, 0, 0, 0);
+        self.newton.begin();
         self.members.begin(contacts, &self.measured);
         self.arrange(contacts, direct);
     }

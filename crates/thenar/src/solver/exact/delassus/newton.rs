@@ -18,6 +18,7 @@
 
 use super::Delassus;
 use super::anderson::FULL;
+use super::convex::Convex;
 use super::sweeps::{visit, within};
 use crate::math::{Mat3, Vec3};
 use crate::model::Cone;
@@ -45,12 +46,14 @@ const PARTS: [f64; 7] = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125, 0.015625];
 /// piece. Attempts take turns: half a step crosses most borders, where grasps slide; a small part is safer where
 /// a body is jammed. With either alone steps of both kinds ran out.
 const ACROSS: [f64; 2] = [0.5, 0.015625];
-/// Every third attempt comes from bodies without friction, whose impulses minimise an energy and are
-/// always found, and follows the solution through these parts of friction.
+/// Every third attempt goes by convex problems (`convex`), so often in a step at most: what they cost is not within
+/// the sweeps' share.
 const KINDS: u32 = 3;
-const SHARES: [f64; 6] = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0];
-/// Steps for all of these but the last together: a few arrive at each, or more would not.
-const STEPS_ON_THE_WAY: u32 = 40;
+const WALKS_MAX: u32 = 3;
+/// Steps from the impulses of a convex problem are tried after so many problems.
+const TRIED_AFTER: [u32; 7] = [4, 8, 12, 16, 24, 32, 48];
+/// Steps of each trial.
+const TRIAL_STEPS: u32 = 24;
 /// A part of a step must bring the law nearer by so much of itself (Armijo).
 const DESCENT: f64 = 0.2;
 /// Added to each contact's own response, in parts of it: ten times the round-off of W, which is of single
@@ -65,9 +68,12 @@ pub struct Newton {
     /// Members that press or close, and their changes of impulse.
     pressing: Vec<u32>,
     change: Vec<f64>,
-    /// Impulse and friction of each member where the attempt began.
-    began: Vec<(Vec3, f64)>,
+    /// Impulse of each member where the attempt began.
+    began: Vec<Vec3>,
     velocities: Vec<f64>,
+    convex: Convex,
+    /// Attempts by convex problems in this step.
+    walks: u32,
 }
 
 /// Nothing in it outlives an attempt; a clone has as much room.
@@ -88,7 +94,14 @@ impl Newton {
             change: Vec::with_capacity(3 * most),
             began: Vec::with_capacity(capacity),
             velocities: Vec::with_capacity((3 * capacity).next_multiple_of(LANES)),
+            convex: Convex::new(capacity),
+            walks: 0,
         }
+    }
+
+    /// Another step begins.
+    pub fn begin(&mut self) {
+        self.walks = 0;
     }
 }
 
@@ -124,29 +137,62 @@ impl Delassus {
         self.newton.began.clear();
         for &i in self.members.list() {
             let row = &contacts.rows[i as usize];
-            self.newton.began.push((row.lambda, row.friction));
+            self.newton.began.push(row.lambda);
         }
-        let across = ACROSS[attempt as usize % ACROSS.len()];
-        let steps_max = steps_max.min(STEPS_MAX);
-        let follows = (attempt + 1).is_multiple_of(KINDS) && steps_max > STEPS_ON_THE_WAY;
-        let shares = if follows { &SHARES[..] } else { &[1.0][..] };
-        let on_the_way = STEPS_ON_THE_WAY / (SHARES.len() as u32 - 1);
-        let at_last = steps_max - if follows { STEPS_ON_THE_WAY } else { 0 };
-        let mut left = None;
-        for share in shares {
-            for (&i, (_, friction)) in self.members.list().iter().zip(&self.newton.began) {
-                contacts.rows[i as usize].friction = share * friction;
-            }
-            let most = if *share < 1.0 { on_the_way } else { at_last };
-            left = self.approach(simd, contacts, cone, tolerance, most, across);
-        }
+        let left = if self.walks(attempt) {
+            self.walk(simd, contacts, cone, tolerance)
+        } else {
+            let across = ACROSS[(attempt % KINDS) as usize % ACROSS.len()];
+            self.approach(simd, contacts, cone, tolerance, steps_max.min(STEPS_MAX), across)
+        };
         if left.is_none() {
             self.d[..used].copy_from_slice(&self.newton.velocities);
-            for (&i, (lambda, _)) in self.members.list().iter().zip(&self.newton.began) {
+            for (&i, lambda) in self.members.list().iter().zip(&self.newton.began) {
                 contacts.rows[i as usize].lambda = *lambda;
             }
         }
         left
+    }
+
+    /// Whether an attempt goes by convex problems.
+    pub(super) fn walks(&self, attempt: u32) -> bool {
+        (attempt + 1).is_multiple_of(KINDS) && self.newton.walks < WALKS_MAX
+    }
+
+    /// Steps from where convex problems lead.
+    #[inline(always)]
+    fn walk<S: Simd>(
+        &mut self,
+        simd: S,
+        contacts: &mut ContactRows,
+        cone: Cone,
+        tolerance: f64,
+    ) -> Option<f64> {
+        self.newton.walks += 1;
+        let used = (3 * self.members.list().len()).next_multiple_of(LANES);
+        let (members, d) = (self.members.list(), &self.d[..used]);
+        if !self.newton.convex.begin(simd, members, contacts, &self.W, d) {
+            return None;
+        }
+        let mut solved = 0;
+        for tried_after in TRIED_AFTER {
+            while solved < tried_after {
+                self.newton.convex.go_on(simd, &self.W);
+                solved += 1;
+            }
+            let Self { members, W, d, newton, .. } = &mut *self;
+            d[..used].copy_from_slice(newton.convex.without());
+            for (m, &i) in members.list().iter().enumerate() {
+                let lambda = newton.convex.impulse(m);
+                contacts.rows[i as usize].lambda = lambda;
+                W.add_answer(simd, m, &lambda, &mut d[..used]);
+            }
+            let left = self.approach(simd, contacts, cone, tolerance, TRIAL_STEPS, ACROSS[0]);
+            if left.is_some() {
+                return left;
+            }
+        }
+        None
     }
 
     /// Steps until they are calm, or run out; the error that is left then.

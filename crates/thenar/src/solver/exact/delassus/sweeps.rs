@@ -67,8 +67,10 @@ impl Delassus {
         let budget = (NEWTON_SHARE * (1 + RESUMED_MAX)).saturating_mul(sweeps_max);
         loop {
             let steps_max = budget.saturating_sub(self.spent) / worth;
-            if self.swept >= wait && steps_max > 0 {
-                let improved = self.improve(simd, contacts, cone, tolerance, steps_max, attempts);
+            let kind = self.attempts;
+            if self.swept >= wait && (steps_max > 0 || self.walks(kind)) {
+                self.attempts += 1;
+                let improved = self.improve(simd, contacts, cone, tolerance, steps_max, kind);
                 if let Some(left) = improved {
                     convergence.residual = left;
                     break;
