@@ -267,7 +267,10 @@ fn stored_stress_makes_no_torque_and_turns_with_the_body() {
             let stored: f64 = forces.iter().zip(elastic).map(|(f, e)| (f - e).norm()).sum();
             // Of a stress of about E on faces of the cube.
             let bound = 10.0 * FLESH.young * EDGE * EDGE;
-            assert!(stored > 0.01 * bound && stored < bound, "{law:?} {stored} N");
+            // Hyperelastic tissue stores none where it is crushed or inside out.
+            let lives = law == Law::Corotational || shape.determinant() > 0.1;
+            let held = if lives { stored > 0.01 * bound } else { stored == 0.0 };
+            assert!(held && stored < bound, "{law:?} {stored} N");
             let net: Vec3 = forces.iter().sum();
             let torque: Vec3 = world.nodes(0).iter().zip(&forces).map(|(x, f)| x.cross(f)).sum();
             assert!(net.norm() < 1e-9 * scale, "{law:?}: {}", net.norm() / scale);

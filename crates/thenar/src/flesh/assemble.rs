@@ -1,10 +1,10 @@
 //! Eq. 5: `A_f = M_f + Δt D_f + Δt² K_f` and `b_f = M_f v_0 + Δt F_f`, over all deformable bodies.
 
 use crate::flesh::lanes::{Kind, LANES, RestLanes};
+use crate::flesh::living::Living;
 use crate::flesh::memory::{self, Faded, Fading, MemoryModel};
 use crate::flesh::{PAIRS, Patches, Response, RestTet, eight, eight_principal, foresight, respond};
 use crate::math::Vec3;
-use crate::model::Relaxation;
 use crate::solver::BlockMatrix;
 use fearless_simd::{Level, Simd, dispatch};
 use std::ops::Range;
@@ -97,13 +97,14 @@ impl FleshModel {
         if self.memory.is_empty() {
             return;
         }
-        let mut fading = Fading::new(&Relaxation::NONE, h);
+        let mut fading = Fading::none(h);
         self.patches.relax(&self.memory, x0, x1, &mut fading, h, faded);
         for t in self.single.iter().cloned().flatten() {
             let Some((relaxation, place)) = self.memory.of(t) else { continue };
-            let tet = &self.tets[t];
-            let [before, after] = [x0, x1].map(|x| memory::stress_at(&self.rest[t], tet, x).biot);
-            fading.of(relaxation, h).advance(&mut faded[place], &before, &after);
+            let (rest, tet) = (&self.rest[t], &self.tets[t]);
+            let fading = fading.of(relaxation, rest.law, h);
+            let [before, after] = [x0, x1].map(|x| memory::stress_at(rest, tet, x, &fading.living));
+            fading.remember(rest.mu, &mut faded[place], &before, &after);
         }
     }
 
@@ -137,7 +138,7 @@ impl FleshModel {
         b: &mut [Vec3],
         sums: &mut Tally,
     ) {
-        let mut fading = Fading::new(&Relaxation::NONE, h);
+        let mut fading = Fading::none(h);
         for (first, rest) in &self.lanes {
             let each = each(*first, rest);
             let places = &self.entries[each.clone()];
@@ -168,7 +169,8 @@ impl FleshModel {
         let x = tet.map(|n| x[n as usize]);
         let response = match self.memory.of(t) {
             Some((relaxation, place)) => {
-                let (F, fading) = (rest.deformation_gradient(&x), fading.of(relaxation, h));
+                let (F, fading) =
+                    (rest.deformation_gradient(&x), fading.of(relaxation, rest.law, h));
                 memory::respond(rest, &F, relaxation, fading, &faded[place])
             }
             None => respond(rest, &x),
@@ -190,7 +192,7 @@ impl FleshModel {
     /// Energy and volume of one element, whatever its law.
     fn count(&self, t: usize, x: &[Vec3], faded: &[Faded], sums: &mut Tally) {
         let rest = &self.rest[t];
-        let at = memory::stress_at(rest, &self.tets[t], x);
+        let at = memory::stress_at(rest, &self.tets[t], x, &Living::of(rest.law));
         sums.energy += rest.volume
             * match self.memory.of(t) {
                 Some((relaxation, place)) => memory::energy(rest, relaxation, &at, &faded[place]),

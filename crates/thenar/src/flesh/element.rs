@@ -1,5 +1,6 @@
 //! One linear tetrahedron: deformation gradient to nodal forces and stiffness blocks.
 
+use crate::flesh::living::Living;
 use crate::flesh::polar::{rotation_of, signed_svd};
 use crate::flesh::principal::{Density, density};
 use crate::math::{Mat3, Vec3};
@@ -118,10 +119,64 @@ pub struct Stress {
     pub biot: Mat3,
     /// ψ \[J/m³\].
     pub energy: f64,
+    /// Stress fades in this shape.
+    pub lives: bool,
 }
 
-/// The stress at a deformation gradient.
-pub fn stress(rest: &RestTet, F: &Mat3) -> Stress {
+/// What a step makes of an element: its stress and stiffness where the step begins, in the axes of `F = U σ Vᵀ`.
+#[derive(Clone, Copy, Debug)]
+pub struct Linear {
+    /// `Uᵀ P V` \[Pa\].
+    pub stress: Mat3,
+    /// Stiffness of the diagonal of `G = Uᵀ dF V` \[Pa\].
+    pub stretch: Mat3,
+    /// Of each pair of axes, against `G_ij²` and against `G_ij G_ji` \[Pa\].
+    pub pairs: [[[f64; 2]; 3]; 3],
+}
+
+impl Linear {
+    /// Of an elastic law of which this part, from 0 to 1, is left.
+    pub fn elastic(of: &Principal, part: f64) -> Self {
+        let mut pairs = [[[0.0; 2]; 3]; 3];
+        for (i, j) in [(0, 1), (0, 2), (1, 2)] {
+            let pair = of.twist_flip(i, j).map(|k| k * part);
+            pairs[i][j] = pair;
+            pairs[j][i] = pair;
+        }
+        Self {
+            stress: Mat3::from_diagonal(&of.at.stress.into()) * part,
+            stretch: positive_part(&of.at.hessian) * part,
+            pairs,
+        }
+    }
+
+    /// `dF : P` and `dF : dP` of a change with these entries in the axes.
+    pub fn along(&self, G: &Mat3) -> [f64; 2] {
+        let d = G.diagonal();
+        let mut curved = d.dot(&(self.stretch * d));
+        for i in 0..3 {
+            for j in (0..3).filter(|&j| j != i) {
+                let [own, cross] = self.pairs[i][j];
+                curved += own * G[(i, j)] * G[(i, j)] + cross * G[(i, j)] * G[(j, i)];
+            }
+        }
+        [self.stress.component_mul(G).sum(), curved]
+    }
+
+    /// Forces and stiffness of an element with this shape; `energy` is per volume.
+    pub fn response(&self, rest: &RestTet, of: &Principal, energy: f64) -> Response {
+        let P = of.U * self.stress * of.V.transpose();
+        Response {
+            energy: rest.volume * energy,
+            forces: rest.gradients.map(|g| P * g * -rest.volume),
+            stiffness: of.blocks(rest, &self.stretch, &self.pairs),
+            inverted: of.s[2] < 0.0,
+        }
+    }
+}
+
+/// The stress at a deformation gradient; `living` is that of the law.
+pub fn stress(rest: &RestTet, F: &Mat3, living: &Living) -> Stress {
     let (lambda, mu) = (rest.lambda, rest.mu);
     if rest.law == Law::Corotational {
         let R = rotation_of(F);
@@ -130,10 +185,11 @@ pub fn stress(rest: &RestTet, F: &Mat3) -> Stress {
         return Stress {
             biot: strain * (2.0 * mu) + Mat3::from_diagonal_element(lambda * trace),
             energy: mu * strain.norm_squared() + 0.5 * lambda * trace * trace,
+            lives: true,
         };
     }
-    let Principal { V, at, .. } = Principal::new(rest, F);
-    Stress { biot: V * Mat3::from_diagonal(&at.stress.into()) * V.transpose(), energy: at.energy }
+    let shape = Principal::new(rest, F);
+    Stress { biot: shape.biot(), energy: shape.at.energy, lives: living.holds(mu, &shape) }
 }
 
 /// An element's deformation gradient `F = U σ Vᵀ` and its law there.
@@ -154,6 +210,16 @@ impl Principal {
     pub fn new(rest: &RestTet, F: &Mat3) -> Self {
         let (U, s, V) = signed_svd(F);
         Self { U, s, V, at: density(rest.law, rest.lambda, rest.mu, s) }
+    }
+
+    /// `Rᵀ P` \[Pa\].
+    pub fn biot(&self) -> Mat3 {
+        self.V * Mat3::from_diagonal(&self.at.stress.into()) * self.V.transpose()
+    }
+
+    /// S.
+    pub fn stretch(&self) -> Mat3 {
+        self.V * Mat3::from_diagonal(&self.s.into()) * self.V.transpose()
     }
 
     /// `(Pᵢ - Pⱼ) / (σᵢ - σⱼ)`.
@@ -203,22 +269,8 @@ impl Principal {
 /// derivative of P splits into the 3×3 Hessian of ψ and, for each pair of axes, a twist and a
 /// flip with known eigenvalues (Smith, de Goes and Kim 2019); each is kept non-negative.
 fn hyperelastic(rest: &RestTet, F: &Mat3) -> Response {
-    let principal = Principal::new(rest, F);
-    let Principal { U, s, V, at } = &principal;
-    let P = U * Mat3::from_diagonal(&at.stress.into()) * V.transpose();
-    let stretch = positive_part(&at.hessian);
-    let mut twist_flip = [[[0.0; 2]; 3]; 3];
-    for (i, j) in [(0, 1), (0, 2), (1, 2)] {
-        let pair = principal.twist_flip(i, j);
-        twist_flip[i][j] = pair;
-        twist_flip[j][i] = pair;
-    }
-    Response {
-        energy: rest.volume * at.energy,
-        forces: rest.gradients.map(|g| P * g * -rest.volume),
-        stiffness: principal.blocks(rest, &stretch, &twist_flip),
-        inverted: s[2] < 0.0,
-    }
+    let shape = Principal::new(rest, F);
+    Linear::elastic(&shape, 1.0).response(rest, &shape, shape.at.energy)
 }
 
 /// The nearest positive semi-definite matrix.

@@ -28,11 +28,14 @@
 //! A stress M that is not along the axes of S is the force `P = R (M + A)` with the skew part A that makes
 //! `P Fᵀ` symmetric: without it an element would turn itself. In the axes of S, with stretches σ,
 //! `(M + A)_ij = M_ij 2σᵢ/(σᵢ + σⱼ)`.
+//!
+//! Stress fades in living shapes only: see [`living`](crate::flesh::living).
 
 use crate::flesh::RestTet;
-use crate::flesh::element::{Principal, Response, Stress, positive_part, stress};
+use crate::flesh::element::{Linear, Principal, Response, Stress, positive_part, stress};
+use crate::flesh::living::Living;
 use crate::math::{Mat3, Vec3};
-use crate::model::{Relaxation, TERMS_MAX};
+use crate::model::{Law, Relaxation, TERMS_MAX};
 use std::ops::Range;
 
 /// Stress that has faded by one term of one element \[Pa\]: xx, yy, zz, yz, zx, xy in its rest frame.
@@ -118,10 +121,15 @@ impl MemoryModel {
     }
 }
 
-/// The work of a relaxation in a step of a certain length.
+/// The work of a relaxation of a law in a step of a certain length.
 #[derive(Clone, Copy, Debug)]
 pub struct Fading {
     of: Relaxation,
+    law: Law,
+    /// Where stress fades.
+    pub living: Living,
+    /// `Σ gᵢ`.
+    pub weight: f64,
     /// Part of T₀ in the stress at the end of the step.
     pub kept: f64,
     /// Part of the elastic stiffness that the step feels.
@@ -134,9 +142,17 @@ pub struct Fading {
 
 impl Fading {
     /// For steps of length `h` \[s\].
-    pub fn new(of: &Relaxation, h: f64) -> Self {
-        let mut fading =
-            Self { of: *of, kept: 1.0, tangent: 1.0, stays: [0.0; 4], adds: [[0.0; 2]; 4] };
+    pub fn new(of: &Relaxation, law: Law, h: f64) -> Self {
+        let mut fading = Self {
+            of: *of,
+            law,
+            living: Living::of(law),
+            weight: of.weight(),
+            kept: 1.0,
+            tangent: 1.0,
+            stays: [0.0; TERMS_MAX],
+            adds: [[0.0; 2]; TERMS_MAX],
+        };
         for (k, term) in of.terms().iter().enumerate() {
             let x = h / term.time;
             let d = (-x).exp();
@@ -149,12 +165,30 @@ impl Fading {
         fading
     }
 
-    /// The same of another relaxation, computed anew only where it is another.
-    pub fn of(&mut self, relaxation: &Relaxation, h: f64) -> &Self {
-        if self.of != *relaxation {
-            *self = Self::new(relaxation, h);
+    /// Of nothing, for steps of length `h` \[s\].
+    pub fn none(h: f64) -> Self {
+        Self::new(&Relaxation::NONE, Law::Corotational, h)
+    }
+
+    /// The same of another relaxation or law, computed anew only where it is another.
+    pub fn of(&mut self, relaxation: &Relaxation, law: Law, h: f64) -> &Self {
+        if self.of != *relaxation || self.law != law {
+            *self = Self::new(relaxation, law, h);
         }
         self
+    }
+
+    /// Moves what has faded to the end of a step of an element with this shear modulus \[Pa\]. Outside of what tissue
+    /// lives through, and where it comes back from there, all has faded that can.
+    pub fn remember(&self, mu: f64, faded: &mut [Faded], before: &Stress, after: &Stress) {
+        if before.lives && after.lives {
+            return self.advance(faded, &before.biot, &after.biot);
+        }
+        let [_, share, _] = self.living.share(mu, after.energy);
+        let stress = entries(&after.biot);
+        for (p, term) in faded.iter_mut().zip(self.of.terms()) {
+            *p = stress.map(|t| t * (term.weight * share));
+        }
     }
 
     /// `Σ dᵢ pᵢ`.
@@ -164,7 +198,7 @@ impl Fading {
     }
 
     /// Moves what has faded to the end of the step.
-    pub fn advance(&self, faded: &mut [Faded], before: &Mat3, after: &Mat3) {
+    fn advance(&self, faded: &mut [Faded], before: &Mat3, after: &Mat3) {
         let (before, after) = (entries(before), entries(after));
         for (k, p) in faded.iter_mut().enumerate() {
             let [of_before, of_after] = self.adds[k];
@@ -188,8 +222,23 @@ fn entries(of: &Mat3) -> Faded {
 
 /// An element with memory as a step sees it: forces of the stress that would be left at its end if nothing moved,
 /// energy that it can give back, and its stiffness.
+pub fn respond(
+    rest: &RestTet,
+    F: &Mat3,
+    of: &Relaxation,
+    fading: &Fading,
+    faded: &[Faded],
+) -> Response {
+    let shape = Principal::new(rest, F);
+    let step = Increment::new(rest, &shape, fading, faded);
+    let lives = step.lives;
+    let stress = Stress { biot: step.biot, energy: shape.at.energy, lives };
+    step.linear.response(rest, &shape, energy(rest, of, &stress, faded))
+}
+
+/// A step of an element with memory, from the shape in which it begins.
 ///
-/// The stiffness is that of the stress against the stretch alone, `dT/dS : dS`, with in the axes of S
+/// In living shapes its stiffness is that of the stress against the stretch alone, `dT/dS : dS`, with in the axes of S
 ///
 /// ```text
 ///   dS_ij = (σᵢ G_ij + σⱼ G_ji) / (|σᵢ| + |σⱼ|),   dT_ij = (Tᵢ - Tⱼ)/(σᵢ - σⱼ) dS_ij
@@ -198,37 +247,84 @@ fn entries(of: &Mat3) -> Faded {
 /// which vanishes for any turn. (The twist of the elastic law, `(Tᵢ + Tⱼ)/(σᵢ + σⱼ)`, goes with stress that may
 /// have faded, and the warped stiffness of small strain does not vanish for a turn of a body that rests
 /// strained: either would brake its spin.)
-pub fn respond(
-    rest: &RestTet,
-    F: &Mat3,
-    of: &Relaxation,
-    fading: &Fading,
-    faded: &[Faded],
-) -> Response {
-    let principal = Principal::new(rest, F);
-    let Principal { U, s, V, at } = &principal;
-    let left = balanced(s, &(V.tr_mul(&fading.left(faded)) * V));
-    let kept = Mat3::from_diagonal(&at.stress.into()) * fading.kept;
-    let P = U * (kept - left) * V.transpose();
+#[derive(Clone, Copy, Debug)]
+pub struct Increment<'a> {
+    /// Stress and stiffness at its beginning.
+    pub linear: Linear,
+    /// T₀.
+    biot: Mat3,
+    /// What is left of T₀ whatever the end, less what has faded: `M = (kept - tangent) T₀ - Σ dᵢ pᵢ`.
+    held: Mat3,
+    lives: bool,
+    mu: f64,
+    fading: &'a Fading,
+}
+
+impl<'a> Increment<'a> {
+    /// From this shape, with what has faded.
+    pub fn new(
+        rest: &RestTet,
+        shape: &Principal,
+        fading: &'a Fading,
+        faded: &[Faded],
+    ) -> Increment<'a> {
+        let (mu, biot) = (rest.mu, shape.biot());
+        let lives = fading.living.holds(mu, shape);
+        let (linear, held) = match lives {
+            true => {
+                let left = fading.left(faded);
+                let linear = remembering(shape, fading, &left);
+                (linear, biot * (fading.kept - fading.tangent) - left)
+            }
+            false => (all_faded(shape, fading, mu), Mat3::zeros()),
+        };
+        Increment { linear, biot, held, lives, mu, fading }
+    }
+
+    /// The energy density of which the forces of the step's end are the slope \[J/m³\], at a shape where it may end:
+    /// `tangent ψ + M : S`, or that of the law outside of what tissue lives through.
+    pub fn energy(&self, shape: &Principal) -> f64 {
+        let Self { fading, mu, .. } = self;
+        match self.lives {
+            true => {
+                fading.tangent * shape.at.energy + self.held.component_mul(&shape.stretch()).sum()
+            }
+            false => {
+                let [share, ..] = fading.living.share(*mu, shape.at.energy);
+                shape.at.energy - fading.weight * share
+            }
+        }
+    }
+}
+
+/// Stress and stiffness in a living shape, of which `left` has faded at the end of the step.
+fn remembering(shape: &Principal, fading: &Fading, left: &Mat3) -> Linear {
+    let Principal { s, V, at, .. } = shape;
+    let left = balanced(s, &(V.tr_mul(left) * V));
     let mut pairs = [[[0.0; 2]; 3]; 3];
     for (i, j) in [(0, 1), (0, 2), (1, 2)] {
         let sum = s[i].abs() + s[j].abs();
         if sum > 0.0 {
-            let stiffness = 2.0 * principal.flip(i, j).max(0.0) * fading.tangent;
+            let stiffness = 2.0 * shape.flip(i, j).max(0.0) * fading.tangent;
             let (of_i, of_j) = (s[i] / sum, s[j] / sum);
             pairs[i][j] = [stiffness * of_i * of_i, stiffness * of_i * of_j];
             pairs[j][i] = [stiffness * of_j * of_j, stiffness * of_i * of_j];
         }
     }
-    let stretch = positive_part(&at.hessian) * fading.tangent;
-    let biot = V * Mat3::from_diagonal(&at.stress.into()) * V.transpose();
-    let stress = Stress { biot, energy: at.energy };
-    Response {
-        energy: rest.volume * energy(rest, of, &stress, faded),
-        forces: rest.gradients.map(|g| P * g * -rest.volume),
-        stiffness: principal.blocks(rest, &stretch, &pairs),
-        inverted: s[2] < 0.0,
+    Linear {
+        stress: Mat3::from_diagonal(&at.stress.into()) * fading.kept - left,
+        stretch: positive_part(&at.hessian) * fading.tangent,
+        pairs,
     }
+}
+
+/// The same in any other shape: those of the energy `ψ - Σ gᵢ f(ψ)`.
+fn all_faded(shape: &Principal, fading: &Fading, mu: f64) -> Linear {
+    let [_, share, bend] = fading.living.share(mu, shape.at.energy);
+    let part = 1.0 - fading.weight * share;
+    let T = Vec3::from(shape.at.stress);
+    let hessian = shape.at.hessian * part - T * T.transpose() * (fading.weight * bend);
+    Linear { stretch: positive_part(&hessian), ..Linear::elastic(shape, part) }
 }
 
 /// `M + A` of a stress M in the axes of S. In an inverted element, whose σ₃ < 0, `|σᵢ| + |σⱼ|` divides instead of
@@ -245,19 +341,28 @@ fn balanced(s: &[f64; 3], M: &Mat3) -> Mat3 {
 }
 
 /// Energy that an element with memory can still give back \[J/m³\]: `g∞ ψ` and that of its terms' springs,
-/// `qᵢ = gᵢ T - pᵢ` by the compliance of small strain over gᵢ.
+/// `qᵢ = gᵢ T - pᵢ` by the compliance of small strain over gᵢ, less where the law has stiffened: T itself has ψ.
 pub fn energy(rest: &RestTet, relaxation: &Relaxation, at: &Stress, faded: &[Faded]) -> f64 {
+    if !at.lives {
+        let [share, ..] = Living::of(rest.law).share(rest.mu, at.energy);
+        return at.energy - relaxation.weight() * share;
+    }
     let (lambda, mu) = (rest.lambda, rest.mu);
-    let springs = relaxation.terms().iter().zip(faded).map(|(term, p)| {
-        let q = at.biot * term.weight - matrix(p);
+    let linear = |q: &Mat3| {
         let trace = q.trace();
         let isotropic = lambda / (3.0 * lambda + 2.0 * mu) * trace * trace;
-        (q.norm_squared() - isotropic) / (4.0 * mu * term.weight)
+        (q.norm_squared() - isotropic) / (4.0 * mu)
+    };
+    let springs = relaxation.terms().iter().zip(faded).map(|(term, p)| {
+        let q = at.biot * term.weight - matrix(p);
+        linear(&q) / term.weight
     });
-    (1.0 - relaxation.weight()) * at.energy + springs.sum::<f64>()
+    let own = linear(&at.biot);
+    let stiffened = if at.energy < own { at.energy / own } else { 1.0 };
+    (1.0 - relaxation.weight()) * at.energy + stiffened * springs.sum::<f64>()
 }
 
-/// The stress of an element at these positions.
-pub fn stress_at(rest: &RestTet, tet: &[u32; 4], x: &[Vec3]) -> Stress {
-    stress(rest, &rest.deformation_gradient(&tet.map(|n| x[n as usize])))
+/// The stress of an element at these positions; `living` is that of its law.
+pub fn stress_at(rest: &RestTet, tet: &[u32; 4], x: &[Vec3], living: &Living) -> Stress {
+    stress(rest, &rest.deformation_gradient(&tet.map(|n| x[n as usize])), living)
 }

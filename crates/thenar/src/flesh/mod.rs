@@ -6,6 +6,7 @@ mod eight_principal;
 mod element;
 mod foresight;
 mod lanes;
+mod living;
 mod memory;
 mod ogden;
 mod patch;

@@ -19,6 +19,7 @@
 use crate::flesh::element::{Response, stress};
 use crate::flesh::foresight::{asked, element_foresaw};
 use crate::flesh::lanes::LANES;
+use crate::flesh::living::Living;
 use crate::flesh::memory::{self, Faded, Fading, MemoryModel};
 use crate::flesh::patch_lanes::{self, PatchLanes};
 use crate::flesh::{PAIRS, RestTet, Tally, respond};
@@ -177,12 +178,12 @@ impl Patches {
             let crushed = |p: usize, sums: &mut Tally| self.count_inverted(&self.list[p], x, sums);
             lanes.assemble(simd, places, x, h, A, b, sums, crushed);
         }
-        let mut fading = Fading::new(&Relaxation::NONE, h);
+        let mut fading = Fading::none(h);
         for patch in self.single.iter().map(|&p| &self.list[p]) {
             let F = self.mean_gradient(patch, x);
             let response = match memory.of(patch.first) {
                 Some((of, place)) => {
-                    let fading = fading.of(of, h);
+                    let fading = fading.of(of, patch.mean.law, h);
                     memory::respond(&patch.mean, &F, of, fading, &faded[place])
                 }
                 None => respond(&patch.mean, &corners(&F)),
@@ -203,19 +204,30 @@ impl Patches {
     ) {
         for patch in &self.list {
             let Some((relaxation, place)) = memory.of(patch.first) else { continue };
-            let stress = |x| stress(&patch.mean, &self.mean_gradient(patch, x)).biot;
-            let (before, after) = (stress(x0), stress(x1));
-            fading.of(relaxation, h).advance(&mut faded[place], &before, &after);
+            let fading = fading.of(relaxation, patch.mean.law, h);
+            let [before, after] = [x0, x1]
+                .map(|x| stress(&patch.mean, &self.mean_gradient(patch, x), &fading.living));
+            fading.remember(patch.mean.mu, &mut faded[place], &before, &after);
         }
     }
 
     /// `FleshModel::foresaw` of the patches among these tetrahedra.
-    pub fn foresaw(&self, tets: &Range<usize>, x0: &[Vec3], x1: &[Vec3], h: f64) -> bool {
+    pub fn foresaw(
+        &self,
+        memory: &MemoryModel,
+        faded: &[Faded],
+        tets: &Range<usize>,
+        x0: &[Vec3],
+        x1: &[Vec3],
+        fading: &mut Fading,
+        h: f64,
+    ) -> bool {
         let mut all = self.list.iter().filter(|p| tets.contains(&p.first) && asked(&p.mean));
         all.all(|patch| {
-            let [F0, F1] = [x0, x1].map(|x| self.mean_gradient(patch, x));
+            let F = [x0, x1].map(|x| self.mean_gradient(patch, x));
             let nodes = &self.nodes[patch.nodes.clone()];
-            element_foresaw(&patch.mean, &F0, &F1, nodes, x0, x1, h)
+            let remembers = memory.of(patch.first).map(|(of, place)| (of, &faded[place]));
+            element_foresaw(&patch.mean, F, remembers, fading, (nodes, x0, x1), h)
         })
     }
 
@@ -234,7 +246,8 @@ impl Patches {
             lanes.tally(simd, x, sums, crushed);
         }
         for patch in self.single.iter().map(|&p| &self.list[p]) {
-            let at = stress(&patch.mean, &self.mean_gradient(patch, x));
+            let living = Living::of(patch.mean.law);
+            let at = stress(&patch.mean, &self.mean_gradient(patch, x), &living);
             let energy = match memory.of(patch.first) {
                 Some((of, place)) => memory::energy(&patch.mean, of, &at, &faded[place]),
                 None => at.energy,

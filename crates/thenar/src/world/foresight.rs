@@ -16,7 +16,7 @@ impl World {
             return !model.flesh.asks_foresight;
         }
         let all = 0..model.flesh.tets.len();
-        model.flesh.foresaw(all, &scratch.before.x, &state.x, part.h)
+        model.flesh.foresaw(all, &scratch.before.x, &state.x, &state.faded, part.h)
     }
 
     /// Takes motion out of bodies whose flesh did what was not foreseen, by halves, until it is: the incremental
@@ -35,7 +35,7 @@ impl World {
                 false => Vec3::zeros(),
             };
             for _ in 0..CUTS_MAX {
-                if model.flesh.foresaw(tets.clone(), before, &state.x, part.h) {
+                if model.flesh.foresaw(tets.clone(), before, &state.x, &state.faded, part.h) {
                     break;
                 }
                 for n in nodes.clone() {
