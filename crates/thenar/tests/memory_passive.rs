@@ -99,7 +99,7 @@ fn a_crushed_element_gives_back_no_more_than_was_put_in() {
     }
 }
 
-/// This state after so many steps in which nothing moves.
+/// The state after so many steps in which nothing moves.
 fn faded(mut flesh: Flesh, state: &State, h: f64, steps: usize) -> State {
     let all = 0..flesh.nodes.len() as u32;
     flesh.fixed = all.map(|node| FixedNode { node, axes: [true; 3] }).collect();

@@ -192,9 +192,11 @@ impl FleshModel {
     /// Energy and volume of one element, whatever its law.
     fn count(&self, t: usize, x: &[Vec3], faded: &[Faded], sums: &mut Tally) {
         let rest = &self.rest[t];
-        let at = memory::stress_at(rest, &self.tets[t], x, &Living::of(rest.law));
+        let memory = self.memory.of(t);
+        let living = memory.as_ref().map_or(Living::ANY, |_| Living::of(rest.law));
+        let at = memory::stress_at(rest, &self.tets[t], x, &living);
         sums.energy += rest.volume
-            * match self.memory.of(t) {
+            * match memory {
                 Some((relaxation, place)) => memory::energy(rest, relaxation, &at, &faded[place]),
                 None => at.energy,
             };

@@ -123,7 +123,7 @@ pub struct Stress {
     pub lives: bool,
 }
 
-/// What a step makes of an element: its stress and stiffness where the step begins, in the axes of `F = U σ Vᵀ`.
+/// An element as a step sees it: its stress and stiffness where the step begins, in the axes of `F = U σ Vᵀ`.
 #[derive(Clone, Copy, Debug)]
 pub struct Linear {
     /// `Uᵀ P V` \[Pa\].

@@ -34,10 +34,13 @@ pub struct Living {
 }
 
 impl Living {
+    /// Every shape.
+    pub const ANY: Self = Self { end: f64::INFINITY };
+
     /// Of a law. Ogden's ends where its powers do, if that is earlier.
     pub fn of(law: Law) -> Self {
         let longest = match law {
-            Law::Corotational => return Self { end: f64::INFINITY },
+            Law::Corotational => return Self::ANY,
             Law::NeoHookean | Law::StableNeoHookean => STRETCHES[1],
             Law::Ogden { alpha } => STRETCHES[1].min(power_end(alpha)),
         };

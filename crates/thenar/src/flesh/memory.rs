@@ -38,6 +38,9 @@ use crate::math::{Mat3, Vec3};
 use crate::model::{Law, Relaxation, TERMS_MAX};
 use std::ops::Range;
 
+/// Energies below this part of the shear modulus are mostly round-off: that of a strain of 1e-6.
+const ROUNDED: f64 = 1e-12;
+
 /// Stress that has faded by one term of one element \[Pa\]: xx, yy, zz, yz, zx, xy in its rest frame.
 pub type Faded = [f64; 6];
 
@@ -253,7 +256,7 @@ pub struct Increment<'a> {
     pub linear: Linear,
     /// T₀.
     biot: Mat3,
-    /// What is left of T₀ whatever the end, less what has faded: `M = (kept - tangent) T₀ - Σ dᵢ pᵢ`.
+    /// Stress that is left of T₀ whatever the end, less what has faded: `M = (kept - tangent) T₀ - Σ dᵢ pᵢ`.
     held: Mat3,
     lives: bool,
     mu: f64,
@@ -358,7 +361,8 @@ pub fn energy(rest: &RestTet, relaxation: &Relaxation, at: &Stress, faded: &[Fad
         linear(&q) / term.weight
     });
     let own = linear(&at.biot);
-    let stiffened = if at.energy < own { at.energy / own } else { 1.0 };
+    // Near rest, where round-off is all that the energies differ by, a law has not stiffened.
+    let stiffened = if own > ROUNDED * mu { (at.energy / own).clamp(0.0, 1.0) } else { 1.0 };
     (1.0 - relaxation.weight()) * at.energy + stiffened * springs.sum::<f64>()
 }
 

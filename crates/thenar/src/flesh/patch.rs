@@ -246,9 +246,10 @@ impl Patches {
             lanes.tally(simd, x, sums, crushed);
         }
         for patch in self.single.iter().map(|&p| &self.list[p]) {
-            let living = Living::of(patch.mean.law);
+            let memory = memory.of(patch.first);
+            let living = memory.as_ref().map_or(Living::ANY, |_| Living::of(patch.mean.law));
             let at = stress(&patch.mean, &self.mean_gradient(patch, x), &living);
-            let energy = match memory.of(patch.first) {
+            let energy = match memory {
                 Some((of, place)) => memory::energy(&patch.mean, of, &at, &faded[place]),
                 None => at.energy,
             };

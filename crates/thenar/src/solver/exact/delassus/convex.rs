@@ -6,9 +6,9 @@
 //!   K ∋ λ  ⊥  W λ + b + s e_n ∈ K*        K the cones of friction, K* their duals
 //! ```
 //!
-//! and is the optimum of a convex problem, `½ λᵀ W λ + (b + s e_n)·λ` over K, which always has one. Impulses that slip as
-//! it was assumed of them obey the law, and there are such slips where zero velocity obeys all rows, as it does
-//! here (Acary, Cadoux, Lemaréchal and Malick 2011). Each problem tells the slips of the next, half of
+//! and is the optimum of a convex problem, `½ λᵀ W λ + (b + s e_n)·λ` over K. Impulses that slip as
+//! it was assumed of them obey the law, and there are such slips where zero velocity obeys all rows (Acary, Cadoux,
+//! Lemaréchal and Malick 2011). Each problem tells the slips of the next, half of
 //! their way; what Newton's method makes of its impulses is tried now and then. A problem is brought nearer to its
 //! optimum by alternating directions (ADMM; Boyd et al. 2011, Sec. 5),
 //!
@@ -20,18 +20,19 @@
 
 use crate::math::Vec3;
 use crate::solver::ContactRows;
+use crate::solver::contact_law::is_immovable;
 use crate::solver::exact::compliance::Compliance;
 use crate::solver::exact::factor::LANES;
 use crate::solver::exact::small_cholesky;
 use fearless_simd::Simd;
 
 /// Members at most: with more, the factor costs as much as sweeps are allowed to.
-const MEMBERS_MAX: usize = 128;
+pub const MEMBERS_MAX: usize = 128;
 /// Of the alternating directions: a third of a contact's own response, and Boyd's usual over-relaxation. Steps
 /// that jammed hands gave converge as well with a third and three times as much.
 const PENALTY: f64 = 0.3;
 const RELAXATION: f64 = 1.6;
-/// Of these so many for each problem: it need not be solved, as the next one is another.
+/// Alternations for each problem: it need not be solved, as the next one is another.
 const ALTERNATIONS: usize = 30;
 
 /// A problem and its impulses.
@@ -40,7 +41,7 @@ pub struct Convex {
     capacity: usize,
     /// Cholesky factor of `W + ρ`, row by row.
     gram: Vec<f64>,
-    /// Square root of each member's own response.
+    /// Square root of each member's own response; zero where no impulse moves it.
     scale: Vec<f64>,
     friction: Vec<f64>,
     slip: Vec<f64>,
@@ -100,14 +101,15 @@ impl Convex {
             let own = W.own(m);
             // A limit has one axis.
             let mean = if row.turns { own.m11 } else { own.trace() / 3.0 };
-            mean.max(f64::MIN_POSITIVE).sqrt()
+            if is_immovable(&own) { 0.0 } else { mean.sqrt() }
         }));
         friction.clear();
         friction.extend(rows().map(|row| row.friction));
         gram.clear();
         gram.extend((0..9 * n * n).map(|k| {
             let (i, j) = (k / (3 * n), k % (3 * n));
-            let W_ij = f64::from(W.at(i, j)) / (scale[i / 3] * scale[j / 3]);
+            let scales = scale[i / 3] * scale[j / 3];
+            let W_ij = if scales > 0.0 { f64::from(W.at(i, j)) / scales } else { 0.0 };
             W_ij + if i == j { PENALTY } else { 0.0 }
         }));
         if !small_cholesky::factor(gram, 3 * n) {
@@ -134,9 +136,10 @@ impl Convex {
         true
     }
 
-    /// Goes towards the optimum for the present slips, and takes half of what it says of these.
+    /// Goes towards the optimum for the present slips, and takes half of what it says of these; false where numbers
+    /// make no sense.
     #[inline(always)]
-    pub fn go_on<S: Simd>(&mut self, simd: S, W: &Compliance) {
+    pub fn go_on<S: Simd>(&mut self, simd: S, W: &Compliance) -> bool {
         let n = self.scale.len();
         for _ in 0..ALTERNATIONS {
             self.alternate();
@@ -147,14 +150,18 @@ impl Convex {
             W.add_answer(simd, m, &lambda, &mut self.d);
         }
         self.take_slips(0.5);
+        self.d.iter().all(|d| d.is_finite())
     }
 
     /// The impulse of a member.
     pub fn impulse(&self, m: usize) -> Vec3 {
-        Vec3::from_column_slice(&self.z[3 * m..3 * m + 3]) / self.scale[m]
+        match self.scale[m] > 0.0 {
+            true => Vec3::from_column_slice(&self.z[3 * m..3 * m + 3]) / self.scale[m],
+            false => Vec3::zeros(),
+        }
     }
 
-    /// All velocities without impulses, less the targets.
+    /// Velocities without the members' impulses, less their targets \[m/s\].
     pub fn without(&self) -> &[f64] {
         &self.b
     }
@@ -162,7 +169,7 @@ impl Convex {
     fn alternate(&mut self) {
         let Self { gram, scale, friction, slip, b, x, z, u, .. } = self;
         let n = scale.len();
-        for m in 0..n {
+        for m in (0..n).filter(|&m| scale[m] > 0.0) {
             for a in 0..3 {
                 let (i, slips) = (3 * m + a, if a == 0 { slip[m] } else { 0.0 });
                 x[i] = PENALTY * (z[i] - u[i]) - (b[i] + slips) / scale[m];
@@ -170,7 +177,7 @@ impl Convex {
         }
         small_cholesky::forward(gram, 3 * n, x);
         small_cholesky::backward(gram, 3 * n, x);
-        for m in 0..n {
+        for m in (0..n).filter(|&m| scale[m] > 0.0) {
             let at = 3 * m..3 * m + 3;
             let old = Vec3::from_column_slice(&z[at.clone()]);
             let relaxed = RELAXATION * Vec3::from_column_slice(&x[at.clone()])
@@ -194,11 +201,12 @@ impl Convex {
 /// The point of the cone `|t| ≤ μ n` that is nearest.
 fn in_cone(friction: f64, p: &Vec3) -> Vec3 {
     let t = p.y.hypot(p.z);
-    if t <= friction * p.x {
-        return *p;
-    }
+    // First, as a limit has neither friction nor tangents.
     if friction * t <= -p.x {
         return Vec3::zeros();
+    }
+    if t <= friction * p.x {
+        return *p;
     }
     let n = (p.x + friction * t) / (1.0 + friction * friction);
     let scale = if t > 0.0 { friction * n / t } else { 0.0 };
@@ -217,7 +225,7 @@ mod tests {
     /// A step of a hand that is jammed between a toy car, a wall and itself, as a soak at 60 Hz came to it: 39 contacts
     /// and seven limits of joints. Of each member whether it is a limit (1 or 0), its friction, its impulse \[N s\] and the
     /// velocity there less the target \[m/s\], as doubles; then the lower triangle of W \[1/kg\], row by row, as floats.
-    /// All little-endian.
+    /// Numbers are little-endian.
     const STEP: &[u8] = include_bytes!("steps/jammed-hand.bin");
     const MEMBERS: usize = 46;
     const ROWS: usize = (3 * MEMBERS).next_multiple_of(LANES);
@@ -230,6 +238,11 @@ mod tests {
 
     impl Jam {
         fn new() -> Self {
+            Self::without(0)
+        }
+
+        /// So many first rows and columns of W are zero.
+        fn without(rows: usize) -> Self {
             let (members, W_lower) = STEP.split_at(MEMBERS * 64);
             let mut contacts = ContactRows::with_capacity(0, MEMBERS);
             let mut d = vec![0.0; ROWS];
@@ -243,7 +256,7 @@ mod tests {
                 (0..3).for_each(|a| d[3 * m + a] = of(5 + a));
             }
             let numbers = W_lower.as_chunks::<4>().0;
-            let entry = |i: usize, j: usize| match i.max(j) < 3 * MEMBERS {
+            let entry = |i: usize, j: usize| match i.max(j) < 3 * MEMBERS && i.min(j) >= rows {
                 true => f32::from_le_bytes(numbers[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)]),
                 false => 0.0,
             };
@@ -274,8 +287,12 @@ mod tests {
     #[test]
     fn the_nearest_of_a_cone_obeys_its_optimality() {
         let mut random = Random::new(51);
-        for _ in 0..1000 {
-            let (friction, p) = (random.range(0.0, 2.0), random.vec3(1.0));
+        for case in 0..1000 {
+            let (mut friction, mut p) = (random.range(0.0, 2.0), random.vec3(1.0));
+            if case % 4 == 1 {
+                // A limit.
+                (friction, p.y, p.z) = (0.0, 0.0, 0.0);
+            }
             let q = in_cone(friction, &p);
             assert!(q.y.hypot(q.z) <= friction * q.x + 1e-12);
             // What is taken away is square to the point, and pulls no other of the cone nearer.
@@ -286,30 +303,51 @@ mod tests {
     }
 
     /// From impulses that are millimetres per second off the law, which all sweeps of the step had come to, convex problems lead to
-    /// some that obey it to the tolerance.
+    /// some that obey it to the tolerance; also where one of the limits opens, or a contact cannot move.
     #[test]
     fn a_jammed_step_is_solved() {
-        let mut jam = Jam::new();
         let members: [u32; MEMBERS] = std::array::from_fn(|m| m as u32);
-        let off = dispatch!(Level::new(), simd => {
-            let start = (jam.contacts.clone(), jam.d.clone());
-            let off = jam.sweep(simd);
-            (jam.contacts, jam.d) = start;
-            off
-        });
-        assert!(off > 1e-3, "{off} m/s at first");
-        let mut convex = Convex::new(MEMBERS);
-        let left = dispatch!(Level::new(), simd => {
-            assert!(convex.begin(simd, &members, &jam.contacts, &jam.W, &jam.d));
-            (0..100).for_each(|_| convex.go_on(simd, &jam.W));
-            jam.d.copy_from_slice(convex.without());
-            for m in 0..MEMBERS {
-                let lambda = convex.impulse(m);
-                jam.contacts.rows[m].lambda = lambda;
-                jam.W.add_answer(simd, m, &lambda, &mut jam.d);
+        let limits = (0..MEMBERS).filter(|&m| Jam::new().contacts.rows[m].turns);
+        let mut tried = 0;
+        for opens in std::iter::once(None).chain(limits.map(Some)) {
+            let mut jam = Jam::new();
+            if let Some(m) = opens {
+                jam.d[3 * m] += 5.0;
             }
-            jam.sweep(simd)
+            let mut convex = Convex::new(MEMBERS);
+            let (off, left) = dispatch!(Level::new(), simd => {
+                assert!(convex.begin(simd, &members, &jam.contacts, &jam.W, &jam.d));
+                let off = jam.sweep(simd);
+                (0..100).for_each(|_| assert!(convex.go_on(simd, &jam.W)));
+                jam.d.copy_from_slice(convex.without());
+                for m in 0..MEMBERS {
+                    let lambda = convex.impulse(m);
+                    assert!(lambda.x >= 0.0, "{m} pulls");
+                    jam.contacts.rows[m].lambda = lambda;
+                    jam.W.add_answer(simd, m, &lambda, &mut jam.d);
+                }
+                (off, jam.sweep(simd))
+            });
+            assert!(off > 1e-3, "{off} m/s at first, {opens:?}");
+            assert!(left < 1e-5, "{left} m/s are left, {opens:?}");
+            tried += 1;
+        }
+        assert_eq!(tried, 8);
+    }
+
+    /// A contact whose sides cannot move and yet close, as between two driven bodies, bears nothing, and spoils nothing.
+    #[test]
+    fn what_cannot_move_is_left_out() {
+        let members: [u32; MEMBERS] = std::array::from_fn(|m| m as u32);
+        let mut jam = Jam::without(3);
+        jam.contacts.rows[0].lambda = Vec3::zeros();
+        jam.d[..3].copy_from_slice(&[-1.0, 0.3, 0.0]);
+        let mut convex = Convex::new(MEMBERS);
+        dispatch!(Level::new(), simd => {
+            assert!(convex.begin(simd, &members, &jam.contacts, &jam.W, &jam.d));
+            (0..100).for_each(|_| assert!(convex.go_on(simd, &jam.W)));
         });
-        assert!(left < 1e-5, "{left} m/s are left");
+        assert_eq!(convex.impulse(0), Vec3::zeros());
+        assert!((1..MEMBERS).all(|m| convex.impulse(m).norm() < 1.0));
     }
 }

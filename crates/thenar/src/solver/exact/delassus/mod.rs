@@ -75,8 +75,9 @@ pub struct Delassus {
     /// Sweeps of the step, and those that Newton's method has cost as much as.
     swept: u32,
     spent: u32,
-    /// Attempts by Newton's method in this step.
-    attempts: u32,
+    /// Attempts of the step by Newton's method that failed, and all that went by convex problems.
+    failed: u32,
+    walked: u32,
 }
 
 impl Delassus {
@@ -113,7 +114,8 @@ impl Delassus {
             moved: 0.0,
             swept: 0,
             spent: 0,
-            attempts: 0,
+            failed: 0,
+            walked: 0,
         }
     }
 
@@ -121,8 +123,7 @@ impl Delassus {
     pub fn begin(&mut self, contacts: &mut ContactRows, direct: &Direct) {
         self.forget();
         self.first.copy_from_slice(&self.measured);
-        (self.moved, self.swept, self.spent, self.attempts) = (0.0, 0, 0, 0);
-        self.newton.begin();
+        (self.moved, self.swept, self.spent, self.failed, self.walked) = (0.0, 0, 0, 0, 0);
         self.members.begin(contacts, &self.measured);
         self.arrange(contacts, direct);
     }

@@ -18,7 +18,7 @@
 
 use super::Delassus;
 use super::anderson::FULL;
-use super::convex::Convex;
+use super::convex::{Convex, MEMBERS_MAX};
 use super::sweeps::{visit, within};
 use crate::math::{Mat3, Vec3};
 use crate::model::Cone;
@@ -46,14 +46,14 @@ const PARTS: [f64; 7] = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125, 0.015625];
 /// piece. Attempts take turns: half a step crosses most borders, where grasps slide; a small part is safer where
 /// a body is jammed. With either alone steps of both kinds ran out.
 const ACROSS: [f64; 2] = [0.5, 0.015625];
-/// Every third attempt goes by convex problems (`convex`), so often in a step at most: what they cost is not within
-/// the sweeps' share.
+/// Every third attempt walks by convex problems (`convex`), as does one for which the sweeps' share is used up; so often
+/// in a step at most.
 const KINDS: u32 = 3;
-const WALKS_MAX: u32 = 3;
-/// Steps from the impulses of a convex problem are tried after so many problems.
-const TRIED_AFTER: [u32; 7] = [4, 8, 12, 16, 24, 32, 48];
-/// Steps of each trial.
-const TRIAL_STEPS: u32 = 24;
+const WALKS_MAX: u32 = 2;
+/// Newton's method is tried after so many problems, for so many steps: a walk of n contacts costs as much as `1900 + 48 n`
+/// sweeps, no more than the sweeps and steps that ran out before.
+const TRIED_AFTER: [u32; 4] = [8, 16, 32, 64];
+const TRIAL_STEPS: u32 = 12;
 /// A part of a step must bring the law nearer by so much of itself (Armijo).
 const DESCENT: f64 = 0.2;
 /// Added to each contact's own response, in parts of it: ten times the round-off of W, which is of single
@@ -72,8 +72,6 @@ pub struct Newton {
     began: Vec<Vec3>,
     velocities: Vec<f64>,
     convex: Convex,
-    /// Attempts by convex problems in this step.
-    walks: u32,
 }
 
 /// Nothing in it outlives an attempt; a clone has as much room.
@@ -95,13 +93,7 @@ impl Newton {
             began: Vec::with_capacity(capacity),
             velocities: Vec::with_capacity((3 * capacity).next_multiple_of(LANES)),
             convex: Convex::new(capacity),
-            walks: 0,
         }
-    }
-
-    /// Another step begins.
-    pub fn begin(&mut self) {
-        self.walks = 0;
     }
 }
 
@@ -128,7 +120,6 @@ impl Delassus {
         cone: Cone,
         tolerance: f64,
         steps_max: u32,
-        attempt: u32,
     ) -> Option<f64> {
         let n = self.members.list().len();
         let used = (3 * n).next_multiple_of(LANES);
@@ -139,10 +130,10 @@ impl Delassus {
             let row = &contacts.rows[i as usize];
             self.newton.began.push(row.lambda);
         }
-        let left = if self.walks(attempt) {
+        let left = if steps_max == 0 || self.walks() {
             self.walk(simd, contacts, cone, tolerance)
         } else {
-            let across = ACROSS[(attempt % KINDS) as usize % ACROSS.len()];
+            let across = ACROSS[(self.failed % KINDS) as usize % ACROSS.len()];
             self.approach(simd, contacts, cone, tolerance, steps_max.min(STEPS_MAX), across)
         };
         if left.is_none() {
@@ -154,9 +145,14 @@ impl Delassus {
         left
     }
 
-    /// Whether an attempt goes by convex problems.
-    pub(super) fn walks(&self, attempt: u32) -> bool {
-        (attempt + 1).is_multiple_of(KINDS) && self.newton.walks < WALKS_MAX
+    /// Whether it is the turn of convex problems.
+    fn walks(&self) -> bool {
+        self.failed % KINDS == KINDS - 1 && self.may_walk()
+    }
+
+    /// Whether convex problems may still be tried in this step.
+    pub(super) fn may_walk(&self) -> bool {
+        self.walked < WALKS_MAX && self.members.list().len() <= MEMBERS_MAX
     }
 
     /// Steps from where convex problems lead.
@@ -168,7 +164,8 @@ impl Delassus {
         cone: Cone,
         tolerance: f64,
     ) -> Option<f64> {
-        self.newton.walks += 1;
+        self.walked += 1;
+        let spent = self.spent;
         let used = (3 * self.members.list().len()).next_multiple_of(LANES);
         let (members, d) = (self.members.list(), &self.d[..used]);
         if !self.newton.convex.begin(simd, members, contacts, &self.W, d) {
@@ -177,7 +174,9 @@ impl Delassus {
         let mut solved = 0;
         for tried_after in TRIED_AFTER {
             while solved < tried_after {
-                self.newton.convex.go_on(simd, &self.W);
+                if !self.newton.convex.go_on(simd, &self.W) {
+                    return None;
+                }
                 solved += 1;
             }
             let Self { members, W, d, newton, .. } = &mut *self;
@@ -188,6 +187,8 @@ impl Delassus {
                 W.add_answer(simd, m, &lambda, &mut d[..used]);
             }
             let left = self.approach(simd, contacts, cone, tolerance, TRIAL_STEPS, ACROSS[0]);
+            // Walks have a share of their own.
+            self.spent = spent;
             if left.is_some() {
                 return left;
             }

@@ -67,15 +67,14 @@ impl Delassus {
         let budget = (NEWTON_SHARE * (1 + RESUMED_MAX)).saturating_mul(sweeps_max);
         loop {
             let steps_max = budget.saturating_sub(self.spent) / worth;
-            let kind = self.attempts;
-            if self.swept >= wait && (steps_max > 0 || self.walks(kind)) {
-                self.attempts += 1;
-                let improved = self.improve(simd, contacts, cone, tolerance, steps_max, kind);
+            if self.swept >= wait && (steps_max > 0 || self.may_walk()) {
+                let improved = self.improve(simd, contacts, cone, tolerance, steps_max);
                 if let Some(left) = improved {
                     convergence.residual = left;
                     break;
                 }
                 // From here on limits give way within each visit.
+                self.failed += 1;
                 (wait, attempts) = (self.swept.saturating_mul(2), attempts + 1);
                 self.decay.interrupt();
                 self.anderson.restart();
@@ -132,7 +131,7 @@ impl Delassus {
             let last = convergence.iterations + LAST > sweeps_max;
             convergence.residual = own_change.max(decay.error_after(change));
             // Where Newton's method is worth it, estimates are not believed, unless it failed often.
-            let believed = *swept < worth || attempts == ATTEMPTS || worth > budget;
+            let believed = *swept < worth || attempts >= ATTEMPTS || worth > budget;
             // After a mixing one plain sweep says nothing of what shrinks slowest.
             if convergence.residual <= tolerance && (last || !mixed || change == 0.0) {
                 if believed || change == 0.0 {
