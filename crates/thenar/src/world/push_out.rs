@@ -12,7 +12,7 @@ use crate::world::state::{Scratch, State};
 /// and would so rise by `2 s²/g`: overlaps are undone at the speed that makes this part of
 /// the contact margin, whatever the stiffness.
 const LIFT: f64 = 0.1;
-/// A fold of one body mostly lifts but itself: by as much as the margin, within which surfaces meet anyway.
+/// A fold of one body lifts little but itself: by as much as the margin, within which surfaces meet anyway.
 const FOLD_LIFT: f64 = 1.0;
 /// Standard gravity \[m/s²\], also where there is none.
 const GRAVITY: f64 = 9.80665;

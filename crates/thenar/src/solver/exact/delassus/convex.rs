@@ -28,8 +28,8 @@ use fearless_simd::Simd;
 
 /// Members at most: with more, the factor costs as much as sweeps are allowed to.
 pub const MEMBERS_MAX: usize = 128;
-/// Of the alternating directions: a third of a contact's own response, and Boyd's usual over-relaxation. Steps
-/// that jammed hands gave converge as well with a third and three times as much.
+/// Penalty of the alternating directions, in a contact's own response, and Boyd's usual over-relaxation. Nine steps
+/// of jammed hands converge with a penalty of 0.1 as well; with 1 two of them do not within 48 problems.
 const PENALTY: f64 = 0.3;
 const RELAXATION: f64 = 1.6;
 /// Alternations for each problem: it need not be solved, as the next one is another.
