@@ -70,6 +70,7 @@ impl FleshModel {
             self.add_elements(simd, x, faded, h, A, b, &mut sums);
             self.patches.assemble(simd, x, &self.memory, faded, h, A, b, &mut sums);
         });
+        self.resist_crushing(x, h, A, b, &mut sums);
         sums
     }
 
@@ -89,6 +90,7 @@ impl FleshModel {
             }
             self.patches.tally(simd, x, &self.memory, faded, &mut sums);
         });
+        sums.energy += self.crush_energy(x);
         sums
     }
 
@@ -227,6 +229,7 @@ fn singles(count: usize, patched: &[Range<usize>]) -> Vec<Range<usize>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::flesh::crush;
     use crate::math::Mat3;
     use crate::model::{Law, Material};
     use crate::testing::Random;
@@ -286,18 +289,21 @@ mod tests {
         (0..8).for_each(|n| want[9 * n].fill_diagonal(1e-3 * (1.0 + 2.0 * h)));
         let (mut energy, mut inverted) = (0.0, 0);
         for (t, tet) in model.tets.iter().enumerate() {
+            let law = respond(&model.rest[t], &tet.map(|n| x[n as usize]));
+            inverted += u32::from(law.inverted);
+            let crushed = crush::response(&model.rest[t], tet, &x);
             let tet = tet.map(|n| n as usize);
-            let response = respond(&model.rest[t], &tet.map(|n| x[n]));
             let scale = h * h + h * model.stiffness_damping[t];
-            (0..4).for_each(|a| forces[tet[a]] += response.forces[a] * h);
-            for (block, (a, c)) in response.stiffness.iter().zip(PAIRS) {
-                want[8 * tet[a] + tet[c]] += block * scale;
-                if a != c {
-                    want[8 * tet[c] + tet[a]] += block.transpose() * scale;
+            for response in std::iter::once(law).chain(crushed) {
+                (0..4).for_each(|a| forces[tet[a]] += response.forces[a] * h);
+                for (block, (a, c)) in response.stiffness.iter().zip(PAIRS) {
+                    want[8 * tet[a] + tet[c]] += block * scale;
+                    if a != c {
+                        want[8 * tet[c] + tet[a]] += block.transpose() * scale;
+                    }
                 }
+                energy += response.energy;
             }
-            energy += response.energy;
-            inverted += u32::from(response.inverted);
         }
         let size = want.iter().map(|m| m.norm()).fold(0.0, f64::max);
         for i in 0..8 {

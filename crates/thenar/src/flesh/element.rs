@@ -44,6 +44,11 @@ impl RestTet {
         })
     }
 
+    /// Young's modulus at small strain \[Pa\].
+    pub fn young(&self) -> f64 {
+        self.mu * (3.0 * self.lambda + 2.0 * self.mu) / (self.lambda + self.mu)
+    }
+
     /// Deformation gradient `F = Σ x_a ⊗ g_a`.
     #[inline]
     pub fn deformation_gradient(&self, x: &[Vec3; 4]) -> Mat3 {
@@ -208,8 +213,13 @@ pub struct Principal {
 impl Principal {
     /// At a deformation gradient.
     pub fn new(rest: &RestTet, F: &Mat3) -> Self {
+        Self::of(F, |s| density(rest.law, rest.lambda, rest.mu, s))
+    }
+
+    /// At a deformation gradient, of a law that is a function of the signed stretches.
+    pub fn of(F: &Mat3, law: impl Fn([f64; 3]) -> Density) -> Self {
         let (U, s, V) = signed_svd(F);
-        Self { U, s, V, at: density(rest.law, rest.lambda, rest.mu, s) }
+        Self { U, s, V, at: law(s) }
     }
 
     /// `Rᵀ P` \[Pa\].

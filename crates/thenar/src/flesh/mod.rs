@@ -1,6 +1,7 @@
 //! Finite elements for flesh (Sec. 3.2): linear tetrahedra with a choice of constitutive law.
 
 mod assemble;
+mod crush;
 mod eight;
 mod eight_principal;
 mod element;

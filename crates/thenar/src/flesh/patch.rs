@@ -77,7 +77,7 @@ pub type Members<'a> = [([u32; 4], &'a RestTet)];
 impl Patches {
     /// Adds a patch of tetrahedra that have one law and one relaxation; `tet` is the first of them.
     pub fn push(&mut self, tet: usize, members: &Members, relaxation: &Relaxation, damping: f64) {
-        let spread_modulus = |rest: &RestTet| SPREAD * (1.0 - relaxation.weight()) * young(rest);
+        let spread_modulus = |rest: &RestTet| SPREAD * (1.0 - relaxation.weight()) * rest.young();
         let first = self.nodes.len();
         for node in members.iter().flat_map(|(tet, _)| tet) {
             if !self.nodes[first..].contains(node) {
@@ -387,12 +387,6 @@ fn mean_stiffness(of_pairs: &[Mat3; 10]) -> [[Mat3; 3]; 3] {
         }
     }
     K
-}
-
-/// Young's modulus at small strain \[Pa\].
-fn young(rest: &RestTet) -> f64 {
-    let (lambda, mu) = (rest.lambda, rest.mu);
-    mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu)
 }
 
 #[cfg(test)]
