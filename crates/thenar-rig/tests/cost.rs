@@ -65,7 +65,7 @@ fn hand(skin: &TriMesh) -> (Result<(), String>, f64) {
         skin: Some(&vec![wrist; skin.positions.len()]),
     };
     let bytes = glb(&[surface], Some(&skeleton)).unwrap();
-    let (made, work) = cost(|| build_hand(&bytes, &HandOptions::default()).map(|_| ()));
+    let (made, work) = cost(|| build_hand(&bytes, &HandOptions::paper()).map(|_| ()));
     (made.map_err(|e| e.to_string()), work)
 }
 

@@ -54,7 +54,7 @@ fn a_hand_in_json_adds_up() {
     assert!(inside < volume && inside > 0.5 * volume, "{inside} of {volume}");
     let bones = document["bones"].as_array().expect("bones");
     let bone_mass: f64 = bones.iter().filter_map(|b| b["mass"].as_f64()).sum();
-    let whole = HandOptions::default().material.density * inside;
+    let whole = HandOptions::paper().material.density * inside;
     assert!((mass + bone_mass - whole).abs() < 0.02 * whole, "{mass} + {bone_mass}, {whole}");
 
     // Weights sum to one over bones that exist; surface points lie in tetrahedra that exist.

@@ -10,7 +10,7 @@ use thenar_rig::hand::{HandOptions, Size, asset, build_hand, build_hand_with_rep
 
 fn build(side: Side, detail: f64, length: f64) -> (HandModel, HandReport) {
     let detail = Some(detail);
-    let options = HandOptions { detail, size: Size::Length(length), ..HandOptions::default() };
+    let options = HandOptions { detail, size: Size::Length(length), ..HandOptions::paper() };
     build_hand_with_report(asset(side), &options).unwrap()
 }
 
@@ -148,7 +148,7 @@ fn the_least_and_the_largest_detail_can_be_built() {
 #[test]
 fn a_detail_out_of_range_is_refused_by_name() {
     for detail in [0.0, 0.2, 1.6, -1.0, f64::NAN] {
-        let options = HandOptions { detail: Some(detail), ..HandOptions::default() };
+        let options = HandOptions { detail: Some(detail), ..HandOptions::paper() };
         let error = build_hand(asset(Side::Right), &options).unwrap_err().to_string();
         assert!(error.contains("detail") && error.contains("0.25"), "{error}");
     }

@@ -22,7 +22,7 @@ fn all() -> &'static [(HandModel, HandReport)] {
         let cases = sides.iter().flat_map(|&side| COUNTS.map(|tets| (side, tets)));
         cases
             .map(|(side, tets)| {
-                let options = HandOptions { side: Some(side), tets, ..HandOptions::default() };
+                let options = HandOptions { side: Some(side), tets, ..HandOptions::paper() };
                 build_hand_with_report(asset(side), &options).unwrap()
             })
             .collect()
@@ -307,7 +307,7 @@ fn no_element_ties_two_fingertips_together() {
 #[test]
 fn a_uniform_scale_scales_everything() {
     let length = 0.17;
-    let options = HandOptions { size: Size::Length(length), ..HandOptions::default() };
+    let options = HandOptions { size: Size::Length(length), ..HandOptions::paper() };
     let (small, report) = build_hand_with_report(asset(Side::Right), &options).unwrap();
     let (full, full_report) = &all()[0];
     let s = length / full.length;
@@ -370,10 +370,10 @@ fn altered(from: &str, to: &str) -> Vec<u8> {
 #[test]
 fn other_names_are_mapped() {
     let bytes = altered("\"name\":\"wrist\"", "\"name\":\"carpi\"");
-    let error = build_hand(&bytes, &HandOptions::default()).unwrap_err().to_string();
+    let error = build_hand(&bytes, &HandOptions::paper()).unwrap_err().to_string();
     assert!(error.contains("`wrist`"), "{error}");
     let name_map = [("wrist".to_string(), "carpi".to_string())].into();
-    let options = HandOptions { name_map, ..HandOptions::default() };
+    let options = HandOptions { name_map, ..HandOptions::paper() };
     let hand = build_hand(&bytes, &options).unwrap();
     assert_eq!(hand.flesh.nodes, right().flesh.nodes);
     // The tracked joints keep their WebXR names: that is what trackers send.
@@ -382,7 +382,7 @@ fn other_names_are_mapped() {
 
 #[test]
 fn a_damaged_rig_gives_an_error_or_a_sound_hand() {
-    let options = HandOptions { tets: 60, render_triangles: 200, ..HandOptions::default() };
+    let options = HandOptions { tets: 60, render_triangles: 200, ..HandOptions::paper() };
     let mut next = noise(11);
     let mut built = 0;
     for _ in 0..60 {

@@ -8,7 +8,7 @@ use thenar_rig::HandReport;
 use thenar_rig::hand::{HandOptions, Size, asset, build_hand_with_report};
 
 fn hand(side: Side, tets: usize, length: f64) -> (HandModel, HandReport) {
-    let options = HandOptions { tets, size: Size::Length(length), ..HandOptions::default() };
+    let options = HandOptions { tets, size: Size::Length(length), ..HandOptions::paper() };
     build_hand_with_report(asset(side), &options).unwrap()
 }
 

@@ -25,6 +25,7 @@ gravity = [0, 0, 0]
 time_step = 0.005
 duration = 1.0
 [[hand]]
+preset = "paper"
 name = "hand"
 tets = 2000
 length = {}
@@ -111,7 +112,7 @@ fn bone_yields_a_twentieth_of_what_the_pad_sinks_in_hands_of_all_sizes_and_modul
 fn shaken(kind: &str, h: f64) -> Session {
     let text = format!(
         "version = 1\ngravity = [0, 0, 0]\ntime_step = {h}\nduration = 2\n[solver]\nkind = \"{kind}\"\n\
-         [[hand]]\nname = \"hand\"\ncoupling = \"bone\"\nself_contact = false\n"
+         [[hand]]\npreset = \"paper\"\nname = \"hand\"\ncoupling = \"bone\"\nself_contact = false\n"
     );
     let mut session = open(&text, &[]);
     let mut nodes = session.world().nodes(0).to_vec();
@@ -155,6 +156,7 @@ fn free_flesh_starts_where_its_bones_do() {
     let text = r#"version = 1
 duration = 0.01
 [[hand]]
+preset = "paper"
 name = "hand"
 coupling = "bone"
 [hand.motion]
@@ -179,14 +181,14 @@ wrist = { position = [0, 0.2, 0], fingers = [0, 0, -1], back = [0, 1, 0] }
 fn a_model_without_nodes_in_bone_is_refused_by_name() {
     let folder = std::env::temp_dir().join(format!("thenar-bone-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
-    let options = thenar_rig::HandOptions { tets: 60, ..thenar_rig::HandOptions::default() };
+    let options = thenar_rig::HandOptions { tets: 60, ..thenar_rig::HandOptions::paper() };
     let bytes = thenar_rig::hand::asset(thenar::model::Side::Right);
     let mut hand = thenar_rig::build_hand(bytes, &options).unwrap();
     hand.bone_nodes.clear();
     let file = folder.join("old.thenar");
     thenar_rig::write_model(&file, &thenar_rig::Model::Hand(hand)).unwrap();
     let text = format!(
-        "version = 1\n[[hand]]\nname = \"hand\"\nmodel = {:?}\ncoupling = \"bone\"\n",
+        "version = 1\n[[hand]]\npreset = \"paper\"\nname = \"hand\"\nmodel = {:?}\ncoupling = \"bone\"\n",
         file.display().to_string()
     );
     let error = Session::from_text(&text, Path::new("test.toml"), &[]).unwrap_err().to_string();

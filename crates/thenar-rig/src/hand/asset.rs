@@ -27,6 +27,6 @@ pub fn default_hand(side: Side, tets: usize) -> Result<HandModel, RigError> {
     };
     build_hand(
         asset(side),
-        &HandOptions { name: name.into(), side: Some(side), tets, ..HandOptions::default() },
+        &HandOptions { name: name.into(), side: Some(side), tets, ..HandOptions::paper() },
     )
 }

@@ -48,7 +48,7 @@ pub fn build_hand_with_report(
     let surface = Bvh::new(&skin);
     let bones = bones::bones(&digits, &surface, length);
     let joints = joints::joints(&digits, &bones, side, length);
-    let covered = solids::solids(&bones, &digits, &surface)?;
+    let covered = solids::solids(&bones, &digits, &surface, length)?;
 
     // The smooth surface through the skin's vertices is the body; all else is made from it.
     let grading = options.detail.map(|detail| grading::grading(length, detail)).transpose()?;
@@ -93,6 +93,7 @@ pub fn build_hand_with_report(
     };
     phase("binding the skin to the flesh")?;
     let solids: Vec<BoneSolid> = covered.iter().map(|covered| covered.solid.clone()).collect();
+    let bone_nodes = in_bone::bone_nodes(&lattice, &bones, &joints, &solids);
     let mut hand = HandModel {
         name: options.name.clone(),
         side: Some(side),
@@ -103,7 +104,7 @@ pub fn build_hand_with_report(
         render: lattice.embed(&decimate(&smooth, options.render_triangles)?)?,
         collision_digits,
         length,
-        bone_nodes: in_bone::bone_nodes(&lattice, &bones, &solids),
+        bone_nodes,
         bones,
         solids,
         coupling: options.coupling,

@@ -3,21 +3,30 @@
 //! Every inside point of the lattice that lies in a bone's solid gives its volume to the four nodes of its
 //! tetrahedron by barycentric weights. A node follows the bone whose volume it has, or two adjacent bones
 //! by their shares. There is no threshold: what has no bone is free. The volumes of each bone are scaled
-//! to that of its solid, so that meshes of all sizes hold a bone about equally; a node that has a share of more
-//! than two bones loses the others, which the report tells (`bound` beside `volume`).
+//! to that of its solid, so that meshes of all sizes hold a bone about equally; less what is left free below, and a node that has a share of
+//! more than two bones loses the others, which the report tells (`bound` beside `volume`).
+//!
+//! A node that follows one bone alone is left free where the utmost bend of a joint at either end carries it to the
+//! other side of the plane that halves the bend. Nodes reach as far past a solid as the mesh is coarse, and in the bend of a fist
+//! those of two bones would pass each other there, with the flesh between them inside out.
 
 use crate::lattice::{Lattice, tet};
 use crate::weights::pair;
 use std::collections::BTreeMap;
-use thenar::model::{Bone, BoneNode, BoneSolid};
+use thenar::model::{Binding, Bone, BoneNode, BoneSolid, JointDesc, JointKind};
 use thenar::shape::Shape;
-use thenar::{Pose, Vec3};
+use thenar::{Pose, Quat, Vec3};
 
 /// Volume of each bone that a node stands for \[m³\].
 type Shares = BTreeMap<u32, f64>;
 
 /// The nodes that stand for bone, ascending.
-pub(super) fn bone_nodes(lattice: &Lattice, bones: &[Bone], solids: &[BoneSolid]) -> Vec<BoneNode> {
+pub(super) fn bone_nodes(
+    lattice: &Lattice,
+    bones: &[Bone],
+    joints: &[JointDesc],
+    solids: &[BoneSolid],
+) -> Vec<BoneNode> {
     let mut shares: Vec<Shares> = vec![Shares::new(); lattice.nodes.len()];
     for (b, points) in points_in_solids(lattice, bones, solids).iter().enumerate() {
         let each = volume(&solids[b].shape) / points.len().max(1) as f64;
@@ -28,8 +37,72 @@ pub(super) fn bone_nodes(lattice: &Lattice, bones: &[Bone], solids: &[BoneSolid]
             }
         }
     }
+    let bends: Vec<Bend> = joints.iter().filter_map(Bend::utmost).collect();
     let nodes = shares.iter().enumerate();
-    nodes.filter_map(|(n, shares)| bone_node(n as u32, shares, bones)).collect()
+    let held: Vec<BoneNode> =
+        nodes.filter_map(|(n, shares)| bone_node(n as u32, shares, bones)).collect();
+    let stays = |held: &BoneNode| {
+        let x = &lattice.nodes[held.node as usize];
+        !bends.iter().any(|bend| bend.carries_across(&held.binding, x, bones))
+    };
+    // A bone of a mesh so coarse that all of its nodes would go keeps them.
+    let mut kept = vec![false; bones.len()];
+    for held in held.iter().filter(|held| stays(held)) {
+        held.binding.bones.iter().for_each(|&bone| kept[bone as usize] = true);
+    }
+    held.into_iter().filter(|held| stays(held) || !kept[held.binding.bones[0] as usize]).collect()
+}
+
+/// A joint bent to the end of its range.
+struct Bend<'a> {
+    joint: &'a JointDesc,
+    /// Frame K of the child in J, fully bent.
+    pose_JK: Pose,
+    /// Along the straight digit, away from the parent.
+    along_J: Vec3,
+    /// Normal of the plane that halves the bend, away from the parent.
+    halving_J: Vec3,
+}
+
+impl<'a> Bend<'a> {
+    /// None of a joint that has no range.
+    fn utmost(joint: &'a JointDesc) -> Option<Self> {
+        let flexion = match joint.kind {
+            JointKind::Hinge => &joint.axes[0],
+            JointKind::Universal => &joint.axes[1],
+            _ => return None,
+        };
+        let turn = Quat::from_axis_angle(&Vec3::x_axis(), flexion.limit?.max);
+        // The child lies along z of K, or against it.
+        let along_J = Vec3::z() * joint.pose_CK.inverse_point(&Vec3::zeros()).z.signum();
+        let halving_J = (along_J + turn * along_J).try_normalize(f64::EPSILON)?;
+        Some(Self { joint, pose_JK: Pose::new(Vec3::zeros(), turn), along_J, halving_J })
+    }
+
+    /// Whether a place \[m\] of the rest pose that follows one of the joint's two bones alone is on that bone's side when
+    /// the joint is straight and on the other's when it is bent. Only what lies within half the child's length of
+    /// the joint meets it there.
+    fn carries_across(&self, binding: &Binding, x_M: &Vec3, bones: &[Bone]) -> bool {
+        let [bone, other] = binding.bones;
+        if bone != other {
+            return false;
+        }
+        let x_B = bones[bone as usize].pose_MB.inverse_point(x_M);
+        let [a, b] = bones[self.joint.child as usize].ends_B;
+        let swept = 0.5 * (b - a).norm();
+        let along =
+            |x_J: &Vec3, normal: &Vec3| if x_J.norm() < swept { normal.dot(x_J) } else { 0.0 };
+        if Some(bone) == self.joint.parent {
+            let x_J = self.joint.pose_PJ.inverse_point(&x_B);
+            along(&x_J, &self.along_J) < 0.0 && along(&x_J, &self.halving_J) > 0.0
+        } else if bone == self.joint.child {
+            let x_K = self.joint.pose_CK.inverse_point(&x_B);
+            let x_J = self.pose_JK.point(&x_K);
+            along(&x_K, &self.along_J) > 0.0 && along(&x_J, &self.halving_J) < 0.0
+        } else {
+            false
+        }
+    }
 }
 
 /// Inside points in the solid of each bone; where it lies between all of them, the one nearest to its middle.

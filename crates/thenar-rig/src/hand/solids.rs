@@ -3,7 +3,9 @@
 //! The solid of a moving bone is the capsule whose mass and inertia it has; that of the palm is a box
 //! around its metacarpals. Neither is thicker than the flesh over it anywhere: a capsule's radius is at
 //! most half the least distance from its axis to the skin, and the box is made smaller until the skin
-//! is nowhere nearer than half its thickness.
+//! is nowhere nearer than half its thickness. The last bone of a digit lies under its nail, with the pad on
+//! its other side: where a rig has it in the middle of the fingertip, its capsule is moved towards the back;
+//! its mass stays where the rig has it.
 
 use super::digits::DigitRig;
 use crate::RigError;
@@ -19,6 +21,10 @@ const SAMPLES: usize = 16;
 /// The box shrinks by this in each attempt.
 const SHRINK: f64 = 0.97;
 
+/// Nail and nail bed over the last bone of a digit, of the length of a hand: 2.5 mm of 190. A nail plate is 0.4 to
+/// 0.6 mm thick and its bed 1 to 2 mm (ultrasound; Wortsman and Jemec 2006).
+const NAIL_SIDE: f64 = 2.5 / 190.0;
+
 /// A solid and the flesh over it.
 pub(super) struct Covered {
     pub solid: BoneSolid,
@@ -31,7 +37,7 @@ pub(super) struct Covered {
     pub sides: [f64; 2],
 }
 
-/// The solids of all bones, in their order: the palm, then three per digit.
+/// The solids of all bones, in their order: the palm, then three per digit. `length` is that of the hand \[m\].
 ///
 /// # Errors
 /// The surface is such a thicket that to measure in it would take too long.
@@ -39,12 +45,17 @@ pub(super) fn solids(
     bones: &[Bone],
     digits: &[DigitRig],
     surface: &Bvh,
+    length: f64,
 ) -> Result<Vec<Covered>, RigError> {
     let mut skin = Skin::new(bones, surface)?;
     let (palms, moving) = bones.split_at(1.min(bones.len()));
     let palms = palms.iter().map(|bone| palm(bone, digits, &mut skin));
     let palms = palms.collect::<Result<Vec<_>, _>>()?;
-    let moving = moving.iter().map(|bone| capsule(bone, &mut skin));
+    let is_last = |b: usize| bones.iter().all(|bone| bone.parent != Some(b as u32));
+    let moving = moving.iter().enumerate().map(|(k, bone)| {
+        let nail = is_last(k + 1).then_some(NAIL_SIDE * length);
+        capsule(bone, nail, &mut skin)
+    });
     palms.into_iter().map(Ok).chain(moving).collect()
 }
 
@@ -111,6 +122,9 @@ impl<'a> Skin<'a> {
     }
 }
 
+/// Halvings of the way that a bone is moved, at most some millimetres: to a micrometre.
+const HALVINGS: usize = 12;
+
 /// A step along a ray that is this part of the way to the skin ends it.
 const RAY_TOLERANCE: f64 = 1e-3;
 /// Steps along a ray at most; each goes as far as the skin is away, so that a dozen are usual.
@@ -134,8 +148,8 @@ fn sides(
     Ok(sums.map(|sum| sum / places.len() as f64 - half_thickness))
 }
 
-/// The capsule between a bone's ends.
-fn capsule(bone: &Bone, skin: &mut Skin) -> Result<Covered, RigError> {
+/// The capsule between a bone's ends; of a last bone under `nail` \[m\] of flesh on the back, if there is more.
+fn capsule(bone: &Bone, nail: Option<f64>, skin: &mut Skin) -> Result<Covered, RigError> {
     let [a, b] = bone.ends_B;
     let length = (b - a).norm();
     // The caps lie within the joints, as those of its mass do.
@@ -143,19 +157,48 @@ fn capsule(bone: &Bone, skin: &mut Skin) -> Result<Covered, RigError> {
     let half_length = 0.5 * length - inset;
     let share = |k: usize| (inset + 2.0 * half_length * fraction(k)) / length;
     let axis: Vec<Vec3> = (0..SAMPLES).map(|k| bone.pose_MB.point(&a.lerp(&b, share(k)))).collect();
-    let mut least = f64::INFINITY;
-    for place in &axis {
-        least = least.min(skin.depth(place)?);
-    }
-    let radius = bone.radius.min(0.5 * least);
+    let radius = bone.radius.min(0.5 * least_depth(&axis, skin)?);
+    let raised = match nail {
+        Some(nail) => rise(bone, &axis, radius + nail.max(radius), skin)?,
+        None => 0.0,
+    };
+    let raised_M = bone.pose_MB.vector(&Vec3::y()) * raised;
+    let axis: Vec<Vec3> = axis.iter().map(|place| place + raised_M).collect();
     let turn = Quat::rotation_between(&Vec3::y(), &(b - a)).unwrap_or_else(Quat::identity);
-    let pose_BS = Pose::new((a + b) / 2.0, turn);
+    let pose_BS = Pose::new((a + b) / 2.0 + Vec3::y() * raised, turn);
     Ok(Covered {
         solid: BoneSolid { shape: Shape::Capsule { radius, half_length }, pose_BS },
         thickness: 2.0 * radius,
-        flesh: least - radius,
+        flesh: least_depth(&axis, skin)? - radius,
         sides: sides(bone, &axis, radius, skin)?,
     })
+}
+
+/// Least depth of some places \[m\].
+fn least_depth(places: &[Vec3], skin: &mut Skin) -> Result<f64, RigError> {
+    places.iter().try_fold(f64::INFINITY, |least, place| Ok(least.min(skin.depth(place)?)))
+}
+
+/// How far the axis of a bone can be moved out of the back of the hand \[m\] so that none of it is nearer than
+/// `left` to the skin, in any direction.
+fn rise(bone: &Bone, axis: &[Vec3], left: f64, skin: &mut Skin) -> Result<f64, RigError> {
+    let back = bone.pose_MB.vector(&Vec3::y());
+    let mut short = f64::INFINITY;
+    for place in axis {
+        short = short.min(skin.way(place, &back)? - left);
+    }
+    // Depth falls on the way to the skin of the back, but a fingertip is also narrower there.
+    let (mut low, mut high) = (0.0, short.max(0.0));
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        let moved: Vec<Vec3> = axis.iter().map(|place| place + back * middle).collect();
+        if least_depth(&moved, skin)? >= left {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Ok(low)
 }
 
 /// The box around the four metacarpals, in the plane that runs between them.

@@ -10,7 +10,7 @@ use thenar::model::{
 };
 
 fn small_hand() -> HandModel {
-    let options = HandOptions { tets: 60, render_triangles: 200, ..HandOptions::default() };
+    let options = HandOptions { tets: 60, render_triangles: 200, ..HandOptions::paper() };
     build_hand(asset(Side::Right), &options).unwrap()
 }
 

@@ -53,7 +53,7 @@ mod tests {
     use thenar_rig::hand::asset;
 
     fn options(tets: usize, name: &str) -> HandOptions {
-        HandOptions { tets, name: name.into(), render_triangles: 200, ..HandOptions::default() }
+        HandOptions { tets, name: name.into(), render_triangles: 200, ..HandOptions::paper() }
     }
 
     #[test]

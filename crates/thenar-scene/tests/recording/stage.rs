@@ -25,7 +25,7 @@ static HAND: LazyLock<HandModel> = LazyLock::new(|| {
         side: Some(Side::Right),
         tets: 60,
         collision_triangles: 300,
-        ..HandOptions::default()
+        ..HandOptions::paper()
     };
     build_hand(asset(Side::Right), &options).unwrap()
 });
@@ -62,6 +62,7 @@ velocity = [0.5, 0.0, 0.1]
 angular_velocity = [3.0, 1.0, 0.0]
 shape = { kind = "box", size = [0.1, 0.06, 0.08] }
 [[hand]]
+preset = "paper"
 name = "right"
 model = "hand.thenar"
 flesh = false
@@ -77,6 +78,7 @@ name = "table"
 motion = "fixed"
 shape = { kind = "plane" }
 [[hand]]
+preset = "paper"
 name = "right"
 model = "hand.thenar"
 position = [0.0, 0.1, 0.0]
@@ -97,6 +99,7 @@ name = "table"
 motion = "fixed"
 shape = { kind = "plane" }
 [[hand]]
+preset = "paper"
 name = "right"
 model = "hand.thenar"
 position = [0.0, 0.1, 0.0]
