@@ -65,7 +65,7 @@ pub fn hand(bytes: &[u8]) -> Result<bool, RigError> {
 
 /// The skinned mesh in a file as a hand.
 pub fn hand_model(bytes: &[u8]) -> Result<HandModel, RigError> {
-    let coarse = HandOptions { tets: 100, collision_triangles: 150, ..HandOptions::default() };
+    let coarse = HandOptions { tets: 100, collision_triangles: 150, ..HandOptions::paper() };
     build_hand(bytes, &HandOptions { render_triangles: 100, ..coarse })
 }
 

@@ -30,6 +30,7 @@ name = "table"
 motion = "fixed"
 shape = { kind = "plane" }
 [[hand]]
+preset = "paper"
 name = "right"
 model = "hand.thenar"
 flesh = false
@@ -143,7 +144,7 @@ fn glove(folder: &Path) -> Session {
         side: Some(Side::Right),
         tets: 60,
         collision_triangles: 300,
-        ..HandOptions::default()
+        ..HandOptions::paper()
     };
     let hand = build_hand(asset(Side::Right), &options).unwrap();
     write_model(&folder.join("hand.thenar"), &Model::Hand(hand)).unwrap();

@@ -15,6 +15,7 @@ fn load(hand: &str) -> Session {
         time_step = 0.005
         duration = 0.3
         [[hand]]
+        preset = \"paper\"
         name = \"hand\"
         position = [0.0, 0.025, 0.0]
         driven = false
@@ -105,7 +106,7 @@ fn bones_of_two_fingers_do_not_pass_each_other() {
             )
         };
         let text = format!(
-            "version = 1\ntime_step = {h}\nduration = 1.0\n[[hand]]\nname = \"hand\"\n\
+            "version = 1\ntime_step = {h}\nduration = 1.0\n[[hand]]\npreset = \"paper\"\nname = \"hand\"\n\
              bone_drive = {{ stiffness = 1e4, damping = 100, angular_stiffness = 10, angular_damping = 0.1 }}\n\
              [hand.motion]\nkind = \"keyframes\"\n{}{}",
             key(0.0, "pose = \"open\""),

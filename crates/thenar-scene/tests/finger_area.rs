@@ -21,6 +21,7 @@ name = "plate"
 shape = { kind = "box", size = [0.4, 0.02, 0.4] }
 motion = "fixed"
 [[hand]]
+preset = "paper"
 name = "hand"
 [hand.motion]
 kind = "keyframes"

@@ -19,6 +19,7 @@ const MOVES: f64 = 0.3;
 /// A hand whose bones are held where they are, palm down, fingers along -z.
 const HAND: &str = r#"
 [[hand]]
+preset = "paper"
 name = "below"
 self_contact = false
 bone_drive = { stiffness = 1e6, damping = 1e3, angular_stiffness = 1e3, angular_damping = 1 }

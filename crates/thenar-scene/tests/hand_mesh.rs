@@ -27,6 +27,13 @@ fn the_default_is_the_papers() {
 }
 
 #[test]
+fn one_word_gives_a_hand_for_touch() {
+    let touch = hand("preset = \"touch\"");
+    assert_eq!(touch.coupling, CouplingKind::Bone);
+    assert!((3000..4000).contains(&touch.model.flesh.tets.len()));
+}
+
+#[test]
 fn keys_of_their_own_come_before_the_preset() {
     let coarse = hand("preset = \"touch\"\ndetail = 0.25");
     assert_eq!(coarse.coupling, CouplingKind::Bone);
@@ -42,10 +49,24 @@ fn keys_of_their_own_come_before_the_preset() {
     assert_eq!(counted.coupling, CouplingKind::Uniform);
     assert!((250..350).contains(&counted.model.flesh.tets.len()));
 
-    let graded = hand("detail = 0.25\ncoupling_stiffness = 1e9");
+    let graded = hand("preset = \"paper\"\ndetail = 0.25\ncoupling_stiffness = 1e9");
     assert_eq!((graded.coupling, graded.coupling_stiffness), (CouplingKind::Uniform, 1e9));
     assert_eq!(graded.model.flesh.nodes, coarse.model.flesh.nodes);
     assert_ne!(graded.model.flesh.nodes, counted.model.flesh.nodes);
+}
+
+/// Patches go with flesh that hangs on bone, single tetrahedra with the paper's coupling, unless a scene says.
+#[test]
+fn elements_go_with_the_coupling() {
+    let patches = |keys: &str| {
+        let session =
+            open(&format!("{keys}\ndetail = 0.25")).unwrap_or_else(|e| panic!("{keys}: {e}"));
+        !session.world().desc().patches.is_empty()
+    };
+    assert!(patches("preset = \"touch\"") && patches("coupling = \"bone\""));
+    assert!(!patches("") && !patches("preset = \"touch\"\ncoupling = \"uniform\""));
+    assert!(patches("coupling = \"uniform\"\nelements = \"patches\""));
+    assert!(!patches("preset = \"touch\"\nelements = \"tetrahedra\""));
 }
 
 #[test]

@@ -143,11 +143,13 @@ fn lengths_are_those_asked_for() {
 const FULL: &str = r#"
 version = 1
 [[hand]]
+preset = "paper"
 name = "a"
 model = "left"
 tets = 300
 position = [-0.3, 0, 0]
 [[hand]]
+preset = "paper"
 name = "b"
 model = "right"
 tets = 300

@@ -19,7 +19,8 @@ const OVER_A_TABLE: &str = include_str!("../../../scenes/validation/e09-press.to
 const PINCH: &str = include_str!("../../../scenes/pinch.toml");
 
 fn open(text: &str) -> Session {
-    Session::from_text(text, Path::new("test.toml"), &[]).unwrap()
+    let paper = ["hand.hand.preset=paper".to_owned()];
+    Session::from_text(text, Path::new("test.toml"), &paper).unwrap()
 }
 
 fn settings(mode: TouchMode, period: u64) -> TouchSettings {

@@ -121,7 +121,8 @@ fn a_live_hand_stays_live_through_a_restart() {
 
 #[test]
 fn hands_that_cannot_follow_say_why() {
-    let text = "version = 1\n[[hand]]\nname = \"loose\"\ntets = 300\ndriven = false\n";
+    let text =
+        "version = 1\n[[hand]]\npreset = \"paper\"\nname = \"loose\"\ntets = 300\ndriven = false\n";
     let mut session = Session::from_text(text, Path::new("t.toml"), &[]).expect("a scene");
     let pose = LivePose::Angles { wrist: Pose::identity(), angles: [0.0; ANGLES] };
     let error = session.live_pose(0, 0.0, &pose).unwrap_err();

@@ -14,7 +14,7 @@ fn session(text: &str) -> Session {
 /// A hand that opens and closes so many times a second.
 fn fist(rate: f64) -> String {
     let mut text = format!(
-        "version = 1\ntime_step = {FRAME}\nduration = 1.0\n[[hand]]\nname = \"hand\"\n\
+        "version = 1\ntime_step = {FRAME}\nduration = 1.0\n[[hand]]\npreset = \"paper\"\nname = \"hand\"\n\
          [hand.motion]\nkind = \"keyframes\"\n"
     );
     for k in 0..=(2.0 * rate) as u32 {
@@ -62,6 +62,7 @@ fn a_landing_brings_in_no_energy() {
         let mut session = session(&format!(
             "version = 1\ntime_step = {h}\nduration = 1.0\n[[rigid]]\nname = \"table\"\n\
              shape = {{ kind = \"plane\" }}\nmotion = \"fixed\"\nfriction = 0.5\n[[hand]]\n\
+             preset = \"paper\"\n\
              name = \"hand\"\ndriven = false\nposition = [0, {height}, 0]\n\
              rotation = {{ axis = [0.2, 0, 1], angle_deg = {tilt} }}\n"
         ));

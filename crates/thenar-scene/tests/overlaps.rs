@@ -102,6 +102,7 @@ fn a_finger_in_a_table_is_named() {
         format!(
             "
             [[hand]]
+            preset = \"paper\"
             name = \"{name}\"
             model = \"{model}\"
             length = {length}

@@ -323,6 +323,7 @@ fn hand_at_its_fingertip() -> String {
             duration = 0.4
             time_step = 0.005
             [[hand]]
+            preset = \"paper\"
             name = \"hand\"
             {place}"
         )
@@ -485,6 +486,7 @@ fn a_knuckle_holds_five_newton_metres() {
             [solver]
             kind = \"exact\"
             [[hand]]
+            preset = \"paper\"
             name = \"hand\"
             flesh = {flesh}
             bone_drive = {{ stiffness = 0 }}

@@ -40,6 +40,7 @@ name = "floor"
 motion = "fixed"
 shape = { kind = "plane" }
 [[hand]]
+preset = "paper"
 name = "right"
 flesh = false
 tets = 300

@@ -215,7 +215,7 @@ fn pressed(
     };
     let _ = write!(
         text,
-        "[[hand]]\nname = \"hand\"\n\
+        "[[hand]]\npreset = \"paper\"\nname = \"hand\"\n\
          bone_drive = {{ stiffness = 1e4, damping = 100, angular_stiffness = 10, angular_damping = 0.1 }}\n\
          palm_drive = {{ stiffness = 1e4, damping = 100, angular_stiffness = 100, angular_damping = 1 }}\n\
          [hand.motion]\nkind = \"keyframes\"\n{}{}",

@@ -26,6 +26,7 @@ shape = {{ {shape} }}
 motion = "fixed"
 position = [0, 0.15, 0]
 [[hand]]
+preset = "paper"
 name = "hand"
 friction = 0.8
 [hand.motion]

@@ -160,6 +160,7 @@ const HAND: &str = r#"
 version = 1
 time_step = 0.005
 [[hand]]
+preset = "paper"
 name = "hand"
 model = "right"
 tets = 300

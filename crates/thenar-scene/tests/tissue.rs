@@ -44,7 +44,9 @@ fn a_body_and_its_regions_have_their_own_memory() {
 #[test]
 fn a_hand_s_flesh_remembers_and_stays_what_it_is() {
     let hand = |material: &str| {
-        open(&format!("[[hand]]\nname = \"h\"\ntets = 100\nmaterial = {{ {material} }}"))
+        open(&format!(
+            "[[hand]]\npreset = \"paper\"\nname = \"h\"\ntets = 100\nmaterial = {{ {material} }}"
+        ))
     };
     let (plain, with) = (hand("young = 3e4"), hand("young = 3e4, relaxation = [[0.5, 0.2]]"));
     let [a, b] = [&plain, &with].map(|s| &s.world().desc().softs[0].flesh);

@@ -115,6 +115,7 @@ fn fingers_and_palm_bear_what_the_plate_does() {
     let hand = "gravity = [0, 0, 0]
         duration = 0.05
         [[hand]]
+        preset = \"paper\"
         name = \"hand\"";
     let lowest = |x: &[thenar::Vec3]| x.iter().map(|x| x.y).fold(f64::INFINITY, f64::min);
     let height = lowest(load(hand).world().collision_vertices(0)) + 0.0015;

@@ -26,6 +26,7 @@ const GLOVE: &str = r#"
 version = 1
 time_step = 0.01
 [[hand]]
+preset = "paper"
 name = "glove"
 flesh = false
 tets = 60

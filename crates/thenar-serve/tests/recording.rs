@@ -19,6 +19,7 @@ version = 1
 time_step = 0.01
 duration = 1000
 [[hand]]
+preset = "paper"
 name = "glove"
 flesh = false
 tets = 300

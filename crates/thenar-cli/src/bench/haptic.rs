@@ -23,7 +23,8 @@ const TOGETHER: u32 = 20;
 pub fn tick_us() -> Result<(f64, f64), String> {
     let told = |error: &dyn std::fmt::Display| error.to_string();
     let scene = std::path::Path::new("bread-grasp");
-    let mut session = crate::run::open(scene, &[]).map_err(|e| told(&e))?;
+    let mut session =
+        crate::run::open(scene, &["hand.hand.preset=paper".to_owned()]).map_err(|e| told(&e))?;
     let opened = thenar_link::open("null:right").map_err(|e| told(&e))?;
     let (mut poses, page) = page_tracker();
     let displays = opened.display.into_iter().collect();

@@ -34,8 +34,13 @@ impl Measured {
     /// Runs it with a solver, as scenes name it.
     fn new(args: &Args, solver: &str) -> Result<Self, String> {
         let scene = builtin("bread-grasp").ok_or("the scene `bread-grasp` is missing")?;
-        let mut overrides =
-            vec![format!("time_step={}", args.time_step), format!("solver.kind={solver}")];
+        let mut overrides = [
+            "hand.hand.preset=paper",
+            &format!("time_step={}", args.time_step),
+            &format!("solver.kind={solver}"),
+        ]
+        .map(str::to_owned)
+        .to_vec();
         overrides.extend(args.overrides.iter().cloned());
         let session = Session::from_text(scene.text, Path::new("bread-grasp.toml"), &overrides)
             .map_err(|e| e.to_string())?;

@@ -115,6 +115,7 @@ motion = "fixed"
 position = [0, -1, 0]
 
 [[hand]]
+preset = "paper"
 name = "hand"
 model = "right"
 tets = {tets}

@@ -49,6 +49,9 @@ pub struct Wanted {
     pub solver: &'static str,
 }
 
+/// Tables of speed go by numbers of tetrahedra of one size, held as in the paper.
+const PAPER: &str = "hand.hand.preset=paper";
+
 fn open(scene: &str, overrides: &[String]) -> Result<Session, String> {
     let found = builtin(scene).ok_or(format!("no scene is named `{scene}`"))?;
     Session::from_text(found.text, Path::new(scene), overrides).map_err(|e| e.to_string())
@@ -65,7 +68,11 @@ fn settle(session: &mut Session, time_step: f64) {
 pub fn free(wanted: &Wanted) -> Result<Session, String> {
     let mut session = open(
         "free-motion",
-        &[format!("hand.hand.tets={}", wanted.tets), format!("solver.kind={}", wanted.solver)],
+        &[
+            PAPER.into(),
+            format!("hand.hand.tets={}", wanted.tets),
+            format!("solver.kind={}", wanted.solver),
+        ],
     )?;
     while session.world().time() < MOVING {
         session.step(&mut ());
@@ -79,6 +86,7 @@ pub fn press(wanted: &Wanted, press: &Press) -> Result<Session, String> {
     let mut session = open(
         "table-press",
         &[
+            PAPER.into(),
             format!("hand.hand.tets={}", wanted.tets),
             format!("hand.hand.bone_drive.stiffness={}", press.drive),
             format!("hand.hand.material={{young={}}}", press.young),

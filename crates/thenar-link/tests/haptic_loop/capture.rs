@@ -18,10 +18,12 @@ const SCENE: &str = "version = 1
 time_step = 0.016
 gravity = [0, 0, 0]
 [[hand]]
+preset = \"paper\"
 name = \"left\"
 tets = 600
 model = \"left\"
 [[hand]]
+preset = \"paper\"
 name = \"right\"
 model = \"right\"
 flesh = false

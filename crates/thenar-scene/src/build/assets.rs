@@ -10,7 +10,7 @@ use crate::format::{
 use crate::text::{At, Cx, Fault, Node, Read};
 use std::path::PathBuf;
 use thenar::math::Vec3;
-use thenar::model::{CouplingKind, HandModel, Law, Material, Side};
+use thenar::model::{HandModel, Law, Material, Side};
 use thenar_rig::embed::{EmbedOptions, closed_surface, embed};
 use thenar_rig::hand::{HandOptions, Size, asset, build_hand_file, graded_tets};
 use thenar_rig::mesh::{GridOptions, load_mesh};
@@ -198,19 +198,15 @@ fn options(hand: &Hand) -> HandOptions {
     }
 }
 
-/// Tetrahedra of one size where a scene does not say.
-const TETS: u32 = 600;
-
 /// How finely a hand is built: what the scene says, else its preset.
 fn mesh(hand: &Hand) -> HandOptions {
-    let usual = HandOptions::default();
-    let (detail, coupling) = match hand.preset {
-        PresetWord::Paper => (None, CouplingKind::Uniform),
-        PresetWord::Touch => (Some(1.0), CouplingKind::Bone),
+    let usual = match hand.preset {
+        PresetWord::Paper => HandOptions::paper(),
+        PresetWord::Touch => HandOptions::touch(),
     };
     let given = hand.detail.as_ref().map(|detail| detail.value);
-    let detail = if hand.tets.is_some() { None } else { given.or(detail) };
-    HandOptions { tets: hand.tets.unwrap_or(TETS) as usize, detail, coupling, ..usual }
+    let detail = if hand.tets.is_some() { None } else { given.or(usual.detail) };
+    HandOptions { tets: hand.tets.map_or(usual.tets, |tets| tets as usize), detail, ..usual }
 }
 
 /// Tetrahedra that a hand will have, about.

@@ -3,7 +3,7 @@
 use super::soft::{damped_once, group_elements, law, relaxation};
 use super::solver::set;
 use super::{Built, Files, Mesh, RigidLook, assets, drivers, motion, place};
-use crate::format::{BonesWord, CouplingWord, Hand, HandMaterial, Scene};
+use crate::format::{BonesWord, CouplingWord, ElementsWord, Hand, HandMaterial, Scene};
 use crate::math::{Pose, Vec3};
 use crate::motion::{ANGLES, AngleRange, Articulation, HandMotion, hand_angles};
 use crate::text::Fault;
@@ -135,7 +135,11 @@ fn add(built: &mut Built, hand: &Hand, files: &Files) -> Result<(), Fault> {
     built.names.add_hand(&hand.name, built.hands.len() as u32)?;
     if hand.flesh {
         built.names.add_flesh(&hand.name.value, handle.soft);
-        group_elements(&mut built.world, handle.soft, hand.elements);
+        let usual = match coupling {
+            CouplingKind::Uniform => ElementsWord::Tetrahedra,
+            CouplingKind::Bone => ElementsWord::Patches,
+        };
+        group_elements(&mut built.world, handle.soft, hand.elements.unwrap_or(usual));
         built.meshes.push(Mesh::new(&model.flesh.nodes, &model.flesh.tets));
         built.node_starts.push(None);
     } else {

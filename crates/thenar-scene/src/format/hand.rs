@@ -42,7 +42,7 @@ words! {
     pub enum PresetWord {
         /// The paper's: 600 tetrahedra of one size, 1441 triangles that touch, springs on all flesh.
         "paper" => Paper,
-        /// For touch: `detail` 1, flesh that hangs on bone.
+        /// For touch: `detail` 0.6, flesh that hangs on bone.
         "touch" => Touch,
     }
 }
@@ -92,8 +92,9 @@ table! {
         /// Damping time of these springs [s]. Default 0.001.
         coupling_damping_time: f64 where SPRING = 1e-3;
         /// "tetrahedra": each by itself, as in the paper; "patches": those around one long edge share one
-        /// evaluation of their law, so that flesh bends and bulges as refined meshes do. Default "tetrahedra".
-        elements: ElementsWord = ElementsWord::Tetrahedra;
+        /// evaluation of their law, so that flesh bends and bulges as refined meshes do. Default: patches where flesh
+        /// hangs on bone, tetrahedra where the coupling is uniform.
+        elements: Option<ElementsWord>;
         /// Changes to the flesh.
         material: Option<HandMaterial>;
         /// Coulomb friction coefficient of the skin; left out, the model's.

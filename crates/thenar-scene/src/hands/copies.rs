@@ -2,8 +2,8 @@
 
 use super::mirror;
 use crate::format::{
-    BonesWord, ElementsWord, Hand, HandKey, KeyframesTable, LimitsWord, MotionTable, Pair,
-    PresetWord, Scene, WristTable,
+    BonesWord, Hand, HandKey, KeyframesTable, LimitsWord, MotionTable, Pair, PresetWord, Scene,
+    WristTable,
 };
 use crate::math::Vec3;
 use crate::text::At;
@@ -53,7 +53,7 @@ pub fn default_hand(scene: &Scene, side: Side) -> Hand {
         coupling: None,
         coupling_stiffness: None,
         coupling_damping_time: 1e-3,
-        elements: ElementsWord::Tetrahedra,
+        elements: None,
         material: None,
         friction: None,
         flesh: true,
