@@ -10,7 +10,7 @@ mod math {
 
 pub mod build;
 pub mod compare;
-mod flat;
+pub mod flat;
 pub mod format;
 pub mod hands;
 pub mod live;
