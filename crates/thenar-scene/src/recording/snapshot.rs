@@ -26,7 +26,9 @@ pub enum SnapshotError {
         told: u32,
     },
     /// They are of a scene that starts otherwise.
-    #[error("the state is of another scene: that one starts as {theirs:016x}, this one as {own:016x}")]
+    #[error(
+        "the state is of another scene: that one starts as {theirs:016x}, this one as {own:016x}"
+    )]
     OtherScene {
         /// Hash of the state in which their scene starts.
         theirs: u64,
