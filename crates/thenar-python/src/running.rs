@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::time::{Duration, Instant};
 use thenar::readout::ContactReadout;
+use thenar_scene::recording::snapshot;
 use thenar_scene::session::Session;
 
 /// A session that is stepped, and what was read of it.
@@ -15,6 +16,8 @@ pub struct Running {
     pub session: Session,
     /// Hash of the state it started in.
     pub start: u64,
+    /// All that its first step depended on.
+    beginning: Vec<u8>,
     /// Counts changes: what was read before one is stale.
     pub generation: u64,
     /// Steps so far that gave a number that is not finite: taken back, in whole or in part.
@@ -30,7 +33,13 @@ impl Running {
     pub fn new(session: Session) -> Self {
         let readout = (ContactReadout::new(session.world()), None);
         let start = session.world().state_hash();
-        Self { session, start, generation: 0, taken_back: 0, writing: None, readout }
+        let beginning = snapshot(&session, start);
+        Self { session, start, beginning, generation: 0, taken_back: 0, writing: None, readout }
+    }
+
+    /// True when nothing has entered and no step was made since it was opened.
+    pub fn is_fresh(&self) -> bool {
+        snapshot(&self.session, self.start) == self.beginning
     }
 
     /// Makes at most `steps` steps, and no further one once `slice` has passed; returns how many.

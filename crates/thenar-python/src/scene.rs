@@ -104,7 +104,7 @@ impl Scene {
 
     /// The file that names it in messages.
     #[getter]
-    fn file(&self) -> PathBuf {
-        self.source.file.clone()
+    fn file(&self) -> String {
+        self.source.file.display().to_string()
     }
 }

@@ -1,0 +1,227 @@
+"""Hands."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _thenar
+from ._arrays import F8, LOAD, numbers
+from ._body import SoftBody
+from ._view import View, Views
+
+
+class Angle(NamedTuple):
+    """One of a hand's twenty angles."""
+
+    #: Name of the joint.
+    joint: str
+    #: At rest [rad].
+    rest: float
+    #: Smallest and largest admissible [rad].
+    min: float
+    max: float
+
+
+class Hand:
+    """A hand of a world: bones, flesh, and what presses on it."""
+
+    __slots__ = ("_native", "_index", "_known", "_flesh", "_views", "_angles")
+
+    def __init__(self, native: Any, index: int, known: dict[str, Any], flesh: SoftBody | None) -> None:
+        self._native = native
+        self._index = index
+        self._known = known
+        self._flesh = flesh
+        self._views = Views(native, index)
+        self._angles = tuple(angle and Angle(**angle) for angle in known["angles"])
+
+    @property
+    def name(self) -> str:
+        """Name in the scene."""
+        return str(self._known["name"])
+
+    @property
+    def side(self) -> str | None:
+        """``"left"``, ``"right"``, or None where the model does not say."""
+        side: str | None = self._known["side"]
+        return side
+
+    @property
+    def length(self) -> float:
+        """Wrist to middle fingertip at rest [m]."""
+        return float(self._known["length"])
+
+    @property
+    def flesh(self) -> SoftBody:
+        """The deformable body that it is made of. Raises :class:`ValueError` for a hand without flesh."""
+        if self._flesh is None:
+            raise ValueError(f"hand `{self.name}` has no flesh")
+        return self._flesh
+
+    @property
+    def nodes(self) -> View[np.float64]:
+        """Nodes of its flesh, world, ``(N, 3)`` [m]."""
+        return self.flesh.nodes
+
+    @property
+    def velocities(self) -> View[np.float64]:
+        """Velocities of the nodes, world, ``(N, 3)`` [m/s]."""
+        return self.flesh.velocities
+
+    @property
+    def vertices(self) -> View[np.float64]:
+        """Vertices of the skin that touches, world, ``(V, 3)`` [m]."""
+        return self.flesh.vertices
+
+    @property
+    def surface(self) -> npt.NDArray[np.uint32]:
+        """Corners of the skin's triangles as rows of ``vertices``, counter-clockwise from outside, ``(T, 3)``."""
+        return self.flesh.triangles
+
+    @property
+    def vertex_force(self) -> View[np.float64]:
+        """Contact force on each vertex of the skin in the last step, world, ``(V, 3)`` [N]."""
+        return self.flesh.vertex_force
+
+    @property
+    def vertex_pressure(self) -> View[np.float64]:
+        """Contact pressure at each vertex of the skin, ``(V,)`` [Pa]."""
+        return self.flesh.vertex_pressure
+
+    @property
+    def bone_names(self) -> tuple[str, ...]:
+        """Names of the bones, the palm first; B of them."""
+        return tuple(self._known["bones"])
+
+    @property
+    def bone_parts(self) -> tuple[str, ...]:
+        """The part of the hand that each bone is in, one of ``thenar.PARTS``."""
+        return tuple(self._known["digits"])
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names of the joints: that of bone i is number i - 1."""
+        return tuple(self._known["joints"])
+
+    @property
+    def bone_poses(self) -> View[np.float64]:
+        """Poses of the bones' frames in the world, ``(B, 7)``: position [m], quaternion x, y, z, w.
+
+        A bone's frame has its origin at the centre of mass, -z along the bone away from the wrist and +y out of the
+        back of the hand.
+        """
+        return self._views.get("bone_poses", F8, (-1, 7))
+
+    @property
+    def bone_velocities(self) -> View[np.float64]:
+        """Velocities [m/s] and angular velocities [rad/s] of the bones, world, ``(B, 6)``."""
+        return self._views.get("bone_velocities", F8, (-1, 6))
+
+    @property
+    def wrist(self) -> View[np.float64]:
+        """Pose of the wrist's frame in the world, ``(7,)``: -z towards the fingers, +y out of the back."""
+        return self._views.get("wrist", F8, (7,))
+
+    @property
+    def angles(self) -> View[np.float64]:
+        """The twenty angles as the simulation has them, ``(20,)`` [rad]; NaN for a joint that the hand lacks.
+
+        For each finger, thumb first: flexion and spread of its base joint, then flexion of its second and third.
+        Flexion is positive when the hand closes, spread away from the middle finger (middle finger: towards the
+        thumb; thumb: out of the palm).
+        """
+        return self._views.get("angles", F8, (20,))
+
+    @property
+    def angle_ranges(self) -> tuple[Angle | None, ...]:
+        """Joint, rest and range of each of the twenty angles; None for one that the hand lacks."""
+        return self._angles
+
+    @property
+    def loads(self) -> View[np.void]:
+        """What presses on palm, thumb, index, middle, ring and little finger (``thenar.PARTS``) in the last step.
+
+        Six records of ``thenar.LOAD``, ``(6,)``: ``loads["force"]`` is ``(6, 3)`` [N], world; ``loads["normal"]`` and
+        ``loads["shear"]`` [N], ``loads["area"]`` [m²], ``loads["pressure"]`` [Pa], ``loads["centre"]`` [m],
+        ``loads["bone_force"]`` [N] and ``loads["bone_torque"]`` [N m].
+        """
+        return self._views.get("loads", LOAD, (6,))
+
+    def __repr__(self) -> str:
+        return f"<Hand {self.name}>"
+
+
+class LiveHand(Hand):
+    """A hand that may be moved: one of a :class:`thenar.World`."""
+
+    __slots__ = ()
+    _native: _thenar.World
+
+    def follow(
+        self, joints: npt.ArrayLike, radii: npt.ArrayLike | None = None, *, time: float | None = None
+    ) -> None:
+        """Follows a tracked hand: the 25 joints of WebXR Hand Input.
+
+        ``joints``: ``(25, 7)``, poses in the world: position [m], quaternion x, y, z, w; -z along the bone away from
+        the wrist, +y out of the back. ``radii``: ``(25,)`` [m], 0 to 0.5; taken for 0 when left out, they move nothing.
+        ``time``: when the pose was taken, by any clock [s]; the world's own time when left out.
+
+        The pose acts from the next step on. It is carried over to the hand's own bones, smoothed, carried forward and
+        followed at limited speed, as poses of a headset are; one older than 0.1 s counts as lost, and the hand holds
+        still. Raises :class:`thenar.PoseError`; nothing has changed then.
+        """
+        rows = numbers("joints", joints, (25, 7))
+        sizes = numbers("radii", np.zeros(25) if radii is None else radii, (25,))
+        self._native.follow_joints(self._index, rows.tobytes(), sizes.tobytes(), time)
+
+    def follow_angles(self, wrist: npt.ArrayLike, angles: npt.ArrayLike, *, time: float | None = None) -> None:
+        """Follows a wrist and twenty joint angles, as :meth:`follow` does.
+
+        ``wrist``: ``(7,)``, as :attr:`wrist`. ``angles``: ``(20,)`` [rad], as :attr:`angles`; what is out of range is
+        brought to its end, and NaN is taken only for angles that the hand lacks.
+        """
+        pose = numbers("wrist", wrist, (7,))
+        wanted = numbers("angles", angles, (20,)).copy()
+        lacking = [k for k, angle in enumerate(self._angles) if angle is None]
+        wanted[lacking] = 0.0
+        self._native.follow_angles(self._index, pose.tobytes(), wanted.tobytes(), time)
+
+    def lose(self) -> None:
+        """The hand is not tracked any more: it holds still until the next pose."""
+        self._native.lose(self._index)
+
+    def follow_script(self) -> None:
+        """Goes back to the scene's script."""
+        self._native.follow_script(self._index)
+
+    def lead(self, poses: npt.ArrayLike, velocities: npt.ArrayLike | None = None) -> None:
+        """Drives the bones straight to these poses from the next step on, whatever script and poses say.
+
+        ``poses``: ``(B, 7)`` as :attr:`bone_poses`. ``velocities``: ``(B, 6)`` as :attr:`bone_velocities`, zero when
+        left out. Nothing is smoothed; the drives are springs, so that contact holds the hand back. A hand that is led
+        is weightless. Raises :class:`thenar.PoseError`; nothing has changed then.
+        """
+        count = len(self._known["bones"])
+        rows = numbers("poses", poses, (count, 7))
+        rates = numbers("velocities", np.zeros((count, 6)) if velocities is None else velocities, (count, 6))
+        norms = np.linalg.norm(rows[:, 3:], axis=1)
+        if not (np.abs(norms - 1.0) <= 1e-2).all():
+            bad = int(np.argmax(~(np.abs(norms - 1.0) <= 1e-2)))
+            name = self._known["bones"][bad]
+            raise _thenar.PoseError(f"the quaternion of {name} has length {norms[bad]:.4f}, expected 1")
+        rows = rows.copy()
+        rows[:, 3:] /= norms[:, None]
+        if not self._native.lead(self._index, np.hstack([rows, rates]).tobytes()):
+            raise _thenar.PoseError(f"hand `{self.name}` cannot be led: it has no drives, or a number is not finite")
+
+    def let_go(self) -> None:
+        """Leads the hand no more: its script or its poses move it, from where it is."""
+        self._native.let_go(self._index)
+
+    @property
+    def mover(self) -> str:
+        """Who moves the hand: ``"script"``, ``"live"`` (poses, or who leads it), or ``"lost"`` (it holds still)."""
+        return self._native.mover(self._index)
