@@ -257,7 +257,8 @@ impl World {
                 return Err(error::RecordingError::new_err("the world is being recorded already"));
             }
             if !running.is_fresh() {
-                let what = "a recording begins where its scene does: record a world that was just made";
+                let what =
+                    "a recording begins where its scene does: record a world that was just made";
                 return Err(error::RecordingError::new_err(what));
             }
             let (writing, witness) = Writing::start(&file, keyframes)?;

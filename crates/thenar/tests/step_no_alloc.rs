@@ -1,4 +1,4 @@
-//! Goal: a step allocates nothing, nor does reading its contacts. Method: a global allocator that counts, around steps of a soft
+//! Goal: a step allocates nothing, nor does reading its contacts, by taxels too. Method: a global allocator that counts, around steps of a soft
 //! finger that falls on a plane, is pressed, and touches a soft block and a box.
 
 mod common;
@@ -7,7 +7,7 @@ use common::{FLESH, bar, body, finger};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use thenar::model::{BodyId, Drive, FrictionTable, Motion, SoftDesc, SolverKind};
-use thenar::readout::ContactReadout;
+use thenar::readout::{ContactReadout, TaxelPlace, TaxelReadout};
 use thenar::shape::Shape;
 use thenar::world::Target;
 use thenar::{Pose, Vec3, World};
@@ -70,6 +70,14 @@ fn steps_allocate_nothing(kind: SolverKind) {
     let mut world = World::new(desc).unwrap();
     let mut input = world.input();
     let mut readout = ContactReadout::new(&world);
+    let flesh = &world.desc().softs[0].flesh;
+    let places: Vec<TaxelPlace> = (0..30)
+        .filter_map(|k| {
+            let point = Vec3::new(2e-3 * f64::from(k), 0.0, 8e-3);
+            TaxelPlace::nearest(flesh, &[], 0, &point, &Vec3::x())
+        })
+        .collect();
+    let mut taxels = TaxelReadout::new(&world, 0, &places, f64::INFINITY).unwrap();
 
     let mut active = 0;
     let before = COUNT.with(Cell::get);
@@ -83,6 +91,7 @@ fn steps_allocate_nothing(kind: SolverKind) {
         let report = world.step(&input, &mut ());
         assert!(!report.fell_back && !report.non_finite);
         readout.read(&world);
+        taxels.read(&world);
         assert_eq!(readout.body(&world, BodyId::Soft(0)).points > 0, report.contacts_active > 0);
         active = active.max(report.contacts_active);
     }

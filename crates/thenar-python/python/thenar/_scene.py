@@ -5,12 +5,18 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
 
 from . import _thenar
 from ._world import World
 
-#: A value of a scene: what TOML knows. Arrays are lists or tuples, tables dicts.
-Value = bool | int | float | str | list["Value"] | tuple["Value", ...] | dict[str, "Value"]
+#: A value of a scene: what TOML knows. Arrays are lists, tuples or arrays of numpy, tables dicts.
+Value = (
+    bool | int | float | str | list["Value"] | tuple["Value", ...] | dict[str, "Value"] | np.generic | npt.NDArray[Any]
+)
 
 
 def _toml(value: object) -> str:

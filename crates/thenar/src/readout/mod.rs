@@ -1,9 +1,9 @@
 //! What contact does, in the forms that users of a simulation ask for: per surface vertex, per finger
-//! (any part of a deformable body), per pair of bodies. The points themselves are
-//! [`World::contacts`].
+//! (any part of a deformable body), per pair of bodies, per taxel ([`TaxelReadout`]). The points themselves
+//! are [`World::contacts`].
 //!
 //! A [`ContactReadout`] belongs to whoever reads; it is made once, and reading allocates nothing.
-//! All forms hold the same forces: those of the points, summed. Nothing is smoothed.
+//! All forms hold the same forces: those of the points, summed. Nothing is smoothed; taxels share points.
 //!
 //! ```
 //! # use thenar::{model::WorldDesc, readout::ContactReadout, World};
@@ -21,10 +21,12 @@
 
 mod part;
 mod patch;
+mod taxel;
 mod vertex;
 
 pub use part::PartContact;
 pub use patch::PatchContact;
+pub use taxel::{TaxelContact, TaxelError, TaxelPlace, TaxelReadout};
 pub use vertex::VertexContact;
 
 use crate::World;

@@ -66,7 +66,7 @@ pub(super) fn read(readout: &mut ContactReadout, world: &World) {
 }
 
 /// The deformable body and its part that a point touches on this side, on the skin or on a bone.
-fn part_touched(world: &World, point: &ContactPoint, side: usize) -> Option<(u32, u32)> {
+pub(super) fn part_touched(world: &World, point: &ContactPoint, side: usize) -> Option<(u32, u32)> {
     match point.bodies[side] {
         BodyId::Soft(soft) => Some((soft, world.model().part_of(soft, point.vertices[side]?))),
         BodyId::Rigid(bone) => {
