@@ -17,6 +17,7 @@ mod replay;
 mod report;
 mod running;
 mod scene;
+mod taxels;
 mod world;
 
 /// The native half of Thenar. Use the package `thenar`.
@@ -34,6 +35,8 @@ mod _thenar {
     use crate::report::StepReport;
     #[pymodule_export]
     use crate::scene::{Scene, scene_names};
+    #[pymodule_export]
+    use crate::taxels::Taxels;
     #[pymodule_export]
     use crate::world::World;
 }

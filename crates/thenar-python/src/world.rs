@@ -8,6 +8,7 @@ use crate::quantity::Quantity;
 use crate::record::Writing;
 use crate::report::StepReport;
 use crate::running::Running;
+use crate::taxels::Taxels;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -155,6 +156,43 @@ impl World {
             .ok_or_else(|| PyValueError::new_err(format!("there is no quantity `{what}`")))?;
         self.with(|running| match running.generation == generation {
             true => running.read(py, what, index),
+            false => Err(error::stale()),
+        })
+    }
+
+    /// Taxels of a shipped layout on a hand: patches of so many rows and columns.
+    fn taxels_of(
+        &self,
+        hand: usize,
+        layout: &str,
+        rows: usize,
+        columns: usize,
+        reach: f64,
+    ) -> PyResult<Taxels> {
+        self.with(|running| {
+            Taxels::of_layout(&running.session, hand, layout, [rows, columns], reach)
+        })
+    }
+
+    /// Taxels where bones' skin is nearest to points: names of bones, and rows of points in their frames.
+    fn taxels_at(
+        &self,
+        hand: usize,
+        points: Vec<(String, Vec<u8>)>,
+        reach: f64,
+    ) -> PyResult<Taxels> {
+        self.with(|running| Taxels::at_points(&running.session, hand, &points, reach))
+    }
+
+    /// What taxels of this world feel, if its state is still that of `generation`.
+    fn read_taxels<'py>(
+        &self,
+        py: Python<'py>,
+        taxels: &Taxels,
+        generation: u64,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        self.with(|running| match running.generation == generation {
+            true => taxels.read(py, running.session.world()),
             false => Err(error::stale()),
         })
     }

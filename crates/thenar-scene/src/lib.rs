@@ -18,6 +18,7 @@ pub mod motion;
 pub mod recording;
 pub mod reference;
 pub mod session;
+pub mod taxels;
 pub mod text;
 pub mod touch;
 pub mod tuning;

@@ -1,0 +1,170 @@
+//! Taxels on hands: shipped layouts, and places that a user chooses.
+//!
+//! A layout is made of patches, one on the palm's side of each bone: rows from the wrist outwards, columns along the
+//! bone's x axis, which points to the little finger's side of a right hand and to the thumb's of a left one.
+
+use crate::math::{Pose, Vec3};
+use std::f64::consts::PI;
+use thenar::model::{Bone, Digit, HandModel};
+use thenar::readout::TaxelPlace;
+
+/// Taxels on one bone, in rows and columns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TaxelPatch {
+    /// Name of the bone.
+    pub name: String,
+    /// Rows, from the wrist outwards.
+    pub rows: usize,
+    /// Columns, along the bone's x axis.
+    pub columns: usize,
+    /// Places, row after row.
+    pub places: Vec<TaxelPlace>,
+}
+
+/// Where a layout has patches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Layout {
+    /// On the last bone of each finger.
+    Fingertips,
+    /// On every bone.
+    Hand,
+}
+
+impl Layout {
+    /// Names of all.
+    pub const NAMES: [&'static str; 2] = ["fingertips", "hand"];
+
+    /// The layout of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        match name {
+            "fingertips" => Some(Self::Fingertips),
+            "hand" => Some(Self::Hand),
+            _ => None,
+        }
+    }
+}
+
+/// Half the angle around a finger's bone that its columns take in, from the middle of the palm's side \[rad\].
+const AROUND: f64 = PI / 3.0;
+/// Part of the knuckles' breadth that the palm's columns take in.
+const ACROSS: f64 = 0.9;
+
+/// The patches of a layout, each of so many rows and columns. Bones without skin on them have none.
+pub fn layout(hand: &HandModel, which: Layout, rows: usize, columns: usize) -> Vec<TaxelPatch> {
+    let bones = hand.bones.iter().enumerate();
+    let wanted = bones.filter(|(i, bone)| which == Layout::Hand || is_tip(hand, *i, bone.digit));
+    let patch = |(_, bone): (usize, &Bone)| {
+        let side = Side::of(hand, bone);
+        let places = (0..rows * columns).map(|k| {
+            let at = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
+            side.place(at(k / columns, rows), at(k % columns, columns))
+        });
+        let places = places.collect::<Option<Vec<_>>>()?;
+        Some(TaxelPatch { name: bone.name.clone(), rows, columns, places })
+    };
+    wanted.filter_map(patch).collect()
+}
+
+/// One column of taxels where a bone's skin at rest is nearest to these points of its frame B \[m\]; `None` when there
+/// is no such bone, or no skin on it.
+pub fn on_bone(hand: &HandModel, bone: &str, points_B: &[Vec3]) -> Option<TaxelPatch> {
+    let bone = hand.bones.iter().find(|known| known.name == bone)?;
+    let side = Side::of(hand, bone);
+    let places = points_B.iter().map(|point| side.nearest(&bone.pose_MB.point(point)));
+    let places = places.collect::<Option<Vec<_>>>()?;
+    Some(TaxelPatch { name: bone.name.clone(), rows: places.len(), columns: 1, places })
+}
+
+/// The last bone of a finger.
+fn is_tip(hand: &HandModel, bone: usize, digit: Digit) -> bool {
+    digit != Digit::Palm && hand.bones[bone + 1..].iter().all(|later| later.digit != digit)
+}
+
+/// The palm's side of a bone.
+struct Side<'a> {
+    hand: &'a HandModel,
+    parts: Vec<u8>,
+    bone: &'a Bone,
+    /// Triangles of the skin at rest, in the bone's frame.
+    skin_B: Vec<[Vec3; 3]>,
+    /// Along the bone, out of the palm, and across.
+    along_B: Vec3,
+    palmar_B: Vec3,
+    across_B: Vec3,
+    /// Where the palm's columns begin and end across it; `None` for a finger's bone, which they go around.
+    breadth: Option<[f64; 2]>,
+}
+
+impl<'a> Side<'a> {
+    fn of(hand: &'a HandModel, bone: &'a Bone) -> Self {
+        let [from, to] = bone.ends_B;
+        let along_B = (to - from).try_normalize(1e-9).unwrap_or(-Vec3::z());
+        let palmar_B = along_B * along_B.y - Vec3::y();
+        let palmar_B = palmar_B.try_normalize(1e-9).unwrap_or(-Vec3::y());
+        let across_B = along_B.cross(&-palmar_B).normalize();
+        let parts: Vec<u8> = hand.collision_digits.iter().map(|digit| digit.part()).collect();
+        let surface = &hand.flesh.collision;
+        let mut rest = vec![Vec3::zeros(); surface.vertices.len()];
+        surface.positions(&hand.flesh.tets, &hand.flesh.nodes, &mut rest);
+        let pose_BM: Pose = bone.pose_MB.inverse();
+        let corners = |t: &[u32; 3]| t.map(|v| pose_BM.point(&rest[v as usize]));
+        let skin_B = surface.triangles.iter().map(corners).collect();
+        let breadth = (bone.digit == Digit::Palm).then(|| breadth(hand, &across_B));
+        Self { hand, parts, bone, skin_B, along_B, palmar_B, across_B, breadth }
+    }
+
+    /// The place so far along the bone and across it, both from 0 to 1.
+    fn place(&self, along: f64, across: f64) -> Option<TaxelPlace> {
+        let [from, to] = self.bone.ends_B;
+        let on_axis = from + (to - from) * along;
+        let (start, direction) = match self.breadth {
+            Some([low, high]) => {
+                let wanted = low + (high - low) * across;
+                (on_axis + self.across_B * (wanted - on_axis.dot(&self.across_B)), self.palmar_B)
+            }
+            None => {
+                let (sin, cos) = (AROUND * (2.0 * across - 1.0)).sin_cos();
+                (on_axis, self.palmar_B * cos + self.across_B * sin)
+            }
+        };
+        // Out through the skin; where that is of another part, the nearest place of this one's.
+        let ways = self.skin_B.iter().filter_map(|triangle| way_to(&start, &direction, triangle));
+        let way = ways.min_by(f64::total_cmp).unwrap_or(0.0);
+        self.nearest(&self.bone.pose_MB.point(&(start + direction * way)))
+    }
+
+    fn nearest(&self, point_M: &Vec3) -> Option<TaxelPlace> {
+        let along_M = self.bone.pose_MB.vector(&self.along_B);
+        let part = self.bone.digit.part();
+        TaxelPlace::nearest(&self.hand.flesh, &self.parts, part, point_M, &along_M)
+    }
+}
+
+/// From the outermost knuckle to the outermost on the other side, in the palm's frame \[m\].
+fn breadth(hand: &HandModel, across_B: &Vec3) -> [f64; 2] {
+    let knuckles = hand.joints.iter().filter(|joint| joint.parent == Some(0)).filter(|joint| {
+        hand.bones.get(joint.child as usize).is_some_and(|bone| bone.digit != Digit::Thumb)
+    });
+    let places = knuckles.map(|joint| joint.pose_PJ.position.dot(across_B));
+    let ends =
+        places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+    let [low, high] = if ends[0] < ends[1] { ends } else { [-0.02, 0.02] };
+    let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0 * ACROSS);
+    [middle - half, middle + half]
+}
+
+/// How far it is from a point to a triangle in this direction (Möller and Trumbore 1997).
+fn way_to(from: &Vec3, direction: &Vec3, [a, b, c]: &[Vec3; 3]) -> Option<f64> {
+    let (e, f) = (b - a, c - a);
+    let p = direction.cross(&f);
+    let det = e.dot(&p);
+    if det == 0.0 {
+        return None;
+    }
+    let s = from - a;
+    let u = s.dot(&p) / det;
+    let q = s.cross(&e);
+    let v = direction.dot(&q) / det;
+    let t = f.dot(&q) / det;
+    (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0).then_some(t)
+}
