@@ -14,6 +14,7 @@ from ._body import RigidBody, SoftBody
 from ._hand import Angle, Hand, LiveHand
 from ._recording import Frame, Recording, Verdict
 from ._scene import Scene, Value, scene_names
+from ._taxels import LAYOUTS, TAXEL, Patch, Taxels, stack_taxels
 from ._thenar import (
     BusyError,
     PoseError,
@@ -29,14 +30,17 @@ from ._world import Recorder, Setting, World
 
 __all__ = [
     "CONTACT",
+    "LAYOUTS",
     "LOAD",
     "PARTS",
+    "TAXEL",
     "Angle",
     "Batch",
     "BusyError",
     "Frame",
     "Hand",
     "LiveHand",
+    "Patch",
     "PoseError",
     "Recorder",
     "Recording",
@@ -50,9 +54,11 @@ __all__ = [
     "StaleViewError",
     "StateError",
     "StepReport",
+    "Taxels",
     "Value",
     "Verdict",
     "View",
     "World",
     "scene_names",
+    "stack_taxels",
 ]

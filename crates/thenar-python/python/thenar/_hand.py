@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,6 +12,7 @@ import numpy.typing as npt
 from . import _thenar
 from ._arrays import F8, LOAD, numbers
 from ._body import SoftBody
+from ._taxels import Taxels, make
 from ._view import View, Views
 
 
@@ -188,6 +191,26 @@ class LiveHand(Hand):
         lacking = [k for k, angle in enumerate(self._angles) if angle is None]
         wanted[lacking] = 0.0
         self._native.follow_angles(self._index, pose.tobytes(), wanted.tobytes(), time)
+
+    def taxels(
+        self,
+        layout: str | Mapping[str, npt.ArrayLike] = "fingertips",
+        *,
+        rows: int = 4,
+        columns: int = 4,
+        reach: float = math.inf,
+    ) -> Taxels:
+        """Puts taxels on the skin, to be read after each step; they change nothing in the simulation.
+
+        ``layout``: ``"fingertips"`` (a patch on the pad of each last finger bone) or ``"hand"`` (a patch on the palm's
+        side of every bone), each of so many ``rows`` and ``columns``; or points of one's own: for names of bones
+        ``(P, 3)`` points in the bone's frame at rest [m], each of which goes to the nearest place of the skin of the
+        bone's part. The first shear axis of a taxel points along its bone, away from the wrist.
+
+        ``reach``: contacts farther from the nearest taxel, at rest, are felt by none [m]; see :attr:`Taxels.missed`.
+        Raises :class:`ValueError`: no such layout or bone, a point that is not finite.
+        """
+        return make(self._native, self._index, layout, rows, columns, float(reach))
 
     def lose(self) -> None:
         """The hand is not tracked any more: it holds still until the next pose."""
