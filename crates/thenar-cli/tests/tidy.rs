@@ -41,6 +41,8 @@ fn links_between_documents_lead_somewhere() {
         "docs/two-step.md",
         "docs/recording.md",
         "docs/outputs.md",
+        "docs/python.md",
+        "crates/thenar-python/README.md",
     ] {
         let text = read(file);
         let folder = root().join(file).parent().map(Path::to_path_buf).unwrap_or_default();

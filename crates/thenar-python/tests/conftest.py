@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import os
 import pathlib
+import signal
+import threading
+from collections.abc import Callable, Iterator
 
 import pytest
 
@@ -19,6 +22,16 @@ def program() -> pathlib.Path:
     if path is None:
         pytest.skip("THENAR_PROGRAM names no program")
     return pathlib.Path(path)
+
+
+@pytest.fixture
+def control_c() -> Iterator[Callable[[], None]]:
+    """Presses Ctrl-C 0.3 s after it is called, also where tests run in the background, which ignores it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
+    yield timer.start
+    timer.join()
+    signal.signal(signal.SIGINT, before)
 
 
 def pressing() -> thenar.World:

@@ -1,9 +1,8 @@
 """Goal: worlds stepped together have the bits of worlds stepped alone, whatever the number of threads. Method: hashes;
 busy worlds; Ctrl-C."""
 
-import os
-import signal
 import threading
+from collections.abc import Callable
 
 import pytest
 
@@ -94,14 +93,12 @@ def test_what_makes_no_sense_is_refused() -> None:
     world.step()
 
 
-def test_control_c_stops_all_of_them_between_two_steps(state: bytes) -> None:
+def test_control_c_stops_all_of_them_between_two_steps(state: bytes, control_c: Callable[[], None]) -> None:
     batch = thenar.Batch(worlds(state)[:3], threads=2)
     begin = batch[0].steps
-    timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
-    timer.start()
+    control_c()
     with pytest.raises(KeyboardInterrupt):
         batch.step(10**9)
-    timer.join()
     batch.step(1)
     assert sum(world.steps - begin for world in batch) > 3
     for stopped, friction in zip(batch, FRICTIONS):

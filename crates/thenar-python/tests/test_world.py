@@ -1,10 +1,9 @@
 """Goal: worlds step, go back and forth, follow hands, and refuse what makes no sense, with the bits of the state as
 witness. Method: hashes; poses; threads and signals."""
 
-import os
-import signal
 import threading
 import time
+from collections.abc import Callable
 
 import numpy as np
 import numpy.typing as npt
@@ -243,13 +242,11 @@ def test_a_thread_that_comes_second_is_told_at_once() -> None:
     assert told > 0 and world.steps == 400
 
 
-def test_control_c_ends_a_long_step_between_two_steps() -> None:
+def test_control_c_ends_a_long_step_between_two_steps(control_c: Callable[[], None]) -> None:
     world = thenar.Scene.named("table-press").world()
-    timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
-    timer.start()
+    control_c()
     with pytest.raises(KeyboardInterrupt):
         world.step(10**9)
-    timer.join()
     made = world.steps
     assert 0 < made < 10**9
     again = thenar.Scene.named("table-press").world()
