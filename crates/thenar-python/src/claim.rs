@@ -1,17 +1,17 @@
-//! Who has a world: one thread at a time, and whoever comes second is told so at once.
+//! Exclusive use of a world: one thread has it, and a second one is refused at once.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Whether somebody has it.
+/// Marks a world as taken or free.
 #[derive(Debug, Default)]
 pub struct Claims(AtomicBool);
 
-/// Held by whoever has it; let go when dropped.
+/// Held by the thread that has the world; dropping it frees the world.
 #[derive(Debug)]
 pub struct Claim<'a>(&'a AtomicBool);
 
 impl Claims {
-    /// Takes it; `None` when somebody has it.
+    /// Takes the world; `None` when it is taken.
     pub fn take(&self) -> Option<Claim<'_>> {
         let free = self.0.compare_exchange(false, true, Ordering::Acquire, Ordering::Relaxed);
         free.ok().map(|_| Claim(&self.0))

@@ -1,4 +1,4 @@
-//! What does not change in a world: names and numbers of bodies, bones and joints.
+//! The constant part of a world: names and numbers of bodies, bones and joints.
 
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
@@ -8,7 +8,7 @@ use thenar::model::Side;
 use thenar_scene::build::BuiltHand;
 use thenar_scene::session::Session;
 
-/// All of it.
+/// Names of bodies, and the numbers and names of each hand, as JSON.
 pub fn json(session: &Session) -> String {
     let desc = session.world().desc();
     let rigids: Vec<&str> = desc.rigids.iter().map(|rigid| &rigid.name[..]).collect();

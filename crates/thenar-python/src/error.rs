@@ -1,4 +1,4 @@
-//! What goes wrong, in the program's words.
+//! Exceptions, with the program's own messages.
 
 use pyo3::PyErr;
 use pyo3::create_exception;
@@ -45,12 +45,12 @@ create_exception!(
 );
 create_exception!(thenar, BusyError, PyRuntimeError, "Another thread steps this world at present.");
 
-/// Another thread has the world.
+/// The world is taken by another thread.
 pub fn busy() -> PyErr {
     BusyError::new_err("another thread steps this world at present")
 }
 
-/// What was read is of a step that is past.
+/// The view belongs to a step that is past.
 pub fn stale() -> PyErr {
     StaleViewError::new_err("the view is of a step that is past: ask for it again after the step")
 }

@@ -1,4 +1,4 @@
-//! What arrays are made of: one number of bytes for each quantity, in the machine's order.
+//! The bytes behind every array, by quantity, in the machine's order.
 
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
@@ -15,7 +15,7 @@ use thenar_scene::session::{HandLoad, Session};
 pub enum Quantity {
     /// Nodes of a deformable body, `(N, 3)` \[m\].
     Nodes,
-    /// Their velocities, `(N, 3)` \[m/s\].
+    /// Velocities of these nodes, `(N, 3)` \[m/s\].
     NodeVelocities,
     /// Vertices of its surface, `(V, 3)` \[m\].
     Vertices,
@@ -25,17 +25,17 @@ pub enum Quantity {
     VertexPressures,
     /// Pose of a rigid body, `(7,)`.
     Pose,
-    /// Its velocities, linear and angular, `(6,)`.
+    /// Linear and angular velocity of a rigid body, `(6,)`.
     Velocity,
     /// Poses of a hand's bones, `(B, 7)`.
     BonePoses,
-    /// Their velocities, `(B, 6)`.
+    /// Velocities of a hand's bones, `(B, 6)`.
     BoneVelocities,
     /// The hand's wrist, `(7,)`.
     Wrist,
-    /// Its twenty angles, `(20,)` \[rad\]; NaN for those that it lacks.
+    /// The hand's twenty angles, `(20,)` \[rad\]; NaN for those that it lacks.
     Angles,
-    /// What presses on its palm and fingers, six records.
+    /// Loads on palm and fingers, six records.
     Loads,
     /// Contact points, one record each.
     Contacts,
@@ -62,7 +62,7 @@ impl Quantity {
         })
     }
 
-    /// Whether it is found by [`ContactReadout::read`].
+    /// True when [`ContactReadout::read`] computes it.
     pub fn is_of_contact(self) -> bool {
         matches!(self, Self::VertexForces | Self::VertexPressures | Self::Loads)
     }
@@ -84,7 +84,7 @@ impl Quantity {
         }
     }
 
-    /// Its bytes, for the thing of this index.
+    /// The bytes for the body or hand of this index.
     ///
     /// # Errors
     /// There is no such thing.
@@ -173,7 +173,7 @@ fn loads(session: &Session, readout: &ContactReadout, hand: usize) -> Vec<f64> {
 /// Bytes of a contact's record.
 const CONTACT: usize = 8 * 18;
 
-/// One record per contact point: bodies and vertices as `i32`, then numbers, then whether it slips.
+/// Contact points, a record for each: bodies and vertices as `i32`, then numbers, then whether it slips.
 fn contacts(world: &World) -> Vec<u8> {
     let rigids = world.desc().rigids.len();
     let body = |body: BodyId| match body {

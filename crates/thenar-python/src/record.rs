@@ -17,7 +17,7 @@ pub struct Writing {
     claim: Claim,
 }
 
-/// What the recording says of itself. Which build wrote it nobody can tell: the program is Python.
+/// The recording's header. The build stays unnamed, as the program is Python's interpreter.
 fn header() -> Header {
     let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     Header {

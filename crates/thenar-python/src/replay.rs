@@ -58,7 +58,7 @@ impl Recording {
         Ok(Self { claims: Claims::default(), making: Mutex::new(making) })
     }
 
-    /// What the recording says of itself: program, system, vector instructions, when it began [ns since 1970].
+    /// The header: program, system, vector instructions, time of the beginning [ns since 1970].
     fn header(&self) -> PyResult<(String, String, String, u64)> {
         self.with(|making| {
             let header = making.replay.header();
@@ -79,7 +79,7 @@ impl Recording {
         }
     }
 
-    /// What was found so far, as the program says it, and whether all steps had the same bits.
+    /// The verdict so far in words; same bits, ended, steps, and steps with the same bits.
     fn verdict(&self) -> PyResult<(String, bool, bool, u64, u64)> {
         self.with(|making| {
             let verdict = making.replay.verdict();
@@ -118,7 +118,7 @@ impl Recording {
         })
     }
 
-    /// What does not change in the present scene, as JSON; None before the first.
+    /// The constant part of the present scene, as JSON; None before the first.
     fn describe(&self) -> PyResult<Option<String>> {
         self.with(|making| Ok(making.replay.session().map(describe::json)))
     }

@@ -1,13 +1,13 @@
-//! What happened in a step.
+//! The report of a step.
 
 use pyo3::prelude::*;
 use thenar::world;
 
-/// What happened in one step of a world.
+/// The report of one step of a world.
 #[pyclass(frozen, get_all, module = "thenar")]
 #[derive(Clone, Debug)]
 pub struct StepReport {
-    /// Why the chosen solver did not make the step, in words; None when it did.
+    /// Reason why the chosen solver did not make the step; None when it did.
     pub failure: Option<String>,
     /// True when a stand-in made the step, because the chosen solver could not.
     pub fell_back: bool,

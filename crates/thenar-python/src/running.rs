@@ -16,7 +16,7 @@ pub struct Running {
     pub session: Session,
     /// Hash of the state it started in.
     pub start: u64,
-    /// All that its first step depended on.
+    /// Snapshot of the session as it was opened.
     beginning: Vec<u8>,
     /// Counts changes: what was read before one is stale.
     pub generation: u64,

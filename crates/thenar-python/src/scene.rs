@@ -54,7 +54,7 @@ impl Scene {
         read.map_err(|e| error::scene(&e))
     }
 
-    /// One of the scenes that come along.
+    /// A scene that comes along, by name.
     #[staticmethod]
     fn named(name: &str, overrides: Vec<String>) -> PyResult<Self> {
         let Some(scene) = builtin(name) else {

@@ -33,7 +33,7 @@ fn hand(session: &Session, hand: usize) -> PyResult<(&BuiltHand, u32)> {
 }
 
 impl Taxels {
-    /// Those of a shipped layout.
+    /// Taxels of a shipped layout.
     ///
     /// # Errors
     /// There is no such layout, or it has too many taxels.
@@ -54,7 +54,7 @@ impl Taxels {
         Self::new(session.world(), soft, &layout(&hand.model, which, rows, columns), reach)
     }
 
-    /// Those where bones' skin is nearest to points.
+    /// Taxels where bones' skin is nearest to points.
     ///
     /// # Errors
     /// There is no such bone, a number is not finite, or there are too many.
@@ -98,10 +98,10 @@ impl Taxels {
         })
     }
 
-    /// What each feels: 22 numbers; then one row more, whose first three are the force that none feels.
+    /// Readings of the taxels, 22 numbers each; then a row more, whose first three are the force that none feels.
     ///
     /// # Errors
-    /// They are another world's.
+    /// The taxels are another world's.
     pub fn read<'py>(&self, py: Python<'py>, world: &World) -> PyResult<Bound<'py, PyBytes>> {
         let softs = world.desc().softs.len();
         let fits = (self.soft as usize) < softs

@@ -42,7 +42,7 @@ impl World {
     /// Takes the world for one thread.
     ///
     /// # Errors
-    /// Another has it.
+    /// The world is taken.
     pub fn claim(&self) -> PyResult<Claim<'_>> {
         self.claims.take().ok_or_else(error::busy)
     }
@@ -121,7 +121,7 @@ impl World {
         self.with(|running| Ok(running.session.world().state_hash()))
     }
 
-    /// All that the next step depends on.
+    /// Snapshot of everything that the next step depends on.
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         self.with(|running| Ok(PyBytes::new(py, &snapshot(&running.session, running.start))))
     }
@@ -184,7 +184,7 @@ impl World {
         self.with(|running| Taxels::at_points(&running.session, hand, &points, reach))
     }
 
-    /// What taxels of this world feel, if its state is still that of `generation`.
+    /// Readings of taxels of this world, if its state is still that of `generation`.
     fn read_taxels<'py>(
         &self,
         py: Python<'py>,
@@ -197,7 +197,7 @@ impl World {
         })
     }
 
-    /// What does not change, as JSON.
+    /// The constant part of the world, as JSON.
     fn describe(&self) -> PyResult<String> {
         self.with(|running| Ok(describe::json(&running.session)))
     }
@@ -263,7 +263,7 @@ impl World {
         })
     }
 
-    /// Who moves a hand: `script`, `live` or `lost`.
+    /// The hand's mover: `script`, `live` or `lost`.
     fn mover(&self, hand: usize) -> PyResult<&'static str> {
         self.with(|running| {
             Ok(match running.session.mover(hand) {
@@ -330,7 +330,7 @@ impl World {
 pub enum Setting {
     /// A number, in the setting's unit.
     Number(f64),
-    /// One of its choices.
+    /// A choice, for settings that are words.
     Choice(String),
 }
 

@@ -1,4 +1,4 @@
-"""What several tests use."""
+"""Fixtures and worlds of several tests."""
 
 from __future__ import annotations
 

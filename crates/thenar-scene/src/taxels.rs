@@ -31,7 +31,7 @@ pub enum Layout {
 }
 
 impl Layout {
-    /// Names of all.
+    /// Names of the layouts.
     pub const NAMES: [&'static str; 2] = ["fingertips", "hand"];
 
     /// The layout of this name.
@@ -65,7 +65,7 @@ pub fn layout(hand: &HandModel, which: Layout, rows: usize, columns: usize) -> V
     wanted.filter_map(patch).collect()
 }
 
-/// One column of taxels where a bone's skin at rest is nearest to these points of its frame B \[m\]; `None` when there
+/// A column of taxels where a bone's skin at rest is nearest to these points of its frame B \[m\]; `None` when there
 /// is no such bone, or no skin on it.
 pub fn on_bone(hand: &HandModel, bone: &str, points_B: &[Vec3]) -> Option<TaxelPatch> {
     let bone = hand.bones.iter().find(|known| known.name == bone)?;

@@ -21,7 +21,7 @@ fn add_ground(desc: &mut WorldDesc) {
 /// Pressure under a block of 20×10×30 mm whose weight is 0.5 N \[Pa\].
 const EVEN: f64 = 0.5 / (0.02 * 0.03);
 
-/// This block at rest on the ground, its model frame turned by `turn` about y and pulled along its x \[N\].
+/// The block at rest on the ground, its model frame turned by `turn` about y and pulled along its x \[N\].
 fn block_world(turn: Quat, pull: f64) -> World {
     let mut desc = WorldDesc::default();
     add_ground(&mut desc);

@@ -12,7 +12,7 @@ from ._view import Source, View, Views
 
 
 class Native(Source):
-    """What a world and a recording have in common."""
+    """The common part of a world and a recording."""
 
     def triangles(self, soft: int) -> bytes:
         raise NotImplementedError

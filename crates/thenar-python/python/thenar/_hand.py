@@ -17,7 +17,7 @@ from ._view import View, Views
 
 
 class Angle(NamedTuple):
-    """One of a hand's twenty angles."""
+    """Name and range of a joint angle of a hand."""
 
     #: Name of the joint.
     joint: str
@@ -145,7 +145,7 @@ class Hand:
 
     @property
     def loads(self) -> View[np.void]:
-        """What presses on palm, thumb, index, middle, ring and little finger (``thenar.PARTS``) in the last step.
+        """Loads on palm, thumb, index, middle, ring and little finger (``thenar.PARTS``) in the last step.
 
         Six records of ``thenar.LOAD``, ``(6,)``: ``loads["force"]`` is ``(6, 3)`` [N], world; ``loads["normal"]`` and
         ``loads["shear"]`` [N], ``loads["area"]`` [m²], ``loads["pressure"]`` [Pa], ``loads["centre"]`` [m],
@@ -246,5 +246,5 @@ class LiveHand(Hand):
 
     @property
     def mover(self) -> str:
-        """Who moves the hand: ``"script"``, ``"live"`` (poses, or who leads it), or ``"lost"`` (it holds still)."""
+        """The hand's mover: ``"script"``, ``"live"`` (poses, or who leads it), or ``"lost"`` (it holds still)."""
         return self._native.mover(self._index)

@@ -33,7 +33,7 @@ class Frame(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """What making a recording again has found so far."""
+    """Findings of making a recording again."""
 
     #: In the program's words.
     words: str
@@ -101,12 +101,12 @@ class Recording:
 
     @property
     def verdict(self) -> Verdict:
-        """What was found so far."""
+        """The findings so far."""
         return Verdict(*self._native.verdict())
 
     @property
     def program(self) -> str:
-        """Who recorded it."""
+        """The program that recorded it."""
         return self._native.header()[0]
 
     @property

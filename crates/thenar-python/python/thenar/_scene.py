@@ -62,7 +62,7 @@ class Scene:
 
     @classmethod
     def named(cls, name: str, *, set: Mapping[str, Value] | None = None) -> Scene:
-        """One of the scenes that come along, see :func:`thenar.scene_names`.
+        """A scene that comes along, see :func:`thenar.scene_names`.
 
         Raises :class:`thenar.SceneError`: there is none, or a change is wrong.
         """
@@ -87,7 +87,7 @@ class Scene:
         return cls(_thenar.Scene.from_text(text, os.fspath(file), _overrides(set)))
 
     def world(self) -> World:
-        """Builds the bodies; a hand takes a second the first time. Other Python threads run meanwhile.
+        """Builds the bodies; a hand takes half a second the first time. Other Python threads run meanwhile.
 
         Each call gives another world. Raises :class:`thenar.SceneError`.
         """
@@ -95,7 +95,7 @@ class Scene:
 
     @property
     def title(self) -> str | None:
-        """One line that says what is to be seen."""
+        """A line that says what is to be seen."""
         return self._native.title
 
     @property

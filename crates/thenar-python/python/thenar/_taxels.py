@@ -99,7 +99,7 @@ class Taxels:
         return self._count
 
     def read(self) -> View[np.void]:
-        """What each taxel felt in the last step, ``(T,)`` records of ``thenar.TAXEL``.
+        """Readings of the taxels in the last step, ``(T,)`` records of ``thenar.TAXEL``.
 
         ``read()["normal"]`` is ``(T,)`` [N], ``read()["shear"]`` ``(T, 2)`` [N], and so on for ``force``, ``area``,
         ``pressure``, ``slip``, ``point`` and ``axes``.

@@ -29,11 +29,11 @@ class BusyError(RuntimeError): ...
 
 @final
 class StepReport:
-    """What happened in one step of a world."""
+    """The report of one step of a world."""
 
     @property
     def failure(self) -> str | None:
-        """Why the chosen solver did not make the step, in words; None when it did."""
+        """Reason why the chosen solver did not make the step; None when it did."""
     @property
     def fell_back(self) -> bool:
         """True when a stand-in made the step, because the chosen solver could not."""

@@ -26,7 +26,7 @@ def bodies_of(native: Any, known: dict[str, Any]) -> tuple[tuple[RigidBody, ...]
 
 
 class Setting(NamedTuple):
-    """What may be changed in a running world."""
+    """A setting of a running world."""
 
     #: Name in :meth:`World.set`.
     key: str
@@ -131,7 +131,7 @@ class World:
 
     @property
     def report(self) -> StepReport:
-        """What happened in the last step."""
+        """The report of the last step."""
         return self._native.report()
 
     @property
@@ -182,7 +182,7 @@ class World:
         return self._native.state_hash()
 
     def state(self) -> bytes:
-        """All that the next steps depend on, besides the scene and what comes from outside.
+        """Everything that the next steps depend on, besides the scene and what comes from outside.
 
         Time, bodies, what contact and tissue remember, who moves the hands, and changed settings.
         """
@@ -196,7 +196,7 @@ class World:
         self._native.set_state(state)
 
     def settings(self) -> list[Setting]:
-        """What :meth:`set` may change, as it is now."""
+        """The settings that :meth:`set` may change, as they are now."""
         return [Setting(*row) for row in self._native.settings()]
 
     def set(self, key: str, value: float | str) -> None:

@@ -11,21 +11,21 @@ const MAGIC: &[u8; 8] = b"THNSTAT1";
 /// Where the keyframe begins.
 const BODY: usize = 12;
 
-/// Why a session does not go on from some bytes. Nothing has changed then.
+/// Reason why a session does not go on from some bytes. The session is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SnapshotError {
-    /// They are something else, or not all of them are there.
+    /// The bytes are something else, or cut short.
     #[error("the bytes are no state of a session")]
     NoSnapshot,
-    /// They are damaged.
+    /// The bytes are damaged.
     #[error("the bytes are damaged: they have CRC-32 {found:08x}, and tell of {told:08x}")]
     Damaged {
-        /// Of the bytes as they are.
+        /// Checksum of the bytes as they are.
         found: u32,
-        /// What they say.
+        /// Checksum that they carry.
         told: u32,
     },
-    /// They are of a scene that starts otherwise.
+    /// The bytes are of a scene that starts otherwise.
     #[error(
         "the state is of another scene: that one starts as {theirs:016x}, this one as {own:016x}"
     )]
@@ -40,8 +40,8 @@ pub enum SnapshotError {
     Unfit,
 }
 
-/// All that the next step of a session depends on besides its source and what enters, as bytes. `start`: hash
-/// of the state that its scene starts in.
+/// Snapshot of a session: everything that its next step depends on besides its source and what enters. `start`:
+/// hash of the state that its scene starts in.
 pub fn snapshot(session: &Session, start: u64) -> Vec<u8> {
     let mut bytes = MAGIC.to_vec();
     bytes.extend_from_slice(&[0; 4]);

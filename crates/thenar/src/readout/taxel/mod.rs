@@ -18,29 +18,29 @@ use crate::world::ContactPoint;
 use frame::Frames;
 use share::{SHARED, share};
 
-/// What one taxel feels. Its frame moves with the skin: outward normal n, first shear axis t along the surface,
+/// Reading of a taxel. Its frame moves with the skin: outward normal n, first shear axis t along the surface,
 /// second shear axis n × t.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TaxelContact {
-    /// Its share of the contact forces, world \[N\].
+    /// Share of the contact forces, world \[N\].
     pub force_W: Vec3,
-    /// The part of it that presses, against n \[N\]; negative where neighbours' curvature makes it pull.
+    /// Part of the force that presses, against n \[N\]; negative where neighbours' curvature makes it pull.
     pub normal: f64,
-    /// The parts of it along the two shear axes \[N\].
+    /// Parts of the force along the two shear axes \[N\].
     pub shear: [f64; 2],
-    /// Its share of the area in contact \[m²\].
+    /// Share of the area in contact \[m²\].
     pub area: f64,
-    /// Its share of normal forces on skin, over that area \[Pa\]; zero without area.
+    /// Share of the normal forces on skin, over that area \[Pa\]; zero without area.
     pub pressure: f64,
     /// Tangential velocity against what it touches along the two shear axes, mean by load \[m/s\].
     pub slip: [f64; 2],
-    /// Where it is, world \[m\].
+    /// Place, world \[m\].
     pub position_W: Vec3,
-    /// n and the two shear axes, world.
+    /// Outward normal n and the two shear axes, world.
     pub axes_W: [Vec3; 3],
 }
 
-/// Why places cannot be those of taxels.
+/// Reason why places cannot be those of taxels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TaxelError {
     /// There is no such body.
@@ -54,7 +54,7 @@ pub enum TaxelError {
     /// A place is on no triangle, or a number of it is not finite.
     #[error("taxel {taxel} is not on the surface of the body")]
     OffSurface {
-        /// Its number, from 0.
+        /// Number of the taxel, from 0.
         taxel: usize,
     },
 }
@@ -146,7 +146,7 @@ impl TaxelReadout {
         }
     }
 
-    /// What each taxel feels, in the order of the places.
+    /// Readings of the taxels, in the order of the places.
     pub fn taxels(&self) -> &[TaxelContact] {
         &self.taxels
     }

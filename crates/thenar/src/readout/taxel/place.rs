@@ -40,12 +40,12 @@ impl TaxelPlace {
         })
     }
 
-    /// Its place, with collision vertices there.
+    /// The place, with collision vertices there.
     pub fn on(&self, vertices: &[Vec3]) -> Vec3 {
         (0..3).map(|k| vertices[self.vertices[k] as usize] * self.weights[k]).sum()
     }
 
-    /// Its first shear axis with collision vertices there, of any length.
+    /// The first shear axis with collision vertices there, of any length.
     pub(super) fn along_on(&self, vertices: &[Vec3]) -> Vec3 {
         let [a, b, c] = self.vertices.map(|v| vertices[v as usize]);
         (b - a) * self.along[0] + (c - a) * self.along[1]
@@ -57,7 +57,7 @@ impl TaxelPlace {
         self.vertices[most.unwrap_or(0)]
     }
 
-    /// Whether it is on one of these triangles.
+    /// True when it is on one of these triangles.
     pub(super) fn is_on(&self, triangles: &[[u32; 3]]) -> bool {
         let sum: f64 = self.weights.iter().sum();
         let inside = self.weights.iter().all(|w| (-1e-9..=1.0 + 1e-9).contains(w));

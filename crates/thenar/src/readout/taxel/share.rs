@@ -1,4 +1,4 @@
-//! Who shares a contact: the nearest taxels, in shares that sum to one and are continuous in the contact's place.
+//! Shares of a contact: the nearest taxels get some that sum to one and are continuous in the contact's place.
 //!
 //! With the distances d₀ ≤ d₁ ≤ … and R that of the first taxel which gets nothing, the weights are
 //! `((R - d) / (R d))²` (Franke and Little's form of Shepard's interpolation), divided by their sum. A taxel
