@@ -35,7 +35,7 @@ def control_c() -> Iterator[Callable[[], None]]:
 
 
 def pressing() -> thenar.World:
-    """A hand that presses on a table: 40 steps into `table-press`'s script, or where it first bears load."""
+    """A hand that presses on a table, 20 steps and more after it first bears load."""
     world = thenar.Scene.named("table-press").world()
     while world.step(10).contacts_active == 0:
         assert world.time < 5.0
