@@ -13,8 +13,8 @@ use thenar_scene::session::Witness;
 #[derive(Debug)]
 pub struct Writing {
     recorder: Recorder,
-    /// No other recording of this process takes its name.
-    claim: Claim,
+    /// No other recording of this process takes its name meanwhile.
+    _claim: Claim,
 }
 
 /// The recording's header. The build stays unnamed, as the program is Python's interpreter.
@@ -45,15 +45,14 @@ impl Writing {
         let recorder = Recorder::create(file, &header()).map_err(|e| error::record(&e))?;
         let of = TimeOf::Simulation;
         let tape = SessionTape::new(recorder.session(), recorder.clock(), of, every);
-        Ok((Self { recorder, claim }, Box::new(tape)))
+        Ok((Self { recorder, _claim: claim }, Box::new(tape)))
     }
 
-    /// Ends it; its size \[bytes\].
+    /// Ends it; its size \[bytes\]. The file's name is free then: a file that is there is not written over.
     ///
     /// # Errors
     /// Not all of it could be written.
     pub fn finish(self) -> PyResult<u64> {
-        self.claim.keep();
         Ok(self.recorder.finish().map_err(|e| error::record(&e))?.bytes)
     }
 }

@@ -140,11 +140,12 @@ impl Making {
     /// The next event: `None` for what is no step, and `Some(None)` at the end.
     fn step(&mut self) -> PyResult<Option<Option<Step>>> {
         let before = self.replay.verdict().clone();
+        // Keyframes move the session even where no event follows.
+        self.generation += 1;
+        self.read = false;
         let Some(event) = self.replay.next().map_err(|e| error::replay(&e))? else {
             return Ok(Some(None));
         };
-        self.generation += 1;
-        self.read = false;
         match event {
             Event::Scene { .. } => self.readout = None,
             Event::Stepped { time_ns, .. } => return Ok(Some(self.made(time_ns, &before))),

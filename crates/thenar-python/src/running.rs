@@ -7,14 +7,14 @@ use pyo3::types::PyBytes;
 use std::time::{Duration, Instant};
 use thenar::readout::ContactReadout;
 use thenar_scene::recording::snapshot;
-use thenar_scene::session::Session;
+use thenar_scene::session::{Session, Source};
 
 /// A session that is stepped, and what was read of it.
 #[derive(Debug)]
 pub struct Running {
     /// The session.
     pub session: Session,
-    /// Hash of the state it started in.
+    /// Hash of the state it started in, and of the scene's text and overrides.
     pub start: u64,
     /// Snapshot of the session as it was opened.
     beginning: Vec<u8>,
@@ -28,11 +28,20 @@ pub struct Running {
     readout: (ContactReadout, Option<u64>),
 }
 
+/// FNV-1a of what a scene says and starts in.
+fn identity(start: u64, source: &Source) -> u64 {
+    let overrides = source.overrides.iter().flat_map(|set| [set.as_bytes(), b"\n"]);
+    let texts = std::iter::once(source.text.as_bytes()).chain(overrides);
+    texts
+        .flatten()
+        .fold(start, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
 impl Running {
-    /// A session that was just opened.
-    pub fn new(session: Session) -> Self {
+    /// A session that was just opened from this source.
+    pub fn new(session: Session, source: &Source) -> Self {
         let readout = (ContactReadout::new(session.world()), None);
-        let start = session.world().state_hash();
+        let start = identity(session.world().state_hash(), source);
         let beginning = snapshot(&session, start);
         Self { session, start, beginning, generation: 0, taken_back: 0, writing: None, readout }
     }

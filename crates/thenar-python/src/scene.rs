@@ -69,7 +69,7 @@ impl Scene {
     fn world(&self, py: Python<'_>) -> PyResult<World> {
         let files = Files::beside(&self.source.file);
         let session = py.detach(|| Session::open(&self.source, files));
-        Ok(World::new(session.map_err(|e| error::scene(&e))?))
+        Ok(World::new(session.map_err(|e| error::scene(&e))?, &self.source))
     }
 
     /// Title, if the scene has one.

@@ -49,9 +49,10 @@ impl Taxels {
             let known = Layout::NAMES.join(", ");
             PyValueError::new_err(format!("there is no layout `{name}`: there are {known}"))
         })?;
-        let count = rows.saturating_mul(columns).saturating_mul(hand.model.bones.len());
-        check_count(count)?;
-        Self::new(session.world(), soft, &layout(&hand.model, which, rows, columns), reach)
+        check_count(rows.saturating_mul(columns))?;
+        let patches = layout(&hand.model, which, rows, columns);
+        check_count(patches.len() * rows * columns)?;
+        Self::new(session.world(), soft, &patches, reach)
     }
 
     /// Taxels where bones' skin is nearest to points.

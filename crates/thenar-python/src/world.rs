@@ -19,7 +19,7 @@ use thenar::world::Target;
 use thenar_scene::flat::{pose, target};
 use thenar_scene::live::{LivePose, Mover};
 use thenar_scene::recording::{go_on_from, snapshot};
-use thenar_scene::session::Session;
+use thenar_scene::session::{Session, Source};
 use thenar_scene::tuning::SettingValue;
 
 /// Python is asked so often whether Ctrl-C was pressed.
@@ -34,9 +34,9 @@ pub struct World {
 }
 
 impl World {
-    /// A session that was just opened.
-    pub fn new(session: Session) -> Self {
-        Self { claims: Claims::default(), running: Mutex::new(Running::new(session)) }
+    /// A session that was just opened from this source.
+    pub fn new(session: Session, source: &Source) -> Self {
+        Self { claims: Claims::default(), running: Mutex::new(Running::new(session, source)) }
     }
 
     /// Takes the world for one thread.

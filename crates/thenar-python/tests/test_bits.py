@@ -85,6 +85,13 @@ def test_a_recording_never_replaces_a_file_and_begins_where_its_scene_does(tmp_p
     world.step(3)
     assert recorder.end() == recorder.end() == (tmp_path / "good.rec").stat().st_size
     assert thenar.Recording.open(tmp_path / "good.rec").verify().steps == 3
+    # The name is free again once the file is gone, and no sooner.
+    world.set_state(begin)
+    with pytest.raises(FileExistsError, match="good.rec is there already"):
+        world.record(tmp_path / "good.rec")
+    (tmp_path / "good.rec").unlink()
+    world.record(tmp_path / "good.rec").end()
+    assert (tmp_path / "good.rec").exists()
 
 
 def test_what_is_no_recording_is_refused(tmp_path: pathlib.Path) -> None:

@@ -70,7 +70,8 @@ def episode(lift: Lift, seed: int, close: bool) -> tuple[list[float], bool, bool
 def test_a_grasp_lifts_the_bread_and_ends_the_episode(lift: Lift) -> None:
     rewards, done, cut, _ = episode(lift, 3, close=True)
     assert done and not cut and len(rewards) < STEPS and rewards[0] == 0.0
-    assert rewards[-30:] == [1.0] * 30
+    assert rewards[-30:-1] == [1.0] * 29
+    assert rewards[-1] == 1.0 + STEPS - len(rewards)
 
 
 def test_an_open_hand_lifts_nothing_until_the_episode_is_cut_off(lift: Lift) -> None:

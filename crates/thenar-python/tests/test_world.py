@@ -67,6 +67,7 @@ def test_states_that_do_not_fit_change_nothing() -> None:
         (state[:-1], "damaged"),
         (bytes(bent), "damaged"),
         (thenar.Scene.named("soft-cube").world().state(), "another scene"),
+        (thenar.Scene.named("falling-box", set={"time_step": 0.004}).world().state(), "another scene"),
     ]:
         with pytest.raises(thenar.StateError, match=words):
             world.set_state(wrong)

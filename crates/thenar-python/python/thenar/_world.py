@@ -101,7 +101,11 @@ class World:
         return self._native.step(n)
 
     def reset(self) -> None:
-        """Back to the start: time 0, bodies in their start states, scripts from the beginning; settings stay."""
+        """Back to the start: time 0, bodies in their start states, scripts from the beginning.
+
+        Settings stay, and so does who leads the hands, with calibration and clock: for the same bits as at first, go
+        back to a :meth:`state` that was taken there by :meth:`set_state`.
+        """
         self._native.reset()
 
     @property
@@ -191,7 +195,8 @@ class World:
     def set_state(self, state: bytes) -> None:
         """Goes on from a :meth:`state` of this world, or of another of the same scene, with the same bits.
 
-        Raises :class:`thenar.StateError` when the bytes are none of that; nothing has changed then.
+        Raises :class:`thenar.StateError` when the bytes are none of that: of a scene with another text, other overrides
+        or another start, or damaged. Nothing has changed then.
         """
         self._native.set_state(state)
 

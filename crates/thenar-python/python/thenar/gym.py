@@ -1,4 +1,4 @@
-"""Gymnasium environments. They need the package ``gymnasium``: ``pip install thenar[gym]``."""
+"""Gymnasium environments. They need the package ``gymnasium``."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ class Lift(gymnasium.Env[Array, Array]):
     of the bread (3) [m], and normal and shear force on palm, thumb, index, middle, ring and little finger (12) [N].
 
     **Reward** of a step: how much higher the bread's centre is than at the start, in :data:`LIFTED`, from 0 to 1.
-    An episode ends (terminated) once the bread was lifted for :data:`HELD` steps, and is cut off (truncated) after
-    :data:`STEPS`. ``info["height"]`` [m], ``info["friction"]``; ``info["is_success"]``: it was lifted.
+    An episode ends (terminated) once the bread was lifted for :data:`HELD` steps, with 1 for each step that is left of
+    :data:`STEPS`; after these it is cut off (truncated). ``info["height"]`` [m], ``info["friction"]``; ``info["is_success"]``: it was lifted.
 
     ``reset(seed=...)`` draws the coefficient of friction from :data:`FRICTION`. The same seed and actions give the same
     bits. Where a step is taken back, as a number was not finite, the episode is truncated.
@@ -93,6 +93,9 @@ class Lift(gymnasium.Env[Array, Array]):
         self._held = self._held + 1 if height >= LIFTED else 0
         reward = float(np.clip(height / LIFTED, 0.0, 1.0))
         done = self._held >= HELD
+        if done:
+            # Whoever succeeds soon is not paid less than whoever hovers.
+            reward += STEPS - self._steps
         cut = self._steps >= STEPS or report.non_finite
         return self._observe(), reward, done, cut, self._info()
 

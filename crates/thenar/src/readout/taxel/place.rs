@@ -16,7 +16,7 @@ pub struct TaxelPlace {
 }
 
 impl TaxelPlace {
-    /// The place of a body's surface at rest that is nearest to a point, among triangles with a corner in `part`
+    /// The place of a body's surface at rest that is nearest to a point, among triangles with all corners in `part`
     /// (`parts`: part of each collision vertex; empty when the body is one). `along_M` is laid along the surface as
     /// the first shear axis. `None` when the part has no triangle.
     pub fn nearest(
