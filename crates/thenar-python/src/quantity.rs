@@ -1,6 +1,6 @@
 //! The bytes behind every array, by quantity, in the machine's order.
 
-use pyo3::exceptions::PyIndexError;
+use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use thenar::model::BodyId;
@@ -43,8 +43,11 @@ pub enum Quantity {
 
 impl Quantity {
     /// The quantity of a name.
-    pub fn named(name: &str) -> Option<Self> {
-        Some(match name {
+    ///
+    /// # Errors
+    /// There is none of this name.
+    pub fn named(name: &str) -> PyResult<Self> {
+        Ok(match name {
             "nodes" => Self::Nodes,
             "node_velocities" => Self::NodeVelocities,
             "vertices" => Self::Vertices,
@@ -58,7 +61,7 @@ impl Quantity {
             "angles" => Self::Angles,
             "loads" => Self::Loads,
             "contacts" => Self::Contacts,
-            _ => return None,
+            _ => return Err(PyValueError::new_err(format!("there is no quantity `{name}`"))),
         })
     }
 

@@ -3,7 +3,6 @@
 use crate::error;
 use crate::quantity::Quantity;
 use crate::{claim::Claims, describe};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::path::PathBuf;
@@ -101,8 +100,7 @@ impl Recording {
         index: usize,
         generation: u64,
     ) -> PyResult<Bound<'py, PyBytes>> {
-        let what = Quantity::named(what)
-            .ok_or_else(|| PyValueError::new_err(format!("there is no quantity `{what}`")))?;
+        let what = Quantity::named(what)?;
         self.with(|making| {
             if making.generation != generation {
                 return Err(error::stale());

@@ -9,7 +9,6 @@ use crate::record::Writing;
 use crate::report::StepReport;
 use crate::running::Running;
 use crate::taxels::Taxels;
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::path::PathBuf;
@@ -152,8 +151,7 @@ impl World {
         index: usize,
         generation: u64,
     ) -> PyResult<Bound<'py, PyBytes>> {
-        let what = Quantity::named(what)
-            .ok_or_else(|| PyValueError::new_err(format!("there is no quantity `{what}`")))?;
+        let what = Quantity::named(what)?;
         self.with(|running| match running.generation == generation {
             true => running.read(py, what, index),
             false => Err(error::stale()),

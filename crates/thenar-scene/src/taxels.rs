@@ -3,10 +3,10 @@
 //! A layout is made of patches, one on the palm's side of each bone: rows from the wrist outwards, columns along the
 //! bone's x axis, which points to the little finger's side of a right hand and to the thumb's of a left one.
 
-use crate::math::{Pose, Vec3};
+use crate::math::Vec3;
 use std::f64::consts::PI;
 use thenar::model::{Bone, Digit, HandModel};
-use thenar::readout::TaxelPlace;
+use thenar::readout::{TaxelPlace, TaxelSkin};
 
 /// Taxels on one bone, in rows and columns.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,10 +51,11 @@ const ACROSS: f64 = 0.9;
 
 /// The patches of a layout, each of so many rows and columns. Bones without skin on them have none.
 pub fn layout(hand: &HandModel, which: Layout, rows: usize, columns: usize) -> Vec<TaxelPatch> {
+    let skin = skin(hand);
     let bones = hand.bones.iter().enumerate();
     let wanted = bones.filter(|(i, bone)| which == Layout::Hand || is_tip(hand, *i, bone.digit));
     let patch = |(_, bone): (usize, &Bone)| {
-        let side = Side::of(hand, bone);
+        let side = Side::of(hand, bone, &skin);
         let places = (0..rows * columns).map(|k| {
             let at = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
             side.place(at(k / columns, rows), at(k % columns, columns))
@@ -69,10 +70,15 @@ pub fn layout(hand: &HandModel, which: Layout, rows: usize, columns: usize) -> V
 /// is no such bone, or no skin on it.
 pub fn on_bone(hand: &HandModel, bone: &str, points_B: &[Vec3]) -> Option<TaxelPatch> {
     let bone = hand.bones.iter().find(|known| known.name == bone)?;
-    let side = Side::of(hand, bone);
+    let skin = skin(hand);
+    let side = Side::of(hand, bone, &skin);
     let places = points_B.iter().map(|point| side.nearest(&bone.pose_MB.point(point)));
     let places = places.collect::<Option<Vec<_>>>()?;
     Some(TaxelPatch { name: bone.name.clone(), rows: places.len(), columns: 1, places })
+}
+
+fn skin(hand: &HandModel) -> TaxelSkin<'_> {
+    TaxelSkin::new(&hand.flesh, hand.collision_digits.iter().map(|digit| digit.part()).collect())
 }
 
 /// The last bone of a finger.
@@ -82,11 +88,8 @@ fn is_tip(hand: &HandModel, bone: usize, digit: Digit) -> bool {
 
 /// The palm's side of a bone.
 struct Side<'a> {
-    hand: &'a HandModel,
-    parts: Vec<u8>,
+    skin: &'a TaxelSkin<'a>,
     bone: &'a Bone,
-    /// Triangles of the skin at rest, in the bone's frame.
-    skin_B: Vec<[Vec3; 3]>,
     /// Along the bone, out of the palm, and across.
     along_B: Vec3,
     palmar_B: Vec3,
@@ -96,21 +99,14 @@ struct Side<'a> {
 }
 
 impl<'a> Side<'a> {
-    fn of(hand: &'a HandModel, bone: &'a Bone) -> Self {
+    fn of(hand: &HandModel, bone: &'a Bone, skin: &'a TaxelSkin<'a>) -> Self {
         let [from, to] = bone.ends_B;
         let along_B = (to - from).try_normalize(1e-9).unwrap_or(-Vec3::z());
         let palmar_B = along_B * along_B.y - Vec3::y();
         let palmar_B = palmar_B.try_normalize(1e-9).unwrap_or(-Vec3::y());
         let across_B = along_B.cross(&-palmar_B).normalize();
-        let parts: Vec<u8> = hand.collision_digits.iter().map(|digit| digit.part()).collect();
-        let surface = &hand.flesh.collision;
-        let mut rest = vec![Vec3::zeros(); surface.vertices.len()];
-        surface.positions(&hand.flesh.tets, &hand.flesh.nodes, &mut rest);
-        let pose_BM: Pose = bone.pose_MB.inverse();
-        let corners = |t: &[u32; 3]| t.map(|v| pose_BM.point(&rest[v as usize]));
-        let skin_B = surface.triangles.iter().map(corners).collect();
         let breadth = (bone.digit == Digit::Palm).then(|| breadth(hand, &across_B));
-        Self { hand, parts, bone, skin_B, along_B, palmar_B, across_B, breadth }
+        Self { skin, bone, along_B, palmar_B, across_B, breadth }
     }
 
     /// The place so far along the bone and across it, both from 0 to 1.
@@ -128,15 +124,15 @@ impl<'a> Side<'a> {
             }
         };
         // Out through the skin; where that is of another part, the nearest place of this one's.
-        let ways = self.skin_B.iter().filter_map(|triangle| way_to(&start, &direction, triangle));
-        let way = ways.min_by(f64::total_cmp).unwrap_or(0.0);
-        self.nearest(&self.bone.pose_MB.point(&(start + direction * way)))
+        let (start_M, direction_M) =
+            (self.bone.pose_MB.point(&start), self.bone.pose_MB.vector(&direction));
+        let way = self.skin.way(&start_M, &direction_M).unwrap_or(0.0);
+        self.nearest(&(start_M + direction_M * way))
     }
 
     fn nearest(&self, point_M: &Vec3) -> Option<TaxelPlace> {
         let along_M = self.bone.pose_MB.vector(&self.along_B);
-        let part = self.bone.digit.part();
-        TaxelPlace::nearest(&self.hand.flesh, &self.parts, part, point_M, &along_M)
+        self.skin.nearest(self.bone.digit.part(), point_M, &along_M)
     }
 }
 
@@ -151,20 +147,4 @@ fn breadth(hand: &HandModel, across_B: &Vec3) -> [f64; 2] {
     let [low, high] = if ends[0] < ends[1] { ends } else { [-0.02, 0.02] };
     let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0 * ACROSS);
     [middle - half, middle + half]
-}
-
-/// How far it is from a point to a triangle in this direction (Möller and Trumbore 1997).
-fn way_to(from: &Vec3, direction: &Vec3, [a, b, c]: &[Vec3; 3]) -> Option<f64> {
-    let (e, f) = (b - a, c - a);
-    let p = direction.cross(&f);
-    let det = e.dot(&p);
-    if det == 0.0 {
-        return None;
-    }
-    let s = from - a;
-    let u = s.dot(&p) / det;
-    let q = s.cross(&e);
-    let v = direction.dot(&q) / det;
-    let t = f.dot(&q) / det;
-    (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0).then_some(t)
 }

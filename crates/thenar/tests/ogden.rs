@@ -105,8 +105,9 @@ fn any_shape_comes_right() {
     ];
     let mut total = 0;
     let neo_hookean = Material { law: Law::StableNeoHookean, ..ogden(1e4, 4.0, 0.43) };
+    let corotational = Material { law: Law::Corotational, ..neo_hookean };
     let laws = [(4.0, 0.0), (8.0, 0.45), (8.0, 0.49), (20.0, 0.3)].map(|(a, nu)| ogden(1e4, a, nu));
-    for material in laws.into_iter().chain([neo_hookean]) {
+    for material in laws.into_iter().chain([neo_hookean, corotational]) {
         for h in [1e-3, 5e-3, 0.0167] {
             for shape in shapes {
                 // Crushed along all axes below μ/(λ + μ) = 0.14 stable neo-Hookean elements stay so.

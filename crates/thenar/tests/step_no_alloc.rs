@@ -7,7 +7,7 @@ use common::{FLESH, bar, body, finger};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use thenar::model::{BodyId, Drive, FrictionTable, Motion, SoftDesc, SolverKind};
-use thenar::readout::{ContactReadout, TaxelPlace, TaxelReadout};
+use thenar::readout::{ContactReadout, TaxelPlace, TaxelReadout, TaxelSkin};
 use thenar::shape::Shape;
 use thenar::world::Target;
 use thenar::{Pose, Vec3, World};
@@ -71,10 +71,11 @@ fn steps_allocate_nothing(kind: SolverKind) {
     let mut input = world.input();
     let mut readout = ContactReadout::new(&world);
     let flesh = &world.desc().softs[0].flesh;
+    let skin = TaxelSkin::new(flesh, Vec::new());
     let places: Vec<TaxelPlace> = (0..30)
         .filter_map(|k| {
             let point = Vec3::new(2e-3 * f64::from(k), 0.0, 8e-3);
-            TaxelPlace::nearest(flesh, &[], 0, &point, &Vec3::x())
+            skin.nearest(0, &point, &Vec3::x())
         })
         .collect();
     let mut taxels = TaxelReadout::new(&world, 0, &places, f64::INFINITY).unwrap();

@@ -6,7 +6,7 @@ mod common;
 
 use common::{FLESH, bar, body, finger, random};
 use thenar::model::{BodyId, BodyParts, Drive, Flesh, Motion, SoftDesc, WorldDesc};
-use thenar::readout::{TaxelError, TaxelPlace, TaxelReadout};
+use thenar::readout::{TaxelError, TaxelPlace, TaxelReadout, TaxelSkin};
 use thenar::shape::Shape;
 use thenar::world::Target;
 use thenar::{Pose, Quat, Vec3, World};
@@ -46,7 +46,8 @@ fn block_world(turn: Quat, pull: f64) -> World {
 }
 
 fn place(flesh: &Flesh, parts: &[u8], part: u8, point_M: Vec3) -> TaxelPlace {
-    TaxelPlace::nearest(flesh, parts, part, &point_M, &Vec3::x()).expect("a surface")
+    let skin = TaxelSkin::new(flesh, parts.to_vec());
+    skin.nearest(part, &point_M, &Vec3::x()).expect("a surface")
 }
 
 /// Force on a part of body 0, sum of the sizes of its points' forces, and area, straight from the world. With no
@@ -253,7 +254,8 @@ fn places_that_are_none_are_refused() {
     assert_eq!(bad(&|place| place.vertices = [u32::MAX; 3]), off);
     let none = TaxelReadout::new(&world, 1, &[good], 1.0).err();
     assert_eq!(none, Some(TaxelError::NoBody { soft: 1, count: 1 }));
-    assert!(TaxelPlace::nearest(flesh, &[0; 500], 3, &Vec3::zeros(), &Vec3::x()).is_none());
+    let skin = TaxelSkin::new(flesh, vec![0; 500]);
+    assert!(skin.nearest(3, &Vec3::zeros(), &Vec3::x()).is_none());
     // None at all feel nothing.
     let mut empty = TaxelReadout::new(&world, 0, &[], 1.0).unwrap();
     empty.read(&world);

@@ -21,8 +21,8 @@ const SAMPLES: usize = 16;
 /// The box shrinks by this in each attempt.
 const SHRINK: f64 = 0.97;
 
-/// Nail and nail bed over the last bone of a digit, of the length of a hand: 2.5 mm of 190. A nail plate is 0.4 to
-/// 0.6 mm thick and its bed 1 to 2 mm (ultrasound; Wortsman and Jemec 2006).
+/// Nail and nail bed over the last bone of a digit, of the length of a hand: 2.5 mm of 190. Nail plates are 0.40 to
+/// 0.48 mm thick in the mean (Wollina et al. 2001); for the bed 2 mm are assumed.
 const NAIL_SIDE: f64 = 2.5 / 190.0;
 
 /// A solid and the flesh over it.
@@ -122,9 +122,6 @@ impl<'a> Skin<'a> {
     }
 }
 
-/// Halvings of the way that a bone is moved, at most some millimetres: to a micrometre.
-const HALVINGS: usize = 12;
-
 /// A step along a ray that is this part of the way to the skin ends it.
 const RAY_TOLERANCE: f64 = 1e-3;
 /// Steps along a ray at most; each goes as far as the skin is away, so that a dozen are usual.
@@ -180,25 +177,27 @@ fn least_depth(places: &[Vec3], skin: &mut Skin) -> Result<f64, RigError> {
 }
 
 /// How far the axis of a bone can be moved out of the back of the hand \[m\] so that none of it is nearer than
-/// `left` to the skin, in any direction.
+/// `left` to the skin, in any direction; nothing where that is nowhere so.
 fn rise(bone: &Bone, axis: &[Vec3], left: f64, skin: &mut Skin) -> Result<f64, RigError> {
     let back = bone.pose_MB.vector(&Vec3::y());
-    let mut short = f64::INFINITY;
+    let mut raised = f64::INFINITY;
     for place in axis {
-        short = short.min(skin.way(place, &back)? - left);
+        raised = raised.min(skin.way(place, &back)? - left);
     }
-    // Depth falls on the way to the skin of the back, but a fingertip is also narrower there.
-    let (mut low, mut high) = (0.0, short.max(0.0));
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        let moved: Vec<Vec3> = axis.iter().map(|place| place + back * middle).collect();
-        if least_depth(&moved, skin)? >= left {
-            low = middle;
-        } else {
-            high = middle;
+    // A fingertip is narrower towards its back. Depth changes by no more than the way, so that none of what is passed
+    // over on the way down is deep enough, but for the tolerance that ends the walk.
+    for _ in 0..RAY_STEPS {
+        if raised <= 0.0 {
+            break;
         }
+        let moved: Vec<Vec3> = axis.iter().map(|place| place + back * raised).collect();
+        let short = left - least_depth(&moved, skin)?;
+        if short <= 0.0 {
+            return Ok(raised);
+        }
+        raised -= short + RAY_TOLERANCE * left;
     }
-    Ok(low)
+    Ok(0.0)
 }
 
 /// The box around the four metacarpals, in the plane that runs between them.

@@ -91,4 +91,4 @@ pub use distance::Distance;
 pub use rigid_pair::Reach;
 pub use shape::{DistanceGrid, MeshShape, Part, Shape};
 pub use sides::{Side, Sides};
-pub(crate) use triangle::closest_on_triangle;
+pub(crate) use triangle::{closest_on_triangle, cut_by_ray};

@@ -178,9 +178,22 @@ impl FleshModel {
             None => respond(rest, &x),
         };
         sums.add(&response);
+        self.scatter(t, &response, h, A, b);
+    }
+
+    /// Adds an element's forces and stiffness to the system of a step.
+    #[inline(always)]
+    pub(super) fn scatter(
+        &self,
+        t: usize,
+        response: &Response,
+        h: f64,
+        A: &mut BlockMatrix,
+        b: &mut [Vec3],
+    ) {
         let scale = h * h + h * self.stiffness_damping[t];
-        for a in 0..4 {
-            b[tet[a] as usize] += response.forces[a] * h;
+        for (&node, force) in self.tets[t].iter().zip(&response.forces) {
+            b[node as usize] += force * h;
         }
         for (block, (a, c)) in response.stiffness.iter().zip(PAIRS) {
             let block = block * scale;

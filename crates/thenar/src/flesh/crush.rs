@@ -1,4 +1,4 @@
-//! What keeps flesh from being crushed to nothing: a fibre pressed under a part of its length resists more.
+//! Resistance of flesh to being crushed to nothing: a fibre pressed under a part of its length resists more.
 //!
 //! The corotational law gives way at no thickness with finite force, and comes to rest inside out. Its tetrahedra, in patches
 //! or not, add in their signed principal stretches
@@ -14,14 +14,14 @@
 
 use crate::flesh::element::{Linear, Principal, Response};
 use crate::flesh::principal::Density;
-use crate::flesh::{FleshModel, PAIRS, RestTet, Tally};
+use crate::flesh::{FleshModel, RestTet, Tally};
 use crate::math::{Mat3, Vec3};
 use crate::model::Law;
 use crate::solver::BlockMatrix;
 
 /// Stretch below which an element resists being crushed: where a foam as dense as bread, a fifth of what its walls are, is
-/// pressed solid, `1.4 ρ/ρ_s` (Gibson and Ashby, Cellular Solids, 1997). Flesh has no pores and is nowhere so flat.
-pub const CRUSHED: f64 = 0.3;
+/// pressed solid, `1.4 ρ/ρ_s` (Gibson and Ashby 1997). Flesh has no pores and is nowhere so flat.
+const CRUSHED: f64 = 0.3;
 /// Stress at no thickness, over Young's modulus: 1 MPa in a pulp of 50 kPa, or 200 N on the 2 cm² of a fingertip between
 /// plates.
 const STRESS: f64 = 20.0;
@@ -39,16 +39,7 @@ impl FleshModel {
         for (t, (tet, rest)) in self.tets.iter().zip(&self.rest).enumerate() {
             let Some(response) = response(rest, tet, x) else { continue };
             sums.energy += response.energy;
-            for (&node, force) in tet.iter().zip(&response.forces) {
-                b[node as usize] += force * h;
-            }
-            for (block, (a, c)) in response.stiffness.iter().zip(PAIRS) {
-                let block = block * (h * h + h * self.stiffness_damping[t]);
-                A.add(self.entries[t][a][c], &block);
-                if a != c {
-                    A.add(self.entries[t][c][a], &block.transpose());
-                }
-            }
+            self.scatter(t, &response, h, A, b);
         }
     }
 
@@ -100,22 +91,12 @@ fn density(k: f64, s: [f64; 3]) -> Density {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::Material;
+    use crate::flesh::PAIRS;
+    use crate::flesh::element::tests::{REST, YOUNG, rest_of};
     use crate::testing::{Random, assert_close, jacobian};
 
-    const REST: [Vec3; 4] = [
-        Vec3::new(0.0, 0.0, 0.0),
-        Vec3::new(0.011, 0.001, 0.0),
-        Vec3::new(-0.001, 0.009, 0.002),
-        Vec3::new(0.002, 0.001, 0.012),
-    ];
-    const YOUNG: f64 = 5e4;
-    const POISSON: f64 = 0.43;
-
     fn rest() -> RestTet {
-        let material =
-            Material { law: Law::Corotational, young: YOUNG, poisson: POISSON, density: 1000.0 };
-        RestTet::new(&REST, &material).unwrap()
+        rest_of(Law::Corotational)
     }
 
     fn at(rest: &RestTet, x: &[f64]) -> Response {
@@ -188,7 +169,7 @@ mod tests {
         }
     }
 
-    /// What is left of the stiffness pushes no motion on.
+    /// Stiffness that is left pushes no motion on.
     #[test]
     fn the_stiffness_has_no_negative_direction() {
         let (rest, mut random) = (rest(), Random::new(7));

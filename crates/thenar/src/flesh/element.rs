@@ -291,19 +291,24 @@ pub fn positive_part(m: &Mat3) -> Mat3 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::testing::{Random, assert_close, jacobian};
 
-    const REST: [Vec3; 4] = [
+    /// Corners of a tetrahedron.
+    pub const REST: [Vec3; 4] = [
         Vec3::new(0.0, 0.0, 0.0),
         Vec3::new(0.011, 0.001, 0.0),
         Vec3::new(-0.001, 0.009, 0.002),
         Vec3::new(0.002, 0.001, 0.012),
     ];
 
-    fn rest(law: Law) -> RestTet {
-        let material = Material { law, young: 5e4, poisson: 0.43, density: 1000.0 };
+    /// Its Young's modulus \[Pa\].
+    pub const YOUNG: f64 = 5e4;
+
+    /// The element of this law.
+    pub fn rest_of(law: Law) -> RestTet {
+        let material = Material { law, young: YOUNG, poisson: 0.43, density: 1000.0 };
         RestTet::new(&REST, &material).unwrap()
     }
 
@@ -336,7 +341,7 @@ mod tests {
     fn forces_are_minus_the_gradient_of_the_energy() {
         let mut random = Random::new(1);
         for law in LAWS {
-            let rest = rest(law);
+            let rest = rest_of(law);
             for _ in 0..100 {
                 let turn = random.rotation(3.1);
                 let x = REST.map(|x| turn * x + random.vec3(0.002));
@@ -352,7 +357,7 @@ mod tests {
     #[test]
     fn stiffness_is_minus_the_derivative_of_the_force_at_rest() {
         for law in LAWS {
-            let rest = rest(law);
+            let rest = rest_of(law);
             let here = respond(&rest, &REST);
             let numeric = jacobian(|x| flat(&respond(&rest, &nodes(x)).forces), &flat(&REST), 1e-8);
             let analytic = derivative(&here);
@@ -365,7 +370,7 @@ mod tests {
     fn hyperelastic_stiffness_is_exact_under_tension() {
         let mut random = Random::new(2);
         for law in [Law::NeoHookean, Law::StableNeoHookean, Law::Ogden { alpha: 8.0 }] {
-            let rest = rest(law);
+            let rest = rest_of(law);
             for _ in 0..20 {
                 let turn = random.rotation(3.0).to_rotation_matrix();
                 let pull = Mat3::from_diagonal(&Vec3::new(1.06, 1.04, 1.02));
@@ -384,7 +389,7 @@ mod tests {
     fn no_net_force_no_net_torque_and_rotation_invariance() {
         let mut random = Random::new(9);
         for law in LAWS {
-            let rest = rest(law);
+            let rest = rest_of(law);
             for _ in 0..300 {
                 let x = REST.map(|x| x + random.vec3(0.006));
                 let f = respond(&rest, &x).forces;

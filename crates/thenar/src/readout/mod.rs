@@ -26,7 +26,7 @@ mod vertex;
 
 pub use part::PartContact;
 pub use patch::PatchContact;
-pub use taxel::{TaxelContact, TaxelError, TaxelPlace, TaxelReadout};
+pub use taxel::{TaxelContact, TaxelError, TaxelPlace, TaxelReadout, TaxelSkin};
 pub use vertex::VertexContact;
 
 use crate::World;

@@ -8,7 +8,7 @@ mod frame;
 mod place;
 mod share;
 
-pub use place::TaxelPlace;
+pub use place::{TaxelPlace, TaxelSkin};
 
 use crate::World;
 use crate::contact::Site;

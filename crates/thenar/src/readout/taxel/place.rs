@@ -1,6 +1,6 @@
 //! Where a taxel is on a surface.
 
-use crate::contact::closest_on_triangle;
+use crate::contact::{closest_on_triangle, cut_by_ray};
 use crate::math::Vec3;
 use crate::model::Flesh;
 
@@ -15,31 +15,51 @@ pub struct TaxelPlace {
     pub along: [f64; 2],
 }
 
-impl TaxelPlace {
-    /// The place of a body's surface at rest that is nearest to a point, among triangles with all corners in `part`
-    /// (`parts`: part of each collision vertex; empty when the body is one). `along_M` is laid along the surface as
-    /// the first shear axis. `None` when the part has no triangle.
-    pub fn nearest(
-        flesh: &Flesh,
-        parts: &[u8],
-        part: u8,
-        point_M: &Vec3,
-        along_M: &Vec3,
-    ) -> Option<Self> {
-        let surface = &flesh.collision;
-        let mut rest = vec![Vec3::zeros(); surface.vertices.len()];
-        surface.positions(&flesh.tets, &flesh.nodes, &mut rest);
-        let is_in = |v: u32| parts.get(v as usize).copied().unwrap_or(0) == part;
-        let own = surface.triangles.iter().filter(|t| t.iter().all(|v| is_in(*v)));
-        let found = own.map(|t| (t, closest_on_triangle(point_M, &t.map(|v| rest[v as usize]))));
+/// The surface of a deformable body at rest, on which taxels are placed.
+#[derive(Clone, Debug)]
+pub struct TaxelSkin<'a> {
+    flesh: &'a Flesh,
+    /// Part of each collision vertex; empty when the body is one.
+    parts: Vec<u8>,
+    /// Collision vertices in the model frame M.
+    rest: Vec<Vec3>,
+}
+
+impl<'a> TaxelSkin<'a> {
+    /// The surface of this flesh; `parts` gives the part of each collision vertex, and is empty when the body is one.
+    pub fn new(flesh: &'a Flesh, parts: Vec<u8>) -> Self {
+        let mut rest = vec![Vec3::zeros(); flesh.collision.vertices.len()];
+        flesh.collision.positions(&flesh.tets, &flesh.nodes, &mut rest);
+        Self { flesh, parts, rest }
+    }
+
+    /// The place that is nearest to a point, among triangles with all corners in `part`. `along_M` is laid along the
+    /// surface as the first shear axis. `None` when the part has no triangle.
+    pub fn nearest(&self, part: u8, point_M: &Vec3, along_M: &Vec3) -> Option<TaxelPlace> {
+        let is_in = |v: u32| self.parts.get(v as usize).copied().unwrap_or(0) == part;
+        let own = self.flesh.collision.triangles.iter().filter(|t| t.iter().all(|v| is_in(*v)));
+        let found = own.map(|t| (t, closest_on_triangle(point_M, &self.corners(t))));
         let nearest = found.min_by(|a, b| a.1.distance_squared.total_cmp(&b.1.distance_squared));
-        nearest.map(|(vertices, closest)| Self {
+        nearest.map(|(vertices, closest)| TaxelPlace {
             vertices: *vertices,
             weights: closest.weights,
-            along: combination(&vertices.map(|v| rest[v as usize]), along_M),
+            along: combination(&self.corners(vertices), along_M),
         })
     }
 
+    /// How far it is from a point to the surface in a direction, in lengths of that; `None` where it is not met.
+    pub fn way(&self, from_M: &Vec3, direction_M: &Vec3) -> Option<f64> {
+        let triangles = self.flesh.collision.triangles.iter();
+        let ways = triangles.filter_map(|t| cut_by_ray(from_M, direction_M, &self.corners(t)));
+        ways.map(|(way, _)| way).min_by(f64::total_cmp)
+    }
+
+    fn corners(&self, triangle: &[u32; 3]) -> [Vec3; 3] {
+        triangle.map(|v| self.rest[v as usize])
+    }
+}
+
+impl TaxelPlace {
     /// The place, with collision vertices there.
     pub fn on(&self, vertices: &[Vec3]) -> Vec3 {
         (0..3).map(|k| vertices[self.vertices[k] as usize] * self.weights[k]).sum()
