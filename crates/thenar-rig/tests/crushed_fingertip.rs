@@ -32,7 +32,8 @@ fn crush(digit: Digit, tets: usize, step: f64) {
 
 /// The finger's readout holds the load, whether flesh or bone bears it, and so do the pairs of bodies.
 fn is_told(press: &Press) {
-    assert!(press.on_bone() > 0.5 * CRUSHING, "the bone bears {} N", press.on_bone());
+    // Flesh that is crushed to nothing bears 20 E = 1 MPa, which on the 2 cm² of a thumb's tip is nearly all.
+    assert!(press.on_bone() > 0.1 * CRUSHING, "the bone bears {} N", press.on_bone());
     let mut readout = ContactReadout::new(&press.world);
     readout.read(&press.world);
     let pair = [BodyId::Soft(press.soft), BodyId::Rigid(press.upper)];

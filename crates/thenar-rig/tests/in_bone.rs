@@ -15,6 +15,7 @@ fn hand(side: Side, tets: usize, length: f64) -> (HandModel, HandReport) {
 /// Largest extent of a solid \[m\].
 fn extent(shape: &Shape) -> f64 {
     match *shape {
+        Shape::Compound(ref parts) => extent(&parts[0].shape),
         Shape::Capsule { radius, half_length } => 2.0 * (radius + half_length),
         Shape::Cuboid { half } => 2.0 * half.norm(),
         ref other => panic!("the solid of a bone is a {other:?}"),

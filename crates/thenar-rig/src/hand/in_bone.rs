@@ -1,10 +1,14 @@
 //! The nodes of the flesh that stand for bone, and how much of it each has.
 //!
-//! Every inside point of the lattice that lies in a bone's solid gives its volume to the four nodes of its
-//! tetrahedron by barycentric weights. A node follows the bone whose volume it has, or two adjacent bones
-//! by their shares. There is no threshold: what has no bone is free. The volumes of each bone are scaled
-//! to that of its solid, so that meshes of all sizes hold a bone about equally; less what is left free below, and a node that has a share of
-//! more than two bones loses the others, which the report tells (`bound` beside `volume`).
+//! Springs spread through a bone, of so much stiffness per volume, make the matrix `κ ∫ Nᵢ Nⱼ dV` of the nodes' shape functions.
+//! What stands for it here is its diagonal, scaled so that the whole stays `κ V`: every inside point of the lattice that lies in
+//! a bone's solid gives to the four nodes of its tetrahedron by the squares of its barycentric weights (for masses:
+//! Hinton, Rock and Zienkiewicz 1976). Given by the weights themselves, a far corner of an element that a bone only touches
+//! would be held nearly as one in its middle: an index pad in cubes of 6.7 mm sank by 1.25 mm at 1 N, by squares it sinks by
+//! 1.45 mm, and in cubes of 2.7 mm by 1.63 mm. A node follows the bone whose
+//! volume it has, or two adjacent bones by their shares. There is no threshold: what has no bone is free. The whole falls short of the
+//! solid's volume by what is left free below, and by what a node that has a share of more than two bones loses of the
+//! others, which the report tells (`bound` beside `volume`).
 //!
 //! A node that follows one bone alone is left free where the utmost bend of a joint at either end carries it to the
 //! other side of the plane that halves the bend. Nodes reach as far past a solid as the mesh is coarse, and in the bend of a fist
@@ -14,7 +18,7 @@ use crate::lattice::{Lattice, tet};
 use crate::weights::pair;
 use std::collections::BTreeMap;
 use thenar::model::{Binding, Bone, BoneNode, BoneSolid, JointDesc, JointKind};
-use thenar::shape::Shape;
+use thenar::shape::{Part, Shape};
 use thenar::{Pose, Quat, Vec3};
 
 /// Volume of each bone that a node stands for \[m³\].
@@ -29,10 +33,12 @@ pub(super) fn bone_nodes(
 ) -> Vec<BoneNode> {
     let mut shares: Vec<Shares> = vec![Shares::new(); lattice.nodes.len()];
     for (b, points) in points_in_solids(lattice, bones, solids).iter().enumerate() {
-        let each = volume(&solids[b].shape) / points.len().max(1) as f64;
-        for &i in points {
+        let of_points = points.iter().map(|&i| weights(lattice, i).map(|w| w * w));
+        let whole: f64 = of_points.clone().flatten().sum();
+        let each = volume(&solids[b].shape) / whole;
+        for (&i, weights) in points.iter().zip(of_points) {
             let nodes = lattice.tets[lattice.sample_tet(i) as usize];
-            for (node, weight) in nodes.iter().zip(weights(lattice, i)) {
+            for (node, weight) in nodes.iter().zip(weights) {
                 *shares[*node as usize].entry(b as u32).or_insert(0.0) += each * weight;
             }
         }
@@ -162,6 +168,9 @@ fn contains(shape: &Shape, p: &Vec3) -> bool {
             (p - axis).norm_squared() <= radius * radius
         }
         Shape::Cuboid { half } => (0..3).all(|d| p[d].abs() <= half[d]),
+        Shape::Compound(ref parts) => {
+            parts.iter().any(|part| contains(&part.shape, &part.pose_SP.inverse_point(p)))
+        }
         ref other => unreachable!("the solid of a bone is a {other:?}"),
     }
 }
@@ -173,6 +182,19 @@ pub(super) fn volume(shape: &Shape) -> f64 {
             std::f64::consts::PI * radius * radius * (2.0 * half_length + radius * 4.0 / 3.0)
         }
         Shape::Cuboid { half } => 8.0 * half.x * half.y * half.z,
+        Shape::Compound(ref parts) => union_volume(parts),
         ref other => unreachable!("the solid of a bone is a {other:?}"),
     }
+}
+
+/// Volume of two parallel capsules of one size side by side, less what both have \[m³\].
+fn union_volume(parts: &[Part]) -> f64 {
+    let [a, b] = parts else { unreachable!("the solid of a bone is of {} parts", parts.len()) };
+    let Shape::Capsule { radius: r, half_length } = a.shape else {
+        unreachable!("the solid of a bone is of a {:?}", a.shape)
+    };
+    let d = (b.pose_SP.position - a.pose_SP.position).norm().min(2.0 * r);
+    let circles = 2.0 * r * r * (0.5 * d / r).acos() - 0.5 * d * (4.0 * r * r - d * d).sqrt();
+    let balls = std::f64::consts::PI * (4.0 * r + d) * (2.0 * r - d).powi(2) / 12.0;
+    2.0 * volume(&a.shape) - 2.0 * half_length * circles - balls
 }

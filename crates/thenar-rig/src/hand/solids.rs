@@ -3,16 +3,17 @@
 //! The solid of a moving bone is the capsule whose mass and inertia it has; that of the palm is a box
 //! around its metacarpals. Neither is thicker than the flesh over it anywhere: a capsule's radius is at
 //! most half the least distance from its axis to the skin, and the box is made smaller until the skin
-//! is nowhere nearer than half its thickness. The last bone of a digit lies under its nail, with the pad on
-//! its other side: where a rig has it in the middle of the fingertip, its capsule is moved towards the back;
-//! its mass stays where the rig has it.
+//! is nowhere nearer than half its thickness. The last bone of a digit is flat and lies under its nail, with the pad on
+//! its other side: two capsules side by side have the section of its one, and where a rig has it in the middle of
+//! the fingertip, they are moved towards the back; its mass stays where the rig has it.
 
 use super::digits::DigitRig;
 use crate::RigError;
 use crate::mesh::Bvh;
 use crate::work::Stage;
+use std::sync::Arc;
 use thenar::model::{Bone, BoneSolid};
-use thenar::shape::Shape;
+use thenar::shape::{Part, Shape};
 use thenar::{Pose, Quat, Vec3};
 
 /// Places along a capsule's axis, and along each edge of a box, where the flesh is measured: at most
@@ -24,6 +25,10 @@ const SHRINK: f64 = 0.97;
 /// Nail and nail bed over the last bone of a digit, of the length of a hand: 2.5 mm of 190. Nail plates are 0.40 to
 /// 0.48 mm thick in the mean (Wollina et al. 2001); for the bed 2 mm are assumed.
 const NAIL_SIDE: f64 = 2.5 / 190.0;
+
+/// Width of the last bone of a digit over its thickness, shaft and tuft together. Recalled of people's: the shaft is
+/// 5 to 6 mm wide and 4 mm thick, the tuft 7 to 9 mm wide and 3.5 mm thick.
+const LAST_WIDTH: f64 = 1.7;
 
 /// A solid and the flesh over it.
 pub(super) struct Covered {
@@ -52,9 +57,9 @@ pub(super) fn solids(
     let palms = palms.iter().map(|bone| palm(bone, digits, &mut skin));
     let palms = palms.collect::<Result<Vec<_>, _>>()?;
     let is_last = |b: usize| bones.iter().all(|bone| bone.parent != Some(b as u32));
-    let moving = moving.iter().enumerate().map(|(k, bone)| {
-        let nail = is_last(k + 1).then_some(NAIL_SIDE * length);
-        capsule(bone, nail, &mut skin)
+    let moving = moving.iter().enumerate().map(|(k, bone)| match is_last(k + 1) {
+        true => flat(bone, NAIL_SIDE * length, &mut skin),
+        false => capsule(bone, &mut skin),
     });
     palms.into_iter().map(Ok).chain(moving).collect()
 }
@@ -77,7 +82,7 @@ impl<'a> Skin<'a> {
     /// comes.
     fn new(bones: &[Bone], surface: &'a Bvh) -> Result<Self, RigError> {
         let ends = || bones.iter().flat_map(|bone| bone.ends_B.map(|end| bone.pose_MB.point(&end)));
-        let places = 2 * BOX_PLACES + ATTEMPTS + SAMPLES * bones.len();
+        let places = 2 * BOX_PLACES + ATTEMPTS + 2 * SAMPLES * bones.len();
         let each = ends().map(|p| surface.signed_distance_cost(&p)).sum::<f64>()
             / ends().count().max(1) as f64;
         let stage = Stage::new(
@@ -145,30 +150,79 @@ fn sides(
     Ok(sums.map(|sum| sum / places.len() as f64 - half_thickness))
 }
 
-/// The capsule between a bone's ends; of a last bone under `nail` \[m\] of flesh on the back, if there is more.
-fn capsule(bone: &Bone, nail: Option<f64>, skin: &mut Skin) -> Result<Covered, RigError> {
-    let [a, b] = bone.ends_B;
-    let length = (b - a).norm();
-    // The caps lie within the joints, as those of its mass do.
-    let inset = bone.radius.min(0.4 * length);
-    let half_length = 0.5 * length - inset;
-    let share = |k: usize| (inset + 2.0 * half_length * fraction(k)) / length;
-    let axis: Vec<Vec3> = (0..SAMPLES).map(|k| bone.pose_MB.point(&a.lerp(&b, share(k)))).collect();
-    let radius = bone.radius.min(0.5 * least_depth(&axis, skin)?);
-    let raised = match nail {
-        Some(nail) => rise(bone, &axis, radius + nail.max(radius), skin)?,
-        None => 0.0,
-    };
+/// The capsule between a bone's ends.
+fn capsule(bone: &Bone, skin: &mut Skin) -> Result<Covered, RigError> {
+    let axis = Axis::of(bone);
+    let places = axis.places(bone, &Vec3::zeros());
+    let radius = bone.radius.min(0.5 * least_depth(&places, skin)?);
+    let shape = Shape::Capsule { radius, half_length: axis.half_length };
+    covered(bone, BoneSolid { shape, pose_BS: axis.pose_BS }, &places, radius, skin)
+}
+
+/// The two capsules of a last bone, side by side, under `nail` \[m\] of flesh on the back, if there is more.
+fn flat(bone: &Bone, nail: f64, skin: &mut Skin) -> Result<Covered, RigError> {
+    let axis = Axis::of(bone);
+    let radius = bone.radius / flat_section().sqrt();
+    let aside = Vec3::x() * (radius * (LAST_WIDTH - 1.0));
+    let mut places = axis.places(bone, &aside);
+    places.extend(axis.places(bone, &-aside));
+    let radius = radius.min(0.5 * least_depth(&places, skin)?);
+    let raised = rise(bone, &places, radius + nail.max(radius), skin)?;
     let raised_M = bone.pose_MB.vector(&Vec3::y()) * raised;
-    let axis: Vec<Vec3> = axis.iter().map(|place| place + raised_M).collect();
-    let turn = Quat::rotation_between(&Vec3::y(), &(b - a)).unwrap_or_else(Quat::identity);
-    let pose_BS = Pose::new((a + b) / 2.0 + Vec3::y() * raised, turn);
+    places.iter_mut().for_each(|place| *place += raised_M);
+    let part = |aside: Vec3| Part {
+        shape: Shape::Capsule { radius, half_length: axis.half_length },
+        pose_SP: Pose::new(aside, Quat::identity()),
+    };
+    let shape = Shape::Compound(Arc::new(vec![part(aside), part(-aside)]));
+    let pose_BS = Pose::new(Vec3::y() * raised, Quat::identity()) * axis.pose_BS;
+    covered(bone, BoneSolid { shape, pose_BS }, &places, radius, skin)
+}
+
+/// Section of two circles of radius 1 that are together [`LAST_WIDTH`] as wide as thick, over that of one of them.
+fn flat_section() -> f64 {
+    let half_way = LAST_WIDTH - 1.0;
+    let lens = 2.0 * (half_way.acos() - half_way * (1.0 - half_way * half_way).sqrt());
+    2.0 - lens / std::f64::consts::PI
+}
+
+fn covered(
+    bone: &Bone,
+    solid: BoneSolid,
+    places: &[Vec3],
+    radius: f64,
+    skin: &mut Skin,
+) -> Result<Covered, RigError> {
     Ok(Covered {
-        solid: BoneSolid { shape: Shape::Capsule { radius, half_length }, pose_BS },
+        solid,
         thickness: 2.0 * radius,
-        flesh: least_depth(&axis, skin)? - radius,
-        sides: sides(bone, &axis, radius, skin)?,
+        flesh: least_depth(places, skin)? - radius,
+        sides: sides(bone, places, radius, skin)?,
     })
+}
+
+/// The middle line of a bone's solid: y in its frame S, x across the digit.
+struct Axis {
+    pose_BS: Pose,
+    half_length: f64,
+}
+
+impl Axis {
+    fn of(bone: &Bone) -> Self {
+        let [a, b] = bone.ends_B;
+        let length = (b - a).norm();
+        // The caps lie within the joints, as those of its mass do.
+        let inset = bone.radius.min(0.4 * length);
+        let turn = Quat::rotation_between(&Vec3::y(), &(b - a)).unwrap_or_else(Quat::identity);
+        Self { pose_BS: Pose::new((a + b) / 2.0, turn), half_length: 0.5 * length - inset }
+    }
+
+    /// Places along the line, in the model frame M, moved aside by so much in S.
+    fn places(&self, bone: &Bone, aside_S: &Vec3) -> Vec<Vec3> {
+        let pose_MS = bone.pose_MB * self.pose_BS;
+        let along = |k: usize| Vec3::y() * (self.half_length * (2.0 * fraction(k) - 1.0));
+        (0..SAMPLES).map(|k| pose_MS.point(&(aside_S + along(k)))).collect()
+    }
 }
 
 /// Least depth of some places \[m\].

@@ -40,6 +40,15 @@ pub struct Press {
     pub excess: f64,
 }
 
+/// Thickness of the last bone of a digit \[m\].
+fn thickness(solid: &Shape) -> f64 {
+    match solid {
+        Shape::Compound(parts) => thickness(&parts[0].shape),
+        Shape::Capsule { radius, .. } => 2.0 * radius,
+        other => panic!("the bone is a {other:?}"),
+    }
+}
+
 impl Press {
     /// With a hand of so many tetrahedra.
     pub fn new(digit: Digit, tets: usize, step: f64, solid_bones: bool) -> Self {
@@ -76,10 +85,7 @@ impl Press {
             digit,
             lower,
             upper,
-            bone: match hand.solids[tip].shape {
-                Shape::Capsule { radius, .. } => 2.0 * radius,
-                ref other => panic!("the bone is a {other:?}"),
-            },
+            bone: thickness(&hand.solids[tip].shape),
             between,
             work: 0.0,
             excess: 0.0,
