@@ -6,7 +6,10 @@ use crate::picture::{Quality, hand_portrait, write_png};
 use std::path::Path;
 use thenar::model::{CouplingKind, Side};
 use thenar_rig::export::{hand_glb, hand_json, write_hand_vtk};
-use thenar_rig::hand::{HandOptions, NameMap, Size, Springs, asset, build_hand_with_report};
+use thenar_rig::hand::{
+    HandOptions, JointStiffness, NameMap, Size, Springs, asset, build_hand_with_report,
+    joint_stiffness,
+};
 use thenar_rig::{HandReport, Model};
 use thenar_scene::build::change_by_file;
 
@@ -24,11 +27,11 @@ pub fn build(args: &Args, outputs: &mut Outputs) -> Result<Model, CliError> {
     };
     let (mut hand, report) = build_hand_with_report(&bytes, &options)
         .map_err(|e| CliError::from(e.in_file(args.input.display())))?;
-    print(&report);
     if let Some(file) = &args.joints {
         change_by_file(&mut hand, file).map_err(|e| CliError::Input(e.to_string()))?;
-        println!("joints changed by {}", file.display());
     }
+    print(&report);
+    print_joints(&joint_stiffness(&hand)?);
     if let Some(folder) = &args.vtk {
         std::fs::create_dir_all(folder)
             .map_err(|e| CliError::Other(format!("cannot make {}: {e}", folder.display())))?;
@@ -121,10 +124,14 @@ fn print(r: &HandReport) {
             cover.volume * 1e6
         );
     }
+}
+
+/// How joints resist, axis by axis.
+fn print_joints(joints: &[JointStiffness]) {
     println!(
         "joints [N m/rad]: total with all others free = flesh + spring (flesh with all others held):"
     );
-    for joint in &r.joints {
+    for joint in joints {
         let [low, high] = joint.range_deg.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
         let people = match (joint.band, joint.met()) {
             (Some([low, high]), Some(true)) => format!("people {low:.3} to {high:.3}"),

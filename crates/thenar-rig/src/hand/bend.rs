@@ -17,9 +17,8 @@ use thenar::{Pose, Vec3, World};
 /// Length of the steps by which flesh comes to rest \[s\]: a hundred periods of a finger's slowest vibration, so that inertia
 /// is a ten-thousandth of what elasticity is.
 const STEP: f64 = 1.0;
-/// Steps. Each is one of Newton's; the shipped hands' torques change by less than 2 % after the third.
-const STEPS: usize = 4;
-
+/// Steps. Each is one of Newton's; most torques in the shipped hands change by less than 1 % after the second.
+const STEPS: usize = 3;
 /// Comparisons of a point with a triangle that take as long as a step of one tetrahedron, about.
 const TET_STEP: usize = 80;
 
@@ -77,19 +76,20 @@ impl<'a> Bender<'a> {
         joints.flat_map(|(j, joint)| (0..joint.kind.angles()).map(move |k| (j, k))).collect()
     }
 
-    /// Stiffness of the flesh \[N m/rad\], secant: entry (a, b) is the torque about axis a against a turn of axis b alone, over
-    /// that turn. `turns` \[rad\], one for each axis.
+    /// Stiffness of the flesh \[N m/rad\], secant: entry (a, b) is by how much the torque about axis a differs between turns of
+    /// axis b alone to both sides of rest, over the way between them. `turns` \[rad\], one for each axis.
     ///
     /// # Errors
     /// The work would be too much, or is to end.
     pub fn stiffness(&mut self, turns: &[f64]) -> Result<DMatrix<f64>, RigError> {
         let axes = Self::axes(self.hand);
-        let work = (TET_STEP * STEPS * self.hand.flesh.tets.len() * axes.len()) as f64;
+        let work = (2 * TET_STEP * STEPS * self.hand.flesh.tets.len() * axes.len()) as f64;
         let stage = Stage::new("turning the joints", axes.len(), work, "ask for fewer tetrahedra")?;
         let mut matrix = DMatrix::zeros(axes.len(), axes.len());
         for (b, (&axis, &turn)) in axes.iter().zip(turns).enumerate() {
-            for (a, torque) in self.torques(axis, turn)?.iter().enumerate() {
-                matrix[(a, b)] = -torque / turn;
+            let [there, back] = [self.torques(axis, turn)?, self.torques(axis, -turn)?];
+            for (a, (there, back)) in there.iter().zip(&back).enumerate() {
+                matrix[(a, b)] = (back - there) / (2.0 * turn);
             }
             stage.at(b + 1)?;
         }

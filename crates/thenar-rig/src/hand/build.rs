@@ -46,9 +46,10 @@ pub fn build_hand_with_report(
     options: &HandOptions,
 ) -> Result<(HandModel, HandReport), RigError> {
     let Made { mut hand, skin, digits, covered } = made(bytes, options)?;
-    phase("turning the joints")?;
-    let joints = passive::joints(&mut hand, options.springs)?;
-    model_file::check_hand(&hand)?;
+    let joints = match options.springs {
+        Springs::Fixed => Vec::new(),
+        Springs::Rest => passive::fill_up(&mut hand)?,
+    };
     phase("measuring the hand")?;
     let report = HandReport::new(&hand, &skin, &digits, &covered, joints)?;
     Ok((hand, report))

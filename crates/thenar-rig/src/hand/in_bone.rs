@@ -7,7 +7,8 @@
 //! more than two bones loses the others, which the report tells (`bound` beside `volume`).
 //!
 //! A node with shares of bones of two digits is left free. Held by one of them it would stand a fraction of an element from nodes
-//! that the other holds, and a finger could not be bent beside a straight one: its knuckle is 0.02 to 0.05 N m/rad stiffer with such nodes.
+//! that the other holds, and a finger could not be bent beside a straight one: its knuckle is 0.02 to 0.05 N m/rad
+//! stiffer with such nodes. (A bone of which a coarse mesh would hold less than half keeps them.)
 //! A node that follows one bone alone is left free where the utmost bend of a joint at either end carries it to the
 //! other side of the plane that halves the bend. Nodes reach as far past a solid as the mesh is coarse, and in the bend of a fist
 //! those of two bones would pass each other there, with the flesh between them inside out.
@@ -21,6 +22,9 @@ use thenar::{Pose, Quat, Vec3};
 
 /// Volume of each bone that a node stands for \[m³\].
 type Shares = BTreeMap<u32, f64>;
+
+/// Least part of its solid's volume by which a bone is held when nodes that tie digits are freed.
+const HELD_MIN: f64 = 0.5;
 
 /// The nodes that stand for bone, ascending.
 pub(super) fn bone_nodes(
@@ -43,10 +47,22 @@ pub(super) fn bone_nodes(
     let nodes = shares.iter().enumerate();
     let held: Vec<BoneNode> =
         nodes.filter_map(|(n, shares)| bone_node(n as u32, shares, bones)).collect();
-    let stays = |held: &BoneNode| {
+    let carried = |held: &BoneNode| {
         let x = &lattice.nodes[held.node as usize];
-        !ties_digits(&shares[held.node as usize], bones)
-            && !bends.iter().any(|bend| bend.carries_across(&held.binding, x, bones))
+        bends.iter().any(|bend| bend.carries_across(&held.binding, x, bones))
+    };
+    let ties = |held: &BoneNode| ties_digits(&shares[held.node as usize], bones);
+    // Volume by which each bone is held without the nodes that tie digits: of a coarse mesh that may be too little.
+    let mut without = vec![0.0; bones.len()];
+    for held in held.iter().filter(|held| !ties(held) && !carried(held)) {
+        for (bone, weight) in held.binding.bones.iter().zip(held.binding.weights) {
+            without[*bone as usize] += weight * held.volume;
+        }
+    }
+    let does_without = |b: u32| without[b as usize] > HELD_MIN * volume(&solids[b as usize].shape);
+    let stays = |held: &BoneNode| {
+        let freed = ties(held) && held.binding.bones.iter().all(|&bone| does_without(bone));
+        !freed && !carried(held)
     };
     // A bone of a mesh so coarse that all of its nodes would go keeps them.
     let mut kept = vec![false; bones.len()];

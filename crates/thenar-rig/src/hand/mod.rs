@@ -25,5 +25,5 @@ pub use fist::{Inversions, fist};
 pub use grading::{DETAILS, graded_tets};
 pub use names::NameMap;
 pub use options::{HandOptions, Size, Springs};
-pub use passive::JointStiffness;
+pub use passive::{JointStiffness, joint_stiffness};
 pub use report::{BoneCover, BoneLength, HandReport};

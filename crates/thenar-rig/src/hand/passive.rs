@@ -15,7 +15,6 @@
 //! All are proportional to the cube of the hand's length, as flesh of one modulus is.
 
 use super::bend::{AxisOf, Bender};
-use super::options::Springs;
 use crate::RigError;
 use nalgebra::DMatrix;
 use thenar::Vec3;
@@ -23,7 +22,7 @@ use thenar::model::{Bone, Digit, HandModel, JointDesc, JointKind};
 
 /// Length for which figures are given \[m\].
 const LENGTH: f64 = 0.19;
-/// How far joints are turned for measuring: flexion as far as 10 N mm turn a knuckle, and sideways a third \[rad\].
+/// How far joints are turned for measuring, to both sides: flexion as far as 10 N mm turn a knuckle, and sideways a third \[rad\].
 const TURNS: [f64; 2] = [0.26, 0.09];
 /// Damping ratio of a joint with all beyond it: a released finger goes past its rest by 5 % of the way. Relaxed fingers hardly swing
 /// (recalled).
@@ -78,61 +77,81 @@ fn wanted(digit: Digit, place: usize, flexion: bool) -> (f64, Option<[f64; 2]>) 
     }
 }
 
-/// Measures all axes of a hand's joints, with the springs that are there or with those that make up what flesh leaves.
+/// How all axes of a hand's joints resist, with the springs that they have.
 ///
 /// # Errors
 /// The hand makes no world, or the work would be too much.
-pub(super) fn joints(
-    hand: &mut HandModel,
-    springs: Springs,
-) -> Result<Vec<JointStiffness>, RigError> {
-    let axes = Bender::axes(hand);
-    let turns: Vec<f64> =
-        axes.iter().map(|axis| if is_flexion(hand, *axis) { TURNS[0] } else { TURNS[1] }).collect();
-    let measured = Bender::new(hand)?.stiffness(&turns)?;
-    let flesh = (&measured + measured.transpose()) * 0.5;
-    let scale = (hand.length / LENGTH).powi(3);
-    let goals: Vec<(f64, Option<[f64; 2]>)> = axes
-        .iter()
-        .map(|&axis| {
-            let joint = axis.0;
-            let digit = hand.bones[hand.joints[joint].child as usize].digit;
-            let (wanted, band) = wanted(digit, place(hand, joint), is_flexion(hand, axis));
-            (wanted * scale, band.map(|band| band.map(|k| k * scale)))
+pub fn joint_stiffness(hand: &HandModel) -> Result<Vec<JointStiffness>, RigError> {
+    let measured = Measured::new(hand)?;
+    Ok(measured.rows(hand))
+}
+
+/// Gives the joints of a hand the springs that make up what its flesh leaves of what is wanted, and dampers.
+///
+/// # Errors
+/// As [`joint_stiffness`].
+pub(super) fn fill_up(hand: &mut HandModel) -> Result<Vec<JointStiffness>, RigError> {
+    let measured = Measured::new(hand)?;
+    let wanted: Vec<f64> = measured.axes.iter().map(|&axis| goal(hand, axis).0).collect();
+    for (&(j, k), spring) in measured.axes.iter().zip(fitted(&measured.flesh, &wanted)) {
+        hand.joints[j].axes[k].stiffness = rounded(spring);
+    }
+    for (&(j, k), total) in measured.axes.iter().zip(measured.totals(hand)) {
+        let critical = 2.0 * (total * inertia_beyond(hand, (j, k))).sqrt();
+        hand.joints[j].axes[k].damping = rounded(DAMPING_RATIO * critical);
+    }
+    Ok(measured.rows(hand))
+}
+
+/// What the flesh of a hand does when its joints are turned.
+struct Measured {
+    axes: Vec<AxisOf>,
+    /// Its stiffness \[N m/rad\], symmetric.
+    flesh: DMatrix<f64>,
+}
+
+impl Measured {
+    fn new(hand: &HandModel) -> Result<Self, RigError> {
+        let axes = Bender::axes(hand);
+        let turn = |axis: &AxisOf| TURNS[usize::from(!is_flexion(hand, *axis))];
+        let turns: Vec<f64> = axes.iter().map(turn).collect();
+        let secant = Bender::new(hand)?.stiffness(&turns)?;
+        Ok(Self { axes, flesh: (&secant + secant.transpose()) * 0.5 })
+    }
+
+    fn totals(&self, hand: &HandModel) -> Vec<f64> {
+        let springs = self.axes.iter().map(|&(j, k)| hand.joints[j].axes[k].stiffness);
+        totals(&self.flesh, &springs.collect::<Vec<_>>())
+    }
+
+    fn rows(&self, hand: &HandModel) -> Vec<JointStiffness> {
+        let rows = self.axes.iter().zip(self.totals(hand)).enumerate();
+        rows.map(|(i, (&(j, k), total))| {
+            let (joint, axis) = (&hand.joints[j], &hand.joints[j].axes[k]);
+            let (wanted, band) = goal(hand, (j, k));
+            JointStiffness {
+                joint: joint.name.clone(),
+                axis: if is_flexion(hand, (j, k)) { "flexion" } else { "abduction" },
+                range_deg: axis.limit.map(|limit| [limit.min, limit.max].map(f64::to_degrees)),
+                total,
+                flesh: total - axis.stiffness,
+                flesh_held: self.flesh[(i, i)],
+                spring: axis.stiffness,
+                damping: axis.damping,
+                wanted,
+                band,
+            }
         })
-        .collect();
-    if springs == Springs::Rest {
-        let wanted: Vec<f64> = goals.iter().map(|(wanted, _)| *wanted).collect();
-        let found = fitted(&flesh, &wanted);
-        for (&(j, k), spring) in axes.iter().zip(&found) {
-            hand.joints[j].axes[k].stiffness = rounded(*spring);
-        }
+        .collect()
     }
-    let own: Vec<f64> = axes.iter().map(|&(j, k)| hand.joints[j].axes[k].stiffness).collect();
-    let totals = totals(&flesh, &own);
-    if springs == Springs::Rest {
-        for (&(j, k), total) in axes.iter().zip(&totals) {
-            let inertia = inertia_beyond(hand, (j, k));
-            hand.joints[j].axes[k].damping =
-                rounded(2.0 * DAMPING_RATIO * (total * inertia).sqrt());
-        }
-    }
-    let rows = axes.iter().enumerate().map(|(i, &(j, k))| {
-        let (joint, axis) = (&hand.joints[j], &hand.joints[j].axes[k]);
-        JointStiffness {
-            joint: joint.name.clone(),
-            axis: if is_flexion(hand, (j, k)) { "flexion" } else { "abduction" },
-            range_deg: axis.limit.map(|limit| [limit.min, limit.max].map(f64::to_degrees)),
-            total: totals[i],
-            flesh: totals[i] - axis.stiffness,
-            flesh_held: measured[(i, i)],
-            spring: axis.stiffness,
-            damping: axis.damping,
-            wanted: goals[i].0,
-            band: goals[i].1,
-        }
-    });
-    Ok(rows.collect())
+}
+
+/// Wanted stiffness of an axis and people's band \[N m/rad\], at the hand's length.
+fn goal(hand: &HandModel, axis: AxisOf) -> (f64, Option<[f64; 2]>) {
+    let scale = (hand.length / LENGTH).powi(3);
+    let digit = hand.bones[hand.joints[axis.0].child as usize].digit;
+    let (wanted, band) = wanted(digit, place(hand, axis.0), is_flexion(hand, axis));
+    (wanted * scale, band.map(|band| band.map(|k| k * scale)))
 }
 
 /// What a torque about each axis alone meets, with springs beside the flesh.

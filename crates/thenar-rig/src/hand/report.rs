@@ -46,7 +46,8 @@ pub struct HandReport {
     pub bone_lengths: Vec<BoneLength>,
     /// Solids of the bones and the flesh over them.
     pub bone_covers: Vec<BoneCover>,
-    /// How joints resist being turned, axis by axis.
+    /// How joints resist being turned, axis by axis, where their springs are what flesh leaves. Of other hands
+    /// [`joint_stiffness`](super::joint_stiffness) tells.
     pub joints: Vec<JointStiffness>,
 }
 
