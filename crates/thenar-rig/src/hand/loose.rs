@@ -13,8 +13,8 @@ use thenar::model::Digit;
 /// A place lies in a web as much as its distance from the nearest digit's bones comes near that from the next digit's. All
 /// flesh outside bone does: on a hand of 190 mm bones are 5 to 6 mm thick, in radius, and lie 20 mm apart.
 const WEB: [f64; 2] = [0.25, 0.45];
-/// It lies over the first joint of a digit as much as its distances from the bones on both sides come near one another: those that are
-/// r off the axis, wholly up to 0.75 r along it and not beyond 1.7 r. That is how far creases reach.
+/// A place lies over the first joint of a digit as much as its distances from the bones on both sides come near one another: places r
+/// off the axis wholly up to 0.75 r along it and not beyond 1.7 r. That is how far creases reach.
 const ROOT: [f64; 2] = [0.5, 0.8];
 
 /// Young's modulus where flesh is loose, relative to that elsewhere, in (0, 1].
