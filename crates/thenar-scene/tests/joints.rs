@@ -1,6 +1,5 @@
 //! Goal: the joints of the hand for touch resist as those of the living do, whatever the hand's side and length, and scenes
-//! say otherwise where they want to. Method: a torque on one knuckle after the other, drives off, and the angle after ten
-//! seconds; a finger that is bent by a torque and let go; tables of joints, read back from the world.
+//! say otherwise where they want to. Method: a torque on one knuckle after the other, drives off, and the angle at rest; a finger that is bent by a torque and let go; tables of joints, read back from the world.
 
 use std::path::Path;
 use thenar::model::{AngleLimit, Side};
@@ -8,9 +7,10 @@ use thenar_rig::hand::{HandOptions, asset, build_hand_with_report};
 use thenar_scene::session::Session;
 
 const FINGERS: [&str; 4] = ["index", "middle", "ring", "little"];
-/// Torque on a knuckle \[N m\], and how long each is held \[s\].
+/// Torque on a knuckle \[N m\], and how long it acts on each \[s\]. Flesh without memory is at rest after a second and as stiff then as
+/// after ten.
 const TORQUE: f64 = 0.01;
-const HELD: f64 = 10.0;
+const HELD: f64 = 2.5;
 
 fn open(text: &str) -> Result<Session, String> {
     Session::from_text(text, Path::new("joints.toml"), &[]).map_err(|e| e.to_string())
@@ -36,20 +36,21 @@ fn flexion(session: &Session, finger: &str) -> f64 {
     session.world().joint_angles(j as u32)[1]
 }
 
-/// Flexion of each knuckle \[rad\] by a torque on it alone, held for ten seconds.
+/// Flexion of each knuckle \[rad\] by a torque on it alone.
 fn knuckles(hand: &str, torque: f64) -> [f64; 4] {
     let loads: String = (FINGERS.iter().enumerate())
         .map(|(i, finger)| {
             let from = HELD * i as f64;
             format!(
                 "[[load]]\nkind = \"joint-torque\"\njoints = [\"hand/{finger}-mcp\"]\ntorque = {}\n\
-                 profile = {{ kind = \"constant\", from = {from}, until = {} }}\n",
+                 profile = {{ kind = \"ramp\", from = {from}, full = {}, until = {} }}\n",
                 torque,
+                from + 0.3,
                 from + HELD
             )
         })
         .collect();
-    let h = 0.25;
+    let h = 0.05;
     let mut session = limp(hand, h, HELD * 4.0, &loads);
     let rest = FINGERS.map(|finger| flexion(&session, finger));
     std::array::from_fn(|i| {
@@ -73,7 +74,7 @@ fn knuckles_are_as_stiff_as_those_of_people() {
     }
 }
 
-/// What is reported of a built hand is what torques to both sides meet, to what flesh is stiffer at one angle than at another.
+/// What is reported of a built hand is what torques to both sides meet, to what flesh that is bent otherwise resists otherwise.
 #[test]
 fn what_is_reported_is_what_a_torque_meets() {
     let (_, report) =
@@ -90,7 +91,7 @@ fn what_is_reported_is_what_a_torque_meets() {
         let name = format!("{finger}-mcp");
         let row = report.joints.iter().find(|row| row.joint == name && row.axis == "flexion");
         let row = row.expect("a row for each knuckle");
-        assert!((measured / row.total - 1.0).abs() < 0.25, "{measured} N m/rad, {row:?}");
+        assert!((measured / row.total - 1.0).abs() < 0.1, "{measured} N m/rad, {row:?}");
         assert!((row.flesh + row.spring - row.total).abs() < 1e-12, "{row:?}");
         assert!(row.spring >= 0.0 && row.flesh > 0.0 && row.flesh <= row.flesh_held, "{row:?}");
         assert_eq!(row.met(), Some(true), "{row:?}");
@@ -101,8 +102,8 @@ fn what_is_reported_is_what_a_torque_meets() {
 #[test]
 fn a_released_finger_hardly_swings() {
     for h in [0.005, 1.0 / 60.0] {
-        let load = "[[load]]\nkind = \"joint-torque\"\njoints = [\"hand/index-mcp\"]\ntorque = 0.012\n\
-                    profile = { kind = \"constant\", until = 1 }\n";
+        let load = "[[load]]\nkind = \"joint-torque\"\njoints = [\"hand/index-mcp\"]\ntorque = 0.015\n\
+                    profile = { kind = \"ramp\", full = 0.5, until = 1 }\n";
         let mut session = limp("", h, 2.0, load);
         let rest = flexion(&session, "index");
         let mut way = Vec::new();
@@ -113,7 +114,7 @@ fn a_released_finger_hardly_swings() {
             }
         }
         let bent = way[0];
-        assert!(bent.to_degrees() > 15.0 && bent.to_degrees() < 45.0, "{bent} rad");
+        assert!(bent.to_degrees() > 20.0 && bent.to_degrees() < 40.0, "{bent} rad");
         // Swings beyond the rest on either side, as parts of the way.
         let past = way.iter().copied().fold(f64::INFINITY, f64::min) / bent;
         let lowest = way.iter().position(|x| x / bent == past).expect("the lowest");
