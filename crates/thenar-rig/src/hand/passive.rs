@@ -24,8 +24,8 @@ use thenar::model::{Bone, Digit, HandModel, JointDesc, JointKind};
 const LENGTH: f64 = 0.19;
 /// How far joints are turned for measuring, to both sides: flexion as far as 10 N mm turn a knuckle, and sideways a third \[rad\].
 const TURNS: [f64; 2] = [0.26, 0.09];
-/// Damping ratio of a joint with all beyond it: a released finger goes past its rest by 5 % of the way. Relaxed fingers hardly swing
-/// (recalled).
+/// Damping ratio of a joint with all beyond it: by itself it would go past its rest by 5 % of the way. Relaxed fingers hardly swing
+/// (recalled); those of the hand for touch, whose flesh is damped too, do not.
 const DAMPING_RATIO: f64 = 0.7;
 /// Rounds in which springs find their values; each leaves less than half of what is amiss.
 const ROUNDS: usize = 60;
