@@ -98,7 +98,7 @@ fn model_files_endure() {
         };
         model.unwrap().to_bytes().unwrap()
     });
-    let moved = endures("model", 150, &seeds, bodies::model);
+    let moved = endures("model", 200, &seeds, bodies::model);
     assert!(moved > 20, "{moved}");
 }
 

@@ -1,13 +1,17 @@
 //! Hands.
 
-use super::{Args, CouplingArg, Outputs, name, write};
+use super::{Args, CouplingArg, Outputs, SpringsArg, name, write};
 use crate::error::CliError;
 use crate::picture::{Quality, hand_portrait, write_png};
 use std::path::Path;
 use thenar::model::{CouplingKind, Side};
 use thenar_rig::export::{hand_glb, hand_json, write_hand_vtk};
-use thenar_rig::hand::{HandOptions, NameMap, Size, asset, build_hand_with_report};
+use thenar_rig::hand::{
+    HandOptions, JointStiffness, NameMap, Size, Springs, asset, build_hand_with_report,
+    joint_stiffness,
+};
 use thenar_rig::{HandReport, Model};
+use thenar_scene::build::change_by_file;
 
 /// Largest file of joint names, and of a mesh \[bytes\].
 const NAMES_BYTES_MAX: u64 = 1 << 20;
@@ -21,9 +25,13 @@ pub fn build(args: &Args, outputs: &mut Outputs) -> Result<Model, CliError> {
         Some("right") => asset(Side::Right).to_vec(),
         _ => read(&args.input, MESH_BYTES_MAX)?,
     };
-    let (hand, report) = build_hand_with_report(&bytes, &options)
+    let (mut hand, report) = build_hand_with_report(&bytes, &options)
         .map_err(|e| CliError::from(e.in_file(args.input.display())))?;
+    if let Some(file) = &args.joints {
+        change_by_file(&mut hand, file).map_err(|e| CliError::Input(e.to_string()))?;
+    }
     print(&report);
+    print_joints(&joint_stiffness(&hand)?);
     if let Some(folder) = &args.vtk {
         std::fs::create_dir_all(folder)
             .map_err(|e| CliError::Other(format!("cannot make {}: {e}", folder.display())))?;
@@ -58,6 +66,11 @@ fn options(args: &Args) -> Result<HandOptions, CliError> {
         coupling: match args.coupling {
             CouplingArg::Uniform => CouplingKind::Uniform,
             CouplingArg::Bone => CouplingKind::Bone,
+        },
+        springs: match args.springs {
+            Some(SpringsArg::Fixed) => Springs::Fixed,
+            Some(SpringsArg::Rest) => Springs::Rest,
+            None => usual.springs,
         },
         name_map: args.joint_names.as_deref().map_or(Ok(NameMap::new()), names)?,
         ..usual
@@ -109,6 +122,31 @@ fn print(r: &HandReport) {
             cover.nodes,
             cover.bound * 1e6,
             cover.volume * 1e6
+        );
+    }
+}
+
+/// How joints resist, axis by axis.
+fn print_joints(joints: &[JointStiffness]) {
+    println!(
+        "joints [N m/rad]: total with all others free = flesh + spring (flesh with all others held):"
+    );
+    for joint in joints {
+        let [low, high] = joint.range_deg.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+        let people = match (joint.band, joint.met()) {
+            (Some([low, high]), Some(true)) => format!("people {low:.3} to {high:.3}"),
+            (Some([low, high]), _) => format!("NOT as people's {low:.3} to {high:.3}"),
+            _ => format!("{:.3} wanted, not measured in people", joint.wanted),
+        };
+        println!(
+            "  {:11} {:9} {low:4.0} to {high:3.0}°, {:.4} = {:.4} + {:.4} ({:.4}), damper {:.2e} N m s/rad; {people}",
+            joint.joint,
+            joint.axis,
+            joint.total,
+            joint.flesh,
+            joint.spring,
+            joint.flesh_held,
+            joint.damping
         );
     }
 }

@@ -61,6 +61,13 @@ pub struct Args {
     /// Hand: a TOML file of `webxr-joint = "name in the rig"`, for rigs with other names.
     #[arg(long, value_name = "FILE.toml", requires = "hand")]
     joint_names: Option<PathBuf>,
+    /// Hand: where the springs of its joints come from: a table, whatever the bent flesh adds, or what the flesh leaves of
+    /// the stiffness of people's joints. Default: the preset's.
+    #[arg(long, value_enum, value_name = "KIND", requires = "hand")]
+    springs: Option<SpringsArg>,
+    /// Hand: a TOML file of `[[joint]]` tables with ranges, springs and dampers, as `[[hand.joint]]` in scenes.
+    #[arg(long, value_name = "FILE.toml", requires = "hand")]
+    joints: Option<PathBuf>,
     /// Write VTK files for ParaView into this folder.
     #[arg(long, value_name = "DIR")]
     vtk: Option<PathBuf>,
@@ -85,6 +92,15 @@ enum CouplingArg {
     Uniform,
     /// Flesh in the place of bone.
     Bone,
+}
+
+/// Where the springs of a hand's joints come from.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum SpringsArg {
+    /// A table.
+    Fixed,
+    /// What flesh leaves.
+    Rest,
 }
 
 /// Builds a model.
@@ -122,7 +138,7 @@ struct Outputs {
 impl Outputs {
     fn create(args: &Args) -> Result<Self, CliError> {
         protect(&args.input);
-        args.joint_names.iter().for_each(|names| protect(names));
+        args.joint_names.iter().chain(&args.joints).for_each(|file| protect(file));
         let begin = |path: &Option<PathBuf>| path.as_deref().map(Output::create).transpose();
         Ok(Self {
             model: begin(&args.output)?,

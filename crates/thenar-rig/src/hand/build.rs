@@ -1,11 +1,13 @@
 //! The steps from a file's bytes to a hand.
 
 use super::digits::{self, DigitRig};
+use super::loose::{Loose, Softness};
 use super::names::{self, Finder};
-use super::options::{HandOptions, Size};
+use super::options::{HandOptions, Size, Springs};
 use super::relax::relax;
 use super::report::HandReport;
-use super::{bones, grading, in_bone, joints, regions, solids, weights};
+use super::solids::Covered;
+use super::{bones, grading, in_bone, joints, passive, regions, solids, weights};
 use crate::embed::check_closed;
 use crate::glb::{self, SkinnedMesh};
 use crate::lattice::{Lattice, LatticeOptions};
@@ -29,7 +31,10 @@ const FLESH_MIN: f64 = 0.2;
 /// When the file is damaged, its mesh is not closed, joints are missing, or an option is out of
 /// range.
 pub fn build_hand(bytes: &[u8], options: &HandOptions) -> Result<HandModel, RigError> {
-    build_hand_with_report(bytes, options).map(|(hand, _)| hand)
+    match options.springs {
+        Springs::Fixed => made(bytes, options).map(|made| made.hand),
+        Springs::Rest => build_hand_with_report(bytes, options).map(|(hand, _)| hand),
+    }
 }
 
 /// [`build_hand`], and what there is to know about the result.
@@ -40,6 +45,25 @@ pub fn build_hand_with_report(
     bytes: &[u8],
     options: &HandOptions,
 ) -> Result<(HandModel, HandReport), RigError> {
+    let Made { mut hand, skin, digits, covered } = made(bytes, options)?;
+    let joints = match options.springs {
+        Springs::Fixed => Vec::new(),
+        Springs::Rest => passive::fill_up(&mut hand)?,
+    };
+    phase("measuring the hand")?;
+    let report = HandReport::new(&hand, &skin, &digits, &covered, joints)?;
+    Ok((hand, report))
+}
+
+/// A hand with springs from the table, and what it was made from.
+struct Made {
+    hand: HandModel,
+    skin: TriMesh,
+    digits: Vec<DigitRig>,
+    covered: Vec<Covered>,
+}
+
+fn made(bytes: &[u8], options: &HandOptions) -> Result<Made, RigError> {
     options.check()?;
     phase("reading the hand")?;
     let rig = glb::read_skinned_glb(bytes)?;
@@ -80,8 +104,10 @@ pub fn build_hand_with_report(
     let collision_digits =
         collision_mesh.positions.iter().map(|p| regions::nearest(p, &digits)).collect();
     phase("weighing the flesh")?;
+    let loose = Loose::new(&lattice, &digits);
+    let softness = Softness { joint: options.joint_softness, root: options.root_softness };
     let flesh = Flesh {
-        materials: materials(&lattice, &bones, &digits, options),
+        materials: materials(&lattice, &bones, &loose, &softness, options),
         nodes: lattice.nodes.clone(),
         tets: lattice.tets.clone(),
         relaxation: Vec::new(),
@@ -112,9 +138,7 @@ pub fn build_hand_with_report(
     relax(&mut hand)?;
     // A rig of strange proportions can still lead to a bone without length or mass.
     model_file::check_hand(&hand)?;
-    phase("measuring the hand")?;
-    let report = HandReport::new(&hand, &skin, &digits, &covered)?;
-    Ok((hand, report))
+    Ok(Made { hand, skin, digits, covered })
 }
 
 fn bindings(lattice: &Lattice, digits: &[DigitRig]) -> Vec<Binding> {
@@ -227,21 +251,16 @@ fn node_digits(lattice: &Lattice, tets: &[Digit]) -> Vec<Digit> {
 fn materials(
     lattice: &Lattice,
     bones: &[Bone],
-    digits: &[DigitRig],
+    loose: &Loose,
+    softness: &Softness,
     options: &HandOptions,
 ) -> Vec<Material> {
     let volume: f64 = lattice.filled.iter().sum();
     let bone_mass: f64 = bones.iter().map(|b| b.mass).sum();
     let whole = options.material.density * volume;
     let density = (whole - bone_mass).max(FLESH_MIN * whole) / volume;
-    let samples = regions::digits_of_samples(lattice, digits);
-    let chains = weights::chains(digits);
     lattice.sample_materials(|i| {
-        let p = lattice.sample_position(i);
-        // 1 in the middle of a joint, where two bones carry the flesh equally, 0 beyond it.
-        let [a, b] = weights::binding(&p, samples[i], digits, &chains).weights;
-        let joint = 4.0 * a * b;
-        let young = options.material.young * (1.0 - (1.0 - options.joint_softness) * joint);
+        let young = options.material.young * loose.left(i, softness);
         Material { young, density, ..options.material }
     })
 }

@@ -10,6 +10,9 @@
 //! solid's volume by what is left free below, and by what a node that has a share of more than two bones loses of the
 //! others, which the report tells (`bound` beside `volume`).
 //!
+//! A node with shares of bones of two digits is left free. Held by one of them it would stand a fraction of an element from nodes
+//! that the other holds, and a finger could not be bent beside a straight one: its knuckle is 0.02 to 0.05 N m/rad
+//! stiffer with such nodes. (A bone of which a coarse mesh would hold less than half keeps them.)
 //! A node that follows one bone alone is left free where the utmost bend of a joint at either end carries it to the
 //! other side of the plane that halves the bend. Nodes reach as far past a solid as the mesh is coarse, and in the bend of a fist
 //! those of two bones would pass each other there, with the flesh between them inside out.
@@ -17,12 +20,15 @@
 use crate::lattice::{Lattice, tet};
 use crate::weights::pair;
 use std::collections::BTreeMap;
-use thenar::model::{Binding, Bone, BoneNode, BoneSolid, JointDesc, JointKind};
+use thenar::model::{Binding, Bone, BoneNode, BoneSolid, Digit, JointDesc, JointKind};
 use thenar::shape::{Part, Shape};
 use thenar::{Pose, Quat, Vec3};
 
 /// Volume of each bone that a node stands for \[m³\].
 type Shares = BTreeMap<u32, f64>;
+
+/// Least part of its solid's volume by which a bone is held when nodes that tie digits are freed.
+const HELD_MIN: f64 = 0.5;
 
 /// The nodes that stand for bone, ascending.
 pub(super) fn bone_nodes(
@@ -47,9 +53,22 @@ pub(super) fn bone_nodes(
     let nodes = shares.iter().enumerate();
     let held: Vec<BoneNode> =
         nodes.filter_map(|(n, shares)| bone_node(n as u32, shares, bones)).collect();
-    let stays = |held: &BoneNode| {
+    let carried = |held: &BoneNode| {
         let x = &lattice.nodes[held.node as usize];
-        !bends.iter().any(|bend| bend.carries_across(&held.binding, x, bones))
+        bends.iter().any(|bend| bend.carries_across(&held.binding, x, bones))
+    };
+    let ties = |held: &BoneNode| ties_digits(&shares[held.node as usize], bones);
+    // Volume by which each bone is held without the nodes that tie digits: of a coarse mesh that may be too little.
+    let mut without = vec![0.0; bones.len()];
+    for held in held.iter().filter(|held| !ties(held) && !carried(held)) {
+        for (bone, weight) in held.binding.bones.iter().zip(held.binding.weights) {
+            without[*bone as usize] += weight * held.volume;
+        }
+    }
+    let does_without = |b: u32| without[b as usize] > HELD_MIN * volume(&solids[b as usize].shape);
+    let stays = |held: &BoneNode| {
+        let freed = ties(held) && held.binding.bones.iter().all(|&bone| does_without(bone));
+        !freed && !carried(held)
     };
     // A bone of a mesh so coarse that all of its nodes would go keeps them.
     let mut kept = vec![false; bones.len()];
@@ -57,6 +76,13 @@ pub(super) fn bone_nodes(
         held.binding.bones.iter().for_each(|&bone| kept[bone as usize] = true);
     }
     held.into_iter().filter(|held| stays(held) || !kept[held.binding.bones[0] as usize]).collect()
+}
+
+/// Whether a node has shares of bones of two digits.
+fn ties_digits(shares: &Shares, bones: &[Bone]) -> bool {
+    let digits = shares.keys().map(|&b| bones[b as usize].digit);
+    let mut digits = digits.filter(|digit| *digit != Digit::Palm);
+    digits.next().is_some_and(|first| digits.any(|other| other != first))
 }
 
 /// A joint bent to the end of its range.

@@ -1,6 +1,7 @@
 //! Hands: from a skinned mesh to a [`HandModel`](thenar::model::HandModel).
 
 mod asset;
+mod bend;
 mod bones;
 mod build;
 mod digits;
@@ -8,8 +9,10 @@ mod fist;
 mod grading;
 mod in_bone;
 mod joints;
+mod loose;
 mod names;
 mod options;
+mod passive;
 mod regions;
 mod relax;
 mod report;
@@ -21,5 +24,6 @@ pub use build::{LENGTHS, build_hand, build_hand_file, build_hand_with_report};
 pub use fist::{Inversions, fist};
 pub use grading::{DETAILS, graded_tets};
 pub use names::NameMap;
-pub use options::{HandOptions, Size};
+pub use options::{HandOptions, Size, Springs};
+pub use passive::{JointStiffness, joint_stiffness};
 pub use report::{BoneCover, BoneLength, HandReport};

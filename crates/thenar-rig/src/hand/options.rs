@@ -13,6 +13,15 @@ pub enum Size {
     Length(f64),
 }
 
+/// Where the springs of joints come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Springs {
+    /// From a table, beside what the bent flesh gives, whatever that is.
+    Fixed,
+    /// What the bent flesh leaves of the stiffness that is measured at the joints of the living; dampers by a damping ratio.
+    Rest,
+}
+
 /// Options of [`build_hand`](super::build_hand).
 #[derive(Clone, Debug)]
 pub struct HandOptions {
@@ -34,6 +43,10 @@ pub struct HandOptions {
     /// Young's modulus in the middle of a joint, relative to that elsewhere, in (0, 1]. Skin folds
     /// and slides over a joint; flesh of one modulus throughout would stiffen it several times.
     pub joint_softness: f64,
+    /// The same around the roots of the digits and in the webs between them, where fat is loose, in (0, 1].
+    pub root_softness: f64,
+    /// Where the springs of joints come from.
+    pub springs: Springs,
     /// The flesh that the springs to the bones hold where a scene does not say.
     pub coupling: CouplingKind,
     /// Rayleigh damping of the flesh, mass-proportional \[1/s\].
@@ -53,6 +66,10 @@ pub struct HandOptions {
 /// How fine the hand for touch is. An index pad pressed on a plate at 30° sinks by 1.4 mm at 1 N with cubes of 6.7 mm there.
 const TOUCH_DETAIL: f64 = 0.6;
 
+/// Flesh around the roots of the digits of a hand for touch: 5 kPa beside 50. Fat under the skin has about 2 (0.53 kPa in shear, Sims
+/// et al. 2010, of pigs); skin and tendons in it are stiffer.
+const TOUCH_ROOT: f64 = 0.1;
+
 impl Default for HandOptions {
     /// As the paper's.
     fn default() -> Self {
@@ -61,9 +78,16 @@ impl Default for HandOptions {
 }
 
 impl HandOptions {
-    /// A hand for touch: pads finer than the palm, and flesh that hangs on bone; otherwise as the paper's.
+    /// A hand for touch: pads finer than the palm, flesh that hangs on bone and is loose at the roots of the digits, and joints as
+    /// stiff as those of the living; otherwise as the paper's.
     pub fn touch() -> Self {
-        Self { detail: Some(TOUCH_DETAIL), coupling: CouplingKind::Bone, ..Self::paper() }
+        Self {
+            detail: Some(TOUCH_DETAIL),
+            coupling: CouplingKind::Bone,
+            root_softness: TOUCH_ROOT,
+            springs: Springs::Rest,
+            ..Self::paper()
+        }
     }
 
     /// The paper's mesh sizes and coupling, with the mesh as it is and flesh of 50 kPa.
@@ -81,6 +105,8 @@ impl HandOptions {
                 density: 1080.0,
             },
             joint_softness: 0.2,
+            root_softness: 1.0,
+            springs: Springs::Fixed,
             coupling: CouplingKind::Uniform,
             mass_damping: 1.0,
             stiffness_damping: 1e-3,
@@ -102,12 +128,12 @@ impl HandOptions {
         };
         positive("Young's modulus", self.material.young)?;
         positive("density", self.material.density)?;
-        if !(self.joint_softness > 0.0 && self.joint_softness <= 1.0) {
-            return Err(RigError::Parameter {
-                name: "joint softness",
-                expected: "above 0 and at most 1",
-                value: self.joint_softness,
-            });
+        for (name, value) in
+            [("joint softness", self.joint_softness), ("root softness", self.root_softness)]
+        {
+            if !(value > 0.0 && value <= 1.0) {
+                return Err(RigError::Parameter { name, expected: "above 0 and at most 1", value });
+            }
         }
         non_negative("mass damping", self.mass_damping)?;
         non_negative("stiffness damping", self.stiffness_damping)?;

@@ -3,6 +3,7 @@
 use super::digits::DigitRig;
 use super::fist::{Inversions, fist};
 use super::in_bone;
+use super::passive::JointStiffness;
 use super::solids::Covered;
 use crate::lattice::{Quality, tet};
 use crate::mesh::Topology;
@@ -45,6 +46,9 @@ pub struct HandReport {
     pub bone_lengths: Vec<BoneLength>,
     /// Solids of the bones and the flesh over them.
     pub bone_covers: Vec<BoneCover>,
+    /// How joints resist being turned, axis by axis, where their springs are what flesh leaves. Of other hands
+    /// [`joint_stiffness`](super::joint_stiffness) tells.
+    pub joints: Vec<JointStiffness>,
 }
 
 /// How thick the solid of a bone is, and how much flesh covers it in the rest pose.
@@ -114,6 +118,7 @@ impl HandReport {
         skin: &TriMesh,
         digits: &[DigitRig],
         covered: &[Covered],
+        joints: Vec<JointStiffness>,
     ) -> Result<Self, RigError> {
         let flesh = &hand.flesh;
         let corners = |t: &[u32; 4]| t.map(|n| flesh.nodes[n as usize]);
@@ -140,6 +145,7 @@ impl HandReport {
             anatomy_scale,
             bone_lengths,
             bone_covers,
+            joints,
         })
     }
 }

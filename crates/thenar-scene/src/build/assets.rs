@@ -5,14 +5,14 @@ use super::hand_cache::hand_of;
 use super::shape::Solid;
 use crate::format::{
     BallShape, BreadShape, CarShape, ExplicitShape, FileShape, Hand, MeshShape, MeshSoftShape,
-    PresetWord,
+    PresetWord, SpringsWord,
 };
 use crate::text::{At, Cx, Fault, Node, Read};
 use std::path::PathBuf;
 use thenar::math::Vec3;
 use thenar::model::{HandModel, Law, Material, Side};
 use thenar_rig::embed::{EmbedOptions, closed_surface, embed};
-use thenar_rig::hand::{HandOptions, Size, asset, build_hand_file, graded_tets};
+use thenar_rig::hand::{HandOptions, Size, Springs, asset, build_hand_file, graded_tets};
 use thenar_rig::mesh::{GridOptions, load_mesh};
 use thenar_rig::object::{
     Ball, Bread, Car, ImportOptions, RigidModel, SoftModel, SoftOptions, Weight, ball as ball_of,
@@ -191,10 +191,16 @@ pub fn hand(hand: &Hand, files: &Files) -> Result<HandModel, Fault> {
 }
 
 fn options(hand: &Hand) -> HandOptions {
+    let usual = mesh(hand);
     HandOptions {
         name: hand.name.value.clone(),
         size: hand.length.map_or(Size::Scale(1.0), Size::Length),
-        ..mesh(hand)
+        springs: match hand.springs {
+            Some(SpringsWord::Fixed) => Springs::Fixed,
+            Some(SpringsWord::Rest) => Springs::Rest,
+            None => usual.springs,
+        },
+        ..usual
     }
 }
 

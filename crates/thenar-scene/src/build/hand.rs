@@ -2,7 +2,7 @@
 
 use super::soft::{damped_once, group_elements, law, relaxation};
 use super::solver::set;
-use super::{Built, Files, Mesh, RigidLook, assets, drivers, motion, place};
+use super::{Built, Files, Mesh, RigidLook, assets, drivers, hand_joints, motion, place};
 use crate::format::{BonesWord, CouplingWord, ElementsWord, Hand, HandMaterial, Scene};
 use crate::math::{Pose, Vec3};
 use crate::motion::{ANGLES, AngleRange, Articulation, HandMotion, hand_angles};
@@ -105,6 +105,7 @@ fn add(built: &mut Built, hand: &Hand, files: &Files) -> Result<(), Fault> {
     soften(&mut model.flesh, hand.material.as_ref())?;
     built.memory.take_relaxation(&model.flesh.relaxation, at)?;
     set(&mut model.flesh.friction, hand.friction);
+    hand_joints::change(&mut model, &hand.joint)?;
     let own = Pose::new(hand.position, place::rotation(hand.rotation.as_ref())?);
     let coupling = coupling(hand, &model)?;
     let coupling_stiffness =

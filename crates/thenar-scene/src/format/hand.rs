@@ -42,7 +42,7 @@ words! {
     pub enum PresetWord {
         /// The paper's: 600 tetrahedra of one size, 1441 triangles that touch, springs on all flesh.
         "paper" => Paper,
-        /// For touch: `detail` 0.6, flesh that hangs on bone.
+        /// For touch: `detail` 0.6, flesh that hangs on bone and is loose at the roots of the digits, joints as stiff as people's.
         "touch" => Touch,
     }
 }
@@ -57,6 +57,51 @@ words! {
     }
 }
 
+words! {
+    /// Where the springs of a hand's joints come from.
+    pub enum SpringsWord {
+        /// From a table, whatever the bent flesh adds.
+        "fixed" => Fixed,
+        /// What the bent flesh leaves of the stiffness of people's joints.
+        "rest" => Rest,
+    }
+}
+
+table! {
+    /// What acts about one axis of a hand's joint; what is left out stays as the model has it.
+    pub struct HandAxis {
+        /// Smallest and largest angle [degrees]; the angle of the model's rest pose lies between. No more than half a turn to
+        /// either side.
+        range_deg: Option<At<[f64; 2]>> where HALF_TURN_DEG;
+        /// Spring [N m/rad], beside the bent flesh, which has a stiffness of its own.
+        stiffness: Option<f64> where SPRING;
+        /// Damper [N m s/rad], beside the bent flesh.
+        damping: Option<f64> where SPRING;
+        /// Angle at which the spring is relaxed [degrees]; flesh is relaxed in the model's rest pose.
+        rest_deg: Option<f64> where HALF_TURN_DEG;
+    }
+}
+
+table! {
+    /// Changes to joints of a hand. Of several that fit a joint, the last one that gives a value gives it.
+    pub struct HandJoint {
+        /// Name of the joint, or of the bone that it carries, without the hand's; a `*` at the end stands for any ending.
+        name: At<String>;
+        /// Flexion: 0 is the straight digit, more closes the hand.
+        flexion: Option<HandAxis>;
+        /// Abduction, of knuckles and the thumb's carpal joint: 0 is the model's rest pose, more leads to the thumb's side.
+        abduction: Option<At<HandAxis>>;
+    }
+}
+
+table! {
+    /// A file of changes to the joints of a hand, for building models.
+    pub struct HandJointsFile {
+        /// Changes, one after the other.
+        joint: Vec<HandJoint>;
+    }
+}
+
 table! {
     /// A hand: 16 bones in soft flesh, following a motion. Its bones are rigid bodies named
     /// `hand/bone` and its joints `hand/joint`, where `hand` is its name.
@@ -66,7 +111,7 @@ table! {
         /// "right" or "left" for the built-in hands, or the path of a `.thenar` or `.glb` file,
         /// relative to the scene file. Default "right".
         model: Option<At<String>>;
-        /// Where the values of `tets`, `detail` and `coupling` come from that are not given, when the model is built
+        /// Where the values of `tets`, `detail`, `coupling` and `springs` come from that are not given, when the model is built
         /// from a mesh. Default "paper".
         preset: PresetWord = PresetWord::Paper;
         /// Tetrahedra wanted, all of one size, when the model is built from a mesh.
@@ -97,6 +142,12 @@ table! {
         elements: Option<ElementsWord>;
         /// Changes to the flesh.
         material: Option<HandMaterial>;
+        /// Where the springs of its joints come from when the model is built from a mesh: "fixed", from a table, whatever the
+        /// bent flesh adds; "rest": what the model's flesh leaves of the stiffness that is measured at people's joints.
+        /// Default: the preset's, "fixed" of "paper" and "rest" of "touch".
+        springs: Option<SpringsWord>;
+        /// Changes to its joints.
+        joint: Vec<HandJoint>;
         /// Coulomb friction coefficient of the skin; left out, the model's.
         friction: Option<f64> where FRICTION;
         /// False leaves the flesh out: a skeleton that touches nothing. Default true.

@@ -18,7 +18,10 @@ mod soft;
 mod solver;
 
 pub use camera::Camera;
-pub use hand::{BonesWord, CouplingWord, Hand, HandMaterial, PresetWord};
+pub use hand::{
+    BonesWord, CouplingWord, Hand, HandAxis, HandJoint, HandJointsFile, HandMaterial, PresetWord,
+    SpringsWord,
+};
 pub use joint::{Joint, JointWord};
 pub use load::{
     ForceLoad, JointTorqueLoad, Load, NodeForceLoad, PressureLoad, TorqueLoad, TractionLoad,

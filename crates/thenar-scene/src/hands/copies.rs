@@ -55,6 +55,8 @@ pub fn default_hand(scene: &Scene, side: Side) -> Hand {
         coupling_damping_time: 1e-3,
         elements: None,
         material: None,
+        springs: None,
+        joint: Vec::new(),
         friction: None,
         flesh: true,
         bones: BonesWord::Solid,

@@ -59,6 +59,8 @@ impl Range {
     pub const PRESSING: &'static Range = &closed(0.0, 1e6);
     /// An angle \[rad\].
     pub const ANGLE: &'static Range = &closed(-1e4, 1e4);
+    /// An angle of a joint, to either side \[degrees\].
+    pub const HALF_TURN_DEG: &'static Range = &closed(-180.0, 180.0);
     /// A part of a whole.
     pub const FRACTION: &'static Range = &closed(0.0, 1.0);
     /// A component of a unit vector.
