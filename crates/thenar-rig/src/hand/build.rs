@@ -5,7 +5,8 @@ use super::names::{self, Finder};
 use super::options::{HandOptions, Size};
 use super::relax::relax;
 use super::report::HandReport;
-use super::{bones, grading, in_bone, joints, regions, solids, weights};
+use super::sides::Sides;
+use super::{bones, grading, in_bone, joints, layers, nails, regions, solids, weights};
 use crate::embed::check_closed;
 use crate::glb::{self, SkinnedMesh};
 use crate::lattice::{Lattice, LatticeOptions};
@@ -13,7 +14,10 @@ use crate::mesh::{Bvh, decimate, decimate_within, read_file, subdivide_to, weld}
 use crate::work::{Stage, phase};
 use crate::{RigError, TriMesh, model_file};
 use std::path::Path;
-use thenar::model::{Binding, Bone, BoneSolid, Digit, Flesh, HandModel, Material, Side};
+use thenar::Vec3;
+use thenar::model::{
+    Binding, Bone, BoneSolid, Digit, Flesh, HandModel, HandRegion, Material, Side,
+};
 
 /// Vertices nearer than this are one \[m\], at the size of the file.
 const WELD_TOLERANCE: f64 = 1e-5;
@@ -79,9 +83,12 @@ pub fn build_hand_with_report(
     };
     let collision_digits =
         collision_mesh.positions.iter().map(|p| regions::nearest(p, &digits)).collect();
+    let sides = Sides::new(&digits, &surface);
+    let body = Bvh::new(&smooth);
+    let layers = layers::of_samples(&options.layers, &lattice, &sides, &body)?;
     phase("weighing the flesh")?;
     let flesh = Flesh {
-        materials: materials(&lattice, &bones, &digits, options),
+        materials: materials(&lattice, &bones, &digits, &layers, options),
         nodes: lattice.nodes.clone(),
         tets: lattice.tets.clone(),
         relaxation: Vec::new(),
@@ -94,6 +101,7 @@ pub fn build_hand_with_report(
     phase("binding the skin to the flesh")?;
     let solids: Vec<BoneSolid> = covered.iter().map(|covered| covered.solid.clone()).collect();
     let bone_nodes = in_bone::bone_nodes(&lattice, &bones, &joints, &solids);
+    let nail_nodes = nails::nail_nodes(&lattice, &bones, &sides, &body, length);
     let mut hand = HandModel {
         name: options.name.clone(),
         side: Some(side),
@@ -108,6 +116,8 @@ pub fn build_hand_with_report(
         bones,
         solids,
         coupling: options.coupling,
+        regions: regions_of(&collision_mesh, &sides),
+        nail_nodes,
     };
     relax(&mut hand)?;
     // A rig of strange proportions can still lead to a bone without length or mass.
@@ -115,6 +125,12 @@ pub fn build_hand_with_report(
     phase("measuring the hand")?;
     let report = HandReport::new(&hand, &skin, &digits, &covered)?;
     Ok((hand, report))
+}
+
+/// Region of each triangle.
+fn regions_of(mesh: &TriMesh, sides: &Sides) -> Vec<HandRegion> {
+    let middle = |t: usize| mesh.corners(t).iter().sum::<Vec3>() / 3.0;
+    (0..mesh.triangles.len()).map(|t| sides.of(&middle(t)).0).collect()
 }
 
 fn bindings(lattice: &Lattice, digits: &[DigitRig]) -> Vec<Binding> {
@@ -137,15 +153,15 @@ pub fn build_hand_file(path: &Path, options: &HandOptions) -> Result<HandModel, 
 }
 
 /// The rig in the model frame at its final size.
-struct Rigged {
-    skin: TriMesh,
-    digits: Vec<DigitRig>,
-    side: Side,
-    length: f64,
+pub(super) struct Rigged {
+    pub skin: TriMesh,
+    pub digits: Vec<DigitRig>,
+    pub side: Side,
+    pub length: f64,
 }
 
 /// Moves the rig to the model frame M, which is the frame of the wrist, and scales it.
-fn rigged(rig: &SkinnedMesh, options: &HandOptions) -> Result<Rigged, RigError> {
+pub(super) fn rigged(rig: &SkinnedMesh, options: &HandOptions) -> Result<Rigged, RigError> {
     let unscaled = at_scale(rig, options, 1.0)?;
     let scale = match options.size {
         Size::Scale(scale) => scale,
@@ -228,6 +244,7 @@ fn materials(
     lattice: &Lattice,
     bones: &[Bone],
     digits: &[DigitRig],
+    layers: &[Option<u32>],
     options: &HandOptions,
 ) -> Vec<Material> {
     let volume: f64 = lattice.filled.iter().sum();
@@ -241,7 +258,11 @@ fn materials(
         // 1 in the middle of a joint, where two bones carry the flesh equally, 0 beyond it.
         let [a, b] = weights::binding(&p, samples[i], digits, &chains).weights;
         let joint = 4.0 * a * b;
-        let young = options.material.young * (1.0 - (1.0 - options.joint_softness) * joint);
-        Material { young, density, ..options.material }
+        let own = match layers[i] {
+            Some(layer) => options.layers[layer as usize].material(&options.material),
+            None => options.material,
+        };
+        let young = own.young * (1.0 - (1.0 - options.joint_softness) * joint);
+        Material { young, density, ..own }
     })
 }

@@ -1,5 +1,6 @@
 //! What a hand is to be like.
 
+use super::layers::{self, Layer};
 use super::names::NameMap;
 use crate::RigError;
 use thenar::model::{CouplingKind, Law, Material, Side};
@@ -34,6 +35,8 @@ pub struct HandOptions {
     /// Young's modulus in the middle of a joint, relative to that elsewhere, in (0, 1]. Skin folds
     /// and slides over a joint; flesh of one modulus throughout would stiffen it several times.
     pub joint_softness: f64,
+    /// Layers with materials of their own; `joint_softness` acts on them too.
+    pub layers: Vec<Layer>,
     /// The flesh that the springs to the bones hold where a scene does not say.
     pub coupling: CouplingKind,
     /// Rayleigh damping of the flesh, mass-proportional \[1/s\].
@@ -81,6 +84,7 @@ impl HandOptions {
                 density: 1080.0,
             },
             joint_softness: 0.2,
+            layers: Vec::new(),
             coupling: CouplingKind::Uniform,
             mass_damping: 1.0,
             stiffness_damping: 1e-3,
@@ -120,6 +124,7 @@ impl HandOptions {
                 value: poisson,
             });
         }
+        layers::check(self)?;
         for (name, count) in [
             ("collision triangles", self.collision_triangles),
             ("render triangles", self.render_triangles),
