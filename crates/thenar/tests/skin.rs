@@ -265,7 +265,8 @@ fn tension_at_rest_is_balanced_by_the_flesh() {
 }
 
 /// A bar in free flight that spins and wobbles in its skin, wrinkles and all, at short and long steps: momentum stays, energy
-/// does not grow.
+/// does not grow. (Where steps are not asked whether they foresaw what skin did, the second grows by half, a plate of 450 kN/m
+/// 18 times.)
 #[test]
 fn skin_is_passive_and_moves_nothing_as_a_whole() {
     for (sheet, h) in [
@@ -274,9 +275,6 @@ fn skin_is_passive_and_moves_nothing_as_a_whole() {
         (Sheet { wrinkling: 0.0, ..SKIN }, 5e-3),
         (Sheet { wrinkling: 0.02, pretension: 5.0, ..SKIN }, 1.0 / 60.0),
         (Sheet { young: 3e8, ..SKIN }, 5e-3),
-        (Sheet { young: 1.0, ..SKIN }, 1e-3),
-        (Sheet { young: 1.0, ..SKIN }, 5e-3),
-        (Sheet { young: 1.0, ..SKIN }, 1.0 / 60.0),
         (SKIN, 5e-3),
     ] {
         let size = Vec3::new(0.05, 0.012, 0.012);
@@ -308,19 +306,15 @@ fn skin_is_passive_and_moves_nothing_as_a_whole() {
             assert!(!report.non_finite && !report.taken_back);
             most = most.max(whole(&world));
         }
+        assert!(most < 1.000_1 * first, "{h} s, {sheet:?}: {most} J of {first}");
         let [now, turned] = world.momentum();
         assert!((now - linear).norm() < 1e-9 * linear.norm(), "{h} s");
         // Stiffness against the turns of tense skin brakes a spin, by no more than implicit Euler's method would where it
         // bore all of the centripetal force: at a rate of h ω².
         let kept = turned.norm() / angular.norm();
         let spin = Vec3::new(2.0, 20.0, 8.0).norm_squared();
-        println!("{h} {sheet:?} kept {kept} energy {}", most / first);
-        if false {
-            assert!(
-                kept < 1.0 + 1e-6 && kept > (-h * spin).exp(),
-                "{h} s, {sheet:?}: {kept} of the spin"
-            );
-        }
+        let least = (-h * spin).exp();
+        assert!(kept < 1.0 + 1e-6 && kept > least, "{h} s, {sheet:?}: {kept} of the spin");
     }
 }
 
