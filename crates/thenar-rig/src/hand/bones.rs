@@ -147,7 +147,7 @@ fn bone(
 }
 
 /// Mean distance to the skin along the middle of a bone.
-pub(super) fn depth(a: &Vec3, b: &Vec3, surface: &Bvh) -> f64 {
+fn depth(a: &Vec3, b: &Vec3, surface: &Bvh) -> f64 {
     let places = [0.2, 0.35, 0.5, 0.65, 0.8];
     let sum: f64 = places.iter().map(|t| surface.closest(&a.lerp(b, *t)).distance).sum();
     sum / places.len() as f64

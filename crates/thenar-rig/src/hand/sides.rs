@@ -1,7 +1,6 @@
 //! Pad, nail, palm and back: which side of which bone a place lies on.
 
-use super::bones;
-use super::digits::DigitRig;
+use super::digits::{DigitRig, leave};
 use super::regions::{bone_distance, digit_distance, palm_rays, segment_point};
 use crate::mesh::Bvh;
 use thenar::Vec3;
@@ -23,7 +22,10 @@ impl<'a> Sides<'a> {
     pub fn new(digits: &'a [DigitRig], surface: &Bvh) -> Self {
         let half_width = |rig: &DigitRig| {
             let [a, b] = rig.bone(2);
-            NAIL_WIDTH * bones::depth(&a, &b, surface)
+            let (middle, length) = ((a + b) / 2.0, (b - a).norm());
+            let sides = [rig.flexion, -rig.flexion];
+            let ends = sides.map(|aside| leave(surface, &middle, &aside, length));
+            NAIL_WIDTH * (ends[0] - ends[1]).norm() / 2.0
         };
         Self { digits, nails: digits.iter().map(half_width).collect() }
     }
@@ -63,7 +65,7 @@ impl<'a> Sides<'a> {
         let along = rig.direction(2);
         let from_tip = (rig.tip - p).dot(&along);
         let aside = (p - rig.bone(2)[0]).dot(&rig.flexion).abs();
-        let faces_back = off.dot(&along.cross(&rig.flexion)) > off.dot(&along);
+        let faces_back = off.dot(&along.cross(&rig.flexion)) > 0.5 * off.dot(&along);
         faces_back && from_tip < 2.0 * half && aside < half
     }
 }
