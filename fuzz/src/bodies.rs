@@ -146,6 +146,7 @@ fn placement() -> HandPlacement {
         root_drive: None,
         bone_drive: None,
         solid_bones: true,
+        nails: false,
     }
 }
 

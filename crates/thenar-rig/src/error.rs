@@ -48,6 +48,14 @@ pub enum RigError {
     /// The data is well formed, but no model can be built from it.
     #[error("{0}")]
     Invalid(String),
+    /// A layer of flesh makes no sense.
+    #[error("layer {layer}: {what}")]
+    Layer {
+        /// Number of the layer, from 1.
+        layer: usize,
+        /// Cause.
+        what: String,
+    },
     /// Whoever watched the work (see [`crate::work`]) ended it.
     #[error("stopped")]
     Stopped,

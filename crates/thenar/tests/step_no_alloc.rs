@@ -6,7 +6,9 @@ mod common;
 use common::{FLESH, bar, body, finger};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
-use thenar::model::{BodyId, Drive, FrictionTable, Motion, SoftDesc, SolverKind};
+use thenar::model::{
+    BodyId, Drive, FrictionTable, Motion, Sheet, Skin, SoftDesc, SolverKind, facets,
+};
 use thenar::readout::{ContactReadout, TaxelPlace, TaxelReadout, TaxelSkin};
 use thenar::shape::Shape;
 use thenar::world::Target;
@@ -59,6 +61,18 @@ fn steps_allocate_nothing(kind: SolverKind) {
         velocity_W: Vec3::zeros(),
         coupling: None,
     });
+    let sheet = Sheet {
+        thickness: 1e-3,
+        young: 2e4,
+        poisson: 0.4,
+        pretension: 0.5,
+        wrinkling: Sheet::WRINKLING,
+    };
+    for (soft, body) in (0..).zip(&desc.softs) {
+        let flesh = &body.flesh;
+        let facets = facets(&flesh.nodes, &flesh.tets, &flesh.collision, |_| Some(0));
+        desc.skins.push(Skin { soft, sheets: vec![sheet], facets });
+    }
     desc.friction_tables.push(FrictionTable {
         bodies: [BodyId::Rigid(2), BodyId::Soft(0)],
         points: vec![[1.0, 0.8], [20.0, 0.4]],

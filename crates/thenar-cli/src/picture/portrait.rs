@@ -30,6 +30,7 @@ pub fn hand_portrait(
             root_drive: None,
             bone_drive: None,
             solid_bones: true,
+            nails: false,
         },
     );
     let world = World::new(desc)?;

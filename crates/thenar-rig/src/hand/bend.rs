@@ -54,6 +54,7 @@ impl<'a> Bender<'a> {
             root_drive: None,
             bone_drive: None,
             solid_bones: false,
+            nails: false,
         };
         desc.add_hand(hand, &placement);
         desc.joints.clear();

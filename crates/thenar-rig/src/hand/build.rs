@@ -6,8 +6,9 @@ use super::names::{self, Finder};
 use super::options::{HandOptions, Size, Springs};
 use super::relax::relax;
 use super::report::HandReport;
+use super::sides::Sides;
 use super::solids::Covered;
-use super::{bones, grading, in_bone, joints, passive, regions, solids, weights};
+use super::{bones, grading, in_bone, joints, layers, nails, passive, regions, solids, weights};
 use crate::embed::check_closed;
 use crate::glb::{self, SkinnedMesh};
 use crate::lattice::{Lattice, LatticeOptions};
@@ -15,7 +16,10 @@ use crate::mesh::{Bvh, decimate, decimate_within, read_file, subdivide_to, weld}
 use crate::work::{Stage, phase};
 use crate::{RigError, TriMesh, model_file};
 use std::path::Path;
-use thenar::model::{Binding, Bone, BoneSolid, Digit, Flesh, HandModel, Material, Side};
+use thenar::Vec3;
+use thenar::model::{
+    Binding, Bone, BoneSolid, Digit, Flesh, HandModel, HandRegion, Material, Side,
+};
 
 /// Vertices nearer than this are one \[m\], at the size of the file.
 const WELD_TOLERANCE: f64 = 1e-5;
@@ -103,11 +107,14 @@ fn made(bytes: &[u8], options: &HandOptions) -> Result<Made, RigError> {
     };
     let collision_digits =
         collision_mesh.positions.iter().map(|p| regions::nearest(p, &digits)).collect();
+    let sides = Sides::new(&digits, &surface);
+    let body = Bvh::new(&smooth);
+    let layers = layers::of_samples(&options.layers, &lattice, &sides, &body)?;
     phase("weighing the flesh")?;
     let loose = Loose::new(&lattice, &digits);
     let softness = Softness { joint: options.joint_softness, root: options.root_softness };
     let flesh = Flesh {
-        materials: materials(&lattice, &bones, &loose, &softness, options),
+        materials: materials(&lattice, &bones, &loose, &softness, &layers, options),
         nodes: lattice.nodes.clone(),
         tets: lattice.tets.clone(),
         relaxation: Vec::new(),
@@ -120,6 +127,7 @@ fn made(bytes: &[u8], options: &HandOptions) -> Result<Made, RigError> {
     phase("binding the skin to the flesh")?;
     let solids: Vec<BoneSolid> = covered.iter().map(|covered| covered.solid.clone()).collect();
     let bone_nodes = in_bone::bone_nodes(&lattice, &bones, &joints, &solids);
+    let nail_nodes = nails::nail_nodes(&lattice, &bones, &sides, &body, length);
     let mut hand = HandModel {
         name: options.name.clone(),
         side: Some(side),
@@ -134,11 +142,19 @@ fn made(bytes: &[u8], options: &HandOptions) -> Result<Made, RigError> {
         bones,
         solids,
         coupling: options.coupling,
+        regions: regions_of(&collision_mesh, &sides),
+        nail_nodes,
     };
     relax(&mut hand)?;
     // A rig of strange proportions can still lead to a bone without length or mass.
     model_file::check_hand(&hand)?;
     Ok(Made { hand, skin, digits, covered })
+}
+
+/// Region of each triangle.
+fn regions_of(mesh: &TriMesh, sides: &Sides) -> Vec<HandRegion> {
+    let middle = |t: usize| mesh.corners(t).iter().sum::<Vec3>() / 3.0;
+    (0..mesh.triangles.len()).map(|t| sides.of(&middle(t)).0).collect()
 }
 
 fn bindings(lattice: &Lattice, digits: &[DigitRig]) -> Vec<Binding> {
@@ -161,15 +177,15 @@ pub fn build_hand_file(path: &Path, options: &HandOptions) -> Result<HandModel, 
 }
 
 /// The rig in the model frame at its final size.
-struct Rigged {
-    skin: TriMesh,
-    digits: Vec<DigitRig>,
-    side: Side,
-    length: f64,
+pub(super) struct Rigged {
+    pub skin: TriMesh,
+    pub digits: Vec<DigitRig>,
+    pub side: Side,
+    pub length: f64,
 }
 
 /// Moves the rig to the model frame M, which is the frame of the wrist, and scales it.
-fn rigged(rig: &SkinnedMesh, options: &HandOptions) -> Result<Rigged, RigError> {
+pub(super) fn rigged(rig: &SkinnedMesh, options: &HandOptions) -> Result<Rigged, RigError> {
     let unscaled = at_scale(rig, options, 1.0)?;
     let scale = match options.size {
         Size::Scale(scale) => scale,
@@ -253,6 +269,7 @@ fn materials(
     bones: &[Bone],
     loose: &Loose,
     softness: &Softness,
+    layers: &[Option<u32>],
     options: &HandOptions,
 ) -> Vec<Material> {
     let volume: f64 = lattice.filled.iter().sum();
@@ -260,7 +277,11 @@ fn materials(
     let whole = options.material.density * volume;
     let density = (whole - bone_mass).max(FLESH_MIN * whole) / volume;
     lattice.sample_materials(|i| {
-        let young = options.material.young * loose.left(i, softness);
-        Material { young, density, ..options.material }
+        let own = match layers[i] {
+            Some(layer) => options.layers[layer as usize].material(&options.material),
+            None => options.material,
+        };
+        let young = own.young * loose.left(i, softness);
+        Material { young, density, ..own }
     })
 }

@@ -1,5 +1,6 @@
 //! What a hand is to be like.
 
+use super::layers::{self, Layer};
 use super::names::NameMap;
 use crate::RigError;
 use thenar::model::{CouplingKind, Law, Material, Side};
@@ -47,6 +48,8 @@ pub struct HandOptions {
     pub root_softness: f64,
     /// Where the springs of joints come from.
     pub springs: Springs,
+    /// Layers with materials of their own; `joint_softness` acts on them too.
+    pub layers: Vec<Layer>,
     /// The flesh that the springs to the bones hold where a scene does not say.
     pub coupling: CouplingKind,
     /// Rayleigh damping of the flesh, mass-proportional \[1/s\].
@@ -107,6 +110,7 @@ impl HandOptions {
             joint_softness: 0.2,
             root_softness: 1.0,
             springs: Springs::Fixed,
+            layers: Vec::new(),
             coupling: CouplingKind::Uniform,
             mass_damping: 1.0,
             stiffness_damping: 1e-3,
@@ -146,6 +150,7 @@ impl HandOptions {
                 value: poisson,
             });
         }
+        layers::check(self)?;
         for (name, count) in [
             ("collision triangles", self.collision_triangles),
             ("render triangles", self.render_triangles),

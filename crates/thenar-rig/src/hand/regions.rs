@@ -69,17 +69,26 @@ pub(super) fn bone_distance(p: &Vec3, rig: &DigitRig, k: usize) -> f64 {
 
 /// Distance to the metacarpals of the four fingers and the carpus between wrist and metacarpals.
 pub(super) fn palm_distance(p: &Vec3, digits: &[DigitRig]) -> f64 {
+    palm_rays(digits).map(|segment| segment_distance(p, &segment)).fold(f64::INFINITY, f64::min)
+}
+
+/// The metacarpals of the four fingers, and lines from the wrist to them.
+pub(super) fn palm_rays(digits: &[DigitRig]) -> impl Iterator<Item = [Vec3; 2]> + '_ {
     digits[1..]
         .iter()
         .flat_map(|rig| [[rig.base, rig.joints[0].position], [Vec3::zeros(), rig.base]])
-        .map(|segment| segment_distance(p, &segment))
-        .fold(f64::INFINITY, f64::min)
 }
 
 fn segment_distance(p: &Vec3, [a, b]: &[Vec3; 2]) -> f64 {
     let d = b - a;
     let t = ((p - a).dot(&d) / d.norm_squared()).clamp(0.0, 1.0);
     (p - a - d * t).norm()
+}
+
+/// The point of a line nearest to a place.
+pub(super) fn segment_point(p: &Vec3, [a, b]: &[Vec3; 2]) -> Vec3 {
+    let d = b - a;
+    a + d * ((p - a).dot(&d) / d.norm_squared()).clamp(0.0, 1.0)
 }
 
 fn rig_of(digits: &[DigitRig], digit: Digit) -> Option<&DigitRig> {

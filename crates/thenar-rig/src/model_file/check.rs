@@ -5,7 +5,7 @@ use crate::lattice::tet;
 use crate::object::{RigidModel, SoftModel};
 use crate::size::{bounds, sensible_size};
 use thenar::model::{
-    Binding, Bone, BoneSolid, CouplingKind, EmbeddedSurface, Flesh, HandModel, JointDesc,
+    Binding, Bone, BoneNode, BoneSolid, CouplingKind, EmbeddedSurface, Flesh, HandModel, JointDesc,
     JointKind, Law, OGDEN_ALPHA,
 };
 use thenar::shape::Shape;
@@ -39,7 +39,14 @@ pub(crate) fn hand(hand: &HandModel) -> Check {
         check_binding(i, binding, &hand.bones)?;
     }
     numbers("node volume", hand.node_volumes.iter().copied(), |v| v >= 0.0)?;
-    check_bone_nodes(hand)?;
+    check_bone_nodes(&hand.bone_nodes, hand)?;
+    check_bone_nodes(&hand.nail_nodes, hand)?;
+    let unheld = hand.coupling == CouplingKind::Bone && hand.bone_nodes.is_empty();
+    ensure(!unheld, || "the flesh is held in bone, but no node stands for bone".into())?;
+    let (regions, triangles) = (hand.regions.len(), hand.flesh.collision.triangles.len());
+    ensure(regions == 0 || regions == triangles, || {
+        format!("{regions} regions for {triangles} triangles that touch")
+    })?;
     surface("render surface", &hand.render, hand.flesh.tets.len())?;
     let vertices = hand.flesh.collision.vertices.len();
     ensure(hand.collision_digits.len() == vertices, || {
@@ -242,16 +249,14 @@ fn check_binding(i: usize, binding: &Binding, bones: &[Bone]) -> Check {
     ensure(valid, || format!("node {i} has the weights {:?}", binding.weights))
 }
 
-fn check_bone_nodes(hand: &HandModel) -> Check {
-    let ascending = hand.bone_nodes.windows(2).all(|pair| pair[0].node < pair[1].node);
-    let last = hand.bone_nodes.last().is_none_or(|n| (n.node as usize) < hand.flesh.nodes.len());
+fn check_bone_nodes(nodes: &[BoneNode], hand: &HandModel) -> Check {
+    let ascending = nodes.windows(2).all(|pair| pair[0].node < pair[1].node);
+    let last = nodes.last().is_none_or(|n| (n.node as usize) < hand.flesh.nodes.len());
     ensure(ascending && last, || "the nodes in bone are not in order, or not there".into())?;
-    for bone_node in &hand.bone_nodes {
+    for bone_node in nodes {
         check_binding(bone_node.node as usize, &bone_node.binding, &hand.bones)?;
     }
-    numbers("volume of bone", hand.bone_nodes.iter().map(|n| n.volume), |v| v > 0.0)?;
-    let unheld = hand.coupling == CouplingKind::Bone && hand.bone_nodes.is_empty();
-    ensure(!unheld, || "the flesh is held in bone, but no node stands for bone".into())
+    numbers("volume of bone", nodes.iter().map(|n| n.volume), |v| v > 0.0)
 }
 
 fn placement(pose: &Pose) -> bool {

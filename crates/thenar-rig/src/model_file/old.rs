@@ -76,6 +76,8 @@ impl From<OldHand> for HandModel {
             solids: old.solids,
             coupling: CouplingKind::Uniform,
             bone_nodes: Vec::new(),
+            regions: Vec::new(),
+            nail_nodes: Vec::new(),
         }
     }
 }

@@ -6,7 +6,8 @@ use super::*;
 use crate::hand::{HandOptions, asset, build_hand};
 use crate::object::{Bread, Car, bread, toy_car};
 use thenar::model::{
-    Binding, BoneNode, CouplingKind, EmbeddedSurface, Law, Relaxation, Side, SurfaceVertex,
+    Binding, BoneNode, CouplingKind, EmbeddedSurface, HandRegion, Law, Relaxation, Side,
+    SurfaceVertex,
 };
 
 fn small_hand() -> HandModel {
@@ -26,6 +27,8 @@ fn tiny_hand() -> HandModel {
     hand.bindings.truncate(4);
     let binding = Binding { bones: [0, 1], weights: [0.5, 0.5] };
     hand.bone_nodes = vec![BoneNode { node: 2, binding, volume: 1e-7 }];
+    hand.nail_nodes = vec![BoneNode { node: 1, binding, volume: 2e-8 }];
+    hand.regions = vec![HandRegion::Nail];
     for binding in &mut hand.bindings {
         (binding.bones, binding.weights) = ([0, 1], [0.25, 0.75]);
     }
@@ -122,7 +125,7 @@ fn every_flipped_bit_is_seen() {
 #[test]
 fn models_that_make_no_sense_are_refused_by_name() {
     type Spoil = fn(&mut HandModel);
-    let cases: [(Spoil, &str); 14] = [
+    let cases: [(Spoil, &str); 17] = [
         (|h| h.bones[1].parent = Some(1), "parent"),
         (|h| h.bones[1].mass = 0.0, "bone mass"),
         (|h| h.bones[0].inertia[(0, 1)] += 1.0, "inertia"),
@@ -136,6 +139,9 @@ fn models_that_make_no_sense_are_refused_by_name() {
         (|h| h.bone_nodes[0].node = 4, "nodes in bone"),
         (|h| h.bone_nodes[0].volume = 0.0, "volume of bone"),
         (|h| h.bone_nodes[0].binding.weights = [0.5, 0.6], "node 2"),
+        (|h| h.nail_nodes[0].node = 4, "nodes in bone"),
+        (|h| h.nail_nodes[0].binding.bones = [2, 2], "node 1 is bound to a bone"),
+        (|h| h.regions.push(HandRegion::Pad), "2 regions for 1 triangles"),
         (|h| (h.coupling, h.bone_nodes) = (CouplingKind::Bone, Vec::new()), "held in bone"),
     ];
     for (spoil, named) in cases {
@@ -156,15 +162,15 @@ fn objects_come_back_as_they_were() {
 }
 
 /// The bytes of a hand without memory, held uniformly, as version 2 had them: without the list of relaxations, the
-/// kind of coupling and the list of nodes in bone, a zero each.
+/// kind of coupling and the lists of nodes in bone, of regions and of nodes under nails, a zero each.
 fn of_version_2(hand: &HandModel) -> Vec<u8> {
     let flesh = &hand.flesh;
     let before = (&hand.name, hand.side, &hand.bones, &hand.joints);
     let before = postcard::to_stdvec(&(before, &flesh.nodes, &flesh.tets, &flesh.materials));
     let mut bytes = bytes_of(hand);
     assert_eq!(bytes.remove(32 + before.unwrap().len()), 0);
-    assert_eq!(bytes[bytes.len() - 2..], [0, 0]);
-    let mut old = resealed(&bytes[..bytes.len() - 2]);
+    assert_eq!(bytes[bytes.len() - 4..], [0; 4]);
+    let mut old = resealed(&bytes[..bytes.len() - 4]);
     old[8] = 2;
     old
 }
@@ -174,7 +180,8 @@ fn of_version_2(hand: &HandModel) -> Vec<u8> {
 fn hands_of_earlier_versions_lack_what_came_later() {
     for (version, solids) in [(1, 0), (2, 2)] {
         let solids = tiny_hand().solids[..solids].to_vec();
-        let hand = HandModel { solids, bone_nodes: Vec::new(), ..tiny_hand() };
+        let (bone_nodes, nail_nodes, regions) = (Vec::new(), Vec::new(), Vec::new());
+        let hand = HandModel { solids, bone_nodes, nail_nodes, regions, ..tiny_hand() };
         let mut old = of_version_2(&hand);
         if version == 1 {
             old = resealed(&old[..old.len() - 1]);
@@ -185,10 +192,23 @@ fn hands_of_earlier_versions_lack_what_came_later() {
         assert!(back.bone_nodes.is_empty() && back.coupling == CouplingKind::Uniform);
         assert!(back.flesh.relaxation.is_empty());
         assert_eq!(bytes_of(&back), bytes_of(&hand));
-        old[8] = 4;
+        old[8] = 5;
         let error = Model::from_bytes(&old).unwrap_err().to_string();
-        assert!(error.contains("version 4"), "{error}");
+        assert!(error.contains("version 5"), "{error}");
     }
+}
+
+/// Version 3 ended before the regions.
+#[test]
+fn hands_of_version_3_have_no_nails() {
+    let hand = HandModel { nail_nodes: Vec::new(), regions: Vec::new(), ..tiny_hand() };
+    let bytes = bytes_of(&hand);
+    let mut old = resealed(&bytes[..bytes.len() - 2]);
+    old[8] = 3;
+    let Model::Hand(back) = Model::from_bytes(&old).unwrap() else { panic!("not a hand") };
+    assert!(back.nail_nodes.is_empty() && back.regions.is_empty());
+    assert_eq!(back.bone_nodes, hand.bone_nodes);
+    assert_eq!(bytes_of(&back), bytes);
 }
 
 #[test]

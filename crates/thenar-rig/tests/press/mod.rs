@@ -160,6 +160,7 @@ fn placement(pose_WM: Pose, solid_bones: bool) -> HandPlacement {
         root_drive: Some(palm),
         bone_drive: None,
         solid_bones,
+        nails: false,
     }
 }
 

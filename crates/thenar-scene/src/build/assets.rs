@@ -1,8 +1,8 @@
 //! Files and built-in objects, through the rig.
 
-use super::Files;
 use super::hand_cache::hand_of;
 use super::shape::Solid;
+use super::{Files, tissue};
 use crate::format::{
     BallShape, BreadShape, CarShape, ExplicitShape, FileShape, Hand, MeshShape, MeshSoftShape,
     PresetWord, SpringsWord,
@@ -18,7 +18,7 @@ use thenar_rig::object::{
     Ball, Bread, Car, ImportOptions, RigidModel, SoftModel, SoftOptions, Weight, ball as ball_of,
     bread as bread_of, rigid_from_mesh, soft_from_tets, toy_car,
 };
-use thenar_rig::{Model, read_model};
+use thenar_rig::{Model, RigError, read_model};
 
 /// Largest file with nodes and tetrahedra \[bytes\].
 const TET_FILE_BYTES_MAX: u64 = 32 << 20;
@@ -168,8 +168,11 @@ impl From<RigidModel> for Solid {
 /// The model of a hand.
 pub fn hand(hand: &Hand, files: &Files) -> Result<HandModel, Fault> {
     let built_in = |side| {
-        let options = HandOptions { side: Some(side), ..options(hand) };
-        hand_of(asset(side), &options).map_err(|e| hand.name.fault(e.to_string()))
+        let options = HandOptions { side: Some(side), ..options(hand)? };
+        hand_of(asset(side), &options).map_err(|e| match e {
+            RigError::Layer { layer, what } => tissue::layer_fault(hand, layer, &what),
+            other => hand.name.fault(other.to_string()),
+        })
     };
     let Some(file) = &hand.model else { return built_in(Side::Right) };
     let path = || path(files, file);
@@ -177,8 +180,13 @@ pub fn hand(hand: &Hand, files: &Files) -> Result<HandModel, Fault> {
         "right" => built_in(Side::Right),
         "left" => built_in(Side::Left),
         name if name.ends_with(".glb") => {
-            build_hand_file(&path(), &options(hand)).map_err(|e| file.fault(e.to_string()))
+            build_hand_file(&path(), &options(hand)?).map_err(|e| file.fault(e.to_string()))
         }
+        name if name.ends_with(".thenar") && tissue::is_layered(hand) => Err(tissue::layer_fault(
+            hand,
+            1,
+            "layers are made when a hand is built from a mesh, and a model file is built already: give `model` \"right\", \"left\" or a .glb file",
+        )),
         name if name.ends_with(".thenar") => match read_model(&path()) {
             Ok(Model::Hand(model)) => Ok(model),
             Ok(_) => Err(file.fault(format!("{} holds no hand", path().display()))),
@@ -190,9 +198,9 @@ pub fn hand(hand: &Hand, files: &Files) -> Result<HandModel, Fault> {
     }
 }
 
-fn options(hand: &Hand) -> HandOptions {
+fn options(hand: &Hand) -> Result<HandOptions, Fault> {
     let usual = mesh(hand);
-    HandOptions {
+    let options = HandOptions {
         name: hand.name.value.clone(),
         size: hand.length.map_or(Size::Scale(1.0), Size::Length),
         springs: match hand.springs {
@@ -201,7 +209,8 @@ fn options(hand: &Hand) -> HandOptions {
             None => usual.springs,
         },
         ..usual
-    }
+    };
+    tissue::layered(hand, options)
 }
 
 /// How finely a hand is built: what the scene says, else its preset.

@@ -2,7 +2,7 @@
 
 use super::soft::{damped_once, group_elements, law, relaxation};
 use super::solver::set;
-use super::{Built, Files, Mesh, RigidLook, assets, drivers, hand_joints, motion, place};
+use super::{Built, Files, Mesh, RigidLook, assets, drivers, hand_joints, motion, place, tissue};
 use crate::format::{BonesWord, CouplingWord, ElementsWord, Hand, HandMaterial, Scene};
 use crate::math::{Pose, Vec3};
 use crate::motion::{ANGLES, AngleRange, Articulation, HandMotion, hand_angles};
@@ -102,7 +102,7 @@ fn add(built: &mut Built, hand: &Hand, files: &Files) -> Result<(), Fault> {
     if !built_here {
         built.memory.take_tets(model.flesh.tets.len() as u64, at)?;
     }
-    soften(&mut model.flesh, hand.material.as_ref())?;
+    soften(&mut model.flesh, hand.material.as_ref(), tissue::is_layered(hand))?;
     built.memory.take_relaxation(&model.flesh.relaxation, at)?;
     set(&mut model.flesh.friction, hand.friction);
     hand_joints::change(&mut model, &hand.joint)?;
@@ -128,6 +128,7 @@ fn add(built: &mut Built, hand: &Hand, files: &Files) -> Result<(), Fault> {
         bone_drive: drive(hand.bone_drive.as_ref(), BONE_DRIVE),
         // A skeleton touches nothing.
         solid_bones: hand.flesh && hand.bones == BonesWord::Solid,
+        nails: tissue::has_nails(hand),
     };
     let mut handle = built.world.add_hand(&model, &placement);
     if !hand.self_contact {
@@ -141,6 +142,7 @@ fn add(built: &mut Built, hand: &Hand, files: &Files) -> Result<(), Fault> {
             CouplingKind::Bone => ElementsWord::Patches,
         };
         group_elements(&mut built.world, handle.soft, hand.elements.unwrap_or(usual));
+        built.world.skins.extend(tissue::skin_of_hand(hand, &model, handle.soft)?);
         built.meshes.push(Mesh::new(&model.flesh.nodes, &model.flesh.tets));
         built.node_starts.push(None);
     } else {
@@ -185,19 +187,25 @@ fn coupling(hand: &Hand, model: &HandModel) -> Result<CouplingKind, Fault> {
 }
 
 /// Changes the flesh as the scene says. A model's elements differ in modulus and density by how
-/// much of the body they hold: a change of the largest scales them all.
-fn soften(flesh: &mut Flesh, table: Option<&HandMaterial>) -> Result<(), Fault> {
+/// much of the body they hold: a change of the largest scales them all. What lies under layers was given its modulus,
+/// ratio and law when it was built.
+fn soften(flesh: &mut Flesh, table: Option<&HandMaterial>, layered: bool) -> Result<(), Fault> {
     let Some(t) = table else { return Ok(()) };
     let largest = |f: fn(&thenar::model::Material) -> f64| {
         flesh.materials.iter().map(f).fold(f64::MIN_POSITIVE, f64::max)
     };
-    let young = t.young.map(|e| e / largest(|m| m.young));
+    let named = t.tissue.as_ref().map(|tissue| tissue::named(tissue.value));
+    let asked = t.young.or(named.map(|(_, young, _)| young)).filter(|_| !layered);
+    let young = asked.map(|e| e / largest(|m| m.young));
     let density = t.density.map(|d| d / largest(|m| m.density));
     for material in &mut flesh.materials {
         material.young *= young.unwrap_or(1.0);
         material.density *= density.unwrap_or(1.0);
-        material.law = law(t.law.as_ref(), t.alpha.as_ref(), material.law)?;
-        set(&mut material.poisson, t.poisson);
+        if !layered {
+            let own = named.map_or(material.law, |(law, ..)| law);
+            material.law = law(t.law.as_ref(), t.alpha.as_ref(), own)?;
+            set(&mut material.poisson, t.poisson.or(named.map(|(.., poisson)| poisson)));
+        }
     }
     set(&mut flesh.mass_damping, t.mass_damping);
     set(&mut flesh.stiffness_damping, t.stiffness_damping);

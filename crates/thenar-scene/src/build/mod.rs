@@ -21,6 +21,7 @@ mod select;
 mod shape;
 mod soft;
 mod solver;
+mod tissue;
 
 pub use drivers::{Driver, Follow, Track};
 pub use files::Files;

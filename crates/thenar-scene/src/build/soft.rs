@@ -1,7 +1,7 @@
 //! Soft bodies.
 
 use super::solver::set;
-use super::{Built, Files, Mesh, assets, lattice, place};
+use super::{Built, Files, Mesh, assets, lattice, place, tissue};
 use crate::format::{
     Bind, ElementsWord, FixedSet, LawWord, MaterialTable, Scene, Soft, SoftShape, SplitWord, Terms,
 };
@@ -46,6 +46,10 @@ fn add(built: &mut Built, soft: &Soft, files: &Files) -> Result<(), Fault> {
     let mesh = Mesh::new(&flesh.nodes, &flesh.tets);
     let pose_WM = Pose::new(soft.position, place::rotation(soft.rotation.as_ref())?);
     let start = start(soft, &mesh, &pose_WM)?;
+    let index = built.world.softs.len() as u32;
+    let skin = soft.skin.as_ref();
+    let skin =
+        skin.map(|skin| tissue::skin_of_soft(skin, &flesh, &flesh.collision, index)).transpose()?;
     if !soft.contact {
         flesh.collision = EmbeddedSurface::default();
     }
@@ -58,7 +62,8 @@ fn add(built: &mut Built, soft: &Soft, files: &Files) -> Result<(), Fault> {
     flesh.friction = soft.friction;
     flesh.fixed = fixed(&soft.fixed, &mesh)?;
     let coupling = coupling(built, soft, &mesh)?;
-    let index = built.world.add_soft(SoftDesc {
+    built.world.skins.extend(skin);
+    built.world.add_soft(SoftDesc {
         name: soft.name.value.clone(),
         flesh,
         pose_WM,
@@ -199,9 +204,14 @@ fn colour_in(
 pub fn material(table: Option<&MaterialTable>, base: Material) -> Result<Material, Fault> {
     let mut m = base;
     let Some(t) = table else { return Ok(m) };
-    m.law = law(t.law.as_ref(), t.alpha.as_ref(), m.law)?;
-    set(&mut m.young, t.young);
-    set(&mut m.poisson, t.poisson);
+    m = tissue::changed(
+        m,
+        t.tissue.as_ref(),
+        t.law.as_ref(),
+        t.alpha.as_ref(),
+        t.young,
+        t.poisson,
+    )?;
     set(&mut m.density, t.density);
     if let Some(mu) = &t.mu {
         if t.young.is_some() {

@@ -1,12 +1,18 @@
 //! Hands.
 
-use super::{DriveTable, ElementsWord, LawWord, MotionTable, Rotation, Terms};
+use super::{
+    DriveTable, ElementsWord, HandLayer, HandTissueWord, LawWord, MotionTable, NailTable, Rotation,
+    SkinTable, Terms, TissueWord,
+};
 use crate::math::Vec3;
 use crate::text::{At, table, words};
 
 table! {
     /// Changes to the flesh of a hand; what is left out stays as the model has it.
     pub struct HandMaterial {
+        /// "epidermis", "dermis", "subcutis", "pulp" or "tendon": law, modulus and Poisson's ratio, on which the keys
+        /// below act.
+        tissue: Option<At<TissueWord>>;
         /// "corotational", "neo-hookean", "stable-neo-hookean" or "ogden".
         law: Option<At<LawWord>>;
         /// Exponent of Ogden's law, which it needs; pulp and skin have 6 to 11.
@@ -140,7 +146,7 @@ table! {
         /// evaluation of their law, so that flesh bends and bulges as refined meshes do. Default: patches where flesh
         /// hangs on bone, tetrahedra where the coupling is uniform.
         elements: Option<ElementsWord>;
-        /// Changes to the flesh.
+        /// Changes to the flesh; below layers, the flesh that they leave.
         material: Option<HandMaterial>;
         /// Where the springs of its joints come from when the model is built from a mesh: "fixed", from a table, whatever the
         /// bent flesh adds; "rest": what the model's flesh leaves of the stiffness that is measured at people's joints.
@@ -148,6 +154,15 @@ table! {
         springs: Option<SpringsWord>;
         /// Changes to its joints.
         joint: Vec<HandJoint>;
+        /// "uniform" or "layered": where `layer`, `skin` and `nail` come from that are not given. Default "uniform":
+        /// none.
+        tissue: Option<At<HandTissueWord>>;
+        /// Layers of flesh by depth under the skin, when the model is built from a mesh.
+        layer: Vec<At<HandLayer>>;
+        /// Skin.
+        skin: Option<At<SkinTable>>;
+        /// Nails.
+        nail: Option<At<NailTable>>;
         /// Coulomb friction coefficient of the skin; left out, the model's.
         friction: Option<f64> where FRICTION;
         /// False leaves the flesh out: a skeleton that touches nothing. Default true.

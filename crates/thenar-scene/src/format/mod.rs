@@ -16,6 +16,7 @@ mod scene;
 mod selector;
 mod soft;
 mod solver;
+mod tissue;
 
 pub use camera::Camera;
 pub use hand::{
@@ -49,3 +50,4 @@ pub use soft::{
     LatticeShape, LawWord, MaterialTable, MeshSoftShape, Region, Soft, SoftShape, SplitWord, Terms,
 };
 pub use solver::{ConeWord, FleshWord, JointLimitsWord, SolverTable, SolverWord};
+pub use tissue::{HandLayer, HandRegionWord, HandTissueWord, NailTable, SkinTable, TissueWord};

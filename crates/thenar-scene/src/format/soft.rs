@@ -1,6 +1,6 @@
 //! Soft bodies.
 
-use super::{Rotation, Selector};
+use super::{Rotation, Selector, SkinTable, TissueWord};
 use crate::math::Vec3;
 use crate::text::{At, Cx, Defs, Fault, Node, Read, choice, table, words};
 use thenar::model::TERMS_MAX;
@@ -134,6 +134,9 @@ words! {
 table! {
     /// A material; what is left out keeps the value of the body's material, or the default.
     pub struct MaterialTable {
+        /// "epidermis", "dermis", "subcutis", "pulp" or "tendon": law, modulus and Poisson's ratio, on which the keys
+        /// below act.
+        tissue: Option<At<TissueWord>>;
         /// "corotational" (default), "neo-hookean" (default of bread), "stable-neo-hookean" or "ogden".
         law: Option<At<LawWord>>;
         /// Exponent of Ogden's law, which it needs; pulp and skin have 6 to 11.
@@ -238,6 +241,8 @@ table! {
         material: Option<MaterialTable>;
         /// Parts with other materials.
         region: Vec<Region>;
+        /// Skin on the surface.
+        skin: Option<At<SkinTable>>;
         /// "tetrahedra": each by itself; "patches": those around one long edge share one evaluation of their
         /// law, which a coarse or hardly compressible mesh needs to bend as it should. Default "tetrahedra".
         elements: ElementsWord = ElementsWord::Tetrahedra;

@@ -64,6 +64,8 @@ pub fn hand(flip: bool) -> HandModel {
         solids: Vec::new(),
         coupling: CouplingKind::Uniform,
         bone_nodes: Vec::new(),
+        regions: Vec::new(),
+        nail_nodes: Vec::new(),
     }
 }
 

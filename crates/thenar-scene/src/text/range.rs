@@ -35,6 +35,14 @@ impl Range {
     pub const DURATION: &'static Range = &closed(0.0, 1e6);
     /// A length of a body \[m\]: 0.1 mm to 100 m.
     pub const SIZE: &'static Range = &closed(1e-4, 100.0);
+    /// Thickness of a sheet \[m\]: 1 µm to 10 cm.
+    pub const THICKNESS: &'static Range = &closed(1e-6, 0.1);
+    /// A depth under the skin \[m\].
+    pub const DEPTH: &'static Range = &closed(0.0, 1.0);
+    /// A line tension \[N/m\].
+    pub const TENSION: &'static Range = &closed(0.0, 1e6);
+    /// A strain.
+    pub const STRAIN: &'static Range = &closed(0.0, 10.0);
     /// A place \[m\].
     pub const PLACE: &'static Range = &closed(-1e4, 1e4);
     /// A speed \[m/s\] or \[rad/s\].

@@ -3,7 +3,9 @@
 use crate::flesh::lanes::{Kind, LANES, RestLanes};
 use crate::flesh::living::Living;
 use crate::flesh::memory::{self, Faded, Fading, MemoryModel};
-use crate::flesh::{PAIRS, Patches, Response, RestTet, eight, eight_principal, foresight, respond};
+use crate::flesh::{
+    Membranes, PAIRS, Patches, Response, RestTet, eight, eight_principal, foresight, respond,
+};
 use crate::math::Vec3;
 use crate::solver::BlockMatrix;
 use fearless_simd::{Level, Simd, dispatch};
@@ -28,6 +30,8 @@ pub struct FleshModel {
     pub patches: Patches,
     /// Tetrahedra of bodies that have patches.
     pub patched: Vec<Range<usize>>,
+    /// Skin.
+    pub membranes: Membranes,
     /// Memory of the elements' stress; of a patch, its first tetrahedron for all.
     pub memory: MemoryModel,
     /// Whether elements are there whose steps are looked at (`foresight`).
@@ -71,6 +75,7 @@ impl FleshModel {
             self.patches.assemble(simd, x, &self.memory, faded, h, A, b, &mut sums);
         });
         self.resist_crushing(x, h, A, b, &mut sums);
+        self.stretch_skin(x, h, A, b, &mut sums);
         sums
     }
 
@@ -91,6 +96,7 @@ impl FleshModel {
             self.patches.tally(simd, x, &self.memory, faded, &mut sums);
         });
         sums.energy += self.crush_energy(x);
+        sums.energy += self.skin_energy(x);
         sums
     }
 
@@ -113,7 +119,7 @@ impl FleshModel {
     /// Lays the elements out for evaluation by eights; to be called when they are complete.
     pub fn arrange(&mut self) {
         self.memory.arrange(self.tets.len());
-        self.asks_foresight = self.rest.iter().any(foresight::asked);
+        self.asks_foresight = self.rest.iter().any(foresight::asked) || !self.membranes.is_empty();
         self.patches.arrange(&self.memory);
         self.single = singles(self.tets.len(), &self.patched);
         let eights = self.single.iter().cloned().flat_map(|range| {

@@ -15,12 +15,12 @@ use std::ops::Range;
 
 /// Changes of the deformation gradient below this are not looked at: of the energies of the laws asked, their third
 /// order is there a small part of the second (at the exponents of tissue and moderate stretch `α ΔF / 3`).
-const CHANGE_SEEN: f64 = 0.05;
+pub(super) const CHANGE_SEEN: f64 = 0.05;
 
 impl FleshModel {
     /// False when the energy of one of these elements rose more, from positions `x0` to `x1` in a step of length `h`
     /// \[s\], than the step could take out; `faded` is what they remembered at its beginning. Corotational elements
-    /// are linear but for their turn; the logarithmic law is not asked.
+    /// are linear but for their turn; the logarithmic law is not asked. Skin is.
     pub fn foresaw(
         &self,
         tets: Range<usize>,
@@ -43,6 +43,7 @@ impl FleshModel {
             let remembers = self.memory.of(t).map(|(of, place)| (of, &faded[place]));
             element_foresaw(rest, F, remembers, &mut fading, (tet, x0, x1), h)
         }) && self.patches.foresaw(&self.memory, faded, &tets, x0, x1, &mut fading, h)
+            && self.skin_foresaw(&tets, x0, x1, h)
     }
 }
 

@@ -121,6 +121,8 @@ mod tests {
             solids: Vec::new(),
             coupling: CouplingKind::Uniform,
             bone_nodes: Vec::new(),
+            regions: Vec::new(),
+            nail_nodes: Vec::new(),
         }
     }
 

@@ -106,6 +106,36 @@ pub enum CouplingKind {
     Bone,
 }
 
+/// A part of the hand's skin, and of the flesh under it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
+pub enum HandRegion {
+    /// The palm's side of the last bones.
+    Pad,
+    /// Nails and what lies under them.
+    Nail,
+    /// The palm's side of all else.
+    Palm,
+    /// The back of all else.
+    Back,
+}
+
+impl HandRegion {
+    /// All four.
+    pub const ALL: [Self; 4] = [Self::Pad, Self::Nail, Self::Palm, Self::Back];
+
+    /// Lower-case name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pad => "pad",
+            Self::Nail => "nail",
+            Self::Palm => "palm",
+            Self::Back => "back",
+        }
+    }
+}
+
 /// A node that stands for bone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -149,6 +179,11 @@ pub struct HandModel {
     pub coupling: CouplingKind,
     /// Nodes that stand for bone, ascending; empty in models that hold uniformly alone.
     pub bone_nodes: Vec<BoneNode>,
+    /// Region of each collision triangle; empty in models of earlier versions.
+    pub regions: Vec<HandRegion>,
+    /// Nodes that stand for nails and their beds, which are grown to the last bones, ascending; a node may
+    /// stand for bone too.
+    pub nail_nodes: Vec<BoneNode>,
 }
 
 /// Springs per volume of flesh of the paper's coupling \[N/m⁴\].
@@ -174,8 +209,9 @@ impl HandModel {
         }
     }
 
-    /// Binding of every node and the volume by which its spring holds it \[m³\]; 0 leaves it free.
-    pub fn held(&self, kind: CouplingKind) -> (Vec<Binding>, Vec<f64>) {
+    /// Binding of every node and the volume by which its spring holds it \[m³\]; 0 leaves it free. With `nails`, flesh
+    /// that hangs on bone is held in nails and their beds too.
+    pub fn held(&self, kind: CouplingKind, nails: bool) -> (Vec<Binding>, Vec<f64>) {
         let mut bindings = self.bindings.clone();
         if kind == CouplingKind::Uniform {
             return (bindings, self.node_volumes.clone());
@@ -184,6 +220,14 @@ impl HandModel {
         for bone in &self.bone_nodes {
             bindings[bone.node as usize] = bone.binding;
             volumes[bone.node as usize] = bone.volume;
+        }
+        for nail in self.nail_nodes.iter().filter(|_| nails) {
+            let volume = &mut volumes[nail.node as usize];
+            // The nail of a node that stands for bone stiffens its spring.
+            if *volume == 0.0 {
+                bindings[nail.node as usize] = nail.binding;
+            }
+            *volume += nail.volume;
         }
         (bindings, volumes)
     }

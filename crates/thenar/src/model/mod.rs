@@ -9,15 +9,17 @@ mod joint;
 mod patches;
 mod relaxation;
 mod rigid;
+mod skin;
 mod surface;
 
 pub use flesh::{Binding, FixedNode, Flesh, Law, Material, OGDEN_ALPHA};
 pub use friction::{BodyParts, FrictionTable};
-pub use hand::{Bone, BoneNode, BoneSolid, CouplingKind, Digit, HandModel, Side};
+pub use hand::{Bone, BoneNode, BoneSolid, CouplingKind, Digit, HandModel, HandRegion, Side};
 pub use joint::{AngleLimit, Axis, JointDesc, JointKind};
 pub use patches::{ElementPatches, PATCH_TETS_MAX, patches};
 pub use relaxation::{Relaxation, RelaxationError, TERMS_MAX, Term};
 pub use rigid::{Motion, RigidDesc};
+pub use skin::{Facet, Sheet, Skin, facets};
 pub use surface::{EmbeddedSurface, SurfaceVertex};
 mod world;
 

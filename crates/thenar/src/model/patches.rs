@@ -22,7 +22,7 @@ pub const PATCH_TETS_MAX: usize = 8;
 const SAME_LENGTH: f64 = 0.067;
 /// Tetrahedra of an octahedron of the body-centred lattice.
 const OCTAHEDRON: usize = 4;
-const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
 /// The edges of a tetrahedron, by its corners.
 const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 
@@ -230,7 +230,7 @@ fn long_edges(nodes: &[Vec3], tet: &[u32; 4]) -> Vec<[u32; 2]> {
     (0..6).filter(is_long).map(|k| ends[k]).collect()
 }
 
-fn behind_faces(tets: &[[u32; 4]]) -> Vec<[u32; 4]> {
+pub(super) fn behind_faces(tets: &[[u32; 4]]) -> Vec<[u32; 4]> {
     let mut faces: Vec<([u32; 3], u32, usize)> = Vec::with_capacity(4 * tets.len());
     for (t, tet) in tets.iter().enumerate() {
         for k in 0..4 {

@@ -3,7 +3,7 @@
 use crate::math::{Pose, Vec3};
 use crate::model::{
     Binding, BodyParts, CouplingKind, ElementPatches, Flesh, FrictionTable, HandModel, JointDesc,
-    Motion, RigidDesc,
+    Motion, RigidDesc, Skin,
 };
 use std::ops::Range;
 
@@ -183,6 +183,8 @@ pub struct WorldDesc {
     /// Deformable bodies whose tetrahedra are evaluated by patches, each once; the others' are
     /// evaluated one by one.
     pub patches: Vec<ElementPatches>,
+    /// Skins of deformable bodies, each of which has one at most.
+    pub skins: Vec<Skin>,
     /// Indices into `softs`: those whose surface also touches itself. Hands are among them.
     pub self_contact: Vec<u32>,
 }
@@ -201,6 +203,7 @@ impl Default for WorldDesc {
             friction_tables: Vec::new(),
             parts: Vec::new(),
             patches: Vec::new(),
+            skins: Vec::new(),
             self_contact: Vec::new(),
         }
     }
@@ -225,6 +228,8 @@ pub struct HandPlacement {
     pub bone_drive: Option<Drive>,
     /// Bones touch other bodies with their solids (`HandModel::solids`), where flesh is crushed.
     pub solid_bones: bool,
+    /// Nails are grown to the last bones (`HandModel::nail_nodes`).
+    pub nails: bool,
 }
 
 /// Where a hand ended up in the world.
@@ -290,7 +295,7 @@ impl WorldDesc {
             ..joint.clone()
         }));
 
-        let (bindings, volumes) = hand.held(placement.coupling);
+        let (bindings, volumes) = hand.held(placement.coupling, placement.nails);
         let bindings = bindings
             .iter()
             .map(|b| Binding { bones: b.bones.map(|j| j + bone0), weights: b.weights })

@@ -8,6 +8,8 @@ use crate::model::{
 };
 use crate::world::{HALVINGS_MAX, ModelError, freedoms};
 
+mod skin;
+
 /// Gravity stays below this along each axis \[m/s²\].
 pub const GRAVITY_MAX: f64 = 1e4;
 
@@ -53,6 +55,7 @@ pub fn check(desc: &WorldDesc) -> Result<(), ModelError> {
     desc.friction_tables.iter().try_for_each(|table| check_table(table, desc))?;
     desc.parts.iter().try_for_each(|parts| check_parts(parts, desc))?;
     desc.patches.iter().try_for_each(|patches| check_patches(patches, desc))?;
+    desc.skins.iter().try_for_each(|skin| skin::check(skin, desc))?;
     check_pairs(desc)?;
     freedoms::check(desc)
 }

@@ -3,7 +3,9 @@
 use crate::coupling::{BoundNode, CouplingEntries, CouplingModel};
 use crate::flesh::{FleshModel, RestTet};
 use crate::math::{Mat3, Vec3};
-use crate::model::{BodyId, FrictionTable, JointDesc, Motion, Relaxation, SoftDesc, WorldDesc};
+use crate::model::{
+    BodyId, FrictionTable, JointDesc, Motion, Relaxation, Skin, SoftDesc, WorldDesc,
+};
 use crate::solver::BlockMatrix;
 use crate::world::joint_tree::JointTree;
 use crate::world::{ModelError, check::check};
@@ -178,6 +180,10 @@ impl Model {
         self.soft_tets.push(tet0..self.flesh.tets.len());
         let shared = self.add_patches(soft, desc);
         self.flesh.memory.add(tet0, &shared.unwrap_or_else(|| flesh.relaxation.clone()));
+        let of_body = |skin: &&Skin| skin.soft as usize == self.soft_tets.len() - 1;
+        if let Some(skin) = desc.skins.iter().find(of_body) {
+            self.flesh.add_skin(tet0, &skin.sheets, &skin.facets);
+        }
 
         let vertex0 = self.vertices.len();
         self.vertices.extend(flesh.collision.vertices.iter().map(|v| Embedded {
