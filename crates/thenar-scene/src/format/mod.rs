@@ -4,6 +4,7 @@
 #![allow(rustdoc::broken_intra_doc_links)] // units stand in brackets, as in the schema
 
 mod camera;
+mod friction;
 mod hand;
 mod joint;
 mod load;
@@ -18,6 +19,7 @@ mod soft;
 mod solver;
 
 pub use camera::Camera;
+pub use friction::{PairFriction, SkinOnWord};
 pub use hand::{BonesWord, CouplingWord, Hand, HandMaterial, PresetWord};
 pub use joint::{Joint, JointWord};
 pub use load::{
