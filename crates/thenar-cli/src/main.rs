@@ -19,6 +19,7 @@ mod haptics;
 mod interrupt;
 mod page;
 mod picture;
+mod press;
 mod progress;
 mod record;
 mod recording;
