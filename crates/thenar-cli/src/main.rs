@@ -15,10 +15,12 @@ mod compare;
 mod devices;
 mod error;
 mod files;
+mod fit;
 mod haptics;
 mod interrupt;
 mod page;
 mod picture;
+mod press;
 mod progress;
 mod record;
 mod recording;
@@ -67,6 +69,8 @@ enum Command {
     Bench(bench::Args),
     /// Look into touch without a device: stability maps, the three modes compared.
     Haptics(haptics::Args),
+    /// Find moduli from force and depth measured on a finger.
+    Fit(fit::Args),
     /// Thrash a hand at random against table, car and bread.
     Soak(soak::Args),
     /// Compare figures that theory gives with those that we compute.
@@ -88,6 +92,7 @@ fn main() -> ExitCode {
         Some(Command::Compare(args)) => compare::run(&args),
         Some(Command::Bench(args)) => return bench::run(&args),
         Some(Command::Haptics(args)) => haptics::run(&args),
+        Some(Command::Fit(args)) => fit::run(&args),
         Some(Command::Soak(args)) => return soak::run(&args),
         Some(Command::Validate(args)) => validate::run(&args),
         None => serve::run(&serve::Args::of_scene(DEMO)),

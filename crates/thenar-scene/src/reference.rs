@@ -80,6 +80,9 @@ fn kind(schema: &Value, found: &mut Vec<(String, String)>) -> String {
         let words: Vec<_> = words.iter().filter_map(Value::as_str).collect();
         return format!("`\"{}\"`", words.join("\"`, `\""));
     }
+    if let Some(ways) = schema["oneOf"].as_array() {
+        return ways.iter().map(|way| kind(way, found)).collect::<Vec<_>>().join(" or ");
+    }
     match text(schema, "type") {
         "array" => {
             let item = kind(&schema["items"], found);

@@ -224,6 +224,43 @@ fn a_pair_takes_friction_by_load() {
     }
 }
 
+/// A block drawn over a plane. At the tables' rows it bears what the power law of the measurements says, to 1 %; between
+/// them straight lines lie above the law by up to 3 %, between 2 and 5 N.
+#[test]
+fn skin_on_a_material_drags_by_its_load() {
+    let p = 0.54_f64.ln() / 20_f64.ln();
+    for (name, at_one) in [("skin-on-aluminium", 0.832), ("skin-on-rubber", 1.248)] {
+        for load in [0.5, 1.0, 3.0, 8.0, 20.0] {
+            let mut session = drag(name, load);
+            run(&mut session);
+            let normal = value(&mut session, "contact.normal_sum");
+            near(normal, load, 1e-3 * load);
+            let mu = value(&mut session, "contact.shear") / normal;
+            let between = [3.0, 8.0].contains(&load);
+            near(mu, at_one * f64::powf(load, p), if between { 0.03 * mu } else { 0.01 * mu });
+            near(value(&mut session, "contact.state"), 2.0, 0.0);
+        }
+    }
+    for (name, mu) in [("skin-on-glass-dry", 0.6), ("skin-on-glass-wet", 0.78)] {
+        for load in [0.2, 10.0] {
+            let mut session = drag(name, load);
+            run(&mut session);
+            near(value(&mut session, "contact.shear") / load, mu, 0.01 * mu);
+        }
+    }
+}
+
+/// The shipped scene of a block drawn over a plane, under this load \[N\].
+fn drag(friction: &str, load: f64) -> Session {
+    let text = include_str!("../../../scenes/validation/f04-drag.toml");
+    let changes = [
+        format!("pair.0.friction={friction}"),
+        format!("rigid.block.mass={}", load / 10.0),
+        format!("load.0.force=[{}, 0, 0]", 2.0 * load),
+    ];
+    Session::from_text(text, Path::new("f04-drag.toml"), &changes).unwrap_or_else(|e| panic!("{e}"))
+}
+
 #[test]
 fn wrong_tables_are_refused_with_the_reason() {
     let scene = |pair: &str| {
@@ -247,6 +284,13 @@ fn wrong_tables_are_refused_with_the_reason() {
     for (pair, reason) in [
         ("", "a pair needs `friction`, `friction_by_load`"),
         ("friction = 0.2\nfriction_by_load = [[1, 0.5]]", "not both"),
+        ("friction = \"skin-on-rubber\"\nfriction_by_load = [[1, 0.5]]", "not both"),
+        ("friction = \"skin-on-ruber\"", "did you mean \"skin-on-rubber\"?"),
+        (
+            "friction = \"velcro\"",
+            "expected one of \"skin-on-aluminium\", \"skin-on-rubber\", \"skin-on-glass-dry\", \"skin-on-glass-wet\"",
+        ),
+        ("friction = [1]", "`pair[0].friction`: expected a finite number from 0 to 100"),
         ("friction_by_load = []", "at least one"),
         ("friction_by_load = [[2, 0.5], [1, 0.4]]", "rising loads, got 1 N after 2 N"),
         ("friction_by_load = [[1, 0.5], [2, 200]]", "coefficients of at most 100"),

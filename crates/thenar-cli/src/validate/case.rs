@@ -81,6 +81,13 @@ pub enum Check {
     AtMost,
     /// `got >= expected`.
     AtLeast,
+    /// `low <= got <= high`; what is expected is their middle.
+    Within {
+        /// Lower end.
+        low: f64,
+        /// Upper end.
+        high: f64,
+    },
     /// Stated for the reader; nothing is asked of it.
     Report,
 }
@@ -109,6 +116,10 @@ pub enum Basis {
     Construction,
     /// Another part of this program.
     Itself,
+    /// A band that was measured on people, with its source in `docs/references.md`.
+    People,
+    /// A band remembered from the literature, none of whose tables was at hand: less than a measurement.
+    Recalled,
 }
 
 /// One row of the table: a number measured, beside the one expected.
@@ -143,6 +154,17 @@ impl Figure {
         Self { what, setup, expected, got, check, basis, cannot: None }
     }
 
+    /// A figure within a band.
+    pub fn within(
+        what: impl Into<String>,
+        setup: impl Into<String>,
+        band: [f64; 2],
+        got: f64,
+    ) -> Self {
+        let [low, high] = band;
+        Self::new(what, setup, 0.5 * (low + high), got, Check::Within { low, high })
+    }
+
     /// Says what the expected value rests on, where that is not theory.
     pub fn rests_on(mut self, basis: Basis) -> Self {
         self.basis = basis;
@@ -172,6 +194,7 @@ impl Figure {
             }
             Check::AtMost => self.got.abs() <= self.expected,
             Check::AtLeast => self.got >= self.expected,
+            Check::Within { low, high } => (low..=high).contains(&self.got),
             Check::Report => return Outcome::Stated,
         };
         match (met, &self.cannot) {
@@ -198,6 +221,11 @@ mod tests {
         for check in [Check::Absolute(1.0), Check::Relative(1.0), Check::AtMost, Check::AtLeast] {
             assert_eq!(outcome(f64::NAN, check), Outcome::Fail);
         }
+        let band = |got| Figure::within("x", "", [1.0, 2.5], got).outcome();
+        assert_eq!([1.0, 2.5, 0.99, 2.51, f64::NAN].map(band), {
+            use Outcome::{Fail, Pass};
+            [Pass, Pass, Fail, Fail, Fail]
+        });
         let bound = |got| Figure::new("x", "", 0.5, got, Check::AtMost).outcome();
         assert_eq!((bound(-0.4), bound(-0.6)), (Outcome::Pass, Outcome::Fail));
     }

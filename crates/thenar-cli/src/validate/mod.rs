@@ -1,4 +1,4 @@
-//! `thenar validate`: figures that theory gives, beside those that we compute. Every case but those
+//! `thenar validate`: figures that theory gives, and bands of people, beside those that we compute. Every case but those
 //! of touch runs scene files of `scenes/validation` and reads their probes; nothing in it knows the
 //! solver.
 
@@ -8,8 +8,11 @@ mod c;
 mod case;
 mod d;
 mod e;
+mod f;
+mod g;
 mod report;
 mod run;
+mod t;
 
 use crate::error::CliError;
 use case::Case;
@@ -63,7 +66,8 @@ pub fn run(args: &Args) -> Result<(), CliError> {
 
 /// All cases, in order.
 fn cases() -> impl Iterator<Item = &'static Case> {
-    [a::CASES, b::CASES, c::CASES, d::CASES, e::CASES].into_iter().flatten()
+    let letters = [a::CASES, b::CASES, c::CASES, d::CASES, e::CASES, f::CASES, g::CASES, t::CASES];
+    letters.into_iter().flatten()
 }
 
 fn choose(args: &Args) -> Result<Vec<Case>, CliError> {
@@ -159,6 +163,21 @@ mod tests {
     #[test]
     fn touch_meets_its_figures() {
         check('E');
+    }
+
+    #[test]
+    fn fingers_meet_their_bands_or_say_why_not() {
+        check('F');
+    }
+
+    #[test]
+    fn dimensions_meet_their_bands_or_say_why_not() {
+        check('G');
+    }
+
+    #[test]
+    fn tissue_meets_its_figures_or_says_why_not() {
+        check('T');
     }
 
     #[test]

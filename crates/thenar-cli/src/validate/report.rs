@@ -76,8 +76,21 @@ fn expected(figure: &Figure) -> String {
     match figure.check {
         Check::AtMost => format!("<= {value}"),
         Check::AtLeast => format!(">= {value}"),
+        Check::Within { low, high } => format!("{} to {}", short(low), short(high)),
+        // What is only stated may have nothing to be held against.
+        Check::Report if figure.expected.is_nan() => String::new(),
         _ => value,
     }
+}
+
+/// Three significant digits, without zeros behind them.
+fn short(x: f64) -> String {
+    if x == 0.0 || !x.is_finite() {
+        return format!("{x}");
+    }
+    let places = 2 - x.abs().log10().floor() as i32;
+    let ten = 10f64.powi(places);
+    format!("{}", (x * ten).round() / ten)
 }
 
 fn error(figure: &Figure) -> String {
@@ -92,6 +105,7 @@ fn tolerance(check: &Check) -> String {
         Check::Absolute(t) => format!("{t:e}"),
         Check::Relative(t) => format!("{t:e} rel"),
         Check::AtMost | Check::AtLeast => "bound".into(),
+        Check::Within { low, high } => format!("{} to {}", short(*low), short(*high)),
         Check::Report => String::new(),
     }
 }
@@ -125,6 +139,8 @@ fn mark(basis: Basis) -> &'static str {
         Basis::Theory => "",
         Basis::Construction => ", by construction",
         Basis::Itself => ", against itself",
+        Basis::People => ", band of people",
+        Basis::Recalled => ", band (R)",
     }
 }
 
@@ -134,6 +150,8 @@ fn basis_word(basis: Basis) -> &'static str {
         Basis::Theory => "theory",
         Basis::Construction => "construction",
         Basis::Itself => "itself",
+        Basis::People => "people",
+        Basis::Recalled => "recalled",
     }
 }
 
@@ -170,7 +188,7 @@ pub fn tally(findings: &[Finding]) -> String {
     format!(
         "{} cases: {} figures pass, {} fail, {} cannot be met, {} stated; {broken} cases did not run\n\
          of those that pass {} rest on theory or an independent computation, {} hold by construction, {} compare \
-         the program with itself",
+         the program with itself, {} lie in bands of people, {} in bands that are recalled (R)",
         findings.len(),
         count(Outcome::Pass),
         count(Outcome::Fail),
@@ -179,5 +197,7 @@ pub fn tally(findings: &[Finding]) -> String {
         passed(Basis::Theory),
         passed(Basis::Construction),
         passed(Basis::Itself),
+        passed(Basis::People),
+        passed(Basis::Recalled),
     )
 }

@@ -1,7 +1,7 @@
 //! Contact settings of pairs.
 
 use super::Built;
-use crate::format::Scene;
+use crate::format::{PairFriction, Scene};
 use crate::text::{At, Fault};
 use thenar::model::{BodyId, FrictionTable, PairRule};
 
@@ -20,7 +20,12 @@ pub fn add_all(built: &mut Built, scene: &Scene) -> Result<(), Fault> {
         known.push(sorted);
         let friction = match (pair.contact, pair.friction, &pair.friction_by_load) {
             (false, ..) => None,
-            (true, Some(friction), None) => Some(friction),
+            (true, Some(PairFriction::Coefficient(friction)), None) => Some(friction),
+            (true, Some(PairFriction::Skin(word)), None) => {
+                let points = word.points().to_vec();
+                built.world.friction_tables.push(FrictionTable { bodies, points });
+                continue;
+            }
             (true, None, Some(points)) => {
                 check_points(points)?;
                 let points = points.value.clone();

@@ -4,6 +4,7 @@
 #![allow(rustdoc::broken_intra_doc_links)] // units stand in brackets, as in the schema
 
 mod camera;
+mod friction;
 mod hand;
 mod joint;
 mod load;
@@ -19,6 +20,7 @@ mod solver;
 mod tissue;
 
 pub use camera::Camera;
+pub use friction::{PairFriction, SkinOnWord};
 pub use hand::{
     BonesWord, CouplingWord, Hand, HandAxis, HandJoint, HandJointsFile, HandMaterial, PresetWord,
     SpringsWord,

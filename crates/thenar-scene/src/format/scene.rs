@@ -1,6 +1,6 @@
 //! The file as a whole.
 
-use super::{Camera, Hand, Joint, Load, Probe, Rigid, Soft, SolverTable};
+use super::{Camera, Hand, Joint, Load, PairFriction, Probe, Rigid, Soft, SolverTable};
 use crate::math::Vec3;
 use crate::text::{At, table};
 
@@ -48,8 +48,9 @@ table! {
     pub struct Pair {
         /// The two bodies' names. A hand's name stands for its flesh.
         bodies: [At<String>; 2];
-        /// Coulomb friction coefficient of this pair.
-        friction: Option<f64> where FRICTION;
+        /// Coulomb friction coefficient of this pair, or the name of a shipped table of skin on a
+        /// material, by load as in `friction_by_load`.
+        friction: Option<PairFriction> where FRICTION;
         /// Instead of `friction`: coefficients that depend on load, as [load [N], coefficient], by
         /// rising load; straight lines between, constant outside. The load is the sum of the normal
         /// forces of the whole patch in the step before: between the two bodies, or, of a hand, between

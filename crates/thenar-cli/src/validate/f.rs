@@ -1,0 +1,58 @@
+//! Fingers against people: bands, not points. Every case of a hand has the same constants, those of its scene
+//! (`f01-press`, `f06-knuckle`); overrides give another hand, finger, angle or course of the plate alone.
+
+mod curve;
+mod friction;
+mod knuckle;
+mod press;
+mod tap;
+
+use super::case::{Case, CaseError, Figure, SceneText, scene};
+use super::run::Solver;
+pub use curve::pressed;
+pub use friction::tables;
+pub use press::plate;
+pub use tap::taps;
+
+/// A plate on the pad of a finger.
+pub const PRESS: SceneText = scene!("f01-press");
+const DRAG: SceneText = scene!("f04-drag");
+/// A relaxed finger, bent by a torque.
+pub const KNUCKLE: SceneText = scene!("f06-knuckle");
+
+/// A hand that is tried: a name, and what sets it apart from the scene's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Hand {
+    /// Its name in the table.
+    pub name: &'static str,
+    /// Overrides.
+    pub changes: &'static [&'static str],
+}
+
+/// The scene's own: right, 190 mm.
+pub const OWN: Hand = Hand { name: "right, 190 mm", changes: &[] };
+/// Another size, and the other side.
+pub const SMALL: Hand =
+    Hand { name: "left, 170 mm", changes: &["hand.hand.length=0.17", "hand.hand.model=left"] };
+
+const fn case(
+    id: &'static str,
+    title: &'static str,
+    full: bool,
+    measure: fn(Solver) -> Result<Vec<Figure>, CaseError>,
+) -> Case {
+    Case { id, title, full, measure }
+}
+
+/// The cases.
+pub const CASES: &[Case] = &[
+    case("F1", "an index pad on a plate at 5 mm/s: force over depth", false, press::depth),
+    case("F1H", "the same after 10 s of hold", true, press::held),
+    case("F2", "a pad held still relaxes; pressed fast it stiffens", true, press::relaxation),
+    case("F3", "area of contact over force", false, press::area),
+    case("F4", "friction of skin falls with load", false, friction::means),
+    case("F5", "moduli", false, press::moduli),
+    case("F6", "the knuckle after 10 s of hold", true, knuckle::stiffness),
+    case("F7", "the first touch is Hertz's, more is stiffer", false, press::first_touch),
+    case("F8", "a fingertip under 50 N", false, press::crushed),
+];
