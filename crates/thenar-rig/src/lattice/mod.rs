@@ -7,7 +7,8 @@
 //!
 //! Guaranteed: one face-connected component; positive volumes; the filled volume is the body's;
 //! the result depends on nothing but the input. Not guaranteed: surface vertices may lie a little
-//! outside their tetrahedron, where a nearly empty one was left out.
+//! outside their tetrahedron, where a nearly empty one was left out; of lattices of several sizes up to
+//! a height of it, where its nodes had no other (see `support`).
 
 mod bcc;
 mod cells;
@@ -18,6 +19,7 @@ mod pieces;
 mod prune;
 mod quality;
 mod samples;
+mod support;
 mod surface;
 pub mod tet;
 mod union_find;
@@ -32,6 +34,7 @@ use graded::Graded;
 use octree::Octree;
 use pieces::Pieces;
 use samples::Samples;
+use support::SUPPORT_MIN;
 use thenar::{Quat, Vec3};
 
 /// How fine and how turned.
@@ -106,7 +109,8 @@ impl Lattice {
 
     /// Covers the inside of a closed, outward-facing mesh with elements of several sizes: around every place inside,
     /// cubes are halved until their edge is at most `edge` there \[m\], as far as the grading goes. Dihedral
-    /// angles are 45° to 120°.
+    /// angles are 45° to 120°. Every node has at least a tenth of the stiffness of those around it, but for places
+    /// so thin that they hang on by less.
     ///
     /// # Errors
     /// When the mesh encloses no volume, hangs together too thinly for elements of this size, or needs more of
@@ -136,7 +140,7 @@ impl Lattice {
                 pieces.len()
             )));
         }
-        prune::prune(&mut pieces, &samples, FILL_MIN)?;
+        prune::prune(&mut pieces, &samples, FILL_MIN, SUPPORT_MIN)?;
         stage.at(3)?;
         Self::from_pieces(samples, pieces, Quat::identity(), volume)
     }
@@ -244,7 +248,7 @@ fn fit_count(samples: &Samples, wanted: usize, first: f64) -> Result<Pieces, Rig
     let stage = Stage::new("filling the mesh with tetrahedra", ATTEMPTS, work, "")?;
     for attempt in 0..ATTEMPTS {
         let mut pieces = Pieces::new(samples, &Uniform { cube, shift });
-        prune::prune(&mut pieces, samples, FILL_MIN)?;
+        prune::prune(&mut pieces, samples, FILL_MIN, 0.0)?;
         let ratio = pieces.len() as f64 / wanted as f64;
         let off = |n: usize| (n as f64 / wanted as f64).ln().abs();
         if best.as_ref().is_none_or(|b| off(pieces.len()) < off(b.len())) {

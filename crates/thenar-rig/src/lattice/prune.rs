@@ -2,16 +2,23 @@
 
 use super::pieces::{Pieces, for_each_link};
 use super::samples::Samples;
+use super::support::leave_out_unsupported;
 use super::union_find::UnionFind;
 use crate::RigError;
 use thenar::Vec3;
 
-/// Removes pieces filled less than `fill_min` and those that hang on by less than a face, and
-/// gives their points to the nearest piece that stays, along links.
+/// Removes pieces filled less than `fill_min`, those that hang on by less than a face, and those around nodes with less than
+/// `support_min` of the stiffness of their neighbours (`support`), and gives their points to the nearest piece that
+/// stays, along links.
 ///
 /// # Errors
 /// When no piece is filled that far.
-pub(super) fn prune(pieces: &mut Pieces, samples: &Samples, fill_min: f64) -> Result<(), RigError> {
+pub(super) fn prune(
+    pieces: &mut Pieces,
+    samples: &Samples,
+    fill_min: f64,
+    support_min: f64,
+) -> Result<(), RigError> {
     let point_volume = samples.spacing.powi(3);
     let mut keep: Vec<bool> = pieces
         .counts
@@ -26,13 +33,16 @@ pub(super) fn prune(pieces: &mut Pieces, samples: &Samples, fill_min: f64) -> Re
         ));
     }
     keep_largest_component(pieces, &mut keep);
+    if support_min > 0.0 {
+        leave_out_unsupported(pieces, point_volume, support_min, &mut keep);
+    }
     reassign(pieces, samples, &keep);
     compact(pieces, &keep);
     Ok(())
 }
 
 /// Clears `keep` outside the face-connected component that holds most of the body.
-fn keep_largest_component(pieces: &Pieces, keep: &mut [bool]) {
+pub(super) fn keep_largest_component(pieces: &Pieces, keep: &mut [bool]) {
     let mut faces: Vec<([u32; 3], u32)> = Vec::new();
     for (t, nodes) in pieces.nodes.iter().enumerate().filter(|(t, _)| keep[*t]) {
         for k in 0..4 {

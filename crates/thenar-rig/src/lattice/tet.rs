@@ -10,6 +10,14 @@ pub fn volume(x: &Corners) -> f64 {
     (x[1] - x[0]).dot(&(x[2] - x[0]).cross(&(x[3] - x[0]))) / 6.0
 }
 
+/// Gradients of the four barycentric weights \[1/m\]; not finite for a flat tetrahedron.
+pub fn gradients(x: &Corners) -> [Vec3; 4] {
+    let [a, b, c] = [x[1] - x[0], x[2] - x[0], x[3] - x[0]];
+    let det = a.dot(&b.cross(&c));
+    let [g1, g2, g3] = [b.cross(&c) / det, c.cross(&a) / det, a.cross(&b) / det];
+    [-(g1 + g2 + g3), g1, g2, g3]
+}
+
 /// Barycentric weights of `p`, of sum 1; NaN for a flat tetrahedron.
 pub fn barycentric(x: &Corners, p: &Vec3) -> [f64; 4] {
     let [a, b, c] = [x[1] - x[0], x[2] - x[0], x[3] - x[0]];
