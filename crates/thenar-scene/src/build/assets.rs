@@ -166,9 +166,9 @@ impl From<RigidModel> for Solid {
 }
 
 /// The model of a hand.
-pub fn hand(hand: &Hand, files: &Files) -> Result<HandModel, Fault> {
+pub fn hand(hand: &Hand, preset: PresetWord, files: &Files) -> Result<HandModel, Fault> {
     let built_in = |side| {
-        let options = HandOptions { side: Some(side), ..options(hand) };
+        let options = HandOptions { side: Some(side), ..options(hand, preset) };
         hand_of(asset(side), &options).map_err(|e| hand.name.fault(e.to_string()))
     };
     let Some(file) = &hand.model else { return built_in(Side::Right) };
@@ -177,7 +177,7 @@ pub fn hand(hand: &Hand, files: &Files) -> Result<HandModel, Fault> {
         "right" => built_in(Side::Right),
         "left" => built_in(Side::Left),
         name if name.ends_with(".glb") => {
-            build_hand_file(&path(), &options(hand)).map_err(|e| file.fault(e.to_string()))
+            build_hand_file(&path(), &options(hand, preset)).map_err(|e| file.fault(e.to_string()))
         }
         name if name.ends_with(".thenar") => match read_model(&path()) {
             Ok(Model::Hand(model)) => Ok(model),
@@ -190,17 +190,17 @@ pub fn hand(hand: &Hand, files: &Files) -> Result<HandModel, Fault> {
     }
 }
 
-fn options(hand: &Hand) -> HandOptions {
+fn options(hand: &Hand, preset: PresetWord) -> HandOptions {
     HandOptions {
         name: hand.name.value.clone(),
         size: hand.length.map_or(Size::Scale(1.0), Size::Length),
-        ..mesh(hand)
+        ..mesh(hand, preset)
     }
 }
 
 /// How finely a hand is built: what the scene says, else its preset.
-fn mesh(hand: &Hand) -> HandOptions {
-    let usual = match hand.preset {
+fn mesh(hand: &Hand, preset: PresetWord) -> HandOptions {
+    let usual = match preset {
         PresetWord::Paper => HandOptions::paper(),
         PresetWord::Touch => HandOptions::touch(),
     };
@@ -210,7 +210,7 @@ fn mesh(hand: &Hand) -> HandOptions {
 }
 
 /// Tetrahedra that a hand will have, about.
-pub fn tets_wanted(hand: &Hand) -> u64 {
-    let options = mesh(hand);
+pub fn tets_wanted(hand: &Hand, preset: PresetWord) -> u64 {
+    let options = mesh(hand, preset);
     options.detail.map_or(options.tets as u64, graded_tets)
 }
