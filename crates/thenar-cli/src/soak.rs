@@ -223,7 +223,7 @@ mod tests {
             time_steps,
             seed: 3,
             judge: true,
-            preset: None,
+            preset: Some(PresetArg::Paper),
             sweep: false,
             overrides,
         };
