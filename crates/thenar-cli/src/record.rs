@@ -3,7 +3,7 @@
 use crate::error::CliError;
 use crate::progress::Meter;
 use crate::recording::{RecordOptions, attach};
-use crate::run::{open, tell_overlaps};
+use crate::run::{open, tell};
 use crate::{files, interrupt, taken_back};
 use std::path::{Path, PathBuf};
 
@@ -35,7 +35,7 @@ pub struct Args {
 /// The scene is wrong, the file cannot be written, or the run was interrupted.
 pub fn run(args: &Args) -> Result<(), CliError> {
     let mut session = open(&args.scene, &args.set)?;
-    tell_overlaps(session.start_overlaps());
+    tell(&session);
     let steps = crate::run::steps(&session, args.seconds)?;
     let name = || Path::new(session.name()).with_extension("rec");
     let file = args.out.clone().unwrap_or_else(name);

@@ -76,6 +76,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
             return Err(error);
         }
     };
+    live.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
     tell_overlaps(live.start_overlaps());
     args.page.announce(&format!("{} is live", args.scene.display()), &server);
     let mut teller = Teller::default();

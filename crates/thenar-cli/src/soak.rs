@@ -5,6 +5,7 @@ mod judge;
 mod scene;
 mod sweep;
 
+use crate::build::PresetArg;
 use crate::interrupt;
 use judge::{Figure, quality, soundness};
 use std::process::ExitCode;
@@ -30,9 +31,12 @@ pub struct Args {
     /// energy bounded, which is all that `--sweep` judges.
     #[arg(long, value_name = "BOOL", default_value_t = true, action = clap::ArgAction::Set)]
     judge: bool,
-    /// Soaks at couplings of 1e7 to 1e10 N/m⁴ and tissue of 5 kPa to 5 MPa, each at steps of 0.25 to
+    /// The hand, as scenes name it: the paper's or that for touch. Default: as scenes that name none have it.
+    #[arg(long, value_enum, value_name = "WORD")]
+    preset: Option<PresetArg>,
+    /// Soaks the paper's hand at couplings of 1e7 to 1e10 N/m⁴ and tissue of 5 kPa to 5 MPa, each at steps of 0.25 to
     /// 20 ms, instead of `--time-step`.
-    #[arg(long, conflicts_with = "time_steps")]
+    #[arg(long, conflicts_with_all = ["time_steps", "preset"])]
     sweep: bool,
     /// Overrides as of `thenar run`, e.g. `hand.hand.preset=touch`.
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -176,6 +180,7 @@ fn print(args: &Args, h: f64, e: &Extremes, figures: &[Figure]) -> bool {
 
 fn soak(args: &Args, h: f64, more: &[String]) -> Result<Extremes, String> {
     let mut overrides = vec![format!("time_step={h}")];
+    overrides.extend(args.preset.map(|preset| format!("hand.hand.preset={}", preset.word())));
     overrides.extend(args.overrides.iter().chain(more).cloned());
     let (mut session, tries) = scene::open(args.seconds, args.seed, &overrides)?;
     let mut extremes = Extremes { tries, ..Extremes::default() };
@@ -213,7 +218,15 @@ mod tests {
     #[test]
     fn a_short_soak_is_sound_and_repeats() {
         let (seconds, time_steps, overrides) = (5.0, vec![], vec![]);
-        let args = Args { seconds, time_steps, seed: 3, judge: true, sweep: false, overrides };
+        let args = Args {
+            seconds,
+            time_steps,
+            seed: 3,
+            judge: true,
+            preset: Some(PresetArg::Paper),
+            sweep: false,
+            overrides,
+        };
         let first = soak(&args, 1.0 / 60.0, &[]).unwrap();
         assert!(first.sound(), "{first:?}");
         assert!(first.contacts > 10, "it must hit something: {first:?}");
@@ -224,9 +237,15 @@ mod tests {
     /// single nodes were flung by 85 mm in a step.
     #[test]
     fn a_hand_for_touch_is_not_torn_up() {
-        let overrides = vec!["hand.hand.preset=touch".to_owned()];
-        let (seconds, time_steps) = (3.7, vec![]);
-        let args = Args { seconds, time_steps, seed: 1, judge: true, sweep: false, overrides };
+        let args = Args {
+            seconds: 3.7,
+            time_steps: vec![],
+            seed: 1,
+            judge: true,
+            sweep: false,
+            preset: Some(PresetArg::Touch),
+            overrides: vec![],
+        };
         let soaked = soak(&args, 1.0 / 60.0, &[]).unwrap();
         assert!(soaked.sound() && soaked.contacts > 10, "{soaked:?}");
         let figures = quality(&soaked, 1.0 / 60.0);

@@ -22,6 +22,7 @@ const PATIENCE: Duration = Duration::from_secs(60);
 const SCENE: &str = r#"version = 1
 time_step = 0.01
 [[hand]]
+preset = "paper"
 name = "hand"
 flesh = false
 [[load]]

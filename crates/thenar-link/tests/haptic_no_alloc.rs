@@ -37,7 +37,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-const SCENE: &str = "version = 1\n[[hand]]\nname = \"hand\"\nflesh = false\n";
+const SCENE: &str = "version = 1\n[[hand]]\npreset = \"paper\"\nname = \"hand\"\nflesh = false\n";
 
 #[test]
 fn ticks_and_frames_allocate_nothing() {

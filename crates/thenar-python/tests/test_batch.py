@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 
 import thenar
-from conftest import pressing
+from conftest import PAPER, pressing
 
 FRICTIONS = [0.2, 0.5, 0.8, 1.1, 1.4]
 
@@ -19,7 +19,7 @@ def state() -> bytes:
 
 
 def world(state: bytes, friction: float) -> thenar.World:
-    made = thenar.Scene.named("table-press").world()
+    made = thenar.Scene.named("table-press", set=PAPER).world()
     made.set_state(state)
     made.set("friction", friction)
     return made

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import thenar
-from conftest import pressing
+from conftest import PAPER, pressing
 
 
 @pytest.fixture(scope="module")
@@ -97,7 +97,7 @@ def test_a_view_is_used_as_an_array(world: thenar.World) -> None:
 
 @pytest.mark.parametrize("change", ["step", "reset", "set_state"])
 def test_a_stale_view_raises_and_an_array_stays(change: str) -> None:
-    world = thenar.Scene.named("table-press").world()
+    world = thenar.Scene.named("table-press", set=PAPER).world()
     state = world.state()
     world.step(3)
     hand = world.hands[0]

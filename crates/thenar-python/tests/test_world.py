@@ -9,7 +9,7 @@ import numpy.typing as npt
 import pytest
 
 import thenar
-from conftest import pressing
+from conftest import PAPER, pressing
 
 
 def hashes(world: thenar.World, steps: int) -> list[int]:
@@ -30,14 +30,14 @@ def test_a_state_goes_on_with_the_same_bits_here_and_in_another_world() -> None:
     assert (world.time, world.steps) == (time_then, steps_then) and world.contacts.size == 0
     assert world.state() == state
     assert hashes(world, 15) == expected
-    other = thenar.Scene.named("table-press").world()
+    other = thenar.Scene.named("table-press", set=PAPER).world()
     other.set_state(state)
     assert hashes(other, 15) == expected
     assert dict((s.key, s.value) for s in other.settings())["friction"] == 0.35
 
 
 def test_a_tracked_hand_is_part_of_the_state() -> None:
-    world = thenar.Scene.named("free-motion").world()
+    world = thenar.Scene.named("free-motion", set=PAPER).world()
     hand = world.hands[0]
     wrist, angles = hand.wrist.copy(), hand.angles.copy()
 
@@ -75,7 +75,7 @@ def test_states_that_do_not_fit_change_nothing() -> None:
 
 
 def test_reset_goes_back_to_the_start() -> None:
-    world = thenar.Scene.named("table-press").world()
+    world = thenar.Scene.named("table-press", set=PAPER).world()
     start = world.state_hash
     first = hashes(world, 10)
     world.reset()
@@ -119,7 +119,7 @@ def joints(wrist: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
 
 
 def test_a_hand_follows_joints_and_goes_back_to_its_script() -> None:
-    world = thenar.Scene.named("free-motion").world()
+    world = thenar.Scene.named("free-motion", set=PAPER).world()
     hand = world.hands[0]
     assert hand.mover == "script"
     goal = np.array([0.05, 0.3, 0.1, 0.0, 0.0, 0.0, 1.0])
@@ -135,7 +135,7 @@ def test_a_hand_follows_joints_and_goes_back_to_its_script() -> None:
 
 
 def test_a_hand_is_led() -> None:
-    world = thenar.Scene.named("free-motion").world()
+    world = thenar.Scene.named("free-motion", set=PAPER).world()
     hand = world.hands[0]
     goal = hand.bone_poses.copy()
     goal[:, 1] += 0.02
@@ -148,7 +148,7 @@ def test_a_hand_is_led() -> None:
 
 
 def test_poses_that_are_none_are_refused_and_change_nothing() -> None:
-    world = thenar.Scene.named("free-motion").world()
+    world = thenar.Scene.named("free-motion", set=PAPER).world()
     world.step(3)
     hand, state = world.hands[0], world.state()
     good = joints(np.array([0.0, 0.3, 0.0, 0.0, 0.0, 0.0, 1.0]))
@@ -180,7 +180,7 @@ def test_poses_that_are_none_are_refused_and_change_nothing() -> None:
 
 
 def test_settings_are_checked() -> None:
-    world = thenar.Scene.named("table-press").world()
+    world = thenar.Scene.named("table-press", set=PAPER).world()
     wrong: list[tuple[str, float | str, str]] = [
         ("frction", 0.5, "no setting"),
         ("friction", -1.0, "friction"),
@@ -228,7 +228,7 @@ def test_two_threads_never_step_one_world() -> None:
 
 
 def test_other_threads_run_during_a_step_and_are_told_that_the_world_is_taken() -> None:
-    world = thenar.Scene.named("table-press").world()
+    world = thenar.Scene.named("table-press", set=PAPER).world()
     thread = threading.Thread(target=world.step, args=(400,))
     thread.start()
     told = 0
@@ -244,12 +244,12 @@ def test_other_threads_run_during_a_step_and_are_told_that_the_world_is_taken() 
 
 
 def test_control_c_ends_a_long_step_between_two_steps(control_c: Callable[[], None]) -> None:
-    world = thenar.Scene.named("table-press").world()
+    world = thenar.Scene.named("table-press", set=PAPER).world()
     control_c()
     with pytest.raises(KeyboardInterrupt):
         world.step(10**9)
     made = world.steps
     assert 0 < made < 10**9
-    again = thenar.Scene.named("table-press").world()
+    again = thenar.Scene.named("table-press", set=PAPER).world()
     again.step(made)
     assert again.state_hash == world.state_hash

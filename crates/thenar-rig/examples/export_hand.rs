@@ -9,7 +9,7 @@ use thenar_rig::export::{write_hand_glb, write_hand_vtk};
 
 fn main() -> Result<(), RigError> {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| "out".into()));
-    let hand = thenar_rig::default_hand(Side::Right, 2000)?;
+    let hand = thenar_rig::default_hand(Side::Right)?;
     write_hand_vtk(&folder, &hand)?;
     write_hand_glb(&folder.join("right-hand.glb"), &hand)?;
     println!("{} tetrahedra, {} triangles", hand.flesh.tets.len(), hand.render.triangles.len());

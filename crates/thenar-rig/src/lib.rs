@@ -17,6 +17,6 @@ pub mod weights;
 pub mod work;
 
 pub use error::RigError;
-pub use hand::{HandOptions, HandReport, build_hand, default_hand};
+pub use hand::{HandOptions, HandReport, build_hand, default_hand, uniform_hand};
 pub use mesh::TriMesh;
 pub use model_file::{Model, read_model, write_model};

@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 use thenar::model::{HandModel, Side};
 use thenar::{Pose, Vec3};
-use thenar_rig::default_hand;
 use thenar_rig::export::{
     Field, GlbMesh, Series, Skeleton, VertexSkin, glb, hand_glb, surface, write_hand_vtk,
 };
+use thenar_rig::uniform_hand;
 
 fn hand() -> HandModel {
-    default_hand(Side::Right, 600).expect("the shipped hand")
+    uniform_hand(Side::Right, 600).expect("the shipped hand")
 }
 
 fn folder(name: &str) -> PathBuf {

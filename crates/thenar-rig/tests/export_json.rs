@@ -4,9 +4,9 @@
 use serde_json::Value;
 use thenar::Vec3;
 use thenar::model::Side;
-use thenar_rig::default_hand;
 use thenar_rig::export::hand_json;
 use thenar_rig::hand::HandOptions;
+use thenar_rig::uniform_hand;
 
 fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().expect("a list").iter().map(|x| x.as_f64().expect("a number")).collect()
@@ -28,7 +28,7 @@ fn near(a: f64, b: f64) -> bool {
 
 #[test]
 fn a_hand_in_json_adds_up() {
-    let hand = default_hand(Side::Right, 600).expect("the shipped hand");
+    let hand = uniform_hand(Side::Right, 600).expect("the shipped hand");
     let document: Value = serde_json::from_str(&hand_json(&hand).expect("exported")).expect("JSON");
     let flesh = &document["flesh"];
     let nodes = vectors(&flesh["nodes"]);
@@ -75,7 +75,7 @@ fn a_hand_in_json_adds_up() {
 /// Both frames of a joint lie at the same place at rest, which places and turns the poses right.
 #[test]
 fn the_joints_of_a_hand_in_json_close() {
-    let hand = default_hand(Side::Left, 600).expect("the shipped hand");
+    let hand = uniform_hand(Side::Left, 600).expect("the shipped hand");
     let document: Value = serde_json::from_str(&hand_json(&hand).expect("exported")).expect("JSON");
     let bones = document["bones"].as_array().expect("bones");
     let joints = document["joints"].as_array().expect("joints");

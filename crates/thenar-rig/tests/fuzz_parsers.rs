@@ -84,7 +84,7 @@ fn glb_endures() {
 #[test]
 fn the_model_file_endures() {
     // A real hand without its drawn surface, which is most of the file.
-    let mut hand = thenar_rig::default_hand(thenar::model::Side::Right, 600).unwrap();
+    let mut hand = thenar_rig::uniform_hand(thenar::model::Side::Right, 600).unwrap();
     hand.render = EmbeddedSurface::default();
     let bytes = Model::Hand(hand).to_bytes().unwrap();
     endures("model", 300, std::slice::from_ref(&bytes), Model::from_bytes);

@@ -9,6 +9,7 @@ use thenar::shape::Shape;
 use thenar::{Pose, Quat, Vec3};
 use thenar_rig::hand::{
     HandOptions, HandReport, Size, asset, build_hand, build_hand_with_report, default_hand,
+    uniform_hand,
 };
 use thenar_rig::lattice::tet;
 
@@ -325,10 +326,14 @@ fn a_uniform_scale_scales_everything() {
 
 #[test]
 fn building_twice_gives_the_same_bits() {
-    let (a, b) = (default_hand(Side::Left, 600).unwrap(), default_hand(Side::Left, 600).unwrap());
-    assert_eq!(a.flesh.nodes, b.flesh.nodes);
-    assert_eq!(a.bindings, b.bindings);
-    assert_eq!(a.render, b.render);
+    let builds: [fn() -> HandModel; 2] =
+        [|| uniform_hand(Side::Left, 600).unwrap(), || default_hand(Side::Left).unwrap()];
+    for build in builds {
+        let (a, b) = (build(), build());
+        assert_eq!(a.flesh.nodes, b.flesh.nodes);
+        assert_eq!(a.bindings, b.bindings);
+        assert_eq!(a.render, b.render);
+    }
 }
 
 #[test]
@@ -345,12 +350,13 @@ fn bad_options_are_named() {
         let error = build_hand(right, &options).unwrap_err().to_string();
         assert!(error.contains(named), "{error}");
     };
-    let base = HandOptions::default;
+    let base = HandOptions::paper;
     fails(HandOptions { side: Some(Side::Left), ..base() }, "Right hand");
     fails(HandOptions { size: Size::Scale(0.0), ..base() }, "hand scale");
     fails(HandOptions { size: Size::Scale(f64::NAN), ..base() }, "hand scale");
     fails(HandOptions { size: Size::Length(3.0), ..base() }, "hand length");
     fails(HandOptions { tets: 3, ..base() }, "tetrahedra");
+    fails(HandOptions { detail: Some(9.0), ..base() }, "detail");
     let renamed = [("wrist".to_string(), "root".to_string())].into();
     fails(HandOptions { name_map: renamed, ..base() }, "`root`");
     let mut soft = base();

@@ -1,5 +1,5 @@
 //! Goal: scenes choose how elements are evaluated. Method: a cantilever of cells against its closed
-//! form, the default hand in a fist and on a table, and words that do not exist.
+//! form, the paper's hand in a fist and on a table, and words that do not exist.
 
 use std::path::Path;
 use thenar_scene::session::{Session, builtin};
@@ -55,7 +55,8 @@ fn a_bar_of_two_cells_bends_farther_with_patches_and_no_farther_than_theory_says
 /// Tetrahedra inside out at the end of the first 1.5 s of a shipped scene.
 fn inverted(name: &str, elements: &str) -> u32 {
     let text = builtin(name).expect("a shipped scene").text;
-    let mut session = session(text, &[format!("hand.hand.elements={elements}")]);
+    let mut session =
+        session(text, &["hand.hand.preset=paper".into(), format!("hand.hand.elements={elements}")]);
     let patched = usize::from(elements == "patches");
     assert_eq!(session.world().desc().patches.len(), patched);
     let mut inverted = 0;

@@ -102,7 +102,7 @@ fn damaged_scenes_endure() {
 }
 
 fn hand() -> HandModel {
-    thenar_rig::default_hand(Side::Right, 600).unwrap()
+    thenar_rig::uniform_hand(Side::Right, 600).unwrap()
 }
 
 const KEYFRAMES: &str = r#"limits = "clamp"

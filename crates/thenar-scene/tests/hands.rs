@@ -10,8 +10,11 @@ use thenar_scene::session::{Session, builtin, builtins, read};
 
 const FILE: &str = "test.toml";
 
+/// A scene, with hands as the paper's: where they are is asked, not how they feel.
 fn scene(text: &str) -> Scene {
-    read(text, &[]).unwrap_or_else(|fault| panic!("{}: {}", fault.key, fault.problem))
+    let hands = 0..text.matches("[[hand]]").count();
+    let paper: Vec<String> = hands.map(|k| format!("hand.{k}.preset=paper")).collect();
+    read(text, &paper).unwrap_or_else(|fault| panic!("{}: {}", fault.key, fault.problem))
 }
 
 fn open(mut scene: Scene, which: Hands, lengths: [Option<f64>; 2]) -> Session {

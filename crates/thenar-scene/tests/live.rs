@@ -8,9 +8,12 @@ use thenar_scene::live::{LiveError, LivePose, Mover};
 use thenar_scene::motion::{ANGLES, Recording, size_ratio};
 use thenar_scene::session::{HandLoad, Session, Summary, builtin};
 
+/// A shipped scene, with the paper's hand if it has one.
 fn shipped(name: &str) -> Session {
     let text = builtin(name).expect("a scene").text;
-    Session::from_text(text, Path::new("test.toml"), &[]).unwrap_or_else(|e| panic!("{e}"))
+    let paper = text.contains("[[hand]]").then(|| "hand.0.preset=paper".to_owned());
+    Session::from_text(text, Path::new("test.toml"), paper.as_slice())
+        .unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn angles(session: &Session) -> [f64; ANGLES] {
@@ -148,7 +151,7 @@ fn a_real_capture_is_followed_live() {
     let samples = recording.hand(Side::Right);
     for h in ["0.005", "0.016666666666666666"] {
         let text = builtin("free-motion").expect("a scene").text;
-        let overrides = [format!("time_step={h}")];
+        let overrides = [format!("time_step={h}"), "hand.0.preset=paper".into()];
         let mut session =
             Session::from_text(text, Path::new("t.toml"), &overrides).expect("a scene");
         let h = session.world().time_step();

@@ -31,7 +31,8 @@ static ALLOCATOR: Counting = Counting;
 #[test]
 fn live_steps_allocate_nothing() {
     let text = builtin("bread-grasp").expect("a scene").text;
-    let mut session = Session::from_text(text, Path::new("t.toml"), &[]).expect("a scene");
+    let paper = ["hand.hand.preset=paper".to_owned()];
+    let mut session = Session::from_text(text, Path::new("t.toml"), &paper).expect("a scene");
     session.set("friction", &thenar_scene::tuning::SettingValue::Number(0.7)).expect("a setting");
     let before = COUNT.load(Ordering::Relaxed);
     for k in 0..240 {

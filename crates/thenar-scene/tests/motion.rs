@@ -5,14 +5,14 @@ use std::path::Path;
 use thenar::model::{Digit, HandModel, Side};
 use thenar::world::Target;
 use thenar::{Pose, Vec3};
-use thenar_rig::hand::default_hand;
+use thenar_rig::hand::uniform_hand;
 use thenar_scene::motion::{
     Anatomy, Articulation, Keyframes, KeyframesDesc, Recording, Retarget, TRACKED_JOINTS,
     size_ratio,
 };
 
 fn hands() -> [HandModel; 2] {
-    [Side::Right, Side::Left].map(|side| default_hand(side, 600).expect("a shipped hand"))
+    [Side::Right, Side::Left].map(|side| uniform_hand(side, 600).expect("a shipped hand"))
 }
 
 /// Bone poses in one key, the wrist at the origin, fingers along -z, palm down.

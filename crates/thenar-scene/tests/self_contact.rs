@@ -4,6 +4,7 @@
 use std::path::Path;
 use thenar::Vec3;
 use thenar::model::Digit;
+use thenar::world::ContactPoint;
 use thenar_scene::session::Session;
 
 fn load(name: &str, changes: &[&str]) -> Session {
@@ -11,6 +12,9 @@ fn load(name: &str, changes: &[&str]) -> Session {
     let changes: Vec<String> = changes.iter().map(|s| s.to_string()).collect();
     Session::load(&scenes.join(name).with_extension("toml"), &changes).unwrap()
 }
+
+/// How far a pad reaches from its middle \[m\].
+const PAD: f64 = 0.008;
 
 /// How often the hand's surface winds around `p` (van Oosterom & Strackee 1983).
 fn winding(session: &Session, p: &Vec3) -> f64 {
@@ -25,8 +29,10 @@ fn winding(session: &Session, p: &Vec3) -> f64 {
     triangles.iter().map(angle).sum::<f64>() / (4.0 * std::f64::consts::PI)
 }
 
-/// How many points on the skin of these digits, raised off it by `height` \[m\], are inside flesh.
-fn buried(session: &Session, digits: &[Digit], height: f64) -> usize {
+/// How many points on the skin of these digits within `reach` of one of the `places` \[m\] are deeper than `depth`
+/// \[m\] in other flesh than their own: so far below the skin the surface winds around them once more. Farther off are the
+/// creases of bent joints, where skin of one digit meets itself.
+fn buried(session: &Session, digits: &[Digit], places: &[Vec3], reach: f64, depth: f64) -> usize {
     let x = session.world().collision_vertices(0);
     let of = &session.hands()[0].model.collision_digits;
     let mut count = 0;
@@ -35,10 +41,14 @@ fn buried(session: &Session, digits: &[Digit], height: f64) -> usize {
             continue;
         }
         let [a, b, c] = t.map(|v| x[v as usize]);
+        let centre = (a + b + c) / 3.0;
+        if !places.iter().any(|place| (place - centre).norm() < reach) {
+            continue;
+        }
         let normal = (b - a).cross(&(c - a)).normalize();
         for w in [[1.0, 1.0, 1.0], [4.0, 1.0, 1.0], [1.0, 4.0, 1.0], [1.0, 1.0, 4.0]] {
             let p = (a * w[0] + b * w[1] + c * w[2]) / (w[0] + w[1] + w[2]);
-            count += usize::from(winding(session, &(p + normal * height)) > 0.5);
+            count += usize::from(winding(session, &(p - normal * depth)) > 1.5);
         }
     }
     count
@@ -71,7 +81,7 @@ fn outside(session: &Session) -> Vec3 {
     drives.sum::<Vec3>() + world.desc().gravity * (flesh + bones)
 }
 
-/// The pads press on each other with opposite forces, 0.3 mm above the skin is no flesh, and the
+/// The pads press on each other with opposite forces, none is 0.3 mm deep in the other, and the
 /// hand as a whole feels nothing: its drives carry its weight.
 #[test]
 fn thumb_and_index_pinch() {
@@ -81,7 +91,14 @@ fn thumb_and_index_pinch() {
     let [thumb, index] = pair.map(|digit| force(&session, digit));
     assert!(thumb.norm() > 1.0, "pinched with {thumb}");
     assert!((thumb + index).norm() < 1e-9, "{thumb} and {index} are opposite");
-    assert_eq!(buried(&session, &pair, 3e-4), 0);
+    // Where the pads press, and as far around as a pad reaches from there.
+    let digits = &session.hands()[0].model.collision_digits;
+    let digit = |vertex: Option<u32>| vertex.map(|v| digits[v as usize]);
+    let between = |c: &&ContactPoint| digit(c.vertices[0]) != digit(c.vertices[1]);
+    let pressing = session.world().contacts().iter().filter(|c| c.force_W.norm() > 0.0);
+    let pressing = pressing.filter(between);
+    let places: Vec<Vec3> = pressing.map(|c| c.position_W).collect();
+    assert_eq!(buried(&session, &pair, &places, PAD, 3e-4), 0);
     let rest = outside(&session);
     assert!(rest.norm() < 0.02, "{rest} from outside, though it rests");
 
@@ -89,13 +106,21 @@ fn thumb_and_index_pinch() {
     let mut ghost = load("pinch", &["hand.0.self_contact=false"]);
     run(&mut ghost, 2.0);
     assert_eq!(force(&ghost, Digit::Thumb), Vec3::zeros());
-    assert!(buried(&ghost, &pair, 3e-4) > 2);
+    assert!(buried(&ghost, &pair, &places, PAD, 3e-4) > 2);
 }
 
-/// A fist is held for five seconds: it comes to rest and gains no energy.
+/// A fist is held for five seconds: it comes to rest and gains no energy. Crowded skin of the finer hand still trembles
+/// with a millionth of what the fist stores.
 #[test]
 fn a_fist_rests() {
-    let mut session = load("fist", &["time_step=0.01"]);
+    rests("paper", 1e-9);
+    rests("touch", 1e-5);
+}
+
+/// Holds a fist, and checks that it moves with less than this \[J\] at the end.
+fn rests(preset: &str, kinetic_max: f64) {
+    let preset = format!("hand.hand.preset={preset}");
+    let mut session = load("fist", &["time_step=0.01", &preset]);
     run(&mut session, 1.2);
     let energy = |session: &Session| session.world().energy(&session.world().input());
     let start = energy(&session).elastic;
@@ -105,13 +130,16 @@ fn a_fist_rests() {
         most = most.max(energy(&session).elastic);
     }
     assert!(most < 1.01 * start, "the fist tightens by itself: {start} to {most} J");
-    assert!(energy(&session).kinetic < 1e-9);
+    let kinetic = energy(&session).kinetic;
+    assert!(kinetic < kinetic_max, "{preset}: {kinetic} J");
     let pressed: f64 = session.hand_loads(0).iter().map(|load| load.normal).sum();
     assert!(pressed > 5.0, "pressed with {pressed} N");
     let longest = [Digit::Index, Digit::Middle, Digit::Ring, Digit::Little];
     // Creases at the joints overlap by themselves: the skin of one digit in another's is meant.
-    let free = load("fist", &["time_step=0.01", "hand.0.self_contact=false"]);
+    let free = load("fist", &["time_step=0.01", &preset, "hand.0.self_contact=false"]);
     let mut free = free;
     run(&mut free, 1.5);
-    assert!(buried(&session, &longest, 3e-4) < buried(&free, &longest, 3e-4));
+    let everywhere = [session.world().rigid_pose(0).position];
+    let [held, through] = [&session, &free].map(|s| buried(s, &longest, &everywhere, 1.0, 3e-4));
+    assert!(held < through, "{held} of {through}");
 }

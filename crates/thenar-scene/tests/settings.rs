@@ -14,6 +14,13 @@ fn shipped(name: &str) -> Session {
     session(builtin(name).expect("a scene").text)
 }
 
+/// A shipped scene with the paper's hand.
+fn papers(name: &str) -> Session {
+    let text = builtin(name).expect("a scene").text;
+    let paper = ["hand.0.preset=paper".to_owned()];
+    Session::from_text(text, Path::new("test.toml"), &paper).unwrap_or_else(|e| panic!("{e}"))
+}
+
 fn set(session: &mut Session, key: &str, value: f64) {
     session.set(key, &SettingValue::Number(value)).unwrap_or_else(|e| panic!("{e}"));
 }
@@ -248,7 +255,7 @@ fn what_is_set_stays_through_a_restart_and_what_is_not_stays_the_scenes() {
 
 #[test]
 fn choices_change_the_solver() {
-    let mut session = shipped("bread-grasp");
+    let mut session = papers("bread-grasp");
     let choose = |s: &mut Session, key: &str, word: &str| {
         s.set(key, &SettingValue::Choice(word.into())).unwrap_or_else(|e| panic!("{e}"));
     };
@@ -260,7 +267,7 @@ fn choices_change_the_solver() {
     let solver = session.world().desc().solver;
     assert_eq!((solver.step1_flesh, solver.close_joints), (FleshInStep1::Frozen, false));
     // The scene's own tolerances stay.
-    let scene = shipped("bread-grasp").world().desc().solver;
+    let scene = papers("bread-grasp").world().desc().solver;
     let budget = |s: thenar::model::SolverSettings| (s.cg_tolerance, s.contact_sweeps_max);
     assert_eq!(budget(solver), budget(scene));
     choose(&mut session, "solver", "two-step");
@@ -268,6 +275,14 @@ fn choices_change_the_solver() {
     let solver = session.world().desc().solver;
     assert_eq!((solver.step1_flesh, solver.close_joints), (FleshInStep1::Lumped, true));
     assert_eq!(solver.cone, Cone::Linearised);
+
+    // Springs in bone need the exact solver.
+    let touch = ["hand.0.preset=touch".to_owned()];
+    let text = builtin("bread-grasp").expect("a scene").text;
+    let mut touch = Session::from_text(text, Path::new("test.toml"), &touch).expect("a scene");
+    let word = SettingValue::Choice("two-step".into());
+    let error = touch.set("solver", &word).unwrap_err().to_string();
+    assert_eq!(error, "`solver`: expected one of \"exact\", got \"two-step\"");
 
     // The dense reference is for small scenes.
     let mut small = shipped("falling-box");
@@ -304,7 +319,7 @@ fn every_setting_of_every_scene_may_go_to_its_ends() {
 
 #[test]
 fn what_does_not_fit_is_refused_by_name() {
-    let mut session = shipped("car-grasp");
+    let mut session = papers("car-grasp");
     let hash = session.world().state_hash();
     let before = session.settings();
     let mut refused = |key: &str, value| session.set(key, &value).unwrap_err().to_string();

@@ -9,9 +9,11 @@ use thenar_scene::recording::{SnapshotError, go_on_from, snapshot};
 use thenar_scene::session::{Session, builtin};
 use thenar_scene::tuning::SettingValue;
 
+/// A shipped scene, with the paper's hand if it has one, and the hash of its start.
 fn shipped(name: &str) -> (Session, u64) {
     let text = builtin(name).expect("a scene").text;
-    let session = Session::from_text(text, Path::new("test.toml"), &[]);
+    let paper = text.contains("[[hand]]").then(|| "hand.0.preset=paper".to_owned());
+    let session = Session::from_text(text, Path::new("test.toml"), paper.as_slice());
     let session = session.unwrap_or_else(|e| panic!("{e}"));
     let start = session.world().state_hash();
     (session, start)

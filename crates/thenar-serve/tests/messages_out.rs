@@ -13,9 +13,11 @@ use thenar_serve::protocol::{Pace, Snapshots, model};
 /// Numbers of size 1 m travel with 24 bits.
 const ROUNDING: f64 = 2e-7;
 
+/// A shipped scene, with the paper's hand if it has one.
 fn session(name: &str) -> Session {
     let scene = builtin(name).unwrap();
-    Session::from_text(scene.text, Path::new(&format!("{name}.toml")), &[]).unwrap()
+    let paper = scene.text.contains("[[hand]]").then(|| "hand.0.preset=paper".to_owned());
+    Session::from_text(scene.text, Path::new(&format!("{name}.toml")), paper.as_slice()).unwrap()
 }
 
 fn messages(session: &Session, pace: &Pace) -> (Model, Snapshot) {

@@ -30,7 +30,9 @@ static ALLOCATOR: Counting = Counting;
 #[test]
 fn a_snapshot_allocates_nothing_once_warm() {
     let scene = builtin("bread-grasp").unwrap();
-    let mut session = Session::from_text(scene.text, Path::new("bread-grasp"), &[]).unwrap();
+    let mut session =
+        Session::from_text(scene.text, Path::new("bread-grasp"), &["hand.0.preset=paper".into()])
+            .unwrap();
     while session.world().time() < 2.0 {
         session.step(&mut ());
     }

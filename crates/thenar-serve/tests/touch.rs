@@ -75,7 +75,7 @@ impl Felt {
         let (port, remote) = (device.port(), device.remote());
         let (block, blocked) = channel::<Receiver<()>>();
         let options = Options {
-            overrides: vec!["hand.0.flesh=false".into()],
+            overrides: vec!["hand.0.flesh=false".into(), "hand.0.preset=paper".into()],
             watcher: Some(Box::new(move |_| {
                 if let Ok(gate) = blocked.try_recv() {
                     let _ = gate.recv_timeout(PATIENCE);

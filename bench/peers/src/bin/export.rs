@@ -15,7 +15,7 @@ fn main() -> ExitCode {
         eprintln!("{tets} is no number of tetrahedra");
         return ExitCode::from(2);
     };
-    let hand = thenar_rig::default_hand(Side::Right, tets);
+    let hand = thenar_rig::uniform_hand(Side::Right, tets);
     match hand.and_then(|hand| write_hand_json(Path::new(file), &hand)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(problem) => {

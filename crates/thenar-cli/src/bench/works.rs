@@ -51,6 +51,8 @@ pub struct Wanted {
 
 /// Tables of speed go by numbers of tetrahedra of one size, held as in the paper.
 const PAPER: &str = "hand.hand.preset=paper";
+/// On the way to what is measured steps are of 5 ms.
+const STEP: &str = "time_step=0.005";
 
 fn open(scene: &str, overrides: &[String]) -> Result<Session, String> {
     let found = builtin(scene).ok_or(format!("no scene is named `{scene}`"))?;
@@ -70,6 +72,7 @@ pub fn free(wanted: &Wanted) -> Result<Session, String> {
         "free-motion",
         &[
             PAPER.into(),
+            STEP.into(),
             format!("hand.hand.tets={}", wanted.tets),
             format!("solver.kind={}", wanted.solver),
         ],
@@ -87,6 +90,7 @@ pub fn press(wanted: &Wanted, press: &Press) -> Result<Session, String> {
         "table-press",
         &[
             PAPER.into(),
+            STEP.into(),
             format!("hand.hand.tets={}", wanted.tets),
             format!("hand.hand.bone_drive.stiffness={}", press.drive),
             format!("hand.hand.material={{young={}}}", press.young),

@@ -1,6 +1,6 @@
 //! Hands.
 
-use super::{Args, CouplingArg, Outputs, SpringsArg, name, write};
+use super::{Args, CouplingArg, Outputs, PresetArg, SpringsArg, name, write};
 use crate::error::CliError;
 use crate::picture::{Quality, hand_portrait, write_png};
 use std::path::Path;
@@ -51,8 +51,16 @@ pub fn build(args: &Args, outputs: &mut Outputs) -> Result<Model, CliError> {
     Ok(Model::Hand(hand))
 }
 
+/// As in scenes: what is not given comes from the preset, and a number of tetrahedra of one size or springs on all flesh
+/// are about the paper's hand.
 fn options(args: &Args) -> Result<HandOptions, CliError> {
-    let usual = HandOptions::default();
+    let is_papers = args.tets.is_some() || args.coupling == Some(CouplingArg::Uniform);
+    let usual = match args.preset {
+        Some(PresetArg::Touch) => HandOptions::touch(),
+        Some(PresetArg::Paper) => HandOptions::paper(),
+        None if is_papers => HandOptions::paper(),
+        None => HandOptions::default(),
+    };
     let mut material = usual.material;
     material.young = args.young.unwrap_or(material.young);
     material.poisson = args.poisson.unwrap_or(material.poisson);
@@ -60,13 +68,13 @@ fn options(args: &Args) -> Result<HandOptions, CliError> {
     Ok(HandOptions {
         name: name(args),
         size: args.length.map_or(Size::Scale(args.scale), Size::Length),
-        tets: args.tets,
-        detail: args.detail,
+        tets: args.tets.unwrap_or(usual.tets),
+        detail: if args.tets.is_some() { None } else { args.detail.or(usual.detail) },
         material,
-        coupling: match args.coupling {
+        coupling: args.coupling.map_or(usual.coupling, |kind| match kind {
             CouplingArg::Uniform => CouplingKind::Uniform,
             CouplingArg::Bone => CouplingKind::Bone,
-        },
+        }),
         springs: match args.springs {
             Some(SpringsArg::Fixed) => Springs::Fixed,
             Some(SpringsArg::Rest) => Springs::Rest,

@@ -30,16 +30,21 @@ pub struct Args {
     /// The model file to write.
     #[arg(short, long, value_name = "MODEL.thenar")]
     output: Option<PathBuf>,
-    /// Wanted number of tetrahedra.
-    #[arg(long, default_value_t = 600)]
-    tets: usize,
+    /// Hand: mesh and coupling that go together, where --tets, --detail or --coupling do not say: the paper's 600
+    /// tetrahedra with springs on all flesh, or for touch: finer at the pads, flesh that hangs on bone. Default: paper
+    /// with --tets and with --coupling uniform, else as scenes have it.
+    #[arg(long, value_enum, value_name = "WORD", requires = "hand")]
+    preset: Option<PresetArg>,
+    /// Wanted number of tetrahedra, all of one size. Default of soft bodies: 600.
+    #[arg(long, value_name = "N")]
+    tets: Option<usize>,
     /// Hand: in the place of --tets, how fine a graded mesh is, from 0.25 to 1.5.
     #[arg(long, conflicts_with = "tets", requires = "hand")]
     detail: Option<f64>,
     /// Hand: what the springs to the bones hold where a scene does not say: all flesh, or that in the
     /// place of bone.
-    #[arg(long, value_enum, default_value = "uniform", value_name = "KIND", requires = "hand")]
-    coupling: CouplingArg,
+    #[arg(long, value_enum, value_name = "KIND", requires = "hand")]
+    coupling: Option<CouplingArg>,
     /// Hand: wrist to middle fingertip [m].
     #[arg(long, value_name = "M", conflicts_with = "scale")]
     length: Option<f64>,
@@ -85,8 +90,27 @@ pub struct Args {
     json: Option<PathBuf>,
 }
 
-/// What the springs between flesh and bones hold.
+/// Meshes and couplings that go together.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
+pub enum PresetArg {
+    /// The paper's.
+    Paper,
+    /// For touch.
+    Touch,
+}
+
+impl PresetArg {
+    /// What scenes call it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::Touch => "touch",
+        }
+    }
+}
+
+/// What the springs between flesh and bones hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum CouplingArg {
     /// All flesh.
     Uniform,

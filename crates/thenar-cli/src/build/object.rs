@@ -11,6 +11,9 @@ use thenar_rig::object::{ImportOptions, SoftModel, Weight, rigid_from_mesh};
 use thenar_rig::{Model, TriMesh};
 use thenar_scene::build::TET_BYTES;
 
+/// Tetrahedra of a soft body where it is not said.
+const SOFT_TETS: usize = 600;
+
 fn read(args: &Args) -> Result<TriMesh, CliError> {
     Ok(load_mesh(&args.input, args.scale)?)
 }
@@ -58,7 +61,7 @@ pub fn soft(args: &Args) -> Result<Model, CliError> {
         density: args.density.unwrap_or(1000.0),
     };
     thenar_rig::object::check_material(&material)?;
-    let options = EmbedOptions { tets: args.tets, ..EmbedOptions::default() };
+    let options = EmbedOptions { tets: args.tets.unwrap_or(SOFT_TETS), ..EmbedOptions::default() };
     let body = embed(&mesh, &options, |_| material).map_err(wrong)?;
     println!("flesh: {} tetrahedra, {} nodes", body.flesh.tets.len(), body.flesh.nodes.len());
     println!("volume: {:.3} ml", body.node_volumes.iter().sum::<f64>() * 1e6);

@@ -16,10 +16,13 @@ use thenar_output::Output;
 use thenar_scene::compare::{CompareError, Comparison, Mode, SIDES, Scheme};
 use thenar_scene::session::{TableFormat, TableWriter};
 
+/// What makes a scene's silence mean the paper's hand.
+const TWO_STEP: &str = "solver.kind=two-step";
+
 /// Run the two-step scheme and the exact solver on one scene, and tell how they differ.
 ///
-/// Both get the same motions, loads and settings, and springs as joint limits. The two-step scheme is the scene's; --paper makes it the
-/// paper's.
+/// Both get the same motions, loads and settings, and springs as joint limits. Hands of which the scene does not say are the paper's, as springs in bone need the exact
+/// solver. The two-step scheme is the scene's; --paper makes it the paper's.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// A scene file, or the name of a built-in scene (see `thenar scenes`).
@@ -69,7 +72,10 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     if args.sweep.sweep {
         return sweep::run(args);
     }
-    let sessions = [open(&args.scene, &args.set)?, open(&args.scene, &args.set)?];
+    // Both sides get the hand of the two-step scheme, where the scene says no other.
+    let set = [&[TWO_STEP.to_owned()], &args.set[..]].concat();
+    let sessions = [open(&args.scene, &set)?, open(&args.scene, &set)?];
+    sessions[0].warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
     let steps = match args.seconds {
         Some(s) => (s / sessions[0].world().time_step()).round().max(1.0) as u64,
         None => sessions[0].steps_wanted().max(1),

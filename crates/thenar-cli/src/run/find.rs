@@ -54,6 +54,13 @@ pub fn open(scene: &Path, overrides: &[String]) -> Result<Session, CliError> {
     Ok(session)
 }
 
+/// Says on the error output what a person should know of a scene before it runs.
+pub fn tell(session: &Session) {
+    session.warnings().iter().for_each(|warning| eprintln!("warning: {warning}"));
+    session.notes().iter().for_each(|note| eprintln!("note: {note}"));
+    tell_overlaps(session.start_overlaps());
+}
+
 /// Most pairs of bodies that are named for overlapping: what a person reads.
 const OVERLAPS_TOLD: usize = 20;
 

@@ -7,7 +7,7 @@ mod report;
 mod timer;
 mod vtk;
 
-pub use find::{Found, file, find, open, tell_overlaps};
+pub use find::{Found, file, find, open, tell, tell_overlaps};
 pub use histogram::Histogram;
 pub use report::{report, times};
 pub use timer::{STAGES, StageTimes, StopWatch};
@@ -83,10 +83,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     }
     let mut session = open(&args.scene, &args.set)?;
     let steps = steps(&session, args.seconds)?;
-    for warning in session.world().stability_warnings() {
-        eprintln!("warning: {warning}");
-    }
-    tell_overlaps(session.start_overlaps());
+    tell(&session);
     let mut outputs = Outputs::create(args, &session, steps)?;
     interrupt::listen();
     let recording = attach(&args.recording, &mut session)?;

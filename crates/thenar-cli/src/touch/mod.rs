@@ -12,7 +12,7 @@ pub use twin::WavingGlove;
 use crate::error::CliError;
 use crate::interrupt;
 use crate::recording::{RecordOptions, Recording};
-use crate::run::{open, tell_overlaps};
+use crate::run::{open, tell};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use thenar_link::haptic_loop::{Alarm, Deadlines, Histogram, Remote, SimulationPort};
@@ -64,7 +64,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         return Err(CliError::Input(advice.into()));
     }
     let mut session = open(&args.scene, &args.set)?;
-    tell_overlaps(session.start_overlaps());
+    tell(&session);
     interrupt::listen();
     let mut recording = match Recording::start(&args.recording, TimeOf::Clock)? {
         Some((recording, witness)) => {

@@ -6,7 +6,8 @@ use std::net::TcpStream;
 use std::process::{Command, Output, Stdio};
 
 /// A bare hand, which a glove moves.
-const HAND: &str = "version = 1\ntime_step = 0.01\n[[hand]]\nname = \"hand\"\nflesh = false\n";
+const HAND: &str =
+    "version = 1\ntime_step = 0.01\n[[hand]]\npreset = \"paper\"\nname = \"hand\"\nflesh = false\n";
 
 /// The program, whose files may take 64 or 128 kB, as the shell counts.
 fn cramped(folder: &Folder, args: &str) -> Command {

@@ -9,7 +9,7 @@ use std::process::Stdio;
 #[test]
 fn from_any_second_on_a_session_that_was_touched_has_its_bits() {
     let folder = Folder::new("from");
-    let scene = "version = 1\ntime_step = 0.01\n[[hand]]\nname = \"hand\"\nflesh = false\n";
+    let scene = "version = 1\ntime_step = 0.01\n[[hand]]\npreset = \"paper\"\nname = \"hand\"\nflesh = false\n";
     std::fs::write(folder.0.join("hand.toml"), scene).unwrap();
     let args = "touch hand.toml --device simulated --seconds 4 -q --keyframes 0.5 --record t.rec";
     let touched = folder.thenar(&args.split(' ').collect::<Vec<_>>());

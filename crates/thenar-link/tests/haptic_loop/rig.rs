@@ -15,7 +15,8 @@ use thenar_scene::session::Session;
 pub const MS: u64 = 1_000_000;
 
 /// Bones without flesh: quick to make, and all that the loop sees of a hand.
-pub const SCENE: &str = "version = 1\n[[hand]]\nname = \"hand\"\nflesh = false\n";
+pub const SCENE: &str =
+    "version = 1\n[[hand]]\npreset = \"paper\"\nname = \"hand\"\nflesh = false\n";
 
 pub fn session(text: &str) -> Session {
     Session::from_text(text, Path::new("test.toml"), &[]).expect("a scene")

@@ -145,6 +145,7 @@ fn what_else_moves_goes_on_within_the_loop() {
 time_step = 0.005
 gravity = [0, 0, 0]
 [[hand]]
+preset = \"paper\"
 name = \"hand\"
 flesh = false
 [[rigid]]

@@ -16,17 +16,27 @@ pub fn asset(side: Side) -> &'static [u8] {
     }
 }
 
-/// The shipped hand at its own size with about `tets` tetrahedra.
+/// The shipped hand at its own size, as [`HandOptions::default`] has it.
+///
+/// # Errors
+/// None that a caller could cause: the mesh is a part of the program.
+pub fn default_hand(side: Side) -> Result<HandModel, RigError> {
+    shipped(side, HandOptions::default())
+}
+
+/// The shipped hand at its own size with about `tets` tetrahedra of one size, otherwise as
+/// [`HandOptions::paper`] has it.
 ///
 /// # Errors
 /// When `tets` is out of range.
-pub fn default_hand(side: Side, tets: usize) -> Result<HandModel, RigError> {
+pub fn uniform_hand(side: Side, tets: usize) -> Result<HandModel, RigError> {
+    shipped(side, HandOptions { tets, ..HandOptions::paper() })
+}
+
+fn shipped(side: Side, options: HandOptions) -> Result<HandModel, RigError> {
     let name = match side {
         Side::Right => "right-hand",
         Side::Left => "left-hand",
     };
-    build_hand(
-        asset(side),
-        &HandOptions { name: name.into(), side: Some(side), tets, ..HandOptions::paper() },
-    )
+    build_hand(asset(side), &HandOptions { name: name.into(), side: Some(side), ..options })
 }

@@ -22,7 +22,7 @@ mod sides;
 mod solids;
 mod weights;
 
-pub use asset::{asset, default_hand};
+pub use asset::{asset, default_hand, uniform_hand};
 pub use build::{LENGTHS, build_hand, build_hand_file, build_hand_with_report};
 pub use fist::{Inversions, fist};
 pub use grading::{DETAILS, graded_tets};

@@ -9,7 +9,7 @@ use thenar::model::{HandModel, WorldDesc};
 use thenar::shape::Shape;
 use thenar::world::{Input, StepReport, Target};
 use thenar::{Mat3, Pose, Quat, Vec3, World};
-use thenar_rig::hand::default_hand;
+use thenar_rig::hand::uniform_hand;
 
 /// Half the edges of a plate \[m\]: wider than the tip, and clear of the other fingers.
 pub const PLATE: Vec3 = Vec3::new(9e-3, 5e-3, 8e-3);
@@ -52,7 +52,7 @@ fn thickness(solid: &Shape) -> f64 {
 impl Press {
     /// With a hand of so many tetrahedra.
     pub fn new(digit: Digit, tets: usize, step: f64, solid_bones: bool) -> Self {
-        let hand = default_hand(Side::Right, tets).unwrap();
+        let hand = uniform_hand(Side::Right, tets).unwrap();
         let name = format!("{}-distal", digit.name());
         let tip = hand.bones.iter().position(|b| b.name == name).unwrap();
         let middle_B = (hand.bones[tip].ends_B[0] + hand.bones[tip].ends_B[1]) / 2.0;

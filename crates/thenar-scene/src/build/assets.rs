@@ -166,9 +166,9 @@ impl From<RigidModel> for Solid {
 }
 
 /// The model of a hand.
-pub fn hand(hand: &Hand, files: &Files) -> Result<HandModel, Fault> {
+pub fn hand(hand: &Hand, preset: PresetWord, files: &Files) -> Result<HandModel, Fault> {
     let built_in = |side| {
-        let options = HandOptions { side: Some(side), ..options(hand)? };
+        let options = HandOptions { side: Some(side), ..options(hand, preset)? };
         hand_of(asset(side), &options).map_err(|e| match e {
             RigError::Layer { layer, what } => tissue::layer_fault(hand, layer, &what),
             other => hand.name.fault(other.to_string()),
@@ -180,7 +180,7 @@ pub fn hand(hand: &Hand, files: &Files) -> Result<HandModel, Fault> {
         "right" => built_in(Side::Right),
         "left" => built_in(Side::Left),
         name if name.ends_with(".glb") => {
-            build_hand_file(&path(), &options(hand)?).map_err(|e| file.fault(e.to_string()))
+            build_hand_file(&path(), &options(hand, preset)?).map_err(|e| file.fault(e.to_string()))
         }
         name if name.ends_with(".thenar") && tissue::is_layered(hand) => Err(tissue::layer_fault(
             hand,
@@ -198,8 +198,8 @@ pub fn hand(hand: &Hand, files: &Files) -> Result<HandModel, Fault> {
     }
 }
 
-fn options(hand: &Hand) -> Result<HandOptions, Fault> {
-    let usual = mesh(hand);
+fn options(hand: &Hand, preset: PresetWord) -> Result<HandOptions, Fault> {
+    let usual = mesh(hand, preset);
     let options = HandOptions {
         name: hand.name.value.clone(),
         size: hand.length.map_or(Size::Scale(1.0), Size::Length),
@@ -214,8 +214,8 @@ fn options(hand: &Hand) -> Result<HandOptions, Fault> {
 }
 
 /// How finely a hand is built: what the scene says, else its preset.
-fn mesh(hand: &Hand) -> HandOptions {
-    let usual = match hand.preset {
+fn mesh(hand: &Hand, preset: PresetWord) -> HandOptions {
+    let usual = match preset {
         PresetWord::Paper => HandOptions::paper(),
         PresetWord::Touch => HandOptions::touch(),
     };
@@ -225,7 +225,7 @@ fn mesh(hand: &Hand) -> HandOptions {
 }
 
 /// Tetrahedra that a hand will have, about.
-pub fn tets_wanted(hand: &Hand) -> u64 {
-    let options = mesh(hand);
+pub fn tets_wanted(hand: &Hand, preset: PresetWord) -> u64 {
+    let options = mesh(hand, preset);
     options.detail.map_or(options.tets as u64, graded_tets)
 }

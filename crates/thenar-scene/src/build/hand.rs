@@ -2,8 +2,10 @@
 
 use super::soft::{damped_once, group_elements, law, relaxation};
 use super::solver::set;
-use super::{Built, Files, Mesh, RigidLook, assets, drivers, hand_joints, motion, place, tissue};
-use crate::format::{BonesWord, CouplingWord, ElementsWord, Hand, HandMaterial, Scene};
+use super::{
+    Built, Files, Mesh, RigidLook, assets, drivers, hand_joints, motion, place, preset, tissue,
+};
+use crate::format::{BonesWord, CouplingWord, ElementsWord, Hand, HandMaterial, PresetWord, Scene};
 use crate::math::{Pose, Vec3};
 use crate::motion::{ANGLES, AngleRange, Articulation, HandMotion, hand_angles};
 use crate::text::Fault;
@@ -72,6 +74,11 @@ impl BuiltHand {
             .collect()
     }
 
+    /// True when it has flesh, and springs that hold only what lies in the place of bone.
+    pub fn hangs_on_bone(&self) -> bool {
+        self.flesh().is_some() && self.coupling == CouplingKind::Bone
+    }
+
     /// The index of its flesh among the deformable bodies, if it has any.
     pub fn flesh(&self) -> Option<u32> {
         Some(self.handle.soft).filter(|s| *s != u32::MAX)
@@ -81,12 +88,12 @@ impl BuiltHand {
 /// Adds all hands.
 pub fn add_all(built: &mut Built, scene: &Scene, files: &Files) -> Result<(), Fault> {
     for hand in &scene.hand {
-        add(built, hand, files)?;
+        add(built, hand, preset(scene, hand), files)?;
     }
     Ok(())
 }
 
-fn add(built: &mut Built, hand: &Hand, files: &Files) -> Result<(), Fault> {
+fn add(built: &mut Built, hand: &Hand, preset: PresetWord, files: &Files) -> Result<(), Fault> {
     let at = |problem| hand.name.fault(problem);
     // That of a model file is known when it is read.
     let built_here = hand.model.as_ref().is_none_or(|file| !file.value.ends_with(".thenar"));
@@ -96,9 +103,9 @@ fn add(built: &mut Built, hand: &Hand, files: &Files) -> Result<(), Fault> {
                 detail.fault("`tets` and `detail` are both given: one of them says how fine")
             );
         }
-        built.memory.take_tets(assets::tets_wanted(hand), at)?;
+        built.memory.take_tets(assets::tets_wanted(hand, preset), at)?;
     }
-    let mut model = assets::hand(hand, files)?;
+    let mut model = assets::hand(hand, preset, files)?;
     if !built_here {
         built.memory.take_tets(model.flesh.tets.len() as u64, at)?;
     }

@@ -16,6 +16,7 @@ mod motion;
 mod names;
 mod pair;
 mod place;
+mod preset;
 mod rigid;
 mod select;
 mod shape;
@@ -30,6 +31,7 @@ pub use hand_joints::change_by_file;
 pub use load::{ActiveLoad, Factor, LoadKind};
 pub use memory::{BODIES_BYTES_MAX, Memory, TET_BYTES};
 pub use names::Names;
+pub use preset::{USUAL as USUAL_PRESET, is_papers_by_solver, preset};
 pub use rigid::RigidLook;
 pub use select::{Face, Mesh};
 pub use soft::SoftBuild;
@@ -69,7 +71,7 @@ pub struct Built {
 /// counted.
 pub fn wanted_bytes(scene: &Scene) -> u64 {
     let softs = scene.soft.iter().filter_map(|soft| soft::tets_wanted(&soft.shape.value));
-    let hands = scene.hand.iter().map(assets::tets_wanted);
+    let hands = scene.hand.iter().map(|hand| assets::tets_wanted(hand, preset(scene, hand)));
     let tets = softs.chain(hands).fold(0, u64::saturating_add);
     tets.saturating_mul(TET_BYTES).saturating_add(memory::RIGID_BYTES * scene.rigid.len() as u64)
 }

@@ -9,8 +9,8 @@ use crate::math::{Mat3, Pose, Vec3};
 use crate::text::{At, Fault};
 use std::collections::BTreeMap;
 use thenar::model::{
-    Binding, Coupling, ElementPatches, EmbeddedSurface, FixedNode, Flesh, Law, Material,
-    Relaxation, SoftDesc, WorldDesc, patches,
+    Binding, Coupling, EmbeddedSurface, FixedNode, Flesh, Law, Material, Relaxation, SoftDesc,
+    WorldDesc,
 };
 use thenar_rig::object::SoftModel;
 
@@ -84,9 +84,7 @@ fn add(built: &mut Built, soft: &Soft, files: &Files) -> Result<(), Fault> {
 /// Groups the elements of a deformable body as the scene asks.
 pub(super) fn group_elements(world: &mut WorldDesc, soft: u32, elements: ElementsWord) {
     if elements == ElementsWord::Patches {
-        let flesh = &world.softs[soft as usize].flesh;
-        let of_tet = patches(&flesh.nodes, &flesh.tets, &flesh.materials, &flesh.relaxation);
-        world.patches.push(ElementPatches { soft, of_tet });
+        world.group_into_patches(soft);
     }
 }
 

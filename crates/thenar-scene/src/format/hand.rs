@@ -119,8 +119,9 @@ table! {
         model: Option<At<String>>;
         /// Where the values of `tets`, `detail`, `coupling` and `springs` come from that are not given, when the model is built
         /// from a mesh. Default "paper".
-        preset: PresetWord = PresetWord::Paper;
-        /// Tetrahedra wanted, all of one size, when the model is built from a mesh.
+        preset: Option<PresetWord>;
+        /// Tetrahedra wanted, all of one size, when the model is built from a mesh; the springs hold what `coupling` or
+        /// `preset` say, else all flesh.
         tets: Option<u32> where TETS;
         /// In the place of `tets`, how fine a graded mesh is. At 1, on a hand of 190 mm, its cubes measure 4 mm
         /// at the pads of the fingers, 8 mm along fingers and knuckles, 16 mm in palm and back; all are
@@ -138,7 +139,8 @@ table! {
         coupling: Option<At<CouplingWord>>;
         /// Spring between flesh and bones [N/m⁴]: per volume of flesh if `coupling` is "uniform", per
         /// volume of bone if it is "bone". Default 2e9 and 2.2e5 E/L², E the largest Young's modulus of
-        /// the flesh and L the length of the hand: 3e11 for 50 kPa and 190 mm.
+        /// the flesh and L the length of the hand: 3e11 for 50 kPa and 190 mm. Given without `coupling` and
+        /// `preset` it is that of "uniform".
         coupling_stiffness: Option<f64> where SPRING;
         /// Damping time of these springs [s]. Default 0.001.
         coupling_damping_time: f64 where SPRING = 1e-3;

@@ -2,8 +2,7 @@
 
 use super::mirror;
 use crate::format::{
-    BonesWord, Hand, HandKey, KeyframesTable, LimitsWord, MotionTable, Pair, PresetWord, Scene,
-    WristTable,
+    BonesWord, Hand, HandKey, KeyframesTable, LimitsWord, MotionTable, Pair, Scene, WristTable,
 };
 use crate::math::Vec3;
 use crate::text::At;
@@ -44,7 +43,7 @@ pub fn default_hand(scene: &Scene, side: Side) -> Hand {
     Hand {
         name: free_name(scene, side),
         model: Some(mirror::model(side)),
-        preset: PresetWord::Paper,
+        preset: None,
         tets: None,
         detail: None,
         length: None,

@@ -1,11 +1,13 @@
 //! Bodies of the session's frames.
 
 use super::state::{Bare, BareRef};
+use crate::format::PresetWord;
 use crate::session::{Memory, MemoryRef, Session, Source};
 use serde::{Deserialize, Serialize};
 use thenar::world::State;
 
-/// A scene frame, in postcard's encoding: a session begins.
+/// A scene frame, in postcard's encoding: a session begins. Behind it stands the number of the hand that the scene
+/// means where it does not say, a byte; [`SceneStart::read`] takes both.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SceneStart {
     /// What it is made from.
@@ -21,6 +23,27 @@ pub struct SceneStart {
 }
 
 impl SceneStart {
+    /// Appends it, and behind it the hand that the scene means where it does not say.
+    pub(super) fn write(&self, out: &mut Vec<u8>) {
+        append(out, self);
+        out.push(match self.source.usual_hand {
+            PresetWord::Paper => 0,
+            PresetWord::Touch => 1,
+        });
+    }
+
+    /// Reads it. What comes after the last part that is known is left alone.
+    pub fn read(body: &[u8]) -> Option<Self> {
+        let (mut start, rest): (Self, _) = postcard::take_from_bytes(body).ok()?;
+        // Programs that knew one hand wrote no more.
+        start.source.usual_hand = match rest.first() {
+            None | Some(0) => PresetWord::Paper,
+            Some(1) => PresetWord::Touch,
+            Some(_) => return None,
+        };
+        Some(start)
+    }
+
     /// Whether a session that has just been made begins as it says.
     pub(super) fn is_of(&self, session: &Session) -> bool {
         let world = session.world();

@@ -66,7 +66,7 @@ impl Witness for SessionTape {
         if let Some(start) = scene::start(session) {
             self.start = start.hash;
             let now = self.now();
-            self.tape.big_frame(Kind::Scene, now, |body| append(body, &start));
+            self.tape.big_frame(Kind::Scene, now, |body| start.write(body));
         }
     }
 

@@ -14,6 +14,7 @@ mod replay;
 mod source;
 mod summary;
 mod table;
+mod warn;
 mod witness;
 
 pub(crate) use drive::bones;

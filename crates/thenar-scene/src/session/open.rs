@@ -2,7 +2,7 @@
 
 use super::{Probes, Session, Source, drive};
 use crate::build::{BuiltHand, Files, build};
-use crate::format::Scene;
+use crate::format::{PresetWord, Scene};
 use crate::hands::{Hands, with_hands};
 use crate::live::{LiveError, LiveHand};
 use crate::text::{Fault, Node, Override, SceneError, apply_override, parse};
@@ -39,14 +39,20 @@ impl Session {
     /// # Errors
     /// Something in the scene is wrong; says what and where.
     pub fn open(source: &Source, files: Files) -> Result<Self, SceneError> {
-        let Source { file, text, overrides, hands, lengths } = source;
+        let Source { file, text, overrides, hands, lengths, usual_hand } = source;
         let locate = |fault: Fault| fault.locate(file, text, overrides);
         let mut scene = read(text, overrides).map_err(locate)?;
-        let session = if *hands == Hands::Scene && *lengths == [None; 2] {
-            Self::build(scene, file, files, &locate)
-        } else {
+        let as_written = *hands == Hands::Scene && *lengths == [None; 2];
+        if !as_written {
             with_hands(&mut scene, *hands, *lengths);
-            Self::build(scene, file, files, &unlocated(file))
+        }
+        // Before there was another, a hand was the paper's unless the scene said.
+        if *usual_hand == PresetWord::Paper {
+            scene.hand.iter_mut().for_each(|hand| _ = hand.preset.get_or_insert(PresetWord::Paper));
+        }
+        let session = match as_written {
+            true => Self::build(scene, file, files, &locate),
+            false => Self::build(scene, file, files, &unlocated(file)),
         };
         Ok(Self { source: Some(source.clone()), ..session? })
     }
@@ -72,6 +78,7 @@ impl Session {
         let probes = Probes::new(&scene, &built, &world).map_err(locate)?;
         let hands = built.hands.iter().map(|hand| HandPart {
             coupling_stiffness: hand.coupling_stiffness,
+            on_bone: hand.hangs_on_bone(),
             bones: drive::bones(hand),
             soft: hand.flesh().map(|soft| soft as usize),
         });

@@ -1,5 +1,7 @@
 //! What a session was made from.
 
+use crate::build::USUAL_PRESET;
+use crate::format::PresetWord;
 use crate::hands::Hands;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -17,6 +19,9 @@ pub struct Source {
     pub hands: Hands,
     /// Length of left and right hands \[m\], where it is not the scene's.
     pub lengths: [Option<f64>; 2],
+    /// The hand that the scene means where it does not say: another one in recordings of earlier programs.
+    #[serde(skip, default = "usual")]
+    pub usual_hand: PresetWord,
 }
 
 impl Source {
@@ -28,6 +33,11 @@ impl Source {
             overrides: overrides.to_vec(),
             hands: Hands::Scene,
             lengths: [None; 2],
+            usual_hand: USUAL_PRESET,
         }
     }
+}
+
+fn usual() -> PresetWord {
+    USUAL_PRESET
 }

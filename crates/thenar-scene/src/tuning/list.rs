@@ -4,7 +4,7 @@ use super::apply::{self, Parts};
 use super::{Range, Scale, Setting, SettingError, SettingValue};
 use crate::text::plain;
 use SettingValue::{Choice, Number};
-use thenar::model::{Cone, WorldDesc};
+use thenar::model::{Cone, SolverKind, WorldDesc};
 use thenar_input::quoted;
 
 /// Unknowns up to which the dense reference solver is offered.
@@ -33,8 +33,9 @@ pub const ALL: &[Known] = &[
         help: "Exact solves bones, flesh and contact together. Two-step moves the bones first, \
                then bones and flesh. With frozen flesh the first step is the paper's, which flies \
                apart unless the flesh is bound softly: lower \"Flesh on bone\" to its least first, \
-               and restart afterwards. The dense reference solves everything at once too; only \
-               small scenes offer it.",
+               and restart afterwards. Two-step is offered for the paper's hand alone: where flesh \
+               hangs on bone it gains energy. The dense reference solves everything at once too; \
+               only small scenes offer it.",
         group: "Solver",
         unit: "",
         range: None,
@@ -126,8 +127,8 @@ pub const ALL: &[Known] = &[
     Known {
         key: "coupling_stiffness",
         label: "Flesh on bone",
-        help: "Springs between flesh and bones, per volume of flesh. Soft springs let flesh slide \
-               around the bones, stiff ones glue it to them.",
+        help: "Springs between flesh and bones, per volume of the flesh that they hold. Soft springs \
+               let flesh slide around the bones, stiff ones glue it to them.",
         group: "Hand",
         unit: "N/m⁴",
         range: Some((1e7, 1e13, Scale::Log)),
@@ -217,7 +218,7 @@ fn number(value: &SettingValue, then: impl FnOnce(f64)) {
 }
 
 /// The range of a setting, wide enough for the scene's own value.
-pub fn range_around(known: &Known, own: &SettingValue, desc: &WorldDesc) -> Range {
+pub fn range_around(known: &Known, own: &SettingValue, desc: &WorldDesc, parts: &Parts) -> Range {
     match (known.range, own) {
         (Some((min, max, scale)), Number(own)) => {
             Range::Number { min: min.min(*own), max: max.max(*own), scale }
@@ -226,7 +227,12 @@ pub fn range_around(known: &Known, own: &SettingValue, desc: &WorldDesc) -> Rang
         _ => {
             let nodes: usize = desc.softs.iter().map(|soft| soft.flesh.nodes.len()).sum();
             let small = 3 * (2 * desc.rigids.len() + nodes) <= DENSE_UNKNOWNS_MAX;
-            let mut choices = vec![apply::EXACT, apply::TWO_STEP, apply::FROZEN];
+            let mut choices = vec![apply::EXACT];
+            // The two-step scheme gains energy with springs in bone.
+            let on_bone = parts.hands.iter().any(|hand| hand.on_bone);
+            if !on_bone || parts.solver.kind == SolverKind::TwoStep {
+                choices.extend([apply::TWO_STEP, apply::FROZEN]);
+            }
             if small || *own == Choice(apply::DENSE.into()) {
                 choices.push(apply::DENSE);
             }

@@ -151,6 +151,16 @@ impl Folder {
     pub fn record_all(
         &self,
         scenes: &[(&str, usize)],
+        drive: impl FnMut(usize, &mut Session),
+    ) -> (PathBuf, Vec<u64>) {
+        let sessions = scenes.iter().map(|(text, steps)| (self.open(text), *steps));
+        self.record_sessions(sessions, drive)
+    }
+
+    /// The same of sessions that are open already.
+    pub fn record_sessions(
+        &self,
+        sessions: impl Iterator<Item = (Session, usize)>,
         mut drive: impl FnMut(usize, &mut Session),
     ) -> (PathBuf, Vec<u64>) {
         let file = self.file("test.rec");
@@ -161,10 +171,9 @@ impl Folder {
             SessionTape::new(recorder.session(), recorder.clock(), TimeOf::Simulation, every);
         let mut witness: Box<dyn Witness> = Box::new(tape);
         let mut hashes = Vec::new();
-        for (text, steps) in scenes {
-            let mut session = self.open(text);
+        for (mut session, steps) in sessions {
             session.set_witness(witness);
-            for k in 0..*steps {
+            for k in 0..steps {
                 drive(k, &mut session);
                 session.step(&mut ());
                 hashes.push(session.world().state_hash());

@@ -2,7 +2,10 @@
 
 use crate::stage::*;
 use std::path::Path;
+use thenar_scene::build::{Files, USUAL_PRESET};
+use thenar_scene::format::PresetWord;
 use thenar_scene::recording::{Index, Replay, Verdict};
+use thenar_scene::session::{Session, Source};
 use thenar_scene::tuning::SettingValue;
 
 const STEPS: usize = 60;
@@ -268,4 +271,44 @@ fn assert_clean(file: &Path, steps: u64) {
     let verdict = replay.verdict();
     assert!(verdict.is_same() && verdict.losses.is_empty() && verdict.ended, "{verdict:?}");
     assert_eq!((verdict.steps, verdict.same), (steps, steps));
+}
+
+/// Programs that knew the paper's hand alone wrote nothing behind the parts of a scene frame; a number that is not known
+/// is refused.
+#[test]
+fn a_scene_means_the_hand_that_it_meant_when_it_was_recorded() {
+    const SCENE: u8 = 2;
+    let folder = Folder::new("meant");
+    let text = "version = 1\ntime_step = 0.01\n[[hand]]\nname = \"hand\"\nposition = [0, 0.1, 0]\n";
+    for usual_hand in [PresetWord::Paper, USUAL_PRESET] {
+        let source = Source { usual_hand, ..Source::new(text, &folder.file("scene.toml"), &[]) };
+        let session = Session::open(&source, Files::beside(&source.file)).unwrap();
+        let tets = session.hands()[0].model.flesh.tets.len();
+        let (file, hashes) = folder.record_sessions([(session, 20)].into_iter(), driven);
+        let whole = bytes(&file);
+        std::fs::remove_file(&file).unwrap();
+        let mut found = payloads(&whole);
+        let scene = found.iter().position(|p| p[0] == SCENE).unwrap();
+        let meant = [PresetWord::Paper, PresetWord::Touch].iter().position(|h| *h == usual_hand);
+        assert_eq!(found[scene].last().copied().map(usize::from), meant);
+        let check = |payloads: &[Vec<u8>], tets: usize| {
+            let file = folder.file("meant.rec");
+            std::fs::write(&file, recording(&whole, payloads)).unwrap();
+            let mut replay = Replay::open(&file).unwrap();
+            assert_eq!(replayed(&mut replay), hashes);
+            assert!(replay.verdict().is_same(), "{}", replay.verdict());
+            assert_eq!(replay.session().unwrap().hands()[0].model.flesh.tets.len(), tets);
+        };
+        check(&found, tets);
+        if usual_hand == PresetWord::Paper {
+            // 597 in the paper.
+            assert!((540..660).contains(&tets));
+            found[scene].pop();
+            check(&found, tets);
+            found[scene].push(200);
+            let file = folder.file("unknown.rec");
+            std::fs::write(&file, recording(&whole, &found)).unwrap();
+            assert!(Replay::open(&file).unwrap().next().is_err());
+        }
+    }
 }

@@ -54,9 +54,15 @@ pub struct Live {
     thread: Option<JoinHandle<()>>,
     reporter: Option<JoinHandle<()>>,
     start_overlaps: Vec<StartOverlap>,
+    warnings: Vec<String>,
 }
 
 impl Live {
+    /// What is known to go wrong in the first scene, a sentence each.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
     /// What overlaps where the first scene begins.
     pub fn start_overlaps(&self) -> &[StartOverlap] {
         &self.start_overlaps
@@ -75,7 +81,8 @@ impl Live {
         let stop = Arc::new(AtomicBool::new(false));
         let told = stop.clone();
         let start_overlaps = ready.session.start_overlaps().to_vec();
-        let mut new = Self { stop, thread: None, reporter: None, start_overlaps };
+        let warnings = ready.session.warnings();
+        let mut new = Self { stop, thread: None, reporter: None, start_overlaps, warnings };
         if let Some(devices) = devices.clone() {
             let (touch, stop) = (desk.touch.clone(), new.stop.clone());
             let report = move || haptics::report(&devices, &touch, &stop);

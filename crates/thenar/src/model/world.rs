@@ -3,7 +3,7 @@
 use crate::math::{Pose, Vec3};
 use crate::model::{
     Binding, BodyParts, CouplingKind, ElementPatches, Flesh, FrictionTable, HandModel, JointDesc,
-    Motion, RigidDesc, Skin,
+    Motion, RigidDesc, Skin, patches,
 };
 use std::ops::Range;
 
@@ -263,6 +263,17 @@ impl WorldDesc {
     pub fn add_soft(&mut self, soft: SoftDesc) -> u32 {
         self.softs.push(soft);
         (self.softs.len() - 1) as u32
+    }
+
+    /// Has the tetrahedra of deformable body `soft` evaluated by [`patches`](crate::model::patches), as flesh that
+    /// hangs on bone should be.
+    ///
+    /// # Panics
+    /// When there is no deformable body `soft`.
+    pub fn group_into_patches(&mut self, soft: u32) {
+        let flesh = &self.softs[soft as usize].flesh;
+        let of_tet = patches(&flesh.nodes, &flesh.tets, &flesh.materials, &flesh.relaxation);
+        self.patches.push(ElementPatches { soft, of_tet });
     }
 
     /// Adds a hand at rest in `placement.pose_WM`; each digit is a part of it (`Digit::part`). Its

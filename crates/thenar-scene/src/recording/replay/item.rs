@@ -37,7 +37,7 @@ impl Item {
     pub(super) fn of(frame: &Frame) -> Option<Self> {
         let body = frame.body;
         match frame.kind {
-            Some(Kind::Scene) => postcard::from_bytes(body).ok().map(|s| Self::Scene(Box::new(s))),
+            Some(Kind::Scene) => SceneStart::read(body).map(|s| Self::Scene(Box::new(s))),
             Some(Kind::Input) => postcard::from_bytes(body).ok().map(|i| Self::Input(Box::new(i))),
             Some(Kind::Step) => StepMark::read(body).map(Self::Step),
             Some(Kind::Keyframe) => Keyframe::read(body).map(|k| Self::Keyframe(Box::new(k))),
