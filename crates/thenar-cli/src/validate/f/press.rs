@@ -10,8 +10,8 @@ use nalgebra::{DMatrix, DVector};
 const PRESSES: [(Hand, u32); 4] = [(OWN, 30), (OWN, 45), (SMALL, 30), (SMALL, 45)];
 
 /// Why areas are too small, as far as is known.
-const SMALL_AREA: &str = "flesh of one modulus, without a tense skin over it, gathers under the plate in a smaller patch than \
-                          a finger's does; not proven: the band is recalled, and the mesh has cubes of 7 mm at the pads";
+const SMALL_AREA: &str = "an element of 7 mm deforms the skin on it evenly and cannot flatten it: elastic flesh of 50 kPa touches with \
+                          24 mm² at 1 N, in cubes of 2.7 mm with 55; and bone is met at 3.4 mm, before a finger's area at 5 N";
 
 fn recalled(figure: Figure) -> Figure {
     figure.rests_on(Basis::Recalled)
@@ -25,14 +25,9 @@ pub fn depth(solver: Solver) -> Result<Vec<Figure>, CaseError> {
         let depth = 1e3 * c.depth[c.at(1.0)?];
         let ratio = c.stiffness(c.at(5.0)?) / c.stiffness(c.at(0.5)?);
         let what = "depth at 1 N [mm]";
-        figures.push(recalled(Figure::within(what, &c.setup, [1.0, 2.5], depth).or_cannot(
-            "the pad of this mesh is thinner or thicker over its bone than people's; nothing is tuned for one hand or angle",
-        )));
+        figures.push(recalled(Figure::within(what, &c.setup, [1.0, 2.5], depth)));
         let what = "stiffness at 5 N over that at 0.5 N";
-        figures.push(recalled(
-            Figure::new(what, &c.setup, 3.0, ratio, Check::AtLeast)
-                .or_cannot("the law is linear until flesh is crushed or bone met"),
-        ));
+        figures.push(recalled(Figure::new(what, &c.setup, 3.0, ratio, Check::AtLeast)));
         let skin = c.skin[c.at(5.0)?];
         let what = "part of 5 N that flesh bears, not bone";
         figures.push(Figure::new(what, &c.setup, f64::NAN, skin, Check::Report));
@@ -172,10 +167,12 @@ pub fn area(solver: Solver) -> Result<Vec<Figure>, CaseError> {
             ));
         }
         let exponent = (area(5.0)? / area(0.5)?).log10();
-        figures.push(recalled(
-            Figure::within("exponent of area over 0.5 to 5 N", &c.setup, [0.35, 0.55], exponent)
-                .or_cannot("area grows by whole vertices of a skin with edges of some 3 mm"),
-        ));
+        figures.push(recalled(Figure::within(
+            "exponent of area over 0.5 to 5 N",
+            &c.setup,
+            [0.35, 0.55],
+            exponent,
+        )));
     }
     Ok(figures)
 }
@@ -261,27 +258,20 @@ pub fn plate(solver: Solver) -> Result<Vec<Figure>, CaseError> {
         let secant: Vec<f64> = (from..=to).map(|i| c.force[i] / c.depth[i]).collect();
         let r2 = line(&c.force[from..=to], &secant).2;
         let what = "secant modulus linear in force, r², 0.5 to 5 N";
-        figures.push(
-            Figure::new(what, &c.setup, 0.95, r2, Check::AtLeast)
-                .rests_on(Basis::People)
-                .or_cannot("the secant of a linear law rises with the patch, and then with bone"),
-        );
+        figures.push(Figure::new(what, &c.setup, 0.95, r2, Check::AtLeast).rests_on(Basis::People));
         let loss = 1.0 - c.volume[c.at(1.0)?];
         let what = "loss of the pad's volume at 1 N";
         figures.push(Figure::new(what, &c.setup, 0.05, loss, Check::AtMost).rests_on(Basis::People).or_cannot(
             "flesh of Poisson's ratio 0.4 gives way in volume where people's moves water aside",
         ));
         let exponent = (c.area[to] / c.area[from]).log10();
-        figures.push(recalled(
-            Figure::new(
-                "exponent of area, under Hertz's",
-                &c.setup,
-                2.0 / 3.0,
-                exponent,
-                Check::AtMost,
-            )
-            .or_cannot("area grows by whole vertices of a skin with edges of some 3 mm"),
-        ));
+        figures.push(recalled(Figure::new(
+            "exponent of area, under Hertz's",
+            &c.setup,
+            2.0 / 3.0,
+            exponent,
+            Check::AtMost,
+        )));
     }
     Ok(figures)
 }
