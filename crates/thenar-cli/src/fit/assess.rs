@@ -154,7 +154,7 @@ fn reasons(
         Scale::Factor => high / low,
         Scale::Distance => (high - low) / parameter.of,
     };
-    if !(span <= span_max) {
+    if span.is_nan() || span > span_max {
         let how = match parameter.scale {
             Scale::Factor if span.is_finite() => format!("spans a factor of {span:.3}"),
             Scale::Distance if span.is_finite() => {

@@ -113,7 +113,7 @@ impl Bench {
             ));
         };
         let length = (last - first).norm();
-        if !(length > 0.0) {
+        if length.is_nan() || length <= 0.0 {
             return Err(format!("`{}` ends where it starts: it shows no way", self.body));
         }
         self.way = (last - first) / length;

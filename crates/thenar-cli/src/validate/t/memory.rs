@@ -59,7 +59,8 @@ fn half_sine(solver: Solver, time: f64) -> Result<(f64, String), CaseError> {
     ];
     let mut run = solver.open(&HALF_SINE, &changes)?;
     let (mut given, mut back) = (0.0, 0.0);
-    let place = |k: u32| if k % 2 == 0 { depth(k) } else { 0.5 * (depth(k - 1) + depth(k + 1)) };
+    let place =
+        |k: u32| if k.is_multiple_of(2) { depth(k) } else { 0.5 * (depth(k - 1) + depth(k + 1)) };
     for k in 1..=STEPS {
         run.step()?;
         let work = run.value("press.fy")?.abs() * (place(k) - place(k - 1));
