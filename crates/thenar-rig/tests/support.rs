@@ -4,7 +4,7 @@
 
 use thenar::Vec3;
 use thenar::model::{HandModel, Side};
-use thenar_rig::hand::{HandOptions, Size, asset, build_hand};
+use thenar_rig::hand::{HandOptions, Size, Springs, asset, build_hand};
 use thenar_rig::lattice::tet;
 
 fn hand(side: Side, detail: f64, length: f64) -> HandModel {
@@ -12,6 +12,8 @@ fn hand(side: Side, detail: f64, length: f64) -> HandModel {
         detail: Some(detail),
         size: Size::Length(length),
         joint_softness: 1.0,
+        root_softness: 1.0,
+        springs: Springs::Fixed,
         ..HandOptions::touch()
     };
     build_hand(asset(side), &options).unwrap()

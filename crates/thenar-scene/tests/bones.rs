@@ -72,14 +72,21 @@ fn what_bones_bear_counts_for_the_hand() {
     assert!((told / all - 1.0).abs() < 1e-9, "{told} N of {all} N");
 }
 
-/// The middle line of a bone's capsule, world, and its radius \[m\].
-fn capsule(session: &Session, name: &str) -> ([Vec3; 2], f64) {
+/// The middle lines of a bone's capsules, world, and their radius \[m\].
+fn capsules(session: &Session, name: &str) -> (Vec<[Vec3; 2]>, f64) {
     let world = session.world();
     let bone = world.desc().rigids.iter().position(|r| r.name == name).expect(name);
     let rigid = &world.desc().rigids[bone];
-    let Some(Shape::Capsule { radius, half_length }) = rigid.shape else { panic!("{name}") };
     let pose = world.rigid_pose(bone as u32) * rigid.pose_BS;
-    ([-half_length, half_length].map(|y| pose.point(&Vec3::new(0.0, y, 0.0))), radius)
+    let Some(Shape::Compound(parts)) = &rigid.shape else { panic!("{name}") };
+    let mut thickness = 0.0;
+    let lines = parts.iter().map(|part| {
+        let Shape::Capsule { radius, half_length } = part.shape else { panic!("{name}") };
+        thickness = radius;
+        let pose = pose * part.pose_SP;
+        [-half_length, half_length].map(|y| pose.point(&Vec3::new(0.0, y, 0.0)))
+    });
+    (lines.collect(), thickness)
 }
 
 /// Least distance of two segments, by parts of a hundredth of their lengths and once more around the best.
@@ -120,8 +127,9 @@ fn bones_of_two_fingers_do_not_pass_each_other() {
         for _ in 0..session.steps_wanted() {
             assert!(!session.step(&mut ()).non_finite);
             let [thumb, index] = ["hand/thumb-distal", "hand/index-distal"];
-            let ((a, ra), (b, rb)) = (capsule(&session, thumb), capsule(&session, index));
-            least = least.min(distance(&a, &b) - ra - rb);
+            let ((a, ra), (b, rb)) = (capsules(&session, thumb), capsules(&session, index));
+            let pairs = a.iter().flat_map(|a| b.iter().map(move |b| distance(a, b)));
+            least = pairs.map(|apart| apart - ra - rb).fold(least, f64::min);
         }
         // As bones hold steel plates: within 0.2 mm. Within the contact margin they touch.
         assert!(least > -2e-4, "{h} s: {} mm", least * 1e3);

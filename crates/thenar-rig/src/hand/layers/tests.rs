@@ -1,6 +1,6 @@
 use super::*;
 use crate::hand::build::{Rigged, build_hand, rigged};
-use crate::hand::{asset, grading};
+use crate::hand::{Springs, asset, grading};
 use crate::mesh::subdivide_to;
 use thenar::model::Side;
 
@@ -14,6 +14,8 @@ fn options(layers: Vec<Layer>) -> HandOptions {
         layers,
         detail: Some(0.4),
         joint_softness: 1.0,
+        root_softness: 1.0,
+        springs: Springs::Fixed,
         render_triangles: 2000,
         ..HandOptions::touch()
     }
