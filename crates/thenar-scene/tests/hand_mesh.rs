@@ -30,7 +30,7 @@ fn the_default_is_the_papers() {
 fn one_word_gives_a_hand_for_touch() {
     let touch = hand("preset = \"touch\"");
     assert_eq!(touch.coupling, CouplingKind::Bone);
-    assert!((3000..4000).contains(&touch.model.flesh.tets.len()));
+    assert!((2500..3500).contains(&touch.model.flesh.tets.len()));
 }
 
 #[test]

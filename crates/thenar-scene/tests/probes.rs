@@ -397,7 +397,7 @@ fn the_bones_of_a_hand_count_in_its_contact() {
     let on_plate = world.contacts().iter().filter(|c| c.bodies.contains(&BodyId::Rigid(lower)));
     let on_skin = on_plate.filter(|c| c.bodies.iter().any(|b| matches!(b, BodyId::Soft(_))));
     let skin: f64 = on_skin.map(|c| c.force_W.dot(&c.normal_W)).sum();
-    assert!(skin > 10.0 && sum - skin > 100.0, "the skin bears {skin} N of {sum} N");
+    assert!(skin > 10.0 && sum - skin > 50.0, "the skin bears {skin} N of {sum} N");
     near(mean * area, skin, 1e-9 * skin);
 }
 
