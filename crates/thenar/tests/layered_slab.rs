@@ -10,7 +10,7 @@ use thenar::{Pose, Vec3, World};
 const LAYERS: [[f64; 2]; 3] = [[0.5e-3, 136e3], [1e-3, 80e3], [4e-3, 34e3]];
 const POISSON: f64 = 0.48;
 const EDGE: f64 = 0.01;
-/// Of 1 kPa, a thousandth: the theory is that of small strains.
+/// A thousandth of 1 kPa: the theory is that of small strains.
 const SCALE: f64 = 1e-3;
 
 /// One column of cells, its bottom held, its sides by symmetry: they move along `free` alone.

@@ -16,7 +16,7 @@ pub enum Scale {
 /// A parameter of a fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
-    /// Its name.
+    /// Name of the unknown.
     pub name: String,
     /// Unit of its value, for people.
     pub unit: String,
@@ -29,7 +29,7 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// Its value at a coordinate.
+    /// Value of the unknown at a coordinate.
     pub fn value(&self, u: f64) -> f64 {
         match self.scale {
             Scale::Factor => self.of * u.exp(),

@@ -53,7 +53,7 @@ struct Column {
 /// Reads a file.
 ///
 /// # Errors
-/// It cannot be read, or see [`parse`].
+/// The file cannot be read; otherwise as [`parse`].
 pub fn read(file: &Path) -> Result<Measured, CliError> {
     let text = read_text(file, BYTES_MAX)
         .map_err(|e| CliError::Input(format!("{}: {e}", file.display())))?;

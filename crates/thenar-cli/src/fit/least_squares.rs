@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// What a curve is at some coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Trial {
-    /// Its values.
+    /// Values of the column.
     Values(Vec<f64>),
     /// There is none, for this reason: the coordinates lie outside their sense.
     Impossible(String),

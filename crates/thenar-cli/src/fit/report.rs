@@ -14,7 +14,7 @@ pub struct Told<'a> {
     pub rows: usize,
     /// Whether the search ended by itself.
     pub converged: bool,
-    /// Its steps.
+    /// Steps of the search.
     pub iterations: u32,
     /// Presses computed.
     pub runs: usize,
@@ -82,7 +82,7 @@ impl Told<'_> {
         out.join("\n")
     }
 
-    /// The same as JSON.
+    /// Answer as JSON.
     pub fn json(&self) -> Value {
         let found = self.found;
         let parameter = |(unknown, e): (&Unknown, &super::assess::Estimate)| {

@@ -23,7 +23,7 @@ pub const KNUCKLE: SceneText = scene!("f06-knuckle");
 /// A hand that is tried: a name, and what sets it apart from the scene's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Hand {
-    /// Its name in the table.
+    /// Name in the table.
     pub name: &'static str,
     /// Overrides.
     pub changes: &'static [&'static str],

@@ -44,7 +44,7 @@ pub struct HandOptions {
     /// Young's modulus in the middle of a joint, relative to that elsewhere, in (0, 1]. Skin folds
     /// and slides over a joint; flesh of one modulus throughout would stiffen it several times.
     pub joint_softness: f64,
-    /// The same around the roots of the digits and in the webs between them, where fat is loose, in (0, 1].
+    /// Young's modulus, relative likewise, around the roots of the digits and in the webs between them, where fat is loose, in (0, 1].
     pub root_softness: f64,
     /// Where the springs of joints come from.
     pub springs: Springs,

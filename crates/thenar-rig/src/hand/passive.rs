@@ -106,7 +106,7 @@ pub(super) fn fill_up(hand: &mut HandModel) -> Result<Vec<JointStiffness>, RigEr
 /// What the flesh of a hand does when its joints are turned.
 struct Measured {
     axes: Vec<AxisOf>,
-    /// Its stiffness \[N m/rad\], symmetric.
+    /// Stiffness of the flesh \[N m/rad\], symmetric.
     flesh: DMatrix<f64>,
 }
 

@@ -21,7 +21,7 @@ pub const SUPPORT_MIN: f64 = 0.1;
 
 /// The trace of a node's stiffness is a multiple of the sum of `V |∇N|²` over its elements, whatever the law.
 struct Support {
-    /// Of each element, the fraction filled times this, corner by corner \[m\].
+    /// Share of each element: the fraction filled times this, corner by corner \[m\].
     shares: Vec<[f64; 4]>,
     /// Elements around each node.
     around: Vec<Vec<u32>>,

@@ -18,7 +18,7 @@ pub const DENSE: &str = "dense reference (slow)";
 pub struct HandPart {
     /// Coupling stiffness per volume \[N/m⁴\].
     pub coupling_stiffness: f64,
-    /// These springs hold only what lies in the place of bone.
+    /// Springs in bone hold only what lies in the place of bone.
     pub on_bone: bool,
     /// Its bones among the rigid bodies.
     pub bones: Range<usize>,

@@ -157,7 +157,7 @@ impl Folder {
         self.record_sessions(sessions, drive)
     }
 
-    /// The same of sessions that are open already.
+    /// Comparison of sessions that are open already.
     pub fn record_sessions(
         &self,
         sessions: impl Iterator<Item = (Session, usize)>,

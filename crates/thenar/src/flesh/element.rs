@@ -303,7 +303,7 @@ pub(super) mod tests {
         Vec3::new(0.002, 0.001, 0.012),
     ];
 
-    /// Its Young's modulus \[Pa\].
+    /// Young's modulus of that element \[Pa\].
     pub const YOUNG: f64 = 5e4;
 
     /// The element of this law.

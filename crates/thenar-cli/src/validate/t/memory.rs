@@ -5,9 +5,9 @@ use crate::validate::case::{CaseError, Check, Figure};
 use crate::validate::run::Solver;
 use std::f64::consts::PI;
 
-/// Of the scene that relaxes: parts and times \[s\].
+/// Memory of the scene that relaxes: parts and times \[s\].
 const TERMS: [[f64; 2]; 3] = [[0.3, 4e-3], [0.2, 0.07], [0.2, 1.4]];
-/// Of the scene that is pressed.
+/// Memory of the scene that is pressed.
 const PULP: [[f64; 2]; 3] = [[0.7, 4e-3], [0.15, 0.07], [0.08, 1.4]];
 
 /// T5. The recurrence is exact for a held strain, so that the step does not matter.
@@ -69,7 +69,7 @@ fn half_sine(solver: Solver, time: f64) -> Result<(f64, String), CaseError> {
     Ok((1.0 - back / given, run.setup()))
 }
 
-/// The same of a linear spring with the scene's memory, `F = x - Σ p`, `ṗ = (g x - p)/τ`, without tension; by the exact
+/// Loss of a linear spring with the scene's memory, `F = x - Σ p`, `ṗ = (g x - p)/τ`, without tension; by the exact
 /// solution for a depth that goes straight in each of 20 000 steps.
 fn linear_loss(time: f64) -> f64 {
     const FINE: u32 = 20_000;
