@@ -1,8 +1,9 @@
 //! Why a command ended, and with which exit code.
 
-use crate::picture::{EncodeError, RecordError};
+use crate::recorder::RecordError;
 use std::process::ExitCode;
 use thenar_output::OutputError;
+use thenar_picture::EncodeError;
 use thenar_rig::RigError;
 use thenar_scene::SceneError;
 

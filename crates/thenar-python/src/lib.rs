@@ -11,6 +11,7 @@ mod claim;
 mod describe;
 mod error;
 mod numbers;
+mod picture;
 mod quantity;
 mod record;
 mod replay;

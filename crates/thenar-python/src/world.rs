@@ -4,6 +4,7 @@ use crate::claim::{Claim, Claims};
 use crate::describe;
 use crate::error;
 use crate::numbers::{rows, table};
+use crate::picture::{self, Wanted};
 use crate::quantity::Quantity;
 use crate::record::Writing;
 use crate::report::StepReport;
@@ -15,6 +16,7 @@ use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 use std::time::Duration;
 use thenar::world::Target;
+use thenar_picture::Image;
 use thenar_scene::flat::{pose, target};
 use thenar_scene::live::{LivePose, Mover};
 use thenar_scene::recording::{go_on_from, snapshot};
@@ -195,6 +197,34 @@ impl World {
         })
     }
 
+    /// A picture: rows from the top of 3 bytes each, sRGB.
+    fn picture<'py>(
+        &self,
+        py: Python<'py>,
+        size: [u32; 2],
+        layers: &str,
+        camera: Option<[f64; 7]>,
+        fine: bool,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let wanted = Wanted::new(size, layers, camera, fine)?;
+        Ok(PyBytes::new(py, &self.drawn(py, &wanted)?.rgb))
+    }
+
+    /// A picture as a PNG file.
+    fn save_picture(
+        &self,
+        py: Python<'_>,
+        file: PathBuf,
+        size: [u32; 2],
+        layers: &str,
+        camera: Option<[f64; 7]>,
+        fine: bool,
+    ) -> PyResult<()> {
+        let wanted = Wanted::new(size, layers, camera, fine)?;
+        let image = self.drawn(py, &wanted)?;
+        py.detach(|| picture::write(&image, file))
+    }
+
     /// The constant part of the world, as JSON.
     fn describe(&self) -> PyResult<String> {
         self.with(|running| Ok(describe::json(&running.session)))
@@ -315,6 +345,12 @@ impl World {
 }
 
 impl World {
+    /// Draws it; other Python threads run meanwhile.
+    fn drawn(&self, py: Python<'_>, wanted: &Wanted) -> PyResult<Image> {
+        let claim = self.claim()?;
+        py.detach(|| Ok(wanted.draw(&self.claimed(&claim)?.session)))
+    }
+
     fn follow(&self, hand: usize, pose: &LivePose, time: Option<f64>) -> PyResult<()> {
         self.with(|running| {
             let time = time.unwrap_or_else(|| running.session.world().time());

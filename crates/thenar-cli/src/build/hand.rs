@@ -2,9 +2,9 @@
 
 use super::{Args, CouplingArg, Outputs, PresetArg, SpringsArg, name, write};
 use crate::error::CliError;
-use crate::picture::{Quality, hand_portrait, write_png};
 use std::path::Path;
 use thenar::model::{CouplingKind, Side};
+use thenar_picture::{Quality, hand_portrait, write_png};
 use thenar_rig::export::{hand_glb, hand_json, write_hand_vtk};
 use thenar_rig::hand::{
     HandOptions, JointStiffness, NameMap, Size, Springs, asset, build_hand_with_report,

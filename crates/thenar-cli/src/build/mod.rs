@@ -4,11 +4,11 @@ mod hand;
 mod object;
 
 use crate::error::CliError;
-use crate::picture::Layers;
 use crate::{building, interrupt};
 use std::io::Write;
 use std::path::PathBuf;
 use thenar_output::{Output, protect};
+use thenar_picture::Layers;
 use thenar_rig::Model;
 
 /// Build a simulation-ready model from a mesh.

@@ -14,7 +14,7 @@ pub use timer::{STAGES, StageTimes, StopWatch};
 
 use crate::error::CliError;
 use crate::interrupt;
-use crate::picture::PictureOptions;
+use crate::recorder::PictureOptions;
 use crate::progress::Meter;
 use crate::recording::{RecordOptions, Recording, attach};
 use crate::taken_back;

@@ -3,7 +3,7 @@
 use super::vtk::VtkSeries;
 use super::{Args, Outcome, report};
 use crate::error::CliError;
-use crate::picture::Recorder;
+use crate::recorder::Recorder;
 use std::io::Write;
 use thenar_output::Output;
 use thenar_scene::session::{Session, TableFormat, TableWriter};

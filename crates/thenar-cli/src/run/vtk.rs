@@ -1,7 +1,6 @@
 //! A run as a series of VTK files.
 
 use crate::error::CliError;
-use crate::picture;
 use std::path::Path;
 use thenar::model::EmbeddedSurface;
 use thenar::readout::{ContactReadout, VertexContact};
@@ -129,7 +128,7 @@ fn outline(shape: &Shape, pose_WS: &Pose) -> Option<(Vec<Vec3>, Vec<[u32; 3]>)> 
         let corners = [corner(-0.5, -0.5), corner(-0.5, 0.5), corner(0.5, 0.5), corner(0.5, -0.5)];
         return Some((corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]));
     }
-    let solid = picture::of_shape(shape, 24, 1)?.placed(pose_WS);
+    let solid = thenar_picture::of_shape(shape, 24, 1)?.placed(pose_WS);
     Some((solid.positions, solid.triangles))
 }
 

@@ -26,7 +26,7 @@ from ._thenar import (
     StepReport,
 )
 from ._view import View
-from ._world import Recorder, Setting, World
+from ._world import Camera, Recorder, Setting, World
 
 __all__ = [
     "CONTACT",
@@ -37,6 +37,7 @@ __all__ = [
     "Angle",
     "Batch",
     "BusyError",
+    "Camera",
     "Frame",
     "Hand",
     "LiveHand",

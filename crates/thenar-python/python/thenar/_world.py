@@ -9,9 +9,10 @@ from types import TracebackType
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _thenar
-from ._arrays import CONTACT
+from ._arrays import CONTACT, numbers
 from ._body import RigidBody, SoftBody
 from ._hand import LiveHand
 from ._thenar import StepReport
@@ -23,6 +24,31 @@ def bodies_of(native: Any, known: dict[str, Any]) -> tuple[tuple[RigidBody, ...]
     rigids = tuple(RigidBody(native, name, i) for i, name in enumerate(known["rigids"]))
     softs = tuple(SoftBody(native, soft["name"], i) for i, soft in enumerate(known["softs"]))
     return rigids, softs
+
+
+class Camera(NamedTuple):
+    """An eye that :meth:`World.picture` draws with; +y appears upwards."""
+
+    #: Place of the eye, world [m].
+    position: tuple[float, float, float]
+    #: Place that appears in the middle, world [m].
+    target: tuple[float, float, float]
+    #: Vertical field of view [deg].
+    fov_deg: float = 34.0
+
+
+def _size(size: tuple[int, int]) -> tuple[int, int]:
+    """A size that the native half can take; what is beyond any is left to it to refuse."""
+    width, height = (min(max(edge, 0), 2**32 - 1) for edge in size)
+    return width, height
+
+
+def _eye(camera: Camera | None) -> tuple[float, float, float, float, float, float, float] | None:
+    if camera is None:
+        return None
+    position, target = (numbers(f"camera.{name}", getattr(camera, name), (3,)) for name in ("position", "target"))
+    (x, y, z), (a, b, c) = position.tolist(), target.tolist()
+    return x, y, z, a, b, c, float(camera.fov_deg)
 
 
 class Setting(NamedTuple):
@@ -210,6 +236,44 @@ class World:
         Raises :class:`thenar.SettingError`; nothing has changed then.
         """
         self._native.set(key, value)
+
+    def picture(
+        self,
+        width: int = 960,
+        height: int = 640,
+        *,
+        layers: str = "skin",
+        camera: Camera | None = None,
+        fine: bool = False,
+    ) -> npt.NDArray[np.uint8]:
+        """A picture of the world as it is, ``(height, width, 3)``: sRGB, rows from the top.
+
+        Drawn without a screen by the renderer of ``thenar run --picture``; the same bytes whatever the number of
+        threads. Other Python threads run meanwhile. ``layers``: one or more of skin, flesh, bones, tracked, targets,
+        contacts, forces, pressure, weights, with commas between. ``camera``: the scene's own, or one that shows
+        everything, when left out. ``fine``: as good as the program's pictures, at several times the work.
+
+        Raises :class:`ValueError`: no such layer, a size or a camera that is none.
+        """
+        size = (operator.index(width), operator.index(height))
+        data = self._native.picture(_size(size), layers, _eye(camera), fine)
+        return np.frombuffer(data, dtype=np.uint8).reshape(size[1], size[0], 3)
+
+    def save_picture(
+        self,
+        path: str | os.PathLike[str],
+        width: int = 960,
+        height: int = 640,
+        *,
+        layers: str = "skin",
+        camera: Camera | None = None,
+    ) -> None:
+        """Writes a picture as a PNG file, fine as that of ``thenar run --picture`` and with its bytes.
+
+        See :meth:`picture`. Raises :class:`OSError` too, when the file cannot be written.
+        """
+        size = _size((operator.index(width), operator.index(height)))
+        self._native.save_picture(os.fspath(path), size, layers, _eye(camera), True)
 
     def record(self, path: str | os.PathLike[str], *, keyframes: float = 1.0) -> Recorder:
         """Records from now on, until :meth:`Recorder.end` or the end of a ``with`` block.

@@ -97,7 +97,7 @@ fn shape(shape: &Shape, pose: &Pose) -> Vec<Vec3> {
         Shape::Cuboid { half } => cuboid(half),
         Shape::HalfSpace => cuboid(&Vec3::new(GROUND, 0.0, GROUND)),
         Shape::Mesh(shape) => mesh(&shape.points, &shape.triangles),
-        other => crate::picture::of_shape(other, 48, 1)
+        other => thenar_picture::of_shape(other, 48, 1)
             .map(|solid| mesh(&solid.positions, &solid.triangles))
             .unwrap_or_default(),
     };

@@ -132,7 +132,7 @@ fn shape(rigid: &RigidDesc, color: Color, entity: &mut SceneEntity) {
             entity.triangles.push(surface(&points, &mesh.triangles, color));
         }
         Some(other) => {
-            if let Some(solid) = crate::picture::of_shape(other, 48, 1) {
+            if let Some(solid) = thenar_picture::of_shape(other, 48, 1) {
                 let solid = solid.placed(&pose);
                 entity.triangles.push(surface(&solid.positions, &solid.triangles, color));
             }

@@ -2,7 +2,7 @@
 
 use super::actors::{Hand, Rigid, Soft};
 use super::colour::{Rgb, from_srgb_triple};
-use super::{Camera, Material, Stage};
+use super::{Camera, Image, Layers, Material, Quality, Scales, Stage, render};
 use thenar::Vec3;
 use thenar_rig::object::crust;
 use thenar_scene::build::{BuiltHand, SoftBuild};
@@ -12,6 +12,18 @@ use thenar_scene::session::Session;
 /// Where a picture is taken from when the scene says nothing: above the wrist, to one side.
 const DIRECTION: Vec3 = Vec3::new(-0.5, -0.6, -0.75);
 const FOV_Y: f64 = 0.6;
+
+/// Draws a session as it is, `size` pixels wide and high.
+pub fn draw(
+    session: &Session,
+    layers: &Layers,
+    camera: &Camera,
+    size: [u32; 2],
+    quality: &Quality,
+) -> Image {
+    let scene = stage(session).scene(layers, &Scales::default(), camera, size[1]);
+    render(&scene, camera, size[0], size[1], quality)
+}
 
 /// A moment of a session.
 pub fn stage(session: &Session) -> Stage<'_> {

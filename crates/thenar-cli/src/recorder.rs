@@ -1,9 +1,8 @@
 //! Pictures and movies of a run, taken as it goes.
 
-use super::from_session::{camera, stage};
-use super::{Camera, EncodeError, Image, Layers, Movie, Quality, Scales, render, write_png};
 use std::path::PathBuf;
 use thenar_output::Output;
+use thenar_picture::{Camera, EncodeError, Image, Layers, Movie, Quality, camera, draw, write_png};
 use thenar_scene::session::Session;
 
 /// What `thenar run` is to show.
@@ -156,10 +155,7 @@ impl Recorder {
     }
 
     fn draw(&self, session: &Session, quality: &Quality) -> Image {
-        let [width, height] = self.options.size;
-        let scales = Scales::default();
-        let scene = stage(session).scene(&self.options.layers, &scales, &self.camera, height);
-        render(&scene, &self.camera, width, height, quality)
+        draw(session, &self.options.layers, &self.camera, self.options.size, quality)
     }
 }
 
