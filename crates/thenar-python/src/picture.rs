@@ -11,6 +11,10 @@ use thenar_scene::session::Session;
 /// Largest width and height \[px\], as of the program.
 const SIZE_MAX: u32 = 8192;
 
+/// For eyes of learners, who look at small pictures very often: no ambient occlusion, a coarse shadow, and no threads,
+/// as many such worlds run side by side.
+const QUICK: Quality = Quality { samples: 4, shadow_map: 256, ambient_directions: 0, threads: 1 };
+
 /// What a picture shows, and from where.
 pub struct Wanted {
     size: [u32; 2],
@@ -28,7 +32,7 @@ impl Wanted {
         size: [u32; 2],
         layers: &str,
         camera: Option<[f64; 7]>,
-        fine: bool,
+        quality: &str,
     ) -> PyResult<Self> {
         if size.iter().any(|edge| !(1..=SIZE_MAX).contains(edge)) {
             let [width, height] = size;
@@ -37,7 +41,15 @@ impl Wanted {
             )));
         }
         let layers = layers.parse::<Layers>().map_err(PyValueError::new_err)?;
-        let quality = if fine { Quality::still() } else { Quality::movie() };
+        let quality = match quality {
+            "quick" => QUICK,
+            "movie" => Quality::movie(),
+            "still" => Quality::still(),
+            _ => {
+                let what = format!("quality: expected quick, movie or still, got `{quality}`");
+                return Err(PyValueError::new_err(what));
+            }
+        };
         Ok(Self { size, layers, camera: camera.map(eye).transpose()?, quality })
     }
 

@@ -128,12 +128,8 @@ impl Quantity {
                     bones(session, index).map(|b| world.rigid_velocity(b)).collect();
                 vectors(velocities.as_flattened())
             }
-            Self::Wrist => {
-                let hand = &session.hands()[index];
-                let palm = world.rigid_pose(hand.handle.bones.start);
-                numbers(&flat_pose(&(palm * hand.wrist_B())))
-            }
-            Self::Angles => numbers(&angles(session, index)),
+            Self::Wrist => numbers(&flat_pose(&session.hand_wrist(index))),
+            Self::Angles => numbers(&session.hand_angles(index)),
             Self::Loads => numbers(&loads(session, readout, index)),
             Self::Contacts => PyBytes::new(py, &contacts(world)),
         })
@@ -142,16 +138,6 @@ impl Quantity {
 
 fn bones(session: &Session, hand: usize) -> std::ops::Range<u32> {
     session.hands()[hand].handle.bones.clone()
-}
-
-fn angles(session: &Session, hand: usize) -> Vec<f64> {
-    let hand = &session.hands()[hand];
-    let first = hand.handle.joints.start;
-    let angle = |range: thenar_scene::motion::AngleRange| {
-        let angles = session.world().joint_angles(first + range.index as u32);
-        range.sense * angles[range.axis]
-    };
-    hand.angles().into_iter().map(|range| range.map_or(f64::NAN, angle)).collect()
 }
 
 /// Numbers of a record of loads.

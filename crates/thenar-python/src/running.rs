@@ -28,20 +28,11 @@ pub struct Running {
     readout: (ContactReadout, Option<u64>),
 }
 
-/// FNV-1a of what a scene says and starts in.
-fn identity(start: u64, source: &Source) -> u64 {
-    let overrides = source.overrides.iter().flat_map(|set| [set.as_bytes(), b"\n"]);
-    let texts = std::iter::once(source.text.as_bytes()).chain(overrides);
-    texts
-        .flatten()
-        .fold(start, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
-}
-
 impl Running {
     /// A session that was just opened from this source.
     pub fn new(session: Session, source: &Source) -> Self {
         let readout = (ContactReadout::new(session.world()), None);
-        let start = identity(session.world().state_hash(), source);
+        let start = source.identity(session.world().state_hash());
         let beginning = snapshot(&session, start);
         Self { session, start, beginning, generation: 0, taken_back: 0, writing: None, readout }
     }

@@ -204,9 +204,9 @@ impl World {
         size: [u32; 2],
         layers: &str,
         camera: Option<[f64; 7]>,
-        fine: bool,
+        quality: &str,
     ) -> PyResult<Bound<'py, PyBytes>> {
-        let wanted = Wanted::new(size, layers, camera, fine)?;
+        let wanted = Wanted::new(size, layers, camera, quality)?;
         Ok(PyBytes::new(py, &self.drawn(py, &wanted)?.rgb))
     }
 
@@ -218,9 +218,9 @@ impl World {
         size: [u32; 2],
         layers: &str,
         camera: Option<[f64; 7]>,
-        fine: bool,
+        quality: &str,
     ) -> PyResult<()> {
-        let wanted = Wanted::new(size, layers, camera, fine)?;
+        let wanted = Wanted::new(size, layers, camera, quality)?;
         let image = self.drawn(py, &wanted)?;
         py.detach(|| picture::write(&image, file))
     }

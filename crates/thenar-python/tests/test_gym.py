@@ -113,7 +113,7 @@ def test_a_grasp_lifts_a_thing_and_ends_the_episode(thing: str, squeeze: float) 
     told = Told(lift(thing), 3, lifting(squeeze))
     assert told.done and not told.cut and told.info["is_success"] and not told.info["is_broken"], told.info
     # Half a second up there, and what is left of the time as a reward.
-    assert told.rewards[0] == 0.0 and told.rewards[-30:-1] == [1.0] * 29
+    assert abs(told.rewards[0]) < 1e-6 and told.rewards[-30:-1] == [1.0] * 29
     assert told.rewards[-1] == 1.0 + Lift.STEPS - len(told.rewards)
 
 
@@ -188,7 +188,8 @@ def turning(env: Turn) -> Callable[[int, Array], Array]:
     begin = env.reset(seed=0)[0][26:46]
 
     def act(step: int, seen: Array) -> Array:
-        return np.clip((begin + np.radians(STROKE) - seen[26:46]) / ANGLE_STEP, -0.2, 0.2)
+        change: Array = (begin + np.radians(STROKE) - seen[26:46]) / ANGLE_STEP
+        return np.clip(change, -0.2, 0.2)
 
     return act
 
@@ -230,7 +231,7 @@ def test_the_same_seed_gives_the_same_bits_and_another_does_not(
         rng = np.random.default_rng(7)
         shape = env.action_space.shape
         assert shape is not None
-        for step in range(25):
+        for step in range(15):
             action = rng.uniform(-1.0, 1.0, shape)
             if step < 20 and len(shape) == 1 and shape[0] < 20:
                 action[1] = -1.0  # down, to where things are
@@ -251,7 +252,7 @@ def test_vectors_of_environments_have_the_bits_of_single_ones(mode: str) -> None
     vector = gymnasium.make_vec("thenar/Lift-v0", num_envs=2, vectorization_mode=mode, control="grip")
     actions = np.random.default_rng(1).uniform(-1.0, 1.0, (12, 2, 4))
     try:
-        seen, _ = vector.reset(seed=[11, 12])
+        seen, _ = vector.reset(seed=11)
         together = [seen.copy()]
         for action in actions:
             seen, rewards, _, _, _ = vector.step(action)
@@ -299,7 +300,9 @@ def test_what_makes_no_sense_is_refused() -> None:
     env = lift()
     env.reset(seed=0)
     before = env.world.state()
-    for action, words in [(np.zeros(5), "shape"), (np.full(4, np.nan), "not a number"), (0.0, "shape")]:
+    refused: list[tuple[npt.ArrayLike, str]]
+    refused = [(np.zeros(5), "shape"), (np.full(4, np.nan), "not a number"), (0.0, "shape")]
+    for action, words in refused:
         with pytest.raises(ValueError, match=words):
             env.step(action)
     assert env.world.state() == before

@@ -122,7 +122,7 @@ class World:
         size: tuple[int, int],
         layers: str,
         camera: tuple[float, float, float, float, float, float, float] | None,
-        fine: bool,
+        quality: str,
     ) -> bytes: ...
     def save_picture(
         self,
@@ -130,7 +130,7 @@ class World:
         size: tuple[int, int],
         layers: str,
         camera: tuple[float, float, float, float, float, float, float] | None,
-        fine: bool,
+        quality: str,
     ) -> None: ...
     def describe(self) -> str: ...
     def triangles(self, soft: int) -> bytes: ...

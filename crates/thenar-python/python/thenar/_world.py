@@ -6,7 +6,7 @@ import json
 import operator
 import os
 from types import TracebackType
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -244,19 +244,20 @@ class World:
         *,
         layers: str = "skin",
         camera: Camera | None = None,
-        fine: bool = False,
+        quality: Literal["quick", "movie", "still"] = "movie",
     ) -> npt.NDArray[np.uint8]:
         """A picture of the world as it is, ``(height, width, 3)``: sRGB, rows from the top.
 
         Drawn without a screen by the renderer of ``thenar run --picture``; the same bytes whatever the number of
         threads. Other Python threads run meanwhile. ``layers``: one or more of skin, flesh, bones, tracked, targets,
         contacts, forces, pressure, weights, with commas between. ``camera``: the scene's own, or one that shows
-        everything, when left out. ``fine``: as good as the program's pictures, at several times the work.
+        everything, when left out. ``quality``: ``"still"`` is that of the program's pictures, ``"movie"`` that of its
+        movies, ``"quick"`` has no ambient light and coarse shadows, in a fraction of the time.
 
         Raises :class:`ValueError`: no such layer, a size or a camera that is none.
         """
         size = (operator.index(width), operator.index(height))
-        data = self._native.picture(_size(size), layers, _eye(camera), fine)
+        data = self._native.picture(_size(size), layers, _eye(camera), quality)
         return np.frombuffer(data, dtype=np.uint8).reshape(size[1], size[0], 3)
 
     def save_picture(
@@ -268,12 +269,12 @@ class World:
         layers: str = "skin",
         camera: Camera | None = None,
     ) -> None:
-        """Writes a picture as a PNG file, fine as that of ``thenar run --picture`` and with its bytes.
+        """Writes a picture as a PNG file, as good as that of ``thenar run --picture`` and with its bytes.
 
         See :meth:`picture`. Raises :class:`OSError` too, when the file cannot be written.
         """
         size = _size((operator.index(width), operator.index(height)))
-        self._native.save_picture(os.fspath(path), size, layers, _eye(camera), True)
+        self._native.save_picture(os.fspath(path), size, layers, _eye(camera), "still")
 
     def record(self, path: str | os.PathLike[str], *, keyframes: float = 1.0) -> Recorder:
         """Records from now on, until :meth:`Recorder.end` or the end of a ``with`` block.

@@ -33,11 +33,12 @@ pub use witness::{Entry, Witness};
 use crate::build::{Built, BuiltHand, Mesh, RigidLook, SoftBuild};
 use crate::format::{Camera, Scene};
 use crate::live::{LiveError, LiveHand};
+use crate::motion::AngleRange;
 use crate::tuning::Tuning;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::PathBuf;
-use thenar::World;
+use thenar::{Pose, World};
 use thenar::haptic::SlowToFast;
 use thenar::world::{Input, StageTimer, StepReport, Target};
 
@@ -164,6 +165,29 @@ impl Session {
     /// The hands.
     pub fn hands(&self) -> &[BuiltHand] {
         &self.built.hands
+    }
+
+    /// Pose of a hand's wrist in the world.
+    ///
+    /// # Panics
+    /// When there is no hand `hand`.
+    pub fn hand_wrist(&self, hand: usize) -> Pose {
+        let hand = &self.built.hands[hand];
+        self.world.rigid_pose(hand.handle.bones.start) * hand.wrist_B()
+    }
+
+    /// The twenty angles of a hand as they are \[rad\], see [`BuiltHand::angles`]; NaN for those that it lacks.
+    ///
+    /// # Panics
+    /// When there is no hand `hand`.
+    pub fn hand_angles(&self, hand: usize) -> [f64; 20] {
+        let hand = &self.built.hands[hand];
+        let first = hand.handle.joints.start;
+        let angle = |range: AngleRange| {
+            let angles = self.world.joint_angles(first + range.index as u32);
+            range.sense * angles[range.axis]
+        };
+        hand.angles().map(|range| range.map_or(f64::NAN, angle))
     }
 
     /// What presses on the palm, thumb, index, middle, ring and little finger of a hand; zero for

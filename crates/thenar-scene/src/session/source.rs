@@ -25,6 +25,16 @@ pub struct Source {
 }
 
 impl Source {
+    /// A hash of the scene's text and overrides, and of the state that it starts in: snapshots carry it, so that none
+    /// enters another scene. FNV-1a.
+    pub fn identity(&self, start: u64) -> u64 {
+        let overrides = self.overrides.iter().flat_map(|set| [set.as_bytes(), b"\n"]);
+        let texts = std::iter::once(self.text.as_bytes()).chain(overrides);
+        texts
+            .flatten()
+            .fold(start, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
+    }
+
     /// A scene as it is written.
     pub fn new(text: &str, file: &Path, overrides: &[String]) -> Self {
         Self {

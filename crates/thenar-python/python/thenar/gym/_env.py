@@ -172,7 +172,7 @@ class HandEnv(gymnasium.Env[Any, Array]):
 
     def _see(self, kind: str) -> npt.NDArray[Any]:
         if kind == "image":
-            return self._world.picture(*self._image_size)
+            return self._world.picture(*self._image_size, quality="quick")
         if kind == "taxels":
             felt = self._taxels.read()
             return np.column_stack([felt["normal"], felt["shear"]])

@@ -1,0 +1,72 @@
+//! The border: what goes wrong inside becomes a status and words, and nothing unwinds into the caller.
+
+use std::cell::RefCell;
+use std::ffi::{CString, c_char};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// What came of a call.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// It was done.
+    Ok = 0,
+    /// A pointer is null or not aligned, a size does not fit, text is not UTF-8, or there is no such body or hand.
+    Argument = 1,
+    /// The scene is wrong, or there is none.
+    Scene = 2,
+    /// A hand cannot follow what was given.
+    Pose = 3,
+    /// There is no such setting, or the value is out of its range.
+    Setting = 4,
+    /// The bytes are no state of this world.
+    State = 5,
+    /// Another thread has the world.
+    Busy = 6,
+    /// The world has failed for good: free it, and make another from its scene.
+    Broken = 7,
+}
+
+/// Why a call was refused.
+#[derive(Debug)]
+pub struct Refusal {
+    /// Kind.
+    pub status: Status,
+    /// Words.
+    pub words: String,
+}
+
+impl Refusal {
+    /// An argument that does not fit.
+    pub fn argument(words: impl Into<String>) -> Self {
+        Self { status: Status::Argument, words: words.into() }
+    }
+}
+
+thread_local! {
+    /// Words of the last refusal in this thread.
+    static LAST: RefCell<CString> = RefCell::default();
+}
+
+/// Does something, and turns refusals and panics into a status and words.
+pub fn guard(act: impl FnOnce() -> Result<(), Refusal>) -> Status {
+    let refusal = match catch_unwind(AssertUnwindSafe(act)) {
+        Ok(Ok(())) => return Status::Ok,
+        Ok(Err(refusal)) => refusal,
+        Err(_) => crate::running::broken(),
+    };
+    // Words with a NUL in them (of a file's name, say) end there.
+    let mut words = refusal.words.into_bytes();
+    words.retain(|byte| *byte != 0);
+    let words = CString::new(words).unwrap_or_default();
+    // In a thread that is going down nobody can ask any more.
+    let _ = LAST.try_with(|last| last.replace(words));
+    refusal.status
+}
+
+/// Words of the last refusal in this thread, UTF-8; empty when there was none. They stay until the next refusal in
+/// this thread: copy what is to be kept.
+#[unsafe(no_mangle)]
+#[allow(unsafe_code)] // its name is seen by the linker
+pub extern "C" fn thenar_last_error() -> *const c_char {
+    LAST.try_with(|last| last.borrow().as_ptr()).unwrap_or(c"".as_ptr())
+}

@@ -1,0 +1,127 @@
+//! Worlds are opened and freed.
+#![allow(unsafe_code)] // exported by name, and handed pointers
+
+use crate::boundary::{Refusal, Status, guard};
+use crate::pointer;
+use crate::running::World;
+use std::ffi::c_char;
+use std::path::Path;
+use thenar_scene::SceneError;
+use thenar_scene::build::Files;
+use thenar_scene::session::{Session, Source, builtin, builtins, read_scene};
+
+fn scene(error: &SceneError) -> Refusal {
+    Refusal { status: Status::Scene, words: error.to_string() }
+}
+
+/// Texts of a list.
+///
+/// # Safety
+/// As of [`pointer::slice`], and of [`pointer::text`] for each.
+unsafe fn texts(name: &str, list: *const *const c_char, count: usize) -> Result<Vec<String>, Refusal> {
+    // SAFETY: the caller's word.
+    let list = unsafe { pointer::slice(name, list, count) }?;
+    // SAFETY: the caller's word.
+    list.iter().map(|text| Ok(unsafe { pointer::text(name, *text) }?.to_owned())).collect()
+}
+
+fn open(text: &str, file: &Path, overrides: &[String]) -> Result<*mut World, Refusal> {
+    let source = Source::new(text, file, overrides);
+    let session = Session::open(&source, Files::beside(file)).map_err(|e| scene(&e))?;
+    Ok(Box::into_raw(Box::new(World::new(session, &source))))
+}
+
+/// Opens a scene file. `overrides`: `overrides_count` texts such as `solver.cone="circular"`, as `--set` of the program;
+/// NULL and 0 for none. `*world` gets the handle, which `thenar_world_free` frees.
+///
+/// # Safety
+/// `file` and each override end with a NUL; `world` has room for a pointer.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn thenar_world_open(
+    file: *const c_char,
+    overrides: *const *const c_char,
+    overrides_count: usize,
+    world: *mut *mut World,
+) -> Status {
+    guard(|| {
+        // SAFETY: the caller's word.
+        unsafe { pointer::put("world", world, std::ptr::null_mut()) }?;
+        // SAFETY: the caller's word.
+        let (file, overrides) = unsafe {
+            (pointer::text("file", file)?, texts("overrides", overrides, overrides_count)?)
+        };
+        let file = Path::new(file);
+        let text = read_scene(file).map_err(|e| scene(&e))?;
+        // SAFETY: the caller's word.
+        unsafe { pointer::put("world", world, open(&text, file, &overrides)?) }
+    })
+}
+
+/// Opens a scene that comes along, by its name, such as `bread-grasp`. Else as `thenar_world_open`.
+///
+/// # Safety
+/// `name` and each override end with a NUL; `world` has room for a pointer.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn thenar_world_open_named(
+    name: *const c_char,
+    overrides: *const *const c_char,
+    overrides_count: usize,
+    world: *mut *mut World,
+) -> Status {
+    guard(|| {
+        // SAFETY: the caller's word.
+        unsafe { pointer::put("world", world, std::ptr::null_mut()) }?;
+        // SAFETY: the caller's word.
+        let (name, overrides) = unsafe {
+            (pointer::text("name", name)?, texts("overrides", overrides, overrides_count)?)
+        };
+        let Some(found) = builtin(name) else {
+            let known: Vec<&str> = builtins().iter().map(|scene| scene.name).collect();
+            return Err(scene(&SceneError::Unknown { name: name.into(), known: known.join(", ") }));
+        };
+        let file = Path::new("scenes").join(name).with_extension("toml");
+        // SAFETY: the caller's word.
+        unsafe { pointer::put("world", world, open(found.text, &file, &overrides)?) }
+    })
+}
+
+/// Opens a scene's text. `file` names it in messages; files that the scene names are looked for in its folder. Else as
+/// `thenar_world_open`.
+///
+/// # Safety
+/// `text`, `file` and each override end with a NUL; `world` has room for a pointer.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn thenar_world_open_text(
+    text: *const c_char,
+    file: *const c_char,
+    overrides: *const *const c_char,
+    overrides_count: usize,
+    world: *mut *mut World,
+) -> Status {
+    guard(|| {
+        // SAFETY: the caller's word.
+        unsafe { pointer::put("world", world, std::ptr::null_mut()) }?;
+        // SAFETY: the caller's word.
+        let (text, file, overrides) = unsafe {
+            let overrides = texts("overrides", overrides, overrides_count)?;
+            (pointer::text("text", text)?, pointer::text("file", file)?, overrides)
+        };
+        // SAFETY: the caller's word.
+        unsafe { pointer::put("world", world, open(text, Path::new(file), &overrides)?) }
+    })
+}
+
+/// Frees a world; NULL is none. Names that were read of it go with it.
+///
+/// # Safety
+/// `world` is NULL, or of a world that was opened, is not freed yet, and that no other thread uses.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn thenar_world_free(world: *mut World) {
+    guard(|| {
+        if !world.is_null() {
+            // SAFETY: it came from a box when it was opened, and is freed once, by the caller's word.
+            drop(unsafe { Box::from_raw(world) });
+        }
+        Ok(())
+    });
+}
