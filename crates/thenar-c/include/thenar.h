@@ -6,10 +6,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/*
- Counts changes of what is in the header that programs must be built again for.
- */
-#define ThenarTHENAR_ABI_VERSION 1
+/* Compare with thenar_abi_version(): another number means that programs must be built again. */
+#define THENAR_ABI_VERSION 1
 
 /*
  What came of a call.

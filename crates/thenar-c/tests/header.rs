@@ -25,11 +25,11 @@ fn made() -> String {
 fn the_header_is_that_of_the_sources() {
     let file = here().join("include/thenar.h");
     let made = made();
-    if std::env::var_os("UPDATE").is_some() {
+    if std::env::var_os("THENAR_UPDATE").is_some() {
         std::fs::write(&file, &made).expect("written");
     }
     let committed = std::fs::read_to_string(&file).unwrap_or_default();
-    assert!(committed == made, "include/thenar.h is stale: run this test with UPDATE=1");
+    assert!(committed == made, "include/thenar.h is stale: run this test with THENAR_UPDATE=1");
     // Every exported function is in it, whatever cbindgen makes of attributes.
     for source in std::fs::read_dir(here().join("src")).expect("sources") {
         let text = std::fs::read_to_string(source.expect("a file").path()).expect("text");
@@ -41,17 +41,10 @@ fn the_header_is_that_of_the_sources() {
     }
 }
 
-/// The folder of the library that was built with this test.
-fn libraries() -> PathBuf {
-    let test = std::env::current_exe().expect("a place");
-    // target/PROFILE/deps/test
-    test.parent().and_then(Path::parent).expect("a folder").to_owned()
-}
-
 /// Builds a C file against the static library, with every warning an error, and returns the program.
 fn build(source: &str, name: &str) -> PathBuf {
-    let library = libraries().join("libthenar_c.a");
-    let library = if library.exists() { library } else { libraries().join("deps/libthenar_c.a") };
+    // It was built with this test, and lies beside it.
+    let library = std::env::current_exe().expect("a place").with_file_name("libthenar_c.a");
     let program = std::env::temp_dir().join(format!("thenar-c-{}-{name}", std::process::id()));
     let done = Command::new("cc")
         .args(["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O1", "-I"])
