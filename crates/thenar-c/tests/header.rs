@@ -76,7 +76,7 @@ fn the_example_presses_a_table_and_follows_a_pose() {
     let number = |line: &str| -> f64 {
         let found = out.lines().find_map(|l| l.strip_prefix(line));
         let word = found.and_then(|rest| rest.split_whitespace().next());
-        word.and_then(|word| word.parse().ok()).unwrap_or_else(|| panic!("no `{line}` in\n{out}"))
+        word.and_then(|word| word.trim_end_matches(',').parse().ok()).unwrap_or_else(|| panic!("no `{line}` in\n{out}"))
     };
     // The same forces by the session itself, which needs no border.
     let set = ["hand.0.preset=\"paper\"".to_owned()];

@@ -132,6 +132,30 @@ def write(told: list[Generation], file: pathlib.Path) -> None:
             rows.writerow([row.number, *figures])
 
 
+def draw(told: list[Generation], file: pathlib.Path) -> None:
+    """Draws the curve: returns, and how often the bread was lifted."""
+    import matplotlib
+
+    matplotlib.rcParams["svg.hashsalt"] = "thenar"
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7, 3.5), layout="constrained")
+    axes = figure.subplots()
+    numbers = [row.number for row in told]
+    for name in ("best", "elite", "mean"):
+        axes.plot(numbers, [getattr(row, name) for row in told], marker=".", label=f"return, {name}")
+    axes.set_xlabel("generation")
+    axes.set_ylabel("return of an episode")
+    other = axes.twinx()
+    other.bar(numbers, [100 * row.lifted for row in told], width=0.5, color="0.85", zorder=0)
+    other.set_ylabel("lifted [% of the episodes]")
+    other.set_ylim(0, 100)
+    axes.set_zorder(other.get_zorder() + 1)
+    axes.patch.set_visible(False)
+    axes.legend(loc="lower right")
+    figure.savefig(file, metadata={"Date": None} if file.suffix == ".svg" else None)
+
+
 def main() -> None:
     """The command line."""
     options = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
@@ -140,11 +164,14 @@ def main() -> None:
     options.add_argument("--seeds", type=int, default=2, help="episodes of each grip")
     options.add_argument("--processes", type=int, default=1)
     options.add_argument("--seed", type=int, default=0)
+    options.add_argument("--picture", type=pathlib.Path, help="draw the curve into this file; needs matplotlib")
     options.add_argument("--csv", type=pathlib.Path, help="write the curve to this file")
     asked = options.parse_args()
     told = learn(asked.generations, asked.tries, asked.seeds, asked.processes, asked.seed)
     if asked.csv:
         write(told, asked.csv)
+    if asked.picture:
+        draw(told, asked.picture)
 
 
 if __name__ == "__main__":

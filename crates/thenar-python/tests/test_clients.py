@@ -25,7 +25,7 @@ def server(program: pathlib.Path) -> Iterator[int]:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = int(free.getsockname()[1])
-    command = [program, "serve", "table-press", "--no-open", "--port", str(port), "--set", 'hand.0.preset="paper"']
+    command = [str(program), "serve", "table-press", "--no-open", "--port", str(port), "--set", 'hand.0.preset="paper"']
     serving = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
         for _ in range(300):
