@@ -23,7 +23,8 @@ pub unsafe extern "C" fn thenar_world_counts(
     guard(|| {
         // SAFETY: the caller's word.
         let world = unsafe { pointer::world(world) }?;
-        let wanted = [("rigid_bodies", rigid_bodies), ("soft_bodies", soft_bodies), ("hands", hands)];
+        let wanted =
+            [("rigid_bodies", rigid_bodies), ("soft_bodies", soft_bodies), ("hands", hands)];
         for ((name, place), names) in wanted.into_iter().zip(&world.names) {
             if !place.is_null() {
                 // SAFETY: the caller's word.

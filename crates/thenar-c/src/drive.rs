@@ -11,10 +11,8 @@ use thenar_scene::live::LivePose;
 const JOINTS: usize = 25 * 7;
 
 fn follow(running: &mut Running, hand: usize, time: f64, pose: &LivePose) -> Result<(), Refusal> {
-    let refused = |e: thenar_scene::live::LiveError| Refusal {
-        status: Status::Pose,
-        words: e.to_string(),
-    };
+    let refused =
+        |e: thenar_scene::live::LiveError| Refusal { status: Status::Pose, words: e.to_string() };
     running.session.live_pose(hand, time, pose).map_err(refused)
 }
 

@@ -11,8 +11,8 @@
 //! Whether a pointer leads to what its type says cannot be checked. That is what callers answer for, and why the functions
 //! are unsafe; the unsafe code is in [`pointer`], and here and there one line that calls it.
 
-mod boundary;
 mod body;
+mod boundary;
 mod contact;
 mod drive;
 mod hand;

@@ -18,7 +18,11 @@ fn scene(error: &SceneError) -> Refusal {
 ///
 /// # Safety
 /// As of [`pointer::slice`], and of [`pointer::text`] for each.
-unsafe fn texts(name: &str, list: *const *const c_char, count: usize) -> Result<Vec<String>, Refusal> {
+unsafe fn texts(
+    name: &str,
+    list: *const *const c_char,
+    count: usize,
+) -> Result<Vec<String>, Refusal> {
     // SAFETY: the caller's word.
     let list = unsafe { pointer::slice(name, list, count) }?;
     // SAFETY: the caller's word.

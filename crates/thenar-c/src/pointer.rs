@@ -52,7 +52,9 @@ pub unsafe fn slice<'a, T: Copy>(
     }
     check(name, pointer)?;
     if count > isize::MAX as usize / size_of::<T>().max(1) {
-        return Err(Refusal::argument(format!("{name}: {count} elements are more than there is memory")));
+        return Err(Refusal::argument(format!(
+            "{name}: {count} elements are more than there is memory"
+        )));
     }
     // SAFETY: not null, aligned, of a size that memory can have, and of so many elements by the caller's word.
     Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
@@ -133,8 +135,6 @@ pub unsafe fn list<T: Copy>(
 fn expect(name: &str, got: usize, expected: usize) -> Result<(), Refusal> {
     match got == expected {
         true => Ok(()),
-        false => {
-            Err(Refusal::argument(format!("{name}: expected {expected} elements, got {got}")))
-        }
+        false => Err(Refusal::argument(format!("{name}: expected {expected} elements, got {got}"))),
     }
 }

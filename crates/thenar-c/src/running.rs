@@ -78,7 +78,8 @@ impl Running {
     /// # Errors
     /// There are fewer.
     pub fn index(kind: &str, index: usize, count: usize) -> Result<u32, Refusal> {
-        let refused = || Refusal::argument(format!("there is no {kind} {index}: there are {count}"));
+        let refused =
+            || Refusal::argument(format!("there is no {kind} {index}: there are {count}"));
         if index < count { u32::try_from(index).map_err(|_| refused()) } else { Err(refused()) }
     }
 

@@ -10,7 +10,8 @@ fn here() -> PathBuf {
 
 /// The header as the sources have it now.
 fn made() -> String {
-    let config = cbindgen::Config::from_file(here().join("cbindgen.toml")).expect("a configuration");
+    let config =
+        cbindgen::Config::from_file(here().join("cbindgen.toml")).expect("a configuration");
     let bindings = cbindgen::Builder::new()
         .with_config(config)
         .with_crate(here())
@@ -64,7 +65,8 @@ fn build(source: &str, name: &str) -> PathBuf {
 fn run(program: &Path) -> String {
     let done = Command::new(program).output().expect("it starts");
     std::fs::remove_file(program).expect("removed");
-    let (out, words) = (String::from_utf8_lossy(&done.stdout), String::from_utf8_lossy(&done.stderr));
+    let (out, words) =
+        (String::from_utf8_lossy(&done.stdout), String::from_utf8_lossy(&done.stderr));
     assert!(done.status.success(), "{:?}\n{out}\n{words}", done.status);
     out.into_owned()
 }
@@ -76,14 +78,16 @@ fn the_example_presses_a_table_and_follows_a_pose() {
     let number = |line: &str| -> f64 {
         let found = out.lines().find_map(|l| l.strip_prefix(line));
         let word = found.and_then(|rest| rest.split_whitespace().next());
-        word.and_then(|word| word.trim_end_matches(',').parse().ok()).unwrap_or_else(|| panic!("no `{line}` in\n{out}"))
+        word.and_then(|word| word.trim_end_matches(',').parse().ok())
+            .unwrap_or_else(|| panic!("no `{line}` in\n{out}"))
     };
     // The same forces by the session itself, which needs no border.
-    let set = ["hand.0.preset=\"paper\"".to_owned()];
+    let set = ["hand.0.preset=\"paper\"", "time_step=0.01"].map(str::to_owned);
     let scene = thenar_scene::session::builtin("table-press").expect("it comes along");
     let file = Path::new("scenes/table-press.toml");
-    let mut session = thenar_scene::session::Session::from_text(scene.text, file, &set).expect("a scene");
-    for _ in 0..300 {
+    let mut session =
+        thenar_scene::session::Session::from_text(scene.text, file, &set).expect("a scene");
+    for _ in 0..150 {
         session.step(&mut ());
     }
     let normal: f64 = session.hand_loads(0).iter().map(|load| load.figures()[0]).sum();
@@ -92,7 +96,10 @@ fn the_example_presses_a_table_and_follows_a_pose() {
     assert_eq!(number("contacts") as usize, session.world().contacts().len());
     // The example asks the wrist to go up by 40 mm, and half a second is time enough.
     assert!((number("wrist rose by") - 40.0).abs() < 2.0, "{out}");
-    assert!(out.contains("thumb") && out.contains("refused: there is no hand 7: there are 1"), "{out}");
+    assert!(
+        out.contains("thumb") && out.contains("refused: there is no hand 7: there are 1"),
+        "{out}"
+    );
 }
 
 #[cfg(unix)]

@@ -14,8 +14,8 @@ pub use timer::{STAGES, StageTimes, StopWatch};
 
 use crate::error::CliError;
 use crate::interrupt;
-use crate::recorder::PictureOptions;
 use crate::progress::Meter;
+use crate::recorder::PictureOptions;
 use crate::recording::{RecordOptions, Recording, attach};
 use crate::taken_back;
 use outputs::Outputs;

@@ -38,9 +38,9 @@ use crate::tuning::Tuning;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::PathBuf;
-use thenar::{Pose, World};
 use thenar::haptic::SlowToFast;
 use thenar::world::{Input, StageTimer, StepReport, Target};
+use thenar::{Pose, World};
 
 /// A scene that can be stepped.
 #[derive(Debug)]

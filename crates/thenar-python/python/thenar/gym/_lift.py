@@ -32,8 +32,8 @@ class Lift(HandEnv):
 
     **Observation**: see :class:`HandEnv`; of ``"state"``, ``(61,)``, the numbers 46 to 48 are the object's middle [m].
 
-    **Reward** of a step: how much higher the object's middle is than at the start, in :data:`LIFTED`, from 0 to 1. An
-    episode ends (terminated) once it was lifted for :data:`HELD` steps, with 1 for each step that is left of
+    **Reward** of a step: half of how much higher the object's middle is than at the start, in :data:`LIFTED`, from 0 to
+    1, and another half while it is lifted. An episode ends (terminated) once it was lifted for :data:`HELD` steps, with 1 for each step that is left of
     :data:`STEPS`; it ends without that once the hand presses on the object with more than ``force_limit``: the object
     is broken. After :data:`STEPS` it is cut off (truncated). ``info``: ``height`` [m], ``force`` [N] (the sum of normal
     forces of the hand on the object), ``friction``, ``is_success``, ``is_broken``.
@@ -101,7 +101,8 @@ class Lift(HandEnv):
         self._held = self._held + 1 if height >= self.LIFTED else 0
         self._broken = force > self._limit
         done = self._held >= self.HELD
-        reward = float(np.clip(height / self.LIFTED, 0.0, 1.0))
+        # Half for height and half for enough of it: hovering a little below is not as good.
+        reward = 0.5 * float(np.clip(height / self.LIFTED, 0.0, 1.0)) + 0.5 * float(height >= self.LIFTED)
         if done and not self._broken:
             # Whoever succeeds soon is not paid less than whoever hovers.
             reward += self.STEPS - self._steps
