@@ -42,6 +42,9 @@ fn links_between_documents_lead_somewhere() {
         "docs/recording.md",
         "docs/outputs.md",
         "docs/python.md",
+        "docs/c.md",
+        "docs/protocol.md",
+        "examples/clients/README.md",
         "crates/thenar-python/README.md",
     ] {
         let text = read(file);

@@ -170,9 +170,20 @@ def test_poses_that_are_none_are_refused_and_change_nothing() -> None:
         hand.follow(good, time=float("inf"))
     with pytest.raises(thenar.PoseError, match="a joint angle"):
         hand.follow_angles(good[0], np.full(20, np.nan))
+    with pytest.raises(ValueError, match=r"wrist: expected an array of shape \(7,\), got \(1, 7\)"):
+        hand.follow_angles(good[:1], np.zeros(20))
+    with pytest.raises(ValueError, match=r"angles: expected an array of shape \(20,\), got \(\)"):
+        hand.follow_angles(good[0], 0.0)
+    for wrong_kind in (np.zeros(20, dtype=bool), np.zeros(20, dtype=object), np.zeros(20, dtype="datetime64[s]")):
+        with pytest.raises(TypeError, match="angles: expected real numbers"):
+            hand.follow_angles(good[0], wrong_kind)
     poses = hand.bone_poses.copy()
     with pytest.raises(thenar.PoseError, match="quaternion of palm"):
         hand.lead(np.zeros_like(poses))
+    with pytest.raises(ValueError, match=r"poses: expected an array of shape \(16, 7\), got \(15, 7\)"):
+        hand.lead(poses[:15])
+    with pytest.raises(ValueError, match=r"velocities: expected an array of shape \(16, 6\)"):
+        hand.lead(poses, np.zeros((16, 3)))
     poses[2, 0] = np.inf
     with pytest.raises(thenar.PoseError, match="cannot be led"):
         hand.lead(poses)
@@ -184,6 +195,8 @@ def test_settings_are_checked() -> None:
     wrong: list[tuple[str, float | str, str]] = [
         ("frction", 0.5, "no setting"),
         ("friction", -1.0, "friction"),
+        ("friction", float("nan"), "friction"),
+        ("gravity", float("inf"), "gravity"),
         ("friction", "high", "friction"),
     ]
     for key, value, words in wrong:
@@ -241,6 +254,56 @@ def test_other_threads_run_during_a_step_and_are_told_that_the_world_is_taken() 
     thread.join()
     # Were the interpreter's lock held during a step, nobody would ever see the world taken.
     assert told > 0 and world.steps == 400
+
+
+def test_numbers_of_any_real_type_and_layout_are_taken_alike() -> None:
+    world = thenar.Scene.named("free-motion", set=PAPER).world()
+    hand, start = world.hands[0], world.state()
+    hashed = set()
+    for kind in (np.float64, np.float32, ">f8"):
+        world.set_state(start)
+        strided = np.zeros(40, dtype=kind)[::2]
+        hand.follow_angles(np.array([0.0, 0.25, 0.125, 0.0, 0.0, 0.0, 1.0], dtype=kind), strided, time=0.0)
+        hashed.update(hashes(world, 3)[-1:])
+    world.set_state(start)
+    hand.follow_angles([0, 0.25, 0.125, 0, 0, 0, 1], [0] * 20, time=0.0)
+    hashed.update(hashes(world, 3)[-1:])
+    assert len(hashed) == 1
+
+
+def test_a_world_that_another_thread_steps_is_refused_to_everyone() -> None:
+    world = thenar.Scene.named("table-press", set=PAPER).world()
+    hand = world.hands[0]
+    taxels = hand.taxels()
+    state = world.state()
+    asked: list[Callable[[], object]] = [
+        lambda: world.picture(16, 16),
+        lambda: world.set("friction", 0.5),
+        lambda: world.set_state(state),
+        lambda: hand.follow_angles([0, 0.1, 0, 0, 0, 0, 1], np.zeros(20)),
+        lambda: taxels.read().array,
+        world.reset,
+    ]
+    thread = threading.Thread(target=world.step, args=(200,))
+    thread.start()
+    told = 0
+    while thread.is_alive() and world_is_free(world):
+        pass
+    for ask in asked:
+        with pytest.raises(thenar.BusyError):
+            ask()
+        told += 1
+    assert thread.is_alive(), "it was too quick to be asked"
+    thread.join()
+    assert told == len(asked) and world.steps == 200
+
+
+def world_is_free(world: thenar.World) -> bool:
+    try:
+        world.time
+    except thenar.BusyError:
+        return False
+    return True
 
 
 def test_control_c_ends_a_long_step_between_two_steps(control_c: Callable[[], None]) -> None:
