@@ -2,7 +2,7 @@
 
 A grip is five numbers: where the wrist goes down to (x, y, z) [m], how far the fingers close, and how many steps they take
 for it. Each generation tries as many as are asked for, keeps the best quarter, and draws the next around these. One
-process takes about ten minutes; several share the tries, with the same results.
+process takes some minutes; several share the tries, with the same results.
 
     python learn_lift.py --csv learned.csv --processes 2
 """
@@ -81,7 +81,7 @@ def attempt(job: tuple[Array, Sequence[int]]) -> tuple[float, float]:
 
 
 def learn(
-    generations: int = 12, tries: int = 20, seeds: int = 2, processes: int = 1, seed: int = 0
+    generations: int = 10, tries: int = 20, seeds: int = 1, processes: int = 1, seed: int = 0
 ) -> list[Generation]:
     """Learns, and tells what each generation came to. The numbers do not depend on ``processes``."""
     rng = np.random.default_rng(seed)
@@ -159,9 +159,9 @@ def draw(told: list[Generation], file: pathlib.Path) -> None:
 def main() -> None:
     """The command line."""
     options = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    options.add_argument("--generations", type=int, default=12)
+    options.add_argument("--generations", type=int, default=10)
     options.add_argument("--tries", type=int, default=20, help="grips in a generation")
-    options.add_argument("--seeds", type=int, default=2, help="episodes of each grip")
+    options.add_argument("--seeds", type=int, default=1, help="episodes of each grip")
     options.add_argument("--processes", type=int, default=1)
     options.add_argument("--seed", type=int, default=0)
     options.add_argument("--picture", type=pathlib.Path, help="draw the curve into this file; needs matplotlib")
