@@ -44,6 +44,6 @@ __all__ = [
     "grip",
 ]
 
-for _env in (Lift, Feel, Turn):
+for _kind in (Lift, Feel, Turn):
     # Episodes end by themselves.
-    gymnasium.register(id=f"thenar/{_env.__name__}-v0", entry_point=f"thenar.gym:{_env.__name__}")
+    gymnasium.register(id=f"thenar/{_kind.__name__}-v0", entry_point=f"thenar.gym:{_kind.__name__}")
