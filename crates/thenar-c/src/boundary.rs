@@ -54,7 +54,7 @@ pub fn guard(act: impl FnOnce() -> Result<(), Refusal>) -> Status {
         Ok(Err(refusal)) => refusal,
         Err(_) => crate::running::broken(),
     };
-    // Words with a NUL in them (of a file's name, say) end there.
+    // C ends a text at its first NUL: words with one in them go on without it.
     let mut words = refusal.words.into_bytes();
     words.retain(|byte| *byte != 0);
     let words = CString::new(words).unwrap_or_default();
@@ -69,4 +69,52 @@ pub fn guard(act: impl FnOnce() -> Result<(), Refusal>) -> Status {
 #[allow(unsafe_code)] // its name is seen by the linker
 pub extern "C" fn thenar_last_error() -> *const c_char {
     LAST.try_with(|last| last.borrow().as_ptr()).unwrap_or(c"".as_ptr())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::running::World;
+    use std::path::Path;
+    use thenar_scene::build::Files;
+    use thenar_scene::session::{Session, Source, builtin};
+
+    fn words() -> String {
+        LAST.with(|last| last.borrow().to_string_lossy().into_owned())
+    }
+
+    #[test]
+    fn a_panic_stays_inside_and_ends_its_world_alone() {
+        let scene = builtin("falling-box").expect("it comes along");
+        let source = Source::new(scene.text, Path::new("scenes/falling-box.toml"), &[]);
+        let open = || {
+            let session = Session::open(&source, Files::beside(&source.file)).expect("a scene");
+            World::new(session, &source)
+        };
+        let (bad, good) = (open(), open());
+        let fail = || bad.with(|_| -> Result<(), Refusal> { panic!("on purpose") });
+        assert_eq!(guard(fail), Status::Broken);
+        assert!(words().contains("failed for good"), "{}", words());
+        // From then on it is refused, without another panic; the other one goes on.
+        let ask = |world: &World| {
+            guard(|| {
+                world.with(|running| {
+                    running.session.step(&mut ());
+                    Ok(())
+                })
+            })
+        };
+        assert_eq!(ask(&bad), Status::Broken);
+        assert_eq!(ask(&good), Status::Ok);
+    }
+
+    #[test]
+    fn words_are_of_the_last_refusal_in_this_thread() {
+        assert_eq!(guard(|| Err(Refusal::argument("first\0 and more"))), Status::Argument);
+        assert_eq!(words(), "first and more");
+        let other = std::thread::spawn(words).join().expect("a thread");
+        assert_eq!(other, "");
+        assert_eq!(guard(|| Ok(())), Status::Ok);
+        assert_eq!(words(), "first and more");
+    }
 }
