@@ -40,9 +40,8 @@ class Generation(NamedTuple):
     """What a generation came to."""
 
     number: int
-    #: Mean return of the best, of the best quarter, and of all.
+    #: Return of the best, and mean of all.
     best: float
-    elite: float
     mean: float
     #: Part of the episodes in which the bread was lifted.
     lifted: float
@@ -105,7 +104,6 @@ def learn(
             row = Generation(
                 number,
                 float(returns.max()),
-                float(returns[elite].mean()),
                 float(returns.mean()),
                 float(lifted.mean()),
                 [float(x) for x in mean],
@@ -126,9 +124,9 @@ def write(told: list[Generation], file: pathlib.Path) -> None:
     """Writes the curve."""
     with file.open("w", newline="") as out:
         rows = csv.writer(out, lineterminator="\n")
-        rows.writerow(["generation", "best", "elite", "mean", "lifted", *NAMES])
+        rows.writerow(["generation", "best", "mean", "lifted", *NAMES])
         for row in told:
-            figures = [f"{x:.4g}" for x in (row.best, row.elite, row.mean, row.lifted, *row.parameters)]
+            figures = [f"{x:.4g}" for x in (row.best, row.mean, row.lifted, *row.parameters)]
             rows.writerow([row.number, *figures])
 
 
@@ -142,7 +140,7 @@ def draw(told: list[Generation], file: pathlib.Path) -> None:
     figure = Figure(figsize=(7, 3.5), layout="constrained")
     axes = figure.subplots()
     numbers = [row.number for row in told]
-    for name in ("best", "elite", "mean"):
+    for name in ("best", "mean"):
         axes.plot(numbers, [getattr(row, name) for row in told], marker=".", label=f"return, {name}")
     axes.set_xlabel("generation")
     axes.set_ylabel("return of an episode")

@@ -53,7 +53,7 @@ def test_a_learner_gives_the_same_numbers_again_and_by_two_processes(tmp_path: p
         assert learn_lift.learn(generations=1, tries=3, seeds=1, seed=1, processes=2) == told[:1]
     finally:
         sys.path.remove(str(EXAMPLES))
-    assert [row.number for row in told] == [0, 1] and all(row.best >= row.elite >= row.mean for row in told)
+    assert [row.number for row in told] == [0, 1] and all(row.best >= row.mean for row in told)
     # The elite moved: what was learned is not where it began.
     assert np.abs(np.array(told[0].parameters) - learn_lift.MEAN).max() > 1e-3
     learn_lift.write(told, tmp_path / "curve.csv")
