@@ -179,12 +179,6 @@ extern "C" {
 #endif // __cplusplus
 
 /*
- Words of the last refusal in this thread, UTF-8; empty when there was none. They stay until the next refusal in
- this thread: copy what is to be kept.
- */
-const char *thenar_last_error(void);
-
-/*
  How many rigid bodies (hands' bones are some), deformable bodies (hands' flesh is some) and hands there are. What is
  not wanted is NULL.
 
@@ -289,6 +283,12 @@ enum ThenarStatus thenar_soft_triangles(const struct ThenarWorld *world,
                                         uint32_t *out,
                                         size_t room,
                                         size_t *count);
+
+/*
+ Words of the last refusal in this thread, UTF-8; empty when there was none. They stay until the next refusal in
+ this thread: copy what is to be kept.
+ */
+const char *thenar_last_error(void);
 
 /*
  Contact points of the last step. `*count` gets how many there are; `contacts`, unless it is NULL, gets them, and
