@@ -88,7 +88,7 @@ mod tests {
             ("a= ", "there is no value"),
             ("a=1,,2", "a value is empty"),
             ("a=1,2,", "a value is empty"),
-            ("a=1,2,1", "`1` is there twice"),
+            ("a=1,2,1", "\"1\" is there twice"),
         ] {
             let error = Axis::parse(text).unwrap_err().to_string();
             assert!(error.contains(told), "{text}: {error}");

@@ -43,13 +43,12 @@ impl Plan {
             let Axis { key, values } = Axis::parse(text)?;
             plan.add(vec![key], values.into_iter().map(|value| vec![value]).collect())?;
         }
-        let no_clash = plan.clash();
         if let Some(text) = &args.seeds {
             let targets = seeds::keys(&scene.text)?;
             let choices = seeds::parse(text)?.iter().map(|seed| vec![seed.to_string()]).collect();
             plan.add_seeds(targets, choices)?;
         }
-        no_clash.and_then(|()| plan.clash())?;
+        plan.clash()?;
         if plan.groups.is_empty() {
             return Err(CliError::Input("nothing varies: give --vary, --table or --seeds".into()));
         }

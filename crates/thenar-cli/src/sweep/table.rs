@@ -120,7 +120,7 @@ mod tests {
             ("a\n", 1, "no cases"),
             ("a,\n1,2", 1, "column 2 has no key"),
             ("a,b\n1,2\n\n3", 4, "1 values for 2 keys"),
-            ("a,b\n1,", 2, "`b` has no value"),
+            ("a,b\n1,", 2, "\"b\" has no value"),
             ("a\n\"1", 2, "a quote does not end"),
         ] {
             let (at, what) = parse(text).unwrap_err();
