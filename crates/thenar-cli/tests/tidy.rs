@@ -42,6 +42,7 @@ fn links_between_documents_lead_somewhere() {
         "docs/recording.md",
         "docs/outputs.md",
         "docs/python.md",
+        "docs/scale.md",
         "crates/thenar-python/README.md",
     ] {
         let text = read(file);
