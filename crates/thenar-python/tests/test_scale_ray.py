@@ -4,6 +4,7 @@ Method: a real cluster of two raylets on this machine, one of which is ended wit
 from __future__ import annotations
 
 import time
+import types
 from collections.abc import Iterator
 from typing import Any
 
@@ -107,3 +108,47 @@ def test_a_worker_makes_a_failure_of_other_columns() -> None:
         "case": 3,
         "failed": "the case has other probes than the first: `b`",
     }
+
+
+class Actors:
+    """Stands in for Ray: actors that answer at once, and die of cases as often as they are told."""
+
+    def __init__(self, deaths: dict[int, int]) -> None:
+        self.deaths, self.asked_for, self.killed = deaths, 0, 0
+
+    def remote(self, *given: Any, **options: Any) -> Any:
+        """The decorator, an actor, and a call of one: each has a method of this name."""
+        return (lambda _: self) if options else self._begin() if isinstance(given[0], scale.Sweep) else given
+
+    def _begin(self) -> Any:
+        self.asked_for += 1
+        call = types.SimpleNamespace(remote=lambda *case: (object(), *case[:1]))
+        return types.SimpleNamespace(ready=call, run=call)
+
+    def wait(self, awaited: list[Any], num_returns: int) -> tuple[list[Any], list[Any]]:
+        """The one that was asked last."""
+        return awaited[-num_returns:], awaited[:-num_returns]
+
+    def get(self, call: Any) -> scale.Row | None:
+        """What the call gives."""
+        _, *case = call
+        if case and self.deaths.get(case[0], 0) > 0:
+            self.deaths[case[0]] -= 1
+            raise ray.exceptions.RayActorError()
+        return {"case": case[0], "failed": None} if case else None
+
+    def kill(self, _: Any) -> None:
+        """Ends an actor."""
+        self.killed += 1
+
+
+def test_a_case_that_kills_its_processes_fails_and_the_others_do_not(sweep: scale.Sweep) -> None:
+    from thenar.scale._ray import _rows
+
+    # Case 1 kills everyone, case 2 only whoever has it first and second.
+    actors = Actors({1: 99, 2: 2})
+    rows = sorted(_rows(actors, sweep, [[] for _ in range(4)], 2, {"num_cpus": 1}), key=lambda row: int(row["case"] or 0))
+    assert [row["case"] for row in rows] == [0, 1, 2, 3]
+    assert [row["failed"] for row in rows] == [None, "the processes that ran it died, 3 times", None, None]
+    # Two, and one for each death; all are ended.
+    assert actors.asked_for == actors.killed == 2 + 3 + 2
