@@ -29,6 +29,7 @@ mod run;
 mod scenes;
 mod serve;
 mod soak;
+mod sweep;
 mod taken_back;
 mod touch;
 mod validate;
@@ -51,6 +52,8 @@ enum Command {
     Serve(serve::Args),
     /// Run a scene without a window.
     Run(run::Args),
+    /// Run many cases of a scene, a row of a Parquet table each.
+    Sweep(sweep::Args),
     /// Feel a scene through devices, without a page.
     Touch(touch::Args),
     /// Run a scene as fast as it can and record it.
@@ -83,6 +86,7 @@ fn main() -> ExitCode {
     let done = match cli.command {
         Some(Command::Serve(args)) => serve::run(&args),
         Some(Command::Run(args)) => run::run(&args),
+        Some(Command::Sweep(args)) => sweep::run(&args),
         Some(Command::Touch(args)) => touch::run(&args),
         Some(Command::Record(args)) => record::run(&args),
         Some(Command::Replay(args)) => replay::run(&args),

@@ -44,6 +44,11 @@ impl Meter {
         Self::new(total, style, quiet)
     }
 
+    /// Of so many cases.
+    pub fn of_cases(total: u64, quiet: bool) -> Self {
+        Self::new(total, "{bar:40} {percent:>3} %  case {pos} of {len}  {eta} left", quiet)
+    }
+
     /// Of a file of so many bytes from which steps are made.
     pub fn of_bytes(total: u64, quiet: bool) -> Self {
         Self::new(total, "{bar:40} {percent:>3} %  {msg}", quiet)
@@ -58,12 +63,17 @@ impl Meter {
         };
         let now = Arc::new([AtomicU64::new(0), AtomicU64::new(0)]);
         let shared = Arc::clone(&now);
+        let counts_cases = style.contains("case ");
         let lines = || {
             let mut lines = Lines { begun: Instant::now(), due: FIRST_LINE };
             Ticker::new(move || {
                 if lines.are_due(lines.begun.elapsed()) {
                     let [done, steps] = [0, 1].map(|i| shared[i].load(Relaxed));
-                    eprintln!("step {steps}: {:.0} %", share(done, total));
+                    let share = share(done, total);
+                    match counts_cases {
+                        true => eprintln!("{done} of {total} cases: {share:.0} %"),
+                        false => eprintln!("step {steps}: {share:.0} %"),
+                    }
                 }
             })
         };

@@ -45,6 +45,7 @@ fn links_between_documents_lead_somewhere() {
         "docs/c.md",
         "docs/protocol.md",
         "examples/clients/README.md",
+        "docs/scale.md",
         "crates/thenar-python/README.md",
     ] {
         let text = read(file);

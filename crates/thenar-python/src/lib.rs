@@ -7,6 +7,7 @@
 #![cfg(feature = "extension")]
 
 mod batch;
+mod case;
 mod claim;
 mod describe;
 mod error;
@@ -26,6 +27,8 @@ mod world;
 mod _thenar {
     #[pymodule_export]
     use crate::batch::step_all;
+    #[pymodule_export]
+    use crate::case::{case_columns, run_case};
     #[pymodule_export]
     use crate::error::{
         BusyError, PoseError, RecordingError, SceneError, SettingError, StaleViewError, StateError,

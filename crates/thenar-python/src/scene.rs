@@ -33,6 +33,13 @@ impl Scene {
     }
 }
 
+impl Scene {
+    /// What its sessions are made from.
+    pub fn source(&self) -> &Source {
+        &self.source
+    }
+}
+
 /// Names of the scenes that come along.
 #[pyfunction]
 pub fn scene_names() -> Vec<&'static str> {

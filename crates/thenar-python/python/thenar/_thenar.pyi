@@ -15,6 +15,8 @@ __all__ = [
     "StepReport",
     "Taxels",
     "World",
+    "case_columns",
+    "run_case",
     "scene_names",
     "step_all",
 ]
@@ -167,3 +169,7 @@ class Recording:
 
 def scene_names() -> list[str]: ...
 def step_all(worlds: list[World], n: int, threads: int) -> list[StepReport]: ...
+def run_case(
+    scene: Scene, seconds: float | None
+) -> tuple[str | None, list[tuple[str, str, float | int | str]]]: ...
+def case_columns(scene: Scene) -> list[tuple[str, str, float | int | str]]: ...

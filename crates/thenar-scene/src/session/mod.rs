@@ -1,6 +1,7 @@
 //! A running scene: its drivers and loads fill the input of each step, its probes read the state.
 
 mod drive;
+mod figures;
 mod library;
 mod live;
 mod load;
@@ -18,6 +19,7 @@ mod warn;
 mod witness;
 
 pub(crate) use drive::bones;
+pub use figures::{Figure, Figures, NamedFigure};
 pub use library::{Builtin, builtin, builtins};
 pub use loads::{HandLoad, PARTS};
 pub use memory::{Memory, MemoryRef};

@@ -1,0 +1,171 @@
+//! `thenar sweep`: many cases of one scene, a row of a table each.
+//!
+//! | file in the folder | what it holds | written |
+//! |---|---|---|
+//! | `sweep.json` | what is swept: scene, keys, values; the same for all shards | first |
+//! | `shard-K-of-N/CASE.json` | a case that is whole | when it ends |
+//! | `shard-K-of-N.parquet` | all rows of the shard | last; the cases' files go then |
+//! | `shard-K-of-N.json` | figures of the shard: cases, failures, columns with units | beside it |
+//!
+//! Each of them is whole or not there, so that a sweep that was cut goes on with the cases that are missing.
+
+mod axis;
+mod case;
+mod cell;
+mod manifest;
+mod plan;
+mod pool;
+mod record;
+mod results;
+mod seeds;
+mod shard;
+mod table;
+
+use crate::error::CliError;
+use crate::interrupt;
+use crate::run::{Found, file, find};
+use manifest::Manifest;
+use plan::Plan;
+use shard::Shard;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use thenar_scene::session::read_scene;
+
+/// Run many cases of a scene, a row of a Parquet table each.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// A scene file, or the name of a built-in scene (see `thenar scenes`).
+    scene: PathBuf,
+    /// Values of a key, e.g. hand.hand.friction=0.4,0.8; given several times, every combination is run.
+    #[arg(long, value_name = "KEY=A,B,C")]
+    vary: Vec<String>,
+    /// Cases instead, or to be combined with --vary: a CSV file whose columns are keys and whose rows are cases.
+    #[arg(long, value_name = "FILE.csv")]
+    table: Option<PathBuf>,
+    /// Seeds, as 1,2,5 or 1..10 with both ends: all seeds that the scene states are set to each.
+    #[arg(long, value_name = "SEEDS")]
+    seeds: Option<String>,
+    /// Change a value of the scene for all cases.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Simulated time of a case [s] instead of the scene's own.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    seconds: Option<f64>,
+    /// Run the K-th of N equal shares only; all shares may write into the same folder.
+    #[arg(long, value_name = "K/N", default_value = "1/1")]
+    shard: Shard,
+    /// The folder of results; of a sweep that was cut, to go on with it.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Write each case's probe table too, as DIR/probes/CASE.csv.
+    #[arg(long)]
+    probe: bool,
+    /// Cases at a time; as many as the processor has threads when left out. The results are the same.
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+    /// No progress and no summary.
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// A scene's text and where it is from.
+#[derive(Debug)]
+pub struct Scene {
+    text: String,
+    file: PathBuf,
+}
+
+impl Scene {
+    /// # Errors
+    /// There is no such scene.
+    fn read(scene: &Path) -> Result<Self, CliError> {
+        let text = match find(scene)? {
+            Found::File(path) => {
+                thenar_output::protect(&path);
+                read_scene(&path)?
+            }
+            Found::Builtin(known) => known.text.into(),
+        };
+        Ok(Self { text, file: file(scene)? })
+    }
+
+    /// Checks the text with these changes, without building anything.
+    ///
+    /// # Errors
+    /// Something is wrong; in the words of `--set`.
+    fn check(&self, overrides: &[String]) -> Result<(), CliError> {
+        let read = thenar_scene::session::read(&self.text, overrides);
+        read.map(drop).map_err(|fault| fault.locate(&self.file, &self.text, overrides).into())
+    }
+}
+
+/// Runs the cases of a shard that are not there yet, and writes the table when all are.
+///
+/// # Errors
+/// What was asked for makes no sense, a file cannot be written, the sweep was interrupted, or cases failed.
+pub fn run(args: &Args) -> Result<(), CliError> {
+    if args.seconds.is_some_and(|s| !(s > 0.0 && s <= 1e9)) {
+        return Err(CliError::Input("--seconds must be more than 0 and at most 1e9".into()));
+    }
+    let scene = Scene::read(&args.scene)?;
+    let plan = Plan::make(args, &scene)?;
+    let place = Place::new(&args.out, args.shard)?;
+    let manifest = Manifest::new(args, &scene, &plan);
+    manifest.settle(&args.out)?;
+    interrupt::listen();
+    if !place.results.is_file() {
+        let threads = args.threads.or_else(|| std::thread::available_parallelism().ok());
+        let threads = threads.map_or(1, NonZeroUsize::get);
+        pool::run(args, &scene, &plan, &place, threads)?;
+        results::write(&plan, &place, args.shard, &manifest)?;
+    }
+    place.clear();
+    conclude(args, &place)
+}
+
+/// Where a shard's files are.
+#[derive(Debug)]
+pub struct Place {
+    /// Records of cases that are whole, as long as the table is not.
+    cases: PathBuf,
+    /// The cases' probe tables.
+    probes: PathBuf,
+    results: PathBuf,
+    figures: PathBuf,
+}
+
+impl Place {
+    fn new(folder: &Path, shard: Shard) -> Result<Self, CliError> {
+        let Shard { number, count } = shard;
+        let name = format!("shard-{number}-of-{count}");
+        let make = std::fs::create_dir_all(folder);
+        make.map_err(|e| CliError::Other(format!("cannot make {}: {e}", folder.display())))?;
+        Ok(Self {
+            cases: folder.join(&name),
+            probes: folder.join("probes"),
+            results: folder.join(format!("{name}.parquet")),
+            figures: folder.join(format!("{name}.json")),
+        })
+    }
+
+    /// Removes records whose rows are in the table.
+    fn clear(&self) {
+        // What cannot be removed is in nobody's way.
+        let _ = std::fs::remove_dir_all(&self.cases);
+    }
+}
+
+/// Says how it went, and whether cases failed.
+fn conclude(args: &Args, place: &Place) -> Result<(), CliError> {
+    let (cases, failed) = manifest::outcome(&place.figures)?;
+    if !args.quiet {
+        println!("{cases} cases in {}, {failed} of them failed", place.results.display());
+    }
+    match failed {
+        0 => Ok(()),
+        _ => Err(CliError::Other(format!(
+            "{failed} of {cases} cases failed; the column `failed` of {} says why",
+            place.results.display()
+        ))),
+    }
+}
