@@ -14,7 +14,7 @@
  */
 typedef enum ThenarStatus {
   /*
-   It was done.
+   Done.
    */
   THENAR_STATUS_OK = 0,
   /*

@@ -8,7 +8,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// It was done.
+    /// Done.
     Ok = 0,
     /// A pointer is null or not aligned, a size does not fit, text is not UTF-8, or there is no such body or hand.
     Argument = 1,

@@ -27,7 +27,7 @@ impl<E: Into<CliError>> From<E> for Cut {
 /// Runs a case; `stop` is asked after each step. A case that fails has a record that says why.
 ///
 /// # Errors
-/// It was cut, and is to be run again.
+/// Cut, and to be run again.
 pub fn run_case(
     args: &Args,
     scene: &Scene,

@@ -14,7 +14,7 @@ pub struct Record {
     pub case: u64,
     /// Why it failed, if it did.
     pub failed: Option<String>,
-    /// Its row: name, unit, cell. Of a case that could not be built there is none.
+    /// The row: name, unit, cell. Of a case that could not be built there is none.
     pub row: Vec<(String, String, Figure)>,
 }
 
