@@ -95,7 +95,7 @@ impl Manifest {
 /// Cases of a shard and how many of them failed, from its figures.
 ///
 /// # Errors
-/// Unreadable.
+/// The file cannot be read, or is damaged.
 pub fn outcome(file: &Path) -> Result<(u64, u64), CliError> {
     let map = read(file)?;
     let of = |key: &str| map.get(key).and_then(Value::as_u64);

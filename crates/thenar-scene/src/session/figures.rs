@@ -84,7 +84,7 @@ impl Figures {
         self.probes.iter_mut().zip(session.probe()).for_each(|(spread, value)| spread.take(*value));
     }
 
-    /// Extremes.
+    /// Extremes over the steps taken so far.
     pub fn summary(&self) -> &Summary {
         &self.summary
     }
