@@ -12,17 +12,12 @@ use crate::contact::surface::Surface;
 use crate::contact::triangle::Feature;
 use crate::math::Vec3;
 
-/// Edges that cross at a smaller sine are left to their ends.
-const SINE_MIN: f64 = 0.05;
-/// Nearer to its end than this part of an edge, the end's own contact stands for it.
-const END: f64 = 0.01;
-/// A fall this steep (sine) makes an edge a ridge that can hold something up.
-const STEEP: f64 = 0.03;
-/// Faces that fall by less (sine) are flat: held at their vertices, what rests on the edge sinks by less than this
-/// part of their size.
-const FLAT: f64 = 1e-3;
-/// On the other side the surface may rise by so much (sine): it may have a valley there.
-const RISE_MAX: f64 = 0.35;
+/// Square of the sine below which two edges count as parallel: the normal of their crossing then has lost half of
+/// its digits. Every other crossing counts, however near to an end, for where one edge hands over to the next on
+/// another body's ridge, a gap between them is a place at which nothing holds.
+const PARALLEL: f64 = f64::EPSILON;
+/// A face level to this (sine) lies as near to a plane as a gap is known: to a hundredth of an edge.
+const LEVEL: f64 = 0.01;
 
 /// How the two faces of an edge lie.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +31,7 @@ pub(crate) struct Ridge {
 /// Where two edges pass each other.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Crossing {
-    /// Place along A and along B, in (0, 1).
+    /// Place along A and along B, in [0, 1].
     pub at: [f64; 2],
     /// Unit normal from B to A.
     pub normal: Vec3,
@@ -60,18 +55,15 @@ impl Ridge {
         Some(Self { outward, falls: [fall(t[(k + 2) % 3])?, fall(far)?] })
     }
 
-    /// How far the steeper-falling face falls away below a plane with this outward normal (sine).
-    fn fall(&self, outward: &Vec3) -> f64 {
-        -self.falls[0].dot(outward).min(self.falls[1].dot(outward))
-    }
-
-    /// How far the steeper-rising face rises above a plane with this outward normal (sine).
-    fn rise(&self, outward: &Vec3) -> f64 {
-        self.falls[0].dot(outward).max(self.falls[1].dot(outward))
+    /// How the faces lie to a plane with this outward normal: the sine at which the steeper-falling one falls
+    /// away below it, and that at which the steeper-rising one rises above.
+    fn fall_and_rise(&self, outward: &Vec3) -> [f64; 2] {
+        let [one, other] = self.falls.map(|fall| fall.dot(outward));
+        [-one.min(other), one.max(other)]
     }
 }
 
-/// Where two lines come nearest, inside both edges.
+/// Where two lines come nearest, within both edges.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Passing {
     at: [f64; 2],
@@ -80,18 +72,17 @@ pub(crate) struct Passing {
     offset: f64,
 }
 
-/// The passing of two edges, given their ends; `None` where it lies at an end or beyond, or farther
-/// apart than `within`.
+/// The passing of two edges, given their ends; `None` where it lies beyond an end, or farther apart than `within`.
 pub(crate) fn passing(a: &[Vec3; 2], b: &[Vec3; 2], within: f64) -> Option<Passing> {
     let (u, v, w) = (a[1] - a[0], b[1] - b[0], a[0] - b[0]);
     let (uu, uv, vv) = (u.norm_squared(), u.dot(&v), v.norm_squared());
     let area = uu * vv - uv * uv;
-    if area <= SINE_MIN * SINE_MIN * uu * vv {
+    if area <= PARALLEL * uu * vv {
         return None;
     }
     let (uw, vw) = (u.dot(&w), v.dot(&w));
     let at = [(uv * vw - vv * uw) / area, (uu * vw - uv * uw) / area];
-    if at.iter().any(|s| !(END..=1.0 - END).contains(s)) {
+    if at.iter().any(|s| !(0.0..=1.0).contains(s)) {
         return None;
     }
     let normal = u.cross(&v) / area.sqrt();
@@ -107,13 +98,10 @@ pub(crate) fn crossing(passing: &Passing, a: &Ridge, b: &Ridge) -> Option<Crossi
     if normal.dot(&a.outward) >= 0.0 || normal.dot(&b.outward) <= 0.0 {
         return None;
     }
-    let (rise_a, rise_b) = (a.rise(&-normal), b.rise(&normal));
-    let rise = rise_a.max(rise_b);
-    // However gently they fall: what rests on such an edge would sink as far as they fall on to their ends.
-    let fall = a.fall(&-normal).min(b.fall(&normal));
-    let is_ridge = rise < RISE_MAX && rise_a.min(rise_b) < -STEEP;
-    let are_rims = rise < fall.min(STEEP) && fall > FLAT;
-    let holds = is_ridge || are_rims;
+    let [fall_a, rise_a] = a.fall_and_rise(&-normal);
+    let [fall_b, rise_b] = b.fall_and_rise(&normal);
+    // Beside an edge that rises the bodies are nearer than at the crossing; plains meet at their vertices.
+    let holds = rise_a.max(rise_b) < LEVEL && fall_a.max(fall_b) > LEVEL;
     holds.then_some(Crossing { at, normal, gap })
 }
 
@@ -155,15 +143,16 @@ mod tests {
         }
     }
 
+    /// Beside an edge that rises by a sine `r` the other surface is nearer by up to `r` times its size.
     #[test]
     fn plains_and_valleys_do_not_hold_each_other() {
         let above = |slope| roof(Vec3::y() * 1e-3, Vec3::z(), -Vec3::y(), slope);
         let below = |slope| roof(Vec3::zeros(), Vec3::x(), Vec3::y(), slope);
         let meet = |a, b| meet(&above(a), &below(b)).is_some();
-        assert!(!meet(0.0, 0.0), "two planes meet at vertices");
+        assert!(!meet(0.0, 0.0) && !meet(0.009, 0.009), "two plains meet at vertices");
         assert!(meet(0.2, 0.0), "a ridge on a plane's inner edge");
-        assert!(meet(0.2, -0.1), "a ridge in a shallow valley");
-        assert!(!meet(0.2, -0.8), "a ridge does not reach into a deep valley");
+        assert!(meet(0.2, -0.009), "level as far as a gap is known");
+        assert!(!meet(0.2, -0.011) && !meet(0.2, -0.8), "a ridge does not reach into a valley");
     }
 
     /// Where flat boxes cross, the rims bear that are level on the inner side; plains that are only tilted
@@ -186,20 +175,30 @@ mod tests {
         assert!(pair([-0.2, 0.2]).is_none(), "tilted plains");
     }
 
-    /// Edges whose faces all fall away are where their bodies touch, at every slope from that at which
-    /// vertices hold them as near.
+    /// A ridge is held by edges of every slope, those of a surface that it has pressed flat too.
     #[test]
-    fn gentle_ridges_hold_each_other_at_every_slope() {
-        for slopes in [[0.002, 0.002], [0.005, 0.02], [0.02, 0.005], [0.029, 0.031], [0.029, 0.029]]
-        {
+    fn ridges_hold_and_are_held_at_every_slope() {
+        for slopes in [[0.0, 0.02], [0.02, 0.0], [0.005, 0.02], [0.02, 0.005], [0.029, 0.031]] {
             let below = roof(Vec3::zeros(), Vec3::x(), Vec3::y(), slopes[0]);
             let above = roof(Vec3::y() * -5e-5, Vec3::z(), -Vec3::y(), slopes[1]);
             let c = meet(&above, &below).expect("they hold each other");
             assert!((c.gap + 5e-5).abs() < 1e-15, "{slopes:?}");
         }
-        let flat = |y: f64, along, up| roof(Vec3::y() * y, along, up, 1e-4);
-        let pair = [flat(-5e-5, Vec3::z(), -Vec3::y()), flat(0.0, Vec3::x(), Vec3::y())];
-        assert!(meet(&pair[0], &pair[1]).is_none(), "flat faces meet at vertices");
+    }
+
+    /// A ridge that moves over a surface is held by one of two edges that share an end at every place, up to the end
+    /// itself, however obliquely they cross.
+    #[test]
+    fn edges_hand_over_to_each_other_without_a_gap() {
+        for turn in [1.0_f64, 0.1, 1e-3, 1e-6] {
+            let along = Vec3::new(turn.cos(), 0.0, turn.sin());
+            let below = roof(Vec3::zeros(), Vec3::x(), Vec3::y(), 0.2);
+            for place in [-1e-2, -1e-4, -1e-9, 0.0] {
+                let above =
+                    roof(Vec3::new(place, -5e-5, 0.0) + along * 0.01, along, -Vec3::y(), 0.2);
+                assert!(meet(&above, &below).is_some(), "{turn} {place}");
+            }
+        }
     }
 
     #[test]
