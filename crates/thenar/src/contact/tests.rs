@@ -272,8 +272,16 @@ fn soft_cubes_touch_both_ways() {
     moved(&mut scene.surfaces[1].0, Vec3::new(0.001, 0.035 - 1e-4, 0.001));
     let contacts = scene.find(1e-3);
     // All 16 lower vertices of the upper cube, and the 9 upper vertices of the lower cube that
-    // lie under it.
-    assert_eq!(contacts.len(), 25);
+    // lie under it. Else only its rim touches, where edges of the lower cube pass below it.
+    let is_vertex = |c: &&Contact| match c.a {
+        Site::Soft(a) => a.weights[0] == 1.0,
+        Site::Rigid { .. } => false,
+    };
+    assert_eq!(contacts.iter().filter(is_vertex).count(), 25);
+    for c in contacts.iter().filter(|c| !is_vertex(c)) {
+        let at = c.position_W - Vec3::new(0.001, 0.0, 0.001);
+        assert!((at.x.abs().max(at.z.abs()) - 0.015).abs() < 1e-12, "{at}");
+    }
     for c in &contacts {
         assert!((c.gap + 1e-4).abs() < 1e-12);
         let Site::Soft(a) = c.a else { panic!("soft") };
