@@ -264,8 +264,9 @@ impl SoftSoft<'_> {
         true
     }
 
-    /// Whether a vertex at `p`, so far behind its nearest place of the other side, is in it. Two surfaces say so; of
-    /// one it must not be nearest to the rim of its neighbours, nor, once it is deep, outside by winding number.
+    /// Whether a vertex at `p`, so far behind its nearest place of the other side, is in it: once it is deep, by winding
+    /// number, as the outer side of a surface that is folded inside out looks inward. Of one surface it must not be
+    /// nearest to the rim of its neighbours.
     pub(super) fn has_got_in(
         &self,
         other: &SoftSide,
@@ -274,9 +275,11 @@ impl SoftSoft<'_> {
         (t, nearest): (u32, &Closest),
         depth: f64,
     ) -> bool {
-        self.apart.is_none()
-            || !other.goes_on_nearer(p, t, nearest)
-                && (depth <= ENTERED * other.surface.edge_mean || self.is_wound(v))
+        let is_deep = depth > ENTERED * other.surface.edge_mean;
+        if self.apart.is_none() {
+            return !is_deep || other.surface.winds_around(p, other.state.positions);
+        }
+        !other.goes_on_nearer(p, t, nearest) && (!is_deep || self.is_wound(v))
     }
 
     /// A vertex of side `i` at the triangle that it comes to in this step.

@@ -290,6 +290,28 @@ fn soft_cubes_touch_both_ways() {
     }
 }
 
+/// A cube that is folded inside out, its bottom drawn out through its top, has outer places that look inward. What
+/// another cube has on their far side is not inside it.
+#[test]
+fn what_is_beside_a_fold_is_not_held_by_it() {
+    for height in [0.0205, 0.025, 0.03, 0.04] {
+        let mut scene = Scene::new();
+        scene.soft(cube(0.04, 4));
+        scene.soft(cube(0.03, 3));
+        let folded = &mut scene.surfaces[0].0;
+        let drawn = folded.iter_mut().find(|p| (**p + 0.02 * Vec3::y()).norm() < 1e-9);
+        drawn.expect("a vertex of the bottom").y = height;
+        let pressed = 5e-4;
+        moved(&mut scene.surfaces[1].0, Vec3::new(0.0185, 0.035 - pressed, 0.001));
+        let contacts = scene.find(1e-3);
+        let pressing = contacts.iter().filter(|c| c.gap < 0.0).count();
+        assert!(pressing >= 8, "{height}: {pressing}");
+        for c in &contacts {
+            assert!(c.gap > -1.01 * pressed, "{height}: {c:?}");
+        }
+    }
+}
+
 #[test]
 fn bones_take_the_rules_of_their_flesh() {
     let frictions = |pairs: &[([BodyId; 2], Option<f64>)]| {

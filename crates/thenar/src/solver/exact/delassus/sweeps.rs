@@ -25,15 +25,20 @@ const ATTEMPTS: u32 = 3;
 /// What all further sweeps change is taken to be so many times what mixing expects: twice the factor for
 /// bodies that move more than their contacts, as the history knows only some directions.
 const EXPECTED_SAFETY: f64 = 2.0 * SAFETY;
+/// Velocities that W tells are known to this part of what a contact does to its own: W is of single precision.
+/// Contacts that share a load at will contradict each other by as much, and no sweep settles that; the next round
+/// goes on from the true velocities.
+const ROUND_OFF: f64 = f32::EPSILON as f64;
 
 impl Delassus {
     /// Finds impulses from the present ones by sweeps over the members, until one changes no
     /// contact's velocity by more than `tolerance` \[m/s\] through its own impulse, and all
     /// further ones together are not expected to change any velocity by more: as their mixing tells, or,
-    /// where they are plain, a geometric series. Where sweeps have cost as much as Newton's method, it takes over
-    /// (`newton`); where it fails, limits of joints are held from then on (`turns`). Where they run out before,
-    /// the residual is the larger of what the last sweep changed and what the last mixing expected; it is no more
-    /// than sweeps have moved a contact in this step, but enough above the tolerance not to pass for converged.
+    /// where they are plain, a geometric series. Velocities are sought no finer than W tells them. Where sweeps have
+    /// cost as much as Newton's method, it takes over (`newton`); where it fails, limits of joints are held from then on
+    /// (`turns`). Where they run out before, the residual is the larger of what the last sweep changed and what the last
+    /// mixing expected; it is no more than sweeps have moved a contact in this step, but enough above the tolerance not
+    /// to pass for converged.
     pub fn solve(
         &mut self,
         contacts: &mut ContactRows,
@@ -62,6 +67,8 @@ impl Delassus {
         // What mixing expected to be left after each of the last sweeps.
         let mut expected = [f64::INFINITY; LOOKS];
         let mut mixed = false;
+        let asked = tolerance;
+        let mut tolerance = asked;
         let worth = self.sweeps_worth_steps(contacts, cone);
         let (mut wait, mut attempts) = (worth, 0);
         let budget = (NEWTON_SHARE * (1 + RESUMED_MAX)).saturating_mul(sweeps_max);
@@ -90,6 +97,7 @@ impl Delassus {
                 anderson,
                 x,
                 f,
+                applied,
                 first,
                 moved,
                 swept,
@@ -124,8 +132,11 @@ impl Delassus {
             }
             convergence.iterations += 1;
             *swept += 1;
-            for (m, d) in d.as_chunks::<3>().0.iter().enumerate().take(n) {
-                *moved = moved.max((Vec3::from(*d) - first[members[m] as usize]).norm());
+            for ((&i, own), d) in members.iter().zip(&*own).zip(d.as_chunks::<3>().0) {
+                let i = i as usize;
+                *moved = moved.max((Vec3::from(*d) - first[i]).norm());
+                let pushed = own.W * (contacts.rows[i].lambda - applied[i]);
+                tolerance = tolerance.max(ROUND_OFF * pushed.norm());
             }
             let change = largest_change(before, d);
             let last = convergence.iterations + LAST > sweeps_max;
@@ -145,7 +156,7 @@ impl Delassus {
             if last {
                 if convergence.iterations >= sweeps_max {
                     let left = (EXPECTED_SAFETY * largest(&expected)).min(convergence.residual);
-                    convergence.residual = own_change.max(left).max(SAFETY * tolerance);
+                    convergence.residual = own_change.max(left).max(SAFETY * asked);
                     break;
                 }
                 continue;
@@ -190,7 +201,7 @@ impl Delassus {
             let used = (3 * members.list().len()).next_multiple_of(LANES);
             turns.release(simd, members.list(), contacts, W, &mut d[..used]);
         }
-        convergence.residual = convergence.residual.min(SAFETY * tolerance + self.moved);
+        convergence.residual = convergence.residual.min(SAFETY * asked + self.moved);
         convergence
     }
 
