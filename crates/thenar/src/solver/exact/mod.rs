@@ -43,6 +43,7 @@ mod small_cholesky;
 mod substitution;
 mod symbolic;
 mod vectors;
+mod wide_cholesky;
 
 pub use held::Bound;
 pub use publish::Answer;

@@ -23,7 +23,7 @@ use crate::solver::ContactRows;
 use crate::solver::contact_law::is_immovable;
 use crate::solver::exact::compliance::Compliance;
 use crate::solver::exact::factor::LANES;
-use crate::solver::exact::small_cholesky;
+use crate::solver::exact::wide_cholesky;
 use fearless_simd::Simd;
 
 /// Members at most: with more, the factor costs as much as sweeps are allowed to.
@@ -112,7 +112,7 @@ impl Convex {
             let W_ij = if scales > 0.0 { f64::from(W.at(i, j)) / scales } else { 0.0 };
             W_ij + if i == j { PENALTY } else { 0.0 }
         }));
-        if !small_cholesky::factor(gram, 3 * n) {
+        if !wide_cholesky::factor(simd, gram, 3 * n) {
             return false;
         }
         velocities.clear();
@@ -142,7 +142,7 @@ impl Convex {
     pub fn go_on<S: Simd>(&mut self, simd: S, W: &Compliance) -> bool {
         let n = self.scale.len();
         for _ in 0..ALTERNATIONS {
-            self.alternate();
+            self.alternate(simd);
         }
         self.d.copy_from_slice(&self.b);
         for m in 0..n {
@@ -166,7 +166,8 @@ impl Convex {
         &self.b
     }
 
-    fn alternate(&mut self) {
+    #[inline(always)]
+    fn alternate<S: Simd>(&mut self, simd: S) {
         let Self { gram, scale, friction, slip, b, x, z, u, .. } = self;
         let n = scale.len();
         for m in (0..n).filter(|&m| scale[m] > 0.0) {
@@ -175,8 +176,7 @@ impl Convex {
                 x[i] = PENALTY * (z[i] - u[i]) - (b[i] + slips) / scale[m];
             }
         }
-        small_cholesky::forward(gram, 3 * n, x);
-        small_cholesky::backward(gram, 3 * n, x);
+        wide_cholesky::solve(simd, gram, 3 * n, x);
         for m in (0..n).filter(|&m| scale[m] > 0.0) {
             let at = 3 * m..3 * m + 3;
             let old = Vec3::from_column_slice(&z[at.clone()]);
