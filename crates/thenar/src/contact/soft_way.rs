@@ -8,7 +8,8 @@
 //! other surface; the gradient of the common volume, which is minus the sum of the area vectors inside
 //! (Allard et al. 2010); and those ways from some of its places to the nearest place outside that make
 //! the common volume smaller: others lead a region on through the other body, whose far side it does not
-//! see.
+//! see. Edges that go through with no vertex inside tell nothing of the volume: they are also tried against the faces that
+//! they went through.
 
 use crate::contact::sides::Sight;
 use crate::contact::soft_deep::{NONE, Place};
@@ -74,6 +75,13 @@ impl SoftSoft<'_> {
         offer(self.came_in_by(places, sight), KEPT);
         offer(gradient, 1.0);
         let stride = places.len().div_ceil(OFFERED);
+        if places.iter().all(|p| p.vertex == NONE) {
+            for place in places.iter().step_by(stride) {
+                let [_, other] = self.facing(place.side);
+                let face = other.surface.corners(place.through, other.state.positions);
+                offer(area_vector(&face) * sign(place.side), 1.0);
+            }
+        }
         for place in places.iter().step_by(stride) {
             let out = if place.vertex == NONE { place.inward } else { place.out };
             let out = out * sign(place.side);

@@ -312,6 +312,35 @@ fn what_is_beside_a_fold_is_not_held_by_it() {
     }
 }
 
+/// The edges of two cubes cross, one cut into the other's by less than counts as got in up to more: no contact is
+/// deeper, by whatever way; nor where one of them is inside out, as crushed flesh may be, and its edge looks the wrong way.
+#[test]
+fn edges_that_cut_each_other_are_as_deep_as_they_are() {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let (out, along) = (Vec3::new(half, half, 0.0), Vec3::new(half, -half, 0.0));
+    let places = [(1.3e-3, 1.7e-3), (-2.1e-3, 0.4e-3), (4e-3, -3e-3)];
+    let cases = places.into_iter().flat_map(|place| [(1.0, place), (-1.0, place)]);
+    for depth in [1e-5, 3e-5, 6e-5, 1e-4, 1.5e-4, 3e-4] {
+        for (side, (shift, aside)) in cases.clone() {
+            let mut scene = Scene::new();
+            scene.soft(cube(0.04, 8));
+            scene.soft(cube(0.03, 3));
+            let corner = Vec3::new(0.02, 0.02, 0.0) - depth * out;
+            for p in &mut scene.surfaces[1].0 {
+                // From the middle of its edge, along z, that now lies across the other's; mirrored it is inside out.
+                let q = *p + Vec3::new(0.015, 0.015, 0.0);
+                let (high, beside) = (half * (q.x + q.y), half * (q.x - q.y));
+                let across = (beside + aside) * Vec3::z() - side * (q.z + shift) * along;
+                *p = corner + high * out + across;
+            }
+            let contacts = scene.find(1e-3);
+            let deepest = contacts.iter().map(|c| -c.gap).fold(0.0, f64::max);
+            assert!(deepest < 1.5 * depth, "{depth}, {side}, {shift}: {deepest}");
+            assert!(side < 0.0 || deepest > 0.5 * depth, "{depth}, {shift}: {deepest}");
+        }
+    }
+}
+
 #[test]
 fn bones_take_the_rules_of_their_flesh() {
     let frictions = |pairs: &[([BodyId; 2], Option<f64>)]| {
