@@ -110,8 +110,8 @@ impl Delassus {
         if may { FULL.max(pressing as u32) } else { u32::MAX }
     }
 
-    /// Goes on from the present impulses by Newton's method, for this attempt of a solve, or where it is their turn and it
-    /// may be, by convex problems. The error that is left \[m/s\]; `None` where it leads nowhere, with the impulses as they were.
+    /// Goes on from the present impulses by Newton's method, for this attempt of a solve. The error that is left
+    /// \[m/s\]; `None` where it leads nowhere, with the impulses as they were.
     #[inline(always)]
     pub(super) fn improve<S: Simd>(
         &mut self,
@@ -120,7 +120,6 @@ impl Delassus {
         cone: Cone,
         tolerance: f64,
         steps_max: u32,
-        walks: bool,
     ) -> Option<f64> {
         let n = self.members.list().len();
         let used = (3 * n).next_multiple_of(LANES);
@@ -131,7 +130,7 @@ impl Delassus {
             let row = &contacts.rows[i as usize];
             self.newton.began.push(row.lambda);
         }
-        let left = if steps_max == 0 || walks && self.failed % KINDS == KINDS - 1 {
+        let left = if steps_max == 0 || self.walks() {
             self.walk(simd, contacts, cone, tolerance)
         } else {
             let across = ACROSS[(self.failed % KINDS) as usize % ACROSS.len()];
@@ -144,6 +143,11 @@ impl Delassus {
             }
         }
         left
+    }
+
+    /// Whether it is the turn of convex problems.
+    fn walks(&self) -> bool {
+        self.failed % KINDS == KINDS - 1 && self.may_walk()
     }
 
     /// Whether convex problems may still be tried in this step.

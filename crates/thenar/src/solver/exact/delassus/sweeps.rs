@@ -20,10 +20,6 @@ const LOOKS: usize = 5;
 /// 11 of 162 steps of `bread-grasp` missed the tolerance, with four 1 does, and the slowest of a hundred takes a fifth
 /// less time: where steps end before the sweeps do, sweeps are made no longer.
 const NEWTON_SHARE: u32 = 4;
-/// Convex problems cost as much as hundreds of sweeps: they are for jams, not for the last digits. An error of
-/// so many parts of what sweeps go on to is worth them: at the default tolerance 0.25 mm/s, which moves a point in the
-/// longest usual step of 16.7 ms by a two-hundredth of the contact margin.
-const WALKED_FROM: f64 = 100.0;
 /// Times that Newton's method may fail before what mixing expects is believed all the same.
 const ATTEMPTS: u32 = 3;
 /// What all further sweeps change is taken to be so many times what mixing expects: twice the factor for
@@ -78,9 +74,8 @@ impl Delassus {
         let budget = (NEWTON_SHARE * (1 + RESUMED_MAX)).saturating_mul(sweeps_max);
         loop {
             let steps_max = budget.saturating_sub(self.spent) / worth;
-            let walks = self.may_walk() && convergence.residual > WALKED_FROM * tolerance;
-            if self.swept >= wait && (steps_max > 0 || walks) {
-                let improved = self.improve(simd, contacts, cone, tolerance, steps_max, walks);
+            if self.swept >= wait && (steps_max > 0 || self.may_walk()) {
+                let improved = self.improve(simd, contacts, cone, tolerance, steps_max);
                 if let Some(left) = improved {
                     convergence.residual = left;
                     break;
