@@ -132,6 +132,7 @@ impl Delassus {
             }
             convergence.iterations += 1;
             *swept += 1;
+            tolerance = asked;
             for ((&i, own), d) in members.iter().zip(&*own).zip(d.as_chunks::<3>().0) {
                 let i = i as usize;
                 *moved = moved.max((Vec3::from(*d) - first[i]).norm());
