@@ -58,7 +58,7 @@ impl Delassus {
         simd: S,
         contacts: &mut ContactRows,
         cone: Cone,
-        tolerance: f64,
+        asked: f64,
         sweeps_max: u32,
     ) -> Convergence {
         self.begin_sweeps(simd, contacts);
@@ -67,7 +67,6 @@ impl Delassus {
         // What mixing expected to be left after each of the last sweeps.
         let mut expected = [f64::INFINITY; LOOKS];
         let mut mixed = false;
-        let asked = tolerance;
         let mut tolerance = asked;
         let worth = self.sweeps_worth_steps(contacts, cone);
         let (mut wait, mut attempts) = (worth, 0);
