@@ -75,17 +75,17 @@ pub(crate) struct Passing {
 /// The passing of two edges, given their ends; `None` where it lies beyond an end, or farther apart than `within`.
 pub(crate) fn passing(a: &[Vec3; 2], b: &[Vec3; 2], within: f64) -> Option<Passing> {
     let (u, v, w) = (a[1] - a[0], b[1] - b[0], a[0] - b[0]);
-    let (uu, uv, vv) = (u.norm_squared(), u.dot(&v), v.norm_squared());
-    let area = uu * vv - uv * uv;
-    if area <= PARALLEL * uu * vv {
+    // By its square from products of lengths all digits would be gone where half are here.
+    let across = u.cross(&v);
+    let area = across.norm_squared();
+    if area <= PARALLEL * u.norm_squared() * v.norm_squared() {
         return None;
     }
-    let (uw, vw) = (u.dot(&w), v.dot(&w));
-    let at = [(uv * vw - vv * uw) / area, (uu * vw - uv * uw) / area];
+    let at = [v.cross(&w).dot(&across) / area, u.cross(&w).dot(&across) / area];
     if at.iter().any(|s| !(0.0..=1.0).contains(s)) {
         return None;
     }
-    let normal = u.cross(&v) / area.sqrt();
+    let normal = across / area.sqrt();
     let offset = normal.dot(&w);
     (offset.abs() <= within).then_some(Passing { at, normal, offset })
 }

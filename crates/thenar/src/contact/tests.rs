@@ -312,8 +312,8 @@ fn what_is_beside_a_fold_is_not_held_by_it() {
     }
 }
 
-/// The edges of two cubes cross, one cut into the other's by less than counts as got in up to more: no contact is
-/// deeper, by whatever way; nor where one of them is inside out, as crushed flesh may be, and its edge looks the wrong way.
+/// An edge of one cube cuts into that of another, from less than counts as got in to more. No contact is deeper than the
+/// cut, nor where the cube is inside out, as crushed flesh may be, and its edge looks the wrong way.
 #[test]
 fn edges_that_cut_each_other_are_as_deep_as_they_are() {
     let half = std::f64::consts::FRAC_1_SQRT_2;

@@ -1,5 +1,5 @@
-//! Dense LU factorisation with partial pivoting, in place: for small or reference systems. Inlined, so that it runs at
-//! the vector width of who calls it.
+//! Dense LU factorisation with partial pivoting, in place: for small or reference systems. `factor` and `solve` are
+//! inlined so that they run at their caller's vector width.
 
 /// A factored square matrix.
 #[derive(Clone, Debug)]

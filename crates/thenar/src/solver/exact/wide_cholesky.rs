@@ -23,6 +23,9 @@ pub fn factor<S: Simd>(simd: S, m: &mut [f64], n: usize) -> bool {
 /// `x = L⁻ᵀ L⁻¹ x`.
 #[inline(always)]
 pub fn solve<S: Simd>(simd: S, l: &[f64], n: usize, x: &mut [f64]) {
+    if n == 0 {
+        return;
+    }
     for (i, row) in l.chunks_exact(n).enumerate() {
         x[i] = (x[i] - dot(simd, &row[..i], &x[..i])) / row[i];
     }
@@ -43,7 +46,7 @@ mod tests {
     #[test]
     fn what_is_solved_multiplies_back() {
         let mut random = Random::new(71);
-        for n in [1, 2, 7, 33, 138] {
+        for n in [0, 1, 2, 7, 33, 138] {
             let a: Vec<f64> = (0..n * n).map(|_| random.range(-1.0, 1.0)).collect();
             let entry = |i: usize, j: usize| {
                 let product: f64 = (0..n).map(|k| a[i * n + k] * a[j * n + k]).sum();
