@@ -285,7 +285,7 @@ fn a_corner_is_drawn_over_a_fingertip() {
     check(&corner);
 }
 
-/// A finger that lies on a soft pad, palm down, and is drawn over it; 0.0185 m above its pad.
+/// Force on a soft pad while a finger, palm down, is drawn over it. The finger's underside is 18.5 mm below its wrist.
 fn finger_on_pad(cells: [u32; 3], way: [f64; 3], depth: f64, friction: f64) -> Vec<Vec3> {
     let way = Vec3::from(way);
     let end = MOVES + way.norm() / 0.02;

@@ -264,8 +264,8 @@ impl SoftSoft<'_> {
         true
     }
 
-    /// Whether a vertex at `p`, so far behind its nearest place of the other side, is in it: once it is deep, by winding
-    /// number, as the outer side of a surface that is folded inside out looks inward. Of one surface it must not be
+    /// Whether a vertex at `p`, so far behind its nearest place of the other side, is in it. A shallow one is; a deep one
+    /// is by winding number, as the outer side of a surface that is folded inside out looks inward. Of one surface it must not be
     /// nearest to the rim of its neighbours.
     pub(super) fn has_got_in(
         &self,

@@ -8,8 +8,7 @@
 //! other surface; the gradient of the common volume, which is minus the sum of the area vectors inside
 //! (Allard et al. 2010); and those ways from some of its places to the nearest place outside that make
 //! the common volume smaller: others lead a region on through the other body, whose far side it does not
-//! see. Edges that go through with no vertex inside tell nothing of the volume: they are also tried against the faces that
-//! they went through.
+//! see. Edges that go through with no vertex inside tell little of the volume: the faces that they went through are tried, too.
 
 use crate::contact::sides::Sight;
 use crate::contact::soft_deep::{NONE, Place};
