@@ -1,5 +1,5 @@
 //! Goal: in slow motion the force follows position without flicker. Method: things drawn and rolled at
-//! 20 mm/s over a finger of the default hand and over a soft pad, at 1 ms steps. The part of the
+//! 20 mm/s over a finger of the paper's hand and over a soft pad, and the finger over the pad, at 1 ms steps. The part of the
 //! net force above 50 Hz (rms over the three components, Hann window, straight trend removed) is below
 //! 0.5 % of the mean force: amplitudes, not their squares. At half the speed the largest change of force
 //! and torque in a step is half.
@@ -267,6 +267,24 @@ fn round_and_pointed_shapes_are_drawn_over_a_pad() {
         ..on_pad
     };
     check_spectrum(&cylinder);
+}
+
+/// A capsule that is slim beside the triangles of the pad, along and across its axis; also without friction, so that
+/// nothing sticks and slips.
+#[test]
+fn a_slim_capsule_is_drawn_over_a_pad() {
+    let slim = Case {
+        name: "slim capsule",
+        shape: r#"{ kind = "capsule", radius = 0.003, length = 0.02 }"#,
+        rotation: "{ axis = [0, 0, 1], angle_deg = 90 }",
+        reach: 0.003,
+        depth: 0.0015,
+        way: [0.001, 0.0, 0.006],
+        ..EDGE
+    };
+    check_spectrum(&slim);
+    check_spectrum(&Case { name: "slim capsule, along", way: [0.006, 0.0, 0.001], ..slim });
+    check_spectrum(&Case { name: "slim capsule, frictionless", friction: 0.0, ..slim });
 }
 
 #[test]

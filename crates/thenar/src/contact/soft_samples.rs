@@ -29,15 +29,17 @@ pub(crate) const PLACES: u32 = 512;
 const FIRST: u32 = ROUND_PLACES as u32;
 
 /// A part with a radius of so many edges is flat there: the nearest place goes as far for each radian that the
-/// triangle tilts.
+/// triangle tilts. A smaller one touches at places that move: drawn over fixed points it would hand its load from
+/// one to the next, and the normal at these differs by the angle that the part turns between them (a capsule of
+/// 3 mm over triangles of 7 mm had 1 to 2.5 % of its force above 50 Hz at 20 mm/s; 0.2 % with places that move).
 const FLAT: f64 = 0.5;
 /// A flat part is held at fixed points if it bulges between them by no more than this, in lengths of the edge:
 /// what gaps are good for.
 const BULGE_MAX: f64 = 0.01;
 
 /// Into how many parts to divide the edges of a triangle under a round part, so that it bulges by no
-/// more than [`TOUCHING`] between points; `None` where these would be too many, and the place nearest to the
-/// part does not go far. It depends on lengths at rest alone.
+/// more than [`TOUCHING`] between points; `None` where these would be too many, or the place nearest to the
+/// part does not go far. Lengths at rest alone decide.
 pub(crate) fn parts(pair: &SoftRigid, near: &Near, part: &Part) -> Option<u32> {
     division(pair.surface.edge_of[near.index as usize], &part.shape)
 }
@@ -49,12 +51,15 @@ fn division(edge: f64, shape: &Shape) -> Option<u32> {
         return None;
     }
     let [least, greatest] = radii(shape);
+    if greatest < FLAT * edge {
+        return None;
+    }
     let needed = (edge / (8.0 * least * TOUCHING).sqrt()).ceil().max(1.0);
     if needed <= f64::from(PARTS_MAX) {
         return Some(needed as u32);
     }
     let bulge = (edge / f64::from(PARTS_MAX)).powi(2) / (8.0 * least);
-    (greatest >= FLAT * edge && bulge <= BULGE_MAX * edge).then_some(PARTS_MAX)
+    (bulge <= BULGE_MAX * edge).then_some(PARTS_MAX)
 }
 
 /// The least and the greatest radius of curvature \[m\]. Along its axis a capsule is held at both ends of what lies
