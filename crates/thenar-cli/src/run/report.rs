@@ -52,6 +52,7 @@ pub fn report(session: &Session, outcome: &Outcome) -> Value {
         "non_finite": s.non_finite,
         "fell_back": s.fell_back,
         "divided": s.divided,
+        "contact_cut_short": s.contact_cut_short,
         "contact_unconverged": s.contact_unconverged,
         "contact_residual_max": s.contact_residual_max,
         "energy_j": {
@@ -190,6 +191,9 @@ pub fn print(session: &Session, outcome: &Outcome) {
     }
     if s.fell_back > 0 {
         println!("  {} steps did not converge and were made safely instead", s.fell_back);
+    }
+    if s.contact_cut_short > 0 {
+        println!("  {} steps had contact cut short by contact_work_max", s.contact_cut_short);
     }
     if s.divided > 0 {
         println!("  {} steps were made in parts: contact changed too much within them", s.divided);

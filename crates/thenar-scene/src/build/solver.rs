@@ -40,6 +40,7 @@ pub fn settings(table: Option<&SolverTable>) -> SolverSettings {
     set(&mut s.cg_iterations_max, t.cg_iterations_max);
     set(&mut s.contact_tolerance, t.contact_tolerance);
     set(&mut s.contact_sweeps_max, t.contact_sweeps_max);
+    s.contact_work_max = t.contact_work_max.map(|most| most as u64);
     set(&mut s.contact_inner_passes, t.contact_inner_passes);
     set(&mut s.contact_margin, t.contact_margin);
     set(&mut s.step_halvings_max, t.step_halvings_max);

@@ -121,6 +121,7 @@ fn extremes(s: &Summary, session: &Session) -> Vec<NamedFigure> {
         count("non_finite", s.non_finite),
         count("fell_back", s.fell_back),
         count("divided", s.divided),
+        count("contact_cut_short", s.contact_cut_short),
         count("contact_unconverged", s.contact_unconverged),
         number("contact_residual_max", "m/s", s.contact_residual_max),
         joules("energy.initial", &s.energy_initial),

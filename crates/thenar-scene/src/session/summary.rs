@@ -30,6 +30,8 @@ pub struct Summary {
     pub cg_iterations_max: u32,
     /// Most contact sweeps in one step.
     pub contact_sweeps_max: u32,
+    /// Steps whose contact was cut short (`contact_work_max`).
+    pub contact_cut_short: u64,
     /// Energies at the start, in the end, and the largest total \[J\].
     pub energy_initial: Energy,
     /// See `energy_initial`.
@@ -64,6 +66,7 @@ impl Summary {
         self.fell_back += u64::from(r.fell_back);
         self.divided += u64::from(r.parts > 1);
         self.contact_unconverged += u64::from(r.contact_unconverged);
+        self.contact_cut_short += u64::from(r.contact_cut_short);
         self.contact_residual_max = self.contact_residual_max.max(r.contact_residual);
         self.cg_iterations_max = self.cg_iterations_max.max(r.cg_iterations);
         self.contact_sweeps_max = self.contact_sweeps_max.max(r.contact_sweeps);

@@ -75,6 +75,8 @@ impl Range {
     pub const UNIT: &'static Range = &closed(-1.0, 1.0);
     /// A relative tolerance.
     pub const TOLERANCE: &'static Range = &closed(1e-16, 1.0);
+    /// A number of multiply-adds.
+    pub const WORK: &'static Range = &closed(1.0, 1e15);
     /// A number of iterations.
     pub const ITERATIONS: &'static Range = &closed(1.0, 1e6);
     /// How often a step is halved.

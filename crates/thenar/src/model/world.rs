@@ -106,6 +106,10 @@ pub struct SolverSettings {
     pub contact_tolerance: f64,
     /// and at the latest after so many outer sweeps.
     pub contact_sweeps_max: u32,
+    /// The exact solver spends at most so many multiply-adds of a step on the law of contact, then makes the last sweeps
+    /// and reports what is left; no bound when `None`. A bound keeps a step's cost from growing where contact is hard:
+    /// see [`StepReport::contact_cut_short`](crate::world::StepReport::contact_cut_short).
+    pub contact_work_max: Option<u64>,
     /// Projected Gauss-Seidel passes over the contacts within one outer sweep.
     pub contact_inner_passes: u32,
     /// Friction cone.
@@ -130,6 +134,7 @@ impl Default for SolverSettings {
             cg_iterations_max: 500,
             contact_tolerance: 1e-4,
             contact_sweeps_max: 200,
+            contact_work_max: None,
             contact_inner_passes: 2,
             cone: Cone::Circular,
             limits: Limits::Rows,

@@ -100,6 +100,7 @@ impl World {
     pub fn step(&mut self, input: &Input, timer: &mut impl StageTimer) -> StepReport {
         let mut report = StepReport::default();
         let mut parts = Parts::whole(self.time_step, self.desc.solver.step_halvings_max);
+        self.solver.begin_step(self.desc.solver.contact_work_max);
         let mut unforeseen = 0;
         let (mut length, end) = (self.time_step, self.state.time + self.time_step);
         while let Some(part) = parts.next() {
@@ -131,6 +132,7 @@ impl World {
             self.state.time = end;
         }
         report.flesh_retries = unforeseen;
+        report.contact_cut_short = self.solver.was_cut_short();
         timer.begin(Some(Stage::Embed));
         let Self { model, state, .. } = self;
         (report.joint_gap_max, report.joint_misalignment_max) = advance::joint_errors(model, state);

@@ -102,6 +102,8 @@ impl World {
         let settings = &self.desc.solver;
         let exact = settings.kind == SolverKind::Exact;
         let missed = exact && report.contact_residual > MISS * settings.velocity_tolerance;
+        // What was cut short is not made better by more of it.
+        let missed = missed && !self.solver.was_cut_short();
         let unforeseen = UNFORESEEN * push_out::margin(settings);
         // Two bodies come together by the travel of both.
         if self.scratch.found.is_empty() || 2.0 * self.travel() <= unforeseen {

@@ -29,6 +29,18 @@ impl Solver {
         }
     }
 
+    /// Starts a step in which contact may cost so many multiply-adds.
+    pub fn begin_step(&mut self, contact_work_max: Option<u64>) {
+        if let Self::Exact(exact) = self {
+            exact.begin_step(contact_work_max);
+        }
+    }
+
+    /// Whether contact spent all of that.
+    pub fn was_cut_short(&self) -> bool {
+        matches!(self, Self::Exact(exact) if exact.was_cut_short())
+    }
+
     /// The kind of this solver, as settings name it.
     pub fn kind(&self) -> SolverKind {
         match self {

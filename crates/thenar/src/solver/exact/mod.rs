@@ -207,6 +207,16 @@ impl Exact {
         }
     }
 
+    /// Starts a step that may spend so many multiply-adds on the law of contact.
+    pub fn begin_step(&mut self, contact_work_max: Option<u64>) {
+        self.delassus.allow(contact_work_max);
+    }
+
+    /// Whether these are spent.
+    pub fn was_cut_short(&self) -> bool {
+        self.delassus.is_spent()
+    }
+
     /// Sets to zero the blocks of A between two bodies and between two nodes.
     pub fn clear(&self, A: &mut BlockMatrix) {
         let row0 = 2 * self.bodies.bodies();

@@ -3,7 +3,7 @@
 use crate::math::Vec3;
 use crate::model::Cone;
 use crate::solver::exact::decay::SAFETY;
-use crate::solver::exact::delassus::{Next, Verdict};
+use crate::solver::exact::delassus::{Next, Swept, Verdict};
 use crate::solver::exact::{
     Accuracy, Coordinates, Exact, PRESSING_MAX, Ready, StepSystem, pcg, system,
 };
@@ -48,14 +48,14 @@ impl Exact {
         let mut total = Convergence::default();
         let mut rounds = Rounds::default();
         loop {
-            let sweeps = self.sweep(step, contacts, cone, accuracy);
-            total.iterations += sweeps.iterations;
+            let Swept { found, settled } = self.sweep(step, contacts, cone, accuracy);
+            total.iterations += found.iterations;
             self.follow(step, contacts, accuracy, change)?;
             let tolerance = accuracy.velocity;
             let verdict = self.delassus.check(contacts, change, cone, tolerance, &self.direct);
-            total.residual = verdict.violation.max(sweeps.residual);
-            let swept = sweeps.residual <= accuracy.velocity;
-            if !rounds.go_on(&verdict, swept, accuracy)? {
+            total.residual = verdict.violation.max(found.residual);
+            let more = !self.delassus.is_spent();
+            if !rounds.go_on(&verdict, settled, more, accuracy)? {
                 return Ok(total);
             }
         }
@@ -127,17 +127,17 @@ impl Exact {
         contacts: &mut ContactRows,
         cone: Cone,
         accuracy: &Accuracy,
-    ) -> Convergence {
+    ) -> Swept {
         let Self { bodies, carried, springs, split, coarse, direct, delassus, .. } = self;
         let system = system(step, bodies, carried, springs, split);
         delassus.extend(&system, coarse, direct, contacts);
         let tolerance = SWEPT_TO * accuracy.velocity;
-        let mut found = delassus.solve(contacts, cone, tolerance, accuracy.sweeps_max, direct);
-        if found.residual > tolerance {
+        let mut swept = delassus.solve(contacts, cone, tolerance, accuracy.sweeps_max, direct);
+        if !swept.settled {
             // Sweeps that ran out do not pass for converged, whatever the part.
-            found.residual = found.residual.max(SAFETY * accuracy.velocity);
+            swept.found.residual = swept.found.residual.max(SAFETY * accuracy.velocity);
         }
-        found
+        swept
     }
 }
 
@@ -150,16 +150,20 @@ struct Rounds {
 }
 
 impl Rounds {
-    /// False when all is well or rounds run out.
+    /// False when all is well, or rounds or the work for `more` run out. Contacts that are left to close join all the
+    /// same: an answer may be rough, but leaves none out.
     fn go_on(
         &mut self,
         verdict: &Verdict,
-        swept: bool,
+        settled: bool,
+        more: bool,
         accuracy: &Accuracy,
     ) -> Result<bool, Failure> {
         match verdict.next {
-            Next::Done | Next::Correct if !swept && self.resumed < RESUMED_MAX => self.resumed += 1,
-            Next::Correct if self.corrections + 1 < ROUNDS_MAX => self.corrections += 1,
+            Next::Done | Next::Correct if more && !settled && self.resumed < RESUMED_MAX => {
+                self.resumed += 1;
+            }
+            Next::Correct if more && self.corrections + 1 < ROUNDS_MAX => self.corrections += 1,
             Next::Joined if self.joins < JOINS_MAX => self.joins += 1,
             Next::Full if !accuracy.best_effort => {
                 return Err(Failure::TooManyContacts { most: PRESSING_MAX as u32 });

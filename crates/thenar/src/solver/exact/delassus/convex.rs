@@ -33,7 +33,7 @@ pub const MEMBERS_MAX: usize = 128;
 const PENALTY: f64 = 0.3;
 const RELAXATION: f64 = 1.6;
 /// Alternations for each problem: it need not be solved, as the next one is another.
-const ALTERNATIONS: usize = 30;
+pub const ALTERNATIONS: usize = 30;
 
 /// A problem and its impulses.
 #[derive(Debug)]

@@ -17,6 +17,7 @@ mod sweeps;
 #[cfg(test)]
 mod tests;
 mod turns;
+mod work;
 
 use crate::math::Vec3;
 use crate::model::Cone;
@@ -38,7 +39,9 @@ use handles::Handles;
 use members::Members;
 use newton::Newton;
 use std::ops::Range;
+pub use sweeps::Swept;
 use turns::Turns;
+use work::Work;
 
 /// W of the contacts that may press, and the iteration on it.
 #[derive(Clone, Debug)]
@@ -75,6 +78,8 @@ pub struct Delassus {
     /// Sweeps of the step, and those that Newton's method has cost as much as.
     swept: u32,
     spent: u32,
+    /// What the step has cost, and may.
+    work: Work,
     /// Attempts of the step by Newton's method that failed, and all that went by convex problems.
     failed: u32,
     walked: u32,
@@ -114,9 +119,20 @@ impl Delassus {
             moved: 0.0,
             swept: 0,
             spent: 0,
+            work: Work::default(),
             failed: 0,
             walked: 0,
         }
+    }
+
+    /// Starts a step that may cost so many multiply-adds.
+    pub fn allow(&mut self, work_max: Option<u64>) {
+        self.work = Work::within(work_max);
+    }
+
+    /// Whether the step has cost what it may.
+    pub fn is_spent(&self) -> bool {
+        self.work.is_spent()
     }
 
     /// Starts anew with the contacts that press and some of those that close although these press.

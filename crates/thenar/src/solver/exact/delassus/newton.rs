@@ -18,8 +18,9 @@
 
 use super::Delassus;
 use super::anderson::FULL;
-use super::convex::{Convex, MEMBERS_MAX};
+use super::convex::{ALTERNATIONS, Convex, MEMBERS_MAX};
 use super::sweeps::{visit, within};
+use super::work;
 use crate::math::{Mat3, Vec3};
 use crate::model::Cone;
 use crate::solver::contact_law::is_immovable;
@@ -168,12 +169,18 @@ impl Delassus {
         let spent = self.spent;
         let used = (3 * self.members.list().len()).next_multiple_of(LANES);
         let (members, d) = (self.members.list(), &self.d[..used]);
+        let n = members.len();
+        self.work.add(work::of_convex_factor(n));
         if !self.newton.convex.begin(simd, members, contacts, &self.W, d) {
             return None;
         }
         let mut solved = 0;
         for tried_after in TRIED_AFTER {
             while solved < tried_after {
+                if self.work.is_spent() {
+                    return None;
+                }
+                self.work.add(work::of_convex_problem(n, ALTERNATIONS));
                 if !self.newton.convex.go_on(simd, &self.W) {
                     return None;
                 }
@@ -209,8 +216,13 @@ impl Delassus {
     ) -> Option<f64> {
         let mut calm = 0;
         for _ in 0..steps_max {
+            if self.work.is_spent() {
+                return None;
+            }
             let made = self.newton_step(simd, contacts, across);
-            self.spent = self.spent.saturating_add(self.newton.pressing.len() as u32);
+            let pressing = self.newton.pressing.len();
+            self.work.add(work::of_newton_step(pressing, self.members.list().len()));
+            self.spent = self.spent.saturating_add(pressing as u32);
             let step = made?;
             if step > CLOSE * tolerance {
                 calm = 0;

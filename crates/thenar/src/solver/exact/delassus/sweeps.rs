@@ -1,6 +1,7 @@
 //! Gauss-Seidel sweeps over the members of W.
 
-use super::Delassus;
+use super::anderson::FULL;
+use super::{Delassus, work};
 use crate::math::Vec3;
 use crate::model::Cone;
 use crate::solver::contact_law::Response;
@@ -30,6 +31,15 @@ const EXPECTED_SAFETY: f64 = 2.0 * SAFETY;
 /// goes on from the true velocities.
 const ROUND_OFF: f64 = f32::EPSILON as f64;
 
+/// What sweeps came to.
+#[derive(Clone, Copy, Debug)]
+pub struct Swept {
+    /// How many there were, and what they may be off \[m/s\].
+    pub found: Convergence,
+    /// They reached what was asked of them, or what W can tell; otherwise they ran out.
+    pub settled: bool,
+}
+
 impl Delassus {
     /// Finds impulses from the present ones by sweeps over the members, until one changes no
     /// contact's velocity by more than `tolerance` \[m/s\] through its own impulse, and all
@@ -46,7 +56,7 @@ impl Delassus {
         tolerance: f64,
         sweeps_max: u32,
         direct: &Direct,
-    ) -> Convergence {
+    ) -> Swept {
         dispatch!(direct.factor.level, simd => {
             self.sweep(simd, contacts, cone, tolerance, sweeps_max)
         })
@@ -60,20 +70,22 @@ impl Delassus {
         cone: Cone,
         asked: f64,
         sweeps_max: u32,
-    ) -> Convergence {
+    ) -> Swept {
         self.begin_sweeps(simd, contacts);
         self.turns.forget();
         let mut convergence = Convergence { iterations: 0, residual: f64::INFINITY };
+        let mut settled = true;
         // What mixing expected to be left after each of the last sweeps.
         let mut expected = [f64::INFINITY; LOOKS];
         let mut mixed = false;
-        let mut tolerance = asked;
+        let (mut tolerance, mut sweeps_max) = (asked, sweeps_max);
         let worth = self.sweeps_worth_steps(contacts, cone);
         let (mut wait, mut attempts) = (worth, 0);
         let budget = (NEWTON_SHARE * (1 + RESUMED_MAX)).saturating_mul(sweeps_max);
         loop {
             let steps_max = budget.saturating_sub(self.spent) / worth;
-            if self.swept >= wait && (steps_max > 0 || self.may_walk()) {
+            let may_try = !self.work.is_spent() && (steps_max > 0 || self.may_walk());
+            if self.swept >= wait && may_try {
                 let improved = self.improve(simd, contacts, cone, tolerance, steps_max);
                 if let Some(left) = improved {
                     convergence.residual = left;
@@ -101,6 +113,7 @@ impl Delassus {
                 moved,
                 swept,
                 turns,
+                work,
                 ..
             } = self;
             let (members, n) = (members.list(), members.list().len());
@@ -131,6 +144,11 @@ impl Delassus {
             }
             convergence.iterations += 1;
             *swept += 1;
+            work.add(work::of_sweep(n));
+            if work.is_spent() {
+                // The last sweeps follow now, after as many as mixing needs to show what it can do.
+                sweeps_max = sweeps_max.min((convergence.iterations + LAST).max(FULL));
+            }
             tolerance = asked;
             for ((&i, own), d) in members.iter().zip(&*own).zip(d.as_chunks::<3>().0) {
                 let i = i as usize;
@@ -157,6 +175,7 @@ impl Delassus {
                 if convergence.iterations >= sweeps_max {
                     let left = (EXPECTED_SAFETY * largest(&expected)).min(convergence.residual);
                     convergence.residual = own_change.max(left).max(SAFETY * asked);
+                    settled = false;
                     break;
                 }
                 continue;
@@ -202,7 +221,7 @@ impl Delassus {
             turns.release(simd, members.list(), contacts, W, &mut d[..used]);
         }
         convergence.residual = convergence.residual.min(SAFETY * asked + self.moved);
-        convergence
+        Swept { found: convergence, settled }
     }
 
     /// Velocities at the present impulses: the true ones, and what W says of the rest.
