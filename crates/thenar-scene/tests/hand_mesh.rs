@@ -2,7 +2,7 @@
 //! Method: the models of scenes with and without the keys are compared.
 
 use std::path::Path;
-use thenar::model::CouplingKind;
+use thenar::model::{CouplingKind, Side};
 use thenar_scene::build::BuiltHand;
 use thenar_scene::session::Session;
 
@@ -16,21 +16,74 @@ fn hand(keys: &str) -> BuiltHand {
 }
 
 #[test]
-fn the_default_is_the_papers() {
-    let (plain, paper) = (hand(""), hand("preset = \"paper\""));
-    assert_eq!(plain.model.flesh.nodes, paper.model.flesh.nodes);
-    assert_eq!(plain.coupling, CouplingKind::Uniform);
-    assert_eq!(plain.coupling_stiffness, 2e9);
-    // 597 tetrahedra and 1441 triangles in the paper.
-    assert!((540..660).contains(&plain.model.flesh.tets.len()));
-    assert!((1300..=1441).contains(&plain.model.flesh.collision.triangles.len()));
+fn the_default_is_the_hand_for_touch() {
+    let (plain, touch) = (hand(""), hand("preset = \"touch\""));
+    assert_eq!(plain.model.flesh.nodes, touch.model.flesh.nodes);
+    assert_eq!(plain.coupling, CouplingKind::Bone);
+    assert_eq!(plain.coupling_stiffness, touch.coupling_stiffness);
+    assert!((2500..3500).contains(&plain.model.flesh.tets.len()));
+    // The library's is the same.
+    let library = thenar_rig::default_hand(Side::Right).unwrap();
+    assert_eq!(library.flesh.nodes, plain.model.flesh.nodes);
+    assert_eq!(library.coupling, CouplingKind::Bone);
 }
 
 #[test]
-fn one_word_gives_a_hand_for_touch() {
-    let touch = hand("preset = \"touch\"");
-    assert_eq!(touch.coupling, CouplingKind::Bone);
-    assert!((2500..3500).contains(&touch.model.flesh.tets.len()));
+fn the_papers_hand_has_its_sizes() {
+    let paper = hand("preset = \"paper\"");
+    assert_eq!(paper.coupling, CouplingKind::Uniform);
+    assert_eq!(paper.coupling_stiffness, 2e9);
+    // 597 tetrahedra and 1441 triangles in the paper.
+    assert!((540..660).contains(&paper.model.flesh.tets.len()));
+    assert!((1300..=1441).contains(&paper.model.flesh.collision.triangles.len()));
+}
+
+/// Scenes that were written when every hand was the paper's mean what they meant.
+#[test]
+fn what_is_about_the_papers_hand_makes_it_the_papers() {
+    let counted = hand("tets = 300");
+    assert_eq!((counted.coupling, counted.coupling_stiffness), (CouplingKind::Uniform, 2e9));
+    let library = thenar_rig::uniform_hand(Side::Right, 300).unwrap();
+    assert_eq!(counted.model.flesh.nodes, library.flesh.nodes);
+
+    let paper = hand("preset = \"paper\"");
+    let papers = |keys: &str, stiffness: f64| {
+        let found = hand(keys);
+        assert_eq!(found.model.flesh.nodes, paper.model.flesh.nodes, "{keys}");
+        let coupling = (found.coupling, found.coupling_stiffness);
+        assert_eq!(coupling, (CouplingKind::Uniform, stiffness), "{keys}");
+    };
+    papers("coupling = \"uniform\"", 2e9);
+    papers("coupling_stiffness = 1e9", 1e9);
+    for kind in ["two-step", "monolithic"] {
+        papers(&format!("[solver]\nkind = \"{kind}\""), 2e9);
+    }
+
+    // Of flesh on bone it is the stiffness there.
+    let bone = hand("coupling = \"bone\"\ncoupling_stiffness = 1e11\ndetail = 0.25");
+    assert_eq!((bone.coupling, bone.coupling_stiffness), (CouplingKind::Bone, 1e11));
+}
+
+/// What the two-step solver does to springs in bone is said before it runs, and that silence means the paper's hand.
+#[test]
+fn the_two_step_solver_is_told_of_with_the_hand_that_it_gets() {
+    let two_step = |keys: &str, h: &str| {
+        let text = format!(
+            "version = 1\ntime_step = {h}\n[solver]\nkind = \"two-step\"\n[[hand]]\nname = \"hand\"\n{keys}\n"
+        );
+        Session::from_text(&text, Path::new("test.toml"), &[]).unwrap()
+    };
+    let silent = two_step("", "0.005");
+    assert!(silent.warnings().is_empty(), "{:?}", silent.warnings());
+    assert!(silent.notes().len() == 1 && silent.notes()[0].contains("the paper's"));
+    let named = two_step("preset = \"paper\"", "0.005");
+    assert!(named.warnings().is_empty() && named.notes().is_empty());
+    let touch = two_step("preset = \"touch\"\ndetail = 0.25", "0.005");
+    let [warning] = &touch.warnings()[..] else { panic!("{:?}", touch.warnings()) };
+    assert!(warning.contains("`hand`") && warning.contains("preset = \"paper\""), "{warning}");
+    assert!(touch.notes().is_empty());
+    let short = two_step("preset = \"touch\"\ndetail = 0.25", "0.001");
+    assert!(short.warnings().is_empty());
 }
 
 #[test]
@@ -64,7 +117,8 @@ fn elements_go_with_the_coupling() {
         !session.world().desc().patches.is_empty()
     };
     assert!(patches("preset = \"touch\"") && patches("coupling = \"bone\""));
-    assert!(!patches("") && !patches("preset = \"touch\"\ncoupling = \"uniform\""));
+    assert!(patches("") && !patches("preset = \"paper\""));
+    assert!(!patches("preset = \"touch\"\ncoupling = \"uniform\""));
     assert!(patches("coupling = \"uniform\"\nelements = \"patches\""));
     assert!(!patches("preset = \"touch\"\nelements = \"tetrahedra\""));
 }

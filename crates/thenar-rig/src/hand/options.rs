@@ -74,9 +74,9 @@ const TOUCH_DETAIL: f64 = 0.6;
 const TOUCH_ROOT: f64 = 0.1;
 
 impl Default for HandOptions {
-    /// As the paper's.
+    /// For touch. Where `tets` is to count, start from [`HandOptions::paper`], whose mesh has no `detail`.
     fn default() -> Self {
-        Self::paper()
+        Self::touch()
     }
 }
 

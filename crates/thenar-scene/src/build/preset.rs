@@ -3,7 +3,7 @@
 use crate::format::{CouplingWord, Hand, PresetWord, Scene, SolverWord};
 
 /// The hand that a scene means unless something in it is about the paper's.
-pub const USUAL: PresetWord = PresetWord::Paper;
+pub const USUAL: PresetWord = PresetWord::Touch;
 
 /// The preset of a hand: what the scene says; else the paper's where something in the scene is about that hand; else
 /// the usual one.

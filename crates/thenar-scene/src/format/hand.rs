@@ -48,7 +48,7 @@ words! {
     pub enum PresetWord {
         /// The paper's: 600 tetrahedra of one size, 1441 triangles that touch, springs on all flesh.
         "paper" => Paper,
-        /// For touch: `detail` 0.6, flesh that hangs on bone and is loose at the roots of the digits, joints as stiff as people's.
+        /// For touch, the usual one: `detail` 0.6, flesh that hangs on bone and is loose at the roots of the digits, joints as stiff as people's.
         "touch" => Touch,
     }
 }
@@ -118,7 +118,8 @@ table! {
         /// relative to the scene file. Default "right".
         model: Option<At<String>>;
         /// Where the values of `tets`, `detail`, `coupling` and `springs` come from that are not given, when the model is built
-        /// from a mesh. Default "paper".
+        /// from a mesh. Default "touch"; "paper" where the scene says what is about the paper's hand: `tets`,
+        /// `coupling = "uniform"`, `coupling_stiffness` without `coupling`, or a `solver.kind` other than "exact".
         preset: Option<PresetWord>;
         /// Tetrahedra wanted, all of one size, when the model is built from a mesh; the springs hold what `coupling` or
         /// `preset` say, else all flesh.
