@@ -1,6 +1,6 @@
 //! From the bytes of a file to two simulated steps, for every kind of body that a file can hold.
 //!
-//! The fuzz targets call these with what the fuzzer makes up, and `crates/thenar-rig/tests/fuzz_builders.rs`
+//! The fuzz targets call these with what the fuzzer makes up, and `crates/thenar-rig/tests/all/fuzz_builders.rs`
 //! with damaged copies of good files. Each returns whether a body was made and stepped; a panic, a state that
 //! is not finite or an endless loop is what they look for. Bodies are coarse, so that one takes milliseconds.
 

@@ -1,6 +1,6 @@
 //! From the text of a device's profile to what its device would say and do.
 //!
-//! The fuzz target `profile` and `crates/thenar-link/tests/fuzz_profiles.rs` run this code.
+//! The fuzz target `profile` and `crates/thenar-link/tests/all/fuzz_profiles.rs` run this code.
 
 use std::path::Path;
 use std::sync::Arc;

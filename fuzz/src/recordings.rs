@@ -1,6 +1,6 @@
 //! From the bytes of a recording to its replayed steps.
 //!
-//! The fuzz target `recording` and `crates/thenar-scene/tests/fuzz_recordings.rs` run this code.
+//! The fuzz target `recording` and `crates/thenar-scene/tests/all/recording/fuzz.rs` run this code.
 
 use std::path::Path;
 use std::sync::OnceLock;

@@ -1,6 +1,6 @@
 //! From the text of a scene or a motion to two simulated steps, or to a moved hand.
 //!
-//! The fuzz target `session` and `crates/thenar-scene/tests/fuzz_scenes.rs` run this code.
+//! The fuzz target `session` and `crates/thenar-scene/tests/all/text/fuzz_scenes.rs` run this code.
 
 use std::path::Path;
 use thenar::Pose;

@@ -216,7 +216,7 @@ fn outputs_reach_the_hand_and_leave_it<T: Twin + 'static>(bench: &Bench<T>) {
 }
 
 /// In the midst of packets, the first ones of the stream included. (At every single byte without a
-/// terminal, in `tests/noise.rs`.)
+/// terminal, in `tests/all/noise.rs`.)
 fn a_pulled_cable_is_plugged_in_again<T: Twin + 'static>(bench: &Bench<T>) {
     let mut device = bench.open();
     bench.sample(&mut device);

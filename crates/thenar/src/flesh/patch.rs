@@ -30,7 +30,7 @@ use fearless_simd::Simd;
 use std::ops::Range;
 
 /// Stiffness against what elements deviate from their patch's mean, relative to Young's modulus.
-/// Measured on the bars of `tests/element_patches.rs`: three cubes thick they are 3 to 8 % stiffer than
+/// Measured on the bars of `tests/all/flesh/element_patches.rs`: three cubes thick they are 3 to 8 % stiffer than
 /// refined ones. Twice as much adds 1 to 2 %, two fifths of it take 1 % away, and nothing else holds the
 /// elements of a patch in shape.
 pub const SPREAD: f64 = 0.05;

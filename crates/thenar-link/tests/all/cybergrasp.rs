@@ -1,0 +1,100 @@
+//! Goal: CyberGrasp's tendons pull as told and let go on every way out. Method: a simulated unit
+//! behind the bridge's own server, over a real socket.
+
+#![cfg(unix)]
+
+use crate::conformance::wait;
+use std::net::TcpListener;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use thenar::model::Side;
+use thenar_link::cybergrasp::{CyberGraspDriver, SimulatedUnit, serve_unit};
+use thenar_link::{Driver, ForceDisplay, HandOutput, now_ns};
+
+struct Bridge {
+    unit: SimulatedUnit,
+    port: u16,
+    stop: Arc<AtomicBool>,
+    thread: Option<std::thread::JoinHandle<()>>,
+}
+
+impl Bridge {
+    fn start(port: u16) -> Self {
+        let listener = wait("a port", || TcpListener::bind(("127.0.0.1", port)).ok());
+        let port = listener.local_addr().unwrap().port();
+        let (unit, stop) = (SimulatedUnit::default(), Arc::new(AtomicBool::new(false)));
+        let (mut served, stopped) = (unit.clone(), stop.clone());
+        let run = move || serve_unit(&listener, &mut served, &stopped).unwrap();
+        Self { unit, port, stop, thread: Some(std::thread::spawn(run)) }
+    }
+
+    fn display(&self) -> Box<dyn ForceDisplay> {
+        CyberGraspDriver.open(&format!("127.0.0.1:{}", self.port)).unwrap().display.unwrap()
+    }
+
+    fn released(&self, how: &str) {
+        wait(how, || (self.unit.tendons().0 == [0.0; 5]).then_some(()));
+    }
+}
+
+impl Drop for Bridge {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Release);
+        let _ = self.thread.take().map(std::thread::JoinHandle::join);
+    }
+}
+
+fn output(forces: [f64; 5]) -> HandOutput {
+    let mut output = HandOutput::released(Side::Right, now_ns());
+    output.digits.iter_mut().zip(forces).for_each(|(digit, force)| digit.pad_force = force);
+    output
+}
+
+/// Pull only, twelve newtons at most, and nothing for what is no number.
+#[test]
+fn tendons_pull_what_they_are_told_within_their_rating() {
+    let bridge = Bridge::start(0);
+    let mut display = bridge.display();
+    let wanted = [3.5, -2.0, 40.0, f64::NAN, 12.0];
+    wait("the pull", || {
+        display.show(&output(wanted));
+        (bridge.unit.tendons().0 == [3.5, 0.0, 12.0, 0.0, 12.0]).then_some(())
+    });
+    assert_eq!(display.limits().rated, 12.0);
+    assert!(display.limits().unilateral);
+    wait("the unit's answer", || display.heard_ns());
+    bridge.released("silence");
+    wait("the pull again", || {
+        display.show(&output([1.0; 5]));
+        (bridge.unit.tendons().0 == [1.0; 5]).then_some(())
+    });
+    drop(display);
+    bridge.released("the drop");
+}
+
+/// The unit hears of us a thousand times a second even when nothing changes; the bridge's own
+/// silence limit holds when the host is gone without a word.
+#[test]
+fn a_bridge_that_returns_is_taken_up_again() {
+    let bridge = Bridge::start(0);
+    let port = bridge.port;
+    let mut display = bridge.display();
+    wait("a hundred commands", || (bridge.unit.tendons().1 > 100).then_some(()));
+    drop(bridge);
+    wait("the loss", || display.messages().into_iter().find(|told| told.contains("is lost")));
+    let bridge = Bridge::start(port);
+    wait("the pull", || {
+        display.show(&output([2.0; 5]));
+        (bridge.unit.tendons().0 == [2.0; 5]).then_some(())
+    });
+}
+
+#[test]
+fn a_host_that_falls_silent_lets_go() {
+    let bridge = Bridge::start(0);
+    let mut host = std::net::TcpStream::connect(("127.0.0.1", bridge.port)).unwrap();
+    let command = thenar_link::cybergrasp::command(1, &[5.0; 5]);
+    std::io::Write::write_all(&mut host, &command).unwrap();
+    wait("the pull", || (bridge.unit.tendons().1 >= 1).then_some(()));
+    bridge.released("silence of the host");
+}

@@ -1,0 +1,25 @@
+//! Builders and parsers, in one binary: `cargo test -p thenar-rig --test all hand::` runs a part.
+
+#[path = "../../../../fuzz/src/bodies.rs"]
+mod bodies;
+mod cost;
+mod crushed_fingertip;
+#[path = "../damage/mod.rs"]
+mod damage;
+mod embed;
+mod export;
+mod export_json;
+mod fuzz_builders;
+mod fuzz_parsers;
+mod graded_hand;
+mod hand;
+mod heard;
+mod in_bone;
+mod joint_stiffness;
+mod mesh_limits;
+mod mesh_shape;
+mod objects;
+#[path = "../press/mod.rs"]
+mod press;
+mod regions;
+mod support;

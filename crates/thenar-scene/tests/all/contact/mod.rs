@@ -1,0 +1,9 @@
+//! Contact in scenes: what rests, slides, tumbles and touches itself.
+
+mod force_spectrum;
+mod long_steps;
+mod overlaps;
+mod rest_matrix;
+mod resting_hand;
+mod self_contact;
+mod tumbling;

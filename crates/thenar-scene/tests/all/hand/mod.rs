@@ -1,0 +1,11 @@
+//! Hands of scenes: bones, joints, layers, meshes, and how they behave.
+
+mod bone_coupling;
+mod bones;
+mod elements;
+mod finger_area;
+mod hand_mesh;
+mod hands;
+mod joints;
+mod layers;
+mod touch_hand;

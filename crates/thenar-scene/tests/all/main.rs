@@ -1,0 +1,14 @@
+//! Scenes and sessions, in one binary: `cargo test -p thenar-scene --test all probes::` runs a part. Tests that count
+//! allocations stand apart.
+
+mod contact;
+#[path = "../../../thenar-rig/tests/damage/bytes.rs"]
+mod damage;
+mod hand;
+mod recording;
+#[path = "../../../../fuzz/src/recordings.rs"]
+mod recordings;
+mod run;
+#[path = "../../../../fuzz/src/scenes.rs"]
+mod scenes;
+mod text;

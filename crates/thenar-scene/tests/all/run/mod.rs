@@ -1,0 +1,12 @@
+//! Sessions: what moves them, what they measure, and what can be kept of them.
+
+mod compare;
+mod haptic_chain;
+mod live;
+mod motion;
+mod probes;
+mod settings;
+mod snapshot;
+mod taxels;
+mod touch;
+mod validation_states;

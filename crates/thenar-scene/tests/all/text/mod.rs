@@ -1,0 +1,9 @@
+//! Scenes as text: what is read, what it becomes, and what is refused.
+
+mod damage;
+mod errors;
+mod format;
+mod fuzz_scenes;
+mod scenes;
+mod shapes;
+mod tissue;

@@ -1,0 +1,8 @@
+//! The world as a whole: states, parameters, failures, and thrashing.
+
+mod bad_input;
+mod failing_island;
+mod parts;
+mod restore;
+mod retune;
+mod thrash;
