@@ -253,11 +253,12 @@ impl SoftSoft<'_> {
         if gap > self.margin || gap < -self.depth(other) {
             return false;
         }
-        if gap < 0.0 && !self.has_got_in(other, v, &p, (t, closest), -gap) {
-            return false;
-        }
         let own_normal = own.surface.vertex_normal(v, own.state.positions);
         if own_normal.dot(&normal) > FACING * own_normal.norm() {
+            return false;
+        }
+        // Last, as it costs most.
+        if gap < 0.0 && !self.has_got_in(other, v, &p, (t, closest), -gap) {
             return false;
         }
         self.push([own, other], v, (t, closest.weights), (normal, gap), sight, out);

@@ -269,6 +269,19 @@ fn round_and_pointed_shapes_are_drawn_over_a_pad() {
     check_spectrum(&cylinder);
 }
 
+/// A ball as scans and printers have it: its triangles have edges of 0.9 mm.
+#[test]
+fn a_ball_of_triangles_is_drawn_and_rolls_over_a_fingertip() {
+    let file = std::env::temp_dir().join(format!("thenar-ball-{}.stl", std::process::id()));
+    let ball = thenar_rig::mesh::shapes::sphere(0.01, 12);
+    std::fs::write(&file, thenar_rig::mesh::write_stl(&ball)).unwrap();
+    let shape = format!("{{ kind = \"mesh\", file = {:?} }}", file.to_str().unwrap());
+    let meshed = Case { name: "ball of triangles drawn", shape: &shape, ..BALL };
+    check_spectrum(&meshed);
+    check_spectrum(&Case { name: "ball of triangles rolls", rolls: true, ..meshed });
+    std::fs::remove_file(&file).unwrap();
+}
+
 /// A capsule that is slim beside the triangles of the pad, along and across its axis; also without friction, so that
 /// nothing sticks and slips.
 #[test]

@@ -451,6 +451,7 @@ fn solver_settings_arrive() {
         cg_iterations_max = 11
         contact_tolerance = 1e-7
         contact_sweeps_max = 13
+        contact_work_max = 2e7
         contact_inner_passes = 17
         contact_margin = 0.002
         step_halvings_max = 5
@@ -464,6 +465,7 @@ fn solver_settings_arrive() {
         cg_tolerance: 1e-9,
         cg_iterations_max: 11,
         contact_tolerance: 1e-7,
+        contact_work_max: Some(20_000_000),
         contact_sweeps_max: 13,
         contact_inner_passes: 17,
         contact_margin: 0.002,
