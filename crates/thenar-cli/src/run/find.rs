@@ -3,7 +3,9 @@
 use crate::building::told;
 use crate::error::CliError;
 use std::path::{Path, PathBuf};
-use thenar_scene::session::{Builtin, Session, StartOverlap, builtin, builtins};
+use thenar_scene::session::{
+    Builtin, Session, StartOverlap, builtin, builtins, live_overrides, read_scene,
+};
 
 /// Where a scene is.
 #[derive(Debug)]
@@ -40,15 +42,28 @@ pub fn find(scene: &Path) -> Result<Found, CliError> {
 /// # Errors
 /// There is no such scene, or it is wrong.
 pub fn open(scene: &Path, overrides: &[String]) -> Result<Session, CliError> {
+    open_with(scene, |_| overrides.to_vec())
+}
+
+/// Opens a scene to run live: contact costs no step more than it may.
+///
+/// # Errors
+/// There is no such scene, or it is wrong.
+pub fn open_live(scene: &Path, overrides: &[String]) -> Result<Session, CliError> {
+    open_with(scene, |text| live_overrides(text, overrides))
+}
+
+fn open_with(scene: &Path, overrides: impl Fn(&str) -> Vec<String>) -> Result<Session, CliError> {
     let found = find(scene)?;
-    let session = told(|| match found {
-        Found::File(path) => {
-            thenar_output::protect(&path);
-            Ok(Session::load(&path, overrides)?)
-        }
-        Found::Builtin(known) => {
-            Ok(Session::from_text(known.text, &beside(known.name), overrides)?)
-        }
+    let session = told(|| {
+        let (text, file) = match found {
+            Found::File(path) => {
+                thenar_output::protect(&path);
+                (read_scene(&path)?, path)
+            }
+            Found::Builtin(known) => (known.text.to_string(), beside(known.name)),
+        };
+        Ok(Session::from_text(&text, &file, &overrides(&text))?)
     })?;
     session.files().values().for_each(|file| thenar_output::protect(file));
     Ok(session)

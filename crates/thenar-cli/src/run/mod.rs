@@ -7,7 +7,7 @@ mod report;
 mod timer;
 mod vtk;
 
-pub use find::{Found, file, find, open, tell, tell_overlaps};
+pub use find::{Found, file, find, open, open_live, tell, tell_overlaps};
 pub use histogram::Histogram;
 pub use report::{report, times};
 pub use timer::{STAGES, StageTimes, StopWatch};

@@ -12,7 +12,7 @@ pub use twin::WavingGlove;
 use crate::error::CliError;
 use crate::interrupt;
 use crate::recording::{RecordOptions, Recording};
-use crate::run::{open, tell};
+use crate::run::{open_live, tell};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use thenar_link::haptic_loop::{Alarm, Deadlines, Histogram, Remote, SimulationPort};
@@ -63,7 +63,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         let advice = "no --device is given; `thenar devices` lists what there is";
         return Err(CliError::Input(advice.into()));
     }
-    let mut session = open(&args.scene, &args.set)?;
+    let mut session = open_live(&args.scene, &args.set)?;
     tell(&session);
     interrupt::listen();
     let mut recording = match Recording::start(&args.recording, TimeOf::Clock)? {

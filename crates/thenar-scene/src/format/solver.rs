@@ -74,7 +74,7 @@ table! {
         contact_sweeps_max: Option<u32> where ITERATIONS;
         /// The exact solver spends at most so many multiply-adds of a step on the law of contact, then makes its last
         /// sweeps and reports what is left. A processor core does some 4e9 a second. Default: no bound in
-        /// `thenar run`; what a core does in one `time_step` where a scene runs live (`thenar view`, `thenar touch`).
+        /// `thenar run`; what a core does in one `time_step` where a scene runs live (`thenar serve`, `thenar touch`).
         contact_work_max: Option<f64> where WORK;
         /// Gauss-Seidel passes over the contacts within one sweep. Default 2.
         contact_inner_passes: Option<u32> where ITERATIONS;

@@ -2,6 +2,7 @@
 
 mod drive;
 mod figures;
+mod keep_up;
 mod library;
 mod live;
 mod load;
@@ -20,6 +21,7 @@ mod witness;
 
 pub(crate) use drive::bones;
 pub use figures::{Figure, Figures, NamedFigure};
+pub use keep_up::live_overrides;
 pub use library::{Builtin, builtin, builtins};
 pub use loads::{HandLoad, PARTS};
 pub use memory::{Memory, MemoryRef};

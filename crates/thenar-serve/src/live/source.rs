@@ -7,7 +7,7 @@ use thenar_input::quoted;
 use thenar_scene::SceneError;
 use thenar_scene::build::Files;
 use thenar_scene::hands::Hands;
-use thenar_scene::session::{Session, Source, builtin, builtins, read, read_scene};
+use thenar_scene::session::{Session, Source, builtin, builtins, live_overrides, read, read_scene};
 
 /// Where the first scene comes from.
 #[derive(Clone, Debug)]
@@ -17,9 +17,6 @@ pub enum SceneSource {
     /// A file.
     File(PathBuf),
 }
-
-/// Multiply-adds of a processor core: the law of contact does 3e9 to 4e9 a second with 60 contacts on one of 2020.
-const MULTIPLY_ADDS_PER_SECOND: f64 = 4e9;
 
 /// All scenes that clients may ask for. Names from clients are only ever looked up here: none
 /// becomes a path.
@@ -126,7 +123,7 @@ impl Catalogue {
             (None, None) => return Err(LiveError::Unknown(name.clone())),
         };
         let own = if self.first.0 == *name { &self.first.1[..] } else { &[] };
-        let overrides = [bounded(&text, own).as_slice(), own].concat();
+        let overrides = live_overrides(&text, own);
         let Lengths { left, right } = recipe.lengths;
         let mut source = Source::new(&text, &path, &overrides);
         (source.hands, source.lengths) = (recipe.hands, [left, right]);
@@ -134,16 +131,6 @@ impl Catalogue {
         let model = protocol::model(&session, name, 0)?;
         Ok(Ready { recipe: recipe.clone(), session, model })
     }
-}
-
-/// What a scene that runs live is changed by so that contact costs no step more than a step's time on one core, unless it
-/// says what contact may cost. Nothing for one that cannot be read: opening it says why.
-fn bounded(text: &str, overrides: &[String]) -> Vec<String> {
-    let Ok(scene) = read(text, overrides) else { return Vec::new() };
-    if scene.solver.is_some_and(|solver| solver.contact_work_max.is_some()) {
-        return Vec::new();
-    }
-    vec![format!("solver.contact_work_max={:e}", MULTIPLY_ADDS_PER_SECOND * scene.time_step)]
 }
 
 #[cfg(test)]
