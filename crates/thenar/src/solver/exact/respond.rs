@@ -133,6 +133,8 @@ impl Exact {
         delassus.extend(&system, coarse, direct, contacts);
         let tolerance = SWEPT_TO * accuracy.velocity;
         let mut swept = delassus.solve(contacts, cone, tolerance, accuracy.sweeps_max, direct);
+        // Short of a part of the tolerance is not short of all of it.
+        swept.settled |= swept.found.residual <= accuracy.velocity;
         if !swept.settled {
             // Sweeps that ran out do not pass for converged, whatever the part.
             swept.found.residual = swept.found.residual.max(SAFETY * accuracy.velocity);
