@@ -2,6 +2,7 @@
 
 mod drive;
 mod figures;
+mod grip;
 mod library;
 mod live;
 mod load;
@@ -20,6 +21,7 @@ mod witness;
 
 pub(crate) use drive::bones;
 pub use figures::{Figure, Figures, NamedFigure};
+pub use grip::{FORCE_MAX, GripError, GripsRef};
 pub use library::{Builtin, builtin, builtins};
 pub use loads::{HandLoad, PARTS};
 pub use memory::{Memory, MemoryRef};
@@ -34,6 +36,7 @@ pub use witness::{Entry, Witness};
 
 use crate::build::{Built, BuiltHand, Mesh, RigidLook, SoftBuild};
 use crate::format::{Camera, Scene};
+use crate::grip::GripHand;
 use crate::live::{LiveError, LiveHand};
 use crate::motion::AngleRange;
 use crate::tuning::Tuning;
@@ -57,6 +60,8 @@ pub struct Session {
     live: Vec<Result<Box<LiveHand>, LiveError>>,
     /// One per hand: where its bones are led, by the haptic loop; `None` for a hand that is not.
     led: Vec<Option<Vec<Target>>>,
+    /// One per hand: what it grips; `None` for a hand that was never asked to.
+    grips: Vec<Option<Box<GripHand>>>,
     tuning: Tuning,
     report: StepReport,
     start_overlaps: Vec<StartOverlap>,
@@ -76,10 +81,12 @@ impl Session {
         }
         let t = self.world.time() + self.world.time_step();
         drive::fill(&mut self.input, &mut self.built, &mut self.live, &self.world, t);
+        self.steer_grips(t);
         drive::follow_leaders(&mut self.input, &self.built, &self.led);
         load::fill(&mut self.input, &self.built.loads, &self.world, t);
         drive::carry(&mut self.input, &self.built, &self.led, &self.world);
         self.report = self.world.step(&self.input, timer);
+        self.feel_grips();
         self.steps += 1;
         if let Some(mut witness) = self.witness.take() {
             witness.stepped(self);
