@@ -39,6 +39,9 @@ pub const REACH: f64 = 0.012;
 /// distance of fingers, with a normal within 60° of the line's.
 const BESIDE: f64 = 0.6;
 
+/// Turns of the row of fingers that are tried \[degrees\]: along a thing that is too narrow across.
+const TURNS_DEG: [f64; 5] = [0.0, 35.0, -35.0, 70.0, -70.0];
+
 /// Where the pads of a grip go.
 #[derive(Clone, Copy, Debug)]
 pub struct Choice {
@@ -142,15 +145,14 @@ fn reach_for(
     let width = (pair.fingers.point - pair.base.point).norm();
     let span = opposition.at(width);
     let way = -pair.base.normal;
-    let across_W = palm.vector(&span.across);
-    let across = (across_W - way * way.dot(&across_W)).try_normalize(1e-9).unwrap_or(across_W);
+    let places = side_by_side(opposition, world, object, pair, &palm.vector(&span.across));
     let mut choice = Choice { anchors: [None; PADS_MAX], angles: span.angles, trouble: None };
     let mut cost = pair.cost;
     let mut worst: Option<(usize, f64)> = None;
     for pad in 0..opposition.pads() {
         let place = match pad {
             0 => Some(pair.base),
-            _ => beside(opposition, world, object, pair, &across, pad - 1),
+            _ => places[pad - 1],
         };
         let Some(place) = place else { continue };
         choice.anchors[pad] = Some(place.anchor);
@@ -165,6 +167,41 @@ fn reach_for(
         .filter(|(_, miss)| *miss > REACH)
         .map(|(pad, miss)| Trouble::OutOfReach { pad: pad as u8, miss });
     (cost, choice)
+}
+
+/// Places of the fingers beside each other, as the hand has them or turned about the line, so that most find one.
+fn side_by_side(
+    opposition: &Opposition,
+    world: &World,
+    object: BodyId,
+    pair: &Pair,
+    across_W: &Vec3,
+) -> [Option<Sample>; PADS_MAX] {
+    let way = -pair.base.normal;
+    let across = (across_W - way * way.dot(across_W)).try_normalize(1e-9);
+    let across = across.unwrap_or_else(|| way.cross(&pair.fingers.normal.yzx()));
+    let count = opposition.pads() - 1;
+    let mut most: (usize, [Option<Sample>; PADS_MAX]) = (0, [None; PADS_MAX]);
+    for turn_deg in TURNS_DEG {
+        let (sin, cos) = f64::to_radians(turn_deg).sin_cos();
+        let across = across * cos + way.cross(&across) * sin;
+        let mut places = [None; PADS_MAX];
+        for (i, place) in places.iter_mut().enumerate().take(count) {
+            *place = beside(opposition, world, object, pair, &across, i);
+        }
+        let found = places.iter().flatten().count();
+        if found > most.0 {
+            most = (found, places);
+        }
+        if most.0 == count {
+            break;
+        }
+    }
+    // On the narrowest things one finger presses.
+    if most.0 == 0 {
+        most.1[0] = Some(pair.fingers);
+    }
+    most.1
 }
 
 /// Place of finger `i` beside the fingers' middle; `None` where the surface does not go on.
@@ -189,8 +226,9 @@ fn beside(
 
 /// Brings a chain to a place; how far off it ends \[m\].
 fn approach(chain: &Chain, angles: &mut Angles, palm: &Pose, place: &Sample) -> f64 {
-    let point = palm.inverse_point(&place.point);
-    solve(chain, angles, &Goal { point, normal: -palm.inverse_vector(&place.normal) }, ROUNDS)
+    let centre = palm.inverse_point(&(place.point + place.normal * chain.pad.radius));
+    let normal = -palm.inverse_vector(&place.normal);
+    solve(chain, angles, &Goal { centre, normal }, ROUNDS)
 }
 
 /// What can be had of an object that does not fit: each pad goes to what is nearest.

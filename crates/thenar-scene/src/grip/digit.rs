@@ -32,14 +32,17 @@ pub struct Freedom {
     link: usize,
 }
 
-/// A point of skin that grips.
+/// A patch of skin that grips: round about a point on the axis of its bone, so that what it touches is as far from there
+/// however the finger is turned.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pad {
     /// Bone of the hand that it is on.
     pub bone: usize,
-    /// Where it is at rest, in that bone's frame \[m\].
-    pub point_B: Vec3,
-    /// Out of the skin there.
+    /// Its centre, on the bone's axis, in that bone's frame \[m\].
+    pub centre_B: Vec3,
+    /// From the centre to the skin at rest \[m\].
+    pub radius: f64,
+    /// From the centre to the middle of the pad.
     pub normal_B: Vec3,
 }
 
@@ -60,11 +63,11 @@ pub struct Chain {
 /// Where a chain has its pad, in the palm's frame, and how that changes with each freedom.
 #[derive(Clone, Copy, Debug)]
 pub struct Reached {
-    /// Place \[m\].
-    pub point: Vec3,
+    /// The pad's centre \[m\].
+    pub centre: Vec3,
     /// Out of the skin.
     pub normal: Vec3,
-    /// Change of the place with each angle \[m/rad\].
+    /// Change of the centre with each angle \[m/rad\].
     pub moves: [Vec3; FREEDOMS_MAX],
     /// Axis about which each angle turns it.
     pub turns: [Vec3; FREEDOMS_MAX],
@@ -131,14 +134,14 @@ impl Chain {
     pub fn reach(&self, angles: &Angles) -> Reached {
         let (poses, angles) = self.forward(&Pose::identity(), angles);
         let tip = self.bones.len() - 1;
-        let point = poses[tip].point(&self.pad.point_B);
+        let centre = poses[tip].point(&self.pad.centre_B);
         let mut reached = Reached {
-            point,
+            centre,
             normal: poses[tip].vector(&self.pad.normal_B),
             moves: [Vec3::zeros(); FREEDOMS_MAX],
             turns: [Vec3::zeros(); FREEDOMS_MAX],
         };
-        let arm = point - poses[tip].position;
+        let arm = centre - poses[tip].position;
         let (mut rates, mut velocities) = ([[0.0; 2]; BONES_MAX], [[Vec3::zeros(); 2]; BONES_MAX]);
         let n = self.bones.len();
         for (k, freedom) in self.freedoms.iter().enumerate() {
@@ -242,7 +245,7 @@ fn pad(hand: &HandModel, bone: usize, place: PadPlace) -> Option<Pad> {
     // A skeleton without flesh grips with its bones.
     let way =
         skin.way(&of.pose_MB.point(&on_axis), &of.pose_MB.vector(&normal_B)).unwrap_or(of.radius);
-    Some(Pad { bone, point_B: on_axis + normal_B * way, normal_B })
+    Some(Pad { bone, centre_B: on_axis, radius: way, normal_B })
 }
 
 /// Across a bone, to the side on which the hand has its thumb.

@@ -28,9 +28,9 @@ use thenar::world::Target;
 use thenar::{Pose, Vec3, World};
 
 /// How far before the surface pads gather \[m\]: they clear what they go around, and are there a fifth of a second later.
-const BEFORE: f64 = 8e-3;
+const BEFORE: f64 = 12e-3;
 /// How fast they go in \[m/s\]. A fingertip of 20 g on its drive of 500 N/m meets what is hard with `v √(k m)` = 0.1 N.
-const CLOSING: f64 = 0.03;
+const CLOSING: f64 = 0.04;
 /// How far behind the surface they look for it \[m\].
 const BEHIND: f64 = 8e-3;
 /// How fast targets make up for what pads lack \[1/s\], and by how much at most \[m\].
@@ -330,20 +330,20 @@ impl GripHand {
                 continue;
             }
             let bone = hand.handle.bones.start + chain.pad.bone as u32;
-            let pad_P = palm.inverse_point(&world.rigid_pose(bone).point(&chain.pad.point_B));
-            let goal = place_P + normal_P * before;
+            let pad_P = palm.inverse_point(&world.rigid_pose(bone).point(&chain.pad.centre_B));
+            let goal = place_P + normal_P * (chain.pad.radius + before);
             let miss = goal - pad_P;
             if closing {
                 let lead = kept.lead_P + miss * (LEAD.0 * h).min(1.0);
                 let size = lead.norm();
                 kept.lead_P = if size > LEAD.1 { lead * (LEAD.1 / size) } else { lead };
             }
-            let goal = Goal { point: goal + kept.lead_P, normal: -normal_P };
+            let goal = Goal { centre: goal + kept.lead_P, normal: -normal_P };
             solve(chain, &mut kept.goal, &goal, ROUNDS);
             gathered &= advance(kept, chain, h) < GATHERED;
             if closing && felt > touch {
                 kept.touched = true;
-                kept.point_P = chain.reach(&kept.angles).point;
+                kept.point_P = chain.reach(&kept.angles).centre;
                 kept.normal_P = normal_P;
             } else {
                 touching = false;
@@ -351,42 +351,65 @@ impl GripHand {
         }
         let waited = self.memory.since;
         if closing && (touching || waited > (BEFORE + BEHIND) / CLOSING + PATIENCE[1]) {
-            self.take_hold(opposition, world, palm);
+            self.take_hold(opposition, world, hand, palm);
         } else if !closing && (gathered || waited > PATIENCE[0]) {
             (self.memory.phase, self.memory.since) = (Phase::Closing, 0.0);
         }
     }
 
     /// From here on the palm carries the pads.
-    fn take_hold(&mut self, opposition: &Opposition, world: &World, palm: &Pose) {
+    fn take_hold(&mut self, opposition: &Opposition, world: &World, hand: &BuiltHand, palm: &Pose) {
         let memory = &mut self.memory;
         let (mut fingers, mut count) = (Vec3::zeros(), 0.0);
+        let mut base = None;
         for pad in 0..opposition.pads() {
             let kept = &mut memory.pads[pad];
             let Some(anchor) = kept.anchor else { continue };
-            let (point, normal) = anchor.now(world);
+            let Some(chain) = opposition.chain(pad) else { continue };
             if !kept.touched {
-                if let Some(chain) = opposition.chain(pad) {
-                    kept.point_P = chain.reach(&kept.angles).point;
-                    kept.normal_P = palm.inverse_vector(&normal);
-                }
+                kept.point_P = chain.reach(&kept.angles).centre;
+                kept.normal_P = palm.inverse_vector(&anchor.now(world).1);
             }
-            if pad > 0 {
-                fingers += palm.inverse_point(&point);
+            let bone = hand.handle.bones.start + chain.pad.bone as u32;
+            let centre = palm.inverse_point(&world.rigid_pose(bone).point(&chain.pad.centre_B));
+            if pad == 0 {
+                base = Some(centre);
+            } else {
+                fingers += centre;
                 count += 1.0;
             }
         }
         let ready = opposition.at(0.0).axis;
-        let base = memory.pads[0].anchor.map(|anchor| palm.inverse_point(&anchor.now(world).0));
         let along = base.filter(|_| count > 0.0).map(|base| fingers / count - base);
         memory.axis_P = match &opposition.base {
             Base::Palm(_, normal) => *normal,
             Base::Thumb(_) => along.and_then(|way| way.try_normalize(1e-4)).unwrap_or(ready),
         };
-        if !memory.pads.iter().any(|kept| kept.touched) {
-            memory.trouble.get_or_insert(Trouble::Missed);
-        }
         (memory.phase, memory.since, memory.depth) = (Phase::Holding, 0.0, 0.0);
+        // What was foreseen to be out of reach may have been met all the same.
+        let foreseen = memory.trouble.filter(|t| !matches!(t, Trouble::OutOfReach { .. }));
+        self.memory.trouble = foreseen.or(self.untouched(opposition, world, hand));
+    }
+
+    /// What is amiss where pads have met nothing.
+    fn untouched(
+        &self,
+        opposition: &Opposition,
+        world: &World,
+        hand: &BuiltHand,
+    ) -> Option<Trouble> {
+        let part = |pad: &usize| self.memory.pads[*pad].anchor.is_some();
+        let mut pads = (0..opposition.pads()).filter(part);
+        if !pads.clone().any(|pad| self.memory.pads[pad].touched) {
+            return Some(Trouble::Missed);
+        }
+        let short = pads.find(|pad| !self.memory.pads[*pad].touched)?;
+        let chain = opposition.chain(short)?;
+        let bone = hand.handle.bones.start + chain.pad.bone as u32;
+        let centre = world.rigid_pose(bone).point(&chain.pad.centre_B);
+        let (place, _) = self.memory.pads[short].anchor?.now(world);
+        let miss = ((place - centre).norm() - chain.pad.radius).max(0.0);
+        Some(Trouble::OutOfReach { pad: short as u8, miss })
     }
 
     /// Pads press with the force that was asked for.
@@ -407,8 +430,8 @@ impl GripHand {
             let kept = &mut memory.pads[pad];
             let (Some(chain), Some(_)) = (opposition.chain(pad), kept.anchor) else { continue };
             let inwards = if pad == 0 { memory.axis_P } else { memory.axis_P * -share };
-            let point = kept.point_P + inwards * memory.depth;
-            solve(chain, &mut kept.goal, &Goal { point, normal: -kept.normal_P }, ROUNDS);
+            let centre = kept.point_P + inwards * memory.depth;
+            solve(chain, &mut kept.goal, &Goal { centre, normal: -kept.normal_P }, ROUNDS);
             turn_to(kept, h);
         }
         let lacking = order.force - memory.force > LACKING.1 * order.force;

@@ -31,7 +31,7 @@ pub struct PadMemory {
     pub anchor: Option<Anchor>,
     /// Has it met the object.
     pub touched: bool,
-    /// Where it met the object, in the palm's frame \[m\].
+    /// Where the targets had its centre when it met the object, in the palm's frame \[m\].
     pub point_P: Vec3,
     /// Direction out of its skin there, in the palm's frame.
     pub normal_P: Vec3,

@@ -15,11 +15,11 @@ use thenar::readout::TaxelSkin;
 
 /// Widths are this far apart \[m\].
 const STEP: f64 = 5e-3;
-/// A width is spanned when the two sides are no farther off their places than this \[m\], half of what pads give way by at
-/// 5 N, and no single finger than that: people's outer fingers do not lie in line either.
-const MISS_MAX: [f64; 2] = [3e-3, 12e-3];
+/// A width is spanned when the two sides are no farther off their places than this \[m\], what ease and turn bend them by
+/// where digits are stretched, and no single finger than that: people's outer fingers do not lie in line either.
+const MISS_MAX: [f64; 2] = [8e-3, 15e-3];
 /// and the pads face each other within this \[rad\]: skin on dry, smooth things slips beyond about 40° to either side.
-const FACING_MAX: f64 = 1.2;
+const FACING_MAX: f64 = 1.45;
 /// Widest that is tried \[m\].
 const WIDTH_MAX: f64 = 0.25;
 /// Width from which on the line between pads counts as much as each normal \[m\].
@@ -155,14 +155,14 @@ impl Opposition {
         }
     }
 
-    /// Place and normal of the base's pad.
-    fn base_at(&self, angles: &Angles) -> (Vec3, Vec3) {
+    /// Centre, normal and radius of the base's pad.
+    fn base_at(&self, angles: &Angles) -> (Vec3, Vec3, f64) {
         match &self.base {
             Base::Thumb(thumb) => {
                 let reached = thumb.reach(angles);
-                (reached.point, reached.normal)
+                (reached.centre, reached.normal, thumb.pad.radius)
             }
-            Base::Palm(point, normal) => (*point, *normal),
+            Base::Palm(point, normal) => (*point, *normal, 0.0),
         }
     }
 
@@ -171,12 +171,14 @@ impl Opposition {
         let count = self.fingers.len() as f64;
         let mut found = None;
         for _ in 0..ROUNDS {
-            let (base, normal) = self.base_at(&angles[0]);
+            let (base, normal, radius) = self.base_at(&angles[0]);
+            let mut radius_far = 0.0;
             let mut fingers = Vec3::zeros();
             let mut axis = normal;
             for (finger, angles) in self.fingers.iter().zip(&angles[1..]) {
                 let reached = finger.reach(angles);
-                fingers += reached.point / count;
+                fingers += reached.centre / count;
+                radius_far += finger.pad.radius / count;
                 axis -= reached.normal / count;
             }
             // Far apart the line between the pads says more than how they are turned.
@@ -188,22 +190,23 @@ impl Opposition {
             let across = (knuckles - axis * axis.dot(knuckles)).try_normalize(1e-9)?;
             // The fingers' middle over the base's pad, or both meet half way.
             let start = match &self.base {
-                Base::Thumb(_) => (base + fingers - axis * width) * 0.5,
+                Base::Thumb(_) => (base + fingers + axis * (radius - radius_far - width)) * 0.5,
                 Base::Palm(point, _) => *point,
             };
             let end = start + axis * width;
             let (mut misses, mut facing) = ([0.0f64; 2], 0.0f64);
             if let Base::Thumb(thumb) = &self.base {
-                let goal = Goal { point: start, normal: axis };
+                let goal = Goal { centre: start - axis * thumb.pad.radius, normal: axis };
                 misses[0] = solve(thumb, &mut angles[0], &goal, 3);
                 facing = thumb.reach(&angles[0]).normal.angle(&axis);
             }
             let mut mean = Vec3::zeros();
             for (i, finger) in self.fingers.iter().enumerate() {
-                let goal = Goal { point: end + across * self.offset(i), normal: -axis };
+                let place = end + across * self.offset(i);
+                let goal = Goal { centre: place + axis * finger.pad.radius, normal: -axis };
                 misses[1] = misses[1].max(solve(finger, &mut angles[i + 1], &goal, 3));
                 let reached = finger.reach(&angles[i + 1]);
-                mean += (goal.point - reached.point) / count;
+                mean += (goal.centre - reached.centre) / count;
                 facing = facing.max(reached.normal.angle(&-axis));
             }
             misses[0] = misses[0].max(mean.norm());

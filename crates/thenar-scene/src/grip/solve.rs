@@ -1,4 +1,4 @@
-//! Inverse kinematics of one digit: damped least squares within the joints' ranges [Wampler 1986], [Nakamura 1986].
+//! Inverse kinematics of one digit: damped least squares within the joints' ranges [Wampler 1986].
 //!
 //! A step `dq` of the angles makes least
 //!
@@ -26,8 +26,8 @@ const ROUND_MAX: f64 = 0.25;
 /// Where a pad is wanted, in the palm's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Goal {
-    /// Place \[m\].
-    pub point: Vec3,
+    /// Place of its centre \[m\].
+    pub centre: Vec3,
     /// Direction out of the pad's skin.
     pub normal: Vec3,
 }
@@ -40,14 +40,14 @@ pub fn solve(chain: &Chain, angles: &mut Angles, goal: &Goal, rounds: usize) -> 
             break;
         }
     }
-    (goal.point - chain.reach(angles).point).norm()
+    (goal.centre - chain.reach(angles).centre).norm()
 }
 
 /// One round; returns the largest change of an angle.
 fn round(chain: &Chain, angles: &mut Angles, goal: &Goal) -> f64 {
     let n = chain.freedoms.len();
     let reached = chain.reach(angles);
-    let miss = goal.point - reached.point;
+    let miss = goal.centre - reached.centre;
     let turn = turn_between(&reached.normal, &goal.normal);
     let mut matrix = SMatrix::<f64, FREEDOMS_MAX, FREEDOMS_MAX>::identity();
     let mut right = SVector::<f64, FREEDOMS_MAX>::zeros();
