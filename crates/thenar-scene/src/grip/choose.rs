@@ -144,7 +144,6 @@ fn reach_for(
 ) -> (f64, Choice) {
     let width = (pair.fingers.point - pair.base.point).norm();
     let span = opposition.at(width);
-    let way = -pair.base.normal;
     let places = side_by_side(opposition, world, object, pair, &palm.vector(&span.across));
     let mut choice = Choice { anchors: [None; PADS_MAX], angles: span.angles, trouble: None };
     let mut cost = pair.cost;

@@ -4,9 +4,11 @@ use serde::{Deserialize, Serialize};
 use thenar::model::Digit;
 
 /// How an object is gripped.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum GripKind {
     /// Pads of thumb and index finger against each other.
+    #[default]
     Pinch,
     /// The thumb's pad against those of index and middle finger, as a pen is held.
     Tripod,

@@ -24,6 +24,19 @@ pub enum Phase {
     Opening,
 }
 
+impl Phase {
+    /// Name, as Python and the page have it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Idle => "idle",
+            Self::Reaching => "reaching",
+            Self::Closing => "closing",
+            Self::Holding => "holding",
+            Self::Opening => "opening",
+        }
+    }
+}
+
 /// What is remembered of one pad.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PadMemory {
