@@ -7,6 +7,9 @@ use crate::text::{At, Fault};
 use thenar::model::BodyId;
 use thenar::shape::Shape;
 
+/// With which pads press against each other where a scene does not say \[N\].
+const EACH_OTHER: f64 = 1.0;
+
 /// Makes the hands that grip something ready for it; `None` for the others.
 pub fn add_all(built: &mut Built, scene: &Scene) -> Result<(), Fault> {
     for (k, hand) in scene.hand.iter().enumerate() {
@@ -48,11 +51,19 @@ fn grips(built: &Built, k: usize, table: &Hand, first: &At<GripTable>) -> Result
             }
         }
         free_from = *open;
-        let body = built.names.body(object)?;
-        grippable(built, k, object, body)?;
+        let body = match object {
+            Some(name) => {
+                let body = built.names.body(name)?;
+                grippable(built, k, name, body)?;
+                Some(body)
+            }
+            None => None,
+        };
         let kind = of_word(*kind);
         gripping.learn(hand, kind).map_err(|e| grip.fault(e))?;
-        let force = force.unwrap_or_else(|| usual_force(&built.world, flesh, body));
+        let force = force.unwrap_or_else(|| {
+            body.map_or(EACH_OTHER, |body| usual_force(&built.world, flesh, body))
+        });
         gripping.plan(Order::new(body, kind, force, *at, *open));
     }
     Ok(gripping)

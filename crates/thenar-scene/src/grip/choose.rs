@@ -115,6 +115,20 @@ pub fn choose(
     }
 }
 
+/// Places where pads meet when nothing is between them: they move with the palm, which is this body.
+pub fn each_other(opposition: &Opposition, palm: u32) -> Choice {
+    let span = opposition.at(0.0);
+    let mut choice = Choice { anchors: [None; PADS_MAX], angles: span.angles, trouble: None };
+    for (pad, anchor) in choice.anchors.iter_mut().enumerate().take(opposition.pads()) {
+        let (point_B, normal_B) = match pad {
+            0 => (span.base, -span.axis),
+            _ => (span.fingers + span.across * opposition.offset(pad - 1), span.axis),
+        };
+        *anchor = Some(Anchor::Rigid { body: palm, point_B, normal_B });
+    }
+    choice
+}
+
 /// What a pair costs before anything is reached for \[m²\].
 fn rank(base: &Vec3, fingers: &Sample, way: &Vec3, span: &Span, palm: &Pose, centre: &Vec3) -> f64 {
     let off = (base - palm.point(&span.base)).norm_squared()

@@ -5,16 +5,18 @@ use thenar::World;
 use thenar::model::{BodyId, Digit};
 use thenar::world::ContactPoint;
 
-/// Sum of the normal forces between an object and each digit (palm, thumb, index, middle, ring, little), on skin and on
+/// Sum of the normal forces between an object, or where there is none other digits of the hand, and each digit (palm, thumb, index, middle, ring, little), on skin and on
 /// bones where flesh is crushed, in the last step \[N\].
-pub fn felt(world: &World, hand: &BuiltHand, object: BodyId) -> [f64; 6] {
+pub fn felt(world: &World, hand: &BuiltHand, object: Option<BodyId>) -> [f64; 6] {
     let mut felt = [0.0; 6];
     for contact in world.contacts() {
         for side in 0..2 {
-            if contact.bodies[1 - side] != object {
-                continue;
-            }
-            if let Some(digit) = digit_touched(contact, side, hand) {
+            let Some(digit) = digit_touched(contact, side, hand) else { continue };
+            let counts = match object {
+                Some(object) => contact.bodies[1 - side] == object,
+                None => digit_touched(contact, 1 - side, hand).is_some_and(|other| other != digit),
+            };
+            if counts {
                 felt[usize::from(digit.part())] += contact.force_W.dot(&contact.normal_W);
             }
         }

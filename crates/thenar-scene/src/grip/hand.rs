@@ -10,7 +10,7 @@
 //! hand and is held by the drives' springs, not followed where it slips. Only the depth `u` of all pads together answers to
 //! force: one loop for each pad would let an object wander that its weight presses on one side.
 
-use super::choose::{Scratch, choose};
+use super::choose::{Scratch, choose, each_other};
 use super::digit::{Angles, Chain, FREEDOMS_MAX};
 use super::kind::GripKind;
 use super::memory::{GripMemory, PadMemory, Phase};
@@ -262,7 +262,7 @@ impl GripHand {
         self.memory.force += blend * (self.felt(opposition) - self.memory.force);
         match self.memory.phase {
             Phase::Idle => {
-                self.set_out(opposition, world, order, palm);
+                self.set_out(opposition, world, hand, order, palm);
                 self.reach(opposition, world, hand, palm, h);
             }
             Phase::Reaching | Phase::Closing => self.reach(opposition, world, hand, palm, h),
@@ -276,8 +276,18 @@ impl GripHand {
     }
 
     /// Chooses places for the pads.
-    fn set_out(&mut self, opposition: &Opposition, world: &World, order: &Order, palm: &Pose) {
-        let choice = choose(opposition, world, order.object(), palm, &mut self.scratch);
+    fn set_out(
+        &mut self,
+        opposition: &Opposition,
+        world: &World,
+        hand: &BuiltHand,
+        order: &Order,
+        palm: &Pose,
+    ) {
+        let choice = match order.object() {
+            Some(object) => choose(opposition, world, object, palm, &mut self.scratch),
+            None => each_other(opposition, hand.handle.bones.start),
+        };
         let Self { memory, script, script_rates, .. } = self;
         for (pad, kept) in memory.pads.iter_mut().enumerate() {
             let (angles, rates) = match opposition.chain(pad) {

@@ -100,6 +100,25 @@ impl Opposition {
         }
     }
 
+    /// Angles at which pads of a kind press into each other by `depth` \[m\] where nothing is between them: joint of the hand,
+    /// which of its angles, and the angle \[rad\].
+    pub fn pressed(
+        hand: &HandModel,
+        kind: GripKind,
+        depth: f64,
+    ) -> Option<Vec<(usize, usize, f64)>> {
+        let opposition = Self::new(hand, kind).ok()?;
+        let mut angles = opposition.spans[0].angles;
+        let (first, last) = (knuckle(hand, Digit::Index)?, knuckle(hand, Digit::Little)?);
+        opposition.stand(-depth, &mut angles, &(last - first))?;
+        let chains = (0..opposition.pads()).filter_map(|pad| Some((pad, opposition.chain(pad)?)));
+        let own = chains.flat_map(|(pad, chain)| {
+            let freedoms = chain.freedoms.iter().enumerate();
+            freedoms.map(move |(k, freedom)| (freedom.joint, freedom.axis, angles[pad][k]))
+        });
+        Some(own.collect())
+    }
+
     /// How many pads it has, the base's included.
     pub fn pads(&self) -> usize {
         self.fingers.len() + 1

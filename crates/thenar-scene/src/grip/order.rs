@@ -8,10 +8,9 @@ use thenar::model::BodyId;
 /// One grip, with its object by index.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Order {
-    /// The object is a deformable body.
-    soft: bool,
-    /// Its index among the rigid or the deformable bodies.
-    index: u32,
+    /// The object: whether it is a deformable body, and its index among the rigid or the deformable ones. None where pads
+    /// press against each other.
+    object: Option<(bool, u32)>,
     /// How.
     pub kind: GripKind,
     /// Force with which the two sides press against each other \[N\].
@@ -23,26 +22,34 @@ pub struct Order {
 }
 
 impl Order {
-    /// A grip of this object.
-    pub fn new(object: BodyId, kind: GripKind, force: f64, at: f64, open: Option<f64>) -> Self {
-        let (soft, index) = match object {
+    /// A grip of this object, or of the pads by each other.
+    pub fn new(
+        object: Option<BodyId>,
+        kind: GripKind,
+        force: f64,
+        at: f64,
+        open: Option<f64>,
+    ) -> Self {
+        let object = object.map(|object| match object {
             BodyId::Rigid(i) => (false, i),
             BodyId::Soft(i) => (true, i),
-        };
-        Self { soft, index, kind, force, at, open }
+        });
+        Self { object, kind, force, at, open }
     }
 
     /// True when the object is one of this world's, and the numbers are finite.
     pub fn fits(&self, world: &World) -> bool {
-        let count = if self.soft { world.desc().softs.len() } else { world.desc().rigids.len() };
-        (self.index as usize) < count
+        let counts = |soft: bool| {
+            if soft { world.desc().softs.len() } else { world.desc().rigids.len() }
+        };
+        self.object.is_none_or(|(soft, index)| (index as usize) < counts(soft))
             && self.force.is_finite()
             && self.at.is_finite()
             && self.open.is_none_or(f64::is_finite)
     }
 
-    /// The object.
-    pub fn object(&self) -> BodyId {
-        if self.soft { BodyId::Soft(self.index) } else { BodyId::Rigid(self.index) }
+    /// The object; none where pads press against each other.
+    pub fn object(&self) -> Option<BodyId> {
+        self.object.map(|(soft, i)| if soft { BodyId::Soft(i) } else { BodyId::Rigid(i) })
     }
 }

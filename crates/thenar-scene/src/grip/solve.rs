@@ -104,3 +104,71 @@ fn turn_between(from: &Vec3, to: &Vec3) -> Vec3 {
     let (sin, cos) = (axis.norm(), from.dot(to));
     if sin < 1e-9 { Vec3::zeros() } else { axis * (sin.atan2(cos) / sin) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grip::kind::PadPlace;
+    use crate::motion::fixture;
+    use crate::session::Random;
+    use thenar::model::Digit;
+
+    /// Places that digits reach at angles drawn from their ranges are reached from ease, but for what ease and turn bend.
+    #[test]
+    fn places_within_reach_are_reached() {
+        let hand = fixture::hand(false);
+        let mut random = Random::new(3);
+        for digit in Digit::FINGERS {
+            let chain = Chain::new(&hand, digit, PadPlace::Tip).expect("a chain");
+            for _ in 0..50 {
+                let mut there = chain.ease();
+                for (angle, freedom) in there.iter_mut().zip(&chain.freedoms) {
+                    let [low, high] = freedom.range;
+                    *angle = low + (high - low) * 0.5 * (1.0 + random.symmetric());
+                }
+                let reached = chain.reach(&there);
+                let goal = Goal { centre: reached.centre, normal: reached.normal };
+                let mut angles = chain.ease();
+                let miss = solve(&chain, &mut angles, &goal, 60);
+                assert!(miss < 1e-3, "{digit:?}: {miss} m of {there:?}");
+                assert_eq!(angles, chain.within(angles), "within the ranges");
+            }
+        }
+    }
+
+    /// The columns of the Jacobian are differences.
+    #[test]
+    fn moves_are_derivatives_of_the_place() {
+        let hand = fixture::hand(true);
+        let chain = Chain::new(&hand, Digit::Thumb, PadPlace::Tip).expect("a chain");
+        let at = chain.ease();
+        let reached = chain.reach(&at);
+        for k in 0..chain.freedoms.len() {
+            let step = |e: f64| {
+                let mut moved = at;
+                moved[k] += e;
+                chain.reach(&moved)
+            };
+            let (low, high) = (step(-1e-6), step(1e-6));
+            let place = (high.centre - low.centre) / 2e-6;
+            let normal = (high.normal - low.normal) / 2e-6;
+            assert!((place - reached.moves[k]).norm() < 1e-8, "{k}");
+            assert!((normal - reached.turns[k].cross(&reached.normal)).norm() < 1e-6, "{k}");
+        }
+    }
+
+    /// What is out of reach is approached as near as a digit goes: along the line to it when it is straight.
+    #[test]
+    fn what_is_out_of_reach_is_approached() {
+        let hand = fixture::hand(false);
+        let chain = Chain::new(&hand, Digit::Index, PadPlace::Tip).expect("a chain");
+        let straight = chain.within([0.0; FREEDOMS_MAX]);
+        let tip = chain.reach(&straight);
+        let knuckle = hand.joints[chain.bones[1] - 1].pose_PJ.position;
+        let along = (tip.centre - knuckle).normalize();
+        let goal = Goal { centre: tip.centre + along * 0.05, normal: tip.normal };
+        let mut angles = chain.ease();
+        let miss = solve(&chain, &mut angles, &goal, 200);
+        assert!((miss - 0.05).abs() < 1e-3, "{miss}");
+    }
+}

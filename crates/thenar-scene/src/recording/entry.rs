@@ -205,7 +205,8 @@ mod tests {
         check(Entry::Script { hand: 0 });
         check(Entry::Restart);
         let ball = thenar::model::BodyId::Rigid(3);
-        let order = Order::new(ball, crate::grip::GripKind::Tripod, 1.0 / 3.0, 0.1, Some(2.5));
+        let order =
+            Order::new(Some(ball), crate::grip::GripKind::Tripod, 1.0 / 3.0, 0.1, Some(2.5));
         check(Entry::Grip { hand: 1, order: &order });
         check(Entry::Release { hand: 1 });
         let target = |k: usize| Target {

@@ -82,7 +82,7 @@ impl Session {
         if !(force > 0.0 && force <= FORCE_MAX) {
             return Err(GripError::Force(force));
         }
-        let order = Order::new(body, kind, force, self.world.time(), None);
+        let order = Order::new(Some(body), kind, force, self.world.time(), None);
         self.begin_grip(hand, &order)?;
         Ok(self.body_name(body).to_owned())
     }
@@ -90,7 +90,8 @@ impl Session {
     /// Begins a grip whose object is known by index.
     pub(super) fn begin_grip(&mut self, hand: usize, order: &Order) -> Result<(), GripError> {
         self.ready_to_grip(hand, order.kind)?;
-        if !order.fits(&self.world) || !self.is_object(hand, order.object()) {
+        let is_object = |body| self.is_object(hand, body);
+        if !order.fits(&self.world) || !order.object().is_none_or(is_object) {
             let known = self.known_objects(hand);
             return Err(GripError::NoObject { object: "?".into(), known });
         }
@@ -126,7 +127,7 @@ impl Session {
     pub fn grip_trouble(&self, hand: usize) -> Option<String> {
         let state = self.grip_state(hand)?;
         let opposition = self.grips[hand].as_ref()?.opposition(state.order.kind)?;
-        let object = self.body_name(state.order.object());
+        let object = state.order.object().map_or("the other pad", |body| self.body_name(body));
         let said = state.trouble?.sentence(opposition, object, state.order.force);
         Some(format!("hand `{}`: {said}", self.built.hands[hand].name))
     }
@@ -143,8 +144,9 @@ impl Session {
 
     fn grip_warning(&self, hand: &BuiltHand, g: &GripHand, order: &Order) -> Option<String> {
         let opposition = g.opposition(order.kind)?;
-        let (width, opening) = (narrowest(&self.world, order.object()), opposition.opening());
-        let object = self.body_name(order.object());
+        let (object, opening) = (order.object()?, opposition.opening());
+        let width = narrowest(&self.world, object);
+        let object = self.body_name(object);
         let trouble = crate::grip::Trouble::TooLarge { width, opening };
         let said = trouble.sentence(opposition, object, order.force);
         (width.is_finite() && width > opening).then(|| format!("hand `{}`: {said}", hand.name))
