@@ -171,12 +171,6 @@ impl GripHand {
         self.memory = GripMemory { script, ..kept.clone() };
     }
 
-    /// True when [`GripHand::recall`] takes this.
-    pub fn fits(&self, kept: &GripMemory, world: &World) -> bool {
-        let joints = self.articulation.tree.joints();
-        [0, joints].contains(&kept.script.len()) && kept.is_of(world)
-    }
-
     /// What it does; `None` while it grips nothing.
     pub fn state(&self) -> Option<GripState> {
         let GripMemory { order, phase, force, trouble, .. } = &self.memory;

@@ -23,12 +23,13 @@ mod squeeze;
 mod surface;
 mod trouble;
 
-pub use digit::{Chain, Pad};
+pub use digit::{Angles, Chain, Freedom, Pad, Reached};
 pub(crate) use felt::digit_touched;
 pub use hand::{GripHand, GripState};
 pub use kind::{GripKind, PadPlace};
-pub use memory::{GripMemory, Phase};
-pub use opposition::{Opposition, Span};
+pub use memory::{GripMemory, PadMemory, Phase};
+pub use opposition::{Base, Opposition, Span};
 pub use order::Order;
 pub use size::{narrowest, pads_middle, pads_middle_at, usual_force, way_to};
+pub use surface::Anchor;
 pub use trouble::Trouble;
