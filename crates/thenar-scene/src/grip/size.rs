@@ -36,10 +36,10 @@ pub fn middle(world: &World, object: BodyId) -> Vec3 {
 
 /// From a point, world, to the surface of a body \[m\]; `None` of one that has no surface to grip.
 pub fn way_to(world: &World, object: BodyId, point: &Vec3) -> Option<f64> {
-    if let BodyId::Rigid(i) = object {
-        if matches!(world.desc().rigids[i as usize].shape, None | Some(Shape::HalfSpace)) {
-            return None;
-        }
+    if let BodyId::Rigid(i) = object
+        && matches!(world.desc().rigids[i as usize].shape, None | Some(Shape::HalfSpace))
+    {
+        return None;
     }
     nearest(world, object, point).map(|place| (place.point - point).norm())
 }
