@@ -151,7 +151,10 @@ impl Keyframe {
         let (mut one, mut other) = (Vec::new(), Vec::new());
         append(&mut one, &(session.memory(), session.grips_memory()));
         self.kept.as_ref().is_none_or(|kept| {
-            append(&mut other, &(&kept.memory, &kept.memory.grips));
+            append(&mut other, &kept.memory);
+            if !kept.memory.grips.is_empty() {
+                append(&mut other, &kept.memory.grips);
+            }
             one == other
         })
     }

@@ -303,6 +303,10 @@ pub struct GripsRef<'a>(&'a Session);
 
 impl Serialize for GripsRef<'_> {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        // Of a session in which nothing was ever gripped there is nothing to tell: its frames are those of before.
+        if self.0.grips.iter().all(Option::is_none) {
+            return to.serialize_unit();
+        }
         let grips = self.0.grips.iter();
         to.collect_seq(grips.map(|gripping| gripping.as_ref().map(|gripping| gripping.memory())))
     }
