@@ -5,6 +5,7 @@ use pyo3::create_exception;
 use pyo3::exceptions::{PyFileExistsError, PyRuntimeError, PyValueError};
 use thenar_scene::live::LiveError;
 use thenar_scene::recording::{ReplayError, SnapshotError};
+use thenar_scene::session;
 use thenar_scene::tuning;
 
 create_exception!(
@@ -18,6 +19,12 @@ create_exception!(
     PoseError,
     PyValueError,
     "A hand cannot follow what was given; nothing has changed."
+);
+create_exception!(
+    thenar,
+    GripError,
+    PyValueError,
+    "A hand does not grip what was asked for; nothing has changed."
 );
 create_exception!(
     thenar,
@@ -68,6 +75,11 @@ pub fn scene(error: &thenar_scene::SceneError) -> PyErr {
 /// The pose is none.
 pub fn pose(error: &LiveError) -> PyErr {
     PoseError::new_err(error.to_string())
+}
+
+/// A hand does not grip so.
+pub fn grip(error: &session::GripError) -> PyErr {
+    GripError::new_err(error.to_string())
 }
 
 /// The setting is none.

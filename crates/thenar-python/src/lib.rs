@@ -31,7 +31,8 @@ mod _thenar {
     use crate::case::{case_columns, run_case};
     #[pymodule_export]
     use crate::error::{
-        BusyError, PoseError, RecordingError, SceneError, SettingError, StaleViewError, StateError,
+        BusyError, GripError, PoseError, RecordingError, SceneError, SettingError, StaleViewError,
+        StateError,
     };
     #[pymodule_export]
     use crate::replay::Recording;

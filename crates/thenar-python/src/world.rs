@@ -18,6 +18,7 @@ use std::time::Duration;
 use thenar::world::Target;
 use thenar_picture::Image;
 use thenar_scene::flat::{pose, target};
+use thenar_scene::grip::GripKind;
 use thenar_scene::live::{LivePose, Mover};
 use thenar_scene::recording::{go_on_from, snapshot};
 use thenar_scene::session::{Session, Source};
@@ -274,6 +275,47 @@ impl World {
         self.with(|running| {
             running.session.follow_script(hand);
             Ok(())
+        })
+    }
+
+    /// Lets a hand grip a body, or where none is named the nearest one under its pads; returns the body's name.
+    fn grip(
+        &self,
+        hand: usize,
+        object: Option<&str>,
+        kind: &str,
+        force: Option<f64>,
+    ) -> PyResult<String> {
+        let kinds = || GripKind::ALL.map(GripKind::name).join(", ");
+        let kind = GripKind::named(kind).ok_or_else(|| {
+            error::GripError::new_err(format!(
+                "no kind of grip is named {kind:?}; there are {}",
+                kinds()
+            ))
+        })?;
+        self.with(|running| {
+            running.session.grip(hand, object, kind, force).map_err(|e| error::grip(&e))
+        })
+    }
+
+    /// Opens a hand that grips.
+    fn release(&self, hand: usize) -> PyResult<()> {
+        self.with(|running| running.session.release(hand).map_err(|e| error::grip(&e)))
+    }
+
+    /// Kind, phase, force asked and force felt [N] of what a hand grips, and what is amiss.
+    #[allow(clippy::type_complexity)] // what the other half names
+    fn grip_state(
+        &self,
+        hand: usize,
+    ) -> PyResult<Option<(&'static str, &'static str, f64, f64, Option<String>)>> {
+        self.with(|running| {
+            let state = running.session.grip_state(hand);
+            Ok(state.map(|state| {
+                let trouble = running.session.grip_trouble(hand);
+                let order = state.order;
+                (order.kind.name(), state.phase.name(), order.force, state.force, trouble)
+            }))
         })
     }
 

@@ -147,6 +147,46 @@ def test_a_hand_is_led() -> None:
     assert hand.mover == "script"
 
 
+def test_a_hand_grips_what_is_under_it_and_lets_go() -> None:
+    scene = thenar.Scene.named("ball-grip", set={**PAPER, "hand.0.grip.0.at": 100.0, "hand.0.grip.0.open": 200.0})
+    world = scene.world()
+    hand = world.hands[0]
+    world.step(90)
+    assert hand.grip_state is None
+    assert hand.grip(kind="pinch", force=1.5) == "ball"
+    world.step(120)
+    state = hand.grip_state
+    assert state is not None and state.kind == "pinch" and state.phase == "holding" and state.trouble is None
+    # Half of the normal forces on thumb and index finger.
+    assert abs(state.force - 1.5) < 0.15 and state.wanted == 1.5
+    assert abs(hand.loads["normal"][1:3].sum() / 2 - state.force) < 0.1
+    world.step(100)
+    assert world.body("ball").pose[1] > 0.1
+    kept, same = world.state(), world.state_hash
+    hand.release()
+    world.step(60)
+    assert hand.grip_state is None
+    assert world.body("ball").pose[1] < 0.1
+    world.set_state(kept)
+    assert world.state_hash == same
+    state = hand.grip_state
+    assert state is not None and state.phase == "holding"
+
+
+def test_grips_that_cannot_be_had_are_refused_and_change_nothing() -> None:
+    world = thenar.Scene.named("ball-grip", set=PAPER).world()
+    hand = world.hands[0]
+    with pytest.raises(thenar.GripError, match='no body is named "egg"; there are .*"ball"'):
+        hand.grip("egg")
+    with pytest.raises(thenar.GripError, match="no kind of grip is named \"grab\"; there are pinch, tripod"):
+        hand.grip("ball", kind="grab")
+    with pytest.raises(thenar.GripError, match="more than 0"):
+        hand.grip("ball", force=0.0)
+    with pytest.raises(thenar.GripError, match="more than 0"):
+        hand.grip("ball", force=float("nan"))
+    assert hand.grip_state is None
+
+
 def test_poses_that_are_none_are_refused_and_change_nothing() -> None:
     world = thenar.Scene.named("free-motion", set=PAPER).world()
     world.step(3)

@@ -12,6 +12,7 @@ pub mod build;
 pub mod compare;
 pub mod flat;
 pub mod format;
+pub mod grip;
 pub mod hands;
 pub mod live;
 pub mod motion;

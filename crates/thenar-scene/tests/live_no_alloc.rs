@@ -58,4 +58,13 @@ fn live_steps_allocate_nothing() {
     }
     let after = COUNT.load(Ordering::Relaxed);
     assert_eq!(after - before, 0, "allocations in 240 steps");
+
+    // A grip from its beginning to its end; places on the object are searched in its first step.
+    let text = builtin("ball-grip").expect("a scene").text;
+    let mut session = Session::from_text(text, Path::new("t.toml"), &paper).expect("a scene");
+    let before = COUNT.load(Ordering::Relaxed);
+    for _ in 0..session.steps_wanted() {
+        session.step(&mut ());
+    }
+    assert_eq!(COUNT.load(Ordering::Relaxed) - before, 0, "allocations in the steps of a grip");
 }

@@ -379,6 +379,9 @@ export interface Touch {
 
 export type ServerText = Welcome | Status | ErrorMessage | Pong | Touch;
 
+/** How a hand grips. */
+export type GripKind = "pinch" | "tripod" | "power" | "hook" | "lateral";
+
 export type Command =
   | { readonly type: "control"; readonly take: boolean }
   | { readonly type: "run"; readonly paused: boolean }
@@ -393,6 +396,8 @@ export type Command =
       readonly lengths: { readonly left: number | null; readonly right: number | null };
     }
   | { readonly type: "script" }
+  | { readonly type: "grip"; readonly kind?: GripKind; readonly object?: string; readonly force?: number }
+  | { readonly type: "release" }
   | { readonly type: "arm"; readonly keep?: boolean }
   | { readonly type: "hold" }
   | { readonly type: "stop" }

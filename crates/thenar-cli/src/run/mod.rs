@@ -1,6 +1,7 @@
 //! `thenar run`: a scene without a window.
 
 mod find;
+mod grips;
 mod histogram;
 mod outputs;
 mod report;
@@ -18,6 +19,7 @@ use crate::progress::Meter;
 use crate::recorder::PictureOptions;
 use crate::recording::{RecordOptions, Recording, attach};
 use crate::taken_back;
+use grips::GripNews;
 use outputs::Outputs;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -137,8 +139,10 @@ fn advance(
     let start = Instant::now();
     let (mut interrupted, mut made) = (false, 0);
     outputs.take(session)?;
+    let mut grips = GripNews::new(session);
     for _ in 0..steps {
         session.step(&mut watch);
+        grips.tell(session);
         summary.take(session);
         outputs.take(session)?;
         made += 1;

@@ -11,12 +11,13 @@ SI units throughout; quaternions are x, y, z, w. ``docs/python.md`` tells all of
 from ._arrays import CONTACT, LOAD, PARTS
 from ._batch import Batch
 from ._body import RigidBody, SoftBody
-from ._hand import Angle, Hand, LiveHand
+from ._hand import Angle, Grip, Hand, LiveHand
 from ._recording import Frame, Recording, Verdict
 from ._scene import Scene, Value, scene_names
 from ._taxels import LAYOUTS, TAXEL, Patch, Taxels, stack_taxels
 from ._thenar import (
     BusyError,
+    GripError,
     PoseError,
     RecordingError,
     SceneError,
@@ -39,6 +40,8 @@ __all__ = [
     "BusyError",
     "Camera",
     "Frame",
+    "Grip",
+    "GripError",
     "Hand",
     "LiveHand",
     "Patch",

@@ -28,6 +28,21 @@ class Angle(NamedTuple):
     max: float
 
 
+class Grip(NamedTuple):
+    """What a hand grips."""
+
+    #: ``"pinch"``, ``"tripod"``, ``"power"``, ``"hook"`` or ``"lateral"``.
+    kind: str
+    #: ``"reaching"``, ``"closing"``, ``"holding"`` or ``"opening"``; ``"idle"`` before the first step.
+    phase: str
+    #: Force of the two sides against each other that was asked for [N].
+    wanted: float
+    #: The same as it is felt [N]: half of the sum of the normal forces between the object and the digits that take part.
+    force: float
+    #: What is amiss, in a sentence; None where nothing is.
+    trouble: str | None
+
+
 class Hand:
     """A hand of a world: bones, flesh, and what presses on it."""
 
@@ -239,6 +254,30 @@ class LiveHand(Hand):
         rows[:, 3:] /= norms[:, None]
         if not self._native.lead(self._index, np.hstack([rows, rates]).tobytes()):
             raise _thenar.PoseError(f"hand `{self.name}` cannot be led: it has no drives, or a number is not finite")
+
+    def grip(self, object: str | None = None, *, kind: str = "pinch", force: float | None = None) -> str:
+        """Grips a body from the next step on, with fingers that find their places on it by themselves.
+
+        ``object``: a rigid or soft body by name; left out, the one that is nearest to the pads, within 0.12 m. ``kind``:
+        ``"pinch"`` (thumb and index finger), ``"tripod"`` (and middle finger), ``"power"`` (thumb and all fingers),
+        ``"lateral"`` (thumb and side of the index finger) or ``"hook"`` (fingers and palm). ``force``: with which the two
+        sides press against each other [N]; left out, twice what keeps the object from slipping under its weight.
+
+        Returns the body's name. The wrist, and fingers that take no part, go on following script or poses; a hand that
+        grips opens first. How it goes on tells :attr:`grip_state`. Raises :class:`thenar.GripError`: no such body, or the
+        hand cannot grip so; nothing has changed then.
+        """
+        return self._native.grip(self._index, object, kind, None if force is None else float(force))
+
+    def release(self) -> None:
+        """Opens the hand, if it grips, within half a second: its fingers go back to script or poses."""
+        self._native.release(self._index)
+
+    @property
+    def grip_state(self) -> Grip | None:
+        """What the hand grips, of the scene's grips and those of :meth:`grip`; None while it grips nothing."""
+        state = self._native.grip_state(self._index)
+        return None if state is None else Grip(*state)
 
     def let_go(self) -> None:
         """Leads the hand no more: its script or its poses move it, from where it is."""

@@ -4,6 +4,7 @@
 mod assets;
 mod drivers;
 mod files;
+mod grip;
 mod hand;
 mod hand_cache;
 mod hand_joints;
@@ -37,6 +38,7 @@ pub use select::{Face, Mesh};
 pub use soft::SoftBuild;
 
 use crate::format::Scene;
+use crate::grip::GripHand;
 use crate::math::Vec3;
 use crate::text::Fault;
 use thenar::model::WorldDesc;
@@ -65,6 +67,8 @@ pub struct Built {
     pub memory: Memory,
     /// How rigid bodies look, one entry per rigid body of the world.
     pub looks: Vec<RigidLook>,
+    /// What hands grip, one entry per hand; `None` for those whose scene asks for nothing.
+    pub grips: Vec<Option<Box<GripHand>>>,
 }
 
 /// Memory that the bodies of a scene will take \[bytes\], as far as it says so itself: that of files is not
@@ -96,6 +100,7 @@ pub fn build(scene: &Scene, files: &Files) -> Result<Built, Fault> {
         drivers: Vec::new(),
         loads: Vec::new(),
         looks: Vec::new(),
+        grips: Vec::new(),
         memory: Memory::default(),
     };
     rigid::add_all(&mut built, scene, files)?;
@@ -105,5 +110,6 @@ pub fn build(scene: &Scene, files: &Files) -> Result<Built, Fault> {
     pair::add_all(&mut built, scene)?;
     drivers::add_all(&mut built, scene)?;
     load::add_all(&mut built, scene)?;
+    grip::add_all(&mut built, scene)?;
     Ok(built)
 }

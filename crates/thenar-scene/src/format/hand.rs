@@ -1,8 +1,8 @@
 //! Hands.
 
 use super::{
-    DriveTable, ElementsWord, HandLayer, HandTissueWord, LawWord, MotionTable, NailTable, Rotation,
-    SkinTable, Terms, TissueWord,
+    DriveTable, ElementsWord, GripTable, HandLayer, HandTissueWord, LawWord, MotionTable,
+    NailTable, Rotation, SkinTable, Terms, TissueWord,
 };
 use crate::math::Vec3;
 use crate::text::{At, table, words};
@@ -178,6 +178,8 @@ table! {
         self_contact: bool = true;
         /// The motion to follow. Without one the hand holds its start pose.
         motion: Option<At<MotionTable>>;
+        /// What it grips, one thing after the other; fingers that take part leave the motion for as long.
+        grip: Vec<At<GripTable>>;
         /// False lets the hand go: no drives, whatever the motion. Default true.
         driven: bool = true;
         /// Drive of the palm. Default: 1000 N/m, 10 N s/m, 10 N m/rad, 0.1 N m s/rad.

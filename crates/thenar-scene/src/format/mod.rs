@@ -5,6 +5,7 @@
 
 mod camera;
 mod friction;
+mod grip;
 mod hand;
 mod joint;
 mod load;
@@ -21,6 +22,7 @@ mod tissue;
 
 pub use camera::Camera;
 pub use friction::{PairFriction, SkinOnWord};
+pub use grip::{GripTable, GripWord};
 pub use hand::{
     BonesWord, CouplingWord, Hand, HandAxis, HandJoint, HandJointsFile, HandMaterial, PresetWord,
     SpringsWord,

@@ -34,6 +34,7 @@ pub fn holding_still(scene: &Scene, side: Side) -> Hand {
     place.x = outwards * (outwards * place.x).max(edge);
     place.y = place.y.max(HEIGHT_MIN);
     hand.motion = Some(still(wrist));
+    hand.grip.clear();
     (hand.position, hand.rotation) = (Vec3::zeros(), None);
     hand
 }
@@ -65,6 +66,7 @@ pub fn default_hand(scene: &Scene, side: Side) -> Hand {
         bones: BonesWord::Solid,
         self_contact: true,
         motion: Some(still(resting(outwards(side)))),
+        grip: Vec::new(),
         driven: true,
         palm_drive: None,
         bone_drive: None,

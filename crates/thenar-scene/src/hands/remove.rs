@@ -15,6 +15,9 @@ pub fn hand(scene: &mut Scene, name: &str) {
     scene.joint.retain(|joint| {
         !gone.means(&joint.child) && !joint.parent.as_ref().is_some_and(|p| gone.means(p))
     });
+    for other in &mut scene.hand {
+        other.grip.retain(|grip| !grip.value.object.as_ref().is_some_and(|name| gone.means(name)));
+    }
     for soft in &mut scene.soft {
         soft.bind.retain(|bind| !bind.bones.value.iter().any(|bone| gone.is_part(bone)));
     }

@@ -34,6 +34,7 @@ mod tests;
 
 pub(crate) use check::RADIUS_MAX;
 pub use check::{LiveError, checked};
+pub(crate) use follower::{Law, follow};
 pub use hand::LiveHand;
 pub use memory::{LiveMemory, LiveMemoryRef};
 

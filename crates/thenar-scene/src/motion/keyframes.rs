@@ -56,7 +56,7 @@ impl Keyframes {
         let duration = check_times(&desc.key)?;
         let home = articulation.wrist_at_rest(pose_WM);
         let (position, rotation) = wrist_tracks(&desc.key, &home)?;
-        let (joints, warnings) = joint_tracks(desc, &articulation, &anatomy)?;
+        let (joints, warnings) = joint_tracks(desc, hand, &articulation, &anatomy)?;
         let still = vec![[0.0; 2]; joints.len()];
         Ok(Self {
             articulation,

@@ -1,7 +1,8 @@
 //! Named hand shapes.
 
+use crate::grip::{GripKind, Opposition};
 use serde::{Deserialize, Serialize};
-use thenar::model::Digit;
+use thenar::model::{Digit, HandModel};
 
 /// A named shape of the whole hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -23,10 +24,23 @@ pub enum Preset {
     PowerGrasp,
 }
 
+/// How far the pads of a pinch press into each other \[m\]: usual drives (500 N/m at a fingertip) give 1.5 N for 3 mm on either
+/// side.
+const PRESS: f64 = 6e-3;
+
 /// Flexion of the three joints of a digit from the palm outwards, and its spread \[degrees\].
 type Shape = ([f64; 3], f64);
 
 impl Preset {
+    /// Angles that follow from the hand itself \[rad\], each with its joint and which of its angles it is; none for shapes that are
+    /// the same for all hands, and for hands that cannot make this one.
+    pub(super) fn own_angles(self, hand: &HandModel) -> Vec<(usize, usize, f64)> {
+        match self {
+            Self::Pinch => Opposition::pressed(hand, GripKind::Pinch, PRESS).unwrap_or_default(),
+            _ => Vec::new(),
+        }
+    }
+
     /// Flexion by place in the digit, and spread \[degrees\]; `None` is the angle at rest.
     pub(super) fn angles_deg(self, digit: Digit) -> Option<Shape> {
         use Digit::{Index, Thumb};

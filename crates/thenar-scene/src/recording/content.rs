@@ -2,7 +2,7 @@
 
 use super::state::{Bare, BareRef};
 use crate::format::PresetWord;
-use crate::session::{Memory, MemoryRef, Session, Source};
+use crate::session::{GripsRef, Memory, MemoryRef, Session, Source};
 use serde::{Deserialize, Serialize};
 use thenar::world::State;
 
@@ -128,9 +128,13 @@ impl Keyframe {
         if rest.is_empty() {
             return Some(Self { number, state, kept: None });
         }
-        let (kept, rest) = postcard::take_from_bytes(rest).ok()?;
+        let (mut kept, rest): (Kept, &[u8]) = postcard::take_from_bytes(rest).ok()?;
         if !rest.is_empty() {
-            state.faded = postcard::take_from_bytes(rest).ok()?.0;
+            let faded: (Vec<[f64; 6]>, &[u8]) = postcard::take_from_bytes(rest).ok()?;
+            state.faded = faded.0;
+            if !faded.1.is_empty() {
+                kept.memory.grips = postcard::take_from_bytes(faded.1).ok()?.0;
+            }
         }
         Some(Self { number, state, kept: Some(kept) })
     }
@@ -145,9 +149,12 @@ impl Keyframe {
     /// True when a session remembers the same as this, to the bit.
     pub(super) fn remembers_as(&self, session: &Session) -> bool {
         let (mut one, mut other) = (Vec::new(), Vec::new());
-        append(&mut one, &session.memory());
+        append(&mut one, &(session.memory(), session.grips_memory()));
         self.kept.as_ref().is_none_or(|kept| {
             append(&mut other, &kept.memory);
+            if !kept.memory.grips.is_empty() {
+                append(&mut other, &kept.memory.grips);
+            }
             one == other
         })
     }
@@ -162,6 +169,8 @@ pub(super) struct KeyframeRef<'a> {
     memory: MemoryRef<'a>,
     /// The memory of tissue came last to the form.
     faded: &'a [[f64; 6]],
+    /// After it what hands grip.
+    grips: GripsRef<'a>,
 }
 
 impl<'a> KeyframeRef<'a> {
@@ -169,7 +178,8 @@ impl<'a> KeyframeRef<'a> {
     pub fn of(session: &'a Session, number: u64, start: u64) -> Self {
         let state = session.world().state();
         let memory = session.memory();
-        Self { number, state: state.into(), start, memory, faded: &state.faded }
+        let (faded, grips) = (&state.faded[..], session.grips_memory());
+        Self { number, state: state.into(), start, memory, faded, grips }
     }
 }
 

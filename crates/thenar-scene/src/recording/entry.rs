@@ -2,6 +2,7 @@
 
 use super::state::{Bare, BareRef};
 use crate::flat::{FlatTarget, Flattened, flat_pose, pose, target};
+use crate::grip::Order;
 use crate::live::LivePose;
 use crate::session::Entry;
 use crate::text::plain;
@@ -33,6 +34,8 @@ pub enum What {
     LetGo { hand: u32 },
     Resume { state: Box<Bare> },
     ResumeRemembering { state: Box<Bare>, faded: Vec<[f64; 6]> },
+    Grip { hand: u32, order: Order },
+    Release { hand: u32 },
 }
 
 /// The same, while it is written: nothing is copied to the heap.
@@ -56,6 +59,8 @@ pub enum WhatRef<'a> {
     LetGo { hand: u32 },
     Resume { state: BareRef<'a> },
     ResumeRemembering { state: BareRef<'a>, faded: &'a [[f64; 6]] },
+    Grip { hand: u32, order: &'a Order },
+    Release { hand: u32 },
 }
 
 /// Hands an entry on in the form in which it is written.
@@ -82,6 +87,8 @@ pub fn with_ref(number: u64, entry: Entry<'_>, then: impl FnOnce(&InputRef<'_>))
         Entry::Resume { state } => {
             give(WhatRef::ResumeRemembering { state: state.into(), faded: &state.faded });
         }
+        Entry::Grip { hand, order } => give(WhatRef::Grip { hand: hand as u32, order }),
+        Entry::Release { hand } => give(WhatRef::Release { hand: hand as u32 }),
         Entry::Restart => give(WhatRef::Restart),
         Entry::Set { key, value: SettingValue::Number(value) } => {
             give(WhatRef::SetNumber { key, value: *value });
@@ -131,6 +138,8 @@ impl What {
                 let state = State { faded: faded.clone(), ..state.0.clone() };
                 then(Entry::Resume { state: &state })
             }
+            Self::Grip { hand, order } => then(Entry::Grip { hand: *hand as usize, order }),
+            Self::Release { hand } => then(Entry::Release { hand: *hand as usize }),
             Self::Restart => then(Entry::Restart),
             Self::SetNumber { key, value } => {
                 then(Entry::Set { key, value: &SettingValue::Number(*value) })
@@ -154,6 +163,8 @@ impl fmt::Display for What {
             Self::Resume { .. } | Self::ResumeRemembering { .. } => {
                 write!(f, "the state of another simulation")
             }
+            Self::Grip { hand, order } => write!(f, "{} of hand {hand}", order.kind.name()),
+            Self::Release { hand } => write!(f, "hand {hand} opens"),
             Self::Restart => write!(f, "restart"),
             Self::SetNumber { key, value } => write!(f, "{key} = {}", plain(*value)),
             Self::SetChoice { key, value } => write!(f, "{key} = {value}"),
@@ -193,6 +204,11 @@ mod tests {
         check(Entry::Lost { hand: 3 });
         check(Entry::Script { hand: 0 });
         check(Entry::Restart);
+        let ball = thenar::model::BodyId::Rigid(3);
+        let order =
+            Order::new(Some(ball), crate::grip::GripKind::Tripod, 1.0 / 3.0, 0.1, Some(2.5));
+        check(Entry::Grip { hand: 1, order: &order });
+        check(Entry::Release { hand: 1 });
         let target = |k: usize| Target {
             pose_WB: frame(k),
             velocity_W: Vec3::new(k as f64, 0.1, -0.2),

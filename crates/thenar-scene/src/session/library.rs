@@ -19,6 +19,7 @@ macro_rules! scenes {
 }
 
 const SCENES: &[Builtin] = scenes![
+    "ball-grip",
     "bread-grasp",
     "bread-squeeze",
     "car-grasp",

@@ -1,8 +1,9 @@
 //! What presses on a hand.
 
 use crate::build::BuiltHand;
+use crate::grip::digit_touched;
 use thenar::Vec3;
-use thenar::model::{BodyId, Digit};
+use thenar::model::Digit;
 use thenar::world::ContactPoint;
 
 /// What presses on one part of a hand, or the most that did.
@@ -65,17 +66,4 @@ pub fn hand_loads(contacts: &[ContactPoint], hand: &BuiltHand) -> [HandLoad; 6] 
         let pressure = if load.area > 0.0 { on_skin / load.area } else { 0.0 };
         HandLoad { shear: shear_W.norm(), pressure, ..load }
     })
-}
-
-/// The digit of this hand that a point touches on this side.
-fn digit_touched(contact: &ContactPoint, side: usize, hand: &BuiltHand) -> Option<Digit> {
-    match contact.bodies[side] {
-        BodyId::Soft(soft) if Some(soft) == hand.flesh() => {
-            hand.model.collision_digits.get(contact.vertices[side]? as usize).copied()
-        }
-        BodyId::Rigid(bone) if hand.handle.bones.contains(&bone) => {
-            Some(hand.model.bones[(bone - hand.handle.bones.start) as usize].digit)
-        }
-        _ => None,
-    }
 }

@@ -3,6 +3,7 @@
 
 use super::{Session, drive};
 use crate::flat::{FlatTarget, Flattened, target};
+use crate::grip::GripMemory;
 use crate::live::{LiveMemory, LiveMemoryRef};
 use crate::tuning::SettingValue;
 use serde::{Deserialize, Serialize, Serializer};
@@ -16,6 +17,9 @@ pub struct Memory {
     /// Settings that were changed, by key.
     set: Vec<(String, Value)>,
     hands: Vec<HandMemory>,
+    /// What hands grip, one for each; empty where nobody said. A frame keeps it apart, behind what came to it before.
+    #[serde(skip)]
+    pub(crate) grips: Vec<Option<GripMemory>>,
 }
 
 /// What it remembers of a hand.
@@ -119,6 +123,7 @@ impl Session {
                 *to = kept.as_ref().map(target);
             }
         }
+        self.recall_grips(&memory.grips);
         (self.steps, self.report) = (memory.steps, StepReport::default());
         true
     }
@@ -135,7 +140,9 @@ impl Session {
             live && kept.targets.len() == bones
                 && kept.led.as_ref().is_none_or(|l| l.len() == bones)
         };
-        memory.hands.len() == self.built.hands.len() && memory.hands.iter().enumerate().all(fits)
+        memory.hands.len() == self.built.hands.len()
+            && self.takes_grips(&memory.grips)
+            && memory.hands.iter().enumerate().all(fits)
     }
 }
 

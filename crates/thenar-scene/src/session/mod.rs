@@ -2,6 +2,7 @@
 
 mod drive;
 mod figures;
+mod grip;
 mod keep_up;
 mod library;
 mod live;
@@ -21,6 +22,7 @@ mod witness;
 
 pub(crate) use drive::bones;
 pub use figures::{Figure, Figures, NamedFigure};
+pub use grip::{FORCE_MAX, GripError, GripsRef};
 pub use keep_up::live_overrides;
 pub use library::{Builtin, builtin, builtins};
 pub use loads::{HandLoad, PARTS};
@@ -36,6 +38,7 @@ pub use witness::{Entry, Witness};
 
 use crate::build::{Built, BuiltHand, Mesh, RigidLook, SoftBuild};
 use crate::format::{Camera, Scene};
+use crate::grip::GripHand;
 use crate::live::{LiveError, LiveHand};
 use crate::motion::AngleRange;
 use crate::tuning::Tuning;
@@ -59,6 +62,8 @@ pub struct Session {
     live: Vec<Result<Box<LiveHand>, LiveError>>,
     /// One per hand: where its bones are led, by the haptic loop; `None` for a hand that is not.
     led: Vec<Option<Vec<Target>>>,
+    /// One per hand: what it grips; `None` for a hand that was never asked to.
+    grips: Vec<Option<Box<GripHand>>>,
     tuning: Tuning,
     report: StepReport,
     start_overlaps: Vec<StartOverlap>,
@@ -78,10 +83,12 @@ impl Session {
         }
         let t = self.world.time() + self.world.time_step();
         drive::fill(&mut self.input, &mut self.built, &mut self.live, &self.world, t);
+        self.steer_grips(t);
         drive::follow_leaders(&mut self.input, &self.built, &self.led);
         load::fill(&mut self.input, &self.built.loads, &self.world, t);
         drive::carry(&mut self.input, &self.built, &self.led, &self.world);
         self.report = self.world.step(&self.input, timer);
+        self.feel_grips();
         self.steps += 1;
         if let Some(mut witness) = self.witness.take() {
             witness.stepped(self);

@@ -72,7 +72,7 @@ impl Session {
         files: Files,
         locate: &dyn Fn(Fault) -> SceneError,
     ) -> Result<Self, SceneError> {
-        let built = build(&scene, &files).map_err(locate)?;
+        let mut built = build(&scene, &files).map_err(locate)?;
         let world = World::new(built.world.clone())
             .map_err(|e| SceneError::World { file: file.to_path_buf(), problem: e.to_string() })?;
         let probes = Probes::new(&scene, &built, &world).map_err(locate)?;
@@ -85,6 +85,7 @@ impl Session {
         let tuning = Tuning::new(built.world.clone(), hands.collect());
         let live = built.hands.iter().map(live_hand).collect();
         let led = vec![None; built.hands.len()];
+        let grips = std::mem::take(&mut built.grips);
         let stem = file.file_stem().unwrap_or(file.as_os_str());
         let mut session = Self {
             name: stem.to_string_lossy().into_owned(),
@@ -95,6 +96,7 @@ impl Session {
             probes,
             live,
             led,
+            grips,
             tuning,
             report: StepReport::default(),
             start_overlaps: Vec::new(),
@@ -131,6 +133,7 @@ impl Session {
                 self.world.set_nodes(soft, &nodes);
             }
         }
+        self.grips.iter_mut().flatten().for_each(|gripping| gripping.restart());
         for (hand, live) in self.built.hands.iter().zip(&mut self.live) {
             if let Ok(live) = live {
                 live.restart(&self.input.targets[drive::bones(hand)]);

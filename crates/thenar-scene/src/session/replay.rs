@@ -32,6 +32,10 @@ impl Session {
                 return Err(LiveError::NoHand { hand, count }.to_string());
             }
             Entry::LetGo { hand } => self.let_go(hand),
+            Entry::Grip { hand, order } => {
+                self.begin_grip(hand, order).map_err(|e| e.to_string())?;
+            }
+            Entry::Release { hand } => self.release(hand).map_err(|e| e.to_string())?,
             Entry::Resume { state } => {
                 if !self.resume(state) {
                     return Err("the state does not fit the scene".into());
@@ -58,6 +62,7 @@ impl Session {
         let before = self.world.time();
         let t = before + self.world.time_step();
         drive::fill(&mut self.input, &mut self.built, &mut self.live, &self.world, t);
+        self.steer_grips(t);
         drive::follow_leaders(&mut self.input, &self.built, &self.led);
         load::fill(&mut self.input, &self.built.loads, &self.world, t);
         drive::carry(&mut self.input, &self.built, &self.led, &self.world);

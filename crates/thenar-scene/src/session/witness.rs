@@ -1,6 +1,7 @@
 //! Whoever is told all that enters a session, so that it can be made again.
 
 use super::Session;
+use crate::grip::Order;
 use crate::live::LivePose;
 use crate::tuning::SettingValue;
 use std::fmt::Debug;
@@ -38,6 +39,18 @@ pub enum Entry<'a> {
     },
     /// [`Session::let_go`] of a hand that was led.
     LetGo {
+        /// Hand.
+        hand: usize,
+    },
+    /// [`Session::grip`] began a grip.
+    Grip {
+        /// Hand.
+        hand: usize,
+        /// What it grips, and how.
+        order: &'a Order,
+    },
+    /// [`Session::release`] of a hand.
+    Release {
         /// Hand.
         hand: usize,
     },

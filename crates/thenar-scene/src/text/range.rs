@@ -1,5 +1,6 @@
 //! Bounds of numbers, with words for messages.
 
+use crate::session::FORCE_MAX;
 use thenar::model::OGDEN_ALPHA;
 use thenar::world::GRAVITY_MAX;
 use thenar_rig::hand::{DETAILS, LENGTHS};
@@ -65,6 +66,9 @@ impl Range {
     pub const FRICTION: &'static Range = &closed(0.0, 100.0);
     /// A normal force \[N\], or a coefficient at it.
     pub const PRESSING: &'static Range = &closed(0.0, 1e6);
+    /// With which a hand grips \[N\].
+    pub const GRIP_FORCE: &'static Range =
+        &Range { min: 0.0, max: FORCE_MAX, open_min: true, open_max: false };
     /// An angle \[rad\].
     pub const ANGLE: &'static Range = &closed(-1e4, 1e4);
     /// An angle of a joint, to either side \[degrees\].

@@ -131,6 +131,18 @@ impl Loop {
                 }
                 self.show();
             }
+            Command::Grip { kind, object, force, side } => {
+                let Some(play) = &mut self.play else { return Ok(()) };
+                // Nothing under the hand is no offence.
+                if let Err(reason) = play.grip(side, object.as_deref(), kind, force) {
+                    self.tell(client, text::error(&reason));
+                }
+            }
+            Command::Release { side } => {
+                if let Some(play) = &mut self.play {
+                    play.release(side);
+                }
+            }
             Command::Scene { name } => {
                 if !self.builder.catalogue().has(&name) {
                     return Err(LiveError::Unknown(name).to_string());

@@ -4,6 +4,7 @@ use super::haptics::Haptics;
 use crate::protocol::{PoseBody, PoseMessage, flags};
 use std::time::{Duration, Instant};
 use thenar::model::Side;
+use thenar_scene::grip::{GripKind, Trouble};
 use thenar_scene::live::{LivePose, Mover};
 use thenar_scene::session::{Session, Witness};
 use thenar_scene::tuning::SettingValue;
@@ -21,12 +22,14 @@ pub struct Play {
     abandoned: Option<Instant>,
     /// Newest pose message that acts.
     pose: u32,
+    /// What was told to be amiss with a grip.
+    told: Option<Trouble>,
 }
 
 impl Play {
     /// Begins with the script.
     pub fn new(session: Session) -> Self {
-        Self { session, abandoned: None, pose: 0 }
+        Self { session, abandoned: None, pose: 0, told: None }
     }
 
     /// The session.
@@ -129,6 +132,58 @@ impl Play {
         self.abandoned = None;
         self.pose = self.pose.max(message.number);
         Ok(())
+    }
+
+    /// Hands of a side, or all, grip a body, or what is under them.
+    ///
+    /// # Errors
+    /// None of them grips; the text says why.
+    pub fn grip(
+        &mut self,
+        side: Option<Side>,
+        object: Option<&str>,
+        kind: GripKind,
+        force: Option<f64>,
+    ) -> Result<(), String> {
+        let (mut grips, mut refused) = (false, None);
+        for hand in self.hands_of(side) {
+            match self.session.grip(hand, object, kind, force) {
+                Ok(_) => grips = true,
+                Err(error) => refused = Some(error.to_string()),
+            }
+        }
+        match (grips, refused) {
+            (true, _) => Ok(()),
+            (false, Some(error)) => Err(error),
+            (false, None) => Err(format!("the scene has no {} hand", side.map_or("", side_name))),
+        }
+    }
+
+    /// Hands of a side, or all, open.
+    pub fn release(&mut self, side: Option<Side>) {
+        for hand in self.hands_of(side) {
+            // There is such a hand.
+            let _ = self.session.release(hand);
+        }
+    }
+
+    /// What has newly gone amiss with a grip.
+    pub fn grip_news(&mut self) -> Option<String> {
+        let hand = (0..self.session.hands().len()).find(|hand| {
+            self.session.grip_state(*hand).is_some_and(|state| state.trouble.is_some())
+        });
+        let trouble = hand.and_then(|hand| self.session.grip_state(hand)?.trouble);
+        // A trouble's figure may change; the same is told once.
+        let is_new = trouble.is_some() && self.told.is_none();
+        self.told = trouble;
+        if is_new { self.session.grip_trouble(hand?) } else { None }
+    }
+
+    fn hands_of(&self, side: Option<Side>) -> Vec<usize> {
+        match side {
+            Some(side) => self.session.hands_of(side).collect(),
+            None => (0..self.session.hands().len()).collect(),
+        }
     }
 
     /// Whoever moved the hands does so no more.

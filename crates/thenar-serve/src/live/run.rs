@@ -196,6 +196,10 @@ impl Loop {
             (self.problem, self.changed) = (Some(problem), true);
         }
         self.cost = begun.elapsed();
+        if let (Some(news), Some(holder)) = (play.grip_news(), self.control.holder()) {
+            self.tell(holder, text::error(&news));
+        }
+        let Some(play) = &mut self.play else { return };
         if let Some(watcher) = &mut self.watcher {
             watcher(play.session());
         }

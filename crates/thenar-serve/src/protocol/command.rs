@@ -2,8 +2,11 @@
 
 use super::TEXT_BYTES_MAX;
 use serde::{Deserialize, Serialize};
+use thenar::model::Side;
 use thenar_input::brief;
+use thenar_scene::grip::GripKind;
 use thenar_scene::hands::Hands;
+use thenar_scene::session::FORCE_MAX;
 use thenar_scene::text::plain;
 use thenar_scene::tuning::SettingValue;
 
@@ -50,6 +53,27 @@ pub enum Command {
     },
     /// The script moves the hands again.
     Script {},
+    /// Hands grip what is under them.
+    Grip {
+        /// How.
+        #[serde(default)]
+        kind: GripKind,
+        /// What, by name; the nearest body if none is given.
+        #[serde(default)]
+        object: Option<String>,
+        /// With what force \[N\]; enough for the object's weight if none is given.
+        #[serde(default)]
+        force: Option<f64>,
+        /// Which hand; all if none is given.
+        #[serde(default)]
+        side: Option<Side>,
+    },
+    /// Hands open.
+    Release {
+        /// Which hand; all if none is given.
+        #[serde(default)]
+        side: Option<Side>,
+    },
     /// A setting.
     Set {
         /// Which.
@@ -114,6 +138,12 @@ impl Command {
             }
             Self::Seek { time } if !(time.is_finite() && *time >= 0.0) => {
                 Err(format!("place {}; expected 0 s or more", plain(*time)))
+            }
+            Self::Grip { force: Some(force), .. } if !(*force > 0.0 && *force <= FORCE_MAX) => {
+                Err(format!(
+                    "force {} N; expected more than 0 and at most {FORCE_MAX} N",
+                    plain(*force)
+                ))
             }
             Self::Hands { lengths, .. } => {
                 let bad = |l: &&f64| !(HAND_MIN..=HAND_MAX).contains(*l);

@@ -3,6 +3,7 @@
 //! cut, stretched, spliced and with bits flipped at random (the seed is printed).
 
 use thenar::model::Side;
+use thenar_scene::grip::GripKind;
 use thenar_scene::hands::Hands;
 use thenar_scene::session::Random;
 use thenar_scene::tuning::SettingValue;
@@ -171,7 +172,7 @@ fn damaged_poses_are_refused_or_within_bounds() {
     );
 }
 
-const COMMANDS: [&str; 12] = [
+const COMMANDS: [&str; 16] = [
     r#"{"type":"control","take":true}"#,
     r#"{"type":"run","paused":true}"#,
     r#"{"type":"step"}"#,
@@ -181,6 +182,10 @@ const COMMANDS: [&str; 12] = [
     r#"{"type":"hands","which":"both","lengths":{"left":0.19,"right":0.19}}"#,
     r#"{"type":"hands","which":"scene","lengths":{"left":null,"right":null}}"#,
     r#"{"type":"script"}"#,
+    r#"{"type":"grip"}"#,
+    r#"{"type":"grip","kind":"tripod","object":"car","force":2.5,"side":"left"}"#,
+    r#"{"type":"release"}"#,
+    r#"{"type":"release","side":"right"}"#,
     r#"{"type":"set","key":"friction","value":0.8}"#,
     r#"{"type":"set","key":"solver","value":"two-step"}"#,
     r#"{"type":"ping","t":1.25}"#,
@@ -202,6 +207,15 @@ fn commands_are_read_as_written() {
         },
         Command::Hands { which: Hands::Scene, lengths: Lengths::default() },
         Command::Script {},
+        Command::Grip { kind: GripKind::Pinch, object: None, force: None, side: None },
+        Command::Grip {
+            kind: GripKind::Tripod,
+            object: Some("car".into()),
+            force: Some(2.5),
+            side: Some(Side::Left),
+        },
+        Command::Release { side: None },
+        Command::Release { side: Some(Side::Right) },
         Command::Set { key: "friction".into(), value: SettingValue::Number(0.8) },
         Command::Set { key: "solver".into(), value: SettingValue::Choice("two-step".into()) },
         Command::Ping { t: 1.25 },
@@ -229,6 +243,10 @@ fn other_texts_are_refused_with_the_reason() {
         (r#"{"type":"speed","value":1e999}"#, "out of range"),
         (r#"{"type":"hands","which":"three"}"#, "three"),
         (r#"{"type":"hands","which":"left","lengths":{"left":9.0}}"#, "9 m long"),
+        (r#"{"type":"grip","kind":"grab"}"#, "grab"),
+        (r#"{"type":"grip","force":0}"#, "more than 0"),
+        (r#"{"type":"grip","force":1e9}"#, "at most 1000 N"),
+        (r#"{"type":"grip","side":"middle"}"#, "middle"),
         (r#"{"type":"set","key":"friction","value":[1]}"#, "Value"),
         (r#"{"type":"step"} {"type":"step"}"#, "trailing"),
         (long.as_str(), "4096"),

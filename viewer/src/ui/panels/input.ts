@@ -1,7 +1,7 @@
 // Everything that can move the hand, one button each.
 
 import type { InputSource } from "../../input/source";
-import type { Desk, Panel } from "../desk";
+import { command, type Desk, type Panel } from "../desk";
 import { button, h, setText } from "../dom";
 import { ICONS } from "../icons";
 
@@ -54,6 +54,19 @@ export function inputPanel(desk: Desk): Panel {
   for (const name of ["open", "close", "status"] as const) connection.on(name, refresh);
   refresh();
 
+  desk.keys.add({
+    key: "j",
+    label: "Grip what is under the hand, with thumb and index finger",
+    group: "Hand",
+    act: () => void command(desk, { type: "grip", kind: "pinch" }),
+  });
+  desk.keys.add({
+    key: "shift+j",
+    name: "Shift J",
+    label: "Open the hand that grips",
+    group: "Hand",
+    act: () => void command(desk, { type: "release" }),
+  });
   desk.keys.add({
     key: "escape",
     name: "Esc",

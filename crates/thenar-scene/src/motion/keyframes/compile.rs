@@ -6,6 +6,7 @@ use crate::motion::articulation::Articulation;
 use crate::motion::error::MotionError;
 use crate::motion::interpolate::{RotationTrack, ScalarTrack, VectorTrack};
 use crate::motion::preset::Preset;
+use thenar::model::HandModel;
 use thenar::{Mat3, Pose, Quat, Vec3};
 
 fn bad_key(k: usize, key: &Key, cause: String) -> MotionError {
@@ -85,10 +86,14 @@ fn directions(fingers: [f64; 3], back: [f64; 3]) -> Result<Quat, String> {
 /// Two curves per joint, one for each angle, and a warning for each clamped angle.
 pub fn joint_tracks(
     desc: &KeyframesDesc,
+    hand: &HandModel,
     articulation: &Articulation,
     anatomy: &Anatomy,
 ) -> Result<(Vec<[ScalarTrack; 2]>, Vec<String>), MotionError> {
     let mut compiler = Compiler::new(desc.limits, articulation, anatomy);
+    if desc.key.iter().any(|key| key.pose == Some(Preset::Pinch)) {
+        compiler.pinch = Preset::Pinch.own_angles(hand);
+    }
     for (k, key) in desc.key.iter().enumerate() {
         compiler.add(key).map_err(|cause| bad_key(k, key, cause))?;
     }
@@ -100,6 +105,8 @@ struct Compiler<'a> {
     policy: LimitPolicy,
     articulation: &'a Articulation,
     anatomy: &'a Anatomy,
+    /// Angles of a pinch of this hand: joint, axis, angle \[rad\].
+    pinch: Vec<(usize, usize, f64)>,
     knots: Vec<[Vec<(f64, f64)>; 2]>,
     warnings: Vec<String>,
 }
@@ -107,7 +114,7 @@ struct Compiler<'a> {
 impl<'a> Compiler<'a> {
     fn new(policy: LimitPolicy, articulation: &'a Articulation, anatomy: &'a Anatomy) -> Self {
         let knots = vec![[Vec::new(), Vec::new()]; anatomy.roles.len()];
-        Self { policy, articulation, anatomy, knots, warnings: Vec::new() }
+        Self { policy, articulation, anatomy, pinch: Vec::new(), knots, warnings: Vec::new() }
     }
 
     fn add(&mut self, key: &Key) -> Result<(), String> {
@@ -145,6 +152,11 @@ impl<'a> Compiler<'a> {
             }
             if let Some((axis, sense)) = role.spread {
                 angles[axis] = sense * spread.to_radians();
+            }
+        }
+        if preset == Preset::Pinch {
+            for &(_, axis, angle) in self.pinch.iter().filter(|(joint, ..)| *joint == j) {
+                angles[axis] = angle;
             }
         }
         self.articulation.tree.clamp(j, angles).map(Some)

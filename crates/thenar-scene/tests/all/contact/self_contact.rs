@@ -89,7 +89,8 @@ fn thumb_and_index_pinch() {
     let mut session = load("pinch", &[]);
     run(&mut session, 2.0);
     let [thumb, index] = pair.map(|digit| force(&session, digit));
-    assert!(thumb.norm() > 1.0, "pinched with {thumb}");
+    // Asked for 1.5 N of normal force; with what shear the pads have.
+    assert!((1.35..2.2).contains(&thumb.norm()), "pinched with {thumb}");
     assert!((thumb + index).norm() < 1e-9, "{thumb} and {index} are opposite");
     // Where the pads press, and as far around as a pad reaches from there.
     let digits = &session.hands()[0].model.collision_digits;

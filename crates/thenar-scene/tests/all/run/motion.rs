@@ -6,6 +6,7 @@ use thenar::model::{Digit, HandModel, Side};
 use thenar::world::Target;
 use thenar::{Pose, Vec3};
 use thenar_rig::hand::uniform_hand;
+use thenar_scene::grip::{Chain, PadPlace};
 use thenar_scene::motion::{
     Anatomy, Articulation, Keyframes, KeyframesDesc, Recording, Retarget, TRACKED_JOINTS,
     size_ratio,
@@ -64,9 +65,20 @@ fn fingers_close_towards_the_palm_and_spread_away_from_the_middle_on_both_sides(
 fn thumb_and_index_meet_in_a_pinch() {
     for hand in hands() {
         let pinch = posed(&hand, "pose = \"pinch\"");
-        let apart = (tip(&hand, &pinch, Digit::Thumb) - tip(&hand, &pinch, Digit::Index)).norm();
-        // Half a finger's thickness each, 7 to 9 mm.
-        assert!((0.012..0.02).contains(&apart), "{apart}");
+        let pads = [Digit::Thumb, Digit::Index].map(|digit| {
+            let pad = Chain::new(&hand, digit, PadPlace::Tip).expect("a digit").pad;
+            (
+                pinch[pad.bone].point(&pad.centre_B),
+                pinch[pad.bone].vector(&pad.normal_B),
+                pad.radius,
+            )
+        });
+        let [(thumb, thumb_normal, r), (index, index_normal, s)] = pads;
+        // Pad to pad, 6 mm into each other, facing each other.
+        let apart = (index - thumb).norm();
+        assert!((apart - (r + s - 0.006)).abs() < 1e-3, "{apart} m, {r} m and {s} m");
+        let axis = (index - thumb) / apart;
+        assert!(thumb_normal.dot(&axis) > 0.7 && -index_normal.dot(&axis) > 0.7, "{axis}");
     }
 }
 

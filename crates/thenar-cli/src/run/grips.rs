@@ -1,0 +1,29 @@
+//! What goes amiss with grips while a scene runs.
+
+use thenar_scene::grip::Trouble;
+use thenar_scene::session::Session;
+
+/// Tells each trouble of each hand's grips once.
+#[derive(Debug)]
+pub struct GripNews {
+    told: Vec<Option<Trouble>>,
+}
+
+impl GripNews {
+    /// Nothing is told yet.
+    pub fn new(session: &Session) -> Self {
+        Self { told: vec![None; session.hands().len()] }
+    }
+
+    /// Says on the error output what has newly gone amiss.
+    pub fn tell(&mut self, session: &Session) {
+        for (hand, told) in self.told.iter_mut().enumerate() {
+            let trouble = session.grip_state(hand).and_then(|state| state.trouble);
+            if told.is_none() && trouble.is_some() {
+                let said = session.grip_trouble(hand).unwrap_or_default();
+                eprintln!("warning: {:.2} s: {said}", session.world().time());
+            }
+            *told = trouble;
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! Grips of hands.
+
+use crate::text::{At, table, words};
+
+words! {
+    /// How an object is gripped.
+    pub enum GripWord {
+        /// Pads of thumb and index finger.
+        "pinch" => Pinch,
+        /// The thumb's pad against those of index and middle finger.
+        "tripod" => Tripod,
+        /// The thumb's pad against those of all fingers.
+        "power" => Power,
+        /// All fingers against the palm.
+        "hook" => Hook,
+        /// The thumb's pad on the side of the index finger.
+        "lateral" => Lateral,
+    }
+}
+
+table! {
+    /// A grip: pads find places on the object, close on it, press with a force and hold it.
+    pub struct GripTable {
+        /// The rigid or soft body. Left out, the pads press against each other.
+        object: Option<At<String>>;
+        /// "pinch": pads of thumb and index finger; "tripod": and of the middle finger; "power": the thumb against all
+        /// fingers; "hook": all fingers against the palm; "lateral": the thumb on the side of the index finger.
+        kind: GripWord;
+        /// With which the two sides press against each other [N]: half of the sum of the normal forces of the pads. Default:
+        /// twice what keeps the object from slipping, m g / (2 friction); without an object 1.
+        force: Option<f64> where GRIP_FORCE;
+        /// When the fingers set out [s].
+        at: f64 where DURATION;
+        /// When they open [s]. Default: never.
+        open: Option<f64> where DURATION;
+    }
+}

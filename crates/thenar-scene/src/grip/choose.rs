@@ -1,0 +1,282 @@
+//! Where pads go on an object: opposed places of its surface, near where the hand has its pads.
+//!
+//! Every sample of the surface is a place for the base's pad: a line goes in there along the inward normal, and where it
+//! leaves again the fingers are to press. Such pairs are ranked by how far they are from the pads of the hand at that width
+//! (see [`Opposition`]), how their line lies to the pads' own, how far the second normal is off the line, and how far the
+//! line passes the middle of the object. The best few are reached for by inverse kinematics, and the one that is reached
+//! best is taken.
+
+use super::digit::{Angles, Chain};
+use super::opposition::{Opposition, PADS_MAX, Span};
+use super::size::{middle, pads_middle};
+use super::solve::{Goal, solve};
+use super::surface::{Anchor, Sample, nearest, sample, through};
+use super::trouble::Trouble;
+use thenar::model::BodyId;
+use thenar::{Pose, Vec3, World};
+
+/// Surface is looked at within this of the middle of the pads \[m\]: a finger's length.
+const NEIGHBOURHOOD: f64 = 0.12;
+/// Width at which pads are when a hand is about to close \[m\].
+pub const READY: f64 = 0.04;
+/// Pairs that are reached for.
+const TRIED: usize = 16;
+/// Rounds of inverse kinematics for each.
+const ROUNDS: usize = 30;
+/// What a line at right angles to the pads' own counts as \[m\].
+const TILT: f64 = 0.06;
+/// What a second normal at right angles to the line counts as \[m\].
+const SLANT: f64 = 0.06;
+/// A second normal farther off the line than 45° holds nothing \[cosine\].
+const SLANT_MIN: f64 = 0.7;
+/// What a finger reached for counts beside where it is wanted.
+const MISS: f64 = 16.0;
+/// What the way from the middle of the object to the line counts.
+const ASIDE: f64 = 0.5;
+/// A pad that ends farther than this from its place is out of reach \[m\]: what fingers that close do not make up.
+pub const REACH: f64 = 0.012;
+/// A finger beside another has a place of its own where the surface goes on: no farther off than this, as part of the
+/// distance of fingers, with a normal within 60° of the line's.
+const BESIDE: f64 = 0.6;
+
+/// Turns of the row of fingers that are tried \[degrees\]: along a thing that is too narrow across.
+const TURNS_DEG: [f64; 5] = [0.0, 35.0, -35.0, 70.0, -70.0];
+
+/// Where the pads of a grip go.
+#[derive(Clone, Copy, Debug)]
+pub struct Choice {
+    /// Place of each pad, the base's first; none for one that has nothing to touch.
+    pub anchors: [Option<Anchor>; PADS_MAX],
+    /// Angles of each chain at its place.
+    pub angles: [Angles; PADS_MAX],
+    /// What does not fit.
+    pub trouble: Option<Trouble>,
+}
+
+/// A place for the base, one for the fingers.
+#[derive(Clone, Copy, Debug)]
+struct Pair {
+    base: Sample,
+    fingers: Sample,
+    cost: f64,
+}
+
+/// Memory to choose in.
+#[derive(Clone, Debug)]
+pub struct Scratch {
+    samples: Vec<Sample>,
+    best: Vec<Pair>,
+}
+
+impl Default for Scratch {
+    fn default() -> Self {
+        let samples = Vec::with_capacity(super::surface::SAMPLES_MAX);
+        Self { samples, best: Vec::with_capacity(TRIED + 1) }
+    }
+}
+
+/// Chooses places for a hand whose palm is at `palm`, world.
+pub fn choose(
+    opposition: &Opposition,
+    world: &World,
+    object: BodyId,
+    palm: &Pose,
+    scratch: &mut Scratch,
+) -> Choice {
+    let opening = opposition.opening();
+    let Scratch { samples, best } = scratch;
+    sample(world, object, &pads_middle(palm, opposition), NEIGHBOURHOOD, samples);
+    let centre = middle(world, object);
+    best.clear();
+    let mut narrowest = f64::INFINITY;
+    for base in samples.iter() {
+        let way = -base.normal;
+        let Some(fingers) = through(world, base, &way) else { continue };
+        if fingers.normal.dot(&way) < SLANT_MIN {
+            continue;
+        }
+        let width = (fingers.point - base.point).norm();
+        narrowest = narrowest.min(width);
+        if width <= opening {
+            let cost = rank(&base.point, &fingers, &way, opposition.at(width), palm, &centre);
+            keep(best, Pair { base: *base, fingers, cost });
+        }
+    }
+    let mut choice: Option<(f64, Choice)> = None;
+    for pair in best.iter() {
+        let (cost, tried) = reach_for(opposition, world, object, palm, pair);
+        if choice.as_ref().is_none_or(|(least, _)| cost < *least) {
+            choice = Some((cost, tried));
+        }
+    }
+    match choice {
+        Some((_, choice)) => choice,
+        None => stand_in(opposition, world, object, palm, narrowest),
+    }
+}
+
+/// Places where pads meet when nothing is between them: they move with the palm, which is this body.
+pub fn each_other(opposition: &Opposition, palm: u32) -> Choice {
+    let span = opposition.at(0.0);
+    let mut choice = Choice { anchors: [None; PADS_MAX], angles: span.angles, trouble: None };
+    for (pad, anchor) in choice.anchors.iter_mut().enumerate().take(opposition.pads()) {
+        let (point_B, normal_B) = match pad {
+            0 => (span.base, -span.axis),
+            _ => (span.fingers + span.across * opposition.offset(pad - 1), span.axis),
+        };
+        *anchor = Some(Anchor::Rigid { body: palm, point_B, normal_B });
+    }
+    choice
+}
+
+/// What a pair costs before anything is reached for \[m²\].
+fn rank(base: &Vec3, fingers: &Sample, way: &Vec3, span: &Span, palm: &Pose, centre: &Vec3) -> f64 {
+    let off = (base - palm.point(&span.base)).norm_squared()
+        + (fingers.point - palm.point(&span.fingers)).norm_squared();
+    let tilt = 1.0 - way.dot(&palm.vector(&span.axis));
+    let slant = 1.0 - way.dot(&fingers.normal);
+    let aside = (centre - base).cross(way).norm_squared();
+    off + TILT * TILT * tilt + SLANT * SLANT * slant + ASIDE * aside
+}
+
+/// Keeps the pair if it is among the best.
+fn keep(best: &mut Vec<Pair>, pair: Pair) {
+    let place = best.partition_point(|other| other.cost <= pair.cost);
+    if place < TRIED {
+        best.insert(place, pair);
+        best.truncate(TRIED);
+    }
+}
+
+/// Reaches for a pair with all pads; the cost of what is reached \[m²\].
+fn reach_for(
+    opposition: &Opposition,
+    world: &World,
+    object: BodyId,
+    palm: &Pose,
+    pair: &Pair,
+) -> (f64, Choice) {
+    let width = (pair.fingers.point - pair.base.point).norm();
+    let span = opposition.at(width);
+    let places = side_by_side(opposition, world, object, pair, &palm.vector(&span.across));
+    let mut choice = Choice { anchors: [None; PADS_MAX], angles: span.angles, trouble: None };
+    let mut cost = pair.cost;
+    let mut worst: Option<(usize, f64)> = None;
+    for pad in 0..opposition.pads() {
+        let place = match pad {
+            0 => Some(pair.base),
+            _ => places[pad - 1],
+        };
+        let Some(place) = place else { continue };
+        choice.anchors[pad] = Some(place.anchor);
+        let Some(chain) = opposition.chain(pad) else { continue };
+        let miss = approach(chain, &mut choice.angles[pad], palm, &place);
+        cost += MISS * miss * miss;
+        if worst.is_none_or(|(_, most)| miss > most) {
+            worst = Some((pad, miss));
+        }
+    }
+    choice.trouble = worst
+        .filter(|(_, miss)| *miss > REACH)
+        .map(|(pad, miss)| Trouble::OutOfReach { pad: pad as u8, miss });
+    (cost, choice)
+}
+
+/// Places of the fingers beside each other, as the hand has them or turned about the line, so that most find one.
+fn side_by_side(
+    opposition: &Opposition,
+    world: &World,
+    object: BodyId,
+    pair: &Pair,
+    across_W: &Vec3,
+) -> [Option<Sample>; PADS_MAX] {
+    let way = -pair.base.normal;
+    let across = (across_W - way * way.dot(across_W)).try_normalize(1e-9);
+    let across = across.unwrap_or_else(|| way.cross(&pair.fingers.normal.yzx()));
+    let count = opposition.pads() - 1;
+    let mut most: (usize, [Option<Sample>; PADS_MAX]) = (0, [None; PADS_MAX]);
+    for turn_deg in TURNS_DEG {
+        let (sin, cos) = f64::to_radians(turn_deg).sin_cos();
+        let across = across * cos + way.cross(&across) * sin;
+        let mut places = [None; PADS_MAX];
+        for (i, place) in places.iter_mut().enumerate().take(count) {
+            *place = beside(opposition, world, object, pair, &across, i);
+        }
+        let found = places.iter().flatten().count();
+        if found > most.0 {
+            most = (found, places);
+        }
+        if most.0 == count {
+            break;
+        }
+    }
+    // On the narrowest things one finger presses.
+    if most.0 == 0 {
+        most.1[0] = Some(pair.fingers);
+    }
+    most.1
+}
+
+/// Place of finger `i` beside the fingers' middle; `None` where the surface does not go on.
+fn beside(
+    opposition: &Opposition,
+    world: &World,
+    object: BodyId,
+    pair: &Pair,
+    across: &Vec3,
+    i: usize,
+) -> Option<Sample> {
+    let offset = opposition.offset(i);
+    if offset == 0.0 {
+        return Some(pair.fingers);
+    }
+    let wanted = pair.fingers.point + across * offset;
+    let found = nearest(world, object, &wanted)?;
+    let way = -pair.base.normal;
+    let near = (found.point - wanted).norm() < BESIDE * opposition.spacing;
+    (near && found.normal.dot(&way) > 0.5).then_some(found)
+}
+
+/// Brings a chain to a place; how far off it ends \[m\].
+fn approach(chain: &Chain, angles: &mut Angles, palm: &Pose, place: &Sample) -> f64 {
+    let centre = palm.inverse_point(&(place.point + place.normal * chain.pad.radius));
+    let normal = -palm.inverse_vector(&place.normal);
+    solve(chain, angles, &Goal { centre, normal }, ROUNDS)
+}
+
+/// What can be had of an object that does not fit: each pad goes to what is nearest.
+fn stand_in(
+    opposition: &Opposition,
+    world: &World,
+    object: BodyId,
+    palm: &Pose,
+    narrowest: f64,
+) -> Choice {
+    let opening = opposition.opening();
+    let span = opposition.at(opening);
+    let mut choice = Choice { anchors: [None; PADS_MAX], angles: span.angles, trouble: None };
+    let mut nearest_way = f64::INFINITY;
+    for pad in 0..opposition.pads() {
+        let at_P = match pad {
+            0 => span.base,
+            _ => span.fingers + span.across * opposition.offset(pad - 1),
+        };
+        let at = palm.point(&at_P);
+        let Some(place) = nearest(world, object, &at) else { continue };
+        let way = (place.point - at).norm();
+        nearest_way = nearest_way.min(way);
+        if way < NEIGHBOURHOOD {
+            choice.anchors[pad] = Some(place.anchor);
+            if let Some(chain) = opposition.chain(pad) {
+                approach(chain, &mut choice.angles[pad], palm, &place);
+            }
+        }
+    }
+    let none = choice.anchors.iter().all(Option::is_none);
+    choice.trouble = Some(match narrowest.is_finite() && !none {
+        true => Trouble::TooLarge { width: narrowest, opening },
+        false if none => Trouble::Far { distance: nearest_way },
+        false => Trouble::NoOpposite { opening },
+    });
+    choice
+}

@@ -1,0 +1,534 @@
+//! The grips of one hand, step by step.
+//!
+//! ```text
+//!  reaching            closing               holding                 opening
+//!  pads to places      pads go in until      targets go in by u,     back to the
+//!  before the surface  each touches          u by the force felt     script
+//! ```
+//!
+//! Pads follow places of the object until they touch, and the palm from then on: an object that is held moves with the
+//! hand and is held by the drives' springs, not followed where it slips. Only the depth `u` of all pads together answers to
+//! force: one loop for each pad would let an object wander that its weight presses on one side.
+
+use super::choose::{Scratch, choose, each_other};
+use super::digit::{Angles, Chain, FREEDOMS_MAX};
+use super::kind::GripKind;
+use super::memory::{GripMemory, PadMemory, Phase};
+use super::opposition::{Base, Opposition};
+use super::order::Order;
+use super::solve::{Goal, solve};
+use super::squeeze::{RANGE, push};
+use super::trouble::Trouble;
+use crate::build::BuiltHand;
+use crate::live::{Law, follow};
+use crate::motion::Articulation;
+use std::f64::consts::TAU;
+use thenar::model::Digit;
+use thenar::world::Target;
+use thenar::{Pose, Vec3, World};
+
+/// How far before the surface pads gather \[m\]: they clear what they go around, and are there a fifth of a second later.
+const BEFORE: f64 = 12e-3;
+/// How fast they go in \[m/s\]. A fingertip of 20 g on its drive of 500 N/m meets what is hard with `v √(k m)` = 0.1 N.
+const CLOSING: f64 = 0.04;
+/// How far behind the surface they look for it \[m\].
+const BEHIND: f64 = 8e-3;
+/// How fast targets make up for what pads lack \[1/s\], and by how much at most \[m\].
+const LEAD: (f64, f64) = (8.0, 0.015);
+/// Frequency at which joints follow while nothing is held \[Hz\], and their fastest rate \[rad/s\]: a reach takes half a second.
+const FOLLOW: (f64, f64) = (4.0, 4.0);
+/// Pads close when all targets are this near to where they make for \[rad\].
+const GATHERED: f64 = 0.05;
+/// Longest reach, and longest wait of a pad that touches for the others \[s\].
+const PATIENCE: [f64; 2] = [1.0, 0.8];
+/// Part of the force at which a pad is said to touch, and the most of it \[N\].
+const TOUCH: (f64, f64) = (0.05, 0.1);
+/// Time over which the felt force is smoothed \[s\].
+const SMOOTHING: f64 = 0.01;
+/// Time in which fingers open \[s\].
+const OPENING: f64 = 0.5;
+/// A force is lacking when after so long \[s\] so much of it is not there.
+const LACKING: (f64, f64) = (2.0, 0.1);
+/// Rounds of inverse kinematics in a step.
+const ROUNDS: usize = 3;
+
+/// A hand that grips.
+#[derive(Clone, Debug)]
+pub struct GripHand {
+    articulation: Articulation,
+    /// One for each kind that is asked of it, in the order of [`GripKind::ALL`].
+    oppositions: [Option<Box<Opposition>>; GripKind::ALL.len()],
+    /// Grips of the scene, by time.
+    orders: Vec<Order>,
+    pub(super) memory: GripMemory,
+    scratch: Scratch,
+    poses: Vec<Pose>,
+    script: Vec<[f64; 2]>,
+    script_rates: Vec<[f64; 2]>,
+}
+
+/// What a grip does, for who asks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GripState {
+    /// What was asked for.
+    pub order: Order,
+    /// What it is doing.
+    pub phase: Phase,
+    /// Force of the two sides against each other \[N\]: half of the sum of the normal forces of the pads.
+    pub force: f64,
+    /// What is amiss.
+    pub trouble: Option<Trouble>,
+}
+
+impl GripHand {
+    /// A hand without grips.
+    ///
+    /// # Errors
+    /// Its joints are no tree; says why.
+    pub fn new(hand: &BuiltHand) -> Result<Self, String> {
+        let articulation = Articulation::new(&hand.model).map_err(|e| e.to_string())?;
+        let (bones, joints) = (articulation.tree.bones(), articulation.tree.joints());
+        let memory = GripMemory { script: Vec::with_capacity(joints), ..GripMemory::default() };
+        Ok(Self {
+            articulation,
+            oppositions: Default::default(),
+            orders: Vec::new(),
+            memory,
+            scratch: Scratch::default(),
+            poses: vec![Pose::identity(); bones],
+            script: vec![[0.0; 2]; joints],
+            script_rates: vec![[0.0; 2]; joints],
+        })
+    }
+
+    /// Makes the hand ready for a kind. Takes some ten milliseconds the first time.
+    ///
+    /// # Errors
+    /// The hand lacks a digit that it needs; says which.
+    pub fn learn(&mut self, hand: &BuiltHand, kind: GripKind) -> Result<(), String> {
+        let place = &mut self.oppositions[kind as usize];
+        if place.is_none() {
+            *place = Some(Box::new(Opposition::new(&hand.model, kind)?));
+        }
+        Ok(())
+    }
+
+    /// Adds a grip of the scene, whose kind it has learnt, later than those before.
+    pub fn plan(&mut self, order: Order) {
+        self.orders.push(order);
+    }
+
+    /// Grips of the scene.
+    pub fn orders(&self) -> &[Order] {
+        &self.orders
+    }
+
+    /// The pads of a kind that it has learnt.
+    pub fn opposition(&self, kind: GripKind) -> Option<&Opposition> {
+        self.oppositions[kind as usize].as_deref()
+    }
+
+    /// Begins a grip, of a kind that it has learnt, now; a hand that grips opens first.
+    pub fn begin(&mut self, order: Order) {
+        let memory = &mut self.memory;
+        match memory.order {
+            None => (memory.order, memory.phase, memory.since) = (Some(order), Phase::Idle, 0.0),
+            Some(_) => {
+                self.release();
+                self.memory.waiting = Some(order);
+            }
+        }
+    }
+
+    /// Opens, if it grips.
+    pub fn release(&mut self) {
+        let memory = &mut self.memory;
+        memory.waiting = None;
+        match memory.phase {
+            Phase::Opening => {}
+            Phase::Idle => memory.order = None,
+            _ => (memory.phase, memory.since) = (Phase::Opening, 0.0),
+        }
+    }
+
+    /// Forgets all that went on: the scene starts over.
+    pub fn restart(&mut self) {
+        let mut script = std::mem::take(&mut self.memory.script);
+        script.clear();
+        self.memory = GripMemory { script, ..GripMemory::default() };
+    }
+
+    /// All that the next step depends on besides the scene and what enters.
+    pub fn memory(&self) -> &GripMemory {
+        &self.memory
+    }
+
+    /// Goes on from what a hand of the same scene remembered, whose kind it has learnt.
+    pub fn recall(&mut self, kept: &GripMemory) {
+        let mut script = std::mem::take(&mut self.memory.script);
+        script.clear();
+        script.extend_from_slice(&kept.script);
+        self.memory = GripMemory { script, ..kept.clone() };
+    }
+
+    /// What it does; `None` while it grips nothing.
+    pub fn state(&self) -> Option<GripState> {
+        let GripMemory { order, phase, force, trouble, .. } = &self.memory;
+        order.map(|order| GripState { order, phase: *phase, force: *force, trouble: *trouble })
+    }
+
+    /// Moves on by a step of `h` that ends at time `t` \[s\]: `targets`, which scripts and poses have filled, become those of
+    /// the grip where digits take part in it.
+    pub fn step(
+        &mut self,
+        world: &World,
+        hand: &BuiltHand,
+        h: f64,
+        t: f64,
+        targets: &mut [Option<Target>],
+    ) {
+        let Some(palm) = self.read_script(h, targets) else { return };
+        self.begin_by_script(t);
+        let Some(order) = self.memory.order else { return };
+        if order.open.is_some_and(|open| t >= open) && self.memory.phase != Phase::Opening {
+            self.release();
+        }
+        let Some(opposition) = self.oppositions[order.kind as usize].take() else { return };
+        let actual = world.rigid_pose(hand.handle.bones.start);
+        self.go_on(&opposition, world, hand, &order, &actual, h);
+        self.write(&opposition, &palm, targets);
+        self.oppositions[order.kind as usize] = Some(opposition);
+    }
+
+    /// Takes in what contact did in the last step.
+    pub fn feel(&mut self, world: &World, hand: &BuiltHand) {
+        let Some(order) = self.memory.order else { return };
+        if self.memory.phase == Phase::Idle {
+            return;
+        }
+        self.memory.felt = super::felt::felt(world, hand, order.object());
+    }
+
+    /// Angles of the script and their rates; the palm's target.
+    fn read_script(&mut self, h: f64, targets: &[Option<Target>]) -> Option<Target> {
+        for (pose, target) in self.poses.iter_mut().zip(targets) {
+            *pose = target.as_ref()?.pose_WB;
+        }
+        self.articulation.tree.angles(&self.poses, &mut self.script);
+        let before = &mut self.memory.script;
+        let known = before.len() == self.script.len();
+        if !known {
+            before.clear();
+            before.extend_from_slice(&self.script);
+        }
+        for (j, now) in self.script.iter().enumerate() {
+            self.script_rates[j] = [0, 1].map(|k| (now[k] - before[j][k]) / h);
+        }
+        before.copy_from_slice(&self.script);
+        *targets.first()?
+    }
+
+    /// Begins the scene's next grip when its time has come.
+    fn begin_by_script(&mut self, t: f64) {
+        while let Some(order) = self.orders.get(self.memory.begun as usize) {
+            if t < order.at {
+                return;
+            }
+            self.memory.begun += 1;
+            if order.open.is_none_or(|open| t < open) {
+                self.begin(*order);
+            }
+        }
+    }
+
+    /// Goes on with what the grip is doing.
+    fn go_on(
+        &mut self,
+        opposition: &Opposition,
+        world: &World,
+        hand: &BuiltHand,
+        order: &Order,
+        palm: &Pose,
+        h: f64,
+    ) {
+        self.memory.since += h;
+        let blend = 1.0 - (-h / SMOOTHING).exp();
+        self.memory.force += blend * (self.felt(opposition) - self.memory.force);
+        match self.memory.phase {
+            Phase::Idle => {
+                self.set_out(opposition, world, hand, order, palm);
+                self.reach(opposition, world, hand, palm, h);
+            }
+            Phase::Reaching | Phase::Closing => self.reach(opposition, world, hand, palm, h),
+            Phase::Holding => self.hold(opposition, world, hand, order, h),
+            Phase::Opening if self.memory.since >= OPENING => {
+                self.memory.order = self.memory.waiting.take();
+                (self.memory.phase, self.memory.since) = (Phase::Idle, 0.0);
+            }
+            Phase::Opening => {}
+        }
+    }
+
+    /// Chooses places for the pads.
+    fn set_out(
+        &mut self,
+        opposition: &Opposition,
+        world: &World,
+        hand: &BuiltHand,
+        order: &Order,
+        palm: &Pose,
+    ) {
+        let choice = match order.object() {
+            Some(object) => choose(opposition, world, object, palm, &mut self.scratch),
+            None => each_other(opposition, hand.handle.bones.start),
+        };
+        let Self { memory, script, script_rates, .. } = self;
+        for (pad, kept) in memory.pads.iter_mut().enumerate() {
+            let (angles, rates) = match opposition.chain(pad) {
+                Some(chain) => (chain.read(script), chain.read(script_rates)),
+                None => Default::default(),
+            };
+            *kept = PadMemory {
+                anchor: choice.anchors[pad],
+                goal: choice.angles[pad],
+                angles,
+                rates,
+                ..PadMemory::default()
+            };
+        }
+        (memory.phase, memory.since, memory.depth) = (Phase::Reaching, 0.0, 0.0);
+        (memory.felt, memory.force, memory.trouble) = ([0.0; 6], 0.0, choice.trouble);
+    }
+
+    /// Pads go to their places, then in until they touch.
+    fn reach(
+        &mut self,
+        opposition: &Opposition,
+        world: &World,
+        hand: &BuiltHand,
+        palm: &Pose,
+        h: f64,
+    ) {
+        let closing = self.memory.phase == Phase::Closing;
+        let before = match closing {
+            true => (BEFORE - CLOSING * self.memory.since).max(-BEHIND),
+            false => BEFORE,
+        };
+        let wanted = self.memory.order.map_or(0.0, |order| order.force);
+        let touch = (TOUCH.0 * wanted).min(TOUCH.1);
+        let (mut gathered, mut touching) = (true, true);
+        for pad in 0..opposition.pads() {
+            let kept = &mut self.memory.pads[pad];
+            let Some(anchor) = kept.anchor else { continue };
+            let (point, normal) = anchor.now(world);
+            let normal_P = palm.inverse_vector(&normal);
+            let place_P = palm.inverse_point(&point);
+            let Some(chain) = opposition.chain(pad) else {
+                // The palm itself waits where it is.
+                (kept.touched, kept.point_P, kept.normal_P) = (true, place_P, normal_P);
+                continue;
+            };
+            let felt = self.memory.felt[part(chain.digit)];
+            if kept.touched {
+                kept.rates = [0.0; FREEDOMS_MAX];
+                continue;
+            }
+            let bone = hand.handle.bones.start + chain.pad.bone as u32;
+            let pad_P = palm.inverse_point(&world.rigid_pose(bone).point(&chain.pad.centre_B));
+            let goal = place_P + normal_P * (chain.pad.radius + before);
+            let miss = goal - pad_P;
+            if closing {
+                let lead = kept.lead_P + miss * (LEAD.0 * h).min(1.0);
+                let size = lead.norm();
+                kept.lead_P = if size > LEAD.1 { lead * (LEAD.1 / size) } else { lead };
+            }
+            let goal = Goal { centre: goal + kept.lead_P, normal: -normal_P };
+            solve(chain, &mut kept.goal, &goal, ROUNDS);
+            gathered &= advance(kept, chain, h) < GATHERED;
+            if closing && felt > touch {
+                kept.touched = true;
+                kept.point_P = chain.reach(&kept.angles).centre;
+                kept.normal_P = normal_P;
+            } else {
+                touching = false;
+            }
+        }
+        let waited = self.memory.since;
+        if closing && (touching || waited > (BEFORE + BEHIND) / CLOSING + PATIENCE[1]) {
+            self.take_hold(opposition, world, hand, palm);
+        } else if !closing && (gathered || waited > PATIENCE[0]) {
+            (self.memory.phase, self.memory.since) = (Phase::Closing, 0.0);
+        }
+    }
+
+    /// From here on the palm carries the pads.
+    fn take_hold(&mut self, opposition: &Opposition, world: &World, hand: &BuiltHand, palm: &Pose) {
+        let memory = &mut self.memory;
+        let (mut fingers, mut count) = (Vec3::zeros(), 0.0);
+        let mut base = None;
+        for pad in 0..opposition.pads() {
+            let kept = &mut memory.pads[pad];
+            let Some(anchor) = kept.anchor else { continue };
+            let Some(chain) = opposition.chain(pad) else { continue };
+            if !kept.touched {
+                kept.point_P = chain.reach(&kept.angles).centre;
+                kept.normal_P = palm.inverse_vector(&anchor.now(world).1);
+            }
+            let bone = hand.handle.bones.start + chain.pad.bone as u32;
+            let centre = palm.inverse_point(&world.rigid_pose(bone).point(&chain.pad.centre_B));
+            if pad == 0 {
+                base = Some(centre);
+            } else {
+                fingers += centre;
+                count += 1.0;
+            }
+        }
+        let ready = opposition.at(0.0).axis;
+        let along = base.filter(|_| count > 0.0).map(|base| fingers / count - base);
+        memory.axis_P = match &opposition.base {
+            Base::Palm(_, normal) => *normal,
+            Base::Thumb(_) => along.and_then(|way| way.try_normalize(1e-4)).unwrap_or(ready),
+        };
+        (memory.phase, memory.since, memory.depth) = (Phase::Holding, 0.0, 0.0);
+        // What was foreseen to be out of reach may have been met all the same.
+        let foreseen = memory.trouble.filter(|t| !matches!(t, Trouble::OutOfReach { .. }));
+        self.memory.trouble = foreseen.or(self.untouched(opposition, world, hand));
+    }
+
+    /// What is amiss where pads have met nothing.
+    fn untouched(
+        &self,
+        opposition: &Opposition,
+        world: &World,
+        hand: &BuiltHand,
+    ) -> Option<Trouble> {
+        let part = |pad: &usize| self.memory.pads[*pad].anchor.is_some();
+        let mut pads = (0..opposition.pads()).filter(part);
+        if !pads.clone().any(|pad| self.memory.pads[pad].touched) {
+            return Some(Trouble::Missed);
+        }
+        let short = pads.find(|pad| !self.memory.pads[*pad].touched)?;
+        let chain = opposition.chain(short)?;
+        let bone = hand.handle.bones.start + chain.pad.bone as u32;
+        let centre = world.rigid_pose(bone).point(&chain.pad.centre_B);
+        let (place, _) = self.memory.pads[short].anchor?.now(world);
+        let miss = ((place - centre).norm() - chain.pad.radius).max(0.0);
+        Some(Trouble::OutOfReach { pad: short as u8, miss })
+    }
+
+    /// Pads press with the force that was asked for.
+    fn hold(
+        &mut self,
+        opposition: &Opposition,
+        world: &World,
+        hand: &BuiltHand,
+        order: &Order,
+        h: f64,
+    ) {
+        let bound = stiffness(opposition, world, hand);
+        let memory = &mut self.memory;
+        memory.depth = push(memory.depth, memory.force, order.force, bound, h);
+        let fingers = (1..opposition.pads()).filter(|pad| memory.pads[*pad].anchor.is_some());
+        let share = 1.0 / fingers.count().max(1) as f64;
+        for pad in 0..opposition.pads() {
+            let kept = &mut memory.pads[pad];
+            let (Some(chain), Some(_)) = (opposition.chain(pad), kept.anchor) else { continue };
+            let inwards = if pad == 0 { memory.axis_P } else { memory.axis_P * -share };
+            let centre = kept.point_P + inwards * memory.depth;
+            solve(chain, &mut kept.goal, &Goal { centre, normal: -kept.normal_P }, ROUNDS);
+            turn_to(kept, h);
+        }
+        let lacking = order.force - memory.force > LACKING.1 * order.force;
+        if memory.since > LACKING.0 && lacking && memory.depth >= RANGE[1] {
+            memory.trouble.get_or_insert(Trouble::Weak { felt: memory.force });
+        }
+    }
+
+    /// Force of the two sides against each other in the last step \[N\].
+    fn felt(&self, opposition: &Opposition) -> f64 {
+        let palm = if opposition.kind.has_thumb() { 0.0 } else { self.memory.felt[0] };
+        let digits = (0..opposition.pads()).filter_map(|pad| opposition.chain(pad));
+        0.5 * (palm + digits.map(|chain| self.memory.felt[part(chain.digit)]).sum::<f64>())
+    }
+
+    /// Puts the targets of the digits that take part where the grip has them.
+    fn write(&self, opposition: &Opposition, palm: &Target, targets: &mut [Option<Target>]) {
+        let memory = &self.memory;
+        if memory.phase == Phase::Idle {
+            return;
+        }
+        let root = [palm.velocity_W, palm.angular_velocity_W];
+        // How much of the grip is left, and how fast that falls.
+        let (left, fall) = match memory.phase {
+            Phase::Opening => ease(1.0 - memory.since / OPENING),
+            _ => (1.0, 0.0),
+        };
+        for pad in 0..opposition.pads() {
+            let kept = &memory.pads[pad];
+            let (Some(chain), Some(_)) = (opposition.chain(pad), kept.anchor) else { continue };
+            let (script, rates) = (chain.read(&self.script), chain.read(&self.script_rates));
+            let still = memory.phase == Phase::Opening;
+            let (mut angles, mut turning) = ([0.0; FREEDOMS_MAX], [0.0; FREEDOMS_MAX]);
+            for k in 0..chain.freedoms.len() {
+                let own = if still { 0.0 } else { kept.rates[k] };
+                let apart = kept.angles[k] - script[k];
+                angles[k] = script[k] + left * apart;
+                turning[k] = rates[k] + left * (own - rates[k]) - fall / OPENING * apart;
+            }
+            chain.bones_at((&palm.pose_WB, root), &angles, &turning, |bone, pose_WB, [v, w]| {
+                let target = Target { pose_WB, velocity_W: v, angular_velocity_W: w };
+                if let Some(place) = targets.get_mut(bone).filter(|_| target.is_finite()) {
+                    *place = Some(target);
+                }
+            });
+        }
+    }
+}
+
+/// Smooth step from 0 to 1 and its slope.
+fn ease(u: f64) -> (f64, f64) {
+    let u = u.clamp(0.0, 1.0);
+    (u * u * u * (10.0 + u * (6.0 * u - 15.0)), 30.0 * u * u * (1.0 - u) * (1.0 - u))
+}
+
+/// Number of a digit among the felt forces.
+fn part(digit: Digit) -> usize {
+    usize::from(digit.part())
+}
+
+/// Moves the targets of a pad smoothly towards its goal; how far off they are \[rad\].
+fn advance(kept: &mut PadMemory, chain: &Chain, h: f64) -> f64 {
+    let law = Law { omega: TAU * FOLLOW.0, speed: FOLLOW.1 };
+    let mut off = 0.0f64;
+    for k in 0..chain.freedoms.len() {
+        let now = [kept.angles[k], kept.rates[k]];
+        [kept.angles[k], kept.rates[k]] = follow(now, [kept.goal[k], 0.0], law, h);
+        off = off.max((kept.goal[k] - kept.angles[k]).abs());
+    }
+    off
+}
+
+/// Puts the targets of a pad where its goal is, no faster than joints go.
+fn turn_to(kept: &mut PadMemory, h: f64) {
+    let before: Angles = kept.angles;
+    for k in 0..FREEDOMS_MAX {
+        let most = FOLLOW.1 * h;
+        kept.angles[k] += (kept.goal[k] - before[k]).clamp(-most, most);
+        kept.rates[k] = (kept.angles[k] - before[k]) / h;
+    }
+}
+
+/// A bound of the stiffness with which the base's pad is pushed \[N/m\]: all bones of its digit pushed as far as the pad,
+/// and turned as if each were a lever of [`LEVER`].
+fn stiffness(opposition: &Opposition, world: &World, hand: &BuiltHand) -> f64 {
+    let chain = opposition.chain(0).or_else(|| opposition.chain(1));
+    let Some(chain) = chain else { return 1.0 };
+    let drive = |bone: &usize| {
+        let drive = world.desc().drives[hand.handle.bones.start as usize + bone];
+        drive.map_or(0.0, |d| d.stiffness + d.angular_stiffness / (LEVER * LEVER))
+    };
+    chain.bones[1..].iter().map(drive).sum::<f64>().max(1.0)
+}
+
+/// A finger's lever \[m\].
+const LEVER: f64 = 0.05;

@@ -1,0 +1,70 @@
+//! The kinds of grip: which pads take part, and where on the digits they are.
+
+use serde::{Deserialize, Serialize};
+use thenar::model::Digit;
+
+/// How an object is gripped.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum GripKind {
+    /// Pads of thumb and index finger against each other.
+    #[default]
+    Pinch,
+    /// The thumb's pad against those of index and middle finger, as a pen is held.
+    Tripod,
+    /// The thumb's pad against those of all four fingers.
+    Power,
+    /// Four fingers bent around the object, the thumb out of the way.
+    Hook,
+    /// The thumb's pad on the side of the bent index finger, as a key is held.
+    Lateral,
+}
+
+/// Where on a digit a pad is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PadPlace {
+    /// The palm's side of the last bone.
+    Tip,
+    /// The thumb's side of the last bone but one.
+    Side,
+}
+
+impl GripKind {
+    /// All kinds, in the order of their names in a scene.
+    pub const ALL: [Self; 5] = [Self::Pinch, Self::Tripod, Self::Power, Self::Hook, Self::Lateral];
+
+    /// Name in a scene.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pinch => "pinch",
+            Self::Tripod => "tripod",
+            Self::Power => "power",
+            Self::Hook => "hook",
+            Self::Lateral => "lateral",
+        }
+    }
+
+    /// The kind of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+
+    /// The fingers that press against the thumb, or in a hook against the palm.
+    pub fn fingers(self) -> &'static [Digit] {
+        match self {
+            Self::Pinch | Self::Lateral => &Digit::FINGERS[1..2],
+            Self::Tripod => &Digit::FINGERS[1..3],
+            Self::Power | Self::Hook => &Digit::FINGERS[1..],
+        }
+    }
+
+    /// Whether the thumb takes part.
+    pub fn has_thumb(self) -> bool {
+        self != Self::Hook
+    }
+
+    /// Where the pads of its fingers are.
+    pub fn place(self) -> PadPlace {
+        if self == Self::Lateral { PadPlace::Side } else { PadPlace::Tip }
+    }
+}

@@ -1,0 +1,35 @@
+//! Grips by intent: what to grip, how, with what force and until when; pads find their way by themselves.
+//!
+//! 1. [`Opposition`]: how the pads of a kind stand against each other at every width that the hand spans;
+//! 2. [`choose`]: opposed places of the object's surface for them, whatever its shape;
+//! 3. [`solve`]: angles for a pad's place, by damped least squares within the joints' ranges;
+//! 4. [`squeeze`]: how hard pads push, by the force that is felt;
+//! 5. [`GripHand`]: these, step by step.
+//!
+//! The same calls give the same bits. Steps allocate nothing once a hand has learnt a kind. The step in which a grip begins takes some
+//! milliseconds, for the search of places.
+
+mod choose;
+mod digit;
+mod felt;
+mod hand;
+mod kind;
+mod memory;
+mod opposition;
+mod order;
+mod size;
+mod solve;
+mod squeeze;
+mod surface;
+mod trouble;
+
+pub use digit::{Angles, Chain, Freedom, Pad, Reached};
+pub(crate) use felt::digit_touched;
+pub use hand::{GripHand, GripState};
+pub use kind::{GripKind, PadPlace};
+pub use memory::{GripMemory, PadMemory, Phase};
+pub use opposition::{Base, Opposition, Span};
+pub use order::Order;
+pub use size::{narrowest, pads_middle, pads_middle_at, usual_force, way_to};
+pub use surface::Anchor;
+pub use trouble::Trouble;

@@ -1,0 +1,55 @@
+//! What a hand is asked to grip.
+
+use super::kind::GripKind;
+use serde::{Deserialize, Serialize};
+use thenar::World;
+use thenar::model::BodyId;
+
+/// One grip, with its object by index.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Order {
+    /// The object: whether it is a deformable body, and its index among the rigid or the deformable ones. None where pads
+    /// press against each other.
+    object: Option<(bool, u32)>,
+    /// How.
+    pub kind: GripKind,
+    /// Force with which the two sides press against each other \[N\].
+    pub force: f64,
+    /// When the fingers begin to close \[s\].
+    pub at: f64,
+    /// When they open \[s\].
+    pub open: Option<f64>,
+}
+
+impl Order {
+    /// A grip of this object, or of the pads by each other.
+    pub fn new(
+        object: Option<BodyId>,
+        kind: GripKind,
+        force: f64,
+        at: f64,
+        open: Option<f64>,
+    ) -> Self {
+        let object = object.map(|object| match object {
+            BodyId::Rigid(i) => (false, i),
+            BodyId::Soft(i) => (true, i),
+        });
+        Self { object, kind, force, at, open }
+    }
+
+    /// True when the object is one of this world's, and the numbers are finite.
+    pub fn fits(&self, world: &World) -> bool {
+        let counts = |soft: bool| {
+            if soft { world.desc().softs.len() } else { world.desc().rigids.len() }
+        };
+        self.object.is_none_or(|(soft, index)| (index as usize) < counts(soft))
+            && self.force.is_finite()
+            && self.at.is_finite()
+            && self.open.is_none_or(f64::is_finite)
+    }
+
+    /// The object; none where pads press against each other.
+    pub fn object(&self) -> Option<BodyId> {
+        self.object.map(|(soft, i)| if soft { BodyId::Soft(i) } else { BodyId::Rigid(i) })
+    }
+}

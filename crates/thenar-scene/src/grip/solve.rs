@@ -1,0 +1,174 @@
+//! Inverse kinematics of one digit: damped least squares within the joints' ranges [Wampler 1986].
+//!
+//! A step `dq` of the angles makes least
+//!
+//! ```text
+//! |e - J dq|² + w² |e_n - J_n dq|² + c² |q_ease - q - dq|² + λ² |dq|²
+//! ```
+//!
+//! with `e` the way that the pad lacks, `J` how angles move it, `e_n` the turn that lays its normal where it is wanted
+//! and `J_n` how angles turn it. Freedoms at the end of their range that would go on are left out of it. What is weighed
+//! beside the place bends it by a fraction of a millimetre, which a loop around this takes away where it matters.
+
+use super::digit::{Angles, Chain, FREEDOMS_MAX};
+use nalgebra::{SMatrix, SVector};
+use thenar::Vec3;
+
+/// Weight of the normal's turn \[m/rad\]: half a radian away bends the place by 0.1 mm at an arm of 60 mm.
+const TURN: f64 = 0.004;
+/// Weight of ease \[m/rad\]: half a radian away bends the place by 0.02 mm at that arm.
+const EASE: f64 = 0.0015;
+/// Damping \[m/rad\]: a hundredth of the square of a finger's arm of 50 mm.
+const DAMPING: f64 = 0.005;
+/// Largest change of an angle in one round \[rad\].
+const ROUND_MAX: f64 = 0.25;
+
+/// Where a pad is wanted, in the palm's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Goal {
+    /// Place of its centre \[m\].
+    pub centre: Vec3,
+    /// Direction out of the pad's skin.
+    pub normal: Vec3,
+}
+
+/// Brings the pad of a chain to a goal in so many rounds from `angles`, which become those found; tells how far off the
+/// place is \[m\].
+pub fn solve(chain: &Chain, angles: &mut Angles, goal: &Goal, rounds: usize) -> f64 {
+    for _ in 0..rounds {
+        if round(chain, angles, goal) < 1e-9 {
+            break;
+        }
+    }
+    (goal.centre - chain.reach(angles).centre).norm()
+}
+
+/// One round; returns the largest change of an angle.
+fn round(chain: &Chain, angles: &mut Angles, goal: &Goal) -> f64 {
+    let n = chain.freedoms.len();
+    let reached = chain.reach(angles);
+    let miss = goal.centre - reached.centre;
+    let turn = turn_between(&reached.normal, &goal.normal);
+    let mut matrix = SMatrix::<f64, FREEDOMS_MAX, FREEDOMS_MAX>::identity();
+    let mut right = SVector::<f64, FREEDOMS_MAX>::zeros();
+    // Turns about the normal itself are free.
+    let across = |axis: &Vec3| axis - reached.normal * reached.normal.dot(axis);
+    for i in 0..n {
+        let (move_i, turn_i) = (reached.moves[i], across(&reached.turns[i]));
+        for k in 0..n {
+            matrix[(i, k)] = move_i.dot(&reached.moves[k])
+                + TURN * TURN * turn_i.dot(&across(&reached.turns[k]));
+        }
+        let ease = chain.freedoms[i].ease - angles[i];
+        right[i] = move_i.dot(&miss) + TURN * TURN * turn_i.dot(&turn) + EASE * EASE * ease;
+        matrix[(i, i)] += DAMPING * DAMPING + EASE * EASE;
+    }
+    // Freedoms that push against the ends of their ranges are held, one after the other.
+    let mut held = [false; FREEDOMS_MAX];
+    for _ in 0..n {
+        let mut free = matrix;
+        let mut wanted = right;
+        for i in (0..n).filter(|&i| held[i]) {
+            free.row_mut(i).fill(0.0);
+            free.column_mut(i).fill(0.0);
+            (free[(i, i)], wanted[i]) = (1.0, 0.0);
+        }
+        let Some(factor) = free.cholesky() else { return 0.0 };
+        let step = factor.solve(&wanted);
+        let mut more = false;
+        for i in 0..n {
+            let [low, high] = chain.freedoms[i].range;
+            let ends = (angles[i] >= high && step[i] > 0.0) || (angles[i] <= low && step[i] < 0.0);
+            if ends && !held[i] {
+                (held[i], more) = (true, true);
+            }
+        }
+        if more {
+            continue;
+        }
+        let largest = (0..n).map(|i| step[i].abs()).fold(0.0, f64::max);
+        let scale = (ROUND_MAX / largest.max(1e-300)).min(1.0);
+        for i in 0..n {
+            let [low, high] = chain.freedoms[i].range;
+            angles[i] =
+                (angles[i] + step[i] * scale).clamp(low.min(angles[i]), high.max(angles[i]));
+        }
+        return largest * scale;
+    }
+    0.0
+}
+
+/// The rotation vector that turns one direction into the other, without a turn about either.
+fn turn_between(from: &Vec3, to: &Vec3) -> Vec3 {
+    let axis = from.cross(to);
+    let (sin, cos) = (axis.norm(), from.dot(to));
+    if sin < 1e-9 { Vec3::zeros() } else { axis * (sin.atan2(cos) / sin) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grip::kind::PadPlace;
+    use crate::motion::fixture;
+    use crate::session::Random;
+    use thenar::model::Digit;
+
+    /// Places that digits reach at angles drawn from their ranges are reached from ease, but for what ease and turn bend.
+    #[test]
+    fn places_within_reach_are_reached() {
+        let hand = fixture::hand(false);
+        let mut random = Random::new(3);
+        for digit in Digit::FINGERS {
+            let chain = Chain::new(&hand, digit, PadPlace::Tip).expect("a chain");
+            for _ in 0..50 {
+                let mut there = chain.ease();
+                for (angle, freedom) in there.iter_mut().zip(&chain.freedoms) {
+                    let [low, high] = freedom.range;
+                    *angle = low + (high - low) * 0.5 * (1.0 + random.symmetric());
+                }
+                let reached = chain.reach(&there);
+                let goal = Goal { centre: reached.centre, normal: reached.normal };
+                let mut angles = chain.ease();
+                let miss = solve(&chain, &mut angles, &goal, 60);
+                assert!(miss < 1e-3, "{digit:?}: {miss} m of {there:?}");
+                assert_eq!(angles, chain.within(angles), "within the ranges");
+            }
+        }
+    }
+
+    /// The columns of the Jacobian are differences.
+    #[test]
+    fn moves_are_derivatives_of_the_place() {
+        let hand = fixture::hand(true);
+        let chain = Chain::new(&hand, Digit::Thumb, PadPlace::Tip).expect("a chain");
+        let at = chain.ease();
+        let reached = chain.reach(&at);
+        for k in 0..chain.freedoms.len() {
+            let step = |e: f64| {
+                let mut moved = at;
+                moved[k] += e;
+                chain.reach(&moved)
+            };
+            let (low, high) = (step(-1e-6), step(1e-6));
+            let place = (high.centre - low.centre) / 2e-6;
+            let normal = (high.normal - low.normal) / 2e-6;
+            assert!((place - reached.moves[k]).norm() < 1e-8, "{k}");
+            assert!((normal - reached.turns[k].cross(&reached.normal)).norm() < 1e-6, "{k}");
+        }
+    }
+
+    /// What is out of reach is approached as near as a digit goes: along the line to it when it is straight.
+    #[test]
+    fn what_is_out_of_reach_is_approached() {
+        let hand = fixture::hand(false);
+        let chain = Chain::new(&hand, Digit::Index, PadPlace::Tip).expect("a chain");
+        let straight = chain.within([0.0; FREEDOMS_MAX]);
+        let tip = chain.reach(&straight);
+        let knuckle = hand.joints[chain.bones[1] - 1].pose_PJ.position;
+        let along = (tip.centre - knuckle).normalize();
+        let goal = Goal { centre: tip.centre + along * 0.05, normal: tip.normal };
+        let mut angles = chain.ease();
+        let miss = solve(&chain, &mut angles, &goal, 200);
+        assert!((miss - 0.05).abs() < 1e-3, "{miss}");
+    }
+}

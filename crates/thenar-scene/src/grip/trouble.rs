@@ -1,0 +1,79 @@
+//! Why a grip is not had as it was asked for.
+
+use super::opposition::Opposition;
+use serde::{Deserialize, Serialize};
+
+/// What is amiss with a grip. Lengths in m, forces in N.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Trouble {
+    /// The object is wider than the pads open, wherever they could go.
+    TooLarge {
+        /// Least width of the object where the hand is.
+        width: f64,
+        /// What the pads span.
+        opening: f64,
+    },
+    /// No two places of the object near the hand face away from each other.
+    NoOpposite {
+        /// What the pads span.
+        opening: f64,
+    },
+    /// The object is nowhere near the pads.
+    Far {
+        /// From the pads to the object.
+        distance: f64,
+    },
+    /// A pad does not get to its place.
+    OutOfReach {
+        /// Which: the base 0, the fingers from 1.
+        pad: u8,
+        /// How far it ends from there.
+        miss: f64,
+    },
+    /// The fingers are closed as far as they go, and bear less than asked.
+    Weak {
+        /// Force that they bear.
+        felt: f64,
+    },
+    /// Nothing was touched where the object was to be.
+    Missed,
+}
+
+impl Trouble {
+    /// One sentence that names the object, the kind and the figure.
+    pub fn sentence(&self, opposition: &Opposition, object: &str, force: f64) -> String {
+        let kind = opposition.kind.name();
+        let [base, fingers] = opposition.sides();
+        let mm = |x: f64| (x * 1e3).round();
+        match self {
+            Self::TooLarge { width, opening } => format!(
+                "{kind}: `{object}` of {} mm across does not fit between {base} and {fingers}, which open to {} mm",
+                mm(*width),
+                mm(*opening)
+            ),
+            Self::NoOpposite { opening } => format!(
+                "{kind}: `{object}` has no opposed places near the hand for {base} and {fingers}, which open to {} mm",
+                mm(*opening)
+            ),
+            Self::Far { distance } => format!(
+                "{kind}: `{object}` is {} mm from where {base} and {fingers} close: too far for the fingers, move the wrist",
+                mm(*distance)
+            ),
+            Self::OutOfReach { pad, miss } => {
+                let pad = match opposition.chain(usize::from(*pad)) {
+                    Some(chain) => chain.digit.name(),
+                    None => "palm",
+                };
+                format!("{kind}: the {pad} ends {} mm short of its place on `{object}`", mm(*miss))
+            }
+            Self::Weak { felt } => format!(
+                "{kind}: `{object}` is held with {felt:.2} N instead of {force} N: the fingers' drives give no more"
+            ),
+            Self::Missed => {
+                format!(
+                    "{kind}: the fingers closed and `{object}` was not between {base} and {fingers}"
+                )
+            }
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! What cannot be had is told: when the scene is opened, or while it runs, in one sentence that names the figure.
+
+use crate::stage::{Stage, open};
+use std::path::Path;
+use thenar_scene::grip::{GripKind, Phase};
+use thenar_scene::session::{GripError, Session};
+
+fn ball() -> Stage {
+    Stage::ball("paper", GripKind::Pinch, 2.0, 5e-3)
+}
+
+/// The one error of a scene in which `from` is replaced.
+fn error(from: &str, to: &str) -> String {
+    let text = ball().text();
+    assert!(text.contains(from), "{text}");
+    let text = text.replacen(from, to, 1);
+    match Session::from_text(&text, Path::new("grip.toml"), &[]) {
+        Ok(_) => panic!("{to} is taken"),
+        Err(e) => e.to_string(),
+    }
+}
+
+#[test]
+fn nonsense_is_refused_with_its_reason() {
+    let said = error("object = \"thing\"", "object = \"thimg\"");
+    assert!(said.contains("no body is named \"thimg\"") && said.contains("\"thing\""), "{said}");
+    let said = error("object = \"thing\"", "object = \"hand\"");
+    assert!(said.contains("is the hand itself"), "{said}");
+    let said = error("kind = \"pinch\"", "kind = \"pinhc\"");
+    assert!(said.contains("expected one of \"pinch\", \"tripod\""), "{said}");
+    let said = error("force = 2", "force = -2");
+    assert!(said.contains("force"), "{said}");
+    let said = error("at = 0.1", "at = 0.1\nopen = 0.05");
+    assert!(said.contains("`open` later than `at`"), "{said}");
+    let twice = "at = 0.1\n[[hand.grip]]\nobject = \"thing\"\nkind = \"tripod\"\nat = 0.5";
+    let said = error("at = 0.1", twice);
+    assert!(said.contains("one thing at a time"), "{said}");
+    let said = error("name = \"hand\"", "name = \"hand\"\ndriven = false");
+    assert!(said.contains("`driven = false` grips nothing"), "{said}");
+    let said = error("name = \"hand\"", "name = \"hand\"\nflesh = false");
+    assert!(said.contains("touches nothing"), "{said}");
+    let plane = "name = \"floor\"\nmotion = \"fixed\"\nshape = { kind = \"plane\" }\n[[rigid]]\nname = \"peg\"";
+    let text = ball().text().replacen("name = \"peg\"", plane, 1);
+    let text = text.replacen("object = \"thing\"", "object = \"floor\"", 1);
+    let said =
+        Session::from_text(&text, Path::new("grip.toml"), &[]).map(|_| ()).unwrap_err().to_string();
+    assert!(said.contains("is a plane"), "{said}");
+}
+
+/// 300 mm is more than thumb and index finger open to, 145 mm on this hand.
+#[test]
+fn what_is_too_large_is_told_when_the_scene_is_opened() {
+    let object =
+        "[[rigid]]\nshape = { kind = \"sphere\", radius = 0.15 }\nmass = 0.5\nmotion = \"fixed\"";
+    let stage = Stage { object: object.into(), drop: 0.25, ..ball() };
+    let session = stage.session();
+    let warnings = session.warnings();
+    let said = "hand `hand`: pinch: `thing` of 300 mm across does not fit between thumb and index, which open to ";
+    assert!(warnings.iter().any(|warning| warning.starts_with(said)), "{warnings:?}");
+}
+
+#[test]
+fn what_is_too_far_is_told_and_the_fingers_stay_sound() {
+    let text =
+        ball().text().replacen("name = \"thing\"", "name = \"thing\"\nposition = [0, 0, -0.5]", 1);
+    let mut session = open(&text);
+    while session.world().time() < 1.0 {
+        assert!(!session.step(&mut ()).non_finite);
+    }
+    let said = session.grip_trouble(0).expect("a trouble");
+    assert!(said.contains("`thing` is") && said.contains("too far for the fingers"), "{said}");
+    assert!(said.contains("pinch") && said.contains(" mm "), "{said}");
+}
+
+#[test]
+fn a_grip_is_asked_for_while_the_session_runs() {
+    let mut session = open(&ball().text_without_grip());
+    assert_eq!(session.grip_state(0), None);
+    let refused = session.grip(3, None, GripKind::Pinch, None);
+    assert_eq!(refused, Err(GripError::NoHand { hand: 3, count: 1 }));
+    let refused = session.grip(0, Some("nothing"), GripKind::Pinch, None).unwrap_err();
+    assert!(refused.to_string().contains("no body is named \"nothing\""), "{refused}");
+    assert!(refused.to_string().contains("\"thing\""), "{refused}");
+    assert_eq!(session.grip(0, None, GripKind::Pinch, Some(-1.0)), Err(GripError::Force(-1.0)));
+    // What is under the hand is the ball, not the fixed peg.
+    assert_eq!(session.grip(0, None, GripKind::Pinch, Some(2.0)), Ok("thing".into()));
+    while session.world().time() < 3.5 {
+        session.step(&mut ());
+    }
+    let state = session.grip_state(0).expect("a grip");
+    assert_eq!(state.phase, Phase::Holding);
+    assert!((state.force - 2.0).abs() < 0.2, "{state:?}");
+    // Another kind at once: the hand opens, then grips; what it had falls.
+    session.release(0).expect("a hand");
+    while session.world().time() < 4.2 {
+        session.step(&mut ());
+    }
+    assert_eq!(session.grip_state(0), None);
+    let near = session.grip(0, None, GripKind::Power, None).unwrap_err();
+    assert!(near.to_string().contains("nothing is within 120 mm"), "{near}");
+}
+
+#[test]
+fn a_session_that_starts_over_grips_again() {
+    let mut session = ball().session();
+    let mut hashes = Vec::new();
+    for _ in 0..2 {
+        for _ in 0..200 {
+            session.step(&mut ());
+        }
+        hashes.push(session.world().state_hash());
+        session.restart();
+    }
+    assert_eq!(hashes[0], hashes[1]);
+}

@@ -1,0 +1,124 @@
+//! A hand above a thing on a peg, as a scene: it grips, lifts by 100 mm, and holds.
+
+use std::path::Path;
+use thenar::Vec3;
+use thenar_scene::grip::{GripHand, GripKind, pads_middle_at};
+use thenar_scene::session::Session;
+
+/// What is gripped, and how.
+#[derive(Clone, Debug)]
+pub struct Stage {
+    /// Of the hand.
+    pub preset: &'static str,
+    /// Of the hand.
+    pub side: &'static str,
+    /// Kind of grip.
+    pub kind: GripKind,
+    /// Tables `[[rigid]]` or `[[soft]]` of the object, named "thing", without position.
+    pub object: String,
+    /// Its width between the pads [m], and its height over the peg's top [m].
+    pub size: [f64; 2],
+    /// What is asked [N].
+    pub force: f64,
+    /// Time step [s].
+    pub h: f64,
+    /// Friction of skin and thing.
+    pub friction: f64,
+    /// How much lower the thing is than the middle of the pads [m].
+    pub drop: f64,
+    /// Keys of the grip.
+    pub more: String,
+}
+
+impl Stage {
+    pub fn ball(preset: &'static str, kind: GripKind, force: f64, h: f64) -> Self {
+        Self {
+            preset,
+            side: "right",
+            kind,
+            object: "[[rigid]]\nshape = { kind = \"sphere\", radius = 0.02 }\nmass = 0.05".into(),
+            size: [0.04, 0.04],
+            force,
+            h,
+            friction: 0.8,
+            drop: 0.0,
+            more: String::new(),
+        }
+    }
+
+    /// A ball of 80 mm and 150 g in a power grip, held above its middle.
+    pub fn large_ball(preset: &'static str, force: f64, h: f64) -> Self {
+        Self {
+            object: "[[rigid]]\nshape = { kind = \"sphere\", radius = 0.04 }\nmass = 0.15".into(),
+            size: [0.08, 0.08],
+            drop: 0.02,
+            ..Self::ball(preset, GripKind::Power, force, h)
+        }
+    }
+
+    fn hand(&self) -> String {
+        format!(
+            "[[hand]]\nname = \"hand\"\npreset = \"{}\"\nmodel = \"{}\"\nfriction = {}\n",
+            self.preset, self.side, self.friction
+        )
+    }
+
+    /// Middle of the pads where the wrist is at the origin, fingers along -z, back up [m].
+    pub fn middle(&self) -> Vec3 {
+        let key = "[hand.motion]\nkind = \"keyframes\"\n[[hand.motion.key]]\ntime = 0\npose = \"rest\"\n\
+                   wrist = { position = [0, 0, 0], fingers = [0, 0, -1], back = [0, 1, 0] }\n";
+        let text = format!("version = 1\n{}{key}", self.hand());
+        let session = open(&text);
+        let hand = &session.hands()[0];
+        let mut gripping = GripHand::new(hand).expect("a hand that grips");
+        gripping.learn(hand, self.kind).expect("a kind");
+        let palm = session.world().rigid_pose(hand.handle.bones.start);
+        pads_middle_at(&palm, gripping.opposition(self.kind).expect("learnt"), self.size[0])
+    }
+
+    /// The scene's text: sets out at 0.1 s, lifts from 2 to 2.8 s, holds until 4.5 s.
+    pub fn text(&self) -> String {
+        let grip = format!(
+            "[[hand.grip]]\nobject = \"thing\"\nkind = \"{}\"\nforce = {}\nat = 0.1\n{}\n",
+            self.kind.name(),
+            self.force,
+            self.more
+        );
+        self.text_with(&grip)
+    }
+
+    /// The same with nothing to grip it.
+    pub fn text_without_grip(&self) -> String {
+        self.text_with("")
+    }
+
+    fn text_with(&self, grip: &str) -> String {
+        let at = -self.middle();
+        let low = -0.5 * self.size[1];
+        let key = |(t, y): (f64, f64)| {
+            let [x, y, z] = [at.x, at.y + self.drop + y, at.z];
+            format!(
+                "[[hand.motion.key]]\ntime = {t}\npose = \"rest\"\n\
+                 wrist = {{ position = [{x}, {y}, {z}], fingers = [0, 0, -1], back = [0, 1, 0] }}\n"
+            )
+        };
+        let keys = [(0.0, 0.0), (2.0, 0.0), (2.8, 0.1), (4.5, 0.1)].map(key).concat();
+        let (h, peg, object, friction) = (self.h, low - 0.01, &self.object, self.friction);
+        let hand = self.hand();
+        format!(
+            "version = 1\ntime_step = {h}\nduration = 4.5\n\
+             [[rigid]]\nname = \"peg\"\nshape = {{ kind = \"box\", size = [0.012, 0.02, 0.012] }}\n\
+             motion = \"fixed\"\nposition = [0, {peg}, 0]\nfriction = 0.8\n\
+             {object}\nname = \"thing\"\nfriction = {friction}\n\
+             {hand}{grip}[hand.motion]\nkind = \"keyframes\"\n{keys}"
+        )
+    }
+
+    pub fn session(&self) -> Session {
+        open(&self.text())
+    }
+}
+
+pub fn open(text: &str) -> Session {
+    Session::from_text(text, Path::new("grip.toml"), &[]).unwrap_or_else(|e| panic!("{e}\n{text}"))
+}
