@@ -4,6 +4,7 @@
 
 pub mod job;
 pub mod outcome;
+pub mod simple;
 
 pub use job::Job;
 pub use outcome::Outcome;

@@ -4,8 +4,8 @@
 use crate::boundary::{Refusal, Status, guard};
 use crate::pointer;
 use crate::running::{Running, World};
+use std::borrow::Cow;
 use std::ffi::c_char;
-use thenar::Vec3;
 use thenar_scene::flat::flat_pose;
 
 /// How many rigid bodies (hands' bones are some), deformable bodies (hands' flesh is some) and hands there are. What is
@@ -96,6 +96,27 @@ unsafe fn name_of(
     unsafe { pointer::put("name", name, names[index as usize].as_ptr()) }
 }
 
+/// Fills in what is read of a rigid body.
+///
+/// # Safety
+/// As of [`pointer::world`] and [`pointer::fill`].
+unsafe fn of_rigid<const N: usize>(
+    world: *const World,
+    rigid: usize,
+    (name, out, room): (&str, *mut f64, usize),
+    read: impl FnOnce(&thenar::World, u32) -> [f64; N],
+) -> Status {
+    guard(|| {
+        // SAFETY: the caller's word.
+        unsafe { pointer::world(world) }?.with(|running| {
+            let world = running.session.world();
+            let rigid = Running::index("rigid body", rigid, world.desc().rigids.len())?;
+            // SAFETY: the caller's word.
+            unsafe { pointer::fill(name, out, room, &read(world, rigid)) }
+        })
+    })
+}
+
 /// Pose of a rigid body's frame, whose origin is the centre of mass, in the world: position [m], quaternion x, y, z, w.
 /// `room` is 7.
 ///
@@ -108,15 +129,10 @@ pub unsafe extern "C" fn thenar_rigid_pose(
     pose: *mut f64,
     room: usize,
 ) -> Status {
-    guard(|| {
-        // SAFETY: the caller's word.
-        unsafe { pointer::world(world) }?.with(|running| {
-            let world = running.session.world();
-            let rigid = Running::index("rigid body", rigid, world.desc().rigids.len())?;
-            // SAFETY: the caller's word.
-            unsafe { pointer::fill("pose", pose, room, &flat_pose(&world.rigid_pose(rigid))) }
-        })
-    })
+    // SAFETY: the caller's word.
+    unsafe {
+        of_rigid(world, rigid, ("pose", pose, room), |world, i| flat_pose(&world.rigid_pose(i)))
+    }
 }
 
 /// Velocity of a rigid body's centre of mass [m/s], then its angular velocity [rad/s], world. `room` is 6.
@@ -130,37 +146,33 @@ pub unsafe extern "C" fn thenar_rigid_velocity(
     velocity: *mut f64,
     room: usize,
 ) -> Status {
-    guard(|| {
-        // SAFETY: the caller's word.
-        unsafe { pointer::world(world) }?.with(|running| {
-            let world = running.session.world();
-            let rigid = Running::index("rigid body", rigid, world.desc().rigids.len())?;
-            let both = world.rigid_velocity(rigid);
-            // SAFETY: the caller's word.
-            unsafe { pointer::fill("velocity", velocity, room, bytemuck::cast_slice(&both)) }
+    // SAFETY: the caller's word.
+    unsafe {
+        of_rigid(world, rigid, ("velocity", velocity, room), |world, i| {
+            let [linear, angular] = world.rigid_velocity(i);
+            [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z]
         })
-    })
+    }
 }
 
-/// Reads a list of vectors of a deformable body.
+/// Lists what is read of a deformable body.
 ///
 /// # Safety
 /// As of [`pointer::world`] and [`pointer::list`].
-unsafe fn vectors(
+unsafe fn of_soft<T: Copy>(
     world: *const World,
     soft: usize,
-    out: *mut f64,
-    room: usize,
-    count: *mut usize,
-    read: impl FnOnce(&mut Running, u32) -> Vec<Vec3>,
-) -> Result<(), Refusal> {
-    // SAFETY: the caller's word.
-    unsafe { pointer::world(world) }?.with(|running| {
-        let softs = running.session.world().desc().softs.len();
-        let soft = Running::index("deformable body", soft, softs)?;
-        let read = read(running, soft);
+    (out, room, count): (*mut T, usize, *mut usize),
+    read: impl for<'a> FnOnce(&'a mut Running, u32) -> Cow<'a, [T]>,
+) -> Status {
+    guard(|| {
         // SAFETY: the caller's word.
-        unsafe { pointer::list("out", out, room, count, bytemuck::cast_slice(&read)) }
+        unsafe { pointer::world(world) }?.with(|running| {
+            let softs = running.session.world().desc().softs.len();
+            let soft = Running::index("deformable body", soft, softs)?;
+            // SAFETY: the caller's word.
+            unsafe { pointer::list("out", out, room, count, &read(running, soft)) }
+        })
     })
 }
 
@@ -178,9 +190,11 @@ pub unsafe extern "C" fn thenar_soft_nodes(
     count: *mut usize,
 ) -> Status {
     // SAFETY: the caller's word.
-    guard(|| unsafe {
-        vectors(world, soft, out, room, count, |r, i| r.session.world().nodes(i).to_vec())
-    })
+    unsafe {
+        of_soft(world, soft, (out, room, count), |running, i| {
+            Cow::Borrowed(bytemuck::cast_slice(running.session.world().nodes(i)))
+        })
+    }
 }
 
 /// Vertices of a deformable body's surface that touches, world, three numbers each [m]. `out`, `room` and `count` are as
@@ -197,11 +211,11 @@ pub unsafe extern "C" fn thenar_soft_vertices(
     count: *mut usize,
 ) -> Status {
     // SAFETY: the caller's word.
-    guard(|| unsafe {
-        vectors(world, soft, out, room, count, |r, i| {
-            r.session.world().collision_vertices(i).to_vec()
+    unsafe {
+        of_soft(world, soft, (out, room, count), |running, i| {
+            Cow::Borrowed(bytemuck::cast_slice(running.session.world().collision_vertices(i)))
         })
-    })
+    }
 }
 
 /// Contact force on each vertex of a deformable body's surface in the last step, world, three numbers each [N]. `out`,
@@ -218,11 +232,12 @@ pub unsafe extern "C" fn thenar_soft_vertex_forces(
     count: *mut usize,
 ) -> Status {
     // SAFETY: the caller's word.
-    guard(|| unsafe {
-        vectors(world, soft, out, room, count, |r, i| {
-            r.contact().vertices(i).iter().map(|vertex| vertex.force_W).collect()
+    unsafe {
+        of_soft(world, soft, (out, room, count), |running, i| {
+            let vertices = running.contact().vertices(i).iter();
+            vertices.flat_map(|vertex| <[f64; 3]>::from(vertex.force_W)).collect()
         })
-    })
+    }
 }
 
 /// Corners of the triangles of a deformable body's surface, three places in its vertices each, counter-clockwise from
@@ -238,14 +253,11 @@ pub unsafe extern "C" fn thenar_soft_triangles(
     room: usize,
     count: *mut usize,
 ) -> Status {
-    guard(|| {
-        // SAFETY: the caller's word.
-        unsafe { pointer::world(world) }?.with(|running| {
-            let softs = &running.session.world().desc().softs;
-            let soft = Running::index("deformable body", soft, softs.len())?;
-            let corners = bytemuck::cast_slice(&softs[soft as usize].flesh.collision.triangles);
-            // SAFETY: the caller's word.
-            unsafe { pointer::list("out", out, room, count, corners) }
+    // SAFETY: the caller's word.
+    unsafe {
+        of_soft(world, soft, (out, room, count), |running, i| {
+            let body = &running.session.world().desc().softs[i as usize];
+            Cow::Borrowed(bytemuck::cast_slice(&body.flesh.collision.triangles))
         })
-    })
+    }
 }

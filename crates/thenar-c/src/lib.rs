@@ -8,7 +8,7 @@
 //! - A panic does not cross the border. It ends the world in which it happened, whose every further use is refused.
 //! - One thread has a world at a time; another that comes meanwhile is refused at once, and nobody waits.
 //!
-//! Whether a pointer leads to what its type says cannot be checked. That is what callers answer for, and why the functions
+//! No check can tell whether a pointer leads to what its type says. Callers answer for that, which is why the functions
 //! are unsafe; the unsafe code is in [`pointer`], and here and there one line that calls it.
 
 mod body;

@@ -29,10 +29,29 @@ unsafe fn texts(
     list.iter().map(|text| Ok(unsafe { pointer::text(name, *text) }?.to_owned())).collect()
 }
 
-fn open(text: &str, file: &Path, overrides: &[String]) -> Result<*mut World, Refusal> {
-    let source = Source::new(text, file, overrides);
-    let session = Session::open(&source, Files::beside(file)).map_err(|e| scene(&e))?;
-    Ok(Box::into_raw(Box::new(World::new(session, &source))))
+/// Opens the scene whose text and file `read` gives. `*world` is null until it is open.
+///
+/// # Safety
+/// As of [`texts`] for `overrides`, and of [`pointer::put`] for `world`.
+unsafe fn open<T: AsRef<str>, F: AsRef<Path>>(
+    overrides: *const *const c_char,
+    overrides_count: usize,
+    world: *mut *mut World,
+    read: impl FnOnce() -> Result<(T, F), Refusal>,
+) -> Status {
+    guard(|| {
+        // SAFETY: the caller's word.
+        unsafe { pointer::put("world", world, std::ptr::null_mut()) }?;
+        // SAFETY: the caller's word.
+        let overrides = unsafe { texts("overrides", overrides, overrides_count) }?;
+        let (text, file) = read()?;
+        let source = Source::new(text.as_ref(), file.as_ref(), &overrides);
+        let files = Files::beside(file.as_ref());
+        let session = Session::open(&source, files).map_err(|e| scene(&e))?;
+        let opened = Box::into_raw(Box::new(World::new(session, &source)));
+        // SAFETY: the caller's word.
+        unsafe { pointer::put("world", world, opened) }
+    })
 }
 
 /// Opens a scene file. `overrides`: `overrides_count` texts such as `solver.cone="circular"`, as `--set` of the program;
@@ -47,18 +66,13 @@ pub unsafe extern "C" fn thenar_world_open(
     overrides_count: usize,
     world: *mut *mut World,
 ) -> Status {
-    guard(|| {
+    let read = || {
         // SAFETY: the caller's word.
-        unsafe { pointer::put("world", world, std::ptr::null_mut()) }?;
-        // SAFETY: the caller's word.
-        let (file, overrides) = unsafe {
-            (pointer::text("file", file)?, texts("overrides", overrides, overrides_count)?)
-        };
-        let file = Path::new(file);
-        let text = read_scene(file).map_err(|e| scene(&e))?;
-        // SAFETY: the caller's word.
-        unsafe { pointer::put("world", world, open(&text, file, &overrides)?) }
-    })
+        let file = Path::new(unsafe { pointer::text("file", file) }?);
+        Ok((read_scene(file).map_err(|e| scene(&e))?, file))
+    };
+    // SAFETY: the caller's word.
+    unsafe { open(overrides, overrides_count, world, read) }
 }
 
 /// Opens a scene that comes along, by its name, such as `bread-grasp`. Else as `thenar_world_open`.
@@ -72,21 +86,17 @@ pub unsafe extern "C" fn thenar_world_open_named(
     overrides_count: usize,
     world: *mut *mut World,
 ) -> Status {
-    guard(|| {
+    let read = || {
         // SAFETY: the caller's word.
-        unsafe { pointer::put("world", world, std::ptr::null_mut()) }?;
-        // SAFETY: the caller's word.
-        let (name, overrides) = unsafe {
-            (pointer::text("name", name)?, texts("overrides", overrides, overrides_count)?)
-        };
-        let Some(found) = builtin(name) else {
+        let name = unsafe { pointer::text("name", name) }?;
+        let found = builtin(name).ok_or_else(|| {
             let known: Vec<&str> = builtins().iter().map(|scene| scene.name).collect();
-            return Err(scene(&SceneError::Unknown { name: name.into(), known: known.join(", ") }));
-        };
-        let file = Path::new("scenes").join(name).with_extension("toml");
-        // SAFETY: the caller's word.
-        unsafe { pointer::put("world", world, open(found.text, &file, &overrides)?) }
-    })
+            scene(&SceneError::Unknown { name: name.into(), known: known.join(", ") })
+        })?;
+        Ok((found.text, Path::new("scenes").join(name).with_extension("toml")))
+    };
+    // SAFETY: the caller's word.
+    unsafe { open(overrides, overrides_count, world, read) }
 }
 
 /// Opens a scene's text. `file` names it in messages; files that the scene names are looked for in its folder. Else as
@@ -102,17 +112,10 @@ pub unsafe extern "C" fn thenar_world_open_text(
     overrides_count: usize,
     world: *mut *mut World,
 ) -> Status {
-    guard(|| {
-        // SAFETY: the caller's word.
-        unsafe { pointer::put("world", world, std::ptr::null_mut()) }?;
-        // SAFETY: the caller's word.
-        let (text, file, overrides) = unsafe {
-            let overrides = texts("overrides", overrides, overrides_count)?;
-            (pointer::text("text", text)?, pointer::text("file", file)?, overrides)
-        };
-        // SAFETY: the caller's word.
-        unsafe { pointer::put("world", world, open(text, Path::new(file), &overrides)?) }
-    })
+    // SAFETY: the caller's word.
+    let read = || unsafe { Ok((pointer::text("text", text)?, pointer::text("file", file)?)) };
+    // SAFETY: the caller's word.
+    unsafe { open(overrides, overrides_count, world, read) }
 }
 
 /// Frees a world; NULL is none. Names that were read of it go with it.

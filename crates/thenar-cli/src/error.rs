@@ -6,6 +6,7 @@ use thenar_output::OutputError;
 use thenar_picture::EncodeError;
 use thenar_rig::RigError;
 use thenar_scene::SceneError;
+use thenar_scene::session::TakenBack;
 
 /// Why a command did not do what it was asked.
 #[derive(Debug, thiserror::Error)]
@@ -31,6 +32,12 @@ impl CliError {
 impl From<SceneError> for CliError {
     fn from(error: SceneError) -> Self {
         Self::Input(error.to_string())
+    }
+}
+
+impl From<TakenBack> for CliError {
+    fn from(error: TakenBack) -> Self {
+        Self::Other(error.to_string())
     }
 }
 

@@ -30,7 +30,6 @@ mod scenes;
 mod serve;
 mod soak;
 mod sweep;
-mod taken_back;
 mod touch;
 mod validate;
 

@@ -38,18 +38,18 @@ impl Lines {
 }
 
 impl Meter {
-    /// Of so many steps.
+    /// Meter of so many steps.
     pub fn of_steps(total: u64, quiet: bool) -> Self {
         let style = "{bar:40} {percent:>3} %  step {pos} of {len}  {per_sec}  {eta} left";
         Self::new(total, style, quiet)
     }
 
-    /// Of so many cases.
+    /// Meter of so many cases.
     pub fn of_cases(total: u64, quiet: bool) -> Self {
         Self::new(total, "{bar:40} {percent:>3} %  case {pos} of {len}  {eta} left", quiet)
     }
 
-    /// Of a file of so many bytes from which steps are made.
+    /// Meter of a file of so many bytes from which steps are made.
     pub fn of_bytes(total: u64, quiet: bool) -> Self {
         Self::new(total, "{bar:40} {percent:>3} %  {msg}", quiet)
     }

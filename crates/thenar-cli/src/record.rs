@@ -4,8 +4,9 @@ use crate::error::CliError;
 use crate::progress::Meter;
 use crate::recording::{RecordOptions, attach};
 use crate::run::{open, tell};
-use crate::{files, interrupt, taken_back};
+use crate::{files, interrupt};
 use std::path::{Path, PathBuf};
+use thenar_scene::session::TakenBack;
 
 /// Run a scene as fast as it can and record it.
 #[derive(Debug, clap::Args)]
@@ -66,6 +67,6 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     }
     match made < steps {
         true => Err(CliError::Other("interrupted; what was recorded up to here is kept".into())),
-        false => taken_back::judge(taken, made),
+        false => Ok(TakenBack::judge(taken, made)?),
     }
 }

@@ -160,6 +160,10 @@ impl Recorder {
 }
 
 #[cfg(test)]
+#[path = "../../thenar-picture/src/tests/png_reader.rs"]
+mod png_reader;
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use std::path::Path;
@@ -217,19 +221,9 @@ shape = { kind = "lattice", size = [0.03, 0.03, 0.03], cells = [2, 2, 2] }
         recorder.finish(&session).expect("finished");
     }
 
-    fn decode(path: &Path) -> (Vec<u8>, u32) {
-        let file = std::io::BufReader::new(std::fs::File::open(path).expect("there"));
-        let mut reader = png::Decoder::new(file).read_info().expect("a PNG");
-        let mut bytes = vec![0; reader.output_buffer_size().expect("a size")];
-        let frames = reader.info().animation_control.map_or(1, |a| a.num_frames);
-        let size = reader.next_frame(&mut bytes).expect("a frame").buffer_size();
-        bytes.truncate(size);
-        (bytes, frames)
-    }
-
     /// Mean row of the red pixels.
     fn red_row(path: &Path) -> f64 {
-        let (bytes, _) = decode(path);
+        let (bytes, ..) = png_reader::first(path);
         let red = |p: &[u8]| p[0] > 100 && p[1] < 70 && p[2] < 70;
         let rows: Vec<f64> = bytes
             .chunks(3)
@@ -249,7 +243,7 @@ shape = { kind = "lattice", size = [0.03, 0.03, 0.03], cells = [2, 2, 2] }
         run(&options(&dir), 20);
         let frame = |k: u32| dir.join(format!("frames/frame-{k:06}.png"));
         assert_eq!(std::fs::read_dir(dir.join("frames")).expect("listed").count(), 6);
-        assert_eq!(decode(&dir.join("movie.png")).1, 6);
+        assert_eq!(png_reader::first(&dir.join("movie.png")).2, 6);
         // It falls 49 mm, more than its radius: visible in the picture as it must be.
         assert!(red_row(&frame(5)) > red_row(&frame(0)) + 3.0);
         assert!((red_row(&dir.join("end.png")) - red_row(&frame(5))).abs() < 1.0);
@@ -262,7 +256,7 @@ shape = { kind = "lattice", size = [0.03, 0.03, 0.03], cells = [2, 2, 2] }
         std::fs::create_dir_all(&dir).expect("a folder for the test");
         let only_movie = PictureOptions { picture: None, frames: None, ..options(&dir) };
         run(&only_movie, 7);
-        assert_eq!(decode(&dir.join("movie.png")).1, 6);
+        assert_eq!(png_reader::first(&dir.join("movie.png")).2, 6);
         assert_eq!(std::fs::read_dir(&dir).expect("listed").count(), 1);
         let nothing = PictureOptions { movie: None, ..only_movie };
         let session = Session::from_text(SCENE, Path::new("ball.toml"), &[]).expect("a scene");

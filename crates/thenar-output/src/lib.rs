@@ -14,11 +14,13 @@
 //! | a folder, a block device, a socket | refused |
 //! | an input of this command, the target of another output | refused |
 //!
-//! A program that is asked to end calls [`seal`], which removes what is unfinished.
+//! A program that is asked to end calls [`seal`], which removes what is unfinished. A [`Lock`] keeps two processes
+//! from writing the same outputs at a time.
 
 mod claim;
 mod error;
 mod folder;
+mod lock;
 mod open;
 mod output;
 mod place;
@@ -26,4 +28,5 @@ mod place;
 pub use claim::{Claim, protect, seal};
 pub use error::{Cause, OutputError};
 pub use folder::TemporaryFolder;
+pub use lock::{Lock, LockError};
 pub use output::{Output, write_whole};

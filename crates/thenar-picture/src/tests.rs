@@ -1,5 +1,7 @@
 //! What a picture must show, from geometry alone.
 
+mod png_reader;
+
 use super::scene3d::{Light, Mesh, Scene3d};
 use super::shapes::{Solid, cuboid, sphere};
 use super::*;
@@ -207,12 +209,7 @@ mod files {
         let dir = folder("png");
         let path = dir.join("a.png");
         write_png(Output::create(&path).expect("begun"), &frame(3)).expect("written");
-        let file = std::io::BufReader::new(std::fs::File::open(&path).expect("there"));
-        let mut reader = png::Decoder::new(file).read_info().expect("a PNG");
-        let mut bytes = vec![0; reader.output_buffer_size().expect("a size")];
-        let info = reader.next_frame(&mut bytes).expect("a frame");
-        assert_eq!((info.width, info.height), (31, 17));
-        assert_eq!(bytes, frame(3).rgb);
+        assert_eq!(png_reader::first(&path), (frame(3).rgb, [31, 17], 1));
         assert_eq!(std::fs::read_dir(&dir).expect("listed").count(), 1, "no draft is left");
         std::fs::remove_dir_all(dir).expect("removed");
     }
@@ -228,8 +225,7 @@ mod files {
         }
         movie.finish().expect("finished");
 
-        let file = std::io::BufReader::new(std::fs::File::open(&path).expect("there"));
-        let mut reader = png::Decoder::new(file).read_info().expect("a PNG");
+        let mut reader = png_reader::open(&path);
         assert_eq!(reader.info().animation_control.expect("animated").num_frames, 5);
         let mut canvas = vec![0_u8; 31 * 17 * 4];
         for step in steps {

@@ -7,10 +7,8 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::time::Instant;
 use thenar_scene::build::Files;
-use thenar_scene::session::{Figure, Figures, NamedFigure, Session};
+use thenar_scene::session::{Figure, Figures, NamedFigure, Session, TakenBack};
 
-/// Share of the steps that may be taken back before a run has failed, as `thenar run` has it.
-const SHARE_MAX: f64 = 0.01;
 /// The longest run \[s\], as `thenar run` has it.
 const SECONDS_MAX: f64 = 1e9;
 
@@ -55,7 +53,8 @@ pub fn run_case(
                 asked = Instant::now();
             }
         }
-        Ok((failed(figures.summary().non_finite, steps), row(&figures, &session)))
+        let judged = TakenBack::judge(figures.summary().non_finite, steps);
+        Ok((judged.err().map(|error| error.to_string()), row(&figures, &session)))
     })
 }
 
@@ -72,15 +71,6 @@ pub fn case_columns(py: Python<'_>, scene: &Scene) -> PyResult<Vec<Named>> {
 fn open(scene: &Scene) -> PyResult<Session> {
     let source = scene.source();
     Session::open(source, Files::beside(&source.file)).map_err(|e| error::scene(&e))
-}
-
-fn failed(taken_back: u64, steps: u64) -> Option<String> {
-    (taken_back as f64 > SHARE_MAX * steps as f64).then(|| {
-        format!(
-            "{taken_back} of {steps} steps gave numbers that are not finite and were taken back, more than {} %",
-            100.0 * SHARE_MAX
-        )
-    })
 }
 
 fn row(figures: &Figures, session: &Session) -> Vec<Named> {

@@ -192,6 +192,7 @@ fn soft(job: &Job) -> SoftDesc {
             nodes: job.nodes.iter().map(|&x| Vec3::from(x)).collect(),
             tets: job.tets.clone(),
             materials: vec![material; job.tets.len()],
+            relaxation: Vec::new(),
             mass_damping: job.mass_damping,
             stiffness_damping: job.stiffness_damping,
             fixed: job.fixed.iter().map(|&node| FixedNode { node, axes: [true; 3] }).collect(),

@@ -10,13 +10,13 @@ use crate::interrupt;
 use crate::page::PageOptions;
 use crate::progress::Meter;
 use crate::recording::header;
-use crate::taken_back;
 use csv::Tables;
 use mcap::Export;
 use std::path::{Path, PathBuf};
 use thenar_input::brief;
 use thenar_record::{Gap, Header};
 use thenar_scene::recording::{Event, Loss, Replay, ReplayError, TimeOf, Verdict};
+use thenar_scene::session::TakenBack;
 
 /// Make a recorded session again: verify it, export it, show it.
 #[derive(Debug, clap::Args)]
@@ -150,8 +150,9 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         Some(error) => Err(named(&args.recording, error)),
         None => {
             let verdict = replay.verdict();
-            let judged = judge(args, verdict, replay.header(), &here)
-                .and_then(|()| taken_back::judge(verdict.taken_back, verdict.steps));
+            let judged = judge(args, verdict, replay.header(), &here).and_then(|()| {
+                TakenBack::judge(verdict.taken_back, verdict.steps).map_err(CliError::from)
+            });
             judged
                 .map_err(|error| CliError::Other(format!("{}: {error}", args.recording.display())))
         }

@@ -18,12 +18,11 @@ use crate::interrupt;
 use crate::progress::Meter;
 use crate::recorder::PictureOptions;
 use crate::recording::{RecordOptions, Recording, attach};
-use crate::taken_back;
 use grips::GripNews;
 use outputs::Outputs;
 use std::path::PathBuf;
 use std::time::Instant;
-use thenar_scene::session::{Session, Summary};
+use thenar_scene::session::{Session, Summary, TakenBack};
 
 /// Run a scene without a window.
 #[derive(Debug, clap::Args)]
@@ -102,7 +101,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         true => {
             Err(CliError::Other("interrupted; what was asked for is written up to here".into()))
         }
-        false => taken_back::judge(outcome.summary.non_finite, outcome.steps),
+        false => Ok(TakenBack::judge(outcome.summary.non_finite, outcome.steps)?),
     }
 }
 

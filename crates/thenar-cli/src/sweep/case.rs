@@ -4,10 +4,10 @@ use super::record::Record;
 use super::{Args, Place, Scene};
 use crate::building::unheard;
 use crate::error::CliError;
-use crate::{interrupt, run, taken_back};
+use crate::{interrupt, run};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use thenar_output::Output;
-use thenar_scene::session::{Figures, Session, TableFormat, TableWriter};
+use thenar_scene::session::{Figures, Session, TableFormat, TableWriter, TakenBack};
 
 /// Why there is no record of a case.
 #[derive(Debug)]
@@ -71,7 +71,7 @@ fn attempt(
         }
     }
     probes.finish()?;
-    let judged = taken_back::judge(figures.summary().non_finite, steps);
+    let judged = TakenBack::judge(figures.summary().non_finite, steps);
     let failed = judged.err().map(|error| error.to_string());
     Ok(Record::new(case, failed, figures.row(&session)))
 }

@@ -12,12 +12,12 @@ const SWEEP_VERSION: u32 = 1;
 /// Largest manifest \[bytes\]: a table of cases of its largest size is in it.
 const BYTES_MAX: u64 = 1 << 30;
 
-/// The same for all shards of a sweep, and for it alone.
+/// Identity of a sweep: equal in all its shards, and in no other sweep.
 #[derive(Debug)]
 pub struct Manifest(Map<String, Value>);
 
 impl Manifest {
-    /// Of what was asked for.
+    /// Identity of the sweep that was asked for.
     pub fn new(args: &Args, scene: &Scene, plan: &Plan) -> Self {
         let seeds = args.seeds.as_deref().and_then(|text| seeds::parse(text).ok());
         let columns = plan.columns.iter().map(|(key, kind)| json!([key, kind.name()]));

@@ -3,6 +3,7 @@
 //! | file in the folder | what it holds | written |
 //! |---|---|---|
 //! | `sweep.json` | what is swept: scene, keys, values; the same for all shards | first |
+//! | `shard-K-of-N.lock` | the process that runs the shard | first; it goes with the cases' files |
 //! | `shard-K-of-N/CASE.json` | a case that is whole | when it ends |
 //! | `shard-K-of-N.parquet` | all rows of the shard | last; the cases' files go then |
 //! | `shard-K-of-N.json` | figures of the shard: cases, failures, columns with units | beside it |
@@ -12,6 +13,7 @@
 mod axis;
 mod case;
 mod cell;
+mod layout;
 mod manifest;
 mod plan;
 mod pool;
@@ -29,6 +31,7 @@ use plan::Plan;
 use shard::Shard;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use thenar_output::{Lock, LockError};
 use thenar_scene::session::read_scene;
 
 /// Run many cases of a scene, a row of a Parquet table each.
@@ -113,13 +116,20 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let manifest = Manifest::new(args, &scene, &plan);
     manifest.settle(&args.out)?;
     interrupt::listen();
+    let lock = match place.results.is_file() {
+        true => None,
+        false => place.lock(args)?,
+    };
+    // Another process may have ended the shard before the lock was taken.
     if !place.results.is_file() {
         let threads = args.threads.or_else(|| std::thread::available_parallelism().ok());
         let threads = threads.map_or(1, NonZeroUsize::get);
         pool::run(args, &scene, &plan, &place, threads)?;
-        results::write(&plan, &place, args.shard, &manifest)?;
+        let row = layout::row(&scene, &plan, &place)?;
+        results::write(&plan, &place, args.shard, &manifest, &row)?;
     }
     place.clear();
+    drop(lock);
     conclude(args, &place)
 }
 
@@ -132,6 +142,7 @@ pub struct Place {
     probes: PathBuf,
     results: PathBuf,
     figures: PathBuf,
+    lock: PathBuf,
 }
 
 impl Place {
@@ -145,13 +156,35 @@ impl Place {
             probes: folder.join("probes"),
             results: folder.join(format!("{name}.parquet")),
             figures: folder.join(format!("{name}.json")),
+            lock: folder.join(format!("{name}.lock")),
         })
     }
 
-    /// Removes records whose rows are in the table.
+    /// Keeps other processes from this shard; of no use where files cannot be locked, which is told.
+    fn lock(&self, args: &Args) -> Result<Option<Lock>, CliError> {
+        let Shard { number, count } = args.shard;
+        let share = format!("{}: shard {number}/{count}", args.out.display());
+        match Lock::take(&self.lock) {
+            Ok(lock) => Ok(Some(lock)),
+            Err(LockError::Held { holder, .. }) => {
+                let by = holder.map_or("another process".into(), |id| format!("process {id}"));
+                Err(CliError::Input(format!(
+                    "{share} is being run by {by}; wait for it, or give another --shard or --out"
+                )))
+            }
+            Err(error @ LockError::NoLocks { .. }) => {
+                eprintln!("warning: {error}; do not run {share} twice at a time");
+                Ok(None)
+            }
+            Err(error @ LockError::Write { .. }) => Err(CliError::Other(error.to_string())),
+        }
+    }
+
+    /// Removes records whose rows are in the table, and the lock: whoever takes another finds the table.
     fn clear(&self) {
         // What cannot be removed is in nobody's way.
         let _ = std::fs::remove_dir_all(&self.cases);
+        let _ = std::fs::remove_file(&self.lock);
     }
 }
 

@@ -8,18 +8,21 @@ use thenar_scene::session::{Figure, NamedFigure};
 /// Largest record \[bytes\].
 const BYTES_MAX: u64 = 64 << 20;
 
+/// Figures of a case: name, unit, cell.
+pub type Row = Vec<(String, String, Figure)>;
+
 /// What became of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
     pub case: u64,
     /// Why it failed, if it did.
     pub failed: Option<String>,
-    /// The row: name, unit, cell. Of a case that could not be built there is none.
-    pub row: Vec<(String, String, Figure)>,
+    /// Empty where the case could not be built.
+    pub row: Row,
 }
 
 impl Record {
-    /// Of a case that came to its end.
+    /// Record of a case that came to its end.
     pub fn new(case: u64, failed: Option<String>, row: Vec<NamedFigure>) -> Self {
         let row = row.into_iter().map(|f| (f.name, f.unit.into(), f.value)).collect();
         Self { case, failed, row }

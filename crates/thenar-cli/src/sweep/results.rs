@@ -3,7 +3,7 @@
 use super::cell::{Kind, count, number, truth, word};
 use super::manifest::Manifest;
 use super::plan::Plan;
-use super::record::Record;
+use super::record::{Record, Row};
 use super::{Place, Shard};
 use crate::error::CliError;
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
@@ -34,7 +34,7 @@ struct Column {
     cells: Cells,
 }
 
-/// Writes the table of a shard, then its figures.
+/// Writes the table of a shard, then its figures; its columns begin with those of this row.
 ///
 /// # Errors
 /// A record is missing, or a file cannot be written.
@@ -43,13 +43,14 @@ pub fn write(
     place: &Place,
     shard: Shard,
     manifest: &Manifest,
+    row: &Row,
 ) -> Result<(), CliError> {
     let read = |case| {
         Record::read(&place.cases, case)
             .ok_or_else(|| CliError::Other(format!("the record of case {case} is gone")))
     };
     let records = shard.cases(plan.cases).map(read).collect::<Result<Vec<_>, _>>()?;
-    let columns = columns(plan, &records);
+    let columns = columns(plan, &records, row);
     let units: Vec<_> = columns.iter().map(|c| (c.name.clone(), c.unit.clone())).collect();
     let figures = manifest.of_shard(shard, &records, &units);
     let bytes = encode(&columns, manifest)
@@ -60,7 +61,7 @@ pub fn write(
 }
 
 /// Number of the case, its keys, why it failed, and its figures.
-fn columns(plan: &Plan, records: &[Record]) -> Vec<Column> {
+fn columns(plan: &Plan, records: &[Record], row: &Row) -> Vec<Column> {
     let column =
         |name: &str, unit: &str, cells| Column { name: name.into(), unit: unit.into(), cells };
     let cases = records.iter().map(|r| i64::try_from(r.case).ok()).collect();
@@ -77,30 +78,36 @@ fn columns(plan: &Plan, records: &[Record]) -> Vec<Column> {
     }
     let reasons = records.iter().map(|record| record.failed.as_deref().map(text));
     columns.push(column("failed", "", Cells::Word(reasons.collect())));
-    columns.extend(figures(records));
+    columns.extend(figures(records, row));
     columns
 }
 
-/// A column for each figure of any record, in the order in which they first come.
-fn figures(records: &[Record]) -> Vec<Column> {
+/// A column for each figure of this row and of any record, in the order in which they first come.
+fn figures(records: &[Record], row: &Row) -> Vec<Column> {
     let mut columns: Vec<Column> = Vec::new();
     let mut known: HashMap<String, usize> = HashMap::new();
     let rows = records.len();
+    let mut at = |columns: &mut Vec<Column>, name: &str, unit: &str, figure: &Figure| {
+        let name = match unit {
+            "" | "1" => name.to_string(),
+            unit => format!("{name} [{unit}]"),
+        };
+        *known.entry(name.clone()).or_insert_with(|| {
+            let cells = match figure {
+                Figure::Number(_) => Cells::Number(vec![None; rows]),
+                Figure::Count(_) => Cells::Count(vec![None; rows]),
+                Figure::Word(_) => Cells::Word(vec![None; rows]),
+            };
+            columns.push(Column { name, unit: unit.into(), cells });
+            columns.len() - 1
+        })
+    };
+    for (name, unit, figure) in row {
+        at(&mut columns, name, unit, figure);
+    }
     for (row, record) in records.iter().enumerate() {
         for (name, unit, figure) in &record.row {
-            let name = match unit.as_str() {
-                "" | "1" => name.clone(),
-                unit => format!("{name} [{unit}]"),
-            };
-            let at = *known.entry(name.clone()).or_insert_with(|| {
-                let cells = match figure {
-                    Figure::Number(_) => Cells::Number(vec![None; rows]),
-                    Figure::Count(_) => Cells::Count(vec![None; rows]),
-                    Figure::Word(_) => Cells::Word(vec![None; rows]),
-                };
-                columns.push(Column { name, unit: unit.clone(), cells });
-                columns.len() - 1
-            });
+            let at = at(&mut columns, name, unit, figure);
             match (&mut columns[at].cells, figure) {
                 (Cells::Number(cells), Figure::Number(x)) => cells[row] = Some(*x),
                 (Cells::Count(cells), Figure::Count(n)) => cells[row] = i64::try_from(*n).ok(),

@@ -1,11 +1,10 @@
-//! The program as a user runs it, in one binary: `cargo test -p thenar-cli --test all sweep::` runs a part.
+//! The program as a user runs it, in one binary: `cargo test -p thenar-cli --test all sweep::` runs a part. Apart stand
+//! `devices` and `touch`, which are timed.
 
 mod command_line;
 mod compare;
-mod devices;
 mod inputs;
 mod outputs;
 mod recording;
 mod stage;
 mod sweep;
-mod touch;

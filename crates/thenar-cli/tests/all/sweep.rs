@@ -358,3 +358,72 @@ fn a_full_disk_is_one_error_and_leaves_no_draft() {
     let done = folder.thenar(&[&GRID[..], &["--out", "d", "-q"]].concat());
     assert!(done.status.success(), "{}", err(&done));
 }
+
+/// Of four shards, one has the case that can be built; the others' tables have its columns all the same.
+#[test]
+fn shards_whose_cases_all_failed_have_the_columns_of_the_others() {
+    let folder = stocked("columns");
+    let shapes =
+        ["none.obj", "gone.obj", "lost.obj"].map(|f| format!("{{kind=\"mesh\",file=\"{f}\"}}"));
+    let vary = format!("rigid.a.shape={},{{kind=\"sphere\",radius=0.02}}", shapes.join(","));
+    let mut columns = Vec::new();
+    for k in 1..=4 {
+        let shard = format!("{k}/4");
+        let done = folder
+            .thenar(&["sweep", "s.toml", "--vary", &vary, "--out", "d", "--shard", &shard, "-q"]);
+        assert_eq!(done.status.success(), k == 4, "{}", err(&done));
+        let file = std::fs::File::open(folder.0.join(format!("d/shard-{k}-of-4.parquet"))).unwrap();
+        let reader = SerializedFileReader::new(file).unwrap();
+        let schema = reader.metadata().file_metadata().schema().clone();
+        let manifest = json(&folder, &format!("d/shard-{k}-of-4.json"));
+        columns.push((schema, manifest["units"].clone()));
+    }
+    let names: Vec<&str> = columns[3].0.get_fields().iter().map(|field| field.name()).collect();
+    assert!(names.contains(&"v.vy.last [m/s]") && names.contains(&"state_hash"), "{names:?}");
+    for k in 0..3 {
+        assert!(columns[k] == columns[3], "{k}: {:?}", columns[k]);
+    }
+}
+
+/// A second process finds the shard taken and changes nothing; a process that was killed keeps nobody out.
+#[test]
+#[cfg(unix)]
+fn two_processes_never_run_one_shard() {
+    let whole = many("alone");
+    assert!(whole.thenar(&MANY).status.success());
+    let folder = many("twice");
+    let command = folder.command(&MANY).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
+    let mut first = stage::Running(command.unwrap());
+    let begun = Instant::now();
+    while recorded(&folder).len() < 3 {
+        assert!(
+            first.0.try_wait().unwrap().is_none() && begun.elapsed() < Duration::from_secs(120)
+        );
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    // Stopped, so that it is in the midst of its work for as long as the test needs.
+    let signal = |name: &str, id: u32| {
+        std::process::Command::new("kill").args([name, &id.to_string()]).output().unwrap()
+    };
+    let id = first.0.id();
+    signal("-STOP", id);
+    let second = folder.thenar(&MANY);
+    assert_eq!(second.status.code(), Some(2), "{}", err(&second));
+    let told = format!("error: d: shard 1/1 is being run by process {id};");
+    assert!(
+        err(&second).starts_with(&told) && err(&second).lines().count() == 1,
+        "{}",
+        err(&second)
+    );
+    signal("-KILL", id);
+    first.0.wait().unwrap();
+    let there = recorded(&folder).len();
+    assert!((3..100).contains(&there), "{there} cases were left for the next");
+    let third = folder.thenar(&MANY);
+    assert!(third.status.success(), "{}", err(&third));
+    let file = "d/shard-1-of-1.parquet";
+    assert!(
+        std::fs::read(folder.0.join(file)).unwrap() == std::fs::read(whole.0.join(file)).unwrap()
+    );
+    assert!(!folder.0.join("d/shard-1-of-1.lock").exists());
+}

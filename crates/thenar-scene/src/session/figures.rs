@@ -62,7 +62,7 @@ impl Spread {
 }
 
 impl Figures {
-    /// Of a run that starts now; the present state is the first row of the probe table.
+    /// Figures of a run that starts now; the present state is the first row of the probe table.
     pub fn new(session: &mut Session) -> Self {
         let summary = Summary::new(session);
         let probes = vec![Spread::NOTHING; session.columns().len()];

@@ -17,6 +17,7 @@ mod replay;
 mod source;
 mod summary;
 mod table;
+mod taken_back;
 mod warn;
 mod witness;
 
@@ -34,6 +35,7 @@ pub use random::{Random, random_at};
 pub use source::Source;
 pub use summary::Summary;
 pub use table::{TableFormat, TableWriter};
+pub use taken_back::TakenBack;
 pub use witness::{Entry, Witness};
 
 use crate::build::{Built, BuiltHand, Mesh, RigidLook, SoftBuild};
