@@ -27,6 +27,13 @@ fn every_path_in_the_architecture_exists() {
 }
 
 /// Links of the form `](target)` that stay in the tree.
+/// What links call a heading by.
+fn anchor(heading: &str) -> String {
+    let kept = |c: &char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');
+    let words = heading.trim_start_matches('#').trim().to_lowercase();
+    words.chars().filter(kept).collect::<String>().replace(' ', "-")
+}
+
 #[test]
 fn links_between_documents_lead_somewhere() {
     for file in [
@@ -54,7 +61,14 @@ fn links_between_documents_lead_somewhere() {
             if target.starts_with("http") || target.starts_with('#') {
                 continue;
             }
-            assert!(folder.join(target).exists(), "{file} links to {target}");
+            let (path, place) = target.split_once('#').unwrap_or((target, ""));
+            let path = folder.join(path);
+            assert!(path.exists(), "{file} links to {target}");
+            let has = |place: &str| {
+                let text = std::fs::read_to_string(&path).unwrap();
+                text.lines().filter(|line| line.starts_with('#')).any(|line| anchor(line) == place)
+            };
+            assert!(place.is_empty() || has(place), "{file} links to {target}");
         }
     }
 }

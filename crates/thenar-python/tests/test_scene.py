@@ -53,7 +53,7 @@ def test_truths_tables_and_words_are_taken() -> None:
         "hand.0.driven": False,
         "solver": {"kind": "two-step", "cone": "linearised"},
     }
-    world = thenar.Scene.named("pinch", set=changes).world()
+    world = thenar.Scene.named("table-press", set=changes).world()
     assert {setting.key: setting.value for setting in world.settings()}["solver"] == "two-step"
     with pytest.raises(thenar.PoseError, match="driven = false"):
         world.hands[0].follow_angles([0, 0, 0, 0, 0, 0, 1], np.zeros(20))
