@@ -38,7 +38,7 @@ pub struct Freedom {
 pub struct Pad {
     /// Bone of the hand that it is on.
     pub bone: usize,
-    /// Its centre, on the bone's axis, in that bone's frame \[m\].
+    /// Centre, on the bone's axis, in that bone's frame \[m\].
     pub centre_B: Vec3,
     /// From the centre to the skin at rest \[m\].
     pub radius: f64,
@@ -55,7 +55,7 @@ pub struct Chain {
     pub pad: Pad,
     /// Bones of the hand in it, the palm first.
     pub bones: Vec<usize>,
-    /// Its angles.
+    /// Angles.
     pub freedoms: Vec<Freedom>,
     tree: Tree,
 }
@@ -104,7 +104,7 @@ impl Chain {
         fits.then_some(Self { digit, pad, bones, freedoms, tree })
     }
 
-    /// Its angles among those of all joints of the hand.
+    /// Angles among those of all joints of the hand.
     pub fn read(&self, angles: &[[f64; 2]]) -> Angles {
         let mut own = [0.0; FREEDOMS_MAX];
         for (own, freedom) in own.iter_mut().zip(&self.freedoms) {

@@ -84,7 +84,7 @@ impl GripHand {
     /// A hand without grips.
     ///
     /// # Errors
-    /// Its joints are no tree; says why.
+    /// Joints are no tree; says why.
     pub fn new(hand: &BuiltHand) -> Result<Self, String> {
         let articulation = Articulation::new(&hand.model).map_err(|e| e.to_string())?;
         let (bones, joints) = (articulation.tree.bones(), articulation.tree.joints());

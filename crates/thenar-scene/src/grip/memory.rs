@@ -52,7 +52,7 @@ pub struct PadMemory {
     pub lead_P: Vec3,
     /// What its targets make for \[rad\].
     pub goal: Angles,
-    /// Its targets \[rad\].
+    /// Targets \[rad\].
     pub angles: Angles,
     /// Their rates \[rad/s\].
     pub rates: Angles,

@@ -36,7 +36,7 @@ const ROUND_OFF: f64 = f32::EPSILON as f64;
 pub struct Swept {
     /// How many there were, and what they may be off \[m/s\].
     pub found: Convergence,
-    /// They reached what was asked of them, or what W can tell; otherwise they ran out.
+    /// What was asked of sweeps was reached, or what W can tell; otherwise sweeps ran out.
     pub settled: bool,
 }
 
