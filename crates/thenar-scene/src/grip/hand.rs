@@ -72,7 +72,7 @@ pub struct GripHand {
 pub struct GripState {
     /// What was asked for.
     pub order: Order,
-    /// What it is doing.
+    /// Present phase of the grip.
     pub phase: Phase,
     /// Force of the two sides against each other \[N\]: half of the sum of the normal forces of the pads.
     pub force: f64,
@@ -171,7 +171,7 @@ impl GripHand {
         self.memory = GripMemory { script, ..kept.clone() };
     }
 
-    /// What it does; `None` while it grips nothing.
+    /// State of the grip; `None` while nothing is gripped.
     pub fn state(&self) -> Option<GripState> {
         let GripMemory { order, phase, force, trouble, .. } = &self.memory;
         order.map(|order| GripState { order, phase: *phase, force: *force, trouble: *trouble })

@@ -54,7 +54,7 @@ pub struct PadMemory {
     pub goal: Angles,
     /// Targets \[rad\].
     pub angles: Angles,
-    /// Their rates \[rad/s\].
+    /// Rates of the angles \[rad/s\].
     pub rates: Angles,
 }
 
@@ -82,7 +82,7 @@ pub struct GripMemory {
     pub waiting: Option<Order>,
     /// Scripted grips that have begun.
     pub begun: u32,
-    /// What it is doing.
+    /// Present phase of the grip.
     pub phase: Phase,
     /// How long it has been doing that \[s\].
     pub since: f64,

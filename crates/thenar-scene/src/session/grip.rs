@@ -40,9 +40,9 @@ pub enum GripError {
     /// The hand cannot grip so.
     #[error("hand `{hand}`: {cause}")]
     Unfit {
-        /// Its name.
+        /// Name of the hand.
         hand: String,
-        /// What it lacks.
+        /// Reason why the hand cannot grip so.
         cause: String,
     },
     /// The force is none.

@@ -171,7 +171,7 @@ pub struct StepReport {
     pub contact_residual: f64,
     /// They stopped at their limit of sweeps (or rounds) short of the accuracy asked for.
     pub contact_unconverged: bool,
-    /// They ended because `SolverSettings::contact_work_max` was spent; `contact_residual` estimates what that cost, mostly
+    /// Sweeps ended because `SolverSettings::contact_work_max` was spent; `contact_residual` estimates what that cost, mostly
     /// far too high.
     pub contact_cut_short: bool,
     /// Contact constraints, near or touching.
