@@ -10,12 +10,14 @@ use crate::math::{Mat3, Mat6, Pose, Vec3, skew};
 use crate::model::FleshInStep1;
 use crate::solver::BlockMatrix;
 
-/// All bound nodes.
+/// All bound nodes, and those of the same bodies that are not.
 #[derive(Clone, Debug, Default)]
 pub struct CouplingModel {
-    /// Nodes and what carries them.
+    /// Bound nodes and what carries them.
     pub bound: Vec<BoundNode>,
-    /// Spring of each \[N/m\].
+    /// Nodes that no spring binds, and what carries them.
+    pub unbound: Vec<BoundNode>,
+    /// Spring of each bound node \[N/m\].
     pub stiffness: Vec<f64>,
     /// Damper of each \[N s/m\].
     pub damping: Vec<f64>,
@@ -93,6 +95,11 @@ impl EffectiveMass<'_> {
 }
 
 impl CouplingModel {
+    /// All nodes that bones carry, with a spring or without.
+    pub fn carried(&self) -> impl Iterator<Item = &BoundNode> {
+        self.bound.iter().chain(&self.unbound)
+    }
+
     /// Adds the springs to `A` and `b`, and to `bones` what the bones feel of them in step 1. `x`
     /// and `v` are nodal.
     pub fn assemble(

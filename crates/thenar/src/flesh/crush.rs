@@ -16,11 +16,13 @@
 //! with memory do not have. The other laws stiffen by themselves, and steps look after what they store (`foresight`).
 
 use crate::flesh::element::{Linear, Principal, Response};
+use crate::flesh::foresight::is_seen;
 use crate::flesh::principal::Density;
 use crate::flesh::{FleshModel, RestTet, Tally};
 use crate::math::{Mat3, Vec3};
 use crate::model::Law;
 use crate::solver::BlockMatrix;
+use std::ops::Range;
 
 /// Stretch below which an element resists being crushed: where a foam as dense as bread, a fifth of what its walls are, is
 /// pressed solid, `1.4 ρ/ρ_s` (Gibson and Ashby 1997). Flesh has no pores and is nowhere so flat.
@@ -47,6 +49,22 @@ impl FleshModel {
             sums.energy += response.energy;
             self.scatter(t, &response, h, A, b);
         }
+    }
+
+    /// `FleshModel::surprise` of what these elements resist with to being crushed or drawn out \[J\].
+    pub(super) fn crush_surprise(&self, tets: Range<usize>, x0: &[Vec3], x1: &[Vec3]) -> f64 {
+        let each = self.tets[tets.clone()].iter().zip(&self.rest[tets]);
+        let crushed = each.filter_map(|(tet, rest)| {
+            let F1 = crushed(rest, tet, x1)?;
+            let F0 = rest.deformation_gradient(&tet.map(|n| x0[n as usize]));
+            is_seen(&F0, &F1).then(|| {
+                let [before, after] = [F0, F1].map(|F| shape(rest, &F));
+                let linear = Linear::elastic(&before, 1.0);
+                let [slope, curved] = linear.along(&(before.U.tr_mul(&(F1 - F0)) * before.V));
+                rest.volume * (after.at.energy - before.at.energy - slope - curved)
+            })
+        });
+        crushed.sum()
     }
 
     /// Energy of crushed elements \[J\].

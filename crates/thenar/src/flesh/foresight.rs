@@ -5,10 +5,13 @@
 //! not risen as long as what the expansion did not foresee, `ψ(x₁) - ψ(x₀) - ∇ψ·Δx - ½ Δxᵀ K Δx`, is not above D.
 //! Each element is asked by itself, with the motion of its nodes against their mean. For one with memory ψ is the
 //! energy of which the forces of the step's end are the slope (`memory::Increment`).
+//!
+//! Corotational elements are not asked one by one. Summed over a body, the energy of the step falls as long as they rose by no
+//! more beyond `∇ψ·Δx + Δxᵀ K Δx` than `½ |v₁ - v₀|²_M`, which an implicit step takes out ([`FleshModel::surprise`]).
 
 use crate::flesh::element::{Linear, Principal};
 use crate::flesh::memory::{Faded, Fading, Increment};
-use crate::flesh::{FleshModel, RestTet};
+use crate::flesh::{FleshModel, RestTet, rotation_of};
 use crate::math::{Mat3, Vec3};
 use crate::model::{Law, Relaxation};
 use std::ops::Range;
@@ -20,7 +23,7 @@ pub(super) const CHANGE_SEEN: f64 = 0.05;
 impl FleshModel {
     /// False when the energy of one of these elements rose more, from positions `x0` to `x1` in a step of length `h`
     /// \[s\], than the step could take out; `faded` is what they remembered at its beginning. Corotational elements
-    /// are linear but for their turn; the logarithmic law is not asked. Skin is.
+    /// are asked by [`FleshModel::surprise`], the logarithmic law is not. Skin is.
     pub fn foresaw(
         &self,
         tets: Range<usize>,
@@ -47,6 +50,74 @@ impl FleshModel {
     }
 }
 
+impl FleshModel {
+    /// What corotational elements among these gained, from positions `x0` to `x1` in a step of length `h` \[s\], over what
+    /// the step foresaw and took out \[J\]: `ψ(x₁) - ψ(x₀) - ∇ψ·Δx - Δxᵀ K Δx`, with `faded` what they remembered at its
+    /// beginning.
+    pub fn surprise(
+        &self,
+        tets: Range<usize>,
+        x0: &[Vec3],
+        x1: &[Vec3],
+        faded: &[Faded],
+        h: f64,
+    ) -> f64 {
+        let mut fading = Fading::none(h);
+        let shared = |range: &Range<usize>| range.start.max(tets.start)..range.end.min(tets.end);
+        let mut law = self.patches.surprise(&self.memory, faded, &tets, x0, x1, &mut fading, h);
+        for t in self.single.iter().flat_map(shared) {
+            let (rest, tet) = (&self.rest[t], &self.tets[t]);
+            let F = [x0, x1].map(|x| rest.deformation_gradient(&tet.map(|n| x[n as usize])));
+            if rest.law == Law::Corotational && is_seen(&F[0], &F[1]) {
+                let remembers = self.memory.of(t).map(|(of, place)| (of, &faded[place]));
+                law += rest.volume * element_surprise(rest, F, remembers, &mut fading, h);
+            }
+        }
+        law + self.crush_surprise(tets, x0, x1)
+    }
+}
+
+/// Whether a step changed an element enough to be looked at.
+pub(super) fn is_seen(F0: &Mat3, F1: &Mat3) -> bool {
+    (F1 - F0).norm_squared() >= CHANGE_SEEN * CHANGE_SEEN
+}
+
+/// `FleshModel::surprise` of one element or patch \[J/m³\].
+pub(super) fn element_surprise(
+    rest: &RestTet,
+    F: [Mat3; 2],
+    remembers: Option<(&Relaxation, &[Faded])>,
+    fading: &mut Fading,
+    h: f64,
+) -> f64 {
+    let change = F[1] - F[0];
+    let Some((of, faded)) = remembers else {
+        if rest.law == Law::Corotational {
+            return warped_surprise(rest, F);
+        }
+        let [before, after] = F.map(|F| Principal::new(rest, &F));
+        let linear = Linear::elastic(&before, 1.0);
+        let [slope, curved] = linear.along(&(before.U.tr_mul(&change) * before.V));
+        return after.at.energy - before.at.energy - slope - curved;
+    };
+    let [before, after] = F.map(|F| Principal::new(rest, &F));
+    let fading = fading.of(of, rest.law, h);
+    let step = Increment::new(rest, &before, fading, faded);
+    let [slope, curved] = step.linear.along(&(before.U.tr_mul(&change) * before.V));
+    step.energy(&after) - step.energy(&before) - slope - curved
+}
+
+/// Surprise of the corotational law, whose stiffness is that at rest, turned with the element.
+fn warped_surprise(rest: &RestTet, F: [Mat3; 2]) -> f64 {
+    let R = F.map(|F| rotation_of(&F));
+    let strain: [Mat3; 2] = std::array::from_fn(|k| R[k].tr_mul(&F[k]) - Mat3::identity());
+    let along = |a: &Mat3, b: &Mat3| 2.0 * rest.mu * a.dot(b) + rest.lambda * a.trace() * b.trace();
+    let turned = R[0].tr_mul(&(F[1] - F[0]));
+    let change = (turned + turned.transpose()) * 0.5;
+    let [before, after] = strain.map(|strain| 0.5 * along(&strain, &strain));
+    after - before - along(&strain[0], &change) - along(&change, &change)
+}
+
 /// Whether the law is one that is asked.
 pub fn asked(rest: &RestTet) -> bool {
     matches!(rest.law, Law::StableNeoHookean | Law::Ogden { .. })
@@ -62,25 +133,66 @@ pub(super) fn element_foresaw(
     (nodes, x0, x1): (&[u32], &[Vec3], &[Vec3]),
     h: f64,
 ) -> bool {
-    let change = F[1] - F[0];
-    if change.norm_squared() < CHANGE_SEEN * CHANGE_SEEN {
+    if !is_seen(&F[0], &F[1]) {
         return true;
     }
-    let [before, after] = F.map(|F| Principal::new(rest, &F));
-    let (linear, risen) = match remembers {
-        None => (Linear::elastic(&before, 1.0), after.at.energy - before.at.energy),
-        Some((of, faded)) => {
-            let fading = fading.of(of, rest.law, h);
-            let step = Increment::new(rest, &before, fading, faded);
-            (step.linear, step.energy(&after) - step.energy(&before))
-        }
-    };
-    let [slope, curved] = linear.along(&(before.U.tr_mul(&change) * before.V));
-    let curved = 0.5 * curved;
+    let surprise = element_surprise(rest, F, remembers, fading, h);
     let moved = || nodes.iter().map(|&n| x1[n as usize] - x0[n as usize]);
     let count = nodes.len() as f64;
     let mean = moved().sum::<Vec3>() / count;
     let apart: f64 = moved().map(|d| (d - mean).norm_squared()).sum();
     let inertia = 0.5 * rest.density * apart / (count * h * h);
-    risen - slope - curved <= curved + inertia
+    surprise <= inertia
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flesh::element::tests::{REST, rest_of};
+    use crate::flesh::{PAIRS, Response, respond};
+    use crate::testing::Random;
+
+    /// `ψ(x₁) - ψ(x₀) - ∇ψ·Δx - Δxᵀ K Δx` of what an element tells of itself before and after.
+    fn by_blocks(before: &Response, risen: f64, d: &[Vec3; 4]) -> f64 {
+        let pulled: f64 = before.forces.iter().zip(d).map(|(f, d)| f.dot(d)).sum();
+        let curved: f64 = (before.stiffness.iter().zip(PAIRS))
+            .map(|(K, (a, b))| d[a].dot(&(K * d[b])) * if a == b { 1.0 } else { 2.0 })
+            .sum();
+        risen + pulled - curved
+    }
+
+    #[test]
+    fn surprise_is_against_the_forces_and_the_stiffness_of_the_step() {
+        let (rest, mut random) = (rest_of(Law::Corotational), Random::new(11));
+        let mut largest = 0.0_f64;
+        for _ in 0..100 {
+            let x = REST.map(|x| x + random.vec3(0.003));
+            let d = REST.map(|_| random.vec3(0.004));
+            let end: [Vec3; 4] = std::array::from_fn(|a| x[a] + d[a]);
+            let [before, after] = [respond(&rest, &x), respond(&rest, &end)];
+            let F = [x, end].map(|x| rest.deformation_gradient(&x));
+            let got = rest.volume * element_surprise(&rest, F, None, &mut Fading::none(0.01), 0.01);
+            let expected = by_blocks(&before, after.energy - before.energy, &d);
+            assert!((got - expected).abs() < 1e-9 * after.energy, "{got} J, {expected} J");
+            largest = largest.max(got.abs() / after.energy);
+        }
+        assert!(largest > 0.1, "the motions are too small to tell: {largest}");
+    }
+
+    /// A body that is turned as a whole is not strained; one that goes straight on is drawn out, and nothing foresaw it.
+    #[test]
+    fn turning_on_straight_ways_is_a_surprise() {
+        let (rest, angle) = (rest_of(Law::Corotational), 0.3_f64);
+        let turned =
+            Mat3::new(angle.cos(), -angle.sin(), 0.0, angle.sin(), angle.cos(), 0.0, 0.0, 0.0, 1.0);
+        let straight =
+            Mat3::identity() + Mat3::new(0.0, -angle, 0.0, angle, 0.0, 0.0, 0.0, 0.0, 0.0);
+        let surprise = |F: Mat3| warped_surprise(&rest, [Mat3::identity(), F]);
+        // Both axes of the plane are drawn out by √(1 + θ²).
+        let strain = (1.0 + angle * angle).sqrt() - 1.0;
+        let stored = (2.0 * rest.mu + 2.0 * rest.lambda) * strain * strain;
+        assert!((surprise(straight) - stored).abs() < 1e-9 * stored, "{}", surprise(straight));
+        // The turn itself bends inwards what the expansion takes for straight.
+        assert!(surprise(turned) < 0.0, "{}", surprise(turned));
+    }
 }

@@ -17,7 +17,7 @@
 //! which stays for ever, `g∞ E`, so that relaxed tissue is not held by it.
 
 use crate::flesh::element::{Response, stress};
-use crate::flesh::foresight::{asked, element_foresaw};
+use crate::flesh::foresight::{asked, element_foresaw, element_surprise, is_seen};
 use crate::flesh::lanes::LANES;
 use crate::flesh::living::Living;
 use crate::flesh::memory::{self, Faded, Fading, MemoryModel};
@@ -229,6 +229,29 @@ impl Patches {
             let remembers = memory.of(patch.first).map(|(of, place)| (of, &faded[place]));
             element_foresaw(&patch.mean, F, remembers, fading, (nodes, x0, x1), h)
         })
+    }
+
+    /// `FleshModel::surprise` of the laws of patches among these tetrahedra \[J\]; their spread is foreseen.
+    pub fn surprise(
+        &self,
+        memory: &MemoryModel,
+        faded: &[Faded],
+        tets: &Range<usize>,
+        x0: &[Vec3],
+        x1: &[Vec3],
+        fading: &mut Fading,
+        h: f64,
+    ) -> f64 {
+        let asked = |p: &&Patch| tets.contains(&p.first) && p.mean.law == Law::Corotational;
+        let each = self.list.iter().filter(asked).map(|patch| {
+            let F = [x0, x1].map(|x| self.mean_gradient(patch, x));
+            if !is_seen(&F[0], &F[1]) {
+                return 0.0;
+            }
+            let remembers = memory.of(patch.first).map(|(of, place)| (of, &faded[place]));
+            patch.mean.volume * element_surprise(&patch.mean, F, remembers, fading, h)
+        });
+        each.sum()
     }
 
     /// Adds energies and counts inverted tetrahedra.

@@ -19,6 +19,25 @@ impl World {
         model.flesh.foresaw(all, &scratch.before.x, &state.x, &state.faded, part.h)
     }
 
+    /// Whether the part just made brought no energy into corotational flesh. From `v₀` to `v₁` an implicit step takes out
+    /// `½ |v₁ - v₀|²_M`, beside what elements tell of themselves.
+    pub(super) fn flesh_gained_nothing(&self, part: Part, report: &StepReport) -> bool {
+        let Self { model, state, scratch, .. } = self;
+        let (row0, before) = (2 * model.rigids.len(), &scratch.before);
+        report.non_finite
+            || model.soft_nodes.iter().zip(&model.soft_tets).all(|(nodes, tets)| {
+                let gained =
+                    model.flesh.surprise(tets.clone(), &before.x, &state.x, &state.faded, part.h);
+                gained <= 0.0 || {
+                    let slowed = nodes.clone().map(|n| {
+                        let change = state.v[row0 + n] - before.v[row0 + n];
+                        model.flesh.mass[n] * change.norm_squared()
+                    });
+                    gained <= 0.5 * slowed.sum::<f64>()
+                }
+            })
+    }
+
     /// Takes motion out of bodies whose flesh did what was not foreseen, by halves, until it is: the incremental
     /// energy falls along the way that was found, so that some part of it does. A body that nothing holds keeps
     /// its linear momentum.

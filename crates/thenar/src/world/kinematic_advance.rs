@@ -8,7 +8,8 @@
 //! 2. each joint turns about its axes by its rates, and bodies follow outwards along the tree; loops are
 //!    closed by Newton's method in the same coordinates (`joint_tree`);
 //! 3. a node keeps its place relative to its skinned target, `x₁ = x₀ + Δt v_f + a` with
-//!    `a = f(q₁) - f(q₀) - Δt J v_s`, so that its coupling spring is stretched by `Δt w`, as the solver said;
+//!    `a = f(q₁) - f(q₀) - Δt J v_s`, so that its coupling spring is stretched by `Δt w`, as the solver said, and
+//!    flesh that no spring binds turns with what is bound;
 //! 4. what floats freely is turned and shifted as a whole to where momentum would have taken it, and
 //!    its angular momentum is kept (`keep_momentum`).
 //!
@@ -41,7 +42,7 @@ pub struct Moved {
     pub poses_WB: Vec<Pose>,
     /// Where each node would be.
     pub x: Vec<Vec3>,
-    /// For each bound node, `f(q₀) + Δt J v_s`.
+    /// For each carried node, `f(q₀) + Δt J v_s`.
     targets_W: Vec<Vec3>,
     /// Poses and joints while loops are closed.
     tried: Vec<Pose>,
@@ -57,7 +58,7 @@ impl Moved {
             rotations_JK: vec![Quat::identity(); joints],
             poses_WB: vec![Pose::identity(); bodies],
             x: vec![Vec3::zeros(); model.flesh.mass.len()],
-            targets_W: vec![Vec3::zeros(); model.coupling.bound.len()],
+            targets_W: vec![Vec3::zeros(); model.coupling.carried().count()],
             tried: vec![Pose::identity(); bodies],
             joints: vec![JointBlock::empty(); joints],
             still: vec![Vec3::zeros(); 2 * bodies],
@@ -78,7 +79,7 @@ pub fn advance_jointed(
     let velocity = |i: usize| state.v[i] + push.map_or(Vec3::zeros(), |push| push[i]);
     let spin = |b: usize| velocity(2 * b + 1);
     model.tree.turn(model, &state.poses_WB, spin, h, &mut moved.rotations_JK);
-    for (bound, target_W) in model.coupling.bound.iter().zip(&mut moved.targets_W) {
+    for (bound, target_W) in model.coupling.carried().zip(&mut moved.targets_W) {
         let target = skin_target(bound, &state.poses_WB);
         *target_W = target.position_W;
         for j in 0..bound.carriers() {
@@ -157,10 +158,10 @@ fn keep_own_spins(model: &Model, state: &mut State, moved: &Moved) {
     }
 }
 
-/// Takes each bound node along with its target by what the target moves beyond first order.
+/// Takes each carried node along with its target by what the target moves beyond first order.
 fn carry(model: &Model, state: &mut State, moved: &Moved) {
     let row0 = 2 * model.rigids.len();
-    for (bound, target_W) in model.coupling.bound.iter().zip(&moved.targets_W) {
+    for (bound, target_W) in model.coupling.carried().zip(&moved.targets_W) {
         let n = bound.node as usize;
         let arc = skin_target(bound, &state.poses_WB).position_W - target_W;
         let held = &model.known[row0 + n];

@@ -109,9 +109,10 @@ impl World {
             let mut done = self.make(part, input, timer);
             timer.begin(Some(Stage::Detect));
             let foreseen = self.flesh_was_foreseen(part, &done);
+            let gained_nothing = self.flesh_gained_nothing(part, &done);
             let carried = self.was_carried(&mut done);
-            if !(foreseen && carried) && parts.retry(self.reach()) {
-                unforeseen += u32::from(!foreseen);
+            if !(foreseen && gained_nothing && carried) && parts.retry(self.reach()) {
+                unforeseen += u32::from(!(foreseen && gained_nothing));
                 // Sides are swapped only when a part is accepted.
                 self.state.copy_motion(&self.scratch.before);
                 continue;

@@ -229,9 +229,6 @@ impl Model {
     ) -> Result<(), ModelError> {
         let Some(coupling) = &soft.coupling else { return Ok(()) };
         for (node, binding) in coupling.bindings.iter().enumerate() {
-            if coupling.stiffness[node] == 0.0 {
-                continue;
-            }
             let (mut bones, mut weights) = (binding.bones, binding.weights);
             if weights[0] == 0.0 {
                 bones.swap(0, 1);
@@ -239,6 +236,14 @@ impl Model {
             }
             if bones[0] == bones[1] {
                 weights = [1.0, 0.0];
+            }
+            let x_W = soft.pose_WM.point(&soft.flesh.nodes[node]);
+            let offsets = bones.map(|b| desc.rigids[b as usize].pose_WB.inverse_point(&x_W));
+            let node_W = (node0 + node) as u32;
+            let bound = BoundNode { node: node_W, bones, weights, offsets };
+            if coupling.stiffness[node] == 0.0 {
+                self.coupling.unbound.push(bound);
+                continue;
             }
             let joint = if weights[1] == 0.0 {
                 None
@@ -250,13 +255,7 @@ impl Model {
                 }
                 found
             };
-            let x_W = soft.pose_WM.point(&soft.flesh.nodes[node]);
-            self.coupling.bound.push(BoundNode {
-                node: (node0 + node) as u32,
-                bones,
-                weights,
-                offsets: bones.map(|b| desc.rigids[b as usize].pose_WB.inverse_point(&x_W)),
-            });
+            self.coupling.bound.push(bound);
             self.coupling.stiffness.push(coupling.stiffness[node]);
             self.coupling.damping.push(coupling.stiffness[node] * coupling.damping_time);
             self.coupling.joints.push(joint);
