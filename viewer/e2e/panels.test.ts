@@ -173,6 +173,25 @@ test("the visitor's hand takes over by mouse and keys, and gives it back", async
   expect(problems).toEqual([]);
 });
 
+test("one button grips what is under the hand, another lets go", { timeout: 120_000 }, async () => {
+  // The script has brought the hand over the ball; it lifts the wrist from 2.2 s to 3.0 s.
+  const { page, problems } = await at("#scene=ball-grip&t=1.2");
+  const height = (): Promise<number> =>
+    read(page, (t) => t.snapshot!.rigids[7 * t.model!.rigids.findIndex((rigid) => rigid.name === "ball") + 1]!);
+  await panel(page, "input");
+  const [grip, open] = ["Grip what is under the hand (J)", "Let go (Shift J)"].map((name) => page.getByRole("button", { name }));
+  await open!.click();
+  await page.getByLabel("Grip", { exact: true }).selectOption("tripod");
+  await grip!.click();
+  await page.keyboard.press("p");
+  await until(page, (t) => t.snapshot!.time > 3.2);
+  expect(await height()).toBeGreaterThan(0.08);
+  await open!.click();
+  await until(page, (t) => t.snapshot!.time > 4.2);
+  expect(await height()).toBeLessThan(0.03);
+  expect(problems).toEqual([]);
+});
+
 test("a recording is replayed, saved and loaded again", async () => {
   const { page, problems } = await running();
   await panel(page, "record");

@@ -111,7 +111,9 @@ impl World {
             let foreseen = self.flesh_was_foreseen(part, &done);
             let gained_nothing = self.flesh_gained_nothing(part, &done);
             let carried = self.was_carried(&mut done);
-            if !(foreseen && gained_nothing && carried) && parts.retry(self.reach()) {
+            // What flesh did is not mended by contact that looks farther.
+            let reach = if carried { 0.0 } else { self.reach() };
+            if !(foreseen && gained_nothing && carried) && parts.retry(reach) {
                 unforeseen += u32::from(!(foreseen && gained_nothing));
                 // Sides are swapped only when a part is accepted.
                 self.state.copy_motion(&self.scratch.before);

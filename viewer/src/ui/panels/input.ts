@@ -1,8 +1,9 @@
 // Everything that can move the hand, one button each.
 
 import type { InputSource } from "../../input/source";
-import { command, type Desk, type Panel } from "../desk";
+import type { Desk, Panel } from "../desk";
 import { button, h, setText } from "../dom";
+import { gripControls } from "../grip-controls";
 import { ICONS } from "../icons";
 
 export function inputPanel(desk: Desk): Panel {
@@ -55,24 +56,11 @@ export function inputPanel(desk: Desk): Panel {
   refresh();
 
   desk.keys.add({
-    key: "j",
-    label: "Grip what is under the hand, with thumb and index finger",
-    group: "Hand",
-    act: () => void command(desk, { type: "grip", kind: "pinch" }),
-  });
-  desk.keys.add({
-    key: "shift+j",
-    name: "Shift J",
-    label: "Open the hand that grips",
-    group: "Hand",
-    act: () => void command(desk, { type: "release" }),
-  });
-  desk.keys.add({
     key: "escape",
     name: "Esc",
     label: "Give the hand back to the script",
     group: "Hand",
     act: () => inputs.stop(),
   });
-  return { id: "input", title: "Hand", icon: ICONS.input, body: h("div", {}, intro, list) };
+  return { id: "input", title: "Hand", icon: ICONS.input, body: h("div", {}, intro, gripControls(desk), list) };
 }
