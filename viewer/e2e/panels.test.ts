@@ -181,7 +181,7 @@ test("one button grips what is under the hand, another lets go", { timeout: 120_
   await panel(page, "input");
   const [grip, open] = ["Grip what is under the hand (J)", "Let go (Shift J)"].map((name) => page.getByRole("button", { name }));
   await open!.click();
-  await page.getByLabel("Grip", { exact: true }).selectOption("tripod");
+  await page.getByLabel("Kind of grip").selectOption("tripod");
   await grip!.click();
   await page.keyboard.press("p");
   await until(page, (t) => t.snapshot!.time > 3.2);

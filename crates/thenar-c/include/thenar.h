@@ -14,7 +14,7 @@
  */
 typedef enum ThenarStatus {
   /*
-   Done.
+   The call did what was asked.
    */
   THENAR_STATUS_OK = 0,
   /*

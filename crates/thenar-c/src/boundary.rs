@@ -8,7 +8,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// Done.
+    /// The call did what was asked.
     Ok = 0,
     /// A pointer is null or not aligned, a size does not fit, text is not UTF-8, or there is no such body or hand.
     Argument = 1,
@@ -29,9 +29,9 @@ pub enum Status {
 /// Why a call was refused.
 #[derive(Debug)]
 pub struct Refusal {
-    /// Kind.
+    /// Kind of fault.
     pub status: Status,
-    /// Words.
+    /// Words for people.
     pub words: String,
 }
 

@@ -30,7 +30,7 @@ pub struct Args {
     quiet: bool,
 }
 
-/// Records.
+/// Records what a device sends.
 ///
 /// # Errors
 /// The scene is wrong, the file cannot be written, or the run was interrupted.

@@ -63,9 +63,9 @@ pub enum RecordError {
     /// The folder for frames.
     #[error("cannot make folder {folder}: {cause}")]
     Folder {
-        /// Folder.
+        /// Folder that cannot be made.
         folder: PathBuf,
-        /// Cause.
+        /// Error of the system.
         cause: std::io::Error,
     },
 }

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 pub struct OutputError {
     /// As it was named.
     pub file: PathBuf,
-    /// Why.
+    /// Cause of the failure.
     pub cause: Cause,
 }
 

@@ -28,7 +28,7 @@ pub enum LockError {
     Write {
         /// The lock file.
         file: PathBuf,
-        /// Why.
+        /// Error of the system.
         cause: io::Error,
     },
     /// The file system has no locks, as some of clusters have none.
@@ -36,7 +36,7 @@ pub enum LockError {
     NoLocks {
         /// The lock file.
         file: PathBuf,
-        /// Why.
+        /// Error of the system.
         cause: io::Error,
     },
 }

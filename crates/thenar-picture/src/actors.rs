@@ -23,7 +23,7 @@ pub struct Soft<'a> {
     pub index: u32,
     /// Surface to draw.
     pub render: &'a EmbeddedSurface,
-    /// Look.
+    /// Material of the surface.
     pub material: Material,
     /// Colours per vertex of `render`, multiplied with the material's.
     pub colours: Option<Vec<Rgb>>,

@@ -18,7 +18,7 @@ pub(super) struct Geometry {
     pub colours: Vec<V>,
     /// Part of the ambient light that arrives, 0 to 1.
     pub ambient: Vec<f32>,
-    /// Corners.
+    /// Corners of each triangle.
     pub triangles: Vec<[u32; 3]>,
     /// Mesh of each triangle.
     pub mesh_of: Vec<u32>,

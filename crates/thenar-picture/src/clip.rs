@@ -18,7 +18,7 @@ pub(super) type ScreenVertex = [f32; 3];
 pub(super) struct Screen {
     /// Per vertex of the geometry.
     pub vertices: Vec<ScreenVertex>,
-    /// Corners.
+    /// Corners of each triangle.
     pub triangles: Vec<[u32; 3]>,
     /// Mesh of each triangle, ascending.
     pub mesh_of: Vec<u32>,

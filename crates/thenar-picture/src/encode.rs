@@ -19,15 +19,15 @@ pub enum EncodeError {
     /// The encoder refused.
     #[error("cannot encode picture {path}: {cause}")]
     Encoder {
-        /// File.
+        /// File that was written.
         path: PathBuf,
-        /// Cause.
+        /// Error of the encoder.
         cause: png::EncodingError,
     },
     /// A frame of another size than the movie's.
     #[error("movie {path} is {expected:?} pixels, but a frame is {got:?}")]
     FrameSize {
-        /// File.
+        /// File that was written.
         path: PathBuf,
         /// Width and height of the movie.
         expected: [u32; 2],
@@ -37,11 +37,11 @@ pub enum EncodeError {
     /// Fewer or more frames than announced.
     #[error("movie {path} was announced with {expected} frames, but has {got}")]
     FrameCount {
-        /// File.
+        /// File that was written.
         path: PathBuf,
-        /// Announced.
+        /// Frames that were announced.
         expected: u32,
-        /// Pushed.
+        /// Frames that were pushed.
         got: u32,
     },
 }

@@ -67,7 +67,7 @@ impl Material {
         Self { wrap: [0.2; 3], specular: 0.12, ..Self::matte(hex(0x6f9fc8)) }
     }
 
-    /// Bone.
+    /// Material of bones.
     pub fn bone() -> Self {
         Self { wrap: [0.15; 3], specular: 0.12, gloss: 30.0, ..Self::matte(hex(0xefe6d0)) }
     }
@@ -104,7 +104,7 @@ pub struct Mesh<'a> {
     pub normals: Option<Cow<'a, [Vec3]>>,
     /// Colours per vertex, multiplied with the material's.
     pub colours: Option<Cow<'a, [Rgb]>>,
-    /// Look.
+    /// Material of the surface.
     pub material: Material,
     /// Both sides are drawn (open surfaces, wires).
     pub two_sided: bool,
@@ -151,7 +151,7 @@ pub struct Ground {
     pub point: Vec3,
     /// Unit normal of the side that is seen.
     pub normal: Vec3,
-    /// Colouring.
+    /// Pattern of colours.
     pub pattern: Pattern,
 }
 
@@ -194,7 +194,7 @@ impl Default for Light {
 pub struct Backdrop {
     /// At the horizon; the ground fades into it.
     pub horizon: Rgb,
-    /// Overhead.
+    /// Colour overhead.
     pub zenith: Rgb,
 }
 
@@ -209,10 +209,10 @@ impl Default for Backdrop {
 pub struct Scene3d<'a> {
     /// Meshes; the translucent ones are drawn last, farthest first.
     pub meshes: Vec<Mesh<'a>>,
-    /// Ground.
+    /// Ground plane, if one is drawn.
     pub ground: Option<Ground>,
-    /// Light.
+    /// Light of the scene.
     pub light: Light,
-    /// Backdrop.
+    /// Backdrop behind everything.
     pub backdrop: Backdrop,
 }

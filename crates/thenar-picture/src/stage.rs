@@ -19,7 +19,7 @@ pub struct Stage<'a> {
     pub world: &'a World,
     /// What acts on it: where trackers have the bones.
     pub input: &'a Input,
-    /// Hands.
+    /// Hands on the stage.
     pub hands: Vec<Hand<'a>>,
     /// Deformable bodies, in any order; those of hands too.
     pub softs: Vec<Soft<'a>>,

@@ -10,15 +10,15 @@ pub enum OpenError {
     /// It cannot be read.
     #[error("cannot read {}: {cause}", file.display())]
     Read {
-        /// File.
+        /// File that was read or written.
         file: PathBuf,
-        /// Cause.
+        /// Error of the system.
         cause: io::Error,
     },
     /// It is something else.
     #[error("{} is not a Thenar recording", file.display())]
     Foreign {
-        /// File.
+        /// File that was read.
         file: PathBuf,
     },
     /// A later program wrote it.
@@ -27,7 +27,7 @@ pub enum OpenError {
          later version of Thenar reads it", file.display()
     )]
     Version {
-        /// File.
+        /// File that was read.
         file: PathBuf,
         /// Its version.
         version: u32,
@@ -38,13 +38,13 @@ pub enum OpenError {
          {VERSION}", file.display()
     )]
     NoVersion {
-        /// File.
+        /// File that was read.
         file: PathBuf,
     },
     /// Nothing of it can be used.
     #[error("{}: nothing can be recovered: {damage}", file.display())]
     Damaged {
-        /// File.
+        /// File that was read.
         file: PathBuf,
         /// Where and what.
         damage: crate::Damage,
@@ -60,9 +60,9 @@ pub enum RecordError {
     /// It cannot be created or written.
     #[error("cannot write {}: {cause}", file.display())]
     Write {
-        /// File.
+        /// File that was written.
         file: PathBuf,
-        /// Cause.
+        /// Error of the writer.
         cause: io::Error,
     },
     /// Its thread cannot be started.

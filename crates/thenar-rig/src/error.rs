@@ -53,7 +53,7 @@ pub enum RigError {
     Layer {
         /// Number of the layer, from 1.
         layer: usize,
-        /// Cause.
+        /// Cause of the failure.
         what: String,
     },
     /// Whoever watched the work (see [`crate::work`]) ended it.
@@ -62,7 +62,7 @@ pub enum RigError {
     /// A parameter is outside its range.
     #[error("{name} must be {expected}, not {value}")]
     Parameter {
-        /// Name.
+        /// Name of the option.
         name: &'static str,
         /// What it should be.
         expected: &'static str,

@@ -15,7 +15,7 @@ const KINDS: readonly (readonly [GripKind, string])[] = [
 
 export function gripControls(desk: Desk): HTMLElement {
   const { connection, feed } = desk.app;
-  const kind = select("Grip", KINDS, () => undefined);
+  const kind = select("Kind of grip", KINDS, () => undefined);
   const grip = () => void command(desk, { type: "grip", kind: kind.input.value as GripKind });
   const release = () => void command(desk, { type: "release" });
   const buttons = [button("Grip what is under the hand (J)", grip), button("Let go (Shift J)", release)];

@@ -101,7 +101,7 @@ impl Times {
         self.not_exact += usize::from(report.fell_back || report.non_finite);
     }
 
-    /// Milliseconds.
+    /// Quantile of the samples \[ms\].
     fn quantile(&mut self, part: f64) -> f64 {
         self.watch.total.quantile(part) * 1e-3
     }

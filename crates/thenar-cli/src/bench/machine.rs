@@ -22,7 +22,7 @@ const SIZES: [(&str, usize); 4] =
 const TRIES: u32 = 7;
 
 impl Peaks {
-    /// Measures.
+    /// Measures the machine.
     pub fn measure() -> Self {
         const ROUNDS: u32 = 200_000;
         let best = |work: &dyn Fn() -> f64| {

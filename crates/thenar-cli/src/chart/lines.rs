@@ -19,7 +19,7 @@ pub struct Line {
     pub name: String,
     /// Which colour, from 0; colours repeat after 7.
     pub colour: usize,
-    /// Stroke.
+    /// Dash pattern of the stroke.
     pub dash: Dash,
     /// Points; a value that is no number breaks the line.
     pub points: Vec<(f64, f64)>,

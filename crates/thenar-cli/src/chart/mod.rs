@@ -22,7 +22,7 @@ pub struct Panel {
     pub x: Axis,
     /// Vertical axis.
     pub y: Axis,
-    /// Lines.
+    /// Lines of the chart.
     pub lines: Vec<Line>,
     /// Vertical marks: place and words.
     pub marks: Vec<(f64, String)>,

@@ -41,7 +41,7 @@ impl Parameter {
 /// A parameter found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
-    /// Value.
+    /// Value that fits best.
     pub value: f64,
     /// Standard error of the coordinate: of the value's logarithm for a factor, of `value / of` for a distance;
     /// infinite where the data do not say.

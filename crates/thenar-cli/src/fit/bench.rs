@@ -46,7 +46,7 @@ pub struct Bench {
 /// A finger that is pressed in the built-in scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Finger {
-    /// Which.
+    /// Finger that is pressed.
     pub digit: Digit,
     /// Angle between plate and hand \[degrees\].
     pub angle_deg: f64,

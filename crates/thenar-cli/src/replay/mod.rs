@@ -87,7 +87,7 @@ impl Every {
     }
 }
 
-/// Replays.
+/// Replays a recording.
 ///
 /// # Errors
 /// The recording cannot be read, a file cannot be written, or `--verify` finds a difference.

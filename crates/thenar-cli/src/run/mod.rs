@@ -61,7 +61,7 @@ pub struct Args {
 /// What a run amounted to.
 #[derive(Debug)]
 pub struct Outcome {
-    /// Extremes.
+    /// Extremes of the whole run.
     pub summary: Summary,
     /// Time of each stage.
     pub times: StageTimes,

@@ -50,7 +50,7 @@ pub enum CaseError {
     /// The scene has no such probe column.
     #[error("scene `{scene}` has no probe column `{column}`")]
     Column {
-        /// Scene.
+        /// Scene file of the case.
         scene: String,
         /// Column asked for.
         column: String,
@@ -58,11 +58,11 @@ pub enum CaseError {
     /// The solver failed.
     #[error("scene `{scene}`: {failure}, before t = {time} s")]
     Failed {
-        /// Scene.
+        /// Scene file of the case.
         scene: String,
         /// Time \[s\].
         time: f64,
-        /// Why.
+        /// Cause of the failure.
         failure: Failure,
     },
     /// A quantity could not be found in what was measured.
@@ -95,7 +95,7 @@ pub enum Check {
 /// Whether a figure is met.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// Met.
+    /// The figure lies within its band.
     Pass,
     /// Not met.
     Fail,
@@ -131,7 +131,7 @@ pub struct Figure {
     pub setup: String,
     /// The theory's value, or the bound.
     pub expected: f64,
-    /// Measured.
+    /// Value that was computed.
     pub got: f64,
     /// When it is met.
     pub check: Check,

@@ -25,7 +25,7 @@ pub const KNUCKLE: SceneText = scene!("f06-knuckle");
 pub struct Hand {
     /// Name in the table.
     pub name: &'static str,
-    /// Overrides.
+    /// Overrides of the scene.
     pub changes: &'static [&'static str],
 }
 

@@ -15,7 +15,7 @@ pub struct VertexSkin {
 
 /// A surface.
 pub struct GlbMesh<'a> {
-    /// Name.
+    /// Name of the node.
     pub name: &'a str,
     /// Vertices \[m\].
     pub positions: &'a [Vec3],
@@ -29,7 +29,7 @@ pub struct GlbMesh<'a> {
 
 /// Bones in the frame of the meshes.
 pub struct Skeleton<'a> {
-    /// Names.
+    /// Names of the targets.
     pub names: Vec<&'a str>,
     /// Parents, before their children.
     pub parents: Vec<Option<u32>>,

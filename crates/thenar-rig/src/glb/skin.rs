@@ -22,7 +22,7 @@ pub struct RigJoint {
 pub struct SkinnedMesh {
     /// Surface, as stored (seams not welded).
     pub mesh: TriMesh,
-    /// Joints.
+    /// Joints of the skin.
     pub joints: Vec<RigJoint>,
     /// Per vertex: joints and their weights, of sum 1.
     pub influences: Vec<[(u32, f64); 4]>,

@@ -30,7 +30,7 @@ pub struct HandOptions {
     pub name: String,
     /// Side that the mesh must show; `None` takes what it shows.
     pub side: Option<Side>,
-    /// Size.
+    /// Size of the hand.
     pub size: Size,
     /// Wanted number of tetrahedra, all of one size, where there is no `detail`.
     pub tets: usize,

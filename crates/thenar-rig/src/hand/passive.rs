@@ -35,7 +35,7 @@ const DIGITS: i32 = 3;
 /// How one axis of a joint resists being turned. Stiffness in N m/rad.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct JointStiffness {
-    /// Joint.
+    /// Name of the joint.
     pub joint: String,
     /// "flexion" or "abduction".
     pub axis: &'static str,
@@ -47,7 +47,7 @@ pub struct JointStiffness {
     pub flesh: f64,
     /// What the flesh would give if all other joints were held.
     pub flesh_held: f64,
-    /// Spring.
+    /// Stiffness of the spring \[N m/rad\].
     pub spring: f64,
     /// Damper \[N m s/rad\].
     pub damping: f64,

@@ -25,9 +25,9 @@ pub struct HandReport {
     pub bone_mass: f64,
     /// Wrist to middle fingertip \[m\].
     pub length: f64,
-    /// Tetrahedra.
+    /// Number of tetrahedra.
     pub tets: usize,
-    /// Nodes.
+    /// Number of nodes.
     pub nodes: usize,
     /// Worst shapes.
     pub quality: Quality,
@@ -54,7 +54,7 @@ pub struct HandReport {
 /// How thick the solid of a bone is, and how much flesh covers it in the rest pose.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct BoneCover {
-    /// Bone.
+    /// Name of the bone.
     pub bone: String,
     /// Diameter of a capsule, least edge of a box \[m\].
     pub thickness: f64,
@@ -76,7 +76,7 @@ pub struct BoneCover {
 /// A bone's length beside that of 66 radiographed hands (Buryanov & Kotiuk 2010).
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct BoneLength {
-    /// Bone.
+    /// Name of the bone.
     pub bone: String,
     /// Length here \[m\].
     pub length: f64,

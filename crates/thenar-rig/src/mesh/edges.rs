@@ -13,7 +13,7 @@ pub struct Edge {
 /// One triangle's side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Side {
-    /// Triangle.
+    /// Triangle that has the edge.
     pub triangle: u32,
     /// The side runs from corner `corner` to the next.
     pub corner: u32,

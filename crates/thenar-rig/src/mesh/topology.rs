@@ -8,9 +8,9 @@ use crate::TriMesh;
 pub struct Topology {
     /// Vertices that triangles use.
     pub vertices: usize,
-    /// Edges.
+    /// Number of edges.
     pub edges: usize,
-    /// Triangles.
+    /// Number of triangles.
     pub triangles: usize,
     /// Pieces connected through shared vertices.
     pub components: usize,

@@ -9,7 +9,7 @@ use thenar::{Mat3, Pose, Vec3};
 /// was made from.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct RigidModel {
-    /// Name.
+    /// Name of the body.
     pub name: String,
     /// Mass \[kg\]; zero for bodies that cannot move (a plane).
     pub mass: f64,

@@ -12,7 +12,7 @@ use thenar::model::{EmbeddedSurface, Flesh, Material};
 /// A deformable body in its model frame.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct SoftModel {
-    /// Name.
+    /// Name of the body.
     pub name: String,
     /// Nodes, elements, materials and collision surface.
     pub flesh: Flesh,
@@ -40,9 +40,9 @@ impl Default for SoftOptions {
 /// What a deformable body consists of.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct SoftReport {
-    /// Nodes.
+    /// Number of nodes.
     pub nodes: usize,
-    /// Tetrahedra.
+    /// Number of tetrahedra.
     pub tets: usize,
     /// Triangles of the boundary.
     pub boundary_triangles: usize,

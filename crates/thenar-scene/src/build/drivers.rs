@@ -40,7 +40,7 @@ pub enum Track {
     Constant {
         /// Start pose.
         start: Pose,
-        /// Velocities.
+        /// Velocities, linear and angular.
         velocity: [Vec3; 2],
     },
 }

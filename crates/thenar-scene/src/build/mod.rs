@@ -61,7 +61,7 @@ pub struct Built {
     pub node_starts: Vec<Option<Vec<Vec3>>>,
     /// Scripted and driven rigid bodies.
     pub drivers: Vec<Driver>,
-    /// Loads.
+    /// Loads that act on bodies.
     pub loads: Vec<ActiveLoad>,
     /// Memory that the bodies take.
     pub memory: Memory,

@@ -13,7 +13,7 @@ pub type Face = [u32; 3];
 pub struct Mesh {
     /// Rest positions, model frame \[m\].
     pub nodes: Vec<Vec3>,
-    /// Elements.
+    /// Corners of each element.
     pub tets: Vec<[u32; 4]>,
     /// Boundary faces.
     pub faces: Vec<Face>,

@@ -3,9 +3,9 @@
 /// A distance over several bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Apart {
-    /// Mean.
+    /// Mean over all.
     pub mean: f64,
-    /// Largest.
+    /// Largest of all.
     pub max: f64,
     /// Where the largest is, in the list of bodies.
     pub at: usize,

@@ -16,9 +16,9 @@ pub enum Cause {
     /// Energy of motion and deformation \[J\] is above ten times the other solver's largest so far
     /// plus that of the whole scene moving at 1 m/s.
     Energy {
-        /// Found.
+        /// Energy that was found \[J\].
         energy: f64,
-        /// Allowed.
+        /// Energy that is allowed \[J\].
         bound: f64,
     },
 }
@@ -28,7 +28,7 @@ pub enum Cause {
 pub struct Divergence {
     /// When \[s\].
     pub time: f64,
-    /// Why.
+    /// Cause of the divergence.
     pub cause: Cause,
 }
 

@@ -8,7 +8,7 @@ use crate::session::PARTS;
 pub struct Peak {
     /// Mean over time, and over bodies where there are several.
     pub mean: f64,
-    /// Largest.
+    /// Largest of all.
     pub max: f64,
     /// When it was \[s\].
     pub time: f64,
@@ -84,7 +84,7 @@ pub struct Summary {
     pub rotation: Peak,
     /// Drives: difference of force \[N\].
     pub drive_force: Peak,
-    /// Objects.
+    /// Objects beside the hand.
     pub objects: Vec<ObjectSummary>,
     /// Palm and fingers of each hand.
     pub parts: Vec<[PartSummary; 6]>,

@@ -49,13 +49,13 @@ pub struct Pad {
 /// A digit's joints from the palm outwards.
 #[derive(Clone, Debug)]
 pub struct Chain {
-    /// Digit.
+    /// Digit that is led.
     pub digit: Digit,
     /// Pad at its end.
     pub pad: Pad,
     /// Bones of the hand in it, the palm first.
     pub bones: Vec<usize>,
-    /// Angles.
+    /// Angles of its joints.
     pub freedoms: Vec<Freedom>,
     tree: Tree,
 }

@@ -41,7 +41,7 @@ pub enum Base {
 /// The pads of one kind of grip.
 #[derive(Clone, Debug)]
 pub struct Opposition {
-    /// Kind.
+    /// Kind of grip.
     pub kind: GripKind,
     /// What opposes the fingers.
     pub base: Base,

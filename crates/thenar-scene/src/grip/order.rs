@@ -11,7 +11,7 @@ pub struct Order {
     /// The object: whether it is a deformable body, and its index among the rigid or the deformable ones. None where pads
     /// press against each other.
     object: Option<(bool, u32)>,
-    /// How.
+    /// Kind of grip.
     pub kind: GripKind,
     /// Force with which the two sides press against each other \[N\].
     pub force: f64,

@@ -21,18 +21,18 @@ const WAY_MAX: f64 = 3.0;
 pub enum Anchor {
     /// Of a rigid body: place \[m\] and outward normal in its frame B.
     Rigid {
-        /// Body.
+        /// Number of the body.
         body: u32,
-        /// Place.
+        /// Place on its surface, in its frame \[m\].
         point_B: Vec3,
-        /// Normal.
+        /// Outward normal there, in its frame.
         normal_B: Vec3,
     },
     /// Of a soft body: a place of a triangle of its collision surface.
     Soft {
-        /// Body.
+        /// Number of the body.
         body: u32,
-        /// Corners.
+        /// Corners of the triangle.
         vertices: [u32; 3],
         /// Barycentric weights.
         weights: [f64; 3],

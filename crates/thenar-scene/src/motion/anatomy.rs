@@ -10,7 +10,7 @@ pub struct JointRole {
     pub bone: String,
     /// Name of the joint.
     pub joint: String,
-    /// Finger.
+    /// Digit that the joints belong to.
     pub digit: Digit,
     /// Place in the finger, from 0 at the palm.
     pub place: usize,

@@ -10,7 +10,7 @@ pub enum MotionError {
     /// The text of a motion file is not as expected.
     #[error("{file}: {cause}", file = file.display())]
     Syntax {
-        /// File.
+        /// File that was read.
         file: PathBuf,
         /// What is wrong, with line and column.
         cause: toml::de::Error,
@@ -18,45 +18,45 @@ pub enum MotionError {
     /// A file cannot be read.
     #[error("{file}: {cause}", file = file.display())]
     Read {
-        /// File.
+        /// File that was read.
         file: PathBuf,
-        /// Cause.
+        /// Error of the system.
         cause: std::io::Error,
     },
     /// The hand is no tree of bones.
     #[error("hand `{hand}`: {cause}")]
     Tree {
-        /// Hand.
+        /// Name of the hand.
         hand: String,
-        /// Cause.
+        /// Fault of its tree of bones.
         cause: TreeError,
     },
     /// The hand has no bones.
     #[error("hand `{hand}` has no bones")]
     NoBones {
-        /// Hand.
+        /// Name of the hand.
         hand: String,
     },
     /// The root bone has no tracked wrist.
     #[error("hand `{hand}`: its root bone must name the tracked joint `wrist`")]
     NoWrist {
-        /// Hand.
+        /// Name of the hand.
         hand: String,
     },
     /// The recording does not hold the hand asked for.
     #[error("the recording holds no {side} hand")]
     NoHand {
-        /// Side.
+        /// Side that is asked for.
         side: &'static str,
     },
     /// A setting of a recorded motion is out of range.
     #[error("{key} must be {expected}, got {value}")]
     Setting {
-        /// Key.
+        /// Key of the value.
         key: &'static str,
-        /// Range.
+        /// Range that is allowed.
         expected: &'static str,
-        /// Value.
+        /// Value that was given.
         value: f64,
     },
     /// The recording itself is wrong.
@@ -69,7 +69,7 @@ pub enum MotionError {
         number: usize,
         /// Its time \[s\].
         time: f64,
-        /// Cause.
+        /// Cause in words.
         cause: String,
     },
     /// There is nothing to interpolate.

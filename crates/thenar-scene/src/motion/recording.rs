@@ -58,25 +58,25 @@ pub enum RecordingError {
     /// The file cannot be read.
     #[error("{file}: {cause}", file = file.display())]
     Read {
-        /// File.
+        /// File that was read.
         file: PathBuf,
-        /// Cause.
+        /// Error of the system.
         cause: std::io::Error,
     },
     /// A line is wrong.
     #[error("{file}:{line}: {cause}", file = file.display())]
     Line {
-        /// File.
+        /// File that was read.
         file: PathBuf,
         /// Counted from 1.
         line: usize,
-        /// Cause.
+        /// Cause in words.
         cause: String,
     },
     /// The file is too long.
     #[error("{file}: longer than {RECORDING_BYTES_MAX} bytes", file = file.display())]
     TooLong {
-        /// File.
+        /// File that was read.
         file: PathBuf,
     },
 }

@@ -3,7 +3,7 @@
 /// A scene that comes with the program.
 #[derive(Clone, Copy, Debug)]
 pub struct Builtin {
-    /// Name.
+    /// Name of the scene.
     pub name: &'static str,
     /// Text of its file.
     pub text: &'static str,

@@ -13,59 +13,59 @@ use thenar::world::{State, Target};
 pub enum Entry<'a> {
     /// [`Session::live_pose`] took a pose.
     Pose {
-        /// Hand.
+        /// Number of the hand.
         hand: usize,
         /// By the client's clock \[s\].
         time: f64,
-        /// Pose.
+        /// Pose that arrived.
         pose: &'a LivePose,
     },
     /// [`Session::live_lost`].
     Lost {
-        /// Hand.
+        /// Number of the hand.
         hand: usize,
     },
     /// [`Session::follow_script`].
     Script {
-        /// Hand.
+        /// Number of the hand.
         hand: usize,
     },
     /// [`Session::lead`] was given targets.
     Lead {
-        /// Hand.
+        /// Number of the hand.
         hand: usize,
         /// One for each of its bones.
         targets: &'a [Target],
     },
     /// [`Session::let_go`] of a hand that was led.
     LetGo {
-        /// Hand.
+        /// Number of the hand.
         hand: usize,
     },
     /// [`Session::grip`] began a grip.
     Grip {
-        /// Hand.
+        /// Number of the hand.
         hand: usize,
         /// What it grips, and how.
         order: &'a Order,
     },
     /// [`Session::release`] of a hand.
     Release {
-        /// Hand.
+        /// Number of the hand.
         hand: usize,
     },
     /// [`Session::resume`] took a state.
     Resume {
-        /// State.
+        /// State that was set.
         state: &'a State,
     },
     /// [`Session::restart`].
     Restart,
     /// [`Session::set`] changed a setting.
     Set {
-        /// Key.
+        /// Key of the setting.
         key: &'a str,
-        /// Value.
+        /// New value of the setting.
         value: &'a SettingValue,
     },
 }

@@ -16,7 +16,7 @@ pub enum Place {
 /// A problem found while reading; the file name and the text are added by the caller.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
-    /// Where.
+    /// Place in the text.
     pub place: Place,
     /// Full key, e.g. `rigid[0].mass`; empty for the file as a whole.
     pub key: String,
@@ -56,7 +56,7 @@ pub enum SceneError {
     File {
         /// Its path.
         file: PathBuf,
-        /// Why.
+        /// Cause in words.
         problem: String,
     },
     /// No such built-in scene and no such file.

@@ -29,7 +29,7 @@ pub struct HandPart {
 /// What a description's bodies are.
 #[derive(Clone, Debug)]
 pub struct Parts {
-    /// Hands.
+    /// Hands of the scene.
     pub hands: Vec<HandPart>,
     /// Soft bodies that are no hands.
     pub objects: Vec<usize>,

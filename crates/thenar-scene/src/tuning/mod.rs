@@ -26,7 +26,7 @@ pub enum SettingValue {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Scale {
-    /// Evenly.
+    /// Equal steps of the slider are equal differences.
     Linear,
     /// By factors.
     Log,
@@ -38,9 +38,9 @@ pub enum Scale {
 pub enum Range {
     /// A number from `min` to `max`, both included.
     Number {
-        /// Smallest.
+        /// Smallest value.
         min: f64,
-        /// Largest.
+        /// Largest value.
         max: f64,
         /// For sliders.
         scale: Scale,
@@ -88,7 +88,7 @@ pub enum SettingError {
     /// The value is not one of those allowed.
     #[error("`{key}`: expected {expected}, got {got}")]
     Value {
-        /// Key.
+        /// Key of the setting.
         key: &'static str,
         /// What is allowed.
         expected: String,
@@ -98,7 +98,7 @@ pub enum SettingError {
     /// The simulator refused the changed world.
     #[error("`{key}`: {cause}")]
     World {
-        /// Key.
+        /// Key that is not known.
         key: String,
         /// Its reason.
         cause: String,

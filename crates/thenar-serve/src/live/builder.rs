@@ -14,7 +14,7 @@ use thenar_rig::work::watched;
 pub struct Wish {
     /// To be told should it fail; `None` is the loop itself.
     pub client: Option<ClientId>,
-    /// What.
+    /// Recipe of what is built.
     pub recipe: Recipe,
 }
 

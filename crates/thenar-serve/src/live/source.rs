@@ -30,7 +30,7 @@ pub struct Catalogue {
 /// What is to be made ready.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recipe {
-    /// Scene.
+    /// Name of the scene.
     pub scene: String,
     /// Which hands.
     pub hands: Hands,

@@ -10,9 +10,9 @@ use thenar_scene::tuning::Setting;
 pub struct Status<'a> {
     /// Number of the client that holds control.
     pub control: Option<u32>,
-    /// Clients.
+    /// Number of clients.
     pub viewers: usize,
-    /// Paused.
+    /// True while nothing is stepped.
     pub paused: bool,
     /// Simulated over real time, as wanted.
     pub speed: f64,

@@ -41,7 +41,7 @@ impl Arrays {
         self.add("f32", width, numbers.into_iter().map(|x| (x as f32).to_le_bytes()))
     }
 
-    /// Indices.
+    /// Array of indices.
     pub fn u32(&mut self, width: usize, numbers: impl IntoIterator<Item = u32>) -> Array {
         self.add("u32", width, numbers.into_iter().map(u32::to_le_bytes))
     }
@@ -51,17 +51,17 @@ impl Arrays {
         self.add("u16", width, numbers.into_iter().map(u16::to_le_bytes))
     }
 
-    /// Bytes.
+    /// Array of bytes.
     pub fn u8(&mut self, width: usize, numbers: impl IntoIterator<Item = u8>) -> Array {
         self.add("u8", width, numbers.into_iter().map(|x| [x]))
     }
 
-    /// Points.
+    /// Array of points \[m\].
     pub fn points<'a>(&mut self, points: impl IntoIterator<Item = &'a Vec3>) -> Array {
         self.f32(3, points.into_iter().flat_map(|p| [p.x, p.y, p.z]))
     }
 
-    /// Triangles.
+    /// Array of triangles.
     pub fn triangles(&mut self, triangles: &[[u32; 3]]) -> Array {
         self.u32(3, triangles.iter().flatten().copied())
     }

@@ -21,7 +21,7 @@ pub enum Command {
     },
     /// Pause or go on.
     Run {
-        /// Pause.
+        /// True to pause, false to go on.
         paused: bool,
     },
     /// One step while paused.
@@ -45,7 +45,7 @@ pub enum Command {
     },
     /// Other hands.
     Hands {
-        /// Which.
+        /// Hands that are asked for.
         which: Hands,
         /// How long they are.
         #[serde(default)]
@@ -55,7 +55,7 @@ pub enum Command {
     Script {},
     /// Hands grip what is under them.
     Grip {
-        /// How.
+        /// Kind of grip.
         #[serde(default)]
         kind: GripKind,
         /// What, by name; the nearest body if none is given.
@@ -76,7 +76,7 @@ pub enum Command {
     },
     /// A setting.
     Set {
-        /// Which.
+        /// Key of the setting.
         key: String,
         /// To what.
         value: SettingValue,

@@ -44,7 +44,7 @@ pub enum PoseBody {
     },
     /// The wrist in the world, and our angles \[rad\].
     Angles {
-        /// Wrist.
+        /// Pose of the wrist.
         wrist: Pose,
         /// For each finger, thumb first: base flexion, base spread, second and third flexion.
         angles: Box<[f64; 20]>,
@@ -85,7 +85,7 @@ pub enum PoseError {
     /// Out of reach.
     #[error("{what} is {}, beyond {limit}", plain(*.value))]
     Range {
-        /// What.
+        /// Part of the message that is wrong.
         what: &'static str,
         /// Its value.
         value: f64,

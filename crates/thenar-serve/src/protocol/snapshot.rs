@@ -8,7 +8,7 @@ use thenar_scene::session::Session;
 
 /// Flags of a snapshot.
 pub mod flags {
-    /// Paused.
+    /// Flag of a paused simulation.
     pub const PAUSED: u16 = 1;
     /// The last step failed and was taken back.
     pub const FAILED: u16 = 2;

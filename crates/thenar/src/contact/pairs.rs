@@ -6,7 +6,7 @@ use crate::model::{BodyId, PairRule, SoftDesc, WorldDesc};
 #[derive(Clone, Debug)]
 pub(crate) struct PairTable {
     rigids: u32,
-    /// Sorted.
+    /// Pairs that do not touch, sorted.
     excluded: Vec<[u32; 2]>,
     /// Sorted by pair.
     overrides: Vec<([u32; 2], f64)>,

@@ -30,7 +30,7 @@ pub struct FleshModel {
     pub patches: Patches,
     /// Tetrahedra of bodies that have patches.
     pub patched: Vec<Range<usize>>,
-    /// Skin.
+    /// Skin of all bodies.
     pub membranes: Membranes,
     /// Memory of the elements' stress; of a patch, its first tetrahedron for all.
     pub memory: MemoryModel,

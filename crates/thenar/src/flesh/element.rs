@@ -17,7 +17,7 @@ pub struct RestTet {
     pub lambda: f64,
     /// Shear modulus \[Pa\].
     pub mu: f64,
-    /// Law.
+    /// Constitutive law.
     pub law: Law,
     /// Density \[kg/m³\].
     pub density: f64,
@@ -227,7 +227,7 @@ impl Principal {
         self.V * Mat3::from_diagonal(&self.at.stress.into()) * self.V.transpose()
     }
 
-    /// S.
+    /// Right stretch tensor S.
     pub fn stretch(&self) -> Mat3 {
         self.V * Mat3::from_diagonal(&self.s.into()) * self.V.transpose()
     }

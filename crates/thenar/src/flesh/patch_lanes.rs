@@ -20,7 +20,7 @@ type Numbers = [f64; LANES];
 /// six, without weight.
 #[derive(Clone, Debug)]
 pub struct PatchLanes {
-    /// Patches.
+    /// Number of patches.
     pub count: usize,
     /// Number of nodes of each.
     pub sizes: [usize; LANES],

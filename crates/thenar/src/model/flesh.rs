@@ -41,7 +41,7 @@ pub const OGDEN_ALPHA: [f64; 2] = [4.0, 20.0];
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Material {
-    /// Law.
+    /// Constitutive law.
     pub law: Law,
     /// Young's modulus at small strain \[Pa\].
     pub young: f64,

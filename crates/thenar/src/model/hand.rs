@@ -22,7 +22,7 @@ pub enum Side {
 pub enum Digit {
     /// Palm, or a bone of a body that is not a hand.
     Palm,
-    /// Thumb.
+    /// First digit, the thumb.
     Thumb,
     /// Index finger.
     Index,
@@ -73,7 +73,7 @@ pub struct Bone {
     pub mass: f64,
     /// Inertia about the centre of mass, in B \[kg m²\].
     pub inertia: Mat3,
-    /// Digit.
+    /// Digit that the bone belongs to.
     pub digit: Digit,
     /// Proximal and distal end in B \[m\].
     pub ends_B: [Vec3; 2],
@@ -152,7 +152,7 @@ pub struct BoneNode {
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HandModel {
-    /// Name.
+    /// Name of the hand.
     pub name: String,
     /// Side, when it is a hand.
     pub side: Option<Side>,

@@ -73,7 +73,7 @@ pub struct Axis {
 pub struct JointDesc {
     /// Name, unique in the scene.
     pub name: String,
-    /// Freedoms.
+    /// Kind, which says how it may turn.
     pub kind: JointKind,
     /// Parent body; `None` is the world.
     pub parent: Option<u32>,

@@ -17,7 +17,7 @@ pub struct SurfaceVertex {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EmbeddedSurface {
-    /// Vertices.
+    /// Vertices of the surface.
     pub vertices: Vec<SurfaceVertex>,
     /// Vertex indices of each triangle.
     pub triangles: Vec<[u32; 3]>,

@@ -169,7 +169,7 @@ pub struct WorldDesc {
     pub gravity: Vec3,
     /// Time step \[s\].
     pub time_step: f64,
-    /// Solver.
+    /// Settings of the solver.
     pub solver: SolverSettings,
     /// Rigid bodies: bones and objects.
     pub rigids: Vec<RigidDesc>,

@@ -10,15 +10,15 @@ pub enum TreeError {
     /// There must be one joint per bone but the root.
     #[error("{bones} bones need {} joints, got {joints}", bones.saturating_sub(1))]
     Count {
-        /// Bones.
+        /// Number of bones.
         bones: usize,
-        /// Joints.
+        /// Number of joints.
         joints: usize,
     },
     /// Joint i must have bone i+1 as child.
     #[error("joint `{joint}` must have bone {expected} as child, got {child}")]
     Child {
-        /// Joint.
+        /// Name of the joint.
         joint: String,
         /// Bone it should carry.
         expected: u32,
@@ -28,7 +28,7 @@ pub enum TreeError {
     /// Parents come before children.
     #[error("joint `{joint}` must have a parent before bone {child}, got {parent:?}")]
     Parent {
-        /// Joint.
+        /// Name of the joint.
         joint: String,
         /// Child bone.
         child: u32,
@@ -38,13 +38,13 @@ pub enum TreeError {
     /// A frame holds a number that is not finite.
     #[error("joint `{joint}` has a frame that is not finite")]
     NonFinite {
-        /// Joint.
+        /// Name of the joint.
         joint: String,
     },
     /// A limit is empty or not a number.
     #[error("joint `{joint}` has the range {min}..{max} rad")]
     Limit {
-        /// Joint.
+        /// Name of the joint.
         joint: String,
         /// Lower end \[rad\].
         min: f64,

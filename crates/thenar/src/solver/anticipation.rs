@@ -38,7 +38,7 @@ enum Who {
     Pressing,
 }
 
-/// Workspace.
+/// Workspace of the solver.
 #[derive(Clone, Debug)]
 pub struct Anticipation {
     /// Jᵀ λ per unknown.

@@ -13,7 +13,7 @@ pub struct BlockMatrix {
     pub row_start: Vec<u32>,
     /// Column of each block.
     pub columns: Vec<u32>,
-    /// Values.
+    /// Values of the blocks.
     pub blocks: Vec<Block>,
     /// Entry of each row's diagonal block.
     pub diagonal: Vec<u32>,

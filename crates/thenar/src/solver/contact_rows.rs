@@ -40,7 +40,7 @@ pub struct ContactRow {
 /// All contacts of a step, in arrays that are kept between steps.
 #[derive(Clone, Debug, Default)]
 pub struct ContactRows {
-    /// Contacts.
+    /// Rows of the contacts.
     pub rows: Vec<ContactRow>,
     /// Node of each held point.
     pub nodes: Vec<u32>,

@@ -24,7 +24,7 @@ impl DenseLu {
         self.pivots.resize(n, 0);
     }
 
-    /// Size.
+    /// Number of unknowns.
     pub fn size(&self) -> usize {
         self.n
     }

@@ -20,7 +20,7 @@ pub enum Failure {
     /// More contacts press than there is room for.
     #[error("more than {most} contacts press")]
     TooManyContacts {
-        /// Room.
+        /// Number there is room for.
         most: u32,
     },
 }

@@ -8,7 +8,7 @@ pub enum ModelError {
     Value {
         /// Body, joint or setting.
         thing: String,
-        /// Quantity.
+        /// Quantity that is not finite.
         what: &'static str,
         /// What is allowed.
         expected: &'static str,
@@ -30,37 +30,37 @@ pub enum ModelError {
     /// Two lists that belong together differ in length.
     #[error("{thing}: {what} has {got} entries, expected {expected}")]
     Count {
-        /// Body.
+        /// Name of the body.
         thing: String,
-        /// List.
+        /// List of the wrong length.
         what: &'static str,
-        /// Needed.
+        /// Length that is needed.
         expected: usize,
-        /// Given.
+        /// Length that was given.
         got: usize,
     },
     /// An element has no volume or is inside out at rest.
     #[error("{thing}: tetrahedron {tet} has a rest volume that is not positive")]
     Tet {
-        /// Body.
+        /// Name of the body.
         thing: String,
-        /// Element.
+        /// Number of the element.
         tet: usize,
     },
     /// A node belongs to no element.
     #[error("{thing}: node {node} belongs to no tetrahedron, so it has no mass")]
     LooseNode {
-        /// Body.
+        /// Name of the body.
         thing: String,
-        /// Node.
+        /// Number of the node.
         node: usize,
     },
     /// A node is bound to two bones that no joint connects.
     #[error("{thing}: node {node} is bound to bones {bones:?}, which no joint connects")]
     NotAdjacent {
-        /// Body.
+        /// Name of the body.
         thing: String,
-        /// Node.
+        /// Number of the node.
         node: usize,
         /// Rigid-body indices.
         bones: [u32; 2],
@@ -68,9 +68,9 @@ pub enum ModelError {
     /// Weights are negative or do not sum to 1.
     #[error("{thing}: weights of node {node} must be non-negative and sum to 1, got {weights:?}")]
     Weights {
-        /// Body.
+        /// Name of the body.
         thing: String,
-        /// Node.
+        /// Number of the node.
         node: usize,
         /// Weights given.
         weights: [f64; 2],
@@ -78,7 +78,7 @@ pub enum ModelError {
     /// A half-space cannot move by forces.
     #[error("{thing}: a plane must be fixed, it has no finite mass")]
     MovingPlane {
-        /// Body.
+        /// Name of the body.
         thing: String,
     },
     /// Joints hold more together than the exact solver can take.
@@ -97,7 +97,7 @@ pub enum ModelError {
     /// A joint connects a body with itself.
     #[error("{thing}: a joint needs two different bodies")]
     SelfJoint {
-        /// Joint.
+        /// Name of the joint.
         thing: String,
     },
     /// A running world is given a description of another one.

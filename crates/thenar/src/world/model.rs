@@ -36,7 +36,7 @@ pub struct JointEntries {
 /// An embedded collision vertex with its nodes numbered through all bodies.
 #[derive(Clone, Copy, Debug)]
 pub struct Embedded {
-    /// Nodes.
+    /// Nodes of the tetrahedron.
     pub nodes: [u32; 4],
     /// Barycentric weights.
     pub weights: [f64; 4],
@@ -47,7 +47,7 @@ pub struct Embedded {
 pub struct Model {
     /// Rigid bodies.
     pub rigids: Vec<RigidModel>,
-    /// Joints.
+    /// Joints of the world.
     pub joints: Vec<JointDesc>,
     /// The order in which they place bodies.
     pub tree: JointTree,

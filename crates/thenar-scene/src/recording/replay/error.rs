@@ -36,7 +36,7 @@ pub enum ReplayError {
     Content {
         /// Where it ends.
         offset: u64,
-        /// What.
+        /// Thing that is missing.
         what: &'static str,
     },
 }

@@ -7,14 +7,14 @@ use thenar_record::{ChannelInfo, Gap};
 pub enum Event {
     /// A session has begun.
     Scene {
-        /// When.
+        /// Time of the event \[ns\].
         time_ns: u64,
     },
     /// Something entered, named as for a person.
     Entered {
-        /// When.
+        /// Time of the event \[ns\].
         time_ns: u64,
-        /// What.
+        /// Words of the event.
         what: String,
         /// Of a kind that comes many times a second: a pose, or targets.
         often: bool,
@@ -30,18 +30,18 @@ pub enum Event {
     Channel(ChannelInfo),
     /// A record of a channel.
     Record {
-        /// When.
+        /// Time of the event \[ns\].
         time_ns: u64,
-        /// Channel.
+        /// Number of the channel.
         channel: u32,
-        /// Values.
+        /// Values of the channel.
         values: Vec<f64>,
     },
     /// Frames are missing.
     Gap {
-        /// When.
+        /// Time of the event \[ns\].
         time_ns: u64,
-        /// What.
+        /// Gap in the recording.
         gap: Gap,
     },
 }

@@ -16,7 +16,7 @@ pub struct Aligned<T> {
 }
 
 impl<T: Copy + Default> Aligned<T> {
-    /// Zeros.
+    /// Zeros of this length.
     pub fn new(len: usize) -> Self {
         let numbers = vec![T::default(); len + LINE / size_of::<T>() - 1];
         // An offset that cannot be had costs speed only.

@@ -23,7 +23,7 @@ pub struct Coarse {
     pub blocks: Vec<f64>,
     /// Where each node's row begins in `cross`; one more at the end.
     cross_start: Vec<usize>,
-    /// C.
+    /// Cross blocks C.
     pub cross: Vec<Vec3>,
     /// Where each node's entries of J Z begin; one more at the end.
     skin_start: Vec<usize>,

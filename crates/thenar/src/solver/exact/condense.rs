@@ -30,7 +30,7 @@ struct Slot {
 pub struct Condensed {
     /// Carried node and carrier of each block of J.
     carriers: Vec<(u32, u8)>,
-    /// J.
+    /// Jacobian J of the contacts.
     J: Vec<[Lane; 3]>,
     slots: Vec<Slot>,
     /// Which block of the matrix times which block of J.

@@ -12,7 +12,7 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, dispatch, f32x16};
 /// Batches of columns, in elimination order.
 #[derive(Clone, Debug)]
 pub struct HalfSolves {
-    /// Unknowns.
+    /// Number of unknowns.
     rows: usize,
     supernodes: usize,
     numbers: Aligned<Scalar>,

@@ -24,7 +24,7 @@ const DEPENDENT: f64 = 1e-6;
 /// A bound on how a child turns against its parent.
 #[derive(Clone, Copy, Debug)]
 pub struct Bound {
-    /// Child.
+    /// Child body of the joint.
     pub child: u32,
     /// Parent; the world when `None`.
     pub parent: Option<u32>,

@@ -60,7 +60,7 @@ impl Columns {
 /// A joint that closes a loop.
 #[derive(Clone, Copy, Debug)]
 pub struct Cut {
-    /// Joint.
+    /// Number of the joint.
     pub joint: usize,
     /// Its bodies, moving or not.
     pub ends: (Option<u32>, u32),

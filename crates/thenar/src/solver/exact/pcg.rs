@@ -57,12 +57,12 @@ pub struct Workspace {
     pub q: Coordinates,
     /// Velocity-like vectors of the whole system.
     pub v: Vec<Vec3>,
-    /// Likewise.
+    /// Flesh, likewise.
     pub f: Vec<Vec3>,
 }
 
 impl Workspace {
-    /// Room.
+    /// Room for so many unknowns.
     pub fn new(freedoms: usize, bodies: usize, nodes: usize) -> Self {
         let zeros = Coordinates::new(freedoms, nodes);
         let rows = vec![Vec3::zeros(); 2 * bodies + nodes];

@@ -14,7 +14,7 @@ use fearless_simd::{Level, Simd, dispatch};
 /// A node that bones carry.
 #[derive(Clone, Copy, Debug)]
 pub struct Carried {
-    /// Node.
+    /// Number of the node.
     pub node: u32,
     /// Bones and how many of them count.
     pub bones: [u32; 2],
@@ -77,7 +77,7 @@ pub struct Coordinates {
 }
 
 impl Coordinates {
-    /// Zeros.
+    /// Zeros of this size.
     pub fn new(freedoms: usize, nodes: usize) -> Self {
         Self { u: vec![0.0; freedoms], w: vec![Vec3::zeros(); nodes] }
     }

@@ -10,7 +10,7 @@ pub fn flat(v: &[Vec3]) -> &[f64] {
     bytemuck::cast_slice(v)
 }
 
-/// Likewise.
+/// Numbers of a list of vectors, to be written.
 pub fn flat_mut(v: &mut [Vec3]) -> &mut [f64] {
     bytemuck::cast_slice_mut(v)
 }

@@ -38,7 +38,7 @@ pub struct Columns {
     /// Per batch: the groups of bodies that it pulls on.
     pulls_on: Vec<bool>,
     groups: usize,
-    /// G.
+    /// Compliance G.
     pub G: Compliance,
 }
 

@@ -341,7 +341,7 @@ pub struct Verdict {
 /// What is to be done next about contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Next {
-    /// Nothing.
+    /// Nothing is left to do.
     Done,
     /// Solve again with what W missed.
     Correct,
