@@ -2,8 +2,8 @@
 
 use crate::calibration::Calibrate;
 use crate::{HandOutput, HandSample, LinkError, Rendering};
-use thenar::haptic::LoopProfile;
 use thenar::haptic::safety::Limits;
+use thenar::haptic::{LoopProfile, TrackerTiming};
 use thenar::model::Side;
 
 /// A kind of device: finds those that are there and opens them.
@@ -74,6 +74,12 @@ pub trait Tracker: Send {
     /// Length of the wearer's hand, wrist to middle fingertip \[m\], where the device's profile
     /// knows it: the simulated hand should be built as long.
     fn hand_length(&self) -> Option<f64> {
+        None
+    }
+
+    /// How often it samples, how late and how noisy, where its driver or profile knows; `None` where nothing but the
+    /// samples' own times tells.
+    fn timing(&self) -> Option<TrackerTiming> {
         None
     }
 

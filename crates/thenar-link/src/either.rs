@@ -10,6 +10,7 @@ use crate::tracker_clock::{ClockNews, TrackerClock};
 use crate::{Driver, Found, HandSample, LinkError, Lookout, Messenger, Opened, Tracker, now_ns};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::{Arc, Mutex, PoisonError};
+use thenar::haptic::TrackerTiming;
 use thenar::model::Side;
 use thenar_scene::live::checked;
 
@@ -154,6 +155,11 @@ impl Tracker for Either {
 
     fn heard_ns(&mut self) -> Option<u64> {
         self.sources.iter_mut().filter_map(|source| source.tracker.heard_ns()).max()
+    }
+
+    fn timing(&self) -> Option<TrackerTiming> {
+        let all = self.sources.iter().filter_map(|source| source.tracker.timing());
+        all.max_by(|a, b| a.delay().total_cmp(&b.delay()))
     }
 
     fn hand_length(&self) -> Option<f64> {

@@ -2,6 +2,7 @@
 
 use crate::{Driver, Found, HandSample, LinkError, Lookout, Opened, Tracker};
 use std::f64::consts::PI;
+use thenar::haptic::TrackerTiming;
 use thenar::model::Side;
 use thenar::{Pose, Quat, Vec3};
 use thenar_scene::live::LivePose;
@@ -86,6 +87,10 @@ impl Faulty {
 }
 
 impl Tracker for Faulty {
+    fn timing(&self) -> Option<TrackerTiming> {
+        self.inner.timing()
+    }
+
     fn latest(&mut self, side: Side) -> Option<&HandSample> {
         let sample = self.inner.latest(side)?;
         let since = sample.time_ns.saturating_sub(*self.first_ns.get_or_insert(sample.time_ns));

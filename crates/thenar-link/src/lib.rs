@@ -38,6 +38,7 @@ pub mod profile;
 mod protocol;
 mod rate;
 mod registry;
+pub mod rehearsal;
 pub mod replay;
 mod sample;
 pub mod source_clock;

@@ -4,6 +4,7 @@ use crate::profile::{Address, Wrist, profile_name};
 use crate::tracker_clock::TrackerClock;
 use crate::{HandSample, LinkError, Lookout, Messenger, Opened, Tracker, nesting, now_ns};
 use thenar::Pose;
+use thenar::haptic::TrackerTiming;
 use thenar::model::Side;
 use thenar_input::quoted;
 use thenar_scene::live::LivePose;
@@ -87,6 +88,12 @@ impl Paired {
 }
 
 impl Tracker for Paired {
+    /// A hand is as late as its later part.
+    fn timing(&self) -> Option<TrackerTiming> {
+        let both = [self.fingers.timing(), self.base.timing()];
+        both.into_iter().flatten().max_by(|a, b| a.delay().total_cmp(&b.delay()))
+    }
+
     /// New when either moved. Its time is the older one's: a hand is as stale as its stalest part.
     fn latest(&mut self, side: Side) -> Option<&HandSample> {
         let known = &mut self.known[usize::from(side == Side::Right)];

@@ -50,6 +50,11 @@ pub trait Protocol: Send {
         let _ = (now_ns, output, event, send);
     }
 
+    /// Whether the device holds one hand and was told of none: it shows that which presses first.
+    fn holds_one_hand(&self) -> bool {
+        false
+    }
+
     /// The last words: what sets the device free, then what stops its stream.
     fn stop(&mut self, send: &mut dyn FnMut(&[u8])) {
         let _ = send;

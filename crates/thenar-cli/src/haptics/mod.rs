@@ -1,8 +1,9 @@
-//! `thenar haptics`: what touch does, without a device: how stiff a coupling may be, and how the
-//! three modes differ.
+//! `thenar haptics`: what touch does, without a device: how stiff a coupling may be, how the three modes
+//! differ, and what a loosely held hand makes of a late tracker.
 
 mod compare;
 mod map;
+mod rehearse;
 
 use crate::error::CliError;
 
@@ -19,6 +20,8 @@ enum Command {
     Map(map::Args),
     /// The three modes of touch on one motion: stiffness, delay and energy.
     Compare(compare::Args),
+    /// A hand that gives way and a late tracker, in closed loop with a scene.
+    Rehearse(rehearse::Args),
 }
 
 /// Runs the command.
@@ -29,5 +32,6 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     match &args.command {
         Command::Map(args) => map::run(args),
         Command::Compare(args) => compare::run(args),
+        Command::Rehearse(args) => rehearse::run(args),
     }
 }

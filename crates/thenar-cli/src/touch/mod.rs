@@ -5,7 +5,7 @@ mod report;
 mod ticks;
 mod twin;
 
-pub use devices::{DeviceOptions, Teller};
+pub use devices::{DeviceOptions, ModeWord, Teller};
 pub use ticks::recorder as tick_recorder;
 pub use twin::WavingGlove;
 

@@ -17,7 +17,13 @@ pub fn line(elapsed: f64, status: &Status) {
         let tracked = if hand.tracked { "tracked" } else { "not tracked" };
         let [wanted, sent] =
             [0, 1].map(|k| hand.forces.iter().map(|force| force[k]).fold(0.0_f64, f64::max));
-        format!("{side} {tracked}, {wanted:.2} N wanted, {sent:.2} N sent")
+        let late = match hand.display {
+            Some(_) => {
+                format!(", felt up to {:.0} N/m at {:.0} ms", hand.felt_stiffness, 1e3 * hand.delay)
+            }
+            None => String::new(),
+        };
+        format!("{side} {tracked}, {wanted:.2} N wanted, {sent:.2} N sent{late}")
     });
     let hands: Vec<_> = hands.collect();
     let reason = status.state.reason().map_or(String::new(), |reason| format!(" ({reason})"));

@@ -114,7 +114,10 @@ fn open_with(
         name,
         connect: Box::new(move || Ok(Box::new(SerialTransport::open(&path, baud)?))),
         protocol: protocol(profile.clone()),
-        tracks: Some(TrackerTraits { hand_length: Some(profile.hand.length) }),
+        tracks: Some(TrackerTraits {
+            hand_length: Some(profile.hand.length),
+            timing: Some(profile.tracking.timing()),
+        }),
         display: None,
         speaks: true,
     };

@@ -1,7 +1,7 @@
 //! What is particular to one CyberGlove and its wearer.
 
 use super::sensors::{self, NAMES, SENSORS};
-use crate::profile::{Check, Hand, Link, Wrist};
+use crate::profile::{Check, Hand, Link, Tracking, Wrist};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use thenar::Pose;
@@ -23,6 +23,8 @@ pub struct Profile {
     pub wrist: Wrist,
     /// The cable.
     pub link: Link,
+    /// When its samples come.
+    pub tracking: Tracking,
     /// The glove.
     pub glove: Glove,
     /// Calibration by name of sensor.
@@ -82,6 +84,7 @@ impl Check for Profile {
         self.hand.check()?;
         self.wrist.check()?;
         self.link.check()?;
+        self.tracking.check()?;
         if ![18, SENSORS].contains(&self.glove.sensors) {
             let cause = format!("is {}, expected 18 or 22", self.glove.sensors);
             return Err(("glove.sensors".into(), cause));

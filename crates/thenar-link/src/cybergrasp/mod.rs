@@ -79,7 +79,7 @@ pub struct CyberGrasp {
 }
 
 impl CyberGrasp {
-    /// For this hand; for any if `None`.
+    /// For this hand; for the one that presses first if `None`.
     pub fn new(side: Option<Side>) -> Self {
         Self { side, ..Self::default() }
     }
@@ -137,6 +137,10 @@ impl Protocol for CyberGrasp {
         if changed || now_ns.saturating_sub(self.sent_ns) >= PERIOD_NS {
             self.tell(now_ns, send);
         }
+    }
+
+    fn holds_one_hand(&self) -> bool {
+        self.side.is_none()
     }
 
     fn stop(&mut self, send: &mut dyn FnMut(&[u8])) {

@@ -59,7 +59,10 @@ impl Driver for ForceDeviceDriver {
             name: format!("force-device:{}", parsed.place),
             connect: Box::new(connect),
             protocol: Box::new(ForceDevice::new(setup)),
-            tracks: Some(TrackerTraits { hand_length: Some(profile.hand.length) }),
+            tracks: Some(TrackerTraits {
+                hand_length: Some(profile.hand.length),
+                ..TrackerTraits::default()
+            }),
             display: Some(display),
             speaks: true,
         };

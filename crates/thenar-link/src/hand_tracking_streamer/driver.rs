@@ -59,6 +59,8 @@ impl Driver for HandTrackingStreamerDriver {
             }
         };
         let protocol = HandTrackingStreamer::new(datagrams, points);
-        Device::tracker(format!("hts:{}", options.place), connect, Box::new(protocol)).open()
+        Device::tracker(format!("hts:{}", options.place), connect, Box::new(protocol))
+            .seen_by_cameras()
+            .open()
     }
 }

@@ -118,6 +118,10 @@ impl Actuators {
         let (simulation_ns, tracking_ns) = (hand.simulated_ns(), hand.tracked_ns());
         let Heard { device_ns, enabled } = heard;
         match &mut self.bank {
+            Guards::Fingers(bank) => bank.see_late(hand.delay()),
+            Guards::Point(bank) => bank.see_late(hand.delay()),
+        }
+        match &mut self.bank {
             Guards::Point(bank) => {
                 let signals = hand.palm().map(|(force, velocity)| Signal {
                     force,

@@ -172,6 +172,10 @@ pub struct HandStatus {
     pub simulation_age: f64,
     /// Which display it feels, and what that renders.
     pub display: Option<(u8, Rendering)>,
+    /// Stiffest that a blocked finger is felt \[N/m\], and the delay from motion to force that bounds it \[s\].
+    pub felt_stiffness: f64,
+    /// See `felt_stiffness`.
+    pub delay: f64,
     /// Largest force that the display may be sent, per finger or in all \[N\].
     pub force_max: f64,
     /// Forces asked for and sent \[N\]: thumb first, or x, y and z of a display of one point.

@@ -149,8 +149,9 @@ impl Core {
         for hand in &mut self.hands {
             hand.update();
             for (index, tracker) in self.trackers.iter_mut().enumerate() {
+                let timing = tracker.timing();
                 if let Some(sample) = tracker.latest(hand.side()) {
-                    hand.take(index, sample, now_ns);
+                    hand.take_timed(index, sample, now_ns, timing);
                 }
             }
             hand.tick(now_ns);
@@ -211,6 +212,8 @@ impl Core {
                 ages: [report.tracking_age as f32, report.simulation_age as f32],
                 contacts: report.contact.active,
                 status: actuators.map_or(Status::Off, Actuators::status),
+                stiffness: hand.felt_stiffness() as f32,
+                delay: hand.delay() as f32,
                 axes: actuators.map_or_else(Default::default, |actuators| *actuators.axes()),
             };
             if self.records.push(record).is_err() {

@@ -1,8 +1,11 @@
 //! One hand in the loop: samples of its tracker in, forces of its couplings out.
 
 use super::exchange::{FastEnds, Frame};
+use super::felt::Felt;
 use crate::{DIGITS, HandSample};
-use thenar::haptic::{HandReport, PAD_NORMAL_B, Pad, PadReading, Touch, seconds_between};
+use thenar::haptic::{
+    HandReport, PAD_NORMAL_B, Pad, PadReading, Touch, TrackerTiming, seconds_between,
+};
 use thenar::math::rotation_vector;
 use thenar::model::{Digit, HandModel, Side};
 use thenar::world::Target;
@@ -24,6 +27,8 @@ pub struct LoopHand {
     targets: Vec<Option<Target>>,
     pads: [Option<Pad>; DIGITS],
     readings: [Option<PadReading>; DIGITS],
+    /// How stiff it is felt.
+    felt: Option<Felt>,
     report: HandReport,
     last_ns: Option<u64>,
     beginnings: u64,
@@ -63,6 +68,7 @@ impl LoopHand {
             targets,
             pads,
             readings: [None; DIGITS],
+            felt: None,
             report: HandReport::default(),
             last_ns: None,
             beginnings,
@@ -77,6 +83,29 @@ impl LoopHand {
     /// Which hand.
     pub fn side(&self) -> Side {
         self.side
+    }
+
+    /// Bounds how stiff it is felt.
+    pub fn bound(&mut self, felt: Felt) {
+        self.felt = Some(felt);
+    }
+
+    /// Takes a sample of tracker `tracker`, which states this of itself. See [`LoopHand::take`].
+    pub fn take_timed(
+        &mut self,
+        tracker: usize,
+        sample: &HandSample,
+        now_ns: u64,
+        stated: Option<TrackerTiming>,
+    ) {
+        let before = self.tracker();
+        self.take(tracker, sample, now_ns);
+        if let Some(felt) = self.felt.as_mut().filter(|_| self.fresh_ns == Some(sample.time_ns)) {
+            if before != Some(tracker) {
+                felt.forget();
+            }
+            felt.hear(sample.time_ns, now_ns, stated);
+        }
     }
 
     /// Takes a sample of tracker `tracker`. Of two trackers of one hand the one that moves it goes
@@ -160,8 +189,16 @@ impl LoopHand {
         // which no guard may stop.
         let sets_out = leads && self.live.is_setting_out();
         let (touch, h) = (&*self.touch, self.report.step);
+        if let Some(felt) = &mut self.felt {
+            felt.step(h);
+        }
         for (pad, reading) in self.pads.iter_mut().zip(&mut self.readings) {
             *reading = pad.as_mut().map(|pad| pad.read(touch, h));
+            if let (Some(pad), Some(reading), Some(felt)) = (pad, reading.as_mut(), &self.felt) {
+                let part = felt.part(pad.bone);
+                reading.force_W *= part;
+                reading.pad_force *= part;
+            }
             if let Some(reading) = reading.as_mut().filter(|_| sets_out) {
                 reading.opening_velocity = 0.0;
             }
@@ -195,7 +232,8 @@ impl LoopHand {
     /// Force \[N\] and torque \[N m\] on the wearer at the palm's centre, world, each with the
     /// palm's mean velocity in the last tick \[m/s, rad/s\].
     pub fn palm(&self) -> [([f64; 3], [f64; 3]); 2] {
-        let [force, torque] = self.touch.device_wrenches()[0];
+        let part = self.felt.as_ref().map_or(1.0, |felt| felt.part(0));
+        let [force, torque] = self.touch.device_wrenches()[0].map(|wrench| wrench * part);
         let [linear, angular] = self.palm_velocity;
         [(force.into(), linear), (torque.into(), angular)]
     }
@@ -204,6 +242,17 @@ impl LoopHand {
     pub fn inward(&self, finger: usize) -> Vec3 {
         let Some(pad) = &self.pads[finger] else { return Vec3::zeros() };
         -self.touch.tracked()[pad.bone].pose_WB.vector(&PAD_NORMAL_B)
+    }
+
+    /// From its motion to the force that answers it \[s\], as far as that is known.
+    pub fn delay(&self) -> f64 {
+        self.felt.as_ref().map_or(0.0, Felt::delay)
+    }
+
+    /// Stiffest that a blocked finger is felt \[N/m\].
+    pub fn felt_stiffness(&self) -> f64 {
+        let Some(felt) = &self.felt else { return 0.0 };
+        self.pads.iter().flatten().map(|pad| felt.stiffness(pad.bone)).fold(0.0, f64::max)
     }
 
     /// How far a finger is closed, 0 to 1.

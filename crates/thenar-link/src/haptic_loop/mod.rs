@@ -32,6 +32,7 @@ mod actuators;
 mod control;
 mod core;
 mod exchange;
+mod felt;
 mod hand;
 mod histogram;
 mod lookout;
@@ -47,6 +48,7 @@ pub use actuators::{Ability, Actuators, Axis, Heard};
 pub use control::{DeviceStatus, HandStatus, Remote, STATEMENT, State, Status};
 pub use core::{Core, TickTime};
 pub use exchange::{FastEnds, FingerContact, Frame, Lead, SlowEnds, slots};
+pub use felt::{Bounds, Felt};
 pub use hand::LoopHand;
 pub use histogram::Histogram;
 pub use monitor::Watcher;
@@ -68,7 +70,7 @@ use std::sync::{Arc, Mutex, PoisonError, TryLockError, Weak};
 use std::thread::JoinHandle;
 use std::time::Duration;
 use thenar::haptic::safety::{Limits, Trip};
-use thenar::haptic::{CouplingDesign, LoopProfile};
+use thenar::haptic::{CouplingDesign, GRIP, LoopProfile};
 use thenar::model::Drive;
 
 /// Records that may wait for the monitor.
@@ -84,6 +86,9 @@ pub struct Settings {
     pub mode: LoopMode,
     /// Couplings to the tracked pose. Those to the bones are the scene's drives.
     pub design: CouplingDesign,
+    /// Damping of the loosest grip that the wearer is taken to have \[N s/m\]: what is felt is no stiffer than such a
+    /// hand bears behind the delay of its tracker ([`thenar::haptic::GRIP`]). `None` shows the couplings as they are.
+    pub grip: Option<f64>,
     /// Part of a device's rating that the user allows, where it is less than the device's own.
     pub user_fraction: Option<f64>,
     /// Where trips are written down; `None` to keep no files.
@@ -98,6 +103,7 @@ impl Default for Settings {
             rate_hz: 1000.0,
             mode: LoopMode::default(),
             design: CouplingDesign::default(),
+            grip: Some(GRIP),
             user_fraction: None,
             trip_folder: None,
             watcher: None,
@@ -117,6 +123,7 @@ pub struct HapticLoop {
     shared: Arc<Shared>,
     mode: LoopMode,
     design: CouplingDesign,
+    bounds: Bounds,
     threads: Vec<JoinHandle<()>>,
 }
 
@@ -137,8 +144,9 @@ impl HapticLoop {
         let lookouts = Lookouts::of(&trackers, &displays);
         let (design, too_stiff) = fitted(&settings.design, rate_hz, &displays);
         let limits = limits_of(&settings, &displays);
+        let bounds = bounds_of(&settings, &displays);
         let (shared, monitored) = share(&settings, trackers, displays)?;
-        let mut new = Self { shared, mode, design, threads: Vec::new() };
+        let mut new = Self { shared, mode, design, bounds, threads: Vec::new() };
         let (told, warnings) = std::sync::mpsc::channel();
         let shared = new.shared.clone();
         let period = Duration::from_secs_f64(1.0 / rate_hz);
@@ -191,7 +199,7 @@ impl HapticLoop {
 
     /// For whoever steps the simulation.
     pub fn port(&self) -> SimulationPort {
-        SimulationPort::new(self.shared.clone(), self.mode, self.design)
+        SimulationPort::new(self.shared.clone(), self.mode, self.design, self.bounds)
     }
 }
 
@@ -238,6 +246,19 @@ fn fitted(
     (design, warnings.map(|warning| warning.to_string()).collect())
 }
 
+/// The loop, and the slowest of these displays.
+fn bounds_of(settings: &Settings, displays: &[Box<dyn ForceDisplay>]) -> Bounds {
+    let [delay, damping, friction, resolution] = [0.0; 4];
+    let (period, rated_stiffness) = (1.0 / settings.rate_hz, f64::INFINITY);
+    let alone = LoopProfile { period, delay, damping, friction, resolution, rated_stiffness };
+    let slowest = |slow: LoopProfile, profile: LoopProfile| {
+        let LoopProfile { period, delay, .. } = profile;
+        LoopProfile { period: slow.period.max(period), delay: slow.delay.max(delay), ..slow }
+    };
+    let profiles = displays.iter().map(|display| display.loop_profile());
+    Bounds { grip: settings.grip, profile: profiles.fold(alone, slowest) }
+}
+
 /// What each display can do, and within which limits.
 fn limits_of(settings: &Settings, displays: &[Box<dyn ForceDisplay>]) -> Vec<Ability> {
     // Written so that what is no number is refused where it is checked.
@@ -261,6 +282,10 @@ fn share(
     displays: Vec<Box<dyn ForceDisplay>>,
 ) -> Result<(Arc<Shared>, Consumer<TickRecord>), LinkError> {
     let wrong = |what: &str, cause: String| LinkError::Setting { what: what.into(), cause };
+    if let Some(grip) = settings.grip.filter(|grip| !(*grip > 0.0 && *grip <= 1000.0)) {
+        let cause = format!("{grip} N s/m is not more than 0 and at most 1000");
+        return Err(wrong("the damping of the loosest grip", cause));
+    }
     // Guards begin anew after gaps of 20 ms.
     if !(settings.rate_hz >= 100.0 && settings.rate_hz <= 20_000.0) {
         let cause = format!("{} Hz is not between 100 and 20000", settings.rate_hz);
@@ -285,6 +310,7 @@ pub struct ManualLoop {
     shared: Arc<Shared>,
     mode: LoopMode,
     design: CouplingDesign,
+    bounds: Bounds,
     /// What ticks did.
     pub records: Consumer<TickRecord>,
 }
@@ -299,8 +325,9 @@ impl ManualLoop {
         trackers: Vec<Box<dyn Tracker>>,
         displays: Vec<Box<dyn ForceDisplay>>,
     ) -> Result<Self, LinkError> {
+        let bounds = bounds_of(settings, &displays);
         let (shared, records) = share(settings, trackers, displays)?;
-        Ok(Self { shared, mode: settings.mode, design: settings.design, records })
+        Ok(Self { shared, mode: settings.mode, design: settings.design, bounds, records })
     }
 
     /// One tick at `now_ns`; false when it was left out.
@@ -315,7 +342,7 @@ impl ManualLoop {
 
     /// For whoever steps the simulation.
     pub fn port(&self) -> SimulationPort {
-        SimulationPort::new(self.shared.clone(), self.mode, self.design)
+        SimulationPort::new(self.shared.clone(), self.mode, self.design, self.bounds)
     }
 
     /// Looks at what the loop ticks.

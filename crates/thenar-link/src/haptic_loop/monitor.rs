@@ -141,6 +141,8 @@ impl Monitor {
                 display: display.map(|(k, able)| (k, able.rendering)),
                 force_max: display.map_or(0.0, |(_, able)| able.limits.force_max()),
                 simulation_age: f64::from(record.ages[1]),
+                felt_stiffness: f64::from(record.stiffness),
+                delay: f64::from(record.delay),
                 forces: record.axes.map(|axis| [axis.wanted, axis.output]),
             });
         }

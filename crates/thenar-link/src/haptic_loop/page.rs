@@ -3,6 +3,7 @@
 use crate::{HandSample, Tracker, now_ns};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use thenar::haptic::TrackerTiming;
 use thenar::model::Side;
 use thenar_scene::live::LivePose;
 use triple_buffer::{Input, Output, triple_buffer};
@@ -46,6 +47,11 @@ impl Tracker for PageTracker {
 
     fn heard_ns(&mut self) -> Option<u64> {
         Some(self.heard_ns.load(Ordering::Relaxed)).filter(|ns| *ns > 0)
+    }
+
+    /// A page sees hands through a headset's cameras, or a webcam, and tells nobody when it saw them.
+    fn timing(&self) -> Option<TrackerTiming> {
+        Some(TrackerTiming::HEADSET)
     }
 
     fn messages(&mut self) -> Vec<String> {

@@ -3,16 +3,18 @@
 use super::Shared;
 use super::actuators::Actuators;
 use super::exchange::{FingerContact, Frame, SlowEnds, slots};
+use super::felt::{Bounds, Felt};
 use super::hand::LoopHand;
 use crate::{DIGITS, HandOutput};
 use std::sync::{Arc, PoisonError};
 use thenar::haptic::safety::LimitError;
 use thenar::haptic::{
-    CouplingDesign, HandSettings, HapticHand, Mode, Prediction, ProxyError, RigidState, SingleRate,
-    SingleRateSettings, SlowToFast, Touch,
+    CouplingDesign, FreeHand, HandSettings, HapticHand, Mode, Prediction, ProxyError, RigidState,
+    SingleRate, SingleRateSettings, SlowToFast, Touch, series_drive, series_stiffness,
 };
 use thenar::model::{Digit, Drive, Side, SolverKind};
 use thenar::readout::ContactReadout;
+use thenar::world::ModelError;
 use thenar_scene::live::LiveError;
 use thenar_scene::session::Session;
 
@@ -44,6 +46,9 @@ pub enum PortError {
     /// A device's limits make no sense.
     #[error(transparent)]
     Limits(#[from] LimitError),
+    /// The hand cannot be taken out of its world, or not be driven as it is felt.
+    #[error(transparent)]
+    Model(#[from] ModelError),
     /// One session, one simulation.
     #[error("single-rate takes one hand; the scene has {0}")]
     OneHand(usize),
@@ -57,6 +62,8 @@ struct PortHand {
     first: usize,
     drives: Vec<Option<Drive>>,
     ends: SlowEnds,
+    /// The hand in empty air, where frames have no response that tells of it.
+    free: Option<FreeHand>,
 }
 
 /// What whoever steps the simulation holds.
@@ -64,6 +71,7 @@ pub struct SimulationPort {
     shared: Arc<Shared>,
     mode: LoopMode,
     design: CouplingDesign,
+    bounds: Bounds,
     hands: Vec<PortHand>,
     readout: Option<ContactReadout>,
     began_ns: u64,
@@ -75,11 +83,17 @@ pub struct SimulationPort {
 }
 
 impl SimulationPort {
-    pub(super) fn new(shared: Arc<Shared>, mode: LoopMode, design: CouplingDesign) -> Self {
+    pub(super) fn new(
+        shared: Arc<Shared>,
+        mode: LoopMode,
+        design: CouplingDesign,
+        bounds: Bounds,
+    ) -> Self {
         Self {
             shared,
             mode,
             design,
+            bounds,
             hands: Vec::new(),
             readout: None,
             began_ns: 0,
@@ -167,6 +181,11 @@ impl SimulationPort {
         let start: Vec<_> = bones.clone().map(|i| RigidState::of(world, i)).collect();
         let drives: Vec<_> = world.desc().drives[range.clone()].to_vec();
         let single = self.mode == LoopMode::SingleRate;
+        // Another solver publishes no response.
+        let responds =
+            self.mode == LoopMode::Shared && world.desc().solver.kind == SolverKind::Exact;
+        let free =
+            (!single && !responds).then(|| FreeHand::of(world, bones.clone(), true)).transpose()?;
         let frame = Frame {
             bones: SlowToFast::new(&start, self.contacts_max()),
             made_ns: 0,
@@ -183,25 +202,30 @@ impl SimulationPort {
             // Samples come every tick, already smooth.
             let settings = SingleRateSettings {
                 tracking: Prediction { blend: 0.0, ..Prediction::TRACKER },
+                weightless: true,
                 ..SingleRateSettings::default()
             };
-            let mut inner = SingleRate::new(settings, world.clone(), bones.clone());
+            // The drive of a bone is both couplings of a proxy in one.
+            let mut within = world.clone();
+            let mut desc = world.desc().clone();
+            let mut shown = Vec::new();
+            for (own, (proxy, drive)) in desc.drives[range.clone()].iter_mut().zip(held()) {
+                let (proxy, parts) = proxy.driven_by(&drive);
+                *own = own.map(|_| series_drive(&proxy.device, &proxy.bone));
+                shown.push(parts);
+            }
+            within.retune(desc)?;
+            let mut inner = SingleRate::new(settings, within, bones.clone());
             if let Some(input) = inner.input_mut() {
                 input.copy_from(session.input());
             }
-            for (bone, (proxy, drive)) in held().enumerate() {
-                inner.show(bone, proxy.parts_of_drive(&drive));
+            for (bone, parts) in shown.into_iter().enumerate() {
+                inner.show(bone, parts);
             }
             Box::new(inner)
         } else {
-            // Another solver publishes no response.
-            let responds = world.desc().solver.kind == SolverKind::Exact;
             let settings = HandSettings {
-                mode: if self.mode == LoopMode::Shared && responds {
-                    Mode::SharedConstraints
-                } else {
-                    Mode::Multirate
-                },
+                mode: if responds { Mode::SharedConstraints } else { Mode::Multirate },
                 tracking: Prediction { blend: 0.0, ..Prediction::TRACKER },
                 ..HandSettings::default()
             };
@@ -216,8 +240,14 @@ impl SimulationPort {
         let (slow, fast) = slots(&frame, single.then(|| (world.state(), session.input())));
         let mut live = session.live_hand(index)?;
         live.follow_at(FOLLOW_HZ);
-        let hand = LoopHand::new(side, model, live, touch, fast);
-        Ok((PortHand { index, first: range.start, drives, ends: slow }, hand))
+        live.doubt_glitches();
+        let mut hand = LoopHand::new(side, model, live, touch, fast);
+        let felt = held().map(|(proxy, drive)| {
+            let (proxy, [part, _]) = proxy.driven_by(&drive);
+            part * series_stiffness(proxy.device.stiffness, proxy.bone.stiffness)
+        });
+        hand.bound(Felt::new(self.bounds, felt.collect()));
+        Ok((PortHand { index, first: range.start, drives, ends: slow, free }, hand))
     }
 
     fn contacts_max(&self) -> usize {
@@ -251,6 +281,9 @@ impl SimulationPort {
             } else {
                 session.let_go(hand.index);
             }
+            if let Some(free) = hand.free.as_mut().filter(|_| anew || !lead.leads) {
+                free.resume(session.world().state());
+            }
         }
         Ok(())
     }
@@ -279,6 +312,16 @@ impl SimulationPort {
             frame.bones.step = self.frames;
             for (i, bone) in frame.bones.bones.iter_mut().enumerate() {
                 *bone = RigidState::of(world, (hand.first + i) as u32);
+            }
+            if let Some(free) = &mut hand.free {
+                let lead = hand.ends.lead.output_buffer_mut();
+                if lead.leads {
+                    let targets = lead.proxies.free.iter().map(|proxy| Some(proxy.target()));
+                    free.step(world.time_step(), targets, session.input());
+                } else {
+                    free.resume(world.state());
+                }
+                free.publish(&mut frame.bones.free);
             }
             frame.targets.copy_from_slice(&session.input().targets[hand.first..][..n]);
             frame.beginnings = self.beginnings;

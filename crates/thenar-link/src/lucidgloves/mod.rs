@@ -77,7 +77,10 @@ fn open_with(parsed: &Address, profile: Profile) -> Result<Opened, LinkError> {
         name,
         connect,
         protocol: Box::new(LucidGloves::new(profile.clone())),
-        tracks: Some(TrackerTraits { hand_length: Some(profile.hand.length) }),
+        tracks: Some(TrackerTraits {
+            hand_length: Some(profile.hand.length),
+            timing: Some(profile.tracking.timing()),
+        }),
         display: Some(display),
         speaks: true,
     };

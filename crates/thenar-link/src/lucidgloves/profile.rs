@@ -1,7 +1,7 @@
 //! What is particular to one LucidGlove.
 
 use super::encoding::State;
-use crate::profile::{Check, DigitAngles, Display, Hand, Link, Wrist};
+use crate::profile::{Check, DigitAngles, Display, Hand, Link, Tracking, Wrist};
 use serde::{Deserialize, Serialize};
 use thenar::haptic::servo_stop;
 use thenar::model::Side;
@@ -20,6 +20,8 @@ pub struct Profile {
     pub wrist: Wrist,
     /// The cable.
     pub link: Link,
+    /// When its samples come.
+    pub tracking: Tracking,
     /// All sensors.
     pub sensors: Sensors,
     /// Thumb.
@@ -117,6 +119,7 @@ impl Check for Profile {
         self.hand.check()?;
         self.wrist.check()?;
         self.link.check()?;
+        self.tracking.check()?;
         self.display.check()?;
         if !(255..=u16::MAX).contains(&self.sensors.analog_max) {
             let cause = format!("is {}, expected 255 to 65535", self.sensors.analog_max);

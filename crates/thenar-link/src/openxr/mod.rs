@@ -237,7 +237,7 @@ impl Driver for OpenXrDriver {
         };
         let name = if address.is_empty() { "openxr".into() } else { format!("openxr:{address}") };
         let protocol = OpenXrHands::default();
-        Device::tracker(name, Box::new(connect), Box::new(protocol)).open()
+        Device::tracker(name, Box::new(connect), Box::new(protocol)).seen_by_cameras().open()
     }
 }
 

@@ -7,4 +7,4 @@ mod parts;
 
 pub use address::Address;
 pub use load::{Check, load, profile_name, save, user_file};
-pub use parts::{DigitAngles, Display, Hand, Link, Wrist};
+pub use parts::{DigitAngles, Display, Hand, Link, Tracking, Wrist};

@@ -2,8 +2,8 @@
 
 use crate::joints::in_reach;
 use serde::{Deserialize, Serialize};
-use thenar::haptic::LoopProfile;
 use thenar::haptic::safety::Limits;
+use thenar::haptic::{LoopProfile, TrackerTiming};
 use thenar::model::Side;
 use thenar::{Pose, Quat, Vec3};
 
@@ -82,6 +82,42 @@ impl Link {
             return Ok(());
         }
         refuse("link.baud", format!("{} bit/s, expected 1200 to 4000000", self.baud))
+    }
+}
+
+/// `[tracking]`: when its samples come, and how they scatter.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tracking {
+    /// Samples per second \[Hz\].
+    pub rate: f64,
+    /// From a motion to the arrival of its sample \[s\].
+    pub latency: f64,
+    /// Standard deviation of a fingertip that stands still \[m\].
+    pub noise: f64,
+}
+
+impl Tracking {
+    /// Refuses what no tracker does.
+    pub fn check(&self) -> Result<(), Refusal> {
+        let ranges = [
+            ("rate", self.rate, 5.0..=20_000.0, "Hz"),
+            ("latency", self.latency, 0.0..=0.5, "s"),
+            ("noise", self.noise, 0.0..=0.1, "m"),
+        ];
+        for (key, value, range, unit) in ranges {
+            if !range.contains(&value) {
+                let (least, most) = (range.start(), range.end());
+                let cause = format!("is {value:?} {unit}, expected {least} to {most}");
+                return refuse(&format!("tracking.{key}"), cause);
+            }
+        }
+        Ok(())
+    }
+
+    /// For the loop.
+    pub fn timing(&self) -> TrackerTiming {
+        TrackerTiming { rate: self.rate, latency: self.latency, noise: self.noise }
     }
 }
 

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-use thenar::haptic::LoopProfile;
 use thenar::haptic::safety::Limits;
+use thenar::haptic::{LoopProfile, TrackerTiming};
 use thenar::model::Side;
 use triple_buffer::{Input, Output};
 
@@ -76,6 +76,10 @@ impl Tracker for DeviceTracker {
 
     fn hand_length(&self) -> Option<f64> {
         self.traits.hand_length
+    }
+
+    fn timing(&self) -> Option<TrackerTiming> {
+        self.traits.timing
     }
 
     fn messages(&mut self) -> Vec<String> {

@@ -6,11 +6,14 @@
 //!
 //! - a sample is seen as soon as its last byte was read, an output is sent within a millisecond;
 //! - samples of a hand have strictly increasing times, none in the future, and finite poses;
+//! - what leaves for a display is finite, within its limits and its slew, and of one hand where it holds one
+//!   ([`Door`](door::Door));
 //! - the hand is released when no output came for [`OUTPUT_SILENCE_NS`], when the display is
 //!   dropped, on [`release_all`], when the protocol panics, on every loss and at every start;
 //! - a device that is away is asked for ever more rarely, once a second in the end; of that, of one
 //!   that is there and silent, and of garbage, a person is told without being flooded.
 
+mod door;
 mod handles;
 mod messages;
 mod notice;
@@ -26,8 +29,8 @@ use std::io;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError, Weak};
 use std::time::{Duration, Instant};
-use thenar::haptic::LoopProfile;
 use thenar::haptic::safety::Limits;
+use thenar::haptic::{LoopProfile, TrackerTiming};
 use thenar::model::Side;
 use triple_buffer::triple_buffer;
 
@@ -49,6 +52,8 @@ pub type Connect = Box<dyn FnMut() -> io::Result<Box<dyn Transport>> + Send>;
 pub struct TrackerTraits {
     /// Length of the wearer's hand, wrist to middle fingertip \[m\].
     pub hand_length: Option<f64>,
+    /// How often it samples, how late and how noisy.
+    pub timing: Option<TrackerTiming>,
 }
 
 /// What a display can do.
@@ -85,6 +90,13 @@ impl Device {
     pub fn tracker(name: String, connect: Connect, protocol: Box<dyn Protocol>) -> Self {
         let tracks = Some(TrackerTraits::default());
         Self { name, connect, protocol, tracks, display: None, speaks: true }
+    }
+
+    /// The same as a headset's cameras see hands: late.
+    pub fn seen_by_cameras(mut self) -> Self {
+        let timing = Some(TrackerTiming::HEADSET);
+        self.tracks = self.tracks.map(|traits| TrackerTraits { timing, ..traits });
+        self
     }
 
     /// Starts its thread. A device that is away is taken up when it comes.

@@ -1,14 +1,16 @@
 //! What the thread does.
 
+use super::door::Door;
 use super::handles::slot;
 use super::notice::{Away, Others, Silence};
 use super::{BACK_OFF, Device, OUTPUT_SILENCE_NS, POLL, Shared};
-use crate::{Event, HandOutput, HandSample, Transport, now_ns};
+use crate::{Event, HandOutput, HandSample, Rendering, Transport, now_ns};
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
+use thenar::haptic::safety::Limits;
 use thenar::model::Side;
 use thenar_scene::live::checked;
 use triple_buffer::{Input, Output};
@@ -38,11 +40,20 @@ pub struct Worker {
     sample_ns: [u64; 2],
     /// When each side's output came that is being shown \[ns\]; `None` when released.
     shown_ns: [Option<u64>; 2],
+    /// What stands before the wire.
+    door: Door,
 }
 
 impl Worker {
     pub fn new(device: Device, shared: Arc<Shared>, ends: Ends) -> Self {
-        Self { device, shared, ends, sample_ns: [0; 2], shown_ns: [None; 2] }
+        let one_hand = device.protocol.holds_one_hand();
+        // What shows no force has nothing to pass.
+        let (limits, torque) = device
+            .display
+            .map_or((Limits::rated(1.0), None), |traits| (traits.limits, traits.torque_limits));
+        let rendering = device.display.map_or(Rendering::Tendons, |traits| traits.rendering);
+        let door = Door::new(rendering.limits(limits), torque, one_hand);
+        Self { device, shared, ends, sample_ns: [0; 2], shown_ns: [None; 2], door }
     }
 
     /// Until it is asked to stop.
@@ -106,6 +117,7 @@ impl Worker {
         let mut silence = Silence::new(opened_ns);
         let mut others = Others::default();
         self.shown_ns = [None; 2];
+        self.door.open(opened_ns);
         // What waited for a device that was away is not shown late.
         self.ends.outputs.iter_mut().for_each(|output| _ = output.update());
         let mut link = Link { transport, lost: None };
@@ -119,7 +131,8 @@ impl Worker {
                 Err(error) => return End::Lost(error),
             };
             let now = now_ns();
-            let outputs = newest(&self.shared, &mut self.ends.outputs, &mut self.shown_ns, now);
+            let wanted = newest(&self.shared, &mut self.ends.outputs, &mut self.shown_ns, now);
+            let outputs = through(&mut self.door, &wanted, &self.shown_ns, &self.shared, now);
             let samples = &mut self.ends.samples;
             let mut take = |event| take(event, now, &self.shared, samples, &mut self.sample_ns);
             let protocol = &mut *self.device.protocol;
@@ -194,6 +207,29 @@ fn take(
         Event::Refused(why) => return shared.messages().refuse(now, &why),
     }
     shared.heard_ns.store(now, Ordering::Relaxed);
+}
+
+/// Per side, what leaves for the device of what shall be shown.
+fn through(
+    door: &mut Door,
+    wanted: &[Option<HandOutput>; 2],
+    shown_ns: &[Option<u64>; 2],
+    shared: &Shared,
+    now: u64,
+) -> [Option<HandOutput>; 2] {
+    for output in wanted.iter().flatten() {
+        if door.bind(output) {
+            let text = "it holds one hand, and shows the one that pressed first; \
+                        `?side=left` or `?side=right` in its address says which it holds";
+            shared.messages().note(now, text);
+        }
+    }
+    let sides = [Side::Left, Side::Right];
+    let passed = sides.map(|side| door.pass(side, wanted[slot(side)].as_ref(), now));
+    for side in sides.into_iter().filter(|side| shown_ns[slot(*side)].is_none()) {
+        door.leave(side);
+    }
+    passed
 }
 
 /// Per side, what shall be shown from now on if that changed: a new output, or none because none

@@ -36,7 +36,8 @@ impl Bench {
             tracks: Some(TrackerTraits::default()),
             display: Some(DisplayTraits {
                 rendering: Rendering::Tendons,
-                limits: Limits::cybergrasp(),
+                // At once: the door has tests of its own.
+                limits: Limits { slew: 1e6, step_max: 12.0, ..Limits::rated(24.0) },
                 torque_limits: None,
                 loop_profile: crate::null::loop_profile(),
             }),

@@ -87,6 +87,27 @@ fn a_teleport_becomes_a_journey_without_force() {
     }
 }
 
+/// Seen at 90 Hz, the hand is 5 cm elsewhere for one sample, in any direction: half a newton at most, gone at once.
+#[test]
+fn a_glitch_of_one_sample_is_not_felt() {
+    let mut rig = pressing();
+    let (home, before) = (rig.wrist, rig.index_force());
+    for axis in 0..6 {
+        let sign = if axis % 2 == 0 { 0.05 } else { -0.05 };
+        let by = Vec3::from_fn(|k, _| if k == axis / 2 { sign } else { 0.0 });
+        let forces = suffer(&mut rig, 330, |rig, k| {
+            let off = if k == 11 { by } else { Vec3::zeros() };
+            let LivePose::Angles { angles, .. } = rig.pose(PRESS) else { unreachable!() };
+            let wrist = Pose::new(home.position + off, home.rotation);
+            if k % 11 == 0 {
+                rig.wearer.say(rig.now_ns, Some(LivePose::Angles { wrist, angles }));
+            }
+        });
+        let most = forces.iter().fold(0.0_f64, |most, force| most.max((force - before).abs()));
+        assert!(most < 0.5, "{by}: {most} N from {before} N");
+    }
+}
+
 #[test]
 fn a_device_that_falls_silent_is_let_go_and_taken_up_again() {
     let mut rig = pressing();

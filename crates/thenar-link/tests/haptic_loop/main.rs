@@ -3,7 +3,9 @@
 //! loop on a made-up clock for what is timed, on its own threads for what is about threads.
 
 mod capture;
+mod empty_air;
 mod faults;
+mod loose_hand;
 mod rig;
 mod smooth;
 mod threads;

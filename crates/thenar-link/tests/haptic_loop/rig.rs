@@ -77,7 +77,7 @@ pub fn torque_limits() -> Limits {
 
 /// For hands that are held by hand, as no simulation would: between frames they stay as they are.
 pub fn blocked() -> Settings {
-    Settings { mode: LoopMode::Multirate, ..Settings::default() }
+    Settings { mode: LoopMode::Multirate, grip: None, ..Settings::default() }
 }
 
 pub struct FakeDisplay {
@@ -216,6 +216,7 @@ impl Rig {
 
     /// A frame of a hand that is held where it is: bones do not follow.
     pub fn blocked_frame(&mut self) {
+        self.port.before_step(&mut self.session, self.now_ns).expect("hands as before");
         self.port.after_step(&mut self.session, self.now_ns);
     }
 

@@ -6,7 +6,7 @@ use thenar_link::Rendering;
 use thenar_link::haptic_loop::{LoopMode, Settings};
 
 fn settings(mode: LoopMode) -> Settings {
-    Settings { mode, ..Settings::default() }
+    Settings { mode, grip: None, ..Settings::default() }
 }
 
 #[test]

@@ -107,7 +107,10 @@ impl World {
             while run.load(Ordering::Relaxed) {
                 let does = *simulation.lock().unwrap();
                 match does {
-                    Simulation::Steps => port.after_step(&mut session, now_ns()),
+                    Simulation::Steps => {
+                        port.before_step(&mut session, now_ns()).expect("hands as before");
+                        port.after_step(&mut session, now_ns());
+                    }
                     Simulation::Stands => (),
                     Simulation::Panics => panic!("put in by the test"),
                 }

@@ -2,6 +2,7 @@
 
 use super::check::checked;
 use super::clock::Timing;
+use super::doubt::Doubt;
 use super::follower::{Law, follow, follow_rotation};
 use super::memory::{CALIBRATION, Memory, Way};
 use super::observer::{Observed, ObservedRotation};
@@ -43,6 +44,8 @@ pub struct LiveHand {
     bones: BoneLengths,
     /// Natural frequency of the follower once it is there \[rad/s\].
     omega: f64,
+    /// Samples that no motion explains wait for another that agrees; not in `memory`, which recordings keep.
+    doubt: Option<Doubt>,
     /// All that changes and that the next step depends on, with what `retarget` and `knuckles` have
     /// learnt.
     pub(super) memory: Memory,
@@ -70,6 +73,7 @@ impl LiveHand {
             knuckles: Knuckles::of(hand),
             bones: BoneLengths::of(hand),
             omega: OMEGA[1],
+            doubt: None,
             memory: Memory::new(stance, joints),
             wanted: vec![Pose::identity(); bones],
             poses: vec![Pose::identity(); bones],
@@ -83,6 +87,12 @@ impl LiveHand {
     /// beside its period.
     pub fn follow_at(&mut self, frequency: f64) {
         self.omega = TAU * frequency;
+    }
+
+    /// Waits with a sample that no motion explains until the next one agrees with it: a glitch of one sample does
+    /// nothing, and a true start is late by one sample. For forces, which a glitch would throw at the wearer.
+    pub fn doubt_glitches(&mut self) {
+        self.doubt = Some(Doubt::new(self.memory.joints.len()));
     }
 
     /// Who moves the hand.
@@ -127,6 +137,17 @@ impl LiveHand {
         (count > 0.0).then(|| sum / count)
     }
 
+    /// The pose of a hand whose bones are at these targets, as a tracker would tell of it.
+    pub fn pose_of(&mut self, targets: &[Option<Target>]) -> LivePose {
+        let Self { articulation, memory, ranges, poses, angles, .. } = self;
+        let mut stance = memory.stance.clone();
+        stance.read(articulation, targets, None, poses, angles);
+        let wrist = Pose::new(stance.position[0], stance.rotation.0);
+        let angle = |r: &AngleRange| r.sense * stance.angles[r.index][r.axis];
+        let angles = ranges.each_ref().map(|range| range.as_ref().map_or(0.0, angle));
+        LivePose::Angles { wrist, angles }
+    }
+
     /// True when the script's targets are wanted in the next step.
     pub fn wants_script(&self) -> bool {
         self.memory.way != Way::Live
@@ -158,6 +179,13 @@ impl LiveHand {
             self.memory.clock.forget();
         }
         let timing = self.memory.clock.take(time, self.memory.now);
+        let timing = match self.doubt.is_some() && !was_lost {
+            true => match self.without_doubt(&wrist, timing) {
+                Some(timing) => timing,
+                None => return Ok(()),
+            },
+            false => timing,
+        };
         self.observe(&wrist, &timing, was_lost);
         (self.memory.arrived, self.memory.late, self.memory.lost) =
             (self.memory.now, timing.late, false);
@@ -293,6 +321,23 @@ impl LiveHand {
         let turned = Quat::from_scaled_axis(step) * present;
         retarget.set_wrist_offset(Quat::new_normalize(turned.into_inner()));
         self.memory.calibrated += 1;
+    }
+
+    /// How the pose carried over lies in time, after the last one that was taken; `None` when it must wait for another
+    /// that agrees with it.
+    fn without_doubt(&mut self, wrist: &Pose, timing: Timing) -> Option<Timing> {
+        let Self { doubt: Some(doubt), memory, angles, .. } = self else { return Some(timing) };
+        let since_taken = memory.now - memory.arrived + memory.late - timing.late;
+        let gap = if doubt.waits() { Some(since_taken.max(0.0)) } else { timing.gap };
+        let surprises = [
+            memory.position.surprise(wrist.position, gap),
+            memory.rotation.surprise(&wrist.rotation, gap),
+            (memory.joints.iter().flatten().zip(angles.as_flattened()))
+                .map(|(joint, angle)| joint.surprise(*angle, gap))
+                .fold(0.0, f64::max),
+        ];
+        let waits = doubt.look(wrist, angles, surprises, gap.unwrap_or(0.0), timing.gap);
+        (!waits).then_some(Timing { gap, ..timing })
     }
 
     /// Takes the pose carried over into the observers; sets out anew where it does not continue

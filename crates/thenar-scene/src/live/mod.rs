@@ -23,6 +23,7 @@
 
 mod check;
 mod clock;
+mod doubt;
 mod follower;
 mod hand;
 mod memory;

@@ -4,6 +4,7 @@ use crate::build::{Built, BuiltHand, Follow};
 use crate::live::{LiveError, LiveHand};
 use std::ops::Range;
 use thenar::World;
+use thenar::haptic::SlowToFast;
 use thenar::kinematics::velocity_between;
 use thenar::math::Vec3;
 use thenar::model::RigidDesc;
@@ -56,6 +57,28 @@ pub fn carry(input: &mut Input, built: &Built, led: &[Option<Vec<Target>>], worl
                 input.node_forces[node] -= gravity * model.flesh.mass[node];
             }
         }
+    }
+}
+
+/// What carries a hand's weight is no load on it: a frame of the hand that begins with rigid body `first` tells of the
+/// rest.
+pub fn weigh(
+    input: &Input,
+    built: &Built,
+    led: &[Option<Vec<Target>>],
+    world: &World,
+    first: u32,
+    frame: &mut SlowToFast,
+) {
+    let carried =
+        |(hand, led): (&BuiltHand, &Option<_>)| hand.handle.bones.start == first && led.is_some();
+    if !built.hands.iter().zip(led).any(carried) {
+        return;
+    }
+    let rigids = &world.model().rigids[first as usize..];
+    for (load, rigid) in frame.response.loads.chunks_exact_mut(6).zip(rigids) {
+        let weight = input.gravity * rigid.mass;
+        load[..3].iter_mut().zip(&weight).for_each(|(load, weight)| *load += weight);
     }
 }
 

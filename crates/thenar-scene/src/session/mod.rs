@@ -162,7 +162,9 @@ impl Session {
             to.response.clear();
             return false;
         }
-        self.world.condense(bones, &self.input, to)
+        let responds = self.world.condense(bones.clone(), &self.input, to);
+        drive::weigh(&self.input, &self.built, &self.led, &self.world, bones.start, to);
+        responds
     }
 
     /// What acted in the last step.

@@ -13,10 +13,11 @@ pub use study::{Comparison, Study, compare, lead};
 
 use crate::session::Session;
 use thenar::haptic::{
-    CouplingDesign, FastToSlow, HandReport, HandSettings, HapticHand, Mode, Pad, PadReading,
-    Prediction, ProxyError, RigidState, SingleRate, SingleRateSettings, SlowToFast, Touch,
-    series_drive,
+    CouplingDesign, FastToSlow, FreeHand, HandReport, HandSettings, HapticHand, Mode, Pad,
+    PadReading, Prediction, ProxyError, RigidState, SingleRate, SingleRateSettings, SlowToFast,
+    Touch, series_drive,
 };
+use thenar::model::SolverKind;
 use thenar::world::{Input, ModelError};
 use thenar::{Pose, Vec3, World};
 
@@ -94,6 +95,8 @@ struct Slow {
     input: Input,
     bones: std::ops::Range<u32>,
     mode: TouchMode,
+    /// The hand in empty air, where frames have no response that tells of it.
+    free: Option<FreeHand>,
     period: u64,
     latency: u64,
     /// A frame on its way, and when it arrives.
@@ -132,7 +135,12 @@ impl Rehearsal {
         let touch: Box<dyn Touch> = if settings.mode == TouchMode::SingleRate {
             Box::new(SingleRate::new(SingleRateSettings::default(), world, bones))
         } else {
+            let responds = settings.mode == TouchMode::SharedConstraints
+                && world.desc().solver.kind == SolverKind::Exact;
+            let free =
+                (!responds).then(|| FreeHand::of(&world, bones.clone(), false)).transpose()?;
             slow = Some(Slow {
+                free,
                 world,
                 input,
                 bones,
@@ -237,6 +245,11 @@ impl Slow {
             *target = Some(proxy.target());
         }
         self.world.step(&self.input, &mut ());
+        if let Some(free) = &mut self.free {
+            let targets = back.free.iter().map(|proxy| Some(proxy.target()));
+            free.step(self.world.time_step(), targets, &self.input);
+            free.publish(&mut self.next.free);
+        }
         self.world.condense(self.bones.clone(), &self.input, &mut self.next);
         if self.mode == TouchMode::Multirate {
             self.next.response.clear();

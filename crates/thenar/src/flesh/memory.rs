@@ -93,6 +93,12 @@ impl MemoryModel {
         Some((relaxation, self.start[t] as usize..self.start[t + 1] as usize))
     }
 
+    /// Where the terms of these elements are.
+    pub fn span(&self, tets: Range<usize>) -> Range<usize> {
+        let at = |t: usize| self.start.get(t).map_or(0, |start| *start as usize);
+        at(tets.start)..at(tets.end)
+    }
+
     /// Whether one of these elements has memory.
     pub fn any(&self, tets: Range<usize>) -> bool {
         !self.is_empty() && self.start[tets.start] < self.start[tets.end]

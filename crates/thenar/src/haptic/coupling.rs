@@ -91,17 +91,6 @@ impl Proxy {
         (Self { device, bone: *drive, ..*self }, shown)
     }
 
-    /// Parts of the drive's own force and torque that feel as both couplings one after the other, for a bone
-    /// that is driven without a proxy.
-    pub fn parts_of_drive(&self, drive: &Drive) -> [f64; 2] {
-        let part =
-            |own: f64, bone: f64| if bone > 0.0 { series_stiffness(own, bone) / bone } else { 1.0 };
-        [
-            part(self.device.stiffness, drive.stiffness),
-            part(self.device.angular_stiffness, drive.angular_stiffness),
-        ]
-    }
-
     /// A proxy of `part` of the mass, as critically damped by its bone coupling as before.
     pub fn lighter(&self, part: f64) -> Self {
         let root = part.sqrt();
@@ -164,9 +153,6 @@ mod tests {
             assert!((felt - 800.0 * k / (800.0 + k)).abs() < 1e-9, "{felt} N/m through {k} N/m");
             let felt = shown[1] * series_stiffness(proxy.device.angular_stiffness, turning);
             assert!((felt - 0.32 * turning / (0.32 + turning)).abs() < 1e-12, "{felt} N m/rad");
-            let [linear, angular] = own.parts_of_drive(&drive);
-            assert!((linear * k - 800.0 * k / (800.0 + k)).abs() < 1e-9, "{linear} of {k} N/m");
-            assert!((angular * turning - felt).abs() < 1e-12, "{angular} of {turning} N m/rad");
         }
     }
 

@@ -1,6 +1,8 @@
 //! One tick of the haptic loop for a whole hand: newest samples in, forces on the wearer out.
 
+use crate::haptic::empty_air::Held;
 use crate::haptic::shared::{Resolution, SharedConstraints};
+use crate::haptic::smooth::Smooth;
 use crate::haptic::tracked_hand::TrackedHand;
 use crate::haptic::{
     FastToSlow, Prediction, Proxies, Proxy, ProxyError, ProxyReport, RigidState, Sample,
@@ -82,6 +84,16 @@ pub struct HandReport {
     pub world: Option<StepReport>,
 }
 
+/// The hand in empty air, whose couplings' forces are not felt.
+#[derive(Clone, Debug)]
+struct Free {
+    proxies: Proxies,
+    shared: SharedConstraints,
+    bones: Vec<RigidState>,
+    /// How far contact held each bone when that was last known.
+    held: Vec<Option<Held>>,
+}
+
 /// A hand at the device's rate.
 #[derive(Clone, Debug)]
 pub struct HapticHand {
@@ -101,7 +113,11 @@ pub struct HapticHand {
     reach: f64,
     /// Simulated ends of the couplings in this tick.
     bones: Vec<RigidState>,
-    /// What the wearer feels.
+    /// The same hand in empty air.
+    free: Free,
+    /// What contact does to the wearer, smooth from frame to frame.
+    smooth: Smooth,
+    /// What of it the wearer feels.
     wrenches: Vec<[Vec3; 2]>,
     /// Parts of the device couplings' forces and torques that are shown.
     shown: Vec<[f64; 2]>,
@@ -128,7 +144,14 @@ impl HapticHand {
             proxies.iter_mut().for_each(|proxy| *proxy = proxy.lighter(LIGHT));
         }
         let proxies = Proxies::new(proxies, start)?;
+        let free = Free {
+            proxies: proxies.clone(),
+            shared: SharedConstraints::in_empty_air(n, contacts_max),
+            bones: proxies.states().to_vec(),
+            held: vec![None; n],
+        };
         Ok(Self {
+            free,
             settings,
             hand: TrackedHand::new(settings.tracking, settings.glide, proxies.states()),
             shared: SharedConstraints::new(n, contacts_max),
@@ -138,6 +161,7 @@ impl HapticHand {
             reach: 0.0,
             periods_when_late,
             bones: proxies.states().to_vec(),
+            smooth: Smooth::new(n),
             wrenches: vec![[Vec3::zeros(); 2]; n],
             shown: vec![[1.0; 2]; n],
             proxies,
@@ -156,25 +180,34 @@ impl HapticHand {
         if self.settings.mode == Mode::SharedConstraints && response.is_ready() {
             if self.shared_step != Some(frame.step) {
                 self.shared.begin(response);
+                self.free.shared.begin(response);
                 self.shared_step = Some(frame.step);
             }
             // Nobody leads a bone that was never tracked: its proxy is where the frame has it.
             for (i, of_frame) in frame.bones.iter().enumerate() {
                 if !self.hand.is_known(i) {
                     self.proxies.place(i, RigidState::at_rest(of_frame.pose_WB));
+                    self.free.proxies.place(i, RigidState::at_rest(of_frame.pose_WB));
                 }
             }
             let (tolerance, sweeps) = (self.settings.force_tolerance, self.settings.sweeps_max);
             let states = self.proxies.states();
             let resolution = self.shared.resolve(response, states, h, tolerance, sweeps);
-            for (i, (bone, of_frame)) in self.bones.iter_mut().zip(&frame.bones).enumerate() {
+            let free = &mut self.free;
+            free.shared.resolve(response, free.proxies.states(), h, tolerance, sweeps);
+            for (i, of_frame) in frame.bones.iter().enumerate() {
                 // Resolved for where the proxies were; their step asks for its end.
-                let resolved = self.shared.bone(i, of_frame);
-                *bone = if self.hand.is_known(i) {
+                let at_end = |shared: &SharedConstraints| {
+                    let resolved = shared.bone(i, of_frame);
                     RigidState { pose_WB: resolved.pose_after(h), ..resolved }
-                } else {
-                    *of_frame
                 };
+                let [bone, free_bone] = if self.hand.is_known(i) {
+                    [at_end(&self.shared), at_end(&free.shared)]
+                } else {
+                    [*of_frame; 2]
+                };
+                (self.bones[i], free.bones[i]) = (bone, free_bone);
+                free.held[i] = Some(Held::between(&bone, &free_bone));
             }
             return resolution;
         }
@@ -188,27 +221,49 @@ impl HapticHand {
         for (bone, (carried, of_frame)) in self.bones.iter_mut().zip(states) {
             *bone = prediction.at(&RigidState { pose_WB: of_frame.pose_WB, ..*carried }, age);
         }
+        self.place_free();
         Resolution::default()
     }
 
+    /// The bones of the hand in empty air between two frames: as far from the simulated ones as contact held them
+    /// in the frame, so that what is felt comes with frames. Where that was never known, all is felt: that hand is
+    /// wherever its wearer is.
+    fn place_free(&mut self) {
+        let Free { bones, held, .. } = &mut self.free;
+        for (i, held) in held.iter().enumerate() {
+            bones[i] = held.map_or(self.hand.targets()[i], |held| held.let_go(&self.bones[i]));
+        }
+    }
+
+    /// The couplings' forces and torques on the wearer, less what they are in empty air.
+    fn feel(&mut self, h: f64, step: u64) {
+        let free = &self.free;
+        self.smooth.begin(h, step);
+        for i in 0..self.wrenches.len() {
+            let known = free.held[i].is_some();
+            let own = if known { free.proxies.device_wrenches()[i] } else { [Vec3::zeros(); 2] };
+            let told = self.proxies.device_wrenches()[i];
+            // Where the hand sets out anew nothing of before goes on.
+            let anew = self.hand.jumped(i) || self.hand.set_out_from_bone(i);
+            let felt = self.smooth.take(i, [told[0] - own[0], told[1] - own[1]], anew);
+            let (share, [force, torque]) = (self.hand.share(i), self.shown[i]);
+            self.wrenches[i] = [felt[0] * (share * force), felt[1] * (share * torque)];
+        }
+    }
+
     /// Bones go on at their velocities, but not faster than they went from frame to frame (a
-    /// simulation slower than real time moves less than its velocities say), and not far: what the simulation sees of its own motion comes
-    /// back to it through the proxies, later, and must come back smaller. With r the part of the bone
-    /// coupling in the proxies' stiffness and bones carried on by e periods, one step answers the
-    /// last with r ((1 + e) b₁ - e b₀): stable up to e = 1 when frames arrive within their period.
-    /// When they arrive later, and the answer is two steps old, r (1 + 2 e) < 1 is.
+    /// simulation slower than real time moves less than its velocities say), and not far: what the simulation sees of
+    /// its own motion comes back to it through the proxies, later, and must come back smaller. With r the part of the
+    /// bone coupling in the proxies' stiffness and bones carried on by e periods, one step answers the last with r
+    /// ((1 + e) b₁ - e b₀): stable up to e = 1 when frames arrive within their period. When they arrive later, and
+    /// the answer is two steps old, r (1 + 2 e) < 1 is.
     fn take_frame(&mut self, frame: &SlowToFast, age: f64) {
         let period = self.newest.map_or(0.0, |(_, before)| seconds_between(before, frame.time_ns));
-        for (carried, bone) in self.carried.iter_mut().zip(&frame.bones) {
-            let before = carried.pose_WB;
-            *carried = RigidState::at_rest(bone.pose_WB);
-            if period > 0.0 {
-                let turn = bone.pose_WB.rotation * before.rotation.inverse();
-                let went = (bone.pose_WB.position - before.position).norm() / period;
-                let turned = rotation_vector(&turn).norm() / period;
-                carried.velocity_W = at_most(&bone.velocity_W, went);
-                carried.angular_velocity_W = at_most(&bone.angular_velocity_W, turned);
-            }
+        let both = self.carried.iter_mut().zip(&frame.bones);
+        both.for_each(|(carried, bone)| believe(carried, bone, period));
+        let held = &mut self.free.held;
+        for (held, (bone, free)) in held.iter_mut().zip(frame.bones.iter().zip(&frame.free)) {
+            *held = Some(Held::between(bone, free));
         }
         let most = if age < LATE * period { 1.0 } else { self.periods_when_late };
         self.reach = period.max(0.0) * most;
@@ -218,6 +273,19 @@ impl HapticHand {
     /// The proxies and their forces.
     pub fn proxies(&self) -> &Proxies {
         &self.proxies
+    }
+}
+
+/// Takes over a bone of the frame that came `period` \[s\] after the one before.
+fn believe(carried: &mut RigidState, bone: &RigidState, period: f64) {
+    let before = carried.pose_WB;
+    *carried = RigidState::at_rest(bone.pose_WB);
+    if period > 0.0 {
+        let turn = bone.pose_WB.rotation * before.rotation.inverse();
+        let went = (bone.pose_WB.position - before.position).norm() / period;
+        let turned = rotation_vector(&turn).norm() / period;
+        carried.velocity_W = at_most(&bone.velocity_W, went);
+        carried.angular_velocity_W = at_most(&bone.angular_velocity_W, turned);
     }
 }
 
@@ -246,15 +314,11 @@ impl Touch for HapticHand {
         let tracking_age = self.hand.place(now_ns, h, &self.bones);
         for i in (0..self.bones.len()).filter(|i| self.hand.set_out_from_bone(*i)) {
             self.proxies.place(i, RigidState::at_rest(self.bones[i].pose_WB));
+            self.free.proxies.place(i, RigidState::at_rest(self.free.bones[i].pose_WB));
         }
         let proxies = self.proxies.step(h, self.hand.targets(), &self.bones);
-        for (i, (felt, told)) in
-            self.wrenches.iter_mut().zip(self.proxies.device_wrenches()).enumerate()
-        {
-            let share = self.hand.share(i);
-            let [force, torque] = self.shown[i];
-            *felt = [told[0] * (share * force), told[1] * (share * torque)];
-        }
+        self.free.proxies.step(h, self.hand.targets(), &self.free.bones);
+        self.feel(h, frame.step);
         self.ticks += 1;
         HandReport { step: h, tracking_age, simulation_age, proxies, contact, world: None }
     }
@@ -262,6 +326,7 @@ impl Touch for HapticHand {
     fn publish(&self, now_ns: u64, to: &mut FastToSlow) {
         (to.time_ns, to.tick) = (now_ns, self.ticks);
         to.proxies.copy_from_slice(self.proxies.states());
+        to.free.copy_from_slice(self.free.proxies.states());
     }
 
     fn tracked(&self) -> &[RigidState] {

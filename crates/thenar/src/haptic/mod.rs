@@ -51,7 +51,9 @@
 //! wearer. Both it and [`HapticHand`] are [`Touch`], which is all that the loop around must know.
 
 mod coupling;
+mod delay;
 mod display;
+mod empty_air;
 mod exchange;
 mod hand;
 mod pads;
@@ -63,6 +65,7 @@ mod rigid_state;
 pub mod safety;
 pub mod shared;
 mod single_rate;
+mod smooth;
 mod stability;
 mod touch;
 mod track;
@@ -70,9 +73,11 @@ mod tracked_hand;
 pub mod virtual_user;
 
 pub use coupling::{CouplingDesign, drive_reaction, series_stiffness};
+pub use delay::{DelayMeter, GRIP, MARGIN, TrackerTiming};
 pub use display::{
     CYBERGRASP_FORCE_MAX, PAD_NORMAL_B, StopLatch, brake_force, pad_force, servo_stop, tendon_pull,
 };
+pub use empty_air::FreeHand;
 pub use exchange::{FastToSlow, SlowToFast};
 pub use hand::{HandReport, HandSettings, HapticHand, Mode};
 pub use pads::{Pad, PadReading};
@@ -80,6 +85,7 @@ pub use prediction::{Prediction, hold_then_fade, seconds_between};
 pub use proxies::{Proxies, Proxy, ProxyError, ProxyReport};
 pub use rigid_state::RigidState;
 pub use single_rate::{SingleRate, SingleRateSettings, series_drive};
+pub use smooth::BLEND;
 pub use stability::{CouplingRule, CouplingWarning, LoopProfile};
 pub use touch::Touch;
 pub use track::{Sample, Track, Tracked};

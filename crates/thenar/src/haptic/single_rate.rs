@@ -8,12 +8,12 @@
 use crate::haptic::hand::GLIDE;
 use crate::haptic::tracked_hand::TrackedHand;
 use crate::haptic::{
-    FastToSlow, HandReport, Prediction, RigidState, Sample, SlowToFast, Touch, drive_reaction,
-    series_stiffness,
+    FastToSlow, FreeHand, HandReport, Prediction, RigidState, Sample, SlowToFast, Touch,
+    drive_reaction, series_stiffness,
 };
 use crate::math::{Pose, Vec3};
 use crate::model::Drive;
-use crate::world::{Input, World};
+use crate::world::{Input, StepReport, World};
 use std::ops::Range;
 
 /// How a simulation within the tick is stepped.
@@ -29,13 +29,25 @@ pub struct SingleRateSettings {
     /// After a jump of the tracker the hand is led there with this time constant \[s\], and felt
     /// again when it has arrived.
     pub glide: f64,
+    /// Whoever fills the input carries the hand's weight.
+    pub weightless: bool,
 }
 
 impl Default for SingleRateSettings {
     fn default() -> Self {
-        Self { tracking: Prediction::TRACKER, step_max: 0.02, step_min: 1e-4, glide: GLIDE }
+        Self {
+            tracking: Prediction::TRACKER,
+            step_max: 0.02,
+            step_min: 1e-4,
+            glide: GLIDE,
+            weightless: false,
+        }
     }
 }
+
+/// The hand does what it would do in empty air when its couplings bear no more than this beyond \[N\], \[N m\]: a
+/// fiftieth of what a finger feels, and that at the lever of half a phalanx.
+const ALIKE: [f64; 2] = [1e-4, 2e-6];
 
 /// A hand whose world steps within the haptic tick.
 #[derive(Clone, Debug)]
@@ -47,6 +59,12 @@ pub struct SingleRate {
     first: usize,
     hand: TrackedHand,
     bones: Vec<RigidState>,
+    /// The same hand in empty air, if it can be taken out of its world, and whether it does something else than this
+    /// one. Without it all that the drives bear is felt.
+    free: Option<FreeHand>,
+    differs: bool,
+    /// Of the drives, less what they bear in empty air; then what is shown of it.
+    felt: Vec<[Vec3; 2]>,
     wrenches: Vec<[Vec3; 2]>,
     /// Parts of the drives' forces and torques that are shown.
     shown: Vec<[f64; 2]>,
@@ -64,12 +82,16 @@ impl SingleRate {
         let n = end - first;
         let at = |i: usize| RigidState::of(&world, (first + i) as u32);
         let states: Vec<RigidState> = (0..n).map(at).collect();
+        let free = FreeHand::of(&world, first as u32..end as u32, settings.weightless).ok();
         Self {
+            free,
+            differs: false,
             settings,
             input: world.input(),
             first,
             hand: TrackedHand::new(settings.tracking, settings.glide, &states),
             bones: states,
+            felt: vec![[Vec3::zeros(); 2]; n],
             wrenches: vec![[Vec3::zeros(); 2]; n],
             shown: vec![[1.0; 2]; n],
             owed: 0.0,
@@ -91,17 +113,69 @@ impl SingleRate {
         }
     }
 
+    /// The world's step, and that of the hand in empty air where it does something else.
+    fn step(&mut self) -> StepReport {
+        let Self { world, free, input, .. } = self;
+        if let Some(free) = free.as_mut().filter(|_| !self.differs) {
+            free.resume(world.state());
+        }
+        world.set_time_step(self.owed);
+        let report = world.step(input, &mut ());
+        let acts = self.is_acted_on();
+        if acts || self.differs {
+            let bones = self.first..self.first + self.bones.len();
+            if let Some(free) = &mut self.free {
+                free.step(self.owed, self.input.targets[bones].iter().copied(), &self.input);
+            }
+            self.differs = true;
+        }
+        self.owed = 0.0;
+        self.feel();
+        // Nothing acts, and nothing is left of what did.
+        let alike = |wrench: &[Vec3; 2]| wrench[0].norm() < ALIKE[0] && wrench[1].norm() < ALIKE[1];
+        if !acts && self.felt.iter().all(alike) {
+            self.differs = false;
+        }
+        report
+    }
+
+    /// Whether contact or a load acts on the hand: what it would not meet in empty air.
+    fn is_acted_on(&self) -> bool {
+        let bones = self.first as u32..(self.first + self.bones.len()) as u32;
+        let gravity = if self.settings.weightless { self.input.gravity } else { Vec3::zeros() };
+        let loaded = |b: u32| {
+            let [force, torque] = self.input.wrenches[b as usize];
+            let weight = gravity * self.world.model().rigids[b as usize].mass;
+            force + weight != Vec3::zeros() || torque != Vec3::zeros()
+        };
+        self.world.is_touched(bones.clone()) || bones.clone().any(loaded)
+    }
+
     fn feel(&mut self) {
         for i in 0..self.bones.len() {
             self.bones[i] = RigidState::of(&self.world, (self.first + i) as u32);
             let drive = self.world.desc().drives[self.first + i];
             let held = drive.filter(|_| self.input.targets[self.first + i].is_some());
-            self.wrenches[i] = held.map_or([Vec3::zeros(); 2], |drive| {
-                let [force, torque] =
-                    drive_reaction(&drive, &self.hand.targets()[i], &self.bones[i]);
-                let (share, [linear, angular]) = (self.hand.share(i), self.shown[i]);
-                [force * (share * linear), torque * (share * angular)]
-            });
+            let bears = |drive: &Drive, bone: &RigidState| {
+                drive_reaction(drive, &self.hand.targets()[i], bone)
+            };
+            self.felt[i] = match (held, &self.free) {
+                (Some(drive), None) => bears(&drive, &self.bones[i]),
+                (Some(drive), Some(free)) if self.differs => {
+                    let (whole, own) =
+                        (bears(&drive, &self.bones[i]), bears(&drive, &free.bone(i)));
+                    [whole[0] - own[0], whole[1] - own[1]]
+                }
+                _ => [Vec3::zeros(); 2],
+            };
+        }
+    }
+
+    /// What the wearer is shown of it.
+    fn show_felt(&mut self) {
+        for (i, [force, torque]) in self.felt.iter().enumerate() {
+            let (share, [linear, angular]) = (self.hand.share(i), self.shown[i]);
+            self.wrenches[i] = [force * (share * linear), torque * (share * angular)];
         }
     }
 }
@@ -124,11 +198,11 @@ impl Touch for SingleRate {
         self.lead();
         let mut world = None;
         if self.owed >= self.settings.step_min && self.owed > 0.0 {
-            self.world.set_time_step(self.owed);
-            world = Some(self.world.step(&self.input, &mut ()));
-            self.owed = 0.0;
+            world = Some(self.step());
+        } else {
+            self.feel();
         }
-        self.feel();
+        self.show_felt();
         self.ticks += 1;
         HandReport { step: h, tracking_age, world, ..HandReport::default() }
     }
@@ -136,6 +210,7 @@ impl Touch for SingleRate {
     fn publish(&self, now_ns: u64, to: &mut FastToSlow) {
         (to.time_ns, to.tick) = (now_ns, self.ticks);
         to.proxies.copy_from_slice(self.hand.targets());
+        to.free.copy_from_slice(self.hand.targets());
     }
 
     fn tracked(&self) -> &[RigidState] {

@@ -83,6 +83,7 @@ impl World {
         for b in bones.clone() {
             let parts = motion[2 * b..][..2].iter().flatten();
             to.response.rest.extend(parts.map(|rate| REST * rate));
+            to.response.loads.extend(input.wrenches[b].iter().flatten());
         }
         let contacts = chosen.iter().map(|&i| {
             let (i, row) = (i as usize, &rows.rows[i as usize]);
@@ -99,6 +100,7 @@ impl World {
             }
         });
         to.response.contacts.extend(contacts);
+        to.response.limits.extend(chosen.iter().map(|&i| i as usize >= found.len()));
         to.response.finish()
     }
 }

@@ -1,6 +1,7 @@
 //! The stepped world: one hand or many, and what they touch.
 
 mod advance;
+mod alone;
 mod areas;
 mod assemble;
 mod check;
@@ -35,6 +36,7 @@ mod step;
 mod two_step;
 
 pub use crate::solver::Failure;
+pub use alone::Alone;
 pub use check::GRAVITY_MAX;
 pub use error::ModelError;
 pub use io::{ContactPoint, Energy, Input, Stage, StageTimer, StepReport, Target};

@@ -30,6 +30,11 @@ impl<const N: usize> Bank<N> {
         self.guards.iter_mut().for_each(|guard| guard.trip(reason));
     }
 
+    /// See [`Guard::see_late`].
+    pub fn see_late(&mut self, delay: f64) {
+        self.guards.iter_mut().for_each(|guard| guard.see_late(delay));
+    }
+
     /// The first trip in force, with its actuator. A companion's reason is not the first.
     pub fn tripped(&self) -> Option<(usize, Trip)> {
         let mut trips =

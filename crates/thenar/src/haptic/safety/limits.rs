@@ -28,7 +28,7 @@ pub struct Limits {
     /// Trust that has faded takes so long to come back from nothing \[s\]: force that fades before each
     /// frame of a slow simulation stays low, and does not buzz.
     pub regain: f64,
-    /// A device that has been silent for longer pauses the output \[s\].
+    /// A device that has been silent for longer fades, and then pauses the output \[s\].
     pub device_silence_max: f64,
     /// After a longer gap between two ticks forces begin anew \[s\]: whoever watched over the loop has
     /// let go by then.

@@ -294,7 +294,7 @@ fn lost_tracking_a_silent_device_and_a_released_switch_pause_within_the_slew_lim
     type Lose = fn(&mut Signal<1>, u64);
     let cases: [(u64, Lose); 3] = [
         (151, |s, lost| s.tracking_ns = lost),
-        (21, |s, lost| s.device_ns = lost),
+        (71, |s, lost| s.device_ns = lost),
         (1, |s, _| s.enabled = false),
     ];
     for (limit_ms, lose) in cases {
@@ -316,6 +316,56 @@ fn lost_tracking_a_silent_device_and_a_released_switch_pause_within_the_slew_lim
         assert_eq!(before, 0.0, "limit {limit_ms} ms");
         assert!(matches!(guard.status(), Status::Waiting { pause: Some(_), .. }));
     }
+}
+
+/// A device that is silent for 25 ms now and then, as a busy machine makes it: 20 ms are held, the next 5 fade by a
+/// tenth, which comes back within a tenth of what trust takes. No wait, no ramp of two seconds.
+#[test]
+fn short_silences_fade_and_come_back_without_the_ramp() {
+    let mut now = MS;
+    let limits = Limits { ramp: 2.0, ..quick() };
+    let mut guard = engaged(limits, &mut now);
+    for _ in 0..2500 {
+        now += MS;
+        guard.tick(now, &signal(now, [5.0], [0.0]));
+    }
+    let (mut least, mut back) = (5.0_f64, 0);
+    for _ in 0..10 {
+        let lost = now;
+        for ms in 1..=200 {
+            now += MS;
+            let heard = if ms <= 25 { lost } else { now };
+            let wanted = Signal { device_ns: heard, ..signal(now, [5.0], [0.0]) };
+            let [force] = guard.tick(now, &wanted);
+            least = least.min(force);
+            assert_eq!(guard.status(), Status::Live, "{ms} ms");
+            if force < 5.0 {
+                back = back.max(ms);
+            }
+        }
+    }
+    let fallen = 5.0 / (1e3 * limits.fade);
+    assert!((5.0 - 5.0 * fallen..5.0).contains(&least), "{least} N");
+    assert!(back <= 25 + (100.0 * limits.regain) as u64 + 1, "{back} ms");
+}
+
+/// The controller damps by less force, never by more than is wanted, whatever noise the velocity has.
+#[test]
+fn damping_never_raises_the_force() {
+    let mut now = MS;
+    let mut guard = engaged(Limits { energy_reserve: 10.0, ..quick() }, &mut now);
+    let mut random = Random::new(3);
+    let mut damped = 0;
+    for k in 0..5000 {
+        now += MS;
+        let wanted = 1.0 + (0.01 * f64::from(k)).sin();
+        // It opens on the whole, so that there is a deficit to damp away, and shakes.
+        let velocity = 0.02 + random.range(-0.3, 0.3);
+        let [force] = guard.tick(now, &signal(now, [wanted], [velocity]));
+        assert!(k < 20 || force <= wanted + 1e-12, "{force} N for {wanted} N");
+        damped += u32::from(force < wanted - 1e-6);
+    }
+    assert!(damped > 1000, "{damped} ticks damped");
 }
 
 #[test]

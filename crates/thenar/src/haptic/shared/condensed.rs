@@ -31,8 +31,8 @@ pub struct CondensedContact {
 /// | `lift` | J C | 3m × 6n |
 /// | `delassus` | B = J C Jᵀ + W | 3m × 3m |
 ///
-/// The publisher fills the first three, `contacts`, `springs`, `targets` and, for a frame that is not at
-/// rest, `rest`, and calls `prepare`.
+/// The publisher fills the first three, `contacts`, `springs`, `targets`, for a frame that is not at rest `rest`,
+/// for one with loads `loads`, and calls `prepare`.
 /// `World::condense` knows the last two without J and W, which it leaves empty.
 #[derive(Debug)]
 pub struct Condensed {
@@ -45,10 +45,14 @@ pub struct Condensed {
     /// How far the bones are from where they come to rest under the frame's forces and unmoved proxies,
     /// 6n; zero when left empty.
     pub rest: Vec<f64>,
+    /// Wrenches on the bones from outside that are no contact and no weight, 6n; none when left empty.
+    pub loads: Vec<f64>,
     /// C.
     pub compliance: Vec<f64>,
     /// Contacts that touch or may touch before the next frame.
     pub contacts: Vec<CondensedContact>,
+    /// Which of them are limits of joints: the hand's own, there in empty air as well. None when left empty.
+    pub limits: Vec<bool>,
     /// J.
     pub rows: Vec<f64>,
     /// W.
@@ -77,8 +81,10 @@ impl Condensed {
             springs: Vec::with_capacity(bones),
             targets: Vec::with_capacity(bones),
             rest: Vec::with_capacity(n),
+            loads: Vec::with_capacity(n),
             compliance: Vec::with_capacity(n * n),
             contacts: Vec::with_capacity(contacts_max),
+            limits: Vec::with_capacity(contacts_max),
             rows: Vec::with_capacity(m * n),
             local: Vec::with_capacity(m * m),
             lift: Vec::with_capacity(m * n),
@@ -107,6 +113,7 @@ impl Condensed {
         self.springs.clear();
         self.targets.clear();
         self.contacts.clear();
+        self.limits.clear();
         for array in self.arrays() {
             array.clear();
         }
@@ -117,8 +124,10 @@ impl Condensed {
     /// an array has the wrong length, holds a number that is not finite, or there is no room.
     pub fn prepare(&mut self) -> bool {
         let (n, m) = (6 * self.bones, 3 * self.contacts.len());
-        if self.rest.is_empty() {
-            self.rest.resize(n, 0.0);
+        for array in [&mut self.rest, &mut self.loads] {
+            if array.is_empty() {
+                array.resize(n, 0.0);
+            }
         }
         self.lift.clear();
         self.delassus.clear();
@@ -126,6 +135,7 @@ impl Condensed {
             && self.springs.len() == self.bones
             && self.targets.len() == self.bones
             && self.rest.len() == n
+            && self.loads.len() == n
             && self.compliance.len() == n * n
             && self.rows.len() == m * n
             && self.local.len() == m * m
@@ -158,6 +168,7 @@ impl Condensed {
             && self.springs.len() == self.bones
             && self.targets.len() == self.bones
             && self.rest.len() == n
+            && self.loads.len() == n
             && self.compliance.len() == n * n
             && self.lift.len() == m * n
             && self.delassus.len() == m * m
@@ -170,7 +181,9 @@ impl Condensed {
         self.springs.clone_from(&other.springs);
         self.targets.clone_from(&other.targets);
         self.rest.clone_from(&other.rest);
+        self.loads.clone_from(&other.loads);
         self.contacts.clone_from(&other.contacts);
+        self.limits.clone_from(&other.limits);
         self.compliance.clone_from(&other.compliance);
         self.rows.clone_from(&other.rows);
         self.local.clone_from(&other.local);
@@ -179,19 +192,25 @@ impl Condensed {
         self.ready = other.ready;
     }
 
+    /// Whether contact `i` is the limit of a joint.
+    pub(super) fn is_limit(&self, i: usize) -> bool {
+        self.limits.get(i).is_some_and(|limit| *limit)
+    }
+
     /// Own response of contact `i` \[m/N\].
     pub(super) fn block(&self, i: usize, j: usize) -> Mat3 {
         let m = 3 * self.contacts.len();
         Mat3::from_fn(|r, c| self.delassus[(3 * i + r) * m + 3 * j + c])
     }
 
-    fn arrays(&mut self) -> [&mut Vec<f64>; 6] {
-        let Self { rest, compliance, rows, local, lift, delassus, .. } = self;
-        [rest, compliance, rows, local, lift, delassus]
+    fn arrays(&mut self) -> [&mut Vec<f64>; 7] {
+        let Self { rest, loads, compliance, rows, local, lift, delassus, .. } = self;
+        [rest, loads, compliance, rows, local, lift, delassus]
     }
 
     fn is_finite(&self) -> bool {
-        let given = self.compliance.iter().chain(&self.rows).chain(&self.local).chain(&self.rest);
+        let at_rest = self.rest.iter().chain(&self.loads);
+        let given = self.compliance.iter().chain(&self.rows).chain(&self.local).chain(at_rest);
         let numbers = given.chain(&self.lift).chain(&self.delassus);
         let contacts = self.contacts.iter().all(|c| {
             c.friction.is_finite()
@@ -206,6 +225,16 @@ impl Condensed {
     }
 }
 
+/// Four sums side by side, so that no addition waits for the one before.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    let mut sums = [0.0; 4];
+    let (fours, rest) = (a.chunks_exact(4), a.chunks_exact(4).remainder());
+    let tail = &b[b.len().min(a.len() - rest.len())..];
+    for (a, b) in fours.zip(b.chunks_exact(4)) {
+        for k in 0..4 {
+            sums[k] += a[k] * b[k];
+        }
+    }
+    let last: f64 = rest.iter().zip(tail).map(|(a, b)| a * b).sum();
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + last
 }

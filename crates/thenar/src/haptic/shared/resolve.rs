@@ -10,6 +10,8 @@ use crate::solver::project;
 /// Contact forces, where contacts stick, and how far the bones have moved since the frame.
 #[derive(Clone, Debug)]
 pub struct SharedConstraints {
+    /// In empty air: of all contacts only the hand's own, the limits of its joints, and no loads.
+    empty_air: bool,
     /// Contact forces in the contact frames \[N\].
     forces: Vec<Vec3>,
     /// Where each contact sticks: tangential values are measured from here \[m\].
@@ -41,6 +43,7 @@ impl SharedConstraints {
     /// For frames of this size.
     pub fn new(bones: usize, contacts_max: usize) -> Self {
         Self {
+            empty_air: false,
             forces: Vec::with_capacity(contacts_max),
             anchors: Vec::with_capacity(contacts_max),
             values: Vec::with_capacity(contacts_max),
@@ -52,11 +55,24 @@ impl SharedConstraints {
         }
     }
 
+    /// For the same hand in empty air: nothing touches it and nothing loads it.
+    pub fn in_empty_air(bones: usize, contacts_max: usize) -> Self {
+        Self { empty_air: true, ..Self::new(bones, contacts_max) }
+    }
+
+    /// Whether contact `i` of a frame acts here.
+    fn acts(&self, frame: &Condensed, i: usize) -> bool {
+        !self.empty_air || frame.is_limit(i)
+    }
+
     /// Starts from a new frame: its own forces, sticking where it says. Bones keep their velocity
     /// until the second tick.
     pub fn begin(&mut self, frame: &Condensed) {
         self.forces.clear();
-        self.forces.extend(frame.contacts.iter().map(|contact| contact.force));
+        let (empty_air, none) = (self.empty_air, Vec3::zeros());
+        self.forces.extend(frame.contacts.iter().enumerate().map(|(i, contact)| {
+            if empty_air && !frame.is_limit(i) { none } else { contact.force }
+        }));
         self.anchors.clear();
         self.anchors.resize(frame.contacts.len(), Vec3::zeros());
         self.moved.fill(0.0);
@@ -115,7 +131,8 @@ impl SharedConstraints {
         }
     }
 
-    /// `k δ`: what the moved proxies pull at the bones. A proxy that is not finite pulls nothing.
+    /// `k δ`, less the loads in empty air: what the moved proxies pull at the bones. A proxy that is not finite pulls
+    /// nothing.
     fn pull(&mut self, frame: &Condensed, proxies: &[RigidState]) {
         for (i, proxy) in proxies.iter().enumerate() {
             let (spring, target) = (&frame.springs[i], &frame.targets[i].pose_WB);
@@ -129,6 +146,9 @@ impl SharedConstraints {
             self.load[6 * i..6 * i + 3].copy_from_slice(wrench[0].as_slice());
             self.load[6 * i + 3..6 * i + 6].copy_from_slice(wrench[1].as_slice());
         }
+        if self.empty_air {
+            self.load.iter_mut().zip(&frame.loads).for_each(|(pull, load)| *pull -= load);
+        }
     }
 
     /// Contact values at the present forces: `d = d₀ + J C k δ + B (f - f₀)` from the anchors.
@@ -136,6 +156,10 @@ impl SharedConstraints {
         let n = 6 * frame.bones();
         self.values.clear();
         for (i, contact) in frame.contacts.iter().enumerate() {
+            if !self.acts(frame, i) {
+                self.values.push(Vec3::zeros());
+                continue;
+            }
             let lift = |r: usize| dot(&frame.lift[(3 * i + r) * n..][..n], &self.load);
             let mut d = contact.value + Vec3::new(lift(0), lift(1), lift(2)) - self.anchors[i];
             for (j, other) in frame.contacts.iter().enumerate() {
@@ -152,6 +176,9 @@ impl SharedConstraints {
     fn sweep(&mut self, frame: &Condensed) -> f64 {
         let mut largest = 0.0_f64;
         for (i, contact) in frame.contacts.iter().enumerate() {
+            if !self.acts(frame, i) {
+                continue;
+            }
             let own = frame.block(i, i);
             let force = self.forces[i];
             let new = project(Cone::Circular, contact.friction, &own, &self.values[i], &force);

@@ -1,0 +1,175 @@
+//! A wearer and a tracker that do not exist, in closed loop with the product's own chain.
+
+use crate::error::CliError;
+use crate::run::open_live;
+use crate::touch::ModeWord;
+use std::path::PathBuf;
+use thenar::haptic::{GRIP, LoopProfile, MARGIN, TrackerTiming};
+use thenar_link::rehearsal::{Human, Outcome, Rehearsal, RehearsalError};
+
+/// Names of fingers, thumb first.
+const FINGERS: [&str; 5] = ["thumb", "index", "middle", "ring", "little"];
+
+/// A hand that gives way, seen by a late tracker, in closed loop with a scene: what it feels, and whether
+/// that dies out.
+#[derive(Debug, clap::Args)]
+pub struct Args {
+    /// A scene whose first hand is worn, with its motion as the wearer's command.
+    #[arg(default_value = "pinch")]
+    scene: PathBuf,
+    /// Mass [kg], damping [N s/m] and stiffness [N/m] of each finger at its pad.
+    #[arg(long, value_name = "M,B,K", default_value = "0.05,1,50", value_parser = human)]
+    human: Human,
+    /// Rate [Hz], delay [ms] and noise [mm] of the tracker; with units also as 90Hz,0.04s,1mm.
+    #[arg(long, value_name = "HZ,DELAY,NOISE", default_value = "90,20,0", value_parser = tracker)]
+    tracker: TrackerTiming,
+    /// What stands between the hand and the simulation.
+    #[arg(long, value_enum, default_value_t)]
+    mode: ModeWord,
+    /// Damping of the loosest grip that the loop reckons with [N s/m].
+    #[arg(long, value_name = "B", default_value_t = GRIP)]
+    grip: f64,
+    /// Shows the couplings as they are, whatever the delay.
+    #[arg(long, conflicts_with = "grip")]
+    unbounded: bool,
+    /// Time of the scene at which the command stands still [s].
+    #[arg(long, value_name = "S", default_value_t = 1.3)]
+    until: f64,
+    /// Then the fingers close by so much more [mm].
+    #[arg(long, value_name = "MM", default_value_t = 10.0)]
+    press: f64,
+    /// Then, after a push, so long until the end [s], of which the last second is looked at.
+    #[arg(long, value_name = "S", default_value_t = 3.0)]
+    after: f64,
+    /// Change a value of the scene; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    set: Vec<String>,
+}
+
+/// Three numbers, each with one of its units or none; the first unit is meant where there is none.
+fn three(text: &str, units: [&[(&str, f64)]; 3], names: [&str; 3]) -> Result<[f64; 3], String> {
+    let parts: Vec<&str> = text.split(',').map(str::trim).collect();
+    let [_, _, _] = parts[..] else {
+        return Err(format!("expected three numbers, {}", names.join(",")));
+    };
+    let mut numbers = [0.0; 3];
+    for (k, part) in parts.iter().enumerate() {
+        let unit = |(name, factor): &(&str, f64)| {
+            let number = part.strip_suffix(name)?.trim().parse::<f64>().ok()?;
+            Some(number * factor)
+        };
+        let plain = part.parse::<f64>().ok().map(|x| x * units[k][0].1);
+        let found = plain.or_else(|| units[k].iter().find_map(unit));
+        numbers[k] = found.ok_or_else(|| format!("{} is `{part}`, expected a number", names[k]))?;
+    }
+    Ok(numbers)
+}
+
+fn human(text: &str) -> Result<Human, String> {
+    let units: [&[(&str, f64)]; 3] =
+        [&[("kg", 1.0), ("g", 1e-3)], &[("Ns/m", 1.0)], &[("N/m", 1.0)]];
+    let [mass, damping, stiffness] = three(text, units, ["M", "B", "K"])?;
+    Ok(Human { mass, damping, stiffness })
+}
+
+fn tracker(text: &str) -> Result<TrackerTiming, String> {
+    let units: [&[(&str, f64)]; 3] =
+        [&[("Hz", 1.0)], &[("ms", 1e-3), ("s", 1.0)], &[("mm", 1e-3), ("m", 1.0)]];
+    let [rate, latency, noise] = three(text, units, ["HZ", "DELAY", "NOISE"])?;
+    Ok(TrackerTiming { rate, latency, noise })
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// A number or the scene is wrong.
+pub fn run(args: &Args) -> Result<(), CliError> {
+    let grip = (!args.unbounded).then_some(args.grip);
+    let what = Rehearsal {
+        human: args.human,
+        tracker: args.tracker,
+        mode: args.mode.into(),
+        grip,
+        until: args.until,
+        press: 1e-3 * args.press,
+        after: args.after,
+    };
+    let wrong = |error: RehearsalError| CliError::Input(error.to_string());
+    what.check().map_err(wrong)?;
+    let session = open_live(&args.scene, &args.set)?;
+    let out = what.run(session).map_err(wrong)?;
+    print(&what, &out);
+    Ok(())
+}
+
+fn print(what: &Rehearsal, out: &Outcome) {
+    let Human { mass, damping, stiffness } = what.human;
+    let TrackerTiming { rate, latency, noise } = what.tracker;
+    println!("fingers of {mass} kg, {damping} N s/m, {stiffness} N/m");
+    println!("tracker of {rate} Hz, {:.1} ms late, noise {:.2} mm", 1e3 * latency, 1e3 * noise);
+    let rule = what.grip.map(|grip| rule(grip, out.delay));
+    match rule {
+        Some(rule) => println!(
+            "felt stiffness {:.0} N/m; {:.1} ms from motion to force allow {rule:.0} N/m, of which {:.0} % are used",
+            out.stiffness,
+            1e3 * out.delay,
+            1e2 * MARGIN
+        ),
+        None => println!("felt stiffness {:.0} N/m, whatever the delay", out.stiffness),
+    }
+    println!();
+    println!(
+        "{:8}{:>12}{:>12}{:>14}{:>16}{:>16}",
+        "", "force [N]", "rms [mN]", "motion [mm]", "given [mJ/s]", "most given [mJ]"
+    );
+    for (name, felt) in FINGERS.iter().zip(&out.fingers) {
+        println!(
+            "{name:8}{:>12.3}{:>12.2}{:>14.4}{:>16.4}{:>16.4}",
+            felt.mean,
+            1e3 * felt.rms,
+            1e3 * felt.motion_rms,
+            1e3 * felt.given,
+            1e3 * felt.given_max
+        );
+    }
+    println!();
+    println!(
+        "largest force {:.3} N, largest change in a tick {:.4} N",
+        out.largest[0], out.largest[1]
+    );
+    out.trips.iter().for_each(|trip| println!("stopped at {trip}"));
+    let worst = out.worst();
+    let still = worst.rms < 0.02 && worst.motion_rms < 1e-4 && worst.given < 1e-4;
+    let verdict = match (out.trips.is_empty(), still) {
+        (false, _) => "the guards stopped it",
+        (true, true) => "still: what disturbs it dies out",
+        (true, false) => "not still: more than 20 mN or 0.1 mm rms, or 0.1 mJ a second given",
+    };
+    println!("{verdict}");
+}
+
+/// Gil's rule for a loop of 1 kHz \[N/m\].
+fn rule(grip: f64, delay: f64) -> f64 {
+    let [damping, friction, resolution] = [0.0; 3];
+    let rated_stiffness = f64::INFINITY;
+    LoopProfile { period: 1e-3, delay, damping, friction, resolution, rated_stiffness }
+        .felt_stiffness_max(grip)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_units_or_the_usual_ones() {
+        let want = TrackerTiming { rate: 90.0, latency: 0.04, noise: 1e-3 };
+        for text in ["90,40,1", "90Hz,40ms,1mm", "90, 0.04s, 0.001m"] {
+            assert_eq!(tracker(text).unwrap(), want, "{text}");
+        }
+        let want = Human { mass: 0.05, damping: 1.0, stiffness: 50.0 };
+        assert_eq!(human("0.05,1,50").unwrap(), want);
+        assert_eq!(human("50g,1Ns/m,50N/m").unwrap(), want);
+        assert_eq!(human("1,2").unwrap_err(), "expected three numbers, M,B,K");
+        assert_eq!(tracker("90,x,0").unwrap_err(), "DELAY is `x`, expected a number");
+    }
+}

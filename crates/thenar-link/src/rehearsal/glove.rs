@@ -1,0 +1,147 @@
+//! A tracker that is late and a glove that pulls at once, in memory.
+
+use crate::{ForceDisplay, HandOutput, HandSample, Rendering, Tracker};
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use thenar::haptic::safety::Limits;
+use thenar::haptic::{LoopProfile, TrackerTiming};
+use thenar::model::Side;
+
+/// What both ends share.
+struct Line {
+    next: Option<HandSample>,
+    seen_ns: Option<u64>,
+    shown: HandOutput,
+    heard_ns: Option<u64>,
+}
+
+/// The wearer's ends.
+pub struct Ends(Arc<Mutex<Line>>);
+
+/// The loop's ends.
+struct Told {
+    line: Arc<Mutex<Line>>,
+    timing: TrackerTiming,
+    sample: Option<HandSample>,
+}
+
+struct Glove {
+    line: Arc<Mutex<Line>>,
+    limits: Limits,
+}
+
+/// A tracker and a glove, and the wearer's ends of both.
+pub fn pair(
+    timing: TrackerTiming,
+    limits: Limits,
+) -> (Ends, Box<dyn Tracker>, Box<dyn ForceDisplay>) {
+    let shown = HandOutput::released(Side::Right, 0);
+    let line = Arc::new(Mutex::new(Line { next: None, seen_ns: None, shown, heard_ns: None }));
+    let tracker = Told { line: line.clone(), timing, sample: None };
+    (Ends(line.clone()), Box::new(tracker), Box::new(Glove { line, limits }))
+}
+
+fn open(line: &Mutex<Line>) -> MutexGuard<'_, Line> {
+    line.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Ends {
+    /// What the glove pulls.
+    pub fn shown(&self) -> HandOutput {
+        open(&self.0).shown
+    }
+
+    /// A sample arrives.
+    pub fn tell(&self, sample: HandSample, now_ns: u64) {
+        let mut line = open(&self.0);
+        (line.next, line.seen_ns) = (Some(sample), Some(now_ns));
+    }
+
+    /// The glove answers.
+    pub fn hear(&self, now_ns: u64) {
+        open(&self.0).heard_ns = Some(now_ns);
+    }
+}
+
+impl Tracker for Told {
+    fn latest(&mut self, side: Side) -> Option<&HandSample> {
+        let mut line = open(&self.line);
+        let next = line.next.take_if(|sample| sample.side == side)?;
+        self.sample = Some(next);
+        self.sample.as_ref()
+    }
+
+    fn timing(&self) -> Option<TrackerTiming> {
+        Some(self.timing)
+    }
+
+    fn heard_ns(&mut self) -> Option<u64> {
+        open(&self.line).seen_ns
+    }
+
+    fn messages(&mut self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+impl ForceDisplay for Glove {
+    fn rendering(&self) -> Rendering {
+        Rendering::Tendons
+    }
+
+    fn limits(&self) -> Limits {
+        self.limits
+    }
+
+    fn loop_profile(&self) -> LoopProfile {
+        let [delay, damping, friction, resolution] = [0.0; 4];
+        let rated_stiffness = f64::INFINITY;
+        LoopProfile { period: 1e-3, delay, damping, friction, resolution, rated_stiffness }
+    }
+
+    fn show(&mut self, output: &HandOutput) {
+        open(&self.line).shown = *output;
+    }
+
+    fn heard_ns(&mut self) -> Option<u64> {
+        open(&self.line).heard_ns
+    }
+
+    fn messages(&mut self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+/// Sees the hand at its rate, and tells of it later.
+pub struct LateTracker {
+    timing: TrackerTiming,
+    seen: u64,
+    way: VecDeque<(u64, HandSample)>,
+}
+
+impl LateTracker {
+    pub fn new(timing: TrackerTiming) -> Self {
+        Self { timing, seen: 0, way: VecDeque::new() }
+    }
+
+    /// Whether it looks in this millisecond.
+    pub fn is_due(&self, ms: u64) -> bool {
+        1e-3 * ms as f64 * self.timing.rate >= self.seen as f64
+    }
+
+    /// Takes in what it sees.
+    pub fn see(&mut self, sample: HandSample) {
+        let late = (1e9 * self.timing.latency) as u64;
+        self.seen += 1;
+        self.way.push_back((sample.time_ns + late, sample));
+    }
+
+    /// The newest of what has arrived by now.
+    pub fn arrived(&mut self, now_ns: u64) -> Option<HandSample> {
+        let mut newest = None;
+        while self.way.front().is_some_and(|(due, _)| *due <= now_ns) {
+            newest = self.way.pop_front().map(|(_, sample)| sample);
+        }
+        newest
+    }
+}

@@ -1,0 +1,314 @@
+//! Touch rehearsed: the product's own loop between a wearer, a tracker and a glove that do not exist, on a clock that
+//! is counted and not read.
+//!
+//! ```text
+//!  command ─[k, b]─ finger m ──► tracker: HZ, DELAY, NOISE ──► the loop (`ManualLoop`) ──► glove
+//!                      ▲                                       proxies, guards, delays       │
+//!                      └──────────────────── force on the pad ◄──────────────────────────────┘
+//! ```
+//!
+//! The wearer does what the scene's script does, with five fingers that give way to what they feel; then the fingers
+//! close a little more, the command stands still, each finger is pushed once, and what is left of that is looked at.
+//! The same request gives the same bits.
+
+mod glove;
+mod wearer;
+
+pub use wearer::{Finger, Human};
+
+use crate::haptic_loop::{LoopMode, ManualLoop, PortError, Settings};
+use crate::{DIGITS, HandSample, LinkError};
+use glove::{Ends, LateTracker};
+use thenar::haptic::TrackerTiming;
+use thenar::haptic::safety::{Limits, Status};
+use thenar::model::Side;
+use thenar_scene::live::{LiveError, LivePose};
+use thenar_scene::session::{Random, Session};
+use wearer::Hand;
+
+/// Length of a tick \[ns\].
+const TICK_NS: u64 = 1_000_000;
+/// Before the script begins: the hand sets out and forces ramp up \[ms\].
+const BEFORE: u64 = 1800;
+/// Forces ramp up within this, to be quick \[s\].
+const RAMP: f64 = 0.5;
+/// After the command stands still, before the push \[ms\].
+const SETTLE: u64 = 1500;
+/// Fingers close to press within this \[s\].
+const PRESSING: f64 = 0.5;
+/// The push: force \[N\] and time \[ms\].
+const PUSH: (f64, u64) = (0.5, 50);
+/// What is looked at, at the end \[ms\].
+const WINDOW: u64 = 1000;
+
+/// What is rehearsed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rehearsal {
+    /// Each finger of the wearer.
+    pub human: Human,
+    /// What sees the hand; the loop is told of it.
+    pub tracker: TrackerTiming,
+    /// What stands between hand and simulation.
+    pub mode: LoopMode,
+    /// Damping of the loosest grip that the loop assumes \[N s/m\].
+    pub grip: Option<f64>,
+    /// Time of the scene at which the command stands still \[s\].
+    pub until: f64,
+    /// Then the fingers close by so much more, to press \[m\].
+    pub press: f64,
+    /// From the push to the end \[s\]; the last second is looked at.
+    pub after: f64,
+}
+
+/// Why nothing can be rehearsed.
+#[derive(Debug, thiserror::Error)]
+pub enum RehearsalError {
+    /// A number makes no sense.
+    #[error("{what} is {value}, expected {expected}")]
+    Number {
+        /// Which.
+        what: &'static str,
+        /// As given, with its unit.
+        value: String,
+        /// What it may be.
+        expected: &'static str,
+    },
+    /// The scene has no hand that could be worn.
+    #[error(transparent)]
+    Port(#[from] PortError),
+    /// The hand cannot be led by poses.
+    #[error(transparent)]
+    Live(#[from] LiveError),
+    /// The loop cannot be made.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+}
+
+/// One finger at the end.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Felt {
+    /// Mean force \[N\].
+    pub mean: f64,
+    /// Root mean square about it \[N\].
+    pub rms: f64,
+    /// Root mean square of its motion about its mean place \[m\].
+    pub motion_rms: f64,
+    /// Energy given to it in the window \[J\].
+    pub given: f64,
+    /// The most that was given to it on balance since its command stood still \[J\].
+    pub given_max: f64,
+}
+
+/// What came of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// Thumb first.
+    pub fingers: [Felt; DIGITS],
+    /// Largest force that was sent, and its largest change in a tick \[N\].
+    pub largest: [f64; 2],
+    /// Stiffest that a blocked finger was felt in the end \[N/m\].
+    pub stiffness: f64,
+    /// Delay from motion to force that the loop reckoned with \[s\].
+    pub delay: f64,
+    /// What stopped the forces.
+    pub trips: Vec<String>,
+    /// Forces were let through in the end.
+    pub live: bool,
+}
+
+impl Outcome {
+    /// The worst of all fingers.
+    pub fn worst(&self) -> Felt {
+        self.fingers.iter().fold(Felt::default(), |worst, felt| Felt {
+            mean: worst.mean.max(felt.mean),
+            rms: worst.rms.max(felt.rms),
+            motion_rms: worst.motion_rms.max(felt.motion_rms),
+            given: worst.given.max(felt.given),
+            given_max: worst.given_max.max(felt.given_max),
+        })
+    }
+}
+
+impl Rehearsal {
+    /// Refuses what no wearer, tracker or scene does.
+    ///
+    /// # Errors
+    /// Names the number and what it may be.
+    pub fn check(&self) -> Result<(), RehearsalError> {
+        let Human { mass, damping, stiffness } = self.human;
+        let TrackerTiming { rate, latency, noise } = self.tracker;
+        let numbers = [
+            ("the mass M", mass, 1e-3..=100.0, "kg", "0.001 to 100 kg"),
+            ("the damping B", damping, 0.0..=1000.0, "N s/m", "0 to 1000 N s/m"),
+            ("the stiffness K", stiffness, 0.0..=1e5, "N/m", "0 to 100000 N/m"),
+            ("the tracker's rate HZ", rate, 5.0..=1000.0, "Hz", "5 to 1000 Hz"),
+            ("the tracker's DELAY", latency, 0.0..=0.2, "s", "0 to 200 ms"),
+            ("the tracker's NOISE", noise, 0.0..=0.02, "m", "0 to 20 mm"),
+            ("the time of the scene", self.until, 0.0..=60.0, "s", "0 to 60 s"),
+            ("the way to press", self.press, 0.0..=0.05, "m", "0 to 50 mm"),
+            ("the time after the push", self.after, 1.0..=60.0, "s", "1 to 60 s"),
+            ("the grip", self.grip.unwrap_or(1.0), 1e-3..=1000.0, "N s/m", "0.001 to 1000 N s/m"),
+        ];
+        for (what, value, range, unit, expected) in numbers {
+            if !range.contains(&value) {
+                let value = format!("{value} {unit}");
+                return Err(RehearsalError::Number { what, value, expected });
+            }
+        }
+        Ok(())
+    }
+
+    /// Runs it with the first hand of a scene.
+    ///
+    /// # Errors
+    /// A number makes no sense, or the scene has no hand that could be worn.
+    pub fn run(&self, session: Session) -> Result<Outcome, RehearsalError> {
+        self.check()?;
+        Run::new(self, session)?.run()
+    }
+}
+
+/// A rehearsal under way.
+struct Run<'a> {
+    what: &'a Rehearsal,
+    session: Session,
+    clock: ManualLoop,
+    port: crate::haptic_loop::SimulationPort,
+    ends: Ends,
+    hand: Hand,
+    random: Random,
+    side: Side,
+    begun: bool,
+    out: Outcome,
+    sums: [[f64; 4]; DIGITS],
+}
+
+impl<'a> Run<'a> {
+    fn new(what: &'a Rehearsal, session: Session) -> Result<Self, RehearsalError> {
+        let limits = Limits { ramp: RAMP, ..Limits::cybergrasp() };
+        let (ends, tracker, display) = glove::pair(what.tracker, limits);
+        let settings = Settings { mode: what.mode, grip: what.grip, ..Settings::default() };
+        let clock = ManualLoop::new(&settings, vec![tracker], vec![display])?;
+        let mut port = clock.port();
+        port.attach(&session)?;
+        let side = session.hands()[0].model.side.unwrap_or(Side::Right);
+        let hand = Hand::new(&session, what.human)?;
+        let out = Outcome {
+            fingers: [Felt::default(); DIGITS],
+            largest: [0.0; 2],
+            stiffness: 0.0,
+            delay: 0.0,
+            trips: Vec::new(),
+            live: false,
+        };
+        let (random, begun, sums) = (Random::new(1), false, [[0.0; 4]; DIGITS]);
+        Ok(Self { what, session, clock, port, ends, hand, random, side, begun, out, sums })
+    }
+
+    fn run(mut self) -> Result<Outcome, RehearsalError> {
+        self.clock.remote().arm();
+        let script = (1e3 * self.what.until) as u64;
+        let still = BEFORE + script;
+        let push = still + SETTLE;
+        let end = push + (1e3 * self.what.after) as u64;
+        let frame = ((1e3 * self.session.world().time_step()).round() as u64).max(1);
+        let mut tracker = LateTracker::new(self.what.tracker);
+        for ms in 1..=end {
+            let now_ns = ms * TICK_NS;
+            let scene = 1e-3 * ms.saturating_sub(BEFORE).min(script) as f64;
+            let pressed = 1e-3 * ms.saturating_sub(still) as f64 / PRESSING;
+            self.hand.command(scene, self.what.press * pressed.min(1.0));
+            let pushed = if (push..push + PUSH.1).contains(&ms) { PUSH.0 } else { 0.0 };
+            let forces = self.ends.shown().digits.map(|digit| digit.pad_force);
+            let moved = self.hand.advance(1e-3, &forces, pushed);
+            if tracker.is_due(ms) {
+                let pose = self.seen();
+                tracker.see(HandSample { side: self.side, time_ns: now_ns, pose: Some(pose) });
+            }
+            if let Some(sample) = tracker.arrived(now_ns) {
+                self.ends.tell(sample, now_ns);
+            }
+            if ms.is_multiple_of(frame) {
+                self.frame(now_ns)?;
+            }
+            self.tick(now_ns, &forces);
+            if ms > still + SETTLE / 2 {
+                self.account(&forces, &moved, ms + WINDOW > end);
+            }
+        }
+        Ok(self.finish())
+    }
+
+    /// The hand as the tracker sees it.
+    fn seen(&mut self) -> LivePose {
+        let noise = self.what.tracker.noise;
+        let random = &mut self.random;
+        // Even numbers of this spread have the standard deviation asked for.
+        let mut white =
+            || if noise > 0.0 { 3.0_f64.sqrt() * noise * random.symmetric() } else { 0.0 };
+        self.hand.pose(&mut white)
+    }
+
+    /// The simulation's step that began a period ago is done; the next begins.
+    fn frame(&mut self, now_ns: u64) -> Result<(), RehearsalError> {
+        if self.begun {
+            self.session.step(&mut ());
+            self.port.after_step(&mut self.session, now_ns);
+        }
+        self.port.before_step(&mut self.session, now_ns)?;
+        self.begun = true;
+        Ok(())
+    }
+
+    fn tick(&mut self, now_ns: u64, before: &[f64; DIGITS]) {
+        self.ends.hear(now_ns);
+        self.clock.tick(now_ns);
+        while self.clock.records.pop().is_ok() {}
+        if let Some(reason) = self.clock.core(|core| core.tripped()) {
+            self.out.trips.push(format!("{:.3} s: {reason}", now_ns as f64 * 1e-9));
+            self.clock.remote().arm();
+        }
+        let after = self.ends.shown().digits.map(|digit| digit.pad_force);
+        for (before, after) in before.iter().zip(after) {
+            let [largest, step] = &mut self.out.largest;
+            *largest = largest.max(after);
+            *step = step.max((after - before).abs());
+        }
+    }
+
+    /// Books what the forces of the last tick did.
+    fn account(&mut self, forces: &[f64; DIGITS], moved: &[f64; DIGITS], looked_at: bool) {
+        for (k, felt) in self.out.fingers.iter_mut().enumerate() {
+            // Closing is against the force.
+            let given = -forces[k] * moved[k];
+            self.hand.given[k] += given;
+            felt.given_max = felt.given_max.max(self.hand.given[k]);
+            if looked_at {
+                felt.given += given;
+                let place = self.hand.fingers[k].place;
+                let sums = &mut self.sums[k];
+                sums[0] += forces[k];
+                sums[1] += forces[k] * forces[k];
+                sums[2] += place;
+                sums[3] += place * place;
+            }
+        }
+    }
+
+    fn finish(mut self) -> Outcome {
+        let n = WINDOW as f64;
+        for (felt, sums) in self.out.fingers.iter_mut().zip(&self.sums) {
+            let [force, square, place, place_square] = sums.map(|sum| sum / n);
+            felt.mean = force;
+            felt.rms = (square - force * force).max(0.0).sqrt();
+            felt.motion_rms = (place_square - place * place).max(0.0).sqrt();
+        }
+        let out = &mut self.out;
+        self.clock.core(|core| {
+            let hand = &core.hands()[0];
+            (out.stiffness, out.delay) = (hand.felt_stiffness(), hand.delay());
+            out.live = core.actuators().iter().all(|a| a.status() == Status::Live);
+        });
+        self.out
+    }
+}

@@ -1,0 +1,228 @@
+//! The last check, where outputs leave for the device: whatever mapped to it, and however it got here.
+//!
+//! Guards stand before each hand and each display, and a device may be reached past them: two hands that feel through
+//! one glove, a program of one's own. Per device and channel (each finger's force, the force and the torque on one
+//! point) what leaves here is finite, within what the device is rated for, and moves no faster than its slew from one
+//! message to the next, except to zero, which is shown at once. A display that holds one hand shows one.
+
+use super::handles::slot;
+use crate::{DigitOutput, HandOutput};
+use thenar::Vec3;
+use thenar::haptic::safety::Limits;
+use thenar::model::Side;
+
+/// Stands before one device.
+#[derive(Clone, Debug)]
+pub struct Door {
+    limits: Limits,
+    torque_limits: Option<Limits>,
+    /// The device holds one hand, and nobody said which.
+    one_hand: bool,
+    bound: Option<Side>,
+    /// Left, right.
+    hands: [Passed; 2],
+}
+
+/// What passed of one hand.
+#[derive(Clone, Copy, Debug)]
+struct Passed {
+    wanted: HandOutput,
+    sent: HandOutput,
+    at_ns: u64,
+}
+
+impl Door {
+    /// Nothing has passed. Without limits nothing does.
+    pub fn new(limits: Limits, torque_limits: Option<Limits>, one_hand: bool) -> Self {
+        let none = |side| Passed {
+            wanted: HandOutput::released(side, 0),
+            sent: HandOutput::released(side, 0),
+            at_ns: 0,
+        };
+        let hands = [Side::Left, Side::Right].map(none);
+        Self { limits, torque_limits, one_hand, bound: None, hands }
+    }
+
+    /// The device was set free: it holds nothing.
+    pub fn open(&mut self, now_ns: u64) {
+        self.bound = None;
+        for passed in &mut self.hands {
+            let none = HandOutput::released(passed.wanted.side, now_ns);
+            *passed = Passed { wanted: none, sent: none, at_ns: now_ns };
+        }
+    }
+
+    /// What leaves at `now_ns` for a hand that is to be shown `new`, or goes on to what it was to be shown; `None` when
+    /// that is what the device shows.
+    pub fn pass(
+        &mut self,
+        side: Side,
+        new: Option<&HandOutput>,
+        now_ns: u64,
+    ) -> Option<HandOutput> {
+        if let Some(new) = new.filter(|_| self.takes(side)) {
+            self.hands[slot(side)].wanted = *new;
+        } else if new.is_some() {
+            return None;
+        }
+        let passed = &mut self.hands[slot(side)];
+        let dt = now_ns.saturating_sub(passed.at_ns) as f64 * 1e-9;
+        let next =
+            toward(&passed.sent, &passed.wanted, &self.limits, self.torque_limits.as_ref(), dt);
+        let changed = next != passed.sent;
+        (passed.sent, passed.at_ns) = (next, now_ns);
+        (new.is_some() || changed).then_some(next)
+    }
+
+    /// Whether the device shows this hand.
+    fn takes(&self, side: Side) -> bool {
+        !self.one_hand || self.bound.is_none_or(|bound| bound == side)
+    }
+
+    /// Binds the device to the hand of an output with force, if it is of one hand and free; true when another hand's
+    /// force is refused.
+    pub fn bind(&mut self, output: &HandOutput) -> bool {
+        if self.one_hand && self.bound.is_none() && bears(output) {
+            self.bound = Some(output.side);
+        }
+        !self.takes(output.side) && bears(output)
+    }
+
+    /// Nobody shows this hand any more: the device is free for another.
+    pub fn leave(&mut self, side: Side) {
+        self.bound = self.bound.filter(|bound| *bound != side);
+    }
+}
+
+/// Whether an output asks for anything.
+fn bears(output: &HandOutput) -> bool {
+    let none = HandOutput::released(output.side, output.time_ns);
+    (output.digits, output.force_W, output.torque_W) != (none.digits, none.force_W, none.torque_W)
+}
+
+/// From what was sent towards what is wanted, as far as `dt` \[s\] allows.
+fn toward(
+    sent: &HandOutput,
+    wanted: &HandOutput,
+    limits: &Limits,
+    torque: Option<&Limits>,
+    dt: f64,
+) -> HandOutput {
+    let mut next = *wanted;
+    let change = limits.change_max(dt);
+    for (next, sent) in next.digits.iter_mut().zip(&sent.digits) {
+        *next = digit(next, sent.pad_force, limits, change);
+    }
+    next.force_W = vector(&sent.force_W, &wanted.force_W, limits.rated, change);
+    next.torque_W = torque.map_or(Vec3::zeros(), |limits| {
+        vector(&sent.torque_W, &wanted.torque_W, limits.rated, limits.change_max(dt))
+    });
+    next
+}
+
+/// One finger: its pad force, and the rest of it in proportion.
+fn digit(wanted: &DigitOutput, sent: f64, limits: &Limits, change: f64) -> DigitOutput {
+    let finite = |x: f64| if x.is_finite() { x } else { 0.0 };
+    let least = if limits.unilateral { 0.0 } else { -limits.rated };
+    let goal = finite(wanted.pad_force).clamp(least, limits.rated);
+    let force = if goal == 0.0 { 0.0 } else { goal.clamp(sent - change, sent + change) };
+    let part =
+        if wanted.pad_force.is_finite() && goal != 0.0 { force / wanted.pad_force } else { 0.0 };
+    let whole = wanted.force_W * part;
+    DigitOutput {
+        force_W: if whole.iter().all(|x| x.is_finite()) { whole } else { Vec3::zeros() },
+        pad_force: force,
+        area: finite(wanted.area).max(0.0),
+        pressure_mean: finite(wanted.pressure_mean).max(0.0),
+        pressure_max: finite(wanted.pressure_max).max(0.0),
+        slip_speed: finite(wanted.slip_speed).max(0.0),
+        curl_at_contact: wanted.curl_at_contact.filter(|c| c.is_finite()),
+    }
+}
+
+/// A force in space.
+fn vector(sent: &Vec3, wanted: &Vec3, most: f64, change: f64) -> Vec3 {
+    if !wanted.iter().all(|x| x.is_finite()) || *wanted == Vec3::zeros() {
+        return Vec3::zeros();
+    }
+    let largest = wanted.amax();
+    // By its largest component first: the length of a finite vector may be infinite.
+    let unit = wanted / largest;
+    let goal = unit * (largest.min(most / unit.norm()));
+    let way = goal - sent;
+    if way.norm() <= change { goal } else { sent + way * (change / way.norm()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MS: u64 = 1_000_000;
+
+    fn pressing(side: Side, force: f64, now_ns: u64) -> HandOutput {
+        let mut output = HandOutput::released(side, now_ns);
+        output.digits[1].pad_force = force;
+        output.digits[1].force_W = Vec3::y() * force;
+        output.force_W = Vec3::x() * force;
+        output.torque_W = Vec3::z() * force;
+        output
+    }
+
+    /// CyberGrasp: 12 N, 0.6 N a millisecond. Whatever comes, and however often it changes its mind.
+    #[test]
+    fn what_leaves_is_finite_within_the_clamp_and_the_slew() {
+        let limits = Limits::cybergrasp();
+        let torque = Limits::torque(0.2);
+        let mut door = Door::new(limits, Some(torque), false);
+        let mut before = HandOutput::released(Side::Right, 0);
+        let all = [3.0, 9e9, f64::NAN, -4.0, 2.0, f64::INFINITY, 5.9, f64::NEG_INFINITY, 1e308];
+        for ms in 0..900u64 {
+            let wanted = pressing(Side::Right, all[(ms / 7) as usize % all.len()], ms * MS);
+            let new = Some(&wanted).filter(|_| ms % 7 == 0);
+            let Some(sent) = door.pass(Side::Right, new, ms * MS) else { continue };
+            let force = sent.digits[1].pad_force;
+            assert!((0.0..=12.0).contains(&force), "{ms}: {force} N");
+            assert!(sent.force_W.norm() <= 12.0 + 1e-9 && sent.torque_W.norm() <= 0.2 + 1e-9);
+            let change = force - before.digits[1].pad_force;
+            assert!(force == 0.0 || change.abs() <= 0.6 + 1e-9, "{ms}: by {change} N");
+            let change = (sent.force_W - before.force_W).norm();
+            assert!(sent.force_W.norm() == 0.0 || change <= 0.6 + 1e-9, "{ms}: by {change} N");
+            assert!((sent.digits[1].force_W.norm() - force).abs() < 1e-9);
+            before = sent;
+        }
+        // It gets there in the end.
+        let wanted = pressing(Side::Right, 3.0, 0);
+        door.pass(Side::Right, Some(&wanted), 900 * MS);
+        (901..920).for_each(|ms| _ = door.pass(Side::Right, None, ms * MS));
+        assert_eq!(door.hands[1].sent.digits[1].pad_force, 3.0);
+        assert_eq!(door.pass(Side::Right, None, 921 * MS), None, "nothing new");
+        let none = HandOutput::released(Side::Right, 0);
+        assert_eq!(door.pass(Side::Right, Some(&none), 922 * MS), Some(none), "zero at once");
+    }
+
+    /// Two hands take turns at one glove: it shows the first that presses, and lets go of it before it takes the other.
+    #[test]
+    fn a_device_of_one_hand_shows_one() {
+        let mut door = Door::new(Limits::cybergrasp(), None, true);
+        let mut refused = 0;
+        for ms in 0..100u64 {
+            for side in [Side::Right, Side::Left] {
+                let wanted = pressing(side, 1.0, ms * MS);
+                refused += u32::from(door.bind(&wanted));
+                let sent = door.pass(side, Some(&wanted), ms * MS);
+                assert!(sent.is_none_or(|sent| sent.side == Side::Right));
+            }
+        }
+        assert_eq!(refused, 100);
+        door.leave(Side::Left);
+        assert!(door.bind(&pressing(Side::Left, 1.0, 0)), "held by the right hand");
+        door.leave(Side::Right);
+        assert!(!door.bind(&pressing(Side::Left, 1.0, 0)));
+        // A device of two hands shows both.
+        let mut door = Door::new(Limits::cybergrasp(), None, false);
+        for side in [Side::Right, Side::Left] {
+            assert!(!door.bind(&pressing(side, 1.0, 0)));
+            assert!(door.pass(side, Some(&pressing(side, 1.0, 0)), MS).is_some());
+        }
+    }
+}
