@@ -18,7 +18,8 @@ use thenar_link::twin::{PtyTwin, Twin};
 /// Longest that anything may take on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Bones alone; something pushes the index finger and the palm to and fro.
+/// Bones alone; something pushes the index finger and the palm to and fro. An arm shows as much of it as a loose grip bears
+/// behind its delay.
 const SCENE: &str = r#"version = 1
 time_step = 0.01
 [[hand]]
@@ -33,7 +34,7 @@ profile = { kind = "sine", frequency = 0.7 }
 [[load]]
 kind = "force"
 body = "hand/palm"
-force = [0, 2, 0]
+force = [0, 8, 0]
 profile = { kind = "sine", frequency = 0.7 }
 "#;
 

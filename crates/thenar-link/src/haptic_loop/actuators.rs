@@ -118,8 +118,8 @@ impl Actuators {
         let (simulation_ns, tracking_ns) = (hand.simulated_ns(), hand.tracked_ns());
         let Heard { device_ns, enabled } = heard;
         match &mut self.bank {
-            Guards::Fingers(bank) => bank.see_late(hand.delay()),
-            Guards::Point(bank) => bank.see_late(hand.delay()),
+            Guards::Fingers(bank) => bank.see_late(hand.seen_late()),
+            Guards::Point(bank) => bank.see_late(hand.seen_late()),
         }
         match &mut self.bank {
             Guards::Point(bank) => {

@@ -23,6 +23,8 @@ pub struct Felt {
     couplings: Vec<f64>,
     meter: DelayMeter,
     stated: Option<TrackerTiming>,
+    /// The present tracker was heard, and what is felt follows it from there.
+    heard: bool,
     /// Stiffness that may be felt \[N/m\]; infinite before the first sample.
     most: f64,
 }
@@ -31,7 +33,7 @@ impl Felt {
     /// A hand whose tracker is not known yet.
     pub fn new(bounds: Bounds, couplings: Vec<f64>) -> Self {
         let (meter, stated) = Default::default();
-        Self { bounds, couplings, meter, stated, most: f64::INFINITY }
+        Self { bounds, couplings, meter, stated, heard: false, most: f64::INFINITY }
     }
 
     /// A sample measured at `time_ns` came at `now_ns`, from a tracker that states this of itself.
@@ -42,10 +44,15 @@ impl Felt {
 
     /// Another tracker moves the hand.
     pub fn forget(&mut self) {
-        self.meter = DelayMeter::default();
+        (self.meter, self.heard) = (DelayMeter::default(), false);
     }
 
-    /// From motion to force \[s\].
+    /// How late the wearer's motion is seen, and answered by what is sent \[s\].
+    pub fn seen_late(&self) -> f64 {
+        self.bounds.profile.delay + self.meter.delay(self.stated.as_ref())
+    }
+
+    /// From motion to force, frames blended in \[s\].
     pub fn delay(&self) -> f64 {
         self.profile().delay
     }
@@ -59,11 +66,12 @@ impl Felt {
         let Some(grip) = self.bounds.grip else { return };
         let bound = MARGIN * self.profile().felt_stiffness_max(grip);
         let change = (FOLLOWS * h).exp();
-        self.most = if self.most.is_finite() {
+        self.most = if self.heard && self.most.is_finite() {
             bound.clamp(self.most / change, self.most * change)
         } else {
             bound
         };
+        self.heard |= self.stated.is_some() || self.meter != DelayMeter::default();
     }
 
     /// Part of a bone's force that is felt.

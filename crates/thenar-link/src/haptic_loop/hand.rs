@@ -244,6 +244,11 @@ impl LoopHand {
         -self.touch.tracked()[pad.bone].pose_WB.vector(&PAD_NORMAL_B)
     }
 
+    /// How late its motion is seen \[s\], as far as that is known.
+    pub fn seen_late(&self) -> f64 {
+        self.felt.as_ref().map_or(0.0, Felt::seen_late)
+    }
+
     /// From its motion to the force that answers it \[s\], as far as that is known.
     pub fn delay(&self) -> f64 {
         self.felt.as_ref().map_or(0.0, Felt::delay)

@@ -57,7 +57,7 @@ pub use port::{LoopMode, PortError, SimulationPort};
 pub use realtime::{Alarm, Deadlines};
 pub use record::{TickRecord, header, line};
 
-use crate::{ForceDisplay, LinkError, Tracker, now_ns};
+use crate::{ForceDisplay, LinkError, Rendering, Tracker, now_ns};
 use control::Control;
 use lookout::Lookouts;
 use monitor::Monitor;
@@ -246,7 +246,7 @@ fn fitted(
     (design, warnings.map(|warning| warning.to_string()).collect())
 }
 
-/// The loop, and the slowest of these displays.
+/// The loop, and the slowest of these displays that push.
 fn bounds_of(settings: &Settings, displays: &[Box<dyn ForceDisplay>]) -> Bounds {
     let [delay, damping, friction, resolution] = [0.0; 4];
     let (period, rated_stiffness) = (1.0 / settings.rate_hz, f64::INFINITY);
@@ -255,8 +255,14 @@ fn bounds_of(settings: &Settings, displays: &[Box<dyn ForceDisplay>]) -> Bounds 
         let LoopProfile { period, delay, .. } = profile;
         LoopProfile { period: slow.period.max(period), delay: slow.delay.max(delay), ..slow }
     };
-    let profiles = displays.iter().map(|display| display.loop_profile());
-    Bounds { grip: settings.grip, profile: profiles.fold(alone, slowest) }
+    // Stops hold a finger and vibration moves none: neither gives out energy, however late.
+    let pushes = |display: &&Box<dyn ForceDisplay>| {
+        matches!(display.rendering(), Rendering::Tendons | Rendering::Wrench)
+    };
+    let pushing = || displays.iter().filter(pushes);
+    let grip = settings.grip.filter(|_| displays.is_empty() || pushing().next().is_some());
+    let profiles = pushing().map(|display| display.loop_profile());
+    Bounds { grip, profile: profiles.fold(alone, slowest) }
 }
 
 /// What each display can do, and within which limits.

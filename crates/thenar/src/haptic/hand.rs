@@ -262,6 +262,10 @@ impl HapticHand {
         let both = self.carried.iter_mut().zip(&frame.bones);
         both.for_each(|(carried, bone)| believe(carried, bone, period));
         let held = &mut self.free.held;
+        if frame.free.is_empty() {
+            // A frame that tells of no hand in empty air: all is felt, as before there were any.
+            held.fill(None);
+        }
         for (held, (bone, free)) in held.iter_mut().zip(frame.bones.iter().zip(&frame.free)) {
             *held = Some(Held::between(bone, free));
         }

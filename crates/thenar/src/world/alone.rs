@@ -25,7 +25,8 @@ impl World {
     /// # Errors
     /// The bones are no world: some of what their description refers to is elsewhere.
     pub fn alone(&self, bones: Range<u32>) -> Result<Alone, ModelError> {
-        let bones = bones.start as usize..(bones.end as usize).min(self.desc.rigids.len());
+        let end = (bones.end as usize).min(self.desc.rigids.len());
+        let bones = (bones.start as usize).min(end)..end;
         let first = bones.start as u32;
         let within = |b: u32| bones.contains(&(b as usize));
         let whole = &self.desc;

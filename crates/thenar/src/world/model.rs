@@ -228,6 +228,7 @@ impl Model {
         node0: usize,
     ) -> Result<(), ModelError> {
         let Some(coupling) = &soft.coupling else { return Ok(()) };
+        let hangs = coupling.stiffness.iter().any(|stiffness| *stiffness > 0.0);
         for (node, binding) in coupling.bindings.iter().enumerate() {
             let (mut bones, mut weights) = (binding.bones, binding.weights);
             if weights[0] == 0.0 {
@@ -242,7 +243,10 @@ impl Model {
             let node_W = (node0 + node) as u32;
             let bound = BoundNode { node: node_W, bones, weights, offsets };
             if coupling.stiffness[node] == 0.0 {
-                self.coupling.unbound.push(bound);
+                // Flesh that has no spring at all is tied to nothing, and goes its own way.
+                if hangs {
+                    self.coupling.unbound.push(bound);
+                }
                 continue;
             }
             let joint = if weights[1] == 0.0 {

@@ -85,6 +85,7 @@ impl<const N: usize> Guard<N> {
         self.heard = [Heard::default(); 3];
         (self.exact, self.sent) = ([0.0; N], [0.0; N]);
         self.passivity = Passivity::default();
+        self.wearer.forget();
         self.log.resume();
     }
 

@@ -22,9 +22,14 @@ impl<const N: usize> WearerSide<N> {
         Self { delay: 0.0, ring: [([0.0; N], 0.0, 0.0); KEPT], next: 0 }
     }
 
-    /// The wearer's motion is seen so late \[s\].
+    /// The wearer's motion is seen so late \[s\]; what is no number is as late as can be.
     pub fn see_late(&mut self, delay: f64) {
-        self.delay = if delay.is_finite() { delay.max(0.0) } else { 0.0 };
+        self.delay = if delay.is_nan() { f64::INFINITY } else { delay.max(0.0) };
+    }
+
+    /// Nothing of before counts any more.
+    pub fn forget(&mut self) {
+        self.ring = [([0.0; N], 0.0, 0.0); KEPT];
     }
 
     /// Whether what is seen of the wearer is older than a tick or two.
