@@ -256,10 +256,10 @@ fn bounds_of(settings: &Settings, displays: &[Box<dyn ForceDisplay>]) -> Bounds 
         LoopProfile { period: slow.period.max(period), delay: slow.delay.max(delay), ..slow }
     };
     // Stops hold a finger and vibration moves none: neither gives out energy, however late.
-    let pushes = |display: &&Box<dyn ForceDisplay>| {
-        matches!(display.rendering(), Rendering::Tendons | Rendering::Wrench)
+    let pushing = || {
+        let pushes = [Rendering::Tendons, Rendering::Wrench];
+        displays.iter().filter(move |display| pushes.contains(&display.rendering()))
     };
-    let pushing = || displays.iter().filter(pushes);
     let grip = settings.grip.filter(|_| displays.is_empty() || pushing().next().is_some());
     let profiles = pushing().map(|display| display.loop_profile());
     Bounds { grip, profile: profiles.fold(alone, slowest) }
