@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// Bytes of a packet.
 pub const PACKET: usize = 61;
-/// Its converter has 12 bits: no sensor says more.
+/// Largest word of a sensor: the converter has 12 bits.
 const CONVERTER_MAX: f64 = 4095.0;
 /// Bytes of the time.
 const TIME: usize = 14;

@@ -15,7 +15,7 @@ pub struct Bounds {
     pub profile: LoopProfile,
 }
 
-/// One hand.
+/// Stiffness that one hand is felt with, by what its trackers do.
 #[derive(Clone, Debug)]
 pub struct Felt {
     bounds: Bounds,

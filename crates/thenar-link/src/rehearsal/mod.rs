@@ -84,7 +84,7 @@ pub enum RehearsalError {
     Link(#[from] LinkError),
 }
 
-/// One finger at the end.
+/// Figures of a finger at the end of a rehearsal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Felt {
     /// Mean force \[N\].

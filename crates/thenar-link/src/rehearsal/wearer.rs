@@ -19,7 +19,7 @@ pub struct Human {
     pub stiffness: f64,
 }
 
-/// One fingertip, by how far it is beyond its command, closing \[m\], and how fast \[m/s\].
+/// Fingertip of the wearer, by how far it is beyond its command, closing \[m\], and how fast \[m/s\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Finger {
     /// \[m\]

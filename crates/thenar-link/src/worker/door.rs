@@ -120,7 +120,7 @@ fn toward(
     next
 }
 
-/// One finger: its pad force, and the rest of it in proportion.
+/// Bounds a finger: its pad force, and its force in space in proportion.
 fn digit(wanted: &DigitOutput, sent: f64, limits: &Limits, change: f64) -> DigitOutput {
     let finite = |x: f64| if x.is_finite() { x } else { 0.0 };
     let least = if limits.unilateral { 0.0 } else { -limits.rated };

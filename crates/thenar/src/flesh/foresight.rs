@@ -90,21 +90,19 @@ pub(super) fn element_surprise(
     fading: &mut Fading,
     h: f64,
 ) -> f64 {
-    let change = F[1] - F[0];
-    let Some((of, faded)) = remembers else {
-        if rest.law == Law::Corotational {
-            return warped_surprise(rest, F);
-        }
-        let [before, after] = F.map(|F| Principal::new(rest, &F));
-        let linear = Linear::elastic(&before, 1.0);
-        let [slope, curved] = linear.along(&(before.U.tr_mul(&change) * before.V));
-        return after.at.energy - before.at.energy - slope - curved;
-    };
+    if remembers.is_none() && rest.law == Law::Corotational {
+        return warped_surprise(rest, F);
+    }
     let [before, after] = F.map(|F| Principal::new(rest, &F));
-    let fading = fading.of(of, rest.law, h);
-    let step = Increment::new(rest, &before, fading, faded);
-    let [slope, curved] = step.linear.along(&(before.U.tr_mul(&change) * before.V));
-    step.energy(&after) - step.energy(&before) - slope - curved
+    let (linear, risen) = match remembers {
+        None => (Linear::elastic(&before, 1.0), after.at.energy - before.at.energy),
+        Some((of, faded)) => {
+            let step = Increment::new(rest, &before, fading.of(of, rest.law, h), faded);
+            (step.linear, step.energy(&after) - step.energy(&before))
+        }
+    };
+    let [slope, curved] = linear.along(&(before.U.tr_mul(&(F[1] - F[0])) * before.V));
+    risen - slope - curved
 }
 
 /// Surprise of the corotational law, whose stiffness is that at rest, turned with the element.
