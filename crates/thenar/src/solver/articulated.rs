@@ -124,7 +124,7 @@ impl Articulated {
         lambda: &mut [Vec6],
     ) -> bool {
         let Some((lu, x)) = &mut self.dense else { return false };
-        lu.values.fill(0.0);
+        lu.restart(lu.size());
         for (b, S) in S_diagonal.iter().enumerate() {
             add_block(lu, 6 * b, 6 * b, 6, S);
             x[6 * b..6 * b + 6].copy_from_slice(r[b].as_slice());

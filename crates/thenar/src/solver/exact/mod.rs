@@ -42,7 +42,7 @@ mod respond;
 mod small_cholesky;
 mod substitution;
 mod symbolic;
-mod vectors;
+pub(super) mod vectors;
 mod wide_cholesky;
 
 pub use held::Bound;

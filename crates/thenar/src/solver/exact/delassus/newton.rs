@@ -365,18 +365,15 @@ impl Condition {
         pressing: &[u32],
         lu: &mut DenseLu,
     ) {
+        let row = lu.row_mut(row);
         for a in (0..3).filter(|&a| self.seen[a] != 0.0) {
             let response = W.row(3 * m as usize + a);
-            for (j, &other) in pressing.iter().enumerate() {
-                for b in 0..3 {
-                    let value = self.seen[a] * f64::from(response[3 * other as usize + b]);
-                    lu.add(row, 3 * j + b, value);
-                }
+            for (to, &other) in row.as_chunks_mut::<3>().0.iter_mut().zip(pressing) {
+                let seen = &response[3 * other as usize..3 * other as usize + 3];
+                (0..3).for_each(|b| to[b] += self.seen[a] * f64::from(seen[b]));
             }
         }
-        for b in 0..3 {
-            lu.add(row, 3 * k + b, self.own[b]);
-        }
+        (0..3).for_each(|b| row[3 * k + b] += self.own[b]);
     }
 }
 
