@@ -32,6 +32,7 @@ mod held;
 mod jacobi;
 mod joining;
 mod loops;
+mod minimum_degree;
 mod ordering;
 mod pcg;
 mod publish;
