@@ -256,6 +256,32 @@ impl ContactRow {
     }
 }
 
+impl ContactRow {
+    /// How far the impulse is from the law of the round cone at this velocity less the target \[m/s\], whatever the response:
+    /// how fast a contact that does not press closes, one that presses opens or closes, one that sticks slides, and one
+    /// that slides goes along or across friction instead of against it. Infinite where no velocity goes with the
+    /// impulse.
+    pub fn strays(&self, value: &Vec3) -> f64 {
+        let lambda = &self.lambda;
+        if *lambda == Vec3::zeros() {
+            return (-value.x).max(0.0);
+        }
+        if self.turns || self.friction == 0.0 {
+            return if lambda.x > 0.0 { value.x.abs() } else { f64::INFINITY };
+        }
+        let (bound, length) = (self.friction * lambda.x, lambda.y.hypot(lambda.z));
+        if lambda.x <= 0.0 || length > bound * (1.0 + f64::EPSILON) {
+            return f64::INFINITY;
+        }
+        let slip = [value.y, value.z];
+        let along = (slip[0] * lambda.y + slip[1] * lambda.z) / length;
+        let slides = length >= bound * (1.0 - RIM) && along < 0.0;
+        let across = (slip[0] * lambda.z - slip[1] * lambda.y) / length;
+        let tangential = if slides { across.abs() } else { slip[0].hypot(slip[1]) };
+        value.x.abs().max(tangential)
+    }
+}
+
 /// Whether friction gives all it can to a contact that presses, so that it slides (or is about to).
 pub fn is_on_rim(cone: Cone, friction: f64, lambda: &Vec3) -> bool {
     let rim = friction * lambda.x * (1.0 - RIM);

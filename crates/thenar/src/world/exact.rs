@@ -3,7 +3,7 @@
 use crate::coupling::skin_target;
 use crate::math::Vec3;
 use crate::model::{Limits, SolverSettings, WorldDesc};
-use crate::solver::exact::{Accuracy, Carried, Exact, Plan, StepSystem};
+use crate::solver::exact::{Accuracy, Before, Carried, Exact, Plan, StepSystem};
 use crate::solver::{Convergence, Failure};
 use crate::world::fall_back::Care;
 use crate::world::model::Model;
@@ -43,6 +43,7 @@ pub fn build(desc: &WorldDesc, model: &Model, contacts_max: usize) -> Exact {
         ends: &ends,
         rows: &rows,
         carried: &carried,
+        all_is_bound: model.all_is_bound(),
         soft_of_node: &soft_of_node,
         positions: &positions,
         pattern: &model.pattern,
@@ -127,14 +128,16 @@ impl Scheme for ExactScheme<'_> {
             return Err(Failure::NotFinite);
         }
         let accuracy = self.accuracy();
-        let Self { exact, .. } = self;
         let step = StepSystem { A: &scratch.A, b: &scratch.b, known: &model.known };
         let touched = state.impulses.iter().any(|(_, impulse)| *impulse != Vec3::zeros());
+        let rigids = model.rigids.len();
+        let before = Before::of(touched, &state.v, rigids, self.settings.velocity_tolerance);
+        let Self { exact, .. } = self;
         if touched {
             // Near what the step before had without contact.
             state.v.iter_mut().zip(&state.contact_change).for_each(|(v, change)| *v -= change);
         }
-        let solved = exact.solve(&step, &scratch.joints, h, touched, &accuracy, &mut state.v)?;
+        let solved = exact.solve(&step, &scratch.joints, h, before, &accuracy, &mut state.v)?;
         for (limit, bound) in scratch.limits.iter_mut().zip(exact.bounds()) {
             limit.included = bound.impulse;
         }

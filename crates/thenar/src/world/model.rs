@@ -156,6 +156,11 @@ impl Model {
         }
     }
 
+    /// Whether there is flesh, and springs bind every node of it to bones.
+    pub fn all_is_bound(&self) -> bool {
+        !self.flesh.mass.is_empty() && self.coupling.bound.len() == self.flesh.mass.len()
+    }
+
     fn add_soft(&mut self, soft: &SoftDesc, desc: &WorldDesc) -> Result<(), ModelError> {
         let flesh = &soft.flesh;
         let node0 = self.flesh.mass.len();

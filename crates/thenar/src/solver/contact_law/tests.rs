@@ -213,3 +213,32 @@ fn only_long_levers_have_several_impulses() {
     }
     assert!(single > 1000 && several > 5, "{single} single, {several} several");
 }
+
+/// An impulse that obeys the law does not stray, and a velocity off by e makes it stray by no more than the parts of e; where
+/// it strays little, a visit changes little.
+#[test]
+fn what_obeys_the_law_does_not_stray() {
+    let mut random = Random::new(9);
+    let (mut pressing, mut sliding) = (0, 0);
+    for _ in 0..500 {
+        let (W, b, friction) = responses(&mut random);
+        let response = Response::new(&W);
+        let mut rows = crate::solver::ContactRows::with_capacity(0, 1);
+        rows.begin(&Vec3::x(), friction, &Vec3::zeros());
+        let mut row = rows.rows.remove(0);
+        for _ in 0..300 {
+            row.lambda = response.impulse(Cone::Circular, friction, &b, &row.lambda);
+        }
+        let d = b + W * row.lambda;
+        assert!(row.strays(&d) < 1e-8, "{row:?} strays at {d}");
+        pressing += usize::from(row.lambda.x > 0.0);
+        sliding += usize::from(row.lambda.x > 0.0 && d.yz().norm() > 1e-3);
+        let e = random.vec3(1e-3);
+        let off = row.strays(&(d + e));
+        assert!(off <= 2.0 * e.norm(), "{off} for {e}");
+        let visited = row.resolved(Cone::Circular, &response, &(d + e));
+        let change = (W * (visited - row.lambda)).norm();
+        assert!(change <= 30.0 * off + 1e-9, "a visit changes {change}, the row strays by {off}");
+    }
+    assert!(pressing > 100 && sliding > 30, "{pressing} press, {sliding} slide");
+}

@@ -8,12 +8,36 @@ use crate::solver::{Failure, JointBlock};
 /// Times that joint limits are let go or held and the step is solved again without contact.
 const REVISIONS_MAX: u32 = 6;
 /// Fewest iterations with the block diagonal.
-const WINDOW: u32 = 4;
+pub(super) const WINDOW: u32 = 4;
+/// What moves no faster than so many tolerances is taken to rest. Where that is wrong some iterations are lost, not the
+/// result.
+const AT_REST: f64 = 100.0;
+
+/// What the step before was like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Before {
+    /// Nothing touched.
+    Free,
+    /// All that touched lay still: its contacts may need no more than a look, and so no factor.
+    Rested,
+    /// Contact will need the factor.
+    Touched,
+}
+
+impl Before {
+    /// From the velocities that the step ended with.
+    pub fn of(touched: bool, v: &[Vec3], bodies: usize, tolerance: f64) -> Self {
+        match touched {
+            false => Self::Free,
+            true if pcg::largest_speed(v, bodies) <= AT_REST * tolerance => Self::Rested,
+            true => Self::Touched,
+        }
+    }
+}
 
 impl Exact {
-    /// Velocities without contact, from the present ones in `v` as a start; bounds are kept, unless
-    /// `factor` asks for the direct preconditioner, which contact will need anyway, and with which
-    /// they are left to contact.
+    /// Velocities without contact, from those in `v` as a start. Bounds are kept, unless there was contact: they are left to
+    /// it then, and where it will need the factor, that preconditions this solve too.
     ///
     /// # Errors
     /// The system cannot be solved, or not to this accuracy.
@@ -22,15 +46,21 @@ impl Exact {
         step: &StepSystem<'_>,
         joints: &[JointBlock],
         h: f64,
-        factor: bool,
+        before: Before,
         accuracy: &Accuracy,
         v: &mut [Vec3],
     ) -> Result<Solved, Failure> {
-        self.prepare(step, joints, (v, h), factor)?;
-        let scale = self.start(step, v);
+        let touches = before != Before::Free;
+        let looks = self.all_is_bound && before == Before::Rested;
+        self.prepare(step, joints, (v, h), touches && !looks)?;
+        let scale = self.start(step, touches, v);
         let mut solved = Solved::default();
         if self.ready == Ready::Jacobi {
-            solved = self.iterate_within_bounds(step, accuracy, scale);
+            solved = if touches {
+                self.iterate_on(step, self.iterations_worth_a_factor, accuracy, scale)
+            } else {
+                self.iterate_within_bounds(step, accuracy, scale)
+            };
             if !solved.converged {
                 self.take_the_factor(step);
             }
@@ -40,7 +70,7 @@ impl Exact {
             solved = self.iterate_with_factor(step, accuracy, scale);
             solved.iterations += before;
         } else if !solved.converged {
-            solved = self.iterate_on(step, accuracy, scale);
+            solved = self.iterate_on(step, accuracy.iterations_max, accuracy, scale);
         }
         let Self { bodies, carried, springs, split, x, .. } = self;
         system(step, bodies, carried, springs, split).velocities(x, v);
@@ -80,12 +110,12 @@ impl Exact {
     }
 
     /// Coordinates of the start and their residual; returns the largest speed \[m/s\].
-    fn start(&mut self, step: &StepSystem<'_>, v: &[Vec3]) -> f64 {
+    fn start(&mut self, step: &StepSystem<'_>, touches: bool, v: &[Vec3]) -> f64 {
         let Self { bodies, carried, springs, split, coarse, jacobi, ready, x, held, work, .. } =
             self;
         let system = system(step, bodies, carried, springs, split);
         system.coordinates(v, x, &mut work.v);
-        if *ready == Ready::Jacobi {
+        if *ready == Ready::Jacobi && !touches {
             held.guess();
             held.hold(&system, coarse, jacobi, x);
         } else {
@@ -159,12 +189,19 @@ impl Exact {
         solved
     }
 
-    /// With the block diagonal, however long it takes.
-    fn iterate_on(&mut self, step: &StepSystem<'_>, accuracy: &Accuracy, scale: f64) -> Solved {
+    /// With the block diagonal and no bounds.
+    fn iterate_on(
+        &mut self,
+        step: &StepSystem<'_>,
+        iterations_max: u32,
+        accuracy: &Accuracy,
+        scale: f64,
+    ) -> Solved {
         let Self { bodies, carried, springs, split, coarse, jacobi, x, work, .. } = self;
         let system = system(step, bodies, carried, springs, split);
         let apply = |r: &Coordinates, z: &mut Coordinates| jacobi.apply(&system, coarse, r, z);
-        let stop = pcg::Stop { scale, ..accuracy.stop(WINDOW, accuracy.iterations_max) };
+        let iterations_max = iterations_max.min(accuracy.iterations_max);
+        let stop = pcg::Stop { scale, ..accuracy.stop(WINDOW, iterations_max) };
         pcg::solve(&system, apply, x, stop, work)
     }
 }

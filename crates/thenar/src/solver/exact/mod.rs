@@ -46,6 +46,7 @@ mod symbolic;
 pub(super) mod vectors;
 mod wide_cholesky;
 
+pub use free_motion::Before;
 pub use held::Bound;
 pub use publish::Answer;
 pub use reduction::Reduction;
@@ -73,6 +74,8 @@ pub struct Plan<'a> {
     pub rows: &'a [usize],
     /// Carried nodes, with their springs, weights and levers still unset.
     pub carried: &'a [Carried],
+    /// Whether springs bind every node to bones.
+    pub all_is_bound: bool,
     /// Deformable body of each node.
     pub soft_of_node: &'a [u32],
     /// Rest position of each node, world \[m\].
@@ -109,6 +112,8 @@ pub struct Exact {
     ready: Ready,
     /// The largest part of an error's energy that an iteration with the factor of this step has left.
     left: Option<f64>,
+    /// Whether springs bind all flesh to bones, so that few iterations of the block diagonal are enough.
+    all_is_bound: bool,
     /// So many iterations of the block diagonal cost what the factor does.
     iterations_worth_a_factor: u32,
     x: Coordinates,
@@ -185,6 +190,7 @@ impl Exact {
         let direct = Direct::new(factor, &coarse, bodies.groups());
         Self {
             iterations_worth_a_factor: (flops / iteration).clamp(16.0, 400.0) as u32,
+            all_is_bound: plan.all_is_bound,
             jacobi: BlockJacobi::new(&coarse, nodes),
             ready: Ready::Nothing,
             left: None,

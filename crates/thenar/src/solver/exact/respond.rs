@@ -2,8 +2,9 @@
 
 use crate::math::Vec3;
 use crate::model::Cone;
-use crate::solver::exact::decay::SAFETY;
-use crate::solver::exact::delassus::{Next, Swept, Verdict};
+use crate::solver::exact::decay::{Decay, SAFETY};
+use crate::solver::exact::delassus::{Next, Swept, Verdict, within};
+use crate::solver::exact::free_motion::WINDOW;
 use crate::solver::exact::{
     Accuracy, Coordinates, Exact, PRESSING_MAX, Ready, StepSystem, pcg, system,
 };
@@ -39,11 +40,22 @@ impl Exact {
             self.delassus.leave();
             return Ok(rest(contacts, change));
         }
-        self.factor_if_needed(step)?;
-        self.start_from(step, contacts, change);
+        self.start_from(step, contacts, cone, change);
         // What the impulses of the step before truly do tells best what presses.
         self.follow(step, contacts, accuracy, change)?;
         self.delassus.measure(contacts, change);
+        let strays = self.delassus.strays(contacts, cone);
+        // With a factor velocities are true enough to ask for what sweeps are asked for.
+        let (error, most) = match self.ready {
+            Ready::Direct => (Decay::default().error_after(strays), SWEPT_TO * accuracy.velocity),
+            _ => (SAFETY * strays, accuracy.velocity),
+        };
+        if error <= most {
+            // Impulses that obey the law as they are need no compliance.
+            self.delassus.leave();
+            return Ok(Convergence { iterations: 0, residual: error });
+        }
+        self.factor_if_needed(step)?;
         self.delassus.begin(contacts, &self.direct);
         let mut total = Convergence::default();
         let mut rounds = Rounds::default();
@@ -77,10 +89,16 @@ impl Exact {
         &mut self,
         step: &StepSystem<'_>,
         contacts: &mut ContactRows,
+        cone: Cone,
         change: &mut [Vec3],
     ) {
-        let Self { bodies, carried, springs, split, x, delassus, work, .. } = self;
+        let Self { bodies, carried, springs, split, ready, x, delassus, work, .. } = self;
         let system = system(step, bodies, carried, springs, split);
+        if *ready == Ready::Jacobi {
+            // They may stay as they are: normals have turned since.
+            let rows = contacts.rows.iter_mut().filter(|row| !row.turns);
+            rows.for_each(|row| row.lambda = within(cone, row.friction, &row.lambda));
+        }
         work.r.clear();
         if delassus.start(contacts) {
             system.coordinates_of_change(change, x, &mut work.v);
@@ -100,19 +118,24 @@ impl Exact {
         accuracy: &Accuracy,
         change: &mut [Vec3],
     ) -> Result<(), Failure> {
-        let Self {
-            bodies, carried, springs, split, coarse, direct, x, delassus, work, left, ..
-        } = self;
+        let Self { bodies, carried, springs, split, coarse, jacobi, direct, ready, .. } = self;
+        let Self { x, delassus, work, left, .. } = self;
         let system = system(step, bodies, carried, springs, split);
         if !delassus.load_more(&system, contacts, work) {
             return Ok(());
         }
-        let apply = |r: &Coordinates, z: &mut Coordinates| direct.apply(&system, coarse, r, z);
         let tolerance = 0.25 * accuracy.velocity;
-        let stop =
-            pcg::Stop { tolerance, left: *left, ..accuracy.stop(1, accuracy.iterations_max) };
-        let solved = pcg::solve(&system, apply, x, stop, work);
-        *left = solved.left;
+        let stop = pcg::Stop { tolerance, ..accuracy.stop(WINDOW, accuracy.iterations_max) };
+        let solved = if *ready == Ready::Direct {
+            let apply = |r: &Coordinates, z: &mut Coordinates| direct.apply(&system, coarse, r, z);
+            let stop = pcg::Stop { iterations_min: 1, left: *left, ..stop };
+            let solved = pcg::solve(&system, apply, x, stop, work);
+            *left = solved.left;
+            solved
+        } else {
+            let apply = |r: &Coordinates, z: &mut Coordinates| jacobi.apply(&system, coarse, r, z);
+            pcg::solve(&system, apply, x, stop, work)
+        };
         if !solved.converged && !accuracy.best_effort {
             return Err(Failure::NotConverged { residual: solved.error });
         }

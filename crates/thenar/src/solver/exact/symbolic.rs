@@ -123,6 +123,8 @@ pub struct Load {
 pub struct Symbolic {
     /// Place of each node in the elimination order.
     pub place_of_node: Vec<u32>,
+    /// Place of each node in an order in which neighbours are near each other in space.
+    pub in_space: Vec<u32>,
     /// Supernodes in elimination order.
     pub supernodes: Vec<Supernode>,
     /// Rows below the pivots, as places in the elimination order.
@@ -144,7 +146,9 @@ pub struct Symbolic {
 impl Symbolic {
     /// Analyses the flesh part of `a`, whose rows begin at `row0`.
     pub fn new(a: &BlockMatrix, row0: usize, positions: &[Vec3]) -> Self {
-        let order = best_order(a, row0, positions);
+        let dissected = nested_dissection(a, row0, positions);
+        let in_space = places(&dissected);
+        let order = best_order(a, row0, dissected);
         let n = order.len();
         let place_of_node = places(&order);
         let columns = column_structures(a, row0, &order, &place_of_node);
@@ -152,6 +156,7 @@ impl Symbolic {
 
         let mut symbolic = Self {
             place_of_node,
+            in_space,
             supernodes: Vec::with_capacity(starts.len()),
             rows: Vec::new(),
             segments: Vec::new(),
@@ -263,13 +268,13 @@ impl Symbolic {
 
 /// The order that needs the fewest operations: by dissection, which is better for large lattices, or by minimum
 /// degree, for slender and graded ones. The subtrees of each follow each other, the largest next to their parent.
-fn best_order(a: &BlockMatrix, row0: usize, positions: &[Vec3]) -> Vec<u32> {
+fn best_order(a: &BlockMatrix, row0: usize, dissected: Vec<u32>) -> Vec<u32> {
     let flesh = |node: usize| {
         let others = a.columns[a.row(row0 + node)].iter();
         others.filter_map(move |&j| (j as usize).checked_sub(row0)).filter(move |&j| j != node)
     };
-    let neighbours = (0..positions.len()).map(|n| flesh(n).map(|j| j as u32).collect()).collect();
-    let orders = [nested_dissection(a, row0, positions), minimum_degree(neighbours)];
+    let neighbours = (0..dissected.len()).map(|n| flesh(n).map(|j| j as u32).collect()).collect();
+    let orders = [dissected, minimum_degree(neighbours)];
     let counted = orders.map(|order| {
         let columns = column_structures(a, row0, &order, &places(&order));
         let operations: usize = columns.iter().map(|c| (c.len() + 1) * (c.len() + 1)).sum();

@@ -39,7 +39,7 @@ use handles::Handles;
 use members::Members;
 use newton::Newton;
 use std::ops::Range;
-pub use sweeps::Swept;
+pub use sweeps::{Swept, within};
 use turns::Turns;
 use work::Work;
 
@@ -178,6 +178,16 @@ impl Delassus {
         }
     }
 
+    /// How far the present impulses are from the law at the velocities measured \[m/s\]; infinite for the linearised
+    /// cone, which is not asked.
+    pub fn strays(&self, contacts: &ContactRows, cone: Cone) -> f64 {
+        if cone == Cone::Linearised {
+            return f64::INFINITY;
+        }
+        let rows = contacts.rows.iter().zip(&self.measured);
+        rows.map(|(row, d)| row.strays(d)).fold(0.0, f64::max)
+    }
+
     /// Begins a step: the impulses of the one before press, and nothing of them has been measured.
     /// False when there are none.
     pub fn start(&mut self, contacts: &mut ContactRows) -> bool {
@@ -233,7 +243,7 @@ impl Delassus {
     }
 
     fn arrange(&mut self, contacts: &ContactRows, direct: &Direct) {
-        self.members.arrange(self.built, contacts, &direct.factor.symbolic.place_of_node);
+        self.members.arrange(self.built, contacts, &direct.factor.symbolic.in_space);
     }
 
     /// The contacts in W, in its order.

@@ -256,7 +256,7 @@ fn gather(members: &[u32], contacts: &ContactRows, x: &mut [f64]) {
 }
 
 /// The impulse of the cone that has this normal part, or none, and the nearest friction.
-pub(super) fn within(cone: Cone, friction: f64, lambda: &Vec3) -> Vec3 {
+pub fn within(cone: Cone, friction: f64, lambda: &Vec3) -> Vec3 {
     let normal = lambda.x.max(0.0);
     let bound = friction * normal;
     match cone {
