@@ -3,7 +3,9 @@
 use super::haptic;
 use super::memory::resident_mb;
 use super::samples::{Samples, Stopwatch};
-use super::works::{LASTS, SOLVERS, Wanted, free, press, press_with};
+use super::works::{
+    LASTS, SOLVERS, Wanted, default_free, default_holds, free, land, press, press_with,
+};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::PathBuf;
@@ -35,41 +37,78 @@ const CONTACTS: u32 = 60;
 /// Both solvers take turns of so many steps: long enough that each finds its data in the caches.
 const TURN: usize = 20;
 
+/// What a hand does in a work.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Doing {
+    /// Nothing touches.
+    Free,
+    /// Pressed on a table, at rest.
+    Rests,
+    /// Coming down on a table.
+    Lands,
+    /// The hand that comes with the program, in free air.
+    DefaultFree,
+    /// The same with bread in it.
+    DefaultHolds,
+}
+
+impl Doing {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Free => "free",
+            Self::Rests => "pressed on a table",
+            Self::Lands => "landing on a table",
+            Self::DefaultFree => "default hand, free",
+            Self::DefaultHolds => "default hand, holding bread",
+        }
+    }
+
+    fn touches(self) -> bool {
+        !matches!(self, Self::Free | Self::DefaultFree)
+    }
+
+    fn session(self, wanted: &Wanted, press_of: &Wanted) -> Result<Session, String> {
+        let hard = || press_with(press_of, CONTACTS).map(|(hard, _)| hard);
+        match self {
+            Self::Free => free(wanted),
+            Self::Rests => press(wanted, &hard()?),
+            Self::Lands => land(wanted, &hard()?),
+            Self::DefaultFree => default_free(wanted),
+            Self::DefaultHolds => default_holds(wanted),
+        }
+    }
+}
+
 /// A work and how long it may take.
 struct Work {
-    name: &'static str,
+    doing: Doing,
     tets: u32,
     time_step: f64,
-    touching: bool,
     /// Median and 99th percentile [ms].
     goal: (f64, Option<f64>),
 }
 
-const WORKS: [Work; 6] = [
-    Work { name: "free", tets: 600, time_step: 1e-3, touching: false, goal: (0.2, None) },
-    Work { name: "free", tets: 600, time_step: 5e-3, touching: false, goal: (0.2, None) },
-    Work {
-        name: "pressed on a table",
-        tets: 600,
-        time_step: 1e-3,
-        touching: true,
-        goal: (0.6, Some(1.0)),
-    },
-    Work {
-        name: "pressed on a table",
-        tets: 2000,
-        time_step: 1e-3,
-        touching: true,
-        goal: (1.5, None),
-    },
-    Work { name: "free", tets: 17_000, time_step: 1.0 / 90.0, touching: false, goal: (5.0, None) },
-    Work {
-        name: "pressed on a table",
-        tets: 17_000,
-        time_step: 1.0 / 90.0,
-        touching: true,
-        goal: (9.0, None),
-    },
+impl Work {
+    const fn new(doing: Doing, tets: u32, time_step: f64, goal: (f64, Option<f64>)) -> Self {
+        Self { doing, tets, time_step, goal }
+    }
+}
+
+/// Tetrahedra of the default hand, roughly: it is no question of how many are wanted.
+const DEFAULT: u32 = 3000;
+
+const WORKS: [Work; 11] = [
+    Work::new(Doing::DefaultFree, DEFAULT, 5e-3, (1.5, None)),
+    Work::new(Doing::DefaultHolds, DEFAULT, 5e-3, (2.5, None)),
+    Work::new(Doing::Free, 600, 1e-3, (0.2, None)),
+    Work::new(Doing::Free, 600, 5e-3, (0.2, None)),
+    Work::new(Doing::Rests, 600, 1e-3, (0.4, None)),
+    Work::new(Doing::Lands, 600, 1e-3, (0.7, Some(1.1))),
+    Work::new(Doing::Rests, 2000, 1e-3, (1.2, None)),
+    Work::new(Doing::Lands, 2000, 1e-3, (1.2, None)),
+    Work::new(Doing::Free, 17_000, 1.0 / 90.0, (4.0, None)),
+    Work::new(Doing::Rests, 17_000, 1.0 / 90.0, (6.0, None)),
+    Work::new(Doing::Lands, 17_000, 1.0 / 90.0, (9.0, None)),
 ];
 
 /// Times of one solver at one work.
@@ -176,12 +215,15 @@ pub fn run(args: &Args) -> Result<(), String> {
             (median, Some(p99)) => format!("{median} (p99 {p99})"),
             (median, None) => format!("{median}"),
         };
-        let name = format!("{tets} tets, {}", work.name);
+        let name = format!("{tets} tets, {}", work.doing.name());
         let ms = |x: f64| format!("{x:.3}");
         table.row(&[
             name.clone(),
             format!("{:.2}", work.time_step * 1e3),
-            if work.touching { contacts.map(|c| format!("{c:.0}")).join("/") } else { "0".into() },
+            match work.doing.touches() {
+                true => contacts.map(|c| format!("{c:.0}")).join("/"),
+                false => "0".into(),
+            },
             goal,
             ms(exact.quantile(0.5)),
             ms(exact.quantile(0.99)),
@@ -203,7 +245,7 @@ pub fn run(args: &Args) -> Result<(), String> {
             exact.not_exact.to_string(),
         ]);
         all.push(json!({
-            "work": work.name,
+            "work": work.doing.name(),
             "tets": tets,
             "time_step_s": work.time_step,
             "goal_ms": work.goal.0,
@@ -265,12 +307,8 @@ pub fn run(args: &Args) -> Result<(), String> {
 fn measure(work: &Work, steps: usize) -> Result<(usize, [Times; 2]), String> {
     let wanted =
         SOLVERS.map(|(_, solver)| Wanted { tets: work.tets, time_step: work.time_step, solver });
-    let mut sessions = if work.touching {
-        let (hard, exact) = press_with(&wanted[0], CONTACTS)?;
-        [exact, press(&wanted[1], &hard)?]
-    } else {
-        [free(&wanted[0])?, free(&wanted[1])?]
-    };
+    let session = |k: usize| work.doing.session(&wanted[k], &wanted[0]);
+    let mut sessions = [session(0)?, session(1)?];
     let mut times = [Times::new(steps), Times::new(steps)];
     let mut done = 0;
     while done < steps {

@@ -1,5 +1,6 @@
 //! `thenar bench`: what a step costs.
 
+mod against;
 mod goals;
 mod haptic;
 mod live;
@@ -25,6 +26,8 @@ pub struct Args {
 
 #[derive(Debug, clap::Subcommand)]
 enum What {
+    /// This build beside another one, by turns, on a machine that may have other work.
+    Against(against::Args),
     /// The paper's table beside ours, on its bread scene and model sizes.
     Paper(paper::Args),
     /// Bytes and time of the live page's messages, and how late a pose shows.
@@ -41,6 +44,7 @@ enum What {
 pub fn run(args: &Args) -> ExitCode {
     let done = match &args.what {
         None => goals::run(&args.goals),
+        Some(What::Against(args)) => against::run(args),
         Some(What::Paper(args)) => paper::run(args),
         Some(What::Live(args)) => live::run(args),
         Some(What::Scaling(args)) => scaling::run(args),

@@ -31,8 +31,11 @@ const PRESSES: [Press; 5] = [
 ];
 /// When the hand of `free-motion` moves its fingers and none touches another [s].
 const MOVING: f64 = 0.2;
-/// When the hand of `table-press` has come to lie on the table and presses [s].
+/// When the hand of `table-press` comes down on the table, and when it has come to lie there and presses [s].
+const LANDS: f64 = 0.9;
 const PRESSED: f64 = 1.3;
+/// When the hand of `bread-grasp` holds the loaf in the air [s].
+const HOLDS: f64 = 3.0;
 /// For how long each of these lasts [s].
 pub const LASTS: f64 = 0.5;
 /// Steps that a session is given to settle at the time step that is measured.
@@ -86,6 +89,34 @@ pub fn free(wanted: &Wanted) -> Result<Session, String> {
 
 /// A hand that lies on a table and is pressed down.
 pub fn press(wanted: &Wanted, press: &Press) -> Result<Session, String> {
+    pressed_until(wanted, press, PRESSED)
+}
+
+/// A hand that comes down on a table, so that contacts come and move.
+pub fn land(wanted: &Wanted, press: &Press) -> Result<Session, String> {
+    pressed_until(wanted, press, LANDS)
+}
+
+/// The hand that comes with the program, in free air.
+pub fn default_free(wanted: &Wanted) -> Result<Session, String> {
+    default_hand("free-motion", wanted, MOVING)
+}
+
+/// The hand that comes with the program, with a loaf of bread in it.
+pub fn default_holds(wanted: &Wanted) -> Result<Session, String> {
+    default_hand("bread-grasp", wanted, HOLDS)
+}
+
+fn default_hand(scene: &str, wanted: &Wanted, until: f64) -> Result<Session, String> {
+    let mut session = open(scene, &[format!("solver.kind={}", wanted.solver)])?;
+    while session.world().time() < until {
+        session.step(&mut ());
+    }
+    settle(&mut session, wanted.time_step);
+    Ok(session)
+}
+
+fn pressed_until(wanted: &Wanted, press: &Press, until: f64) -> Result<Session, String> {
     let mut session = open(
         "table-press",
         &[
@@ -99,7 +130,7 @@ pub fn press(wanted: &Wanted, press: &Press) -> Result<Session, String> {
             format!("solver.kind={}", wanted.solver),
         ],
     )?;
-    while session.world().time() < PRESSED {
+    while session.world().time() < until {
         session.step(&mut ());
     }
     settle(&mut session, wanted.time_step);
