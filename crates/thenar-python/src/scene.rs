@@ -17,6 +17,7 @@ pub struct Scene {
     description: Option<String>,
     duration: f64,
     time_step: f64,
+    files: Vec<String>,
 }
 
 impl Scene {
@@ -25,6 +26,7 @@ impl Scene {
         let scene = read(text, overrides).map_err(locate)?;
         Ok(Self {
             source: Source::new(text, file, overrides),
+            files: scene.files().into_iter().map(String::from).collect(),
             title: scene.title,
             description: scene.description,
             duration: scene.duration,
@@ -107,6 +109,12 @@ impl Scene {
     #[getter]
     fn text(&self) -> &str {
         &self.source.text
+    }
+
+    /// Files that it names, as it calls them; relative paths start at its own folder.
+    #[getter]
+    fn files(&self) -> Vec<String> {
+        self.files.clone()
     }
 
     /// The file that names it in messages.

@@ -31,7 +31,7 @@ def program() -> pathlib.Path:
 def control_c() -> Iterator[Callable[[], None]]:
     """Presses Ctrl-C 0.3 s after it is called, also where tests run in the background, which ignores it."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
+    timer = threading.Timer(0.3, signal.raise_signal, (signal.SIGINT,))
     yield timer.start
     timer.join()
     signal.signal(signal.SIGINT, before)

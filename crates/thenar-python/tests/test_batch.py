@@ -1,13 +1,14 @@
 """Goal: worlds stepped together have the bits of worlds stepped alone, whatever the number of threads. Method: hashes;
 busy worlds; Ctrl-C."""
 
+import runpy
 import threading
 from collections.abc import Callable
 
 import pytest
 
 import thenar
-from conftest import PAPER, pressing
+from conftest import PAPER, ROOT, pressing
 
 FRICTIONS = [0.2, 0.5, 0.8, 1.1, 1.4]
 
@@ -105,3 +106,10 @@ def test_control_c_stops_all_of_them_between_two_steps(state: bytes, control_c: 
         alone = world(state, friction)
         alone.step(stopped.steps - begin)
         assert alone.state_hash == stopped.state_hash
+
+
+def test_the_example_measures_each_number_of_threads() -> None:
+    many_hands = runpy.run_path(str(ROOT / "crates/thenar-python/examples/many_hands.py"))
+    rows = many_hands["measure"](hands=2, steps=2, turns=1, threads=[1, 2])
+    assert [row.threads for row in rows] == [1, 2]
+    assert all(row.steps_per_second > 0.0 and row.processor > 0.0 for row in rows)

@@ -94,6 +94,31 @@ def test_a_recording_never_replaces_a_file_and_begins_where_its_scene_does(tmp_p
     assert (tmp_path / "good.rec").exists()
 
 
+def test_a_disk_that_fills_is_told_and_what_was_written_is_kept(tmp_path: pathlib.Path) -> None:
+    resource = pytest.importorskip("resource")
+    world = thenar.Scene.named("falling-box").world()
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    recorder = world.record(tmp_path / "cut.rec", keyframes=0.01)
+    # No file may grow beyond this [bytes]: as a full disk, but for this process alone.
+    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, before[1]))
+    try:
+        world.step(1000)
+        with pytest.raises(thenar.RecordingError, match="cannot write .*cut.rec"):
+            recorder.end()
+        with pytest.raises(OSError, match="full.png"):
+            world.save_picture(tmp_path / "full.png", 800, 600)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    # The world goes on as one that was not recorded, and there is no draft of a picture.
+    alone = thenar.Scene.named("falling-box").world()
+    alone.step(1001)
+    world.step()
+    assert world.state_hash == alone.state_hash
+    assert [path.name for path in tmp_path.iterdir()] == ["cut.rec"]
+    verdict = thenar.Recording.open(tmp_path / "cut.rec").verify()
+    assert 100 < verdict.steps < 1000 and verdict.same_steps == verdict.steps and not verdict.ended
+
+
 def test_what_is_no_recording_is_refused(tmp_path: pathlib.Path) -> None:
     file = tmp_path / "other.rec"
     with pytest.raises(thenar.RecordingError, match="cannot read"):

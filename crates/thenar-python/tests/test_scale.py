@@ -5,8 +5,10 @@ from __future__ import annotations
 
 import os
 import pathlib
+import pickle
 import stat
 import subprocess
+import sys
 
 import pytest
 
@@ -86,6 +88,28 @@ def test_a_case_that_cannot_be_built_is_a_row(sweep: scale.Sweep) -> None:
     assert set(row) == {"case", "failed"} and row["case"] == 7 and "mass" in str(row["failed"])
 
 
+def test_a_file_that_is_another_one_fails_the_case(tmp_path: pathlib.Path) -> None:
+    def tets(height: float) -> None:
+        text = f"nodes = [[0,0,0],[1,0,0],[0,1,0],[0,0,{height}]]\ntets = [[0,1,2,3]]\n"
+        (tmp_path / "tets.toml").write_text(text)
+
+    scene = tmp_path / "soft.toml"
+    soft = '[[soft]]\nname = "a"\nshape = { kind = "tet-file", file = "tets.toml" }\n'
+    scene.write_text(f"version = 1\nduration = 0.01\n{soft}")
+    tets(1.0)
+    assert thenar.Scene.from_file(scene).files == ["tets.toml"]
+    sweep = scale.Sweep(scene)
+    assert sweep.run(0, {})["failed"] is None
+    # As on a machine that has another file there, or none.
+    there = pickle.loads(pickle.dumps(sweep))
+    tets(2.0)
+    assert "tets.toml is not the file that it was" in str(there.run(1, {})["failed"])
+    (tmp_path / "tets.toml").unlink()
+    assert "tets.toml is not the file that it was" in str(there.run(1, {})["failed"])
+    tets(1.0)
+    assert there.run(0, {}) == sweep.run(0, {}) and there.run(0, {})["failed"] is None
+
+
 def test_what_is_wrong_with_a_sweep_is_told_at_once(sweep: scale.Sweep) -> None:
     with pytest.raises(thenar.SceneError, match="no-such"):
         scale.Sweep("no-such.toml")
@@ -130,6 +154,9 @@ def test_what_makes_no_script_is_refused(words: dict[str, int]) -> None:
         scale.slurm_script(["s.toml"], **words)  # type: ignore[arg-type]
 
 
+needs_bash = pytest.mark.skipif(sys.platform == "win32", reason="Slurm and its scripts are of Unix")
+
+
 def fake(folder: pathlib.Path, monkeypatch: pytest.MonkeyPatch, body: str) -> None:
     """Puts an `sbatch` of ours first."""
     program = folder / "bin" / "sbatch"
@@ -139,6 +166,7 @@ def fake(folder: pathlib.Path, monkeypatch: pytest.MonkeyPatch, body: str) -> No
     monkeypatch.setenv("PATH", f"{program.parent}{os.pathsep}{os.environ['PATH']}")
 
 
+@needs_bash
 def test_what_sbatch_says_is_told(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
     fake(tmp_path, monkeypatch, "#!/bin/bash\necho 'no such partition' >&2\nexit 1\n")
     with pytest.raises(RuntimeError, match="^sbatch: no such partition$"):
@@ -157,6 +185,7 @@ echo '4711;cluster'
 """
 
 
+@needs_bash
 def test_an_array_runs_every_case_once_with_the_same_bits(
     sweep: scale.Sweep, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch, program: pathlib.Path
 ) -> None:
@@ -177,6 +206,7 @@ def test_an_array_runs_every_case_once_with_the_same_bits(
         assert all(theirs[name] == value for name, value in ours.items())
 
 
+@needs_bash
 def test_the_script_is_one_that_bash_takes(sweep: scale.Sweep) -> None:
     script = scale.slurm_script(["it's; rm -rf x", "--vary", "a=[1, 2],[3, 4]", "--out", "$HOME"], shards=3)
     done = subprocess.run(["bash", "-n"], input=script, text=True, capture_output=True, check=False)

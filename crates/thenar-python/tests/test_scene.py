@@ -34,6 +34,36 @@ def test_text_file_and_name_give_the_same_world() -> None:
     assert len(hashes) == 1
 
 
+def test_a_scene_is_made_by_a_program(tmp_path: pathlib.Path) -> None:
+    made: dict[str, thenar.Value] = {
+        "version": 1,
+        "title": 'of a "program"',
+        "time_step": np.float64(2e-3),
+        "gravity": np.array([0.0, -1.0, 0.0]),
+        "rigid": [
+            {"name": f"ball {k}", "mass": 0.1 + k, "position": (0, k, 0), "shape": {"kind": "sphere", "radius": 0.02}}
+            for k in range(3)
+        ],
+    }
+    scene = thenar.Scene.from_dict(made, set={"rigid.2.mass": 7})
+    world = scene.world()
+    world.step()
+    assert scene.title == 'of a "program"'
+    assert [body.name for body in world.rigid_bodies] == ["ball 0", "ball 1", "ball 2"]
+    assert world.rigid_bodies[1].velocity.array.tolist() == pytest.approx([0.0, -2e-3, 0.0, 0.0, 0.0, 0.0])
+    # Its text is a scene file with the same bits.
+    (tmp_path / "made.toml").write_text(scene.text, encoding="utf-8")
+    again = thenar.Scene.from_file(tmp_path / "made.toml", set={"rigid.2.mass": 7}).world()
+    again.step()
+    assert again.state_hash == world.state_hash
+    with pytest.raises(thenar.SceneError, match="`rigid`: |mass"):
+        thenar.Scene.from_dict({"version": 1, "rigid": [{"name": "a", "mass": float("nan")}]})
+    with pytest.raises(thenar.SceneError, match="tim_step"):
+        thenar.Scene.from_dict({"version": 1, "tim_step": 1})
+    with pytest.raises(TypeError, match="NoneType"):
+        thenar.Scene.from_dict({"version": None})  # type: ignore[dict-item]
+
+
 @pytest.mark.parametrize("gravity", [[0.0, -1.0, 0.0], (0, -1, 0), np.array([0.0, -1.0, 0.0]), np.array([0, -1, 0])])
 def test_lists_tuples_and_arrays_are_taken(gravity: thenar.Value) -> None:
     world = thenar.Scene.named("falling-box", set={"gravity": gravity, "time_step": np.float64(2e-3)}).world()

@@ -3,6 +3,10 @@
     thenar serve table-press --no-open &
     python3 thenar_bridge.py --ros-args -p host:=127.0.0.1 -p port:=8014 -p hand:=right
 
+or, where ``thenar serve table-press --lan`` runs on another computer, with what it prints:
+
+    python3 thenar_bridge.py --ros-args -p address:=https://192.168.1.5:8014/?token=… -p fingerprint:=AB:CD:…
+
 | topic | type | |
 |---|---|---|
 | ``~/finger_forces`` | std_msgs/Float64MultiArray | normal and shear [N] of palm, thumb, index, middle, ring, little: 6 x 2 |
@@ -31,6 +35,8 @@ class Bridge(Node):
         super().__init__("thenar")
         host = self.declare_parameter("host", "127.0.0.1").value
         port = self.declare_parameter("port", 8014).value
+        address = self.declare_parameter("address", "").value
+        fingerprint = self.declare_parameter("fingerprint", "").value
         side = self.declare_parameter("hand", "right").value
         self._hand = LEFT if side == "left" else RIGHT
         self._forces = self.create_publisher(Float64MultiArray, "~/finger_forces", 1)
@@ -39,7 +45,7 @@ class Bridge(Node):
         self.create_subscription(JointState, "~/joints", self._joints, 1)
         self._angles = [0.0] * 20
         self._index: int | None = None
-        self._thenar = Thenar(host, port)
+        self._thenar = Thenar.at(address, fingerprint) if address else Thenar(host, port)
         threading.Thread(target=self._listen, daemon=True).start()
 
     def _joints(self, message: JointState) -> None:

@@ -9,8 +9,12 @@ import base64
 import hashlib
 import json
 import os
+import select
 import socket
+import ssl
 import struct
+import threading
+import urllib.parse
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
@@ -101,17 +105,51 @@ def angles_message(
     return struct.pack("<4BId27f", ANGLES, VERSION, hand, 0, number, clock, *wrist, *angles)
 
 
+def _secure(plain: socket.socket, host: str, fingerprint: str) -> ssl.SSLSocket:
+    """TLS with the server whose certificate has this SHA-256; nobody else vouches for it."""
+    context = ssl.create_default_context()
+    context.check_hostname = False
+    context.verify_mode = ssl.CERT_NONE
+    try:
+        secure = context.wrap_socket(plain, server_hostname=host)
+    except BaseException:
+        plain.close()
+        raise
+    found = hashlib.sha256(secure.getpeercert(binary_form=True) or b"").hexdigest().upper()
+    if found != fingerprint.replace(":", "").strip().upper():
+        secure.close()
+        pairs = ":".join(found[k : k + 2] for k in range(0, len(found), 2))
+        raise ProtocolError(f"another server is at {host}: its fingerprint is {pairs}")
+    return secure
+
+
 class Thenar:
     """A connection to ``thenar serve``: a small WebSocket client (RFC 6455)."""
 
-    def __init__(self, host: str = "127.0.0.1", port: int = 8014, timeout: float = 10.0) -> None:
-        """Connects; raises :class:`OSError`, or :class:`ProtocolError` where no Thenar of this version answers."""
+    def __init__(
+        self,
+        host: str = "127.0.0.1",
+        port: int = 8014,
+        timeout: float = 10.0,
+        *,
+        token: str | None = None,
+        fingerprint: str | None = None,
+    ) -> None:
+        """Connects; raises :class:`OSError`, or :class:`ProtocolError` where no Thenar of this version answers.
+
+        ``token`` and ``fingerprint`` are those of ``thenar serve --lan``, see :meth:`at`.
+        """
         self._socket = socket.create_connection((host, port), timeout)
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self._in = self._socket.makefile("rb")
+        if fingerprint is not None:
+            self._socket = _secure(self._socket, host, fingerprint)
+        self._timeout = timeout
+        self._in = bytearray()
+        # TLS takes one call at a time, and who listens is often another thread than who sends.
+        self._lock = threading.Lock()
         self._poses = [0, 0]
         try:
-            self._shake(f"{host}:{port}")
+            self._shake(f"[{host}]:{port}" if ":" in host else f"{host}:{port}", token)
             kind, welcome = self.receive()
             if kind != "text" or welcome.get("protocol") != VERSION:
                 raise ProtocolError(f"expected protocol {VERSION}, got {welcome.get('protocol')}")
@@ -121,37 +159,64 @@ class Thenar:
         #: Number of this client, by which ``status`` tells who is in control.
         self.client: int = welcome["client"]
 
-    def _shake(self, host: str) -> None:
+    @classmethod
+    def at(cls, address: str, fingerprint: str, timeout: float = 10.0) -> Thenar:
+        """Connects to an address that ``thenar serve --lan`` prints, such as ``https://192.168.1.5:8014/?token=…``.
+
+        ``fingerprint`` is printed below it. A server that has another one hears nothing of the token:
+        :class:`ProtocolError`.
+        """
+        parts = urllib.parse.urlsplit(address)
+        token = urllib.parse.parse_qs(parts.query).get("token", [""])[0]
+        if parts.scheme != "https" or not parts.hostname or not token:
+            raise ValueError(f"expected an address https://HOST:PORT/?token=…, got {address}")
+        return cls(parts.hostname, parts.port or 443, timeout, token=token, fingerprint=fingerprint)
+
+    def _shake(self, host: str, token: str | None) -> None:
         key = base64.b64encode(os.urandom(16)).decode()
         lines = [
-            "GET /live HTTP/1.1",
+            "GET /live HTTP/1.1" if token is None else f"GET /live?token={token} HTTP/1.1",
             f"Host: {host}",
             "Upgrade: websocket",
             "Connection: Upgrade",
             f"Sec-WebSocket-Key: {key}",
             "Sec-WebSocket-Version: 13",
         ]
-        self._socket.sendall("\r\n".join([*lines, "", ""]).encode())
-        status = self._in.readline(4096)
-        headers: dict[str, str] = {}
-        while (line := self._in.readline(4096).decode("latin-1").strip()) != "":
-            name, _, value = line.partition(":")
-            headers[name.strip().lower()] = value.strip()
+        with self._lock:
+            self._socket.sendall("\r\n".join([*lines, "", ""]).encode())
+        while (end := self._in.find(b"\r\n\r\n")) < 0 and len(self._in) < 1 << 16:
+            self._fill()
+        status, *rest = self._read(end + 4 if end >= 0 else len(self._in)).decode("latin-1").split("\r\n")
+        pairs = (line.partition(":") for line in rest)
+        headers = {name.strip().lower(): value.strip() for name, _, value in pairs}
         digest = hashlib.sha1((key + "258EAFA5-E914-47DA-95CA-C5AB0DC85B11").encode()).digest()
-        if b" 101 " not in status or headers.get("sec-websocket-accept") != base64.b64encode(digest).decode():
-            raise ProtocolError(f"no WebSocket at {host}: {status.decode('latin-1').strip()}")
+        if " 101 " not in status or headers.get("sec-websocket-accept") != base64.b64encode(digest).decode():
+            raise ProtocolError(f"no WebSocket at {host}: {status}")
 
     def _send(self, kind: int, data: bytes) -> None:
         mask = os.urandom(4)
         size = len(data)
         length = bytes([128 | size]) if size < 126 else bytes([128 | 126]) + struct.pack(">H", size)
         masked = bytes(byte ^ mask[k % 4] for k, byte in enumerate(data))
-        self._socket.sendall(bytes([128 | kind]) + length + mask + masked)
+        with self._lock:
+            self._socket.sendall(bytes([128 | kind]) + length + mask + masked)
+
+    def _fill(self) -> None:
+        with self._lock:
+            ready = isinstance(self._socket, ssl.SSLSocket) and self._socket.pending() > 0
+        if not ready and not select.select([self._socket], [], [], self._timeout)[0]:
+            raise TimeoutError("thenar says nothing")
+        with self._lock:
+            data = self._socket.recv(1 << 16)
+        if not data:
+            raise ConnectionError("thenar has gone")
+        self._in += data
 
     def _read(self, count: int) -> bytes:
-        data = self._in.read(count)
-        if data is None or len(data) < count:
-            raise ConnectionError("thenar has gone")
+        while len(self._in) < count:
+            self._fill()
+        data = bytes(self._in[:count])
+        del self._in[:count]
         return data
 
     def receive(self) -> tuple[str, Any]:
@@ -209,7 +274,6 @@ class Thenar:
 
     def close(self) -> None:
         """Hangs up."""
-        self._in.close()
         self._socket.close()
 
     def __enter__(self) -> Thenar:

@@ -1,5 +1,6 @@
 // Tries ThenarClient.cs without Unity, for a test: leads the right hand up by 30 mm and tells what comes back.
-//   mcs -r:System.dll Probe.cs ThenarClient.cs -out:probe.exe && mono probe.exe 8014 FIRST_BONE
+//   mcs -r:System.dll Probe.cs ThenarClient.cs -out:probe.exe
+//   mono probe.exe FIRST_BONE 8014, or, with --lan, mono probe.exe FIRST_BONE ADDRESS FINGERPRINT
 using System;
 using System.Globalization;
 using System.Threading;
@@ -11,9 +12,18 @@ static class Probe
     {
         CultureInfo.DefaultThreadCurrentCulture = CultureInfo.InvariantCulture;
         CultureInfo.CurrentCulture = CultureInfo.InvariantCulture;
-        int port = int.Parse(arguments[0]), bone = 7 * int.Parse(arguments[1]);
+        int bone = 7 * int.Parse(arguments[0]);
         var client = new ThenarClient();
-        client.Connect("127.0.0.1", port).Wait();
+        try
+        {
+            if (arguments.Length > 2) client.Connect(arguments[1], arguments[2]).Wait();
+            else client.Connect("127.0.0.1", int.Parse(arguments[1])).Wait();
+        }
+        catch (AggregateException error)
+        {
+            Console.WriteLine("no connection: " + error.GetBaseException().Message);
+            return 2;
+        }
         var end = DateTime.UtcNow.AddSeconds(60);
         while (client.Model == null || client.Newest == null)
             if (!Wait(client, end)) return 1;

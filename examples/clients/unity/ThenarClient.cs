@@ -3,7 +3,10 @@
 using System;
 using System.Collections.Concurrent;
 using System.IO;
+using System.Net.Security;
+using System.Net.Sockets;
 using System.Net.WebSockets;
+using System.Security.Cryptography;
 using System.Text;
 using System.Threading;
 using System.Threading.Tasks;
@@ -30,7 +33,7 @@ namespace Thenar
         public const byte Version = 3;
         const byte KindModel = 1, KindSnapshot = 2, KindAngles = 17, KindLost = 18;
 
-        readonly ClientWebSocket socket = new ClientWebSocket();
+        WebSocket socket;
         readonly CancellationTokenSource stop = new CancellationTokenSource();
         readonly uint[] poses = new uint[2];
         // A WebSocket takes one message at a time.
@@ -48,8 +51,50 @@ namespace Thenar
         /// <summary>Connects and begins to listen.</summary>
         public async Task Connect(string host, int port)
         {
-            await socket.ConnectAsync(new Uri("ws://" + host + ":" + port + "/live"), stop.Token);
+            var plain = new ClientWebSocket();
+            socket = plain;
+            await plain.ConnectAsync(new Uri("ws://" + host + ":" + port + "/live"), stop.Token);
             _ = Task.Run(Listen);
+        }
+
+        /// <summary>Connects to an address that `thenar serve --lan` prints, https://192.168.1.5:8014/?token=…, if the
+        /// server there has the fingerprint that is printed below it; another one hears nothing of the token.</summary>
+        public async Task Connect(string address, string fingerprint)
+        {
+            var there = new Uri(address);
+            var tcp = new TcpClient { NoDelay = true };
+            await tcp.ConnectAsync(there.DnsSafeHost, there.Port);
+            // By hand, as Mono's ClientWebSocket asks nobody about certificates.
+            var secure = new SslStream(tcp.GetStream(), false, (sender, certificate, chain, errors) =>
+            {
+                using (var sha256 = SHA256.Create())
+                    return BitConverter.ToString(sha256.ComputeHash(certificate.GetRawCertData())).Replace('-', ':')
+                        == fingerprint.Trim().ToUpperInvariant();
+            });
+            await secure.AuthenticateAsClientAsync(there.DnsSafeHost);
+            await Upgrade(secure, there);
+            socket = WebSocket.CreateFromStream(secure, false, null, WebSocket.DefaultKeepAliveInterval);
+            _ = Task.Run(Listen);
+        }
+
+        /// <summary>Asks for a WebSocket (RFC 6455, section 4.1).</summary>
+        static async Task Upgrade(Stream stream, Uri there)
+        {
+            string key = Convert.ToBase64String(Guid.NewGuid().ToByteArray());
+            byte[] asked = Encoding.ASCII.GetBytes("GET /live" + there.Query + " HTTP/1.1\r\nHost: " + there.Authority
+                + "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: " + key
+                + "\r\n\r\n");
+            await stream.WriteAsync(asked, 0, asked.Length);
+            string head = "";
+            var one = new byte[1];
+            while (!head.EndsWith("\r\n\r\n") && head.Length < 8192 && await stream.ReadAsync(one, 0, 1) == 1)
+                head += (char)one[0];
+            string accept;
+            using (var sha1 = SHA1.Create())
+                accept = Convert.ToBase64String(
+                    sha1.ComputeHash(Encoding.ASCII.GetBytes(key + "258EAFA5-E914-47DA-95CA-C5AB0DC85B11")));
+            if (!head.StartsWith("HTTP/1.1 101 ") || !head.Contains(accept))
+                throw new IOException("no WebSocket at " + there.Authority + ": " + head.Split('\r')[0]);
         }
 
         async Task Listen()
@@ -173,7 +218,7 @@ namespace Thenar
         public void Dispose()
         {
             stop.Cancel();
-            socket.Dispose();
+            if (socket != null) socket.Dispose();
         }
     }
 }

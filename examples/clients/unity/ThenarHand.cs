@@ -13,6 +13,8 @@ namespace Thenar
 
         public string host = "127.0.0.1";
         public int port = 8014;
+        [Tooltip("Instead of host and port: the address that `thenar serve --lan` prints")] public string address = "";
+        [Tooltip("The fingerprint that it prints")] public string fingerprint = "";
         [Tooltip("0: left, 1: right")] public int hand = 1;
         [Tooltip("Where the wrist goes; nothing: the scene's script moves the hand")] public Transform wrist;
         [Tooltip("The twenty angles [rad]")] public float[] angles = new float[20];
@@ -25,7 +27,7 @@ namespace Thenar
         async void Start()
         {
             client = new ThenarClient();
-            try { await client.Connect(host, port); }
+            try { await (address == "" ? client.Connect(host, port) : client.Connect(address, fingerprint)); }
             catch (Exception error) { Debug.LogError("thenar: " + error.Message); }
         }
 

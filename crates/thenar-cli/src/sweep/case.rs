@@ -58,6 +58,7 @@ fn attempt(
         Err(_) if interrupt::pressed() => return Err(Cut::Asked),
         Err(error) => return Ok(Record::new(case, Some(error.to_string()), Vec::new())),
     };
+    scene.files.check(&session)?;
     let steps = run::steps(&session, args.seconds)?;
     let mut probes = Probes::create(args, place, case, &session)?;
     let mut figures = Figures::new(&mut session);

@@ -28,6 +28,7 @@ impl Manifest {
         let name = scene.file.file_stem().unwrap_or_default().to_string_lossy();
         put("scene", json!(name));
         put("scene_sha256", json!(sha256(scene.text.as_bytes())));
+        put("files", scene.files.as_json());
         put("set", json!(args.set));
         put("seconds", json!(args.seconds));
         put("seeds", json!(seeds));
@@ -50,8 +51,10 @@ impl Manifest {
         }
         let there = read(&file)?;
         let other = |key: &str, there: Option<&Value>, here: Option<&Value>| {
-            let told = |value: Option<&Value>| {
-                thenar_input::quoted(&value.map_or("nothing".into(), Value::to_string))
+            let told = |value: Option<&Value>| match value {
+                None => "nothing".into(),
+                Some(Value::String(text)) => thenar_input::quoted(text),
+                Some(value) => thenar_input::quoted(&value.to_string()),
             };
             let (there, here) = (told(there), told(here));
             let folder = folder.display();
@@ -62,7 +65,10 @@ impl Manifest {
         for key in self.0.keys().chain(there.keys()) {
             let (old, new) = (there.get(key), self.0.get(key));
             if old != new {
-                return Err(other(key, old, new));
+                return Err(match one_file(old, new) {
+                    Some((file, [old, new])) => other(&format!("SHA-256 of {file}"), old, new),
+                    None => other(key, old, new),
+                });
             }
         }
         Ok(())
@@ -107,6 +113,16 @@ pub fn outcome(file: &Path) -> Result<(u64, u64), CliError> {
     })
 }
 
+/// Of two tables of files, one that differs, and its entry in both.
+fn one_file<'a>(
+    old: Option<&'a Value>,
+    new: Option<&'a Value>,
+) -> Option<(&'a String, [Option<&'a Value>; 2])> {
+    let (old, new) = (old?.as_object()?, new?.as_object()?);
+    let entries = old.keys().chain(new.keys()).map(|file| (file, [old.get(file), new.get(file)]));
+    entries.into_iter().find(|(_, [old, new])| old != new)
+}
+
 fn read(file: &Path) -> Result<Map<String, Value>, CliError> {
     let wrong = |what: String| CliError::Input(format!("{}: {what}", file.display()));
     let text = thenar_input::read_text(file, BYTES_MAX).map_err(|e| wrong(e.to_string()))?;
@@ -114,7 +130,7 @@ fn read(file: &Path) -> Result<Map<String, Value>, CliError> {
 }
 
 /// As `sha256sum` writes it.
-fn sha256(bytes: &[u8]) -> String {
+pub fn sha256(bytes: &[u8]) -> String {
     let digest = ring::digest::digest(&ring::digest::SHA256, bytes);
     digest.as_ref().iter().map(|byte| format!("{byte:02x}")).collect()
 }

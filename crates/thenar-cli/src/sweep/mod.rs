@@ -2,7 +2,7 @@
 //!
 //! | file in the folder | what it holds | written |
 //! |---|---|---|
-//! | `sweep.json` | what is swept: scene, keys, values; the same for all shards | first |
+//! | `sweep.json` | what is swept: scene, files, keys, values; the same for all shards | first |
 //! | `shard-K-of-N.lock` | the process that runs the shard | first; it goes with the cases' files |
 //! | `shard-K-of-N/CASE.json` | a case that is whole | when it ends |
 //! | `shard-K-of-N.parquet` | all rows of the shard | last; the cases' files go then |
@@ -13,6 +13,7 @@
 mod axis;
 mod case;
 mod cell;
+mod files;
 mod layout;
 mod manifest;
 mod plan;
@@ -26,9 +27,11 @@ mod table;
 use crate::error::CliError;
 use crate::interrupt;
 use crate::run::{Found, file, find};
+use files::Files;
 use manifest::Manifest;
 use plan::Plan;
 use shard::Shard;
+use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use thenar_output::{Lock, LockError};
@@ -71,11 +74,12 @@ pub struct Args {
     quiet: bool,
 }
 
-/// A scene's text and where it is from.
+/// A scene's text, where it is from, and the files that it names.
 #[derive(Debug)]
 pub struct Scene {
     text: String,
     file: PathBuf,
+    files: Files,
 }
 
 impl Scene {
@@ -89,16 +93,17 @@ impl Scene {
             }
             Found::Builtin(known) => known.text.into(),
         };
-        Ok(Self { text, file: file(scene)? })
+        Ok(Self { text, file: file(scene)?, files: Files::default() })
     }
 
-    /// Checks the text with these changes, without building anything.
+    /// Checks the text with these changes, without building anything, and tells the files that it names then.
     ///
     /// # Errors
     /// Something is wrong; in the words of `--set`.
-    fn check(&self, overrides: &[String]) -> Result<(), CliError> {
-        let read = thenar_scene::session::read(&self.text, overrides);
-        read.map(drop).map_err(|fault| fault.locate(&self.file, &self.text, overrides).into())
+    fn check(&self, overrides: &[String]) -> Result<BTreeSet<String>, CliError> {
+        let read = thenar_scene::session::read(&self.text, overrides)
+            .map_err(|fault| fault.locate(&self.file, &self.text, overrides))?;
+        Ok(read.files().into_iter().map(String::from).collect())
     }
 }
 
@@ -110,8 +115,9 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     if args.seconds.is_some_and(|s| !(s > 0.0 && s <= 1e9)) {
         return Err(CliError::Input("--seconds must be more than 0 and at most 1e9".into()));
     }
-    let scene = Scene::read(&args.scene)?;
-    let plan = Plan::make(args, &scene)?;
+    let mut scene = Scene::read(&args.scene)?;
+    let (plan, files) = Plan::make(args, &scene)?;
+    scene.files = Files::read(files, &scene);
     let place = Place::new(&args.out, args.shard)?;
     let manifest = Manifest::new(args, &scene, &plan);
     manifest.settle(&args.out)?;

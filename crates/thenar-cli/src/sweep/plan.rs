@@ -4,6 +4,7 @@ use super::axis::{Axis, tidy};
 use super::cell::Kind;
 use super::{Args, Scene, seeds, table};
 use crate::error::CliError;
+use std::collections::BTreeSet;
 use thenar_input::quoted;
 
 /// Most cases of a sweep.
@@ -29,11 +30,11 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Reads what was asked for and checks each value in the scene.
+    /// Reads what was asked for and checks each value in the scene; tells the files that cases name.
     ///
     /// # Errors
     /// Something makes no sense: says what.
-    pub fn make(args: &Args, scene: &Scene) -> Result<Self, CliError> {
+    pub fn make(args: &Args, scene: &Scene) -> Result<(Self, BTreeSet<String>), CliError> {
         let mut plan = Self { set: args.set.clone(), groups: vec![], columns: vec![], cases: 1 };
         if let Some(file) = &args.table {
             let table = table::read(file)?;
@@ -52,8 +53,8 @@ impl Plan {
         if plan.groups.is_empty() {
             return Err(CliError::Input("nothing varies: give --vary, --table or --seeds".into()));
         }
-        plan.check(scene)?;
-        Ok(plan)
+        let files = plan.check(scene)?;
+        Ok((plan, files))
     }
 
     fn add(&mut self, keys: Vec<String>, choices: Vec<Vec<String>>) -> Result<(), CliError> {
@@ -115,17 +116,17 @@ impl Plan {
     }
 
     /// Reads the scene with every choice of each group beside the first of all others.
-    fn check(&self, scene: &Scene) -> Result<(), CliError> {
+    fn check(&self, scene: &Scene) -> Result<BTreeSet<String>, CliError> {
         let mut at = vec![0; self.groups.len()];
-        scene.check(&self.overrides_at(&at))?;
+        let mut files = scene.check(&self.overrides_at(&at))?;
         for (g, group) in self.groups.iter().enumerate() {
             for choice in 1..group.choices.len() {
                 at[g] = choice;
-                scene.check(&self.overrides_at(&at))?;
+                files.append(&mut scene.check(&self.overrides_at(&at))?);
             }
             at[g] = 0;
         }
-        Ok(())
+        Ok(files)
     }
 
     /// Which choice of each group a case has; the last group changes fastest.

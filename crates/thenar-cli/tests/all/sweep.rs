@@ -241,6 +241,49 @@ fn the_folder_of_another_sweep_is_refused() {
     assert!(std::fs::read(folder.0.join("d/shard-1-of-1.parquet")).unwrap() == before);
 }
 
+/// A closed tetrahedron, `edge` metres along the axes.
+fn tetrahedron(edge: f64) -> String {
+    format!(
+        "v 0 0 0\nv {edge} 0 0\nv 0 {edge} 0\nv 0 0 {edge}\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+    )
+}
+
+/// The same command goes on only with the same files, by what is in them.
+#[test]
+fn files_that_a_scene_names_are_part_of_the_sweep() {
+    let folder = stocked("files");
+    let mesh = |edge: f64| std::fs::write(folder.0.join("m.obj"), tetrahedron(edge)).unwrap();
+    mesh(0.1);
+    let shapes = "rigid.a.shape={kind=\"sphere\",radius=0.02},{kind=\"mesh\",file=\"m.obj\",grid=8},\
+                  {kind=\"mesh\",file=\"none.obj\"}";
+    let args = |shard| {
+        ["sweep", "s.toml", "--vary", shapes, "--out", "d", "--shard", shard].map(String::from)
+    };
+    let run = |shard| folder.thenar(&args(shard).each_ref().map(String::as_str));
+    let first = run("2/3");
+    assert!(first.status.success(), "{}", err(&first));
+    let text = folder.text("m.obj");
+    let digest = ring::digest::digest(&ring::digest::SHA256, text.as_bytes());
+    let hex: String = digest.as_ref().iter().map(|byte| format!("{byte:02x}")).collect();
+    let files = &json(&folder, "d/sweep.json")["files"];
+    assert_eq!(*files, serde_json::json!({ "m.obj": hex, "none.obj": null }));
+    // Another machine, or another day, on which the file is another one.
+    mesh(0.2);
+    let other = run("1/3");
+    assert_eq!(other.status.code(), Some(2), "{}", err(&other));
+    let told = format!("d holds another sweep: its SHA-256 of m.obj is \"{hex}\", not ");
+    assert!(err(&other).contains(&told), "{}", err(&other));
+    std::fs::remove_file(folder.0.join("m.obj")).unwrap();
+    assert!(err(&run("1/3")).contains(&format!("of m.obj is \"{hex}\", not \"null\"")));
+    // One that was not there counts as such: cases have failed for want of it.
+    mesh(0.1);
+    std::fs::write(folder.0.join("none.obj"), tetrahedron(0.1)).unwrap();
+    assert!(err(&run("1/3")).contains("its SHA-256 of none.obj is \"null\", not "));
+    std::fs::remove_file(folder.0.join("none.obj")).unwrap();
+    let again = run("1/3");
+    assert!(again.status.success(), "{}", err(&again));
+}
+
 /// A hundred cases of some milliseconds each.
 const MANY: [&str; 9] =
     ["sweep", "s.toml", "--seconds", "20", "--seeds", "1..100", "--out", "d", "-q"];

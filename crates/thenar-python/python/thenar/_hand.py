@@ -12,34 +12,43 @@ import numpy.typing as npt
 from . import _thenar
 from ._arrays import F8, LOAD, numbers
 from ._body import SoftBody
+from ._fields import documented
 from ._taxels import Taxels, make
 from ._view import View, Views
 
 
+@documented
 class Angle(NamedTuple):
-    """Name and range of a joint angle of a hand."""
+    """Name and range of a joint angle of a hand.
 
-    #: Name of the joint.
+    ``joint``: name of the joint.
+    ``rest``: angle at rest [rad].
+    ``min``: smallest that is admissible [rad].
+    ``max``: largest that is admissible [rad].
+    """
+
     joint: str
-    #: At rest [rad].
     rest: float
-    #: Smallest and largest admissible [rad].
     min: float
     max: float
 
 
+@documented
 class Grip(NamedTuple):
-    """What a hand grips."""
+    """What a hand grips.
 
-    #: ``"pinch"``, ``"tripod"``, ``"power"``, ``"hook"`` or ``"lateral"``.
+    ``kind``: ``"pinch"``, ``"tripod"``, ``"power"``, ``"hook"`` or ``"lateral"``.
+    ``phase``: ``"reaching"``, ``"closing"``, ``"holding"`` or ``"opening"``; ``"idle"`` before the first step.
+    ``wanted``: force of the two sides against each other that was asked for [N].
+    ``force``: the same as it is felt [N]: half of the sum of the normal forces between the object and the digits that
+        take part.
+    ``trouble``: what is amiss, in a sentence; None where nothing is.
+    """
+
     kind: str
-    #: ``"reaching"``, ``"closing"``, ``"holding"`` or ``"opening"``; ``"idle"`` before the first step.
     phase: str
-    #: Force of the two sides against each other that was asked for [N].
     wanted: float
-    #: The same as it is felt [N]: half of the sum of the normal forces between the object and the digits that take part.
     force: float
-    #: What is amiss, in a sentence; None where nothing is.
     trouble: str | None
 
 

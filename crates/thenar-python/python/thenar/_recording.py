@@ -12,38 +12,45 @@ import numpy as np
 from . import _thenar
 from ._arrays import CONTACT
 from ._body import RigidBody, SoftBody
+from ._fields import documented
 from ._hand import Hand
 from ._view import View, Views
 from ._world import bodies_of
 
 
+@documented
 class Frame(NamedTuple):
-    """A step of a recording."""
+    """A step of a recording.
 
-    #: Time in the recording [s].
+    ``time``: time in the recording [s].
+    ``scene``: number of its scene, from 1.
+    ``step``: steps since the scene's start.
+    ``hash``: hash of the state that this step gives here.
+    ``same``: whether that is the hash that was recorded; None where none was.
+    """
+
     time: float
-    #: Number of its scene, from 1.
     scene: int
-    #: Steps since the scene's start.
     step: int
-    #: Hash of the state that this step gives here.
     hash: int
-    #: Whether that is the hash that was recorded; None where none was.
     same: bool | None
 
 
+@documented
 class Verdict(NamedTuple):
-    """Findings of making a recording again."""
+    """Findings of making a recording again.
 
-    #: In the program's words.
+    ``words``: outcome, in the program's words.
+    ``same``: true when all steps that could be compared gave the same bits.
+    ``ended``: true when the recording was ended as it should be; known once all of it was made again.
+    ``steps``: steps made again.
+    ``same_steps``: steps of these that gave the same bits.
+    """
+
     words: str
-    #: All steps that could be compared gave the same bits.
     same: bool
-    #: The recording was ended as it should be; known once all of it was made again.
     ended: bool
-    #: Steps made again.
     steps: int
-    #: Of these, with the same bits.
     same_steps: int
 
 

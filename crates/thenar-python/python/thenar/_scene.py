@@ -57,7 +57,7 @@ class Scene:
     __slots__ = ("_native",)
 
     def __init__(self, native: _thenar.Scene) -> None:
-        """For the package itself: use :meth:`named`, :meth:`from_file` or :meth:`from_text`."""
+        """For the package itself: use :meth:`named`, :meth:`from_file`, :meth:`from_text` or :meth:`from_dict`."""
         self._native = native
 
     @classmethod
@@ -85,6 +85,24 @@ class Scene:
         Raises :class:`thenar.SceneError`, which says what is wrong and where.
         """
         return cls(_thenar.Scene.from_text(text, os.fspath(file), _overrides(set)))
+
+    @classmethod
+    def from_dict(
+        cls,
+        scene: Mapping[str, Value],
+        *,
+        file: str | os.PathLike[str] = "scene.toml",
+        set: Mapping[str, Value] | None = None,
+    ) -> Scene:
+        """A scene made by a program: the keys of a scene file, with lists, dicts, numbers, words and arrays of numpy.
+
+        ``{"version": 1, "rigid": [{"name": "ball", "mass": 0.1, "shape": {"kind": "sphere", "radius": 0.02}}]}``;
+        :attr:`text` is the file that it stands for. ``file`` is as in :meth:`from_text`.
+
+        Raises :class:`thenar.SceneError`, which says what is wrong, and :class:`TypeError` for what no scene knows.
+        """
+        text = "".join(f"{_toml(str(key))} = {_toml(value)}\n" for key, value in scene.items())
+        return cls.from_text(text, file=file, set=set)
 
     def world(self) -> World:
         """Builds the bodies; a hand takes half a second the first time. Other Python threads run meanwhile.
@@ -117,6 +135,11 @@ class Scene:
     def text(self) -> str:
         """The scene's text, as it was read."""
         return self._native.text
+
+    @property
+    def files(self) -> list[str]:
+        """Files that it names, such as meshes, as it calls them; relative paths start at the scene's own folder."""
+        return self._native.files
 
     def __repr__(self) -> str:
         return f"<Scene {self._native.file}: {self.title or 'untitled'}>"

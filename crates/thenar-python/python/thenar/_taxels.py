@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from . import _thenar
 from ._arrays import F8, numbers
+from ._fields import documented
 from ._view import View, Views
 
 #: A record of ``Taxels.read``. ``force``: the taxel's share of contact forces, world [N]. ``normal``: the part of it
@@ -34,16 +35,20 @@ TAXEL: np.dtype[np.void] = np.dtype(
 LAYOUTS = ("fingertips", "hand")
 
 
+@documented
 class Patch(NamedTuple):
-    """Taxels on one bone, in rows and columns."""
+    """Taxels on one bone, in rows and columns.
 
-    #: Name of the bone.
+    ``bone``: name of the bone.
+    ``rows``: rows, from the wrist outwards.
+    ``columns``: columns, along the bone's x axis: to the little finger's side of a right hand, to the thumb's of a left
+        one.
+    ``start``: where its taxels begin among all.
+    """
+
     bone: str
-    #: Rows, from the wrist outwards.
     rows: int
-    #: Columns, along the bone's x axis: to the little finger's side of a right hand, to the thumb's of a left one.
     columns: int
-    #: Where its taxels begin among all.
     start: int
 
     @property

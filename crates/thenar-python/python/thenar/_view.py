@@ -80,7 +80,7 @@ class View(NDArrayOperatorsMixin, Generic[T]):
 
     @property
     def ndim(self) -> int:
-        """Axes."""
+        """Number of axes."""
         return len(self._shape)
 
     @property

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from . import _thenar
 from ._arrays import CONTACT, numbers
 from ._body import RigidBody, SoftBody
+from ._fields import documented
 from ._hand import LiveHand
 from ._thenar import StepReport
 from ._view import View, Views
@@ -26,14 +27,17 @@ def bodies_of(native: Any, known: dict[str, Any]) -> tuple[tuple[RigidBody, ...]
     return rigids, softs
 
 
+@documented
 class Camera(NamedTuple):
-    """An eye that :meth:`World.picture` draws with; +y appears upwards."""
+    """An eye that :meth:`World.picture` draws with; +y appears upwards.
 
-    #: Place of the eye, world [m].
+    ``position``: place of the eye, world [m].
+    ``target``: place that appears in the middle, world [m].
+    ``fov_deg``: vertical field of view [deg].
+    """
+
     position: tuple[float, float, float]
-    #: Place that appears in the middle, world [m].
     target: tuple[float, float, float]
-    #: Vertical field of view [deg].
     fov_deg: float = 34.0
 
 
@@ -51,16 +55,19 @@ def _eye(camera: Camera | None) -> tuple[float, float, float, float, float, floa
     return x, y, z, a, b, c, float(camera.fov_deg)
 
 
+@documented
 class Setting(NamedTuple):
-    """A setting of a running world."""
+    """A setting of a running world.
 
-    #: Name in :meth:`World.set`.
+    ``key``: name in :meth:`World.set`.
+    ``value``: present value: a number, or a word.
+    ``unit``: SI unit; empty for words, ``1`` for pure numbers.
+    ``help``: what a change does.
+    """
+
     key: str
-    #: Present value: a number, or a word.
     value: float | str
-    #: SI unit; empty for words, ``1`` for pure numbers.
     unit: str
-    #: What a change does.
     help: str
 
 

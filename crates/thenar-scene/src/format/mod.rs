@@ -4,6 +4,7 @@
 #![allow(rustdoc::broken_intra_doc_links)] // units stand in brackets, as in the schema
 
 mod camera;
+mod files;
 mod friction;
 mod grip;
 mod hand;

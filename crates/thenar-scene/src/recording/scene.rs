@@ -13,7 +13,7 @@ use thenar_output::TemporaryFolder;
 pub const ASSET_BYTES_MAX: u64 = 64 << 20;
 
 /// The largest files that scenes name are models \[bytes\].
-const FILE_BYTES_MAX: u64 = 1 << 30;
+pub const FILE_BYTES_MAX: u64 = 1 << 30;
 
 /// What a scene frame says of a session; `None` for one that a program has changed.
 pub fn start(session: &Session) -> Option<SceneStart> {

@@ -12,8 +12,10 @@ use tokio_rustls::rustls::client::danger::{
 use tokio_rustls::rustls::crypto::ring::default_provider;
 use tokio_rustls::rustls::crypto::{verify_tls12_signature, verify_tls13_signature};
 use tokio_rustls::rustls::pki_types::{CertificateDer, ServerName, UnixTime};
+use tokio_rustls::rustls::version::{TLS12, TLS13};
 use tokio_rustls::rustls::{
-    ClientConfig, ClientConnection, DigitallySignedStruct, Error, SignatureScheme, StreamOwned,
+    ALL_VERSIONS, ClientConfig, ClientConnection, DigitallySignedStruct, Error, SignatureScheme,
+    StreamOwned, SupportedProtocolVersion,
 };
 
 type Tls = StreamOwned<ClientConnection, TcpStream>;
@@ -72,6 +74,11 @@ struct Lan {
 
 impl Lan {
     fn new() -> Self {
+        Self::with(ALL_VERSIONS)
+    }
+
+    /// Asked by clients of these versions of TLS.
+    fn with(versions: &[&'static SupportedProtocolVersion]) -> Self {
         let stage = Stage::new(Reach::Lan, Limits::default(), 1000);
         let server = stage.server.as_ref().unwrap();
         let url = server.urls()[0].clone();
@@ -79,7 +86,7 @@ impl Lan {
             url.strip_prefix(&format!("https://{}/?token=", stage.host)).unwrap().to_owned();
         let printed = Printed(server.fingerprint().unwrap().to_owned());
         let config = ClientConfig::builder_with_provider(Arc::new(default_provider()))
-            .with_safe_default_protocol_versions()
+            .with_protocol_versions(versions)
             .unwrap()
             .dangerous()
             .with_custom_certificate_verifier(Arc::new(printed))
@@ -139,6 +146,15 @@ fn without_the_token_nobody_gets_anything() {
     // Plain HTTP gets a hint and no more.
     let reply = lan.stage.get(&format!("/?token={}", lan.token), "");
     assert!(reply.starts_with("HTTP/1.1 400") && reply.contains("https://"), "{reply}");
+}
+
+#[test]
+fn game_engines_speak_an_older_tls() {
+    for version in [&TLS12, &TLS13] {
+        let lan = Lan::with(&[version]);
+        assert_eq!(lan.join(&format!("/live?token={}", lan.token), ""), "HTTP/1.1 101");
+        assert_eq!(lan.join("/live", ""), "HTTP/1.1 403");
+    }
 }
 
 #[test]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 import itertools
 import operator
 import os
@@ -17,6 +18,15 @@ Case = Mapping[str, Value]
 Cell = float | int | str | None
 #: ``case``: its number; ``failed``: why it has no figures or bad ones, or None; then the figures.
 Row = dict[str, Cell]
+
+
+def _sha256(path: str) -> str | None:
+    """Of what is in a file; None where it cannot be read."""
+    try:
+        with open(path, "rb") as file:
+            return hashlib.sha256(file.read()).hexdigest()
+    except OSError:
+        return None
 
 
 def _title(name: str, unit: str) -> str:
@@ -44,7 +54,8 @@ class Sweep:
     """A scene of which cases are run: the name of one that comes along, or a file; ``set`` changes it for all cases.
 
     ``seconds``: simulated time of a case [s]; the scene's own when left out. Other machines get the scene's text;
-    files that it names, such as meshes, must be there under the same paths.
+    files that it names, such as meshes, must be there under the same paths, and be the same: a case that finds another
+    one fails.
     """
 
     scene: str | os.PathLike[str]
@@ -52,6 +63,7 @@ class Sweep:
     seconds: float | None = None
     _text: str = dataclasses.field(init=False, repr=False)
     _file: str = dataclasses.field(init=False, repr=False)
+    _hashes: dict[str, str | None] = dataclasses.field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         """Reads the scene, so that what is wrong with it is told before anything is run."""
@@ -59,6 +71,7 @@ class Sweep:
         scene = Scene.named(str(self.scene), set=self.set) if known else Scene.from_file(self.scene, set=self.set)
         object.__setattr__(self, "_text", scene.text)
         object.__setattr__(self, "_file", scene._native.file if known else os.path.abspath(self.scene))
+        object.__setattr__(self, "_hashes", {name: _sha256(self._path(name)) for name in scene.files})
 
     def overrides(self, case: Case) -> list[str]:
         """The changes of a case as ``--set`` takes them."""
@@ -75,7 +88,11 @@ class Sweep:
         """Runs a case of which the changes were written by :meth:`overrides`."""
         row: Row = {"case": operator.index(number), "failed": None}
         try:
-            failed, cells = _thenar.run_case(self._native(overrides), self.seconds)
+            scene = self._native(overrides)
+            for name in scene.files:
+                if name in self._hashes and _sha256(self._path(name)) != self._hashes[name]:
+                    return {**row, "failed": f"{self._path(name)} is not the file that it was when the sweep was made"}
+            failed, cells = _thenar.run_case(scene, self.seconds)
         except _thenar.SceneError as error:
             return {**row, "failed": str(error)}
         return {**row, "failed": failed, **{_title(name, unit): value for name, unit, value in cells}}
@@ -94,6 +111,9 @@ class Sweep:
                 continue
             return [(_title(name, unit), unit, type(value)) for name, unit, value in cells]
         raise first or ValueError("cases: expected one or more")
+
+    def _path(self, name: str) -> str:
+        return os.path.join(os.path.dirname(self._file), name)
 
     def _native(self, overrides: list[str]) -> _thenar.Scene:
         return _thenar.Scene.from_text(self._text, self._file, overrides)

@@ -2,6 +2,7 @@
 
 mod damage;
 mod errors;
+mod files;
 mod format;
 mod fuzz_scenes;
 mod scenes;
