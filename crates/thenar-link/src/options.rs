@@ -71,12 +71,12 @@ impl<'a> Options<'a> {
             .map_err(|_| self.refuse(format!("`{place}` is no port, and no address with a port")))
     }
 
-    /// It cannot be used.
+    /// The error that an address cannot be used, with its cause.
     pub fn refuse(&self, cause: String) -> LinkError {
         LinkError::Setting { what: self.name(), cause }
     }
 
-    /// It cannot be opened.
+    /// The error that a device cannot be opened, with its cause.
     pub fn cannot_open(&self, cause: &dyn std::fmt::Display) -> LinkError {
         let device = format!("{}:{}", self.driver, self.address);
         LinkError::Open { device, cause: cause.to_string() }

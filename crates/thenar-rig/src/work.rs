@@ -99,7 +99,7 @@ impl Stage {
         }
     }
 
-    /// The same, however many steps lie between.
+    /// Says that step number `step` comes, and checks the price whatever the step.
     ///
     /// # Errors
     /// As there.

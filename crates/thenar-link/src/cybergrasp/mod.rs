@@ -149,7 +149,7 @@ impl Protocol for CyberGrasp {
     }
 }
 
-/// `cybergrasp:HOST:PORT`.
+/// Driver of addresses `cybergrasp:HOST:PORT`.
 pub struct CyberGraspDriver;
 
 impl Driver for CyberGraspDriver {

@@ -11,7 +11,7 @@ use std::net::ToSocketAddrs;
 /// UDP port of a bridge unless another is given.
 pub const PORT: u16 = 9020;
 
-/// `force-device:ARM@HOST:PORT`.
+/// Driver of addresses `force-device:ARM@HOST:PORT`.
 pub struct ForceDeviceDriver;
 
 impl Driver for ForceDeviceDriver {

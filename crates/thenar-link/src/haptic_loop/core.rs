@@ -33,7 +33,7 @@ pub struct Core {
 /// When a tick happened.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TickTime {
-    /// Now \[ns\].
+    /// Present time \[ns\].
     pub now_ns: u64,
     /// Later than due by \[ns\].
     pub late_ns: u64,

@@ -310,7 +310,7 @@ fn share(
     Ok((shared, monitored))
 }
 
-/// The same loop without its threads and clocks: whoever holds it says when it ticks. For tests and
+/// A haptic loop without threads and clocks: whoever holds it says when it ticks. For tests and
 /// benches.
 pub struct ManualLoop {
     shared: Arc<Shared>,

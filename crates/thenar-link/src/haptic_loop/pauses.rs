@@ -8,7 +8,7 @@ use thenar::model::Side;
 /// A kind of pause is told of again after so long \[ns\].
 const AGAIN_NS: u64 = 1_000_000_000;
 
-/// Which displays let forces through, and pauses not told of yet.
+/// The displays that let forces through, and pauses not yet reported.
 #[derive(Default)]
 pub struct Pauses {
     passing: Vec<(u8, Side)>,

@@ -40,7 +40,7 @@ pub enum PortError {
     /// A hand cannot be moved.
     #[error(transparent)]
     Live(#[from] LiveError),
-    /// Its bones cannot have proxies.
+    /// The bones of a hand cannot have proxies.
     #[error(transparent)]
     Proxies(#[from] ProxyError),
     /// A device's limits make no sense.

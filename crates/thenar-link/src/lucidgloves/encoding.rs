@@ -20,7 +20,7 @@ pub struct State {
     pub joints: [[Option<u16>; 4]; 5],
     /// Splay of each finger.
     pub splay: [Option<u16>; 5],
-    /// It was in the older encoding, and expects that.
+    /// True if the line was in the older encoding; the glove then expects that one.
     pub legacy: bool,
 }
 
@@ -43,7 +43,7 @@ pub struct Info {
     pub firmware: Option<u32>,
     /// Kind of glove.
     pub kind: Option<u32>,
-    /// Which hand; 0 left, 1 right.
+    /// Side of the hand: 0 left, 1 right.
     pub hand: Option<u32>,
 }
 

@@ -52,7 +52,7 @@ pub struct LucidGloves {
     heard_ns: u64,
     nudged_ns: u64,
     nudges: u32,
-    /// It has told which hand it is.
+    /// True once the glove has said which hand it is.
     known: bool,
 }
 

@@ -35,11 +35,11 @@ const ATTEMPTS: Duration = Duration::from_secs(3);
 pub struct Joint {
     /// Place and rotation are known.
     pub valid: bool,
-    /// \[m\]
+    /// Position \[m\].
     pub position: [f32; 3],
     /// x y z w
     pub rotation: [f32; 4],
-    /// \[m\]
+    /// Radius \[m\].
     pub radius: f32,
 }
 
@@ -199,7 +199,7 @@ fn read(bytes: &[u8]) -> Result<Option<LivePose>, &'static str> {
     }))
 }
 
-/// `openxr:`.
+/// Driver of addresses `openxr:`.
 pub struct OpenXrDriver;
 
 impl Driver for OpenXrDriver {

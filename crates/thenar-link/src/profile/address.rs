@@ -10,7 +10,7 @@ use thenar::model::Side;
 pub struct Address {
     /// A port, or host and port.
     pub place: String,
-    /// Which hand wears it, over what the profile says.
+    /// Side of the hand that wears the device; overrules the profile.
     pub side: Option<Side>,
     /// A profile to use instead of the user's own.
     pub profile: Option<PathBuf>,

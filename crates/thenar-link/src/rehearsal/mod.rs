@@ -66,7 +66,7 @@ pub enum RehearsalError {
     /// A number makes no sense.
     #[error("{what} is {value}, expected {expected}")]
     Number {
-        /// Which.
+        /// Name of the number.
         what: &'static str,
         /// As given, with its unit.
         value: String,

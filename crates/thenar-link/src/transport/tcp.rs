@@ -38,7 +38,7 @@ pub struct TcpServer {
     listener: Arc<TcpListener>,
     only: Option<IpAddr>,
     faithful: bool,
-    /// Who called while another was served.
+    /// The caller that waits while another is served.
     next: Arc<Mutex<Option<Caller>>>,
     /// Calls of others that were hung up on, not yet told of.
     refused: Arc<AtomicU64>,

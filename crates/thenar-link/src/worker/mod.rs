@@ -81,7 +81,7 @@ pub struct Device {
     pub tracks: Option<TrackerTraits>,
     /// Set if it shows forces.
     pub display: Option<DisplayTraits>,
-    /// Whether it speaks on its own or answers, so that silence means something.
+    /// True if it speaks on its own or answers, so that silence means something.
     pub speaks: bool,
 }
 
@@ -92,7 +92,7 @@ impl Device {
         Self { name, connect, protocol, tracks, display: None, speaks: true }
     }
 
-    /// The same as a headset's cameras see hands: late.
+    /// This device, with the delay of a headset's cameras.
     pub fn seen_by_cameras(mut self) -> Self {
         let timing = Some(TrackerTiming::HEADSET);
         self.tracks = self.tracks.map(|traits| TrackerTraits { timing, ..traits });

@@ -3,7 +3,7 @@
 use crate::text::{table, words};
 
 words! {
-    /// Which solver steps the world.
+    /// The solver that steps the world.
     pub enum SolverWord {
         /// Eq. 9 with its joint rows and contacts, to a velocity tolerance.
         "exact" => Exact,
@@ -37,9 +37,9 @@ words! {
 words! {
     /// What step 1 assumes of the flesh.
     pub enum FleshWord {
-        /// It yields by its own inertia; stable at stiff couplings too.
+        /// Flesh yields by its own inertia; stable at stiff couplings too.
         "lumped" => Lumped,
-        /// It does not move (Eq. 10); diverges when the coupling is stiff.
+        /// Flesh does not move (Eq. 10); diverges when the coupling is stiff.
         "frozen" => Frozen,
     }
 }

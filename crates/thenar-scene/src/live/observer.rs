@@ -34,7 +34,7 @@ struct Gains {
 }
 
 impl Gains {
-    /// Those after `gap`; without one the velocity is left as it is.
+    /// Gains after `gap` \[s\]; without one the velocity is left as it is.
     fn after(gap: Option<f64>, memory: f64) -> Self {
         let fade = (-(gap.unwrap_or(0.011) / memory).min(FADE_MAX)).exp();
         let rate = gap.map_or(0.0, |gap| (1.0 - fade) * (1.0 - fade) / gap);
@@ -82,7 +82,7 @@ pub trait Linear:
     + std::ops::Sub<Output = Self>
     + std::ops::Mul<f64, Output = Self>
 {
-    /// Its size.
+    /// Absolute value or length.
     fn size(&self) -> f64;
     /// Product along another.
     fn dot(&self, other: &Self) -> f64;
@@ -151,7 +151,7 @@ impl<T: Linear> Observed<T> {
     }
 }
 
-/// The same for a rotation: residuals are rotation vectors in the world.
+/// An observer of a rotation: residuals are rotation vectors in the world.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ObservedRotation {
     /// At the last sample.

@@ -20,12 +20,12 @@ pub enum Entry<'a> {
         /// Pose that arrived.
         pose: &'a LivePose,
     },
-    /// [`Session::live_lost`].
+    /// A call of [`Session::live_lost`].
     Lost {
         /// Number of the hand.
         hand: usize,
     },
-    /// [`Session::follow_script`].
+    /// A call of [`Session::follow_script`].
     Script {
         /// Number of the hand.
         hand: usize,
@@ -59,7 +59,7 @@ pub enum Entry<'a> {
         /// State that was set.
         state: &'a State,
     },
-    /// [`Session::restart`].
+    /// A call of [`Session::restart`].
     Restart,
     /// [`Session::set`] changed a setting.
     Set {

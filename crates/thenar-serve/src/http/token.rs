@@ -36,7 +36,7 @@ impl Token {
         &self.0
     }
 
-    /// Whether this is it; takes the same time wherever the two differ.
+    /// True if this is it; takes the same time wherever the two differ.
     pub fn is(&self, text: &str) -> bool {
         self.0.as_bytes().ct_eq(text.as_bytes()).into()
     }

@@ -56,7 +56,7 @@ impl Deck {
         self.at
     }
 
-    /// Its length \[s\].
+    /// Length of the recording \[s\].
     pub fn end(&self) -> f64 {
         self.index.end()
     }

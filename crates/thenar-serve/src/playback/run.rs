@@ -198,7 +198,7 @@ impl Loop {
         }
     }
 
-    /// It is there.
+    /// The place that was sought is reached.
     fn arrive(&mut self) {
         if self.scene != self.deck.scene()
             && let Err(error) = self.show_scene()

@@ -8,7 +8,7 @@ use thenar_record::OpenError;
 /// Why a recording cannot be replayed any further.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
-    /// It cannot be opened.
+    /// The recording cannot be opened.
     #[error(transparent)]
     Open(#[from] OpenError),
     /// Reading fails.

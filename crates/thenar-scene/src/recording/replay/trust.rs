@@ -9,7 +9,7 @@ use thenar_record::Fault;
 /// After damage so many steps are made to find out whether anything of the session is missing.
 const DOUBTED_MAX: u64 = 100;
 
-/// Whether the session is what was recorded.
+/// How far the session is known to be what was recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trust {
     /// As far as is known.
