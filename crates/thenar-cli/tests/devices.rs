@@ -143,7 +143,7 @@ fn what_is_wrong_is_named_and_has_its_exit_code() {
     for (args, code, told) in [
         (&["devices", "test", "toaster:x"][..], 2, "no driver has that name"),
         (&["devices", "test", "null:up"][..], 2, "expected `left` or `right`"),
-        (&["devices", "test", "cyberglove:x?colour=red"][..], 2, "`colour=red` is no option"),
+        (&["devices", "test", "cyberglove:x?colour=red"][..], 2, "`colour=red` is not an option"),
         (&["devices", "test", "cyberglove:x?profile=/no/such"][..], 2, "/no/such"),
         (&["devices", "test", "cyberglove:/no/such", "--seconds", "0.3"][..], 1, "told no pose"),
         (&["devices", "calibrate", "null:left"][..], 2, "null needs no calibration"),
@@ -295,7 +295,10 @@ fn a_lucid_glove_is_calibrated_from_prompt_to_pose() {
     std::fs::write(&file, own).unwrap();
     let poses = [("open", [0.25; 5]), ("fist", [0.75, 0.75, 0.75, 0.75, 0.25])];
     let rest = calibrate(&glove, "lucidgloves", &file, &poses, &["18 cm", "180"]);
-    assert!(rest.iter().any(|line| line.contains("`18 cm` mm is no hand's length")), "{rest:?}");
+    assert!(
+        rest.iter().any(|line| line.contains("`18 cm` mm is not the length of a hand")),
+        "{rest:?}"
+    );
     assert!(rest.iter().any(|line| line.contains("the little's sensor hardly moved")), "{rest:?}");
     let text = std::fs::read_to_string(&file).unwrap();
     assert!(text.starts_with("# Anna's glove\n[index] # the new servo\nraw = [0.2"), "{text}");

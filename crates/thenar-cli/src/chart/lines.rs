@@ -21,7 +21,7 @@ pub struct Line {
     pub colour: usize,
     /// Dash pattern of the stroke.
     pub dash: Dash,
-    /// Points; a value that is no number breaks the line.
+    /// Points; a value that is not a number breaks the line.
     pub points: Vec<(f64, f64)>,
     /// Points drawn as dots.
     pub dots: Vec<(f64, f64)>,

@@ -137,9 +137,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         print::summary(&comparison, args.paper, &watches);
     }
     match interrupted {
-        true => {
-            Err(CliError::Other("interrupted; what was asked for is written up to here".into()))
-        }
+        true => Err(CliError::Other("interrupted; the outputs are written up to here".into())),
         false => Ok(()),
     }
 }

@@ -115,7 +115,7 @@ fn length(text: &str) -> Result<Option<f64>, String> {
     }
     match text.parse::<f64>() {
         Ok(mm) if (80.0..=300.0).contains(&mm) => Ok(Some(mm / 1e3)),
-        _ => Err(format!("`{text}` mm is no hand's length, expected 80 to 300")),
+        _ => Err(format!("`{text}` mm is not the length of a hand, expected 80 to 300")),
     }
 }
 

@@ -98,9 +98,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     }
     recorded?;
     match outcome.interrupted {
-        true => {
-            Err(CliError::Other("interrupted; what was asked for is written up to here".into()))
-        }
+        true => Err(CliError::Other("interrupted; the outputs are written up to here".into())),
         false => Ok(TakenBack::judge(outcome.summary.non_finite, outcome.steps)?),
     }
 }

@@ -95,7 +95,7 @@ impl Check for Profile {
         }
         for (name, sensor) in &self.sensors {
             if !NAMES.contains(&name.as_str()) {
-                let cause = format!("is no sensor; there are {}", NAMES.join(", "));
+                let cause = format!("is not a sensor; there are {}", NAMES.join(", "));
                 return Err((format!("sensors.{name}"), cause));
             }
             if !(sensor.gain.abs() <= 1000.0 && sensor.offset.abs() <= 10.0) {

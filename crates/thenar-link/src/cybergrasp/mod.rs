@@ -112,7 +112,7 @@ impl Protocol for CyberGrasp {
                 // It may be the first byte of the next.
                 self.answer.clear();
                 self.answer.extend(Some(*byte).filter(|byte| *byte == ANSWER_MARK[0]));
-                event(Event::Refused("bytes that are no answer of a CyberGrasp bridge".into()));
+                event(Event::Refused("bytes that are not an answer of a CyberGrasp bridge".into()));
             } else if self.answer.len() == ANSWER {
                 self.answer.clear();
                 event(Event::Alive);

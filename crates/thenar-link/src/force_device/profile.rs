@@ -140,7 +140,7 @@ impl Check for Profile {
         }
         let Some(arm) = self.chosen() else {
             let known: Vec<_> = self.arms.keys().map(String::as_str).collect();
-            let cause = format!("`{}` is no arm; there are {}", self.arm, known.join(", "));
+            let cause = format!("`{}` is not an arm; there are {}", self.arm, known.join(", "));
             return Err(("arm".into(), cause));
         };
         let ranges = [

@@ -154,7 +154,7 @@ impl Protocol for LucidGloves {
                     self.understand(line, now_ns, event);
                 }
                 None => event(Event::Refused(
-                    "a line is no glove's: noise, another speed or another device".into(),
+                    "a line is not from a glove: noise, another speed or another device".into(),
                 )),
             }
             // Whatever the line was, the glove now waits.

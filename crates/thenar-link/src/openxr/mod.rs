@@ -152,7 +152,7 @@ impl Protocol for OpenXrHands {
             let side = match (hand.len(), hand[0]) {
                 (HAND_BYTES, 0) => Side::Left,
                 (HAND_BYTES, 1) => Side::Right,
-                _ => return event(Event::Refused("this is no hand of a runtime".into())),
+                _ => return event(Event::Refused("this is not a hand of a runtime".into())),
             };
             let pose = match hand[1] {
                 0 => Ok(None),

@@ -52,7 +52,7 @@ impl Address {
                 _ => {
                     let from = if place.starts_with("wifi") { "from=ADDRESS, " } else { "" };
                     let cause = format!(
-                        "`{option}` is no option; there are side=left, side=right, {from}\
+                        "`{option}` is not an option; there are side=left, side=right, {from}\
                          profile=FILE and, last, wrist=DEVICE"
                     );
                     return Err(refuse(cause));
@@ -81,6 +81,9 @@ mod tests {
         assert!(told.ends_with("from is `glove`, expected an IP address"), "{told}");
         assert!(read("/dev/x?from=10.0.0.7").unwrap_err().contains("no option"));
         let told = read("/dev/x?side=up").unwrap_err();
-        assert!(told.starts_with("device `d:/dev/x?side=up`: `side=up` is no option;"), "{told}");
+        assert!(
+            told.starts_with("device `d:/dev/x?side=up`: `side=up` is not an option;"),
+            "{told}"
+        );
     }
 }

@@ -29,7 +29,7 @@ impl Hand {
         if (0.08..=0.30).contains(&self.length) {
             return Ok(());
         }
-        refuse("hand.length", format!("{} m is no hand's, expected 0.08 to 0.30", self.length))
+        refuse("hand.length", format!("{} m is not a hand's, expected 0.08 to 0.30", self.length))
     }
 }
 

@@ -117,7 +117,7 @@ impl Device {
         let worker = Worker::new(self, shared.clone(), ends);
         let thread =
             std::thread::Builder::new().name("device".into()).spawn(move || worker.run()).map_err(
-                |e| LinkError::Open { device: name, cause: format!("no thread for it: {e}") },
+                |e| LinkError::Open { device: name, cause: format!("cannot start a thread: {e}") },
             )?;
         shared.register();
         let closer = Arc::new(Closer::new(shared, thread));

@@ -21,7 +21,7 @@ pub enum ReplayError {
     #[error("cannot unpack the scene's files: {0}")]
     Asset(io::Error),
     /// A file was too large for the recording, and is gone or different.
-    #[error("the recording needs {}, which is missing or not as it was", .0.display())]
+    #[error("the recording needs {}, which is missing or has changed", .0.display())]
     NotThere(PathBuf),
     /// A replay was to begin where there is nothing any more.
     #[error("nothing is left to replay from {from} s on: the recording ends at {:.3} s", (.end * 1e3).floor() * 1e-3)]
