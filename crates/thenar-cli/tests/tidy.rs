@@ -165,7 +165,7 @@ const REFERRING: [&str; 14] = [
 ];
 
 /// Crates whose comments still have to be reworded.
-const NOT_YET: [&str; 4] = ["thenar/", "thenar-c/", "thenar-cli/", "thenar-python/"];
+const NOT_YET: [&str; 3] = ["thenar/", "thenar-c/", "thenar-python/"];
 
 #[test]
 fn comments_of_documentation_can_be_read_alone() {

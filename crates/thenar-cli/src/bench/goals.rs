@@ -261,7 +261,7 @@ pub fn run(args: &Args) -> Result<(), String> {
     Ok(())
 }
 
-/// The same work by both solvers in turns; the hand's tetrahedra and the times.
+/// Times of one piece of work by both solvers in turns, and the number of the hand's tetrahedra.
 fn measure(work: &Work, steps: usize) -> Result<(usize, [Times; 2]), String> {
     let wanted =
         SOLVERS.map(|(_, solver)| Wanted { tets: work.tets, time_step: work.time_step, solver });

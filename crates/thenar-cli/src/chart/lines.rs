@@ -17,7 +17,7 @@ pub enum Dash {
 pub struct Line {
     /// Name; a line without one is not in the legend.
     pub name: String,
-    /// Which colour, from 0; colours repeat after 7.
+    /// Number of the colour, from 0; colours repeat after 7.
     pub colour: usize,
     /// Dash pattern of the stroke.
     pub dash: Dash,

@@ -12,7 +12,7 @@ pub struct Told<'a> {
     pub found: &'a Assessment,
     /// Rows of data.
     pub rows: usize,
-    /// Whether the search ended by itself.
+    /// True if the search ended by itself.
     pub converged: bool,
     /// Steps of the search.
     pub iterations: u32,

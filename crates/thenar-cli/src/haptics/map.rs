@@ -19,7 +19,7 @@ pub struct Args {
     /// Moving mass of device and finger [kg].
     #[arg(long, default_value_t = 0.1, value_parser = positive)]
     mass: f64,
-    /// Their damping [N s/m].
+    /// Damping of device and finger [N s/m].
     #[arg(long, default_value_t = 1.0, value_parser = positive)]
     damping: f64,
     /// Damping of the coupling [N s/m].

@@ -47,10 +47,10 @@ pub struct Args {
     /// Simulated time between moments of the VTK series [s].
     #[arg(long, value_name = "S", default_value_t = 1.0 / 30.0, requires = "vtk", allow_negative_numbers = true)]
     vtk_interval: f64,
-    /// Recording.
+    /// Options of the recording.
     #[command(flatten)]
     recording: RecordOptions,
-    /// Pictures.
+    /// Options of pictures.
     #[command(flatten)]
     pictures: PictureOptions,
     /// No progress bar and no summary.

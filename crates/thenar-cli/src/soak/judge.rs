@@ -80,7 +80,7 @@ pub fn quality(e: &Extremes, h: f64) -> Vec<Figure> {
 mod tests {
     use super::*;
 
-    /// Which figures miss their limits.
+    /// Names of the figures that miss their limits.
     fn missed(e: &Extremes, h: f64) -> Vec<&'static str> {
         let all = soundness(e).into_iter().chain(quality(e, h));
         all.filter(|figure| !figure.kept).map(|figure| figure.what).collect()

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use thenar_link::haptic_loop::{HapticLoop, LoopMode, Remote, STATEMENT, Settings, Watcher};
 use thenar_link::{ForceDisplay, LinkError, Tracker};
 
-/// Which devices, and how they are felt.
+/// Devices, and how they are felt.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct DeviceOptions {
     /// A tracker, a force display, or both, e.g. lucidgloves:/dev/ttyUSB0 (see `thenar devices`); may
