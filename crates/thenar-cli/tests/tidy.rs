@@ -115,6 +115,29 @@ fn generated(file: &str, text: &str, number: usize) -> bool {
     text.lines().position(|line| line == heading).is_some_and(|at| number > at)
 }
 
+/// Turns of phrase that read as translated, each with what says it in English.
+const TRANSLATED: [(&str, &str); 7] = [
+    ("told of", "reported"),
+    ("is told", "is reported"),
+    ("are told", "are reported"),
+    ("so many", "at most, or the number of"),
+    ("what is held", "the noun"),
+    ("what comes along", "the noun"),
+    ("at the latest after", "within"),
+];
+
+#[test]
+fn documents_avoid_what_reads_as_translated() {
+    for file in files("", ".md") {
+        let text = read(&file);
+        for (number, line) in prose(&text) {
+            for (phrase, rather) in TRANSLATED {
+                assert!(!line.contains(phrase), "{file}:{number}: {phrase}; rather {rather}");
+            }
+        }
+    }
+}
+
 #[test]
 fn the_book_lists_every_page() {
     let summary = read("docs/SUMMARY.md");
