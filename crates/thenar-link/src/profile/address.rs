@@ -79,7 +79,7 @@ mod tests {
         assert_eq!(wifi.from, Some(IpAddr::from([10, 0, 0, 7])));
         let told = read("wifi?from=glove").unwrap_err();
         assert!(told.ends_with("from is `glove`, expected an IP address"), "{told}");
-        assert!(read("/dev/x?from=10.0.0.7").unwrap_err().contains("no option"));
+        assert!(read("/dev/x?from=10.0.0.7").unwrap_err().contains("not an option"));
         let told = read("/dev/x?side=up").unwrap_err();
         assert!(
             told.starts_with("device `d:/dev/x?side=up`: `side=up` is not an option;"),

@@ -15,7 +15,7 @@ const BODY: usize = 12;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SnapshotError {
     /// The bytes are something else, or cut short.
-    #[error("the bytes are not the state of a session")]
+    #[error("the bytes are no state of a session")]
     NoSnapshot,
     /// The bytes are damaged.
     #[error("the bytes are damaged: their CRC-32 is {found:08x}, expected {told:08x}")]
