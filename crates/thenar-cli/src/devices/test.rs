@@ -9,7 +9,7 @@ use thenar::model::Side;
 use thenar_link::{HandSample, Tracker, now_ns};
 use thenar_scene::live::LivePose;
 
-/// Show live what a device tells.
+/// Show live what a device sends.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Driver and address, such as `lucidgloves:/dev/ttyUSB0`.

@@ -14,7 +14,7 @@ pub struct DeviceOptions {
     /// without hardware.
     #[arg(long = "device", value_name = "NAME:ADDRESS")]
     pub devices: Vec<String>,
-    /// What stands between the hand and the simulation.
+    /// How touch joins the tracked hand and the simulation.
     #[arg(long, value_enum, default_value_t, requires = "devices")]
     pub mode: ModeWord,
     /// Let forces through from the start. Without it the displays get zeros until somebody arms
