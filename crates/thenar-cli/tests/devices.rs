@@ -145,7 +145,7 @@ fn what_is_wrong_is_named_and_has_its_exit_code() {
         (&["devices", "test", "null:up"][..], 2, "expected `left` or `right`"),
         (&["devices", "test", "cyberglove:x?colour=red"][..], 2, "`colour=red` is not an option"),
         (&["devices", "test", "cyberglove:x?profile=/no/such"][..], 2, "/no/such"),
-        (&["devices", "test", "cyberglove:/no/such", "--seconds", "0.3"][..], 1, "told no pose"),
+        (&["devices", "test", "cyberglove:/no/such", "--seconds", "0.3"][..], 1, "sent no pose"),
         (&["devices", "calibrate", "null:left"][..], 2, "null needs no calibration"),
         (&["devices", "simulate", "toaster"][..], 2, "no device is simulated as `toaster`"),
     ] {
@@ -166,7 +166,7 @@ fn a_silent_device_is_listened_to_aloud() {
         .map(|left| format!("lucidgloves:/dev/zero: no pose yet, listening for {left} s more\n"));
     assert_eq!(
         told,
-        format!("{}{}error: lucidgloves:/dev/zero told no pose\n", waits[0], waits[1])
+        format!("{}{}error: lucidgloves:/dev/zero sent no pose\n", waits[0], waits[1])
     );
     // Nothing of it where there is a pose.
     let heard = thenar(&["devices", "test", "null:left", "--seconds", "1.2"]).output().unwrap();

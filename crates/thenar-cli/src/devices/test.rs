@@ -61,7 +61,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     if let Some(tracker) = &mut device.tracker {
         watch(&mut **tracker, args)?;
     } else {
-        println!("{} tells no poses", args.address);
+        println!("{} sends no poses", args.address);
     }
     if args.feel {
         let Some(mut display) = device.display.take() else {
@@ -159,7 +159,7 @@ fn watch(tracker: &mut dyn Tracker, args: &Args) -> Result<(), CliError> {
         }
     }
     if tallies.iter().all(|tally| tally.count == 0) {
-        return Err(CliError::Other(format!("{} told no pose", args.address)));
+        return Err(CliError::Other(format!("{} sent no pose", args.address)));
     }
     Ok(())
 }

@@ -32,7 +32,7 @@ pub enum ReplayError {
         end: f64,
     },
     /// A frame is whole, but not understood.
-    #[error("the frame before byte {offset} makes no sense: {what}")]
+    #[error("the frame before byte {offset} is invalid: {what}")]
     Content {
         /// Where it ends.
         offset: u64,
