@@ -60,7 +60,7 @@ pub struct Presence {
 }
 
 /// Asks whether devices are there, without having them in hand; one that has no line, such as a
-/// recording, is not told of.
+/// recording, is left out.
 pub type Lookout = Box<dyn FnMut() -> Vec<Presence> + Send>;
 
 /// Tells where hands are.

@@ -4,7 +4,7 @@
 //! sample has a finite pose and is not older than 100 ms. When the one that moves the hand is
 //! trusted no more, the next best takes over at once; a better one must be trusted without a break
 //! for half a second before the hand goes back to it, so that one on the edge does not make the
-//! hand flicker. Left and right are chosen apart. Every change is told.
+//! hand flicker. Left and right are chosen apart. Every change is reported.
 
 use crate::tracker_clock::{ClockNews, TrackerClock};
 use crate::{Driver, Found, HandSample, LinkError, Lookout, Messenger, Opened, Tracker, now_ns};

@@ -1,4 +1,4 @@
-//! What force displays are told: everything that any of them can render, per finger.
+//! Outputs of force displays: everything that any of them can render, per finger.
 
 use thenar::Vec3;
 use thenar::haptic::safety::Limits;

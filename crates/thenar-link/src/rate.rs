@@ -1,6 +1,6 @@
 //! A bound on what a peer may cost.
 
-/// A bucket that refills: so many per second, and so many at once.
+/// A bucket that refills: a number per second, and a number at once.
 #[derive(Clone, Debug)]
 pub struct Rate {
     per_second: f64,

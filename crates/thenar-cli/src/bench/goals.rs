@@ -32,7 +32,7 @@ pub struct Args {
 
 /// Active contacts that the works in contact hold.
 const CONTACTS: u32 = 60;
-/// Both solvers take turns of so many steps: long enough that each finds its data in the caches.
+/// Steps of one turn of a solver: long enough that each finds its data in the caches.
 const TURN: usize = 20;
 
 /// A work and how long it may take.

@@ -52,7 +52,7 @@ pub struct Reduced {
 }
 
 impl Reduced {
-    /// For a series of about so many values.
+    /// A line for a series of about this number of values.
     pub fn new(values: u64) -> Self {
         let per_bucket = values.div_ceil(BUCKETS as u64).max(1);
         Self { per_bucket, taken: 0, buckets: Vec::new() }

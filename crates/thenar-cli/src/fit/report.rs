@@ -4,7 +4,7 @@ use super::assess::{Assessment, Scale};
 use super::unknowns::Unknown;
 use serde_json::{Value, json};
 
-/// What a fit is told with.
+/// What the report of a fit needs.
 pub struct Told<'a> {
     /// What was fitted.
     pub unknowns: &'a [Unknown],

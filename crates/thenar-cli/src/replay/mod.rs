@@ -208,7 +208,7 @@ fn tell(args: &Args, replay: &Replay, here: &Header) {
     }
 }
 
-/// Pieces of a damaged file, and gaps, that are told one by one.
+/// Pieces of a damaged file, and gaps, that are reported one by one.
 const TOLD_MAX: usize = 5;
 
 fn damaged(verdict: &Verdict) -> String {

@@ -20,7 +20,7 @@ const JOINT_GAP_MAX: f64 = 5e-5;
 const MISSED_MAX: f64 = 5.0;
 const MISS_MAX: f64 = 1e-3;
 
-/// One figure of a soak and its limit, in the unit that is told.
+/// One figure of a soak and its limit, in the unit that is printed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figure {
     what: &'static str,

@@ -160,7 +160,7 @@ impl Place {
         })
     }
 
-    /// Keeps other processes from this shard; of no use where files cannot be locked, which is told.
+    /// Keeps other processes from this shard; of no use where files cannot be locked, which is reported.
     fn lock(&self, args: &Args) -> Result<Option<Lock>, CliError> {
         let Shard { number, count } = args.shard;
         let share = format!("{}: shard {number}/{count}", args.out.display());

@@ -31,7 +31,7 @@ pub const COMMAND: usize = 28;
 pub const ANSWER: usize = 8;
 const COMMAND_MARK: &[u8; 4] = b"TGRP";
 const ANSWER_MARK: &[u8; 4] = b"TGRA";
-/// The unit is told so often even when nothing changes \[ns\].
+/// Longest time between two messages to the unit, even when nothing changes \[ns\].
 const PERIOD_NS: u64 = 1_000_000;
 
 /// The profile's content.

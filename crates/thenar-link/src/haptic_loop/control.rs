@@ -1,4 +1,4 @@
-//! What others may ask of the loop, from any thread and at any time, and what they are told.
+//! Requests to the loop, from any thread and at any time, and its answers.
 
 use super::histogram::Histogram;
 use crate::Rendering;

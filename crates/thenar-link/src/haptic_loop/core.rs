@@ -72,7 +72,7 @@ impl Core {
         })
     }
 
-    /// Guards, all off, for so many hands; allocates, so it is called outside the loop.
+    /// Guards, all off, for a number of hands; allocates, so it is called outside the loop.
     ///
     /// # Errors
     /// As [`Core::new`].

@@ -16,7 +16,7 @@ use thenar::haptic::safety;
 
 /// Between two looks.
 const EVERY: Duration = Duration::from_millis(10);
-/// Devices are asked for messages every so many looks.
+/// Looks of the monitor between two requests for the devices' messages.
 const MESSAGES_EVERY: u32 = 50;
 /// Looks of the monitor between two looks at the devices.
 const DEVICES_EVERY: u32 = 10;

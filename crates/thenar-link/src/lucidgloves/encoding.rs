@@ -152,7 +152,7 @@ fn within(value: u16, analog_max: u16) -> Option<u16> {
     (value <= analog_max).then_some(value)
 }
 
-/// What the glove is told: where each finger is stopped, 0 free to 1000 blocked open. Always all
+/// The line to the glove: where each finger is stopped, 0 free to 1000 blocked open. Always all
 /// five, since the firmware takes a missing one for 0.
 pub fn stops(stops: &[u16; 5], legacy: bool) -> String {
     let [a, b, c, d, e] = stops.map(|stop| stop.min(1000));

@@ -24,7 +24,7 @@ const JOINT_BYTES: usize = 1 + 8 * 4;
 /// Bytes of a hand: which, whether it is seen, and its joints.
 const HAND_BYTES: usize = 2 + OPENXR_JOINTS * JOINT_BYTES;
 
-/// First byte of a message, which is told apart from hands.
+/// First byte of a message, which distinguishes it from hands.
 const NOTE: u8 = b'n';
 /// Between two attempts to open a runtime: a loader that finds none says so on the error stream each
 /// time, and some runtimes start a program.
@@ -129,7 +129,7 @@ fn write(place: &mut [u8], side: u8, hand: Option<&[Joint; OPENXR_JOINTS]>) {
 /// Reads what the transport wrote.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct OpenXrHands {
-    /// Each hand was seen when it was last told of.
+    /// True for each hand that was seen when it was last reported.
     seen: [bool; 2],
 }
 

@@ -40,7 +40,7 @@ pub struct TcpServer {
     faithful: bool,
     /// The caller that waits while another is served.
     next: Arc<Mutex<Option<Caller>>>,
-    /// Calls of others that were hung up on, not yet told of.
+    /// Calls of others that were hung up on, not yet reported.
     refused: Arc<AtomicU64>,
 }
 

@@ -60,7 +60,7 @@ impl UdpTransport {
     }
 }
 
-/// Listens at `at`, perhaps only to one address: at once, so that a port that is taken is told of, and
+/// Listens at `at`, perhaps only to one address: at once, so that a port that is taken is reported, and
 /// again whenever the socket is lost.
 ///
 /// # Errors

@@ -10,8 +10,8 @@
 //!   (`Door`);
 //! - the hand is released when no output came for [`OUTPUT_SILENCE_NS`], when the display is
 //!   dropped, on [`release_all`], when the protocol panics, on every loss and at every start;
-//! - a device that is away is asked for ever more rarely, once a second in the end; of that, of one
-//!   that is there and silent, and of garbage, a person is told without being flooded.
+//! - a device that is away is asked for ever more rarely, once a second in the end; messages report
+//!   absence, silence and garbage, at a bounded rate.
 
 mod door;
 mod handles;

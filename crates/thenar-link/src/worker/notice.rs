@@ -1,11 +1,11 @@
-//! What is told of a device that is away or silent: every change once, its cause included.
+//! Reports of a device that is away or silent: every change once, its cause included.
 
 use super::Shared;
 use std::io;
 
-/// Others that speak in a device's place are told of so often at most \[ns\].
+/// Least time between reports of others that speak in a device's place \[ns\].
 const OTHERS_EVERY_NS: u64 = 10_000_000_000;
-/// A device that says nothing sensible for so long is told of \[ns\].
+/// Time after which a device that sends nothing valid is reported \[ns\].
 const SILENT_NS: u64 = 2_000_000_000;
 
 /// Tells of losses and returns, each once.

@@ -245,7 +245,7 @@ fn centroid(body: u32, triangle: &[u32; 3], x: &[Vec3]) -> Sample {
     Sample { point: corners.iter().sum::<Vec3>() / 3.0, normal: normal(&corners), anchor }
 }
 
-/// Middles of triangles, every so many.
+/// Middles of triangles at a regular stride.
 fn sample_soft(world: &World, body: u32, centre: &Vec3, radius: f64, out: &mut Vec<Sample>) {
     let (triangles, x) = skin(world, body);
     let is_near = |s: &Sample| (s.point - centre).norm() <= radius;

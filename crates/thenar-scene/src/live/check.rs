@@ -69,7 +69,7 @@ pub enum LiveError {
     },
 }
 
-/// A number to so many places; a large one in powers of ten.
+/// A number with a given number of places; a large one in powers of ten.
 fn figure(x: f64, places: usize) -> String {
     if x.abs() < 1e5 { format!("{x:.places$}") } else { plain(x) }
 }

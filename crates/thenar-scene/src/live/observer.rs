@@ -20,7 +20,7 @@ const MEMORY: [f64; 2] = [0.0139, 0.08];
 const NEWEST: f64 = 0.08;
 /// How fast memory changes with that, per sample.
 const ADAPTS: f64 = 0.5;
-/// Two residuals in a row that are so many times the usual one are motion.
+/// Two residuals in a row that exceed the usual one by this factor are motion.
 const MOTION: f64 = 3.0;
 /// A sample keeps `exp(-1.2)` of its weight until the next at least: slow trackers are noisier.
 const FADE_MAX: f64 = 1.2;

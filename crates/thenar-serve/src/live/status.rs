@@ -1,4 +1,4 @@
-//! What clients are told of the state of things.
+//! The status that clients receive.
 
 use serde::Serialize;
 use thenar_scene::hands::Hands;

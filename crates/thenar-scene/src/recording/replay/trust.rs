@@ -6,7 +6,7 @@ use crate::recording::content::StepMark;
 use crate::recording::verdict::Loss;
 use thenar_record::Fault;
 
-/// After damage so many steps are made to find out whether anything of the session is missing.
+/// Number of steps made after damage to find out whether anything of the session is missing.
 const DOUBTED_MAX: u64 = 100;
 
 /// How far the session is known to be what was recorded.
@@ -71,7 +71,7 @@ impl Replay {
         self.trust == Trust::Foreign
     }
 
-    /// After damage: nothing is told before a hash agrees.
+    /// After damage: nothing is reported before a hash agrees.
     pub(super) fn try_step(
         &mut self,
         made: u64,
