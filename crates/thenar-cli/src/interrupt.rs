@@ -68,7 +68,7 @@ fn held_back<T>(signals: &[i32], act: impl FnOnce() -> T) -> std::io::Result<T> 
     Ok(done)
 }
 
-/// Whether whoever started the program had this signal ignored. Told by Linux only.
+/// True if whoever started the program had this signal ignored. Told by Linux only.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

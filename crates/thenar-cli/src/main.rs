@@ -57,7 +57,7 @@ enum Command {
     Touch(touch::Args),
     /// Run a scene as fast as it can and record it.
     Record(record::Args),
-    /// Make a recorded session again: verify it, export it.
+    /// Replay a recorded session: verify it, export it.
     Replay(replay::Args),
     /// Build a simulation-ready model from a mesh.
     Build(build::Args),
@@ -65,17 +65,17 @@ enum Command {
     Scenes(scenes::Args),
     /// List, test, calibrate and simulate gloves and other devices of touch.
     Devices(devices::Args),
-    /// Run the two-step scheme and the exact solver on one scene, and tell how they differ.
+    /// Compare the two-step scheme with the exact solver on one scene.
     Compare(compare::Args),
     /// Measure what a step costs.
     Bench(bench::Args),
-    /// Look into touch without a device: stability maps, the three modes compared.
+    /// Study touch without a device: stability maps, the three modes compared, a virtual wearer.
     Haptics(haptics::Args),
     /// Find moduli from force and depth measured on a finger.
     Fit(fit::Args),
-    /// Thrash a hand at random against table, car and bread.
+    /// Stress test: move a hand at random against table, car and bread.
     Soak(soak::Args),
-    /// Compare figures that theory gives with those that we compute.
+    /// Compare computed figures with theory and with people.
     Validate(validate::Args),
 }
 

@@ -38,18 +38,18 @@ impl Lines {
 }
 
 impl Meter {
-    /// Meter of so many steps.
+    /// Meter of a number of steps.
     pub fn of_steps(total: u64, quiet: bool) -> Self {
         let style = "{bar:40} {percent:>3} %  step {pos} of {len}  {per_sec}  {eta} left";
         Self::new(total, style, quiet)
     }
 
-    /// Meter of so many cases.
+    /// Meter of a number of cases.
     pub fn of_cases(total: u64, quiet: bool) -> Self {
         Self::new(total, "{bar:40} {percent:>3} %  case {pos} of {len}  {eta} left", quiet)
     }
 
-    /// Meter of a file of so many bytes from which steps are made.
+    /// Meter of a file, by its bytes, from which steps are made.
     pub fn of_bytes(total: u64, quiet: bool) -> Self {
         Self::new(total, "{bar:40} {percent:>3} %  {msg}", quiet)
     }
@@ -85,7 +85,7 @@ impl Meter {
         }
     }
 
-    /// So much is done, and so many steps made.
+    /// Shows how much is done, and how many steps are made.
     pub fn at(&self, done: u64, steps: u64) {
         if let Some(bar) = &self.bar {
             bar.set_position(done);

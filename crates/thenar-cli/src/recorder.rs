@@ -209,7 +209,7 @@ shape = { kind = "lattice", size = [0.03, 0.03, 0.03], cells = [2, 2, 2] }
         }
     }
 
-    /// Runs the scene for so many steps, announced as 0.1 s.
+    /// Runs the scene for a number of steps, announced as 0.1 s.
     fn run(options: &PictureOptions, steps: u32) {
         let mut session = Session::from_text(SCENE, Path::new("ball.toml"), &[]).expect("a scene");
         let mut recorder =

@@ -11,7 +11,7 @@ use thenar_scene::session::{Session, Witness};
 /// Where and how to record; part of the options of every command that can.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct RecordOptions {
-    /// Record the session into this file, to be made again by `thenar replay`.
+    /// Record the session into this file, for `thenar replay`.
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
     /// Simulated time between keyframes of the recording, from which a replay can begin [s]; 0 for

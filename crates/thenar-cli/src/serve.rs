@@ -33,7 +33,7 @@ pub struct Args {
     /// Devices to feel it with.
     #[command(flatten)]
     devices: DeviceOptions,
-    /// Recording.
+    /// Options of the recording.
     #[command(flatten)]
     recording: RecordOptions,
 }

@@ -20,7 +20,7 @@ pub fn out(text: Arguments<'_>) {
     }
 }
 
-/// Whether all was printed that somebody may read.
+/// Completes what is printed, if somebody may still read it.
 ///
 /// # Errors
 /// Some of the output was lost.

@@ -143,9 +143,9 @@ fn what_is_wrong_is_named_and_has_its_exit_code() {
     for (args, code, told) in [
         (&["devices", "test", "toaster:x"][..], 2, "no driver has that name"),
         (&["devices", "test", "null:up"][..], 2, "expected `left` or `right`"),
-        (&["devices", "test", "cyberglove:x?colour=red"][..], 2, "`colour=red` is no option"),
+        (&["devices", "test", "cyberglove:x?colour=red"][..], 2, "`colour=red` is not an option"),
         (&["devices", "test", "cyberglove:x?profile=/no/such"][..], 2, "/no/such"),
-        (&["devices", "test", "cyberglove:/no/such", "--seconds", "0.3"][..], 1, "told no pose"),
+        (&["devices", "test", "cyberglove:/no/such", "--seconds", "0.3"][..], 1, "sent no pose"),
         (&["devices", "calibrate", "null:left"][..], 2, "null needs no calibration"),
         (&["devices", "simulate", "toaster"][..], 2, "no device is simulated as `toaster`"),
     ] {
@@ -166,7 +166,7 @@ fn a_silent_device_is_listened_to_aloud() {
         .map(|left| format!("lucidgloves:/dev/zero: no pose yet, listening for {left} s more\n"));
     assert_eq!(
         told,
-        format!("{}{}error: lucidgloves:/dev/zero told no pose\n", waits[0], waits[1])
+        format!("{}{}error: lucidgloves:/dev/zero sent no pose\n", waits[0], waits[1])
     );
     // Nothing of it where there is a pose.
     let heard = thenar(&["devices", "test", "null:left", "--seconds", "1.2"]).output().unwrap();
@@ -295,7 +295,10 @@ fn a_lucid_glove_is_calibrated_from_prompt_to_pose() {
     std::fs::write(&file, own).unwrap();
     let poses = [("open", [0.25; 5]), ("fist", [0.75, 0.75, 0.75, 0.75, 0.25])];
     let rest = calibrate(&glove, "lucidgloves", &file, &poses, &["18 cm", "180"]);
-    assert!(rest.iter().any(|line| line.contains("`18 cm` mm is no hand's length")), "{rest:?}");
+    assert!(
+        rest.iter().any(|line| line.contains("`18 cm` mm is not the length of a hand")),
+        "{rest:?}"
+    );
     assert!(rest.iter().any(|line| line.contains("the little's sensor hardly moved")), "{rest:?}");
     let text = std::fs::read_to_string(&file).unwrap();
     assert!(text.starts_with("# Anna's glove\n[index] # the new servo\nraw = [0.2"), "{text}");

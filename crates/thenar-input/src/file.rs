@@ -113,7 +113,7 @@ fn refuse_others(found: &Metadata, piped: bool) -> Result<(), InputError> {
     Err(InputError::NotAFile { kind: kind(found) })
 }
 
-/// Whether a path names one of the program's own open files.
+/// True if a path names one of the program's own open files.
 fn is_handed_over(path: &Path) -> bool {
     let text = path.to_string_lossy();
     text == "/dev/stdin" || text.starts_with("/dev/fd/") || text.starts_with("/proc/self/fd/")

@@ -6,7 +6,7 @@ use thenar_scene::motion::ANGLES;
 /// A pose to take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Prompt {
-    /// Its name.
+    /// Name of the pose.
     pub name: &'static str,
     /// What the wearer does.
     pub text: &'static str,

@@ -8,7 +8,7 @@ use thenar::model::Side;
 
 /// A kind of device: finds those that are there and opens them.
 pub trait Driver: Send + Sync {
-    /// Its name in addresses, such as `lucidgloves`.
+    /// Name of the driver in addresses, such as `lucidgloves`.
     fn name(&self) -> &'static str;
 
     /// One line for a person: what it is, and what an address looks like.
@@ -48,19 +48,19 @@ pub struct Opened {
 /// Asks a device what there is to tell a person, without having the device in hand.
 pub type Messenger = Box<dyn FnMut() -> Vec<String> + Send>;
 
-/// Whether a device is there.
+/// Presence of a device: reached or not, and when it was last heard.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Presence {
-    /// Its address, as `lucidgloves:/dev/ttyUSB0`.
+    /// Address of the device, as `lucidgloves:/dev/ttyUSB0`.
     pub name: String,
-    /// It is reached: its port is open, its socket is connected.
+    /// True while the device is reached: its port is open, its socket is connected.
     pub connected: bool,
     /// When it last said something that made sense \[ns\].
     pub heard_ns: Option<u64>,
 }
 
 /// Asks whether devices are there, without having them in hand; one that has no line, such as a
-/// recording, is not told of.
+/// recording, is left out.
 pub type Lookout = Box<dyn FnMut() -> Vec<Presence> + Send>;
 
 /// Tells where hands are.

@@ -4,7 +4,7 @@
 //! sample has a finite pose and is not older than 100 ms. When the one that moves the hand is
 //! trusted no more, the next best takes over at once; a better one must be trusted without a break
 //! for half a second before the hand goes back to it, so that one on the edge does not make the
-//! hand flicker. Left and right are chosen apart. Every change is told.
+//! hand flicker. Left and right are chosen apart. Every change is reported.
 
 use crate::tracker_clock::{ClockNews, TrackerClock};
 use crate::{Driver, Found, HandSample, LinkError, Lookout, Messenger, Opened, Tracker, now_ns};
@@ -61,7 +61,7 @@ impl Record {
     }
 }
 
-/// Who moves a hand.
+/// The tracker that moves a hand.
 #[derive(Clone, Copy, Debug, Default)]
 struct Choice {
     source: Option<usize>,
@@ -84,7 +84,7 @@ pub struct Either {
 }
 
 impl Either {
-    /// These trackers, the preferred first.
+    /// One tracker out of several, the preferred first.
     pub fn new(trackers: Vec<(String, Box<dyn Tracker>)>) -> Self {
         Self::with_clock(trackers, now_ns)
     }
@@ -107,7 +107,7 @@ impl Either {
         }
     }
 
-    /// Who moves this hand from now on.
+    /// Chooses the tracker that moves this hand from now on.
     fn choose(&mut self, side: Side, now: u64) -> Option<usize> {
         let k = side as usize;
         let trusted = |source: &Source| source.hands[k].is_trusted(now);
@@ -217,7 +217,7 @@ fn tell_changes<'a>(
     }
 }
 
-/// `either:DEVICE||DEVICE`.
+/// Driver of addresses `either:DEVICE||DEVICE`.
 pub struct EitherDriver;
 
 impl Driver for EitherDriver {

@@ -4,20 +4,20 @@
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LinkError {
-    /// It could not be opened.
+    /// A device could not be opened.
     #[error("cannot open {device}: {cause}")]
     Open {
         /// Driver and address, as `lucidgloves:/dev/ttyUSB0`.
         device: String,
-        /// Why.
+        /// Cause in words.
         cause: String,
     },
-    /// It was there and is lost; the driver goes on trying.
+    /// A device was there and is lost; the driver goes on trying.
     #[error("{device} is lost: {cause}")]
     Lost {
         /// Driver and address.
         device: String,
-        /// Why.
+        /// Cause in words.
         cause: String,
     },
     /// A profile, address or setting that cannot be used.
@@ -25,7 +25,7 @@ pub enum LinkError {
     Setting {
         /// The file and key, or the argument.
         what: String,
-        /// Why.
+        /// Cause in words.
         cause: String,
     },
 }

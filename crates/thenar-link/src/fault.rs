@@ -14,7 +14,7 @@ pub enum Fault {
     Teleport(Vec3),
     /// The hand is turned by half a turn about itself: palm for back.
     Flip,
-    /// The same pose comes again and again, with new times.
+    /// One pose is repeated, with new times.
     Freeze,
     /// A number is none.
     NotANumber,
@@ -29,11 +29,11 @@ pub enum Fault {
 /// A fault and when, from the first sample on \[ns\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Planned {
-    /// Its beginning.
+    /// Beginning of the fault \[ns\].
     pub from_ns: u64,
-    /// Its end.
+    /// End of the fault \[ns\].
     pub to_ns: u64,
-    /// What.
+    /// The fault itself.
     pub fault: Fault,
 }
 
@@ -157,7 +157,7 @@ fn flip(sample: &mut HandSample) {
     each_pose(sample, &mut |pose| *pose = turn * *pose);
 }
 
-/// `fault:SEED:DEVICE`.
+/// Driver of addresses `fault:SEED:DEVICE`.
 pub struct FaultDriver;
 
 impl Driver for FaultDriver {

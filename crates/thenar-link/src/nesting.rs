@@ -51,7 +51,7 @@ pub fn enter(address: &str) -> Result<Nested, LinkError> {
     })
 }
 
-/// Whether a device of this address is being opened, so that to open it again would have no end.
+/// True if a device of this address is being opened, so that to open it again would have no end.
 pub fn is_opening(address: &str) -> bool {
     OPENING.with_borrow(|opening| opening.chain.iter().any(|known| known == address))
 }

@@ -27,7 +27,7 @@ impl<'a> Options<'a> {
                 Some((key, value)) if known.contains(&key) => options.pairs.push((key, value)),
                 _ => {
                     let there = known.join("=, ");
-                    return Err(options.refuse(format!("`{option}` is no option of {there}=")));
+                    return Err(options.refuse(format!("`{option}` is not an option of {there}=")));
                 }
             }
         }
@@ -66,17 +66,17 @@ impl<'a> Options<'a> {
         if let Ok(port) = place.parse() {
             return Ok((address, port).into());
         }
-        place
-            .parse()
-            .map_err(|_| self.refuse(format!("`{place}` is no port, and no address with a port")))
+        place.parse().map_err(|_| {
+            self.refuse(format!("`{place}` is neither a port nor an address with a port"))
+        })
     }
 
-    /// It cannot be used.
+    /// The error that an address cannot be used, with its cause.
     pub fn refuse(&self, cause: String) -> LinkError {
         LinkError::Setting { what: self.name(), cause }
     }
 
-    /// It cannot be opened.
+    /// The error that a device cannot be opened, with its cause.
     pub fn cannot_open(&self, cause: &dyn std::fmt::Display) -> LinkError {
         let device = format!("{}:{}", self.driver, self.address);
         LinkError::Open { device, cause: cause.to_string() }
@@ -103,7 +103,7 @@ mod tests {
             "device `d:9000?from=10.0.0.1&speed=0.5`: speed is `0.5`, expected a whole number";
         assert_eq!(told, want);
         let told = read("x?speed").unwrap_err().to_string();
-        assert_eq!(told, "device `d:x?speed`: `speed` is no option of from=, speed=");
+        assert_eq!(told, "device `d:x?speed`: `speed` is not an option of from=, speed=");
 
         let here = IpAddr::from([127, 0, 0, 1]);
         let at = |place| options.listen_at(place, here, 7).map(|a| a.to_string());
@@ -111,6 +111,6 @@ mod tests {
         assert_eq!(at("90").unwrap(), "127.0.0.1:90");
         assert_eq!(at("0.0.0.0:90").unwrap(), "0.0.0.0:90");
         assert_eq!(at("[::1]:90").unwrap(), "[::1]:90");
-        assert!(at("99999").unwrap_err().to_string().contains("`99999` is no port"));
+        assert!(at("99999").unwrap_err().to_string().contains("`99999` is neither a port"));
     }
 }

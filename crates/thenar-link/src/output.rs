@@ -1,4 +1,4 @@
-//! What force displays are told: everything that any of them can render, per finger.
+//! Outputs of force displays: everything that any of them can render, per finger.
 
 use thenar::Vec3;
 use thenar::haptic::safety::Limits;
@@ -13,7 +13,7 @@ pub const DIGITS: usize = 5;
 pub struct DigitOutput {
     /// Force on the wearer, world \[N\].
     pub force_W: Vec3,
-    /// Its part along the inward pad normal \[N\], never negative.
+    /// Part of the force along the inward pad normal \[N\], never negative.
     pub pad_force: f64,
     /// Contact area \[m²\].
     pub area: f64,
@@ -30,7 +30,7 @@ pub struct DigitOutput {
 /// One hand, in one haptic tick. The default is what every way out sends: nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HandOutput {
-    /// Which hand.
+    /// Side of the hand.
     pub side: Side,
     /// When it was computed \[ns\].
     pub time_ns: u64,
@@ -38,7 +38,7 @@ pub struct HandOutput {
     pub digits: [DigitOutput; DIGITS],
     /// Force of the palm's coupling on the wearer, world \[N\]; for devices that hold one point.
     pub force_W: Vec3,
-    /// Its torque \[N m\].
+    /// Torque of the palm's coupling on the wearer, world \[N m\].
     pub torque_W: Vec3,
 }
 

@@ -50,7 +50,7 @@ pub trait Protocol: Send {
         let _ = (now_ns, output, event, send);
     }
 
-    /// Whether the device holds one hand and was told of none: it shows that which presses first.
+    /// True if the device holds one hand and does not know which: it shows the one that presses first.
     fn holds_one_hand(&self) -> bool {
         false
     }

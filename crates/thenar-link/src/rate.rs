@@ -1,6 +1,6 @@
 //! A bound on what a peer may cost.
 
-/// A bucket that refills: so many per second, and so many at once.
+/// A bucket that refills: a number per second, and a number at once.
 #[derive(Clone, Debug)]
 pub struct Rate {
     per_second: f64,
@@ -11,7 +11,7 @@ pub struct Rate {
 }
 
 impl Rate {
-    /// Full.
+    /// A full bucket: `per_second` on average, `at_once` in a burst.
     pub fn new(per_second: f64, at_once: f64) -> Self {
         Self { per_second, at_once, left: at_once, at_ns: 0 }
     }

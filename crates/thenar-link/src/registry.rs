@@ -33,7 +33,7 @@ pub fn drivers() -> Vec<Box<dyn Driver>> {
 ///
 /// # Errors
 /// There is no such driver, it cannot open the address, or the address names too many devices one inside
-/// another ([`nesting`](crate::nesting)).
+/// another (`nesting`).
 pub fn open(address: &str) -> Result<Opened, LinkError> {
     let _nested = nesting::enter(address)?;
     let (name, rest) = address.split_once(':').unwrap_or((address, ""));

@@ -135,7 +135,7 @@ impl Replay {
         Self { motion, settings, start_ns, given_ns, told, newest, heard_ns }
     }
 
-    /// It is this late now.
+    /// Moves the replay on to this time.
     pub fn step_to(&mut self, now_ns: u64) {
         self.given_ns = Some(now_ns);
     }
@@ -173,7 +173,7 @@ impl Tracker for Replay {
     }
 }
 
-/// `replay:FILE`.
+/// Driver of addresses `replay:FILE`.
 pub struct ReplayDriver;
 
 impl Driver for ReplayDriver {

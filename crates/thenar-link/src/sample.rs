@@ -6,7 +6,7 @@ use thenar_scene::live::LivePose;
 /// One hand at an instant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HandSample {
-    /// Which hand.
+    /// Side of the hand.
     pub side: Side,
     /// When it was measured, or received where the device tells no time \[ns\].
     pub time_ns: u64,

@@ -44,7 +44,7 @@ pub struct Carried {
     pub time_ns: u64,
     /// The device's clock has jumped just now.
     pub jumped: bool,
-    /// It stands still: however often this is said, it is old.
+    /// True if the source's clock stands still: a sample is old, however often it is repeated.
     pub stands_still: bool,
 }
 

@@ -42,7 +42,7 @@ impl TrackerClock {
     }
 }
 
-/// Whether there is a jump that nobody was told of.
+/// Set while a jump of the clock waits to be reported.
 #[derive(Clone, Debug, Default)]
 pub struct ClockNews(Arc<AtomicBool>);
 
@@ -57,7 +57,7 @@ impl ClockNews {
 /// The times of one hand.
 #[derive(Clone, Copy, Debug, Default)]
 struct Times {
-    /// Its time of the sample before, and what became of it \[ns\].
+    /// The tracker's time of the sample before, and the time made of it \[ns\].
     last: Option<[u64; 2]>,
     /// Ours minus its \[ns\]; 0 when it is on our clock.
     offset: i128,

@@ -20,7 +20,7 @@ pub enum LockError {
     Held {
         /// The lock file.
         file: PathBuf,
-        /// Who holds it, where the file says so.
+        /// Process that holds the lock, where the file says so.
         holder: Option<u32>,
     },
     /// The file cannot be opened or written.

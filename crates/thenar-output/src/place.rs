@@ -75,11 +75,11 @@ fn special(target: &Path, kind: FileType) -> Result<Place, Cause> {
         _ if kind.is_fifo() => Ok(Place::Straight(open::pipe(target)?)),
         _ if kind.is_block_device() => Err(Cause::Refused("block device")),
         _ if kind.is_socket() => Err(Cause::Refused("socket")),
-        _ => Err(Cause::Refused("thing that is no file")),
+        _ => Err(Cause::Refused("thing that is not a file")),
     }
 }
 
 #[cfg(not(unix))]
 fn special(_: &Path, _: FileType) -> Result<Place, Cause> {
-    Err(Cause::Refused("thing that is no file"))
+    Err(Cause::Refused("thing that is not a file"))
 }

@@ -9,17 +9,17 @@ use thenar_rig::object::Paint;
 
 /// A hand in the world.
 pub struct Hand<'a> {
-    /// Its model.
+    /// Model of the hand.
     pub model: &'a HandModel,
-    /// Its bones among the rigid bodies.
+    /// Bones of the hand among the rigid bodies.
     pub bones: Range<u32>,
-    /// Its joints.
+    /// Joints of the hand among the world's joints.
     pub joints: Range<u32>,
 }
 
 /// A deformable body.
 pub struct Soft<'a> {
-    /// Its index among the deformable bodies.
+    /// Index among the deformable bodies.
     pub index: u32,
     /// Surface to draw.
     pub render: &'a EmbeddedSurface,

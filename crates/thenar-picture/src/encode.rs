@@ -184,7 +184,7 @@ impl Changed {
         Self { x: low[0], y: low[1], width: high[0] - low[0] + 1, height: high[1] - low[1] + 1 }
     }
 
-    /// Its pixels, fully transparent where nothing changed.
+    /// Pixels of the changed rectangle, fully transparent where nothing changed.
     fn rgba(&self, last: Option<&Image>, image: &Image) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(4 * self.width as usize * self.height as usize);
         for y in self.y..self.y + self.height {

@@ -87,7 +87,7 @@ impl Material {
         Self { unlit: true, casts_shadow: false, ..Self::matte(colour) }
     }
 
-    /// The same, drawn over everything else.
+    /// This material, drawn over everything else.
     pub fn over_everything(self) -> Self {
         Self { on_top: true, casts_shadow: false, ..self }
     }
@@ -127,7 +127,7 @@ impl<'a> Mesh<'a> {
         }
     }
 
-    /// The same with a colour per vertex.
+    /// This mesh with a colour per vertex.
     pub fn coloured(self, colours: impl Into<Cow<'a, [Rgb]>>) -> Self {
         Self { colours: Some(colours.into()), ..self }
     }

@@ -83,7 +83,7 @@ impl DepthMap {
     }
 }
 
-/// Whether the box round a triangle holds the middle of a texel: most triangles of a fine mesh
+/// True if the box round a triangle holds the middle of a texel: most triangles of a fine mesh
 /// slip between them.
 fn covers_a_middle(corners: &[[f32; 3]; 3]) -> bool {
     (0..2).all(|k| {

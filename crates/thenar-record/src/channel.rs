@@ -67,7 +67,7 @@ impl Channel {
 /// A record that was read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Record<'a> {
-    /// Of which channel.
+    /// Number of the channel.
     pub channel: u32,
     values: &'a [u8],
 }
@@ -82,7 +82,7 @@ impl<'a> Record<'a> {
             .then_some(Self { channel: u32::from_le_bytes(*channel), values })
     }
 
-    /// Its numbers.
+    /// Numbers of the record, in the order of the channel's fields.
     pub fn values(&self) -> impl Iterator<Item = f64> + 'a {
         let (numbers, _) = self.values.as_chunks::<8>();
         numbers.iter().map(|bytes| f64::from_le_bytes(*bytes))

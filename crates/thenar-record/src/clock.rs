@@ -19,7 +19,7 @@ impl Clock {
         self.begun.elapsed().as_nanos() as u64
     }
 
-    /// The same for an instant that was read before \[ns\]; 0 for one before the beginning.
+    /// Time of an instant that was read before \[ns\]; 0 for one before the beginning.
     pub fn at_ns(&self, instant: Instant) -> u64 {
         instant.checked_duration_since(self.begun).unwrap_or(Duration::ZERO).as_nanos() as u64
     }

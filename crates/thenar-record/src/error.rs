@@ -7,7 +7,7 @@ use std::path::PathBuf;
 /// Why a file cannot be read as a recording at all.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error("cannot read {}: {cause}", file.display())]
     Read {
         /// File that was read or written.
@@ -15,7 +15,7 @@ pub enum OpenError {
         /// Error of the system.
         cause: io::Error,
     },
-    /// It is something else.
+    /// The file is not a recording.
     #[error("{} is not a Thenar recording", file.display())]
     Foreign {
         /// File that was read.
@@ -29,7 +29,7 @@ pub enum OpenError {
     Version {
         /// File that was read.
         file: PathBuf,
-        /// Its version.
+        /// Version in the file.
         version: u32,
     },
     /// The version in its prologue never was.
@@ -57,7 +57,7 @@ pub enum RecordError {
     /// There is such a file already.
     #[error("{} is there already; a recording never replaces a file", .0.display())]
     Exists(PathBuf),
-    /// It cannot be created or written.
+    /// The file cannot be created or written.
     #[error("cannot write {}: {cause}", file.display())]
     Write {
         /// File that was written.
@@ -65,7 +65,7 @@ pub enum RecordError {
         /// Error of the writer.
         cause: io::Error,
     },
-    /// Its thread cannot be started.
+    /// The writing thread cannot be started.
     #[error("cannot start the recording's thread: {0}")]
     Thread(io::Error),
 }

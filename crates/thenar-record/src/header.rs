@@ -27,12 +27,12 @@ pub struct Header {
 pub struct Build {
     /// Size of the program's file \[bytes\]; 0 when it could not be read.
     pub bytes: u64,
-    /// Its CRC-32.
+    /// CRC-32 of the program's file.
     pub crc32: u32,
 }
 
 impl Build {
-    /// Of the program that runs. Reads its file, which takes some ten milliseconds.
+    /// Build of the running program. Reads the program's file, which takes some ten milliseconds.
     pub fn of_this_program() -> Self {
         std::env::current_exe().and_then(|file| Self::of(&file)).unwrap_or_default()
     }

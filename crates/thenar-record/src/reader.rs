@@ -15,13 +15,13 @@ use std::path::Path;
 pub enum Fault {
     /// The file ends within it.
     CutOff,
-    /// Its checksum does not agree.
+    /// The frame's checksum does not agree.
     Checksum,
-    /// Its length cannot be.
+    /// The frame's length is impossible.
     Length,
     /// The recording does not begin with a header.
     Header,
-    /// It is older than one before it: it has been moved or repeated.
+    /// The frame is older than one before it: it has been moved or repeated.
     Order,
     /// Whoever reads the frames finds that this one cannot stand here: [`Frames::reject`].
     Content,
@@ -80,7 +80,7 @@ pub struct Frames<R> {
     size: u64,
     at: u64,
     sum: u32,
-    /// The same of the frame that was read last.
+    /// Place in the file and checksum so far, where the frame that was read last begins.
     last: (u64, u32),
     payload: Vec<u8>,
     damages: Vec<Damage>,

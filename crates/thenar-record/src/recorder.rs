@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 
 /// Rings are emptied so often: what is lost by `kill -9` is no older.
 const ROUND: Duration = Duration::from_millis(10);
-/// The disk is told to keep what it has so often: what is lost with the power is no older.
+/// Time between two flushes to the disk: what is lost with the power is no older.
 const SYNC_EVERY: Duration = Duration::from_secs(5);
 /// Room of the session's ring \[bytes\]: a minute of a usual session.
 const SESSION_RING: usize = 8 << 20;

@@ -22,7 +22,7 @@ const FRAME_BYTES_MIN: usize = HEAD_BYTES + PAYLOAD_BYTES_MIN;
 #[derive(Clone, Debug, Default)]
 pub struct Newest(BTreeMap<u32, u64>);
 
-/// Whose time a frame carries: 0 the session's, else a channel's. `None` where times say nothing.
+/// Source whose time a frame carries: 0 the session, else a channel. `None` where times say nothing.
 fn source(frame: &Frame) -> Option<u32> {
     match frame.kind? {
         Kind::Scene | Kind::Input | Kind::Step | Kind::Keyframe => Some(0),

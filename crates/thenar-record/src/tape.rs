@@ -21,7 +21,7 @@ pub enum Weight {
 /// Frames that were dropped, as a gap frame tells: 20 bytes, little-endian.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Gap {
-    /// Of which source: 0 is the session, others are channels.
+    /// Source of the dropped frames: 0 is the session, others are channels.
     pub source: u32,
     /// How many frames, heavy ones among them.
     pub frames: u64,
@@ -59,7 +59,7 @@ pub struct Tape {
     draft: Vec<u8>,
     gap: Gap,
     dropped: u64,
-    /// Of the newest frame.
+    /// Time of the newest frame \[ns\].
     time_ns: u64,
 }
 

@@ -72,7 +72,7 @@ pub enum RigError {
 }
 
 impl RigError {
-    /// The same error, naming the file it comes from.
+    /// This error, naming the file it comes from.
     pub fn in_file(self, file: impl std::fmt::Display) -> Self {
         Self::InFile { file: brief(&file.to_string()), error: Box::new(self) }
     }

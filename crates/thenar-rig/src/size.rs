@@ -16,7 +16,7 @@ pub(crate) const REACH_MAX: f64 = 1e7;
 pub(crate) fn sensible_size([min, max]: [Vec3; 2]) -> Result<f64, RigError> {
     let size = (max - min).max();
     let [low, high] = SIZE_RANGE;
-    // A length that is no number is in no range.
+    // A length that is not a number is in no range.
     if !(low..=high).contains(&size) {
         return Err(RigError::invalid(format!(
             "the body is {size:e} m long, outside {low:e} to {high:e} m (is the scale right?)"

@@ -90,7 +90,7 @@ impl Stage {
     /// Says that step number `step` comes, which may be beyond those that were expected.
     ///
     /// # Errors
-    /// As [`Stage::at`]; or so many steps cost more than may be spent.
+    /// As [`Stage::at`]; or that number of steps costs more than may be spent.
     pub fn at_most(&self, step: usize) -> Result<(), RigError> {
         if step > self.steps || step.is_multiple_of(self.every) {
             self.beyond(step)
@@ -99,7 +99,7 @@ impl Stage {
         }
     }
 
-    /// The same, however many steps lie between.
+    /// Says that step number `step` comes, and checks the price whatever the step.
     ///
     /// # Errors
     /// As there.

@@ -8,11 +8,11 @@ use crate::format::{Hand, Scene};
 use copies::{default_hand, holding_still};
 use thenar::model::Side;
 
-/// Which hands are to be in a scene.
+/// The hands that a scene is to have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Hands {
-    /// Those that the scene has.
+    /// The hands that the scene has.
     Scene,
     /// Left hands only.
     Left,

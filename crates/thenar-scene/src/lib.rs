@@ -25,3 +25,8 @@ pub mod touch;
 pub mod tuning;
 
 pub use text::SceneError;
+
+/// The samples in the README, run as tests of documentation.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

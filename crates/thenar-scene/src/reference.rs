@@ -1,4 +1,8 @@
-//! The JSON Schema of the format, and its reference in Markdown, from the same declarations.
+//! The JSON Schema of the format, its reference in Markdown from the same declarations, and the names of a hand.
+
+mod hand;
+
+pub use hand::hand_tables;
 
 use crate::format::Scene;
 use crate::text::schema_document;

@@ -49,7 +49,7 @@ const AROUND: f64 = PI / 3.0;
 /// Part of the knuckles' breadth that the palm's columns take in.
 const ACROSS: f64 = 0.9;
 
-/// The patches of a layout, each of so many rows and columns. Bones without skin on them have none.
+/// The patches of a layout, each of `rows` and `columns`. Bones without skin on them have none.
 pub fn layout(hand: &HandModel, which: Layout, rows: usize, columns: usize) -> Vec<TaxelPatch> {
     let skin = skin(hand);
     let bones = hand.bones.iter().enumerate();

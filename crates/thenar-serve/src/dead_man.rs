@@ -13,7 +13,7 @@ use thenar_link::haptic_loop::{Remote, Status};
 /// A page that says nothing for so long has gone.
 pub const SILENCE_MAX: Duration = Duration::from_secs(3);
 
-/// Who armed, and was heard when.
+/// The client that armed, and when it was heard last.
 #[derive(Clone, Copy, Debug)]
 struct Holder {
     client: ClientId,
@@ -65,7 +65,7 @@ impl DeadMan {
         self.let_go_if(silent, Remote::unanswered);
     }
 
-    /// Whose presence the forces need.
+    /// The client whose presence the forces need.
     pub fn armed_by(&self) -> Option<ClientId> {
         self.holder().map(|holder| holder.client)
     }

@@ -23,18 +23,18 @@ pub struct ClientId(pub u32);
 /// What a client did.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
-    /// It came.
+    /// A client came.
     Joined(ClientId),
-    /// It left.
+    /// A client left.
     Left(ClientId),
-    /// It sent a text message, not yet looked at.
+    /// A client sent a text message, not yet looked at.
     Text(ClientId, String),
-    /// It sent a binary message, not yet looked at.
+    /// A client sent a binary message, not yet looked at.
     Binary(ClientId, Bytes),
 }
 
 impl Event {
-    /// Who sent it, when it counts against that client's share. Coming and leaving does not: it
+    /// The sender, when the event counts against that client's share. Coming and leaving does not: it
     /// must never get lost.
     fn sender(&self) -> Option<ClientId> {
         match self {
@@ -51,7 +51,7 @@ pub struct Note {
     pub client: ClientId,
     /// JSON text.
     pub text: String,
-    /// It was a refusal: too many of them end the connection.
+    /// True for a refusal: too many of them end the connection.
     pub refusal: bool,
 }
 
@@ -163,7 +163,7 @@ pub fn pair_with(scenes: Vec<SceneName>) -> (Hub, Desk) {
 }
 
 impl Hub {
-    /// The same with devices, whose forces a client's `stop` ends, or its leaving.
+    /// This hub with devices, whose forces end with a client's `stop`, or when it leaves.
     pub(crate) fn with_devices(self, devices: Option<DeadMan>) -> Self {
         Self { devices, ..self }
     }

@@ -15,30 +15,30 @@ use std::sync::{Arc, OnceLock};
 
 static FILES: Dir<'static> = include_dir!("$OUT_DIR/page");
 
-/// Whether the viewer is in, not the plain page in its place.
+/// True if the viewer is in, not the plain page in its place.
 pub const BUILT: bool = matches!(env!("THENAR_PAGE").as_bytes(), b"built");
 
 /// One file of the page.
 #[derive(Clone, Debug)]
 pub struct Asset {
-    /// Its bytes as stored.
+    /// Bytes as stored, gzipped or plain.
     pub bytes: &'static [u8],
-    /// Whether they are gzipped.
+    /// True if they are gzipped.
     pub gzipped: bool,
-    /// Its media type.
+    /// Media type of the content.
     pub media_type: &'static str,
     /// Changes when the file does: an HTTP entity tag, quotes included.
     pub tag: String,
-    /// Its name changes when its content does, so it can be kept for good.
+    /// True if the name changes with the content, so that it can be kept for good.
     pub lasting: bool,
-    /// Whether [`SOCKET`] in it stands for the address of the socket.
+    /// True if [`SOCKET`] in it stands for the address of the socket.
     pub names_socket: bool,
-    /// Its bytes unpacked, from the first time that they were asked for.
+    /// Unpacked bytes, from the first time that they were asked for.
     plain: Arc<OnceLock<Bytes>>,
 }
 
 impl Asset {
-    /// Its bytes, not gzipped. Unpacked once: whoever asks for them again and again must cost
+    /// Unpacked bytes. Unpacked once: whoever asks for them again and again must cost
     /// neither time nor memory.
     pub fn plain(&self) -> Bytes {
         if !self.gzipped {

@@ -56,7 +56,7 @@ function text(value: unknown, what: string): string {
 }
 
 function number(value: unknown, what: string): number {
-  check(typeof value === "number" && Number.isFinite(value), `${what} is no number.`);
+  check(typeof value === "number" && Number.isFinite(value), `${what} is not a number.`);
   return value;
 }
 

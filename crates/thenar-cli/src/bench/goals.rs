@@ -34,7 +34,7 @@ pub struct Args {
 
 /// Active contacts that the works in contact hold.
 const CONTACTS: u32 = 60;
-/// Both solvers take turns of so many steps: long enough that each finds its data in the caches.
+/// Steps of one turn of a solver: long enough that each finds its data in the caches.
 const TURN: usize = 20;
 
 /// Turns of one session alone and of two at once.
@@ -306,7 +306,7 @@ pub fn run(args: &Args) -> Result<(), String> {
     Ok(())
 }
 
-/// The same work by both solvers in turns; the hand's tetrahedra and the times.
+/// Times of one piece of work by both solvers in turns, and the number of the hand's tetrahedra.
 fn measure(work: &Work, steps: usize) -> Result<(usize, [Times; 2]), String> {
     let wanted =
         SOLVERS.map(|(_, solver)| Wanted { tets: work.tets, time_step: work.time_step, solver });

@@ -18,7 +18,7 @@ pub struct Peaks {
 /// What is read, so that it lies in the first, second, third cache, or in none.
 const SIZES: [(&str, usize); 4] =
     [("L1", 24 << 10), ("L2", 512 << 10), ("L3", 8 << 20), ("memory", 256 << 20)];
-/// The best of so many tries counts.
+/// Number of tries, of which the best counts.
 const TRIES: u32 = 7;
 
 impl Peaks {

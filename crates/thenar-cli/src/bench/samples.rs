@@ -35,7 +35,7 @@ pub struct Stopwatch {
 }
 
 impl Stopwatch {
-    /// Room for so many steps.
+    /// Room for a number of steps.
     pub fn new(steps: usize) -> Self {
         let room = || Samples(Vec::with_capacity(steps));
         Self {

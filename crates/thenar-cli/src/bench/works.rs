@@ -48,7 +48,7 @@ pub struct Wanted {
     pub tets: u32,
     /// Time step that is measured [s].
     pub time_step: f64,
-    /// Which solver.
+    /// Name of the solver.
     pub solver: &'static str,
 }
 

@@ -25,7 +25,7 @@ pub fn told<T>(work: impl FnOnce() -> Result<T, CliError>) -> Result<T, CliError
     }
 }
 
-/// The same, whatever comes of it: what Ctrl-C ended has failed. Work that tells nothing is told of each second,
+/// Runs `work`, whatever comes of it: what Ctrl-C ended has failed. Silent work is announced each second,
 /// and where it does not end by itself after Ctrl-C the program ends.
 pub fn heard<T>(work: impl FnOnce() -> T) -> T {
     let terminal = std::io::stderr().is_terminal();

@@ -17,11 +17,11 @@ pub enum Dash {
 pub struct Line {
     /// Name; a line without one is not in the legend.
     pub name: String,
-    /// Which colour, from 0; colours repeat after 7.
+    /// Number of the colour, from 0; colours repeat after 7.
     pub colour: usize,
     /// Dash pattern of the stroke.
     pub dash: Dash,
-    /// Points; a value that is no number breaks the line.
+    /// Points; a value that is not a number breaks the line.
     pub points: Vec<(f64, f64)>,
     /// Points drawn as dots.
     pub dots: Vec<(f64, f64)>,
@@ -52,7 +52,7 @@ pub struct Reduced {
 }
 
 impl Reduced {
-    /// For a series of about so many values.
+    /// A line for a series of about this number of values.
     pub fn new(values: u64) -> Self {
         let per_bucket = values.div_ceil(BUCKETS as u64).max(1);
         Self { per_bucket, taken: 0, buckets: Vec::new() }

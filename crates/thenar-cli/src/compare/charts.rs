@@ -62,7 +62,7 @@ fn values(of: &Comparison) -> Vec<Vec<f64>> {
 }
 
 impl Charts {
-    /// For a comparison of so many steps.
+    /// Charts for a comparison of a number of steps.
     pub fn new(of: &Comparison, steps: u64) -> Self {
         let bodies = of.bodies();
         let mut plans = Vec::new();

@@ -19,7 +19,7 @@ use thenar_scene::session::{TableFormat, TableWriter};
 /// What makes a scene's silence mean the paper's hand.
 const TWO_STEP: &str = "solver.kind=two-step";
 
-/// Run the two-step scheme and the exact solver on one scene, and tell how they differ.
+/// Compare the two-step scheme with the exact solver on one scene.
 ///
 /// Both get the same motions, loads and settings, and springs as joint limits. Hands of which the scene does not say are the paper's, as springs in bone need the exact
 /// solver. The two-step scheme is the scene's; --paper makes it the paper's.
@@ -137,9 +137,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         print::summary(&comparison, args.paper, &watches);
     }
     match interrupted {
-        true => {
-            Err(CliError::Other("interrupted; what was asked for is written up to here".into()))
-        }
+        true => Err(CliError::Other("interrupted; the outputs are written up to here".into())),
         false => Ok(()),
     }
 }

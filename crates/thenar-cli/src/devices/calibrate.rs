@@ -49,7 +49,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     };
     let mut device = calibrate.open_raw(rest)?;
     let Some(tracker) = &mut device.tracker else {
-        return Err(CliError::Input(format!("{} tells no poses", args.address)));
+        return Err(CliError::Input(format!("{} sends no poses", args.address)));
     };
     let prompts = calibrate.prompts();
     let mut means = Vec::new();
@@ -90,7 +90,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         println!("! {remark}");
     }
     if fitted.keys.is_empty() {
-        return Err(CliError::Other("nothing was found; the profile is left as it was".into()));
+        return Err(CliError::Other("nothing was found; the profile is unchanged".into()));
     }
     save(&file, fitted.keys)?;
     println!("wrote {}", file.display());
@@ -103,7 +103,7 @@ fn line() -> Result<String, CliError> {
     let mut text = String::new();
     let read = std::io::stdin().lock().read_line(&mut text);
     if read.map_err(|e| CliError::Other(e.to_string()))? == 0 {
-        return Err(CliError::Other("not finished: the profile is left as it was".into()));
+        return Err(CliError::Other("not finished: the profile is unchanged".into()));
     }
     Ok(text.trim().to_string())
 }
@@ -115,7 +115,7 @@ fn length(text: &str) -> Result<Option<f64>, String> {
     }
     match text.parse::<f64>() {
         Ok(mm) if (80.0..=300.0).contains(&mm) => Ok(Some(mm / 1e3)),
-        _ => Err(format!("`{text}` mm is no hand's length, expected 80 to 300")),
+        _ => Err(format!("`{text}` mm is not the length of a hand, expected 80 to 300")),
     }
 }
 
@@ -137,7 +137,7 @@ fn watch(tracker: &mut dyn Tracker, args: &Args) -> Result<Option<[f64; ANGLES]>
         }
         if samples.is_empty() && start.elapsed() > PATIENCE {
             let told = tracker.messages().join("; ");
-            return Err(CliError::Other(format!("{} tells no pose: {told}", args.address)));
+            return Err(CliError::Other(format!("{} sends no pose: {told}", args.address)));
         }
         std::thread::sleep(Duration::from_millis(1));
     }

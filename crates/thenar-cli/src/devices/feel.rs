@@ -73,7 +73,7 @@ fn agreed() -> Result<bool, CliError> {
     Ok(answer.trim() == "yes")
 }
 
-/// The hand that the tracker told of last, or soon tells of.
+/// The hand that the tracker reported last, or reports soon.
 fn side_of(tracker: &mut dyn Tracker) -> Side {
     let start = Instant::now();
     while start.elapsed() < Duration::from_secs(1) {

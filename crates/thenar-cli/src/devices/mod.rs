@@ -19,9 +19,9 @@ pub struct Args {
 
 #[derive(Debug, clap::Subcommand)]
 enum What {
-    /// What is plugged in, and what could be.
+    /// List connected devices and all drivers.
     List,
-    /// Show live what a device tells.
+    /// Show live what a device sends.
     Test(test::Args),
     /// Fit a glove to its wearer.
     Calibrate(calibrate::Args),

@@ -41,7 +41,7 @@ enum Measured {
 }
 
 impl Speeds {
-    /// Of a hand of this length \[m\].
+    /// Speeds of a hand of this length \[m\].
     pub fn new(side: Side, hand_length: f64) -> Self {
         let levers = LEVERS.map(|finger| finger.map(|lever| lever * hand_length / LEVER_HAND));
         Self { side, levers, last: None, digits: [0.0; DIGITS], wrist: Vec3::zeros() }
@@ -103,12 +103,12 @@ impl Speeds {
         }
     }
 
-    /// Of each fingertip along the pad's inward normal \[m/s\]: positive opens.
+    /// Speed of each fingertip along the pad's inward normal \[m/s\]: positive opens.
     pub fn opening(&self, now_ns: u64) -> [f64; DIGITS] {
         if self.known(now_ns) { self.digits } else { [0.0; DIGITS] }
     }
 
-    /// Of the wrist, world \[m/s\].
+    /// Velocity of the wrist, world \[m/s\].
     pub fn wrist(&self, now_ns: u64) -> Vec3 {
         if self.known(now_ns) { self.wrist } else { Vec3::zeros() }
     }

@@ -9,7 +9,7 @@ use thenar::model::Side;
 use thenar_link::{HandSample, Tracker, now_ns};
 use thenar_scene::live::LivePose;
 
-/// Show live what a device tells.
+/// Show live what a device sends.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Driver and address, such as `lucidgloves:/dev/ttyUSB0`.
@@ -61,7 +61,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     if let Some(tracker) = &mut device.tracker {
         watch(&mut **tracker, args)?;
     } else {
-        println!("{} tells no poses", args.address);
+        println!("{} sends no poses", args.address);
     }
     if args.feel {
         let Some(mut display) = device.display.take() else {
@@ -159,7 +159,7 @@ fn watch(tracker: &mut dyn Tracker, args: &Args) -> Result<(), CliError> {
         }
     }
     if tallies.iter().all(|tally| tally.count == 0) {
-        return Err(CliError::Other(format!("{} told no pose", args.address)));
+        return Err(CliError::Other(format!("{} sent no pose", args.address)));
     }
     Ok(())
 }

@@ -36,7 +36,7 @@ pub struct Minimum {
     pub jacobian: DMatrix<f64>,
     /// Steps made.
     pub iterations: u32,
-    /// Whether the last step was too small to matter.
+    /// True if the last step was too small to matter.
     pub converged: bool,
 }
 

@@ -57,7 +57,7 @@ pub struct Args {
     /// The zero of depth is certain: do not fit it.
     #[arg(long)]
     no_offset: bool,
-    /// An interval that spans a larger factor tells nothing.
+    /// An interval that spans a larger factor counts as unknown.
     #[arg(long, value_name = "FACTOR", default_value_t = 3.0)]
     factor: f64,
     /// Change a value of the scene, e.g. hand.hand.length=0.18; may be given several times.

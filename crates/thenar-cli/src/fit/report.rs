@@ -4,7 +4,7 @@ use super::assess::{Assessment, Scale};
 use super::unknowns::Unknown;
 use serde_json::{Value, json};
 
-/// What a fit is told with.
+/// What the report of a fit needs.
 pub struct Told<'a> {
     /// What was fitted.
     pub unknowns: &'a [Unknown],
@@ -12,7 +12,7 @@ pub struct Told<'a> {
     pub found: &'a Assessment,
     /// Rows of data.
     pub rows: usize,
-    /// Whether the search ended by itself.
+    /// True if the search ended by itself.
     pub converged: bool,
     /// Steps of the search.
     pub iterations: u32,
@@ -26,7 +26,7 @@ pub struct Told<'a> {
 fn persistence(found: &Assessment) -> Option<String> {
     (found.widened > 1.0).then(|| {
         format!(
-            "what is left of neighbouring rows is alike (correlation {:.2}): the model misses the data by more than \
+            "residuals of neighbouring rows are alike (correlation {:.2}): the model misses the data by more than \
              their noise, or the data were filtered; intervals are {:.1} times as wide as independent errors would make them",
             found.persistence, found.widened
         )
@@ -65,7 +65,7 @@ impl Told<'_> {
             }
         }
         out.push(format!(
-            "what is left: {} N (root mean square, {} rows less {} parameters); condition number {}",
+            "residual: {} N (root mean square, {} rows less {} parameters); condition number {}",
             digits(found.scatter),
             self.rows,
             names.len(),

@@ -35,7 +35,7 @@ impl Unknown {
         let (name, start) = match text.split_once('=') {
             Some((name, start)) => {
                 let start = start.trim();
-                let value: f64 = start.parse().map_err(|_| format!("`{start}` is no number"))?;
+                let value: f64 = start.parse().map_err(|_| format!("`{start}` is not a number"))?;
                 if !(value.is_finite() && value > 0.0) {
                     return Err(format!("`{text}`: a parameter starts above zero"));
                 }
@@ -63,7 +63,7 @@ impl Unknown {
                 "alpha" => "its law is not Ogden's",
                 _ => "it has no such term of memory (`relaxation`)",
             };
-            format!("`{name}` is no parameter of {}: {why}", flesh.prefix)
+            format!("`{name}` is not a parameter of {}: {why}", flesh.prefix)
         })?;
         Ok(Self {
             parameter: factor(name, unit, start),
@@ -161,7 +161,7 @@ mod tests {
             ("part5", "no parameter `part5`"),
             ("alpha", "its law is not Ogden's"),
             ("part1", "no such term of memory"),
-            ("young=x", "`x` is no number"),
+            ("young=x", "`x` is not a number"),
             ("young=-3", "starts above zero"),
             ("soft.pad.material.young", "needs a start"),
         ] {

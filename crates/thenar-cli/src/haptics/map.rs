@@ -19,7 +19,7 @@ pub struct Args {
     /// Moving mass of device and finger [kg].
     #[arg(long, default_value_t = 0.1, value_parser = positive)]
     mass: f64,
-    /// Their damping [N s/m].
+    /// Damping of device and finger [N s/m].
     #[arg(long, default_value_t = 1.0, value_parser = positive)]
     damping: f64,
     /// Damping of the coupling [N s/m].
@@ -34,7 +34,7 @@ pub struct Args {
         default_values_t = [250.0, 500.0, 1000.0, 2000.0, 4000.0, 8000.0]
     )]
     rates: Vec<f64>,
-    /// Delays beyond the hold [ms], separated by commas; places of the map whose delay is no whole number of
+    /// Delays beyond the hold [ms], separated by commas; places of the map whose delay is not a whole number of
     /// ticks are left out.
     #[arg(
         long,
@@ -92,7 +92,7 @@ fn map(args: &Args) -> Map {
     args.rates.iter().map(row).collect()
 }
 
-/// None where the delay is no whole number of ticks.
+/// None where the delay is not a whole number of ticks.
 fn cell(args: &Args, rate: f64, delay_ms: f64) -> Option<Cell> {
     let ticks = 1e-3 * delay_ms * rate;
     if (ticks - ticks.round()).abs() > 1e-9 {

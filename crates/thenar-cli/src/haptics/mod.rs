@@ -20,7 +20,7 @@ enum Command {
     Map(map::Args),
     /// The three modes of touch on one motion: stiffness, delay and energy.
     Compare(compare::Args),
-    /// A hand that gives way and a late tracker, in closed loop with a scene.
+    /// Close the loop with a virtual wearer and a late tracker.
     Rehearse(rehearse::Args),
 }
 

@@ -18,7 +18,7 @@ pub struct Tables {
     every: Every,
     scenes: u32,
     scene: Output,
-    /// Those that are complete.
+    /// Tables that are complete.
     done: Vec<Output>,
     channels: BTreeMap<u32, Output>,
     line: String,

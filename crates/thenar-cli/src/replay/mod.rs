@@ -18,7 +18,7 @@ use thenar_record::{Gap, Header};
 use thenar_scene::recording::{Event, Loss, Replay, ReplayError, TimeOf, Verdict};
 use thenar_scene::session::TakenBack;
 
-/// Make a recorded session again: verify it, export it, show it.
+/// Replay a recorded session: verify it, export it, show it.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// A recording, of `thenar record`, or of `--record` elsewhere.
@@ -27,7 +27,7 @@ pub struct Args {
     /// the same bits.
     #[arg(long)]
     verify: bool,
-    /// Begin at the last keyframe before this time of the recording, which is no later than its end [s].
+    /// Begin at the last keyframe before this time of the recording [s]; an error beyond its end.
     #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true)]
     from: f64,
     /// Write an MCAP file for Foxglove and Rerun.
@@ -208,7 +208,7 @@ fn tell(args: &Args, replay: &Replay, here: &Header) {
     }
 }
 
-/// Pieces of a damaged file, and gaps, that are told one by one.
+/// Pieces of a damaged file, and gaps, that are reported one by one.
 const TOLD_MAX: usize = 5;
 
 fn damaged(verdict: &Verdict) -> String {

@@ -10,7 +10,7 @@ pub struct GripNews {
 }
 
 impl GripNews {
-    /// Nothing is told yet.
+    /// Nothing is reported yet.
     pub fn new(session: &Session) -> Self {
         Self { told: vec![None; session.hands().len()] }
     }

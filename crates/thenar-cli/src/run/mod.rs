@@ -47,10 +47,10 @@ pub struct Args {
     /// Simulated time between moments of the VTK series [s].
     #[arg(long, value_name = "S", default_value_t = 1.0 / 30.0, requires = "vtk", allow_negative_numbers = true)]
     vtk_interval: f64,
-    /// Recording.
+    /// Options of the recording.
     #[command(flatten)]
     recording: RecordOptions,
-    /// Pictures.
+    /// Options of pictures.
     #[command(flatten)]
     pictures: PictureOptions,
     /// No progress bar and no summary.
@@ -98,9 +98,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     }
     recorded?;
     match outcome.interrupted {
-        true => {
-            Err(CliError::Other("interrupted; what was asked for is written up to here".into()))
-        }
+        true => Err(CliError::Other("interrupted; the outputs are written up to here".into())),
         false => Ok(TakenBack::judge(outcome.summary.non_finite, outcome.steps)?),
     }
 }

@@ -20,7 +20,7 @@ const JOINT_GAP_MAX: f64 = 5e-5;
 const MISSED_MAX: f64 = 5.0;
 const MISS_MAX: f64 = 1e-3;
 
-/// One figure of a soak and its limit, in the unit that is told.
+/// One figure of a soak and its limit, in the unit that is printed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figure {
     what: &'static str,
@@ -80,7 +80,7 @@ pub fn quality(e: &Extremes, h: f64) -> Vec<Figure> {
 mod tests {
     use super::*;
 
-    /// Which figures miss their limits.
+    /// Names of the figures that miss their limits.
     fn missed(e: &Extremes, h: f64) -> Vec<&'static str> {
         let all = soundness(e).into_iter().chain(quality(e, h));
         all.filter(|figure| !figure.kept).map(|figure| figure.what).collect()

@@ -126,7 +126,8 @@ fn one_file<'a>(
 fn read(file: &Path) -> Result<Map<String, Value>, CliError> {
     let wrong = |what: String| CliError::Input(format!("{}: {what}", file.display()));
     let text = thenar_input::read_text(file, BYTES_MAX).map_err(|e| wrong(e.to_string()))?;
-    serde_json::from_str(&text).map_err(|e| wrong(format!("this is no manifest of a sweep: {e}")))
+    serde_json::from_str(&text)
+        .map_err(|e| wrong(format!("this is not a manifest of a sweep: {e}")))
 }
 
 /// As `sha256sum` writes it.

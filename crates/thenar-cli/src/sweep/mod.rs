@@ -45,7 +45,7 @@ pub struct Args {
     /// Values of a key, e.g. hand.hand.friction=0.4,0.8; given several times, every combination is run.
     #[arg(long, value_name = "KEY=A,B,C")]
     vary: Vec<String>,
-    /// Cases instead, or to be combined with --vary: a CSV file whose columns are keys and whose rows are cases.
+    /// A CSV file of cases, alone or combined with --vary: columns are keys, rows are cases.
     #[arg(long, value_name = "FILE.csv")]
     table: Option<PathBuf>,
     /// Seeds, as 1,2,5 or 1..10 with both ends: all seeds that the scene states are set to each.
@@ -166,7 +166,7 @@ impl Place {
         })
     }
 
-    /// Keeps other processes from this shard; of no use where files cannot be locked, which is told.
+    /// Keeps other processes from this shard; of no use where files cannot be locked, which is reported.
     fn lock(&self, args: &Args) -> Result<Option<Lock>, CliError> {
         let Shard { number, count } = args.shard;
         let share = format!("{}: shard {number}/{count}", args.out.display());

@@ -129,7 +129,7 @@ impl Plan {
         Ok(files)
     }
 
-    /// Which choice of each group a case has; the last group changes fastest.
+    /// Number of the choice of each group in a case; the last group changes fastest.
     fn choices_of(&self, case: u64) -> Vec<usize> {
         let mut rest = case;
         let mut at = vec![0; self.groups.len()];

@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering::Relaxed};
 use std::sync::{Mutex, PoisonError};
 use thenar_input::brief;
 
-/// Most failures that are told one by one: what a person reads.
+/// Most failures that are reported one by one: what a person reads.
 const TOLD_MAX: u64 = 20;
 
 /// Runs the cases that have no record yet and writes theirs.

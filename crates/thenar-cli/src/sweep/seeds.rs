@@ -10,7 +10,7 @@ const SEEDS_MAX: u32 = 1_000_000;
 /// Reads `1,2,5` or `1..10`, both ends in it.
 ///
 /// # Errors
-/// A seed is no whole number from 0, or there twice; the range is empty or too long.
+/// A seed is not a whole number from 0, or there twice; the range is empty or too long.
 pub fn parse(text: &str) -> Result<Vec<u32>, CliError> {
     let wrong = |what: &str| CliError::Input(format!("--seeds {}: {what}", quoted(text)));
     let form = "expected whole numbers from 0, as 1,2,5 or 1..10";

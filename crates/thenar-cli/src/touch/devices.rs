@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use thenar_link::haptic_loop::{HapticLoop, LoopMode, Remote, STATEMENT, Settings, Watcher};
 use thenar_link::{ForceDisplay, LinkError, Tracker};
 
-/// Which devices, and how they are felt.
+/// Devices, and how they are felt.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct DeviceOptions {
     /// A tracker, a force display, or both, e.g. lucidgloves:/dev/ttyUSB0 (see `thenar devices`); may
@@ -14,7 +14,7 @@ pub struct DeviceOptions {
     /// without hardware.
     #[arg(long = "device", value_name = "NAME:ADDRESS")]
     pub devices: Vec<String>,
-    /// What stands between the hand and the simulation.
+    /// How touch joins the tracked hand and the simulation.
     #[arg(long, value_enum, default_value_t, requires = "devices")]
     pub mode: ModeWord,
     /// Let forces through from the start. Without it the displays get zeros until somebody arms

@@ -31,10 +31,10 @@ pub struct Args {
     /// Change a value of the scene, e.g. solver.cone=linearised; may be given several times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     set: Vec<String>,
-    /// Devices.
+    /// Options of devices.
     #[command(flatten)]
     devices: DeviceOptions,
-    /// Recording.
+    /// Options of the recording.
     #[command(flatten)]
     recording: RecordOptions,
     /// No line per second.

@@ -3,7 +3,7 @@
 use crate::error::CliError;
 use std::path::PathBuf;
 
-/// Its name as a device.
+/// Name of the simulated glove as a device.
 pub const SIMULATED: &str = "simulated";
 
 #[cfg(unix)]
@@ -78,7 +78,7 @@ pub struct WavingGlove;
 
 #[cfg(not(unix))]
 impl WavingGlove {
-    /// Refuses.
+    /// Refuses: there is no pseudo-terminal here.
     ///
     /// # Errors
     /// Always.
@@ -86,7 +86,7 @@ impl WavingGlove {
         Err(CliError::Input("this system has no pseudo-terminals for a simulated glove".into()))
     }
 
-    /// None.
+    /// No address.
     pub fn address(&self) -> String {
         PathBuf::new().display().to_string()
     }

@@ -44,7 +44,7 @@ pub struct Case {
 /// Why a case could not be run.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum CaseError {
-    /// Its scene was refused.
+    /// The scene was refused.
     #[error(transparent)]
     Scene(#[from] thenar_scene::SceneError),
     /// The scene has no such probe column.
@@ -92,7 +92,7 @@ pub enum Check {
     Report,
 }
 
-/// Whether a figure is met.
+/// What became of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// The figure lies within its band.
@@ -186,7 +186,7 @@ impl Figure {
         }
     }
 
-    /// Whether it is met. What is not a number is never met.
+    /// What became of the figure. What is not a number is never met.
     pub fn outcome(&self) -> Outcome {
         let met = match self.check {
             Check::Absolute(tolerance) | Check::Relative(tolerance) => {

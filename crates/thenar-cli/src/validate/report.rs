@@ -8,14 +8,14 @@ use serde_json::{Value, json};
 pub struct Finding {
     /// The case.
     pub case: Case,
-    /// Its figures, or why it could not be run.
+    /// Figures of the case, or why it could not be run.
     pub figures: Result<Vec<Figure>, CaseError>,
     /// How long it took \[s\].
     pub wall_s: f64,
 }
 
 impl Finding {
-    /// It ran, and no figure fails.
+    /// True if the case ran, and no figure fails.
     pub fn passes(&self) -> bool {
         let fails = |f: &Figure| f.outcome() == Outcome::Fail;
         self.figures.as_ref().is_ok_and(|list| !list.is_empty() && !list.iter().any(fails))

@@ -10,11 +10,11 @@ pub const LOCAL_HEIGHT: f32 = 1.5;
 /// A joint: position \[m\] in the stage, +y up; rotation x y z w; radius \[m\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Joint {
-    /// \[m\]
+    /// Position \[m\].
     pub position: [f32; 3],
     /// x y z w
     pub rotation: [f32; 4],
-    /// \[m\]
+    /// Radius \[m\].
     pub radius: f32,
 }
 

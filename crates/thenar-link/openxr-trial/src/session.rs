@@ -25,7 +25,7 @@ pub struct Instance {
     pub lost: bool,
 }
 
-/// Its session.
+/// A session of the runtime, and what has become of it.
 #[derive(Debug)]
 pub struct Session {
     pub handle: u64,
@@ -37,7 +37,7 @@ pub struct Session {
     pub trackers: Vec<(u64, usize, u64)>,
 }
 
-/// Everything.
+/// Everything that the runtime has handed out.
 #[derive(Debug, Default)]
 pub struct Known {
     last_handle: u64,

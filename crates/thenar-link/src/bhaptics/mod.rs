@@ -121,7 +121,7 @@ impl Protocol for Bhaptics {
         _: &mut dyn FnMut(&[u8]),
     ) {
         let Ok(status) = serde_json::from_slice::<Status>(bytes) else {
-            return event(Event::Refused("the player sent what is no status".into()));
+            return event(Event::Refused("the player sent something that is not a status".into()));
         };
         event(Event::Alive);
         let Some(mut gloves) = status.connected else { return };

@@ -148,7 +148,7 @@ fn fit(means: &[[f64; ANGLES]]) -> Fitted {
         let xy: f64 = pairs.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
         let gain = xy / xx;
         if xx < 0.5 * CHANGE_MIN * CHANGE_MIN || !gain.is_finite() || gain == 0.0 {
-            fitted.remarks.push(format!("sensor {name} hardly moved: it is left as it was"));
+            fitted.remarks.push(format!("sensor {name} hardly moved: it stays unchanged"));
             continue;
         }
         let round = |x: f64| Value::Float((x * 1e4).round() / 1e4);

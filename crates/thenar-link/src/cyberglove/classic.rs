@@ -67,7 +67,9 @@ impl Classic {
                     values.len()
                 )));
             }
-            _ => event(Event::Refused("bytes that are no record: noise or another speed".into())),
+            _ => {
+                event(Event::Refused("bytes that are not a record: noise or another speed".into()))
+            }
         }
         self.clear(bytes);
     }

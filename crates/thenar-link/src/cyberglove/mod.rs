@@ -58,7 +58,7 @@ impl Driver for CyberGloveDriver {
     }
 }
 
-/// `cyberglove3:PORT`.
+/// Driver of addresses `cyberglove3:PORT`.
 pub struct CyberGlove3Driver;
 
 impl Driver for CyberGlove3Driver {

@@ -17,7 +17,7 @@ pub const SHIPPED_3: &str = include_str!("../../profiles/cyberglove3.toml");
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Profile {
-    /// Who wears it.
+    /// The hand that wears the glove.
     pub hand: Hand,
     /// Where the wrist is, or the forearm if the glove's own wrist sensors turn it.
     pub wrist: Wrist,
@@ -31,7 +31,7 @@ pub struct Profile {
     pub sensors: BTreeMap<String, Sensor>,
 }
 
-/// `[glove]`.
+/// The table `[glove]`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Glove {
@@ -39,7 +39,7 @@ pub struct Glove {
     pub sensors: usize,
     /// Raw value that counts as 1.
     pub full_scale: f64,
-    /// Its wrist sensors turn the hand.
+    /// True if the glove's wrist sensors turn the hand.
     pub wrist_turns: bool,
 }
 
@@ -95,7 +95,7 @@ impl Check for Profile {
         }
         for (name, sensor) in &self.sensors {
             if !NAMES.contains(&name.as_str()) {
-                let cause = format!("is no sensor; there are {}", NAMES.join(", "));
+                let cause = format!("is not a sensor; there are {}", NAMES.join(", "));
                 return Err((format!("sensors.{name}"), cause));
             }
             if !(sensor.gain.abs() <= 1000.0 && sensor.offset.abs() <= 10.0) {

@@ -6,7 +6,7 @@ use thenar_scene::motion::ANGLES;
 /// Sensors of the larger gloves.
 pub const SENSORS: usize = 22;
 
-/// Their names in profiles, in the order in which 22-sensor gloves send them.
+/// Names of the sensors in profiles, in the order in which 22-sensor gloves send them.
 pub const NAMES: [&str; SENSORS] = [
     "thumb_roll",
     "thumb_mpj",
@@ -32,7 +32,7 @@ pub const NAMES: [&str; SENSORS] = [
     "wrist_yaw",
 ];
 
-/// Those of the four outer finger joints, which gloves with 18 sensors lack.
+/// Sensors of the four outer finger joints, which gloves with 18 sensors lack.
 const OUTER: [usize; 4] = [6, 9, 13, 17];
 /// An outer finger joint bends so much of the middle one's flexion.
 const OUTER_PER_MIDDLE: f64 = 2.0 / 3.0;

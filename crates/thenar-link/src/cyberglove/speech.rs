@@ -17,7 +17,7 @@ pub struct Speech {
 }
 
 impl Speech {
-    /// These words, with a pause between them, said again after a silence \[ns\].
+    /// A dialogue of `words`, with a pause between them, repeated after a silence \[ns\].
     pub fn new(words: &'static [&'static [u8]], pace_ns: u64, silence_ns: u64) -> Self {
         Self { words, pace_ns, silence_ns, next: None, heard_ns: 0, streams: false }
     }

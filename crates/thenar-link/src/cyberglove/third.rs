@@ -73,7 +73,7 @@ impl Third {
         }
     }
 
-    /// Whether the packet in front is one, and not the beginning of one and what came after bytes were lost: every
+    /// True if the packet in front is one, and not the beginning of one and what came after bytes were lost: every
     /// sensor is within its range, and no other packet begins within it.
     fn is_whole(&self) -> bool {
         let most = self.profile.glove.full_scale.max(CONVERTER_MAX);
@@ -98,7 +98,7 @@ fn is_time(bytes: &[u8]) -> bool {
     bytes.len() >= TIME && may_be_time(bytes)
 }
 
-/// The same as far as there are bytes.
+/// True if the bytes that are there can begin a time.
 fn may_be_time(bytes: &[u8]) -> bool {
     let fits = |(k, byte): (usize, &u8)| match k {
         2 | 5 | 8 | 11 => *byte == b':',

@@ -31,7 +31,7 @@ pub const COMMAND: usize = 28;
 pub const ANSWER: usize = 8;
 const COMMAND_MARK: &[u8; 4] = b"TGRP";
 const ANSWER_MARK: &[u8; 4] = b"TGRA";
-/// The unit is told so often even when nothing changes \[ns\].
+/// Longest time between two messages to the unit, even when nothing changes \[ns\].
 const PERIOD_NS: u64 = 1_000_000;
 
 /// The profile's content.
@@ -112,7 +112,7 @@ impl Protocol for CyberGrasp {
                 // It may be the first byte of the next.
                 self.answer.clear();
                 self.answer.extend(Some(*byte).filter(|byte| *byte == ANSWER_MARK[0]));
-                event(Event::Refused("bytes that are no answer of a CyberGrasp bridge".into()));
+                event(Event::Refused("bytes that are not an answer of a CyberGrasp bridge".into()));
             } else if self.answer.len() == ANSWER {
                 self.answer.clear();
                 event(Event::Alive);
@@ -149,7 +149,7 @@ impl Protocol for CyberGrasp {
     }
 }
 
-/// `cybergrasp:HOST:PORT`.
+/// Driver of addresses `cybergrasp:HOST:PORT`.
 pub struct CyberGraspDriver;
 
 impl Driver for CyberGraspDriver {

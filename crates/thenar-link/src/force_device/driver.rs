@@ -11,7 +11,7 @@ use std::net::ToSocketAddrs;
 /// UDP port of a bridge unless another is given.
 pub const PORT: u16 = 9020;
 
-/// `force-device:ARM@HOST:PORT`.
+/// Driver of addresses `force-device:ARM@HOST:PORT`.
 pub struct ForceDeviceDriver;
 
 impl Driver for ForceDeviceDriver {
@@ -43,7 +43,7 @@ impl Driver for ForceDeviceDriver {
         let host = if place.is_empty() { "127.0.0.1" } else { place };
         let with_port = host_and_port(host, Some(PORT)).map_err(refuse)?;
         let (Some(arm), Some(setup)) = (profile.chosen(), profile.setup()) else {
-            return Err(refuse(format!("`{}` is no arm", profile.arm)));
+            return Err(refuse(format!("`{}` is not an arm", profile.arm)));
         };
         let display = DisplayTraits {
             rendering: Rendering::Wrench,

@@ -30,7 +30,7 @@ const SILENCE_NS: u64 = 20_000_000;
 const RESTART_NS: u64 = 100_000_000;
 /// How long the fingers take to close when the button is pressed \[s\].
 const CLOSING: f64 = 0.15;
-/// Lost states are told of so often \[ns\], if more than one in a hundred was.
+/// Time between reports of lost states \[ns\], made if more than one in a hundred was lost.
 const REPORT_NS: u64 = 10_000_000_000;
 
 /// Where the device stands and how it is held.

@@ -18,9 +18,9 @@ pub const SHIPPED: &str = include_str!("../../profiles/force-device.toml");
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Profile {
-    /// Which of `arms` it is.
+    /// Name of the arm, one of `arms`.
     pub arm: String,
-    /// Who holds it.
+    /// The hand that holds the handle.
     pub hand: Hand,
     /// The arm's frame in the world.
     pub base: Place,
@@ -36,7 +36,7 @@ pub struct Profile {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Place {
-    /// \[m\]
+    /// Position \[m\].
     pub position: [f64; 3],
     /// x y z w
     pub rotation: [f64; 4],
@@ -46,9 +46,9 @@ pub struct Place {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Grip {
-    /// Up.
+    /// Angles of the digits with the handle's button up.
     pub open: [DigitAngles; 5],
-    /// Down.
+    /// Angles of the digits with the handle's button down.
     pub closed: [DigitAngles; 5],
 }
 
@@ -56,7 +56,7 @@ pub struct Grip {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Arm {
-    /// Its name, for a person.
+    /// Name of the arm, for a person.
     pub title: String,
     /// Largest force \[N\].
     pub force_max: f64,
@@ -66,7 +66,7 @@ pub struct Arm {
     pub stiffness_max: f64,
     /// Viscous damping of the mechanism \[N s/m\].
     pub damping: f64,
-    /// Its Coulomb friction \[N\].
+    /// Coulomb friction of the arm \[N\].
     pub friction: f64,
     /// Position resolution \[m\].
     pub resolution: f64,
@@ -140,7 +140,7 @@ impl Check for Profile {
         }
         let Some(arm) = self.chosen() else {
             let known: Vec<_> = self.arms.keys().map(String::as_str).collect();
-            let cause = format!("`{}` is no arm; there are {}", self.arm, known.join(", "));
+            let cause = format!("`{}` is not an arm; there are {}", self.arm, known.join(", "));
             return Err(("arm".into(), cause));
         };
         let ranges = [

@@ -150,11 +150,13 @@ fn shipped_arms_are_sound_and_a_wrong_one_is_named() {
         assert!(profile.setup().is_some());
     }
     profile.arm = "hammer".into();
-    assert!(profile.check().unwrap_err().1.starts_with("`hammer` is no arm; there are desktop,"));
+    assert!(
+        profile.check().unwrap_err().1.starts_with("`hammer` is not an arm; there are desktop,")
+    );
     let told = |address: &str| crate::open(address).map(|_| ()).unwrap_err().to_string();
-    assert!(told("force-device:hammer@").contains("`hammer` is no arm"));
+    assert!(told("force-device:hammer@").contains("`hammer` is not an arm"));
     assert!(told("force-device:host:port").contains("has no port from 1 to 65535"));
-    assert!(told("force-device:x?speed=1").contains("`speed=1` is no option"));
+    assert!(told("force-device:x?speed=1").contains("`speed=1` is not an option"));
 }
 
 #[test]

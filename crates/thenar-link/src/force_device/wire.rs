@@ -30,7 +30,7 @@ pub struct Command {
     pub time_ns: u64,
     /// In the device's frame \[N\].
     pub force: Vec3,
-    /// \[N m\]
+    /// Torque \[N m\].
     pub torque: Vec3,
 }
 
@@ -43,7 +43,7 @@ pub struct State {
     pub time_ns: u64,
     /// In the device's frame.
     pub pose: Pose,
-    /// \[m/s\]
+    /// Velocity \[m/s\].
     pub velocity: Vec3,
     /// Bit 0 is the first.
     pub buttons: u32,
@@ -55,7 +55,7 @@ pub enum WireError {
     /// Another length.
     #[error("a datagram of {got} bytes; expected {expected}")]
     Length {
-        /// Its length.
+        /// Length of the message \[bytes\].
         got: usize,
         /// That of its kind.
         expected: usize,

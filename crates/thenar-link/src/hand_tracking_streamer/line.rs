@@ -31,7 +31,7 @@ impl Line {
     /// Reads `LABEL[ | f=<int> | t=<int>]: v1, v2, …`. Metadata that are not known are left out,
     /// as are empty values; everything else must fit.
     pub fn read(bytes: &[u8]) -> Result<Self, String> {
-        let text = std::str::from_utf8(bytes).map_err(|_| "a line that is no UTF-8")?;
+        let text = std::str::from_utf8(bytes).map_err(|_| "a line that is not UTF-8")?;
         let (head, values) = text.split_once(':').ok_or("a line without `:`")?;
         let mut parts = head.split('|').map(str::trim);
         let label = parts.next().unwrap_or_default();
@@ -44,7 +44,7 @@ impl Line {
                 _ => continue,
             };
             let value = value.trim().parse();
-            *place = Some(value.map_err(|_| format!("`{}` is no whole number", short(part)))?);
+            *place = Some(value.map_err(|_| format!("`{}` is not a whole number", short(part)))?);
         }
         let mut words = label.split_ascii_whitespace().map(str::to_ascii_lowercase);
         let (who, what) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
@@ -62,7 +62,7 @@ impl Line {
                 numbers::<7>(values)?;
                 Body::Head
             }
-            _ => return Err(format!("`{}` is no label that is known", short(label))),
+            _ => return Err(format!("`{}` is not a known label", short(label))),
         };
         Ok(Self { frame, time, body })
     }
@@ -80,7 +80,7 @@ fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
     for word in text.split(',').map(str::trim).filter(|word| !word.is_empty()) {
         if let Some(number) = numbers.get_mut(count) {
             let value = word.parse().ok().filter(|value: &f64| value.is_finite());
-            *number = value.ok_or_else(|| format!("`{}` is no number", short(word)))?;
+            *number = value.ok_or_else(|| format!("`{}` is not a number", short(word)))?;
         }
         count += 1;
     }
@@ -152,19 +152,19 @@ mod tests {
         let cases = [
             ("", "without `:`"),
             ("hello", "without `:`"),
-            ("Right elbow: 1,2,3", "no label"),
-            ("Right: 1", "no label"),
-            ("Head wrist: 1,2,3,0,0,0,1", "no label"),
-            ("Right wrist extra: 1,2,3,0,0,0,1", "no label"),
+            ("Right elbow: 1,2,3", "not a known label"),
+            ("Right: 1", "not a known label"),
+            ("Head wrist: 1,2,3,0,0,0,1", "not a known label"),
+            ("Right wrist extra: 1,2,3,0,0,0,1", "not a known label"),
             ("Right wrist: 1,2,3,0,0,0", "6 numbers; expected 7"),
             ("Right wrist: 1,2,3,0,0,0,1,1", "8 numbers; expected 7"),
             ("Right landmarks: 1,2,3", "3 numbers; expected 63"),
-            ("Right wrist: 1,2,x,0,0,0,1", "`x` is no number"),
-            ("Right wrist: 1,2,nan,0,0,0,1", "`nan` is no number"),
-            ("Right wrist: 1,2,1e999,0,0,0,1", "no number"),
+            ("Right wrist: 1,2,x,0,0,0,1", "`x` is not a number"),
+            ("Right wrist: 1,2,nan,0,0,0,1", "`nan` is not a number"),
+            ("Right wrist: 1,2,1e999,0,0,0,1", "not a number"),
             ("Right wrist: 1,2,300,0,0,0,1", "out of reach"),
             ("Right wrist: 1,2,3,0,0,0,2", "length 2"),
-            ("Right wrist | f=1.5: 1,2,3,0,0,0,1", "`f=1.5` is no whole number"),
+            ("Right wrist | f=1.5: 1,2,3,0,0,0,1", "`f=1.5` is not a whole number"),
         ];
         for (text, cause) in cases {
             let error = read(text).unwrap_err();

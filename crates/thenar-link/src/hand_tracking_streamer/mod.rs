@@ -30,7 +30,7 @@ const TOGETHER_NS: u64 = 5_000_000;
 /// Landmarks whose first is nearer to the origin are in the wrist's frame \[m\].
 const LOCAL: f64 = 1e-3;
 
-/// Which frame landmarks are in.
+/// The frame that landmarks are in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Points {
     /// Seen from the first landmark.
@@ -167,7 +167,7 @@ fn hear(
     }
 }
 
-/// Whether two lines are of one frame.
+/// True if two lines are of one frame.
 fn together<A, B>(a: &Part<A>, b: &Part<B>) -> bool {
     match (a.frame, b.frame) {
         (Some(a), Some(b)) => a == b,

@@ -16,7 +16,7 @@ pub struct Ability {
     pub rendering: Rendering,
     /// Limits of its forces.
     pub limits: Limits,
-    /// Of its torques, for one that renders any.
+    /// Limits of torques, for a display that renders any.
     pub torque_limits: Option<Limits>,
 }
 

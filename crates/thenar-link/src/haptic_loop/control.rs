@@ -1,4 +1,4 @@
-//! What others may ask of the loop, from any thread and at any time, and what they are told.
+//! Requests to the loop, from any thread and at any time, and its answers.
 
 use super::histogram::Histogram;
 use crate::Rendering;
@@ -147,22 +147,22 @@ impl State {
 /// One device, as of some tenths of a second ago.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeviceStatus {
-    /// Its address, such as `lucidgloves:/dev/ttyUSB0`.
+    /// Address of the device, such as `lucidgloves:/dev/ttyUSB0`.
     pub name: String,
-    /// It is reached.
+    /// True while the device is reached.
     pub connected: bool,
     /// Since it last said something that made sense \[s\]; `None` before the first time.
     pub silence: Option<f64>,
-    /// It tells where hands are.
+    /// True if the device tracks hands.
     pub tracks: bool,
-    /// It shows forces.
+    /// True if the device shows forces.
     pub shows: bool,
 }
 
 /// One hand, as of the last tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HandStatus {
-    /// Which.
+    /// Side of the hand.
     pub side: Side,
     /// A tracker moves it now.
     pub tracked: bool,
@@ -170,7 +170,7 @@ pub struct HandStatus {
     pub tracker: Option<u8>,
     /// Age of the simulation's frame \[s\].
     pub simulation_age: f64,
-    /// Which display it feels, and what that renders.
+    /// The display that the hand feels, by its number, and what that display renders.
     pub display: Option<(u8, Rendering)>,
     /// Stiffest that a blocked finger is felt \[N/m\], and the delay from motion to force that bounds it \[s\].
     pub felt_stiffness: f64,
@@ -185,7 +185,7 @@ pub struct HandStatus {
 /// How the loop does.
 #[derive(Clone, Debug, Default)]
 pub struct Status {
-    /// Of the display that passes least.
+    /// State of the display that passes least.
     pub state: State,
     /// Ticks per second wanted.
     pub rate_hz: f64,

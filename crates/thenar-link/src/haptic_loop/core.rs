@@ -33,7 +33,7 @@ pub struct Core {
 /// When a tick happened.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TickTime {
-    /// Now \[ns\].
+    /// Present time \[ns\].
     pub now_ns: u64,
     /// Later than due by \[ns\].
     pub late_ns: u64,
@@ -72,7 +72,7 @@ impl Core {
         })
     }
 
-    /// Guards, all off, for so many hands; allocates, so it is called outside the loop.
+    /// Guards, all off, for a number of hands; allocates, so it is called outside the loop.
     ///
     /// # Errors
     /// As [`Core::new`].

@@ -32,7 +32,7 @@ pub struct LoopHand {
     report: HandReport,
     last_ns: Option<u64>,
     beginnings: u64,
-    /// Who moves the hand, and when its newest sample came.
+    /// Number of the tracker that moves the hand, and when its newest sample came \[ns\].
     tracker: Option<(usize, u64)>,
     /// Time of the sample that the last tick took, if it took one \[ns\].
     fresh_ns: Option<u64>,
@@ -80,7 +80,7 @@ impl LoopHand {
         }
     }
 
-    /// Which hand.
+    /// Side of the hand.
     pub fn side(&self) -> Side {
         self.side
     }
@@ -289,7 +289,7 @@ impl LoopHand {
         self.fresh_ns
     }
 
-    /// Who moves it.
+    /// What moves the hand.
     pub fn mover(&self) -> Mover {
         self.live.mover()
     }

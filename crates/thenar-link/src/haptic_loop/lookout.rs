@@ -10,7 +10,7 @@ pub struct Lookouts {
 }
 
 impl Lookouts {
-    /// Of these.
+    /// Lookouts of these trackers and displays.
     pub fn of(trackers: &[Box<dyn Tracker>], displays: &[Box<dyn ForceDisplay>]) -> Self {
         Self {
             trackers: trackers.iter().map(|tracker| tracker.lookout()).collect(),

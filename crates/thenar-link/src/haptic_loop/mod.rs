@@ -186,7 +186,7 @@ impl HapticLoop {
         let thread = std::thread::Builder::new().name(name.into()).spawn(guarded);
         let failed = |e: std::io::Error| LinkError::Setting {
             what: "the haptic loop".into(),
-            cause: format!("no thread for it: {e}"),
+            cause: format!("cannot start a thread: {e}"),
         };
         self.threads.push(thread.map_err(failed)?);
         Ok(())
@@ -267,7 +267,7 @@ fn bounds_of(settings: &Settings, displays: &[Box<dyn ForceDisplay>]) -> Bounds 
 
 /// What each display can do, and within which limits.
 fn limits_of(settings: &Settings, displays: &[Box<dyn ForceDisplay>]) -> Vec<Ability> {
-    // Written so that what is no number is refused where it is checked.
+    // Written so that what is not a number is refused where it is checked.
     let allowed = |own: Limits| match settings.user_fraction {
         Some(fraction) if fraction > own.user_fraction => own,
         Some(user_fraction) => Limits { user_fraction, ..own },
@@ -310,7 +310,7 @@ fn share(
     Ok((shared, monitored))
 }
 
-/// The same loop without its threads and clocks: whoever holds it says when it ticks. For tests and
+/// A haptic loop without threads and clocks: whoever holds it says when it ticks. For tests and
 /// benches.
 pub struct ManualLoop {
     shared: Arc<Shared>,

@@ -16,9 +16,9 @@ use thenar::haptic::safety;
 
 /// Between two looks.
 const EVERY: Duration = Duration::from_millis(10);
-/// Devices are asked for messages every so many looks.
+/// Looks of the monitor between two requests for the devices' messages.
 const MESSAGES_EVERY: u32 = 50;
-/// And looked at so often.
+/// Looks of the monitor between two looks at the devices.
 const DEVICES_EVERY: u32 = 10;
 /// Messages that are kept.
 const MESSAGES: usize = 50;
@@ -40,7 +40,7 @@ pub struct Monitor {
     pub warnings: Vec<String>,
     /// Devices are asked through these, so that the loop has them to itself.
     pub messengers: Vec<Messenger>,
-    /// And through these whether they are there.
+    /// Through these the monitor sees which devices are there.
     pub lookouts: Lookouts,
     /// What each display renders, within which limits.
     pub displays: Vec<Ability>,

@@ -5,15 +5,15 @@ use std::mem::{Discriminant, discriminant};
 use thenar::haptic::safety::{Pause, Status};
 use thenar::model::Side;
 
-/// A kind of pause is told of again after so long \[ns\].
+/// Least time between two reports of one kind of pause \[ns\].
 const AGAIN_NS: u64 = 1_000_000_000;
 
-/// Which displays let forces through, and pauses not told of yet.
+/// The displays that let forces through, and pauses not yet reported.
 #[derive(Default)]
 pub struct Pauses {
     passing: Vec<(u8, Side)>,
     untold: Vec<Pause>,
-    /// When each kind was last told of \[ns\].
+    /// When each kind was last reported \[ns\].
     told: Vec<(Discriminant<Pause>, u64)>,
 }
 

@@ -18,7 +18,7 @@ use thenar::world::ModelError;
 use thenar_scene::live::LiveError;
 use thenar_scene::session::Session;
 
-/// What stands between the hand and the simulation.
+/// How touch joins the tracked hand and the simulation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LoopMode {
     /// Proxies, and the simulation's newest bones carried forward: the paper's.
@@ -40,7 +40,7 @@ pub enum PortError {
     /// A hand cannot be moved.
     #[error(transparent)]
     Live(#[from] LiveError),
-    /// Its bones cannot have proxies.
+    /// The bones of a hand cannot have proxies.
     #[error(transparent)]
     Proxies(#[from] ProxyError),
     /// A device's limits make no sense.

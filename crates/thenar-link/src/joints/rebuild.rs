@@ -63,9 +63,9 @@ pub enum RebuildError {
     /// Too far from the wrist.
     #[error("point {point} is {distance:.2} m from the wrist; a hand is smaller than {HAND_MAX} m")]
     TooLarge {
-        /// Which.
+        /// Number of the point.
         point: usize,
-        /// \[m\]
+        /// Distance \[m\].
         distance: f64,
     },
     /// Wrist and knuckles lie on a line or on each other.

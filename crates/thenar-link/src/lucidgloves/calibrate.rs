@@ -44,7 +44,7 @@ impl Calibrate for LucidGlovesDriver {
             if (range[1] - range[0]).abs() < CHANGE_MIN {
                 fitted
                     .remarks
-                    .push(format!("the {name}'s sensor hardly moved: it is left as it was"));
+                    .push(format!("the {name}'s sensor hardly moved: it stays unchanged"));
                 continue;
             }
             let raw = range.map(|x| Value::Float((x.clamp(0.0, 1.0) * 1e4).round() / 1e4));

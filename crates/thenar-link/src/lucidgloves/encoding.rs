@@ -20,7 +20,7 @@ pub struct State {
     pub joints: [[Option<u16>; 4]; 5],
     /// Splay of each finger.
     pub splay: [Option<u16>; 5],
-    /// It was in the older encoding, and expects that.
+    /// True if the line was in the older encoding; the glove then expects that one.
     pub legacy: bool,
 }
 
@@ -43,7 +43,7 @@ pub struct Info {
     pub firmware: Option<u32>,
     /// Kind of glove.
     pub kind: Option<u32>,
-    /// Which hand; 0 left, 1 right.
+    /// Side of the hand: 0 left, 1 right.
     pub hand: Option<u32>,
 }
 
@@ -152,7 +152,7 @@ fn within(value: u16, analog_max: u16) -> Option<u16> {
     (value <= analog_max).then_some(value)
 }
 
-/// What the glove is told: where each finger is stopped, 0 free to 1000 blocked open. Always all
+/// The line to the glove: where each finger is stopped, 0 free to 1000 blocked open. Always all
 /// five, since the firmware takes a missing one for 0.
 pub fn stops(stops: &[u16; 5], legacy: bool) -> String {
     let [a, b, c, d, e] = stops.map(|stop| stop.min(1000));

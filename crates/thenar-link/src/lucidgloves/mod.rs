@@ -98,7 +98,7 @@ fn connect(name: &str, place: &str, from: Option<IpAddr>, baud: u32) -> Result<C
     };
     let port = match port.strip_prefix(':') {
         None if port.is_empty() => WIFI_PORT,
-        Some(port) => port.parse().map_err(|_| refuse(format!("`{port}` is no port number")))?,
+        Some(port) => port.parse().map_err(|_| refuse(format!("`{port}` is not a port number")))?,
         None => return Err(refuse("expected `wifi` or `wifi:PORT`".into())),
     };
     let at = (Ipv4Addr::UNSPECIFIED, port).into();

@@ -14,7 +14,7 @@ pub const SHIPPED: &str = include_str!("../../profiles/lucidgloves.toml");
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Profile {
-    /// Who wears it.
+    /// The hand that wears the glove.
     pub hand: Hand,
     /// Where the wrist is.
     pub wrist: Wrist,
@@ -24,7 +24,7 @@ pub struct Profile {
     pub tracking: Tracking,
     /// All sensors.
     pub sensors: Sensors,
-    /// Thumb.
+    /// Calibration of the thumb.
     pub thumb: Digit,
     /// Index finger.
     pub index: Digit,
@@ -38,7 +38,7 @@ pub struct Profile {
     pub display: Display,
 }
 
-/// `[sensors]`.
+/// The table `[sensors]`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sensors {
@@ -48,7 +48,7 @@ pub struct Sensors {
     pub splay_deg: f64,
 }
 
-/// `[thumb]` to `[little]`.
+/// One of the tables `[thumb]` to `[little]`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Digit {
@@ -56,9 +56,9 @@ pub struct Digit {
     pub raw: [f64; 2],
     /// Angles of the open finger \[degrees\].
     pub open: DigitAngles,
-    /// Of the closed finger \[degrees\].
+    /// Angles of the closed finger \[degrees\].
     pub closed: DigitAngles,
-    /// Which way splay spreads: 1, -1, or 0 for not at all.
+    /// Sense in which splay spreads: 1, -1, or 0 for not at all.
     pub splay: f64,
 }
 

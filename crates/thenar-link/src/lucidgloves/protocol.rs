@@ -26,9 +26,9 @@ const HOLD_NS: u64 = 20_000_000;
 /// So many lines may lie before a glove when it speaks again, besides those that it was nudged with:
 /// far more than its port holds.
 const UNREAD_MAX: u32 = 64;
-/// Every so many nudges a silent glove is asked to start its stream.
+/// Number of nudges after which a silent glove is asked to start its stream.
 const NUDGES_PER_START: u32 = 20;
-/// Lines sent before the glove asked for them: so many at most, except to release.
+/// Most lines sent before the glove asked for them, except to release.
 const AHEAD_MAX: u32 = 1;
 
 /// The protocol.
@@ -52,7 +52,7 @@ pub struct LucidGloves {
     heard_ns: u64,
     nudged_ns: u64,
     nudges: u32,
-    /// It has told which hand it is.
+    /// True once the glove has said which hand it is.
     known: bool,
 }
 
@@ -154,7 +154,7 @@ impl Protocol for LucidGloves {
                     self.understand(line, now_ns, event);
                 }
                 None => event(Event::Refused(
-                    "a line is no glove's: noise, another speed or another device".into(),
+                    "a line is not from a glove: noise, another speed or another device".into(),
                 )),
             }
             // Whatever the line was, the glove now waits.

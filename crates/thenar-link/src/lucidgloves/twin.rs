@@ -20,7 +20,7 @@ pub struct LucidGlovesTwin {
     pub sensors: State,
     /// The servos: 0 free to 1000 blocked open.
     pub servos: [u16; 5],
-    /// It is compiled to speak the older encoding.
+    /// True if the firmware is compiled to speak the older encoding.
     pub legacy: bool,
     /// Lines that it said.
     pub lines_said: u64,
@@ -92,7 +92,7 @@ impl LucidGlovesTwin {
         Some(line)
     }
 
-    /// Its decoding: a finger that is not named goes to 0.
+    /// Decodes a line as the firmware does: a finger that is not named goes to 0.
     fn obey(&mut self, line: &[u8]) {
         let line = line.split(|byte| *byte == 0).next().unwrap_or_default();
         if line.len() < 5 {

@@ -24,7 +24,7 @@ const JOINT_BYTES: usize = 1 + 8 * 4;
 /// Bytes of a hand: which, whether it is seen, and its joints.
 const HAND_BYTES: usize = 2 + OPENXR_JOINTS * JOINT_BYTES;
 
-/// First byte of a message, which is told apart from hands.
+/// First byte of a message, which distinguishes it from hands.
 const NOTE: u8 = b'n';
 /// Between two attempts to open a runtime: a loader that finds none says so on the error stream each
 /// time, and some runtimes start a program.
@@ -35,11 +35,11 @@ const ATTEMPTS: Duration = Duration::from_secs(3);
 pub struct Joint {
     /// Place and rotation are known.
     pub valid: bool,
-    /// \[m\]
+    /// Position \[m\].
     pub position: [f32; 3],
     /// x y z w
     pub rotation: [f32; 4],
-    /// \[m\]
+    /// Radius \[m\].
     pub radius: f32,
 }
 
@@ -129,7 +129,7 @@ fn write(place: &mut [u8], side: u8, hand: Option<&[Joint; OPENXR_JOINTS]>) {
 /// Reads what the transport wrote.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct OpenXrHands {
-    /// Each hand was seen when it was last told of.
+    /// True for each hand that was seen when it was last reported.
     seen: [bool; 2],
 }
 
@@ -152,7 +152,7 @@ impl Protocol for OpenXrHands {
             let side = match (hand.len(), hand[0]) {
                 (HAND_BYTES, 0) => Side::Left,
                 (HAND_BYTES, 1) => Side::Right,
-                _ => return event(Event::Refused("this is no hand of a runtime".into())),
+                _ => return event(Event::Refused("this is not a hand of a runtime".into())),
             };
             let pose = match hand[1] {
                 0 => Ok(None),
@@ -199,7 +199,7 @@ fn read(bytes: &[u8]) -> Result<Option<LivePose>, &'static str> {
     }))
 }
 
-/// `openxr:`.
+/// Driver of addresses `openxr:`.
 pub struct OpenXrDriver;
 
 impl Driver for OpenXrDriver {

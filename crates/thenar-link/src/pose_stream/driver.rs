@@ -54,7 +54,7 @@ impl Driver for PoseStreamDriver {
         let place = place.strip_prefix(':').unwrap_or(place);
         let at = options.listen_at(place, Ipv4Addr::LOCALHOST.into(), UDP_PORT).map_err(|_| {
             let place = options.place;
-            options.refuse(format!("`{place}` is no port, no address, and no file that is there"))
+            options.refuse(format!("`{place}` is not a port, an address or an existing file"))
         })?;
         let connect = listening(at, from).map_err(|e| options.cannot_open(&e))?;
         device(options.place, connect, true)

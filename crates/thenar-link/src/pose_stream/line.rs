@@ -28,7 +28,7 @@ pub enum Line {
     Header(Order),
     /// A hand.
     Hand {
-        /// Which.
+        /// Side of the hand.
         side: Side,
         /// The sender's clock \[s\].
         time: Option<f64>,

@@ -10,7 +10,7 @@ use thenar::model::Side;
 pub struct Address {
     /// A port, or host and port.
     pub place: String,
-    /// Which hand wears it, over what the profile says.
+    /// Side of the hand that wears the device; overrules the profile.
     pub side: Option<Side>,
     /// A profile to use instead of the user's own.
     pub profile: Option<PathBuf>,
@@ -52,7 +52,7 @@ impl Address {
                 _ => {
                     let from = if place.starts_with("wifi") { "from=ADDRESS, " } else { "" };
                     let cause = format!(
-                        "`{option}` is no option; there are side=left, side=right, {from}\
+                        "`{option}` is not an option; there are side=left, side=right, {from}\
                          profile=FILE and, last, wrist=DEVICE"
                     );
                     return Err(refuse(cause));
@@ -79,8 +79,11 @@ mod tests {
         assert_eq!(wifi.from, Some(IpAddr::from([10, 0, 0, 7])));
         let told = read("wifi?from=glove").unwrap_err();
         assert!(told.ends_with("from is `glove`, expected an IP address"), "{told}");
-        assert!(read("/dev/x?from=10.0.0.7").unwrap_err().contains("no option"));
+        assert!(read("/dev/x?from=10.0.0.7").unwrap_err().contains("not an option"));
         let told = read("/dev/x?side=up").unwrap_err();
-        assert!(told.starts_with("device `d:/dev/x?side=up`: `side=up` is no option;"), "{told}");
+        assert!(
+            told.starts_with("device `d:/dev/x?side=up`: `side=up` is not an option;"),
+            "{told}"
+        );
     }
 }

@@ -202,7 +202,7 @@ mod tests {
     #[test]
     fn errors_name_the_key() {
         for (text, told) in [
-            ("hand.length = 2.0", "profile FILE, hand.length: 2 m is no hand's"),
+            ("hand.length = 2.0", "profile FILE, hand.length: 2 m is not a hand's"),
             ("hand.lenght = 0.2", "unknown field `lenght`"),
             ("[hand]\nside = \"up\"", "unknown variant `up`"),
             ("index.raw = [0.5, 0.5]", "profile FILE, index.raw: expected two values"),

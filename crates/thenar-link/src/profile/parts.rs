@@ -17,9 +17,9 @@ fn refuse<T>(key: &str, cause: impl Into<String>) -> Result<T, Refusal> {
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Hand {
-    /// Which hand.
+    /// Side of the hand.
     pub side: Side,
-    /// Its length, wrist to middle fingertip \[m\].
+    /// Length of the hand, wrist to middle fingertip \[m\].
     pub length: f64,
 }
 
@@ -29,7 +29,7 @@ impl Hand {
         if (0.08..=0.30).contains(&self.length) {
             return Ok(());
         }
-        refuse("hand.length", format!("{} m is no hand's, expected 0.08 to 0.30", self.length))
+        refuse("hand.length", format!("{} m is not a hand's, expected 0.08 to 0.30", self.length))
     }
 }
 
@@ -39,7 +39,7 @@ impl Hand {
 pub struct Wrist {
     /// The wrist in the world, or in the frame of its tracker \[m\].
     pub position: [f64; 3],
-    /// Its rotation there, x y z w.
+    /// Rotation of the wrist in that frame, x y z w.
     pub rotation: [f64; 4],
     /// Address of a device that tracks the wrist; empty for a wrist that stays where it is.
     pub tracker: String,
@@ -147,7 +147,7 @@ pub struct Display {
     pub delay: f64,
     /// Viscous damping of the mechanism \[N s/m\].
     pub damping: f64,
-    /// Its Coulomb friction \[N\].
+    /// Coulomb friction of the device \[N\].
     pub friction: f64,
     /// Position resolution \[m\].
     pub resolution: f64,

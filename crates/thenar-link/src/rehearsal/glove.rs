@@ -124,7 +124,7 @@ impl LateTracker {
         Self { timing, seen: 0, way: VecDeque::new() }
     }
 
-    /// Whether it looks in this millisecond.
+    /// True if it looks in this millisecond.
     pub fn is_due(&self, ms: u64) -> bool {
         1e-3 * ms as f64 * self.timing.rate >= self.seen as f64
     }

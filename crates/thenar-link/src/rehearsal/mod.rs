@@ -46,7 +46,7 @@ const WINDOW: u64 = 1000;
 pub struct Rehearsal {
     /// Each finger of the wearer.
     pub human: Human,
-    /// What sees the hand; the loop is told of it.
+    /// What sees the hand; the loop knows it.
     pub tracker: TrackerTiming,
     /// What stands between hand and simulation.
     pub mode: LoopMode,
@@ -66,7 +66,7 @@ pub enum RehearsalError {
     /// A number makes no sense.
     #[error("{what} is {value}, expected {expected}")]
     Number {
-        /// Which.
+        /// Name of the number.
         what: &'static str,
         /// As given, with its unit.
         value: String,

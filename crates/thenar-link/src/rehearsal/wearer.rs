@@ -11,20 +11,20 @@ use thenar_scene::session::Session;
 /// Mass \[kg\], damping \[N s/m\] and stiffness \[N/m\] at a fingertip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Human {
-    /// \[kg\]
+    /// Mass \[kg\].
     pub mass: f64,
-    /// \[N s/m\]
+    /// Damping \[N s/m\].
     pub damping: f64,
-    /// \[N/m\]
+    /// Stiffness \[N/m\].
     pub stiffness: f64,
 }
 
 /// Fingertip of the wearer, by how far it is beyond its command, closing \[m\], and how fast \[m/s\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Finger {
-    /// \[m\]
+    /// Place \[m\].
     pub place: f64,
-    /// \[m/s\]
+    /// Speed \[m/s\].
     pub speed: f64,
 }
 

@@ -25,7 +25,7 @@ pub fn host_and_port(text: &str, port: Option<u16>) -> Result<String, String> {
     };
     match port {
         Some(port) if right => Ok(format!("{host}:{port}")),
-        Some(_) => Err(format!("`{text}` is no HOST:PORT, or [IPv6]:PORT")),
+        Some(_) => Err(format!("`{text}` is not HOST:PORT, or [IPv6]:PORT")),
         None => Err(format!("`{text}` has no port from 1 to 65535, expected HOST:PORT")),
     }
 }

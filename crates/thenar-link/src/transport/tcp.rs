@@ -38,9 +38,9 @@ pub struct TcpServer {
     listener: Arc<TcpListener>,
     only: Option<IpAddr>,
     faithful: bool,
-    /// Who called while another was served.
+    /// The caller that waits while another is served.
     next: Arc<Mutex<Option<Caller>>>,
-    /// Calls of others that were hung up on, not yet told of.
+    /// Calls of others that were hung up on, not yet reported.
     refused: Arc<AtomicU64>,
 }
 

@@ -17,7 +17,7 @@ pub struct UdpTransport {
     socket: UdpSocket,
     /// The only address that is heard.
     only: Option<IpAddr>,
-    /// Who spoke last, and when.
+    /// The address that spoke last, and when.
     peer: Option<(SocketAddr, Instant)>,
     /// The peer is given: the system leaves out others.
     connected: bool,
@@ -60,7 +60,7 @@ impl UdpTransport {
     }
 }
 
-/// Listens at `at`, perhaps only to one address: at once, so that a port that is taken is told of, and
+/// Listens at `at`, perhaps only to one address: at once, so that a port that is taken is reported, and
 /// again whenever the socket is lost.
 ///
 /// # Errors
@@ -73,7 +73,7 @@ pub fn listening(at: SocketAddr, only: Option<IpAddr>) -> io::Result<Connect> {
     }))
 }
 
-/// Whether this sender is heard now; then it is the peer.
+/// True if this sender is heard now; then it is the peer.
 fn hears(
     peer: &mut Option<(SocketAddr, Instant)>,
     only: Option<IpAddr>,

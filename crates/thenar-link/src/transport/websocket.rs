@@ -174,7 +174,7 @@ mod tests {
         assert!((0..100).any(|_| socket.receive(&mut buffer, long).is_err()));
     }
 
-    /// Whoever answers with anything but a greeting, or with nothing, is told of.
+    /// A peer that answers with anything but a greeting, or with nothing, is reported.
     #[test]
     fn other_servers_are_no_websocket() {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();

@@ -12,7 +12,7 @@ pub use simulation::{Kind, SIMULATIONS, Simulation};
 
 /// A device's firmware, hand and actuators. Pure: bytes and time in, bytes out.
 pub trait Twin: Send {
-    /// It gets power. What its actuators hold is kept: they may have a supply of their own.
+    /// Power comes. What the actuators hold is kept: they may have a supply of their own.
     fn power_on(&mut self, now_ns: u64);
 
     /// Time passes, and these bytes come from the host.

@@ -11,7 +11,7 @@ use std::io;
 
 /// A device that can be simulated.
 pub struct Kind {
-    /// Its name.
+    /// Name of the simulation.
     pub name: &'static str,
     /// The driver that opens it.
     pub driver: &'static str,

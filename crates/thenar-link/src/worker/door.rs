@@ -74,7 +74,7 @@ impl Door {
         (new.is_some() || changed).then_some(next)
     }
 
-    /// Whether the device shows this hand.
+    /// True if the device shows this hand.
     fn takes(&self, side: Side) -> bool {
         !self.one_hand || self.bound.is_none_or(|bound| bound == side)
     }
@@ -94,7 +94,7 @@ impl Door {
     }
 }
 
-/// Whether an output asks for anything.
+/// True if an output asks for anything.
 fn bears(output: &HandOutput) -> bool {
     let none = HandOutput::released(output.side, output.time_ns);
     (output.digits, output.force_W, output.torque_W) != (none.digits, none.force_W, none.torque_W)

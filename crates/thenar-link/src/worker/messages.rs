@@ -2,11 +2,11 @@
 
 use std::collections::VecDeque;
 
-/// Messages kept until somebody asks; older ones give way, and their number is told.
+/// Messages kept until somebody asks; older ones give way, and their number is reported.
 const KEPT: usize = 64;
 /// Longest message, in characters.
 const LENGTH: usize = 200;
-/// Reports of refused bytes, and the same note again, are told once a second at most \[ns\].
+/// Least time between reports of refused bytes, and between repeats of a note \[ns\].
 const REPEATED_EVERY_NS: u64 = 1_000_000_000;
 
 /// The queue.
@@ -14,10 +14,10 @@ pub struct Messages {
     name: String,
     queue: VecDeque<String>,
     lost: u64,
-    /// When refused bytes were last told of, and how often they came since.
+    /// When refused bytes were last reported, and how often they came since.
     refused_ns: Option<u64>,
     refused: u64,
-    /// What the device told of itself last, and when.
+    /// What the device last reported of itself, and when.
     note: Option<(String, u64)>,
 }
 
@@ -46,7 +46,7 @@ impl Messages {
         self.queue.push_back(format!("{}: {text}", self.name));
     }
 
-    /// The device tells of itself: what it repeats is told once a second at most.
+    /// A report of the device itself; repeats pass at most once a second.
     pub fn note(&mut self, now_ns: u64, text: &str) {
         let again = |(last, at): &(String, u64)| {
             last == text && now_ns.saturating_sub(*at) < REPEATED_EVERY_NS

@@ -7,11 +7,11 @@
 //! - a sample is seen as soon as its last byte was read, an output is sent within a millisecond;
 //! - samples of a hand have strictly increasing times, none in the future, and finite poses;
 //! - what leaves for a display is finite, within its limits and its slew, and of one hand where it holds one
-//!   ([`Door`](door::Door));
+//!   (`Door`);
 //! - the hand is released when no output came for [`OUTPUT_SILENCE_NS`], when the display is
 //!   dropped, on [`release_all`], when the protocol panics, on every loss and at every start;
-//! - a device that is away is asked for ever more rarely, once a second in the end; of that, of one
-//!   that is there and silent, and of garbage, a person is told without being flooded.
+//! - a device that is away is asked for ever more rarely, once a second in the end; messages report
+//!   absence, silence and garbage, at a bounded rate.
 
 mod door;
 mod handles;
@@ -81,7 +81,7 @@ pub struct Device {
     pub tracks: Option<TrackerTraits>,
     /// Set if it shows forces.
     pub display: Option<DisplayTraits>,
-    /// Whether it speaks on its own or answers, so that silence means something.
+    /// True if it speaks on its own or answers, so that silence means something.
     pub speaks: bool,
 }
 
@@ -92,7 +92,7 @@ impl Device {
         Self { name, connect, protocol, tracks, display: None, speaks: true }
     }
 
-    /// The same as a headset's cameras see hands: late.
+    /// This device, with the delay of a headset's cameras.
     pub fn seen_by_cameras(mut self) -> Self {
         let timing = Some(TrackerTiming::HEADSET);
         self.tracks = self.tracks.map(|traits| TrackerTraits { timing, ..traits });
@@ -117,7 +117,7 @@ impl Device {
         let worker = Worker::new(self, shared.clone(), ends);
         let thread =
             std::thread::Builder::new().name("device".into()).spawn(move || worker.run()).map_err(
-                |e| LinkError::Open { device: name, cause: format!("no thread for it: {e}") },
+                |e| LinkError::Open { device: name, cause: format!("cannot start a thread: {e}") },
             )?;
         shared.register();
         let closer = Arc::new(Closer::new(shared, thread));

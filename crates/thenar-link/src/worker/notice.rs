@@ -1,11 +1,11 @@
-//! What is told of a device that is away or silent: every change once, its cause included.
+//! Reports of a device that is away or silent: every change once, its cause included.
 
 use super::Shared;
 use std::io;
 
-/// Others that speak in a device's place are told of so often at most \[ns\].
+/// Least time between reports of others that speak in a device's place \[ns\].
 const OTHERS_EVERY_NS: u64 = 10_000_000_000;
-/// A device that says nothing sensible for so long is told of \[ns\].
+/// Time after which a device that sends nothing valid is reported \[ns\].
 const SILENT_NS: u64 = 2_000_000_000;
 
 /// Tells of losses and returns, each once.
@@ -13,15 +13,15 @@ const SILENT_NS: u64 = 2_000_000_000;
 pub struct Away {
     /// The failure that was told last, while the device is away.
     told: Option<io::ErrorKind>,
-    /// It has been there before.
+    /// True if the device has been there before.
     known: bool,
-    /// It could be reached, but was lost before it said anything. A datagram socket can always be
+    /// True if the device could be reached, but was lost before it said anything. A datagram socket can always be
     /// opened: only words show that somebody is there.
     only_seemed: bool,
 }
 
 impl Away {
-    /// It cannot be reached.
+    /// The device cannot be reached.
     pub fn failed(&mut self, shared: &Shared, error: &io::Error) {
         if self.told != Some(error.kind()) {
             self.told = Some(error.kind());
@@ -31,7 +31,7 @@ impl Away {
         }
     }
 
-    /// It was there until now, and `spoke`, or is of those that never speak.
+    /// The device was there until now, and `spoke`, or is of those that never speak.
     pub fn lost(&mut self, shared: &Shared, error: &io::Error, spoke: bool) {
         let first = !self.only_seemed;
         self.only_seemed = !spoke;
@@ -42,7 +42,7 @@ impl Away {
         }
     }
 
-    /// It can be reached.
+    /// The device can be reached.
     pub fn reached(&mut self, shared: &Shared) {
         if !self.only_seemed {
             shared.messages().tell(if self.known { "is back" } else { "is connected" });
@@ -50,7 +50,7 @@ impl Away {
         }
     }
 
-    /// It said something.
+    /// The device said something.
     fn spoke(&mut self, shared: &Shared) {
         if std::mem::take(&mut self.only_seemed) {
             self.reached(shared);
@@ -62,16 +62,16 @@ impl Away {
 pub struct Silence {
     /// When it was reached, or last said something that made sense \[ns\].
     since_ns: u64,
-    /// It said something that made sense in this session.
+    /// True if the device said something that made sense in this session.
     spoke: bool,
     /// Bytes came since.
     bytes: bool,
-    /// It was told of.
+    /// True if the silence was reported.
     told: bool,
 }
 
 impl Silence {
-    /// It was reached now.
+    /// Silence of a device that was reached now.
     pub fn new(now_ns: u64) -> Self {
         Self { since_ns: now_ns, spoke: false, bytes: false, told: false }
     }

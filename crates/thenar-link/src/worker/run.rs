@@ -23,7 +23,7 @@ pub struct Ends {
 
 /// Why a session with an open transport ended.
 enum End {
-    /// It was asked to.
+    /// The worker was asked to end.
     Stopped,
     /// The transport failed.
     Lost(io::Error),

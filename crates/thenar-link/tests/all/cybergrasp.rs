@@ -50,7 +50,7 @@ fn output(forces: [f64; 5]) -> HandOutput {
     output
 }
 
-/// Pull only, twelve newtons at most, and nothing for what is no number.
+/// Pull only, twelve newtons at most, and nothing for what is not a number.
 #[test]
 fn tendons_pull_what_they_are_told_within_their_rating() {
     let bridge = Bridge::start(0);

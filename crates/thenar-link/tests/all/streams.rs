@@ -485,6 +485,6 @@ fn a_recording_plays_and_goes_wrong_as_planned() {
     let told = |address: &str| thenar_link::open(address).map(|_| ()).unwrap_err().to_string();
     assert!(told("replay:nowhere.jsonl").starts_with("recording nowhere.jsonl: "));
     assert!(told("fault:x:null:left").contains("whole number"));
-    assert!(told("poses:nowhere.jsonl").contains("no file that is there"));
+    assert!(told("poses:nowhere.jsonl").contains("an existing file"));
     assert!(told("hts:9000?points=up").contains("expected auto, local or world"));
 }

@@ -9,7 +9,7 @@ use thenar::{Pose, Vec3};
 pub struct VertexSkin {
     /// Bone indices.
     pub bones: [u16; 4],
-    /// Their weights, of sum 1.
+    /// Weights of the bones, of sum 1.
     pub weights: [f32; 4],
 }
 

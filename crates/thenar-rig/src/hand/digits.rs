@@ -18,7 +18,7 @@ pub(super) struct DigitRig {
     pub base: Vec3,
     /// Tracked joints at the proximal ends of the three moving bones.
     pub joints: [Pose; 3],
-    /// Their WebXR names.
+    /// WebXR names of the joints.
     pub joint_names: [String; 3],
     /// End of the last bone, under the pulp.
     pub end: Vec3,

@@ -49,7 +49,7 @@ pub(super) fn edge(p: &Vec3, digits: &[DigitRig], length: f64, grading: &Grading
     grading.coarse / if at_knuckle { 2.0 } else { 1.0 }
 }
 
-/// Whether a place lies on the palm's side of the last bone's middle.
+/// True if a place lies on the palm's side of the last bone's middle.
 fn is_palmar(p: &Vec3, rig: &DigitRig) -> bool {
     // A digit that closes moves its tip this way.
     let palmar = rig.flexion.cross(&rig.direction(2));

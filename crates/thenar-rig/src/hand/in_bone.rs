@@ -78,7 +78,7 @@ pub(super) fn bone_nodes(
     held.into_iter().filter(|held| stays(held) || !kept[held.binding.bones[0] as usize]).collect()
 }
 
-/// Whether a node has shares of bones of two digits.
+/// True if a node has shares of bones of two digits.
 fn ties_digits(shares: &Shares, bones: &[Bone]) -> bool {
     let digits = shares.keys().map(|&b| bones[b as usize].digit);
     let mut digits = digits.filter(|digit| *digit != Digit::Palm);
@@ -111,7 +111,7 @@ impl<'a> Bend<'a> {
         Some(Self { joint, pose_JK: Pose::new(Vec3::zeros(), turn), along_J, halving_J })
     }
 
-    /// Whether a place \[m\] of the rest pose that follows one of the joint's two bones alone is on that bone's side when
+    /// True if a place \[m\] of the rest pose that follows one of the joint's two bones alone is on that bone's side when
     /// the joint is straight and on the other's when it is bent. Only what lies within half the child's length of
     /// the joint meets it there.
     fn carries_across(&self, binding: &Binding, x_M: &Vec3, bones: &[Bone]) -> bool {
@@ -186,7 +186,7 @@ fn bone_node(node: u32, shares: &Shares, bones: &[Bone]) -> Option<BoneNode> {
     Some(BoneNode { node, binding: pair(parent, bone, own), volume })
 }
 
-/// Whether a point of the solid's frame lies in it.
+/// True if a point of the solid's frame lies in it.
 fn contains(shape: &Shape, p: &Vec3) -> bool {
     match *shape {
         Shape::Capsule { radius, half_length } => {

@@ -24,14 +24,14 @@ pub struct Layer {
 }
 
 impl Layer {
-    /// Whether some place may lie in both.
+    /// True if some place may lie in both.
     fn meets(&self, other: &Self) -> bool {
         let [a, b] = [self.depth, other.depth];
         let apart = self.region.zip(other.region).is_some_and(|(a, b)| a != b);
         !apart && a[0] < b[1] && b[0] < a[1]
     }
 
-    /// Whether a place of this region and depth \[m\] lies in it.
+    /// True if a place of this region and depth \[m\] lies in it.
     pub(super) fn holds(&self, region: HandRegion, depth: f64) -> bool {
         self.region.is_none_or(|own| own == region)
             && self.depth[0] <= depth

@@ -58,7 +58,7 @@ pub struct JointStiffness {
 }
 
 impl JointStiffness {
-    /// Whether the total is as people's joints; none where nobody has measured them.
+    /// True if the total is as people's joints; none where nobody has measured them.
     pub fn met(&self) -> Option<bool> {
         self.band.map(|[low, high]| (low..=high).contains(&self.total))
     }
@@ -188,7 +188,7 @@ fn rounded(value: f64) -> f64 {
     (value / unit).round() * unit
 }
 
-/// Whether an axis flexes: the only one of a hinge, the second of a universal joint.
+/// True if an axis flexes: the only one of a hinge, the second of a universal joint.
 fn is_flexion(hand: &HandModel, (j, k): AxisOf) -> bool {
     hand.joints[j].kind != JointKind::Universal || k == 1
 }

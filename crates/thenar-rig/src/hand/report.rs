@@ -19,9 +19,9 @@ pub struct HandReport {
     pub skin_volume: f64,
     /// Volume of the body, inside the smooth surface through the skin's vertices \[m³\].
     pub volume: f64,
-    /// Flesh \[kg\].
+    /// Mass of the flesh \[kg\].
     pub flesh_mass: f64,
-    /// Bones \[kg\].
+    /// Mass of the bones \[kg\].
     pub bone_mass: f64,
     /// Wrist to middle fingertip \[m\].
     pub length: f64,
@@ -62,7 +62,7 @@ pub struct BoneCover {
     pub flesh: f64,
     /// Mean thickness of the flesh between the solid and the skin of the back \[m\].
     pub dorsal: f64,
-    /// The same on the palm's side \[m\].
+    /// Flesh over the bone on the palm's side \[m\].
     pub palmar: f64,
     /// Nodes that stand for this bone, alone or with another.
     pub nodes: usize,

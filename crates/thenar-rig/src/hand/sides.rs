@@ -58,7 +58,7 @@ impl<'a> Sides<'a> {
         (region, (bone == 2).then_some(digit))
     }
 
-    /// Whether a place on the back of a last bone, so far off the line between its ends, lies within the nail's outline,
+    /// True if a place on the back of a last bone, so far off the line between its ends, lies within the nail's outline,
     /// which ends at the digit's tip, where the skin begins to face forwards.
     fn is_under_nail(&self, p: &Vec3, off: &Vec3, digit: usize) -> bool {
         let (rig, half) = (&self.digits[digit], self.nails[digit]);

@@ -88,7 +88,7 @@ impl Graded {
         2 << (self.tree.levels() - level)
     }
 
-    /// Whether the edge of a face on side `side` along axis `edge`, shared by the cubes `c` and `next`, is halved by a
+    /// True if the edge of a face on side `side` along axis `edge`, shared by the cubes `c` and `next`, is halved by a
     /// smaller cube.
     fn is_halved(&self, c: &Octant, next: &Octant, edge: usize, side: bool) -> bool {
         let by = along(edge, side);

@@ -17,7 +17,7 @@ impl Lattice {
         self.sample_materials(|i| at(&self.sample_position(i)))
     }
 
-    /// The same with the material of each inside point by its index.
+    /// Materials of the tetrahedra, given the material of each inside point by its index.
     pub fn sample_materials(&self, at: impl Fn(usize) -> Material) -> Vec<Material> {
         // Every tetrahedron that was kept holds inside points.
         let mut sums: Vec<Option<Material>> = vec![None; self.tets.len()];

@@ -74,10 +74,10 @@ const TETS_MIN: usize = 12;
 const TETS_MAX: usize = 200_000;
 /// Sample spacing, relative to the cube root of the volume per wanted tetrahedron.
 const SPACING: f64 = 0.28;
-/// The same relative to the finest tetrahedra of a graded lattice: 15 points in each, three in the half-empty ones
+/// Spacing of samples relative to the finest tetrahedra of a graded lattice: 15 points in each, three in the half-empty ones
 /// of a thin edge.
 const SPACING_FINEST: f64 = 0.4;
-/// and at most.
+/// Largest spacing of samples, relative to the same tetrahedra.
 const SPACING_MAX: f64 = 0.5;
 /// About as many grid points as memory should be spent on.
 const POINTS_WANTED: f64 = 1.6e7;

@@ -130,13 +130,13 @@ impl Octree {
         (octant, u - Vec3::from(octant.at.map(f64::from)) - Vec3::repeat(0.5))
     }
 
-    /// Whether a cube is halved. Nothing outside the box is.
+    /// True if a cube is halved. Nothing outside the box is.
     pub fn is_split(&self, octant: &Octant) -> bool {
         octant.level < self.levels()
             && self.index(octant).is_some_and(|i| self.split[octant.level][i])
     }
 
-    /// Whether a cube is there, as a leaf or halved; if not, a larger one is in its place.
+    /// True if a cube is there, as a leaf or halved; if not, a larger one is in its place.
     pub fn exists(&self, octant: &Octant) -> bool {
         octant.level == 0 || self.is_split(&octant.parent())
     }

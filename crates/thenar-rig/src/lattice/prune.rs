@@ -164,7 +164,7 @@ mod tests {
         (samples, pieces)
     }
 
-    /// The same, by looking at all links again and again.
+    /// Removes the same links by looking at all of them again and again.
     fn by_rounds(pieces: &mut Pieces, samples: &Samples, keep: &[bool]) {
         let lost = |of: &[u32], i: u32| !keep[of[i as usize] as usize];
         loop {

@@ -14,7 +14,7 @@ pub struct Quality {
 }
 
 impl Quality {
-    /// Of these tetrahedra.
+    /// Quality of these tetrahedra.
     pub fn of(tets: impl Iterator<Item = Corners>) -> Self {
         let none = Self {
             dihedral_min: f64::INFINITY,

@@ -7,7 +7,7 @@ use thenar::Vec3;
 
 const LEAF_TRIANGLES: usize = 4;
 
-/// Clusters farther than so many radii are replaced by their expansion: to 0.02, ...
+/// Clusters farther than this number of radii are replaced by their expansion: to 0.02, ...
 const FAR_RADII: f64 = 6.0;
 /// ... or to 0.1, for a first guess.
 const GUESS_RADII: f64 = 2.5;

@@ -20,7 +20,7 @@ pub struct Closest {
     pub triangle: u32,
     /// The point.
     pub point: Vec3,
-    /// Its barycentric coordinates in the triangle: non-negative, of sum 1.
+    /// Barycentric coordinates of the closest point in the triangle: non-negative, of sum 1.
     pub weights: [f64; 3],
     /// Where on the triangle it lies.
     pub feature: Feature,
@@ -56,7 +56,7 @@ pub fn closest_on_triangle(p: &Vec3, [a, b, c]: &[Vec3; 3]) -> ([f64; 3], Featur
     closest_on_edges(p, &[*a, *b, *c])
 }
 
-/// The same among the three edges.
+/// The closest point among the three edges.
 fn closest_on_edges(p: &Vec3, corners: &[Vec3; 3]) -> ([f64; 3], Feature) {
     let mut best = ([1.0, 0.0, 0.0], Feature::Vertex(0));
     let mut best_distance2 = f64::INFINITY;

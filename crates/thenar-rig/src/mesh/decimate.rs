@@ -208,7 +208,7 @@ impl Work {
         Ok(())
     }
 
-    /// Counts a look at the triangles around an edge, and tells of every so many.
+    /// Counts a look at the triangles around an edge, and reports at intervals.
     fn look(&mut self, edge: [u32; 2]) -> Result<(), RigError> {
         self.looked += 1 + self.valence(edge);
         if self.looked > LOOKS_MAX {

@@ -3,7 +3,7 @@
 /// An undirected edge and the triangles around it.
 #[derive(Clone, Debug)]
 pub struct Edge {
-    /// Its vertices, the smaller index first.
+    /// Vertices of the edge, the smaller index first.
     pub vertices: [u32; 2],
     /// Range into `Edges::sides`.
     first: u32,
@@ -17,7 +17,7 @@ pub struct Side {
     pub triangle: u32,
     /// The side runs from corner `corner` to the next.
     pub corner: u32,
-    /// It runs from the edge's smaller vertex to the larger.
+    /// True if the triangle runs from the edge's smaller vertex to the larger.
     pub forward: bool,
 }
 

@@ -66,7 +66,7 @@ pub fn distance_grid(
     Ok(grid)
 }
 
-/// Whether as many triangles run along each edge one way as the other: the surface then has no border, and
+/// True if as many triangles run along each edge one way as the other: the surface then has no border, and
 /// its winding number is a whole number that changes only across it.
 fn balanced(mesh: &TriMesh) -> bool {
     let edges = Edges::new(&mesh.triangles);

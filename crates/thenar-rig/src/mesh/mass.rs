@@ -15,7 +15,7 @@ pub struct MassProperties {
 }
 
 impl MassProperties {
-    /// Of the solid inside a closed, outward-facing mesh, exactly: the integrals of 1, x and x xᵀ
+    /// Properties of the solid inside a closed, outward-facing mesh, exactly: the integrals of 1, x and x xᵀ
     /// over the tetrahedra between an origin and each triangle.
     pub fn of_solid(mesh: &TriMesh, density: f64) -> Result<Self, RigError> {
         let [min, max] = mesh.bounds();
@@ -30,7 +30,7 @@ impl MassProperties {
         moments.finish(&origin, density)
     }
 
-    /// Of the surface itself, given a thickness \[m\] small against its size: each triangle is a
+    /// Properties of the surface itself, given a thickness \[m\] small against its size: each triangle is a
     /// plate, its spread through the thickness included.
     pub fn of_shell(mesh: &TriMesh, thickness: f64, density: f64) -> Result<Self, RigError> {
         let [min, max] = mesh.bounds();
@@ -50,7 +50,7 @@ impl MassProperties {
         moments.finish(&origin, density)
     }
 
-    /// Of the same body scaled to this mass \[kg\].
+    /// Properties of this body scaled to this mass \[kg\].
     pub fn with_mass(mut self, mass: f64) -> Self {
         self.inertia *= mass / self.mass;
         self.mass = mass;

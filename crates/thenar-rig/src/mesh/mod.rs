@@ -41,7 +41,7 @@ use thenar::{Pose, Vec3};
 /// Largest admissible coordinate \[m\]; keeps every product of coordinates finite.
 const COORDINATE_MAX: f64 = 1e6;
 
-/// Triangles and vertices of a file's mesh: building from so many stays below a gigabyte.
+/// Most triangles and vertices of a file's mesh: building from them stays below a gigabyte.
 const TRIANGLES_MAX: usize = 1_000_000;
 const VERTICES_MAX: usize = 3 * TRIANGLES_MAX;
 

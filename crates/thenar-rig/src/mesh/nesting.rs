@@ -16,7 +16,7 @@ const PROBES: usize = 64;
 /// face outward.
 ///
 /// # Errors
-/// So many lie within so many others that to look would take too long; or it is not to go on.
+/// Too many pieces lie within others for a look at all; or the work is to end.
 pub(super) fn depths(pieces: &[TriMesh], asked: &[usize]) -> Result<Vec<usize>, RigError> {
     let nest = Nest::new(pieces);
     let step = asked.len().div_ceil(PROBES).max(1);

@@ -18,7 +18,7 @@ impl Quadric {
         Self { A: Mat3::zeros(), b: Vec3::zeros(), c: 0.0 }
     }
 
-    /// Of the plane through `point` with unit normal `n`.
+    /// Quadric of the plane through `point` with unit normal `n`.
     pub fn plane(point: &Vec3, n: &Vec3, weight: f64) -> Self {
         let d = n.dot(point);
         Self { A: n * n.transpose() * weight, b: n * (d * weight), c: d * d * weight }

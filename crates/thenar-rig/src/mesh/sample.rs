@@ -5,7 +5,7 @@ use super::{decimate, weld};
 use crate::work::phase;
 use crate::{RigError, TriMesh};
 
-/// The same surface with at most about `points_max` vertices and, as far as that allows, no edge
+/// A surface resampled with at most about `points_max` vertices and, as far as that allows, no edge
 /// longer than `spacing` \[m\]. Flat faces get vertices too. Fine meshes are simplified first, and
 /// if they cannot be, their vertices are merged in ever larger clusters.
 pub fn resampled(mesh: &TriMesh, spacing: f64, points_max: usize) -> Result<TriMesh, RigError> {

@@ -23,7 +23,7 @@ const TRIANGLES_MAX: usize = 4_000_000;
 pub struct Refined {
     /// The mesh; its first vertices are those of the given mesh, at (nearly) the same place.
     pub mesh: TriMesh,
-    /// Its volume over that of the given mesh (meaningful for closed meshes).
+    /// Volume over that of the given mesh (meaningful for closed meshes).
     pub volume_ratio: f64,
     /// Largest distance between a given vertex and where it is now \[m\].
     pub moved_max: f64,
@@ -78,7 +78,7 @@ fn interpolating_control(mesh: &TriMesh) -> TriMesh {
     control
 }
 
-/// Who neighbours whom. A vertex on a boundary or non-manifold edge counts only its neighbours
+/// The neighbours of each vertex. A vertex on a boundary or non-manifold edge counts only its neighbours
 /// along such edges.
 struct Stencil {
     first: Vec<u32>,

@@ -105,7 +105,7 @@ impl Cluster {
         cluster
     }
 
-    /// The solid angle seen from `p` \[sr\], if `p` is at least so many radii away.
+    /// The solid angle seen from `p` \[sr\], if `p` is at least a given number of radii away.
     pub fn solid_angle_if_far(&self, p: &Vec3, radii: f64) -> Option<f64> {
         let r = self.centre - p;
         let r2 = r.norm_squared();

@@ -56,7 +56,7 @@ pub(crate) fn hand(hand: &HandModel) -> Check {
     numbers("hand length", [hand.length], |l| l > 0.0)
 }
 
-/// The same of a deformable body.
+/// Checks a deformable body.
 pub(super) fn flesh(flesh: &Flesh) -> Check {
     ensure(!flesh.tets.is_empty(), || "the body has no tetrahedra".into())?;
     ensure(flesh.materials.len() == flesh.tets.len(), || {
@@ -91,7 +91,7 @@ pub(super) fn flesh(flesh: &Flesh) -> Check {
     surface("collision surface", &flesh.collision, flesh.tets.len())
 }
 
-/// The same of an embedded surface.
+/// Checks an embedded surface.
 pub(super) fn surface(what: &str, surface: &EmbeddedSurface, tets: usize) -> Check {
     for (i, vertex) in surface.vertices.iter().enumerate() {
         let sum: f64 = vertex.weights.iter().sum();
@@ -106,13 +106,13 @@ pub(super) fn surface(what: &str, surface: &EmbeddedSurface, tets: usize) -> Che
     ensure(inside, || format!("{what}: a triangle names a vertex that is not there"))
 }
 
-/// The same of a deformable body without bones.
+/// Checks a deformable body without bones.
 pub(super) fn soft(soft: &SoftModel) -> Check {
     flesh(&soft.flesh)?;
     surface("render surface", &soft.render, soft.flesh.tets.len())
 }
 
-/// The same of a rigid body; one that cannot move may have neither mass nor inertia.
+/// Checks a rigid body; one that cannot move may have neither mass nor inertia.
 pub(super) fn rigid(rigid: &RigidModel) -> Check {
     let name = &rigid.name;
     numbers("mass", [rigid.mass], |m| m >= 0.0)?;

@@ -45,7 +45,7 @@ fn bytes_of(hand: &HandModel) -> Vec<u8> {
     Model::Hand(hand.clone()).to_bytes().unwrap()
 }
 
-/// The same bytes with a header that agrees with the body.
+/// The bytes of a model, under a header that agrees with the body.
 fn resealed(bytes: &[u8]) -> Vec<u8> {
     /// Serialises as the bytes themselves, without a length before them.
     struct Raw<'a>(&'a [u8]);

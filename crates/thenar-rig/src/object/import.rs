@@ -200,7 +200,7 @@ fn inside_of(
     Ok((Interior::Shell(thickness), grid, body))
 }
 
-/// The same of a mesh that has an inside; none for others.
+/// Interior, grid of distances and mass properties of a mesh that has an inside; none for others.
 fn enclosed(
     mesh: &TriMesh,
     bvh: &Bvh,

@@ -14,7 +14,7 @@ pub struct Files {
 }
 
 impl Files {
-    /// Those of the scene file `scene`: relative paths start at its folder.
+    /// Files of the scene file `scene`: relative paths start at its folder.
     pub fn beside(scene: &Path) -> Self {
         Self { folder: scene.parent().unwrap_or(Path::new("")).into(), ..Self::default() }
     }

@@ -30,7 +30,7 @@ pub struct BuiltHand {
     pub handle: HandHandle,
     /// What it follows; `None` lets it hold its start pose, or go.
     pub motion: Option<HandMotion>,
-    /// Its bones have drives.
+    /// True if the bones have drives.
     pub driven: bool,
     /// The flesh that the springs to the bones hold.
     pub coupling: CouplingKind,
@@ -41,7 +41,7 @@ pub struct BuiltHand {
 }
 
 impl BuiltHand {
-    /// Its twenty angles (see [`hand_angles`]); `None` for a joint it lacks, and for all when its
+    /// The twenty angles of the hand (see [`hand_angles`]); `None` for a joint it lacks, and for all when its
     /// joints are no tree.
     pub fn angles(&self) -> [Option<AngleRange>; ANGLES] {
         match Articulation::new(&self.model) {

@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 pub struct ActiveLoad {
     /// What it does at factor 1.
     pub kind: LoadKind,
-    /// Its size over time.
+    /// Size of the load over time.
     pub factor: Factor,
 }
 

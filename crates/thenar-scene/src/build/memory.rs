@@ -21,7 +21,7 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// Takes what so many tetrahedra need; called before they are made.
+    /// Takes the memory of a number of tetrahedra; called before they are made.
     ///
     /// # Errors
     /// The sum exceeds the memory there is, in which case `at` makes the fault.

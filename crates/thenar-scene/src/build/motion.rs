@@ -18,16 +18,6 @@ use thenar::model::{Digit, HandModel, Side};
 /// Largest keyframe file \[bytes\].
 const KEYFRAMES_BYTES_MAX: u64 = 4 << 20;
 
-const PRESETS: [(&str, Preset); 7] = [
-    ("rest", Preset::Rest),
-    ("open", Preset::Open),
-    ("relaxed", Preset::Relaxed),
-    ("fist", Preset::Fist),
-    ("point", Preset::Point),
-    ("pinch", Preset::Pinch),
-    ("power-grasp", Preset::PowerGrasp),
-];
-
 /// Loads a motion for a hand that starts at `pose_WM` where the motion does not say.
 pub fn load(
     table: &At<MotionTable>,
@@ -127,8 +117,8 @@ fn curl(c: &CurlTable) -> BTreeMap<Digit, f64> {
 }
 
 fn preset(word: &At<String>) -> Result<Preset, Fault> {
-    let known = || PRESETS.iter().map(|(name, _)| *name);
-    PRESETS.iter().find(|(name, _)| *name == word.value).map(|(_, p)| *p).ok_or_else(|| {
+    let known = || Preset::NAMED.iter().map(|(name, _)| *name);
+    Preset::NAMED.iter().find(|(name, _)| *name == word.value).map(|(_, p)| *p).ok_or_else(|| {
         let hint = nearest(&word.value, known())
             .map_or(String::new(), |near| format!("; did you mean \"{near}\"?"));
         let list: Vec<_> = known().collect();

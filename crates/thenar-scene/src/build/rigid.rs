@@ -15,7 +15,7 @@ use thenar_rig::object::{Car, Paint, Weight};
 pub struct RigidLook {
     /// Red, green, blue from 0 to 1, if the scene says.
     pub colour: Option<[f64; 3]>,
-    /// Of a body made from a mesh: the mesh, in the body's frame, and its colours.
+    /// Mesh in the body's frame, with its colours, of a body made from a mesh.
     pub mesh: Option<(TriMesh, Vec<Paint>)>,
     /// The body's frame in the frame M that its shape was drawn in, which the scene places.
     pub pose_MB: Pose,

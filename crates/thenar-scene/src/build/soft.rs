@@ -17,7 +17,7 @@ use thenar_rig::object::SoftModel;
 /// A soft body that is no hand.
 #[derive(Clone, Debug)]
 pub struct SoftBuild {
-    /// Its index among the deformable bodies.
+    /// Index among the deformable bodies.
     pub soft: u32,
     /// Surface to draw.
     pub render: EmbeddedSurface,

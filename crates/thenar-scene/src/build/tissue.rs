@@ -48,7 +48,7 @@ pub fn of_hand(base: Material, table: Option<&HandMaterial>) -> Result<Material,
     changed(base, t.tissue.as_ref(), t.law.as_ref(), t.alpha.as_ref(), t.young, t.poisson)
 }
 
-/// Whether a hand has layers, by its keys or by its tissue.
+/// True if a hand has layers, by its keys or by its tissue.
 pub fn is_layered(hand: &Hand) -> bool {
     !hand.layer.is_empty() || has_usual(hand)
 }
@@ -130,7 +130,7 @@ fn nail_sheet(thickness: f64, young: f64, poisson: f64) -> Sheet {
     Sheet { thickness, young, poisson, pretension: 0.0, wrinkling: 1.0 }
 }
 
-/// Whether a hand's nails are grown to its bones.
+/// True if a hand's nails are grown to its bones.
 pub fn has_nails(hand: &Hand) -> bool {
     hand.nail.is_some() || has_usual(hand)
 }

@@ -12,7 +12,7 @@ pub struct Apart {
 }
 
 impl Apart {
-    /// Of these distances; `None` when there are none.
+    /// Mean and largest of these distances; `None` when there are none.
     pub fn over(distances: impl Iterator<Item = f64>) -> Option<Self> {
         let (mut apart, mut count) = (Self::default(), 0.0);
         for (at, distance) in distances.enumerate() {

@@ -17,22 +17,22 @@ pub enum Object {
 pub struct Bodies {
     /// Rigid bodies that move and are part of a hand, of a joint, or carry flesh.
     pub bones: Vec<u32>,
-    /// Their names.
+    /// Names of the bones.
     pub bone_names: Vec<String>,
     /// All else that moves.
     pub objects: Vec<Object>,
-    /// Their names.
+    /// Names of the objects.
     pub object_names: Vec<String>,
     /// Rigid bodies pulled by a drive.
     pub driven: Vec<u32>,
     /// Hands with flesh, by index.
     pub hands: Vec<usize>,
-    /// Their names.
+    /// Names of the hands.
     pub hand_names: Vec<String>,
 }
 
 impl Bodies {
-    /// Of a session's scene.
+    /// Bodies of a session's scene.
     pub fn of(session: &Session) -> Self {
         let (world, model) = (session.world(), session.world().model());
         let desc = world.desc();

@@ -26,7 +26,7 @@ pub enum Cause {
 /// A solver lost its scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Divergence {
-    /// When \[s\].
+    /// Time of divergence \[s\].
     pub time: f64,
     /// Cause of the divergence.
     pub cause: Cause,
@@ -62,7 +62,7 @@ impl Watch {
         Self { granted: 0.5 * mass * SPEED * SPEED, energy_max: inner_energy(session) }
     }
 
-    /// Whether the step just done lost the scene. `other` is the largest energy of the other
+    /// The divergence, if the step just done lost the scene. `other` is the largest energy of the other
     /// solver before this step \[J\]; none where that has diverged.
     pub fn find(&self, session: &Session, energy: f64, other: Option<f64>) -> Option<Divergence> {
         let time = session.world().time();

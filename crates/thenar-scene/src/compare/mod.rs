@@ -43,7 +43,7 @@ pub enum Mode {
     SingleSteps,
 }
 
-/// Which two-step scheme.
+/// A variant of the two-step scheme.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheme {
     /// With the scene's settings.
@@ -52,7 +52,7 @@ pub enum Scheme {
     Paper,
     /// Flesh that yields in step 1 by its own inertia; joints left to the next step.
     Yielding,
-    /// The same, with joints closed once more at the end of the step: our default.
+    /// Yielding flesh, and joints closed once more at the end of the step: our default.
     Closed,
 }
 
@@ -207,7 +207,7 @@ impl Comparison {
         &self.row
     }
 
-    /// The same, in words.
+    /// Distances, angles and forces apart after the last step.
     pub fn moment(&self) -> &Moment {
         &self.moment
     }

@@ -76,10 +76,10 @@ pub enum SweepError {
     /// The scene cannot be built.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// Its solvers cannot be compared.
+    /// The solvers cannot be compared on this scene.
     #[error(transparent)]
     Compare(#[from] CompareError),
-    /// It has no flesh bound to bones.
+    /// The scene has no flesh bound to bones.
     #[error("no flesh of this scene is bound to bones, so there is no coupling to sweep")]
     NoCoupling,
     /// The exact solver itself failed.

@@ -36,7 +36,7 @@ table! {
 words! {
     /// What bones do when the flesh around them is crushed.
     pub enum BonesWord {
-        /// They stop other bodies, as solids inside the flesh.
+        /// Bones stop other bodies, as solids inside the flesh.
         "solid" => Solid,
         /// Nothing: only flesh touches.
         "none" => None,
@@ -162,9 +162,9 @@ table! {
         tissue: Option<At<HandTissueWord>>;
         /// Layers of flesh by depth under the skin, when the model is built from a mesh.
         layer: Vec<At<HandLayer>>;
-        /// Skin.
+        /// Skin of the hand.
         skin: Option<At<SkinTable>>;
-        /// Nails.
+        /// Nails of the hand.
         nail: Option<At<NailTable>>;
         /// Coulomb friction coefficient of the skin; left out, the model's.
         friction: Option<f64> where FRICTION;

@@ -7,7 +7,7 @@ use crate::text::{At, table, words};
 words! {
     /// The relative motion a joint leaves free.
     pub enum JointWord {
-        /// None.
+        /// No freedom: the child is held.
         "fixed" => Fixed,
         /// A turn about one axis.
         "hinge" => Hinge,

@@ -7,7 +7,7 @@ use crate::text::{At, choice, table};
 table! {
     /// A force on a rigid body.
     pub struct ForceLoad {
-        /// Its name; a bone is `hand/bone`.
+        /// Name of the body; a bone is `hand/bone`.
         body: At<String>;
         /// Force, world [N].
         force: Vec3 where LOAD;
@@ -21,7 +21,7 @@ table! {
 table! {
     /// A torque on a rigid body.
     pub struct TorqueLoad {
-        /// Its name; a bone is `hand/bone`.
+        /// Name of the body; a bone is `hand/bone`.
         body: At<String>;
         /// Torque, world [N m].
         torque: Vec3 where LOAD;
@@ -43,11 +43,11 @@ table! {
 }
 
 table! {
-    /// The same force on each of some nodes.
+    /// One force on each of some nodes.
     pub struct NodeForceLoad {
         /// The soft body or hand.
         body: At<String>;
-        /// Which nodes.
+        /// Nodes that the force acts on.
         nodes: At<Selector>;
         /// Force on each node, world [N].
         force: Vec3 where LOAD;
@@ -62,7 +62,7 @@ table! {
     pub struct TractionLoad {
         /// The soft body or hand.
         body: At<String>;
-        /// Which boundary faces.
+        /// Boundary faces that are pulled.
         faces: At<Selector>;
         /// Total force, world [N].
         total: Option<Vec3> where LOAD;
@@ -78,7 +78,7 @@ table! {
     pub struct PressureLoad {
         /// The soft body or hand.
         body: At<String>;
-        /// Which boundary faces.
+        /// Boundary faces that are pressed.
         faces: At<Selector>;
         /// Pressure [Pa], positive inwards.
         pressure: f64 where LOAD;
@@ -93,7 +93,7 @@ table! {
     pub struct TwistLoad {
         /// The soft body or hand.
         body: At<String>;
-        /// Which boundary faces.
+        /// Boundary faces that are twisted.
         faces: At<Selector>;
         /// Total torque, world [N m]; its direction is the axis, which goes through the centre
         /// of the faces.

@@ -17,9 +17,9 @@ words! {
 words! {
     /// A hand.
     pub enum SideOfHandWord {
-        /// Left.
+        /// Left hand.
         "left" => Left,
-        /// Right.
+        /// Right hand.
         "right" => Right,
     }
 }
@@ -42,7 +42,7 @@ table! {
 table! {
     /// How far each finger is closed, from 0 (open) to 1 (fist).
     pub struct CurlTable {
-        /// Thumb.
+        /// The thumb.
         thumb: Option<f64> where FRACTION;
         /// Index finger.
         index: Option<f64> where FRACTION;
@@ -104,7 +104,7 @@ table! {
     pub struct RecordedTable {
         /// Path, relative to the scene file.
         file: At<String>;
-        /// Which recorded hand; left out, the side of this hand. The other side is mirrored.
+        /// Side of the recorded hand; left out, the side of this hand. The other side is mirrored.
         hand: Option<SideOfHandWord>;
         /// Part of the recording to skip [s]. Default 0.
         start_s: Option<f64> where DURATION;

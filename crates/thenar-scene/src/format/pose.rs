@@ -17,7 +17,7 @@ table! {
         angle_deg: Option<f64> where ANGLE;
         /// Turns about the fixed axes x, then y, then z [rad].
         euler: Option<Vec3> where ANGLE;
-        /// The same [degrees].
+        /// Turns about the fixed axes x, then y, then z [degrees].
         euler_deg: Option<Vec3> where ANGLE;
     }
 }
@@ -25,9 +25,9 @@ table! {
 table! {
     /// A frame in another frame.
     pub struct Placement {
-        /// Its origin [m]. Default [0, 0, 0].
+        /// Origin of the frame [m]. Default [0, 0, 0].
         position: Vec3 where PLACE = Vec3::zeros();
-        /// Its rotation. Default none.
+        /// Rotation of the frame. Default none.
         rotation: Option<At<Rotation>>;
     }
 }

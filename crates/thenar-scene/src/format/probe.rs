@@ -87,7 +87,7 @@ table! {
         name: At<String>;
         /// The soft body or hand.
         body: At<String>;
-        /// Which nodes. Default: all.
+        /// Nodes that are measured. Default: all.
         nodes: Option<At<Selector>>;
         /// "position" (default), "displacement", "velocity" or "target".
         quantity: QuantityWord = QuantityWord::Position;
@@ -101,11 +101,11 @@ table! {
         name: At<String>;
         /// The soft body or hand.
         body: At<String>;
-        /// Which nodes. Default: all.
+        /// Nodes that are measured. Default: all.
         nodes: Option<At<Selector>>;
         /// A point on the axis, world [m].
         origin: Vec3 where PLACE = Vec3::zeros();
-        /// Its direction, world.
+        /// Direction of the axis, world.
         axis: Vec3 where PLACE;
         /// "position" (default) or "target".
         quantity: QuantityWord = QuantityWord::Position;
@@ -182,7 +182,7 @@ table! {
 }
 
 words! {
-    /// Which stress.
+    /// Measure of stress.
     pub enum StressWord {
         /// Cauchy stress: force over deformed area, world axes.
         "cauchy" => Cauchy,
@@ -198,7 +198,7 @@ table! {
         name: At<String>;
         /// The soft body or hand.
         body: At<String>;
-        /// Which elements. Default: all.
+        /// Elements that are measured. Default: all.
         elements: Option<At<Selector>>;
         /// "cauchy" (default) or "nominal".
         stress: StressWord = StressWord::Cauchy;

@@ -71,15 +71,15 @@ table! {
 choice! {
     /// The factor of a load over time.
     pub enum Profile by "kind" {
-        /// Full.
+        /// Full size throughout.
         "constant" => Constant(Constant),
-        /// Rising.
+        /// A rise to full size.
         "ramp" => Ramp(RampProfile),
         /// By a table.
         "keyframes" => Keyframes(KeyframeProfile),
         /// A sine.
         "sine" => Sine(SineProfile),
-        /// Random.
+        /// Values drawn at random.
         "random" => Random(RandomProfile),
     }
 }

@@ -25,7 +25,7 @@ table! {
         solver: Option<SolverTable>;
         /// Where a picture is taken from.
         camera: Option<Camera>;
-        /// Hands.
+        /// The hands.
         hand: Vec<Hand>;
         /// Rigid bodies.
         rigid: Vec<Rigid>;

@@ -24,7 +24,7 @@ words! {
 table! {
     /// A spherical shell.
     pub struct Shell {
-        /// Its centre, model frame [m]. Default [0, 0, 0].
+        /// Centre of the shell, model frame [m]. Default [0, 0, 0].
         centre: Vec3 where PLACE = Vec3::zeros();
         /// Inner radius [m]. Default 0.
         radius_min: f64 where PLACE = 0.0;

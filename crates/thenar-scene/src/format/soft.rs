@@ -174,9 +174,9 @@ impl Read for Terms {
 table! {
     /// A part of the body with its own material; later parts win.
     pub struct Region {
-        /// Which elements.
+        /// Elements of the region.
         elements: At<Selector>;
-        /// Their material.
+        /// Material of the region.
         material: MaterialTable;
     }
 }
@@ -184,7 +184,7 @@ table! {
 table! {
     /// Nodes that are held where they start.
     pub struct FixedSet {
-        /// Which nodes.
+        /// Nodes that are fixed.
         nodes: At<Selector>;
         /// World axes along which they are held, e.g. "xyz" (default) or "x".
         axes: Option<At<String>>;
@@ -194,11 +194,11 @@ table! {
 table! {
     /// Nodes bound to one or two rigid bodies by springs to their skinned place (Eq. 6-9).
     pub struct Bind {
-        /// Which nodes.
+        /// Nodes that are bound.
         nodes: At<Selector>;
         /// Names of one or two rigid bodies ("bones").
         bones: At<Vec<String>>;
-        /// Their weights, of sum 1. Default: equal.
+        /// Weights of the bodies, of sum 1. Default: equal.
         weights: At<Vec<f64>> where FRACTION = At::none();
         /// Spring per volume of flesh [N/m⁴]; without `node_stiffness`. Default 1e9.
         stiffness: Option<f64> where SPRING;
@@ -214,7 +214,7 @@ table! {
         matrix: [Vec3; 3] where PLACE = [Vec3::x(), Vec3::y(), Vec3::z()];
         /// Offset [m]. Default [0, 0, 0].
         offset: Vec3 where PLACE = Vec3::zeros();
-        /// Which nodes. Default: all.
+        /// Nodes that are displaced. Default: all.
         nodes: Option<At<Selector>>;
     }
 }
@@ -237,7 +237,7 @@ table! {
         name: At<String>;
         /// Rest shape.
         shape: At<SoftShape>;
-        /// Material.
+        /// Material of the body.
         material: Option<MaterialTable>;
         /// Parts with other materials.
         region: Vec<Region>;

@@ -3,7 +3,7 @@
 use crate::text::{table, words};
 
 words! {
-    /// Which solver steps the world.
+    /// The solver that steps the world.
     pub enum SolverWord {
         /// Eq. 9 with its joint rows and contacts, to a velocity tolerance.
         "exact" => Exact,
@@ -37,9 +37,9 @@ words! {
 words! {
     /// What step 1 assumes of the flesh.
     pub enum FleshWord {
-        /// It yields by its own inertia; stable at stiff couplings too.
+        /// Flesh yields by its own inertia; stable at stiff couplings too.
         "lumped" => Lumped,
-        /// It does not move (Eq. 10); diverges when the coupling is stiff.
+        /// Flesh does not move (Eq. 10); diverges when the coupling is stiff.
         "frozen" => Frozen,
     }
 }
@@ -72,8 +72,8 @@ table! {
         contact_tolerance: Option<f64> where TOLERANCE;
         /// Most sweeps of either solver over the contacts. Default 200.
         contact_sweeps_max: Option<u32> where ITERATIONS;
-        /// The exact solver spends at most so many multiply-adds of a step on the law of contact, then makes its last
-        /// sweeps and reports what is left. A processor core does some 4e9 a second. Default: no bound in
+        /// Largest number of multiply-adds that the exact solver spends on the law of contact in a step; then it makes its
+        /// last sweeps and reports the error that is left. A processor core does some 4e9 a second. Default: no bound in
         /// `thenar run`; what a core does in one `time_step` where a scene runs live (`thenar serve`, `thenar touch`).
         contact_work_max: Option<f64> where WORK;
         /// Gauss-Seidel passes over the contacts within one sweep. Default 2.
@@ -81,8 +81,8 @@ table! {
         /// Points nearer than this become constraints before they touch [m]. Default 0.001.
         contact_margin: Option<f64> where MARGIN;
         /// A step that contact does not carry through (an overlap grows in it by half the margin, or the exact solver is
-        /// off by a hundred tolerances) is made in halves, and these again, so many times at most. Zero never
-        /// divides a step, and bounds what it costs. Default 3.
+        /// off by a hundred tolerances) is made in halves, and these again, at most this number of times. Zero
+        /// never divides a step, which bounds its cost. Default 3.
         step_halvings_max: Option<u32> where HALVINGS;
     }
 }

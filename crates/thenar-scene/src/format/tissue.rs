@@ -41,7 +41,7 @@ words! {
         "palm" => Palm,
         /// The back of all else.
         "back" => Back,
-        /// Everywhere.
+        /// All of the hand.
         "all" => All,
     }
 }

@@ -22,7 +22,7 @@ const ALONG: f64 = 0.55;
 pub struct Freedom {
     /// Joint of the hand.
     pub joint: usize,
-    /// Which of its angles.
+    /// Number of the angle among the joint's axes.
     pub axis: usize,
     /// Range \[rad\].
     pub range: [f64; 2],

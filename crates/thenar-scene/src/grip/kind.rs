@@ -58,7 +58,7 @@ impl GripKind {
         }
     }
 
-    /// Whether the thumb takes part.
+    /// True if the thumb takes part.
     pub fn has_thumb(self) -> bool {
         self != Self::Hook
     }

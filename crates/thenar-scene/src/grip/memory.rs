@@ -52,7 +52,7 @@ pub struct PadMemory {
     pub lead_P: Vec3,
     /// What its targets make for \[rad\].
     pub goal: Angles,
-    /// Targets \[rad\].
+    /// Targets of the joint angles \[rad\].
     pub angles: Angles,
     /// Rates of the angles \[rad/s\].
     pub rates: Angles,

@@ -18,7 +18,7 @@ const STEP: f64 = 5e-3;
 /// A width is spanned when the two sides are no farther off their places than this \[m\], what ease and turn bend them by
 /// where digits are stretched, and no single finger than that: people's outer fingers do not lie in line either.
 const MISS_MAX: [f64; 2] = [8e-3, 15e-3];
-/// and the pads face each other within this \[rad\]: skin on dry, smooth things slips beyond about 40° to either side.
+/// Largest angle between facing pads \[rad\]: skin on dry, smooth things slips beyond about 40° to either side.
 const FACING_MAX: f64 = 1.45;
 /// Widest that is tried \[m\].
 const WIDTH_MAX: f64 = 0.25;

@@ -44,7 +44,7 @@ pub fn way_to(world: &World, object: BodyId, point: &Vec3) -> Option<f64> {
     nearest(world, object, point).map(|place| (place.point - point).norm())
 }
 
-/// Force that holds an object against its weight with [`MARGIN`]: `m g / (2 μ)` is the least between two sides \[N\].
+/// Force that holds an object against its weight with `MARGIN`: `m g / (2 μ)` is the least between two sides \[N\].
 /// `flesh` is the hand's.
 pub fn usual_force(desc: &WorldDesc, flesh: u32, object: BodyId) -> f64 {
     let own = desc.softs.get(flesh as usize).map_or(1.0, |soft| soft.flesh.friction);

@@ -32,7 +32,7 @@ pub struct Goal {
     pub normal: Vec3,
 }
 
-/// Brings the pad of a chain to a goal in so many rounds from `angles`, which become those found; tells how far off the
+/// Brings the pad of a chain to a goal in a number of rounds from `angles`, which become those found; returns how far off the
 /// place is \[m\].
 pub fn solve(chain: &Chain, angles: &mut Angles, goal: &Goal, rounds: usize) -> f64 {
     for _ in 0..rounds {

@@ -19,7 +19,7 @@ const WAY_MAX: f64 = 3.0;
 /// A place of a surface that moves with its body.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Anchor {
-    /// Of a rigid body: place \[m\] and outward normal in its frame B.
+    /// A place of a rigid body \[m\] and the outward normal, in its frame B.
     Rigid {
         /// Number of the body.
         body: u32,
@@ -28,7 +28,7 @@ pub enum Anchor {
         /// Outward normal there, in its frame.
         normal_B: Vec3,
     },
-    /// Of a soft body: a place of a triangle of its collision surface.
+    /// A place of a triangle of a soft body's collision surface.
     Soft {
         /// Number of the body.
         body: u32,
@@ -42,11 +42,11 @@ pub enum Anchor {
 /// A place of a surface now, world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Place \[m\].
+    /// Place in the world \[m\].
     pub point: Vec3,
     /// Outward normal.
     pub normal: Vec3,
-    /// The same place on the body.
+    /// This place on the body.
     pub anchor: Anchor,
 }
 
@@ -67,7 +67,7 @@ impl Anchor {
         }
     }
 
-    /// Whether it is a place of this world.
+    /// True if it is a place of this world.
     pub fn fits(&self, world: &World) -> bool {
         match self {
             Self::Rigid { body, .. } => (*body as usize) < world.model().rigids.len(),
@@ -245,7 +245,7 @@ fn centroid(body: u32, triangle: &[u32; 3], x: &[Vec3]) -> Sample {
     Sample { point: corners.iter().sum::<Vec3>() / 3.0, normal: normal(&corners), anchor }
 }
 
-/// Middles of triangles, every so many.
+/// Middles of triangles at a regular stride.
 fn sample_soft(world: &World, body: u32, centre: &Vec3, radius: f64, out: &mut Vec<Sample>) {
     let (triangles, x) = skin(world, body);
     let is_near = |s: &Sample| (s.point - centre).norm() <= radius;

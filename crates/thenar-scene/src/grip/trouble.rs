@@ -25,7 +25,7 @@ pub enum Trouble {
     },
     /// A pad does not get to its place.
     OutOfReach {
-        /// Which: the base 0, the fingers from 1.
+        /// Number of the pad: the base 0, the fingers from 1.
         pad: u8,
         /// How far it ends from there.
         miss: f64,

@@ -26,13 +26,13 @@ pub enum LiveError {
     /// The scene lets the hand go.
     #[error("hand `{hand}` follows nothing: the scene says `driven = false`")]
     NotDriven {
-        /// Its name.
+        /// Name of the hand.
         hand: String,
     },
     /// The hand cannot be moved this way.
     #[error("hand `{hand}` cannot follow this pose: {cause}")]
     Unfit {
-        /// Its name.
+        /// Name of the hand.
         hand: String,
         /// What it lacks.
         cause: String,
@@ -46,30 +46,30 @@ pub enum LiveError {
     /// A quaternion is no rotation.
     #[error("the quaternion of {what} has length {}, expected 1", figure(*norm, 4))]
     Quaternion {
-        /// Joint.
+        /// Name of the joint.
         what: &'static str,
-        /// Its length.
+        /// Length of the quaternion.
         norm: f64,
     },
     /// A joint is too far away.
     #[error("{what} is {} m from the origin, expected at most {REACH} m", figure(*distance, 1))]
     TooFar {
-        /// Joint.
+        /// Name of the joint.
         what: &'static str,
-        /// Its distance \[m\].
+        /// Distance from the origin \[m\].
         distance: f64,
     },
     /// A radius is none.
     #[error("the radius of {what} is {} m, expected 0 to {RADIUS_MAX} m", plain(*radius))]
     Radius {
-        /// Joint.
+        /// Name of the joint.
         what: &'static str,
-        /// Given \[m\].
+        /// Radius that was given \[m\].
         radius: f64,
     },
 }
 
-/// A number to so many places; a large one in powers of ten.
+/// A number with a given number of places; a large one in powers of ten.
 fn figure(x: f64, places: usize) -> String {
     if x.abs() < 1e5 { format!("{x:.places$}") } else { plain(x) }
 }

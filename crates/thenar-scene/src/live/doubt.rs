@@ -22,12 +22,12 @@ impl Doubt {
         Self { waiting: None, angles: vec![[0.0; 2]; joints] }
     }
 
-    /// Whether a sample waits.
+    /// True if a sample waits.
     pub fn waits(&self) -> bool {
         self.waiting.is_some()
     }
 
-    /// Whether this sample must wait: it is `surprises` from what is expected `gap` \[s\] after the last one taken, and
+    /// True if this sample must wait: it is `surprises` from what is expected `gap` \[s\] after the last one taken, and
     /// none before it, `step` \[s\] earlier, bears it out.
     pub fn look(
         &mut self,
@@ -48,7 +48,7 @@ impl Doubt {
         true
     }
 
-    /// Whether the sample in doubt and this one are of one motion.
+    /// True if the sample in doubt and this one are of one motion.
     fn is_borne_out(&self, wrist: &Pose, angles: &[[f64; 2]], step: f64) -> bool {
         let Some(before) = &self.waiting else { return false };
         let change = (self.angles.as_flattened().iter().zip(angles.as_flattened()))

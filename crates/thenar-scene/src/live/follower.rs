@@ -31,7 +31,7 @@ pub fn follow<T: Linear>(
     [place + step, bounded(goal_rate + offset_rate, law.speed)]
 }
 
-/// The same for a rotation and its angular velocity, world \[rad/s\].
+/// Follows a rotation and its angular velocity, world \[rad/s\], as `follow` does a place.
 pub fn follow_rotation(
     (place, spin): (Quat, Vec3),
     (goal, goal_spin): (Quat, Vec3),

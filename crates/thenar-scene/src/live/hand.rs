@@ -24,7 +24,7 @@ const OMEGA: [f64; 2] = [TAU * 4.0, TAU * 25.0];
 const ARRIVED: f64 = 1e-4;
 /// A sample this far from what was expected is a teleport: \[m\] and \[m/s\] times the gap.
 const TELEPORT: [f64; 2] = [0.05, SPEED_MAX];
-/// The same for rotations \[rad, rad/s\].
+/// Limits of a teleport for rotations \[rad, rad/s\].
 const TELEPORT_TURN: [f64; 2] = [0.5, 25.0];
 /// Largest change of the wrist's frame per pose while it is refined \[rad\].
 const REFINEMENT: f64 = 0.0035;
@@ -95,7 +95,7 @@ impl LiveHand {
         self.doubt = Some(Doubt::new(self.memory.joints.len()));
     }
 
-    /// Who moves the hand.
+    /// What moves the hand.
     pub fn mover(&self) -> Mover {
         match self.memory.way {
             Way::Script | Way::Returning => Mover::Script,

@@ -18,7 +18,7 @@ pub enum Way {
     Script,
     /// On the way back to the script.
     Returning,
-    /// Poses.
+    /// Poses move the hand.
     Live,
 }
 
@@ -29,7 +29,7 @@ pub struct Memory {
     pub ratios: Vec<f64>,
     /// So many of these are known.
     pub calibrated: usize,
-    /// Who moves the hand.
+    /// What moves the hand.
     pub way: Way,
     /// The tracker said that it has lost the hand.
     pub lost: bool,
@@ -39,13 +39,13 @@ pub struct Memory {
     pub clock: Clock,
     /// When the newest pose came \[s\].
     pub arrived: f64,
-    /// Its age then \[s\].
+    /// Age of that pose when it came \[s\].
     pub late: f64,
     /// When the hand set out for another place \[s\].
     pub set_out: f64,
     /// The tracked wrist.
     pub position: Observed<Vec3>,
-    /// Its rotation.
+    /// Observed rotation of the wrist.
     pub rotation: ObservedRotation,
     /// The tracked joints.
     pub joints: Vec<[Observed<f64>; 2]>,
@@ -100,7 +100,7 @@ pub struct LiveMemory {
     knuckles: [Vec3; 4],
 }
 
-/// The same, where it is.
+/// A borrowed [`LiveMemory`].
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct LiveMemoryRef<'a> {
     memory: &'a Memory,

@@ -68,7 +68,7 @@ pub enum LivePose {
     },
     /// The wrist's frame (same axes) and joint angles.
     Angles {
-        /// Wrist.
+        /// Pose of the wrist frame, world.
         wrist: Pose,
         /// In the order of [`hand_angles`](crate::motion::hand_angles) \[rad\]; what is out of
         /// range is brought to its end. Angles that the hand lacks are ignored.
@@ -76,7 +76,7 @@ pub enum LivePose {
     },
 }
 
-/// Who moves a hand.
+/// What moves a hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mover {
     /// The scene.

@@ -20,7 +20,7 @@ const MEMORY: [f64; 2] = [0.0139, 0.08];
 const NEWEST: f64 = 0.08;
 /// How fast memory changes with that, per sample.
 const ADAPTS: f64 = 0.5;
-/// Two residuals in a row that are so many times the usual one are motion.
+/// Two residuals in a row that exceed the usual one by this factor are motion.
 const MOTION: f64 = 3.0;
 /// A sample keeps `exp(-1.2)` of its weight until the next at least: slow trackers are noisier.
 const FADE_MAX: f64 = 1.2;
@@ -34,7 +34,7 @@ struct Gains {
 }
 
 impl Gains {
-    /// Those after `gap`; without one the velocity is left as it is.
+    /// Gains after `gap` \[s\]; without one the velocity is left as it is.
     fn after(gap: Option<f64>, memory: f64) -> Self {
         let fade = (-(gap.unwrap_or(0.011) / memory).min(FADE_MAX)).exp();
         let rate = gap.map_or(0.0, |gap| (1.0 - fade) * (1.0 - fade) / gap);
@@ -82,7 +82,7 @@ pub trait Linear:
     + std::ops::Sub<Output = Self>
     + std::ops::Mul<f64, Output = Self>
 {
-    /// Its size.
+    /// Absolute value or length.
     fn size(&self) -> f64;
     /// Product along another.
     fn dot(&self, other: &Self) -> f64;
@@ -151,7 +151,7 @@ impl<T: Linear> Observed<T> {
     }
 }
 
-/// The same for a rotation: residuals are rotation vectors in the world.
+/// An observer of a rotation: residuals are rotation vectors in the world.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ObservedRotation {
     /// At the last sample.

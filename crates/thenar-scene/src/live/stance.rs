@@ -14,7 +14,7 @@ pub struct Stance {
     pub rotation: (Quat, Vec3),
     /// Joint angles \[rad\].
     pub angles: Vec<[f64; 2]>,
-    /// Their rates \[rad/s\].
+    /// Rates of the joint angles \[rad/s\].
     pub rates: Vec<[f64; 2]>,
 }
 

@@ -24,7 +24,7 @@ pub struct AngleRange {
     pub max: f64,
     /// Index of the joint in the hand.
     pub index: usize,
-    /// Which of the joint's axes.
+    /// Number of the angle among the joint's axes.
     pub axis: usize,
     /// +1 or -1: the joint's own angle is this times the anatomical one.
     pub sense: f64,

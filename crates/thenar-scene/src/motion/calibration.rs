@@ -18,7 +18,7 @@ pub struct Knuckles {
 }
 
 impl Knuckles {
-    /// Those of `hand`, and no sample yet.
+    /// Knuckles of `hand`, and no sample yet.
     pub fn of(hand: &HandModel) -> Self {
         let wrist_M =
             hand.bones.first().map_or(Pose::identity(), |palm| palm.pose_MB * palm.pose_BT);
@@ -89,7 +89,7 @@ pub struct BoneLengths {
 }
 
 impl BoneLengths {
-    /// Those of `hand`.
+    /// Lengths of the bones of `hand`.
     pub fn of(hand: &HandModel) -> Self {
         let origin = |b: usize| (hand.bones[b].pose_MB * hand.bones[b].pose_BT).position;
         let mut lengths = Self { pairs: Vec::new(), ours: 0.0 };

@@ -67,7 +67,7 @@ pub enum MotionError {
     Key {
         /// Counted from 1.
         number: usize,
-        /// Its time \[s\].
+        /// Time of the key \[s\].
         time: f64,
         /// Cause in words.
         cause: String,

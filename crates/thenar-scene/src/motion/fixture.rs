@@ -69,7 +69,7 @@ pub fn hand(flip: bool) -> HandModel {
     }
 }
 
-/// The same hand, `scale` times as large.
+/// This hand, `scale` times as large.
 pub fn scaled(mut hand: HandModel, scale: f64) -> HandModel {
     for bone in &mut hand.bones {
         bone.pose_MB.position *= scale;

@@ -29,9 +29,20 @@ pub enum Preset {
 const PRESS: f64 = 6e-3;
 
 /// Flexion of the three joints of a digit from the palm outwards, and its spread \[degrees\].
-type Shape = ([f64; 3], f64);
+pub(crate) type Shape = ([f64; 3], f64);
 
 impl Preset {
+    /// All shapes by the names that scenes and motion files give them.
+    pub const NAMED: [(&'static str, Self); 7] = [
+        ("rest", Self::Rest),
+        ("open", Self::Open),
+        ("relaxed", Self::Relaxed),
+        ("fist", Self::Fist),
+        ("point", Self::Point),
+        ("pinch", Self::Pinch),
+        ("power-grasp", Self::PowerGrasp),
+    ];
+
     /// Angles that follow from the hand itself \[rad\], each with its joint and which of its angles it is; none for shapes that are
     /// the same for all hands, and for hands that cannot make this one.
     pub(super) fn own_angles(self, hand: &HandModel) -> Vec<(usize, usize, f64)> {
@@ -42,7 +53,7 @@ impl Preset {
     }
 
     /// Flexion by place in the digit, and spread \[degrees\]; `None` is the angle at rest.
-    pub(super) fn angles_deg(self, digit: Digit) -> Option<Shape> {
+    pub(crate) fn angles_deg(self, digit: Digit) -> Option<Shape> {
         use Digit::{Index, Thumb};
         let shape = match (self, digit) {
             (Self::Rest, _) => return None,

@@ -187,7 +187,7 @@ impl Recording {
     }
 }
 
-/// The same joint frames reflected in the plane x = 0, which makes a left hand right. Frames stay
+/// Joint frames reflected in the plane x = 0, which makes a left hand right. Frames stay
 /// right-handed with -z along the bone and +y out of the back.
 pub fn mirrored(pose: &Pose) -> Pose {
     let (p, q) = (pose.position, pose.rotation.quaternion());

@@ -45,7 +45,7 @@ impl Retarget {
         Ok(retarget)
     }
 
-    /// The same before anything is known of the tracker's wrist frame, which is taken for ours.
+    /// A retargeting that takes the tracker's wrist frame, not yet known, for ours.
     pub fn uncalibrated(hand: &HandModel, mirror: bool) -> Result<Self, MotionError> {
         let tracked: Vec<_> = hand.bones.iter().map(tracked_index).collect();
         if tracked.first() != Some(&Some(0)) {

@@ -93,7 +93,7 @@ impl<'a> Tracker<'a> {
         text
     }
 
-    /// The same, read back.
+    /// The recorded motion, read back.
     pub fn recording(&self, seconds: f64) -> Recording {
         Recording::read(self.text(seconds).as_bytes(), Path::new("test.jsonl")).unwrap()
     }

@@ -44,7 +44,7 @@ impl SceneStart {
         Some(start)
     }
 
-    /// Whether a session that has just been made begins as it says.
+    /// True if a session that has just been made begins as it says.
     pub(super) fn is_of(&self, session: &Session) -> bool {
         let world = session.world();
         let times = [world.time(), world.time_step()];
@@ -57,9 +57,9 @@ impl SceneStart {
 pub struct Asset {
     /// What the scene calls it.
     pub name: String,
-    /// Its size.
+    /// Size of the file \[bytes\].
     pub bytes: u64,
-    /// Its CRC-32.
+    /// CRC-32 of the file.
     pub crc32: u32,
     /// All of it; `None` for one that is too large to be put into a recording.
     pub content: Option<Vec<u8>>,
@@ -74,7 +74,7 @@ pub struct StepMark {
     pub hash: u64,
     /// What the step took by the clock on the wall \[ns\].
     pub cost_ns: u32,
-    /// It was taken back, so that no simulated time passed: bit 0 of the last byte.
+    /// True if the step was taken back, so that no simulated time passed: bit 0 of the last byte.
     pub taken_back: bool,
 }
 
@@ -160,7 +160,7 @@ impl Keyframe {
     }
 }
 
-/// The same, while it is written.
+/// A borrowed keyframe, to be written.
 #[derive(Debug, Serialize)]
 pub(super) struct KeyframeRef<'a> {
     number: u64,

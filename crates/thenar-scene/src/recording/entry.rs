@@ -38,7 +38,7 @@ pub enum What {
     Release { hand: u32 },
 }
 
-/// The same, while it is written: nothing is copied to the heap.
+/// A borrowed input, to be written: nothing is copied to the heap.
 #[derive(Debug, Serialize)]
 pub struct InputRef<'a> {
     pub number: u64,

@@ -18,7 +18,7 @@ pub enum SnapshotError {
     #[error("the bytes are no state of a session")]
     NoSnapshot,
     /// The bytes are damaged.
-    #[error("the bytes are damaged: they have CRC-32 {found:08x}, and tell of {told:08x}")]
+    #[error("the bytes are damaged: their CRC-32 is {found:08x}, expected {told:08x}")]
     Damaged {
         /// Checksum of the bytes as they are.
         found: u32,

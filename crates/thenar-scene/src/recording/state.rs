@@ -20,7 +20,7 @@ pub struct BareRef<'a> {
     patch_loads: &'a [([u32; 3], f64)],
 }
 
-/// The same as it is read, in a state of tissue that remembers nothing.
+/// A state as it is read, with tissue that remembers nothing.
 #[derive(Clone, Debug)]
 pub struct Bare(pub State);
 

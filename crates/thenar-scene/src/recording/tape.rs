@@ -5,7 +5,7 @@ use super::{entry, scene};
 use crate::session::{Entry, Session, Witness};
 use thenar_record::{Clock, Kind, Tape, Weight};
 
-/// Which time frames carry.
+/// The clock whose time frames carry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TimeOf {
     /// The recording's clock: for sessions that run in real time.

@@ -12,7 +12,7 @@ pub struct Difference {
     pub scene: u32,
     /// Step since that scene began; 0 is its start.
     pub step: u64,
-    /// Its time in the recording \[s\].
+    /// Time in the recording \[s\].
     pub time: f64,
 }
 
@@ -73,11 +73,11 @@ pub struct Verdict {
     pub scenes: u32,
     /// Steps made.
     pub steps: u64,
-    /// Of these, with the same bits.
+    /// Number of steps with the same bits.
     pub same: u64,
-    /// Of these, without a mark to compare with.
+    /// Number of steps without a mark to compare with.
     pub unmarked: u64,
-    /// Of these, taken back: their numbers were not finite.
+    /// Number of steps taken back: their numbers were not finite.
     pub taken_back: u64,
     /// Steps passed over on the way to a later beginning.
     pub passed: u64,
@@ -97,7 +97,7 @@ pub struct Verdict {
     pub losses: Vec<Loss>,
     /// Steps that were not made, as what led to them is lost.
     pub lost: u64,
-    /// It was ended as it should be.
+    /// True if the recording was ended properly.
     pub ended: bool,
 }
 

@@ -247,7 +247,7 @@ impl Session {
         (0..rigids).map(BodyId::Rigid).chain((0..softs).map(BodyId::Soft))
     }
 
-    /// Whether a hand could have its fingers around a body: not a part of any hand, and with a surface.
+    /// True if a hand could have its fingers around a body: not a part of any hand, and with a surface.
     fn is_object(&self, hand: usize, body: BodyId) -> bool {
         let is_part = |built: &BuiltHand| match body {
             BodyId::Rigid(i) => built.handle.bones.contains(&i),

@@ -40,7 +40,7 @@ enum Value {
     Choice(String),
 }
 
-/// The same as [`Memory`], where it is: nothing is copied to the heap.
+/// A borrowed [`Memory`]: nothing is copied to the heap.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct MemoryRef<'a> {
     steps: u64,

@@ -17,7 +17,7 @@ const SCENE_BYTES_MAX: u64 = 8 << 20;
 
 impl Session {
     /// Loads a scene from a file. An override is `key=value`, see
-    /// [`apply_override`](crate::text::apply_override).
+    /// [`apply_override`].
     ///
     /// # Errors
     /// The file cannot be read, or something in it is wrong; says what and where.

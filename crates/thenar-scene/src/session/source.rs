@@ -15,7 +15,7 @@ pub struct Source {
     pub text: String,
     /// Changes to it, `key=value`.
     pub overrides: Vec<String>,
-    /// Which hands are in it.
+    /// The hands that are in the scene.
     pub hands: Hands,
     /// Length of left and right hands \[m\], where it is not the scene's.
     pub lengths: [Option<f64>; 2],

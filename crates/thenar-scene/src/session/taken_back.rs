@@ -17,7 +17,7 @@ pub struct TakenBack {
 }
 
 impl TakenBack {
-    /// Judges a run of so many steps.
+    /// Judges a run of `steps` steps.
     ///
     /// # Errors
     /// More than one in a hundred of them were taken back.

@@ -1,4 +1,4 @@
-//! Whoever is told all that enters a session, so that it can be made again.
+//! The witness of a session: everything that enters is reported to it, so that the session can be replayed.
 
 use super::Session;
 use crate::grip::Order;
@@ -20,12 +20,12 @@ pub enum Entry<'a> {
         /// Pose that arrived.
         pose: &'a LivePose,
     },
-    /// [`Session::live_lost`].
+    /// A call of [`Session::live_lost`].
     Lost {
         /// Number of the hand.
         hand: usize,
     },
-    /// [`Session::follow_script`].
+    /// A call of [`Session::follow_script`].
     Script {
         /// Number of the hand.
         hand: usize,
@@ -59,7 +59,7 @@ pub enum Entry<'a> {
         /// State that was set.
         state: &'a State,
     },
-    /// [`Session::restart`].
+    /// A call of [`Session::restart`].
     Restart,
     /// [`Session::set`] changed a setting.
     Set {
@@ -70,7 +70,7 @@ pub enum Entry<'a> {
     },
 }
 
-/// Is told all that enters a session, in order. It must not take long.
+/// Receives everything that enters a session, in order. It must not take long.
 pub trait Witness: Debug + Send {
     /// A session begins; it has not made a step yet, or goes on from where it is.
     fn begins(&mut self, session: &Session);
@@ -86,7 +86,7 @@ pub trait Witness: Debug + Send {
 }
 
 impl Session {
-    /// From now on `witness` is told of this session.
+    /// Reports this session to `witness` from now on.
     pub fn set_witness(&mut self, mut witness: Box<dyn Witness>) {
         witness.begins(self);
         self.witness = Some(witness);

@@ -54,7 +54,7 @@ pub enum SceneError {
     /// A file that cannot be read.
     #[error("{}: {problem}", file.display())]
     File {
-        /// Its path.
+        /// Path of the file.
         file: PathBuf,
         /// Cause in words.
         problem: String,
@@ -72,7 +72,7 @@ pub enum SceneError {
     World {
         /// The scene file.
         file: PathBuf,
-        /// Its reason.
+        /// Reason in words.
         problem: String,
     },
 }

@@ -35,11 +35,11 @@ pub enum Value {
 /// One key of a table.
 #[derive(Clone, Debug)]
 pub struct Entry {
-    /// Its name.
+    /// Name of the key.
     pub key: String,
     /// Where the name was written.
     pub place: Place,
-    /// Its value.
+    /// Value of the key.
     pub node: Node,
 }
 

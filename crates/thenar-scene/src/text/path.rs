@@ -35,7 +35,7 @@ impl<'a> Cx<'a> {
         Cx { parent: Some(self), step, range, tag: None }
     }
 
-    /// The same value, whose table may contain `tag`.
+    /// This place, whose table may contain `tag`.
     pub fn with_tag(&self, tag: &'static str) -> Cx<'a> {
         Cx { tag: Some(tag), ..*self }
     }

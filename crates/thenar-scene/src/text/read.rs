@@ -18,7 +18,7 @@ pub trait Read: Sized {
         None
     }
 
-    /// Its JSON Schema.
+    /// JSON Schema of the type.
     fn schema(defs: &mut Defs, cx: &Cx<'_>) -> Json;
 }
 
@@ -37,7 +37,7 @@ pub struct At<T> {
     pub value: T,
     /// Where it was written.
     pub place: Place,
-    /// Its full key.
+    /// Full key of the value.
     pub key: String,
 }
 

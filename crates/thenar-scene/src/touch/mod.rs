@@ -51,7 +51,7 @@ impl TouchMode {
 /// How a scene is felt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TouchSettings {
-    /// Mode.
+    /// Mode of touch.
     pub mode: TouchMode,
     /// Couplings of all bones; they replace the scene's drives.
     pub design: CouplingDesign,
@@ -171,7 +171,7 @@ impl Rehearsal {
         })
     }
 
-    /// Time \[ns\].
+    /// Present time \[ns\].
     pub fn now_ns(&self) -> u64 {
         self.tick * TICK_NS
     }

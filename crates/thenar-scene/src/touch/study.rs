@@ -23,7 +23,7 @@ pub struct Study {
 /// What one mode made of it.
 #[derive(Clone, Debug)]
 pub struct Comparison {
-    /// Mode.
+    /// Mode of touch.
     pub mode: TouchMode,
     /// Simulation's period \[ms\].
     pub period: u64,

@@ -20,9 +20,9 @@ pub struct HandPart {
     pub coupling_stiffness: f64,
     /// Springs in bone hold only what lies in the place of bone.
     pub on_bone: bool,
-    /// Its bones among the rigid bodies.
+    /// Bones of the hand among the rigid bodies.
     pub bones: Range<usize>,
-    /// Its flesh among the soft bodies, if it has any.
+    /// Flesh of the hand among the soft bodies, if it has any.
     pub soft: Option<usize>,
 }
 

@@ -100,7 +100,7 @@ pub enum SettingError {
     World {
         /// Key that is not known.
         key: String,
-        /// Its reason.
+        /// Reason in words.
         cause: String,
     },
 }

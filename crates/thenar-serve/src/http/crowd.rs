@@ -24,7 +24,7 @@ pub struct Crowd(Mutex<Tables>);
 struct Tables {
     newest: u64,
     strangers: HashMap<u64, Stranger>,
-    /// Of those who were let in, by address.
+    /// Connections of clients that were let in, by address.
     admitted: HashMap<IpAddr, usize>,
     /// Where somebody was let in once.
     paired: HashSet<IpAddr>,

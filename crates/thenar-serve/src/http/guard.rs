@@ -32,7 +32,7 @@ pub const TOO_MANY: Refusal =
 /// How a request came in.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Admission {
-    /// It may be answered.
+    /// The request may be answered.
     Granted,
     /// Likewise, and the address bar shows the token: give the cookie and lead to the bare page.
     Pairing,
@@ -100,7 +100,7 @@ fn is_this_computer(host: &str) -> bool {
     ["127.0.0.1", "[::1]"].contains(&name) || name.eq_ignore_ascii_case("localhost")
 }
 
-/// Whether a page of this server asks, or a program that is no browser.
+/// True if a page of this server asks, or a program that is no browser.
 fn own_origin(headers: &HeaderMap, host: &str) -> bool {
     let Ok(origin) = single(headers, ORIGIN) else { return false };
     let Some(origin) = origin else { return true };

@@ -37,7 +37,7 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 }
 
 impl Hall {
-    /// With so many places.
+    /// A hall with a number of places.
     pub fn new(clients: usize) -> Self {
         Self { free: Arc::new(Semaphore::new(clients)), seats: Mutex::default(), stale: STALE }
     }

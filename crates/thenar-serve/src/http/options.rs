@@ -3,7 +3,7 @@
 use std::net::IpAddr;
 use std::time::Duration;
 
-/// Who can reach the server.
+/// The computers that can reach the server.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reach {
     /// This computer only: plain HTTP on the loopback address, no token.
@@ -12,19 +12,19 @@ pub enum Reach {
     Lan,
 }
 
-/// Which port to listen on.
+/// The port to listen on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Port {
-    /// This one, or none; 0 lets the system choose.
+    /// This port, or none; 0 lets the system choose.
     Exactly(u16),
-    /// This one or, where it is taken, one of the next few.
+    /// This port or, where it is taken, one of the next few.
     From(u16),
 }
 
 /// How to serve.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// Who can reach the server.
+    /// The computers that can reach the server.
     pub reach: Reach,
     /// The address to listen on, instead of the one that goes with the reach.
     pub address: Option<IpAddr>,
@@ -42,7 +42,7 @@ pub struct Limits {
     pub clients: usize,
     /// Other connections at a time: a connection that has become a session no longer counts.
     pub connections: usize,
-    /// Of these, from one address.
+    /// Largest number of connections from one address.
     pub connections_per_address: usize,
     /// For the TLS handshake, for the head of each request, and between requests.
     pub head: Duration,
@@ -64,7 +64,7 @@ pub struct Limits {
     pub poses: f64,
     /// Refused messages within [`Limits::refusal_window`] that end a session.
     pub refusals: usize,
-    /// See [`Limits::refusals`].
+    /// Time within which refusals are counted: see [`Limits::refusals`].
     pub refusal_window: Duration,
 }
 

@@ -123,7 +123,7 @@ fn naming_socket(site: &Site, asset: &Asset, request: &Parts) -> Bytes {
     text.replace(page::SOCKET, &format!("{scheme}://{host}/live")).into()
 }
 
-/// Whether a header with a list names this, and does not rule it out.
+/// True if a header with a list names this, and does not rule it out.
 fn lists(headers: &HeaderMap, name: HeaderName, wanted: &str) -> bool {
     let values = headers.get_all(name).iter().filter_map(|value| value.to_str().ok());
     values.flat_map(|value| value.split(',')).any(|item| {

@@ -25,12 +25,12 @@ const FULL: Refusal = Refusal(StatusCode::SERVICE_UNAVAILABLE, "Too many connect
 /// How long a guess too many waits for its answer.
 const SLOW: Duration = Duration::from_secs(1);
 
-/// Who is let in.
+/// The clients that are let in.
 #[derive(Debug)]
 pub enum Door {
-    /// Who sits at this computer.
+    /// Clients on this computer.
     Desk,
-    /// Who has the token.
+    /// Clients that have the token.
     Lan {
         /// The token.
         token: Token,
@@ -48,7 +48,7 @@ pub struct Site {
     pub hub: Hub,
     /// The page's files by path.
     pub assets: BTreeMap<String, Asset>,
-    /// Who is let in.
+    /// The clients that are let in.
     pub door: Door,
     /// What clients may do.
     pub limits: Limits,

@@ -36,7 +36,7 @@ impl Token {
         &self.0
     }
 
-    /// Whether this is it; takes the same time wherever the two differ.
+    /// True if this is it; takes the same time wherever the two differ.
     pub fn is(&self, text: &str) -> bool {
         self.0.as_bytes().ct_eq(text.as_bytes()).into()
     }
@@ -68,7 +68,7 @@ pub fn in_cookies<'a>(headers: &'a HeaderMap, name: &'a str) -> impl Iterator<It
 /// Addresses remembered; beyond, the oldest are forgotten.
 const ADDRESSES: usize = 1024;
 
-/// After so many wrong tokens within [`WINDOW`] an address gets its answers late.
+/// Number of wrong tokens within [`WINDOW`] after which an address gets its answers late.
 const FREE_GUESSES: u32 = 10;
 
 /// How long a wrong token is remembered.

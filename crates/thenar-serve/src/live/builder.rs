@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use thenar_rig::work::watched;
 
-/// Who wished what.
+/// A wish for another scene, and the client that has it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wish {
     /// To be told should it fail; `None` is the loop itself.

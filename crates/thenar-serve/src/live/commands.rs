@@ -7,7 +7,7 @@ use crate::hub::ClientId;
 use crate::protocol::{Command, PoseMessage, text};
 use std::time::{Duration, Instant};
 
-/// A client whose poses fit no hand of the scene is told so no more often.
+/// Least time between notices to a client whose poses fit no hand of the scene.
 const SCOLD_EVERY: Duration = Duration::from_secs(5);
 
 /// Why nothing can be armed or stopped.

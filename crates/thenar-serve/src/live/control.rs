@@ -16,7 +16,7 @@ pub struct Control {
 }
 
 impl Control {
-    /// Who holds control.
+    /// The client that holds control.
     pub fn holder(&self) -> Option<ClientId> {
         self.holder
     }

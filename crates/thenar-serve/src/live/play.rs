@@ -37,7 +37,7 @@ impl Play {
         &self.session
     }
 
-    /// From now on `witness` is told of the session.
+    /// Reports the session to `witness` from now on.
     pub fn set_witness(&mut self, witness: Box<dyn Witness>) {
         self.session.set_witness(witness);
     }

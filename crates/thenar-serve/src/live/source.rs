@@ -32,7 +32,7 @@ pub struct Catalogue {
 pub struct Recipe {
     /// Name of the scene.
     pub scene: String,
-    /// Which hands.
+    /// The hands in the scene.
     pub hands: Hands,
     /// How long.
     pub lengths: Lengths,
@@ -45,7 +45,7 @@ pub struct Ready {
     pub recipe: Recipe,
     /// To be stepped.
     pub session: Session,
-    /// Its model message, of epoch 0.
+    /// Model message of the scene, of epoch 0.
     pub model: Vec<u8>,
 }
 

@@ -1,4 +1,4 @@
-//! What clients are told of the state of things.
+//! The status that clients receive.
 
 use serde::Serialize;
 use thenar_scene::hands::Hands;
@@ -20,7 +20,7 @@ pub struct Status<'a> {
     pub scene: &'a str,
     /// The scene that is being made ready.
     pub loading: Option<&'a str>,
-    /// Which hands are in it.
+    /// The hands in the scene.
     pub hands: Hands,
     /// What went wrong in the simulation, if anything.
     pub problem: Option<&'a str>,
@@ -34,11 +34,11 @@ pub struct Status<'a> {
 /// A recording that is shown.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Recorded<'a> {
-    /// Its file, without folder.
+    /// Name of the recording's file, without folder.
     pub file: &'a str,
     /// Place in it \[s\].
     pub time: f64,
-    /// Its length \[s\].
+    /// Length of the recording \[s\].
     pub end: f64,
 }
 

@@ -6,7 +6,7 @@ use crate::hub::ClientId;
 use crate::protocol::{Command, text};
 use std::time::{Duration, Instant};
 
-/// A client that sends poses all the same is told so no more often.
+/// Least time between notices to a client that sends poses all the same.
 const SCOLD_EVERY: Duration = Duration::from_secs(5);
 /// Why nothing else acts.
 const RECORDED: &str = "this is a recording: its scene, hands and settings are as they were; pause, speed and place can be \

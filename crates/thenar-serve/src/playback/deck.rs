@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use thenar_scene::recording::{Event, Index, Replay, ReplayError};
 use thenar_scene::session::Session;
 
-/// Damage is told for so long after it \[s\].
+/// Time for which damage is shown after it \[s\].
 const TOLD: f64 = 3.0;
 /// So much early is there: times are rounded to nanoseconds \[s\].
 const EARLY: f64 = 5e-7;
@@ -56,7 +56,7 @@ impl Deck {
         self.at
     }
 
-    /// Its length \[s\].
+    /// Length of the recording \[s\].
     pub fn end(&self) -> f64 {
         self.index.end()
     }

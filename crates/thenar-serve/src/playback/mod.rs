@@ -22,7 +22,7 @@ use thenar_scene::recording::ReplayError;
 /// Why a recording cannot be shown.
 #[derive(Debug, thiserror::Error)]
 pub enum PlaybackError {
-    /// It cannot be replayed.
+    /// The recording cannot be replayed.
     #[error(transparent)]
     Replay(#[from] ReplayError),
     /// Nothing in it can be shown.
@@ -31,7 +31,7 @@ pub enum PlaybackError {
     /// Too large for a page.
     #[error(transparent)]
     Model(#[from] protocol::ModelError),
-    /// Its thread cannot be started.
+    /// The thread of the replay cannot be started.
     #[error("cannot start the replay: {0}")]
     Thread(#[from] std::io::Error),
 }

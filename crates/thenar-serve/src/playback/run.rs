@@ -17,7 +17,7 @@ use thenar_scene::hands::Hands;
 const NAP: Duration = Duration::from_millis(50);
 /// Statuses are at least so far apart.
 const STATUS_EVERY: Duration = Duration::from_millis(40);
-/// The place in the recording is told so often while it goes on.
+/// Time between two reports of the place in the recording while it goes on.
 const PLACE_EVERY: Duration = Duration::from_millis(200);
 /// On the way to another place events are looked at so often.
 const APPROACH: Duration = Duration::from_millis(20);
@@ -198,7 +198,7 @@ impl Loop {
         }
     }
 
-    /// It is there.
+    /// The place that was sought is reached.
     fn arrive(&mut self) {
         if self.scene != self.deck.scene()
             && let Err(error) = self.show_scene()

@@ -30,7 +30,7 @@ pub enum Command {
     Reset {},
     /// To another place of a recording.
     Seek {
-        /// Its time \[s\].
+        /// Time in the recording \[s\].
         time: f64,
     },
     /// Slow motion.
@@ -40,7 +40,7 @@ pub enum Command {
     },
     /// Another scene.
     Scene {
-        /// Its name.
+        /// Name of the scene.
         name: String,
     },
     /// Other hands.
@@ -64,13 +64,13 @@ pub enum Command {
         /// With what force \[N\]; enough for the object's weight if none is given.
         #[serde(default)]
         force: Option<f64>,
-        /// Which hand; all if none is given.
+        /// Side of the hand; all hands if none is given.
         #[serde(default)]
         side: Option<Side>,
     },
     /// Hands open.
     Release {
-        /// Which hand; all if none is given.
+        /// Side of the hand; all hands if none is given.
         #[serde(default)]
         side: Option<Side>,
     },
@@ -87,7 +87,7 @@ pub enum Command {
         #[serde(default)]
         keep: bool,
     },
-    /// Who armed is still there.
+    /// The client that armed is still there.
     Hold {},
     /// No force until armed again. Anybody may say so.
     Stop {},
@@ -102,10 +102,10 @@ pub enum Command {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Lengths {
-    /// Of the left one.
+    /// Length of the left hand \[m\].
     #[serde(default)]
     pub left: Option<f64>,
-    /// Of the right one.
+    /// Length of the right hand \[m\].
     #[serde(default)]
     pub right: Option<f64>,
 }
@@ -161,7 +161,7 @@ impl Command {
     }
 }
 
-/// Shortest hand, wrist to middle fingertip \[m\]: a small child's.
+/// Shortest hand \[m\].
 const HAND_MIN: f64 = 0.08;
-/// Longest \[m\].
+/// Longest hand \[m\].
 const HAND_MAX: f64 = 0.30;

@@ -42,7 +42,7 @@ pub struct Angle {
     max: f64,
     /// The bone the joint carries, in the hand's list.
     bone: u32,
-    /// Of the joint's frame: the angle is a turn about it.
+    /// Axis of the joint's frame about which the angle turns.
     axis: &'static str,
     /// +1 or -1: the sense of that turn.
     sense: f64,

@@ -22,7 +22,7 @@ const UNIT_TOLERANCE: f64 = 0.02;
 /// A pose message.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PoseMessage {
-    /// Which hand.
+    /// Side of the hand.
     pub side: Side,
     /// The client's number of the message, from 1.
     pub number: u32,
@@ -87,7 +87,7 @@ pub enum PoseError {
     Range {
         /// Part of the message that is wrong.
         what: &'static str,
-        /// Its value.
+        /// Value that was sent.
         value: f64,
         /// The largest that is taken.
         limit: f64,

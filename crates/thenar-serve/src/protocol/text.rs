@@ -19,7 +19,7 @@ pub fn welcome(client: ClientId, scenes: &[SceneName]) -> String {
     .to_string()
 }
 
-/// How many messages of devices and loop are told.
+/// Most messages of devices and loop that are sent.
 const MESSAGES: usize = 5;
 
 /// How devices do. `armed_by` must stay for forces to last.

@@ -45,7 +45,7 @@ pub struct Export {
     last_step: Option<u64>,
     newest: u64,
     channels: BTreeMap<u32, ChannelInfo>,
-    /// Of topics of plain numbers.
+    /// Topics of plain numbers.
     numbers: BTreeMap<String, Numbers>,
     /// Where points are on each deformable body of the scene.
     flesh_dots: Vec<Dots>,

@@ -45,7 +45,7 @@ impl Block {
         Ok((px * cos - py * sin) / MASS)
     }
 
-    /// Its middle \[m\].
+    /// Middle of the block \[m\].
     fn place(run: &mut Run) -> Result<[f64; 2], CaseError> {
         run.values(["block.x", "block.y"])
     }

@@ -26,7 +26,7 @@ fn quarter(mut run: Run, until: f64) -> Result<Press, CaseError> {
     Ok(Press { force: 4.0 * force.abs(), bone: 4.0 * bone.abs(), radius_mm, setup: run.setup() })
 }
 
-/// The same force must act on the bone.
+/// The force on the bone over the force on the plate: they must be equal.
 fn bone_figure(press: &Press) -> Figure {
     let what = "force on the bone / contact force";
     Figure::new(what, &press.setup, 1.0, press.bone / press.force, Check::Relative(0.01))

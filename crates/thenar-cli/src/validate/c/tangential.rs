@@ -31,7 +31,7 @@ struct Drag {
     way: f64,
     normal: f64,
     shear: f64,
-    /// Of the patch's area.
+    /// Part of the patch's area that sticks.
     sticks: f64,
 }
 

@@ -125,7 +125,7 @@ pub fn scatter_bones(world: &mut World, size: f64, random: &mut Random) {
     }
 }
 
-/// `-(v×)`.
+/// The matrix `-(v×)`.
 pub fn minus_cross(v: &Vec3) -> Mat3 {
     -thenar::math::skew(v)
 }

@@ -32,7 +32,7 @@ const RANGES: [(&str, f64, f64); 6] = [
 /// Room that a joint is given beyond its range where the mesh rests outside it, 0.03 rad \[degrees\].
 const ROOM: f64 = 1.8;
 
-/// G3.
+/// Case G3: ranges of motion.
 pub fn ranges(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     let mut figures = Vec::new();
     for hand in HANDS {

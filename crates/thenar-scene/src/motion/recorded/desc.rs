@@ -7,13 +7,13 @@ use std::path::PathBuf;
 use thenar::model::Side;
 use thenar::{Pose, Quat, Vec3};
 
-/// Which recording drives a hand, and how.
+/// A recording that drives a hand, and how.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecordedDesc {
     /// The recording.
     pub file: PathBuf,
-    /// Which recorded hand; the side of the simulated one if absent. The other side is mirrored.
+    /// Side of the recorded hand; the side of the simulated one if absent. The other side is mirrored.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hand: Option<Side>,
     /// Part of the recording to skip \[s\].

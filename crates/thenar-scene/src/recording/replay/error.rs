@@ -8,7 +8,7 @@ use thenar_record::OpenError;
 /// Why a recording cannot be replayed any further.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
-    /// It cannot be opened.
+    /// The recording cannot be opened.
     #[error(transparent)]
     Open(#[from] OpenError),
     /// Reading fails.
@@ -21,7 +21,7 @@ pub enum ReplayError {
     #[error("cannot unpack the scene's files: {0}")]
     Asset(io::Error),
     /// A file was too large for the recording, and is gone or different.
-    #[error("the recording needs {}, which is missing or not as it was", .0.display())]
+    #[error("the recording needs {}, which is missing or has changed", .0.display())]
     NotThere(PathBuf),
     /// A replay was to begin where there is nothing any more.
     #[error("nothing is left to replay from {from} s on: the recording ends at {:.3} s", (.end * 1e3).floor() * 1e-3)]
@@ -32,7 +32,7 @@ pub enum ReplayError {
         end: f64,
     },
     /// A frame is whole, but not understood.
-    #[error("the frame before byte {offset} makes no sense: {what}")]
+    #[error("the frame before byte {offset} is invalid: {what}")]
     Content {
         /// Where it ends.
         offset: u64,

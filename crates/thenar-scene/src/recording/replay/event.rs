@@ -16,7 +16,7 @@ pub enum Event {
         time_ns: u64,
         /// Words of the event.
         what: String,
-        /// Of a kind that comes many times a second: a pose, or targets.
+        /// True for kinds that come many times a second: a pose, or targets.
         often: bool,
     },
     /// A step was made.

@@ -62,7 +62,7 @@ impl Index {
         self.end_ns as f64 * 1e-9
     }
 
-    /// Whether something is there to be replayed from `seconds` on.
+    /// Checks that something is there to be replayed from `seconds` on.
     ///
     /// # Errors
     /// The recording ends before; says when.

@@ -89,7 +89,7 @@ impl Replay {
         self.session.as_ref()
     }
 
-    /// The same, to evaluate probes.
+    /// The present session, mutable to evaluate probes.
     pub fn session_mut(&mut self) -> Option<&mut Session> {
         self.session.as_mut()
     }

@@ -65,7 +65,7 @@ impl Pace {
         }
     }
 
-    /// Whether a frame can be `steps` steps of `h` \[s\] after what is known.
+    /// True if a frame can be `steps` steps of `h` \[s\] after what is known.
     fn allows(&self, time_ns: u64, steps: u64, h: f64) -> bool {
         let Some(passed_ns) = time_ns.checked_sub(self.newest_ns) else { return false };
         if steps > passed_ns / STEP_NS_MIN + 1 {
@@ -92,7 +92,7 @@ fn of_session(frame: &Frame) -> Option<(u64, Option<u64>)> {
     Some((frame.time_ns, number))
 }
 
-/// Whether the frame that was read last, of this time and number, is ahead of those behind it.
+/// True if the frame that was read last, of this time and number, is ahead of those behind it.
 pub fn is_ahead<R: Read + Seek>(
     frames: &mut Frames<R>,
     time_ns: u64,
@@ -109,7 +109,7 @@ pub fn is_ahead<R: Read + Seek>(
 }
 
 impl Replay {
-    /// Whether a frame that was just read cannot be the session's next. What comes after damage is
+    /// True if a frame that was just read cannot be the session's next. What comes after damage is
     /// judged less strictly: any part of the session may be missing.
     pub(super) fn is_impossible(&mut self, time_ns: u64, item: &Item) -> Result<bool, ReplayError> {
         let number = item.number();

@@ -6,10 +6,10 @@ use crate::recording::content::StepMark;
 use crate::recording::verdict::Loss;
 use thenar_record::Fault;
 
-/// After damage so many steps are made to find out whether anything of the session is missing.
+/// Number of steps made after damage to find out whether anything of the session is missing.
 const DOUBTED_MAX: u64 = 100;
 
-/// Whether the session is what was recorded.
+/// How far the session is known to be what was recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trust {
     /// As far as is known.
@@ -71,7 +71,7 @@ impl Replay {
         self.trust == Trust::Foreign
     }
 
-    /// After damage: nothing is told before a hash agrees.
+    /// After damage: nothing is reported before a hash agrees.
     pub(super) fn try_step(
         &mut self,
         made: u64,

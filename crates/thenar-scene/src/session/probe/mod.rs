@@ -30,7 +30,7 @@ pub struct Probes {
     columns: Vec<Column>,
     values: Vec<f64>,
     targets: Vec<Vec3>,
-    /// Of the world's contacts, if a probe asks for it.
+    /// Readout of the world's contacts, if a probe asks for it.
     readout: Option<ContactReadout>,
 }
 
@@ -39,7 +39,7 @@ pub struct Probes {
 struct NodeSet {
     soft: u32,
     nodes: Vec<u32>,
-    /// Their places in the undeformed body at its start pose \[m\].
+    /// Places of the nodes in the undeformed body at its start pose \[m\].
     rest: Vec<Vec3>,
 }
 

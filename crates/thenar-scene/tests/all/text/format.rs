@@ -34,6 +34,16 @@ fn the_reference_is_up_to_date() {
     compare_or_update("docs/scene.md", &wanted);
 }
 
+/// Names and ranges of a hand are those of the default right hand and of the program's own enums.
+#[test]
+fn the_reference_of_hands_is_up_to_date() {
+    let hand = thenar_rig::default_hand(thenar::model::Side::Right).unwrap();
+    let tables = reference::hand_tables(&hand).unwrap();
+    let text = std::fs::read_to_string(root().join("docs/hand.md")).unwrap();
+    let (head, _) = text.split_once("\n## Names and ranges\n").expect("`Names and ranges`");
+    compare_or_update("docs/hand.md", &format!("{head}\n## Names and ranges\n\n{tables}"));
+}
+
 /// Checks a value against the part of JSON Schema that we use.
 fn check(schema: &Value, value: &Value, defs: &Value, at: &str) -> Result<(), String> {
     let fail = |why: &str| Err(format!("{at}: {why}: {value}"));

@@ -61,15 +61,15 @@ enum End {
     Gone,
     /// The client broke the rules of WebSocket, or exceeded a bound.
     Broken(Error),
-    /// It was refused too often.
+    /// The client was refused too often.
     Refusals,
-    /// It sent more messages than anyone needs.
+    /// The client sent more messages than anyone needs.
     Flood,
-    /// It gave no sign of life.
+    /// The client gave no sign of life.
     Silent,
     /// A client that read nothing: another has its place.
     Displaced,
-    /// It took too long to take a message.
+    /// The client took too long to take a message.
     Slow,
     /// The simulation has ended.
     Ended,

@@ -2,7 +2,7 @@
 
 use crate::math::Vec3;
 use crate::model::Cone;
-use crate::solver::exact::decay::{Decay, SAFETY};
+use crate::solver::exact::decay::SAFETY;
 use crate::solver::exact::delassus::{Next, Swept, Verdict, within};
 use crate::solver::exact::free_motion::WINDOW;
 use crate::solver::exact::{
@@ -44,16 +44,13 @@ impl Exact {
         // What the impulses of the step before truly do tells best what presses.
         self.follow(step, contacts, accuracy, change)?;
         self.delassus.measure(contacts, change);
-        let strays = self.delassus.strays(contacts, cone);
-        // With a factor velocities are true enough to ask for what sweeps are asked for.
-        let (error, most) = match self.ready {
-            Ready::Direct => (Decay::default().error_after(strays), SWEPT_TO * accuracy.velocity),
-            _ => (SAFETY * strays, accuracy.velocity),
-        };
-        if error <= most {
+        if self.ready == Ready::Jacobi {
             // Impulses that obey the law as they are need no compliance.
-            self.delassus.leave();
-            return Ok(Convergence { iterations: 0, residual: error });
+            let strays = SAFETY * self.delassus.strays(contacts, cone);
+            if strays <= accuracy.velocity {
+                self.delassus.leave();
+                return Ok(Convergence { iterations: 0, residual: strays });
+            }
         }
         self.factor_if_needed(step)?;
         self.delassus.begin(contacts, &self.direct);
