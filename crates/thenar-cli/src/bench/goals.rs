@@ -51,7 +51,7 @@ enum Doing {
     Lands,
     /// The hand that comes with the program, in free air.
     DefaultFree,
-    /// The same with bread in it.
+    /// The default hand with bread in it.
     DefaultHolds,
 }
 

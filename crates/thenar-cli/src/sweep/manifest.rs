@@ -113,7 +113,7 @@ pub fn outcome(file: &Path) -> Result<(u64, u64), CliError> {
     })
 }
 
-/// Of two tables of files, one that differs, and its entry in both.
+/// One file that differs between two tables, and its entry in both.
 fn one_file<'a>(
     old: Option<&'a Value>,
     new: Option<&'a Value>,
