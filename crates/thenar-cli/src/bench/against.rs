@@ -10,7 +10,7 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// What to compare with, and how long.
+/// The other build, and how long to measure.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Another build of this program.
@@ -29,7 +29,7 @@ pub struct Args {
     markdown: bool,
 }
 
-/// What one run measured of a work [ms].
+/// One run's times of a work [ms].
 struct Run {
     work: String,
     median: f64,

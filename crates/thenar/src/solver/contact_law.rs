@@ -33,6 +33,8 @@ use sliding::Sliding;
 const IMMOVABLE: f64 = 1e-12;
 /// A force on the rim of the cone within this part of its radius slides.
 const RIM: f64 = 1e-6;
+/// Beyond the rim by this part of its radius is on it: impulses are turned from frame to frame between steps.
+const BEYOND: f64 = 1e-12;
 /// Alternations between normal and tangential part within one visit of a sliding contact.
 const ALTERNATIONS: usize = 4;
 /// Bisections and Newton steps that find the impulse on the rim of the friction disc.
@@ -264,13 +266,14 @@ impl ContactRow {
     pub fn strays(&self, value: &Vec3) -> f64 {
         let lambda = &self.lambda;
         if *lambda == Vec3::zeros() {
-            return (-value.x).max(0.0);
+            return if value.x >= 0.0 { 0.0 } else { -value.x };
         }
         if self.turns || self.friction == 0.0 {
-            return if lambda.x > 0.0 { value.x.abs() } else { f64::INFINITY };
+            let pushes = lambda.x > 0.0 && lambda.y == 0.0 && lambda.z == 0.0;
+            return if pushes { value.x.abs() } else { f64::INFINITY };
         }
         let (bound, length) = (self.friction * lambda.x, lambda.y.hypot(lambda.z));
-        if lambda.x <= 0.0 || length > bound * (1.0 + f64::EPSILON) {
+        if lambda.x <= 0.0 || length > bound * (1.0 + BEYOND) {
             return f64::INFINITY;
         }
         let slip = [value.y, value.z];

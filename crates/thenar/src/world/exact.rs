@@ -130,8 +130,7 @@ impl Scheme for ExactScheme<'_> {
         let accuracy = self.accuracy();
         let step = StepSystem { A: &scratch.A, b: &scratch.b, known: &model.known };
         let touched = state.impulses.iter().any(|(_, impulse)| *impulse != Vec3::zeros());
-        let rigids = model.rigids.len();
-        let before = Before::of(touched, &state.v, rigids, self.settings.velocity_tolerance);
+        let before = Before::of(touched, &state.v, model.rigids.len(), &self.settings);
         let Self { exact, .. } = self;
         if touched {
             // Near what the step before had without contact.

@@ -242,3 +242,25 @@ fn what_obeys_the_law_does_not_stray() {
     }
     assert!(pressing > 100 && sliding > 30, "{pressing} press, {sliding} slide");
 }
+
+/// What no friction holds bears none, a limit and a contact push only, and what is not a number is not lawful.
+#[test]
+fn impulses_that_no_velocity_goes_with_stray() {
+    let mut rows = crate::solver::ContactRows::with_capacity(0, 1);
+    rows.begin(&Vec3::x(), 0.0, &Vec3::zeros());
+    let mut row = rows.rows.remove(0);
+    let still = Vec3::zeros();
+    for (friction, lambda, lawful) in [
+        (0.0, Vec3::new(1.0, 0.0, 0.0), true),
+        (0.0, Vec3::new(1.0, 0.1, 0.0), false),
+        (0.5, Vec3::new(1.0, 0.3, -0.4), true),
+        (0.5, Vec3::new(1.0, 0.3, -0.41), false),
+        (0.5, Vec3::new(-1.0, 0.0, 0.0), false),
+    ] {
+        (row.friction, row.lambda) = (friction, lambda);
+        assert_eq!(row.strays(&still) == 0.0, lawful, "{friction} {lambda}");
+    }
+    row.lambda = Vec3::zeros();
+    assert!(row.strays(&Vec3::repeat(f64::NAN)).is_nan());
+    assert_eq!(row.strays(&Vec3::new(-0.2, 5.0, 0.0)), 0.2);
+}

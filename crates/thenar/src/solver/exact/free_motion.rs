@@ -1,6 +1,7 @@
 //! The velocities without contact.
 
 use crate::math::Vec3;
+use crate::model::{Cone, SolverSettings};
 use crate::solver::exact::pcg::{self, Solved};
 use crate::solver::exact::{Accuracy, Coordinates, Exact, Ready, StepSystem, system};
 use crate::solver::{Failure, JointBlock};
@@ -9,27 +10,27 @@ use crate::solver::{Failure, JointBlock};
 const REVISIONS_MAX: u32 = 6;
 /// Fewest iterations with the block diagonal.
 pub(super) const WINDOW: u32 = 4;
-/// What moves no faster than so many tolerances is taken to rest. Where that is wrong some iterations are lost, not the
-/// result.
+/// Up to so many tolerances of speed a world is taken to rest. Where that is wrong some iterations are lost, not the result.
 const AT_REST: f64 = 100.0;
 
-/// What the step before was like.
+/// How the step before ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Before {
     /// Nothing touched.
     Free,
-    /// All that touched lay still: its contacts may need no more than a look, and so no factor.
+    /// All lay still that touched: its contacts may keep their impulses, and need no factor.
     Rested,
     /// Contact will need the factor.
     Touched,
 }
 
 impl Before {
-    /// From the velocities that the step ended with.
-    pub fn of(touched: bool, v: &[Vec3], bodies: usize, tolerance: f64) -> Self {
+    /// From the velocities that the step ended with. The law of the linearised cone is not looked at (`strays`).
+    pub fn of(touched: bool, v: &[Vec3], bodies: usize, settings: &SolverSettings) -> Self {
+        let rests = || pcg::largest_speed(v, bodies) <= AT_REST * settings.velocity_tolerance;
         match touched {
             false => Self::Free,
-            true if pcg::largest_speed(v, bodies) <= AT_REST * tolerance => Self::Rested,
+            true if settings.cone == Cone::Circular && rests() => Self::Rested,
             true => Self::Touched,
         }
     }
@@ -65,10 +66,10 @@ impl Exact {
                 self.take_the_factor(step);
             }
         }
-        let before = solved.iterations;
+        let done = solved.iterations;
         if self.ready == Ready::Direct {
             solved = self.iterate_with_factor(step, accuracy, scale);
-            solved.iterations += before;
+            solved.iterations += done;
         } else if !solved.converged {
             solved = self.iterate_on(step, accuracy.iterations_max, accuracy, scale);
         }

@@ -36,7 +36,7 @@ pub fn minimum_degree(neighbours: Vec<Vec<u32>>) -> Vec<u32> {
     order
 }
 
-/// What is left of the graph.
+/// The rest of the graph while nodes are eliminated.
 struct Quotient {
     /// Neighbours of each node that no element tells.
     neighbours: Vec<Vec<u32>>,
@@ -46,7 +46,7 @@ struct Quotient {
     met: Vec<Vec<u32>>,
     /// Of each element, how many of its nodes are not in the newest.
     outside: Vec<usize>,
-    /// When a node or an element was last come across.
+    /// When a node was last met.
     seen: Vec<u32>,
     stamp: u32,
 }

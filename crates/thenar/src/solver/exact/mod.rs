@@ -10,7 +10,7 @@
 //!
 //! is symmetric positive definite, and the stiff coupling springs G act on w alone. Without contact
 //! it is solved by conjugate gradients (`pcg`) with the block diagonal (`jacobi`), which keep to the
-//! joint limits that bear load (`held`); with contact the flesh is factored (`factor`, `direct`),
+//! joint limits that bear load (`held`); with contact that does not rest the flesh is factored (`factor`, `direct`),
 //! which gives the compliance of the whole system at the contacts that press (`joining`, `delassus`)
 //! and preconditions the solve for what their impulses do.
 //!
@@ -110,6 +110,8 @@ pub struct Exact {
     jacobi: BlockJacobi,
     direct: Direct,
     ready: Ready,
+    /// The contacts of this step kept their impulses, and nothing knows their compliance.
+    kept: bool,
     /// The largest part of an error's energy that an iteration with the factor of this step has left.
     left: Option<f64>,
     /// Whether springs bind all flesh to bones, so that few iterations of the block diagonal are enough.
@@ -193,6 +195,7 @@ impl Exact {
             all_is_bound: plan.all_is_bound,
             jacobi: BlockJacobi::new(&coarse, nodes),
             ready: Ready::Nothing,
+            kept: false,
             left: None,
             x: Coordinates::new(bodies.freedoms(), nodes),
             held: Held::new(plan.bounds_max, bodies.freedoms()),

@@ -24,6 +24,11 @@ impl Exact {
         accuracy: &Accuracy,
         push: &mut [Vec3],
     ) -> Result<(), Failure> {
+        if std::mem::take(&mut self.kept) {
+            // Those that press are in W first, as after other steps.
+            self.factor_if_needed(step)?;
+            self.delassus.begin(contacts, &self.direct);
+        }
         contacts.begin_push(wishes);
         let found = self.find_push(step, contacts, accuracy, push);
         contacts.end_push();

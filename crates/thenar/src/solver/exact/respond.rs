@@ -15,6 +15,8 @@ use crate::solver::{ContactRow, ContactRows, Convergence, Failure};
 /// its weight, `10 µm/s / (g h)`, 0.1 % at 1 ms. A quarter of that is not seen, and takes 3 to 10 % more sweeps
 /// in grasps.
 const SWEPT_TO: f64 = 0.25;
+/// The true velocities are found to this part of the tolerance.
+const FOLLOWED_TO: f64 = 0.25;
 /// Times that contact is solved, compared with the true velocities, and solved again.
 const ROUNDS_MAX: u32 = 8;
 /// Times, besides, that sweeps which ran out go on, from the true velocities and with a new history.
@@ -36,20 +38,22 @@ impl Exact {
         accuracy: &Accuracy,
         change: &mut [Vec3],
     ) -> Result<Convergence, Failure> {
+        self.kept = false;
         if contacts.rows.iter().all(|row| is_kept(row, accuracy.velocity)) {
             self.delassus.leave();
             return Ok(rest(contacts, change));
         }
         self.start_from(step, contacts, cone, change);
         // What the impulses of the step before truly do tells best what presses.
-        self.follow(step, contacts, accuracy, change)?;
+        let error = self.follow(step, contacts, accuracy, change)?;
         self.delassus.measure(contacts, change);
         if self.ready == Ready::Jacobi {
             // Impulses that obey the law as they are need no compliance.
-            let strays = SAFETY * self.delassus.strays(contacts, cone);
-            if strays <= accuracy.velocity {
+            let residual = SAFETY * self.delassus.strays(contacts, cone) + error;
+            if residual <= accuracy.velocity {
                 self.delassus.leave();
-                return Ok(Convergence { iterations: 0, residual: strays });
+                self.kept = true;
+                return Ok(Convergence { iterations: 0, residual });
             }
         }
         self.factor_if_needed(step)?;
@@ -107,37 +111,62 @@ impl Exact {
         }
     }
 
-    /// The true change of velocities under the present impulses: `K Δ = Jᵀ λ`.
+    /// The true change of velocities under the present impulses, `K Δ = Jᵀ λ`; returns what it may be off \[m/s\].
     pub(super) fn follow(
         &mut self,
         step: &StepSystem<'_>,
         contacts: &ContactRows,
         accuracy: &Accuracy,
         change: &mut [Vec3],
-    ) -> Result<(), Failure> {
-        let Self { bodies, carried, springs, split, coarse, jacobi, direct, ready, .. } = self;
-        let Self { x, delassus, work, left, .. } = self;
-        let system = system(step, bodies, carried, springs, split);
-        if !delassus.load_more(&system, contacts, work) {
-            return Ok(());
+    ) -> Result<f64, Failure> {
+        if !self.load_more(step, contacts) {
+            return Ok(0.0);
         }
-        let tolerance = 0.25 * accuracy.velocity;
-        let stop = pcg::Stop { tolerance, ..accuracy.stop(WINDOW, accuracy.iterations_max) };
-        let solved = if *ready == Ready::Direct {
-            let apply = |r: &Coordinates, z: &mut Coordinates| direct.apply(&system, coarse, r, z);
-            let stop = pcg::Stop { iterations_min: 1, left: *left, ..stop };
-            let solved = pcg::solve(&system, apply, x, stop, work);
-            *left = solved.left;
-            solved
-        } else {
-            let apply = |r: &Coordinates, z: &mut Coordinates| jacobi.apply(&system, coarse, r, z);
-            pcg::solve(&system, apply, x, stop, work)
-        };
+        let mut solved = pcg::Solved::default();
+        if self.ready != Ready::Direct {
+            solved = self.follow_with_diagonal(step, accuracy);
+            if !solved.converged {
+                self.factor_if_needed(step)?;
+            }
+        }
+        if self.ready == Ready::Direct {
+            solved = self.follow_with_factor(step, accuracy);
+        }
         if !solved.converged && !accuracy.best_effort {
             return Err(Failure::NotConverged { residual: solved.error });
         }
-        system.spread(x, change);
-        Ok(())
+        let Self { bodies, carried, springs, split, x, .. } = self;
+        system(step, bodies, carried, springs, split).spread(x, change);
+        Ok(solved.error)
+    }
+
+    fn load_more(&mut self, step: &StepSystem<'_>, contacts: &ContactRows) -> bool {
+        let Self { bodies, carried, springs, split, delassus, work, .. } = self;
+        let system = system(step, bodies, carried, springs, split);
+        delassus.load_more(&system, contacts, work)
+    }
+
+    /// With the block diagonal, until it costs more than the factor.
+    fn follow_with_diagonal(&mut self, step: &StepSystem<'_>, accuracy: &Accuracy) -> pcg::Solved {
+        let worth = self.iterations_worth_a_factor.min(accuracy.iterations_max);
+        let Self { bodies, carried, springs, split, coarse, jacobi, x, work, .. } = self;
+        let system = system(step, bodies, carried, springs, split);
+        let apply = |r: &Coordinates, z: &mut Coordinates| jacobi.apply(&system, coarse, r, z);
+        let tolerance = FOLLOWED_TO * accuracy.velocity;
+        let stop = pcg::Stop { tolerance, ..accuracy.stop(WINDOW, worth) };
+        pcg::solve(&system, apply, x, stop, work)
+    }
+
+    fn follow_with_factor(&mut self, step: &StepSystem<'_>, accuracy: &Accuracy) -> pcg::Solved {
+        let Self { bodies, carried, springs, split, coarse, direct, x, work, left, .. } = self;
+        let system = system(step, bodies, carried, springs, split);
+        let apply = |r: &Coordinates, z: &mut Coordinates| direct.apply(&system, coarse, r, z);
+        let tolerance = FOLLOWED_TO * accuracy.velocity;
+        let stop =
+            pcg::Stop { tolerance, left: *left, ..accuracy.stop(1, accuracy.iterations_max) };
+        let solved = pcg::solve(&system, apply, x, stop, work);
+        *left = solved.left;
+        solved
     }
 
     /// The compliance of all members, and the impulses on it.

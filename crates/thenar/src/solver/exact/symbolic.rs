@@ -13,12 +13,12 @@ use crate::solver::exact::minimum_degree::minimum_degree;
 use crate::solver::exact::ordering::nested_dissection;
 use std::ops::Range;
 
-/// This part of a merged supernode may be explicit zeros: much of a small one, which costs more to find than to
-/// compute. On six hands of 590 to 16 441 tetrahedra a factorisation takes the same time to a few parts in a hundred
-/// from half to twice of both.
+/// Explicit zeros that a merged supernode may hold, in parts of it. A factorisation of the default hand takes the same time
+/// to a few parts in a hundred from half to twice of this and the next.
 const ZEROS_MAX: f64 = 0.2;
+/// Explicit zeros of a small one, which costs more to find than to compute.
 const ZEROS_OF_SMALL_MAX: f64 = 0.6;
-/// Small is what has no more nodes than a register has room for columns.
+/// Nodes of a small one: no more than a register has room for, in columns.
 const SMALL: usize = LANES / 3;
 
 /// Nodes eliminated together.

@@ -135,8 +135,6 @@ fn a_pressed_finger_agrees_with_the_dense_reference() {
     }
 }
 
-/// A bound on the work of a step is kept but for the few sweeps that each round makes at least, and is reported; what is
-/// left is told about right. One that is never reached changes nothing.
 /// Once a pressed finger lies still, its contacts keep their impulses: no sweep is made, the law holds at the velocities,
 /// which are those of the dense reference, and forces stay as they are.
 #[test]
@@ -172,6 +170,8 @@ fn contacts_at_rest_keep_their_impulses() {
     }
 }
 
+/// A bound on the work of a step is kept but for the few sweeps that each round makes at least, and is reported; what is
+/// left is told about right. One that is never reached changes nothing.
 #[test]
 fn a_step_that_is_cut_short_says_what_that_cost() {
     let (mut world, input) = press(1e7, 1e-3, Cone::Circular);

@@ -185,7 +185,8 @@ impl Delassus {
             return f64::INFINITY;
         }
         let rows = contacts.rows.iter().zip(&self.measured);
-        rows.map(|(row, d)| row.strays(d)).fold(0.0, f64::max)
+        // What is not a number stays one.
+        rows.map(|(row, d)| row.strays(d)).fold(0.0, |most, x| if x <= most { most } else { x })
     }
 
     /// Begins a step: the impulses of the one before press, and nothing of them has been measured.
