@@ -234,7 +234,7 @@ mod tests {
                 known: &known,
                 springs: &springs,
             };
-            let mut factor = Factor::new(Symbolic::new(&A, 0, &positions));
+            let mut factor = Factor::new(Symbolic::new(&A, 0, &positions, true));
             assert!(factor.refresh(&system));
             let want: Vec<Vec3> = (0..n).map(|_| random.vec3(1.0)).collect();
             let mut x: Vec<Vec3> =

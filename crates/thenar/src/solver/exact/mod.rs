@@ -185,7 +185,12 @@ impl Exact {
             })
             .collect();
         let coarse = Coarse::new(&bodies, group_of_node, plan.carried, pattern);
-        let factor = Factor::new(Symbolic::new(pattern, 2 * count, plan.positions));
+        let factor = Factor::new(Symbolic::new(
+            pattern,
+            2 * count,
+            plan.positions,
+            !plan.carried.is_empty(),
+        ));
         // Flops of the factor's numbers, of which an iteration does some twenty per block.
         let flops = factor.symbolic.flops() / 2.0;
         let iteration = 25.0 * pattern.blocks.len() as f64;

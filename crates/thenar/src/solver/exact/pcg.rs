@@ -31,9 +31,6 @@ const ROUND_OFF: f64 = 1e-13;
 const LEFT_SAFETY: f64 = 100.0;
 /// Without a new least residual for so many iterations there is nothing more to gain.
 const PATIENCE: u32 = 30;
-/// Iterations that have left more than this part of the first residual have gained nothing: any that converge have quartered
-/// it by then.
-const NOTHING_GAINED: f64 = 0.25;
 
 /// How well a system was solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -171,10 +168,7 @@ pub fn solve(
             return solved;
         }
         if solved.iterations >= stop.iterations_max || waited > PATIENCE {
-            // A start that no iteration betters is solved to round-off.
-            let at_round_off = waited > PATIENCE && least > NOTHING_GAINED * first;
-            let converged = at_round_off && solved.error <= stop.tolerance;
-            return Solved { converged, ..solved };
+            return Solved { converged: false, ..solved };
         }
         p.renew(beta, z);
         rz = rz_new;

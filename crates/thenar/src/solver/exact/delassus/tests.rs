@@ -87,7 +87,7 @@ fn compare_with_dense(nodes: usize) -> usize {
     let group_of_node = (0..NODES).map(|n| group.filter(|_| n < CARRIED)).collect();
     let mut coarse = Coarse::new(bodies, group_of_node, carried, &A);
     coarse.refresh(&system, true);
-    let factor = Factor::new(Symbolic::new(&A, 2 * BODIES, &positions));
+    let factor = Factor::new(Symbolic::new(&A, 2 * BODIES, &positions, true));
     let mut direct = Direct::new(factor, &coarse, bodies.groups());
     assert!(direct.refresh(&system, &coarse));
 
