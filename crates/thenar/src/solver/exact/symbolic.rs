@@ -154,7 +154,7 @@ impl Symbolic {
         let n = order.len();
         let place_of_node = places(&order);
         let columns = column_structures(a, row0, &order, &place_of_node);
-        let (starts, rows_of) = supernodes(&columns);
+        let (starts, rows_of) = supernodes(&columns, bound);
 
         let mut symbolic = Self {
             place_of_node,
@@ -271,6 +271,9 @@ impl Symbolic {
 /// The order that needs the fewest operations: by dissection, which is better for large lattices, or by minimum
 /// degree, for slender and graded ones. The subtrees of each follow each other, the largest next to their parent.
 fn best_order(a: &BlockMatrix, row0: usize, dissected: Vec<u32>, bound: bool) -> Vec<u32> {
+    if !bound {
+        return dissected;
+    }
     let flesh = |node: usize| {
         let others = a.columns[a.row(row0 + node)].iter();
         others.filter_map(move |&j| (j as usize).checked_sub(row0)).filter(move |&j| j != node)
@@ -283,8 +286,7 @@ fn best_order(a: &BlockMatrix, row0: usize, dissected: Vec<u32>, bound: bool) ->
         (operations, order, columns)
     });
     let [dissected, least_degree] = counted;
-    let (_, order, columns) =
-        if bound && least_degree.0 < dissected.0 { least_degree } else { dissected };
+    let (_, order, columns) = if least_degree.0 < dissected.0 { least_degree } else { dissected };
     postorder(&columns).into_iter().map(|place| order[place as usize]).collect()
 }
 
@@ -347,7 +349,7 @@ fn column_structures(
 }
 
 /// First place of each supernode, and its rows below.
-fn supernodes(columns: &[Vec<u32>]) -> (Vec<usize>, Vec<Vec<u32>>) {
+fn supernodes(columns: &[Vec<u32>], bound: bool) -> (Vec<usize>, Vec<Vec<u32>>) {
     // (first, true fill of the columns in it, rows below)
     let mut stack: Vec<(usize, usize, Vec<u32>)> = Vec::new();
     for (place, column) in columns.iter().enumerate() {
@@ -361,7 +363,9 @@ fn supernodes(columns: &[Vec<u32>]) -> (Vec<usize>, Vec<Vec<u32>>) {
             let size = pivots * (pivots + 1) / 2 + pivots * own_rows.len();
             let true_fill = fill + own_fill;
             let zeros = size.saturating_sub(true_fill) as f64;
-            let most = if pivots <= SMALL { ZEROS_OF_SMALL_MAX } else { ZEROS_MAX };
+            // A fifth of the whole is a quarter of the true fill.
+            let small = bound && pivots <= SMALL;
+            let most = if small { ZEROS_OF_SMALL_MAX } else { ZEROS_MAX };
             if !is_child || zeros > most * size as f64 {
                 break;
             }
