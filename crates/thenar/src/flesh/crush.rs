@@ -3,14 +3,14 @@
 //!
 //! The corotational law gives way at no thickness with finite force, and comes to rest inside out; and it lets a finger
 //! that is caught by its skin draw it out to ten times its length. Its tetrahedra, in patches or not, add in their
-//! signed principal stretches
+//! signed principal stretches, with the depth `c = max(s_c − σ, 0) / s_c` and the draw `t = max(σ − s_t, 0)`,
 //!
 //! ```text
-//!   ψ_c = ½ k Σ (max(s_c − σᵢ, 0)² + max(σᵢ − s_t, 0)²),   k = 20 E / s_c,
+//!   dψ/dσ = E (67 t − 625 c²)  up to c = 1,   E (67 t − 625 (2 c − 1))  beyond,
 //! ```
 //!
-//! a stress that grows from nothing at `s_c` to `20 E` at no thickness, and on in proportion, where the element is inside
-//! out: however far, no faster than the corotational law's; and so from `s_t` up. Shapes of which no stretch is
+//! each principal stretch by itself: a stress that grows from nothing at `s_c` to `625 E` at no thickness, with a slope
+//! that begins at nothing too, and on along its tangent where the element is inside out. Shapes of which no stretch is
 //! below `s_c` or above `s_t` do not feel it. It
 //! is elastic: no memory fades it, E is the modulus at once, and of damping it has the element's own share of the stiffness, which elements
 //! with memory do not have. The other laws stiffen by themselves, and steps look after what they store (`foresight`).
@@ -27,12 +27,15 @@ use std::ops::Range;
 /// Stretch below which an element resists being crushed: where a foam as dense as bread, a fifth of what its walls are, is
 /// pressed solid, `1.4 ρ/ρ_s` (Gibson and Ashby 1997). Flesh has no pores and is nowhere so flat.
 const CRUSHED: f64 = 0.3;
-/// Stress at no thickness, over Young's modulus: 1 MPa in a pulp of 50 kPa, or 200 N on the 2 cm² of a fingertip between
-/// plates.
-const STRESS: f64 = 20.0;
+/// Stress at no thickness, over Young's modulus. At a stretch of 0.2, a ninth of it acts: 69 E, which is what Ogden's law of soft
+/// tissue has there, `2 μ / α (s^(α−1) − s^(−α/2−1))`, `μ = E / 3`, for α = 6, the softest of fingertips' flesh (6 to 10). Less gives way
+/// under one edge of a hard body: with 20, growing in proportion, a hand pressed on a toy car by 100 N came to rest inside out.
+const STRESS: f64 = 625.0;
 /// Stretch beyond which an element resists being drawn out: human skin tears at 1.54 ± 0.17, with 83 MPa before it does, seventy
-/// times what it has at first (Ní Annaidh et al. 2012); `k` is 67 E.
+/// times what it has at first (Ní Annaidh et al. 2012).
 const TAUT: f64 = 1.5;
+/// Stiffness of what is drawn out farther, over Young's modulus: with the element's own, those seventy times.
+const TAUT_STIFFNESS: f64 = 67.0;
 
 impl FleshModel {
     /// Adds what crushed elements resist with to the system of a step of length `h` \[s\].
@@ -102,19 +105,37 @@ fn respond(rest: &RestTet, F: &Mat3) -> Response {
 }
 
 fn shape(rest: &RestTet, F: &Mat3) -> Principal {
-    Principal::of(F, |s| density(STRESS * rest.young() / CRUSHED, s))
+    Principal::of(F, |s| density(rest.young(), s))
 }
 
-/// ψ_c of modulus k \[Pa\] at the signed principal stretches.
-fn density(k: f64, s: [f64; 3]) -> Density {
-    // How far beyond the bounds; of one sign with the stress.
-    let beyond = s.map(|s| (s - TAUT).max(0.0) + (s - CRUSHED).min(0.0));
-    let felt = beyond.map(|beyond| if beyond == 0.0 { 0.0 } else { k });
+/// ψ_c of an element of this modulus \[Pa\] at the signed principal stretches.
+fn density(young: f64, s: [f64; 3]) -> Density {
+    let along = s.map(|s| {
+        let [pressed, drawn] = [crushing(s), drawing(s)];
+        [0, 1, 2].map(|k| young * (pressed[k] + drawn[k]))
+    });
     Density {
-        energy: 0.5 * k * beyond.iter().map(|beyond| beyond * beyond).sum::<f64>(),
-        stress: beyond.map(|beyond| k * beyond),
-        hessian: Mat3::from_diagonal(&felt.into()),
+        energy: along.iter().map(|[energy, ..]| energy).sum(),
+        stress: along.map(|[_, stress, _]| stress),
+        hessian: Mat3::from_diagonal(&along.map(|[.., curvature]| curvature).into()),
     }
+}
+
+/// Energy of crushing to a stretch, over Young's modulus, and its first two derivatives.
+fn crushing(s: f64) -> [f64; 3] {
+    let depth = (CRUSHED - s).max(0.0) / CRUSHED;
+    let beyond = (depth - 1.0).max(0.0);
+    let within = depth - beyond;
+    let energy = within.powi(3) / 3.0 + beyond + beyond * beyond;
+    let stress = within * within + 2.0 * beyond;
+    [STRESS * CRUSHED * energy, -STRESS * stress, 2.0 * STRESS / CRUSHED * within]
+}
+
+/// Energy of drawing out to a stretch, over Young's modulus, and its first two derivatives.
+fn drawing(s: f64) -> [f64; 3] {
+    let drawn = (s - TAUT).max(0.0);
+    let curvature = if drawn > 0.0 { TAUT_STIFFNESS } else { 0.0 };
+    [0.5 * TAUT_STIFFNESS * drawn * drawn, TAUT_STIFFNESS * drawn, curvature]
 }
 
 #[cfg(test)]
@@ -180,19 +201,25 @@ mod tests {
         assert!(crushed(&rest, &[0, 1, 2, 3], &REST).is_none());
     }
 
-    /// Under a dead load of ten Young's moduli a linear fibre between rigid sides would end at
-    /// `s = 1 − 10 (1 + ν)(1 − 2ν) / (1 − ν)`, which is far inside out; with what resists beside it, at
-    /// `s = (M + k s_c − 10 E) / (M + k)`.
+    /// Under a dead load of a hundred Young's moduli a linear fibre between rigid sides would end at
+    /// `s = 1 − 100 (1 + ν)(1 − 2ν) / (1 − ν)`, far inside out; with what resists beside it, where
+    /// `M (1 − s) + 625 E ((s_c − s) / s_c)² = 100 E`.
     #[test]
     fn a_load_that_would_turn_an_element_inside_out_flattens_it() {
         let rest = rest();
         let modulus = rest.lambda + 2.0 * rest.mu;
-        let load = 10.0 * YOUNG;
+        let load = 100.0 * YOUNG;
         assert!(1.0 - load / modulus < -2.0);
-        let k = 20.0 * YOUNG / 0.3;
-        let s = (modulus + k * 0.3 - load) / (modulus + k);
-        assert!(s > 0.0 && s < 0.3);
-        let flat = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, s));
+        let excess =
+            |s: f64| modulus * (1.0 - s) + 625.0 * YOUNG * ((0.3 - s) / 0.3).powi(2) - load;
+        // Falls from 0 to 0.3.
+        let (mut low, mut high) = (0.0, 0.3);
+        assert!(excess(low) > 0.0 && excess(high) < 0.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if excess(middle) > 0.0 { low = middle } else { high = middle }
+        }
+        let flat = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, low));
         let x = REST.map(|x| flat * x);
         let [law, crush] =
             [crate::flesh::respond(&rest, &x), respond(&rest, &rest.deformation_gradient(&x))];
@@ -204,6 +231,29 @@ mod tests {
         }
     }
 
+    /// At a fifth of its length an element bears at least what Ogden's law of flesh does, there and flatter half
+    /// of it: `2 μ / α (s^(α−1) − s^(−α/2−1))` with α = 6, `μ = E / 3`.
+    #[test]
+    fn what_is_crushed_stiffens_as_soft_tissue_does() {
+        let ogden = |s: f64| 2.0 / 18.0 * (s.powi(5) - s.powi(-4));
+        let [_, at_a_fifth, _] = crushing(0.2);
+        assert!((at_a_fifth / ogden(0.2) - 1.0).abs() < 0.01, "{at_a_fifth} {}", ogden(0.2));
+        assert!((0.25..1.0).contains(&(crushing(0.25)[1] / ogden(0.25))));
+        assert!(crushing(0.15)[1] / ogden(0.15) > 0.5);
+    }
+
+    /// Stress and stiffness have no steps where crushing begins and where the element has no thickness.
+    #[test]
+    fn crushing_begins_and_goes_on_smoothly() {
+        for s in [0.3, 0.0] {
+            let [above, below] = [s + 1e-9, s - 1e-9].map(crushing);
+            for k in 0..3 {
+                let scale = [0.1, 1.0, 10.0][k] * STRESS;
+                assert!((above[k] - below[k]).abs() < 1e-6 * scale, "{s}: {above:?} {below:?}");
+            }
+        }
+    }
+
     /// Under a dead load of five Young's moduli a linear fibre between rigid sides would be drawn out to
     /// `s = 1 + 5 (1 + ν)(1 − 2ν) / (1 − ν)`; with what resists beside it, to `s = (M + k s_t + 5 E) / (M + k)`.
     #[test]
@@ -212,7 +262,7 @@ mod tests {
         let modulus = rest.lambda + 2.0 * rest.mu;
         let load = 5.0 * YOUNG;
         assert!(1.0 + load / modulus > 2.0);
-        let k = 20.0 * YOUNG / 0.3;
+        let k = 67.0 * YOUNG;
         let s = (modulus + k * 1.5 + load) / (modulus + k);
         assert!(s > 1.5 && s < 1.6);
         let drawn = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, s));
