@@ -82,7 +82,7 @@ table! {
         contact_margin: Option<f64> where MARGIN;
         /// A step that contact does not carry through (an overlap grows in it by half the margin, or the exact solver is
         /// off by a hundred tolerances) is made in halves, and these again, at most this number of times. Zero
-        /// never divides a step, which bounds its cost. Default 3.
+        /// never divides a step, which bounds its cost. Default 5.
         step_halvings_max: Option<u32> where HALVINGS;
     }
 }

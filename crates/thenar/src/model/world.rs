@@ -119,7 +119,9 @@ pub struct SolverSettings {
     /// Points nearer than this become constraints, before they touch \[m\]; motion adds to it.
     pub contact_margin: f64,
     /// A step that contact does not carry through (an overlap grows in it by half the margin, or it is off by
-    /// a hundred tolerances) is made in halves, and these again, so many times at most: see `World::step`.
+    /// a hundred tolerances) is made in halves, and these again, so many times at most: see `World::step`. By default
+    /// the shortest part of a step at 60 Hz is half a millisecond: jammed hands obey the law of contact in steps
+    /// of 1 ms, and miss it by up to a metre per second in parts of 2 ms.
     pub step_halvings_max: u32,
 }
 
@@ -139,7 +141,7 @@ impl Default for SolverSettings {
             cone: Cone::Circular,
             limits: Limits::Rows,
             contact_margin: 1e-3,
-            step_halvings_max: 3,
+            step_halvings_max: 5,
         }
     }
 }
