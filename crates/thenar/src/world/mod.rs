@@ -113,9 +113,12 @@ impl World {
             let foreseen = self.flesh_was_foreseen(part, &done);
             let gained_nothing = self.flesh_gained_nothing(part, &done);
             let carried = self.was_carried(&mut done);
-            // What flesh did is not mended by contact that looks farther.
-            let reach = if carried { 0.0 } else { self.reach() };
-            if !(foreseen && gained_nothing && carried) && parts.retry(reach) {
+            let again = match (carried, foreseen && gained_nothing) {
+                (false, _) => parts.retry(self.reach()),
+                (true, false) => parts.retry_flesh(),
+                (true, true) => false,
+            };
+            if again {
                 unforeseen += u32::from(!(foreseen && gained_nothing));
                 // Sides are swapped only when a part is accepted.
                 self.state.copy_motion(&self.scratch.before);
