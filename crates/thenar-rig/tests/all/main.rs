@@ -22,4 +22,5 @@ mod objects;
 #[path = "../press/mod.rs"]
 mod press;
 mod regions;
+mod scans;
 mod support;

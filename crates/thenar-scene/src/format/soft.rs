@@ -55,7 +55,7 @@ table! {
 }
 
 table! {
-    /// A closed triangle mesh from a file (GLB, OBJ, STL), embedded in tetrahedra; or a model
+    /// A closed triangle mesh from a file (GLB, OBJ, STL, PLY, OFF), embedded in tetrahedra; or a model
     /// file (`.thenar`) of a soft body, with its own materials.
     pub struct MeshSoftShape {
         /// Path, relative to the scene file.
