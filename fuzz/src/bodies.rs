@@ -5,7 +5,7 @@
 //! is not finite or an endless loop is what they look for. Bodies are coarse, so that one takes milliseconds.
 
 use thenar::model::{
-    HandModel, HandPlacement, Law, Material, Motion, RigidDesc, Side, SoftDesc, WorldDesc,
+    HandModel, HandPlacement, Law, Material, Motion, RigidDesc, Side, Skinning, SoftDesc, WorldDesc,
 };
 use thenar::shape::Shape;
 use thenar::{Mat3, Pose, Quat, Vec3, World};
@@ -143,6 +143,7 @@ fn placement() -> HandPlacement {
         coupling: thenar::model::CouplingKind::Uniform,
         coupling_stiffness: 2e9,
         coupling_damping_time: 0.01,
+        skinning: Skinning::Linear,
         root_drive: None,
         bone_drive: None,
         solid_bones: true,

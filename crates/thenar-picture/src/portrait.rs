@@ -4,7 +4,7 @@ use super::{
     Backdrop, Camera, Ground, Hand, Image, Layers, Material, Pattern, Quality, Scales, Soft, Stage,
     render,
 };
-use thenar::model::{CouplingKind, HandModel, HandPlacement, WorldDesc};
+use thenar::model::{CouplingKind, HandModel, HandPlacement, Skinning, WorldDesc};
 use thenar::world::ModelError;
 use thenar::{Pose, Vec3, World};
 
@@ -27,6 +27,7 @@ pub fn hand_portrait(
             coupling: CouplingKind::Uniform,
             coupling_stiffness: 1.0,
             coupling_damping_time: 0.0,
+            skinning: Skinning::Linear,
             root_drive: None,
             bone_drive: None,
             solid_bones: true,

@@ -1,7 +1,7 @@
 //! Soft bodies without bones: a closed surface embedded in tetrahedra.
 
 use crate::lattice::{Lattice, LatticeOptions, Quality};
-use crate::mesh::{Topology, decimate, subdivide_to, weld};
+use crate::mesh::{Hole, Topology, close_holes, decimate, subdivide_to, weld};
 use crate::object::SoftModel;
 use crate::size::sensible_size;
 use crate::work::phase;
@@ -71,10 +71,7 @@ const WELD: f64 = 1e-6;
 /// # Errors
 /// When the mesh is malformed, not closed, or of several parts.
 pub fn closed_surface(mesh: &TriMesh) -> Result<TriMesh, RigError> {
-    mesh.check()?;
-    phase("welding the mesh")?;
-    let [low, high] = mesh.bounds();
-    let mut whole = weld(mesh, WELD * (high - low).norm()).mesh.compacted();
+    let mut whole = welded(mesh)?;
     // A mesh that cannot be used need not be turned first.
     phase("looking at the mesh's edges")?;
     let topology = Topology::of(&whole);
@@ -82,6 +79,31 @@ pub fn closed_surface(mesh: &TriMesh) -> Result<TriMesh, RigError> {
     check_parts("the mesh", &topology)?;
     whole.orient()?;
     Ok(whole)
+}
+
+/// [`closed_surface`] of a mesh whose holes are closed first, those whose border is a simple loop; and these holes.
+///
+/// # Errors
+/// When the mesh is malformed, of several parts, or not closed for another reason.
+pub fn mended_surface(mesh: &TriMesh) -> Result<(TriMesh, Vec<Hole>), RigError> {
+    let mut whole = welded(mesh)?;
+    phase("closing holes of the mesh")?;
+    // Along a border of triangles that disagree lies no hole.
+    whole.orient()?;
+    let (mut whole, holes) = close_holes(&whole);
+    phase("looking at the mesh's edges")?;
+    let topology = Topology::of(&whole);
+    check_holes("the mesh", &topology)?;
+    check_parts("the mesh", &topology)?;
+    whole.orient()?;
+    Ok((whole, holes))
+}
+
+fn welded(mesh: &TriMesh) -> Result<TriMesh, RigError> {
+    mesh.check()?;
+    phase("welding the mesh")?;
+    let [low, high] = mesh.bounds();
+    Ok(weld(mesh, WELD * (high - low).norm()).mesh.compacted())
 }
 
 /// Fills a closed, outward-facing mesh with tetrahedra. `material` gives the material at each

@@ -5,7 +5,8 @@ use std::process::ExitCode;
 use thenar::shape::Shape;
 use thenar::model::{
     Axis, Binding, BodyId, Coupling, Drive, EmbeddedSurface, FixedNode, Flesh, JointDesc,
-    JointKind, Law, Material, Motion, RigidDesc, SoftDesc, SolverKind, SurfaceVertex, WorldDesc,
+    JointKind, Law, Material, Motion, RigidDesc, Skinning, SoftDesc, SolverKind, SurfaceVertex,
+    WorldDesc,
 };
 use thenar::world::{Input, Target};
 use thenar::{Mat3, Pose, Quat, Vec3, World};
@@ -181,6 +182,7 @@ fn soft(job: &Job) -> SoftDesc {
         bindings: vec![Binding { bones: [0, 0], weights: [1.0, 0.0] }; job.nodes.len()],
         stiffness: vec![0.0; job.nodes.len()],
         damping_time: job.tie_damping_time,
+        skinning: Skinning::Linear,
     };
     for tie in &job.ties {
         coupling.bindings[tie.node as usize].bones = [tie.bone; 2];

@@ -1,13 +1,14 @@
 //! Hands.
 
-use super::{Args, CouplingArg, Outputs, PresetArg, SpringsArg, name, write};
+use super::object::print_holes;
+use super::{Args, CouplingArg, Outputs, PresetArg, SideArg, SpringsArg, name, write};
 use crate::error::CliError;
 use std::path::Path;
 use thenar::model::{CouplingKind, Side};
 use thenar_picture::{Quality, hand_portrait, write_png};
 use thenar_rig::export::{hand_glb, hand_json, write_hand_vtk};
 use thenar_rig::hand::{
-    HandOptions, JointStiffness, NameMap, Size, Springs, asset, build_hand_with_report,
+    HandOptions, JointStiffness, NameMap, RigReading, Size, Springs, asset, build_hand_with_report,
     joint_stiffness,
 };
 use thenar_rig::{HandReport, Model};
@@ -67,7 +68,11 @@ fn options(args: &Args) -> Result<HandOptions, CliError> {
     material.density = args.density.unwrap_or(material.density);
     Ok(HandOptions {
         name: name(args),
-        size: args.length.map_or(Size::Scale(args.scale), Size::Length),
+        side: args.side.map(|side| match side {
+            SideArg::Left => Side::Left,
+            SideArg::Right => Side::Right,
+        }),
+        size: size(args),
         tets: args.tets.unwrap_or(usual.tets),
         detail: if args.tets.is_some() { None } else { args.detail.or(usual.detail) },
         material,
@@ -85,6 +90,14 @@ fn options(args: &Args) -> Result<HandOptions, CliError> {
     })
 }
 
+fn size(args: &Args) -> Size {
+    match (args.length, args.scale) {
+        (Some(length), _) => Size::Length(length),
+        (None, Some(scale)) => Size::Scale(scale),
+        (None, None) => Size::Own,
+    }
+}
+
 fn names(path: &Path) -> Result<NameMap, CliError> {
     let text = String::from_utf8(read(path, NAMES_BYTES_MAX)?)
         .map_err(|_| CliError::Input(format!("{}: not text", path.display())))?;
@@ -96,7 +109,25 @@ fn read(path: &Path, bytes_max: u64) -> Result<Vec<u8>, CliError> {
         .map_err(|e| CliError::Input(format!("{}: {e}", path.display())))
 }
 
+/// How the rig was read, where that was not as it says itself.
+fn print_reading(rig: &RigReading) {
+    if let Some(unit) = rig.unit {
+        println!(
+            "unit: taken for {unit} (--scale {}); --scale or --length says otherwise",
+            rig.scale
+        );
+    }
+    if !rig.own_axes {
+        println!("axes: from the places of the joints; the rig's own are not those of WebXR");
+    }
+    if !rig.made.is_empty() {
+        println!("made: {}, which the rig lacks", rig.made.join(", "));
+    }
+    print_holes(&rig.holes);
+}
+
 fn print(r: &HandReport) {
+    print_reading(&r.rig);
     println!("skin: {} vertices, {} triangles, closed", r.skin.vertices, r.skin.triangles);
     println!("size: {:.1} mm, {:.1} ml", r.length * 1e3, r.volume * 1e6);
     println!("mass: {:.0} g flesh, {:.0} g bones", r.flesh_mass * 1e3, r.bone_mass * 1e3);

@@ -15,7 +15,7 @@ use thenar_rig::Model;
 #[derive(Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("kind").required(true).args(["hand", "rigid", "soft"])))]
 pub struct Args {
-    /// A mesh: a skinned GLB for a hand; GLB, OBJ or STL for objects. For a hand also `left` or
+    /// A mesh: a skinned GLB for a hand; GLB, OBJ, STL, PLY or OFF for objects. For a hand also `left` or
     /// `right`, the built-in ones.
     input: PathBuf,
     /// Build a hand.
@@ -24,7 +24,7 @@ pub struct Args {
     /// Build a rigid body; the mesh may be open or of many parts.
     #[arg(long)]
     rigid: bool,
-    /// Build a soft body; the mesh must be closed.
+    /// Build a soft body; holes of the mesh are closed, and told.
     #[arg(long)]
     soft: bool,
     /// The model file to write.
@@ -48,9 +48,13 @@ pub struct Args {
     /// Hand: wrist to middle fingertip [m].
     #[arg(long, value_name = "M", conflicts_with = "scale")]
     length: Option<f64>,
-    /// Factor on all coordinates, e.g. 0.001 for a mesh in mm.
-    #[arg(long, default_value_t = 1.0)]
-    scale: f64,
+    /// Factor on all coordinates, e.g. 0.001 for a mesh in mm. Default: 1; of a hand that would be too long or too short
+    /// in metres, the unit in which it is as long as people's.
+    #[arg(long)]
+    scale: Option<f64>,
+    /// Hand: left or right, where the rig does not say, or has both.
+    #[arg(long, value_enum, value_name = "SIDE", requires = "hand")]
+    side: Option<SideArg>,
     /// Young's modulus [Pa].
     #[arg(long, value_name = "PA")]
     young: Option<f64>,
@@ -63,7 +67,7 @@ pub struct Args {
     /// Rigid: mass [kg].
     #[arg(long, value_name = "KG", requires = "rigid")]
     mass: Option<f64>,
-    /// Hand: a TOML file of `webxr-joint = "name in the rig"`, for rigs with other names.
+    /// Hand: a TOML file of `webxr-joint = "name in the rig"`, for rigs whose names say nothing.
     #[arg(long, value_name = "FILE.toml", requires = "hand")]
     joint_names: Option<PathBuf>,
     /// Hand: where the springs of its joints come from: a table, whatever the bent flesh adds, or what the flesh leaves of
@@ -107,6 +111,15 @@ impl PresetArg {
             Self::Touch => "touch",
         }
     }
+}
+
+/// Left or right.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum SideArg {
+    /// A left hand.
+    Left,
+    /// A right hand.
+    Right,
 }
 
 /// What the springs between flesh and bones hold.

@@ -9,7 +9,8 @@ use crate::work::Stage;
 use nalgebra::DMatrix;
 use thenar::kinematics::Tree;
 use thenar::model::{
-    CouplingKind, ElementPatches, HandModel, HandPlacement, JointKind, Motion, WorldDesc, patches,
+    CouplingKind, ElementPatches, HandModel, HandPlacement, JointKind, Motion, Skinning, WorldDesc,
+    patches,
 };
 use thenar::world::{Input, State};
 use thenar::{Pose, Vec3, World};
@@ -51,6 +52,7 @@ impl<'a> Bender<'a> {
             coupling: hand.coupling,
             coupling_stiffness: hand.usual_coupling_stiffness(hand.coupling),
             coupling_damping_time: 0.0,
+            skinning: Skinning::Linear,
             root_drive: None,
             bone_drive: None,
             solid_bones: false,

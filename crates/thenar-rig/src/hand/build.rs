@@ -2,17 +2,19 @@
 
 use super::digits::{self, DigitRig};
 use super::loose::{Loose, Softness};
-use super::names::{self, Finder};
 use super::options::{HandOptions, Size, Springs};
 use super::relax::relax;
-use super::report::HandReport;
+use super::report::{HandReport, RigReading};
+use super::rig::{self, Found, Frames, Posed};
 use super::sides::Sides;
 use super::solids::Covered;
-use super::{bones, grading, in_bone, joints, layers, nails, passive, regions, solids, weights};
+use super::{
+    bones, grading, in_bone, joints, layers, nails, passive, regions, solids, unit, weights,
+};
 use crate::embed::check_closed;
-use crate::glb::{self, SkinnedMesh};
+use crate::glb::{self, RigJoint, SkinnedMesh};
 use crate::lattice::{Lattice, LatticeOptions};
-use crate::mesh::{Bvh, decimate, decimate_within, read_file, subdivide_to, weld};
+use crate::mesh::{Bvh, close_holes, decimate, decimate_within, read_file, subdivide_to, weld};
 use crate::work::{Stage, phase};
 use crate::{RigError, TriMesh, model_file};
 use std::path::Path;
@@ -49,13 +51,13 @@ pub fn build_hand_with_report(
     bytes: &[u8],
     options: &HandOptions,
 ) -> Result<(HandModel, HandReport), RigError> {
-    let Made { mut hand, skin, digits, covered } = made(bytes, options)?;
+    let Made { mut hand, skin, digits, covered, reading } = made(bytes, options)?;
     let joints = match options.springs {
         Springs::Fixed => Vec::new(),
         Springs::Rest => passive::fill_up(&mut hand)?,
     };
     phase("measuring the hand")?;
-    let report = HandReport::new(&hand, &skin, &digits, &covered, joints)?;
+    let report = HandReport::new(&hand, reading, &skin, &digits, &covered, joints)?;
     Ok((hand, report))
 }
 
@@ -65,13 +67,14 @@ struct Made {
     skin: TriMesh,
     digits: Vec<DigitRig>,
     covered: Vec<Covered>,
+    reading: RigReading,
 }
 
 fn made(bytes: &[u8], options: &HandOptions) -> Result<Made, RigError> {
     options.check()?;
     phase("reading the hand")?;
     let rig = glb::read_skinned_glb(bytes)?;
-    let Rigged { skin, digits, side, length } = rigged(&rig, options)?;
+    let Rigged { skin, digits, side, length, reading } = rigged(&rig, options)?;
     check_closed("the hand's surface", &skin)?;
     let surface = Bvh::new(&skin);
     let bones = bones::bones(&digits, &surface, length);
@@ -148,7 +151,7 @@ fn made(bytes: &[u8], options: &HandOptions) -> Result<Made, RigError> {
     relax(&mut hand)?;
     // A rig of strange proportions can still lead to a bone without length or mass.
     model_file::check_hand(&hand)?;
-    Ok(Made { hand, skin, digits, covered })
+    Ok(Made { hand, skin, digits, covered, reading })
 }
 
 /// Region of each triangle.
@@ -182,22 +185,27 @@ pub(super) struct Rigged {
     pub digits: Vec<DigitRig>,
     pub side: Side,
     pub length: f64,
+    pub reading: RigReading,
 }
 
 /// Moves the rig to the model frame M, which is the frame of the wrist, and scales it.
 pub(super) fn rigged(rig: &SkinnedMesh, options: &HandOptions) -> Result<Rigged, RigError> {
-    let unscaled = at_scale(rig, options, 1.0)?;
-    let scale = match options.size {
-        Size::Scale(scale) => scale,
-        Size::Length(length) => length / unscaled.length,
+    let found = rig::find(&rig.joints, &options.name_map, options.side)?;
+    let frames = Frames::new(&found, &rig.joints, options.side)?;
+    let unscaled = at_scale(rig, &found, &frames, 1.0)?;
+    let unit = match options.size {
+        Size::Own if !within_lengths(unscaled.length) => unit::of_length(unscaled.length),
+        _ => None,
     };
-    let rigged = at_scale(rig, options, scale)?;
-    if !(LENGTHS[0]..=LENGTHS[1]).contains(&rigged.length) {
-        let ([low, high], length) = (LENGTHS, rigged.length);
-        return Err(RigError::invalid(format!(
-            "the hand length, wrist to middle fingertip, is {length:.4} m, expected {low} to {high} m"
-        )));
-    }
+    let scale = match (options.size, unit) {
+        (Size::Length(length), _) => length / unscaled.length,
+        (Size::Scale(scale), _) => scale,
+        (Size::Own, Some((_, metres))) => metres,
+        (Size::Own, None) => 1.0,
+    };
+    let mut rigged = at_scale(rig, &found, &frames, scale)?;
+    unit::check_length(rigged.length)?;
+    rigged.reading.unit = unit.map(|(unit, _)| unit);
     if options.side.is_some_and(|side| side != rigged.side) {
         return Err(RigError::invalid(format!(
             "the mesh shows a {:?} hand, not the {:?} one asked for",
@@ -207,28 +215,33 @@ pub(super) fn rigged(rig: &SkinnedMesh, options: &HandOptions) -> Result<Rigged,
     Ok(rigged)
 }
 
-fn at_scale(rig: &SkinnedMesh, options: &HandOptions, scale: f64) -> Result<Rigged, RigError> {
-    let scaled = SkinnedMesh {
-        mesh: rig.mesh.clone().scaled(scale),
-        joints: rig.joints.clone(),
-        influences: Vec::new(),
-    };
-    let joints = scaled.joints.iter().cloned().map(|mut joint| {
+fn within_lengths(length: f64) -> bool {
+    (LENGTHS[0]..=LENGTHS[1]).contains(&length)
+}
+
+fn at_scale(
+    rig: &SkinnedMesh,
+    found: &Found,
+    frames: &Frames,
+    scale: f64,
+) -> Result<Rigged, RigError> {
+    let joints = rig.joints.iter().cloned().map(|mut joint| {
         joint.pose.position *= scale;
         joint
     });
-    let scaled = SkinnedMesh { joints: joints.collect(), ..scaled };
-    let finder = Finder::new(&scaled, &options.name_map);
-    let pose_MR = finder.pose(names::WRIST)?.inverse();
+    let joints: Vec<RigJoint> = joints.collect();
+    let posed = Posed::new(found, &joints, frames);
 
-    let welded = weld(&scaled.mesh, WELD_TOLERANCE * scale).mesh;
-    let skin = welded.compacted().transformed(&pose_MR);
+    let welded = weld(&rig.mesh.clone().scaled(scale), WELD_TOLERANCE * scale).mesh;
+    let skin = welded.compacted().transformed(posed.pose_MR());
     if skin.triangles.is_empty() {
         return Err(RigError::invalid("all triangles of the hand's surface are without extent"));
     }
+    // Most rigs are open at the wrist.
+    let (skin, holes) = close_holes(&skin);
     let surface = Bvh::new(&skin);
     // First guess of the length: wrist to the middle finger's tracked tip.
-    let middle_tip = (pose_MR * finder.pose("middle-finger-tip")?).position;
+    let middle_tip = posed.digit(Digit::Middle, &surface)?[4].position;
     let guess = middle_tip.norm();
     let stage = Stage::new(
         "finding the fingertips",
@@ -238,12 +251,19 @@ fn at_scale(rig: &SkinnedMesh, options: &HandOptions, scale: f64) -> Result<Rigg
     )?;
     let mut digits = Vec::new();
     for (k, &digit) in Digit::FINGERS.iter().enumerate() {
-        digits.push(digits::read(&finder, &pose_MR, digit, &surface, guess)?);
+        digits.push(digits::read(&posed, digit, &surface, guess)?);
         stage.at(k + 1)?;
     }
     let length = digits[2].tip.norm();
     let side = digits::side(&digits);
-    Ok(Rigged { skin, digits, side, length })
+    let reading = RigReading {
+        scale,
+        unit: None,
+        own_axes: matches!(frames, Frames::Own),
+        made: posed.made(),
+        holes,
+    };
+    Ok(Rigged { skin, digits, side, length, reading })
 }
 
 /// The finger that alone surrounds a node, or the palm.

@@ -4,7 +4,8 @@
 //! finger's phalanges move in one plane, so each digit gets one flexion axis: the mean of its
 //! joints' own (WebXR: -x), made perpendicular to the line from its first moving joint to its tip.
 
-use super::names::{self, Finder};
+use super::names;
+use super::rig::Posed;
 use crate::RigError;
 use crate::mesh::Bvh;
 use thenar::model::{Digit, Side};
@@ -58,30 +59,18 @@ fn pulp(digit: Digit) -> f64 {
 
 /// Reads a digit. `surface` is the hand's skin and `length` the hand's length.
 pub(super) fn read(
-    finder: &Finder,
-    pose_MR: &Pose,
+    rig: &Posed<'_>,
     digit: Digit,
     surface: &Bvh,
     length: f64,
 ) -> Result<DigitRig, RigError> {
     let prefix = names::prefix(digit);
-    let poses: Vec<Pose> = names::suffixes(digit)
-        .iter()
-        .map(|suffix| Ok(*pose_MR * finder.pose(&format!("{prefix}-{suffix}"))?))
-        .collect::<Result<_, RigError>>()?;
+    let poses = rig.digit(digit, surface)?;
     let moving = poses.len() - 4;
     let joints: [Pose; 3] = std::array::from_fn(|k| poses[moving + k]);
     let joint_names =
         std::array::from_fn(|k| format!("{prefix}-{}", names::suffixes(digit)[moving + k]));
 
-    for pair in poses.windows(2) {
-        if (pair[1].position - pair[0].position).norm() < 1e-3 * length {
-            return Err(RigError::invalid(format!(
-                "two joints of the {} lie at the same place",
-                digit.name()
-            )));
-        }
-    }
     let tracked_tip = poses[poses.len() - 1].position;
     let along = (tracked_tip - joints[2].position).normalize();
     let tip = leave(surface, &tracked_tip, &along, length);
@@ -92,7 +81,7 @@ pub(super) fn read(
     let flexion = (axis - line * line.dot(&axis)).try_normalize(1e-3).ok_or_else(|| {
         RigError::invalid(format!("the joint axes of the {} do not agree", digit.name()))
     })?;
-    let base = if digit == Digit::Thumb { pose_MR.position } else { poses[0].position };
+    let base = if digit == Digit::Thumb { rig.thumb_base() } else { poses[0].position };
     Ok(DigitRig { digit, base, joints, joint_names, end, tip, flexion })
 }
 

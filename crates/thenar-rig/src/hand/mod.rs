@@ -18,8 +18,10 @@ mod passive;
 mod regions;
 mod relax;
 mod report;
+mod rig;
 mod sides;
 mod solids;
+mod unit;
 mod weights;
 
 pub use asset::{asset, default_hand, uniform_hand};
@@ -30,4 +32,4 @@ pub use layers::Layer;
 pub use names::NameMap;
 pub use options::{HandOptions, Size, Springs};
 pub use passive::{JointStiffness, joint_stiffness};
-pub use report::{BoneCover, BoneLength, HandReport};
+pub use report::{BoneCover, BoneLength, HandReport, RigReading};

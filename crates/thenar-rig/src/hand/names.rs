@@ -1,9 +1,6 @@
 //! Names of the tracked joints and of the bones.
 
-use crate::RigError;
-use crate::glb::{RigJoint, SkinnedMesh};
 use std::collections::BTreeMap;
-use thenar::Pose;
 use thenar::model::Digit;
 
 /// From WebXR joint names to the names a rig uses; what is not listed keeps its WebXR name.
@@ -46,27 +43,5 @@ pub(super) fn joint_names(digit: Digit) -> [&'static str; 3] {
     match digit {
         Digit::Thumb => ["cmc", "mcp", "ip"],
         _ => ["mcp", "pip", "dip"],
-    }
-}
-
-/// Finds joints by WebXR name.
-pub(super) struct Finder<'a> {
-    rig: &'a SkinnedMesh,
-    map: &'a NameMap,
-}
-
-impl<'a> Finder<'a> {
-    pub fn new(rig: &'a SkinnedMesh, map: &'a NameMap) -> Self {
-        Self { rig, map }
-    }
-
-    /// The rest pose of the joint with this WebXR name.
-    pub fn pose(&self, webxr: &str) -> Result<Pose, RigError> {
-        let name = self.map.get(webxr).map_or(webxr, String::as_str);
-        let found: Option<&RigJoint> = self.rig.joints.iter().find(|j| j.name == name);
-        found.map(|j| j.pose).ok_or_else(|| {
-            let renamed = if name == webxr { "" } else { " (by the name map)" };
-            RigError::invalid(format!("the rig has no joint `{name}`{renamed}, needed as {webxr}"))
-        })
     }
 }

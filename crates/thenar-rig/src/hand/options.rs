@@ -8,6 +8,8 @@ use thenar::model::{CouplingKind, Law, Material, Side};
 /// How large a hand is built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Size {
+    /// As the file has it; where no hand is so long, in the unit that makes it one of people's.
+    Own,
     /// The mesh times this.
     Scale(f64),
     /// So that wrist to middle fingertip measures this \[m\].
@@ -127,6 +129,7 @@ impl HandOptions {
     pub(super) fn check(&self) -> Result<(), RigError> {
         use crate::error::positive;
         match self.size {
+            Size::Own => 1.0,
             Size::Scale(scale) => positive("hand scale", scale)?,
             Size::Length(length) => positive("hand length", length)?,
         };

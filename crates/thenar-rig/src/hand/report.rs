@@ -6,13 +6,30 @@ use super::in_bone;
 use super::passive::JointStiffness;
 use super::solids::Covered;
 use crate::lattice::{Quality, tet};
-use crate::mesh::Topology;
+use crate::mesh::{Hole, Topology};
 use crate::{RigError, TriMesh};
 use thenar::model::{Digit, HandModel};
+
+/// How a rig was read.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct RigReading {
+    /// Factor on the file's coordinates.
+    pub scale: f64,
+    /// The unit that the file's coordinates were taken for, where that was to be guessed and is not metres.
+    pub unit: Option<&'static str>,
+    /// True if the joints have WebXR's axes; else axes come from their places.
+    pub own_axes: bool,
+    /// WebXR's names of joints that the rig lacks and that were made.
+    pub made: Vec<String>,
+    /// Holes of the skin that were closed, the largest first.
+    pub holes: Vec<Hole>,
+}
 
 /// Figures of a built hand.
 #[derive(Clone, Debug, serde::Serialize)]
 pub struct HandReport {
+    /// How the rig was read.
+    pub rig: RigReading,
     /// The skin as read, welded.
     pub skin: Topology,
     /// Volume inside the skin as read \[m³\].
@@ -115,6 +132,7 @@ const RADIOGRAPHS: [(Digit, &[Measured]); 3] = [
 impl HandReport {
     pub(super) fn new(
         hand: &HandModel,
+        rig: RigReading,
         skin: &TriMesh,
         digits: &[DigitRig],
         covered: &[Covered],
@@ -129,6 +147,7 @@ impl HandReport {
         let (anatomy_scale, bone_lengths) = bone_lengths(digits);
         let bone_covers = covered.iter().enumerate().map(|(b, c)| cover(hand, b, c)).collect();
         Ok(Self {
+            rig,
             skin: Topology::of(skin),
             skin_volume: skin.volume(),
             volume: hand.node_volumes.iter().sum(),

@@ -1,6 +1,6 @@
 //! Mesh files, whatever their kind.
 
-use super::{read_obj, read_stl};
+use super::{read_obj, read_off, read_ply, read_stl};
 use crate::error::positive;
 use crate::work::phase;
 use crate::{RigError, TriMesh};
@@ -9,7 +9,7 @@ use std::path::Path;
 /// Larger files are refused.
 const FILE_BYTES_MAX: u64 = 512 << 20;
 
-/// Reads a GLB, OBJ or STL file (told by its first bytes, else by its extension) and multiplies
+/// Reads a GLB, OBJ, STL, PLY or OFF file (told by its first bytes, else by its extension) and multiplies
 /// positions by `scale` (0.001 for a file in millimetres).
 ///
 /// # Errors
@@ -44,7 +44,11 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<TriMesh, RigError> {
     match extension.as_deref() {
         Some("obj") => read_obj(bytes),
         Some("stl") => read_stl(bytes),
+        Some("ply") => read_ply(bytes),
+        Some("off") => read_off(bytes),
         Some("glb") => Err(RigError::byte(0, "not a GLB file: it does not begin with \"glTF\"")),
-        _ => Err(RigError::invalid("unknown kind of mesh file (.glb, .obj and .stl are known)")),
+        _ => Err(RigError::invalid(
+            "unknown kind of mesh file (.glb, .obj, .stl, .ply and .off are known)",
+        )),
     }
 }

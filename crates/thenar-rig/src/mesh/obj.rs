@@ -1,5 +1,6 @@
 //! Wavefront OBJ: vertices and faces; everything else is passed over.
 
+use super::polygon::cut;
 use crate::{RigError, TriMesh};
 use thenar::Vec3;
 use thenar_input::quoted;
@@ -51,33 +52,10 @@ fn face<'a>(
 ) -> Result<(), RigError> {
     let count = mesh.positions.len();
     let corners = words.map(|word| corner(word, line, count)).collect::<Result<Vec<_>, _>>()?;
-    match corners[..] {
-        [] | [_] | [_, _] => {
-            let problem = format!("a face needs three corners, not {}", corners.len());
-            Err(RigError::line(line, problem))
-        }
-        [first, ref rest @ ..] if rest.len() < FAN_CORNERS_MAX => {
-            mesh.triangles.extend(rest.windows(2).map(|side| [first, side[0], side[1]]));
-            Ok(())
-        }
-        _ => {
-            halved(&corners, &mut mesh.triangles);
-            Ok(())
-        }
+    if cut(&corners, &mut mesh.triangles) {
+        return Ok(());
     }
-}
-
-/// Polygons of more corners are halved: a fan of slivers would be slow to search.
-const FAN_CORNERS_MAX: usize = 8;
-
-/// Cuts a polygon into triangles by chords that halve what is left.
-fn halved(corners: &[u32], triangles: &mut Vec<[u32; 3]>) {
-    if corners.len() > 2 {
-        let (middle, last) = (corners.len() / 2, corners.len() - 1);
-        triangles.push([corners[0], corners[middle], corners[last]]);
-        halved(&corners[..=middle], triangles);
-        halved(&corners[middle..], triangles);
-    }
+    Err(RigError::line(line, format!("a face needs three corners, not {}", corners.len())))
 }
 
 /// The vertex index of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`: from 1, or from -1 backwards.

@@ -17,8 +17,8 @@
 use super::rigid::RigidModel;
 use crate::error::positive;
 use crate::mesh::{
-    Bvh, GridOptions, Inside, MassProperties, Orientation, Topology, distance_grid, mass_of_grid,
-    resampled, weld,
+    Bvh, GridOptions, Inside, MassProperties, Orientation, Topology, close_holes, distance_grid,
+    mass_of_grid, resampled, weld,
 };
 use crate::size::sensible_size;
 use crate::work::phase;
@@ -235,43 +235,6 @@ fn deep_values(grid: &DistanceGrid) -> usize {
     grid.values.iter().filter(|&&d| f64::from(d) < -0.5 * grid.cell).count()
 }
 
-/// The mesh with each hole whose border is one simple loop closed by a fan about the loop's middle.
-fn capped(mesh: &TriMesh) -> TriMesh {
-    let mut sides: Vec<[u32; 2]> =
-        mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
-    sides.sort_unstable();
-    let has = |side: &[u32; 2]| sides.binary_search(side).is_ok();
-    // Along a hole, against the sides of the triangles around it.
-    let mut border: Vec<[u32; 2]> =
-        sides.iter().filter(|[a, b]| !has(&[*b, *a])).map(|&[a, b]| [b, a]).collect();
-    border.sort_unstable();
-    let mut done = vec![false; border.len()];
-    let mut whole = mesh.clone();
-    for first in 0..border.len() {
-        let mut ring = Vec::new();
-        let mut at = first;
-        while !std::mem::replace(&mut done[at], true) {
-            ring.push(border[at]);
-            let from = border[at][1];
-            let next = border.partition_point(|side| side[0] < from);
-            let ways = border[next..].iter().take_while(|side| side[0] == from).count();
-            if ways != 1 {
-                ring.clear();
-                break;
-            }
-            at = next;
-        }
-        if ring.len() < 3 || at != first {
-            continue;
-        }
-        let places = ring.iter().map(|side| mesh.positions[side[0] as usize]);
-        let middle = whole.positions.len() as u32;
-        whole.positions.push(places.sum::<Vec3>() / ring.len() as f64);
-        whole.triangles.extend(ring.iter().map(|&[a, b]| [a, b, middle]));
-    }
-    whole
-}
-
 fn assemble(
     name: &str,
     [drawn, clean]: [&TriMesh; 2],
@@ -286,7 +249,7 @@ fn assemble(
     let closed;
     let contact = match interior {
         Interior::Winding => {
-            closed = capped(clean);
+            closed = close_holes(clean).0;
             &closed
         }
         _ => clean,

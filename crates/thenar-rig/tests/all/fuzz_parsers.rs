@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use thenar::Vec3;
 use thenar::model::EmbeddedSurface;
 use thenar_rig::glb::{read_glb, read_skinned_glb};
-use thenar_rig::mesh::{read_obj, read_stl, shapes, write_stl};
+use thenar_rig::mesh::{read_obj, read_off, read_ply, read_stl, shapes, write_stl};
 use thenar_rig::{Model, RigError};
 
 /// A damaged copy is made this often per seed; longer seeds are cut only at so many bytes.
@@ -68,6 +68,37 @@ fn obj_endures() {
 fn stl_endures() {
     let cube = shapes::cuboid(&Vec3::repeat(1.0));
     endures("stl", ROUNDS, &[write_stl(&cube), ascii_stl(&cube)], read_stl);
+}
+
+/// A tetrahedron's corners, and its faces.
+const CORNERS: &str = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
+const FACES: &str = "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+
+#[test]
+fn off_endures() {
+    let seeds =
+        ["OFF\n4 4 6\n", "COFF 4 4 0\n"].map(|head| format!("{head}{CORNERS}{FACES}").into_bytes());
+    endures("off", ROUNDS, &seeds, read_off);
+}
+
+#[test]
+fn ply_endures() {
+    let head = |encoding: &str| {
+        format!(
+            "ply\nformat {encoding} 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+             element face 4\nproperty list uchar int vertex_indices\nend_header\n"
+        )
+    };
+    let text = format!("{}{CORNERS}{FACES}", head("ascii")).into_bytes();
+    let numbers =
+        |text: &str| -> Vec<f32> { text.split_whitespace().map(|w| w.parse().unwrap()).collect() };
+    let mut binary = head("binary_little_endian").into_bytes();
+    numbers(CORNERS).iter().for_each(|x| binary.extend(x.to_le_bytes()));
+    for face in numbers(FACES).chunks(4) {
+        binary.push(3);
+        face[1..].iter().for_each(|v| binary.extend((*v as i32).to_le_bytes()));
+    }
+    endures("ply", ROUNDS, &[text, binary], read_ply);
 }
 
 #[test]

@@ -22,4 +22,6 @@ mod objects;
 #[path = "../press/mod.rs"]
 mod press;
 mod regions;
+mod rigs;
+mod scans;
 mod support;

@@ -5,7 +5,7 @@
 use thenar::model::{
     BodyId, CouplingKind, Digit, Drive, HandPlacement, Motion, PairRule, RigidDesc, Side,
 };
-use thenar::model::{HandModel, WorldDesc};
+use thenar::model::{HandModel, Skinning, WorldDesc};
 use thenar::shape::Shape;
 use thenar::world::{Input, StepReport, Target};
 use thenar::{Mat3, Pose, Quat, Vec3, World};
@@ -157,6 +157,7 @@ fn placement(pose_WM: Pose, solid_bones: bool) -> HandPlacement {
         coupling: CouplingKind::Uniform,
         coupling_stiffness: 2e9,
         coupling_damping_time: 1e-3,
+        skinning: Skinning::Linear,
         root_drive: Some(palm),
         bone_drive: None,
         solid_bones,

@@ -1,6 +1,6 @@
 //! Hands.
 
-use super::soft::{damped_once, group_elements, law, relaxation};
+use super::soft::{damped_once, group_elements, law, relaxation, skinning};
 use super::solver::set;
 use super::{
     Built, Files, Mesh, RigidLook, assets, drivers, hand_joints, motion, place, preset, tissue,
@@ -131,6 +131,7 @@ fn add(built: &mut Built, hand: &Hand, preset: PresetWord, files: &Files) -> Res
         coupling,
         coupling_stiffness,
         coupling_damping_time: hand.coupling_damping_time,
+        skinning: skinning(hand.skinning),
         root_drive: drive(hand.palm_drive.as_ref(), PALM_DRIVE),
         bone_drive: drive(hand.bone_drive.as_ref(), BONE_DRIVE),
         // A skeleton touches nothing.

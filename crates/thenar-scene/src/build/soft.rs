@@ -3,14 +3,15 @@
 use super::solver::set;
 use super::{Built, Files, Mesh, assets, lattice, place, tissue};
 use crate::format::{
-    Bind, ElementsWord, FixedSet, LawWord, MaterialTable, Scene, Soft, SoftShape, SplitWord, Terms,
+    Bind, ElementsWord, FixedSet, LawWord, MaterialTable, Scene, SkinningWord, Soft, SoftShape,
+    SplitWord, Terms,
 };
 use crate::math::{Mat3, Pose, Vec3};
 use crate::text::{At, Fault};
 use std::collections::BTreeMap;
 use thenar::model::{
-    Binding, Coupling, EmbeddedSurface, FixedNode, Flesh, Law, Material, Relaxation, SoftDesc,
-    WorldDesc,
+    Binding, Coupling, EmbeddedSurface, FixedNode, Flesh, Law, Material, Relaxation, Skinning,
+    SoftDesc, WorldDesc,
 };
 use thenar_rig::object::SoftModel;
 
@@ -331,6 +332,7 @@ fn coupling(built: &Built, soft: &Soft, mesh: &Mesh) -> Result<Option<Coupling>,
         bindings: vec![loose; mesh.nodes.len()],
         stiffness: vec![0.0; mesh.nodes.len()],
         damping_time: soft.bind_damping_time,
+        skinning: skinning(soft.skinning),
     };
     for bind in &soft.bind {
         let (bones, weights) = bones(built, bind)?;
@@ -344,6 +346,14 @@ fn coupling(built: &Built, soft: &Soft, mesh: &Mesh) -> Result<Option<Coupling>,
         }
     }
     Ok(Some(coupling))
+}
+
+/// How two bones place a node.
+pub fn skinning(word: SkinningWord) -> Skinning {
+    match word {
+        SkinningWord::Lbs => Skinning::Linear,
+        SkinningWord::Joint => Skinning::Joint,
+    }
 }
 
 fn bones(built: &Built, bind: &Bind) -> Result<([u32; 2], [f64; 2]), Fault> {

@@ -64,6 +64,16 @@ words! {
 }
 
 words! {
+    /// How two bones place the flesh that both carry.
+    pub enum SkinningWord {
+        /// Linear blend skinning (Eq. 6): places are blended by weight.
+        "lbs" => Lbs,
+        /// Rotations are blended by weight, about the joint between the bones.
+        "joint" => Joint,
+    }
+}
+
+words! {
     /// Where the springs of a hand's joints come from.
     pub enum SpringsWord {
         /// From a table, whatever the bent flesh adds.
@@ -145,6 +155,9 @@ table! {
         coupling_stiffness: Option<f64> where SPRING;
         /// Damping time of these springs [s]. Default 0.001.
         coupling_damping_time: f64 where SPRING = 1e-3;
+        /// Where two bones put the flesh between them: "lbs", linear blend skinning as in the paper, which narrows in a
+        /// twist and thins in a bend; "joint", rotations blended about the joint, which does neither. Default "lbs".
+        skinning: SkinningWord = SkinningWord::Lbs;
         /// "tetrahedra": each by itself, as in the paper; "patches": those around one long edge share one
         /// evaluation of their law, so that flesh bends and bulges as refined meshes do. Default: patches where flesh
         /// hangs on bone, tetrahedra where the coupling is uniform.

@@ -26,7 +26,7 @@ pub use friction::{PairFriction, SkinOnWord};
 pub use grip::{GripTable, GripWord};
 pub use hand::{
     BonesWord, CouplingWord, Hand, HandAxis, HandJoint, HandJointsFile, HandMaterial, PresetWord,
-    SpringsWord,
+    SkinningWord, SpringsWord,
 };
 pub use joint::{Joint, JointWord};
 pub use load::{

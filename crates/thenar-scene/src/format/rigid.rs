@@ -94,7 +94,7 @@ table! {
 }
 
 table! {
-    /// A triangle mesh from a file (GLB, OBJ, STL). It may be open or of many parts: inside is
+    /// A triangle mesh from a file (GLB, OBJ, STL, PLY, OFF). It may be open or of many parts: inside is
     /// where the generalised winding number is at least ½; a mesh without inside becomes a shell.
     /// Or a model file (`.thenar`) of a rigid body, which has its own mass.
     pub struct MeshShape {

@@ -1,6 +1,6 @@
 //! Soft bodies.
 
-use super::{Rotation, Selector, SkinTable, TissueWord};
+use super::{Rotation, Selector, SkinTable, SkinningWord, TissueWord};
 use crate::math::Vec3;
 use crate::text::{At, Cx, Defs, Fault, Node, Read, choice, table, words};
 use thenar::model::TERMS_MAX;
@@ -55,7 +55,7 @@ table! {
 }
 
 table! {
-    /// A closed triangle mesh from a file (GLB, OBJ, STL), embedded in tetrahedra; or a model
+    /// A closed triangle mesh from a file (GLB, OBJ, STL, PLY, OFF), embedded in tetrahedra; or a model
     /// file (`.thenar`) of a soft body, with its own materials.
     pub struct MeshSoftShape {
         /// Path, relative to the scene file.
@@ -264,6 +264,9 @@ table! {
         bind: Vec<Bind>;
         /// Damping time of these bonds: damper = time × spring [s]. Default 0.001.
         bind_damping_time: f64 where SPRING = 1e-3;
+        /// Where two bones put a node that both carry: "lbs", linear blend skinning; "joint", rotations blended about the
+        /// joint between them, which they must have. Default "lbs".
+        skinning: SkinningWord = SkinningWord::Lbs;
         /// False makes the body touch nothing. Default true.
         contact: bool = true;
         /// True: its surface touches itself, for bodies that fold. Skin on skin has its `friction`, or

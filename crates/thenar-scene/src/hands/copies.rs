@@ -2,7 +2,8 @@
 
 use super::mirror;
 use crate::format::{
-    BonesWord, Hand, HandKey, KeyframesTable, LimitsWord, MotionTable, Pair, Scene, WristTable,
+    BonesWord, Hand, HandKey, KeyframesTable, LimitsWord, MotionTable, Pair, Scene, SkinningWord,
+    WristTable,
 };
 use crate::math::Vec3;
 use crate::text::At;
@@ -53,6 +54,7 @@ pub fn default_hand(scene: &Scene, side: Side) -> Hand {
         coupling: None,
         coupling_stiffness: None,
         coupling_damping_time: 1e-3,
+        skinning: SkinningWord::Lbs,
         elements: None,
         material: None,
         springs: None,

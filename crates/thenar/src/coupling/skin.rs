@@ -1,6 +1,8 @@
-//! Linear blend skinning (Eq. 6) and its derivative.
+//! Skinning targets (Eq. 6) and their derivatives.
 
+use crate::coupling::Pivot;
 use crate::math::{Pose, Vec3};
+use crate::solver::Turning;
 
 /// A node bound to at most two bones.
 #[derive(Clone, Copy, Debug)]
@@ -13,27 +15,32 @@ pub struct BoundNode {
     pub weights: [f64; 2],
     /// Rest position in each bone's frame \[m\], the paper's x_ij.
     pub offsets: [Vec3; 2],
+    /// What the node turns about where the rotations of its two bones are blended.
+    pub pivot: Option<Pivot>,
 }
 
-/// The target f_i of a node with its derivative `∂f_i/∂q_j = [w I, -(w R_j x_ij)×]`.
+/// The target f_i of a node with its derivative: `∂f_i/∂q_j = [w I, turning]`.
 #[derive(Clone, Copy, Debug)]
 pub struct SkinTarget {
     /// f_i, world \[m\].
     pub position_W: Vec3,
-    /// `w_ij R_j x_ij`, world \[m\]: the lever of the node's force on each bone.
-    pub levers_W: [Vec3; 2],
+    /// How it moves when bones turn: by linear blending with levers `w_ij R_j x_ij`.
+    pub turning: Turning,
 }
 
-/// `f_i(q) = Σ_j w_ij (x_j + R_j x_ij)`.
+/// Eq. 6, `f_i(q) = Σ_j w_ij (x_j + R_j x_ij)`, or [`Pivot::target`].
 #[inline]
 pub fn skin_target(bound: &BoundNode, poses_WB: &[Pose]) -> SkinTarget {
-    let mut target = SkinTarget { position_W: Vec3::zeros(), levers_W: [Vec3::zeros(); 2] };
+    if let Some(pivot) = &bound.pivot {
+        return pivot.target(bound.bones.map(|b| &poses_WB[b as usize]), bound.weights);
+    }
+    let mut target = SkinTarget { position_W: Vec3::zeros(), turning: Turning::NONE };
     for j in 0..2 {
         let weight = bound.weights[j];
         if weight != 0.0 {
             let pose = &poses_WB[bound.bones[j] as usize];
-            target.levers_W[j] = pose.vector(&bound.offsets[j]) * weight;
-            target.position_W += pose.position * weight + target.levers_W[j];
+            target.turning.levers[j] = pose.vector(&bound.offsets[j]) * weight;
+            target.position_W += pose.position * weight + target.turning.levers[j];
         }
     }
     target
@@ -42,8 +49,9 @@ pub fn skin_target(bound: &BoundNode, poses_WB: &[Pose]) -> SkinTarget {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::{Quat, skew};
-    use crate::testing::{Random, assert_close, jacobian};
+    use crate::coupling::derivatives;
+    use crate::math::Quat;
+    use crate::testing::{Random, assert_close};
 
     #[test]
     fn derivative_matches_finite_differences_up_to_90_degrees() {
@@ -57,32 +65,9 @@ mod tests {
                 bones: [0, 1],
                 weights: [w, 1.0 - w],
                 offsets: [random.vec3(0.05), random.vec3(0.05)],
+                pivot: None,
             };
-            let at = |q: &[f64]| {
-                let moved: Vec<Pose> = (0..2)
-                    .map(|j| {
-                        let q = &q[6 * j..6 * j + 6];
-                        let turn = Quat::from_scaled_axis(Vec3::new(q[3], q[4], q[5]));
-                        let shift = Vec3::new(q[0], q[1], q[2]);
-                        Pose::new(poses[j].position + shift, turn * poses[j].rotation)
-                    })
-                    .collect();
-                skin_target(&bound, &moved).position_W.as_slice().to_vec()
-            };
-            let numeric = jacobian(at, &[0.0; 12], 1e-6);
-            let target = skin_target(&bound, &poses);
-            let analytic: Vec<Vec<f64>> = (0..3)
-                .map(|r| {
-                    (0..2)
-                        .flat_map(|j| {
-                            let linear =
-                                (0..3).map(move |c| if r == c { bound.weights[j] } else { 0.0 });
-                            let turn = -skew(&target.levers_W[j]);
-                            linear.chain((0..3).map(move |c| turn[(r, c)])).collect::<Vec<_>>()
-                        })
-                        .collect()
-                })
-                .collect();
+            let [analytic, numeric] = derivatives(&bound, &poses);
             assert_close(&analytic, &numeric, 1e-6);
         }
     }
@@ -93,8 +78,8 @@ mod tests {
         let quarter = Quat::from_scaled_axis(Vec3::z() * std::f64::consts::FRAC_PI_2);
         let poses = [Pose::identity(), Pose::new(Vec3::zeros(), quarter)];
         let offset = Vec3::new(0.01, 0.0, 0.0);
-        let bound =
-            BoundNode { node: 0, bones: [0, 1], weights: [0.5, 0.5], offsets: [offset, offset] };
+        let (weights, offsets) = ([0.5, 0.5], [offset, offset]);
+        let bound = BoundNode { node: 0, bones: [0, 1], weights, offsets, pivot: None };
         let radius = skin_target(&bound, &poses).position_W.norm() / 0.01;
         assert!((radius - std::f64::consts::FRAC_1_SQRT_2).abs() < 1e-12);
     }

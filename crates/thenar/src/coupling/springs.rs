@@ -6,7 +6,7 @@
 //! torque is the product of damping force and stretch, since they act on the bone at the target.
 
 use crate::coupling::{BoundNode, skin_target};
-use crate::math::{Mat3, Mat6, Pose, Vec3, skew};
+use crate::math::{Mat3, Mat6, Pose, Vec3};
 use crate::model::FleshInStep1;
 use crate::solver::BlockMatrix;
 
@@ -121,9 +121,9 @@ impl CouplingModel {
             let entries = &self.entries[i];
             let node = bound.node as usize;
             let stretch = (x[node] - target.position_W) * (h * self.stiffness[i]);
-            // ∂f/∂q_j = [w I, -lever×]
+            // ∂f/∂q_j = [w I, turning]
             let jacobian: [[Mat3; 2]; 2] = std::array::from_fn(|j| {
-                [Mat3::from_diagonal_element(bound.weights[j]), -skew(&target.levers_W[j])]
+                [Mat3::from_diagonal_element(bound.weights[j]), target.turning.matrix(j)]
             });
 
             A.add_scalar(entries.node, s);
@@ -131,10 +131,10 @@ impl CouplingModel {
             for j in 0..bound.carriers() {
                 let bone = bound.bones[j] as usize;
                 b[2 * bone] += stretch * bound.weights[j];
-                b[2 * bone + 1] += target.levers_W[j].cross(&stretch);
+                b[2 * bone + 1] += target.turning.torque(j, &stretch);
                 let pull = v[node] * felt;
                 bones.pull[bone][0] += pull * bound.weights[j];
-                bones.pull[bone][1] += target.levers_W[j].cross(&pull);
+                bones.pull[bone][1] += target.turning.torque(j, &pull);
                 for part in 0..2 {
                     let block = jacobian[j][part] * -s;
                     A.add(entries.node_bone[j][part], &block);

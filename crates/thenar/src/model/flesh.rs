@@ -71,6 +71,17 @@ pub struct Binding {
     pub weights: [f64; 2],
 }
 
+/// How the two bones of a node place its target.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Skinning {
+    /// Linear blending of places (Eq. 6), the paper's: loses radius in a twist, and depth in a bend.
+    #[default]
+    Linear,
+    /// Blending of rotations about the joint that the bones share. Bones turned by more than half a turn to each
+    /// other, from the rest pose, are blended the shorter way: at half a turn a target jumps.
+    Joint,
+}
+
 /// A deformable body in its rest shape.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -12,7 +12,7 @@ mod rigid;
 mod skin;
 mod surface;
 
-pub use flesh::{Binding, FixedNode, Flesh, Law, Material, OGDEN_ALPHA};
+pub use flesh::{Binding, FixedNode, Flesh, Law, Material, OGDEN_ALPHA, Skinning};
 pub use friction::{BodyParts, FrictionTable};
 pub use hand::{Bone, BoneNode, BoneSolid, CouplingKind, Digit, HandModel, HandRegion, Side};
 pub use joint::{AngleLimit, Axis, JointDesc, JointKind};

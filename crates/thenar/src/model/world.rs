@@ -3,7 +3,7 @@
 use crate::math::{Pose, Vec3};
 use crate::model::{
     Binding, BodyParts, CouplingKind, ElementPatches, Flesh, FrictionTable, HandModel, JointDesc,
-    Motion, RigidDesc, Skin, patches,
+    Motion, RigidDesc, Skin, Skinning, patches,
 };
 use std::ops::Range;
 
@@ -31,6 +31,8 @@ pub struct Coupling {
     pub stiffness: Vec<f64>,
     /// Damper of each node, as a time: damping = `damping_time` × stiffness \[s\].
     pub damping_time: f64,
+    /// How two bones place a node's target.
+    pub skinning: Skinning,
 }
 
 /// The 6-DoF viscoelastic spring that lets a bone follow a tracked pose (Sec. 5).
@@ -229,6 +231,8 @@ pub struct HandPlacement {
     pub coupling_stiffness: f64,
     /// Coupling damping time \[s\].
     pub coupling_damping_time: f64,
+    /// How two bones place the target of a node.
+    pub skinning: Skinning,
     /// Drive of the root bone; `None` leaves it to physics.
     pub root_drive: Option<Drive>,
     /// Drive of every other bone.
@@ -328,6 +332,7 @@ impl WorldDesc {
                 bindings,
                 stiffness,
                 damping_time: placement.coupling_damping_time,
+                skinning: placement.skinning,
             }),
         });
         self.parts.push(BodyParts {

@@ -18,6 +18,7 @@ mod islands;
 mod monolithic;
 mod push_out;
 pub mod tree;
+mod turning;
 
 pub use anticipation::{Anticipation, AnticipationSettings};
 pub use articulated::{Articulated, JointBlock};
@@ -31,6 +32,7 @@ pub use failure::Failure;
 pub use islands::Islands;
 pub use monolithic::Monolithic;
 pub use push_out::Wish;
+pub use turning::{Apart, Turning};
 
 /// Joints that close a loop often ask twice for the same thing, and a joint between bodies that do
 /// not move asks for nothing that can be given. A compliance of this part of a row's own response

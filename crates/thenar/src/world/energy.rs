@@ -87,7 +87,7 @@ impl World {
             for j in (0..bound.carriers()).filter(|&j| bound.bones[j] == i) {
                 let (target, force) = self.spring_force(k);
                 wrench[0] -= force * bound.weights[j];
-                wrench[1] -= target.levers_W[j].cross(&force);
+                wrench[1] -= target.turning.torque(j, &force);
             }
         }
         wrench
@@ -99,7 +99,7 @@ impl World {
         for (k, bound) in self.model.coupling.bound.iter().enumerate() {
             let (target, force) = self.spring_force(k);
             for j in 0..bound.carriers() {
-                let torque = -target.levers_W[j].cross(&force);
+                let torque = -target.turning.torque(j, &force);
                 load(bound.bones[j], force * -bound.weights[j], torque);
             }
         }
@@ -124,7 +124,7 @@ impl World {
         for j in 0..bound.carriers() {
             let bone = bound.bones[j] as usize;
             rate -= state.v[2 * bone] * bound.weights[j]
-                + state.v[2 * bone + 1].cross(&target.levers_W[j]);
+                + target.turning.velocity(j, &state.v[2 * bone + 1]);
         }
         let stretch = state.x[bound.node as usize] - target.position_W;
         let force = stretch * -model.coupling.stiffness[k] - rate * model.coupling.damping[k];

@@ -4,7 +4,7 @@ use crate::coupling::skin_target;
 use crate::math::Vec3;
 use crate::model::{Limits, SolverSettings, WorldDesc};
 use crate::solver::exact::{Accuracy, Before, Carried, Exact, Plan, StepSystem};
-use crate::solver::{Convergence, Failure};
+use crate::solver::{Convergence, Failure, Turning};
 use crate::world::fall_back::Care;
 use crate::world::model::Model;
 use crate::world::scheme::Scheme;
@@ -33,7 +33,7 @@ pub fn build(desc: &WorldDesc, model: &Model, contacts_max: usize) -> Exact {
             carriers: bound.carriers() as u8,
             held: model.known[2 * model.rigids.len() + bound.node as usize],
             weights: bound.weights,
-            levers: [Vec3::zeros(); 2],
+            turning: Turning::NONE,
             spring: 0.0,
             stretch: Vec3::zeros(),
         })
@@ -67,7 +67,7 @@ pub fn couple(exact: &mut Exact, model: &Model, state: &State, h: f64) {
     let coupling = &model.coupling;
     for (k, (bound, carried)) in coupling.bound.iter().zip(&mut exact.carried).enumerate() {
         let target = skin_target(bound, &state.poses_WB);
-        carried.levers = target.levers_W;
+        carried.turning = target.turning;
         carried.spring = h * h * coupling.stiffness[k] + h * coupling.damping[k];
         let stretched = state.x[bound.node as usize] - target.position_W;
         carried.stretch = stretched * (h * coupling.stiffness[k]);

@@ -84,7 +84,7 @@ pub fn advance_jointed(
         *target_W = target.position_W;
         for j in 0..bound.carriers() {
             let b = 2 * bound.bones[j] as usize;
-            let turned = velocity(b + 1).cross(&target.levers_W[j]);
+            let turned = target.turning.velocity(j, &velocity(b + 1));
             *target_W += (velocity(b) * bound.weights[j] + turned) * h;
         }
     }

@@ -1,10 +1,10 @@
 //! The constant part of a world: topology, rest shapes, materials, sparsity.
 
-use crate::coupling::{BoundNode, CouplingEntries, CouplingModel};
+use crate::coupling::{BoundNode, CouplingEntries, CouplingModel, Pivot};
 use crate::flesh::{FleshModel, RestTet};
 use crate::math::{Mat3, Vec3};
 use crate::model::{
-    BodyId, FrictionTable, JointDesc, Motion, Relaxation, Skin, SoftDesc, WorldDesc,
+    BodyId, FrictionTable, JointDesc, Motion, Relaxation, Skin, Skinning, SoftDesc, WorldDesc,
 };
 use crate::solver::BlockMatrix;
 use crate::world::joint_tree::JointTree;
@@ -246,7 +246,15 @@ impl Model {
             let x_W = soft.pose_WM.point(&soft.flesh.nodes[node]);
             let offsets = bones.map(|b| desc.rigids[b as usize].pose_WB.inverse_point(&x_W));
             let node_W = (node0 + node) as u32;
-            let bound = BoundNode { node: node_W, bones, weights, offsets };
+            let joint = if weights[1] == 0.0 { None } else { joint_between(&desc.joints, bones) };
+            let pivot = joint.filter(|_| coupling.skinning == Skinning::Joint).map(|(j, first)| {
+                let (joint, poses) =
+                    (&desc.joints[j as usize], bones.map(|b| &desc.rigids[b as usize].pose_WB));
+                let (child, parent) = (joint.pose_CK.position, joint.pose_PJ.position);
+                let anchors_B = if first { [child, parent] } else { [parent, child] };
+                Pivot::new(poses, anchors_B, weights, &x_W)
+            });
+            let bound = BoundNode { node: node_W, bones, weights, offsets, pivot };
             if coupling.stiffness[node] == 0.0 {
                 // Flesh that has no spring at all is tied to nothing, and goes its own way.
                 if hangs {
@@ -254,16 +262,11 @@ impl Model {
                 }
                 continue;
             }
-            let joint = if weights[1] == 0.0 {
-                None
-            } else {
-                let found = joint_between(&desc.joints, bones);
-                let prescribed = bones.iter().all(|&b| !self.rigids[b as usize].moves);
-                if found.is_none() && !prescribed {
-                    return Err(ModelError::NotAdjacent { thing: soft.name.clone(), node, bones });
-                }
-                found
-            };
+            let prescribed = bones.iter().all(|&b| !self.rigids[b as usize].moves);
+            let needs_joint = coupling.skinning == Skinning::Joint || !prescribed;
+            if weights[1] != 0.0 && joint.is_none() && needs_joint {
+                return Err(ModelError::NotAdjacent { thing: soft.name.clone(), node, bones });
+            }
             self.coupling.bound.push(bound);
             self.coupling.stiffness.push(coupling.stiffness[node]);
             self.coupling.damping.push(coupling.stiffness[node] * coupling.damping_time);

@@ -89,7 +89,7 @@ impl World {
     }
 }
 
-/// `(∂f/∂q_j)ᵀ ∂f/∂q_j` of a node's target, in the frame of its bone j.
+/// `(∂f/∂q_j)ᵀ ∂f/∂q_j` of a node's target, in the frame of its bone j; where rotations are blended, at rest.
 fn own_block(bound: &BoundNode, j: usize) -> Mat6 {
     let weight = bound.weights[j];
     let turn = skew(&(bound.offsets[j] * weight));

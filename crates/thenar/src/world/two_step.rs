@@ -182,7 +182,7 @@ fn close_joints(
             let target = skin_target(bound, &state.poses_WB);
             for j in 0..bound.carriers() {
                 let [lin, ang] = unstack(&scratch.dv[bound.bones[j] as usize]);
-                let moved = lin * bound.weights[j] + ang.cross(&target.levers_W[j]);
+                let moved = lin * bound.weights[j] + target.turning.velocity(j, &ang);
                 state.v[row0 + bound.node as usize] += moved * (s / (mass + s));
             }
         }

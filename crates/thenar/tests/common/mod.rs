@@ -3,7 +3,7 @@
 
 use thenar::model::{
     Axis, Binding, Coupling, EmbeddedSurface, Flesh, JointDesc, JointKind, Law, Material, Motion,
-    RigidDesc, SoftDesc, SurfaceVertex, WorldDesc,
+    RigidDesc, Skinning, SoftDesc, SurfaceVertex, WorldDesc,
 };
 use thenar::{Mat3, Pose, Quat, Vec3};
 
@@ -155,6 +155,7 @@ pub fn finger(kappa: f64, h: f64) -> WorldDesc {
             bindings,
             stiffness: vec![kappa * volume; flesh.nodes.len()],
             damping_time: 1e-3,
+            skinning: Skinning::Linear,
         }),
         flesh,
         pose_WM: Pose::identity(),

@@ -40,11 +40,17 @@ fn scatter(world: &mut World, soft: u32, random: &mut Random) {
     world.set_nodes(soft, &moved);
 }
 
-/// At ten random states of the hand.
-pub fn coupling(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+/// At ten random states of the hand, with targets by "lbs".
+pub fn linear(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    coupling(solver, "lbs")
+}
+
+/// At ten random states of the hand, with targets by "lbs" or "joint".
+pub fn coupling(solver: Solver, skinning: &str) -> Result<Vec<Figure>, CaseError> {
+    let skinning = format!("hand.hand.skinning={skinning}");
     let worst = |damping_time: f64| -> Result<([f64; 2], String), CaseError> {
         let given = format!("hand.hand.coupling_damping_time={damping_time:e}");
-        let mut run = solver.open(&HAND, &[given])?;
+        let mut run = solver.open(&HAND, &[given, skinning.clone()])?;
         let setup = run.setup();
         let session = run.session();
         let soft = session.hands()[0].handle.soft;

@@ -2,7 +2,7 @@
 
 use super::FINGER;
 use super::differences::Rows::{Coordinates, OneKind};
-use super::differences::{Matrix, coordinates, differences, minus_cross, mismatch, scatter_bones};
+use super::differences::{Matrix, coordinates, differences, mismatch, scatter_bones};
 use crate::validate::case::{CaseError, Check, Figure};
 use crate::validate::run::Solver;
 use thenar::kernels::{BlockMatrix, BoneSystem, EffectiveMass, skin_target};
@@ -66,13 +66,13 @@ fn negated(mut m: Matrix) -> Matrix {
     m
 }
 
-/// `∂f_i/∂q_j = [w I, -(w R_j x_ij)×]` of all bound nodes.
+/// `∂f_i/∂q_j = [w I, turning]` of all bound nodes; by linear blending, turning is `-(w R_j x_ij)×`.
 fn target_jacobian(world: &World) -> Matrix {
     let mut rows = vec![vec![0.0; coordinates(world, Some(SOFT))]; 3 * world.nodes(SOFT).len()];
     for bound in &world.model().coupling.bound {
         let target = skin_target(bound, &world.state().poses_WB);
         for j in 0..bound.carriers() {
-            let turning = minus_cross(&target.levers_W[j]);
+            let turning = target.turning.matrix(j);
             let moving = Mat3::from_diagonal_element(bound.weights[j]);
             for (part, block) in [moving, turning].iter().enumerate() {
                 for (r, c) in (0..3).flat_map(|r| (0..3).map(move |c| (r, c))) {
@@ -91,9 +91,11 @@ fn targets(world: &World) -> Vec<f64> {
     flat(&out)
 }
 
-/// Targets, forces and every block of Eq. 7-9.
-pub fn coupling(solver: Solver) -> Result<Vec<Figure>, CaseError> {
-    let mut run = solver.open(&FINGER, &[SMALL.into(), "soft.flesh.bind_damping_time=0".into()])?;
+/// Targets, forces and every block of Eq. 7-9, by "lbs" or "joint".
+pub fn coupling(solver: Solver, skinning: &str) -> Result<Vec<Figure>, CaseError> {
+    let skinning = format!("soft.flesh.skinning={skinning}");
+    let undamped = "soft.flesh.bind_damping_time=0".into();
+    let mut run = solver.open(&FINGER, &[SMALL.into(), undamped, skinning])?;
     let input = run.session().world().input();
     let setup = format!("{STATES} states, {}", run.mesh());
     let (mut random, mut worst) = (Random::new(6), [0.0_f64; 7]);

@@ -6,12 +6,12 @@
 use super::{coupled, jointed};
 use crate::validate::case::{Basis, CaseError, Figure};
 use crate::validate::run::Solver;
-use thenar::{Mat3, Pose, Quat, Vec3, World};
+use thenar::{Pose, Quat, Vec3, World};
 use thenar_scene::session::Random;
 
 /// Everything of D6.
 pub fn all(solver: Solver) -> Result<Vec<Figure>, CaseError> {
-    let mut figures = coupled::coupling(solver)?;
+    let mut figures = coupled::coupling(solver, "lbs")?;
     figures.extend(coupled::flesh(solver)?);
     figures.extend(jointed::skeleton(solver)?);
     Ok(figures.into_iter().map(|figure| figure.rests_on(Basis::Itself)).collect())
@@ -123,9 +123,4 @@ pub fn scatter_bones(world: &mut World, size: f64, random: &mut Random) {
         let moved = Pose::new(pose.position + vector(size), rotation);
         world.set_rigid_state(bone, moved, [Vec3::zeros(); 2]);
     }
-}
-
-/// The matrix `-(v×)`.
-pub fn minus_cross(v: &Vec3) -> Mat3 {
-    -thenar::math::skew(v)
 }

@@ -1,6 +1,6 @@
 //! Weights and targets of linear blend skinning.
 
-use super::HAND;
+use super::{HAND, balance, coupled};
 use crate::validate::case::{Basis, CaseError, Check, Figure, SceneText, scene};
 use crate::validate::run::Solver;
 use thenar::{Pose, Quat, Vec3};
@@ -43,7 +43,11 @@ fn random_motion(random: &mut Random) -> Pose {
 
 /// A hundred random motions (up to 1 m and 180 degrees along each axis) of a bent hand.
 pub fn rigid_motion(solver: Solver) -> Result<Vec<Figure>, CaseError> {
-    let mut run = solver.open(&HAND, &[])?;
+    moved_as_one(solver, "lbs")
+}
+
+fn moved_as_one(solver: Solver, skinning: &str) -> Result<Vec<Figure>, CaseError> {
+    let mut run = solver.open(&HAND, &[format!("hand.hand.skinning={skinning}")])?;
     run.to(0.3)?;
     let setup = run.setup();
     let session = run.session();
@@ -84,4 +88,23 @@ pub fn twist(solver: Solver) -> Result<Vec<Figure>, CaseError> {
         row("radius of the flesh / at rest", cos + 1e-3, flesh, Check::AtLeast),
         row("area of the flesh / at rest", 0.5, flesh * flesh, Check::Report),
     ])
+}
+
+/// What D2 to D4 and D6 measure where rotations are blended about the joint: the radius is kept.
+pub fn by_joint(solver: Solver) -> Result<Vec<Figure>, CaseError> {
+    let mut run = solver.open(&TWIST, &["soft.flesh.skinning=joint".into()])?;
+    let [target_0, flesh_0] = run.values(["target.mean", "flesh.mean"])?;
+    let [target, flesh] = run.to(1.5)?.values(["target.mean", "flesh.mean"])?;
+    let setup = run.setup();
+    let row = |what: &str, got, check| Figure::new(what, &setup, 1.0, got, check);
+    let mut figures = vec![
+        row("radius of the targets / at rest", target / target_0, Check::Absolute(1e-12))
+            .rests_on(Basis::Construction),
+        row("radius of the flesh / at rest", flesh / flesh_0, Check::Report),
+    ];
+    figures.extend(moved_as_one(solver, "joint")?);
+    figures.extend(balance::coupling(solver, "joint")?);
+    let derivatives = coupled::coupling(solver, "joint")?;
+    figures.extend(derivatives.into_iter().map(|figure| figure.rests_on(Basis::Itself)));
+    Ok(figures)
 }

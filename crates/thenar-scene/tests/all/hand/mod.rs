@@ -8,4 +8,5 @@ mod hand_mesh;
 mod hands;
 mod joints;
 mod layers;
+mod skinning;
 mod touch_hand;

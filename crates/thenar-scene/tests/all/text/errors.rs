@@ -176,7 +176,7 @@ fn mesh_files_that_are_not_there_or_no_meshes() {
     );
     check(
         "[[rigid]]\nname = \"s\"\nmass = 1\nshape = { kind = \"mesh\", file = \"Cargo.toml\" }",
-        "5:33: `rigid[0].shape.file`: Cargo.toml: unknown kind of mesh file (.glb, .obj and .stl are known)",
+        "5:33: `rigid[0].shape.file`: Cargo.toml: unknown kind of mesh file (.glb, .obj, .stl, .ply and .off are known)",
     );
     check(
         "[[hand]]\nname = \"h\"\nmodel = \"middle\"",

@@ -201,7 +201,7 @@ impl Coarse {
                     let lin = Vec3::new(column[0], column[1], column[2]);
                     let ang = Vec3::new(column[3], column[4], column[5]);
                     let at = if j == 0 { k } else { second[k] as usize };
-                    entries[at] += lin * c.weights[j] + ang.cross(&c.levers[j]);
+                    entries[at] += lin * c.weights[j] + c.turning.velocity(j, &ang);
                 }
             }
         }

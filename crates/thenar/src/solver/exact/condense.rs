@@ -4,7 +4,6 @@
 //! is formed bone by bone (a *slot*), and a slot then adds `J_ni` times it to the block (i, j) of the
 //! bones. Only i ≥ j is kept.
 
-use crate::math::Vec3;
 use crate::solver::BlockMatrix;
 use crate::solver::exact::{Carried, Reduction, System};
 use fearless_simd::{Simd, f64x8, prelude::*};
@@ -160,7 +159,7 @@ impl Condensed {
     pub fn refresh(&mut self, system: &System<'_>) {
         for (J, &(k, j)) in self.J.iter_mut().zip(&self.carriers) {
             let c = &system.carried[k as usize];
-            *J = motion_of(c.weights[j as usize], &c.levers[j as usize]);
+            *J = motion_of(c, j as usize);
             for axis in (0..3).filter(|&axis| c.held[axis]) {
                 J[axis] = [0.0; 8];
             }
@@ -231,7 +230,7 @@ impl Condensed {
             let c = &system.carried[k as usize];
             let whole = |e: u32| {
                 let j = self.carriers[e as usize].1 as usize;
-                motion_of(c.weights[j], &c.levers[j])
+                motion_of(c, j)
             };
             let (a, b) = (whole(e), whole(f));
             for axis in (0..3).filter(|&axis| c.held[axis]) {
@@ -277,13 +276,15 @@ impl Condensed {
     }
 }
 
-/// A carried node's motion by its bone's, `w v + ω × l`, row by row.
-fn motion_of(w: f64, l: &Vec3) -> [Lane; 3] {
-    [
-        [w, 0.0, 0.0, 0.0, l.z, -l.y, 0.0, 0.0],
-        [0.0, w, 0.0, -l.z, 0.0, l.x, 0.0, 0.0],
-        [0.0, 0.0, w, l.y, -l.x, 0.0, 0.0, 0.0],
-    ]
+/// A carried node's motion by that of its bone j, `[w I, turning]`, row by row.
+fn motion_of(carried: &Carried, j: usize) -> [Lane; 3] {
+    let (w, turn) = (carried.weights[j], carried.turning.matrix(j));
+    std::array::from_fn(|r| {
+        let mut row = [0.0; 8];
+        row[r] = w;
+        (0..3).for_each(|c| row[3 + c] = turn[(r, c)]);
+        row
+    })
 }
 
 /// `K += Jᵀ Q`.

@@ -5,10 +5,10 @@
 //! diagonal G. Nothing is formed: a product is T, then A, then Tᵀ.
 
 use crate::math::Vec3;
-use crate::solver::BlockMatrix;
 use crate::solver::block_matrix::vector;
 use crate::solver::exact::Reduction;
 use crate::solver::exact::vectors::{self, flat, flat_mut};
+use crate::solver::{BlockMatrix, Turning};
 use fearless_simd::{Level, Simd, dispatch};
 
 /// A node that bones carry.
@@ -25,8 +25,8 @@ pub struct Carried {
     pub held: [bool; 3],
     /// Skinning weights.
     pub weights: [f64; 2],
-    /// Weighted levers, world \[m\].
-    pub levers: [Vec3; 2],
+    /// How its target moves when bones turn.
+    pub turning: Turning,
     /// `Δt² k + Δt c` \[kg\].
     pub spring: f64,
     /// `Δt k (x - f)` at the start of the step \[N s\].
@@ -51,7 +51,11 @@ impl Carried {
         let mut moved = Vec3::zeros();
         for j in 0..self.carriers as usize {
             let b = 2 * self.bones[j] as usize;
-            moved += v[b] * self.weights[j] + v[b + 1].cross(&self.levers[j]);
+            moved += v[b] * self.weights[j] + v[b + 1].cross(&self.turning.levers[j]);
+        }
+        if let Some(apart) = &self.turning.apart {
+            let spin = |j: usize| v[2 * self.bones[j] as usize + 1];
+            moved += apart.velocity(&(spin(0) - spin(1)));
         }
         moved
     }
@@ -62,7 +66,7 @@ impl Carried {
         for j in 0..self.carriers as usize {
             let b = 2 * self.bones[j] as usize;
             f[b] += impulse * self.weights[j];
-            f[b + 1] += self.levers[j].cross(impulse);
+            f[b + 1] += self.turning.torque(j, impulse);
         }
     }
 }
@@ -218,7 +222,12 @@ impl System<'_> {
             let impulse = if c.is_held() { c.free(at) } else { *at };
             for j in 0..2.min(c.carriers as usize) {
                 sums[2 * j] += impulse * c.weights[j];
-                sums[2 * j + 1] += c.levers[j].cross(&impulse);
+                sums[2 * j + 1] += c.turning.levers[j].cross(&impulse);
+            }
+            if let Some(apart) = &c.turning.apart {
+                let torque = apart.torque(&impulse);
+                sums[1] += torque;
+                sums[3] -= torque;
             }
         }
         hand_over(carriers, &mut sums, bones);

@@ -4,7 +4,9 @@
 //! of distance of this test's own.
 
 use crate::common::{FLESH, bar, body};
-use thenar::model::{Binding, BodyId, Coupling, FixedNode, Flesh, Material, SoftDesc, WorldDesc};
+use thenar::model::{
+    Binding, BodyId, Coupling, FixedNode, Flesh, Material, Skinning, SoftDesc, WorldDesc,
+};
 use thenar::readout::ContactReadout;
 use thenar::shape::Shape;
 use thenar::world::Input;
@@ -90,6 +92,7 @@ impl Press {
             bindings: vec![Binding { bones: [rigid; 2], weights: [1.0, 0.0] }; flesh.nodes.len()],
             stiffness: flesh.nodes.iter().map(held).collect(),
             damping_time: 1e-3,
+            skinning: Skinning::Linear,
         };
         desc.add_soft(SoftDesc {
             name: "pad above".into(),

@@ -4,7 +4,7 @@
 
 use crate::common::{FLESH, bar, body};
 use thenar::model::{
-    Binding, BodyId, Coupling, Drive, Material, Motion, SoftDesc, SolverKind, WorldDesc,
+    Binding, BodyId, Coupling, Drive, Material, Motion, Skinning, SoftDesc, SolverKind, WorldDesc,
 };
 use thenar::shape::Shape;
 use thenar::world::{Input, Target};
@@ -47,6 +47,7 @@ fn add_pad(desc: &mut WorldDesc, pose: Pose, cells: [usize; 3], young: f64) -> P
         bindings: vec![Binding { bones: [bone; 2], weights: [1.0, 0.0] }; flesh.nodes.len()],
         stiffness: flesh.nodes.iter().map(held).collect(),
         damping_time: 1e-3,
+        skinning: Skinning::Linear,
     };
     let name = format!("pad {}", desc.softs.len());
     let soft = desc.add_soft(SoftDesc {

@@ -5,7 +5,7 @@ use crate::common::{FLESH, bar, body};
 use std::f64::consts::PI;
 use thenar::model::{
     Binding, Coupling, EmbeddedSurface, FixedNode, Flesh, Law, Material, Motion, Relaxation,
-    SoftDesc, WorldDesc,
+    Skinning, SoftDesc, WorldDesc,
 };
 use thenar::{Mat3, Pose, Quat, Vec3, World};
 
@@ -132,6 +132,7 @@ impl Press {
             bindings: vec![Binding { bones: [0, 0], weights: [1.0, 0.0] }; nodes.len()],
             stiffness: nodes.iter().map(bound).collect(),
             damping_time: 0.0,
+            skinning: Skinning::Linear,
         };
         let mut desc = WorldDesc { time_step: h, gravity: Vec3::zeros(), ..WorldDesc::default() };
         desc.solver.velocity_tolerance = 1e-13;

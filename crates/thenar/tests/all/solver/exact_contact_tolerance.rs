@@ -4,7 +4,7 @@
 
 use crate::common::{FLESH, bar, body};
 use thenar::model::{
-    Axis, Binding, Coupling, Drive, JointDesc, JointKind, SoftDesc, SolverKind, WorldDesc,
+    Axis, Binding, Coupling, Drive, JointDesc, JointKind, Skinning, SoftDesc, SolverKind, WorldDesc,
 };
 use thenar::shape::Shape;
 use thenar::world::{Input, Target};
@@ -52,6 +52,7 @@ fn add_fingertip(desc: &mut WorldDesc, kappa: f64, side: f64, face: f64) {
             bindings: flesh.nodes.iter().map(bind).collect(),
             stiffness: vec![kappa * size.product() / count as f64; count],
             damping_time: 1e-3,
+            skinning: Skinning::Linear,
         }),
         flesh,
         pose_WM: Pose::translation(corner.x, corner.y, corner.z),

@@ -4,8 +4,8 @@
 
 use crate::common::{FLESH, bar, body, finger, random};
 use thenar::model::{
-    Axis, Binding, Coupling, Drive, FixedNode, JointDesc, JointKind, Motion, SoftDesc, SolverKind,
-    WorldDesc,
+    Axis, Binding, Coupling, Drive, FixedNode, JointDesc, JointKind, Motion, Skinning, SoftDesc,
+    SolverKind, WorldDesc,
 };
 use thenar::world::{Input, Target};
 use thenar::{Pose, Quat, Vec3, World};
@@ -49,6 +49,7 @@ fn chain(kinds: [JointKind; 3], kappa: f64, h: f64) -> WorldDesc {
             bindings: flesh.nodes.iter().map(binding).collect(),
             stiffness: vec![kappa * volume; flesh.nodes.len()],
             damping_time: 1e-3,
+            skinning: Skinning::Linear,
         }),
         flesh,
         pose_WM: Pose::identity(),

@@ -2,10 +2,10 @@
 
 use super::*;
 use crate::math::Mat3;
-use crate::solver::BlockMatrix;
 use crate::solver::exact::factor::Factor;
 use crate::solver::exact::symbolic::Symbolic;
 use crate::solver::exact::{Carried, Coordinates, Reduction};
+use crate::solver::{Apart, BlockMatrix, Turning};
 use crate::testing::Random;
 use nalgebra::{DMatrix, DVector};
 
@@ -41,13 +41,16 @@ fn matrix(random: &mut Random, positions: &[Vec3]) -> BlockMatrix {
 
 fn carried(random: &mut Random, node: usize) -> Carried {
     let weight = random.range(0.0, 1.0);
+    let apart = Apart { axis: random.vec3(0.2), arm: random.vec3(0.1) };
+    let levers = [random.vec3(0.1), random.vec3(0.1)];
+    let turning = Turning { levers, apart: (node % 2 == 0).then_some(apart) };
     Carried {
         node: node as u32,
         bones: [0, 1],
         carriers: 2,
         held: [false; 3],
         weights: [weight, 1.0 - weight],
-        levers: [random.vec3(0.1), random.vec3(0.1)],
+        turning,
         spring: random.range(0.1, 1.0),
         stretch: Vec3::zeros(),
     }

@@ -1,0 +1,10 @@
+//! Rigs as they come: names, joints and axes of any of them, read as those of WebXR.
+
+mod found;
+mod frames;
+mod posed;
+mod words;
+
+pub(super) use found::{Found, find};
+pub(super) use frames::Frames;
+pub(super) use posed::Posed;

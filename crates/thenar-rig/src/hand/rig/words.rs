@@ -1,0 +1,196 @@
+//! What the names of common rigs say: which digit, which joint of it, which side.
+//!
+//! Names are cut into words at signs, digits and capitals; what is no word of the tables says nothing. So are read the
+//! joints of WebXR and OpenXR, Oculus hands, VRM 0 and 1, Unity's humanoid, Mixamo, Unreal and MakeHuman's game rig,
+//! Rigify, VRoid, Daz and 3ds Max bipeds.
+
+use thenar::model::{Digit, Side};
+
+/// What a name says of a joint's place in its digit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Place {
+    /// A bone's word: 0 metacarpal, 1 proximal, 2 intermediate, 3 distal.
+    Bone(u8),
+    /// A number along the chain.
+    Number(u32),
+    /// The tip.
+    Tip,
+    /// An end node behind a joint, which is the tip where there is no other.
+    End(u32),
+}
+
+/// What a name says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Said {
+    /// The wrist, the better the smaller the number.
+    Wrist(u8),
+    /// A joint of a digit.
+    Of(Digit, Place),
+    /// Nothing that is of use.
+    Nothing,
+}
+
+/// Lower-case words and numbers of a name.
+fn words(name: &str) -> Vec<String> {
+    let mut words: Vec<String> = Vec::new();
+    let mut before = ' ';
+    for c in name.chars() {
+        let begins = c.is_ascii_digit() != before.is_ascii_digit()
+            || (c.is_uppercase() && before.is_lowercase())
+            || !before.is_alphanumeric();
+        if c.is_alphanumeric() {
+            match words.last_mut().filter(|_| !begins) {
+                Some(word) => word.extend(c.to_lowercase()),
+                None => words.push(c.to_lowercase().collect()),
+            }
+        }
+        before = c;
+    }
+    // Daz writes `lThumb1`, Oculus `b_l_thumb1`: both give `l`.
+    words
+}
+
+/// Digits by their words.
+const DIGITS: [(Digit, &[&str]); 5] = [
+    (Digit::Thumb, &["thumb"]),
+    (Digit::Index, &["index", "pointer", "forefinger"]),
+    (Digit::Middle, &["middle", "mid"]),
+    (Digit::Ring, &["ring"]),
+    (Digit::Little, &["little", "pinky", "pinkie"]),
+];
+
+/// Words of bones of a finger; the thumb's are told apart where chains are read.
+const BONES: [(u8, &[&str]); 4] = [
+    (0, &["metacarpal", "meta", "carpal", "cmc"]),
+    (1, &["proximal", "mcp"]),
+    (2, &["intermediate", "medial", "pip"]),
+    (3, &["distal", "dip"]),
+];
+
+fn one_of<T: Copy>(table: &[(T, &[&str])], words: &[String]) -> Option<T> {
+    table.iter().find(|(_, of)| words.iter().any(|w| of.contains(&w.as_str()))).map(|(t, _)| *t)
+}
+
+/// Reads a name.
+pub(super) fn said(name: &str) -> Said {
+    let words = words(name);
+    let has = |word: &str| words.iter().any(|w| w == word);
+    let number = words.iter().rev().find_map(|w| w.parse::<u32>().ok());
+    let (digit, number) = match (one_of(&DIGITS, &words), number) {
+        (Some(digit), number) => (Some(digit), number),
+        (None, _) => numbered(&words).map_or((None, number), |(d, n)| (Some(d), Some(n))),
+    };
+    let Some(digit) = digit else {
+        let elsewhere = ["forearm", "end", "ik", "elbow", "arm", "shoulder", "pole", "prop"];
+        let at = |word: &str| words.iter().position(|w| w == word);
+        let found =
+            (0..).zip(["wrist", "hand", "palm"]).find_map(|(rank, word)| Some((rank, at(word)?)));
+        // `hand_02` is some other joint of a hand.
+        let counted = |at: usize| words[at..].iter().any(|w| w.parse::<u32>().is_ok());
+        return match found {
+            Some((rank, at)) if !counted(at) && !elsewhere.iter().any(|w| has(w)) => {
+                Said::Wrist(rank)
+            }
+            _ => Said::Nothing,
+        };
+    };
+    // `middle` is a digit before it is a phalanx.
+    let bone = one_of(&BONES, &words).or_else(|| {
+        let last_of_thumb = digit == Digit::Thumb && has("ip");
+        let phalanx = digit != Digit::Middle && has("middle");
+        if last_of_thumb { Some(3) } else { phalanx.then_some(2) }
+    });
+    let place = if has("tip") || has("null") || has("nub") {
+        Place::Tip
+    } else if has("end") {
+        Place::End(number.unwrap_or(0))
+    } else {
+        bone.map_or(Place::Number(number.unwrap_or(0)), Place::Bone)
+    };
+    Said::Of(digit, place)
+}
+
+/// Fingers that have numbers in the place of names: `Finger0`, `Finger01`, `Finger02` of 3ds Max, thumb first, and
+/// Rigify's `palm.01` to `palm.04`, index first.
+fn numbered(words: &[String]) -> Option<(Digit, u32)> {
+    let after = |word: &str| {
+        let at = words.iter().position(|w| w == word)?;
+        words.get(at + 1).filter(|w| w.bytes().all(|b| b.is_ascii_digit()))
+    };
+    if let Some(finger) = after("finger") {
+        let (first, rest) = finger.split_at(1);
+        let digit = Digit::FINGERS.get(first.parse::<usize>().ok()?)?;
+        return Some((*digit, rest.parse().unwrap_or(0)));
+    }
+    let palm: usize = after("palm")?.parse().ok()?;
+    // The metacarpal lies before all that is numbered along the finger.
+    Some((*Digit::FINGERS.get(palm).filter(|_| palm > 0)?, 0))
+}
+
+/// The side that a name says.
+pub(super) fn side(name: &str) -> Option<Side> {
+    let words = words(name);
+    let has = |word: &str| words.iter().any(|w| w == word);
+    match (has("l") || has("left"), has("r") || has("right")) {
+        (true, false) => Some(Side::Left),
+        (false, true) => Some(Side::Right),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_many_tools_are_read() {
+        use Digit::{Index, Little, Middle, Ring, Thumb};
+        let cases = [
+            ("index-finger-phalanx-proximal", Said::Of(Index, Place::Bone(1))),
+            ("pinky-finger-tip", Said::Of(Little, Place::Tip)),
+            ("XR_HAND_JOINT_LITTLE_METACARPAL_EXT", Said::Of(Little, Place::Bone(0))),
+            ("b_r_thumb0", Said::Of(Thumb, Place::Number(0))),
+            ("b_r_ring_null", Said::Of(Ring, Place::Tip)),
+            ("b_r_ring3_end", Said::Of(Ring, Place::End(3))),
+            ("leftThumbMetacarpal", Said::Of(Thumb, Place::Bone(0))),
+            ("Left Middle Intermediate", Said::Of(Middle, Place::Bone(2))),
+            ("mixamorig:RightHandPinky4", Said::Of(Little, Place::Number(4))),
+            ("index_metacarpal_r", Said::Of(Index, Place::Bone(0))),
+            ("middle_01_l", Said::Of(Middle, Place::Number(1))),
+            ("DEF-f_index.02.R", Said::Of(Index, Place::Number(2))),
+            ("palm.01.R", Said::Of(Index, Place::Number(0))),
+            ("palm.04.L", Said::Of(Little, Place::Number(0))),
+            ("J_Bip_L_Ring2", Said::Of(Ring, Place::Number(2))),
+            ("lMid3", Said::Of(Middle, Place::Number(3))),
+            ("Bip01 R Finger0", Said::Of(Thumb, Place::Number(0))),
+            ("Bip01 R Finger42", Said::Of(Little, Place::Number(2))),
+            ("thumb_cmc", Said::Of(Thumb, Place::Bone(0))),
+            ("thumb_ip", Said::Of(Thumb, Place::Bone(3))),
+            ("wrist", Said::Wrist(0)),
+            ("hand.R", Said::Wrist(1)),
+            ("mixamorig:LeftHand", Said::Wrist(1)),
+            ("Palm", Said::Wrist(2)),
+            ("Bip01 R Hand", Said::Wrist(1)),
+            ("hand_02", Said::Nothing),
+            ("b_r_forearm_stub", Said::Nothing),
+            ("RightForeArm", Said::Nothing),
+            ("Spine1", Said::Nothing),
+        ];
+        for (name, expected) in cases {
+            assert_eq!(said(name), expected, "{name}");
+        }
+    }
+
+    #[test]
+    fn sides_are_words_and_not_letters_within_words() {
+        for name in ["b_r_wrist", "hand.R", "RightHand", "Bip01 R Hand", "rThumb1"] {
+            assert_eq!(side(name), Some(Side::Right), "{name}");
+        }
+        for name in ["lHand", "mixamorig:LeftHandThumb1", "thumb_01_l"] {
+            assert_eq!(side(name), Some(Side::Left), "{name}");
+        }
+        for name in ["ring-finger-tip", "little_distal", "wrist", "root"] {
+            assert_eq!(side(name), None, "{name}");
+        }
+    }
+}
