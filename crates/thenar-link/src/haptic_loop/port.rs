@@ -3,14 +3,14 @@
 use super::Shared;
 use super::actuators::Actuators;
 use super::exchange::{FingerContact, Frame, SlowEnds, slots};
-use super::felt::{Bounds, Felt};
 use super::hand::LoopHand;
 use crate::{DIGITS, HandOutput};
 use std::sync::{Arc, PoisonError};
 use thenar::haptic::safety::LimitError;
 use thenar::haptic::{
-    CouplingDesign, FreeHand, HandSettings, HapticHand, Mode, Prediction, ProxyError, RigidState,
-    SingleRate, SingleRateSettings, SlowToFast, Touch, series_drive, series_stiffness,
+    CouplingDesign, Felt, FeltBounds, FreeHand, HandSettings, HapticHand, Mode, Prediction,
+    ProxyError, RigidState, SingleRate, SingleRateSettings, SlowToFast, Touch, series_drive,
+    series_stiffness,
 };
 use thenar::model::{Digit, Drive, Side, SolverKind};
 use thenar::readout::ContactReadout;
@@ -71,7 +71,7 @@ pub struct SimulationPort {
     shared: Arc<Shared>,
     mode: LoopMode,
     design: CouplingDesign,
-    bounds: Bounds,
+    bounds: FeltBounds,
     hands: Vec<PortHand>,
     readout: Option<ContactReadout>,
     began_ns: u64,
@@ -87,7 +87,7 @@ impl SimulationPort {
         shared: Arc<Shared>,
         mode: LoopMode,
         design: CouplingDesign,
-        bounds: Bounds,
+        bounds: FeltBounds,
     ) -> Self {
         Self {
             shared,

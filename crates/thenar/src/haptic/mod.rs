@@ -55,7 +55,9 @@ mod delay;
 mod display;
 mod empty_air;
 mod exchange;
+mod felt;
 mod hand;
+mod late_frames;
 mod pads;
 mod prediction;
 mod proxies;
@@ -79,6 +81,7 @@ pub use display::{
 };
 pub use empty_air::FreeHand;
 pub use exchange::{FastToSlow, SlowToFast};
+pub use felt::{Felt, FeltBounds};
 pub use hand::{HandReport, HandSettings, HapticHand, Mode};
 pub use pads::{Pad, PadReading};
 pub use prediction::{Prediction, hold_then_fade, seconds_between};

@@ -225,6 +225,10 @@ impl Touch for SingleRate {
         &self.bones
     }
 
+    fn frames_delay(&self, _: usize) -> f64 {
+        0.0
+    }
+
     fn device_wrenches(&self) -> &[[Vec3; 2]] {
         &self.wrenches
     }
