@@ -70,6 +70,7 @@ use std::time::Duration;
 use thenar::haptic::safety::{Limits, Trip};
 use thenar::haptic::{CouplingDesign, FeltBounds, GRIP, LoopProfile};
 use thenar::model::Drive;
+use thenar_scene::live::OBSERVATION;
 
 /// Records that may wait for the monitor.
 const RECORDS: usize = 16_384;
@@ -260,7 +261,8 @@ fn bounds_of(settings: &Settings, displays: &[Box<dyn ForceDisplay>]) -> FeltBou
     };
     let grip = settings.grip.filter(|_| displays.is_empty() || pushing().next().is_some());
     let profiles = pushing().map(|display| display.loop_profile());
-    FeltBounds { grip, profile: profiles.fold(alone, slowest) }
+    let profile = profiles.fold(alone, slowest);
+    FeltBounds { grip, profile, observation: OBSERVATION }
 }
 
 /// What each display can do, and within which limits.

@@ -14,8 +14,8 @@ pub use study::{Comparison, Study, compare, lead};
 use crate::session::Session;
 use thenar::haptic::{
     CouplingDesign, FastToSlow, Felt, FeltBounds, FreeHand, HandReport, HandSettings, HapticHand,
-    LoopProfile, Mode, Pad, PadReading, Prediction, ProxyError, RigidState, SingleRate,
-    SingleRateSettings, SlowToFast, Touch, series_drive, series_stiffness,
+    LoopProfile, Mode, Observation, Pad, PadReading, Prediction, ProxyError, RigidState,
+    SingleRate, SingleRateSettings, SlowToFast, Touch, series_drive, series_stiffness,
 };
 use thenar::model::SolverKind;
 use thenar::world::{Input, ModelError};
@@ -204,7 +204,7 @@ impl Rehearsal {
         }
         let report = self.touch.tick(now, &self.frame);
         self.touch.publish(now, &mut self.back);
-        self.felt.step(report.step, |bone| self.touch.frames_delay(bone));
+        self.felt.step(report.step, |bone, observed| self.touch.added_delay(bone, observed));
         for (pad, reading) in self.pads.iter_mut().zip(&mut self.readings) {
             *reading = pad.read(&*self.touch, report.step);
             let part = self.felt.part(pad.bone);
@@ -255,7 +255,7 @@ fn bounds(grip: Option<f64>) -> FeltBounds {
     let [delay, damping, friction, resolution] = [0.0; 4];
     let (period, rated_stiffness) = (1e-9 * TICK_NS as f64, f64::INFINITY);
     let profile = LoopProfile { period, delay, damping, friction, resolution, rated_stiffness };
-    FeltBounds { grip, profile }
+    FeltBounds { grip, profile, observation: Observation::default() }
 }
 
 impl Slow {

@@ -36,6 +36,24 @@ impl TrackerTiming {
     }
 }
 
+/// What observing a tracker's samples adds to their delay, as far as a spring is concerned: the part of its stiffness
+/// that it takes off the damping of whoever holds it, `-Im G(ω)/ω` of what is observed over what is there, at the worst
+/// ω. Observers carry motion on, which makes up for delay.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Observation {
+    /// Without a delay \[s\].
+    pub adds: f64,
+    /// Less of it per second of delay.
+    pub makes_up: f64,
+}
+
+impl Observation {
+    /// To samples that are late by so much \[s\].
+    pub fn adds(&self, delay: f64) -> f64 {
+        (self.adds - self.makes_up * delay).max(0.0)
+    }
+}
+
 /// Follows how often samples of a tracker, or frames, come and how old they are.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DelayMeter {
@@ -68,11 +86,12 @@ impl DelayMeter {
         self.means
     }
 
-    /// The worse of what is stated and what is seen. Samples whose device tells no time seem to be of the present,
+    /// The worse of what is stated and what is seen; what is no number is as late as can be. Samples whose device tells no time seem to be of the present,
     /// and one that states nothing is taken as it seems.
     pub fn delay(&self, stated: Option<&TrackerTiming>) -> f64 {
         let seen = self.means.map_or(0.0, |[gap, age]| age + 0.5 * gap);
-        stated.map_or(0.0, TrackerTiming::delay).max(seen)
+        let stated = stated.map_or(0.0, TrackerTiming::delay);
+        if stated.is_nan() { f64::INFINITY } else { stated.max(seen) }
     }
 }
 

@@ -357,12 +357,13 @@ impl Touch for HapticHand {
         &self.bones
     }
 
-    fn frames_delay(&self, bone: usize) -> f64 {
-        let Some([period, age]) = self.frames.seen() else { return BLEND };
+    fn added_delay(&self, bone: usize, observed: f64) -> f64 {
+        let Some([period, age]) = self.frames.seen() else { return BLEND.max(observed) };
         if self.responds {
-            of_shared_constraints(period, age)
+            // What listed contacts answer is not late by frames, and what begins with a frame is no sway.
+            of_shared_constraints(period, age).max(observed)
         } else {
-            of_multirate(&self.proxies.proxies()[bone], period, age)
+            of_multirate(&self.proxies.proxies()[bone], period, age) + observed
         }
     }
 

@@ -100,7 +100,7 @@ mod tests {
         let since = if period == latency { p } else { p - l };
         let behind = l + 0.5 * p + (1.0 - part) * (since - 0.5 * p);
         let theory = behind / part + proxy.bone.damping * (1.0 - part * part) / stiffness;
-        [sum / count / speed, theory, hand.frames_delay(0)]
+        [sum / count / speed, theory, hand.added_delay(0, 0.0)]
     }
 
     /// Every part of the rule by itself: equal couplings and unequal ones, light bones and heavy ones, frames at once

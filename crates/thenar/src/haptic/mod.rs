@@ -75,7 +75,7 @@ mod tracked_hand;
 pub mod virtual_user;
 
 pub use coupling::{CouplingDesign, drive_reaction, series_stiffness};
-pub use delay::{DelayMeter, GRIP, MARGIN, TrackerTiming};
+pub use delay::{DelayMeter, GRIP, MARGIN, Observation, TrackerTiming};
 pub use display::{
     CYBERGRASP_FORCE_MAX, PAD_NORMAL_B, StopLatch, brake_force, pad_force, servo_stop, tendon_pull,
 };

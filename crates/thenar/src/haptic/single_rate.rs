@@ -225,8 +225,8 @@ impl Touch for SingleRate {
         &self.bones
     }
 
-    fn frames_delay(&self, _: usize) -> f64 {
-        0.0
+    fn added_delay(&self, _: usize, observed: f64) -> f64 {
+        observed
     }
 
     fn device_wrenches(&self) -> &[[Vec3; 2]] {
