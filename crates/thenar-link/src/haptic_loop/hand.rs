@@ -130,7 +130,7 @@ impl LoopHand {
         }
         let time = sample.time_ns as f64 * 1e-9;
         // A pose that is none has been told of by the device; here it only ages.
-        if self.live.pose(time, pose, &self.targets).is_err() {
+        if self.live.pose(time, pose, &self.targets).is_err() || self.live.waits() {
             return;
         }
         self.fresh_ns = Some(sample.time_ns);
