@@ -1,10 +1,9 @@
 //! One hand in the loop: samples of its tracker in, forces of its couplings out.
 
 use super::exchange::{FastEnds, Frame};
-use super::felt::Felt;
 use crate::{DIGITS, HandSample};
 use thenar::haptic::{
-    HandReport, PAD_NORMAL_B, Pad, PadReading, Touch, TrackerTiming, seconds_between,
+    Felt, HandReport, PAD_NORMAL_B, Pad, PadReading, Touch, TrackerTiming, seconds_between,
 };
 use thenar::math::rotation_vector;
 use thenar::model::{Digit, HandModel, Side};
@@ -131,7 +130,7 @@ impl LoopHand {
         }
         let time = sample.time_ns as f64 * 1e-9;
         // A pose that is none has been told of by the device; here it only ages.
-        if self.live.pose(time, pose, &self.targets).is_err() {
+        if self.live.pose(time, pose, &self.targets).is_err() || self.live.waits() {
             return;
         }
         self.fresh_ns = Some(sample.time_ns);
@@ -190,7 +189,7 @@ impl LoopHand {
         let sets_out = leads && self.live.is_setting_out();
         let (touch, h) = (&*self.touch, self.report.step);
         if let Some(felt) = &mut self.felt {
-            felt.step(h);
+            felt.step(h, |bone, observed| touch.added_delay(bone, observed));
         }
         for (pad, reading) in self.pads.iter_mut().zip(&mut self.readings) {
             *reading = pad.as_mut().map(|pad| pad.read(touch, h));
@@ -249,15 +248,23 @@ impl LoopHand {
         self.felt.as_ref().map_or(0.0, Felt::seen_late)
     }
 
-    /// From its motion to the force that answers it \[s\], as far as that is known.
+    /// From the motion of the finger that is felt stiffest to the force that answers it \[s\], as far as that is known.
     pub fn delay(&self) -> f64 {
-        self.felt.as_ref().map_or(0.0, Felt::delay)
+        let Some(felt) = &self.felt else { return 0.0 };
+        self.stiffest().map_or(0.0, |bone| felt.delay(bone))
     }
 
     /// Stiffest that a blocked finger is felt \[N/m\].
     pub fn felt_stiffness(&self) -> f64 {
         let Some(felt) = &self.felt else { return 0.0 };
-        self.pads.iter().flatten().map(|pad| felt.stiffness(pad.bone)).fold(0.0, f64::max)
+        self.stiffest().map_or(0.0, |bone| felt.stiffness(bone))
+    }
+
+    /// The bone of the pad that is felt stiffest when it is blocked.
+    fn stiffest(&self) -> Option<usize> {
+        let felt = self.felt.as_ref()?;
+        let bones = self.pads.iter().flatten().map(|pad| pad.bone);
+        bones.max_by(|a, b| felt.stiffness(*a).total_cmp(&felt.stiffness(*b)))
     }
 
     /// How far a finger is closed, 0 to 1.

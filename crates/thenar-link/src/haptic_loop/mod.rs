@@ -32,7 +32,6 @@ mod actuators;
 mod control;
 mod core;
 mod exchange;
-mod felt;
 mod hand;
 mod histogram;
 mod lookout;
@@ -48,7 +47,6 @@ pub use actuators::{Ability, Actuators, Axis, Heard};
 pub use control::{DeviceStatus, HandStatus, Remote, STATEMENT, State, Status};
 pub use core::{Core, TickTime};
 pub use exchange::{FastEnds, FingerContact, Frame, Lead, SlowEnds, slots};
-pub use felt::{Bounds, Felt};
 pub use hand::LoopHand;
 pub use histogram::Histogram;
 pub use monitor::Watcher;
@@ -70,8 +68,9 @@ use std::sync::{Arc, Mutex, PoisonError, TryLockError, Weak};
 use std::thread::JoinHandle;
 use std::time::Duration;
 use thenar::haptic::safety::{Limits, Trip};
-use thenar::haptic::{CouplingDesign, GRIP, LoopProfile};
+use thenar::haptic::{CouplingDesign, FeltBounds, GRIP, LoopProfile};
 use thenar::model::Drive;
+use thenar_scene::live::OBSERVATION;
 
 /// Records that may wait for the monitor.
 const RECORDS: usize = 16_384;
@@ -123,7 +122,7 @@ pub struct HapticLoop {
     shared: Arc<Shared>,
     mode: LoopMode,
     design: CouplingDesign,
-    bounds: Bounds,
+    bounds: FeltBounds,
     threads: Vec<JoinHandle<()>>,
 }
 
@@ -247,7 +246,7 @@ fn fitted(
 }
 
 /// The loop, and the slowest of these displays that push.
-fn bounds_of(settings: &Settings, displays: &[Box<dyn ForceDisplay>]) -> Bounds {
+fn bounds_of(settings: &Settings, displays: &[Box<dyn ForceDisplay>]) -> FeltBounds {
     let [delay, damping, friction, resolution] = [0.0; 4];
     let (period, rated_stiffness) = (1.0 / settings.rate_hz, f64::INFINITY);
     let alone = LoopProfile { period, delay, damping, friction, resolution, rated_stiffness };
@@ -262,7 +261,8 @@ fn bounds_of(settings: &Settings, displays: &[Box<dyn ForceDisplay>]) -> Bounds 
     };
     let grip = settings.grip.filter(|_| displays.is_empty() || pushing().next().is_some());
     let profiles = pushing().map(|display| display.loop_profile());
-    Bounds { grip, profile: profiles.fold(alone, slowest) }
+    let profile = profiles.fold(alone, slowest);
+    FeltBounds { grip, profile, observation: OBSERVATION }
 }
 
 /// What each display can do, and within which limits.
@@ -316,7 +316,7 @@ pub struct ManualLoop {
     shared: Arc<Shared>,
     mode: LoopMode,
     design: CouplingDesign,
-    bounds: Bounds,
+    bounds: FeltBounds,
     /// What ticks did.
     pub records: Consumer<TickRecord>,
 }

@@ -3,18 +3,18 @@
 use super::Shared;
 use super::actuators::Actuators;
 use super::exchange::{FingerContact, Frame, SlowEnds, slots};
-use super::felt::{Bounds, Felt};
 use super::hand::LoopHand;
 use crate::{DIGITS, HandOutput};
 use std::sync::{Arc, PoisonError};
 use thenar::haptic::safety::LimitError;
 use thenar::haptic::{
-    CouplingDesign, FreeHand, HandSettings, HapticHand, Mode, Prediction, ProxyError, RigidState,
-    SingleRate, SingleRateSettings, SlowToFast, Touch, series_drive, series_stiffness,
+    CouplingDesign, Felt, FeltBounds, FreeHand, HandSettings, HapticHand, Mode, Prediction,
+    ProxyError, RigidState, SingleRate, SingleRateSettings, SlowToFast, Touch, series_drive,
+    series_stiffness,
 };
 use thenar::model::{Digit, Drive, Side, SolverKind};
 use thenar::readout::ContactReadout;
-use thenar::world::ModelError;
+use thenar::world::{ModelError, World};
 use thenar_scene::live::LiveError;
 use thenar_scene::session::Session;
 
@@ -62,6 +62,9 @@ struct PortHand {
     first: usize,
     drives: Vec<Option<Drive>>,
     ends: SlowEnds,
+    /// Its frames have a response, and how often its world was retuned when that was last looked at.
+    responds: bool,
+    retuned: u64,
     /// The hand in empty air, where frames have no response that tells of it.
     free: Option<FreeHand>,
 }
@@ -71,7 +74,7 @@ pub struct SimulationPort {
     shared: Arc<Shared>,
     mode: LoopMode,
     design: CouplingDesign,
-    bounds: Bounds,
+    bounds: FeltBounds,
     hands: Vec<PortHand>,
     readout: Option<ContactReadout>,
     began_ns: u64,
@@ -87,7 +90,7 @@ impl SimulationPort {
         shared: Arc<Shared>,
         mode: LoopMode,
         design: CouplingDesign,
-        bounds: Bounds,
+        bounds: FeltBounds,
     ) -> Self {
         Self {
             shared,
@@ -181,9 +184,7 @@ impl SimulationPort {
         let start: Vec<_> = bones.clone().map(|i| RigidState::of(world, i)).collect();
         let drives: Vec<_> = world.desc().drives[range.clone()].to_vec();
         let single = self.mode == LoopMode::SingleRate;
-        // Another solver publishes no response.
-        let responds =
-            self.mode == LoopMode::Shared && world.desc().solver.kind == SolverKind::Exact;
+        let responds = self.responds(world);
         let free =
             (!single && !responds).then(|| FreeHand::of(world, bones.clone(), true)).transpose()?;
         let frame = Frame {
@@ -247,7 +248,22 @@ impl SimulationPort {
             part * series_stiffness(proxy.device.stiffness, proxy.bone.stiffness)
         });
         hand.bound(Felt::new(self.bounds, felt.collect()));
-        Ok((PortHand { index, first: range.start, drives, ends: slow, free }, hand))
+        let (first, retuned) = (range.start, world.retuned());
+        Ok((PortHand { index, first, drives, ends: slow, responds, retuned, free }, hand))
+    }
+
+    /// The hands in empty air take over the parameters of their world.
+    fn retune(&mut self, world: &World) -> Result<(), PortError> {
+        for hand in &mut self.hands {
+            hand.free.as_mut().map_or(Ok(()), |free| free.retune(world))?;
+            hand.retuned = world.retuned();
+        }
+        Ok(())
+    }
+
+    /// True if frames of this world have a response: another solver publishes none.
+    fn responds(&self, world: &World) -> bool {
+        self.mode == LoopMode::Shared && world.desc().solver.kind == SolverKind::Exact
     }
 
     fn contacts_max(&self) -> usize {
@@ -255,17 +271,25 @@ impl SimulationPort {
     }
 
     /// Before a step, at `now_ns`: the newest proxies become the targets of the bones. Hands whose drives were
-    /// changed are put into the loop anew, which allocates; otherwise nothing does.
+    /// changed are put into the loop anew, and other settings carried over, which allocates; otherwise nothing does.
     ///
     /// # Errors
     /// As [`SimulationPort::attach`].
     pub fn before_step(&mut self, session: &mut Session, now_ns: u64) -> Result<(), PortError> {
-        let drives = &session.world().desc().drives;
-        let same = |hand: &PortHand| drives[hand.first..][..hand.drives.len()] == hand.drives[..];
+        let (drives, retuned) = (&session.world().desc().drives, session.world().retuned());
+        let responds = self.responds(session.world());
+        let same = |hand: &PortHand| {
+            drives[hand.first..][..hand.drives.len()] == hand.drives[..]
+                && hand.responds == responds
+        };
         let anew = session.steps() < self.steps;
-        // A simulation within the loop begins anew only by being put in again.
-        if !self.hands.iter().all(same) || (anew && self.mode == LoopMode::SingleRate) {
+        let tuned = self.hands.iter().any(|hand| hand.retuned != retuned);
+        // A simulation within the loop begins anew, and is tuned, only by being put in again.
+        let within = self.mode == LoopMode::SingleRate && (anew || tuned);
+        if within || !self.hands.iter().all(same) {
             self.attach(session)?;
+        } else if tuned {
+            self.retune(session.world())?;
         }
         self.beginnings += u64::from(anew);
         self.began_ns = now_ns;

@@ -1,5 +1,6 @@
 //! A tracker that is late and a glove that pulls at once, in memory.
 
+use crate::worker::Door;
 use crate::{ForceDisplay, HandOutput, HandSample, Rendering, Tracker};
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -28,6 +29,7 @@ struct Told {
 struct Glove {
     line: Arc<Mutex<Line>>,
     limits: Limits,
+    door: Door,
 }
 
 /// A tracker and a glove, and the wearer's ends of both.
@@ -38,7 +40,11 @@ pub fn pair(
     let shown = HandOutput::released(Side::Right, 0);
     let line = Arc::new(Mutex::new(Line { next: None, seen_ns: None, shown, heard_ns: None }));
     let tracker = Told { line: line.clone(), timing, sample: None };
-    (Ends(line.clone()), Box::new(tracker), Box::new(Glove { line, limits }))
+    (
+        Ends(line.clone()),
+        Box::new(tracker),
+        Box::new(Glove { line, limits, door: Door::new(limits, None, true) }),
+    )
 }
 
 fn open(line: &Mutex<Line>) -> MutexGuard<'_, Line> {
@@ -100,7 +106,12 @@ impl ForceDisplay for Glove {
     }
 
     fn show(&mut self, output: &HandOutput) {
-        open(&self.line).shown = *output;
+        // As before a device: what is refused, or is nothing new, leaves it as it is.
+        if !self.door.bind(output)
+            && let Some(sent) = self.door.pass(output.side, Some(output), output.time_ns)
+        {
+            open(&self.line).shown = sent;
+        }
     }
 
     fn heard_ns(&mut self) -> Option<u64> {
@@ -143,5 +154,26 @@ impl LateTracker {
             newest = self.way.pop_front().map(|(_, sample)| sample);
         }
         newest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whatever the loop shows, the glove pulls what a device would: finite, within its rating and its slew.
+    #[test]
+    fn the_glove_stands_behind_a_door() {
+        let (ends, _, mut display) = pair(TrackerTiming::GLOVE, Limits::cybergrasp());
+        let mut before = 0.0;
+        for ms in 1..200u64 {
+            let mut output = HandOutput::released(Side::Right, ms * 1_000_000);
+            output.digits[1].pad_force = [5.0, f64::NAN, 1e9, -3.0][ms as usize / 8 % 4];
+            display.show(&output);
+            let force = ends.shown().digits[1].pad_force;
+            assert!((0.0..=12.0).contains(&force), "{ms} ms: {force} N");
+            assert!(force == 0.0 || force - before <= 0.6 + 1e-9, "{ms} ms: {force} N");
+            before = force;
+        }
     }
 }

@@ -14,7 +14,7 @@
 mod glove;
 mod wearer;
 
-pub use wearer::{Finger, Human};
+pub use wearer::{Finger, Flow, Human};
 
 use crate::haptic_loop::{LoopMode, ManualLoop, PortError, Settings};
 use crate::{DIGITS, HandSample, LinkError};
@@ -192,7 +192,7 @@ impl<'a> Run<'a> {
         let mut port = clock.port();
         port.attach(&session)?;
         let side = session.hands()[0].model.side.unwrap_or(Side::Right);
-        let hand = Hand::new(&session, what.human)?;
+        let hand = Hand::new(&session, &what.human, 1e-9 * TICK_NS as f64)?;
         let out = Outcome {
             fingers: [Felt::default(); DIGITS],
             largest: [0.0; 2],
@@ -220,7 +220,7 @@ impl<'a> Run<'a> {
             self.hand.command(scene, self.what.press * pressed.min(1.0));
             let pushed = if (push..push + PUSH.1).contains(&ms) { PUSH.0 } else { 0.0 };
             let forces = self.ends.shown().digits.map(|digit| digit.pad_force);
-            let moved = self.hand.advance(1e-3, &forces, pushed);
+            let moved = self.hand.advance(&forces, pushed);
             if tracker.is_due(ms) {
                 let pose = self.seen();
                 tracker.see(HandSample { side: self.side, time_ns: now_ns, pose: Some(pose) });

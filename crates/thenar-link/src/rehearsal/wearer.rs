@@ -4,6 +4,7 @@ use crate::DIGITS;
 use thenar::haptic::Pad;
 use thenar::model::{Digit, HandModel};
 use thenar::world::Target;
+use thenar::{Mat3, Vec3};
 use thenar_scene::live::{LiveError, LiveHand, LivePose};
 use thenar_scene::motion::HandMotion;
 use thenar_scene::session::Session;
@@ -28,29 +29,42 @@ pub struct Finger {
     pub speed: f64,
 }
 
+/// Flow of `m ẍ + b ẋ + k x = f` over a time h in which f is constant, exact however stiff: the exponential of its
+/// matrix in `(x, ẋ h, f h²/m)`.
+#[derive(Clone, Copy, Debug)]
+pub struct Flow {
+    over: Mat3,
+    h: f64,
+    mass: f64,
+}
+
+impl Flow {
+    /// Of such a finger over `h` \[s\].
+    pub fn new(human: &Human, h: f64) -> Self {
+        let [damping, stiffness] =
+            [human.damping * h, human.stiffness * h * h].map(|x| x / human.mass);
+        #[rustfmt::skip]
+        let rates = Mat3::new(
+            0.0, 1.0, 0.0,
+            -stiffness, -damping, 1.0,
+            0.0, 0.0, 0.0,
+        );
+        Self { over: rates.exp(), h, mass: human.mass }
+    }
+}
+
 impl Finger {
-    /// Moves for `h` \[s\] under a constant force \[N\]: `m ẍ + b ẋ + k x = f`, by Runge and Kutta's rule in steps of a
-    /// twentieth of a millisecond, beside which the fastest of these fingers are slow.
-    pub fn advance(&mut self, human: &Human, force: f64, h: f64) {
-        const STEP: f64 = 5e-5;
-        let steps = (h / STEP).ceil().max(1.0);
-        let dt = h / steps;
-        let pull = |x: f64, v: f64| (force - human.damping * v - human.stiffness * x) / human.mass;
-        for _ in 0..steps as u32 {
-            let (x, v) = (self.place, self.speed);
-            let k1 = (v, pull(x, v));
-            let k2 = (v + 0.5 * dt * k1.1, pull(x + 0.5 * dt * k1.0, v + 0.5 * dt * k1.1));
-            let k3 = (v + 0.5 * dt * k2.1, pull(x + 0.5 * dt * k2.0, v + 0.5 * dt * k2.1));
-            let k4 = (v + dt * k3.1, pull(x + dt * k3.0, v + dt * k3.1));
-            self.place += dt / 6.0 * (k1.0 + 2.0 * (k2.0 + k3.0) + k4.0);
-            self.speed += dt / 6.0 * (k1.1 + 2.0 * (k2.1 + k3.1) + k4.1);
-        }
+    /// Moves for the flow's time under a constant force \[N\].
+    pub fn advance(&mut self, flow: &Flow, force: f64) {
+        let Flow { over, h, mass } = flow;
+        let after = over * Vec3::new(self.place, self.speed * h, force * h * h / mass);
+        (self.place, self.speed) = (after.x, after.y / h);
     }
 }
 
 /// A hand of five such fingers.
 pub(super) struct Hand {
-    human: Human,
+    flow: Flow,
     live: LiveHand,
     motion: Option<HandMotion>,
     targets: Vec<Option<Target>>,
@@ -66,14 +80,16 @@ pub(super) struct Hand {
 }
 
 impl Hand {
-    pub fn new(session: &Session, human: Human) -> Result<Self, LiveError> {
+    /// Of such fingers, which move in steps of `h` \[s\].
+    pub fn new(session: &Session, human: &Human, h: f64) -> Result<Self, LiveError> {
         let mut live = session.live_hand(0)?;
         let model = &session.hands()[0].model;
         let targets = session.input().targets[bones(session)].to_vec();
         let commanded = live.pose_of(&targets);
         let (motion, levers) = (session.hands()[0].motion.clone(), levers(model));
         let (fingers, given) = ([Finger::default(); DIGITS], [0.0; DIGITS]);
-        Ok(Self { human, live, motion, targets, commanded, press: 0.0, levers, fingers, given })
+        let flow = Flow::new(human, h);
+        Ok(Self { flow, live, motion, targets, commanded, press: 0.0, levers, fingers, given })
     }
 
     /// Goes on with the script to this time of the scene \[s\], fingers closed by so much more \[m\].
@@ -85,13 +101,12 @@ impl Hand {
         }
     }
 
-    /// Moves for `h` \[s\] under the forces on its pads, which open, and one that closes; how far each finger went
-    /// \[m\].
-    pub fn advance(&mut self, h: f64, forces: &[f64; DIGITS], push: f64) -> [f64; DIGITS] {
+    /// Moves for a step under the forces on its pads, which open, and one that closes; how far each finger went \[m\].
+    pub fn advance(&mut self, forces: &[f64; DIGITS], push: f64) -> [f64; DIGITS] {
         let mut moved = [0.0; DIGITS];
         for ((finger, force), moved) in self.fingers.iter_mut().zip(forces).zip(&mut moved) {
             let before = finger.place;
-            finger.advance(&self.human, push - force, h);
+            finger.advance(&self.flow, push - force);
             *moved = finger.place - before;
         }
         moved
@@ -141,13 +156,33 @@ mod tests {
             let mut finger = Finger::default();
             let decay: f64 = damping / (2.0 * mass);
             let rate = (stiffness / mass - decay * decay).sqrt();
+            let flow = Flow::new(&human, 1e-3);
             for ms in 1..=500 {
-                finger.advance(&human, 0.7, 1e-3);
+                finger.advance(&flow, 0.7);
                 let t = 1e-3 * f64::from(ms);
                 let swing = (rate * t).cos() + decay / rate * (rate * t).sin();
                 let want = 0.7 / stiffness * (1.0 - (-decay * t).exp() * swing);
                 assert!((finger.place - want).abs() < 1e-9, "{human:?} {ms} ms");
             }
         }
+    }
+    /// A gram in the thickest honey, B/M of a million a second: `v = f/b (1 - e^(-b t/m))`, without a spring and on one that
+    /// takes minutes.
+    #[test]
+    fn fingers_in_honey_creep() {
+        for stiffness in [0.0, 1e-3] {
+            let human = Human { mass: 1e-3, damping: 1000.0, stiffness };
+            let flow = Flow::new(&human, 1e-3);
+            let mut finger = Finger::default();
+            (0..1000).for_each(|_| finger.advance(&flow, 2.0));
+            assert!((finger.place - 2e-3).abs() < 1e-8, "{finger:?}");
+            assert!((finger.speed - 2e-3).abs() < 1e-8, "{finger:?}");
+        }
+        // Light and on the stiffest spring: at rest at f/k.
+        let human = Human { mass: 1e-3, damping: 300.0, stiffness: 1e5 };
+        let flow = Flow::new(&human, 1e-3);
+        let mut finger = Finger::default();
+        (0..1000).for_each(|_| finger.advance(&flow, 2.0));
+        assert!((finger.place - 2e-5).abs() < 1e-12 && finger.speed.abs() < 1e-9, "{finger:?}");
     }
 }

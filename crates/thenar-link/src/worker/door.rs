@@ -111,7 +111,7 @@ fn toward(
     let mut next = *wanted;
     let change = limits.change_max(dt);
     for (next, sent) in next.digits.iter_mut().zip(&sent.digits) {
-        *next = digit(next, sent.pad_force, limits, change);
+        *next = digit(next, sent, limits, change);
     }
     next.force_W = vector(&sent.force_W, &wanted.force_W, limits.rated, change);
     next.torque_W = torque.map_or(Vec3::zeros(), |limits| {
@@ -120,24 +120,29 @@ fn toward(
     next
 }
 
-/// Bounds a finger: its pad force, and its force in space in proportion.
-fn digit(wanted: &DigitOutput, sent: f64, limits: &Limits, change: f64) -> DigitOutput {
+/// Bounds a finger: its pad force, and its force in space, which is no larger; a stop is within the finger's way.
+fn digit(wanted: &DigitOutput, sent: &DigitOutput, limits: &Limits, change: f64) -> DigitOutput {
     let finite = |x: f64| if x.is_finite() { x } else { 0.0 };
     let least = if limits.unilateral { 0.0 } else { -limits.rated };
     let goal = finite(wanted.pad_force).clamp(least, limits.rated);
-    let force = if goal == 0.0 { 0.0 } else { goal.clamp(sent - change, sent + change) };
-    let part =
-        if wanted.pad_force.is_finite() && goal != 0.0 { force / wanted.pad_force } else { 0.0 };
-    let whole = wanted.force_W * part;
+    let force = if goal == 0.0 { 0.0 } else { within(goal, sent.pad_force, change) };
     DigitOutput {
-        force_W: if whole.iter().all(|x| x.is_finite()) { whole } else { Vec3::zeros() },
+        force_W: vector(&sent.force_W, &wanted.force_W, force.abs(), change),
         pad_force: force,
         area: finite(wanted.area).max(0.0),
         pressure_mean: finite(wanted.pressure_mean).max(0.0),
         pressure_max: finite(wanted.pressure_max).max(0.0),
         slip_speed: finite(wanted.slip_speed).max(0.0),
-        curl_at_contact: wanted.curl_at_contact.filter(|c| c.is_finite()),
+        curl_at_contact: wanted
+            .curl_at_contact
+            .filter(|c| c.is_finite())
+            .map(|c| c.clamp(0.0, 1.0)),
     }
+}
+
+/// `goal`, no farther than `change` from what was sent.
+fn within(goal: f64, sent: f64, change: f64) -> f64 {
+    goal.clamp(sent - change, sent + change)
 }
 
 /// A force in space.
@@ -198,6 +203,26 @@ mod tests {
         assert_eq!(door.pass(Side::Right, None, 921 * MS), None, "nothing new");
         let none = HandOutput::released(Side::Right, 0);
         assert_eq!(door.pass(Side::Right, Some(&none), 922 * MS), Some(none), "zero at once");
+    }
+
+    /// A program of one's own asks for a pad force of 1 N, and in space for a million, turned about from message to message;
+    /// and for a stop behind the hand: within the pad's force, its slew and the finger's way.
+    #[test]
+    fn what_goes_with_a_pads_force_is_bounded_as_it_is() {
+        let mut door = Door::new(Limits::cybergrasp(), None, false);
+        let mut before = Vec3::zeros();
+        for ms in 1..200u64 {
+            let mut wanted = HandOutput::released(Side::Right, ms * MS);
+            let sign = if ms % 3 == 0 { -1e6 } else { 1e6 };
+            wanted.digits[2].pad_force = 1.0;
+            wanted.digits[2].force_W = Vec3::new(sign, 1.0, 0.0);
+            wanted.digits[2].curl_at_contact = Some([-7.0, 40.0, f64::NAN][ms as usize % 3]);
+            let sent = door.pass(Side::Right, Some(&wanted), ms * MS).unwrap().digits[2];
+            assert!(sent.force_W.norm() <= sent.pad_force + 1e-12, "{ms}: {:?}", sent.force_W);
+            assert!((sent.force_W - before).norm() <= 0.6 + 1e-9, "{ms}: from {before}");
+            assert!(sent.curl_at_contact.is_none_or(|curl| (0.0..=1.0).contains(&curl)));
+            before = sent.force_W;
+        }
     }
 
     /// Two hands take turns at one glove: it shows the first that presses, and lets go of it before it takes the other.

@@ -7,6 +7,7 @@ use thenar::{Pose, Vec3};
 use thenar_link::Rendering;
 use thenar_link::haptic_loop::{LoopMode, Settings};
 use thenar_scene::live::LivePose;
+use thenar_scene::tuning::SettingValue;
 
 const MODES: [LoopMode; 3] = [LoopMode::Shared, LoopMode::SingleRate, LoopMode::Multirate];
 
@@ -86,6 +87,26 @@ fn empty_air_is_not_felt() {
         println!("{mode:?}: {most:?} N");
         assert!(most[0][0] < 0.02 && most[1][0] < 0.02, "{mode:?}: {most:?} N");
         assert!(most[2][0] < 0.05, "{mode:?}: {most:?} N at 1 m/s");
+    }
+}
+
+/// Flesh that becomes ten times as stiff while it is felt, on a bent finger, and springs of joints with it: still nothing
+/// in empty air, in any mode, once forces are let through again.
+#[test]
+fn settings_that_act_at_once_are_not_felt_in_empty_air() {
+    for mode in [LoopMode::Multirate, LoopMode::Shared] {
+        let settings = Settings { mode, grip: None, ..Settings::default() };
+        let mut rig = Rig::of(&empty(mode), &settings, Rendering::Tendons);
+        rig.wearer.alive(rig.now_ns);
+        let bent = |rig: &Rig, _: f64| rig.pose(FRAC_PI_2);
+        go(&mut rig, 1500, bent, |_, _| ());
+        rig.session.set("hand_young", &SettingValue::Number(3e5)).unwrap();
+        let mut most = 0.0_f64;
+        go(&mut rig, 1500, bent, |rig, ms| {
+            most = most.max(if ms > 500 { felt(rig)[0] } else { 0.0 })
+        });
+        println!("{mode:?}: {most} N");
+        assert!(most < 0.02, "{mode:?}: {most} N");
     }
 }
 

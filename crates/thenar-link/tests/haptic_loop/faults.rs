@@ -108,6 +108,24 @@ fn a_glitch_of_one_sample_is_not_felt() {
     }
 }
 
+/// A tracker of which every sample contradicts the one before says nothing of where the hand is, however often it says
+/// it: forces fade as if it were silent, 100 ms and the fade after the last sample that was believed.
+#[test]
+fn samples_in_doubt_are_no_news() {
+    let mut rig = pressing();
+    let home = rig.wrist;
+    let forces = suffer(&mut rig, 300, |rig, k| {
+        let sign = if (k / 11) % 2 == 0 { 1.0 } else { -1.0 };
+        let wrist = Pose::new(home.position + Vec3::x() * sign, home.rotation);
+        let LivePose::Angles { angles, .. } = rig.pose(PRESS) else { unreachable!() };
+        if k % 11 == 0 {
+            rig.wearer.say(rig.now_ns, Some(LivePose::Angles { wrist, angles }));
+        }
+    });
+    assert!(forces[80] > 0.2 && forces[160..].iter().all(|f| *f == 0.0), "{:?}", &forces[80..]);
+    returns(&mut rig);
+}
+
 #[test]
 fn a_device_that_falls_silent_is_let_go_and_taken_up_again() {
     let mut rig = pressing();

@@ -74,6 +74,20 @@ fn other_hands_and_modes_are_still() {
     is_still(&held(1.6, [0.2, 2.0, 100.0], [90.0, 0.04]), BREAD);
 }
 
+/// Frames of 25 and 33 Hz that arrive a period late. In multirate contact is felt with frames only, so that all of their
+/// delay is between motion and force: at the stiffness that the tracker alone would allow, the hand hums.
+#[test]
+fn late_frames_do_not_make_a_loose_hand_hum() {
+    for (mode, step, mbk) in [
+        (LoopMode::Multirate, "0.03", [0.05, 1.0, 50.0]),
+        (LoopMode::Multirate, "0.04", [0.1, 1.0, 100.0]),
+        (LoopMode::Shared, "0.03", [0.05, 1.0, 50.0]),
+    ] {
+        let slow = TABLE.replace("time_step = 0.01", &format!("time_step = {step}"));
+        is_still(&Rehearsal { mode, ..held(1.9, mbk, [90.0, 0.0]) }, &slow);
+    }
+}
+
 /// 20 mN and 0.1 mm rms, 0.1 mJ a second, at four fifths of the rule or more of what the couplings give.
 fn is_still(what: &Rehearsal, scene: &str) {
     let out = rehearsed(what, scene);

@@ -27,6 +27,11 @@ impl Doubt {
         self.waiting.is_some()
     }
 
+    /// Nothing waits any more.
+    pub fn forget(&mut self) {
+        self.waiting = None;
+    }
+
     /// True if this sample must wait: it is `surprises` from what is expected `gap` \[s\] after the last one taken, and
     /// none before it, `step` \[s\] earlier, bears it out.
     pub fn look(

@@ -95,6 +95,11 @@ impl LiveHand {
         self.doubt = Some(Doubt::new(self.memory.joints.len()));
     }
 
+    /// True if the last pose waits for another that agrees with it: nothing is known by it yet.
+    pub fn waits(&self) -> bool {
+        self.doubt.as_ref().is_some_and(Doubt::waits)
+    }
+
     /// What moves the hand.
     pub fn mover(&self) -> Mover {
         match self.memory.way {
@@ -177,6 +182,7 @@ impl LiveHand {
         let was_lost = begins || self.is_lost();
         if was_lost {
             self.memory.clock.forget();
+            self.doubt.iter_mut().for_each(Doubt::forget);
         }
         let timing = self.memory.clock.take(time, self.memory.now);
         let timing = match self.doubt.is_some() && !was_lost {

@@ -2,6 +2,7 @@
 //! a tracker watches a moving hand whose pose is known; random garbage is compared with the bounds.
 
 mod garbage;
+mod observation;
 
 use super::{LiveError, LiveHand, LivePose, Mover, OPENING, SPEED_MAX, SPIN_MAX};
 use crate::motion::fixture;

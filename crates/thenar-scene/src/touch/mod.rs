@@ -13,9 +13,9 @@ pub use study::{Comparison, Study, compare, lead};
 
 use crate::session::Session;
 use thenar::haptic::{
-    CouplingDesign, FastToSlow, FreeHand, HandReport, HandSettings, HapticHand, Mode, Pad,
-    PadReading, Prediction, ProxyError, RigidState, SingleRate, SingleRateSettings, SlowToFast,
-    Touch, series_drive,
+    CouplingDesign, FastToSlow, Felt, FeltBounds, FreeHand, HandReport, HandSettings, HapticHand,
+    LoopProfile, Mode, Observation, Pad, PadReading, Prediction, ProxyError, RigidState,
+    SingleRate, SingleRateSettings, SlowToFast, Touch, series_drive, series_stiffness,
 };
 use thenar::model::SolverKind;
 use thenar::world::{Input, ModelError};
@@ -61,6 +61,9 @@ pub struct TouchSettings {
     pub latency: u64,
     /// How bones are carried on between frames, in `Multirate`.
     pub prediction: Prediction,
+    /// Damping of the loosest grip that is allowed for \[N s/m\], which bounds how stiff bones are felt by the delay of
+    /// the frames; `None` bounds nothing.
+    pub grip: Option<f64>,
 }
 
 /// Why a scene cannot be felt.
@@ -80,6 +83,7 @@ pub enum TouchError {
 /// A hand of a scene, felt in simulated time.
 pub struct Rehearsal {
     touch: Box<dyn Touch>,
+    felt: Felt,
     /// None in single-rate, where it is within `touch`.
     slow: Option<Slow>,
     frame: SlowToFast,
@@ -119,6 +123,9 @@ impl Rehearsal {
         let bones = built.handle.bones.clone();
         let mut desc = session.world().desc().clone();
         let proxies = settings.design.hand(&built.model);
+        let couplings = (proxies.iter())
+            .map(|proxy| series_stiffness(proxy.device.stiffness, proxy.bone.stiffness));
+        let felt = Felt::new(bounds(settings.grip), couplings.collect());
         for (b, proxy) in bones.clone().zip(&proxies) {
             desc.drives[b as usize] = Some(match settings.mode {
                 TouchMode::SingleRate => series_drive(&proxy.device, &proxy.bone),
@@ -164,6 +171,7 @@ impl Rehearsal {
             back: FastToSlow::new(&start),
             readings: vec![none; pads.len()],
             touch,
+            felt,
             slow,
             frame,
             pads,
@@ -179,7 +187,11 @@ impl Rehearsal {
     /// A sample of the tracker, taken now.
     pub fn track(&mut self, bone: usize, pose_WB: Pose, velocity: Option<[Vec3; 2]>) {
         // It is known in the tick that comes.
-        self.touch.track(bone, (self.tick + 1) * TICK_NS, pose_WB, velocity);
+        let time_ns = (self.tick + 1) * TICK_NS;
+        self.touch.track(bone, time_ns, pose_WB, velocity);
+        if bone == 0 {
+            self.felt.hear(time_ns, time_ns, None);
+        }
     }
 
     /// One millisecond. `stalled` keeps the simulation from beginning a step.
@@ -192,8 +204,12 @@ impl Rehearsal {
         }
         let report = self.touch.tick(now, &self.frame);
         self.touch.publish(now, &mut self.back);
+        self.felt.step(report.step, |bone, observed| self.touch.added_delay(bone, observed));
         for (pad, reading) in self.pads.iter_mut().zip(&mut self.readings) {
             *reading = pad.read(&*self.touch, report.step);
+            let part = self.felt.part(pad.bone);
+            reading.force_W *= part;
+            reading.pad_force *= part;
         }
         report
     }
@@ -208,7 +224,12 @@ impl Rehearsal {
         &self.readings
     }
 
-    /// The hand at the haptic rate.
+    /// How stiff the bones are felt.
+    pub fn felt(&self) -> &Felt {
+        &self.felt
+    }
+
+    /// The hand at the haptic rate: what it would have the wearer feel before that is bounded.
     pub fn touch(&self) -> &dyn Touch {
         &*self.touch
     }
@@ -218,14 +239,23 @@ impl Rehearsal {
         self.slow.as_ref().map(|slow| &slow.world).or(self.touch.world())
     }
 
-    /// Power given to the wearer by all couplings \[W\], with the tracked bones' velocities.
+    /// Power given to the wearer by what is felt of all couplings \[W\], with the tracked bones' velocities.
     pub fn power(&self) -> f64 {
-        let each = self.touch.tracked().iter().zip(self.touch.device_wrenches());
-        each.map(|(hand, [force, torque])| {
-            force.dot(&hand.velocity_W) + torque.dot(&hand.angular_velocity_W)
+        let each = self.touch.tracked().iter().zip(self.touch.device_wrenches()).enumerate();
+        each.map(|(bone, (hand, [force, torque]))| {
+            let power = force.dot(&hand.velocity_W) + torque.dot(&hand.angular_velocity_W);
+            self.felt.part(bone) * power
         })
         .sum()
     }
+}
+
+/// Of a loop of one tick, whose display acts at once.
+fn bounds(grip: Option<f64>) -> FeltBounds {
+    let [delay, damping, friction, resolution] = [0.0; 4];
+    let (period, rated_stiffness) = (1e-9 * TICK_NS as f64, f64::INFINITY);
+    let profile = LoopProfile { period, delay, damping, friction, resolution, rated_stiffness };
+    FeltBounds { grip, profile, observation: Observation::default() }
 }
 
 impl Slow {

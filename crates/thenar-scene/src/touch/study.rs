@@ -64,7 +64,7 @@ pub fn compare(
     study: &Study,
 ) -> Result<Comparison, TouchError> {
     let prediction = Prediction::SIMULATION;
-    let settings = TouchSettings { mode, design, period, latency: period, prediction };
+    let settings = TouchSettings { mode, design, period, latency: period, prediction, grip: None };
     lead(session, &settings, study)
 }
 

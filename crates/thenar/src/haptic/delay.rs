@@ -4,7 +4,7 @@
 //! hand sways. Gil et al. 2009: it oscillates by itself above `K = b / (T/2 + t_d)`, with b the damping of hand and
 //! device and T the period of the loop. A grip may be loose, so the rule is kept for an assumed least one.
 
-use crate::haptic::{BLEND, LoopProfile};
+use crate::haptic::LoopProfile;
 
 /// Damping of a loosely held finger or hand \[N s/m\]: fingers resting on a handle have some 1 to 5 (Hajian and Howe
 /// 1997), and the least of it is assumed.
@@ -36,7 +36,25 @@ impl TrackerTiming {
     }
 }
 
-/// Follows how often a tracker's samples come and how old they are: what it does, beside what it states.
+/// What observing a tracker's samples adds to their delay, as far as a spring is concerned: the part of its stiffness
+/// that it takes off the damping of whoever holds it, `-Im G(ω)/ω` of what is observed over what is there, at the worst
+/// ω. Observers carry motion on, which makes up for delay.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Observation {
+    /// Without a delay \[s\].
+    pub adds: f64,
+    /// Less of it per second of delay.
+    pub makes_up: f64,
+}
+
+impl Observation {
+    /// To samples that are late by so much \[s\].
+    pub fn adds(&self, delay: f64) -> f64 {
+        (self.adds - self.makes_up * delay).max(0.0)
+    }
+}
+
+/// Follows how often samples of a tracker, or frames, come and how old they are.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DelayMeter {
     /// Mean time between samples, and their mean age on arrival \[s\].
@@ -63,18 +81,24 @@ impl DelayMeter {
         means[1] += NEWEST * (age - means[1]);
     }
 
-    /// The worse of what is stated and what is seen. Samples whose device tells no time seem to be of the present,
+    /// Mean time between samples and mean age on arrival \[s\], once there were two.
+    pub fn seen(&self) -> Option<[f64; 2]> {
+        self.means
+    }
+
+    /// The worse of what is stated and what is seen; what is no number is as late as can be. Samples whose device tells no time seem to be of the present,
     /// and one that states nothing is taken as it seems.
     pub fn delay(&self, stated: Option<&TrackerTiming>) -> f64 {
         let seen = self.means.map_or(0.0, |[gap, age]| age + 0.5 * gap);
-        stated.map_or(0.0, TrackerTiming::delay).max(seen)
+        let stated = stated.map_or(0.0, TrackerTiming::delay);
+        if stated.is_nan() { f64::INFINITY } else { stated.max(seen) }
     }
 }
 
 impl LoopProfile {
-    /// The same loop behind a tracker that is late by `delay` \[s\], frames blended in.
-    pub fn behind_tracker(&self, delay: f64) -> Self {
-        Self { delay: self.delay + delay + BLEND, ..*self }
+    /// The same loop with so much more delay \[s\]: of a tracker, of frames.
+    pub fn later(&self, delay: f64) -> Self {
+        Self { delay: self.delay + delay, ..*self }
     }
 
     /// Stiffness that a hand of this damping \[N s/m\] may be shown, by Gil's rule \[N/m\].
@@ -101,8 +125,8 @@ mod tests {
     fn the_rule_is_gils() {
         let late = LoopProfile { delay: 0.05, ..LOOP };
         assert!((late.felt_stiffness_max(1.0) - 1.0 / 0.0505).abs() < 1e-12);
-        let behind = LOOP.behind_tracker(TrackerTiming::HEADSET.delay());
-        let delay = 0.045 + 1.0 / 180.0 + BLEND;
+        let behind = late.later(TrackerTiming::HEADSET.delay());
+        let delay = 0.05 + 0.045 + 1.0 / 180.0;
         assert!((behind.delay - delay).abs() < 1e-15);
     }
 

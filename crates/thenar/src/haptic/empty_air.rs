@@ -46,6 +46,14 @@ impl FreeHand {
         self.alone.resume(whole);
     }
 
+    /// Takes over the parameters that its world has now, and goes on from where it is. Allocates.
+    ///
+    /// # Errors
+    /// It is another world by now.
+    pub fn retune(&mut self, world: &World) -> Result<(), ModelError> {
+        self.alone.retune(world)
+    }
+
     /// One step of `h` \[s\] to these targets. What else acts in the whole world acts here but for contact and loads:
     /// wrenches on the bones.
     pub fn step(&mut self, h: f64, targets: impl Iterator<Item = Option<Target>>, whole: &Input) {
@@ -86,5 +94,39 @@ impl Held {
     pub fn let_go(&self, bone: &RigidState) -> RigidState {
         let rotation = Quat::from_scaled_axis(-self.0[1]) * bone.pose_WB.rotation;
         RigidState { pose_WB: Pose::new(bone.pose_WB.position - self.0[0], rotation), ..*bone }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::haptic::{CouplingDesign, HandSettings, HapticHand, RigidState, SlowToFast, Touch};
+    use crate::math::{Mat3, Pose, Vec3};
+
+    /// Contact holds a bone 5 mm off for some frames, which tell of the hand in empty air; then frames come that do not:
+    /// nothing of that contact is left, and all that the coupling bears is felt, nothing for a bone where its hand is.
+    #[test]
+    fn frames_without_a_hand_in_empty_air_forget_its_contact() {
+        let at = |x: f64| RigidState::at_rest(Pose::translation(x, 0.0, 0.0));
+        let proxy = CouplingDesign::default().proxy(0.004, &Mat3::from_diagonal_element(1e-7));
+        let mut hand =
+            HapticHand::new(HandSettings::default(), vec![proxy], &[at(0.0)], 0).unwrap();
+        let mut frame = SlowToFast::new(&[at(0.0)], 0);
+        let mut run = |free: Option<RigidState>, bone: RigidState, from: u64| {
+            for ms in from..from + 1500 {
+                frame.free.clear();
+                frame.free.extend(free);
+                frame.bones[0] = bone;
+                (frame.time_ns, frame.step) = (ms * 1_000_000, ms);
+                hand.track(0, ms * 1_000_000, Pose::translation(0.005, 0.0, 0.0), None);
+                hand.tick(ms * 1_000_000, &frame);
+            }
+            hand.device_wrenches()[0][0]
+        };
+        let held = run(Some(at(0.005)), at(0.0), 1);
+        assert!((held + Vec3::x() * (400.0 * 0.005)).norm() < 1e-3, "{held}");
+        let let_go = run(None, at(0.005), 1501);
+        assert!(let_go.norm() < 1e-3, "{let_go} N of a contact that is no more");
+        let blocked = run(None, at(0.0), 3001);
+        assert!((blocked + Vec3::x() * (400.0 * 0.005)).norm() < 1e-3, "{blocked}");
     }
 }

@@ -1,12 +1,13 @@
 //! One tick of the haptic loop for a whole hand: newest samples in, forces on the wearer out.
 
 use crate::haptic::empty_air::Held;
+use crate::haptic::late_frames::{of_multirate, of_shared_constraints};
 use crate::haptic::shared::{Resolution, SharedConstraints};
 use crate::haptic::smooth::Smooth;
 use crate::haptic::tracked_hand::TrackedHand;
 use crate::haptic::{
-    FastToSlow, Prediction, Proxies, Proxy, ProxyError, ProxyReport, RigidState, Sample,
-    SlowToFast, Touch, seconds_between,
+    BLEND, DelayMeter, FastToSlow, Prediction, Proxies, Proxy, ProxyError, ProxyReport, RigidState,
+    Sample, SlowToFast, Touch, seconds_between,
 };
 use crate::math::{Pose, Vec3, rotation_vector};
 use crate::world::StepReport;
@@ -105,6 +106,10 @@ pub struct HapticHand {
     shared_step: Option<u64>,
     /// Step and time of the newest frame.
     newest: Option<(u64, u64)>,
+    /// How often frames come and how old they are, the last that was heard, and whether it has a response that is used.
+    frames: DelayMeter,
+    frame_heard: Option<u64>,
+    responds: bool,
     /// The newest frame's bones, at velocities that are believed.
     carried: Vec<RigidState>,
     /// Periods that bones may be carried on when frames come late.
@@ -157,6 +162,9 @@ impl HapticHand {
             shared: SharedConstraints::new(n, contacts_max),
             shared_step: None,
             newest: None,
+            frames: DelayMeter::default(),
+            frame_heard: None,
+            responds: false,
             carried: proxies.states().to_vec(),
             reach: 0.0,
             periods_when_late,
@@ -177,7 +185,8 @@ impl HapticHand {
     /// The simulated bones now.
     fn place_bones(&mut self, frame: &SlowToFast, age: f64, h: f64) -> Resolution {
         let response = &frame.response;
-        if self.settings.mode == Mode::SharedConstraints && response.is_ready() {
+        self.responds = self.settings.mode == Mode::SharedConstraints && response.is_ready();
+        if self.responds {
             if self.shared_step != Some(frame.step) {
                 self.shared.begin(response);
                 self.free.shared.begin(response);
@@ -314,6 +323,9 @@ impl Touch for HapticHand {
     fn tick(&mut self, now_ns: u64, frame: &SlowToFast) -> HandReport {
         let h = self.hand.passed(now_ns, self.settings.step_max);
         let simulation_age = seconds_between(frame.time_ns, now_ns);
+        if self.frame_heard.replace(frame.step) != Some(frame.step) {
+            self.frames.take(frame.time_ns, now_ns);
+        }
         let contact = self.place_bones(frame, simulation_age, h);
         let tracking_age = self.hand.place(now_ns, h, &self.bones);
         for i in (0..self.bones.len()).filter(|i| self.hand.set_out_from_bone(*i)) {
@@ -343,6 +355,16 @@ impl Touch for HapticHand {
 
     fn bones(&self) -> &[RigidState] {
         &self.bones
+    }
+
+    fn added_delay(&self, bone: usize, observed: f64) -> f64 {
+        let Some([period, age]) = self.frames.seen() else { return BLEND.max(observed) };
+        if self.responds {
+            // What listed contacts answer is not late by frames, and what begins with a frame is no sway.
+            of_shared_constraints(period, age).max(observed)
+        } else {
+            of_multirate(&self.proxies.proxies()[bone], period, age) + observed
+        }
     }
 
     fn device_wrenches(&self) -> &[[Vec3; 2]] {

@@ -55,7 +55,9 @@ mod delay;
 mod display;
 mod empty_air;
 mod exchange;
+mod felt;
 mod hand;
+mod late_frames;
 mod pads;
 mod prediction;
 mod proxies;
@@ -73,12 +75,13 @@ mod tracked_hand;
 pub mod virtual_user;
 
 pub use coupling::{CouplingDesign, drive_reaction, series_stiffness};
-pub use delay::{DelayMeter, GRIP, MARGIN, TrackerTiming};
+pub use delay::{DelayMeter, GRIP, MARGIN, Observation, TrackerTiming};
 pub use display::{
     CYBERGRASP_FORCE_MAX, PAD_NORMAL_B, StopLatch, brake_force, pad_force, servo_stop, tendon_pull,
 };
 pub use empty_air::FreeHand;
 pub use exchange::{FastToSlow, SlowToFast};
+pub use felt::{Felt, FeltBounds};
 pub use hand::{HandReport, HandSettings, HapticHand, Mode};
 pub use pads::{Pad, PadReading};
 pub use prediction::{Prediction, hold_then_fade, seconds_between};

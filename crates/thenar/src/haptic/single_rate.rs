@@ -225,6 +225,10 @@ impl Touch for SingleRate {
         &self.bones
     }
 
+    fn added_delay(&self, _: usize, observed: f64) -> f64 {
+        observed
+    }
+
     fn device_wrenches(&self) -> &[[Vec3; 2]] {
         &self.wrenches
     }

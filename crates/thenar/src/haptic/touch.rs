@@ -34,6 +34,10 @@ pub trait Touch {
     /// Where the simulated bones were taken to be in the last tick.
     fn bones(&self) -> &[RigidState];
 
+    /// What frames of the simulation and observation, which alone adds `observed`, add together to the delay from a
+    /// motion of bone `bone` to the force that answers it \[s\].
+    fn added_delay(&self, bone: usize, observed: f64) -> f64;
+
     /// Force \[N\] and torque about the bone's centre \[N m\] on the wearer, world, per bone.
     fn device_wrenches(&self) -> &[[Vec3; 2]];
 

@@ -25,6 +25,19 @@ impl World {
     /// # Errors
     /// The bones are no world: some of what their description refers to is elsewhere.
     pub fn alone(&self, bones: Range<u32>) -> Result<Alone, ModelError> {
+        let (desc, bones, joints, softs) = self.parts_alone(bones);
+        let model = &self.model;
+        let nodes = softs.iter().map(|&s| model.soft_nodes[s].clone()).collect();
+        let tets = softs.iter().map(|&s| model.soft_tets[s].clone());
+        let faded = tets.map(|tets| model.flesh.memory.span(tets)).collect();
+        let mut alone = Alone { world: World::new(desc)?, bones, joints, nodes, faded };
+        alone.resume(&self.state);
+        Ok(alone)
+    }
+
+    /// The description of the hand of these bones alone; which rigid bodies, joints and soft bodies it has.
+    #[allow(clippy::type_complexity)] // what `alone` takes apart, and nothing else
+    fn parts_alone(&self, bones: Range<u32>) -> (WorldDesc, Range<usize>, Vec<usize>, Vec<usize>) {
         let end = (bones.end as usize).min(self.desc.rigids.len());
         let bones = (bones.start as usize).min(end)..end;
         let first = bones.start as u32;
@@ -68,13 +81,7 @@ impl World {
                 .collect(),
             ..WorldDesc::default()
         };
-        let model = &self.model;
-        let nodes = softs.iter().map(|&s| model.soft_nodes[s].clone()).collect();
-        let tets = softs.iter().map(|&s| model.soft_tets[s].clone());
-        let faded = tets.map(|tets| model.flesh.memory.span(tets)).collect();
-        let mut alone = Alone { world: World::new(desc)?, bones, joints, nodes, faded };
-        alone.resume(&self.state);
-        Ok(alone)
+        (desc, bones, joints, softs)
     }
 
     /// Whether one of these bones, or the flesh on them, bore force of contact in the last step.
@@ -129,6 +136,19 @@ impl Alone {
         }
         state.contact_change.fill(Vec3::zeros());
         state.impulses.clear();
+    }
+
+    /// Goes on from where it is with the parameters that its bodies have in the whole world now. Allocates.
+    ///
+    /// # Errors
+    /// The whole world is another one by now.
+    pub fn retune(&mut self, whole: &World) -> Result<(), ModelError> {
+        let bones = self.bones.start as u32..self.bones.end as u32;
+        let (desc, _, _, softs) = whole.parts_alone(bones);
+        self.world.retune(desc)?;
+        let tets = softs.iter().map(|&s| whole.model.soft_tets[s].clone());
+        self.faded = tets.map(|tets| whole.model.flesh.memory.span(tets)).collect();
+        Ok(())
     }
 
     /// An input of its size.

@@ -67,6 +67,8 @@ pub struct World {
     places: Vec<RigidPlace>,
     solver: Solver,
     time_step: f64,
+    /// How often parameters were replaced.
+    retuned: u64,
 }
 
 impl World {
@@ -88,7 +90,9 @@ impl World {
         let places = state.poses_WB.iter().map(place).collect();
         let time_step = desc.time_step;
         let solver = Solver::new(desc.solver.kind, &desc, &model, contacts_max);
-        let mut world = Self { desc, model, state, scratch, detector, places, solver, time_step };
+        let retuned = 0;
+        let mut world =
+            Self { desc, model, state, scratch, detector, places, solver, time_step, retuned };
         world.embed();
         Ok(world)
     }

@@ -34,8 +34,14 @@ impl World {
         self.state.scale_impulses(desc.time_step / self.time_step);
         self.time_step = desc.time_step;
         self.desc = desc;
+        self.retuned += 1;
         self.prepare_solver();
         Ok(())
+    }
+
+    /// How often it went on with other parameters: who keeps a part of it compares.
+    pub fn retuned(&self) -> u64 {
+        self.retuned
     }
 
     /// Tissue stays as far relaxed as it was; what has no memory any more forgets.

@@ -590,3 +590,27 @@ fn senseless_limits_are_refused() {
     );
     assert!(refused(Limits { fade: -1.0, ..good }).contains("fade"));
 }
+
+/// Behind 30 ms, a guard that trips while it pushes and is armed anew: the force of before the trip did its work before,
+/// and motion that is seen now does not meet it.
+#[test]
+fn forces_of_before_a_trip_are_forgotten() {
+    let mut now = 0;
+    let limits = Limits { engage_ticks: 0, ..quick() };
+    let mut guard = engaged(limits, &mut now);
+    guard.see_late(0.03);
+    for _ in 0..60 {
+        now += MS;
+        guard.tick(now, &signal(now, [4.0], [0.0]));
+    }
+    assert_eq!(guard.energy(), 0.0);
+    guard.trip(Trip::Requested);
+    now += MS;
+    assert_eq!(guard.tick(now, &signal(now, [0.0], [0.0])), [0.0]);
+    guard.arm();
+    for _ in 0..60 {
+        now += MS;
+        guard.tick(now, &signal(now, [0.0], [0.5]));
+        assert_eq!((guard.energy(), guard.hidden()), (0.0, 0.0));
+    }
+}

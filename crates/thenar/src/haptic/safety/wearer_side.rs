@@ -78,6 +78,23 @@ mod tests {
     use crate::haptic::safety::Passivity;
     use std::f64::consts::{PI, TAU};
 
+    /// A delay that is no number is as late as can be: each motion meets the oldest force that is remembered, and all of
+    /// them may be hidden. After a new start no force of before counts.
+    #[test]
+    fn no_number_is_as_late_as_can_be() {
+        let mut side = WearerSide::<1>::new();
+        side.see_late(f64::NAN);
+        assert!(side.is_late());
+        let held: Vec<f64> = (1..=2 * KEPT).map(|k| side.take([k as f64], 1e-3, 0.5)[0]).collect();
+        let oldest = held.last().unwrap();
+        assert!((*oldest - KEPT as f64).abs() <= 1.0, "{oldest}");
+        // The impulse of the last quarter of a second at half a metre a second.
+        let impulse: f64 = (KEPT + 1..=2 * KEPT).map(|k| 1e-3 * k as f64).sum();
+        assert!((side.hidden() / (0.5 * impulse) - 1.0).abs() < 1e-9, "{} J", side.hidden());
+        side.forget();
+        assert_eq!((side.take([0.0], 1e-3, 0.5), side.hidden()), ([0.0], 0.0));
+    }
+
     /// A spring of 160 N/m that hums at 9 Hz by 5 mm behind 30 ms: it gives out `π K X² sin ω t_d` a cycle. The
     /// account at the wearer's side says so, that of the present says nearly nothing; what is hidden is within its
     /// bound.
