@@ -113,8 +113,9 @@ fn by_words(
         .collect();
     of.sort_unstable();
     let bone = |b: u8| of.iter().find(|(place, _)| *place == Place::Bone(b)).map(|(_, k)| *k);
-    let ends = of.iter().filter(|(place, _)| matches!(place, Place::End(_)));
-    let tip = of.iter().find(|(place, _)| *place == Place::Tip).or(ends.last()).map(|(_, k)| *k);
+    let mut ends = of.iter().filter(|(place, _)| matches!(place, Place::End(_)));
+    let tip =
+        of.iter().find(|(place, _)| *place == Place::Tip).or(ends.next_back()).map(|(_, k)| *k);
     let numbers: Vec<(u32, usize)> = (of.iter())
         .filter_map(|(place, k)| if let Place::Number(n) = place { Some((*n, *k)) } else { None })
         .collect();

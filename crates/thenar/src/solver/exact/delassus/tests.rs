@@ -43,7 +43,7 @@ fn carried(random: &mut Random, node: usize) -> Carried {
     let weight = random.range(0.0, 1.0);
     let apart = Apart { axis: random.vec3(0.2), arm: random.vec3(0.1) };
     let levers = [random.vec3(0.1), random.vec3(0.1)];
-    let turning = Turning { levers, apart: (node % 2 == 0).then_some(apart) };
+    let turning = Turning { levers, apart: node.is_multiple_of(2).then_some(apart) };
     Carried {
         node: node as u32,
         bones: [0, 1],
