@@ -16,7 +16,6 @@
 //! with memory do not have. The other laws stiffen by themselves, and steps look after what they store (`foresight`).
 
 use crate::flesh::element::{Linear, Principal, Response};
-use crate::flesh::foresight::is_seen;
 use crate::flesh::principal::Density;
 use crate::flesh::{FleshModel, RestTet, Tally};
 use crate::math::{Mat3, Vec3};
@@ -55,17 +54,20 @@ impl FleshModel {
     }
 
     /// `FleshModel::surprise` of what these elements resist with to being crushed or drawn out \[J\].
-    pub(super) fn crush_surprise(&self, tets: Range<usize>, x0: &[Vec3], x1: &[Vec3]) -> f64 {
+    pub(super) fn crush_surprise(
+        &self,
+        tets: Range<usize>,
+        [x0, x1, straight]: [&[Vec3]; 3],
+    ) -> f64 {
         let each = self.tets[tets.clone()].iter().zip(&self.rest[tets]);
         let crushed = each.filter_map(|(tet, rest)| {
             let F1 = crushed(rest, tet, x1)?;
-            let F0 = rest.deformation_gradient(&tet.map(|n| x0[n as usize]));
-            is_seen(&F0, &F1).then(|| {
-                let [before, after] = [F0, F1].map(|F| shape(rest, &F));
-                let linear = Linear::elastic(&before, 1.0);
-                let [slope, curved] = linear.along(&(before.U.tr_mul(&(F1 - F0)) * before.V));
-                rest.volume * (after.at.energy - before.at.energy - slope - curved)
-            })
+            let [F0, F] =
+                [x0, straight].map(|x| rest.deformation_gradient(&tet.map(|n| x[n as usize])));
+            let [before, after] = [F0, F1].map(|F| shape(rest, &F));
+            let linear = Linear::elastic(&before, 1.0);
+            let [slope, curved] = linear.along(&(before.U.tr_mul(&(F - F0)) * before.V));
+            Some(rest.volume * (after.at.energy - before.at.energy - slope - curved))
         });
         crushed.sum()
     }

@@ -237,14 +237,13 @@ impl Patches {
         memory: &MemoryModel,
         faded: &[Faded],
         tets: &Range<usize>,
-        x0: &[Vec3],
-        x1: &[Vec3],
+        x: [&[Vec3]; 3],
         fading: &mut Fading,
         h: f64,
     ) -> f64 {
         let asked = |p: &&Patch| tets.contains(&p.first) && p.mean.law == Law::Corotational;
         let each = self.list.iter().filter(asked).map(|patch| {
-            let F = [x0, x1].map(|x| self.mean_gradient(patch, x));
+            let F = x.map(|x| self.mean_gradient(patch, x));
             if !is_seen(&F[0], &F[1]) {
                 return 0.0;
             }

@@ -3,6 +3,7 @@
 
 use crate::math::Vec3;
 use crate::world::parts::Part;
+use crate::world::state::Scratch;
 use crate::world::{StepReport, World};
 
 /// Most halvings of what flesh moves in a part that is cut short: a billionth of the way is left then.
@@ -21,13 +22,19 @@ impl World {
 
     /// Whether the part just made brought no energy into corotational flesh. From `v₀` to `v₁` an implicit step takes out
     /// `½ |v₁ - v₀|²_M`, beside what elements tell of themselves.
-    pub(super) fn flesh_gained_nothing(&self, part: Part, report: &StepReport) -> bool {
+    pub(super) fn flesh_gained_nothing(&mut self, part: Part, report: &StepReport) -> bool {
         let Self { model, state, scratch, .. } = self;
-        let (row0, before) = (2 * model.rigids.len(), &scratch.before);
+        let row0 = 2 * model.rigids.len();
+        let push = scratch.pushes.then_some(&scratch.push[row0..]);
+        for (n, to) in scratch.straight.iter_mut().enumerate() {
+            let v = state.v[row0 + n] + push.map_or(Vec3::zeros(), |push| push[n]);
+            *to = scratch.before.x[n] + v * part.h;
+        }
+        let Scratch { before, straight, .. } = scratch;
         report.non_finite
             || model.soft_nodes.iter().zip(&model.soft_tets).all(|(nodes, tets)| {
-                let gained =
-                    model.flesh.surprise(tets.clone(), &before.x, &state.x, &state.faded, part.h);
+                let x = [&*before.x, &*state.x, &**straight];
+                let gained = model.flesh.surprise(tets.clone(), x, &state.faded, part.h);
                 gained <= 0.0 || {
                     let slowed = nodes.clone().map(|n| {
                         let change = state.v[row0 + n] - before.v[row0 + n];

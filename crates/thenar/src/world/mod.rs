@@ -119,6 +119,7 @@ impl World {
             let carried = self.was_carried(&mut done);
             let again = match (carried, foreseen && gained_nothing) {
                 (false, _) => parts.retry(self.reach()),
+                (true, false) if foreseen => parts.retry(0.0),
                 (true, false) => parts.retry_flesh(),
                 (true, true) => false,
             };

@@ -22,9 +22,9 @@ const MISS: f64 = 100.0;
 /// Contact that looks again looks so many margins far at most, two fingers' widths: beyond, all of a hand would be met.
 const REACH_MAX: f64 = 32.0;
 
-/// Most halvings for the sake of flesh. Each part may let in as much energy as the motion within it, so that many
-/// short ones together let in a burst: an element of Ogden's law drawn out threefold came to seven times its energy in
-/// parts of a thirty-second. What is unforeseen in an eighth is cut short.
+/// Most halvings for the sake of elements that are asked one by one. Each part may let in as much energy as the motion
+/// within it, so that many short ones together let in a burst: an element of Ogden's law drawn out threefold came to
+/// seven times its energy in parts of a thirty-second. What is unforeseen in an eighth is cut short.
 const FLESH_HALVINGS_MAX: u32 = 3;
 
 /// Most halvings of a step: it then has a thousand parts, and is made three thousand times at most.
@@ -87,8 +87,8 @@ impl Parts {
         std::mem::replace(&mut self.reach, travel) == 0.0 && travel > 0.0
     }
 
-    /// Makes it once more for what flesh did, which neither parts below an eighth of the step mend nor contact that looks
-    /// farther. False when it is as short, or retries run out.
+    /// Makes it once more for what elements did that are asked one by one, which neither parts below an eighth of the step
+    /// mend nor contact that looks farther. False when it is as short, or retries run out.
     pub fn retry_flesh(&mut self) -> bool {
         self.length > self.units >> FLESH_HALVINGS_MAX && self.retry(0.0)
     }

@@ -255,6 +255,8 @@ pub struct Scratch {
     pub push: Vec<Vec3>,
     /// There is one in this step.
     pub pushes: bool,
+    /// Where velocities and pushes would have taken each node on a straight way.
+    pub straight: Vec<Vec3>,
     /// Collision vertices of all deformable bodies, world, and their velocities.
     pub vertices: Vec<Vec3>,
     /// Velocities of these.
@@ -325,6 +327,7 @@ impl Scratch {
             wishes: Vec::with_capacity(contacts_max + limits::rows_max(model)),
             push: vec![Vec3::zeros(); rows],
             pushes: false,
+            straight: vec![Vec3::zeros(); state.x.len()],
             vertices: vec![Vec3::zeros(); model.vertices.len()],
             vertex_velocities: vec![Vec3::zeros(); model.vertices.len()],
             vertex_ways: vec![Vec3::zeros(); model.vertices.len()],
