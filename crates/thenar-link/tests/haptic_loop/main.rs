@@ -6,6 +6,7 @@ mod capture;
 mod empty_air;
 mod faults;
 mod loose_hand;
+mod matrix;
 mod rig;
 mod smooth;
 mod threads;
