@@ -7,6 +7,7 @@ mod empty_air;
 mod faults;
 mod loose_hand;
 mod matrix;
+mod noise;
 mod rig;
 mod smooth;
 mod threads;
