@@ -6,6 +6,8 @@ mod capture;
 mod empty_air;
 mod faults;
 mod loose_hand;
+mod matrix;
+mod noise;
 mod rig;
 mod smooth;
 mod threads;

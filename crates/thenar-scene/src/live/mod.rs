@@ -56,9 +56,9 @@ pub const OPENING: f64 = 0.8;
 pub const STALE: f64 = 0.1;
 
 /// What a hand that follows at 80 Hz adds to its tracker's delay, measured for 60 Hz to 1 kHz and 0 to 50 ms: 9.9 ms at
-/// 1 kHz at once, 5.9 ms at 90 Hz at once, 2 ms at 90 Hz and 20 ms, nothing at 50 ms. Of samples without noise; noisy
+/// 1 kHz at once, 6.0 ms at 90 Hz at once, 5.9 and 2.2 ms at 1 kHz and 90 Hz, 20 ms late, nothing at 50 ms. Of samples without noise; noisy
 /// ones are remembered longer.
-pub const OBSERVATION: Observation = Observation { adds: 0.01, makes_up: 0.3 };
+pub const OBSERVATION: Observation = Observation { adds: 0.01, makes_up: 0.2 };
 
 /// A tracked hand at an instant, in the world.
 #[derive(Clone, Debug, PartialEq)]

@@ -145,6 +145,11 @@ impl<T: Linear> Observed<T> {
         self.rate = bounded(self.rate + residual * gains.rate, rate_max);
     }
 
+    /// How quiet its samples are: 1 where they are as sure as motion, less where noise is remembered longer.
+    pub fn quiet(&self) -> f64 {
+        MEMORY[0] / self.scatter.memory
+    }
+
     /// Place `ahead` seconds later.
     pub fn ahead(&self, ahead: f64) -> T {
         self.place + self.rate * ahead
@@ -184,6 +189,11 @@ impl ObservedRotation {
         let turned = Quat::from_scaled_axis(residual * gains.place) * expected;
         self.place = Quat::new_normalize(turned.into_inner());
         self.rate = bounded(self.rate + residual * gains.rate, rate_max);
+    }
+
+    /// How quiet its samples are: see [`Observed::quiet`].
+    pub fn quiet(&self) -> f64 {
+        MEMORY[0] / self.scatter.memory
     }
 
     /// Rotation `ahead` seconds later.
