@@ -62,7 +62,7 @@ struct PortHand {
     first: usize,
     drives: Vec<Option<Drive>>,
     ends: SlowEnds,
-    /// Its frames have a response, and how often its world was retuned when that was last looked at.
+    /// A flag for frames that have a response, and how often the world was retuned when that was last looked at.
     responds: bool,
     retuned: u64,
     /// The hand in empty air, where frames have no response that tells of it.

@@ -39,7 +39,7 @@ pub struct Flow {
 }
 
 impl Flow {
-    /// Of such a finger over `h` \[s\].
+    /// The flow of such a finger over `h` \[s\].
     pub fn new(human: &Human, h: f64) -> Self {
         let [damping, stiffness] =
             [human.damping * h, human.stiffness * h * h].map(|x| x / human.mass);
@@ -80,7 +80,7 @@ pub(super) struct Hand {
 }
 
 impl Hand {
-    /// Of such fingers, which move in steps of `h` \[s\].
+    /// A hand of such fingers, which move in steps of `h` \[s\].
     pub fn new(session: &Session, human: &Human, h: f64) -> Result<Self, LiveError> {
         let mut live = session.live_hand(0)?;
         let model = &session.hands()[0].model;

@@ -250,7 +250,7 @@ impl Rehearsal {
     }
 }
 
-/// Of a loop of one tick, whose display acts at once.
+/// The bounds of a loop of one tick, whose display acts at once.
 fn bounds(grip: Option<f64>) -> FeltBounds {
     let [delay, damping, friction, resolution] = [0.0; 4];
     let (period, rated_stiffness) = (1e-9 * TICK_NS as f64, f64::INFINITY);

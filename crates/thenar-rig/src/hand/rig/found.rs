@@ -27,7 +27,7 @@ pub(in crate::hand) struct Found {
     pub side: Option<Side>,
 }
 
-/// Of a finger of four numbered joints, the first is a metacarpal when it lies within this part of the way from the
+/// The first of a finger's four numbered joints is a metacarpal when it lies within this part of the way from the
 /// wrist to the last. A metacarpal begins a third of the way to the knuckle, which lies halfway to the tip.
 const METACARPAL_REACH: f64 = 0.33;
 
