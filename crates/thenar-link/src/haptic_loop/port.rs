@@ -288,8 +288,8 @@ impl SimulationPort {
         let within = self.mode == LoopMode::SingleRate && (anew || tuned);
         if within || !self.hands.iter().all(same) {
             self.attach(session)?;
-        } else if tuned {
-            self.retune(session.world())?;
+        } else if tuned && self.retune(session.world()).is_err() {
+            self.attach(session)?;
         }
         self.beginnings += u64::from(anew);
         self.began_ns = now_ns;

@@ -147,7 +147,7 @@ fn within(goal: f64, sent: f64, change: f64) -> f64 {
 
 /// A force in space.
 fn vector(sent: &Vec3, wanted: &Vec3, most: f64, change: f64) -> Vec3 {
-    if !wanted.iter().all(|x| x.is_finite()) || *wanted == Vec3::zeros() {
+    if !wanted.iter().all(|x| x.is_finite()) || *wanted == Vec3::zeros() || most == 0.0 {
         return Vec3::zeros();
     }
     let largest = wanted.amax();
@@ -155,7 +155,9 @@ fn vector(sent: &Vec3, wanted: &Vec3, most: f64, change: f64) -> Vec3 {
     let unit = wanted / largest;
     let goal = unit * (largest.min(most / unit.norm()));
     let way = goal - sent;
-    if way.norm() <= change { goal } else { sent + way * (change / way.norm()) }
+    let next = if way.norm() <= change { goal } else { sent + way * (change / way.norm()) };
+    // On the way round from another direction, or from a larger force.
+    next.cap_magnitude(most)
 }
 
 #[cfg(test)]
@@ -222,6 +224,26 @@ mod tests {
             assert!((sent.force_W - before).norm() <= 0.6 + 1e-9, "{ms}: from {before}");
             assert!(sent.curl_at_contact.is_none_or(|curl| (0.0..=1.0).contains(&curl)));
             before = sent.force_W;
+        }
+    }
+
+    /// A pad force that falls, turns to nothing, or is no force, while the force in space stays or turns: this is no larger at
+    /// any time, and nothing at once with it.
+    #[test]
+    fn a_force_in_space_goes_with_its_pads() {
+        for end in [2.0, 0.0, -3.0, f64::NAN] {
+            let mut door = Door::new(Limits::cybergrasp(), None, false);
+            for ms in 1..200u64 {
+                let angle = 0.3 * ms as f64;
+                let mut wanted = HandOutput::released(Side::Right, ms * MS);
+                wanted.digits[1].pad_force = if ms < 100 { 10.0 } else { end };
+                wanted.digits[1].force_W = Vec3::new(angle.cos(), angle.sin(), 0.0) * 10.0;
+                let sent = door.pass(Side::Right, Some(&wanted), ms * MS).unwrap().digits[1];
+                assert!(sent.force_W.norm() <= sent.pad_force.abs() + 1e-12, "{end}: {sent:?}");
+                if ms >= 100 && !(end > 0.0) {
+                    assert_eq!((sent.pad_force, sent.force_W), (0.0, Vec3::zeros()), "{end}");
+                }
+            }
         }
     }
 

@@ -57,28 +57,43 @@ impl Observation {
 /// Follows how often samples of a tracker, or frames, come and how old they are.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DelayMeter {
+    /// A pause is the delay of what comes after it.
+    pauses_count: bool,
     /// Mean time between samples, and their mean age on arrival \[s\].
     means: Option<[f64; 2]>,
     last_ns: Option<u64>,
 }
 
-/// What the newest sample weighs in the means: the last second or so at 90 Hz.
-const NEWEST: f64 = 0.02;
-/// Samples farther apart are not of one motion \[s\].
+/// Time in which a sample loses its weight in the means \[s\], at any rate: 50 samples at 90 Hz, 14 frames at 25 Hz.
+const FORGETS: f64 = 0.55;
+/// What is worse weighs at least so much: four in a row come to three quarters of what they are.
+const AT_ONCE: f64 = 0.3;
+/// Samples farther apart are not of one motion \[s\]. Frames are, and no longer ones are told apart: what is felt behind
+/// them is next to nothing.
 const PAUSE: f64 = 0.2;
 
 impl DelayMeter {
+    /// A meter of frames, which are waited for however late they are.
+    pub fn of_frames() -> Self {
+        Self { pauses_count: true, ..Self::default() }
+    }
+
     /// Takes in a sample measured at `time_ns` that arrived at `now_ns`.
     pub fn take(&mut self, time_ns: u64, now_ns: u64) {
         let seconds = |from: u64, to: u64| to.saturating_sub(from) as f64 * 1e-9;
         let Some(last_ns) = self.last_ns.replace(time_ns) else { return };
         let (gap, age) = (seconds(last_ns, time_ns), seconds(time_ns, now_ns));
-        if gap <= 0.0 || gap > PAUSE || age > PAUSE {
+        if gap <= 0.0 || !self.pauses_count && (gap > PAUSE || age > PAUSE) {
             return;
         }
-        let means = self.means.get_or_insert([gap, age]);
-        means[0] += NEWEST * (gap - means[0]);
-        means[1] += NEWEST * (age - means[1]);
+        let newest = [gap, age].map(|x| x.min(PAUSE));
+        let means = self.means.get_or_insert(newest);
+        let weight = 1.0 - (-gap / FORGETS).exp();
+        for (mean, newest) in means.iter_mut().zip(newest) {
+            // What is worse counts at once, as far as it is no single late one.
+            let weight = if newest > *mean { weight.max(AT_ONCE) } else { weight };
+            *mean += weight * (newest - *mean);
+        }
     }
 
     /// Mean time between samples and mean age on arrival \[s\], once there were two.
@@ -128,6 +143,34 @@ mod tests {
         let behind = late.later(TrackerTiming::HEADSET.delay());
         let delay = 0.05 + 0.045 + 1.0 / 180.0;
         assert!((behind.delay - delay).abs() < 1e-15);
+    }
+
+    /// Frames that go from 100 to 25 and to 4 Hz, a period old, are told within half a second, or four of them, those of 4 Hz
+    /// as the latest that are told apart; from the start as well. A tracker's pauses are passed over.
+    #[test]
+    fn frames_that_become_late_are_told_soon() {
+        for from in [100_u64, 25, 4] {
+            for to in [25_u64, 4] {
+                let mut meter = DelayMeter::of_frames();
+                let (mut now, mut told) = (0, 0.0);
+                for (rate, seconds) in [(from, 2), (to, 1)] {
+                    let period = 1_000_000_000 / rate;
+                    let late = rate == to && seconds == 1;
+                    let end =
+                        now + if late { (4 * period).max(500_000_000) } else { 2_000_000_000 };
+                    while now < end {
+                        meter.take(now, now + period);
+                        now += period;
+                    }
+                    told = meter.delay(None);
+                }
+                let wanted = 1.5 * (1.0 / to as f64).min(PAUSE);
+                assert!(told > 0.8 * wanted, "{from} to {to} Hz: {told} of {wanted} s");
+            }
+        }
+        let mut tracker = DelayMeter::default();
+        (0..3).for_each(|k| tracker.take(k * 300_000_000, k * 300_000_000));
+        assert_eq!(tracker.seen(), None);
     }
 
     /// Samples at 60 Hz, 40 ms old: half a period more. A tracker that states less is not believed, one that states

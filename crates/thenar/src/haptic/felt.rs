@@ -8,6 +8,10 @@ const GROWS: f64 = 0.7;
 /// How fast it falls when they become more, per second: half as much within a quarter of a second.
 const FALLS: f64 = 2.8;
 
+/// Growth begins at so much \[N/m\], which the rule allows a loose grip behind almost a second: from nothing it would never
+/// begin.
+const LEAST: f64 = 1.0;
+
 /// What bounds the stiffness that is felt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FeltBounds {
@@ -78,11 +82,11 @@ impl Felt {
             self.added[bone] = added(bone, observed);
             let Some(grip) = self.bounds.grip else { continue };
             let bound = MARGIN * self.profile(bone).felt_stiffness_max(grip);
-            // A delay that is no number bears nothing.
+            // A delay that is no number bears nothing, until there is one.
             let bound = if bound.is_nan() { 0.0 } else { bound };
             let most = self.most[bone];
             self.most[bone] = if self.heard && most.is_finite() {
-                bound.clamp(most * falls, most * grows)
+                bound.clamp(most * falls, (most * grows).max(LEAST))
             } else {
                 bound
             };
@@ -134,7 +138,7 @@ mod tests {
         assert!((felt.part(0) * 400.0 - felt.stiffness(0)).abs() < 1e-9);
         assert_eq!((felt.part(1), felt.stiffness(1)), (1.0, 3.0));
         let mut before = felt.part(0);
-        for k in 0..2000_u64 {
+        for k in 0..6000_u64 {
             let time_ns = 9_000_000_000 + k * 1_000_000;
             felt.hear(time_ns, time_ns, None);
             felt.step(1e-3, |_, observed| observed + 6e-3);
@@ -184,6 +188,11 @@ mod tests {
         felt.hear(0, 0, Some(TrackerTiming { rate: 0.0, latency: 0.0, noise: 0.0 }));
         felt.step(1e-3, |_, _| 6e-3);
         assert_eq!(felt.part(0), 0.0);
+        // Once there is a delay, it is felt again.
+        felt.hear(10_000_000, 10_000_000, Some(TrackerTiming::GLOVE));
+        (0..6000).for_each(|_| felt.step(1e-3, |_, _| 6e-3));
+        let most = MARGIN / (0.5e-3 + TrackerTiming::GLOVE.delay() + 6e-3);
+        assert!((felt.stiffness(0) / most - 1.0).abs() < 1e-9, "{} N/m", felt.stiffness(0));
         bounds.profile.delay = f64::NAN;
         let mut felt = Felt::new(bounds, vec![400.0]);
         felt.hear(0, 0, Some(TrackerTiming::GLOVE));

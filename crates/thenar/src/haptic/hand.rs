@@ -162,7 +162,7 @@ impl HapticHand {
             shared: SharedConstraints::new(n, contacts_max),
             shared_step: None,
             newest: None,
-            frames: DelayMeter::default(),
+            frames: DelayMeter::of_frames(),
             frame_heard: None,
             responds: false,
             carried: proxies.states().to_vec(),

@@ -117,11 +117,11 @@ impl World {
             let foreseen = self.flesh_was_foreseen(part, &done);
             let gained_nothing = self.flesh_gained_nothing(part, &done);
             let carried = self.was_carried(&mut done);
-            let again = match (carried, foreseen && gained_nothing) {
-                (false, _) => parts.retry(self.reach()),
-                (true, false) if foreseen => parts.retry(0.0),
-                (true, false) => parts.retry_flesh(),
-                (true, true) => false,
+            let again = match (carried, gained_nothing, foreseen) {
+                (false, ..) => parts.retry(self.reach()),
+                (true, false, _) => parts.retry(0.0),
+                (true, true, false) => parts.retry_flesh(),
+                (true, true, true) => false,
             };
             if again {
                 unforeseen += u32::from(!(foreseen && gained_nothing));
