@@ -6,10 +6,10 @@
 //! signed principal stretches, with the depth `c = max(s_c − σ, 0) / s_c` and the draw `t = max(σ − s_t, 0)`,
 //!
 //! ```text
-//!   dψ/dσ = E (67 t − 625 c²)  up to c = 1,   E (67 t − 625 (2 c − 1))  beyond,
+//!   dψ/dσ = E (67 t − 432 c²)  up to c = 1,   E (67 t − 432 (2 c − 1))  beyond,
 //! ```
 //!
-//! each principal stretch by itself: a stress that grows from nothing at `s_c` to `625 E` at no thickness, with a slope
+//! each principal stretch by itself: a stress that grows from nothing at `s_c` to `432 E` at no thickness, with a slope
 //! that begins at nothing too, and on along its tangent where the element is inside out. Shapes of which no stretch is
 //! below `s_c` or above `s_t` do not feel it. It
 //! is elastic: no memory fades it, E is the modulus at once, and of damping it has the element's own share of the stiffness, which elements
@@ -26,10 +26,11 @@ use std::ops::Range;
 /// Stretch below which an element resists being crushed: where a foam as dense as bread, a fifth of what its walls are, is
 /// pressed solid, `1.4 ρ/ρ_s` (Gibson and Ashby 1997). Flesh has no pores and is nowhere so flat.
 const CRUSHED: f64 = 0.3;
-/// Stress at no thickness, over Young's modulus. At a stretch of 0.2, a ninth of it acts: 69 E, which is what Ogden's law of soft
-/// tissue has there, `2 μ / α (s^(α−1) − s^(−α/2−1))`, `μ = E / 3`, for α = 6, the softest of fingertips' flesh (6 to 10). Less gives way
+/// Stress at no thickness, over Young's modulus: 21.6 MPa, with which human skin tears (± 8.4 MPa; Ní Annaidh et al. 2012), in a
+/// pulp of 50 kPa. At a stretch of 0.2, a ninth of it acts: 48 E, where Ogden's law, `2 μ / α (s^(α−1) − s^(−α/2−1))` with
+/// `μ = E / 3`, has 69 E for α = 6, the softest of fingertips' flesh (6 to 10). Less gives way
 /// under one edge of a hard body: with 20, growing in proportion, a hand pressed on a toy car by 100 N came to rest inside out.
-const STRESS: f64 = 625.0;
+const STRESS: f64 = 432.0;
 /// Stretch beyond which an element resists being drawn out: human skin tears at 1.54 ± 0.17, with 83 MPa before it does, seventy
 /// times what it has at first (Ní Annaidh et al. 2012).
 const TAUT: f64 = 1.5;
@@ -37,7 +38,7 @@ const TAUT: f64 = 1.5;
 const TAUT_STIFFNESS: f64 = 67.0;
 
 /// Changes of the deformation gradient below this are rest. What the expansion leaves out of the energy is of third order,
-/// `625 E (ΔF)³ / (3 s_c²)`: here 2e-12 of E in the element's volume, two hundred times its rounding.
+/// `432 E (ΔF)³ / (3 s_c²)`: here 2e-12 of E in the element's volume, two hundred times its rounding.
 const STILL: f64 = 1e-5;
 
 impl FleshModel {
@@ -212,7 +213,7 @@ mod tests {
 
     /// Under a dead load of a hundred Young's moduli a linear fibre between rigid sides would end at
     /// `s = 1 − 100 (1 + ν)(1 − 2ν) / (1 − ν)`, far inside out; with what resists beside it, where
-    /// `M (1 − s) + 625 E ((s_c − s) / s_c)² = 100 E`.
+    /// `M (1 − s) + 432 E ((s_c − s) / s_c)² = 100 E`.
     #[test]
     fn a_load_that_would_turn_an_element_inside_out_flattens_it() {
         let rest = rest();
@@ -220,7 +221,7 @@ mod tests {
         let load = 100.0 * YOUNG;
         assert!(1.0 - load / modulus < -2.0);
         let excess =
-            |s: f64| modulus * (1.0 - s) + 625.0 * YOUNG * ((0.3 - s) / 0.3).powi(2) - load;
+            |s: f64| modulus * (1.0 - s) + 432.0 * YOUNG * ((0.3 - s) / 0.3).powi(2) - load;
         // Falls from 0 to 0.3.
         let (mut low, mut high) = (0.0, 0.3);
         assert!(excess(low) > 0.0 && excess(high) < 0.0);
@@ -240,15 +241,15 @@ mod tests {
         }
     }
 
-    /// At a fifth of its length an element bears at least what Ogden's law of flesh does, there and flatter half
-    /// of it: `2 μ / α (s^(α−1) − s^(−α/2−1))` with α = 6, `μ = E / 3`.
+    /// Between a quarter and three twentieths of its length an element bears what Ogden's law of flesh does within a factor of
+    /// three, and no more: `2 μ / α (s^(α−1) − s^(−α/2−1))` with α = 6, `μ = E / 3`.
     #[test]
     fn what_is_crushed_stiffens_as_soft_tissue_does() {
         let ogden = |s: f64| 2.0 / 18.0 * (s.powi(5) - s.powi(-4));
-        let [_, at_a_fifth, _] = crushing(0.2);
-        assert!((at_a_fifth / ogden(0.2) - 1.0).abs() < 0.01, "{at_a_fifth} {}", ogden(0.2));
-        assert!((0.25..1.0).contains(&(crushing(0.25)[1] / ogden(0.25))));
-        assert!(crushing(0.15)[1] / ogden(0.15) > 0.5);
+        for s in [0.24, 0.22, 0.2, 0.18, 0.15] {
+            let part = crushing(s)[1] / ogden(s);
+            assert!((1.0 / 3.0..1.0).contains(&part), "{part} at {s}");
+        }
     }
 
     /// Stress and stiffness have no steps where crushing begins and where the element has no thickness.
