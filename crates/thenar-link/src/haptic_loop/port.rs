@@ -286,9 +286,8 @@ impl SimulationPort {
         let tuned = self.hands.iter().any(|hand| hand.retuned != retuned);
         // A simulation within the loop begins anew, and is tuned, only by being put in again.
         let within = self.mode == LoopMode::SingleRate && (anew || tuned);
-        if within || !self.hands.iter().all(same) {
-            self.attach(session)?;
-        } else if tuned && self.retune(session.world()).is_err() {
+        let again = within || !self.hands.iter().all(same);
+        if again || (tuned && self.retune(session.world()).is_err()) {
             self.attach(session)?;
         }
         self.beginnings += u64::from(anew);
