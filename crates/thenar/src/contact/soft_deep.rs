@@ -345,7 +345,7 @@ impl SoftSoft<'_> {
     /// outside.
     fn inside(&self, own: &SoftSide, other: &SoftSide, v: u32) -> Option<(Vec3, (u32, [f64; 3]))> {
         let p = own.state.positions[v as usize];
-        let (t, nearest) = nearest_on(other, &p, |t| !self.are_neighbors(v, t))?;
+        let (t, nearest) = nearest_on(other, &p, f64::INFINITY, |t| !self.are_neighbors(v, t))?;
         let least = ENTERED * other.surface.edge_mean;
         let depth = depth(other.surface, &p, t, &nearest, other.state.positions);
         if depth < least || !self.has_got_in(other, v, &p, (t, &nearest), depth) {
@@ -474,17 +474,23 @@ impl SoftSoft<'_> {
     }
 }
 
-/// The nearest of those triangles that `wanted` admits.
-fn nearest_on(side: &SoftSide, p: &Vec3, wanted: impl Fn(u32) -> bool) -> Option<(u32, Closest)> {
+/// The nearest of those triangles within `reach` that `wanted` admits.
+pub(super) fn nearest_on(
+    side: &SoftSide,
+    p: &Vec3,
+    reach: f64,
+    wanted: impl Fn(u32) -> bool,
+) -> Option<(u32, Closest)> {
     let mut best: Option<(u32, Closest)> = None;
-    side.surface.tree.nearest(0, p, f64::INFINITY, |t| {
+    side.surface.tree.nearest(0, p, reach * reach, |t| {
         if !wanted(t) {
             return f64::INFINITY;
         }
         let found = closest_on_triangle(p, &side.surface.corners(t, side.state.positions));
         let squared = found.distance_squared;
         // Of equally near triangles the lowest index.
-        if best.is_none_or(|(u, b)| (squared, t) < (b.distance_squared, u)) {
+        let is_nearest = best.is_none_or(|(u, b)| (squared, t) < (b.distance_squared, u));
+        if is_nearest && squared <= reach * reach {
             best = Some((t, found));
         }
         squared
