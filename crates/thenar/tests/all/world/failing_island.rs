@@ -25,6 +25,8 @@ fn block(desc: &mut WorldDesc) {
         coupling: None,
     });
     desc.solver.cg_iterations_max = 1;
+    // In parts of a step others would fly otherwise, if not wrongly.
+    desc.solver.step_halvings_max = 0;
 }
 
 /// Where a body is after so many steps of backward Euler: `x = x₀ + n h v₀ + ½ n (n + 1) h² g`.
