@@ -123,6 +123,9 @@ fn print_reading(rig: &RigReading) {
     if !rig.made.is_empty() {
         println!("made: {}, which the rig lacks", rig.made.join(", "));
     }
+    if rig.inside_out {
+        println!("turned over: the triangles of the skin, which faced inward");
+    }
     print_holes(&rig.holes);
 }
 

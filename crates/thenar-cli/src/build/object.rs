@@ -121,15 +121,23 @@ fn unit_question(longest: f64, scale: f64) -> Option<String> {
     })
 }
 
-/// Holes that were closed.
+/// Holes that are told one by one, the largest.
+const HOLES_TOLD_MAX: usize = 5;
+
+/// Holes that were closed, the largest first.
 pub fn print_holes(holes: &[Hole]) {
-    for hole in holes {
+    let (told, rest) = holes.split_at(holes.len().min(HOLES_TOLD_MAX));
+    for hole in told {
         println!(
             "closed a hole: {} edges, border {:.1} mm, {:.1} mm²",
             hole.edges,
             hole.border * 1e3,
             hole.area * 1e6
         );
+    }
+    if !rest.is_empty() {
+        let area: f64 = rest.iter().map(|hole| hole.area).sum();
+        println!("closed {} smaller holes: {:.1} mm² in all", rest.len(), area * 1e6);
     }
 }
 

@@ -208,8 +208,8 @@ pub(super) fn rigged(rig: &SkinnedMesh, options: &HandOptions) -> Result<Rigged,
     rigged.reading.unit = unit.map(|(unit, _)| unit);
     if options.side.is_some_and(|side| side != rigged.side) {
         return Err(RigError::invalid(format!(
-            "the mesh shows a {:?} hand, not the {:?} one asked for",
-            rigged.side, options.side
+            "the rig shows a {} hand by where its thumb lies, not the other one that is asked for",
+            rigged.side.name()
         )));
     }
     Ok(rigged)
@@ -238,7 +238,11 @@ fn at_scale(
         return Err(RigError::invalid("all triangles of the hand's surface are without extent"));
     }
     // Most rigs are open at the wrist.
-    let (skin, holes) = close_holes(&skin);
+    let (mut skin, holes) = close_holes(&skin);
+    let inside_out = skin.volume() < 0.0;
+    if inside_out {
+        skin.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    }
     let surface = Bvh::new(&skin);
     // First guess of the length: wrist to the middle finger's tracked tip.
     let middle_tip = posed.digit(Digit::Middle, &surface)?[4].position;
@@ -261,6 +265,7 @@ fn at_scale(
         unit: None,
         own_axes: matches!(frames, Frames::Own),
         made: posed.made(),
+        inside_out,
         holes,
     };
     Ok(Rigged { skin, digits, side, length, reading })

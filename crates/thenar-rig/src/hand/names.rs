@@ -18,6 +18,15 @@ pub(super) fn prefix(digit: Digit) -> &'static str {
     }
 }
 
+/// All of them.
+pub(super) fn all() -> impl Iterator<Item = String> {
+    let of = |digit: &Digit| {
+        let (prefix, suffixes) = (prefix(*digit), suffixes(*digit));
+        suffixes.iter().map(move |suffix| format!("{prefix}-{suffix}"))
+    };
+    std::iter::once(WRIST.to_string()).chain(Digit::FINGERS.iter().flat_map(of))
+}
+
 /// The wrist.
 pub(super) const WRIST: &str = "wrist";
 

@@ -21,6 +21,8 @@ pub struct RigReading {
     pub own_axes: bool,
     /// WebXR's names of joints that the rig lacks and that were made.
     pub made: Vec<String>,
+    /// True if the skin's triangles faced inward and were turned over.
+    pub inside_out: bool,
     /// Holes of the skin that were closed, the largest first.
     pub holes: Vec<Hole>,
 }

@@ -14,17 +14,32 @@ pub struct Hole {
     pub area: f64,
 }
 
-/// The mesh with each hole whose border is one simple loop closed by a fan about the loop's middle, and those holes,
-/// the largest first. Borders that meet in a vertex stay open.
+/// Longest border that is closed where a fan folds \[edges\]: the work grows with its third power.
+const FOLDED_EDGES_MAX: usize = 512;
+/// A triangle flatter than this part of its longest side squared costs as much as if it had this area.
+const FLAT: f64 = 1e-3;
+
+/// The mesh with each hole whose border is one simple loop closed, and those holes, the largest first: by a fan about
+/// the loop's middle, or where that folds, as an L-shaped hole's does, by the triangles of least area between the
+/// vertices of its border (Barequet and Sharir 1995). Borders that meet in a vertex stay open, and so do those of more
+/// than 512 edges on which a fan folds.
 pub fn close_holes(mesh: &TriMesh) -> (TriMesh, Vec<Hole>) {
     let mut whole = mesh.clone();
     let mut holes = Vec::new();
     for ring in rings(mesh) {
+        let first = whole.triangles.len();
         let middle = whole.positions.len() as u32;
         let places = ring.iter().map(|side| mesh.positions[side[0] as usize]);
         whole.positions.push(places.sum::<Vec3>() / ring.len() as f64);
-        let first = whole.triangles.len();
         whole.triangles.extend(ring.iter().map(|&[a, b]| [a, b, middle]));
+        if folds(&whole, first) {
+            whole.positions.truncate(middle as usize);
+            whole.triangles.truncate(first);
+            if ring.len() > FOLDED_EDGES_MAX {
+                continue;
+            }
+            whole.triangles.extend(least_area(&mesh.positions, &ring));
+        }
         let length =
             |[a, b]: &[u32; 2]| (mesh.positions[*b as usize] - mesh.positions[*a as usize]).norm();
         holes.push(Hole {
@@ -35,6 +50,46 @@ pub fn close_holes(mesh: &TriMesh) -> (TriMesh, Vec<Hole>) {
     }
     holes.sort_by(|a, b| b.border.total_cmp(&a.border));
     (whole, holes)
+}
+
+/// True if one of the last triangles of a mesh, from `first` on, faces away from their mean.
+fn folds(mesh: &TriMesh, first: usize) -> bool {
+    let areas = || (first..mesh.triangles.len()).map(|t| mesh.area_vector(t));
+    let mean: Vec3 = areas().sum();
+    areas().any(|area| area.dot(&mean) < 0.0)
+}
+
+/// The triangles between a ring's vertices whose areas sum to the least.
+fn least_area(positions: &[Vec3], ring: &[[u32; 2]]) -> Vec<[u32; 3]> {
+    let n = ring.len();
+    let at = |k: usize| positions[ring[k][0] as usize];
+    let cost = |a: usize, b: usize, c: usize| {
+        let sides = [at(b) - at(a), at(c) - at(b), at(a) - at(c)];
+        let longest = sides.iter().map(Vec3::norm_squared).fold(0.0, f64::max);
+        (sides[0].cross(&sides[1]).norm() / 2.0).hypot(FLAT * longest)
+    };
+    // Of the part of the ring from a to c, closed by a chord: its least cost, and the vertex that the chord's triangle
+    // has between them.
+    let mut least = vec![(0.0, 0); n * n];
+    for length in 2..n {
+        for a in 0..n - length {
+            let c = a + length;
+            let by = |b: usize| least[a * n + b].0 + least[b * n + c].0 + cost(a, b, c);
+            let all = (a + 1..c).map(|b| (by(b), b));
+            least[a * n + c] =
+                all.fold((f64::INFINITY, a + 1), |m, x| if x.0 < m.0 { x } else { m });
+        }
+    }
+    let mut triangles = Vec::with_capacity(n - 2);
+    let mut parts = vec![[0, n - 1]];
+    while let Some([a, c]) = parts.pop() {
+        if c - a >= 2 {
+            let b = least[a * n + c].1;
+            triangles.push([a, b, c].map(|k| ring[k][0]));
+            parts.extend([[a, b], [b, c]]);
+        }
+    }
+    triangles
 }
 
 /// The borders that are simple loops, each side running against that of the triangle along it.
@@ -98,6 +153,66 @@ mod tests {
             let circle = std::f64::consts::PI * (1.0 - rim * rim);
             assert!((hole.area / circle - 1.0).abs() < 0.1, "{} against {circle}", hole.area);
         }
+    }
+
+    /// A wall in the form of an L, a U and a comb, whose open top no place sees whole. The volume below a flat top is
+    /// that of the prism.
+    #[test]
+    fn holes_that_no_fan_closes_are_closed_flat() {
+        let l = vec![[0, 0], [4, 0], [4, 1], [1, 1], [1, 4], [0, 4]];
+        let u = vec![[0, 0], [5, 0], [5, 6], [4, 6], [4, 1], [1, 1], [1, 6], [0, 6]];
+        let mut comb = vec![[0, 0], [9, 0]];
+        for k in (0..5).rev() {
+            comb.extend([[2 * k + 1, 5], [2 * k, 5]]);
+            comb.extend((k > 0).then_some([2 * k, 1]));
+            comb.extend((k > 0).then_some([2 * k - 1, 1]));
+        }
+        for (outline, area) in [(l, 7.0), (u, 15.0), (comb, 29.0)] {
+            // Borders of scans have many vertices on a straight line.
+            for cuts in [1, 3] {
+                let outline = cut_sides(&outline, cuts);
+                let n = outline.len() as u32;
+                let level = |z: f64| outline.iter().map(move |p| Vec3::new(p[0], p[1], z));
+                let side =
+                    |k: u32| [[k, (k + 1) % n, n + k], [(k + 1) % n, n + (k + 1) % n, n + k]];
+                let wall = TriMesh {
+                    positions: level(0.0).chain(level(1.0)).collect(),
+                    triangles: (0..n).flat_map(side).collect(),
+                };
+                let (closed, holes) = close_holes(&wall);
+                let topology = Topology::of(&closed);
+                assert!(topology.closed() && topology.oriented() && topology.manifold());
+                assert_eq!(holes.len(), 2);
+                assert!((closed.volume() - area).abs() < 1e-9, "{}", closed.volume());
+                for hole in holes {
+                    assert!((hole.area - area).abs() < 1e-9, "{} against {area}", hole.area);
+                }
+            }
+        }
+    }
+
+    /// An outline whose sides have as many parts.
+    fn cut_sides(outline: &[[i32; 2]], parts: usize) -> Vec<[f64; 2]> {
+        let n = outline.len();
+        let at = |k: usize, j: usize| {
+            let [a, b] = [outline[k], outline[(k + 1) % n]].map(|p| p.map(f64::from));
+            let t = j as f64 / parts as f64;
+            [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])]
+        };
+        (0..n).flat_map(|k| (0..parts).map(move |j| at(k, j))).collect()
+    }
+
+    #[test]
+    fn a_long_border_on_which_a_fan_folds_stays_open() {
+        let outline = cut_sides(&[[0, 0], [4, 0], [4, 1], [1, 1], [1, 4], [0, 4]], 100);
+        let n = outline.len() as u32;
+        let level = |z: f64| outline.iter().map(move |p| Vec3::new(p[0], p[1], z));
+        let side = |k: u32| [[k, (k + 1) % n, n + k], [(k + 1) % n, n + (k + 1) % n, n + k]];
+        let wall = TriMesh {
+            positions: level(0.0).chain(level(1.0)).collect(),
+            triangles: (0..n).flat_map(side).collect(),
+        };
+        assert_eq!(close_holes(&wall), (wall, Vec::new()));
     }
 
     #[test]

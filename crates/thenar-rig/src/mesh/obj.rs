@@ -1,6 +1,6 @@
 //! Wavefront OBJ: vertices and faces; everything else is passed over.
 
-use super::polygon::cut;
+use super::polygon::{check_corners, cut};
 use crate::{RigError, TriMesh};
 use thenar::Vec3;
 use thenar_input::quoted;
@@ -51,7 +51,11 @@ fn face<'a>(
     mesh: &mut TriMesh,
 ) -> Result<(), RigError> {
     let count = mesh.positions.len();
-    let corners = words.map(|word| corner(word, line, count)).collect::<Result<Vec<_>, _>>()?;
+    let mut corners = Vec::new();
+    for word in words {
+        corners.push(corner(word, line, count)?);
+        check_corners(corners.len())?;
+    }
     if cut(&corners, &mut mesh.triangles) {
         return Ok(());
     }

@@ -1,6 +1,6 @@
 //! OFF (Object File Format): vertices, then polygons; colours and normals are passed over.
 
-use super::polygon::cut;
+use super::polygon::{check_corners, cut};
 use crate::{RigError, TriMesh};
 use std::str::SplitAsciiWhitespace;
 use thenar::Vec3;
@@ -54,6 +54,7 @@ pub fn read_off(bytes: &[u8]) -> Result<TriMesh, RigError> {
         let mut words = line.split_ascii_whitespace();
         let count = whole(&mut words, number)?;
         corners.clear();
+        check_corners(count)?;
         for _ in 0..count {
             let v = whole(&mut words, number)?;
             if v >= vertices {
@@ -120,6 +121,8 @@ mod tests {
         assert_eq!(cut, "line 4: vertex 1 does not exist (1 are given, from 0)");
         assert_eq!(error("OFF\n1 1 0\n0 0 0\n"), "line 3: the data ends after 0 of 1 faces");
         assert_eq!(error("OFF\n1 1 0\n0 0 0\n1 0\n"), "no face in the OFF data");
+        let huge = error("OFF\n1 1 0\n0 0 0\n1000001 0 0 0\n");
+        assert!(huge.contains("1000001 corners"), "{huge}");
         // A count as large as numbers go asks for no memory.
         assert!(error("OFF\n4294967295 4294967295 0\n").contains("after 0 of 4294967295"));
     }

@@ -1,6 +1,6 @@
 //! PLY (Stanford polygon format), ASCII and binary: positions and polygons; all else is passed over.
 
-use super::polygon::cut;
+use super::polygon::{check_corners, cut};
 use crate::{RigError, TriMesh};
 use thenar::Vec3;
 use thenar_input::quoted;
@@ -316,7 +316,9 @@ fn read_faces(element: &Element, data: &mut Data, mesh: &mut TriMesh) -> Result<
                 continue;
             };
             corners.clear();
-            for _ in 0..data.whole(length, element)? {
+            let count = data.whole(length, element)?;
+            check_corners(count)?;
+            for _ in 0..count {
                 let v = data.whole(property.kind, element)?;
                 if v >= vertices {
                     let what =
@@ -425,6 +427,8 @@ mod tests {
         );
         assert!(error(&file("0 0 0\n3 0 -1 0\n")).contains("-1 is no count and no index"));
         assert!(error(&file("0 0 0\n3 0\n")).contains("ends within its 1 elements \"face\""));
+        let huge = error(&file("0 0 0\n1000001 0 0 0\n").replace("uchar int", "uint int"));
+        assert!(huge.contains("1000001 corners"), "{huge}");
         let points = format!("ply\nformat ascii 1.0\n{vertices}end_header\n0 0 0\n");
         assert!(error(&points).contains("only 1 points"), "{}", error(&points));
         // An element of no properties has no data, however many there are said to be.

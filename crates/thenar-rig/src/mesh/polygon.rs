@@ -1,5 +1,18 @@
 //! Polygons cut into triangles.
 
+use super::TRIANGLES_MAX;
+use crate::RigError;
+
+/// Errs for a polygon of more corners than a mesh may have triangles, before they are read.
+pub(super) fn check_corners(count: usize) -> Result<(), RigError> {
+    if count > TRIANGLES_MAX {
+        return Err(RigError::invalid(format!(
+            "a face has {count} corners or more; a mesh of at most {TRIANGLES_MAX} triangles can be used: simplify it"
+        )));
+    }
+    Ok(())
+}
+
 /// Polygons of more corners are halved: a fan of slivers would be slow to search.
 const FAN_CORNERS_MAX: usize = 8;
 

@@ -215,8 +215,52 @@ fn the_side_is_told_by_names_or_by_shape() {
         assert!(apart(&hand).0 < FAR_MAX);
         let other = if side == Side::Left { Side::Right } else { Side::Left };
         let wrong = rig.build(HandOptions { side: Some(other), ..paper() });
-        // Taken for the other, its thumb would stand behind its back.
-        assert!(wrong.is_err() || wrong.unwrap().0.side == Some(other));
+        let error = wrong.unwrap_err().to_string();
+        assert!(error.contains(&format!("taken for a {} hand", other.name())), "{error}");
+
+        let letter = if side == Side::Left { "l" } else { "r" };
+        let names = sixteen(&format!("hand_{letter}"), |d, k| format!("{d}_0{}_{letter}", k + 1));
+        let wrong = Foreign::new(side, names).build(HandOptions { side: Some(other), ..paper() });
+        let error = wrong.unwrap_err().to_string();
+        assert!(error.contains(&format!("are those of a {} hand", side.name())), "{error}");
+    }
+}
+
+/// Names as scene exporters number them, each with its node's number.
+#[test]
+fn numbers_of_a_scene_s_nodes_are_passed_over() {
+    let mut names = sixteen("RightHand", |d, k| format!("RightHand{}{}", upper(d), k + 1));
+    for (k, (own, _)) in names.iter_mut().enumerate() {
+        *own = format!("{own}_{:03}", k + 33);
+    }
+    let (hand, _) = Foreign::new(Side::Right, names).build(paper()).unwrap();
+    assert_eq!(hand.side, Some(Side::Right));
+    assert!(apart(&hand).0 < FAR_MAX);
+}
+
+/// Unreal 5 names metacarpals by word and the joints that move by number.
+#[test]
+fn metacarpals_by_word_stand_beside_numbers() {
+    let mut names = sixteen("hand_r", |d, k| format!("{d}_0{}_r", k + 1));
+    for finger in FINGERS {
+        names.push((format!("{finger}_metacarpal_r"), format!("{finger}-finger-metacarpal")));
+    }
+    let (hand, report) = Foreign::new(Side::Right, names).build(paper()).unwrap();
+    assert!(report.rig.made.iter().all(|name| name.ends_with("tip")), "{:?}", report.rig.made);
+    assert!(apart(&hand).0 < FAR_MAX);
+}
+
+/// A skin whose triangles face inward is turned over, and told.
+#[test]
+fn a_skin_that_faces_inward_is_turned_over() {
+    let names = || sixteen("hand_r", |d, k| format!("{d}_0{}_r", k + 1));
+    for open in [false, true] {
+        let mut rig = Foreign { open, ..Foreign::new(Side::Right, names()) };
+        assert!(!rig.build(paper()).unwrap().1.rig.inside_out);
+        rig.source.mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        let (hand, report) = rig.build(paper()).unwrap();
+        assert!(report.rig.inside_out);
+        assert!(apart(&hand).0 < FAR_MAX);
     }
 }
 
@@ -272,7 +316,7 @@ fn what_is_no_hand_is_told_with_the_joints_and_what_helps() {
         Foreign::new(Side::Right, names).build(paper()).unwrap_err().to_string()
     };
     let error = missing("ring_02_r", "hand_r");
-    assert!(error.contains("ring") && error.contains("ring_01_r, ring_03_r"), "{error}");
+    assert!(error.contains("ring") && error.contains("\"ring_01_r\", \"ring_03_r\""), "{error}");
     assert!(error.contains("pinky_03_r") && error.contains("--joint-names"), "{error}");
     let error = missing("", "root");
     assert!(error.contains("`wrist`") && error.contains("\"root\""), "{error}");
@@ -281,6 +325,56 @@ fn what_is_no_hand_is_told_with_the_joints_and_what_helps() {
     rig.names.iter_mut().for_each(|(_, webxr)| *webxr = "wrist".into());
     let error = rig.build(paper()).unwrap_err().to_string();
     assert!(error.contains("span no palm"), "{error}");
+}
+
+/// A map of those joints alone whose names say nothing, beside numbers, words and WebXR's own names.
+#[test]
+fn a_name_map_fills_in_what_names_leave_out() {
+    type Name = fn(&str, usize) -> String;
+    let ways: [Name; 3] = [
+        |d, k| format!("{d}_0{}_r", k + 1),
+        |d, k| match d {
+            "thumb" => format!("r_{d}_{}", ["metacarpal", "proximal", "distal"][k]),
+            _ => format!("r_{d}_{}", ["proximal", "medial", "distal"][k]),
+        },
+        |d, k| match d {
+            "thumb" => format!("{d}-{}", THUMB[k]),
+            _ => format!("{d}-finger-{}", PHALANGES[k]),
+        },
+    ];
+    for (way, name) in ways.iter().enumerate() {
+        for lost in ["thumb-metacarpal", "thumb-phalanx-distal", "ring-finger-phalanx-intermediate"]
+        {
+            let mut names = sixteen("wrist", name);
+            let (own, _) = names.iter_mut().find(|(_, webxr)| webxr == lost).unwrap();
+            *own = "Bone_a".into();
+            let rig = Foreign::new(Side::Right, names);
+            let error = rig.build(paper()).unwrap_err().to_string();
+            assert!(error.contains("no three joints in a row"), "{error}");
+            let name_map = [(lost.to_string(), "Bone_a".to_string())].into();
+            let (hand, _) = rig
+                .build(HandOptions { name_map, side: Some(Side::Right), ..paper() })
+                .unwrap_or_else(|e| panic!("{way}, {lost}: {e}"));
+            assert!(apart(&hand).0 < FAR_MAX, "{way}, {lost}");
+        }
+    }
+}
+
+#[test]
+fn a_name_map_that_says_what_is_not_is_refused() {
+    let rig = Foreign::new(Side::Right, sixteen("hand_r", |d, k| format!("{d}_0{}_r", k + 1)));
+    let refused = |map: &[(&str, &str)]| {
+        let name_map = map.iter().map(|(a, b)| (a.to_string(), b.to_string())).collect();
+        rig.build(HandOptions { name_map, ..paper() }).unwrap_err().to_string()
+    };
+    let error = refused(&[("index-proximal", "index_01_r")]);
+    assert!(
+        error.contains("\"index-proximal\"") && error.contains("index-finger-phalanx-proximal")
+    );
+    let error = refused(&[("wrist", "nothing")]);
+    assert!(error.contains("no joint \"nothing\"") && error.contains("\"hand_r\""), "{error}");
+    let error = refused(&[("wrist", "hand_r"), ("thumb-tip", "hand_r")]);
+    assert!(error.contains("\"hand_r\" twice"), "{error}");
 }
 
 /// Foreign names by a map, foreign axes all the same.

@@ -106,6 +106,11 @@ impl Apart {
         {
             return true;
         }
+        self.are_near(v, t)
+    }
+
+    /// Whether vertex `v` and triangle `t` are neighbours without regard to bones.
+    pub fn are_near(&self, v: u32, t: u32) -> bool {
         let range = self.start[v as usize] as usize..self.start[v as usize + 1] as usize;
         self.triangles[range].binary_search(&t).is_ok()
     }

@@ -55,6 +55,8 @@ mod rigid_body;
 mod rigid_pair;
 #[cfg(test)]
 mod rigid_tests;
+#[cfg(test)]
+mod seam_tests;
 mod separation;
 mod shape;
 mod sharp;

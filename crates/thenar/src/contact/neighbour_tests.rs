@@ -1,10 +1,11 @@
 //! Parts of one surface that are no neighbours touch, and only they: forks whose arms are pressed
-//! together, laid on each other, or lie side by side from the start. Lengths are in edges; what must touch
+//! together, laid on each other, or lie side by side from the start, and blocks that slide on slabs. Lengths are in edges; what must touch
 //! follows from the way between parts along the surface or through the body.
 
-use super::Site;
-use super::tests::Scene;
-use crate::math::Vec3;
+use super::tests::{Scene, cube, moved};
+use super::{Contact, Detector, Shape, Sides, Site};
+use crate::math::{Pose, Quat, Vec3};
+use crate::model::{Binding, Coupling, JointDesc, JointKind, Motion, Skinning};
 use std::collections::BTreeMap;
 
 /// Length of an edge \[m\], of the squares that are halved.
@@ -122,6 +123,90 @@ fn an_arm_laid_on_the_other_touches_it() {
     // Within the other's rims: there what is nearest is no face.
     all_touch(&found, 1.0, |p| is_on(p) && p.z < 1.5 && p.z > 0.5 && p.y < 0.5);
     all_touch(&found, 1.0, |p| is_on(p) && p.z > 3.5 && p.z < 4.5 && p.y > 1.5);
+}
+
+/// Slabs of two bodies in one surface, each the length of four bones. No contact of a block begins on the slab's half
+/// whose bone is joined to its own; one that slides there from the other half goes on, as deep as it is, until the
+/// two part, in either direction, at steps of a tenth of an edge up to a whole one.
+#[test]
+fn a_contact_that_slides_on_to_a_joined_bone_s_flesh_goes_on() {
+    let (slab, block) = (cube(0.08, 8), cube(0.01, 1));
+    for (turn, step) in [(0.0, 0.1), (0.4, 0.3), (2.0, 0.5), (-1.0, 1.0)] {
+        let (mut scene, [own, joined, other]) = (Scene::new(), [0, 1, 2]);
+        let first = slab.0.len();
+        let points = [&slab.0[..], &block.0].concat();
+        let shifted = block.1.iter().map(|t| t.map(|v| v + first as u32));
+        let mut rest = points.clone();
+        moved(&mut rest[first..], Vec3::z() * 0.2);
+        scene.soft((rest, slab.1.iter().copied().chain(shifted).collect()));
+        scene.desc.self_contact.push(0);
+        let bone = |i: usize| match points[i].x < -1e-9 {
+            _ if i >= first => own,
+            true => other,
+            false => joined,
+        };
+        scene.desc.softs[0].coupling = Some(Coupling {
+            bindings: (0..points.len())
+                .map(|i| Binding { bones: [bone(i); 2], weights: [1.0, 0.0] })
+                .collect(),
+            stiffness: vec![0.0; points.len()],
+            damping_time: 0.0,
+            skinning: Skinning::Linear,
+        });
+        scene.desc.joints.push(joint_between(own, joined));
+        for k in 0..3 {
+            let far = Pose::translation(10.0 + f64::from(k), 0.0, 0.0);
+            scene.rigid(Motion::Prescribed, Shape::Sphere { radius: 0.1 }, far);
+        }
+        let (mut detector, mut sides) = (Detector::new(&scene.desc), Sides::default());
+        let turn = Quat::from_axis_angle(&Vec3::y_axis(), turn);
+        let mut gaps_at = |x: f64, depth: f64, sides: &mut Sides| -> Vec<f64> {
+            scene.surfaces[0].0.copy_from_slice(&points);
+            for p in &mut scene.surfaces[0].0[first..] {
+                *p = turn * *p + Vec3::new(x, 0.045 - depth, 0.003);
+            }
+            let mut out = Vec::new();
+            scene.find_next(&mut detector, sides, 1e-3, &mut out);
+            // Vertices of the block alone: its edges cross some of the slab, too.
+            let is_corner = |c: &&Contact| {
+                matches!(&c.a, Site::Soft(p) if p.vertices[0] == p.vertices[1]
+                    && p.vertices[0] as usize >= first)
+            };
+            out.iter().filter(is_corner).map(|c| c.gap).collect()
+        };
+        let depth = 1e-4;
+        let pressed = |gaps: &[f64], x: f64| {
+            assert_eq!(gaps.len(), 4, "turn {turn}, step {step}: {gaps:?} at {x} m");
+            assert!(gaps.iter().all(|gap| (gap + depth).abs() < 1e-9), "{gaps:?} at {x} m");
+        };
+        let mut x = -0.025;
+        while x < 0.025 {
+            pressed(&gaps_at(x, depth, &mut sides), x);
+            x += step * 0.01;
+        }
+        while x > 0.0 {
+            x -= step * 0.01;
+            pressed(&gaps_at(x, depth, &mut sides), x);
+        }
+        // There it parts, and comes back.
+        pressed(&gaps_at(0.02, depth, &mut sides), 0.02);
+        assert_eq!(gaps_at(0.02, -2e-3, &mut sides), []);
+        assert_eq!(gaps_at(0.02, depth, &mut sides), []);
+    }
+}
+
+fn joint_between(parent: u32, child: u32) -> JointDesc {
+    JointDesc {
+        name: String::new(),
+        kind: JointKind::Ball,
+        parent: Some(parent),
+        child,
+        pose_PJ: Pose::identity(),
+        pose_CK: Pose::identity(),
+        axes: Default::default(),
+        limit_stiffness: 0.0,
+        limit_damping: 0.0,
+    }
 }
 
 /// Arms that lie a tenth of an edge from each other at rest do not overlap: they touch where they come nearer.

@@ -2,6 +2,7 @@
 
 use crate::contact::approach::Seen;
 use crate::math::Vec3;
+use std::ops::Range;
 
 /// What a surface vertex saw of a body it was near.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,6 +58,13 @@ impl Sides {
         self.seen.clear();
         self.seen.extend_from_slice(&other.seen);
         self.most = self.most.max(other.most);
+    }
+
+    /// What some vertices saw of `other`, in their order.
+    pub(crate) fn of(&self, vertices: Range<usize>, other: u32) -> impl Iterator<Item = &Side> {
+        let start = self.seen.partition_point(|side| (side.vertex as usize) < vertices.start);
+        let of_vertices = move |side: &&Side| (side.vertex as usize) < vertices.end;
+        self.seen[start..].iter().take_while(of_vertices).filter(move |side| side.other == other)
     }
 
     /// What `vertex` saw of `other`.

@@ -33,6 +33,10 @@ pub(super) const NONE: u32 = u32::MAX;
 /// Contacts rest within this part of an edge; what is deeper has got in.
 pub(super) const ENTERED: f64 = 0.01;
 
+/// What touched before does not leave as one by a way this much longer than its deepest vertex is inside: that would be
+/// a needle, in farther than three times its width; it is a seam, along which edges go through each other.
+const SLENDER: f64 = 6.0;
+
 /// A vertex has come through its nearest face if the way back goes against its normal within 60°.
 const OPPOSED: f64 = 0.5;
 
@@ -296,8 +300,25 @@ impl SoftSoft<'_> {
         // Parts of one surface only go back where they came in.
         let as_one = !all_opposed && self.apart.is_none() && self.was_put(places, sight);
         let way = if as_one { self.way(places, sight) } else { None };
+        let way = way.filter(|way| !self.is_seam(places, way, sight));
         let deep = !is_pressed && way.is_some_and(|way| way.relative > 1.0);
         Region { root, start: range.start, end: range.end, way, pressed, deep }
+    }
+
+    /// Whether places that would leave by a way belong to a seam: some touched before, and none is far inside.
+    fn is_seam(&self, places: &[Place], way: &Way, sight: &Sight) -> bool {
+        let inside = |p: &Place| p.out.norm() / self.depth(self.facing(p.side)[1]);
+        let deepest = places.iter().map(inside).fold(0.0, f64::max);
+        way.relative > SLENDER * deepest && places.iter().any(|p| self.has_touched(p, sight))
+    }
+
+    /// Whether a vertex, or an end of an edge, saw the other surface in the step before.
+    fn has_touched(&self, place: &Place, sight: &Sight) -> bool {
+        let [own, other] = self.facing(place.side);
+        let corners = own.surface.triangles[place.triangle as usize];
+        let ends = corners.into_iter().zip(place.weights).filter(|(_, weight)| *weight > 0.0);
+        let seen = |v: u32| sight.recall(own.surface.first_vertex + v as usize, other.id);
+        ends.into_iter().any(|(v, _)| seen(v).is_some())
     }
 
     /// A whole surface inside the other cuts nothing.
@@ -345,7 +366,7 @@ impl SoftSoft<'_> {
     /// outside.
     fn inside(&self, own: &SoftSide, other: &SoftSide, v: u32) -> Option<(Vec3, (u32, [f64; 3]))> {
         let p = own.state.positions[v as usize];
-        let (t, nearest) = nearest_on(other, &p, |t| !self.are_neighbors(v, t))?;
+        let (t, nearest) = nearest_on(other, &p, f64::INFINITY, |t| !self.are_neighbors(v, t))?;
         let least = ENTERED * other.surface.edge_mean;
         let depth = depth(other.surface, &p, t, &nearest, other.state.positions);
         if depth < least || !self.has_got_in(other, v, &p, (t, &nearest), depth) {
@@ -474,17 +495,23 @@ impl SoftSoft<'_> {
     }
 }
 
-/// The nearest of those triangles that `wanted` admits.
-fn nearest_on(side: &SoftSide, p: &Vec3, wanted: impl Fn(u32) -> bool) -> Option<(u32, Closest)> {
+/// The nearest of those triangles within `reach` that `wanted` admits.
+pub(super) fn nearest_on(
+    side: &SoftSide,
+    p: &Vec3,
+    reach: f64,
+    wanted: impl Fn(u32) -> bool,
+) -> Option<(u32, Closest)> {
     let mut best: Option<(u32, Closest)> = None;
-    side.surface.tree.nearest(0, p, f64::INFINITY, |t| {
+    side.surface.tree.nearest(0, p, reach * reach, |t| {
         if !wanted(t) {
             return f64::INFINITY;
         }
         let found = closest_on_triangle(p, &side.surface.corners(t, side.state.positions));
         let squared = found.distance_squared;
         // Of equally near triangles the lowest index.
-        if best.is_none_or(|(u, b)| (squared, t) < (b.distance_squared, u)) {
+        let is_nearest = best.is_none_or(|(u, b)| (squared, t) < (b.distance_squared, u));
+        if is_nearest && squared <= reach * reach {
             best = Some((t, found));
         }
         squared

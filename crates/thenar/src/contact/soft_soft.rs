@@ -8,7 +8,7 @@ use crate::contact::bvh::Bvh;
 use crate::contact::collector::{Collector, feature_key};
 use crate::contact::ridge::{Crossing, Passing, Ridge, crossing, passing};
 use crate::contact::sides::Sight;
-use crate::contact::soft_deep::{DeepScratch, ENTERED};
+use crate::contact::soft_deep::{DeepScratch, ENTERED, nearest_on};
 use crate::contact::soft_rigid::{KEY_CROSSING, KEY_SOFT_SOFT};
 use crate::contact::surface::Surface;
 use crate::contact::triangle::{Closest, Feature, ROUNDED_UP, closest_on_triangle};
@@ -144,6 +144,7 @@ impl SoftSoft<'_> {
                         self.meet([s, t], reach, sight, scratch, out);
                     }
                 });
+                self.slide_on(apart, reach, sight, &mut scratch.vertices[0]);
                 self.entangle(sight, &mut scratch.deep);
                 self.settle(0, sight, scratch, out);
             }
@@ -209,6 +210,28 @@ impl SoftSoft<'_> {
             if of_s.bounds.overlaps(&of_t.bounds) {
                 self.pierce([s, t], &mut scratch.deep);
             }
+        }
+    }
+
+    /// Offers to each vertex that was in contact, of one surface, the flesh of its own bone and of those joined to that,
+    /// too, where no contact begins: one that slides there goes on until the two part.
+    fn slide_on(&self, apart: &Apart, reach: f64, sight: &Sight, scratch: &mut VertexScratch) {
+        let side = &self.a;
+        let (first, count) = (side.surface.first_vertex, side.surface.vertex_count());
+        for seen in sight.before.of(first..first + count, side.id) {
+            let v = seen.vertex - first as u32;
+            let p = &side.state.positions[v as usize];
+            let wanted = |t: u32| {
+                let faces = seen.normal.dot(&side.surface.facets[t as usize].area) > 0.0;
+                faces && !apart.are_near(v, t)
+            };
+            let known = scratch.nearest[v as usize];
+            let bound = known.map_or(reach, |(_, c)| c.distance_squared.sqrt().min(reach));
+            let Some(nearest) = nearest_on(side, p, bound, wanted) else { continue };
+            if known.is_none() && scratch.arriving[v as usize] == NEVER {
+                scratch.met.push(v);
+            }
+            scratch.nearest[v as usize] = Some(nearest);
         }
     }
 

@@ -5,6 +5,7 @@ use crate::RigError;
 use crate::glb::RigJoint;
 use crate::hand::names::{self, NameMap};
 use thenar::model::{Digit, Side};
+use thenar_input::quoted;
 
 /// The joints of one digit, as indices into the rig's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,25 +41,22 @@ pub(in crate::hand) fn find(
     map: &NameMap,
     side: Option<Side>,
 ) -> Result<Found, RigError> {
-    for name in map.values() {
-        if !joints.iter().any(|j| j.name == *name) {
-            let webxr = map.iter().find(|(_, own)| *own == name).map_or("", |(key, _)| key);
-            return Err(lacking(
-                joints,
-                format!("the rig has no joint `{name}` (by the name map), needed as {webxr}"),
-            ));
-        }
-    }
+    check_map(joints, map)?;
     let exact = |webxr: &str| {
         let name = map.get(webxr).map_or(webxr, String::as_str);
         joints.iter().position(|j| j.name == name)
     };
-    let side = one_side(joints, side)?;
-    let seen = |j: &RigJoint| {
-        let other = side.is_some_and(|side| words::side(&j.name).is_some_and(|own| own != side));
-        if other { Said::Nothing } else { words::said(&j.name) }
-    };
-    let said: Vec<Said> = joints.iter().map(seen).collect();
+    let names = words::uncounted(joints.iter().map(|j| j.name.as_str()));
+    let side = one_side(joints, &names, side)?;
+    let said: Vec<Said> = (joints.iter().zip(&names))
+        .map(|(joint, name)| {
+            if let Some((webxr, _)) = map.iter().find(|(_, own)| **own == joint.name) {
+                return words::said(webxr);
+            }
+            let other = side.is_some_and(|side| words::side(name).is_some_and(|own| own != side));
+            if other { Said::Nothing } else { words::said(name) }
+        })
+        .collect();
     let by_word = || {
         let rank = |k: &usize| match said[*k] {
             Said::Wrist(rank) => Some(rank),
@@ -83,6 +81,32 @@ pub(in crate::hand) fn find(
     let digits =
         digits.map(|chain| chain.unwrap_or(Chain { metacarpal: None, moving: [0; 3], tip: None }));
     Ok(Found { wrist, digits, side })
+}
+
+/// Errs if a name map says what no hand or what this rig has not.
+fn check_map(joints: &[RigJoint], map: &NameMap) -> Result<(), RigError> {
+    for (webxr, own) in map {
+        if !names::all().any(|name| name == *webxr) {
+            let all: Vec<String> = names::all().collect();
+            return Err(RigError::invalid(format!(
+                "the name map names {}, which is none of WebXR's joints: {}",
+                quoted(webxr),
+                all.join(", ")
+            )));
+        }
+        if !joints.iter().any(|j| j.name == *own) {
+            let own = quoted(own);
+            let what = format!("the rig has no joint {own} (by the name map), needed as {webxr}");
+            return Err(lacking(joints, what));
+        }
+        if let Some((other, _)) = map.iter().find(|(key, name)| *key != webxr && *name == own) {
+            let own = quoted(own);
+            return Err(RigError::invalid(format!(
+                "the name map names {own} twice: as {webxr} and as {other}"
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// A chain whose moving joints have WebXR's names, or those of the map.
@@ -119,16 +143,17 @@ fn by_words(
     let numbers: Vec<(u32, usize)> = (of.iter())
         .filter_map(|(place, k)| if let Place::Number(n) = place { Some((*n, *k)) } else { None })
         .collect();
-    let chain = if bone(1).is_some() {
-        named(digit, bone, tip)
-    } else {
-        along(digit, &numbers, tip, joints, wrist)
+    let counted = || {
+        let chain = along(digit, &numbers, tip, joints, wrist)?;
+        Some(Chain { metacarpal: chain.metacarpal.or_else(|| metacarpal(digit, bone)), ..chain })
     };
+    let chain =
+        (named(digit, bone, tip)).or_else(counted).or_else(|| filled(digit, bone, &numbers, tip));
     chain.ok_or_else(|| {
-        let mine: Vec<&str> = of.iter().map(|(_, k)| joints[*k].name.as_str()).collect();
+        let mine: Vec<usize> = of.iter().map(|(_, k)| *k).collect();
         let has = match mine[..] {
             [] => "no name says that it is one of them".to_string(),
-            _ => format!("these say that they are of it: {}", mine.join(", ")),
+            _ => format!("these say that they are of it: {}", listed(joints, &mine)),
         };
         let what = format!("the rig has no three joints in a row for the {}: {has}", digit.name());
         lacking(joints, what)
@@ -138,11 +163,34 @@ fn by_words(
 /// A chain whose names are those of bones. A thumb of proximal, intermediate and distal (VRM 0) begins at the
 /// metacarpal, as one of metacarpal, proximal and distal does.
 fn named(digit: Digit, bone: impl Fn(u8) -> Option<usize>, tip: Option<usize>) -> Option<Chain> {
-    let moving = match (digit, bone(0)) {
-        (Digit::Thumb, Some(first)) => [first, bone(1)?, bone(3)?],
-        _ => [bone(1)?, bone(2)?, bone(3)?],
-    };
-    Some(Chain { metacarpal: bone(0).filter(|_| digit != Digit::Thumb), moving, tip })
+    let [a, b, c] = moving_bones(digit, bone(0).is_some()).map(&bone);
+    Some(Chain { metacarpal: metacarpal(digit, &bone), moving: [a?, b?, c?], tip })
+}
+
+/// The words of the bones that move.
+fn moving_bones(digit: Digit, has_metacarpal: bool) -> [u8; 3] {
+    if digit == Digit::Thumb && has_metacarpal { [0, 1, 3] } else { [1, 2, 3] }
+}
+
+/// The joint before those that move.
+fn metacarpal(digit: Digit, bone: impl Fn(u8) -> Option<usize>) -> Option<usize> {
+    bone(0).filter(|_| digit != Digit::Thumb)
+}
+
+/// A chain of which some joints are named as bones, and as many numbered as are left.
+fn filled(
+    digit: Digit,
+    bone: impl Fn(u8) -> Option<usize>,
+    numbers: &[(u32, usize)],
+    tip: Option<usize>,
+) -> Option<Chain> {
+    // That a thumb's map, which has WebXR's words, or its names say metacarpal, proximal and distal shows in any.
+    let of_webxr = bone(0).is_some() || bone(2).is_none();
+    let named = moving_bones(digit, of_webxr).map(&bone);
+    let mut rest = numbers.iter().map(|(_, k)| *k);
+    let [a, b, c] = named.map(|own| own.or_else(|| rest.next()));
+    let chain = Chain { metacarpal: metacarpal(digit, &bone), moving: [a?, b?, c?], tip };
+    rest.next().is_none().then_some(chain)
 }
 
 /// A chain of numbered joints: three that move, perhaps one before them and one behind.
@@ -170,35 +218,54 @@ fn along(
 }
 
 /// The side that names say; where they say both, the one asked for.
-fn one_side(joints: &[RigJoint], asked: Option<Side>) -> Result<Option<Side>, RigError> {
-    let of_hand = joints.iter().filter(|j| words::said(&j.name) != Said::Nothing);
-    let sides: Vec<Side> = of_hand.filter_map(|j| words::side(&j.name)).collect();
+fn one_side(
+    joints: &[RigJoint],
+    names: &[&str],
+    asked: Option<Side>,
+) -> Result<Option<Side>, RigError> {
+    let of_hand = names.iter().filter(|name| words::said(name) != Said::Nothing);
+    let sides: Vec<Side> = of_hand.filter_map(|name| words::side(name)).collect();
     let has = |side| sides.contains(&side);
-    match (has(Side::Left), has(Side::Right), asked) {
-        (true, true, None) => Err(lacking(
-            joints,
-            "the rig has a left and a right hand: say which by the side (`--side`)".into(),
-        )),
-        (true, true, asked) => Ok(asked),
-        (true, false, _) => Ok(Some(Side::Left)),
-        (false, true, _) => Ok(Some(Side::Right)),
-        _ => Ok(None),
+    let told = match (has(Side::Left), has(Side::Right)) {
+        (true, true) if asked.is_none() => {
+            let all: Vec<usize> = (0..joints.len()).collect();
+            return Err(RigError::invalid(format!(
+                "the rig has a left and a right hand: say which by the side (`thenar build --side`); its joints are {}",
+                listed(joints, &all)
+            )));
+        }
+        (true, true) => asked,
+        (true, false) => Some(Side::Left),
+        (false, true) => Some(Side::Right),
+        (false, false) => None,
+    };
+    match (told, asked) {
+        (Some(told), Some(asked)) if told != asked => Err(RigError::invalid(format!(
+            "the names of the rig's joints are those of a {} hand, not of the {} one asked for",
+            told.name(),
+            asked.name()
+        ))),
+        _ => Ok(told),
     }
 }
 
 /// Most names of a rig that an error lists.
 const LISTED_MAX: usize = 40;
 
+/// Names of some of the rig's joints.
+fn listed(joints: &[RigJoint], which: &[usize]) -> String {
+    let names = which.iter().take(LISTED_MAX).map(|&k| quoted(&joints[k].name).to_string());
+    let more = which.len().saturating_sub(LISTED_MAX);
+    let more = (more > 0).then(|| format!("and {more} more"));
+    names.chain(more).collect::<Vec<_>>().join(", ")
+}
+
 /// An error that lists the rig's joints and says what helps.
 fn lacking(joints: &[RigJoint], what: String) -> RigError {
-    let mut list: Vec<String> =
-        joints.iter().take(LISTED_MAX).map(|j| thenar_input::quoted(&j.name).to_string()).collect();
-    if joints.len() > LISTED_MAX {
-        list.push(format!("and {} more", joints.len() - LISTED_MAX));
-    }
+    let all: Vec<usize> = (0..joints.len()).collect();
     RigError::invalid(format!(
         "{what}; its joints are {}; a file of lines `webxr-joint = \"name in the rig\"` says which is which \
          (`thenar build --joint-names`)",
-        list.join(", ")
+        listed(joints, &all)
     ))
 }

@@ -56,7 +56,15 @@ impl Frames {
         };
         let back = if side == Side::Right { normal } else { -normal };
         let axes = Mat3::from_columns(&[back.cross(&-forward), back, -forward]);
-        Ok(Self::Places(Quat::from_matrix(&axes), side))
+        let rotation = Quat::from_matrix(&axes);
+        if !thumb_faces_palm(found, joints, &Pose::new(wrist, rotation)) {
+            return Err(RigError::invalid(format!(
+                "taken for a {} hand, the rig's thumb stands behind the back of the hand: ask for the other side \
+                 (`thenar build --side`)",
+                side.name()
+            )));
+        }
+        Ok(Self::Places(rotation, side))
     }
 
     /// The wrist's frame in the rig's.
@@ -106,12 +114,12 @@ fn has_own(found: &Found, joints: &[RigJoint]) -> bool {
     };
     agrees(found.wrist, found.digits[2].moving[0])
         && (0..5).all(digit)
-        && thumb_faces_palm(found, joints)
+        && thumb_faces_palm(found, joints, &joints[found.wrist].pose)
 }
 
-/// True if by the wrist's own frame the thumb lies on the palm's side of the knuckles, or not clearly on any.
-fn thumb_faces_palm(found: &Found, joints: &[RigJoint]) -> bool {
-    let at = |k: usize| joints[found.wrist].pose.inverse_point(&joints[k].pose.position);
+/// True if by the wrist's frame the thumb lies on the palm's side of the knuckles, or not clearly on any.
+fn thumb_faces_palm(found: &Found, joints: &[RigJoint], wrist: &Pose) -> bool {
+    let at = |k: usize| wrist.inverse_point(&joints[k].pose.position);
     let thumb = at(found.digits[0].moving[2]);
     let knuckle = at(found.digits[1].moving[0]);
     thumb.y - knuckle.y * thumb.z / knuckle.z <= 0.3 * thumb.norm()
@@ -136,7 +144,7 @@ fn told_by_bend(found: &Found, joints: &[RigJoint], normal: &Vec3) -> Result<Sid
         bend if bend < -BEND_MIN => Ok(Side::Right),
         bend if bend > BEND_MIN => Ok(Side::Left),
         _ => Err(RigError::invalid(
-            "neither names nor shape of the rig say whether it is a left or a right hand: say so (`--side`)",
+            "neither names nor shape of the rig say whether it is a left or a right hand: say so (`thenar build --side`)",
         )),
     }
 }

@@ -50,14 +50,37 @@ fn words(name: &str) -> Vec<String> {
     words
 }
 
-/// Digits by their words.
+/// Names without the number that exporters of scenes append to each of them (`RightHand_033`): numbers after a `_` at
+/// the end, if all of them differ and a hand's worth of names has them.
+pub(super) fn uncounted<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let names: Vec<&str> = names.collect();
+    let count = |name: &&'a str| -> Option<(&'a str, &'a str)> {
+        let (own, number) = name.rsplit_once('_')?;
+        let is = !own.is_empty() && !number.is_empty();
+        (is && number.bytes().all(|b| b.is_ascii_digit())).then_some((own, number))
+    };
+    let mut numbers: Vec<&str> = names.iter().filter_map(count).map(|(_, n)| n).collect();
+    let counted = numbers.len();
+    numbers.sort_unstable();
+    numbers.dedup();
+    if counted < JOINTS_MIN || numbers.len() < counted {
+        return names;
+    }
+    names.iter().map(|name| count(name).map_or(*name, |(own, _)| own)).collect()
+}
+
+/// Joints of a hand: a wrist and three of each digit.
+const JOINTS_MIN: usize = 16;
+
+/// Digits by their words. The middle one's are last: they also name the middle phalanx of the others.
 const DIGITS: [(Digit, &[&str]); 5] = [
     (Digit::Thumb, &["thumb"]),
     (Digit::Index, &["index", "pointer", "forefinger"]),
-    (Digit::Middle, &["middle", "mid"]),
     (Digit::Ring, &["ring"]),
     (Digit::Little, &["little", "pinky", "pinkie"]),
+    (Digit::Middle, MIDDLE),
 ];
+const MIDDLE: &[&str] = &["middle", "mid"];
 
 /// Words of bones of a finger; the thumb's are told apart where chains are read.
 const BONES: [(u8, &[&str]); 4] = [
@@ -94,10 +117,11 @@ pub(super) fn said(name: &str) -> Said {
             _ => Said::Nothing,
         };
     };
-    // `middle` is a digit before it is a phalanx.
     let bone = one_of(&BONES, &words).or_else(|| {
         let last_of_thumb = digit == Digit::Thumb && has("ip");
-        let phalanx = digit != Digit::Middle && has("middle");
+        // `middle` is a digit before it is a phalanx.
+        let middles = words.iter().filter(|w| MIDDLE.contains(&w.as_str())).count();
+        let phalanx = middles > usize::from(digit == Digit::Middle);
         if last_of_thumb { Some(3) } else { phalanx.then_some(2) }
     });
     let place = if has("tip") || has("null") || has("nub") {
@@ -166,6 +190,11 @@ mod tests {
             ("Bip01 R Finger42", Said::Of(Little, Place::Number(2))),
             ("thumb_cmc", Said::Of(Thumb, Place::Bone(0))),
             ("thumb_ip", Said::Of(Thumb, Place::Bone(3))),
+            ("ring_middle", Said::Of(Ring, Place::Bone(2))),
+            ("little finger middle phalanx", Said::Of(Little, Place::Bone(2))),
+            ("index_mid", Said::Of(Index, Place::Bone(2))),
+            ("middle_middle", Said::Of(Middle, Place::Bone(2))),
+            ("middle_proximal", Said::Of(Middle, Place::Bone(1))),
             ("wrist", Said::Wrist(0)),
             ("hand.R", Said::Wrist(1)),
             ("mixamorig:LeftHand", Said::Wrist(1)),
@@ -179,6 +208,22 @@ mod tests {
         for (name, expected) in cases {
             assert_eq!(said(name), expected, "{name}");
         }
+    }
+
+    #[test]
+    fn numbers_that_count_a_scene_s_nodes_are_no_part_of_names() {
+        let numbered = |k: usize| format!("RightHandIndex{}_0{}", k % 4 + 1, k + 30);
+        let mut names: Vec<String> = (0..16).map(numbered).collect();
+        names.push("_rootJoint".into());
+        let of = |names: &[String]| -> Vec<String> {
+            uncounted(names.iter().map(String::as_str)).into_iter().map(String::from).collect()
+        };
+        assert_eq!(of(&names)[..2], ["RightHandIndex1", "RightHandIndex2"]);
+        assert_eq!(of(&names)[16], "_rootJoint");
+        // Numbers along the digits come again with each of them.
+        let along: Vec<String> = (0..16).map(|k| format!("digit{}_0{}", k / 3, k % 3)).collect();
+        assert_eq!(of(&along), along);
+        assert_eq!(of(&names[..15]), names[..15]);
     }
 
     #[test]

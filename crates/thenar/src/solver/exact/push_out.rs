@@ -51,7 +51,7 @@ impl Exact {
             return Ok(());
         }
         for _ in 0..ROUNDS_MAX {
-            self.sweep(step, contacts, Cone::Circular, accuracy);
+            self.sweep(step, contacts, Cone::Circular, false, accuracy);
             self.follow(step, contacts, accuracy, push)?;
             let (cone, tolerance) = (Cone::Circular, accuracy.velocity);
             let verdict = self.delassus.check(contacts, push, cone, tolerance, &self.direct);

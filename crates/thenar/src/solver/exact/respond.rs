@@ -61,7 +61,8 @@ impl Exact {
         let mut total = Convergence::default();
         let mut rounds = Rounds::default();
         loop {
-            let Swept { found, settled } = self.sweep(step, contacts, cone, accuracy);
+            let ran_out = rounds.resumed > 0;
+            let Swept { found, settled } = self.sweep(step, contacts, cone, ran_out, accuracy);
             total.iterations += found.iterations;
             self.follow(step, contacts, accuracy, change)?;
             let tolerance = accuracy.velocity;
@@ -175,13 +176,15 @@ impl Exact {
         step: &StepSystem<'_>,
         contacts: &mut ContactRows,
         cone: Cone,
+        ran_out: bool,
         accuracy: &Accuracy,
     ) -> Swept {
         let Self { bodies, carried, springs, split, coarse, direct, delassus, .. } = self;
         let system = system(step, bodies, carried, springs, split);
         delassus.extend(&system, coarse, direct, contacts);
         let tolerance = SWEPT_TO * accuracy.velocity;
-        let mut swept = delassus.solve(contacts, cone, tolerance, accuracy.sweeps_max, direct);
+        let mut swept =
+            delassus.solve(contacts, cone, tolerance, accuracy.sweeps_max, ran_out, direct);
         // Short of a part of the tolerance is not short of all of it.
         swept.settled |= swept.found.residual <= accuracy.velocity;
         if !swept.settled {

@@ -10,6 +10,7 @@ mod anderson;
 mod columns;
 mod combine;
 mod convex;
+mod creep;
 mod handles;
 mod members;
 mod newton;

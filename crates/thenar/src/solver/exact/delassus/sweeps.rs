@@ -1,6 +1,7 @@
 //! Gauss-Seidel sweeps over the members of W.
 
 use super::anderson::FULL;
+use super::creep::Creeping;
 use super::{Delassus, work};
 use crate::math::Vec3;
 use crate::model::Cone;
@@ -49,17 +50,35 @@ impl Delassus {
     /// (`turns`). Where they run out before, the residual is the larger of what the last sweep changed and what the last
     /// mixing expected; it is no more than sweeps have moved a contact in this step, but enough above the tolerance not
     /// to pass for converged.
+    ///
+    /// `ran_out` says that those of the round before did: these begin where a creep of load ends (`creep`).
     pub fn solve(
         &mut self,
         contacts: &mut ContactRows,
         cone: Cone,
         tolerance: f64,
         sweeps_max: u32,
+        ran_out: bool,
         direct: &Direct,
     ) -> Swept {
         dispatch!(direct.factor.level, simd => {
+            self.begin_sweeps(simd, contacts);
+            if ran_out {
+                self.lead_on(simd, contacts, cone);
+            }
             self.sweep(simd, contacts, cone, tolerance, sweeps_max)
         })
+    }
+
+    #[inline(always)]
+    fn lead_on<S: Simd>(&mut self, simd: S, contacts: &mut ContactRows, cone: Cone) {
+        let Self { members, W, own, d, f, swept, work, .. } = self;
+        let (members, n) = (members.list(), members.list().len());
+        let d = &mut d[..(3 * n).next_multiple_of(LANES)];
+        let mut creeping = Creeping { members, contacts, cone, W, own, d };
+        let sweeps = creeping.lead_on(simd, &mut f[..3 * n]);
+        *swept += sweeps;
+        work.add(u64::from(sweeps) * work::of_sweep(n));
     }
 
     #[inline(always)]
@@ -71,7 +90,6 @@ impl Delassus {
         asked: f64,
         sweeps_max: u32,
     ) -> Swept {
-        self.begin_sweeps(simd, contacts);
         self.turns.forget();
         let mut convergence = Convergence { iterations: 0, residual: f64::INFINITY };
         let mut settled = true;

@@ -1,0 +1,54 @@
+//! Surfaces that touched before are not led out as one along a seam of shallow cuts.
+
+use super::approach::Seen;
+use super::sides::Sight;
+use super::tests::{Scene, cube, moved};
+use super::{Detector, Sides};
+use crate::math::Vec3;
+
+/// Edge of the cubes \[m\].
+const SIZE: f64 = 0.04;
+
+/// Cubes of so many cells that lie in one place but for `off`: inside each other only by that. Put there, they leave
+/// by the length of a cube; where some vertices touched before, they are a seam, and nothing goes farther than they
+/// are inside. The deepest gap \[m\].
+fn deepest(cells: u32, off: Vec3, touched: bool) -> f64 {
+    let mut scene = Scene::new();
+    for by in [Vec3::zeros(), off] {
+        scene.soft(cube(SIZE, cells));
+        moved(&mut scene.surfaces.last_mut().unwrap().0, by);
+    }
+    let (mut detector, mut sides) = (Detector::new(&scene.desc), Sides::default());
+    if touched {
+        let count = scene.surfaces[0].0.len();
+        let (before, mut now) = (Sides::default(), Sides::with_capacity(2 * count));
+        let mut sight = Sight { before: &before, now: Some(&mut now) };
+        for (soft, (points, _)) in scene.surfaces.iter().enumerate() {
+            let other = if soft == 0 { off } else { Vec3::zeros() };
+            let is_out = |p: &Vec3| (p - other).amax() > 0.5 * SIZE;
+            for (v, p) in points.iter().enumerate().filter(|(_, p)| is_out(p)) {
+                // The other cube lay before each face.
+                let normal = -p.normalize();
+                sight.note(soft * count + v, 1 - soft as u32, Seen { normal, place: *p });
+            }
+        }
+        now.sort();
+        sides = now;
+    }
+    let mut out = Vec::new();
+    scene.find_next(&mut detector, &mut sides, 1e-3, &mut out);
+    out.iter().map(|c| c.gap).fold(0.0, f64::min)
+}
+
+#[test]
+fn what_touched_before_is_not_led_through_the_other_along_a_seam() {
+    for cells in [3, 5, 8] {
+        for off in [[7e-4, 6e-4, 5e-4], [9e-4, -6e-4, 8e-4], [1.5e-3, 1.2e-3, 1e-3]] {
+            let off = Vec3::from(off);
+            let put = deepest(cells, off, false);
+            assert!(put < -0.9 * SIZE, "{cells} cells, {off}: put there, {put} m");
+            let seam = deepest(cells, off, true);
+            assert!(seam > -3.0 * off.amax(), "{cells} cells, {off}: a seam, {seam} m");
+        }
+    }
+}
