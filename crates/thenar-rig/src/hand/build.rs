@@ -14,7 +14,9 @@ use super::{
 use crate::embed::check_closed;
 use crate::glb::{self, RigJoint, SkinnedMesh};
 use crate::lattice::{Lattice, LatticeOptions};
-use crate::mesh::{Bvh, close_holes, decimate, decimate_within, read_file, subdivide_to, weld};
+use crate::mesh::{
+    Bvh, Topology, close_holes, decimate, decimate_within, read_file, subdivide_to, weld,
+};
 use crate::work::{Stage, phase};
 use crate::{RigError, TriMesh, model_file};
 use std::path::Path;
@@ -239,7 +241,8 @@ fn at_scale(
     }
     // Most rigs are open at the wrist.
     let (mut skin, holes) = close_holes(&skin);
-    let inside_out = skin.volume() < 0.0;
+    // The volume of an open surface depends on where it lies.
+    let inside_out = skin.volume() < 0.0 && Topology::of(&skin).closed();
     if inside_out {
         skin.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     }

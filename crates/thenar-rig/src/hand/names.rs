@@ -18,7 +18,7 @@ pub(super) fn prefix(digit: Digit) -> &'static str {
     }
 }
 
-/// All of them.
+/// Names of all joints.
 pub(super) fn all() -> impl Iterator<Item = String> {
     let of = |digit: &Digit| {
         let (prefix, suffixes) = (prefix(*digit), suffixes(*digit));

@@ -14,31 +14,36 @@ pub struct Hole {
     pub area: f64,
 }
 
-/// Longest border that is closed where a fan folds \[edges\]: the work grows with its third power.
-const FOLDED_EDGES_MAX: usize = 512;
+/// Work spent on borders on which a fan folds, of all holes together: cubes of their numbers of edges.
+const FOLDED_WORK_MAX: usize = 512 * 512 * 512;
+/// A triangle faces away if it does by more than this part of the product of areas: no round-off.
+const FACES_AWAY: f64 = 1e-9;
 /// A triangle flatter than this part of its longest side squared costs as much as if it had this area.
 const FLAT: f64 = 1e-3;
 
 /// The mesh with each hole whose border is one simple loop closed, and those holes, the largest first: by a fan about
 /// the loop's middle, or where that folds, as an L-shaped hole's does, by the triangles of least area between the
-/// vertices of its border (Barequet and Sharir 1995). Borders that meet in a vertex stay open, and so do those of more
-/// than 512 edges on which a fan folds.
+/// vertices of its border (Barequet and Sharir 1995), if there are such without edges that the mesh has already and all
+/// that fold have about 512 edges or fewer. Borders that meet in a vertex stay open.
 pub fn close_holes(mesh: &TriMesh) -> (TriMesh, Vec<Hole>) {
     let mut whole = mesh.clone();
     let mut holes = Vec::new();
-    for ring in rings(mesh) {
+    let sides = sides(mesh);
+    let mut work = 0_usize;
+    for ring in rings(&sides) {
         let first = whole.triangles.len();
         let middle = whole.positions.len() as u32;
         let places = ring.iter().map(|side| mesh.positions[side[0] as usize]);
         whole.positions.push(places.sum::<Vec3>() / ring.len() as f64);
         whole.triangles.extend(ring.iter().map(|&[a, b]| [a, b, middle]));
-        if folds(&whole, first) {
-            whole.positions.truncate(middle as usize);
-            whole.triangles.truncate(first);
-            if ring.len() > FOLDED_EDGES_MAX {
-                continue;
+        let cost = ring.len().saturating_pow(3);
+        if folds(&whole, first) && work.saturating_add(cost) <= FOLDED_WORK_MAX {
+            work += cost;
+            if let Some(triangles) = least_area(&mesh.positions, &ring, &sides) {
+                whole.positions.truncate(middle as usize);
+                whole.triangles.truncate(first);
+                whole.triangles.extend(triangles);
             }
-            whole.triangles.extend(least_area(&mesh.positions, &ring));
         }
         let length =
             |[a, b]: &[u32; 2]| (mesh.positions[*b as usize] - mesh.positions[*a as usize]).norm();
@@ -56,12 +61,17 @@ pub fn close_holes(mesh: &TriMesh) -> (TriMesh, Vec<Hole>) {
 fn folds(mesh: &TriMesh, first: usize) -> bool {
     let areas = || (first..mesh.triangles.len()).map(|t| mesh.area_vector(t));
     let mean: Vec3 = areas().sum();
-    areas().any(|area| area.dot(&mean) < 0.0)
+    areas().any(|area| area.dot(&mean) < -FACES_AWAY * area.norm() * mean.norm())
 }
 
-/// The triangles between a ring's vertices whose areas sum to the least.
-fn least_area(positions: &[Vec3], ring: &[[u32; 2]]) -> Vec<[u32; 3]> {
+/// The triangles between a ring's vertices whose areas sum to the least, without chords that are edges of the mesh;
+/// `None` where none are without.
+fn least_area(positions: &[Vec3], ring: &[[u32; 2]], sides: &[[u32; 2]]) -> Option<Vec<[u32; 3]>> {
     let n = ring.len();
+    let is_edge = |a: usize, c: usize| {
+        let [a, c] = [a, c].map(|k| ring[k][0]);
+        [[a, c], [c, a]].iter().any(|side| sides.binary_search(side).is_ok())
+    };
     let at = |k: usize| positions[ring[k][0] as usize];
     let cost = |a: usize, b: usize, c: usize| {
         let sides = [at(b) - at(a), at(c) - at(b), at(a) - at(c)];
@@ -74,11 +84,18 @@ fn least_area(positions: &[Vec3], ring: &[[u32; 2]]) -> Vec<[u32; 3]> {
     for length in 2..n {
         for a in 0..n - length {
             let c = a + length;
+            if length < n - 1 && is_edge(a, c) {
+                least[a * n + c].0 = f64::INFINITY;
+                continue;
+            }
             let by = |b: usize| least[a * n + b].0 + least[b * n + c].0 + cost(a, b, c);
             let all = (a + 1..c).map(|b| (by(b), b));
             least[a * n + c] =
                 all.fold((f64::INFINITY, a + 1), |m, x| if x.0 < m.0 { x } else { m });
         }
+    }
+    if least[n - 1].0 == f64::INFINITY {
+        return None;
     }
     let mut triangles = Vec::with_capacity(n - 2);
     let mut parts = vec![[0, n - 1]];
@@ -89,14 +106,19 @@ fn least_area(positions: &[Vec3], ring: &[[u32; 2]]) -> Vec<[u32; 3]> {
             parts.extend([[a, b], [b, c]]);
         }
     }
-    triangles
+    Some(triangles)
 }
 
-/// The borders that are simple loops, each side running against that of the triangle along it.
-fn rings(mesh: &TriMesh) -> Vec<Vec<[u32; 2]>> {
+/// The directed sides of all triangles, sorted.
+fn sides(mesh: &TriMesh) -> Vec<[u32; 2]> {
     let mut sides: Vec<[u32; 2]> =
         mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
     sides.sort_unstable();
+    sides
+}
+
+/// The borders that are simple loops, each side running against that of the triangle along it.
+fn rings(sides: &[[u32; 2]]) -> Vec<Vec<[u32; 2]>> {
     let has = |side: &[u32; 2]| sides.binary_search(side).is_ok();
     let mut border: Vec<[u32; 2]> =
         sides.iter().filter(|[a, b]| !has(&[*b, *a])).map(|&[a, b]| [b, a]).collect();
@@ -171,15 +193,7 @@ mod tests {
             // Borders of scans have many vertices on a straight line.
             for cuts in [1, 3] {
                 let outline = cut_sides(&outline, cuts);
-                let n = outline.len() as u32;
-                let level = |z: f64| outline.iter().map(move |p| Vec3::new(p[0], p[1], z));
-                let side =
-                    |k: u32| [[k, (k + 1) % n, n + k], [(k + 1) % n, n + (k + 1) % n, n + k]];
-                let wall = TriMesh {
-                    positions: level(0.0).chain(level(1.0)).collect(),
-                    triangles: (0..n).flat_map(side).collect(),
-                };
-                let (closed, holes) = close_holes(&wall);
+                let (closed, holes) = close_holes(&wall(&outline));
                 let topology = Topology::of(&closed);
                 assert!(topology.closed() && topology.oriented() && topology.manifold());
                 assert_eq!(holes.len(), 2);
@@ -203,16 +217,41 @@ mod tests {
     }
 
     #[test]
-    fn a_long_border_on_which_a_fan_folds_stays_open() {
+    fn a_long_border_on_which_a_fan_folds_is_closed_by_it() {
         let outline = cut_sides(&[[0, 0], [4, 0], [4, 1], [1, 1], [1, 4], [0, 4]], 100);
+        let wall = wall(&outline);
+        let (closed, holes) = close_holes(&wall);
+        assert!(Topology::of(&closed).closed() && holes.len() == 2);
+        assert_eq!(closed.triangles.len(), wall.triangles.len() + 2 * outline.len());
+    }
+
+    /// An L-shaped wall of which a side ends in a tooth: the chord below that is an edge of the wall.
+    #[test]
+    fn an_ear_of_the_border_is_not_closed_by_a_second_triangle_on_it() {
+        for height in [0.2, 0.5, 1.0, 3.0] {
+            let outline = cut_sides(&[[0, 0], [4, 0], [4, 1], [1, 1], [1, 4], [0, 4]], 3);
+            let mut wall = wall(&outline);
+            let n = outline.len() as u32;
+            let [a, b] = [n + 1, n + 2];
+            let top = (wall.positions[a as usize] + wall.positions[b as usize]) / 2.0;
+            wall.positions.push(top + Vec3::z() * height);
+            wall.triangles.push([a, b, 2 * n]);
+            let (closed, holes) = close_holes(&wall);
+            let topology = Topology::of(&closed);
+            assert!(topology.closed() && topology.manifold(), "{height}: {topology:?}");
+            assert_eq!(holes.len(), 2);
+        }
+    }
+
+    /// A wall of unit height over an outline, open below and above.
+    fn wall(outline: &[[f64; 2]]) -> TriMesh {
         let n = outline.len() as u32;
         let level = |z: f64| outline.iter().map(move |p| Vec3::new(p[0], p[1], z));
         let side = |k: u32| [[k, (k + 1) % n, n + k], [(k + 1) % n, n + (k + 1) % n, n + k]];
-        let wall = TriMesh {
+        TriMesh {
             positions: level(0.0).chain(level(1.0)).collect(),
             triangles: (0..n).flat_map(side).collect(),
-        };
-        assert_eq!(close_holes(&wall), (wall, Vec::new()));
+        }
     }
 
     #[test]

@@ -351,7 +351,7 @@ fn bad_options_are_named() {
         assert!(error.contains(named), "{error}");
     };
     let base = HandOptions::paper;
-    fails(HandOptions { side: Some(Side::Left), ..base() }, "Right hand");
+    fails(HandOptions { side: Some(Side::Left), ..base() }, "right hand");
     fails(HandOptions { size: Size::Scale(0.0), ..base() }, "hand scale");
     fails(HandOptions { size: Size::Scale(f64::NAN), ..base() }, "hand scale");
     fails(HandOptions { size: Size::Length(3.0), ..base() }, "hand length");

@@ -63,8 +63,10 @@ impl Sides {
     /// What some vertices saw of `other`, in their order.
     pub(crate) fn of(&self, vertices: Range<usize>, other: u32) -> impl Iterator<Item = &Side> {
         let start = self.seen.partition_point(|side| (side.vertex as usize) < vertices.start);
-        let of_vertices = move |side: &&Side| (side.vertex as usize) < vertices.end;
-        self.seen[start..].iter().take_while(of_vertices).filter(move |side| side.other == other)
+        // A state that was read back may not be in order.
+        let wanted =
+            move |side: &&Side| side.other == other && vertices.contains(&(side.vertex as usize));
+        self.seen[start..].iter().filter(wanted)
     }
 
     /// What `vertex` saw of `other`.

@@ -305,11 +305,14 @@ impl SoftSoft<'_> {
         Region { root, start: range.start, end: range.end, way, pressed, deep }
     }
 
-    /// Whether places that would leave by a way belong to a seam: some touched before, and none is far inside.
+    /// Whether places that would leave by a way belong to a seam: some touched before, and vertices are inside, but
+    /// none far.
     fn is_seam(&self, places: &[Place], way: &Way, sight: &Sight) -> bool {
         let inside = |p: &Place| p.out.norm() / self.depth(self.facing(p.side)[1]);
         let deepest = places.iter().map(inside).fold(0.0, f64::max);
-        way.relative > SLENDER * deepest && places.iter().any(|p| self.has_touched(p, sight))
+        deepest > 0.0
+            && way.relative > SLENDER * deepest
+            && places.iter().any(|p| self.has_touched(p, sight))
     }
 
     /// Whether a vertex, or an end of an edge, saw the other surface in the step before.

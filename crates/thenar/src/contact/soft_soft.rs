@@ -214,7 +214,8 @@ impl SoftSoft<'_> {
     }
 
     /// Offers to each vertex that was in contact, of one surface, the flesh of its own bone and of those joined to that,
-    /// too, where no contact begins: one that slides there goes on until the two part.
+    /// too, where no contact begins: one that slides there, over the rim of what it may touch, goes on until the two
+    /// part.
     fn slide_on(&self, apart: &Apart, reach: f64, sight: &Sight, scratch: &mut VertexScratch) {
         let side = &self.a;
         let (first, count) = (side.surface.first_vertex, side.surface.vertex_count());
@@ -226,6 +227,10 @@ impl SoftSoft<'_> {
                 faces && !apart.are_near(v, t)
             };
             let known = scratch.nearest[v as usize];
+            // What lies before another face touches that.
+            if known.is_some_and(|(t, nearest)| !side.goes_on_nearer(p, t, &nearest)) {
+                continue;
+            }
             let bound = known.map_or(reach, |(_, c)| c.distance_squared.sqrt().min(reach));
             let Some(nearest) = nearest_on(side, p, bound, wanted) else { continue };
             if known.is_none() && scratch.arriving[v as usize] == NEVER {

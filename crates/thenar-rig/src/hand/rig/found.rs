@@ -48,13 +48,16 @@ pub(in crate::hand) fn find(
     };
     let names = words::uncounted(joints.iter().map(|j| j.name.as_str()));
     let side = one_side(joints, &names, side)?;
+    let mapped: Vec<Said> = map.keys().map(|webxr| words::said(webxr)).collect();
     let said: Vec<Said> = (joints.iter().zip(&names))
         .map(|(joint, name)| {
             if let Some((webxr, _)) = map.iter().find(|(_, own)| **own == joint.name) {
                 return words::said(webxr);
             }
             let other = side.is_some_and(|side| words::side(name).is_some_and(|own| own != side));
-            if other { Said::Nothing } else { words::said(name) }
+            // What the map gives to one joint, no other has.
+            let said = words::said(name);
+            if other || mapped.contains(&said) { Said::Nothing } else { said }
         })
         .collect();
     let by_word = || {
@@ -83,7 +86,7 @@ pub(in crate::hand) fn find(
     Ok(Found { wrist, digits, side })
 }
 
-/// Errs if a name map says what no hand or what this rig has not.
+/// Errs if a name map names a joint that WebXR or this rig does not have, or one joint twice.
 fn check_map(joints: &[RigJoint], map: &NameMap) -> Result<(), RigError> {
     for (webxr, own) in map {
         if !names::all().any(|name| name == *webxr) {
@@ -147,8 +150,11 @@ fn by_words(
         let chain = along(digit, &numbers, tip, joints, wrist)?;
         Some(Chain { metacarpal: chain.metacarpal.or_else(|| metacarpal(digit, bone)), ..chain })
     };
-    let chain =
-        (named(digit, bone, tip)).or_else(counted).or_else(|| filled(digit, bone, &numbers, tip));
+    let some_named = named_bones(digit, bone).iter().any(Option::is_some);
+    let chain = named(digit, bone, tip).or_else(|| match some_named {
+        true => filled(digit, bone, &numbers, tip),
+        false => counted(),
+    });
     chain.ok_or_else(|| {
         let mine: Vec<usize> = of.iter().map(|(_, k)| *k).collect();
         let has = match mine[..] {
@@ -177,6 +183,13 @@ fn metacarpal(digit: Digit, bone: impl Fn(u8) -> Option<usize>) -> Option<usize>
     bone(0).filter(|_| digit != Digit::Thumb)
 }
 
+/// The joints of the moving bones that are named.
+fn named_bones(digit: Digit, bone: impl Fn(u8) -> Option<usize>) -> [Option<usize>; 3] {
+    // A thumb with a metacarpal, or without an intermediate bone, is named as WebXR names it.
+    let of_webxr = bone(0).is_some() || bone(2).is_none();
+    moving_bones(digit, of_webxr).map(bone)
+}
+
 /// A chain of which some joints are named as bones, and as many numbered as are left.
 fn filled(
     digit: Digit,
@@ -184,9 +197,7 @@ fn filled(
     numbers: &[(u32, usize)],
     tip: Option<usize>,
 ) -> Option<Chain> {
-    // That a thumb's map, which has WebXR's words, or its names say metacarpal, proximal and distal shows in any.
-    let of_webxr = bone(0).is_some() || bone(2).is_none();
-    let named = moving_bones(digit, of_webxr).map(&bone);
+    let named = named_bones(digit, &bone);
     let mut rest = numbers.iter().map(|(_, k)| *k);
     let [a, b, c] = named.map(|own| own.or_else(|| rest.next()));
     let chain = Chain { metacarpal: metacarpal(digit, &bone), moving: [a?, b?, c?], tip };

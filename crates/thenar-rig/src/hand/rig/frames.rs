@@ -58,9 +58,12 @@ impl Frames {
         let axes = Mat3::from_columns(&[back.cross(&-forward), back, -forward]);
         let rotation = Quat::from_matrix(&axes);
         if !thumb_faces_palm(found, joints, &Pose::new(wrist, rotation)) {
+            let (by, help) = match found.side {
+                Some(_) => ("as the names of its joints say", "is it mirrored?"),
+                None => ("as asked for", "ask for the other side (`thenar build --side`)"),
+            };
             return Err(RigError::invalid(format!(
-                "taken for a {} hand, the rig's thumb stands behind the back of the hand: ask for the other side \
-                 (`thenar build --side`)",
+                "taken for a {} hand, {by}, the rig has its thumb behind the back of the hand: {help}",
                 side.name()
             )));
         }

@@ -51,7 +51,7 @@ fn words(name: &str) -> Vec<String> {
 }
 
 /// Names without the number that exporters of scenes append to each of them (`RightHand_033`): numbers after a `_` at
-/// the end, if all of them differ and a hand's worth of names has them.
+/// the end, if all of them differ, a hand's worth of names has them, and names differ without.
 pub(super) fn uncounted<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let names: Vec<&str> = names.collect();
     let count = |name: &&'a str| -> Option<(&'a str, &'a str)> {
@@ -66,7 +66,13 @@ pub(super) fn uncounted<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str
     if counted < JOINTS_MIN || numbers.len() < counted {
         return names;
     }
-    names.iter().map(|name| count(name).map_or(*name, |(own, _)| own)).collect()
+    let own: Vec<&str> =
+        names.iter().map(|name| count(name).map_or(*name, |(own, _)| own)).collect();
+    // Numbers that tell joints apart are part of their names.
+    let mut apart = own.clone();
+    apart.sort_unstable();
+    apart.dedup();
+    if apart.len() == own.len() { own } else { names }
 }
 
 /// Joints of a hand: a wrist and three of each digit.
@@ -212,7 +218,7 @@ mod tests {
 
     #[test]
     fn numbers_that_count_a_scene_s_nodes_are_no_part_of_names() {
-        let numbered = |k: usize| format!("RightHandIndex{}_0{}", k % 4 + 1, k + 30);
+        let numbered = |k: usize| format!("RightHandIndex{}_0{}", k + 1, k + 30);
         let mut names: Vec<String> = (0..16).map(numbered).collect();
         names.push("_rootJoint".into());
         let of = |names: &[String]| -> Vec<String> {
@@ -224,6 +230,9 @@ mod tests {
         let along: Vec<String> = (0..16).map(|k| format!("digit{}_0{}", k / 3, k % 3)).collect();
         assert_eq!(of(&along), along);
         assert_eq!(of(&names[..15]), names[..15]);
+        // Numbers through the whole hand say the order along a digit.
+        let through: Vec<String> = (0..16).map(|k| format!("digit{}_{k}", k / 3)).collect();
+        assert_eq!(of(&through), through);
     }
 
     #[test]

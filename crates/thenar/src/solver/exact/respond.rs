@@ -60,9 +60,10 @@ impl Exact {
         self.delassus.begin(contacts, &self.direct);
         let mut total = Convergence::default();
         let mut rounds = Rounds::default();
+        let mut ran_out = false;
         loop {
-            let ran_out = rounds.resumed > 0;
             let Swept { found, settled } = self.sweep(step, contacts, cone, ran_out, accuracy);
+            ran_out = !settled;
             total.iterations += found.iterations;
             self.follow(step, contacts, accuracy, change)?;
             let tolerance = accuracy.velocity;

@@ -25,7 +25,7 @@ fn block(desc: &mut WorldDesc) {
         coupling: None,
     });
     desc.solver.cg_iterations_max = 1;
-    // In parts of a step others would fly otherwise, if not wrongly.
+    // In halved steps the ball would follow another path than that below, of whole steps of backward Euler.
     desc.solver.step_halvings_max = 0;
 }
 

@@ -82,7 +82,8 @@ impl Creeping<'_> {
         let mut emptied = None;
         for (m, change) in change.iter().enumerate() {
             let row = &self.contacts.rows[self.members[m] as usize];
-            if !row.turns && change[0] < 0.0 && row.lambda.x < -length * change[0] {
+            let loses = !row.turns && change[0] < 0.0 && row.lambda.x > 0.0;
+            if loses && row.lambda.x < -length * change[0] {
                 (length, emptied) = (-row.lambda.x / change[0], Some(m));
             }
         }
@@ -126,7 +127,7 @@ mod tests {
     }
 
     impl Pair {
-        /// Without impulse they close so fast.
+        /// Without impulses the contacts close at these speeds.
         fn new(theta: f64, closing: [f64; 2]) -> Self {
             let (s, c) = theta.sin_cos();
             // Normals and tangents, in a space of as many dimensions as it takes.

@@ -63,22 +63,29 @@ impl Delassus {
     ) -> Swept {
         dispatch!(direct.factor.level, simd => {
             self.begin_sweeps(simd, contacts);
-            if ran_out {
-                self.lead_on(simd, contacts, cone);
-            }
-            self.sweep(simd, contacts, cone, tolerance, sweeps_max)
+            let led = if ran_out && !self.work.is_spent() {
+                self.lead_on(simd, contacts, cone)
+            } else {
+                0
+            };
+            let mut swept = self.sweep(simd, contacts, cone, tolerance, sweeps_max);
+            swept.found.iterations += led;
+            swept
         })
     }
 
+    /// Returns how many sweeps it took.
     #[inline(always)]
-    fn lead_on<S: Simd>(&mut self, simd: S, contacts: &mut ContactRows, cone: Cone) {
+    fn lead_on<S: Simd>(&mut self, simd: S, contacts: &mut ContactRows, cone: Cone) -> u32 {
         let Self { members, W, own, d, f, swept, work, .. } = self;
         let (members, n) = (members.list(), members.list().len());
         let d = &mut d[..(3 * n).next_multiple_of(LANES)];
         let mut creeping = Creeping { members, contacts, cone, W, own, d };
         let sweeps = creeping.lead_on(simd, &mut f[..3 * n]);
         *swept += sweeps;
-        work.add(u64::from(sweeps) * work::of_sweep(n));
+        // A lead costs no more than a sweep, and comes after two.
+        work.add(u64::from(sweeps + sweeps / 2) * work::of_sweep(n));
+        sweeps
     }
 
     #[inline(always)]
