@@ -358,7 +358,7 @@ fn bad_options_are_named() {
     fails(HandOptions { tets: 3, ..base() }, "tetrahedra");
     fails(HandOptions { detail: Some(9.0), ..base() }, "detail");
     let renamed = [("wrist".to_string(), "root".to_string())].into();
-    fails(HandOptions { name_map: renamed, ..base() }, "`root`");
+    fails(HandOptions { name_map: renamed, ..base() }, "\"root\"");
     let mut soft = base();
     soft.material.poisson = 0.5;
     fails(soft, "Poisson");
