@@ -163,6 +163,9 @@ impl Alone {
         for (to, from) in to.joint_torques.iter_mut().zip(&self.joints) {
             *to = whole.joint_torques[*from];
         }
+        for (to, from) in to.joint_targets.iter_mut().zip(&self.joints) {
+            *to = whole.joint_targets[*from];
+        }
         let nodes = self.nodes.iter().flat_map(|nodes| &whole.node_forces[nodes.clone()]);
         to.node_forces.iter_mut().zip(nodes).for_each(|(to, force)| *to = *force);
     }

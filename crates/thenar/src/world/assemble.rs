@@ -6,13 +6,13 @@
 
 use crate::coupling::{EffectiveMass, add_part};
 use crate::flesh::Tally;
-use crate::math::{Mat3, Vec3};
-use crate::model::{FleshInStep1, Limits, WorldDesc};
+use crate::math::{Mat3, Quat, Vec3};
+use crate::model::{Axis, FleshInStep1, Limits, WorldDesc};
 use crate::skeleton::{JointFrames, axis_states, joint_block, linearise_drive, spring_torque};
-use crate::world::Input;
 use crate::world::model::Model;
 use crate::world::parts::Part;
 use crate::world::state::{Scratch, State};
+use crate::world::{Input, JointTarget};
 
 /// The two frames of a joint at this state.
 pub fn joint_frames(model: &Model, state: &State, j: usize) -> JointFrames {
@@ -61,7 +61,9 @@ pub fn skeleton(
         let frames = joint_frames(model, state, j);
         scratch.joints[j] = joint_block(model.joints[j].kind, &frames);
         scratch.axes[j] = axis_states(model.joints[j].kind, &frames);
-        add_joint_springs(model, limits, input, j, &frames, h, scratch);
+        let target = input.joint_target(j).map(|target| target.earlier(part.left));
+        let acts = (input.joint_torques[j], target);
+        add_joint_springs(model, limits, acts, j, &frames, h, scratch);
     }
 }
 
@@ -85,31 +87,42 @@ fn add_inertia(
     scratch.b[2 * b + 1] += inertia_W * state.v[2 * b + 1] + torque * h;
 }
 
+/// The spring of axis `k` of a joint, relaxed where the joint's target says.
+pub fn relaxed_at(axis: &Axis, target: Option<&JointTarget>, k: usize) -> Axis {
+    let rest_angle = target.map_or(axis.rest_angle, |target| target.angles[k]);
+    Axis { rest_angle, ..*axis }
+}
+
+/// Springs and dampers of joint `j`, torques from outside, and a target where the springs are relaxed.
 fn add_joint_springs(
     model: &Model,
     limits: Limits,
-    input: &Input,
+    (torques, target): ([f64; 2], Option<JointTarget>),
     j: usize,
     frames: &JointFrames,
     h: f64,
     scratch: &mut Scratch,
 ) {
     let joint = &model.joints[j];
-    let torques = input.joint_torques[j];
     if joint.kind == crate::model::JointKind::Ball {
-        let turn = frames.pose_WK.rotation * frames.pose_WJ.rotation.inverse();
+        let pose_WJ = frames.pose_WJ.rotation;
+        let relaxed = target.map_or(Quat::identity(), |target| target.rotation_JK);
+        let turn = frames.pose_WK.rotation * (pose_WJ * relaxed).inverse();
         let axis = &joint.axes[0];
-        let torque = crate::math::rotation_vector(&turn) * -axis.stiffness;
+        let spin_W = target.map_or(Vec3::zeros(), |target| pose_WJ * target.spin_J);
+        let torque = crate::math::rotation_vector(&turn) * -axis.stiffness + spin_W * axis.damping;
         let implicit = h * h * axis.stiffness + h * axis.damping;
         add_relative(model, j, &Mat3::from_diagonal_element(implicit), &(torque * h), scratch);
         return;
     }
     for (k, axis) in scratch.axes[j].into_iter().enumerate() {
         let Some(axis) = axis else { continue };
-        let (torque, stiffness, damping) = spring_torque(&joint.axes[k], joint, limits, axis.angle);
+        let spring = relaxed_at(&joint.axes[k], target.as_ref(), k);
+        let (torque, stiffness, damping) = spring_torque(&spring, joint, limits, axis.angle);
+        let led = target.map_or(0.0, |target| target.rates[k] * spring.damping);
         let a = axis.direction_W;
         let implicit = a * a.transpose() * (h * h * stiffness + h * damping);
-        add_relative(model, j, &implicit, &(a * ((torque + torques[k]) * h)), scratch);
+        add_relative(model, j, &implicit, &(a * ((torque + led + torques[k]) * h)), scratch);
     }
 }
 

@@ -1,10 +1,10 @@
 //! Energy, momentum and the forces that drives and flesh put on bones.
 
 use crate::coupling::{SkinTarget, skin_target};
-use crate::math::Vec3;
+use crate::math::{Quat, Vec3};
 use crate::model::JointKind;
 use crate::skeleton::{AxisState, axis_states, drive_energy, drive_force, spring_energy};
-use crate::world::assemble::joint_frames;
+use crate::world::assemble::{joint_frames, relaxed_at};
 use crate::world::{Energy, Input, World, limits};
 
 impl World {
@@ -30,12 +30,15 @@ impl World {
         let limits = limits::kind(&self.desc.solver);
         for (j, joint) in model.joints.iter().enumerate() {
             let frames = joint_frames(model, state, j);
+            let target = input.joint_target(j);
             if joint.kind == JointKind::Ball {
-                let angle = frames.pose_WK.rotation.angle_to(&frames.pose_WJ.rotation);
+                let relaxed = target.map_or(Quat::identity(), |target| target.rotation_JK);
+                let angle = frames.pose_WK.rotation.angle_to(&(frames.pose_WJ.rotation * relaxed));
                 energy.joint += 0.5 * joint.axes[0].stiffness * angle * angle;
             }
             for (k, axis) in axis_states(joint.kind, &frames).iter().enumerate() {
-                let stored = |a: AxisState| spring_energy(&joint.axes[k], joint, limits, a.angle);
+                let spring = relaxed_at(&joint.axes[k], target, k);
+                let stored = |a: AxisState| spring_energy(&spring, joint, limits, a.angle);
                 energy.joint += axis.map_or(0.0, stored);
             }
         }

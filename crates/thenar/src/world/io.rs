@@ -34,10 +34,57 @@ impl Target {
     }
 }
 
+/// Where a joint should be: its spring is relaxed there in the place of `Axis::rest_angle`, and its damper acts
+/// against what its rates differ from these. A position drive of the joint, as strong as they are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointTarget {
+    /// Angles (`JointKind::angles`) at the end of the step \[rad\].
+    pub angles: [f64; 2],
+    /// Their rates \[rad/s\].
+    pub rates: [f64; 2],
+    /// Of a ball joint: rotation of the child's joint frame K in the parent's J at the end of the step.
+    pub rotation_JK: Quat,
+    /// Its angular velocity in J \[rad/s\].
+    pub spin_J: Vec3,
+}
+
+impl Default for JointTarget {
+    /// The joint's zero, at rest.
+    fn default() -> Self {
+        let (angles, rates) = ([0.0; 2], [0.0; 2]);
+        Self { angles, rates, rotation_JK: Quat::identity(), spin_J: Vec3::zeros() }
+    }
+}
+
+impl JointTarget {
+    /// Where the target was so much earlier \[s\], by its rates.
+    pub(super) fn earlier(&self, time: f64) -> Self {
+        if time == 0.0 {
+            return *self;
+        }
+        let angles = [0, 1].map(|k| self.angles[k] - self.rates[k] * time);
+        let turn = Quat::from_scaled_axis(self.spin_J * -time);
+        Self { angles, rotation_JK: turn * self.rotation_JK, ..*self }
+    }
+
+    /// True when every number is finite.
+    pub fn is_finite(&self) -> bool {
+        let numbers = self.angles.iter().chain(&self.rates).chain(self.rotation_JK.coords.iter());
+        numbers.chain(self.spin_J.iter()).copied().all(f64::is_finite)
+    }
+}
+
 impl Input {
-    /// How many targets are not finite.
+    /// How many targets, of bodies and of joints, are not finite.
     pub fn bad_targets(&self) -> u32 {
-        self.targets.iter().flatten().filter(|target| !target.is_finite()).count() as u32
+        let bodies = self.targets.iter().flatten().filter(|target| !target.is_finite()).count();
+        let joints = self.joint_targets.iter().flatten().filter(|target| !target.is_finite());
+        (bodies + joints.count()) as u32
+    }
+
+    /// The target of joint `j`, unless it is not finite.
+    pub fn joint_target(&self, j: usize) -> Option<&JointTarget> {
+        self.joint_targets[j].as_ref().filter(|target| target.is_finite())
     }
 
     /// The target of rigid body `b`, unless it is not finite.
@@ -62,6 +109,9 @@ pub struct Input {
     /// Per joint and measured axis (`JointKind::angles`): torque on the child, opposite on the
     /// parent \[N m\].
     pub joint_torques: Vec<[f64; 2]>,
+    /// Per joint: where its spring is relaxed; `None` leaves that to its rest angle. Joints without angles that are no
+    /// balls have no springs.
+    pub joint_targets: Vec<Option<JointTarget>>,
     /// Per node of all deformable bodies, in order: force, world \[N\].
     pub node_forces: Vec<Vec3>,
 }
@@ -70,13 +120,15 @@ impl Input {
     /// Takes over `other` without allocating; false, and nothing changes, when it is another world's.
     pub fn copy_from(&mut self, other: &Self) -> bool {
         let lengths = |input: &Self| {
-            let Self { gravity: _, targets, prescribed, wrenches, joint_torques, node_forces } =
-                input;
+            let Self { gravity: _, targets, prescribed, wrenches, .. } = input;
+            let Self { joint_torques, joint_targets, node_forces, .. } = input;
+            let joints = [joint_torques.len(), joint_targets.len()];
             [
                 targets.len(),
                 prescribed.len(),
                 wrenches.len(),
-                joint_torques.len(),
+                joints[0],
+                joints[1],
                 node_forces.len(),
             ]
         };
@@ -87,6 +139,7 @@ impl Input {
             self.prescribed.copy_from_slice(&other.prescribed);
             self.wrenches.copy_from_slice(&other.wrenches);
             self.joint_torques.copy_from_slice(&other.joint_torques);
+            self.joint_targets.copy_from_slice(&other.joint_targets);
             self.node_forces.copy_from_slice(&other.node_forces);
         }
         fits

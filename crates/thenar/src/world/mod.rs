@@ -39,7 +39,7 @@ pub use crate::solver::Failure;
 pub use alone::Alone;
 pub use check::GRAVITY_MAX;
 pub use error::ModelError;
-pub use io::{ContactPoint, Energy, Input, Stage, StageTimer, StepReport, Target};
+pub use io::{ContactPoint, Energy, Input, JointTarget, Stage, StageTimer, StepReport, Target};
 pub use model::Model;
 pub use overlap::Overlap;
 pub use parts::HALVINGS_MAX;
@@ -216,6 +216,7 @@ impl World {
             prescribed: vec![[Vec3::zeros(); 2]; rigids],
             wrenches: vec![[Vec3::zeros(); 2]; rigids],
             joint_torques: vec![[0.0; 2]; self.model.joints.len()],
+            joint_targets: vec![None; self.model.joints.len()],
             node_forces: vec![Vec3::zeros(); self.state.x.len()],
         }
     }

@@ -10,6 +10,7 @@
 use crate::contact::{Known, Moved, Site, SurfaceState};
 use crate::math::Vec3;
 use crate::model::SolverKind;
+use crate::solver::Failure;
 use crate::world::{StepReport, World, push_out};
 
 /// Half of what a step looks ahead for: overlaps that grow by more than this part of the contact margin were not
@@ -116,13 +117,15 @@ impl World {
         // What was cut short is not made better by more of it.
         let missed = missed && !self.solver.was_cut_short();
         let unforeseen = UNFORESEEN * push_out::margin(settings);
+        // No halving makes room for contacts: a crowd that is too large for a step is as much so for its parts.
+        let crowded = matches!(report.failure, Some(Failure::TooManyContacts { .. }));
         // Two bodies come together by the travel of both.
         if self.scratch.found.is_empty() || 2.0 * self.travel() <= unforeseen {
-            return !missed;
+            return crowded || !missed;
         }
         let depth = self.deepening(unforeseen);
         report.penetration_max = report.penetration_max.max(depth);
-        !missed && depth == 0.0
+        crowded || !missed && depth == 0.0
     }
 
     /// How far contact is to look in another attempt at the part just made \[m\].

@@ -4,5 +4,6 @@ mod coupled_finger;
 mod joint_limits;
 mod joint_positions;
 mod joint_springs;
+mod joint_targets;
 mod many_freedoms;
 mod rigid_chains;
