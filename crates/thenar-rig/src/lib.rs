@@ -6,6 +6,7 @@
 pub mod embed;
 mod error;
 pub mod export;
+pub mod figure;
 pub mod glb;
 pub mod hand;
 pub mod lattice;

@@ -4,7 +4,7 @@ use super::object::print_holes;
 use super::{Args, CouplingArg, Outputs, PresetArg, SideArg, SpringsArg, name, write};
 use crate::error::CliError;
 use std::path::Path;
-use thenar::model::{CouplingKind, Side};
+use thenar::model::{CouplingKind, HandModel, Side};
 use thenar_picture::{Quality, hand_portrait, write_png};
 use thenar_rig::export::{hand_glb, hand_json, write_hand_vtk};
 use thenar_rig::hand::{
@@ -33,23 +33,29 @@ pub fn build(args: &Args, outputs: &mut Outputs) -> Result<Model, CliError> {
     }
     print(&report);
     print_joints(&joint_stiffness(&hand)?);
+    write_boned(args, outputs, &hand)?;
+    Ok(Model::Hand(hand))
+}
+
+/// Writes what is asked for of a hand or a figure.
+pub fn write_boned(args: &Args, outputs: &mut Outputs, hand: &HandModel) -> Result<(), CliError> {
     if let Some(folder) = &args.vtk {
         std::fs::create_dir_all(folder)
             .map_err(|e| CliError::Other(format!("cannot make {}: {e}", folder.display())))?;
-        write_hand_vtk(folder, &hand)?;
+        write_hand_vtk(folder, hand)?;
     }
     if let Some(output) = outputs.glb.take() {
-        write(Some(output), &hand_glb(&hand)?)?;
+        write(Some(output), &hand_glb(hand)?)?;
     }
     if let Some(output) = outputs.json.take() {
-        write(Some(output), hand_json(&hand)?.as_bytes())?;
+        write(Some(output), hand_json(hand)?.as_bytes())?;
     }
     if let Some(output) = outputs.picture.take() {
-        let image = hand_portrait(&hand, &args.layers, [960, 640], &Quality::still())
+        let image = hand_portrait(hand, &args.layers, [960, 640], &Quality::still())
             .map_err(|e| CliError::Input(e.to_string()))?;
         write_png(output, &image)?;
     }
-    Ok(Model::Hand(hand))
+    Ok(())
 }
 
 /// As in scenes: what is not given comes from the preset, and a number of tetrahedra of one size or springs on all flesh

@@ -1,5 +1,6 @@
 //! `thenar build`: a simulation-ready model from a mesh.
 
+mod figure;
 mod hand;
 mod object;
 
@@ -13,14 +14,21 @@ use thenar_rig::Model;
 
 /// Build a simulation-ready model from a mesh.
 #[derive(Debug, clap::Args)]
-#[command(group(clap::ArgGroup::new("kind").required(true).args(["hand", "rigid", "soft"])))]
+#[command(group(clap::ArgGroup::new("kind").required(true).args(["hand", "figure", "rigid", "soft"])))]
+#[command(group(clap::ArgGroup::new("boned").multiple(true).args(["hand", "figure"])))]
 pub struct Args {
     /// A mesh: a skinned GLB for a hand; GLB, OBJ, STL, PLY or OFF for objects. For a hand also `left` or
-    /// `right`, the built-in ones.
+    /// `right`, the built-in ones. For a figure a skinned GLB or VRM, a URDF, or an MJCF (.xml, .mjcf).
     input: PathBuf,
     /// Build a hand.
     #[arg(long)]
     hand: bool,
+    /// Build a figure: flesh on any tree of bones, such as a gripper, an arm or a whole body.
+    #[arg(long)]
+    figure: bool,
+    /// Figure: thickness of the flesh around bones that come without a skin (URDF, MJCF) [m].
+    #[arg(long, value_name = "M", requires = "figure")]
+    flesh: Option<f64>,
     /// Build a rigid body; the mesh may be open or of many parts.
     #[arg(long)]
     rigid: bool,
@@ -35,7 +43,7 @@ pub struct Args {
     /// with --tets and with --coupling uniform, else as scenes have it.
     #[arg(long, value_enum, value_name = "WORD", requires = "hand")]
     preset: Option<PresetArg>,
-    /// Wanted number of tetrahedra, all of one size. Default of soft bodies: 600.
+    /// Wanted number of tetrahedra, all of one size. Default of soft bodies: 600; of figures: 1000.
     #[arg(long, value_name = "N")]
     tets: Option<usize>,
     /// Hand: in the place of --tets, how fine a graded mesh is, from 0.25 to 1.5.
@@ -74,23 +82,24 @@ pub struct Args {
     /// the stiffness of people's joints. Default: the preset's.
     #[arg(long, value_enum, value_name = "KIND", requires = "hand")]
     springs: Option<SpringsArg>,
-    /// Hand: a TOML file of `[[joint]]` tables with ranges, springs and dampers, as `[[hand.joint]]` in scenes.
-    #[arg(long, value_name = "FILE.toml", requires = "hand")]
+    /// A TOML file of `[[joint]]` tables with ranges, springs and dampers, as `[[hand.joint]]` and `[[figure.joint]]` in
+    /// scenes; a figure's with kinds and axes too.
+    #[arg(long, value_name = "FILE.toml", requires = "boned")]
     joints: Option<PathBuf>,
     /// Write VTK files for ParaView into this folder.
     #[arg(long, value_name = "DIR")]
     vtk: Option<PathBuf>,
-    /// Draw the built hand as a PNG file.
-    #[arg(long, value_name = "FILE.png", requires = "hand")]
+    /// Draw the built hand or figure as a PNG file.
+    #[arg(long, value_name = "FILE.png", requires = "boned")]
     picture: Option<PathBuf>,
     /// What to draw: skin, flesh, bones, weights.
     #[arg(long, default_value = "skin,bones", value_name = "LIST", requires = "picture")]
     layers: Layers,
-    /// Write a GLB of the built hand.
-    #[arg(long, value_name = "FILE.glb", requires = "hand")]
+    /// Write a GLB of the built hand or figure.
+    #[arg(long, value_name = "FILE.glb", requires = "boned")]
     glb: Option<PathBuf>,
-    /// Hand: write it as JSON, for simulating it with other programs.
-    #[arg(long, value_name = "FILE.json", requires = "hand")]
+    /// Hand or figure: write it as JSON, for simulating it with other programs.
+    #[arg(long, value_name = "FILE.json", requires = "boned")]
     json: Option<PathBuf>,
 }
 
@@ -148,14 +157,16 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     // What cannot be written is known before anything is built.
     let mut outputs = Outputs::create(args)?;
     interrupt::listen();
-    let model = building::told(|| match (args.hand, args.rigid) {
-        (true, _) => hand::build(args, &mut outputs),
-        (_, true) => object::rigid(args),
+    let model = building::told(|| match (args.hand, args.figure, args.rigid) {
+        (true, ..) => hand::build(args, &mut outputs),
+        (_, true, _) => figure::build(args, &mut outputs),
+        (.., true) => object::rigid(args),
         _ => object::soft(args),
     })?;
     let Some(path) = &args.output else { return Ok(()) };
     write(outputs.model, &model.to_bytes().map_err(|e| e.in_file(path.display()))?)?;
     let kind = match model {
+        Model::Hand(_) if args.figure => "figure",
         Model::Hand(_) => "hand",
         Model::Rigid(_) => "rigid body",
         Model::Soft(_) => "soft body",

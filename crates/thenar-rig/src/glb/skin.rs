@@ -6,6 +6,7 @@ use crate::{RigError, TriMesh};
 use gltf::accessor::Dimensions;
 use gltf::mesh::Semantic;
 use nalgebra::{Matrix3, Matrix4, Rotation3};
+use std::collections::HashMap;
 use thenar::{Pose, Quat};
 
 /// A joint of a rig.
@@ -15,6 +16,8 @@ pub struct RigJoint {
     pub name: String,
     /// Rest pose in mesh space; position \[m\].
     pub pose: Pose,
+    /// The nearest joint above it in the tree of nodes.
+    pub parent: Option<u32>,
 }
 
 /// A mesh bound to joints, in its rest shape.
@@ -60,6 +63,7 @@ fn joints(
         .inverse_bind_matrices()
         .map(|a| accessor::open(file, &a, Dimensions::Mat4, "inverse bind matrices"))
         .transpose()?;
+    let parents = parents(skin, nodes);
     skin.joints()
         .enumerate()
         .map(|(i, node)| {
@@ -71,9 +75,24 @@ fn joints(
             let pose = rest.as_ref().and_then(rigid_part).ok_or_else(|| {
                 RigError::invalid(format!("joint {name}: its rest transform is not a placement"))
             })?;
-            Ok(RigJoint { name, pose })
+            Ok(RigJoint { name, pose, parent: parents.get(i).copied().flatten() })
         })
         .collect()
+}
+
+/// The nearest joint of the skin above each of its joints. `nodes` is a tree.
+fn parents(skin: &gltf::Skin<'_>, nodes: &[(gltf::Node<'_>, Matrix4<f64>)]) -> Vec<Option<u32>> {
+    let above: HashMap<usize, usize> = nodes
+        .iter()
+        .flat_map(|(node, _)| node.children().map(|child| (child.index(), node.index())))
+        .collect();
+    let joints: HashMap<usize, u32> =
+        skin.joints().enumerate().map(|(i, node)| (node.index(), i as u32)).collect();
+    let nearest = |node: gltf::Node<'_>| {
+        let up = std::iter::successors(above.get(&node.index()), |i| above.get(i));
+        up.take(nodes.len()).find_map(|i| joints.get(i).copied())
+    };
+    skin.joints().map(nearest).collect()
 }
 
 /// The placement nearest to a matrix; none if it is singular, mirrors or is not finite.

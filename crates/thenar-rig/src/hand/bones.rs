@@ -10,7 +10,7 @@ use thenar::model::{Bone, Digit};
 use thenar::{Mat3, Pose, Quat, Vec3};
 
 /// Density of a whole fresh bone, cortical shell and trabecular core together \[kg/m³\].
-pub(super) const BONE_DENSITY: f64 = 1900.0;
+pub(crate) const BONE_DENSITY: f64 = 1900.0;
 /// Mean radius of a phalanx relative to the distance from its axis to the skin (8 mm: 3.8 mm).
 const RADIUS: f64 = 0.45;
 /// Mean radius of a metacarpal, which lies deeper, relative to the distance from its axis to the skin.

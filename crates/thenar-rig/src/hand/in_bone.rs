@@ -25,7 +25,7 @@ use thenar::shape::{Part, Shape};
 use thenar::{Pose, Quat, Vec3};
 
 /// Volume of each bone that a node stands for \[m³\].
-type Shares = BTreeMap<u32, f64>;
+pub(crate) type Shares = BTreeMap<u32, f64>;
 
 /// Least part of its solid's volume by which a bone is held when nodes that tie digits are freed.
 const HELD_MIN: f64 = 0.5;
@@ -37,22 +37,11 @@ pub(super) fn bone_nodes(
     joints: &[JointDesc],
     solids: &[BoneSolid],
 ) -> Vec<BoneNode> {
-    let mut shares: Vec<Shares> = vec![Shares::new(); lattice.nodes.len()];
-    for (b, points) in points_in_solids(lattice, bones, solids).iter().enumerate() {
-        let of_points = points.iter().map(|&i| weights(lattice, i).map(|w| w * w));
-        let whole: f64 = of_points.clone().flatten().sum();
-        let each = volume(&solids[b].shape) / whole;
-        for (&i, weights) in points.iter().zip(of_points) {
-            let nodes = lattice.tets[lattice.sample_tet(i) as usize];
-            for (node, weight) in nodes.iter().zip(weights) {
-                *shares[*node as usize].entry(b as u32).or_insert(0.0) += each * weight;
-            }
-        }
-    }
+    let points = points_in_solids(lattice, bones, solids);
+    let volumes: Vec<f64> = solids.iter().map(|solid| volume(&solid.shape)).collect();
+    let shares = shares(lattice, &points, &volumes);
     let bends: Vec<Bend> = joints.iter().filter_map(Bend::utmost).collect();
-    let nodes = shares.iter().enumerate();
-    let held: Vec<BoneNode> =
-        nodes.filter_map(|(n, shares)| bone_node(n as u32, shares, bones)).collect();
+    let held = held(&shares, bones);
     let carried = |held: &BoneNode| {
         let x = &lattice.nodes[held.node as usize];
         bends.iter().any(|bend| bend.carries_across(&held.binding, x, bones))
@@ -76,6 +65,29 @@ pub(super) fn bone_nodes(
         held.binding.bones.iter().for_each(|&bone| kept[bone as usize] = true);
     }
     held.into_iter().filter(|held| stays(held) || !kept[held.binding.bones[0] as usize]).collect()
+}
+
+/// What each node has of each bone, whose inside points and volume \[m³\] these are.
+pub(crate) fn shares(lattice: &Lattice, points: &[Vec<usize>], volumes: &[f64]) -> Vec<Shares> {
+    let mut shares: Vec<Shares> = vec![Shares::new(); lattice.nodes.len()];
+    for (b, (points, volume)) in points.iter().zip(volumes).enumerate() {
+        let of_points = points.iter().map(|&i| weights(lattice, i).map(|w| w * w));
+        let whole: f64 = of_points.clone().flatten().sum();
+        let each = volume / whole;
+        for (&i, weights) in points.iter().zip(of_points) {
+            let nodes = lattice.tets[lattice.sample_tet(i) as usize];
+            for (node, weight) in nodes.iter().zip(weights) {
+                *shares[*node as usize].entry(b as u32).or_insert(0.0) += each * weight;
+            }
+        }
+    }
+    shares
+}
+
+/// The nodes that have shares, ascending.
+pub(crate) fn held(shares: &[Shares], bones: &[Bone]) -> Vec<BoneNode> {
+    let nodes = shares.iter().enumerate();
+    nodes.filter_map(|(n, shares)| bone_node(n as u32, shares, bones)).collect()
 }
 
 /// True if a node has shares of bones of two digits.

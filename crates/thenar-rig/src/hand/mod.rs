@@ -2,12 +2,12 @@
 
 mod asset;
 mod bend;
-mod bones;
+pub(crate) mod bones;
 mod build;
 mod digits;
 mod fist;
 mod grading;
-mod in_bone;
+pub(crate) mod in_bone;
 mod joints;
 mod layers;
 mod loose;

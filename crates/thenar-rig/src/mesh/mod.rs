@@ -39,7 +39,7 @@ pub use sample::resampled;
 pub use stl::{read_stl, write_stl};
 pub use subdivide::{Refined, subdivide, subdivide_to};
 pub use topology::Topology;
-pub(crate) use topology::{find, join};
+pub(crate) use topology::{components, find, join};
 pub use weld::{Welded, weld};
 
 use crate::RigError;

@@ -9,6 +9,7 @@ mod damage;
 mod embed;
 mod export;
 mod export_json;
+mod figures;
 mod fuzz_builders;
 mod fuzz_parsers;
 mod graded_hand;

@@ -166,7 +166,7 @@ fn add(built: &mut Built, hand: &Hand, preset: PresetWord, files: &Files) -> Res
     }
     for j in handle.joints.clone() {
         let name = built.world.joints[j as usize].name.clone();
-        built.names.add_hand_joint(&name, j);
+        built.names.add_joint_of(&name, j);
     }
     built.hands.push(BuiltHand {
         name: hand.name.value.clone(),
@@ -197,7 +197,11 @@ fn coupling(hand: &Hand, model: &HandModel) -> Result<CouplingKind, Fault> {
 /// Changes the flesh as the scene says. A model's elements differ in modulus and density by how
 /// much of the body they hold: a change of the largest scales them all. What lies under layers was given its modulus,
 /// ratio and law when it was built.
-fn soften(flesh: &mut Flesh, table: Option<&HandMaterial>, layered: bool) -> Result<(), Fault> {
+pub(super) fn soften(
+    flesh: &mut Flesh,
+    table: Option<&HandMaterial>,
+    layered: bool,
+) -> Result<(), Fault> {
     let Some(t) = table else { return Ok(()) };
     let largest = |f: fn(&thenar::model::Material) -> f64| {
         flesh.materials.iter().map(f).fold(f64::MIN_POSITIVE, f64::max)

@@ -61,7 +61,7 @@ fn describe(built: &Built, joint: &Joint) -> Result<(JointDesc, Link), Fault> {
     Ok((desc, Link { parent, child, pose_PJ, pose_CK, rotation_JK, spin_J }))
 }
 
-fn kind(word: JointWord) -> JointKind {
+pub(super) fn kind(word: JointWord) -> JointKind {
     match word {
         JointWord::Fixed => JointKind::Fixed,
         JointWord::Hinge => JointKind::Hinge,

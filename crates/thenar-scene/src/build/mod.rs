@@ -3,6 +3,7 @@
 
 mod assets;
 mod drivers;
+mod figure;
 mod files;
 mod grip;
 mod hand;
@@ -14,6 +15,7 @@ mod lattice;
 mod load;
 mod memory;
 mod motion;
+mod motor;
 mod names;
 mod pair;
 mod place;
@@ -26,11 +28,13 @@ mod solver;
 mod tissue;
 
 pub use drivers::{Driver, Follow, Track};
+pub use figure::{BuiltFigure, figure_joints};
 pub use files::Files;
 pub use hand::BuiltHand;
 pub use hand_joints::change_by_file;
 pub use load::{ActiveLoad, Factor, LoadKind};
 pub use memory::{BODIES_BYTES_MAX, Memory, TET_BYTES};
+pub use motor::Motor;
 pub use names::Names;
 pub use preset::{USUAL as USUAL_PRESET, is_papers_by_solver, preset};
 pub use rigid::RigidLook;
@@ -52,7 +56,11 @@ pub struct Built {
     pub names: Names,
     /// Hands, in the order of the file.
     pub hands: Vec<BuiltHand>,
-    /// Soft bodies other than hands, in the order of the file.
+    /// Figures, in the order of the file.
+    pub figures: Vec<BuiltFigure>,
+    /// Motors of joints.
+    pub motors: Vec<Motor>,
+    /// Soft bodies other than hands: figures, then the others, each in the order of the file.
     pub softs: Vec<SoftBuild>,
     /// Rest meshes for selectors, one for each deformable body of the world.
     pub meshes: Vec<Mesh>,
@@ -76,7 +84,8 @@ pub struct Built {
 pub fn wanted_bytes(scene: &Scene) -> u64 {
     let softs = scene.soft.iter().filter_map(|soft| soft::tets_wanted(&soft.shape.value));
     let hands = scene.hand.iter().map(|hand| assets::tets_wanted(hand, preset(scene, hand)));
-    let tets = softs.chain(hands).fold(0, u64::saturating_add);
+    let figures = scene.figure.iter().map(figure::tets_wanted);
+    let tets = softs.chain(hands).chain(figures).fold(0, u64::saturating_add);
     tets.saturating_mul(TET_BYTES).saturating_add(memory::RIGID_BYTES * scene.rigid.len() as u64)
 }
 
@@ -94,6 +103,8 @@ pub fn build(scene: &Scene, files: &Files) -> Result<Built, Fault> {
         },
         names: Names::default(),
         hands: Vec::new(),
+        figures: Vec::new(),
+        motors: Vec::new(),
         softs: Vec::new(),
         meshes: Vec::new(),
         node_starts: Vec::new(),
@@ -105,10 +116,12 @@ pub fn build(scene: &Scene, files: &Files) -> Result<Built, Fault> {
     };
     rigid::add_all(&mut built, scene, files)?;
     hand::add_all(&mut built, scene, files)?;
+    figure::add_all(&mut built, scene, files)?;
     joint::add_all(&mut built, scene)?;
     soft::add_all(&mut built, scene, files)?;
     pair::add_all(&mut built, scene)?;
     drivers::add_all(&mut built, scene)?;
+    figure::follow_all(&mut built, scene)?;
     load::add_all(&mut built, scene)?;
     grip::add_all(&mut built, scene)?;
     Ok(built)

@@ -44,7 +44,7 @@ impl Names {
         Ok(())
     }
 
-    /// Adds a bone of a hand, as `hand/bone`.
+    /// Adds a bone of a hand or figure, as `hand/bone`.
     pub fn add_bone(&mut self, name: &str, index: u32) {
         self.rigids.insert(name.to_string(), index);
     }
@@ -54,8 +54,8 @@ impl Names {
         self.softs.insert(name.to_string(), index);
     }
 
-    /// Adds a joint of a hand, as `hand/joint`.
-    pub fn add_hand_joint(&mut self, name: &str, index: u32) {
+    /// Adds a joint of a hand or figure, as `hand/joint`.
+    pub fn add_joint_of(&mut self, name: &str, index: u32) {
         self.joints.insert(name.to_string(), index);
     }
 

@@ -3,6 +3,7 @@
 use super::{MotionTable, Scene, Shape, SoftShape};
 use crate::text::At;
 use std::collections::BTreeSet;
+use thenar_rig::figure::SHIPPED;
 
 /// Hands that are in the program.
 const BUILT_IN: [&str; 2] = ["right", "left"];
@@ -23,6 +24,8 @@ impl Scene {
                 | SoftShape::Explicit(_) => {}
             }
         }
+        let figures = self.figure.iter().map(|figure| &figure.model);
+        found.extend(figures.filter(|model| !SHIPPED.contains(&model.value.as_str())));
         for hand in &self.hand {
             let model = hand.model.as_ref();
             found.extend(model.filter(|model| !BUILT_IN.contains(&model.value.as_str())));

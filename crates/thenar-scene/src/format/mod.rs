@@ -4,6 +4,7 @@
 #![allow(rustdoc::broken_intra_doc_links)] // units stand in brackets, as in the schema
 
 mod camera;
+mod figure;
 mod files;
 mod friction;
 mod grip;
@@ -22,6 +23,7 @@ mod solver;
 mod tissue;
 
 pub use camera::Camera;
+pub use figure::{AnglesDeg, Figure, FigureJoint, FigureJointsFile, FigureKey, RootWord};
 pub use friction::{PairFriction, SkinOnWord};
 pub use grip::{GripTable, GripWord};
 pub use hand::{

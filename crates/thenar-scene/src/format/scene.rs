@@ -1,6 +1,6 @@
 //! The file as a whole.
 
-use super::{Camera, Hand, Joint, Load, PairFriction, Probe, Rigid, Soft, SolverTable};
+use super::{Camera, Figure, Hand, Joint, Load, PairFriction, Probe, Rigid, Soft, SolverTable};
 use crate::math::Vec3;
 use crate::text::{At, table};
 
@@ -27,6 +27,8 @@ table! {
         camera: Option<Camera>;
         /// The hands.
         hand: Vec<Hand>;
+        /// Other jointed bodies of flesh.
+        figure: Vec<Figure>;
         /// Rigid bodies.
         rigid: Vec<Rigid>;
         /// Joints between rigid bodies.

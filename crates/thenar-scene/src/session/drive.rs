@@ -19,6 +19,7 @@ pub fn fill(
     t: f64,
 ) {
     bodies(input, built, world, t);
+    motors(input, built, world, t);
     let Built { hands, world: start, .. } = built;
     for (hand, live) in hands.iter_mut().zip(live) {
         let bones = bones(hand);
@@ -85,6 +86,7 @@ pub fn weigh(
 /// Fills all targets with those of the scripts at time `t` \[s\].
 pub fn fill_scripts(input: &mut Input, built: &mut Built, world: &World, t: f64) {
     bodies(input, built, world, t);
+    motors(input, built, world, t);
     let Built { hands, world: start, .. } = built;
     for hand in hands {
         let bones = bones(hand);
@@ -111,6 +113,13 @@ fn script(hand: &mut BuiltHand, start: &[RigidDesc], t: f64, targets: &mut [Opti
             }
         }
         None => {}
+    }
+}
+
+/// Motors of joints.
+pub fn motors(input: &mut Input, built: &Built, world: &World, t: f64) {
+    for motor in &built.motors {
+        input.joint_targets[motor.joint as usize] = Some(motor.target(world, t));
     }
 }
 

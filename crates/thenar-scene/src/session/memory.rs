@@ -123,6 +123,7 @@ impl Session {
                 *to = kept.as_ref().map(target);
             }
         }
+        drive::motors(&mut self.input, &self.built, &self.world, state.time);
         self.recall_grips(&memory.grips);
         (self.steps, self.report) = (memory.steps, StepReport::default());
         true

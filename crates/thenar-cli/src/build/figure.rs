@@ -1,0 +1,73 @@
+//! Figures.
+
+use super::hand::write_boned;
+use super::{Args, Outputs, name};
+use crate::error::CliError;
+use thenar::model::JointKind;
+use thenar_rig::Model;
+use thenar_rig::figure::{
+    FigureOptions, FigureReport, build_figure_file, usual_coupling_stiffness,
+};
+use thenar_scene::build::figure_joints;
+
+/// Builds a figure and prints what it is like.
+pub fn build(args: &Args, outputs: &mut Outputs) -> Result<Model, CliError> {
+    if let Some(length) = args.length {
+        let asked = format!("--length {length} is that of a hand; a figure takes --scale");
+        return Err(CliError::Input(asked));
+    }
+    let usual = FigureOptions::default();
+    let mut material = usual.material;
+    material.young = args.young.unwrap_or(material.young);
+    material.poisson = args.poisson.unwrap_or(material.poisson);
+    material.density = args.density.unwrap_or(material.density);
+    let joints = args.joints.as_deref().map_or(Ok(Vec::new()), figure_joints);
+    let options = FigureOptions {
+        name: name(args),
+        scale: args.scale.unwrap_or(1.0),
+        thickness: args.flesh,
+        tets: args.tets.unwrap_or(usual.tets),
+        material,
+        joints: joints.map_err(|e| CliError::Input(e.to_string()))?,
+        ..usual
+    };
+    let (figure, report) = build_figure_file(&args.input, &options)?;
+    print(&report);
+    println!("coupling: {:.2e} N/m⁴ where a scene does not say", usual_coupling_stiffness(&figure));
+    write_boned(args, outputs, &figure)?;
+    Ok(Model::Hand(figure))
+}
+
+fn print(r: &FigureReport) {
+    r.notes.iter().for_each(|note| println!("note: {note}"));
+    if r.holes > 0 {
+        println!("closed: {} holes of the skin", r.holes);
+    }
+    if r.left_out > 0 {
+        println!("left out: {} separate pieces of the skin, which only its largest is", r.left_out);
+    }
+    let size = (r.bounds[1] - r.bounds[0]) * 1e3;
+    println!("size: {:.1} x {:.1} x {:.1} mm, +y up", size.x, size.y, size.z);
+    println!("mass: {:.4} kg flesh, {:.4} kg bones", r.masses[1], r.masses[0]);
+    println!("flesh: {} tetrahedra, {} nodes", r.elements[1], r.elements[0]);
+    if r.lost_weight > 0.0 {
+        println!(
+            "weights: {:.1} % of the file's are on bones other than the two that a node can follow",
+            100.0 * r.lost_weight
+        );
+    }
+    println!("bones: {}", r.bones);
+    for (joint, kind, parent) in &r.joints {
+        println!("  {joint:24} {:9} on {parent}", word(*kind));
+    }
+}
+
+fn word(kind: JointKind) -> &'static str {
+    match kind {
+        JointKind::Fixed => "fixed",
+        JointKind::Hinge => "hinge",
+        JointKind::Universal => "universal",
+        JointKind::Ball => "ball",
+        JointKind::Free => "free",
+    }
+}

@@ -1,0 +1,92 @@
+//! The surface of a figure's body: its file's skin made whole, or flesh laid around its bones.
+
+use super::around::around;
+use super::plan::Plan;
+use crate::RigError;
+use crate::TriMesh;
+use crate::embed::check_closed;
+use crate::mesh::{Bvh, Hole, Topology, close_holes, components, weld};
+use thenar::Vec3;
+
+/// Vertices closer than this part of the mesh's size are one.
+const WELD: f64 = 1e-6;
+
+/// A body's surface, and what was done to have it.
+pub struct Skin {
+    /// Closed surface of one piece, its outside out.
+    pub mesh: TriMesh,
+    /// Holes that were closed.
+    pub holes: Vec<Hole>,
+    /// Separate pieces that were left out: eyes, clothes, hair.
+    pub left_out: usize,
+}
+
+/// The skin of a plan, or flesh of `thickness` \[m\] around its bones where it has none.
+///
+/// # Errors
+/// When there is neither skin nor thickness, both, or no closed surface comes of it.
+pub fn skin(plan: &Plan, thickness: Option<f64>) -> Result<Skin, RigError> {
+    match (&plan.skin, thickness) {
+        (Some(skin), None) => whole(&skin.mesh),
+        (None, Some(thickness)) => laid(plan, thickness),
+        (None, None) => Err(RigError::invalid(
+            "the file has bones and no skin: say how thick the flesh around them is [m] \
+             (`--flesh`, in scenes `flesh`)",
+        )),
+        (Some(_), Some(_)) => Err(RigError::invalid(
+            "the file has a skin of its own: leave the thickness of flesh around bones out",
+        )),
+    }
+}
+
+fn laid(plan: &Plan, thickness: f64) -> Result<Skin, RigError> {
+    let solids: Vec<_> = plan.bones.iter().flat_map(|bone| bone.solids.iter().cloned()).collect();
+    let mesh = around(&solids, thickness)?;
+    let parts = Topology::of(&mesh).components;
+    if parts != 1 {
+        return Err(RigError::invalid(format!(
+            "flesh of {thickness} m around the bones falls into {parts} pieces: ask for thicker flesh, or \
+             give bones geometry up to their joints"
+        )));
+    }
+    check_closed("the flesh around the bones", &mesh)?;
+    Ok(Skin { mesh, holes: Vec::new(), left_out: 0 })
+}
+
+fn whole(mesh: &TriMesh) -> Result<Skin, RigError> {
+    mesh.check()?;
+    let [low, high] = mesh.bounds();
+    let welded = weld(mesh, WELD * (high - low).norm()).mesh.compacted();
+    let (of_vertex, count) = components(&welded);
+    let mut body = largest_piece(&welded, &of_vertex, count);
+    if body.triangles.is_empty() {
+        return Err(RigError::invalid("all triangles of the skin are without extent"));
+    }
+    body.orient()?;
+    let (mut body, holes) = close_holes(&body);
+    body.orient()?;
+    check_closed("the skin", &body)?;
+    Ok(Skin { mesh: body, holes, left_out: count.saturating_sub(1) })
+}
+
+/// The piece of greatest extent; of equals the first.
+fn largest_piece(mesh: &TriMesh, of_vertex: &[u32], count: usize) -> TriMesh {
+    let mut bounds = vec![[Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)]; count];
+    for &v in mesh.triangles.iter().flatten() {
+        let p = &mesh.positions[v as usize];
+        let [low, high] = &mut bounds[of_vertex[v as usize] as usize];
+        (*low, *high) = (low.inf(p), high.sup(p));
+    }
+    let size = |k: usize| (bounds[k][1] - bounds[k][0]).norm();
+    let largest = (0..count).reduce(|a, b| if size(b) > size(a) { b } else { a });
+    let of_it = |t: &&[u32; 3]| Some(of_vertex[t[0] as usize] as usize) == largest;
+    let triangles = mesh.triangles.iter().filter(of_it).copied().collect();
+    TriMesh { positions: mesh.positions.clone(), triangles }.compacted()
+}
+
+/// Mean distance to the surface along the middle of the line from `a` to `b` \[m\].
+pub fn depth(surface: &Bvh, a: &Vec3, b: &Vec3) -> f64 {
+    let places = [0.2, 0.35, 0.5, 0.65, 0.8];
+    let sum: f64 = places.iter().map(|t| surface.closest(&a.lerp(b, *t)).distance).sum();
+    sum / places.len() as f64
+}

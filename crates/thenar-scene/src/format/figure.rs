@@ -1,0 +1,138 @@
+//! Figures: flesh on any tree of bones.
+
+use super::{
+    BonesWord, ElementsWord, HandMaterial, InterpolationWord, JointWord, Rotation, SkinningWord,
+};
+use crate::math::Vec3;
+use crate::text::{At, Cx, Defs, Fault, Node, Read, Value, table, words};
+use serde_json::json;
+use std::collections::BTreeMap;
+
+words! {
+    /// What moves the root of a figure.
+    pub enum RootWord {
+        /// Physics alone.
+        "free" => Free,
+        /// Nothing: it stays where it starts.
+        "fixed" => Fixed,
+        /// The figure's keys: it is where they say.
+        "scripted" => Scripted,
+    }
+}
+
+/// Angles of a joint [degrees]: a number, or an array of as many as it has.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AnglesDeg(pub Vec<f64>);
+
+impl Read for AnglesDeg {
+    fn read(node: &Node, cx: &Cx<'_>) -> Result<Self, Fault> {
+        match &node.value {
+            Value::Array(_) => Vec::read(node, cx).map(Self),
+            _ => f64::read(node, cx).map(|angle| Self(vec![angle])),
+        }
+    }
+
+    fn schema(defs: &mut Defs, cx: &Cx<'_>) -> serde_json::Value {
+        json!({ "anyOf": [f64::schema(defs, cx), Vec::<f64>::schema(defs, cx)] })
+    }
+}
+
+table! {
+    /// One instant of a figure's motion. What is left out is interpolated from the keys around.
+    pub struct FigureKey {
+        /// When [s]; later than the key before.
+        time: f64 where DURATION;
+        /// Position of the model's frame, world [m]; of a scripted root.
+        position: Option<Vec3> where PLACE;
+        /// Its rotation; of a scripted root.
+        rotation: Option<At<Rotation>>;
+        /// Angles of joints [degrees] by name; a `*` at its end stands for any ending. 0 is the rest pose. A hinge has one
+        /// angle, a universal joint two, a ball the three components of its rotation vector in the parent's
+        /// joint frame.
+        joints: BTreeMap<String, At<AnglesDeg>> where ANGLE;
+    }
+}
+
+table! {
+    /// Changes to joints of a figure, and their motors. Of several that fit a joint, the last one that gives a value
+    /// gives it.
+    pub struct FigureJoint {
+        /// Name of the joint, or of the bone that it carries, without the figure's; a `*` at its end stands for
+        /// any ending.
+        name: At<String>;
+        /// Another kind: "hinge" with one of `axes`, "universal" with two, "ball" or "fixed". All joints of a skinned mesh
+        /// are balls. Only for figures that are built here.
+        kind: Option<At<JointWord>>;
+        /// Axes in the model's frame: of a hinge one; of a universal joint the parent's and the child's, at right angles.
+        axes: Vec<Vec3> where PLACE;
+        /// Smallest and largest value of each angle [degrees]; 0, the rest pose, lies between.
+        range_deg: Vec<[f64; 2]> where HALF_TURN_DEG;
+        /// Spring of each angle [N m/rad], of a ball one: as strong as it a motor leads the joint along the keys.
+        stiffness: Vec<f64> where SPRING;
+        /// Damper of each angle [N m s/rad], of a ball one.
+        damping: Vec<f64> where SPRING;
+        /// Largest torque of the motor about an axis [N m]. Default: none.
+        torque_max: Option<f64> where POSITIVE;
+    }
+}
+
+table! {
+    /// A file of changes to the joints of a figure, for building models.
+    pub struct FigureJointsFile {
+        /// Changes, one after the other.
+        joint: Vec<FigureJoint>;
+    }
+}
+
+table! {
+    /// Flesh on any tree of bones: a gripper, an arm, a whole body. Its bones are rigid bodies named `figure/bone`,
+    /// its joints `figure/joint`, where `figure` is its name, which stands for its flesh.
+    pub struct Figure {
+        /// Name, unique in the scene.
+        name: At<String>;
+        /// "gripper", "forearm" or "body", which come with the program, or a path, relative to the scene file: a skinned mesh
+        /// (GLB, VRM), a robot's description (URDF; MJCF in `.xml` or `.mjcf`), or a figure that was built (`.thenar`).
+        model: At<String>;
+        /// Thickness of the flesh around the bones [m], of URDF and MJCF: 5 mm is meant for "gripper", 4 mm for "forearm". A
+        /// skinned mesh has a skin of its own.
+        flesh: Option<At<f64>> where THICKNESS;
+        /// Factor on all lengths of the file. Default 1.
+        scale: Option<At<f64>> where SCALE;
+        /// Tetrahedra wanted. Default 1000.
+        tets: Option<At<u32>> where TETS;
+        /// Start position of the model's frame, world [m]. Default [0, 0, 0].
+        position: Vec3 where PLACE = Vec3::zeros();
+        /// Start rotation. Default none.
+        rotation: Option<At<Rotation>>;
+        /// "free", "fixed", or "scripted": where the keys say. Default "free".
+        root: RootWord = RootWord::Free;
+        /// Changes to joints, and motors.
+        joint: Vec<At<FigureJoint>>;
+        /// The motion that the motors of the joints follow, and a scripted root. Joints that no key names are held in the
+        /// rest pose by their springs. The figure starts as at time 0.
+        key: Vec<At<FigureKey>>;
+        /// Between keys: "smooth" (minimum jerk) or "linear". Default "smooth".
+        interpolation: InterpolationWord = InterpolationWord::Smooth;
+        /// Changes to the flesh.
+        material: Option<HandMaterial>;
+        /// Spring between flesh and bones, per volume of bone [N/m⁴]. Default 140 E/r², E the largest Young's modulus of the
+        /// flesh and r the radius of the slimmest bone.
+        coupling_stiffness: Option<f64> where SPRING;
+        /// Damping time of these springs [s]. Default 0.001.
+        coupling_damping_time: f64 where SPRING = 1e-3;
+        /// Where two bones put the flesh between them: "joint", rotations blended about the joint, or "lbs", linear blend
+        /// skinning. Default "joint".
+        skinning: SkinningWord = SkinningWord::Joint;
+        /// "patches": tetrahedra around one long edge share one evaluation of their law; "tetrahedra": each by itself.
+        /// Default "patches".
+        elements: ElementsWord = ElementsWord::Patches;
+        /// Coulomb friction coefficient of the skin; left out, the model's.
+        friction: Option<f64> where FRICTION;
+        /// "solid": where flesh is crushed, other bodies touch the bones; "none": only flesh touches. Default "solid".
+        bones: BonesWord = BonesWord::Solid;
+        /// True: its surface touches itself, where bones that are not joined carry it. Default false.
+        self_contact: bool = false;
+        /// Colour in pictures: red, green, blue from 0 to 1.
+        colour: Option<[f64; 3]> where FRACTION;
+    }
+}
