@@ -3,9 +3,10 @@
 use super::bind::{Bound, bind};
 use super::in_solid::bone_nodes;
 use super::options::FigureOptions;
-use super::plan::{Plan, PlanBone, PlanSolid};
+use super::plan::{Plan, PlanBone};
 use super::report::FigureReport;
-use super::skin::{depth, skin};
+use super::skin::skin;
+use super::skin_bones::give_solids;
 use super::{joints, solid};
 use crate::hand::bones::BONE_DENSITY;
 use crate::lattice::{Lattice, LatticeOptions};
@@ -18,9 +19,6 @@ use thenar::model::{
 };
 use thenar::{Mat3, Pose, Quat, Vec3};
 
-/// Radius of a bone whose file has none, over the distance from its middle to the skin: between that of a
-/// phalanx (0.45) and of a metacarpal (0.36).
-const BONE_RADIUS: f64 = 0.4;
 /// Least part of a figure's mass that is flesh, where its bones alone weigh more.
 const FLESH_MIN: f64 = 0.2;
 
@@ -144,7 +142,7 @@ fn ends(plan: &Plan) -> Vec<[Vec3; 2]> {
     (0..plan.bones.len()).map(of).collect()
 }
 
-fn begin(bone: &PlanBone) -> Vec3 {
+pub(super) fn begin(bone: &PlanBone) -> Vec3 {
     bone.joint.as_ref().map_or(bone.pose_ML.position, |joint| joint.pose_MJ.position)
 }
 
@@ -168,47 +166,6 @@ fn carried(plan: &Plan, b: usize) -> Option<Vec3> {
         }
     }
     (weight > 0.0).then(|| sum / weight)
-}
-
-/// Gives bones without solids capsules, from their joint to each child's, or to their end.
-fn give_solids(plan: &mut Plan, ends: &[[Vec3; 2]], surface: &Bvh) -> Result<(), RigError> {
-    for b in 0..plan.bones.len() {
-        if !plan.bones[b].solids.is_empty() {
-            continue;
-        }
-        let [from, end] = ends[b];
-        let mut to: Vec<Vec3> = plan
-            .bones
-            .iter()
-            .filter(|bone| bone.parent == Some(b as u32))
-            .map(begin)
-            .filter(|to| (to - from).norm() > 0.0)
-            .collect();
-        if to.is_empty() {
-            to.push(end);
-        }
-        let capsules: Vec<PlanSolid> = to
-            .iter()
-            .map(|to| within(&from, to, BONE_RADIUS * depth(surface, &from, to)))
-            .collect();
-        let radius = |s: &PlanSolid| super::in_solid::radius(&s.shape);
-        if capsules.iter().any(|s| radius(s).is_nan() || radius(s) <= 0.0) {
-            return Err(RigError::invalid(format!(
-                "bone \"{}\" has no extent, and lies on the skin: leave its joint out of the rig",
-                plan.bones[b].name
-            )));
-        }
-        plan.bones[b].solids = capsules;
-    }
-    Ok(())
-}
-
-/// A capsule that begins and ends with its caps at these points.
-fn within(from: &Vec3, to: &Vec3, radius: f64) -> PlanSolid {
-    let along = to - from;
-    let length = along.norm();
-    let inset = along * (radius / length.max(f64::MIN_POSITIVE)).min(0.4);
-    solid::capsule(&(from + inset), &(to - inset), radius)
 }
 
 fn bones(plan: &Plan, ends: &[[Vec3; 2]]) -> Result<Vec<Bone>, RigError> {

@@ -15,6 +15,7 @@ mod plan;
 mod report;
 mod shipped;
 mod skin;
+mod skin_bones;
 mod solid;
 mod urdf;
 mod xml;

@@ -5,7 +5,7 @@ use super::plan::Plan;
 use crate::RigError;
 use crate::TriMesh;
 use crate::embed::check_closed;
-use crate::mesh::{Bvh, Hole, Topology, close_holes, components, weld};
+use crate::mesh::{Hole, Topology, close_holes, components, weld};
 use thenar::Vec3;
 
 /// Vertices closer than this part of the mesh's size are one.
@@ -82,11 +82,4 @@ fn largest_piece(mesh: &TriMesh, of_vertex: &[u32], count: usize) -> TriMesh {
     let of_it = |t: &&[u32; 3]| Some(of_vertex[t[0] as usize] as usize) == largest;
     let triangles = mesh.triangles.iter().filter(of_it).copied().collect();
     TriMesh { positions: mesh.positions.clone(), triangles }.compacted()
-}
-
-/// Mean distance to the surface along the middle of the line from `a` to `b` \[m\].
-pub fn depth(surface: &Bvh, a: &Vec3, b: &Vec3) -> f64 {
-    let places = [0.2, 0.35, 0.5, 0.65, 0.8];
-    let sum: f64 = places.iter().map(|t| surface.closest(&a.lerp(b, *t)).distance).sum();
-    sum / places.len() as f64
 }

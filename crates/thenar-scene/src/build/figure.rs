@@ -30,6 +30,8 @@ pub struct BuiltFigure {
     pub model: HandModel,
     /// Where its parts are.
     pub handle: HandHandle,
+    /// Poses `pose_WB` in which its bones start, where these are not those of the rest pose.
+    pub start: Option<Vec<Pose>>,
 }
 
 /// Largest file of joints \[bytes\].
@@ -101,7 +103,7 @@ fn add(built: &mut Built, figure: &Figure, files: &Files) -> Result<(), Fault> {
     built.node_starts.push(None);
     let render = model.render.clone();
     built.softs.push(SoftBuild { soft, render, colour: figure.colour });
-    built.figures.push(BuiltFigure { name: figure.name.value.clone(), model, handle });
+    built.figures.push(BuiltFigure { name: figure.name.value.clone(), model, handle, start: None });
     Ok(())
 }
 
@@ -222,8 +224,10 @@ fn follow_root(built: &mut Built, f: usize, figure: &Figure) -> Result<(), Fault
             keys.push((key.time, before * pose_MB));
         }
     }
-    if keys.is_empty() {
-        keys.push((0.0, before * pose_MB));
+    // Until the first of them it stays where it is placed.
+    let placed = Pose::new(figure.position, place::rotation(figure.rotation.as_ref())?);
+    if keys.first().is_none_or(|key| key.0 > 0.0) {
+        keys.insert(0, (0.0, placed * pose_MB));
     }
     let track = Track::Keys { keys, interpolation: figure.interpolation };
     built.drivers.push(Driver { rigid: root, follow: Follow::Exactly, track });
@@ -362,8 +366,7 @@ fn start(built: &mut Built, f: usize, motors: &[Motor]) {
         let by = |k: usize| moves[binding.bones[k] as usize].point(x) * binding.weights[k];
         by(0) + by(1)
     });
+    // The world itself is described at rest, from which flesh knows its place in the bones.
     built.node_starts[handle.soft as usize] = Some(nodes.collect());
-    for (i, pose) in handle.bones.clone().zip(poses) {
-        built.world.rigids[i as usize].pose_WB = pose;
-    }
+    built.figures[f].start = Some(poses);
 }

@@ -20,14 +20,17 @@ macro_rules! scenes {
 
 const SCENES: &[Builtin] = scenes![
     "ball-grip",
+    "body",
     "bread-grasp",
     "bread-squeeze",
     "car-grasp",
     "falling-box",
     "finger-pendulum",
     "fist",
+    "forearm",
     "free-motion",
     "glove-versus-hand",
+    "gripper",
     "pinch",
     "skinning-comparison",
     "soft-cube",

@@ -117,6 +117,11 @@ impl Session {
                 self.world.set_nodes(soft as u32, nodes);
             }
         }
+        for figure in &self.built.figures {
+            for (bone, pose) in figure.handle.bones.clone().zip(figure.start.iter().flatten()) {
+                self.world.set_rigid_state(bone, *pose, [Vec3::zeros(); 2]);
+            }
+        }
         drive::fill_scripts(&mut self.input, &mut self.built, &self.world, 0.0);
         for hand in self.built.hands.iter().filter(|hand| hand.motion.is_some()) {
             for bone in hand.handle.bones.clone() {

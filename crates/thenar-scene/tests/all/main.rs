@@ -4,6 +4,7 @@
 mod contact;
 #[path = "../../../thenar-rig/tests/damage/bytes.rs"]
 mod damage;
+mod figures;
 mod hand;
 mod recording;
 #[path = "../../../../fuzz/src/recordings.rs"]

@@ -7,8 +7,12 @@ use thenar::model::{Axis, JointKind};
 use thenar::{Pose, Quat, Vec3};
 use thenar_input::quoted;
 
-/// Hinges meet within this part of the figure's size, and at right angles within this angle \[rad\].
+/// Hinges meet within this part of the figure's size, and at right angles within this angle \[rad\]; what is less is
+/// round-off and is not told.
 const EXACTNESS: f64 = 1e-6;
+/// Hinges that pass each other within this part of the figure's size meet halfway, and that is told: the two axes of an
+/// ankle lie 10 to 40 mm apart in descriptions of people of 1.4 to 1.8 m.
+const PASSING: f64 = 0.05;
 
 /// The joint that a chain of joints makes, and what to tell of it; `frame` turns the frame of a ball joint.
 ///
@@ -33,19 +37,21 @@ pub(super) fn combine(
     }
     match joints {
         [first, second] => {
-            let point = common_point(joints, size)?;
+            let (point, away) = common_point(joints, size)?;
             let names = listed([first, second].map(|j| j.name.as_str()));
             let name = quoted(&second.name);
-            let note = format!("the hinges {names} became the universal joint {name}");
+            let moved = moved(away);
+            let note = format!("the hinges {names} became the universal joint {name}{moved}");
             Ok((universal(first, second, point), Some(note)))
         }
         [.., last] => {
-            let point = common_point(joints, size)?;
+            let (point, away) = common_point(joints, size)?;
             let names = listed(joints.iter().map(|j| j.name.as_str()));
             let name = quoted(&last.name);
             let note = format!(
                 "the hinges {names} became the ball joint {name}, which has no ranges and the mean of their \
-                 dampers"
+                 dampers{}",
+                moved(away)
             );
             Ok((ball(joints, last, point, frame), Some(note)))
         }
@@ -107,20 +113,33 @@ fn right_angle(pair: &[SettledJoint]) -> Result<(), String> {
     Err(format!("the hinges {names} are not at right angles"))
 }
 
-/// The point in which all axes meet: that of the first two, which are at right angles.
-fn common_point(joints: &[SettledJoint], size: f64) -> Result<Vec3, String> {
+/// What is told of hinges that are moved so far to meet \[m\].
+fn moved(away: Option<f64>) -> String {
+    away.map_or_else(String::new, |away| {
+        format!(", halfway between their axes, which are moved by up to {:.1} mm", 1e3 * away)
+    })
+}
+
+/// The point in which all axes meet, that of the first two, which are at right angles; and how far from it they pass
+/// \[m\], where that is more than round-off.
+fn common_point(joints: &[SettledJoint], size: f64) -> Result<(Vec3, Option<f64>), String> {
     let [first, second, ..] = joints else { return Err("it has no two hinges".to_owned()) };
     let between = second.point_M - first.point_M;
     let on_first = first.point_M + first.axis_M * between.dot(&first.axis_M);
     let on_second = second.point_M - second.axis_M * between.dot(&second.axis_M);
     let point = (on_first + on_second) * 0.5;
-    for joint in joints {
+    let passes = |joint: &SettledJoint| {
         let arm = point - joint.point_M;
-        let away = (arm - joint.axis_M * arm.dot(&joint.axis_M)).norm();
-        if away.is_nan() || away > EXACTNESS * size {
-            let names = listed(joints.iter().map(|joint| joint.name.as_str()));
-            return Err(format!("the hinges {names} do not meet in one point"));
-        }
+        (arm - joint.axis_M * arm.dot(&joint.axis_M)).norm()
+    };
+    let away = joints.iter().map(passes).fold(0.0, f64::max);
+    // What is not a number meets nowhere.
+    if !(joints.iter().all(|joint| passes(joint).is_finite()) && away <= PASSING * size) {
+        let names = listed(joints.iter().map(|joint| joint.name.as_str()));
+        return Err(format!(
+            "the hinges {names} pass each other {:.1} mm apart and do not meet in one point",
+            1e3 * away
+        ));
     }
-    Ok(point)
+    Ok((point, Some(away).filter(|away| *away > EXACTNESS * size)))
 }

@@ -49,7 +49,7 @@ fn every_scene_takes_every_choice() {
                 _ => assert!(sides.contains(&Side::Left) && sides.contains(&Side::Right), "{name}"),
             }
             assert!(!sides.is_empty());
-            assert_eq!(session.softs().len(), own.soft.len(), "{name}");
+            assert_eq!(session.softs().len(), own.soft.len() + own.figure.len(), "{name}");
             // Shipped scenes have right hands only, if any: nothing that refers to one is lost.
             assert_eq!(session.scene().probe.len(), own.probe.len(), "{name}");
             let added = usize::from(own.hand.is_empty()) + usize::from(which == Hands::Both);
