@@ -33,7 +33,8 @@ pub struct FigureOptions {
 }
 
 impl Default for FigureOptions {
-    /// Flesh as that of hands, in a thousand tetrahedra.
+    /// Flesh as that of hands, in a thousand tetrahedra; but nothing damps its motion as a whole, so that what floats keeps
+    /// its momentum.
     fn default() -> Self {
         Self {
             name: "figure".into(),
@@ -46,7 +47,7 @@ impl Default for FigureOptions {
                 poisson: 0.43,
                 density: 1080.0,
             },
-            mass_damping: 1.0,
+            mass_damping: 0.0,
             stiffness_damping: 1e-3,
             friction: 0.6,
             collision_triangles: 1500,

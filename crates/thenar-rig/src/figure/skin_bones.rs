@@ -19,9 +19,8 @@ const BONE_WIDTH: f64 = 0.4;
 /// A part of the skin is long when it is more than twice as long as wide and less than one and a half times as wide as
 /// thick, as thighs, forearms and phalanges are.
 const LONG: [f64; 2] = [2.0, 1.5];
-/// A box that is not deep enough under the skin is made smaller by this factor, so many times at most: to a tenth.
-const SHRINK: f64 = 0.95;
-const SHRINKS_MAX: u32 = 45;
+/// A box grows to its bounds in so many steps.
+const GROWTH: f64 = 20.0;
 /// Vertices belong to the bone that has most of their weight.
 const OWN: f64 = 0.5;
 
@@ -35,7 +34,7 @@ pub fn give_solids(plan: &mut Plan, ends: &[[Vec3; 2]], surface: &Bvh) -> Result
             continue;
         }
         let boxed = plan.skin.as_ref().and_then(|skin| stout(skin, b as u32));
-        let boxed = boxed.map(|(solid, deep)| sunk(solid, deep, surface));
+        let boxed = boxed.and_then(|inside| inside.grown(surface));
         let solids = boxed.map_or_else(|| long(plan, b, ends[b], surface), |solid| vec![solid]);
         if solids.iter().map(|s| radius(&s.shape)).any(|r| r.is_nan() || r <= 0.0) {
             return Err(RigError::invalid(format!(
@@ -73,25 +72,55 @@ fn depth(surface: &Bvh, a: &Vec3, b: &Vec3) -> f64 {
     sum / places.len() as f64
 }
 
-/// Shrinks a box until all of its corners are at least half as deep under the skin as they should be \[m\]: skin is no
-/// box. A box that lies outside altogether ends as small as it may be.
-fn sunk(mut solid: PlanSolid, deep: f64, surface: &Bvh) -> PlanSolid {
-    for _ in 0..SHRINKS_MAX {
-        let Shape::Cuboid { half } = &mut solid.shape else { return solid };
-        let corner =
-            |c: u32| Vec3::from([0, 1, 2].map(|k| if c >> k & 1 == 0 { -1.0 } else { 1.0 }));
-        let mut corners = (0..8).map(|c| solid.pose_MS.point(&corner(c).component_mul(half)));
-        if corners.all(|p| surface.signed_distance(&p) < -0.5 * deep) {
-            return solid;
-        }
-        *half *= SHRINK;
-    }
-    solid
+/// A box in its frame S, from its lowest to its highest corner.
+#[derive(Clone, Copy, Debug)]
+struct Inside {
+    pose_MS: Pose,
+    /// Lowest and highest corner that it may have.
+    bounds: [Vec3; 2],
+    /// Distance under the skin \[m\].
+    deep: f64,
 }
 
-/// A box along the main axes of the skin that a bone moves, as far under it all round as a bone is, and how far that is
-/// \[m\]; none where that skin is long, or too little to tell.
-fn stout(skin: &PlanSkin, bone: u32) -> Option<(PlanSolid, f64)> {
+impl Inside {
+    /// The box grown from its middle, face after face, as far as its corners are at least half as deep under the skin as
+    /// they should be: skin is no box. None where its middle is not.
+    fn grown(&self, surface: &Bvh) -> Option<PlanSolid> {
+        let [low, high] = self.bounds;
+        let middle = 0.5 * (low + high);
+        let fits = |ends: &[Vec3; 2]| {
+            let corner = |c: usize| Vec3::from([0, 1, 2].map(|k| ends[c >> k & 1][k]));
+            let deep =
+                |p: &Vec3| surface.signed_distance(&self.pose_MS.point(p)) < -0.5 * self.deep;
+            (0..8).map(corner).all(|p| deep(&p))
+        };
+        let mut ends = [middle + (low - middle) / GROWTH, middle + (high - middle) / GROWTH];
+        if !fits(&ends) {
+            return None;
+        }
+        let mut grows = true;
+        while std::mem::take(&mut grows) {
+            for face in 0..6 {
+                let (side, k) = (face % 2, face / 2);
+                let mut wider = ends;
+                wider[side][k] += (self.bounds[side][k] - middle[k]) / GROWTH;
+                let within = (wider[side][k] - middle[k]).abs()
+                    <= (self.bounds[side][k] - middle[k]).abs() * (1.0 + 1e-9);
+                if within && fits(&wider) {
+                    (ends, grows) = (wider, true);
+                }
+            }
+        }
+        let half = 0.5 * (ends[1] - ends[0]);
+        let centre = self.pose_MS.point(&(0.5 * (ends[0] + ends[1])));
+        let pose_MS = Pose::new(centre, self.pose_MS.rotation);
+        (half.min() > 0.0).then_some(PlanSolid { shape: Shape::Cuboid { half }, pose_MS })
+    }
+}
+
+/// A box along the main axes of the skin that a bone moves, as far under it all round as a bone is; none where that skin
+/// is long, or too little to tell.
+fn stout(skin: &PlanSkin, bone: u32) -> Option<Inside> {
     let own = skin.mesh.positions.iter().zip(&skin.influences).filter(|(_, four)| {
         four.iter().filter(|(b, _)| *b == bone).map(|(_, w)| w).sum::<f64>() > OWN
     });
@@ -117,10 +146,9 @@ fn stout(skin: &PlanSkin, bone: u32) -> Option<(PlanSolid, f64)> {
         return None;
     }
     let deep = (1.0 - BONE_WIDTH) * thickness;
-    let half = half - Vec3::repeat(deep);
-    let centre = mean + turn * (0.5 * (low + high));
-    let pose_MS = Pose::new(centre, Quat::from_rotation_matrix(&turn));
-    (half.min() > 0.0).then_some((PlanSolid { shape: Shape::Cuboid { half }, pose_MS }, deep))
+    let inset = Vec3::repeat(deep);
+    let pose_MS = Pose::new(mean, Quat::from_rotation_matrix(&turn));
+    Some(Inside { pose_MS, bounds: [low + inset, high - inset], deep })
 }
 
 #[cfg(test)]
@@ -137,29 +165,34 @@ mod tests {
 
     #[test]
     fn a_foot_has_a_box_and_a_thigh_has_none() {
-        let (foot, deep) = stout(&skin(Vec3::new(0.13, 0.03, 0.055)), 0).unwrap();
-        assert!((deep - 0.018).abs() < 1e-12, "{deep}");
-        let Shape::Cuboid { half } = foot.shape else { panic!("{:?}", foot.shape) };
+        let half = Vec3::new(0.13, 0.03, 0.055);
+        let foot = stout(&skin(half), 0).unwrap();
+        assert!((foot.deep - 0.018).abs() < 1e-12, "{foot:?}");
+        let solid = foot.grown(&Bvh::new(&shapes::cuboid(&half))).unwrap();
+        let Shape::Cuboid { half } = solid.shape else { panic!("{:?}", solid.shape) };
         // As far under the skin all round as 0.6 of half the thickness.
         let mut sorted: [f64; 3] = half.into();
         sorted.sort_by(f64::total_cmp);
         for (got, wanted) in sorted.into_iter().zip([0.012, 0.037, 0.112]) {
-            assert!((got - wanted).abs() < 1e-9, "{half:?}");
+            assert!((got - wanted).abs() < 1e-6, "{half:?}");
         }
         assert!(stout(&skin(Vec3::new(0.07, 0.22, 0.075)), 0).is_none());
         assert!(stout(&skin(Vec3::repeat(0.1)), 1).is_none(), "no skin of its own");
         assert!(stout(&skin(Vec3::new(0.08, 0.11, 0.095)), 0).is_some(), "a head");
     }
 
-    /// In a ball a box is shrunk until its corners are deep enough: for half-edges a, √3 a ≤ R - d/2.
+    /// In a ball a box grows until its corners are deep enough: for half-edges a, √3 a ≤ R - d/2, in steps of a twentieth.
     #[test]
     fn a_box_is_as_deep_as_it_should_be() {
         let ball = shapes::sphere(0.1, 12);
-        let half = Vec3::repeat(0.08);
-        let at = PlanSolid { shape: Shape::Cuboid { half }, pose_MS: Pose::identity() };
-        let shrunk = sunk(at, 0.04, &Bvh::new(&ball));
-        let Shape::Cuboid { half } = shrunk.shape else { panic!() };
+        let bounds = [Vec3::repeat(-0.08), Vec3::repeat(0.08)];
+        let inside = Inside { pose_MS: Pose::identity(), bounds, deep: 0.04 };
+        let Shape::Cuboid { half } = inside.grown(&Bvh::new(&ball)).unwrap().shape else {
+            panic!()
+        };
         let most = 0.08 / 3.0_f64.sqrt();
-        assert!(half.x < most && half.x > 0.9 * most, "{half:?}");
+        assert!(half.norm() <= 0.08 && half.min() > most - 0.004, "{half:?}");
+        let outside = Inside { pose_MS: Pose::translation(0.2, 0.0, 0.0), ..inside };
+        assert!(outside.grown(&Bvh::new(&ball)).is_none());
     }
 }

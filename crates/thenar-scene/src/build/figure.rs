@@ -30,6 +30,8 @@ pub struct BuiltFigure {
     pub model: HandModel,
     /// Where its parts are.
     pub handle: HandHandle,
+    /// Springs between flesh and bones, per volume of bone \[N/m⁴\].
+    pub coupling_stiffness: f64,
     /// Poses `pose_WB` in which its bones start, where these are not those of the rest pose.
     pub start: Option<Vec<Pose>>,
 }
@@ -103,7 +105,13 @@ fn add(built: &mut Built, figure: &Figure, files: &Files) -> Result<(), Fault> {
     built.node_starts.push(None);
     let render = model.render.clone();
     built.softs.push(SoftBuild { soft, render, colour: figure.colour });
-    built.figures.push(BuiltFigure { name: figure.name.value.clone(), model, handle, start: None });
+    built.figures.push(BuiltFigure {
+        name: figure.name.value.clone(),
+        model,
+        handle,
+        coupling_stiffness: stiffness,
+        start: None,
+    });
     Ok(())
 }
 

@@ -33,7 +33,7 @@ impl Read for AnglesDeg {
     }
 
     fn schema(defs: &mut Defs, cx: &Cx<'_>) -> serde_json::Value {
-        json!({ "anyOf": [f64::schema(defs, cx), Vec::<f64>::schema(defs, cx)] })
+        json!({ "oneOf": [f64::schema(defs, cx), Vec::<f64>::schema(defs, cx)] })
     }
 }
 

@@ -12,6 +12,9 @@ use thenar::model::Side;
 
 /// Distance of an added hand from the one beside it \[m\].
 const APART: f64 = 0.35;
+/// How far in front of figures a hand is added \[m\]: as far as a person of 1.7 m reaches to the side, and the length of a
+/// hand.
+const BEFORE_FIGURES: f64 = 0.85;
 /// Lowest wrist of an added hand \[m\].
 const HEIGHT_MIN: f64 = 0.15;
 
@@ -67,7 +70,7 @@ pub fn default_hand(scene: &Scene, side: Side) -> Hand {
         flesh: true,
         bones: BonesWord::Solid,
         self_contact: true,
-        motion: Some(still(resting(outwards(side)))),
+        motion: Some(still(before_figures(resting(outwards(side)), scene))),
         grip: Vec::new(),
         driven: true,
         palm_drive: None,
@@ -107,6 +110,12 @@ fn resting(outwards: f64) -> WristTable {
         fingers: Some(-Vec3::z()),
         back: Some(Vec3::y()),
     }
+}
+
+/// The same wrist, in front of the scene's figures if it has any.
+fn before_figures(wrist: WristTable, scene: &Scene) -> WristTable {
+    let forward = if scene.figure.is_empty() { 0.0 } else { BEFORE_FIGURES };
+    WristTable { position: wrist.position.map(|p| p + Vec3::z() * forward), ..wrist }
 }
 
 /// A motion that does not move.

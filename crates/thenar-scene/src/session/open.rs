@@ -82,7 +82,14 @@ impl Session {
             bones: drive::bones(hand),
             soft: hand.flesh().map(|soft| soft as usize),
         });
-        let tuning = Tuning::new(built.world.clone(), hands.collect());
+        let figures = built.figures.iter().map(|figure| HandPart {
+            coupling_stiffness: figure.coupling_stiffness,
+            on_bone: true,
+            bones: figure.handle.bones.start as usize..figure.handle.bones.end as usize,
+            soft: Some(figure.handle.soft as usize),
+        });
+        let parts = hands.chain(figures).collect();
+        let tuning = Tuning::new(built.world.clone(), parts);
         let live = built.hands.iter().map(live_hand).collect();
         let led = vec![None; built.hands.len()];
         let grips = std::mem::take(&mut built.grips);
@@ -121,6 +128,9 @@ impl Session {
             for (bone, pose) in figure.handle.bones.clone().zip(figure.start.iter().flatten()) {
                 self.world.set_rigid_state(bone, *pose, [Vec3::zeros(); 2]);
             }
+            if figure.start.is_some() {
+                place_bound(&mut self.world, figure.handle.soft);
+            }
         }
         drive::fill_scripts(&mut self.input, &mut self.built, &self.world, 0.0);
         for hand in self.built.hands.iter().filter(|hand| hand.motion.is_some()) {
@@ -133,9 +143,7 @@ impl Session {
                 if hand.coupling == CouplingKind::Bone {
                     self.world.set_nodes(soft, &hand.skinned(&self.world));
                 }
-                let mut nodes = self.world.nodes(soft).to_vec();
-                self.world.skin_targets(soft, &mut nodes);
-                self.world.set_nodes(soft, &nodes);
+                place_bound(&mut self.world, soft);
             }
         }
         self.grips.iter_mut().flatten().for_each(|gripping| gripping.restart());
@@ -145,6 +153,13 @@ impl Session {
             }
         }
     }
+}
+
+/// Puts the nodes that springs bind to bones where these want them.
+fn place_bound(world: &mut World, soft: u32) {
+    let mut nodes = world.nodes(soft).to_vec();
+    world.skin_targets(soft, &mut nodes);
+    world.set_nodes(soft, &nodes);
 }
 
 /// Where the text is not at hand, or has been changed, the key alone has to say where.

@@ -67,7 +67,7 @@ model = "body"
 tets = 800
 joint = [{{ name = "*", stiffness = [60], damping = [3] }}]
 key = [
-  {{ time = 0.0, joints = {{ "thigh_left" = [0, 0, 0] }} }},
+  {{ time = 0.0, joints = {{ "*" = [0, 0, 0] }} }},
   {{ time = 0.3, joints = {{ "thigh_left" = [40, 0, 0], "upper_arm_right" = [0, 30, 50], "thorax" = [0, 25, 0] }} }},
   {{ time = 0.6, joints = {{ "thigh_left" = [-30, 10, 0], "upper_arm_right" = [20, 0, 0], "shank_right" = [-50, 0, 0] }} }},
 ]
