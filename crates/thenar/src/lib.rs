@@ -30,7 +30,8 @@ pub mod shape {
 /// Angles, axes and poses of jointed bones, outside any simulation.
 pub mod kinematics {
     pub use crate::skeleton::{
-        Tree, TreeError, closest_angles, joint_angles, joint_rotation, joint_spin, velocity_between,
+        Tree, TreeError, closest_angles, joint_angles, joint_rotation, joint_spin, stretch,
+        velocity_between,
     };
 }
 

@@ -18,7 +18,8 @@ pub fn hand_glb(hand: &HandModel) -> Result<Vec<u8>, RigError> {
     let skeleton = Skeleton {
         names: hand.bones.iter().map(|b| b.name.as_str()).collect(),
         parents: hand.bones.iter().map(|b| b.parent).collect(),
-        poses: hand.bones.iter().map(|b| b.pose_MB).collect(),
+        // A bone's node lies at its joint, not at its centre of mass: other programs turn it there.
+        poses: hand.bones.iter().map(|b| b.pose_MB * b.pose_BT).collect(),
     };
     let positions = embedded(hand, &hand.render);
     let skin = vertex_skin(&hand.render, &hand.flesh.tets, &hand.bindings);

@@ -19,6 +19,8 @@ use thenar::model::{
 };
 use thenar::{Mat3, Pose, Quat, Vec3};
 
+/// More bones are refused: each node is held against each bone.
+const BONES_MAX: usize = 1000;
 /// Least part of a figure's mass that is flesh, where its bones alone weigh more.
 const FLESH_MIN: f64 = 0.2;
 
@@ -32,9 +34,15 @@ pub fn build_figure(
 ) -> Result<(HandModel, FigureReport), RigError> {
     options.check()?;
     phase("reading the figure")?;
+    if plan.bones.len() > BONES_MAX {
+        return Err(RigError::invalid(format!(
+            "the figure has {} bones; {BONES_MAX} are allowed",
+            plan.bones.len()
+        )));
+    }
     plan.scale(options.scale);
-    joints::change(&mut plan, &options.joints)?;
-    let thickness = options.thickness.map(|t| t * options.scale);
+    joints::change_plan(&mut plan, &options.joints)?;
+    let thickness = options.thickness;
     let skin = skin(&plan, thickness)?;
     sensible_size(skin.mesh.bounds())?;
     let surface = Bvh::new(&skin.mesh);
@@ -54,13 +62,14 @@ pub fn build_figure(
     let Bound { bindings, lost } = bind(&plan, &lattice.nodes, thickness.unwrap_or_default());
     phase("weighing the flesh")?;
     let collision = decimate(&fine, options.collision_triangles)?;
+    let material = material(&lattice, &bones, options);
     let [low, high] = skin.mesh.bounds();
     let figure = HandModel {
         name: options.name.clone(),
         side: None,
         joints: joint_descs(&plan, &bones),
         flesh: Flesh {
-            materials: lattice.materials(|_| material(&lattice, &bones, options)),
+            materials: lattice.materials(|_| material),
             nodes: lattice.nodes.clone(),
             tets: lattice.tets.clone(),
             relaxation: Vec::new(),
@@ -186,7 +195,7 @@ fn bones(plan: &Plan, ends: &[[Vec3; 2]]) -> Result<Vec<Bone>, RigError> {
             ends_B: ends.map(|p| pose_MB.inverse_point(&p)),
             radius: radii.fold(0.0, f64::max),
             tracked_joint: None,
-            pose_BT: pose_MB.inverse() * bone.pose_ML,
+            pose_BT: pose_MB.inverse() * Pose::new(begin(bone), bone.pose_ML.rotation),
         })
     });
     each.collect()

@@ -4,6 +4,7 @@
 use super::plan::{Plan, PlanBone, PlanJoint, PlanSkin};
 use crate::RigError;
 use crate::glb::{SkinnedMesh, read_skinned_glb};
+use std::collections::{HashMap, HashSet};
 use thenar::Pose;
 use thenar::model::{Axis, JointKind};
 
@@ -47,16 +48,21 @@ fn bone(name: &str, pose_ML: Pose, parent: Option<u32>) -> PlanBone {
 
 /// Names made unique by numbers.
 fn unique(mut bones: Vec<PlanBone>) -> Vec<PlanBone> {
-    for i in 1..bones.len() {
-        let (before, rest) = bones.split_at_mut(i);
-        let bone = &mut rest[0];
-        let taken = |name: &str| before.iter().any(|other| other.name == name);
-        if taken(&bone.name) {
-            let numbered = (2..).map(|n: u32| format!("{}-{n}", bone.name));
-            let free = numbered.take(before.len() + 1).find(|name| !taken(name));
-            bone.name = free.unwrap_or_default();
-            bone.joint.iter_mut().for_each(|joint| joint.name.clone_from(&bone.name));
+    let mut taken: HashSet<String> = bones.iter().map(|bone| bone.name.clone()).collect();
+    let mut seen: HashMap<String, usize> = HashMap::new();
+    for bone in &mut bones {
+        let count = seen.entry(bone.name.clone()).or_insert(0);
+        *count += 1;
+        if *count == 1 {
+            continue;
         }
+        let mut name = format!("{}-{count}", bone.name);
+        while !taken.insert(name.clone()) {
+            *count += 1;
+            name = format!("{}-{count}", bone.name);
+        }
+        bone.joint.iter_mut().for_each(|joint| joint.name.clone_from(&name));
+        bone.name = name;
     }
     bones
 }

@@ -8,11 +8,11 @@ use thenar::math::tangents;
 use thenar::model::{Axis, HandModel, JointDesc, JointKind};
 use thenar::{Pose, Quat, Vec3};
 
-/// Changes joints, one change after the other.
+/// Changes joints of a figure that is not built yet, one change after the other.
 ///
 /// # Errors
 /// A name fits no joint, or a change does not fit a joint.
-pub fn change(plan: &mut Plan, changes: &[JointChange]) -> Result<(), RigError> {
+pub fn change_plan(plan: &mut Plan, changes: &[JointChange]) -> Result<(), RigError> {
     for change in changes {
         let mut found = false;
         for bone in &mut plan.bones {
@@ -104,15 +104,17 @@ fn change_axes(
         change.ranges.iter().find(|r| !(r.min < r.max && r.min <= 0.0 && r.max >= 0.0))
     {
         return Err(RigError::invalid(format!(
-            "joint \"{name}\": expected a range [smallest, largest] around the rest pose, 0, got [{}, {}] rad",
-            range.min, range.max
+            "joint \"{name}\": expected a range [smallest, largest] around the rest pose, 0, got [{:.1}, {:.1}] degrees",
+            range.min.to_degrees(),
+            range.max.to_degrees()
         )));
     }
     for (axis, range) in axes.iter_mut().zip(&change.ranges) {
         axis.limit = Some(*range);
     }
     for (axis, stiffness) in axes.iter_mut().zip(&change.stiffness) {
-        axis.stiffness = *stiffness;
+        // A spring that is given is relaxed in the rest pose.
+        (axis.stiffness, axis.rest_angle) = (*stiffness, 0.0);
     }
     for (axis, damping) in axes.iter_mut().zip(&change.damping) {
         axis.damping = *damping;

@@ -23,7 +23,7 @@ mod xml;
 pub use build::{build_figure, usual_coupling_stiffness};
 pub use file::{build_figure_file, is_figure, read_plan};
 pub use glb::read_glb_plan;
-pub use joints::change_joints;
+pub use joints::{change_joints, change_plan};
 pub use mjcf::read_mjcf;
 pub use options::{FigureOptions, JointChange};
 pub use plan::{Plan, PlanBone, PlanJoint, PlanMass, PlanSkin, PlanSolid};

@@ -34,11 +34,15 @@ pub fn give_solids(plan: &mut Plan, ends: &[[Vec3; 2]], surface: &Bvh) -> Result
             continue;
         }
         let boxed = plan.skin.as_ref().and_then(|skin| stout(skin, b as u32));
+        let [from, end] = ends[b];
+        // Skin that is thin beside the flesh around the bone says nothing of the bone's width: a loop of vertices.
+        let boxed =
+            boxed.filter(|inside| 2.0 * inside.deep > BONE_WIDTH * depth(surface, &from, &end));
         let boxed = boxed.and_then(|inside| inside.grown(surface));
         let solids = boxed.map_or_else(|| long(plan, b, ends[b], surface), |solid| vec![solid]);
         if solids.iter().map(|s| radius(&s.shape)).any(|r| r.is_nan() || r <= 0.0) {
             return Err(RigError::invalid(format!(
-                "bone \"{}\" has no extent, and lies on the skin: leave its joint out of the rig",
+                "bone \"{}\" has no geometry and lies on or outside the skin: give it geometry, or leave its joint out",
                 plan.bones[b].name
             )));
         }
@@ -65,10 +69,10 @@ fn within(from: &Vec3, to: &Vec3, radius: f64) -> PlanSolid {
     solid::capsule(&(from + inset), &(to - inset), radius)
 }
 
-/// Mean distance to the surface along the middle of the line from `a` to `b` \[m\].
+/// Mean depth under the surface along the middle of the line from `a` to `b` \[m\]; negative outside.
 fn depth(surface: &Bvh, a: &Vec3, b: &Vec3) -> f64 {
     let places = [0.2, 0.35, 0.5, 0.65, 0.8];
-    let sum: f64 = places.iter().map(|t| surface.closest(&a.lerp(b, *t)).distance).sum();
+    let sum: f64 = places.iter().map(|t| -surface.signed_distance(&a.lerp(b, *t))).sum();
     sum / places.len() as f64
 }
 
@@ -106,7 +110,7 @@ impl Inside {
                 wider[side][k] += (self.bounds[side][k] - middle[k]) / GROWTH;
                 let within = (wider[side][k] - middle[k]).abs()
                     <= (self.bounds[side][k] - middle[k]).abs() * (1.0 + 1e-9);
-                if within && fits(&wider) {
+                if within && wider != ends && fits(&wider) {
                     (ends, grows) = (wider, true);
                 }
             }

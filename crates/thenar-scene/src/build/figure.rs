@@ -9,17 +9,17 @@ use super::solver::set;
 use super::{Built, Files, Mesh, RigidLook, SoftBuild, assets, place};
 use crate::format::{BonesWord, Figure, FigureJoint, FigureJointsFile, FigureKey, RootWord, Scene};
 use crate::math::{Pose, Quat, Vec3};
-use crate::text::{At, Fault, Node, SceneError, parse};
+use crate::text::{At, Fault, Node, SceneError, nearest, parse};
 use std::path::Path;
 use thenar::kinematics::{Tree, joint_rotation};
 use thenar::model::{
-    AngleLimit, CouplingKind, HandHandle, HandModel, HandPlacement, JointKind, Motion,
+    AngleLimit, CouplingKind, HandHandle, HandModel, HandPlacement, JointDesc, JointKind, Motion,
 };
 use thenar_rig::figure::{
-    FigureOptions, JointChange, build_figure, build_figure_file, change_joints, shipped_plan,
-    usual_coupling_stiffness,
+    FigureOptions, JointChange, SHIPPED, build_figure, change_joints, change_plan, read_plan,
+    shipped_plan, usual_coupling_stiffness,
 };
-use thenar_rig::{Model, read_model};
+use thenar_rig::{Model, RigError, read_model};
 
 /// A figure in the world.
 #[derive(Clone, Debug)]
@@ -117,19 +117,41 @@ fn add(built: &mut Built, figure: &Figure, files: &Files) -> Result<(), Fault> {
 
 /// A figure built from a file of bones.
 fn made(figure: &Figure, files: &Files) -> Result<HandModel, Fault> {
+    for joint in figure.joint.iter().filter(|joint| joint.value.kind.is_none()) {
+        if !joint.value.axes.is_empty() {
+            return Err(joint.fault("`axes` go with a `kind`: \"hinge\" or \"universal\""));
+        }
+    }
     let options = FigureOptions {
         name: figure.name.value.clone(),
         scale: figure.scale.as_ref().map_or(1.0, |scale| scale.value),
         thickness: figure.flesh.as_ref().map(|flesh| flesh.value),
         tets: tets_wanted(figure) as usize,
-        joints: figure.joint.iter().map(|joint| change(&joint.value)).collect(),
         ..FigureOptions::default()
     };
-    let built = match shipped_plan(&figure.model.value) {
-        Some(plan) => plan.and_then(|plan| build_figure(plan, &options)),
-        None => build_figure_file(&assets::path(files, &figure.model), &options),
+    let wrong = |e: RigError| figure.model.fault(e.to_string());
+    let mut plan = match shipped_plan(&figure.model.value) {
+        Some(plan) => plan.map_err(wrong)?,
+        None if !figure.model.value.contains(['.', '/']) => return Err(unknown(figure)),
+        None => read_plan(&assets::path(files, &figure.model)).map_err(wrong)?,
     };
-    built.map(|(model, _)| model).map_err(|e| figure.model.fault(e.to_string()))
+    for joint in &figure.joint {
+        let changed = change_plan(&mut plan, &[change(&joint.value)]);
+        changed.map_err(|e| joint.fault(e.to_string()))?;
+    }
+    build_figure(plan, &options).map(|(model, _)| model).map_err(wrong)
+}
+
+/// A name that is no file's.
+fn unknown(figure: &Figure) -> Fault {
+    let name = &figure.model.value;
+    let hint = nearest(name, SHIPPED.into_iter())
+        .map_or_else(String::new, |near| format!("; did you mean \"{near}\"?"));
+    let known = SHIPPED.join(", ");
+    figure.model.fault(format!(
+        "no figure \"{name}\" comes with the program ({known} do), and it is no .glb, .vrm, .urdf, .xml, .mjcf or \
+         .thenar file{hint}"
+    ))
 }
 
 /// A figure that was built before.
@@ -232,7 +254,7 @@ fn follow_root(built: &mut Built, f: usize, figure: &Figure) -> Result<(), Fault
             keys.push((key.time, before * pose_MB));
         }
     }
-    // Until the first of them it stays where it is placed.
+    // From where it is placed to the first of them.
     let placed = Pose::new(figure.position, place::rotation(figure.rotation.as_ref())?);
     if keys.first().is_none_or(|key| key.0 > 0.0) {
         keys.insert(0, (0.0, placed * pose_MB));
@@ -247,12 +269,14 @@ fn motors(built: &Built, f: usize, figure: &Figure) -> Result<Vec<Motor>, Fault>
     let BuiltFigure { model, handle, .. } = &built.figures[f];
     let mut of_joint: Vec<Vec<(f64, Vec<f64>)>> = vec![Vec::new(); model.joints.len()];
     for key in &figure.key {
-        for (name, angles) in &key.value.joints {
+        // The more a name says the more it counts: names with a `*` come first, shorter before longer ones.
+        let mut named: Vec<_> = key.value.joints.iter().collect();
+        named.sort_by_key(|(name, _)| (!name.ends_with('*'), name.len()));
+        for (name, angles) in named {
             for j in joints_like(model, name, angles)? {
                 let joint = &model.joints[j];
-                check_angles(joint.kind, &joint.name, angles)?;
+                check_angles(joint, angles)?;
                 let radians = angles.value.0.iter().map(|a| a.to_radians()).collect();
-                // Of two names in one key that fit a joint, the longer one in the alphabet's order counts.
                 match of_joint[j].last_mut() {
                     Some(last) if last.0 == key.value.time => last.1 = radians,
                     _ => of_joint[j].push((key.value.time, radians)),
@@ -270,17 +294,19 @@ fn motors(built: &Built, f: usize, figure: &Figure) -> Result<Vec<Motor>, Fault>
         let springs = if joint.kind == JointKind::Ball { 1 } else { joint.kind.angles() };
         if joint.axes[..springs].iter().any(|axis| axis.stiffness == 0.0) {
             return Err(figure.name.fault(format!(
-                "joint \"{}\" is led by keys and has no spring: give it `stiffness` in a `joint` table",
+                "joint \"{}\" has a motor (keys, or `torque_max`) and no spring: give it `stiffness` in a `joint` table",
                 joint.name
             )));
         }
-        let course = course(joint.kind, &keys, figure);
+        let rest = joint.axes.map(|axis| axis.rest_angle);
+        let course = course(joint.kind, &keys, rest, figure);
         motors.push(Motor { joint: handle.joints.start + j as u32, course, torque_max });
     }
     Ok(motors)
 }
 
-fn course(kind: JointKind, keys: &[(f64, Vec<f64>)], figure: &Figure) -> Course {
+/// Where keys lead a joint; without any it stays where its spring is relaxed.
+fn course(kind: JointKind, keys: &[(f64, Vec<f64>)], rest: [f64; 2], figure: &Figure) -> Course {
     let interpolation = figure.interpolation;
     let at = |angles: &[f64], k: usize| angles.get(k).copied().unwrap_or(0.0);
     if kind == JointKind::Ball {
@@ -295,7 +321,7 @@ fn course(kind: JointKind, keys: &[(f64, Vec<f64>)], figure: &Figure) -> Course 
     let mut keys: Vec<(f64, [f64; 2])> =
         keys.iter().map(|(t, a)| (*t, [at(a, 0), at(a, 1)])).collect();
     if keys.is_empty() {
-        keys.push((0.0, [0.0; 2]));
+        keys.push((0.0, rest));
     }
     Course::Angles { keys, interpolation }
 }
@@ -325,18 +351,26 @@ fn joints_like<T>(model: &HandModel, name: &str, at: &At<T>) -> Result<Vec<usize
     }
 }
 
-fn check_angles(
-    kind: JointKind,
-    name: &str,
-    angles: &At<crate::format::AnglesDeg>,
-) -> Result<(), Fault> {
-    let wanted = if kind == JointKind::Ball { 3 } else { kind.angles() };
+/// As many angles as the joint has, within its range.
+fn check_angles(joint: &JointDesc, angles: &At<crate::format::AnglesDeg>) -> Result<(), Fault> {
+    let JointDesc { name, kind, .. } = joint;
+    let wanted = if *kind == JointKind::Ball { 3 } else { kind.angles() };
     let got = angles.value.0.len();
-    match got == wanted && wanted > 0 {
-        true => Ok(()),
-        false => Err(angles
-            .fault(format!("\"{name}\" is a {kind:?} joint and has {wanted} angles, got {got}"))),
+    if got != wanted || wanted == 0 {
+        return Err(angles
+            .fault(format!("\"{name}\" is a {kind:?} joint and has {wanted} angles, got {got}")));
     }
+    for (axis, angle) in joint.axes.iter().zip(&angles.value.0) {
+        let Some(range) = axis.limit.filter(|_| *kind != JointKind::Ball) else { continue };
+        let [low, high] = [range.min, range.max].map(f64::to_degrees);
+        // What was written in degrees and turned to radians may be off by round-off.
+        if *angle < low - 1e-9 || *angle > high + 1e-9 {
+            return Err(angles.fault(format!(
+                "\"{name}\" turns from {low:.1} to {high:.1} degrees, got {angle}"
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// The largest torque that the last fitting table gives a joint.

@@ -1,21 +1,22 @@
-//! Motors of joints: springs whose rest moves.
+//! Motors of joints: springs whose rest moves, up to a torque.
 
 use super::Track;
 use super::drivers::ease;
 use crate::format::InterpolationWord;
 use crate::math::{Quat, Vec3};
 use thenar::World;
-use thenar::model::JointKind;
-use thenar::world::JointTarget;
+use thenar::kinematics::stretch;
+use thenar::model::{Axis, JointDesc, JointKind};
+use thenar::world::{Input, JointTarget};
 
 /// What leads one joint.
 #[derive(Clone, Debug)]
 pub struct Motor {
-    /// The joint.
+    /// Index of the joint.
     pub joint: u32,
-    /// Where it is led over time.
+    /// Where the joint is led over time.
     pub course: Course,
-    /// Largest torque of the spring about each axis \[N m\]; of a ball about any.
+    /// Largest torque of spring and damper about each axis \[N m\]; of a ball about any.
     pub torque_max: Option<f64>,
 }
 
@@ -48,46 +49,52 @@ impl Motor {
         }
     }
 
-    /// Where the joint is led at time `t` \[s\]: no farther from where it is in `world` than the spring bears with the
-    /// largest torque. A motor at its limit pushes with it and damps nothing.
-    pub fn target(&self, world: &World, t: f64) -> JointTarget {
-        let wanted = self.wanted(t);
-        let Some(torque_max) = self.torque_max else { return wanted };
-        let joint = &world.desc().joints[self.joint as usize];
-        match joint.kind {
-            JointKind::Ball => self.weak_ball(world, wanted, torque_max / joint.axes[0].stiffness),
-            _ => {
-                let [now, rates] = [world.joint_angles(self.joint), world.joint_rates(self.joint)];
-                let mut target = wanted;
-                for k in 0..joint.kind.angles() {
-                    let reach = torque_max / joint.axes[k].stiffness;
-                    // Both are known but for whole turns, and an axis turns the shorter way.
-                    let off = Quat::from_axis_angle(&Vec3::x_axis(), wanted.angles[k] - now[k]);
-                    let ahead = off.scaled_axis().x;
-                    if ahead.abs() > reach {
-                        target.angles[k] = now[k] + reach.copysign(ahead);
-                        target.rates[k] = rates[k];
+    /// Leads the joint for the step that ends at time `t` \[s\]. Where spring and damper would give more than the largest
+    /// torque, by where the joint would be then if it went on as it does, they let go and that torque acts.
+    pub fn lead(&self, input: &mut Input, world: &World, t: f64) {
+        let j = self.joint as usize;
+        let joint = &world.desc().joints[j];
+        let mut target = self.wanted(t);
+        if let Some(most) = self.torque_max {
+            match joint.kind {
+                JointKind::Ball => self.weaken_ball(&mut target, joint, world, most),
+                kind => {
+                    let asked = self.asked(&target, joint, world);
+                    for k in (0..kind.angles()).filter(|&k| asked[k].abs() > most) {
+                        target.gains[k] = 0.0;
+                        input.joint_torques[j][k] += most.copysign(asked[k]);
                     }
                 }
-                target
             }
         }
+        input.joint_targets[j] = Some(target);
     }
 
-    fn weak_ball(&self, world: &World, wanted: JointTarget, reach: f64) -> JointTarget {
-        let joint = &world.desc().joints[self.joint as usize];
-        let frame = |body: u32| world.rigid_pose(body).rotation;
-        let turn_WJ = joint.parent.map_or(Quat::identity(), frame) * joint.pose_PJ.rotation;
-        let turn_WK = frame(joint.child) * joint.pose_CK.rotation;
-        let now = turn_WJ.inverse() * turn_WK;
-        let ahead = (wanted.rotation_JK * now.inverse()).scaled_axis();
-        if ahead.norm() <= reach {
-            return wanted;
-        }
-        let rotation_JK = Quat::from_scaled_axis(ahead * (reach / ahead.norm())) * now;
+    /// Torque that spring and damper of each axis would give \[N m\].
+    fn asked(&self, target: &JointTarget, joint: &JointDesc, world: &World) -> [f64; 2] {
+        let [now, rates] = [world.joint_angles(self.joint), world.joint_rates(self.joint)];
+        [0, 1].map(|k| {
+            let axis = Axis { rest_angle: target.angles[k], ..joint.axes[k] };
+            let then = now[k] + world.time_step() * rates[k];
+            axis.damping * (target.rates[k] - rates[k]) - axis.stiffness * stretch(&axis, then)
+        })
+    }
+
+    /// A ball has no torques of its own: spring and damper are weakened until they give no more than `most`.
+    fn weaken_ball(&self, target: &mut JointTarget, joint: &JointDesc, world: &World, most: f64) {
+        let turn = |body: u32| world.rigid_pose(body).rotation;
         let spin = |body: u32| world.rigid_velocity(body)[1];
+        let turn_WJ = joint.parent.map_or(Quat::identity(), turn) * joint.pose_PJ.rotation;
+        let now_JK = turn_WJ.inverse() * turn(joint.child) * joint.pose_CK.rotation;
         let spin_W = spin(joint.child) - joint.parent.map_or(Vec3::zeros(), spin);
-        JointTarget { rotation_JK, spin_J: turn_WJ.inverse() * spin_W, ..wanted }
+        let spin_J = turn_WJ.inverse() * spin_W;
+        let then_JK = Quat::from_scaled_axis(spin_J * world.time_step()) * now_JK;
+        let ahead = (target.rotation_JK * then_JK.inverse()).scaled_axis();
+        let axis = &joint.axes[0];
+        let asked = (ahead * axis.stiffness + (target.spin_J - spin_J) * axis.damping).norm();
+        if asked > most {
+            target.gains[0] = most / asked;
+        }
     }
 }
 

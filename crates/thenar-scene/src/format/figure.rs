@@ -38,15 +38,15 @@ impl Read for AnglesDeg {
 }
 
 table! {
-    /// One instant of a figure's motion. What is left out is interpolated from the keys around.
+    /// One instant of a figure's motion. Joints that it does not name are interpolated from the keys around.
     pub struct FigureKey {
         /// When [s]; later than the key before.
         time: f64 where DURATION;
-        /// Position of the model's frame, world [m]; of a scripted root.
+        /// Position of the model's frame, world [m], where the root is scripted; left out, that of the key before.
         position: Option<Vec3> where PLACE;
-        /// Its rotation; of a scripted root.
+        /// Rotation of the model's frame, where the root is scripted; left out, that of the key before.
         rotation: Option<At<Rotation>>;
-        /// Angles of joints [degrees] by name; a `*` at its end stands for any ending. 0 is the rest pose. A hinge has one
+        /// Angles of joints [degrees] by name; a `*` at its end stands for any ending, and whole names count more. 0 is the rest pose. A hinge has one
         /// angle, a universal joint two, a ball the three components of its rotation vector in the parent's
         /// joint frame.
         joints: BTreeMap<String, At<AnglesDeg>> where ANGLE;
@@ -67,11 +67,11 @@ table! {
         axes: Vec<Vec3> where PLACE;
         /// Smallest and largest value of each angle [degrees]; 0, the rest pose, lies between.
         range_deg: Vec<[f64; 2]> where HALF_TURN_DEG;
-        /// Spring of each angle [N m/rad], of a ball one: as strong as it a motor leads the joint along the keys.
+        /// Spring of each angle [N m/rad], of a ball one, relaxed in the rest pose: the stiffness of the joint's motor.
         stiffness: Vec<f64> where SPRING;
         /// Damper of each angle [N m s/rad], of a ball one.
         damping: Vec<f64> where SPRING;
-        /// Largest torque of the motor about an axis [N m]. Default: none.
+        /// Largest torque of the motor, spring and damper, about an axis [N m]. Default: any.
         torque_max: Option<f64> where POSITIVE;
     }
 }

@@ -19,7 +19,6 @@ pub fn fill(
     t: f64,
 ) {
     bodies(input, built, world, t);
-    motors(input, built, world, t);
     let Built { hands, world: start, .. } = built;
     for (hand, live) in hands.iter_mut().zip(live) {
         let bones = bones(hand);
@@ -86,7 +85,6 @@ pub fn weigh(
 /// Fills all targets with those of the scripts at time `t` \[s\].
 pub fn fill_scripts(input: &mut Input, built: &mut Built, world: &World, t: f64) {
     bodies(input, built, world, t);
-    motors(input, built, world, t);
     let Built { hands, world: start, .. } = built;
     for hand in hands {
         let bones = bones(hand);
@@ -116,11 +114,9 @@ fn script(hand: &mut BuiltHand, start: &[RigidDesc], t: f64, targets: &mut [Opti
     }
 }
 
-/// Motors of joints.
+/// Motors of joints, after the loads of the step.
 pub fn motors(input: &mut Input, built: &Built, world: &World, t: f64) {
-    for motor in &built.motors {
-        input.joint_targets[motor.joint as usize] = Some(motor.target(world, t));
-    }
+    built.motors.iter().for_each(|motor| motor.lead(input, world, t));
 }
 
 /// Scripted and driven rigid bodies.

@@ -88,6 +88,7 @@ impl Session {
         self.steer_grips(t);
         drive::follow_leaders(&mut self.input, &self.built, &self.led);
         load::fill(&mut self.input, &self.built.loads, &self.world, t);
+        drive::motors(&mut self.input, &self.built, &self.world, t);
         drive::carry(&mut self.input, &self.built, &self.led, &self.world);
         self.report = self.world.step(&self.input, timer);
         self.feel_grips();

@@ -133,6 +133,7 @@ impl Session {
             }
         }
         drive::fill_scripts(&mut self.input, &mut self.built, &self.world, 0.0);
+        drive::motors(&mut self.input, &self.built, &self.world, 0.0);
         for hand in self.built.hands.iter().filter(|hand| hand.motion.is_some()) {
             for bone in hand.handle.bones.clone() {
                 if let Some(target) = self.input.targets[bone as usize] {

@@ -14,6 +14,7 @@ pub use drives::{drive_energy, drive_force, linearise_drive};
 pub use free_body::turn_freely;
 pub use joint_rows::{JointFrames, joint_block, misalignment};
 pub use joint_springs::{
-    AxisState, axis_states, limit_spring_torque, spring_energy, spring_torque, turned_towards,
+    AxisState, axis_states, limit_spring_torque, spring_energy, spring_torque, stretch,
+    turned_towards,
 };
 pub use kinematics::{Tree, TreeError, velocity_between};

@@ -87,10 +87,11 @@ fn add_inertia(
     scratch.b[2 * b + 1] += inertia_W * state.v[2 * b + 1] + torque * h;
 }
 
-/// The spring of axis `k` of a joint, relaxed where the joint's target says.
+/// Spring and damper of axis `k` of a joint, as the joint's target says.
 pub fn relaxed_at(axis: &Axis, target: Option<&JointTarget>, k: usize) -> Axis {
-    let rest_angle = target.map_or(axis.rest_angle, |target| target.angles[k]);
-    Axis { rest_angle, ..*axis }
+    let Some(target) = target else { return *axis };
+    let [stiffness, damping] = [axis.stiffness, axis.damping].map(|x| x * target.gains[k]);
+    Axis { rest_angle: target.angles[k], stiffness, damping, ..*axis }
 }
 
 /// Springs and dampers of joint `j`, torques from outside, and a target where the springs are relaxed.
@@ -108,7 +109,7 @@ fn add_joint_springs(
         let pose_WJ = frames.pose_WJ.rotation;
         let relaxed = target.map_or(Quat::identity(), |target| target.rotation_JK);
         let turn = frames.pose_WK.rotation * (pose_WJ * relaxed).inverse();
-        let axis = &joint.axes[0];
+        let axis = relaxed_at(&joint.axes[0], target.as_ref(), 0);
         let spin_W = target.map_or(Vec3::zeros(), |target| pose_WJ * target.spin_J);
         let torque = crate::math::rotation_vector(&turn) * -axis.stiffness + spin_W * axis.damping;
         let implicit = h * h * axis.stiffness + h * axis.damping;

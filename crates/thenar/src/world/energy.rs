@@ -34,10 +34,11 @@ impl World {
             if joint.kind == JointKind::Ball {
                 let relaxed = target.map_or(Quat::identity(), |target| target.rotation_JK);
                 let angle = frames.pose_WK.rotation.angle_to(&(frames.pose_WJ.rotation * relaxed));
-                energy.joint += 0.5 * joint.axes[0].stiffness * angle * angle;
+                let spring = relaxed_at(&joint.axes[0], target.as_ref(), 0);
+                energy.joint += 0.5 * spring.stiffness * angle * angle;
             }
             for (k, axis) in axis_states(joint.kind, &frames).iter().enumerate() {
-                let spring = relaxed_at(&joint.axes[k], target, k);
+                let spring = relaxed_at(&joint.axes[k], target.as_ref(), k);
                 let stored = |a: AxisState| spring_energy(&spring, joint, limits, a.angle);
                 energy.joint += axis.map_or(0.0, stored);
             }

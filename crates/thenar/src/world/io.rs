@@ -34,25 +34,29 @@ impl Target {
     }
 }
 
-/// Where a joint should be: its spring is relaxed there in the place of `Axis::rest_angle`, and its damper acts
-/// against what its rates differ from these. A position drive of the joint, as strong as they are.
+/// Where a joint should be: a position drive, as strong as the joint's own spring and damper. The spring is relaxed at
+/// these angles in the place of `Axis::rest_angle`, and the damper brakes what the joint's rates differ from these.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointTarget {
     /// Angles (`JointKind::angles`) at the end of the step \[rad\].
     pub angles: [f64; 2],
-    /// Their rates \[rad/s\].
+    /// Rates of these angles \[rad/s\].
     pub rates: [f64; 2],
     /// Of a ball joint: rotation of the child's joint frame K in the parent's J at the end of the step.
     pub rotation_JK: Quat,
-    /// Its angular velocity in J \[rad/s\].
+    /// Angular velocity of that rotation, in J \[rad/s\].
     pub spin_J: Vec3,
+    /// Factor on spring and damper of each axis, from 0 (the joint is let go, and only `Input::joint_torques` act) to 1;
+    /// the first one is a ball joint's.
+    pub gains: [f64; 2],
 }
 
 impl Default for JointTarget {
     /// The joint's zero, at rest.
     fn default() -> Self {
         let (angles, rates) = ([0.0; 2], [0.0; 2]);
-        Self { angles, rates, rotation_JK: Quat::identity(), spin_J: Vec3::zeros() }
+        let (rotation_JK, spin_J) = (Quat::identity(), Vec3::zeros());
+        Self { angles, rates, rotation_JK, spin_J, gains: [1.0; 2] }
     }
 }
 
@@ -69,7 +73,8 @@ impl JointTarget {
 
     /// True when every number is finite.
     pub fn is_finite(&self) -> bool {
-        let numbers = self.angles.iter().chain(&self.rates).chain(self.rotation_JK.coords.iter());
+        let numbers = self.angles.iter().chain(&self.rates).chain(&self.gains);
+        let numbers = numbers.chain(self.rotation_JK.coords.iter());
         numbers.chain(self.spin_J.iter()).copied().all(f64::is_finite)
     }
 }
@@ -82,9 +87,10 @@ impl Input {
         (bodies + joints.count()) as u32
     }
 
-    /// The target of joint `j`, unless it is not finite.
-    pub fn joint_target(&self, j: usize) -> Option<&JointTarget> {
-        self.joint_targets[j].as_ref().filter(|target| target.is_finite())
+    /// The target of joint `j`; one that is not finite lets the joint go.
+    pub fn joint_target(&self, j: usize) -> Option<JointTarget> {
+        let let_go = JointTarget { gains: [0.0; 2], ..JointTarget::default() };
+        self.joint_targets[j].map(|target| if target.is_finite() { target } else { let_go })
     }
 
     /// The target of rigid body `b`, unless it is not finite.
@@ -109,8 +115,8 @@ pub struct Input {
     /// Per joint and measured axis (`JointKind::angles`): torque on the child, opposite on the
     /// parent \[N m\].
     pub joint_torques: Vec<[f64; 2]>,
-    /// Per joint: where its spring is relaxed; `None` leaves that to its rest angle. Joints without angles that are no
-    /// balls have no springs.
+    /// Per joint: where its spring is relaxed; `None` leaves that to its rest angle. Fixed and free joints have no
+    /// springs.
     pub joint_targets: Vec<Option<JointTarget>>,
     /// Per node of all deformable bodies, in order: force, world \[N\].
     pub node_forces: Vec<Vec3>,

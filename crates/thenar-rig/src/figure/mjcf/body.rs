@@ -80,6 +80,9 @@ fn unused(word: &str, from: usize, taken: &BTreeSet<String>) -> String {
     names.find(|name| !taken.contains(name)).unwrap_or_default()
 }
 
+/// Most joints of a body: three turn it every way, and three slide it.
+const JOINTS_MAX: usize = 6;
+
 /// The names that joints have in the file.
 fn joint_names(bodies: &[Raw<'_>]) -> Result<BTreeSet<String>, RigError> {
     let mut names = BTreeSet::new();
@@ -98,6 +101,11 @@ fn link<'a>(
     context: &mut Context<'a>,
 ) -> Result<Link, RigError> {
     let mut joints = Vec::new();
+    if let Some(place) = body.joints.get(JOINTS_MAX) {
+        let name = quoted(&body.name);
+        let problem = format!("body {name} has more than {JOINTS_MAX} joints");
+        return Err(place.element.error(problem));
+    }
     for place in &body.joints {
         let name = match place.element.name("name")? {
             Some(name) => name.to_owned(),

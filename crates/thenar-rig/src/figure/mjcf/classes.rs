@@ -8,6 +8,8 @@ use thenar_input::quoted;
 
 /// Classes nest no deeper.
 const DEPTH_MAX: usize = 50;
+/// Most classes of a file.
+const CLASSES_MAX: usize = 500;
 
 /// All classes of a file; the first applies to what names none.
 pub(super) struct Classes<'a> {
@@ -49,6 +51,10 @@ impl<'a> Classes<'a> {
         let index = self.list.len();
         if self.names.insert(name, index).is_some() {
             return Err(element.error(format!("there is another class {}", quoted(name))));
+        }
+        // Each class holds what it inherits.
+        if index >= CLASSES_MAX {
+            return Err(element.error(format!("there are more than {CLASSES_MAX} classes")));
         }
         let mut class = self.list[outer].clone();
         class.depth += 1;

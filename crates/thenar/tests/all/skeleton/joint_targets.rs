@@ -74,6 +74,7 @@ fn a_moving_target_is_followed_without_lag_if_it_tells_its_rate() {
                         rates: [by, 0.0],
                         rotation_JK: Quat::from_scaled_axis(Vec3::x() * wanted),
                         spin_J: Vec3::x() * by,
+                        ..JointTarget::default()
                     });
                     let report = world.step(&input, &mut ());
                     assert!(!report.non_finite && report.bad_targets == 0);
@@ -130,6 +131,7 @@ fn a_driven_joint_is_internal() {
                 rates: [number(), number()],
                 rotation_JK: Quat::from_scaled_axis(Vec3::new(number(), number(), number())),
                 spin_J: Vec3::new(number(), number(), number()),
+                ..JointTarget::default()
             };
             input.joint_targets[0] = Some(target);
             world.step(&input, &mut ());
@@ -141,12 +143,42 @@ fn a_driven_joint_is_internal() {
     }
 }
 
+/// A joint held away from its rest by a strong spring is not thrown back to it by one bad number: it is let go for a step, and
+/// turns on.
 #[test]
 fn a_target_that_is_no_number_lets_go_for_a_step() {
-    let mut world = rod(JointKind::Hinge, SolverKind::Exact, 1e-3);
-    let mut input = world.input();
-    let bad = JointTarget { angles: [f64::NAN, 0.0], ..JointTarget::default() };
-    input.joint_targets[0] = Some(bad);
-    let report = world.step(&input, &mut ());
-    assert!(report.bad_targets == 1 && !report.non_finite, "{report:?}");
+    for kind in [JointKind::Hinge, JointKind::Ball] {
+        let mut world = rod(kind, SolverKind::Exact, 1e-3);
+        let mut input = world.input();
+        let good = JointTarget {
+            angles: [1.0, 0.0],
+            rotation_JK: Quat::from_scaled_axis(Vec3::x()),
+            ..JointTarget::default()
+        };
+        input.joint_targets[0] = Some(good);
+        (0..4000).for_each(|_| _ = world.step(&input, &mut ()));
+        let bad = JointTarget { angles: [f64::NAN, 0.0], ..good };
+        input.joint_targets[0] = Some(bad);
+        let report = world.step(&input, &mut ());
+        assert!(report.bad_targets == 1 && !report.non_finite, "{report:?}");
+        let turned = world.rigid_pose(0).rotation.scaled_axis().x;
+        assert!((turned - 1.0).abs() < 1e-6, "{kind:?}: {turned} rad");
+    }
+}
+
+/// Let go, a joint has no spring and no damper: a torque turns the rod by τ/I alone.
+#[test]
+fn a_joint_that_is_let_go_turns_freely() {
+    for solver in SOLVERS {
+        let mut world = rod(JointKind::Hinge, solver, 1e-4);
+        let mut input = world.input();
+        input.joint_targets[0] = Some(JointTarget { gains: [0.0; 2], ..JointTarget::default() });
+        let torque = 1e-4;
+        input.joint_torques[0] = [torque, 0.0];
+        (0..100).for_each(|_| _ = world.step(&input, &mut ()));
+        // About x the rod has the inertia of its own axis.
+        let (got, wanted) = (world.rigid_velocity(0)[1].x, torque / 1e-7 * 0.01);
+        assert!((got / wanted - 1.0).abs() < 1e-4, "{solver:?}: {got} rad/s for {wanted}");
+        assert_eq!(world.energy(&input).joint, 0.0);
+    }
 }
