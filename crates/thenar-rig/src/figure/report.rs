@@ -8,7 +8,7 @@ use thenar::model::{HandModel, JointKind};
 /// A built figure in numbers.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct FigureReport {
-    /// Bones.
+    /// Number of bones.
     pub bones: usize,
     /// Name, kind and parent bone of each joint.
     pub joints: Vec<(String, JointKind, String)>,

@@ -112,7 +112,7 @@ fn resting(outwards: f64) -> WristTable {
     }
 }
 
-/// The same wrist, in front of the scene's figures if it has any.
+/// Moves a wrist in front of the scene's figures, if it has any.
 fn before_figures(wrist: WristTable, scene: &Scene) -> WristTable {
     let forward = if scene.figure.is_empty() { 0.0 } else { BEFORE_FIGURES };
     WristTable { position: wrist.position.map(|p| p + Vec3::z() * forward), ..wrist }
