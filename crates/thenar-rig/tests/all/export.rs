@@ -55,7 +55,7 @@ fn a_hand_in_glb_is_valid_and_holds_its_surface_and_bones() {
         assert!((w.iter().sum::<f32>() - 1.0).abs() < 1e-6);
     }
 
-    // Every bone is a node at its rest pose, and its inverse bind matrix undoes that pose.
+    // Every bone is a node at its joint in the rest pose, and its inverse bind matrix undoes that pose.
     let mut nodes = Vec::new();
     let scene = file.scenes().next().expect("a scene");
     scene.nodes().for_each(|n| walk(&n, Pose::identity(), &mut nodes));
@@ -65,10 +65,11 @@ fn a_hand_in_glb_is_valid_and_holds_its_surface_and_bones() {
     assert_eq!(skin.joints().count(), hand.bones.len());
     for (bone, matrix) in hand.bones.iter().zip(inverse) {
         let (_, pose) = nodes.iter().find(|(name, _)| *name == bone.name).expect("its node");
-        assert!((pose.position - bone.pose_MB.position).norm() < 1e-6, "{}", bone.name);
-        assert!(pose.rotation.angle_to(&bone.pose_MB.rotation) < 1e-3, "{}", bone.name);
+        let at_joint = bone.pose_MB * bone.pose_BT;
+        assert!((pose.position - at_joint.position).norm() < 1e-6, "{}", bone.name);
+        assert!(pose.rotation.angle_to(&at_joint.rotation) < 1e-3, "{}", bone.name);
         let matrix = nalgebra::Matrix4::from(matrix).cast::<f64>();
-        let back = matrix * bone.pose_MB.position.push(1.0);
+        let back = matrix * at_joint.position.push(1.0);
         assert!((back - nalgebra::Vector4::w()).norm() < 1e-6, "{}", bone.name);
     }
 }
