@@ -145,7 +145,7 @@ fn made(figure: &Figure, files: &Files) -> Result<HandModel, Fault> {
 /// A name that is no file's.
 fn unknown(figure: &Figure) -> Fault {
     let name = &figure.model.value;
-    let hint = nearest(name, SHIPPED.into_iter())
+    let hint = nearest(name, SHIPPED)
         .map_or_else(String::new, |near| format!("; did you mean \"{near}\"?"));
     let known = SHIPPED.join(", ");
     figure.model.fault(format!(
