@@ -106,11 +106,11 @@ fn add_joint_springs(
 ) {
     let joint = &model.joints[j];
     if joint.kind == crate::model::JointKind::Ball {
-        let pose_WJ = frames.pose_WJ.rotation;
+        let turn_WJ = frames.pose_WJ.rotation;
         let relaxed = target.map_or(Quat::identity(), |target| target.rotation_JK);
-        let turn = frames.pose_WK.rotation * (pose_WJ * relaxed).inverse();
+        let turn = frames.pose_WK.rotation * (turn_WJ * relaxed).inverse();
         let axis = relaxed_at(&joint.axes[0], target.as_ref(), 0);
-        let spin_W = target.map_or(Vec3::zeros(), |target| pose_WJ * target.spin_J);
+        let spin_W = target.map_or(Vec3::zeros(), |target| turn_WJ * target.spin_J);
         let torque = crate::math::rotation_vector(&turn) * -axis.stiffness + spin_W * axis.damping;
         let implicit = h * h * axis.stiffness + h * axis.damping;
         add_relative(model, j, &Mat3::from_diagonal_element(implicit), &(torque * h), scratch);
