@@ -1,7 +1,7 @@
 // The page opens, draws, and what it draws moves; at every size and with several viewers.
 
 import type { Browser } from "playwright-core";
-import { afterAll, beforeAll, expect, test } from "vitest";
+import { afterAll, afterEach, beforeAll, expect, test } from "vitest";
 import { grows, launch, open, read, until } from "./support/browser";
 import { Server } from "./support/server";
 
@@ -13,6 +13,11 @@ beforeAll(async () => {
   browser = await launch();
 });
 
+// A page left open by a test that failed would keep control from those after it.
+afterEach(async () => {
+  for (const context of browser.contexts()) await context.close();
+});
+
 afterAll(async () => {
   await browser?.close();
   expect(await server?.stop(), "Ctrl-C ends the program cleanly").toBe(0);
@@ -22,9 +27,13 @@ test("the page opens without an error and its mesh moves", async () => {
   const { page, problems } = await open(browser, server.url);
   const before = await read(page, (t) => Array.from(t.snapshot!.nodes.slice(0, 300)));
   const steps = await read(page, (t) => t.snapshot!.steps);
-  await until(page, (t) => t.snapshot!.time > 1.0 && t.snapshot!.time < 4.4);
-  const after = await read(page, (t) => Array.from(t.snapshot!.nodes.slice(0, 300)));
-  const moved = Math.max(...after.map((x, i) => Math.abs(x - before[i]!)));
+  // The scene may be at any place of its motion, and holds still now and then: it is watched for a whole turn.
+  let moved = 0;
+  const end = Date.now() + 60_000;
+  while (moved <= 0.005 && Date.now() < end) {
+    const after = await read(page, (t) => Array.from(t.snapshot!.nodes.slice(0, 300)));
+    moved = Math.max(...after.map((x, i) => Math.abs(x - before[i]!)));
+  }
   expect(moved).toBeGreaterThan(0.005);
   expect(moved).toBeLessThan(0.5);
   expect(await read(page, (t) => t.snapshot!.steps)).not.toBe(steps);
@@ -37,7 +46,6 @@ test("the page opens without an error and its mesh moves", async () => {
   expect(sizes.bones).toBe(16);
   expect(sizes.triangles).toBeGreaterThan(20_000);
   expect(problems).toEqual([]);
-  await page.close();
 });
 
 test("the hand grips the loaf: forces reach the page and balance its weight", async () => {
@@ -62,7 +70,6 @@ test("the hand grips the loaf: forces reach the page and balance its weight", as
   expect(lift).toBeGreaterThan(0.5);
   expect(lift).toBeLessThan(1.1);
   expect(pressing.filter((force) => force > 0.01).length).toBeGreaterThanOrEqual(2);
-  await page.close();
 });
 
 for (const [width, height] of [
@@ -82,7 +89,6 @@ for (const [width, height] of [
     expect(layout.overflow).toBeLessThanOrEqual(0);
     expect(layout.canvas).toBeGreaterThan(0.4);
     expect(problems).toEqual([]);
-    await page.close();
   });
 }
 
@@ -100,6 +106,4 @@ test("a second viewer watches: it sees the same and changes nothing", async () =
   await read(second.page, (t) => t.app.connection.send({ type: "control", take: true }));
   await until(second.page, (t) => t.inControl);
   await until(first.page, (t) => !t.inControl);
-  await second.page.close();
-  await first.page.close();
 });
