@@ -12,11 +12,16 @@ use crate::math::Vec3;
 
 /// Steps of one trace at most.
 const TRACE_STEPS_MAX: usize = 48;
+/// Steps along a segment at most: of one that goes 100 mm in a step each is a quarter of a card's thickness.
+const SEGMENT_STEPS_MAX: f64 = 480.0;
 /// A nearest face that turns by less than this (cosine of 45°) from the one that was seen is nearer to it than to one
 /// that is square to it: the point went on along a surface that bends.
 const BENT: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Faces are square to each other within this (cosine): vertices of meshes have single precision.
 const SQUARE: f64 = 10.0 * f32::EPSILON as f64;
+/// A straight way through a plate goes as deep as its middle, and one that cuts off a rim only as far as that reaches
+/// in: half as deep is a quarter of the thickness from the rim.
+const THROUGH: f64 = 0.5;
 /// Out of a shape within this part of the depth: what all steps of a trace come to on a face at 75° to the way, each of
 /// which leaves a part `1 - cos 75°`.
 const OUTSIDE: f64 = 1e-6;
@@ -105,30 +110,37 @@ pub(crate) fn keep_side(
 ) -> Distance {
     if now.value >= 0.0 {
         return match seen {
-            Some(side)
-                if side.normal.dot(&now.gradient) < 0.0
-                    && passes_through(shape, &side.place, p) =>
-            {
-                way_out(shape, p, &side.normal).unwrap_or(now)
+            Some(side) if side.normal.dot(&now.gradient) < 0.0 => {
+                came_through(shape, &side.place, p, &side.normal).unwrap_or(now)
             }
             _ => now,
         };
     }
-    let Some(normal) = seen.map(|s| s.normal).or_else(|| entry(shape, p, u, now.value)) else {
+    let Some(Seen { normal, place }) = seen.or_else(|| entry(shape, p, u, now.value)) else {
         return now;
     };
     let turned = normal.dot(&now.gradient);
     if turned > BENT {
         return now;
     }
-    match way_out(shape, p, &normal) {
-        Some(out) if turned < -SQUARE || out.value > KEPT * now.value => out,
-        _ => now,
-    }
+    let found = match turned < -SQUARE {
+        true => came_through(shape, &place, p, &normal),
+        false => way_out(shape, p, &normal).filter(|out| out.value > KEPT * now.value),
+    };
+    found.unwrap_or(now)
+}
+
+/// The way back along `normal` of a point that came straight through the shape from `from`; `None` for one that went
+/// round its rim: the straight way cuts off no more than that, and lies nowhere as deep as a plate's middle would that
+/// is as thick as the way back.
+fn came_through(shape: &Shape, from: &Vec3, p: &Vec3, normal: &Vec3) -> Option<Distance> {
+    let (out, inside) = way_back(shape, p, normal)?;
+    let is_through = inside > 0.0 && lies_as_deep(shape, from, p, 0.5 * THROUGH * inside);
+    is_through.then_some(out)
 }
 
 /// Normal of the surface where a point now inside came in, if it can have come in by `u`.
-fn entry(shape: &Shape, p: &Vec3, u: &Vec3, depth: f64) -> Option<Vec3> {
+fn entry(shape: &Shape, p: &Vec3, u: &Vec3, depth: f64) -> Option<Seen> {
     let length = u.norm();
     let from = p - u;
     if length <= -depth {
@@ -139,32 +151,47 @@ fn entry(shape: &Shape, p: &Vec3, u: &Vec3, depth: f64) -> Option<Vec3> {
         return None;
     }
     let near = 1e-3 * length;
-    approach_from(shape, &from, there, u, 0.0, near).map(|d| d.gradient)
+    let arrival = approach_from(shape, &from, there, u, 0.0, near)?;
+    Some(Seen { normal: arrival.gradient, place: from })
 }
 
-/// Whether the segment from `from` to `to` meets the inside of the shape.
-fn passes_through(shape: &Shape, from: &Vec3, to: &Vec3) -> bool {
+/// Whether the segment between two points lies so deep inside the shape somewhere, to what a step of the search tells.
+fn lies_as_deep(shape: &Shape, from: &Vec3, to: &Vec3, depth: f64) -> bool {
     let way = to - from;
     let length = way.norm();
+    let least = length / SEGMENT_STEPS_MAX;
     let mut s = 0.0;
-    while s < length {
-        let value = shape.distance(&(from + way * (s / length))).value;
-        if value < 0.0 {
+    loop {
+        let part = if length > 0.0 { s / length } else { 0.0 };
+        let value = shape.distance(&(from + way * part)).value;
+        if value <= least - depth {
             return true;
         }
-        s += value.max(length / TRACE_STEPS_MAX as f64);
+        if s >= length {
+            return false;
+        }
+        // Nearer than by the difference it is not as deep.
+        s = (s + value + depth).min(length);
     }
-    false
 }
 
 /// Depth of `p` along `normal`: how far it must go that way to be outside on that side.
 fn way_out(shape: &Shape, p: &Vec3, normal: &Vec3) -> Option<Distance> {
-    let (mut way, mut deepest) = (0.0, 0.0_f64);
+    way_back(shape, p, normal).map(|(out, _)| out)
+}
+
+/// The same, and how much of that way lies inside the shape \[m\].
+fn way_back(shape: &Shape, p: &Vec3, normal: &Vec3) -> Option<(Distance, f64)> {
+    let (mut way, mut before, mut deepest) = (0.0, 0.0, 0.0_f64);
     for _ in 0..TRACE_STEPS_MAX {
         let at = shape.distance(&(p + way * normal));
         deepest = deepest.max(-at.value);
         if at.value >= -OUTSIDE * deepest && at.gradient.dot(normal) > 0.0 {
-            return Some(Distance { value: at.value - way, gradient: *normal });
+            let inside = if deepest > 0.0 { way - before } else { 0.0 };
+            return Some((Distance { value: at.value - way, gradient: *normal }, inside));
+        }
+        if deepest == 0.0 {
+            before = way + at.value;
         }
         // On the far side to round-off, it goes on, by what is little beside the shape.
         way += at.value.abs().max(OUTSIDE * deepest.max(p.norm()));
@@ -276,6 +303,53 @@ mod tests {
         let round = Vec3::new(0.103, -0.002, 0.0);
         let now = PLATE.distance(&round);
         assert_eq!(keep_side(&PLATE, &round, &Vec3::zeros(), now, Some(seen)), now);
+    }
+
+    /// Round the rim of a plate, with a straight way that cuts off a tenth of its thickness, outside now or just inside
+    /// as in contact; and through, three quarters of its thickness from the rim.
+    #[test]
+    fn a_rim_that_is_cut_off_is_gone_round() {
+        for half in [0.5e-3, 2e-3, 0.01, 0.05] {
+            let plate = Shape::Cuboid { half: Vec3::new(10.0 * half, half, 10.0 * half) };
+            for (inward, through) in [(0.1, false), (0.2, false), (0.75, true), (4.0, true)] {
+                for (above, below) in
+                    [(0.1, 1e-2), (0.1, -1e-3), (3.0, 1e-2), (0.0, 5.0), (30.0, 1e-2)]
+                {
+                    let rim = 10.0 * half - inward * half;
+                    let place = Vec3::new(rim, half * (1.0 + above), 0.0);
+                    let p = Vec3::new(rim, -half * (1.0 + below), 0.0);
+                    let seen = Some(Seen { normal: Vec3::y(), place });
+                    let now = plate.distance(&p);
+                    let d = keep_side(&plate, &p, &(p - place), now, seen);
+                    let what =
+                        format!("{half} m, {inward} from the rim, {above} above, {below} below");
+                    if through {
+                        let depth = half * (2.0 + below);
+                        assert!((d.value / depth + 1.0).abs() < 1e-5, "{what}: {}", d.value);
+                        assert_eq!(d.gradient, Vec3::y(), "{what}");
+                    } else {
+                        assert_eq!(d, now, "{what}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// Past the side of a ball by 95° in a step, as flesh goes that a fast ball passes by: the way back along the old
+    /// normal passes by it, too.
+    #[test]
+    fn what_flies_round_a_ball_is_not_in_it() {
+        for radius in [1e-3, 0.01, 0.3] {
+            let ball = Shape::Sphere { radius };
+            let at = |degrees: f64| {
+                let (sin, cos) = degrees.to_radians().sin_cos();
+                1.01 * radius * Vec3::new(cos, sin, 0.0)
+            };
+            let (place, p) = (at(70.0), at(-25.0));
+            let seen = Some(Seen { normal: place.normalize(), place });
+            let now = ball.distance(&p);
+            assert_eq!(keep_side(&ball, &p, &(p - place), now, seen), now, "{radius} m");
+        }
     }
 
     #[test]

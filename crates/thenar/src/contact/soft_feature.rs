@@ -10,6 +10,7 @@ use crate::contact::aabb::Aabb;
 use crate::contact::collector::{Collector, feature_key};
 use crate::contact::near::{Arrival, Near};
 use crate::contact::sharp_blocks::Prism;
+use crate::contact::soft_deep::ENTERED;
 use crate::contact::soft_rigid::{KEY_POINT, SoftRigid, VertexScratch};
 use crate::contact::soft_round::{ROUND_PLACES, Touches, meet_round};
 use crate::contact::soft_samples::{self, meet_samples};
@@ -211,7 +212,7 @@ fn settle_sharp(pair: &SoftRigid, scratch: &mut FeatureScratch, out: &mut Collec
 }
 
 /// The contact of a sharp point with its nearest triangle, if that is within the margin or the point
-/// has come in through it.
+/// has come in through it. A deep point is inside by winding number: the normal of a fold says the wrong side.
 fn sharp_at_nearest(pair: &SoftRigid, p: &Vec3, i: u32, t: u32) -> Option<Touch> {
     if t == NONE {
         return None;
@@ -223,11 +224,18 @@ fn sharp_at_nearest(pair: &SoftRigid, p: &Vec3, i: u32, t: u32) -> Option<Touch>
     let outward = to_shape(pair.surface.pseudonormal(t, closest.feature, x));
     let distance = closest.distance_squared.sqrt();
     let gap = distance.copysign((p - closest.point).dot(&outward));
+    let is_outside = gap < -ENTERED * pair.surface.edge_mean
+        && !pair.surface.winds_around(&pair.placed.world_point(p), x);
+    let gap = if is_outside { distance } else { gap };
     if gap > pair.margin || is_free(pair, &closest, gap) {
         return None;
     }
-    let smooth = to_shape(pair.surface.smooth_normal(t, &closest.weights, x));
-    let normal = -if smooth == Vec3::zeros() { outward } else { smooth };
+    let normal = if is_outside {
+        (closest.point - p) / distance
+    } else {
+        let smooth = to_shape(pair.surface.smooth_normal(t, &closest.weights, x));
+        -if smooth == Vec3::zeros() { outward } else { smooth }
+    };
     (normal != Vec3::zeros()).then_some(Touch {
         key: [KEY_POINT, i],
         triangle: t,
@@ -291,5 +299,35 @@ fn contact(pair: &SoftRigid, touch: &Touch) -> Contact {
         normal_W: pair.placed.rotation * touch.normal,
         gap: touch.gap,
         friction: pair.friction,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::contact::Shape;
+    use crate::contact::tests::{Scene, boxed, cube};
+    use crate::math::{Pose, Quat, Vec3};
+    use crate::model::Motion;
+
+    /// A side wall turned inside out, as crushed flesh has them, sees corners in front of it as behind it. None of
+    /// them is held: within the margin as far away as it is, beyond not at all.
+    #[test]
+    fn corners_before_a_wall_turned_inside_out_are_not_in_it() {
+        let cone = Shape::Cone { radius: 0.002, height: 0.003 };
+        for shape in [boxed(0.001), cone] {
+            for n in [2, 4, 7] {
+                for away in [0.5e-3, 1.2e-3, 2e-3, 3e-3] {
+                    let mut scene = Scene::new();
+                    let at = Vec3::new(0.02 + away + 0.001, 1e-3, 0.0021);
+                    scene.rigid(Motion::Dynamic, shape.clone(), Pose::new(at, Quat::identity()));
+                    scene.soft(cube(0.04, n));
+                    let points = &mut scene.surfaces[0].0;
+                    points.iter_mut().filter(|p| p.x > 0.0199).for_each(|p| p.y *= -0.5);
+                    let deep: Vec<f64> =
+                        scene.find(1e-3).iter().map(|c| c.gap).filter(|gap| *gap < 0.0).collect();
+                    assert!(deep.is_empty(), "{shape:?}, {n} cells, {away} m: {deep:?}");
+                }
+            }
+        }
     }
 }
