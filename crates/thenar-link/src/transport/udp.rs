@@ -115,7 +115,7 @@ impl Transport for UdpTransport {
         }
     }
 
-    /// Of a socket with a given peer: others do not know whom to write to.
+    /// Only a socket with a given peer has one: others do not know whom to write to.
     #[cfg(unix)]
     fn handle(&mut self) -> io::Result<Option<std::os::fd::OwnedFd>> {
         self.connected.then(|| Ok(self.socket.try_clone()?.into())).transpose()

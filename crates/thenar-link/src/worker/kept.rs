@@ -14,7 +14,7 @@ pub struct Kept {
     keeping: Option<Keeping>,
     /// When the next may be started \[ns\].
     due_ns: u64,
-    /// Its absence was reported.
+    /// The absence of a keeper was reported.
     told: bool,
 }
 

@@ -38,9 +38,9 @@ pub struct Facts {
     pub runtime: Option<i64>,
     /// Period of that \[us\].
     pub period: Option<i64>,
-    /// Processors.
+    /// Number of processors.
     pub processors: usize,
-    /// Those whose clock is not governed by `performance`, and by what instead.
+    /// Processors whose clock is not governed by `performance`, and by what instead.
     pub slow: Vec<(PathBuf, String)>,
     /// The longest that a processor takes to wake from an idle state that is allowed \[us\].
     pub wakes: Option<u32>,

@@ -35,7 +35,7 @@ Limit                     Soft Limit           Hard Limit           Units
 Max locked memory         8388608              8388608              bytes     
 Max realtime priority     0                    95                   
 ";
-/// Of uid and gid 1000, in group 29, without capabilities.
+/// A process of uid and gid 1000, in group 29, without capabilities.
 const STATUS: &str = "Name:\tx\nUid:\t1000\t1000\t1000\t1000\nGid:\t1000\t1000\t1000\t1000\n\
                       Groups:\t29 1000 \nCapEff:\t0000000000000000\n";
 

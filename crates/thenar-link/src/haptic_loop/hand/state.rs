@@ -28,7 +28,7 @@ pub struct HandStateRef<'a> {
     frame: u64,
 }
 
-/// The same, read.
+/// [`HandStateRef`], read.
 #[derive(Deserialize)]
 pub struct HandState {
     side: Side,
@@ -42,7 +42,7 @@ pub struct HandState {
     tracker: Option<(usize, u64)>,
     tracked_ns: u64,
     palm_last: Option<Pose>,
-    /// See [`HandStateRef`].
+    /// Step of the frame that the hand was on.
     pub frame: u64,
 }
 

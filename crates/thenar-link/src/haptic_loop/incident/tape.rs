@@ -63,7 +63,7 @@ impl Tape {
         let (filled, filled_out) = RingBuffer::new(STATES);
         let (mut empty_in, empty) = RingBuffer::new(STATES);
         for _ in 0..STATES {
-            // There is room for exactly so many.
+            // The ring has room for all of them.
             let _ = empty_in.push(vec![0; STATE_ROOM]);
         }
         let tape = Self { inputs, samples, filled, empty, broken: true, state_ns: 0 };
