@@ -384,3 +384,28 @@ fn a_program_that_is_killed_leaves_the_devices_watchdog() {
     std::thread::sleep(Duration::from_millis(50));
     assert_eq!(arm.force(), Vec3::zeros());
 }
+
+/// The paper's device, simulated: its glove moves the hand, and its tendons are sent forces.
+#[test]
+fn a_simulated_cybergrasp_is_felt_with() {
+    use std::io::{BufRead, BufReader};
+    let folder = Folder::new("cybergrasp");
+    let device = "simulated:cybergrasp?side=right&profile=glove.toml";
+    let mut command = Command::new(env!("CARGO_BIN_EXE_thenar"));
+    command.args(["touch", "scene.toml", "--arm", "--device", device]).current_dir(&folder.0);
+    command.env("THENAR_CONFIG", folder.0.join("none"));
+    let mut touch = Touch(command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap());
+    let said = BufReader::new(touch.0.stdout.take().unwrap());
+    // "  2 s  live ... right tracked, 0.31 N wanted, 0.31 N sent, ..."
+    let sent = |line: &str| -> Option<f64> {
+        let (before, _) = line.split_once(" N sent")?;
+        before.rsplit(' ').next()?.parse().ok()
+    };
+    let begun = Instant::now();
+    let felt =
+        said.lines().map_while(Result::ok).take_while(|_| begun.elapsed() < PATIENCE).any(|line| {
+            let live = line.contains("  live") && line.contains("right tracked");
+            live && sent(&line).is_some_and(|force| force > 0.02)
+        });
+    assert!(felt, "no force was ever sent to the tendons");
+}

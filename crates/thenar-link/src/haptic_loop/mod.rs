@@ -80,6 +80,10 @@ use thenar_scene::live::OBSERVATION;
 const RECORDS: usize = 16_384;
 /// How long the threads have to end.
 const ENDING: Duration = Duration::from_millis(500);
+/// How long the monitor has, which may have an incident of tens of MB to write; forces have ended by then.
+const WRITING: Duration = Duration::from_secs(10);
+/// Name of the monitor's thread.
+const MONITOR: &str = "monitor";
 
 /// How the loop runs.
 pub struct Settings {
@@ -201,7 +205,7 @@ impl HapticLoop {
             rate_hz,
         };
         new.shared.control.status().warnings.clone_from(&monitor.warnings);
-        new.spawn("monitor", move || monitor.run())?;
+        new.spawn(MONITOR, move || monitor.run())?;
         Ok(new)
     }
 
@@ -239,7 +243,12 @@ impl Drop for HapticLoop {
         self.shared.control.quit.store(true, Ordering::Release);
         for thread in self.threads.drain(..) {
             let begun = now_ns();
-            while !thread.is_finished() && now_ns() - begun < ENDING.as_nanos() as u64 {
+            let writes = thread.thread().name() == Some(MONITOR);
+            if writes {
+                watchdog::release(&self.shared);
+            }
+            let patience = if writes { WRITING } else { ENDING };
+            while !thread.is_finished() && now_ns() - begun < patience.as_nanos() as u64 {
                 std::thread::sleep(Duration::from_micros(200));
             }
             // One that hangs in a device is left behind; zeros go out below all the same.

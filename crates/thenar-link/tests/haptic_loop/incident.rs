@@ -23,7 +23,7 @@ profile = { kind = "sine", frequency = 0.7 }
 [[load]]
 kind = "force"
 body = "hand/palm"
-force = [0, 4, 0]
+force = [0, 1, 0]
 profile = { kind = "sine", frequency = 0.7 }
 "#;
 
