@@ -18,6 +18,7 @@ mod files;
 mod fit;
 mod haptics;
 mod interrupt;
+mod keeper;
 mod page;
 mod press;
 mod progress;
@@ -80,6 +81,10 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    #[cfg(unix)]
+    if keeper::is_asked() {
+        return keeper::run();
+    }
     interrupt::hear();
     let cli = Cli::parse();
     let done = match cli.command {

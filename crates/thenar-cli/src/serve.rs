@@ -5,12 +5,13 @@ use crate::error::CliError;
 use crate::page::PageOptions;
 use crate::recording::{RecordOptions, Recording};
 use crate::run::{Found, find, tell_overlaps};
-use crate::touch::{DeviceOptions, Teller, WavingGlove, tick_recorder};
+use crate::touch::{DeviceOptions, Simulated, Teller, tick_recorder};
 use crate::{files, interrupt};
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::Duration;
 use thenar_link::haptic_loop::{HapticLoop, page_tracker};
+use thenar_link::profile::page_timing;
 use thenar_scene::recording::TimeOf;
 use thenar_serve::http::Server;
 use thenar_serve::live::{self, Haptics, Live, LiveError, SceneSource};
@@ -102,8 +103,8 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     Ok(())
 }
 
-/// The loop with its simulated gloves.
-type Device = (HapticLoop, Vec<WavingGlove>);
+/// The loop with what is simulated for it.
+type Device = (HapticLoop, Simulated);
 
 /// Opens the devices, if there are any. The page's poses are a tracker beside theirs.
 fn feel(
@@ -113,11 +114,11 @@ fn feel(
     if options.devices.is_empty() {
         return Ok((None, None));
     }
-    let (poses, page) = page_tracker();
-    let (device, twins) = options.start(vec![page], recording.map(tick_recorder))?;
+    let (poses, page) = page_tracker(page_timing()?);
+    let (device, simulated) = options.start(vec![page], recording.map(tick_recorder))?;
     let (port, remote) = (device.port(), device.remote());
     options.arm_if_asked(&remote);
-    Ok((Some((device, twins)), Some(Haptics { port, remote, poses })))
+    Ok((Some((device, simulated)), Some(Haptics { port, remote, poses })))
 }
 
 fn start(

@@ -51,7 +51,7 @@ impl HandOutput {
 }
 
 /// What a display renders of [`HandOutput`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Rendering {
     /// Pulls on fingers, along the pad normal.
     Tendons,

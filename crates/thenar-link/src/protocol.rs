@@ -55,6 +55,13 @@ pub trait Protocol: Send {
         false
     }
 
+    /// The one message that sets the device free, whatever came before it and however often it comes: what a
+    /// [keeper](crate::keeper) sends when this program cannot. None, the default, for a device that holds nobody. At most
+    /// 255 bytes.
+    fn release(&self, send: &mut dyn FnMut(&[u8])) {
+        let _ = send;
+    }
+
     /// The last words: what sets the device free, then what stops its stream.
     fn stop(&mut self, send: &mut dyn FnMut(&[u8])) {
         let _ = send;
@@ -71,6 +78,15 @@ pub trait Transport: Send {
     /// Sends these bytes whole, or nothing. Never waits longer than a few milliseconds: a device
     /// that takes nothing is lost.
     fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
+
+    /// A second handle of what the bytes go through, for a keeper; `None` where there is none to hand over.
+    ///
+    /// # Errors
+    /// The system gives none.
+    #[cfg(unix)]
+    fn handle(&mut self) -> io::Result<Option<std::os::fd::OwnedFd>> {
+        Ok(None)
+    }
 
     /// How often somebody else than the device spoke to us, and was not heard, since this was last
     /// asked.

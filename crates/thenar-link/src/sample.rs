@@ -4,7 +4,7 @@ use thenar::model::Side;
 use thenar_scene::live::LivePose;
 
 /// One hand at an instant.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct HandSample {
     /// Side of the hand.
     pub side: Side,

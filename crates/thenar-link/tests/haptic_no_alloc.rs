@@ -5,6 +5,7 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
+use thenar::haptic::TrackerTiming;
 use thenar::model::Side;
 use thenar_link::haptic_loop::{LoopMode, ManualLoop, Settings, page_tracker};
 use thenar_scene::live::LivePose;
@@ -45,8 +46,9 @@ fn ticks_and_frames_allocate_nothing() {
         let mut session = Session::from_text(SCENE, Path::new("t.toml"), &[]).expect("a scene");
         let opened = thenar_link::open("null:right").expect("a display");
         let displays = opened.display.into_iter().collect();
-        let (mut poses, page) = page_tracker();
-        let settings = Settings { mode, ..Settings::default() };
+        let (mut poses, page) = page_tracker(TrackerTiming::HEADSET);
+        let settings =
+            Settings { mode, trip_folder: Some(std::env::temp_dir()), ..Settings::default() };
         let mut clock = ManualLoop::new(&settings, vec![page], displays).expect("a loop");
         let mut port = clock.port();
         port.attach(&session).expect("a hand");

@@ -3,7 +3,7 @@
 use super::samples::Samples;
 use std::hint::black_box;
 use std::time::Instant;
-use thenar::haptic::{CouplingDesign, Proxies, RigidState};
+use thenar::haptic::{CouplingDesign, Proxies, RigidState, TrackerTiming};
 use thenar::model::Side;
 use thenar::{Mat3, Pose, Quat, Vec3};
 use thenar_link::haptic_loop::{ManualLoop, Settings, page_tracker};
@@ -26,7 +26,7 @@ pub fn tick_us() -> Result<(f64, f64), String> {
     let mut session =
         crate::run::open(scene, &["hand.hand.preset=paper".to_owned()]).map_err(|e| told(&e))?;
     let opened = thenar_link::open("null:right").map_err(|e| told(&e))?;
-    let (mut poses, page) = page_tracker();
+    let (mut poses, page) = page_tracker(TrackerTiming::HEADSET);
     let displays = opened.display.into_iter().collect();
     let mut ticks =
         ManualLoop::new(&Settings::default(), vec![page], displays).map_err(|e| told(&e))?;

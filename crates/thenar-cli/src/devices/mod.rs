@@ -1,6 +1,7 @@
 //! `thenar devices`: gloves and other devices of touch, before they meet a simulation.
 
 mod calibrate;
+mod check;
 mod feel;
 mod list;
 mod simulate;
@@ -21,6 +22,8 @@ pub struct Args {
 enum What {
     /// List connected devices and all drivers.
     List,
+    /// Check whether this machine is fit for touch, and how to mend what it lacks.
+    Check(check::Args),
     /// Show live what a device sends.
     Test(test::Args),
     /// Fit a glove to its wearer.
@@ -36,6 +39,7 @@ enum What {
 pub fn run(args: &Args) -> Result<(), CliError> {
     match &args.what {
         What::List => list::run(),
+        What::Check(args) => check::run(args),
         What::Test(args) => test::run(args),
         What::Calibrate(args) => calibrate::run(args),
         What::Simulate(args) => simulate::run(args),

@@ -57,6 +57,9 @@ const PATIENCE: f64 = 1.0;
 /// The address is wrong, or the device says nothing.
 pub fn run(args: &Args) -> Result<(), CliError> {
     interrupt::listen();
+    if args.feel {
+        crate::keeper::enable();
+    }
     let mut device = thenar_link::open(&args.address)?;
     if let Some(tracker) = &mut device.tracker {
         watch(&mut **tracker, args)?;

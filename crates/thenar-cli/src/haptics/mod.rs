@@ -4,6 +4,7 @@
 mod compare;
 mod map;
 mod rehearse;
+mod replay;
 
 use crate::error::CliError;
 
@@ -22,6 +23,8 @@ enum Command {
     Compare(compare::Args),
     /// Close the loop with a virtual wearer and a late tracker.
     Rehearse(rehearse::Args),
+    /// Make an incident again, bit for bit.
+    Replay(replay::Args),
 }
 
 /// Runs the command.
@@ -33,5 +36,6 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         Command::Map(args) => map::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Rehearse(args) => rehearse::run(args),
+        Command::Replay(args) => replay::run(args),
     }
 }

@@ -1,6 +1,6 @@
 //! Devices on the command line, and what the loop has to tell.
 
-use super::twin::{SIMULATED, WavingGlove};
+use super::simulated::Simulated;
 use crate::error::CliError;
 use std::path::PathBuf;
 use thenar_link::haptic_loop::{HapticLoop, LoopMode, Remote, STATEMENT, Settings, Watcher};
@@ -10,8 +10,8 @@ use thenar_link::{ForceDisplay, LinkError, Tracker};
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct DeviceOptions {
     /// A tracker, a force display, or both, e.g. lucidgloves:/dev/ttyUSB0 (see `thenar devices`); may
-    /// be given several times. `simulated` is a glove that opens and closes by itself, for trying
-    /// without hardware.
+    /// be given several times. For trying without hardware `simulated` is a glove that opens and closes by
+    /// itself, and `simulated:cybergrasp` the paper's: a CyberGlove with a CyberGrasp on it.
     #[arg(long = "device", value_name = "NAME:ADDRESS")]
     pub devices: Vec<String>,
     /// How touch joins the tracked hand and the simulation.
@@ -28,6 +28,9 @@ pub struct DeviceOptions {
     /// profile allows.
     #[arg(long, value_name = "PART", requires = "devices")]
     pub force: Option<f64>,
+    /// Start no keepers: processes that let the wearer go when this program is stopped or killed.
+    #[arg(long, requires = "devices")]
+    pub no_keeper: bool,
     /// Where the last seconds of signals are written when the safety limits stop the forces.
     #[arg(long, value_name = "DIR", default_value = ".", requires = "devices")]
     pub trips: PathBuf,
@@ -66,7 +69,7 @@ impl DeviceOptions {
         &self,
         more: Vec<Box<dyn Tracker>>,
         watcher: Option<Watcher>,
-    ) -> Result<(HapticLoop, Vec<WavingGlove>), CliError> {
+    ) -> Result<(HapticLoop, Simulated), CliError> {
         if self.force.is_some_and(|part| !(0.0..=1.0).contains(&part)) {
             return Err(CliError::Input("--force must be 0 to 1".into()));
         }
@@ -74,20 +77,17 @@ impl DeviceOptions {
             let folder = self.trips.display();
             return Err(CliError::Input(format!("--trips {folder} is not a folder")));
         }
+        if !self.no_keeper {
+            crate::keeper::enable();
+        }
+        let mut simulated = Simulated::default();
         let (mut trackers, mut displays) = (Vec::new(), Vec::<Box<dyn ForceDisplay>>::new());
-        let mut twins = Vec::new();
         for address in &self.devices {
-            let opened = match address.strip_prefix(SIMULATED) {
-                Some(options) => {
-                    let twin = WavingGlove::start()?;
-                    let opened = thenar_link::open(&format!("{}{options}", twin.address()))?;
-                    twins.push(twin);
-                    opened
-                }
-                None => thenar_link::open(address)?,
-            };
-            trackers.extend(opened.tracker);
-            displays.extend(opened.display);
+            for address in simulated.addresses(address)? {
+                let opened = thenar_link::open(&address)?;
+                trackers.extend(opened.tracker);
+                displays.extend(opened.display);
+            }
         }
         trackers.extend(more);
         let settings = Settings {
@@ -102,7 +102,7 @@ impl DeviceOptions {
         for warning in device.remote().status().warnings {
             eprintln!("warning: {warning}");
         }
-        Ok((device, twins))
+        Ok((device, simulated))
     }
 
     /// Says what arming means, and arms if that was asked for.

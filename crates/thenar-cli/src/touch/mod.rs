@@ -2,12 +2,12 @@
 
 mod devices;
 mod report;
+mod simulated;
 mod ticks;
-mod twin;
 
 pub use devices::{DeviceOptions, ModeWord, Teller};
+pub use simulated::Simulated;
 pub use ticks::recorder as tick_recorder;
-pub use twin::WavingGlove;
 
 use crate::error::CliError;
 use crate::interrupt;
@@ -74,7 +74,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         None => None,
     };
     let ticks = recording.as_mut().map(tick_recorder);
-    let (device, _twins) = match args.devices.start(Vec::new(), ticks) {
+    let (device, _simulated) = match args.devices.start(Vec::new(), ticks) {
         Ok(started) => started,
         Err(error) => {
             recording.map(Recording::discard).unwrap_or_default();

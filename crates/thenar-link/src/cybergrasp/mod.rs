@@ -143,6 +143,10 @@ impl Protocol for CyberGrasp {
         self.side.is_none()
     }
 
+    fn release(&self, send: &mut dyn FnMut(&[u8])) {
+        send(&command(self.sequence.wrapping_add(1), &[0.0; DIGITS]));
+    }
+
     fn stop(&mut self, send: &mut dyn FnMut(&[u8])) {
         self.forces = [0.0; DIGITS];
         self.tell(self.sent_ns, send);

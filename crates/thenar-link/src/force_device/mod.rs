@@ -28,6 +28,8 @@ const GAP_NS: u64 = 400_000;
 const SILENCE_NS: u64 = 20_000_000;
 /// A device that was silent for so long may number its states anew \[ns\].
 const RESTART_NS: u64 = 100_000_000;
+/// A release is numbered so far ahead: a keeper has the number of 5 ms ago, and a command goes out every 0.4 ms at most.
+const RELEASE_AHEAD: u32 = 64;
 /// How long the fingers take to close when the button is pressed \[s\].
 const CLOSING: f64 = 0.15;
 /// Time between reports of lost states \[ns\], made if more than one in a hundred was lost.
@@ -144,7 +146,9 @@ impl ForceDevice {
 
 impl Protocol for ForceDevice {
     fn start(&mut self, now_ns: u64, send: &mut dyn FnMut(&[u8])) {
-        *self = Self { seq: self.seq, ..Self::new(self.setup.clone()) };
+        // Beyond what a keeper may have sent.
+        let seq = self.seq.wrapping_add(2 * RELEASE_AHEAD);
+        *self = Self { seq, ..Self::new(self.setup.clone()) };
         // The device learns where its host is, and that nothing shall be felt.
         self.command(now_ns, [Vec3::zeros(); 2], send);
     }
@@ -196,6 +200,13 @@ impl Protocol for ForceDevice {
             _ => [Vec3::zeros(); 2],
         };
         self.command(now_ns, forces, send);
+    }
+
+    /// Ahead of all commands that may have gone out since: bridges leave out older ones.
+    fn release(&self, send: &mut dyn FnMut(&[u8])) {
+        let seq = self.seq.wrapping_add(RELEASE_AHEAD);
+        let time_ns = self.sent_ns.unwrap_or(0);
+        send(&Command { seq, time_ns, force: Vec3::zeros(), torque: Vec3::zeros() }.write());
     }
 
     fn stop(&mut self, send: &mut dyn FnMut(&[u8])) {

@@ -207,3 +207,36 @@ fn damaged_datagrams_do_no_harm() {
     let now = 20_001 * 200 * MS;
     assert_eq!(collect(&mut device, now, &[&state(1, now)]).len(), 1);
 }
+
+/// A keeper has the release of 5 ms ago. The bridge takes it for newer than all that was commanded since, and what is
+/// commanded when the program is back for newer again.
+#[test]
+fn a_release_is_newer_than_what_it_releases() {
+    let (mut device, mut arm) = (ForceDevice::new(setup()), SimulatedArm::new());
+    device.start(MS, &mut |bytes| arm.receive(MS, bytes).unwrap());
+    let mut release = Vec::new();
+    let mut now = MS;
+    // As fast as commands can follow each other.
+    for k in 0..2000_u64 {
+        now += GAP_NS;
+        collect(&mut device, now, &[&arm.state(now)]);
+        for bytes in tick(&mut device, now, Some(&push(1.0 + 1e-4 * k as f64))) {
+            arm.receive(now, &bytes).unwrap();
+        }
+        if k == 2000 - crate::keeper::BEAT_NS / GAP_NS {
+            device.release(&mut |bytes| release.extend_from_slice(bytes));
+        }
+    }
+    assert!(arm.force(now).norm() > 1.0);
+    arm.receive(now, &release).unwrap();
+    assert_eq!(arm.force(now), Vec3::zeros());
+    // Again and again, while the program stands still; then it is back.
+    arm.receive(now, &release).unwrap();
+    device.start(now, &mut |bytes| arm.receive(now, bytes).unwrap());
+    now += GAP_NS;
+    collect(&mut device, now, &[&arm.state(now)]);
+    for bytes in tick(&mut device, now, Some(&push(1.5))) {
+        arm.receive(now, &bytes).unwrap();
+    }
+    assert!((arm.force(now).norm() - 1.5).abs() < 1e-6);
+}

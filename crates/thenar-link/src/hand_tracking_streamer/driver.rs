@@ -2,10 +2,15 @@
 
 use super::{HandTrackingStreamer, Points, TCP_PORT, UDP_PORT};
 use crate::options::Options;
+use crate::profile::camera_timing;
 use crate::transport::{StreamTransport, TcpServer, host_and_port, listening, tcp};
 use crate::worker::{Connect, Device};
 use crate::{Driver, Found, LinkError, Opened};
 use std::net::{IpAddr, Ipv4Addr};
+use std::path::PathBuf;
+
+/// Shipped profile.
+const SHIPPED: &str = include_str!("../../profiles/hts.toml");
 
 /// `hts:udp`, `hts:tcp` and `hts:call:HOST`.
 pub struct HandTrackingStreamerDriver;
@@ -17,7 +22,7 @@ impl Driver for HandTrackingStreamerDriver {
 
     fn about(&self) -> &'static str {
         "Hand Tracking Streamer on a Quest: hts:9000 (UDP), hts:tcp:8000 (it calls us) or \
-         hts:call:HOST:8000; ?from=IP hears one headset only, ?points=local or world"
+         hts:call:HOST:8000; ?from=IP hears one headset only, ?points=local or world, ?profile=FILE"
     }
 
     fn enumerate(&self) -> Vec<Found> {
@@ -25,8 +30,10 @@ impl Driver for HandTrackingStreamerDriver {
     }
 
     fn open(&self, address: &str) -> Result<Opened, LinkError> {
-        let options = Options::parse(self.name(), address, &["from", "points"])?;
+        let options = Options::parse(self.name(), address, &["from", "points", "profile"])?;
         let from = options.value::<IpAddr>("from", "an IP address")?;
+        let profile = options.text("profile").map(PathBuf::from);
+        let timing = camera_timing(self.name(), SHIPPED, profile)?;
         let points = match options.text("points") {
             None | Some("auto") => Points::Auto,
             Some("local") => Points::Local,
@@ -60,7 +67,7 @@ impl Driver for HandTrackingStreamerDriver {
         };
         let protocol = HandTrackingStreamer::new(datagrams, points);
         Device::tracker(format!("hts:{}", options.place), connect, Box::new(protocol))
-            .seen_by_cameras()
+            .timed(timing)
             .open()
     }
 }

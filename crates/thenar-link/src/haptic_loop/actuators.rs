@@ -3,6 +3,7 @@
 
 use super::hand::LoopHand;
 use crate::{DIGITS, HandOutput, Rendering};
+use serde::{Deserialize, Serialize};
 use thenar::haptic::StopLatch;
 use thenar::haptic::safety::{Bank, LimitError, Limits, Signal, Status, Trip};
 
@@ -10,7 +11,7 @@ use thenar::haptic::safety::{Bank, LimitError, Limits, Signal, Status, Trip};
 const STOP_FORCES: [f64; 2] = [0.3, 0.1];
 
 /// What a display can do, and may.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Ability {
     /// What it renders.
     pub rendering: Rendering,
@@ -21,7 +22,7 @@ pub struct Ability {
 }
 
 /// What came in and went out in a tick, per axis: fingers, or x, y, z.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Axis {
     /// Force asked for \[N\].
     pub wanted: f64,
@@ -34,12 +35,14 @@ pub struct Axis {
 }
 
 /// The guards of one display for one hand.
+#[derive(Serialize, Deserialize)]
 pub struct Actuators {
     bank: Guards,
     latches: [StopLatch; DIGITS],
     axes: [Axis; DIGITS],
 }
 
+#[derive(Serialize, Deserialize)]
 enum Guards {
     Fingers(Bank<1>),
     /// A force, and perhaps a torque.

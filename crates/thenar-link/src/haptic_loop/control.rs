@@ -31,6 +31,10 @@ pub struct Control {
     pub(super) barks: AtomicU64,
     /// Records that found no room.
     pub(super) lost: AtomicU64,
+    /// The system has refused to lock memory.
+    pub(super) unlocked: AtomicBool,
+    /// What threads without a place in the status have to report.
+    notes: Mutex<Vec<String>>,
     pub(super) status: Mutex<Status>,
 }
 
@@ -47,6 +51,8 @@ impl Default for Control {
             beat_ns: AtomicU64::new(0),
             barks: AtomicU64::new(0),
             lost: AtomicU64::new(0),
+            unlocked: AtomicBool::new(false),
+            notes: Mutex::default(),
             status: Mutex::default(),
         }
     }
@@ -56,6 +62,16 @@ impl Control {
     /// A panic while the status was held did no harm to it.
     pub(super) fn status(&self) -> MutexGuard<'_, Status> {
         self.status.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Leaves a message for the monitor. Not for the loop.
+    pub(super) fn note(&self, message: String) {
+        self.notes.lock().unwrap_or_else(PoisonError::into_inner).push(message);
+    }
+
+    /// Messages left since this was last asked.
+    pub(super) fn take_notes(&self) -> Vec<String> {
+        std::mem::take(&mut *self.notes.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
 

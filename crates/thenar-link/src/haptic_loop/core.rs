@@ -1,8 +1,13 @@
 //! One tick of everything: all hands, all trackers, all guards. Time is an argument; nothing here
 //! waits, allocates or reads a clock, so that tests run it on any clock they like.
 
+mod state;
+
+pub use state::CoreState;
+
 use super::actuators::{Ability, Actuators, Heard};
 use super::hand::LoopHand;
+use super::incident::{Input, Tape};
 use super::record::TickRecord;
 use crate::{ForceDisplay, HandOutput, Rendering, Tracker};
 use rtrb::Producer;
@@ -26,6 +31,8 @@ pub struct Core {
     /// What will have stopped all forces once they have faded.
     fading: Option<Trip>,
     records: Producer<TickRecord>,
+    /// What enters is kept by this for an incident.
+    tape: Option<Tape>,
     /// Records that found no room.
     lost: u64,
 }
@@ -68,6 +75,7 @@ impl Core {
             stopped: None,
             fading: None,
             records,
+            tape: None,
             lost: 0,
         })
     }
@@ -79,6 +87,18 @@ impl Core {
     pub fn guards(&self, hands: usize) -> Result<Vec<Actuators>, LimitError> {
         let each = self.displays.iter().flat_map(|display| std::iter::repeat_n(display, hands));
         each.map(Actuators::new).collect()
+    }
+
+    /// Keeps what enters by this from now on.
+    pub fn keep_by(&mut self, tape: Tape) {
+        self.tape = Some(tape);
+    }
+
+    /// Takes down what enters.
+    fn note(&mut self, input: Input) {
+        if let Some(tape) = &mut self.tape {
+            tape.input(input);
+        }
     }
 
     /// Puts other hands in place of those there are, and gives those back for whoever calls to
@@ -96,18 +116,23 @@ impl Core {
             self.actuators.iter_mut().for_each(Actuators::arm);
         }
         if let Some(reason) = self.stopped {
-            self.trip(reason);
+            self.stop(reason);
+        }
+        if let Some(tape) = &mut self.tape {
+            tape.begin();
         }
     }
 
     /// Lets forces through, after the guards' wait and ramp.
     pub fn arm(&mut self) {
+        self.note(Input::Arm);
         (self.armed, self.stopped, self.fading) = (true, None, None);
         self.actuators.iter_mut().for_each(Actuators::arm);
     }
 
     /// Lets forces fade as fast as their slew limits allow, and then stops all displays until armed.
     pub fn fade_out(&mut self, reason: Trip) {
+        self.note(Input::Fade(reason));
         if self.armed && self.stopped.is_none() {
             self.fading.get_or_insert(reason);
         }
@@ -115,6 +140,11 @@ impl Core {
 
     /// Stops all displays until armed, those of hands that come later too.
     pub fn trip(&mut self, reason: Trip) {
+        self.note(Input::Stop(reason));
+        self.stop(reason);
+    }
+
+    fn stop(&mut self, reason: Trip) {
         if self.armed {
             self.stopped.get_or_insert(reason);
         }
@@ -139,18 +169,34 @@ impl Core {
             Rendering::Vibration => now_ns,
             Rendering::Tendons | Rendering::Stops | Rendering::Wrench => 0,
         };
-        self.heard[display] = heard_ns.unwrap_or(silent);
+        let heard_ns = heard_ns.unwrap_or(silent);
+        if std::mem::replace(&mut self.heard[display], heard_ns) != heard_ns {
+            self.note(Input::Heard(display as u8, heard_ns));
+        }
+    }
+
+    /// A display was last heard then \[ns\]; `None` if there is no such display.
+    pub fn hear_at(&mut self, display: usize, heard_ns: u64) -> Option<()> {
+        *self.heard.get_mut(display)? = heard_ns;
+        Some(())
     }
 
     /// One tick: poses in, steps, guards, outputs. Allocates nothing.
     pub fn tick(&mut self, time: &TickTime, enabled: bool) {
         let now_ns = time.now_ns;
+        let held = enabled;
         let enabled = enabled && self.fading.is_none();
-        for hand in &mut self.hands {
-            hand.update();
+        for (number, hand) in self.hands.iter_mut().enumerate() {
+            let frame = hand.update();
+            if let (Some(step), Some(tape)) = (frame, &mut self.tape) {
+                tape.input(Input::Frame(number as u8, step));
+            }
             for (index, tracker) in self.trackers.iter_mut().enumerate() {
                 let timing = tracker.timing();
                 if let Some(sample) = tracker.latest(hand.side()) {
+                    if let Some(tape) = &mut self.tape {
+                        tape.sample(index, sample, timing);
+                    }
                     hand.take_timed(index, sample, now_ns, timing);
                 }
             }
@@ -162,17 +208,23 @@ impl Core {
             self.outputs[i] = actuators.tick(now_ns, &mut self.hands[i % hands], heard);
         }
         if let Some(reason) = self.fading.filter(|_| self.is_forceless()) {
-            self.trip(reason);
+            self.stop(reason);
             self.fading = None;
         }
         // One trip stops all: a wearer has two hands.
         if let Some(reason) = self.tripped() {
-            self.trip(reason);
+            self.stop(reason);
             for output in &mut self.outputs {
                 *output = HandOutput::released(output.side, now_ns);
             }
         }
         self.write_records(time);
+        self.note(Input::Tick(now_ns, held));
+        // Out of its place for as long as it looks at all the rest.
+        if let Some(mut tape) = self.tape.take() {
+            tape.state(now_ns, |room| self.write_state(room));
+            self.tape = Some(tape);
+        }
     }
 
     /// No force and no torque went out in the last tick.
@@ -220,6 +272,11 @@ impl Core {
                 self.lost += 1;
             }
         }
+    }
+
+    /// What each display can do.
+    pub fn displays(&self) -> &[Ability] {
+        &self.displays
     }
 
     /// The outputs of the last tick.

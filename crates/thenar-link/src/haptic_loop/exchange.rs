@@ -2,12 +2,13 @@
 //! neither side waits for the other.
 
 use crate::DIGITS;
+use serde::{Deserialize, Serialize};
 use thenar::haptic::{FastToSlow, RigidState, SlowToFast};
 use thenar::world::{self, State, Target};
 use triple_buffer::{Input, Output, triple_buffer};
 
 /// What a finger touches, as of a simulation frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FingerContact {
     /// Contact area \[m²\].
     pub area: f64,
@@ -20,7 +21,7 @@ pub struct FingerContact {
 }
 
 /// A simulation frame of one hand.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Frame {
     /// Bones, and how they answer.
     pub bones: SlowToFast,

@@ -1,5 +1,9 @@
 //! One hand in the loop: samples of its tracker in, forces of its couplings out.
 
+mod state;
+
+pub use state::HandState;
+
 use super::exchange::{FastEnds, Frame};
 use crate::{DIGITS, HandSample};
 use thenar::haptic::{
@@ -31,6 +35,8 @@ pub struct LoopHand {
     report: HandReport,
     last_ns: Option<u64>,
     beginnings: u64,
+    /// Step of the frame that the hand is on.
+    frame_step: u64,
     /// Number of the tracker that moves the hand, and when its newest sample came \[ns\].
     tracker: Option<(usize, u64)>,
     /// Time of the sample that the last tick took, if it took one \[ns\].
@@ -59,6 +65,7 @@ impl LoopHand {
         }
         let frame = ends.frame.read();
         let (targets, beginnings) = (frame.targets.clone(), frame.beginnings);
+        let frame_step = frame.bones.step;
         Self {
             side,
             live,
@@ -71,6 +78,7 @@ impl LoopHand {
             report: HandReport::default(),
             last_ns: None,
             beginnings,
+            frame_step,
             tracker: None,
             fresh_ns: None,
             tracked_ns: 0,
@@ -139,17 +147,19 @@ impl LoopHand {
         }
     }
 
-    /// Takes the newest simulation frame, if there is one. Begins a tick.
-    pub fn update(&mut self) {
+    /// Takes the newest simulation frame, and gives its step, if there is one. Begins a tick.
+    pub fn update(&mut self) -> Option<u64> {
         self.fresh_ns = None;
-        self.ends.frame.update();
+        let fresh = self.ends.frame.update();
         let frame = self.ends.frame.output_buffer_mut();
+        self.frame_step = frame.bones.step;
         if frame.beginnings != self.beginnings {
             // The bones are elsewhere: the hand sets out from there, smoothly.
             self.beginnings = frame.beginnings;
             self.targets.copy_from_slice(&frame.targets);
             self.live.restart(&self.targets);
         }
+        fresh.then_some(self.frame_step)
     }
 
     /// One tick. Allocates nothing.

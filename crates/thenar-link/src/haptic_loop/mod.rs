@@ -22,8 +22,10 @@
 //!   five seconds of signals and writes them into a file when the guards trip.
 //! - Displays get zeros until [`Remote::arm`]: a dry run. Every way out sends zeros: the end of
 //!   the program, a signal (with [`stop_all`] in its handler), a panic in any of the threads, a lost
-//!   device, a lost simulation. A process that is killed outright can send nothing; what the device then
-//!   does is up to its firmware.
+//!   device, a lost simulation. A process that is killed outright can send nothing: a keeper
+//!   ([`crate::keeper`]) does it in its place, for devices that can be told.
+//! - What entered in the last seconds is kept and written down at a trip ([`incident`]), so that it can be made
+//!   again to the same bits.
 //!
 //! The simulation's side is a [`SimulationPort`]: called before and after each step, on whatever
 //! thread steps.
@@ -31,35 +33,37 @@
 mod actuators;
 mod control;
 mod core;
+mod deadlines;
 mod exchange;
 mod hand;
 mod histogram;
+pub mod incident;
 mod lookout;
 mod monitor;
 mod page;
 mod pauses;
 mod port;
-mod realtime;
 mod record;
 mod watchdog;
 
 pub use actuators::{Ability, Actuators, Axis, Heard};
 pub use control::{DeviceStatus, HandStatus, Remote, STATEMENT, State, Status};
 pub use core::{Core, TickTime};
+pub use deadlines::{Alarm, Deadlines};
 pub use exchange::{FastEnds, FingerContact, Frame, Lead, SlowEnds, slots};
 pub use hand::LoopHand;
 pub use histogram::Histogram;
 pub use monitor::Watcher;
 pub use page::{PagePoses, page_tracker};
 pub use port::{LoopMode, PortError, SimulationPort};
-pub use realtime::{Alarm, Deadlines};
-pub use record::{TickRecord, header, line};
+pub use record::{TickRecord, header, line, word};
 
+use crate::realtime::{Urgency, lock_memory, raise_priority, touch_stack};
 use crate::{ForceDisplay, LinkError, Rendering, Tracker, now_ns};
 use control::Control;
+use incident::{Incident, Reel, Tape};
 use lookout::Lookouts;
 use monitor::Monitor;
-use realtime::{Urgency, lock_memory, raise_priority};
 use rtrb::Consumer;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
@@ -76,6 +80,10 @@ use thenar_scene::live::OBSERVATION;
 const RECORDS: usize = 16_384;
 /// How long the threads have to end.
 const ENDING: Duration = Duration::from_millis(500);
+/// How long the monitor has, which may have an incident of tens of MB to write; forces have ended by then.
+const WRITING: Duration = Duration::from_secs(10);
+/// Name of the monitor's thread.
+const MONITOR: &str = "monitor";
 
 /// How the loop runs.
 pub struct Settings {
@@ -115,6 +123,24 @@ pub struct Shared {
     core: Mutex<Core>,
     displays: Mutex<Vec<Box<dyn ForceDisplay>>>,
     control: Arc<Control>,
+    /// Frames of the last seconds, where incidents are kept.
+    frames: Option<incident::Frames>,
+    /// A thread ticks in real time; else whoever holds the loop says when.
+    in_real_time: bool,
+}
+
+impl Shared {
+    /// Locks what hands brought along that are about to be felt. A loop that was refused it from the start has said so.
+    fn lock_hands(&self) {
+        if !self.in_real_time || self.control.unlocked.load(Ordering::Acquire) {
+            return;
+        }
+        if let Err(cause) = lock_memory() {
+            self.control.unlocked.store(true, Ordering::Release);
+            let limit = "the limit of locked memory is too low for these hands";
+            self.control.note(without("locked memory", &format!("{cause}: {limit}")));
+        }
+    }
 }
 
 /// A running loop; dropping it sends zeros, ends its threads and closes the devices.
@@ -144,13 +170,21 @@ impl HapticLoop {
         let (design, too_stiff) = fitted(&settings.design, rate_hz, &displays);
         let limits = limits_of(&settings, &displays);
         let bounds = bounds_of(&settings, &displays);
-        let (shared, monitored) = share(&settings, trackers, displays)?;
+        let (shared, monitored) = share(&settings, trackers, displays, true)?;
         let mut new = Self { shared, mode, design, bounds, threads: Vec::new() };
         let (told, warnings) = std::sync::mpsc::channel();
         let shared = new.shared.clone();
         let period = Duration::from_secs_f64(1.0 / rate_hz);
         new.spawn("haptics", move || {
-            let refused = [raise_priority(Urgency::Loop), lock_memory()];
+            let urgent = raise_priority(Urgency::Loop);
+            // The stack first, so that it is locked with the rest.
+            touch_stack();
+            let locked = lock_memory();
+            shared.control.unlocked.store(locked.is_err(), Ordering::Release);
+            let refused = [
+                urgent.err().map(|cause| without("real-time priority", &cause)),
+                locked.err().map(|cause| without("locked memory", &cause)),
+            ];
             let _ = told.send(refused.into_iter().flatten().collect());
             drop(told);
             run(&shared, period);
@@ -159,8 +193,10 @@ impl HapticLoop {
         new.spawn("watchdog", move || watchdog::run(&shared))?;
         let monitor = Monitor {
             shared: new.shared.clone(),
-            records: monitored,
+            records: monitored.records,
+            reel: monitored.reel,
             watcher: settings.watcher,
+            incidents: std::collections::VecDeque::new(),
             folder: settings.trip_folder,
             warnings: [too_stiff, warnings.recv_timeout(ENDING).unwrap_or_default()].concat(),
             messengers,
@@ -169,7 +205,7 @@ impl HapticLoop {
             rate_hz,
         };
         new.shared.control.status().warnings.clone_from(&monitor.warnings);
-        new.spawn("monitor", move || monitor.run())?;
+        new.spawn(MONITOR, move || monitor.run())?;
         Ok(new)
     }
 
@@ -207,7 +243,12 @@ impl Drop for HapticLoop {
         self.shared.control.quit.store(true, Ordering::Release);
         for thread in self.threads.drain(..) {
             let begun = now_ns();
-            while !thread.is_finished() && now_ns() - begun < ENDING.as_nanos() as u64 {
+            let writes = thread.thread().name() == Some(MONITOR);
+            if writes {
+                watchdog::release(&self.shared);
+            }
+            let patience = if writes { WRITING } else { ENDING };
+            while !thread.is_finished() && now_ns() - begun < patience.as_nanos() as u64 {
                 std::thread::sleep(Duration::from_micros(200));
             }
             // One that hangs in a device is left behind; zeros go out below all the same.
@@ -220,6 +261,14 @@ impl Drop for HapticLoop {
             displays.clear();
         }
     }
+}
+
+/// What the system refuses the loop, for a person.
+fn without(what: &str, cause: &str) -> String {
+    format!(
+        "the haptic loop runs without {what} ({cause}): ticks will be late on a busy machine; \
+         `thenar devices check` says how to allow it"
+    )
 }
 
 /// The couplings that these displays can render: no stiffer than their makers rate, and what speaks
@@ -281,12 +330,19 @@ fn limits_of(settings: &Settings, displays: &[Box<dyn ForceDisplay>]) -> Vec<Abi
     displays.iter().map(|display| able(display.as_ref())).collect()
 }
 
-/// What loop, watchdog and monitor work on, and the monitor's end of the records.
+/// The monitor's ends of what the loop hands on.
+struct Monitored {
+    records: Consumer<TickRecord>,
+    reel: Option<Reel>,
+}
+
+/// What loop, watchdog and monitor work on, and the monitor's ends.
 fn share(
     settings: &Settings,
     trackers: Vec<Box<dyn Tracker>>,
     displays: Vec<Box<dyn ForceDisplay>>,
-) -> Result<(Arc<Shared>, Consumer<TickRecord>), LinkError> {
+    in_real_time: bool,
+) -> Result<(Arc<Shared>, Monitored), LinkError> {
     let wrong = |what: &str, cause: String| LinkError::Setting { what: what.into(), cause };
     if let Some(grip) = settings.grip.filter(|grip| !(*grip > 0.0 && *grip <= 1000.0)) {
         let cause = format!("{grip} N s/m is not more than 0 and at most 1000");
@@ -299,15 +355,24 @@ fn share(
     }
     let limits = limits_of(settings, &displays);
     let (records, monitored) = rtrb::RingBuffer::new(RECORDS);
-    let core = Core::new(trackers, limits, records)
+    let mut core = Core::new(trackers, limits, records)
         .map_err(|cause| wrong("a device's limits", cause.to_string()))?;
+    // Single-rate has a whole simulation for a state.
+    let kept = settings.trip_folder.is_some() && settings.mode != LoopMode::SingleRate;
+    let reel = kept.then(|| {
+        let (tape, reel) = Tape::new();
+        core.keep_by(tape);
+        reel
+    });
     let shared = Arc::new(Shared {
         core: Mutex::new(core),
         displays: Mutex::new(displays),
         control: Arc::new(Control::default()),
+        frames: kept.then(incident::Frames::default),
+        in_real_time,
     });
     register(&shared);
-    Ok((shared, monitored))
+    Ok((shared, Monitored { records: monitored, reel }))
 }
 
 /// A haptic loop without threads and clocks: whoever holds it says when it ticks. For tests and
@@ -319,6 +384,8 @@ pub struct ManualLoop {
     bounds: FeltBounds,
     /// What ticks did.
     pub records: Consumer<TickRecord>,
+    /// What entered in the last seconds, where a folder for trips is set.
+    pub reel: Option<Reel>,
 }
 
 impl ManualLoop {
@@ -332,8 +399,9 @@ impl ManualLoop {
         displays: Vec<Box<dyn ForceDisplay>>,
     ) -> Result<Self, LinkError> {
         let bounds = bounds_of(settings, &displays);
-        let (shared, records) = share(settings, trackers, displays)?;
-        Ok(Self { shared, mode: settings.mode, design: settings.design, bounds, records })
+        let (shared, Monitored { records, reel }) = share(settings, trackers, displays, false)?;
+        let (mode, design) = (settings.mode, settings.design);
+        Ok(Self { shared, mode, design, bounds, records, reel })
     }
 
     /// One tick at `now_ns`; false when it was left out.
@@ -349,6 +417,14 @@ impl ManualLoop {
     /// For whoever steps the simulation.
     pub fn port(&self) -> SimulationPort {
         SimulationPort::new(self.shared.clone(), self.mode, self.design, self.bounds)
+    }
+
+    /// What is kept of the last seconds, with these records of them; `None` where nothing is.
+    pub fn incident(&mut self, reason: &str, records: &[TickRecord]) -> Option<Incident> {
+        let displays = self.core(|core| core.displays().to_vec());
+        let (reel, frames) = (self.reel.as_mut()?, self.shared.frames.as_ref()?);
+        reel.wind();
+        reel.incident(reason, &displays, frames, records)
     }
 
     /// Looks at what the loop ticks.

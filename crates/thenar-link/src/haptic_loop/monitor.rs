@@ -1,6 +1,7 @@
 //! Looks after the loop from another thread: counts, tells, and writes down what led to a trip.
 
 use super::control::{HandStatus, State, Status};
+use super::incident::Reel;
 use super::lookout::Lookouts;
 use super::pauses::Pauses;
 use super::record::{self, TickRecord};
@@ -24,6 +25,8 @@ const DEVICES_EVERY: u32 = 10;
 const MESSAGES: usize = 50;
 /// How much before a trip is written down \[ns\].
 const KEPT_NS: u64 = 5_000_000_000;
+/// Incidents of one session that stay: each takes some tens of MB.
+const INCIDENTS: usize = 4;
 /// Records kept at most, whatever the number of displays.
 const KEPT: usize = 60_000;
 
@@ -34,7 +37,11 @@ pub type Watcher = Box<dyn FnMut(&TickRecord) + Send>;
 pub struct Monitor {
     pub shared: std::sync::Arc<Shared>,
     pub records: Consumer<TickRecord>,
+    /// What entered in the last seconds, where incidents are kept.
+    pub reel: Option<Reel>,
     pub watcher: Option<Watcher>,
+    /// Incidents written so far that are still there.
+    pub incidents: VecDeque<PathBuf>,
     /// Where trips are written down; `None` to keep no files.
     pub folder: Option<PathBuf>,
     pub warnings: Vec<String>,
@@ -61,8 +68,12 @@ impl Monitor {
         let mut pauses = Pauses::default();
         for look in 0_u32.. {
             let quit = self.shared.control.quit.load(Ordering::Acquire);
+            if let Some(reel) = &mut self.reel {
+                reel.wind();
+            }
             self.take_records(&mut status, &mut kept, &mut last_ns, &mut pauses);
             status.messages.extend(pauses.tell());
+            status.messages.extend(self.shared.control.take_notes());
             self.judge(&mut status, &kept);
             if look.is_multiple_of(MESSAGES_EVERY) || quit {
                 self.gather_messages(&mut status);
@@ -164,17 +175,46 @@ impl Monitor {
         forget_old(status);
     }
 
-    fn write_down(&self, status: &mut Status, kept: &VecDeque<TickRecord>) {
+    fn write_down(&mut self, status: &mut Status, kept: &VecDeque<TickRecord>) {
         let reason = status.state.reason().unwrap_or("the haptic loop failed").to_owned();
         let mut message = format!("forces stopped: {reason}");
-        if let Some(folder) = &self.folder {
-            match write_trip(folder, &reason, kept) {
-                Ok(path) => message += &format!("; what led to it is in {}", path.display()),
+        if let Some(folder) = self.folder.clone() {
+            match write_trip(&folder, &reason, kept) {
+                Ok(path) => {
+                    message += &format!("; what led to it is in {}", path.display());
+                    message += &self.write_incident(&path.with_extension("touch"), &reason, kept);
+                }
                 Err(error) => message += &format!("; it could not be written down: {error}"),
             }
         }
         status.messages.push(message);
         forget_old(status);
+    }
+}
+
+impl Monitor {
+    /// Writes all that entered beside the table of signals; what there is to say of that.
+    fn write_incident(&mut self, path: &Path, reason: &str, kept: &VecDeque<TickRecord>) -> String {
+        let (Some(reel), Some(frames)) = (&self.reel, &self.shared.frames) else {
+            return String::new();
+        };
+        let records: Vec<_> = kept.iter().copied().collect();
+        let Some(incident) = reel.incident(reason, &self.displays, frames, &records) else {
+            return "; what entered was not kept long enough to be made again".into();
+        };
+        match incident.write(path) {
+            Ok(()) => {
+                self.incidents.push_back(path.to_owned());
+                if self.incidents.len() > INCIDENTS {
+                    // One that somebody has moved away is theirs.
+                    if let Some(oldest) = self.incidents.pop_front() {
+                        let _ = std::fs::remove_file(oldest);
+                    }
+                }
+                format!(", and to make it again in {}", path.display())
+            }
+            Err(error) => format!("; what entered could not be written down: {error}"),
+        }
     }
 }
 

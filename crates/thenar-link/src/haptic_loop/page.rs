@@ -18,15 +18,18 @@ pub struct PagePoses {
 struct PageTracker {
     samples: [Output<Option<HandSample>>; 2],
     heard_ns: Arc<AtomicU64>,
+    timing: TrackerTiming,
 }
 
-/// Both ends.
-pub fn page_tracker() -> (PagePoses, Box<dyn Tracker>) {
+/// Both ends, of a page whose poses come so often and so late
+/// ([`page_timing`](crate::profile::page_timing)): a page sees hands through a headset's cameras, or a webcam, and
+/// tells nobody when it saw them.
+pub fn page_tracker(timing: TrackerTiming) -> (PagePoses, Box<dyn Tracker>) {
     let [(left_in, left_out), (right_in, right_out)] = [(); 2].map(|()| triple_buffer(&None));
     let heard_ns = Arc::new(AtomicU64::new(0));
     (
         PagePoses { samples: [left_in, right_in], heard_ns: heard_ns.clone() },
-        Box::new(PageTracker { samples: [left_out, right_out], heard_ns }),
+        Box::new(PageTracker { samples: [left_out, right_out], heard_ns, timing }),
     )
 }
 
@@ -49,9 +52,8 @@ impl Tracker for PageTracker {
         Some(self.heard_ns.load(Ordering::Relaxed)).filter(|ns| *ns > 0)
     }
 
-    /// A page sees hands through a headset's cameras, or a webcam, and tells nobody when it saw them.
     fn timing(&self) -> Option<TrackerTiming> {
-        Some(TrackerTiming::HEADSET)
+        Some(self.timing)
     }
 
     fn messages(&mut self) -> Vec<String> {

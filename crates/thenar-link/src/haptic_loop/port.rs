@@ -129,8 +129,19 @@ impl SimulationPort {
             .any(|h| session.hands()[h.index].flesh().is_some())
             .then(|| ContactReadout::new(world));
         self.steps = session.steps();
+        self.keep_first_frames();
+        self.shared.lock_hands();
         self.replace(&mut hands, &mut actuators);
         Ok(())
+    }
+
+    /// The frames that the hands begin on.
+    fn keep_first_frames(&mut self) {
+        let Some(frames) = &self.shared.frames else { return };
+        frames.clear();
+        for (number, hand) in self.hands.iter_mut().enumerate() {
+            frames.put(number, hand.ends.frame.input_buffer_mut());
+        }
     }
 
     fn replace(&self, hands: &mut Vec<LoopHand>, actuators: &mut Vec<Actuators>) {
@@ -328,7 +339,7 @@ impl SimulationPort {
         if let Some(readout) = &mut self.readout {
             readout.read(world);
         }
-        for hand in &mut self.hands {
+        for (number, hand) in self.hands.iter_mut().enumerate() {
             let frame = hand.ends.frame.input_buffer_mut();
             let n = frame.targets.len();
             frame.bones.time_ns = self.began_ns;
@@ -354,6 +365,9 @@ impl SimulationPort {
                 frame.contacts = fingers(readout, soft);
             }
             frame.made_ns = now_ns;
+            if let Some(frames) = &self.shared.frames {
+                frames.put(number, frame);
+            }
             hand.ends.frame.publish();
             // Objects, loads and other hands go on in a simulation within the loop.
             if let Some(input) = &mut hand.ends.input

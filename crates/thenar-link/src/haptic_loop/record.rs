@@ -2,11 +2,12 @@
 
 use super::actuators::Axis;
 use crate::DIGITS;
+use serde::{Deserialize, Serialize};
 use thenar::haptic::safety::Status;
 use thenar::model::Side;
 
 /// One tick of one hand and one display.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct TickRecord {
     /// When the tick began \[ns\].
     pub time_ns: u64,

@@ -1,7 +1,7 @@
 //! Sends zeros when the loop does not.
 
 use super::Shared;
-use super::realtime::{Urgency, raise_priority};
+use crate::realtime::{Urgency, raise_priority, touch_stack};
 use crate::{HandOutput, now_ns};
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, TryLockError};
@@ -19,7 +19,8 @@ const EVERY: Duration = Duration::from_millis(4);
 /// leaves out a tick otherwise. Where the loop stands still with the displays in its hands, the
 /// devices' own threads release after the same 20 ms.
 pub fn run(shared: &Arc<Shared>) {
-    // The loop has told of what the system refuses.
+    // What the system refuses the loop has reported.
+    touch_stack();
     let _ = raise_priority(Urgency::Watchdog);
     let control = &shared.control;
     let mut barking = false;

@@ -200,6 +200,10 @@ impl Protocol for LucidGloves {
         }
     }
 
+    fn release(&self, send: &mut dyn FnMut(&[u8])) {
+        send(stops(&[0; 5], self.state.legacy).as_bytes());
+    }
+
     fn stop(&mut self, send: &mut dyn FnMut(&[u8])) {
         self.wanted = [0; 5];
         self.tell(send);

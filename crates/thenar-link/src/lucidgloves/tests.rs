@@ -179,3 +179,32 @@ fn stops_are_in_the_wearers_own_range() {
     assert_eq!(profile.stops([Some(0.0); 5]), [1000, 800, 800, 1000, 1000]);
     assert_eq!(profile.stops([Some(f64::NAN); 5]), [0; 5]);
 }
+
+/// The program stops at any moment of the conversation, just after a beat; its keeper speaks in its place. At the
+/// firmware's own pace all fingers are free within the 50 ms that a wearer may be held on, and stay so.
+#[test]
+fn a_keeper_frees_the_fingers_within_fifty_milliseconds() {
+    use crate::keeper::Watch;
+    for phase in 0..40 {
+        let mut talk = Talk::new();
+        // Stops that move keep lines on their way.
+        talk.run(2.0 + 2.5e-4 * f64::from(phase), |k| Some(0.3 + 0.2 * (k as f64 * 1e-3).sin()));
+        assert!(talk.glove.servos.iter().all(|servo| *servo > 0), "{phase}");
+        let stopped_ns = talk.now_ns;
+        let (mut watch, mut free_ns) = (Watch::default(), None);
+        watch.hear(stopped_ns);
+        while talk.now_ns < stopped_ns + SECOND_NS {
+            talk.now_ns += STEP_NS;
+            let mut heard = std::mem::take(&mut talk.wires[0]);
+            if watch.turn(talk.now_ns).release {
+                talk.protocol.release(&mut |bytes| heard.extend_from_slice(bytes));
+            }
+            talk.glove.step(talk.now_ns, &heard, &mut |_| {});
+            let free = talk.glove.servos == [0; 5];
+            assert!(free || free_ns.is_none(), "{phase}: held again");
+            free_ns = free_ns.or(free.then_some(talk.now_ns));
+        }
+        let late = (free_ns.unwrap() - stopped_ns) as f64 * 1e-6;
+        assert!(late <= 50.0, "{phase}: {late} ms");
+    }
+}

@@ -8,6 +8,7 @@
 mod runtime;
 
 use crate::joints::{OPENXR_JOINTS, in_reach, rotation, webxr_of_openxr};
+use crate::profile::camera_timing;
 use crate::worker::Device;
 use crate::{Driver, Event, Found, HandSample, LinkError, Opened, Protocol, Transport};
 use std::io;
@@ -17,6 +18,8 @@ use thenar::model::Side;
 use thenar::{Pose, Vec3};
 use thenar_scene::live::LivePose;
 
+/// Shipped profile.
+const SHIPPED: &str = include_str!("../../profiles/openxr.toml");
 /// Between two questions to the runtime: it tells where hands are at any time.
 const PERIOD: Duration = Duration::from_millis(4);
 /// Bytes of a joint: flags, place, rotation and radius.
@@ -237,7 +240,8 @@ impl Driver for OpenXrDriver {
         };
         let name = if address.is_empty() { "openxr".into() } else { format!("openxr:{address}") };
         let protocol = OpenXrHands::default();
-        Device::tracker(name, Box::new(connect), Box::new(protocol)).seen_by_cameras().open()
+        let timing = camera_timing(self.name(), SHIPPED, None)?;
+        Device::tracker(name, Box::new(connect), Box::new(protocol)).timed(timing).open()
     }
 }
 

@@ -2,9 +2,11 @@
 //! wrist is. Shipped for every driver; a user's file changes single keys.
 
 mod address;
+mod cameras;
 mod load;
 mod parts;
 
 pub use address::Address;
+pub use cameras::{Cameras, camera_timing, page_timing};
 pub use load::{Check, load, profile_name, save, user_file};
 pub use parts::{DigitAngles, Display, Hand, Link, Tracking, Wrist};

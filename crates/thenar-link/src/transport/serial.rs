@@ -6,9 +6,16 @@ use serialport::{ClearBuffer, SerialPort, SerialPortType};
 use std::io::{self, ErrorKind, Read, Write};
 use std::time::{Duration, Instant};
 
+#[cfg(unix)]
+type Port = serialport::TTYPort;
+#[cfg(not(unix))]
+type Port = Box<dyn SerialPort>;
+
 /// An open port, 8 bits, no parity, 1 stop bit, no flow control.
 pub struct SerialTransport {
-    port: Box<dyn SerialPort>,
+    port: Port,
+    #[cfg(unix)]
+    path: String,
     timeout: Duration,
 }
 
@@ -22,17 +29,22 @@ impl SerialTransport {
         let port = open_port(serialport::new(path, baud).timeout(timeout))?;
         // Pseudo-terminals of some systems cannot, and need not.
         let _ = port.clear(ClearBuffer::Input);
-        Ok(Self { port, timeout })
+        Ok(Self {
+            port,
+            #[cfg(unix)]
+            path: path.to_owned(),
+            timeout,
+        })
     }
 }
 
 /// Never blocks in a write, whatever the device does: the port's own time limits only guard the
 /// first byte.
 #[cfg(unix)]
-fn open_port(builder: serialport::SerialPortBuilder) -> io::Result<Box<dyn SerialPort>> {
+fn open_port(builder: serialport::SerialPortBuilder) -> io::Result<Port> {
     let port = builder.open_native()?;
     never_block(&port)?;
-    Ok(Box::new(port))
+    Ok(port)
 }
 
 #[cfg(unix)]
@@ -44,7 +56,7 @@ pub(crate) fn never_block(port: &serialport::TTYPort) -> io::Result<()> {
 }
 
 #[cfg(not(unix))]
-fn open_port(builder: serialport::SerialPortBuilder) -> io::Result<Box<dyn SerialPort>> {
+fn open_port(builder: serialport::SerialPortBuilder) -> io::Result<Port> {
     Ok(builder.open()?)
 }
 
@@ -74,6 +86,19 @@ impl Transport for SerialTransport {
             }
         }
         Ok(())
+    }
+
+    /// Opened anew: the library gives its own handle to nobody. The port is for this program alone but for that moment.
+    #[cfg(unix)]
+    fn handle(&mut self) -> io::Result<Option<std::os::fd::OwnedFd>> {
+        use nix::fcntl::OFlag;
+        use std::os::unix::fs::OpenOptionsExt;
+        self.port.set_exclusive(false)?;
+        let flags = (OFlag::O_NOCTTY | OFlag::O_NONBLOCK).bits();
+        let opened =
+            std::fs::OpenOptions::new().read(true).write(true).custom_flags(flags).open(&self.path);
+        self.port.set_exclusive(true)?;
+        Ok(Some(opened?.into()))
     }
 }
 

@@ -87,4 +87,9 @@ impl Transport for StreamTransport {
         }
         Ok(())
     }
+
+    #[cfg(unix)]
+    fn handle(&mut self) -> io::Result<Option<std::os::fd::OwnedFd>> {
+        Ok(Some(self.stream.try_clone()?.into()))
+    }
 }

@@ -143,6 +143,11 @@ impl Transport for ServedPeer {
         self.stream.send(bytes)
     }
 
+    #[cfg(unix)]
+    fn handle(&mut self) -> io::Result<Option<std::os::fd::OwnedFd>> {
+        self.stream.handle()
+    }
+
     fn refused(&mut self) -> u64 {
         self.server.refused.swap(0, Ordering::Relaxed)
     }

@@ -115,6 +115,12 @@ impl Transport for UdpTransport {
         }
     }
 
+    /// Only a socket with a given peer has one: others do not know whom to write to.
+    #[cfg(unix)]
+    fn handle(&mut self) -> io::Result<Option<std::os::fd::OwnedFd>> {
+        self.connected.then(|| Ok(self.socket.try_clone()?.into())).transpose()
+    }
+
     fn refused(&mut self) -> u64 {
         std::mem::take(&mut self.refused)
     }

@@ -10,11 +10,15 @@
 //!   (`Door`);
 //! - the hand is released when no output came for [`OUTPUT_SILENCE_NS`], when the display is
 //!   dropped, on [`release_all`], when the protocol panics, on every loss and at every start;
+//! - a process of its own, the [keeper](crate::keeper), does that when this program is stopped or killed, where the device
+//!   can be told and the program says how a keeper is started;
 //! - a device that is away is asked for ever more rarely, once a second in the end; messages report
 //!   absence, silence and garbage, at a bounded rate.
 
 mod door;
 mod handles;
+#[cfg(unix)]
+mod kept;
 mod messages;
 mod notice;
 mod run;
@@ -93,9 +97,9 @@ impl Device {
         Self { name, connect, protocol, tracks, display: None, speaks: true }
     }
 
-    /// This device, with the delay of a headset's cameras.
-    pub fn seen_by_cameras(mut self) -> Self {
-        let timing = Some(TrackerTiming::HEADSET);
+    /// This device, of whose samples its profile states this.
+    pub fn timed(mut self, timing: TrackerTiming) -> Self {
+        let timing = Some(timing);
         self.tracks = self.tracks.map(|traits| TrackerTraits { timing, ..traits });
         self
     }

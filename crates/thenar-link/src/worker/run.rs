@@ -2,8 +2,11 @@
 
 use super::door::Door;
 use super::handles::slot;
+#[cfg(unix)]
+use super::kept::Kept;
 use super::notice::{Away, Others, Silence};
 use super::{BACK_OFF, Device, OUTPUT_SILENCE_NS, POLL, Shared};
+use crate::realtime::{Urgency, raise_priority, touch_stack};
 use crate::{Event, HandOutput, HandSample, Rendering, Transport, now_ns};
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -58,6 +61,9 @@ impl Worker {
 
     /// Until it is asked to stop.
     pub fn run(mut self) {
+        // What the system refuses the loop reports, and `thenar devices check`.
+        let _ = raise_priority(Urgency::Device);
+        touch_stack();
         let mut pause = BACK_OFF[0];
         let mut away = Away::default();
         while !self.stopping() {
@@ -120,6 +126,8 @@ impl Worker {
         self.door.open(opened_ns);
         // What waited for a device that was away is not shown late.
         self.ends.outputs.iter_mut().for_each(|output| _ = output.update());
+        #[cfg(unix)]
+        let mut kept = Kept::default();
         let mut link = Link { transport, lost: None };
         self.device.protocol.start(opened_ns, &mut |bytes| link.send(bytes));
         while link.lost.is_none() {
@@ -131,6 +139,13 @@ impl Worker {
                 Err(error) => return End::Lost(error),
             };
             let now = now_ns();
+            #[cfg(unix)]
+            if kept.beat(now, &*self.device.protocol, &mut *link.transport, &self.shared) {
+                // As at the start: it holds nothing, whatever it was told before.
+                self.shown_ns = [None; 2];
+                self.door.open(now);
+                self.device.protocol.start(now, &mut |bytes| link.send(bytes));
+            }
             let wanted = newest(&self.shared, &mut self.ends.outputs, &mut self.shown_ns, now);
             let outputs = through(&mut self.door, &wanted, &self.shown_ns, &self.shared, now);
             let samples = &mut self.ends.samples;

@@ -98,3 +98,45 @@ fn a_host_that_falls_silent_lets_go() {
     wait("the pull", || (bridge.unit.tendons().1 >= 1).then_some(()));
     bridge.released("silence of the host");
 }
+
+#[path = "../../examples/cybergrasp_bridge.rs"]
+mod bridge;
+
+/// Lines of the example, for a test to read.
+#[derive(Clone, Default)]
+struct Lines(Arc<std::sync::Mutex<Vec<u8>>>);
+
+impl std::io::Write for Lines {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0.lock().unwrap().extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+/// The bridge of the documents pulls what the driver says, and lets go when the driver is gone.
+#[test]
+fn the_example_of_a_bridge_pulls_and_lets_go() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    let (lines, stop) = (Lines::default(), Arc::new(AtomicBool::new(false)));
+    let (to, stopped) = (lines.clone(), stop.clone());
+    let serve = move || {
+        let mut unit = bridge::Printed { to, last: None };
+        serve_unit(&listener, &mut unit, &stopped).unwrap();
+    };
+    let thread = std::thread::spawn(serve);
+    let mut display = CyberGraspDriver.open(&format!("127.0.0.1:{port}")).unwrap().display.unwrap();
+    let text = || String::from_utf8(lines.0.lock().unwrap().clone()).unwrap();
+    wait("the pull", || {
+        display.show(&output([0.5, 2.25, 0.0, 0.0, 40.0]));
+        text().lines().any(|line| line == "0.50 2.25 0.00 0.00 12.00").then_some(())
+    });
+    drop(display);
+    wait("slack tendons", || text().ends_with("0.00 0.00 0.00 0.00 0.00\n").then_some(()));
+    stop.store(true, Ordering::Release);
+    thread.join().unwrap();
+}

@@ -488,3 +488,18 @@ fn a_recording_plays_and_goes_wrong_as_planned() {
     assert!(told("poses:nowhere.jsonl").contains("an existing file"));
     assert!(told("hts:9000?points=up").contains("expected auto, local or world"));
 }
+
+/// What a headset's profile states of its samples is what the loop reckons with; a file of one's own lies over it.
+#[test]
+fn a_headset_states_what_its_profile_has() {
+    let file = std::env::temp_dir().join(format!("thenar-hts-{}.toml", std::process::id()));
+    std::fs::write(&file, "[tracking]\nrate = 60.0\nlatency = 0.07\n").unwrap();
+    let open = |address: &str| thenar_link::open(address).map(|opened| opened.tracker.unwrap());
+    let address = format!("hts:127.0.0.1:0?profile={}", file.display());
+    let timing = open(&address).unwrap().timing().unwrap();
+    assert_eq!((timing.rate, timing.latency, timing.noise), (60.0, 0.07, 0.001));
+    std::fs::write(&file, "[tracking]\nrate = 0.0\n").unwrap();
+    let told = open(&address).err().unwrap().to_string();
+    assert!(told.contains("tracking.rate"), "{told}");
+    std::fs::remove_file(&file).unwrap();
+}

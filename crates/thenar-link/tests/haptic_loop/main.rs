@@ -5,6 +5,8 @@
 mod capture;
 mod empty_air;
 mod faults;
+mod in_place;
+mod incident;
 mod loose_hand;
 mod matrix;
 mod noise;

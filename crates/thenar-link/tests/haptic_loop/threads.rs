@@ -195,6 +195,9 @@ fn a_loop_that_stands_still_is_taken_over_and_says_so() {
     });
     // The last seconds are written down, up to the trip.
     let files: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|f| f.unwrap().path()).collect();
+    let (incidents, files): (Vec<_>, Vec<_>) =
+        files.into_iter().partition(|file| file.extension().is_some_and(|e| e == "touch"));
+    assert_eq!(incidents.len(), files.len(), "what entered is kept beside the signals");
     let texts: Vec<_> = files.iter().map(|f| std::fs::read_to_string(f).unwrap()).collect();
     assert!(texts.iter().any(|text| {
         text.starts_with("# forces stopped: the haptic loop stood still")

@@ -10,7 +10,7 @@ const EXPECTED: [[f64; 2]; 3] = [[0.02, 100.0], [0.12, 500.0], [0.15, 500.0]];
 const FASTEST: [f64; 3] = [4.0, 25.0, 26.0];
 
 /// A sample that waits for the next.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Doubt {
     waiting: Option<Pose>,
     angles: Vec<[f64; 2]>,

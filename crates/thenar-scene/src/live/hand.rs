@@ -35,7 +35,7 @@ const REFINEMENT: f64 = 0.0035;
 const RATIOS: [f64; 2] = [0.3, 3.0];
 
 /// A hand that poses may move, with all that is known of its tracker.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct LiveHand {
     pub(super) name: String,
     length: f64,

@@ -61,7 +61,7 @@ pub const STALE: f64 = 0.1;
 pub const OBSERVATION: Observation = Observation { adds: 0.01, makes_up: 0.2 };
 
 /// A tracked hand at an instant, in the world.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[allow(clippy::large_enum_variant)] // one at a time, by reference: a box would cost more
 pub enum LivePose {
     /// The joints of WebXR Hand Input, in the order of

@@ -12,7 +12,7 @@ pub const ANGLES: usize = 20;
 
 /// One of the twenty angles. Angles are anatomical: flexion is positive when the hand closes,
 /// spread away from the middle finger (middle finger: towards the thumb; thumb: out of the palm).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct AngleRange {
     /// Name of the joint.
     pub joint: String,

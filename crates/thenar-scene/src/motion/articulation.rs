@@ -8,7 +8,7 @@ use thenar::{Pose, Vec3};
 
 /// Turns the wrist's pose and the joint angles into targets of all bones. The wrist is the frame
 /// of the root bone's tracked joint (WebXR: -z towards the fingers, +y out of the back).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Articulation {
     /// The joints.
     pub tree: Tree,

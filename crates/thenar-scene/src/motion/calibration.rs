@@ -9,7 +9,7 @@ use thenar::{Mat3, Pose, Quat, Vec3};
 const KNUCKLES: [usize; 4] = [6, 11, 16, 21];
 
 /// Directions from the wrist to the four knuckles, ours and those of a tracked hand.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Knuckles {
     /// In our wrist frame; `None` where our hand lacks the finger.
     ours: [Option<Vec3>; 4],
@@ -80,7 +80,7 @@ fn nearest_rotation(correlation: &Mat3) -> Quat {
 }
 
 /// Distances between the joints of neighbouring bones, to tell how large a tracked hand is.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct BoneLengths {
     /// Tracked joints whose distance is compared.
     pairs: Vec<[usize; 2]>,

@@ -18,7 +18,7 @@ use thenar::{Pose, Quat};
 const CALIBRATION_SAMPLES: usize = 500;
 
 /// Carries tracked poses over to one hand.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Retarget {
     /// Per bone: the tracked joint at its proximal end.
     tracked: Vec<Option<usize>>,

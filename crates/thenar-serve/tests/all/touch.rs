@@ -7,8 +7,8 @@ use serde_json::Value;
 use std::net::TcpStream;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
-use thenar::haptic::LoopProfile;
 use thenar::haptic::safety::Limits;
+use thenar::haptic::{LoopProfile, TrackerTiming};
 use thenar_link::haptic_loop::{HapticLoop, Remote, Settings, State, page_tracker};
 use thenar_link::{ForceDisplay, HandOutput, Rendering};
 use thenar_serve::http::{self, Port, Reach, Server};
@@ -66,7 +66,7 @@ struct Felt {
 
 impl Felt {
     fn start() -> Self {
-        let (poses, page) = page_tracker();
+        let (poses, page) = page_tracker(TrackerTiming::HEADSET);
         let display: Box<dyn ForceDisplay> = Box::new(Display);
         let device = HapticLoop::start(Settings::default(), vec![page], vec![display]).unwrap();
         let (port, remote) = (device.port(), device.remote());

@@ -14,6 +14,7 @@ pub const MARGIN: f64 = 0.85;
 
 /// What a tracker does to the loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TrackerTiming {
     /// Samples per second \[Hz\].
     pub rate: f64,
@@ -40,6 +41,7 @@ impl TrackerTiming {
 /// that it takes off the damping of whoever holds it, `-Im G(ω)/ω` of what is observed over what is there, at the worst
 /// ω. Observers carry motion on, which makes up for delay.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Observation {
     /// Without a delay \[s\].
     pub adds: f64,
@@ -56,6 +58,7 @@ impl Observation {
 
 /// Follows how often samples of a tracker, or frames, come and how old they are.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DelayMeter {
     /// A pause is the delay of what comes after it.
     pauses_count: bool,

@@ -41,6 +41,7 @@ pub fn servo_stop(curl_at_contact: Option<f64>) -> u16 {
 
 /// Remembers at which curl a finger began to push, so that its stop stands still while it pushes.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct StopLatch {
     /// Pad force at which contact begins \[N\].
     pub force_on: f64,

@@ -82,6 +82,7 @@ impl FreeHand {
 
 /// How far contact holds a bone from where it would be in empty air \[m\], \[rad\].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Held([Vec3; 2]);
 
 impl Held {

@@ -6,6 +6,7 @@ use crate::haptic::shared::Condensed;
 
 /// A simulation frame, as the haptic loop needs it.
 #[derive(Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SlowToFast {
     /// When the frame's inputs were taken \[ns\]; its age counts from here.
     pub time_ns: u64,

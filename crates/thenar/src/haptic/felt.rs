@@ -14,6 +14,7 @@ const LEAST: f64 = 1.0;
 
 /// What bounds the stiffness that is felt.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FeltBounds {
     /// Damping of the loosest grip \[N s/m\]; `None` bounds nothing.
     pub grip: Option<f64>,
@@ -25,6 +26,7 @@ pub struct FeltBounds {
 
 /// Stiffness that one hand is felt with, by what its trackers and its frames do.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Felt {
     bounds: FeltBounds,
     /// What each blocked bone is felt like through its couplings alone \[N/m\].

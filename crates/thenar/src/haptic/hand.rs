@@ -14,6 +14,7 @@ use crate::world::StepReport;
 
 /// What stands in for the simulated bones between two frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Mode {
     /// The frame's bones, carried forward by their velocity (the paper).
     Multirate,
@@ -24,6 +25,7 @@ pub enum Mode {
 
 /// How a hand is predicted and resolved.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HandSettings {
     /// Between simulation frames.
     pub mode: Mode,
@@ -87,6 +89,7 @@ pub struct HandReport {
 
 /// The hand in empty air, whose couplings' forces are not felt.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Free {
     proxies: Proxies,
     shared: SharedConstraints,
@@ -97,6 +100,7 @@ struct Free {
 
 /// A hand at the device's rate.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HapticHand {
     settings: HandSettings,
     hand: TrackedHand,
@@ -369,5 +373,9 @@ impl Touch for HapticHand {
 
     fn device_wrenches(&self) -> &[[Vec3; 2]] {
         &self.wrenches
+    }
+
+    fn beside(&self) -> Option<&HapticHand> {
+        Some(self)
     }
 }

@@ -6,6 +6,7 @@ use crate::model::{Digit, HandModel};
 
 /// One finger pad and how it moved since it was last read.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pad {
     /// The finger.
     pub digit: Digit,

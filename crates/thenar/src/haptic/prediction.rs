@@ -5,6 +5,7 @@ use crate::haptic::RigidState;
 
 /// How far states are carried forward, and what counts as motion at all.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Prediction {
     /// Up to this age a state moves on at its velocity; over as long again it slows down to a
     /// halt, so it ends `1.5 × horizon × velocity` ahead \[s\]. About two sample periods.

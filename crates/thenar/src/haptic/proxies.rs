@@ -23,6 +23,7 @@ use crate::model::Drive;
 
 /// One proxy bone: constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Proxy {
     /// Mass \[kg\].
     pub mass: f64,
@@ -77,6 +78,7 @@ const SENSELESS: f64 = 1e6;
 
 /// All proxies of a hand and their state.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Proxies {
     proxies: Vec<Proxy>,
     states: Vec<RigidState>,

@@ -5,6 +5,7 @@ use crate::world::{Target, World};
 
 /// Pose and velocity of a bone frame B (at its centre of mass) in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RigidState {
     /// Pose.
     pub pose_WB: Pose,

@@ -15,6 +15,7 @@ pub const BLEND: f64 = 0.0065;
 
 /// Offsets of all bones.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Smooth {
     /// Step of the frame that the last tick was on.
     step: Option<u64>,

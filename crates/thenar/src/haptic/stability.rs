@@ -16,6 +16,7 @@ use crate::model::Drive;
 
 /// What matters of a device and its loop on one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LoopProfile {
     /// Sampling period \[s\].
     pub period: f64,

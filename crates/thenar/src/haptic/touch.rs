@@ -1,6 +1,6 @@
 //! One interface to the three modes of touch: what the loop around ticks, whatever is inside.
 
-use crate::haptic::{FastToSlow, HandReport, RigidState, Sample, SlowToFast};
+use crate::haptic::{FastToSlow, HandReport, HapticHand, RigidState, Sample, SlowToFast};
 use crate::math::{Pose, Vec3};
 use crate::world::{Input, World};
 
@@ -44,6 +44,11 @@ pub trait Touch {
     /// What else acts in a simulation that is within, until told otherwise: objects, loads, other
     /// hands. The hand's own targets are written over each tick.
     fn input_mut(&mut self) -> Option<&mut Input> {
+        None
+    }
+
+    /// The hand beside a slower simulation; `None` where the simulation is within.
+    fn beside(&self) -> Option<&HapticHand> {
         None
     }
 

@@ -5,6 +5,7 @@ use crate::math::{Pose, Quat, Vec3, rotation_vector};
 
 /// What became of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Sample {
     /// Taken, with a velocity.
     Taken,
@@ -18,6 +19,7 @@ pub enum Sample {
 
 /// One tracked bone: its last sample, an estimate of its velocity, and what was last told of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Track {
     last: Option<(u64, RigidState)>,
     moving: bool,

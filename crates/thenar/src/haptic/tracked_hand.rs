@@ -16,6 +16,7 @@ const LEVER: f64 = 0.02;
 
 /// All tracked bones of a hand.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct TrackedHand {
     prediction: Prediction,
     /// Time constant of a glide \[s\]; zero leaps.

@@ -37,6 +37,7 @@ pub struct Coupling {
 
 /// The 6-DoF viscoelastic spring that lets a bone follow a tracked pose (Sec. 5).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Drive {
     /// Spring on the tracked point \[N/m\].
     pub stiffness: f64,

@@ -55,6 +55,7 @@ pub enum TreeError {
 
 /// The joint that carries one bone.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Link {
     kind: JointKind,
     parent: usize,
@@ -69,6 +70,7 @@ struct Link {
 /// when a slice has the wrong length. Angles are those of [`JointKind`], in radians; poses are
 /// `pose_WB` of the bone frames in the world.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tree {
     links: Vec<Link>,
 }

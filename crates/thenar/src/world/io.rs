@@ -6,6 +6,7 @@ use crate::solver::Failure;
 
 /// Where a driven bone should be.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Target {
     /// Wanted pose of the bone frame (at its centre of mass) in the world at the end of the step.
     pub pose_WB: Pose,

@@ -4,6 +4,7 @@ use crate::haptic::safety::{Guard, LimitError, Limits, Signal, Status, Trip};
 
 /// The guards of one device.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Bank<const N: usize> {
     guards: Vec<Guard<N>>,
 }

@@ -34,6 +34,7 @@ const DELAYED: f64 = (1.0 - MARGIN) * GRIP / 2.0;
 
 /// Stands before one actuator.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Guard<const N: usize> {
     limits: Limits,
     status: Status,
@@ -42,13 +43,16 @@ pub struct Guard<const N: usize> {
     /// Simulation, tracking, device.
     heard: [Heard; 3],
     /// What left stage 7 in the last tick \[N\].
+    #[cfg_attr(feature = "serde", serde(with = "crate::haptic::safety::arrays"))]
     exact: [f64; N],
     /// What was sent in the last tick \[N\].
+    #[cfg_attr(feature = "serde", serde(with = "crate::haptic::safety::arrays"))]
     sent: [f64; N],
     passivity: Passivity,
     wearer: WearerSide<N>,
     /// How far what comes in was trusted in the last tick, 0 to 1.
     trust: f64,
+    #[cfg_attr(feature = "serde", serde(skip, default = "SignalLog::without_room"))]
     log: SignalLog<N>,
 }
 
@@ -299,6 +303,7 @@ impl<const N: usize> Guard<N> {
 
 /// When something was last new \[ns\].
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Heard {
     newest: Option<u64>,
 }

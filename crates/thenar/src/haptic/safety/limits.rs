@@ -2,6 +2,7 @@
 
 /// Limits of one actuator. Where it turns, forces are torques \[N m\] and speeds rates \[rad/s\].
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Limits {
     /// What the device is rated for continuously \[N\].
     pub rated: f64,

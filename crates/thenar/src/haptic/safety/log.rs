@@ -35,6 +35,12 @@ impl<const N: usize> SignalLog<N> {
         Self { records: Vec::with_capacity(capacity), next: 0, capacity, frozen: false }
     }
 
+    /// A ring that takes none.
+    #[cfg(feature = "serde")]
+    pub(super) fn without_room() -> Self {
+        Self::new(0)
+    }
+
     /// Takes a record in place of the oldest; the first one whose status is a trip is the last.
     pub fn push(&mut self, record: Record<N>) {
         if self.frozen || self.capacity == 0 {

@@ -25,6 +25,8 @@
 //! Not guaranteed: that a guard is ticked at all. A watchdog outside this crate must send zeros when
 //! the loop does not. This is research software, certified for nothing.
 
+#[cfg(feature = "serde")]
+mod arrays;
 mod bank;
 mod guard;
 mod limits;

@@ -3,6 +3,7 @@
 /// Account of the energy exchanged with the wearer. A display that is passive never gives out more
 /// than it took in; a sampled spring can, and then adds damping until it is even.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Passivity {
     balance: f64,
 }

@@ -2,6 +2,7 @@
 
 /// Why all force stopped until the user arms again.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Trip {
     /// A number that came in was not finite.
     #[error("{0} was not a finite number")]
@@ -67,6 +68,7 @@ pub enum Trip {
 
 /// What was not finite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Quantity {
     /// The wanted force.
     Force,
@@ -85,6 +87,7 @@ impl std::fmt::Display for Quantity {
 
 /// Why force fades for now; it comes back by itself, through waiting and ramp.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Pause {
     /// The newest simulation state is old.
     #[error("no simulation state for {} s", short(*age_s))]
@@ -117,6 +120,7 @@ pub enum Pause {
 
 /// What a guard is doing.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Status {
     /// Not armed: zero.
     Off,

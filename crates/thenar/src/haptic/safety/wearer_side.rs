@@ -10,16 +10,45 @@ const KEPT: usize = 256;
 
 /// Forces of the last intervals, the newest last.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct WearerSide<const N: usize> {
     delay: f64,
-    /// Force held \[N\], how long \[s\], and the speed seen meanwhile \[m/s\].
-    ring: [([f64; N], f64, f64); KEPT],
+    /// The last of them, [`KEPT`].
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "whole"))]
+    ring: Vec<Interval<N>>,
     next: usize,
+}
+
+/// A tick and what it did.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Interval<const N: usize> {
+    /// Force held \[N\].
+    #[cfg_attr(feature = "serde", serde(with = "crate::haptic::safety::arrays"))]
+    force: [f64; N],
+    /// Length of the tick \[s\].
+    dt: f64,
+    /// Speed seen meanwhile \[m/s\].
+    speed: f64,
+}
+
+impl<const N: usize> Interval<N> {
+    const NONE: Self = Self { force: [0.0; N], dt: 0.0, speed: 0.0 };
+}
+
+/// A ring of its full length.
+#[cfg(feature = "serde")]
+fn whole<'de, D: serde::Deserializer<'de>, const N: usize>(
+    deserializer: D,
+) -> Result<Vec<Interval<N>>, D::Error> {
+    let ring: Vec<Interval<N>> = serde::Deserialize::deserialize(deserializer)?;
+    let wrong = || serde::de::Error::invalid_length(ring.len(), &"256 intervals");
+    if ring.len() == KEPT { Ok(ring) } else { Err(wrong()) }
 }
 
 impl<const N: usize> WearerSide<N> {
     pub fn new() -> Self {
-        Self { delay: 0.0, ring: [([0.0; N], 0.0, 0.0); KEPT], next: 0 }
+        Self { delay: 0.0, ring: vec![Interval::NONE; KEPT], next: 0 }
     }
 
     /// The wearer's motion is seen so late \[s\]; what is no number is as late as can be.
@@ -29,7 +58,7 @@ impl<const N: usize> WearerSide<N> {
 
     /// Nothing of before counts any more.
     pub fn forget(&mut self) {
-        self.ring = [([0.0; N], 0.0, 0.0); KEPT];
+        self.ring.fill(Interval::NONE);
     }
 
     /// Whether what is seen of the wearer is older than a tick or two.
@@ -40,24 +69,24 @@ impl<const N: usize> WearerSide<N> {
     /// Takes in the interval just past, in which `force` was held for `dt` and this speed was seen; the force that was
     /// held when that motion was made.
     pub fn take(&mut self, force: [f64; N], dt: f64, speed: f64) -> [f64; N] {
-        self.ring[self.next] = (force, dt, speed);
+        self.ring[self.next] = Interval { force, dt, speed };
         self.next = (self.next + 1) % KEPT;
         let mut passed = 0.0;
-        for (force, dt, _) in self.newest_first() {
+        for Interval { force, dt, .. } in self.newest_first() {
             passed += dt;
             // The middle of this interval is that long ago.
             if passed - 0.5 * dt >= self.delay {
                 return *force;
             }
         }
-        self.ring[self.next].0
+        self.ring[self.next].force
     }
 
     /// Bound of what the delay hides \[J\].
     pub fn hidden(&self) -> f64 {
         let (mut impulse, mut passed) = (0.0, 0.0);
         let mut fastest = 0.0_f64;
-        for (force, dt, speed) in self.newest_first() {
+        for Interval { force, dt, speed } in self.newest_first() {
             fastest = fastest.max(*speed);
             if passed < self.delay {
                 impulse += force.iter().map(|f| f * f).sum::<f64>().sqrt() * dt;
@@ -67,7 +96,7 @@ impl<const N: usize> WearerSide<N> {
         impulse * fastest
     }
 
-    fn newest_first(&self) -> impl Iterator<Item = &([f64; N], f64, f64)> {
+    fn newest_first(&self) -> impl Iterator<Item = &Interval<N>> {
         (1..=KEPT).map(|back| &self.ring[(self.next + KEPT - back) % KEPT])
     }
 }

@@ -6,6 +6,7 @@ use crate::model::Drive;
 
 /// One contact of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CondensedContact {
     /// Rows: normal (away from the obstacle), first and second tangent, world.
     pub frame: Mat3,
@@ -35,6 +36,7 @@ pub struct CondensedContact {
 /// for one with loads `loads`, and calls `prepare`.
 /// `World::condense` knows the last two without J and W, which it leaves empty.
 #[derive(Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Condensed {
     bones: usize,
     contacts_max: usize,

@@ -9,6 +9,7 @@ use crate::solver::project;
 
 /// Contact forces, where contacts stick, and how far the bones have moved since the frame.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SharedConstraints {
     /// In empty air: of all contacts only the hand's own, the limits of its joints, and no loads.
     empty_air: bool,

@@ -1,4 +1,4 @@
-//! Real time, as far as the system gives it: absolute deadlines, priority, memory that stays.
+//! Absolute deadlines, and how a thread waits for them.
 
 use crate::now_ns;
 use std::time::Duration;
@@ -59,75 +59,6 @@ fn offset_ns() -> i128 {
 #[cfg(not(target_os = "linux"))]
 fn offset_ns() -> i128 {
     0
-}
-
-/// Priorities, above everything that is not real-time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Urgency {
-    /// The loop.
-    Loop,
-    /// The watchdog, above the loop, so that a loop gone wild cannot starve it.
-    Watchdog,
-}
-
-/// Asks for real-time priority for this thread; why not, for a person, when the system refuses.
-pub fn raise_priority(urgency: Urgency) -> Option<String> {
-    use thread_priority::{ThreadPriority, ThreadPriorityValue};
-    let value: u8 = match urgency {
-        Urgency::Loop => 60,
-        Urgency::Watchdog => 70,
-    };
-    let Ok(value) = ThreadPriorityValue::try_from(value) else { return None };
-    let asked = set_priority(ThreadPriority::Crossplatform(value));
-    asked.err().map(|cause| {
-        format!(
-            "no real-time priority for the haptic loop ({cause}): ticks will be late when the \
-             machine is busy; on Linux allow it with `ulimit -r 80` or CAP_SYS_NICE"
-        )
-    })
-}
-
-#[cfg(target_os = "linux")]
-fn set_priority(priority: thread_priority::ThreadPriority) -> Result<(), String> {
-    use thread_priority::{
-        RealtimeThreadSchedulePolicy, ThreadSchedulePolicy, set_thread_priority_and_policy,
-        thread_native_id,
-    };
-    let fifo = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
-    set_thread_priority_and_policy(thread_native_id(), priority, fifo).map_err(cause)
-}
-
-#[cfg(not(target_os = "linux"))]
-fn set_priority(_: thread_priority::ThreadPriority) -> Result<(), String> {
-    thread_priority::set_current_thread_priority(thread_priority::ThreadPriority::Max)
-        .map_err(cause)
-}
-
-fn cause(error: thread_priority::Error) -> String {
-    match error {
-        thread_priority::Error::OS(code) => std::io::Error::from_raw_os_error(code).to_string(),
-        other => other.to_string(),
-    }
-}
-
-/// Keeps the memory that is in use now from being paged out; why not, when the system refuses. What is
-/// allocated later is not locked: the loop allocates nothing, and locking all there will be would
-/// end the program at its limit.
-#[cfg(target_os = "linux")]
-pub fn lock_memory() -> Option<String> {
-    use rustix::mm::{MlockAllFlags, mlockall};
-    mlockall(MlockAllFlags::CURRENT).err().map(|cause| {
-        format!(
-            "memory is not locked ({cause}): a tick may wait for the disk; on Linux allow it with \
-             `ulimit -l unlimited` or CAP_IPC_LOCK"
-        )
-    })
-}
-
-/// As on Linux, where it is done.
-#[cfg(not(target_os = "linux"))]
-pub fn lock_memory() -> Option<String> {
-    Some("memory is not locked on this system: a tick may wait for the disk".into())
 }
 
 /// Deadlines one period apart.

@@ -1,0 +1,84 @@
+//! Goal: threads are as urgent as they are said to be, and memory of hands that come later is locked as well. Method: a real
+//! loop with a real device's thread, and what the system says of this process.
+#![cfg(target_os = "linux")]
+
+use crate::rig::{SCENE, session};
+use std::path::Path;
+use std::time::{Duration, Instant};
+use thenar_link::haptic_loop::{HapticLoop, Settings};
+use thenar_link::realtime::{Urgency, lock_memory, raise_priority};
+
+/// A number of KiB in this process's status.
+fn kib(key: &str) -> usize {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap();
+    let line = status.lines().find_map(|line| line.strip_prefix(key)).unwrap();
+    line.trim_start_matches(':').trim().trim_end_matches(" kB").parse().unwrap()
+}
+
+/// Priorities of `SCHED_FIFO` of all threads of this name; 0 for those without.
+fn priorities(name: &str) -> Vec<u8> {
+    let mut found = Vec::new();
+    for task in std::fs::read_dir("/proc/self/task").unwrap().flatten() {
+        let read = |file: &str| std::fs::read_to_string(Path::new(&task.path()).join(file));
+        let (Ok(comm), Ok(stat)) = (read("comm"), read("stat")) else { continue };
+        if comm.trim() == name {
+            // Fields 40 and 41, counted from the first after the name, which is the third.
+            let (_, rest) = stat.rsplit_once(") ").unwrap();
+            let fields: Vec<_> = rest.split(' ').collect();
+            let fifo = fields[38] == "1";
+            found.push(if fifo { fields[37].parse().unwrap() } else { 0 });
+        }
+    }
+    found
+}
+
+fn until(what: &str, mut done: impl FnMut() -> bool) {
+    let begun = Instant::now();
+    while !done() {
+        assert!(begun.elapsed() < Duration::from_secs(30), "waited in vain: {what}");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// Where the system allows it, threads have their priorities; where not, the loop says so and names the command that tells
+/// more.
+#[test]
+fn threads_are_as_urgent_as_they_are_said_to_be() {
+    let allowed = std::thread::spawn(|| raise_priority(Urgency::Keeper).is_ok()).join().unwrap();
+    let opened = thenar_link::open("null:right").unwrap();
+    let trackers = opened.tracker.into_iter().collect();
+    let displays = opened.display.into_iter().collect();
+    let device = HapticLoop::start(Settings::default(), trackers, displays).unwrap();
+    let warned = |what: &str| {
+        let warnings = device.remote().status().warnings;
+        warnings.iter().any(|w| w.contains(what) && w.contains("thenar devices check"))
+    };
+    assert_eq!(warned("real-time priority"), !allowed);
+    let threads =
+        [("haptics", Urgency::Loop), ("device", Urgency::Device), ("watchdog", Urgency::Watchdog)];
+    for (name, urgency) in threads {
+        let wanted = if allowed { urgency.priority() } else { 0 };
+        until(name, || priorities(name).contains(&wanted));
+    }
+}
+
+/// 24 MiB that came into use between the start of the loop and its first hand are locked with that hand.
+#[test]
+fn memory_of_hands_that_come_later_is_locked() {
+    let allowed = lock_memory().is_ok();
+    let device = HapticLoop::start(Settings::default(), Vec::new(), Vec::new()).unwrap();
+    let warned = |what: &str| device.remote().status().warnings.iter().any(|w| w.contains(what));
+    assert_eq!(warned("locked memory"), !allowed);
+    if !allowed {
+        return;
+    }
+    const LATER: usize = 24 << 20;
+    let before = kib("VmLck");
+    let later = std::hint::black_box(vec![1_u8; LATER]);
+    let unlocked = kib("VmLck");
+    device.port().attach(&session(SCENE)).unwrap();
+    let after = kib("VmLck");
+    // Threads of other tests come and go beside: each has a stack of 2 MiB.
+    assert!(after >= before + LATER / 1024 / 2, "{before}, {unlocked} and {after} KiB");
+    assert_eq!(later.iter().map(|byte| usize::from(*byte)).sum::<usize>(), LATER);
+}
