@@ -21,6 +21,33 @@ const LOST_S = 0.25;
 /** Seen for so long, a hand that the scene lacks is asked for, s. */
 const WANTED_S = 1.5;
 const TILT_DEGREES = 75;
+/** Slower than this a hand cannot be led by sight, s: a visible lag, and a lost hand between pictures. */
+const SLOW_S = 0.25;
+/** Pictures whose median time counts. */
+const RECENT = 5;
+
+/** Median time that tracking takes a picture, s, from the last few. */
+export class PictureTime {
+  private readonly recent: number[] = [];
+
+  add(seconds: number): void {
+    this.recent.push(seconds);
+    if (this.recent.length > RECENT) this.recent.shift();
+  }
+
+  reset(): void {
+    this.recent.length = 0;
+  }
+
+  /** What to say about it; empty while tracking is quick enough. */
+  remark(): string {
+    const sorted = [...this.recent].sort((a, b) => a - b);
+    const median = sorted[sorted.length >> 1] ?? 0;
+    if (median < SLOW_S) return "";
+    const digits = median < 1 ? 1 : 0;
+    return ` Tracking takes ${fixed(median, digits)} s a picture on this machine: the hand follows late.`;
+  }
+}
 
 const SHAPE = { cutoff: 2.5, beta: 20, speedCutoff: 1 };
 const PLACE = { cutoff: 1.2, beta: 6, speedCutoff: 1 };
@@ -70,6 +97,9 @@ export class WebcamSource extends InputSourceBase {
     right: new WebcamHand(),
   };
   private distance: number | null = null;
+  /** What is in sight, in words. */
+  private words = "";
+  private readonly pace = new PictureTime();
 
   constructor(private readonly app: App) {
     super();
@@ -95,6 +125,7 @@ export class WebcamSource extends InputSourceBase {
     const { run } = this;
     this.distance = null;
     this.pictures = 0;
+    this.pace.reset();
     try {
       this.set("starting", "Waiting for the camera.");
       const stream = await openCamera();
@@ -110,7 +141,8 @@ export class WebcamSource extends InputSourceBase {
       this.set("starting", "Loading the hand tracker.");
       this.hands ??= await loadHands((results) => this.results(results));
       if (run !== this.run) return;
-      this.set("on", "Show a hand to the camera.");
+      this.words = "Show a hand to the camera.";
+      this.set("on", this.words);
       void this.look(run);
     } catch (error) {
       if (run !== this.run) return;
@@ -143,7 +175,10 @@ export class WebcamSource extends InputSourceBase {
     while (run === this.run && this.hands !== null) {
       try {
         if (this.video.readyState >= HTMLMediaElement.HAVE_CURRENT_DATA) {
+          const before = performance.now();
           await this.hands.send({ image: this.video });
+          this.pace.add((performance.now() - before) / 1000);
+          this.sayPace();
         }
       } catch (error) {
         if (run !== this.run) return;
@@ -200,7 +235,14 @@ export class WebcamSource extends InputSourceBase {
       const lacking = found.has(side) && !this.outlet.accepts(side);
       if (lacking && time - hand.since > WANTED_S) this.request.ask({ left: null, right: null });
     }
-    const words = found.size === 0 ? "No hand in sight." : `Tracking: ${[...found].join(" and ")} hand.`;
-    if (words !== this.note) this.set("on", words);
+    this.words = found.size === 0 ? "No hand in sight." : `Tracking: ${[...found].join(" and ")} hand.`;
+    this.sayPace();
+  }
+
+  /** The note, with a remark where tracking is too slow. */
+  private sayPace(): void {
+    if (this.state !== "on") return;
+    const note = this.words + this.pace.remark();
+    if (note !== this.note) this.set("on", note);
   }
 }

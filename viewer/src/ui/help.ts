@@ -74,7 +74,7 @@ function text(): HTMLElement[] {
     h("h3", {}, "What the colours mean"),
     list(
       "Yellow: the tracked hand. Skin colour: the simulated one.",
-      "Pressure: from dark (none) to bright yellow; the scale is beside the picture.",
+      "Pressure: clear skin bears none; from blue (little) to yellow (most); the scale in kPa is beside the picture.",
       "Joints: blue bend one way, red two ways. Skinning weights: from blue (none) to red (all).",
       "Arrows: light blue presses, pink rubs; the longest arrow's force stands beside the picture.",
       "In the plot: thumb orange-red, index yellow, middle green, ring blue, little pink, palm grey.",
