@@ -12,6 +12,7 @@ import { openCamera } from "./camera";
 import { loadHands } from "./mediapipe";
 import { OneEuro } from "./one-euro";
 import { HandsRequest, PoseOutlet, SIDES } from "./outlet";
+import { PictureTime } from "./picture-time";
 import { placeWebcamHand, seen, type Seen } from "./webcam-hand";
 
 /** Below this the tracker is not sure which hand, or whether it is one. */
@@ -21,33 +22,6 @@ const LOST_S = 0.25;
 /** Seen for so long, a hand that the scene lacks is asked for, s. */
 const WANTED_S = 1.5;
 const TILT_DEGREES = 75;
-/** Slower than this a hand cannot be led by sight, s: a visible lag, and a lost hand between pictures. */
-const SLOW_S = 0.25;
-/** Pictures whose median time counts. */
-const RECENT = 5;
-
-/** Median time that tracking takes a picture, s, from the last few. */
-export class PictureTime {
-  private readonly recent: number[] = [];
-
-  add(seconds: number): void {
-    this.recent.push(seconds);
-    if (this.recent.length > RECENT) this.recent.shift();
-  }
-
-  reset(): void {
-    this.recent.length = 0;
-  }
-
-  /** What to say about it; empty while tracking is quick enough. */
-  remark(): string {
-    const sorted = [...this.recent].sort((a, b) => a - b);
-    const median = sorted[sorted.length >> 1] ?? 0;
-    if (median < SLOW_S) return "";
-    const digits = median < 1 ? 1 : 0;
-    return ` Tracking takes ${fixed(median, digits)} s a picture on this machine: the hand follows late.`;
-  }
-}
 
 const SHAPE = { cutoff: 2.5, beta: 20, speedCutoff: 1 };
 const PLACE = { cutoff: 1.2, beta: 6, speedCutoff: 1 };
