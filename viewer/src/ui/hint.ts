@@ -50,7 +50,7 @@ export function hint(desk: Desk): HTMLElement {
     element.hidden = seen || none || other;
     take.hidden = !watching;
     const leading = inputs.active?.id === POSING_ID;
-    setText(text, watching ? `Viewer ${holder} leads the hand; you are watching. ` : `${hintText(pointer, leading, thing?.name ?? null)} `);
+    setText(text, watching ? `Viewer ${holder} leads the hand; you are watching.` : hintText(pointer, leading, thing?.name ?? null));
   };
   // The pointer in use may change: a tablet has a mouse, a laptop a touch screen.
   window.addEventListener("pointerdown", ({ pointerType }) => {

@@ -37,7 +37,9 @@ export class Toasts {
     this.element.append(toast);
     while (this.element.children.length > AT_ONCE) this.element.firstElementChild?.remove();
     // Long enough to read: two seconds and 60 ms per letter.
-    const stay = tone === "info" ? 2000 + 60 * text.length : 6000 + 80 * text.length;
+    const read = tone === "info" ? 2000 + 60 * text.length : 6000 + 80 * text.length;
+    // A button gives time to decide.
+    const stay = action === null ? read : read + 8000;
     setTimeout(() => toast.remove(), stay);
   }
 }
