@@ -5,7 +5,7 @@ import { Deformation } from "../src/scene/deformation";
 import { Interpolator } from "../src/scene/interpolate";
 import { PressureMap } from "../src/scene/pressure";
 import { restPoses, skinNodes } from "../src/scene/skinning";
-import { vertexAreas, vertexNormals } from "../src/scene/surface";
+import { restPositions, vertexAreas, vertexNormals } from "../src/scene/surface";
 import { decode } from "../src/protocol/decode";
 import type { SceneModel, Snapshot } from "../src/protocol/types";
 import { encodeSnapshot, encodeWorld, NODES, TETS, type TestContact } from "./encode-world";
@@ -152,6 +152,14 @@ describe("pressure", () => {
     const others = Math.exp((-Math.PI * 1e-4) / areas[0]);
     expect(out[0] / (2 / areas[0])).toBeGreaterThan(1 - 8 * others);
     expect(out[0] / (2 / areas[0])).toBeLessThanOrEqual(1 + 1e-6);
+  });
+
+  it("is drawn no finer than collision vertices are apart", () => {
+    const { collision, nodes, tets } = world().softs[0];
+    const [share] = vertexAreas(restPositions(collision, nodes, tets), collision.triangles);
+    const at = (area: number) => pressed([contact(2, area, [0, 0, 0], [0, 65535])]);
+    expect(at(0).out).toEqual(at(0.99 * share).out);
+    expect(at(4 * share).peak).toBeLessThan(at(0).peak);
   });
 
   it("goes by the contact's place, not by its vertex", () => {

@@ -1,11 +1,13 @@
 // The pointer on the picture: dragging the hand moves it, dragging anything else moves the camera.
-// Left drag moves in the plane of the picture, with Shift in depth; right drag or Alt turns. Two
+// Left drag moves it up, down and sideways, with Shift over the table; right drag or Alt turns. Two
 // fingers: apart and together for depth, twisting to roll. The wheel over the hand closes it.
 
 import { Quaternion, Ray, Raycaster, Vector2, Vector3 } from "three";
 import type { App } from "../app";
+import { dragNormal, dragStep } from "./drag-plane";
 import { pickHand, type Picked } from "./pick";
 import { POSING_ID, type Posing } from "./posing";
+import { ControlHeld } from "./source";
 
 /** A press becomes a drag after so many pixels. */
 const SLACK = 4;
@@ -24,6 +26,8 @@ interface Point {
 export class PointerPosing {
   private readonly fingers = new Map<number, Point>();
   private picked: Picked | null = null;
+  /** The point of the hand under the pointer, where the drag wants it, world frame, m. */
+  private readonly grabbed = new Vector3();
   private dragging = false;
   private turning = false;
   private travelled = 0;
@@ -33,7 +37,7 @@ export class PointerPosing {
   constructor(
     private readonly app: App,
     private readonly posing: Posing,
-    private readonly refused: (reason: string) => void,
+    private readonly refused: (reason: unknown) => void,
   ) {
     const { canvas } = app.stage;
     const capture = { capture: true } as const;
@@ -42,6 +46,7 @@ export class PointerPosing {
     canvas.addEventListener("pointerup", (event) => this.up(event), capture);
     canvas.addEventListener("pointercancel", (event) => this.up(event), capture);
     canvas.addEventListener("wheel", (event) => this.wheel(event), { capture: true, passive: false });
+    canvas.addEventListener("blur", () => canvas.classList.remove("by-pointer"));
     canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   }
 
@@ -49,16 +54,23 @@ export class PointerPosing {
   pick(event: { clientX: number; clientY: number }): Picked | null {
     const { stage, feed } = this.app;
     if (feed.model === null || feed.snapshot === null || stage.renderer.xr.isPresenting) return null;
+    return pickHand(this.rayAt(event.clientX, event.clientY), feed.model, feed.snapshot);
+  }
+
+  /** The pointer's ray in the world frame of the simulation. */
+  private rayAt(clientX: number, clientY: number): Ray {
+    const { stage } = this.app;
     const box = stage.canvas.getBoundingClientRect();
-    const x = (2 * (event.clientX - box.left)) / box.width - 1;
-    const y = 1 - (2 * (event.clientY - box.top)) / box.height;
+    const x = (2 * (clientX - box.left)) / box.width - 1;
+    const y = 1 - (2 * (clientY - box.top)) / box.height;
     const caster = new Raycaster();
     caster.setFromCamera(new Vector2(x, y), stage.camera);
-    const ray = new Ray().copy(caster.ray).applyMatrix4(stage.world.matrixWorld.clone().invert());
-    return pickHand(ray, feed.model, feed.snapshot);
+    return new Ray().copy(caster.ray).applyMatrix4(stage.world.matrixWorld.clone().invert());
   }
 
   private down(event: PointerEvent): void {
+    // The ring of the focus is for those who come by the Tab key.
+    this.app.stage.canvas.classList.add("by-pointer");
     if (this.fingers.size > 0) {
       this.fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
       this.capture(event);
@@ -66,8 +78,14 @@ export class PointerPosing {
     }
     if (event.button === 1) return;
     const picked = this.pick(event);
-    if (picked === null || !this.mayPose()) return;
+    if (picked === null) return;
+    if (!this.mayPose()) {
+      // The camera turns; the visitor learns why the hand does not come along.
+      if (this.isHeld()) this.refused(new ControlHeld());
+      return;
+    }
     this.picked = picked;
+    this.grabbed.copy(picked.point);
     this.dragging = false;
     this.turning = event.button === 2 || event.altKey;
     this.travelled = 0;
@@ -92,6 +110,14 @@ export class PointerPosing {
     return connection.inControl || holder === null;
   }
 
+  /** Another viewer holds control of what is live here. */
+  private isHeld(): boolean {
+    const { connection, feed } = this.app;
+    const recorded = (connection.status?.recording ?? null) !== null;
+    const holder = connection.status?.control ?? null;
+    return feed.live && !recorded && holder !== null && !connection.inControl;
+  }
+
   private move(event: PointerEvent): void {
     const finger = this.fingers.get(event.pointerId);
     if (finger === undefined) {
@@ -100,6 +126,7 @@ export class PointerPosing {
     }
     event.stopImmediatePropagation();
     const before = [...this.fingers.values()].map((point) => ({ ...point }));
+    const from = { ...finger };
     const [dx, dy] = [event.clientX - finger.x, event.clientY - finger.y];
     finger.x = event.clientX;
     finger.y = event.clientY;
@@ -108,7 +135,7 @@ export class PointerPosing {
     if (!this.dragging || !this.posing.on) return;
     if (this.fingers.size > 1) this.pinch(before, [...this.fingers.values()]);
     else if (this.turning) this.turn(dx, dy);
-    else this.shift(dx, dy, event.shiftKey);
+    else this.shift(from, finger, event.shiftKey);
   }
 
   private begin(): void {
@@ -119,7 +146,7 @@ export class PointerPosing {
     if (inputs.active !== null) return;
     inputs.start(POSING_ID).catch((error: unknown) => {
       this.fingers.clear();
-      this.refused(error instanceof Error ? error.message : String(error));
+      this.refused(error);
     });
   }
 
@@ -140,15 +167,13 @@ export class PointerPosing {
     return [axis(1, 0, 0), axis(0, 1, 0), axis(0, 0, -1)];
   }
 
-  private shift(dx: number, dy: number, inDepth: boolean): void {
-    const { camera, canvas } = this.app.stage;
-    const distance = this.picked?.distance ?? 0.5;
-    // So much of the world passes under one pixel at the hand's distance.
-    const perPixel = (2 * distance * Math.tan((camera.fov * Math.PI) / 360)) / canvas.clientHeight;
-    const [right, up, into] = this.axes();
-    const by = inDepth
-      ? into.multiplyScalar(-dy * perPixel)
-      : right.multiplyScalar(dx * perPixel).addScaledVector(up, -dy * perPixel);
+  /** The grabbed point stays under the pointer. */
+  private shift(from: Point, to: Point, level: boolean): void {
+    const [before, after] = [this.rayAt(from.x, from.y), this.rayAt(to.x, to.y)];
+    const view = this.grabbed.clone().sub(before.origin).normalize();
+    const by = dragStep(before, after, this.grabbed, dragNormal(level ? "level" : "upright", view));
+    if (by === null) return;
+    this.grabbed.add(by);
     this.posing.moveWrist(by);
   }
 
@@ -164,7 +189,9 @@ export class PointerPosing {
     if (from.length() < 1 || to.length() < 1) return;
     const [, , into] = this.axes();
     const nearer = Math.log2(to.length() / from.length()) * PINCH_DEPTH;
-    this.posing.moveWrist(into.clone().multiplyScalar(-nearer));
+    const by = dragNormal("upright", into).multiplyScalar(-nearer);
+    this.grabbed.add(by);
+    this.posing.moveWrist(by);
     // The window's y runs down: a turn to the right there is one about the view's direction.
     const twist = Math.atan2(from.cross(to), from.dot(to));
     this.posing.turnWrist(new Quaternion().setFromAxisAngle(into, twist));

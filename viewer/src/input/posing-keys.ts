@@ -30,7 +30,7 @@ export class PosingKeys {
     private readonly app: App,
     private readonly posing: Posing,
     keys: Keys,
-    private readonly refused: (reason: string) => void,
+    private readonly refused: (reason: unknown) => void,
   ) {
     keys.addTaker((event, down) => this.take(event, down));
     window.addEventListener("blur", () => this.held.clear());
@@ -54,9 +54,7 @@ export class PosingKeys {
     const { inputs } = this.app;
     if (inputs.active === this.posing) inputs.stop();
     else {
-      inputs.start(POSING_ID).catch((error: unknown) => {
-        this.refused(error instanceof Error ? error.message : String(error));
-      });
+      inputs.start(POSING_ID).catch(this.refused);
     }
   }
 

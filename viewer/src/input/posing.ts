@@ -38,8 +38,9 @@ export class Posing extends InputSourceBase {
   readonly id = POSING_ID;
   readonly label = "Mouse, touch and keys";
   readonly help =
-    "Drag the hand to move it; right-drag (or Alt) turns it, Shift moves it away and nearer. " +
-    "The mouse wheel over the hand, or the slider, closes it.";
+    "Mouse: drag the hand up, down and sideways; with Shift over the table; right-drag (or Alt) turns it; the wheel " +
+    "over it closes it. Touch: drag with one finger; two fingers apart bring it nearer, a twist rolls it; the " +
+    "slider closes it.";
   /** Sliders, made where the panels are. */
   controls?: HTMLElement;
   /** Which of the scene's hands. */

@@ -9,6 +9,8 @@ export interface InputSource {
   readonly id: string;
   /** On the button. */
   readonly label: string;
+  /** On the button while it has the hand; "Stop" and the label, if absent. */
+  readonly stopLabel?: string;
   /** One or two plain sentences under the button. */
   readonly help: string;
   readonly state: InputState;
@@ -61,6 +63,13 @@ export abstract class InputSourceBase implements InputSource {
   }
 }
 
+/** Another viewer holds control: the hand is theirs until this page takes it. */
+export class ControlHeld extends Error {
+  constructor() {
+    super("Another viewer holds control. Take control first.");
+  }
+}
+
 /** What the registry needs of the connection. */
 export interface ControlLine {
   readonly inControl: boolean;
@@ -104,7 +113,7 @@ export class InputSources {
     if (this.given === source) return;
     if (this.line.recorded) throw new Error("This is a recording: its hands move as they did.");
     if (!this.line.askControl()) {
-      throw new Error("Someone else holds control. Take control first, in the Run panel.");
+      throw new ControlHeld();
     }
     const before = this.given;
     this.given = source;

@@ -1,16 +1,18 @@
-// Colours for a quantity: dark to bright, evenly in lightness (after matplotlib's inferno).
+// Colours for a quantity: pressure from blue to yellow, weights from blue to red.
 
 type Stop = readonly [number, number, number];
 
+/** Blue, violet, rose, orange, yellow: lighter all the way, and apart from skin, glass and grey at its
+ * dark end (after matplotlib's plasma, from its middle blue on). */
 export const STOPS: readonly Stop[] = [
-  [0.03, 0.02, 0.09],
-  [0.157, 0.043, 0.329],
-  [0.396, 0.082, 0.431],
-  [0.624, 0.165, 0.388],
-  [0.831, 0.282, 0.259],
-  [0.961, 0.49, 0.082],
-  [0.98, 0.757, 0.153],
-  [0.988, 1.0, 0.645],
+  [0.19, 0.19, 0.75],
+  [0.42, 0.09, 0.78],
+  [0.65, 0.13, 0.65],
+  [0.82, 0.28, 0.47],
+  [0.93, 0.45, 0.33],
+  [0.99, 0.65, 0.2],
+  [0.98, 0.82, 0.15],
+  [0.97, 0.97, 0.35],
 ];
 
 /** For weights: blue none, red all, pale between (after Moreland's cool-warm). */

@@ -33,7 +33,8 @@ export class Legend {
     this.element.className = "scales";
     this.element.hidden = true;
     this.pressure.className = "scale-pressure";
-    this.pressure.append("Pressure", ...scale(cssGradient(STOPS), "0", this.middle, this.most));
+    this.pressure.append("Pressure on the skin, kPa", ...scale(cssGradient(STOPS), "0", this.middle, this.most));
+    this.pressure.append("Clear skin bears no load.");
     this.weights.className = "scale-weights";
     this.weights.append("Skinning weight ", this.whose, ...scale(cssGradient(WEIGHT_STOPS), "0", "0.5", "1"));
     this.forces.className = "scale-forces";
@@ -65,7 +66,7 @@ export class Legend {
     this.forces.hidden = force === null;
     if (pressure !== null) {
       write(this.middle, `${Number((pressure / 2000).toPrecision(3))}`);
-      write(this.most, `${Number((pressure / 1000).toPrecision(3))} kPa`);
+      write(this.most, `${Number((pressure / 1000).toPrecision(3))}`);
     }
     if (force !== null) write(this.arrow, `longest arrow ${Number(force.toPrecision(3))} N`);
   }

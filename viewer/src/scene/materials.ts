@@ -2,7 +2,9 @@
 
 import {
   Color,
+  DoubleSide,
   LineBasicMaterial,
+  MeshBasicMaterial,
   MeshDepthMaterial,
   MeshStandardMaterial,
   ShaderChunk,
@@ -150,7 +152,7 @@ export function skinMaterial(colour: Color, nodes: IUniform<Texture>, shared: Sh
         vec3 plate = diffuseColor.rgb * vec3( 1.10, 0.93, 0.93 );
         plate = mix( plate, vec3( 0.80, 0.68, 0.58 ), 0.6 * freeEdge + 0.35 * lunula );
         diffuseColor.rgb = mix( skin, plate, nail );
-        diffuseColor.rgb = mix( diffuseColor.rgb, vec3( 0.24, 0.25, 0.27 ) * mix( 0.75, 1.0, vSite.y ), pressureShown );`,
+        diffuseColor.rgb = mix( diffuseColor.rgb, vec3( 0.55, 0.60, 0.66 ) * mix( 0.75, 1.0, vSite.y ), pressureShown );`,
       ),
     );
     replaceFragment(
@@ -204,12 +206,14 @@ export function skinMaterial(colour: Color, nodes: IUniform<Texture>, shared: Sh
       "#include <opaque_fragment>",
       before(
         "#include <opaque_fragment>",
-        `// The unloaded skin is drawn grey, as if lit from the eye: readable from every side.
+        `// The unloaded skin is glass, clear where it faces the eye and milky at its rim, so that the
+        // loaded side shows through; the loaded skin is opaque.
         float facing = saturate( dot( smoothNormal, geometryViewDir ) );
-        outgoingLight = mix( outgoingLight, vec3( 0.21, 0.225, 0.25 ) * ( 0.35 + 0.65 * facing ), 0.7 * pressureShown );
+        outgoingLight = mix( outgoingLight, vec3( 0.50, 0.56, 0.63 ) * ( 0.55 + 0.45 * facing ), 0.7 * pressureShown );
         float load = vPressure / pressureMost;
-        float told = pressureShown * smoothstep( 0.01, 0.08, load );
-        outgoingLight = mix( outgoingLight, colourMap( load ) * 0.9, told * 0.92 );
+        float told = pressureShown * smoothstep( 0.01, 0.05, load );
+        outgoingLight = mix( outgoingLight, colourMap( load ) * 0.9, told );
+        diffuseColor.a = mix( diffuseColor.a, mix( mix( 0.85, 0.22, facing ), 1.0, told ), pressureShown );
         outgoingLight = mix( outgoingLight, weightMap( vBoneWeight ) * ( 0.3 + 0.7 * facing ), weightsShown );`,
       ),
     );
@@ -374,6 +378,45 @@ export function embeddedLineMaterial(colour: Color, nodes: IUniform<Texture>): L
     replaceVertex(shader, "#include <project_vertex>", after("#include <project_vertex>", LIFT));
   };
   material.customProgramCacheKey = () => "embedded-line";
+  return material;
+}
+
+/** Five millimetres, seen from half a metre: pressed flesh sinks into what presses it. */
+const LIFT_LOADED = "gl_Position.z -= 2.0e-4 * gl_Position.w;";
+
+/** The loaded part of the skin alone, in the colours of the pressure: it shows through the hand. */
+export function pressureMaterial(nodes: IUniform<Texture>, shared: Shared): MeshBasicMaterial {
+  const material = new MeshBasicMaterial({ transparent: true, depthWrite: false, side: DoubleSide });
+  material.onBeforeCompile = (shader) => {
+    embed(shader, nodes);
+    shader.uniforms["pressureMost"] = shared.pressureMost;
+    replaceVertex(
+      shader,
+      "#include <common>",
+      after("#include <common>", "attribute float pressure; varying float vPressure;"),
+    );
+    replaceVertex(
+      shader,
+      "#include <project_vertex>",
+      after("#include <project_vertex>", `vPressure = pressure; ${LIFT_LOADED}`),
+    );
+    replaceFragment(
+      shader,
+      "#include <common>",
+      after("#include <common>", `varying float vPressure; uniform float pressureMost;\n${COLOUR_MAPS}`),
+    );
+    replaceFragment(
+      shader,
+      "#include <opaque_fragment>",
+      before(
+        "#include <opaque_fragment>",
+        `float load = vPressure / pressureMost;
+        diffuseColor.a = smoothstep( 0.01, 0.05, load );
+        outgoingLight = colourMap( load ) * 0.9;`,
+      ),
+    );
+  };
+  material.customProgramCacheKey = () => "pressure";
   return material;
 }
 

@@ -1,6 +1,8 @@
 // Pressure on the skin: of each contact the normal force F over its area A. It is drawn around the
 // contact's place as the bell F/A exp(-π r²/A), whose height is the pressure and whose integral is
-// the force, over the drawn skin as it lies now. The sum over the drawn skin is the force again.
+// the force, over the drawn skin as it lies now. The sum over the drawn skin is the force again. A
+// contact samples the skin at a collision vertex: its bell is no smaller than that vertex's share of
+// the collision surface, for between the samples nothing is known.
 
 import { Vector3 } from "three";
 import type { Contacts, Snapshot } from "../protocol/types";
@@ -21,6 +23,7 @@ export class PressureMap {
   private readonly areas: Float32Array;
   private readonly around: Neighbours;
   private readonly collision: Float32Array;
+  private readonly shareOfVertex: Float32Array;
   private readonly patches = new Map<number, Patch>();
   private shares = new Float64Array(64);
 
@@ -29,6 +32,7 @@ export class PressureMap {
     this.areas = vertexAreas(this.rest, soft.render.triangles);
     this.around = neighbours(this.rest, soft.render.triangles);
     this.collision = restPositions(soft.collision, soft.nodes, soft.tets);
+    this.shareOfVertex = vertexAreas(this.collision, soft.collision.triangles);
   }
 
   /** Pressure at each drawn vertex by all contacts of this body, number `index` among the soft ones;
@@ -51,7 +55,7 @@ export class PressureMap {
     if (!(force > 0) || vertex === NO_VERTEX || 3 * vertex >= this.collision.length) return;
     contacts.place(i, PLACE);
     this.where(this.soft.collision, vertex, nodes, AT);
-    const size = Math.sqrt(contacts.area(i));
+    const size = Math.sqrt(Math.max(contacts.area(i), this.shareOfVertex[vertex]));
     const { vertices } = this.patch(vertex, PLACE.distanceTo(AT) + REACH * size);
     // The skin shows nothing finer than one of its vertices.
     const area = Math.max(size * size, this.areas[vertices[0]]);

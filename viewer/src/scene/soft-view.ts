@@ -22,6 +22,7 @@ import {
   embeddedDepthMaterial,
   embeddedLineMaterial,
   plainEmbeddedMaterial,
+  pressureMaterial,
   skinMaterial,
   type Shared,
 } from "./materials";
@@ -51,6 +52,8 @@ export class SoftView {
   readonly boneWeight: BufferAttribute;
   private readonly skin: Mesh;
   private readonly depth: Mesh;
+  /** The loaded skin of both sides; made when the pressure first shows. */
+  private glow: Mesh | null = null;
   private flesh: Mesh | null = null;
   private cells: LineSegments | null = null;
   private wire: LineSegments | null = null;
@@ -141,6 +144,17 @@ export class SoftView {
     this.wire.frustumCulled = false;
     this.wire.renderOrder = 5;
     this.group.add(this.wire);
+  }
+
+  /** The pressure on the far side shows through the near one, which lets light through by then. */
+  setGlow(on: boolean): void {
+    if (on && this.glow === null) {
+      this.glow = drawn(this.geometry, pressureMaterial(this.nodes, this.shared));
+      // Before the skin's depth, which would hide the far side.
+      this.glow.renderOrder = 0.5;
+      this.group.add(this.glow);
+    }
+    if (this.glow !== null) this.glow.visible = on;
   }
 
   private makeEdges(): void {

@@ -118,7 +118,8 @@ export class WorldView {
     for (const view of this.rigids) view.setVisible(on("objects"), on("wireframe"));
     for (const view of this.softs) {
       const hand = view.hand !== null;
-      const through = hand && (on("bones") || on("flesh"));
+      const through = hand && (on("bones") || on("flesh") || on("pressure"));
+      view.setGlow(hand && on("pressure"));
       // Colours on the skin need the skin.
       const coloured = hand && ON_SKIN.some(on);
       const cells = on("flesh") && (hand || !on("objects"));

@@ -1,6 +1,7 @@
 // What the visitor sets for recorded motion: which, how fast, once or again and again.
 
 import { button, h } from "../ui/dom";
+import { takeDrops } from "../ui/drops";
 
 export interface MotionChoice {
   readonly id: string;
@@ -48,7 +49,7 @@ export class MotionControls {
       button("Open a recording…", () => chooser.click()),
       chooser,
     );
-    acceptDrops(listeners.file);
+    takeDrops({ what: "a hand motion (.jsonl)", pattern: /\.(jsonl|ndjson|json)$/i, open: listeners.file });
   }
 
   /** Id of the motion chosen; `file` for the one loaded. */
@@ -70,18 +71,4 @@ export class MotionControls {
     else this.select.append(new Option(name, FILE));
     this.select.value = FILE;
   }
-}
-
-/** JSON lines dropped anywhere on the page; other files are left to others. */
-function acceptDrops(open: (file: File) => void): void {
-  const ours = (name: string) => /\.(jsonl|ndjson)$/i.test(name);
-  window.addEventListener("dragover", (event) => {
-    if (event.dataTransfer?.types.includes("Files")) event.preventDefault();
-  });
-  window.addEventListener("drop", (event) => {
-    const file = event.dataTransfer?.files[0];
-    if (file === undefined || !ours(file.name)) return;
-    event.preventDefault();
-    open(file);
-  });
 }

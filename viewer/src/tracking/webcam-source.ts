@@ -12,6 +12,7 @@ import { openCamera } from "./camera";
 import { loadHands } from "./mediapipe";
 import { OneEuro } from "./one-euro";
 import { HandsRequest, PoseOutlet, SIDES } from "./outlet";
+import { PictureTime } from "./picture-time";
 import { placeWebcamHand, seen, type Seen } from "./webcam-hand";
 
 /** Below this the tracker is not sure which hand, or whether it is one. */
@@ -70,6 +71,9 @@ export class WebcamSource extends InputSourceBase {
     right: new WebcamHand(),
   };
   private distance: number | null = null;
+  /** What is in sight, in words. */
+  private words = "";
+  private readonly pace = new PictureTime();
 
   constructor(private readonly app: App) {
     super();
@@ -95,6 +99,7 @@ export class WebcamSource extends InputSourceBase {
     const { run } = this;
     this.distance = null;
     this.pictures = 0;
+    this.pace.reset();
     try {
       this.set("starting", "Waiting for the camera.");
       const stream = await openCamera();
@@ -110,7 +115,8 @@ export class WebcamSource extends InputSourceBase {
       this.set("starting", "Loading the hand tracker.");
       this.hands ??= await loadHands((results) => this.results(results));
       if (run !== this.run) return;
-      this.set("on", "Show a hand to the camera.");
+      this.words = "Show a hand to the camera.";
+      this.set("on", this.words);
       void this.look(run);
     } catch (error) {
       if (run !== this.run) return;
@@ -143,7 +149,10 @@ export class WebcamSource extends InputSourceBase {
     while (run === this.run && this.hands !== null) {
       try {
         if (this.video.readyState >= HTMLMediaElement.HAVE_CURRENT_DATA) {
+          const before = performance.now();
           await this.hands.send({ image: this.video });
+          this.pace.add((performance.now() - before) / 1000);
+          this.sayPace();
         }
       } catch (error) {
         if (run !== this.run) return;
@@ -200,7 +209,14 @@ export class WebcamSource extends InputSourceBase {
       const lacking = found.has(side) && !this.outlet.accepts(side);
       if (lacking && time - hand.since > WANTED_S) this.request.ask({ left: null, right: null });
     }
-    const words = found.size === 0 ? "No hand in sight." : `Tracking: ${[...found].join(" and ")} hand.`;
-    if (words !== this.note) this.set("on", words);
+    this.words = found.size === 0 ? "No hand in sight." : `Tracking: ${[...found].join(" and ")} hand.`;
+    this.sayPace();
+  }
+
+  /** The note, with a remark where tracking is too slow. */
+  private sayPace(): void {
+    if (this.state !== "on") return;
+    const note = this.words + this.pace.remark();
+    if (note !== this.note) this.set("on", note);
   }
 }

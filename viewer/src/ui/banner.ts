@@ -4,7 +4,7 @@ import type { Desk } from "./desk";
 import { button, h, setText } from "./dom";
 
 export function banner(desk: Desk): HTMLElement {
-  const { connection, feed } = desk.app;
+  const { connection, feed, stage } = desk.app;
   const text = h("span");
   const again = button("Try now", () => connection.connect());
   const element = h("div", { class: "banner", role: "alert", hidden: true }, text, again);
@@ -45,5 +45,17 @@ export function banner(desk: Desk): HTMLElement {
     if (missed && feed.live) desk.toasts.show("Connected again.");
   });
   connection.on("close", () => (again.hidden = false));
+  // The driver was reset, or another page took the memory; three takes up the picture again.
+  stage.canvas.addEventListener("webglcontextlost", () => {
+    if (connection.state !== "open") return;
+    again.hidden = true;
+    element.hidden = false;
+    setText(text, "The graphics driver dropped the picture. It comes back by itself; if not, reload the page.");
+  });
+  stage.canvas.addEventListener("webglcontextrestored", () => {
+    if (connection.state !== "open") return;
+    element.hidden = true;
+    stage.invalidate();
+  });
   return element;
 }

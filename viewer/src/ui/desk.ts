@@ -1,6 +1,7 @@
 // What every panel gets, and what it gives.
 
 import type { App } from "../app";
+import { ControlHeld } from "../input/source";
 import type { Command } from "../protocol/types";
 import type { Keys } from "./keys";
 import type { Toasts } from "./toasts";
@@ -22,12 +23,34 @@ export interface Panel {
   shown?(open: boolean): void;
 }
 
+/** Takes control from whoever holds it. */
+export function takeControl(desk: Desk): void {
+  if (desk.app.connection.send({ type: "control", take: true })) return;
+  desk.toasts.show("There is no connection to the simulation; it is being tried again.", "warning");
+}
+
+/** Says that another viewer holds control, beside the button that takes it. */
+export function sayWatching(desk: Desk): void {
+  const holder = desk.app.connection.status?.control ?? null;
+  const who = holder === null ? "Nobody holds control." : `Viewer ${holder} holds control.`;
+  desk.toasts.show(`${who} You are watching.`, "warning", {
+    label: "Take control",
+    act: () => takeControl(desk),
+  });
+}
+
+/** Says why something could not be done; where control is what lacks, with a button to take it. */
+export function sayRefused(desk: Desk, error: unknown): void {
+  if (error instanceof ControlHeld) sayWatching(desk);
+  else desk.toasts.show(error instanceof Error ? error.message : String(error), "error");
+}
+
 /** Sends a command, or says why it cannot be. */
 export function command(desk: Desk, what: Command): boolean {
   const { connection } = desk.app;
   const holder = connection.status?.control ?? null;
   if (what.type !== "control" && what.type !== "stop" && holder !== null && !connection.inControl) {
-    desk.toasts.show(`You are watching; viewer ${holder} holds control. Take it in the Run panel.`, "warning");
+    sayWatching(desk);
     return false;
   }
   if (connection.send(what)) return true;

@@ -18,6 +18,13 @@ export function fixed(value: number, decimals: number): string {
   return Number.isFinite(value) ? value.toFixed(decimals) : "–";
 }
 
+const RAISED: Readonly<Record<string, string>> = { "2": "²", "3": "³", "4": "⁴" };
+
+/** A unit with its powers raised: N/m^4 becomes N/m⁴. */
+export function unitWords(unit: string): string {
+  return unit.replace(/\^([234])/g, (_, power: string) => RAISED[power]);
+}
+
 export function seconds(value: number): string {
   return `${fixed(value, 2)} s`;
 }

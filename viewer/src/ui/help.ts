@@ -2,6 +2,7 @@
 
 import type { Desk, Panel } from "./desk";
 import { button, h } from "./dom";
+import { helpPicture } from "./help-picture";
 import { ICONS } from "./icons";
 
 export function helpPanel(desk: Desk): Panel {
@@ -35,12 +36,21 @@ export function helpPanel(desk: Desk): Panel {
     body: h(
       "div",
       {},
+      helpPicture(),
       h(
         "p",
         {},
         "A soft hand, simulated live: bones follow a pose, flesh follows the bones and gives way to what it touches.",
       ),
-      h("p", {}, "Try: drag the hand, or open the Hand panel and move the Grasp slider."),
+      h(
+        "ol",
+        { class: "steps" },
+        ...[
+          "Drag the hand down to the object, with the mouse or one finger.",
+          "Close it: the mouse wheel over the hand, key G, or the slider that appears. The forces at the fingertips stand below it.",
+          "Drag up. Esc gives the hand back to the script.",
+        ].map((step) => h("li", {}, step)),
+      ),
       h("div", { class: "buttons" }, button("Open the help", open, { class: "primary", title: "Key ?" })),
     ),
   };
@@ -56,13 +66,15 @@ function text(): HTMLElement[] {
         "the bones after it. The flesh follows the bones and is stopped by what it touches, so the simulated hand " +
         "stays outside of objects even when the tracked one goes in.",
     ),
+    helpPicture(),
     h("h3", {}, "What to try"),
     list(
       "Play the bread scene, pause it (P) when the hand holds the loaf, and go on step by step (.).",
-      "Take the hand: drag it with the mouse or a finger, or press M. Close it with the Grasp slider or the mouse wheel. Esc gives it back.",
+      "Take the hand: drag it with the mouse or a finger, or press M. It moves up, down and sideways; with Shift over the table. Close it with the mouse wheel or the slider. Esc gives it back.",
+      "On a touch screen two fingers apart bring the hand nearer, and a twist rolls it.",
       "Open Physics and make the flesh softer or the bread slippery: it acts at once. The arrow beside a value takes it back.",
       "Switch on the tracked hand (Y) and press the hand into the table: yellow goes through, flesh does not.",
-      "Switch on the contact forces (V) and watch the Forces panel while you squeeze.",
+      "Switch on the pressure (H): the hand turns to glass and shows where it is pressed. Contact forces (V) are arrows.",
       "Drag beside the hand to turn the camera; wheel or pinch to zoom; keys 1 to 6 for fixed views.",
     ),
     h("h3", {}, "Your own hand"),
@@ -74,7 +86,7 @@ function text(): HTMLElement[] {
     h("h3", {}, "What the colours mean"),
     list(
       "Yellow: the tracked hand. Skin colour: the simulated one.",
-      "Pressure: from dark (none) to bright yellow; the scale is beside the picture.",
+      "Pressure: clear skin bears none; from blue (little) to yellow (most); the scale in kPa is beside the picture.",
       "Joints: blue bend one way, red two ways. Skinning weights: from blue (none) to red (all).",
       "Arrows: light blue presses, pink rubs; the longest arrow's force stands beside the picture.",
       "In the plot: thumb orange-red, index yellow, middle green, ring blue, little pink, palm grey.",

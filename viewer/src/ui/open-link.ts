@@ -2,14 +2,20 @@
 
 import type { App } from "../app";
 import { LAYERS } from "../scene/layers";
+import { takeControl, type Desk } from "./desk";
 import { PauseAt } from "./pause-at";
 import type { ViewLink } from "./view-link";
 
 /** Asked again for a scene the server did not go to, at most so often. */
 const ASK_MOST = 3;
 
-export function openLink(app: App, link: ViewLink, told: (message: string) => void): void {
+export function openLink(desk: Desk, link: ViewLink): void {
+  const { app } = desk;
   const { connection, feed, stage } = app;
+  // A link that cannot be followed says so on a bare picture, too.
+  const told = (message: string) => desk.toasts.show(message, "warning", null, true);
+  const toldWatching = (message: string) =>
+    desk.toasts.show(message, "warning", { label: "Take control", act: () => takeControl(desk) }, true);
   if (link.layers !== null) for (const layer of LAYERS) stage.setLayer(layer, link.layers.includes(layer));
   if (link.weights !== null) {
     stage.setWeightBones(link.weights);
@@ -29,7 +35,7 @@ export function openLink(app: App, link: ViewLink, told: (message: string) => vo
     if (asked >= ASK_MOST) return;
     // Control may still come: the viewer that held it may just be leaving.
     if (!connection.inControl) {
-      if (!complained) told(`This link shows ${link.scene}; whoever holds control shows ${scene}.`);
+      if (!complained) toldWatching(`This link shows ${link.scene}; whoever holds control shows ${scene}.`);
       complained = true;
       return;
     }
@@ -68,6 +74,13 @@ export function openLink(app: App, link: ViewLink, told: (message: string) => vo
     document.documentElement.dataset["moment"] = "reached";
   };
   connection.on("snapshot", approach);
+  // Only who holds control can go to the link's moment.
+  connection.on("status", ({ control }) => {
+    const held = control !== null && control !== connection.welcome?.client;
+    if (pauseAt === null || complained || !held || !arrived()) return;
+    complained = true;
+    toldWatching(`This link stops at ${link.pauseAt ?? 0} s, but viewer ${control} holds control.`);
+  });
   // While paused no snapshot comes: control may have come since, or a command got lost.
   const patience = setInterval(() => (pauseAt === null ? clearInterval(patience) : approach()), 250);
   // Someone who touches the run takes over from the link.

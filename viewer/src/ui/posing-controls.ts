@@ -3,7 +3,7 @@
 import { POSING_ID, type Posing } from "../input/posing";
 import { PRESETS } from "../input/shapes";
 import { button, h } from "./dom";
-import type { Desk } from "./desk";
+import { sayRefused, type Desk } from "./desk";
 import { fixed } from "./format";
 import { select, slider } from "./widgets";
 
@@ -19,7 +19,7 @@ export function posingControls(desk: Desk, posing: Posing): HTMLElement {
     if (posing.on) return act();
     inputs.start(POSING_ID).then(
       () => act(),
-      (error: unknown) => desk.toasts.show(error instanceof Error ? error.message : String(error), "error"),
+      (error: unknown) => sayRefused(desk, error),
     );
   };
   const percent = (value: number) => `${fixed(100 * value, 0)} %`;

@@ -43,3 +43,12 @@ export function fromPosition(position: number, range: Range): number {
 function roundTo(value: number, unit: number): number {
   return Number((Math.round(value / unit) * unit).toPrecision(12));
 }
+
+/** Two values that differ by rounding only are the same: a value that went to the server and back in
+ * another unit differs in its last bits. */
+const ROUNDING = 1e-9;
+
+export function sameValue(a: number | string, b: number | string): boolean {
+  if (typeof a === "string" || typeof b === "string") return a === b;
+  return a === b || Math.abs(a - b) <= ROUNDING * Math.max(Math.abs(a), Math.abs(b));
+}

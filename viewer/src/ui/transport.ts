@@ -12,7 +12,7 @@ export function transport(desk: Desk): { top: HTMLElement; bottom: HTMLElement }
   const { connection, feed } = desk.app;
   const title = h("span", { class: "scene-title" });
   const state = h("span", { class: "state" });
-  const top = h("header", { class: "top" }, h("strong", {}, "Thenar"), title, state);
+  const top = h("header", { class: "top" }, h("h1", {}, "Thenar"), title, state);
 
   const paused = () => connection.status?.paused ?? false;
   const toggle = () => void command(desk, { type: "run", paused: !paused() });
@@ -25,7 +25,7 @@ export function transport(desk: Desk): { top: HTMLElement; bottom: HTMLElement }
   const pace = h("span", { class: "pace" });
   const bottom = h(
     "div",
-    { class: "transport", role: "toolbar", "aria-label": "Run" },
+    { class: "transport", role: "toolbar", "aria-label": "Clock" },
     play,
     step,
     reset,
@@ -42,7 +42,8 @@ export function transport(desk: Desk): { top: HTMLElement; bottom: HTMLElement }
   add("backspace", "Back to the start", () => void command(desk, { type: "reset" }), "Backspace");
 
   const refresh = () => {
-    const may = connection.inControl && feed.live;
+    const drawn = feed.snapshot !== null;
+    const may = connection.inControl && feed.live && drawn;
     for (const item of [play, step, reset]) item.disabled = !may;
     step.disabled ||= !paused();
     const label = paused() ? "Go on (P)" : "Pause (P)";
@@ -57,8 +58,9 @@ export function transport(desk: Desk): { top: HTMLElement; bottom: HTMLElement }
     const who = connection.inControl ? "you control" : "watching";
     const crowd = others > 0 ? `, ${others} more ${others === 1 ? "viewer" : "viewers"}` : "";
     const shown = (connection.status?.recording ?? null) === null ? "Live" : "Recorded";
-    setText(state, !feed.live ? "Replay" : open ? `${shown}: ${who}${crowd}` : "Not connected");
-    state.dataset["state"] = !feed.live ? "recorded" : open ? "live" : "lost";
+    const live = drawn ? `${shown}: ${who}${crowd}` : "Loading";
+    setText(state, !feed.live ? "Replay" : open ? live : "Not connected");
+    state.dataset["state"] = !feed.live || (open && !drawn) ? "recorded" : open ? "live" : "lost";
   };
   connection.on("status", refresh);
   connection.on("open", refresh);
@@ -68,7 +70,11 @@ export function transport(desk: Desk): { top: HTMLElement; bottom: HTMLElement }
   feed.on("live", refresh);
   refresh();
 
+  let drawn = false;
+  feed.on("model", () => (drawn = false));
   feed.on("snapshot", (snapshot) => {
+    if (!drawn) refresh();
+    drawn = true;
     setText(clock, `${fixed(snapshot.time, 2)} s`);
     const slow = (snapshot.flags & FLAG.slow) !== 0;
     const still = (snapshot.flags & FLAG.paused) !== 0;

@@ -6,11 +6,15 @@ import { Posing } from "../input/posing";
 import { PosingKeys } from "../input/posing-keys";
 import { touchCard } from "../touch/card";
 import { banner } from "./banner";
-import type { Desk } from "./desk";
-import { button, h } from "./dom";
+import { sayRefused, type Desk } from "./desk";
+import { h } from "./dom";
+import { acceptDrops } from "./drops";
+import { graspDock } from "./grasp-dock";
 import { helpPanel } from "./help";
+import { hint } from "./hint";
 import { Keys } from "./keys";
 import { openLink } from "./open-link";
+import { loading } from "./loading";
 import { forcesPanel } from "./panels/forces";
 import { inputPanel } from "./panels/input";
 import { layersPanel } from "./panels/layers";
@@ -20,19 +24,18 @@ import { recordPanel } from "./panels/record";
 import { runPanel } from "./panels/run";
 import { posingControls } from "./posing-controls";
 import { Shell } from "./shell";
-import { isTrue, recall, remember } from "./store";
 import { Toasts } from "./toasts";
 import { transport } from "./transport";
 import { parseLink } from "./view-link";
 
 export function mountUi(app: App, root: HTMLElement): Desk {
   const desk: Desk = { app, keys: new Keys(), toasts: new Toasts() };
-  const say = (message: string) => desk.toasts.show(message, "warning");
+  const refused = (error: unknown) => sayRefused(desk, error);
   const posing = new Posing(app);
   posing.controls = posingControls(desk, posing);
   app.inputs.register(posing);
-  new PointerPosing(app, posing, say);
-  new PosingKeys(app, posing, desk.keys, say);
+  new PointerPosing(app, posing, refused);
+  new PosingKeys(app, posing, desk.keys, refused);
 
   const shell = new Shell();
   const layers = layersPanel(desk);
@@ -48,8 +51,8 @@ export function mountUi(app: App, root: HTMLElement): Desk {
   ];
   const { top, bottom } = transport(desk);
   for (const panel of panels) shell.add(panel);
-  const corner = h("div", { class: "corner" }, desk.toasts.element, hint(app), touchCard(desk), bottom);
-  root.append(top, corner, shell.drawer, shell.rail, banner(desk));
+  const corner = h("section", { class: "corner", "aria-label": "Run and messages" }, desk.toasts.element, hint(desk), touchCard(desk), graspDock(desk, posing), bottom);
+  root.append(top, shell.rail, shell.drawer, corner, loading(desk), banner(desk));
 
   let bare = false;
   desk.keys.add({
@@ -60,9 +63,10 @@ export function mountUi(app: App, root: HTMLElement): Desk {
   });
   app.connection.on("error", ({ message }) => desk.toasts.show(message, "error"));
   describe(app);
+  acceptDrops((reason) => desk.toasts.show(reason, "warning"));
 
   const link = parseLink(window.location.hash);
-  openLink(app, link, say);
+  openLink(desk, link);
   layers.refresh();
   shell.restore(["forces"]);
   bare = !link.ui;
@@ -70,33 +74,6 @@ export function mountUi(app: App, root: HTMLElement): Desk {
   // The address is changed by hand or a link is followed: begin anew with it.
   window.addEventListener("hashchange", () => window.location.reload());
   return desk;
-}
-
-/** One line for first visitors, gone once they have done something. */
-function hint(app: App): HTMLElement {
-  const element = h("p", { class: "hint" });
-  if (recall("hint-seen", isTrue) !== null) {
-    element.hidden = true;
-    return element;
-  }
-  let seen = false;
-  const gone = () => {
-    seen = element.hidden = true;
-    remember("hint-seen", true);
-  };
-  element.append(
-    "Drag the hand to take it. Drag beside it to look around. Help tells the rest (key ?).",
-    button("Got it", gone, { class: "plain" }),
-  );
-  // Scenes without a hand have nothing to take, and recorded hands cannot be.
-  app.feed.on("model", ({ hands }) => {
-    const recorded = (app.connection.status?.recording ?? null) !== null;
-    element.hidden = seen || recorded || hands.length === 0;
-  });
-  app.inputs.onChange(() => {
-    if (app.inputs.active !== null) gone();
-  });
-  return element;
 }
 
 /** The picture in words, for those who cannot see it. */

@@ -14,7 +14,7 @@ export function iconButton(path: string, label: string, act: () => void): HTMLBu
 /** A heading with what belongs under it. */
 export function group(title: string, ...children: Child[]): HTMLElement {
   const id = newId("group");
-  return h("section", { class: "group", "aria-labelledby": id }, h("h3", { id }, title), ...children);
+  return h("div", { class: "group", role: "group", "aria-labelledby": id }, h("h3", { id }, title), ...children);
 }
 
 export interface Slider {

@@ -31,6 +31,7 @@ const WORDS: Readonly<Record<Mode, Words>> = {
 export class XrSource extends InputSourceBase {
   readonly id: string;
   readonly label: string;
+  readonly stopLabel = "Leave XR";
   readonly help: string;
   readonly controls: HTMLElement;
   live: XrLive | null = null;

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { bytes, fileStem, fixed, significant } from "../../src/ui/format";
+import { bytes, fileStem, fixed, significant, unitWords } from "../../src/ui/format";
 
 describe("numbers for people", () => {
   it("have three significant digits, and exponents only where zeros would be counted", () => {
@@ -22,4 +22,8 @@ describe("numbers for people", () => {
   it("and names fit for files", () => {
     expect([fileStem("Bread grasp / ä!"), fileStem("../../x"), fileStem("")]).toEqual(["bread-grasp", "x", "thenar"]);
   });
+});
+
+it("units have raised powers", () => {
+  expect(["N/m^4", "kg/m^3", "m/s^2", "kPa", "1"].map(unitWords)).toEqual(["N/m⁴", "kg/m³", "m/s²", "kPa", "1"]);
 });

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { SLIDER_STEPS, fromPosition, toPosition, type Range } from "../../src/ui/slider-map";
+import { SLIDER_STEPS, fromPosition, sameValue, toPosition, type Range } from "../../src/ui/slider-map";
 
 const ranges: Range[] = [
   { min: 0, max: 2, scale: "linear" },
@@ -34,5 +34,21 @@ describe("sliders", () => {
     expect(toPosition(99, ranges[0])).toBe(SLIDER_STEPS);
     expect(fromPosition(500, { min: 0, max: 8, scale: "log" })).toBe(4);
     expect(toPosition(3, { min: 3, max: 3, scale: "linear" })).toBe(0);
+  });
+});
+
+describe("the same value", () => {
+  it("is one that differs by rounding only", () => {
+    // Flesh incompressibility, there and back.
+    expect(sameValue(0.4300000000000005, 0.43000000000000044)).toBe(true);
+    expect(sameValue(-2e9, -2e9 * (1 + 1e-12))).toBe(true);
+    expect(sameValue(0, 0)).toBe(true);
+  });
+
+  it("is not one that a visitor can set apart", () => {
+    // One step of a slider over a decade is a factor of 1.0023; typed values have four digits.
+    expect(sameValue(0.43, 0.4301)).toBe(false);
+    expect(sameValue(0, 1e-12)).toBe(false);
+    expect(sameValue("exact", "lagged")).toBe(false);
   });
 });

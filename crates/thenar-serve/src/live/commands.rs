@@ -94,7 +94,7 @@ impl Loop {
         }
         self.hands_off();
         if let Some(before) = before.filter(|before| *before != client) {
-            self.tell(before, text::error(&format!("client {} has taken control", client.0)));
+            self.tell(before, text::error(&format!("viewer {} has taken control", client.0)));
         }
     }
 

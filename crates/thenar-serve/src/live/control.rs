@@ -72,7 +72,7 @@ impl Control {
             Some(holder) if holder == client => Ok(true),
             _ if self.held_just_now(client, now) => Ok(false),
             holder => {
-                let who = holder.map_or("nobody".into(), |holder| format!("client {}", holder.0));
+                let who = holder.map_or("nobody".into(), |holder| format!("viewer {}", holder.0));
                 Err(format!("{who} holds control; take it to change anything"))
             }
         }

@@ -28,7 +28,7 @@ impl Loop {
                 let before = self.control.holder().filter(|before| *before != client);
                 self.control.take(client, now);
                 if let Some(before) = before {
-                    let reason = format!("client {} has taken control", client.0);
+                    let reason = format!("viewer {} has taken control", client.0);
                     self.tell(before, text::error(&reason));
                 }
             }

@@ -24,14 +24,14 @@ fn the_first_has_control_and_it_passes_on() {
     // Who only watches is refused, and nothing happens.
     second.say(r#"{"type":"run","paused":true}"#);
     let (note, refusal) = second.note();
-    assert!(refusal && note["message"].as_str().unwrap().contains("client 1"), "{note}");
+    assert!(refusal && note["message"].as_str().unwrap().contains("viewer 1"), "{note}");
     assert_eq!(second.status()["paused"], false);
 
     // Anybody may take it; who had it is told, and is not blamed for what was on its way.
     second.say(r#"{"type":"control","take":true}"#);
     second.until_status("the second holds control", |s| s["control"] == 2);
     let (note, refusal) = first.note();
-    assert!(!refusal && note["message"].as_str().unwrap().contains("client 2"), "{note}");
+    assert!(!refusal && note["message"].as_str().unwrap().contains("viewer 2"), "{note}");
     first.say(r#"{"type":"run","paused":true}"#);
     first.say(r#"{"type":"ping","t":7.5}"#);
     let (note, refusal) = first.note();

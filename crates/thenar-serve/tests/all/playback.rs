@@ -202,7 +202,7 @@ fn nothing_that_clients_send_moves_it() {
     let mut two = Visitor::join(&hub, 2);
     two.say(r#"{"type":"seek","time":0.1}"#);
     let (note, refusal) = two.note();
-    assert!(refusal && note["message"].as_str().unwrap().contains("client 1"), "{note}");
+    assert!(refusal && note["message"].as_str().unwrap().contains("viewer 1"), "{note}");
 }
 
 #[test]

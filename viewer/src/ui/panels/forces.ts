@@ -113,7 +113,8 @@ export function forcesPanel(desk: Desk): Panel {
     put(total, wholeHand(fingers));
     const rows: [string, string][] = [
       ["Step", `${fixed(snapshot.stepCost, 1)} of ${fixed(snapshot.stepBudget, 1)} ms`],
-      ["Contacts", `${snapshot.contacts.count}, ${snapshot.sweeps} sweeps`],
+      ["Contacts", String(snapshot.contacts.count)],
+      ["Solver sweeps", String(snapshot.sweeps)],
       ["Deepest penetration", `${significant(1e3 * snapshot.penetration, 2)} mm`],
       ["Largest joint gap", `${significant(1e3 * snapshot.jointGap, 2)} mm`],
     ];

@@ -1,13 +1,13 @@
 // Everything that can move the hand, one button each.
 
 import type { InputSource } from "../../input/source";
-import type { Desk, Panel } from "../desk";
+import { sayRefused, type Desk, type Panel } from "../desk";
 import { button, h, setText } from "../dom";
 import { gripControls } from "../grip-controls";
 import { ICONS } from "../icons";
 
 export function inputPanel(desk: Desk): Panel {
-  const { inputs, connection } = desk.app;
+  const { inputs, connection, feed } = desk.app;
   const intro = h("p", { class: "help" });
   const list = h("div");
   const rows = new Map<string, () => void>();
@@ -19,9 +19,7 @@ export function inputPanel(desk: Desk): Panel {
       () => {
         if (inputs.active === source) inputs.stop();
         else {
-          inputs.start(source.id).catch((error: unknown) => {
-            desk.toasts.show(error instanceof Error ? error.message : String(error), "error");
-          });
+          inputs.start(source.id).catch((error: unknown) => sayRefused(desk, error));
         }
       },
       { "data-input": source.id, "aria-pressed": "false" },
@@ -30,9 +28,9 @@ export function inputPanel(desk: Desk): Panel {
     if (source.controls !== undefined) box.append(source.controls);
     rows.set(source.id, () => {
       const on = inputs.active === source;
-      act.disabled = !source.available || connection.state !== "open";
+      act.disabled = !source.available || connection.state !== "open" || feed.snapshot === null;
       act.setAttribute("aria-pressed", String(on));
-      setText(act, on ? `Stop: ${source.label}` : source.label);
+      setText(act, on ? (source.stopLabel ?? `Stop ${source.label.toLowerCase()}`) : source.label);
       setText(note, source.note);
       note.hidden = source.note === "";
       box.dataset["state"] = source.state;
@@ -52,6 +50,15 @@ export function inputPanel(desk: Desk): Panel {
     setText(intro, recorded ? "This is a recording: its hands move as they did." : live);
   };
   inputs.onChange(refresh);
+  let drawn = false;
+  feed.on("model", () => {
+    drawn = false;
+    refresh();
+  });
+  feed.on("snapshot", () => {
+    if (!drawn) refresh();
+    drawn = true;
+  });
   for (const name of ["open", "close", "status"] as const) connection.on(name, refresh);
   refresh();
 

@@ -15,24 +15,24 @@ interface Explanation {
 
 const EXPLAIN: Readonly<Record<LayerName, Explanation>> = {
   skin: { key: "k", text: "The soft surface you would see, carried by the flesh." },
-  flesh: { key: "t", text: "The tetrahedra that are computed, inside the skin (Fig. 2)." },
-  bones: { key: "b", text: "The rigid bones and the joints between them: hinges blue, universal joints red (Fig. 2)." },
+  flesh: { key: "t", text: "The tetrahedra that are computed, inside the skin." },
+  bones: { key: "b", text: "The rigid bones and the joints between them: hinges blue, universal joints red." },
   tracked: {
     key: "y",
-    text: "In yellow: where the tracker puts the hand. Contact holds the real one back (Fig. 4).",
+    text: "In yellow: where the tracker puts the hand. Contact holds the real one back.",
   },
-  skinning: { key: "l", text: "The same pose by plain skinning, without flesh (Fig. 6)." },
+  skinning: { key: "l", text: "The same pose by plain skinning, without flesh." },
   contacts: { key: "c", text: "Points where bodies touch: green sticks, orange slides." },
   forces: {
     key: "v",
     text: "Arrows at the contacts, as long as the force is strong: pressing and friction.",
   },
-  pressure: { key: "h", text: "Force per area as colour, from dark (none) to bright." },
+  pressure: { key: "h", text: "Force per area as colour, seen through the hand: clear skin bears nothing, blue little, yellow most." },
   weights: {
     key: "n",
-    text: "How much the bones chosen below carry the skin: blue not at all, red alone (Fig. 3).",
+    text: "How much the bones chosen below carry the skin: blue not at all, red alone.",
   },
-  wireframe: { key: "w", text: "The edges of the objects' triangles (Fig. 8)." },
+  wireframe: { key: "w", text: "The edges of the objects' triangles." },
   objects: { key: "o", text: "What the hand touches." },
   shadows: { key: "x", text: "Soft shadows; off is quicker to draw." },
   ground: { key: "z", text: "The table or floor." },

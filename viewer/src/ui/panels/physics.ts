@@ -1,11 +1,11 @@
 // The settings the server offers, grouped, acting at once.
 
 import { isChoice, type RangeSetting, type Setting } from "../../protocol/types";
-import { command, type Desk, type Panel } from "../desk";
+import { command, takeControl, type Desk, type Panel } from "../desk";
 import { button, h, newId, setText } from "../dom";
-import { significant } from "../format";
+import { significant, unitWords } from "../format";
 import { ICONS } from "../icons";
-import { SLIDER_STEPS, clampTo, fromPosition, toPosition } from "../slider-map";
+import { SLIDER_STEPS, clampTo, fromPosition, sameValue, toPosition } from "../slider-map";
 import { Throttle } from "../throttle";
 
 /** Between two commands of one slider, ms. */
@@ -13,7 +13,7 @@ const INTERVAL = 100;
 /** A value just set here is not overwritten by older ones from the server for so long, ms. */
 const SETTLE = 400;
 
-const WATCHING = "You are watching. Take control, in the Run panel, to change these.";
+const WATCHING = "You are watching. Take control to change these.";
 const RECORDED = "This is a recording: the settings are those of then.";
 
 /** The label of a row with a button that shows its help. */
@@ -56,8 +56,9 @@ export function physicsPanel(desk: Desk): Panel {
   );
   const list = h("div");
   const reset = button("Back to the scene's values", () => {
-    for (const { key, value, own } of connection.status?.settings ?? []) if (value !== own) send(key, own);
+    for (const { key, value, own } of connection.status?.settings ?? []) if (!sameValue(value, own)) send(key, own);
   });
+  const take = button("Take control", () => takeControl(desk));
   const form = h("fieldset", { class: "bare" }, list, reset);
 
   const rebuild = (settings: readonly Setting[]) => {
@@ -69,7 +70,7 @@ export function physicsPanel(desk: Desk): Panel {
       let box = groups.get(setting.group);
       if (box === undefined) {
         const id = newId("settings");
-        box = h("section", { class: "group", "aria-labelledby": id }, h("h3", { id }, setting.group));
+        box = h("div", { class: "group", role: "group", "aria-labelledby": id }, h("h3", { id }, setting.group));
         groups.set(setting.group, box);
       }
       box.append(row.element);
@@ -82,6 +83,7 @@ export function physicsPanel(desk: Desk): Panel {
     const recorded = (status?.recording ?? null) !== null;
     form.disabled = recorded || !connection.inControl;
     watching.hidden = !form.disabled;
+    take.hidden = recorded || !form.disabled || connection.state !== "open";
     setText(watching, recorded ? RECORDED : WATCHING);
     if (status === null) return;
     const now = JSON.stringify(status.settings.map((s) => [s.key, s.group, isChoice(s) ? s.choices : 0]));
@@ -91,7 +93,7 @@ export function physicsPanel(desk: Desk): Panel {
   };
   for (const name of ["status", "welcome", "close"] as const) connection.on(name, refresh);
   refresh();
-  return { id: "physics", title: "Physics", icon: ICONS.physics, body: h("div", {}, watching, form) };
+  return { id: "physics", title: "Physics", icon: ICONS.physics, body: h("div", {}, watching, take, form) };
 }
 
 function rangeRow(key: string, send: (key: string, value: number) => void): Row {
@@ -122,9 +124,9 @@ function rangeRow(key: string, send: (key: string, value: number) => void): Row 
   const show = (value: number) => {
     if (setting === null) return;
     range.value = String(Math.round(toPosition(value, setting)));
-    range.setAttribute("aria-valuetext", `${significant(value)} ${setting.unit}`);
+    range.setAttribute("aria-valuetext", `${significant(value)} ${unitWords(setting.unit)}`);
     if (document.activeElement !== field) field.value = significant(value, 4);
-    back.hidden = setting.own === value;
+    back.hidden = sameValue(setting.own, value);
   };
   const change = (value: number, all: boolean) => {
     touched = performance.now();
@@ -148,14 +150,14 @@ function rangeRow(key: string, send: (key: string, value: number) => void): Row 
       setting = next;
       name(next);
       // Pure numbers have the unit 1.
-      const unitText = next.unit === "1" ? "" : next.unit;
+      const unitText = next.unit === "1" ? "" : unitWords(next.unit);
       setText(unit, unitText);
       field.setAttribute("aria-label", unitText === "" ? next.label : `${next.label}, ${unitText}`);
       field.min = String(next.min);
       field.max = String(next.max);
       back.setAttribute("aria-label", `${next.label}: back to the scene's value`);
       back.title = "Back to the scene's value";
-      back.hidden = next.own === next.value;
+      back.hidden = sameValue(next.own, next.value);
       if (!throttle.busy && performance.now() - touched > SETTLE) show(next.value);
     },
   };

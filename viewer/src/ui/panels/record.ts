@@ -4,6 +4,7 @@ import { read, write } from "../../record/container";
 import { Player } from "../../record/player";
 import { BOUNDS, Recorder } from "../../record/recorder";
 import type { Desk, Panel } from "../desk";
+import { takeDrops } from "../drops";
 import { button, h, setText } from "../dom";
 import { bytes, fileStem, fixed } from "../format";
 import { ICONS } from "../icons";
@@ -126,6 +127,11 @@ export function recordPanel(desk: Desk): Panel {
     const chosen = file.files?.[0];
     file.value = "";
     if (chosen !== undefined) void load(chosen);
+  });
+  takeDrops({
+    what: "a recording (.thenar-recording)",
+    pattern: /\.thenar-recording$/i,
+    open: (dropped) => void load(dropped),
   });
   const fetchFile = button("Load a file", () => file.click());
 

@@ -6,6 +6,7 @@ import { button, h, setText } from "../dom";
 import { bytes, fixed, significant } from "../format";
 import { ICONS } from "../icons";
 import { overlapLines, overlapRemark } from "../overlaps";
+import { fillSceneMenu } from "../scene-menu";
 import { Throttle } from "../throttle";
 import { group, segmented, select, slider } from "../widgets";
 
@@ -23,6 +24,7 @@ export function runPanel(desk: Desk): Panel {
     command(desk, { type: "control", take: !connection.inControl });
   });
   const scene = select("Scene", [], (name) => void command(desk, { type: "scene", name }));
+  scene.element.classList.add("stacked");
   const about = h("p", { class: "help" });
   const overlaps = h("ul", { class: "help", hidden: true });
   const hands = segmented("Hands", HANDS, (which) => {
@@ -39,6 +41,7 @@ export function runPanel(desk: Desk): Panel {
   const line = h("dl", { class: "facts" });
   const body = h("div", {}, group("Control", who, take), settable, group("Connection", line));
 
+  let listed = "";
   const refresh = () => {
     const { status, welcome } = connection;
     const mine = connection.inControl;
@@ -61,14 +64,9 @@ export function runPanel(desk: Desk): Panel {
             : `Viewer ${holder} holds control. You are watching as viewer ${welcome?.client ?? "?"}.`,
     );
     const scenes = welcome?.scenes ?? [];
-    if (
-      scene.input.options.length !== scenes.length ||
-      scenes.some((s, i) => scene.input.options[i].value !== s.name)
-    ) {
-      scene.input.replaceChildren(
-        ...scenes.map((s) => h("option", { value: s.name }, `${s.name}: ${s.title}`)),
-      );
-    }
+    const names = scenes.map(({ name }) => name).join("\n");
+    if (names !== listed) fillSceneMenu(scene.input, scenes);
+    listed = names;
     if (status !== null) {
       if (
         !scenes.some((s) => s.name === status.scene) &&

@@ -1,0 +1,207 @@
+// What a first visitor meets: loading, the hint, the dock of grasp and forces, drags, and who controls.
+
+import type { Browser, Page } from "playwright-core";
+import { afterAll, afterEach, beforeAll, expect, test } from "vitest";
+import { launch, open, read, until } from "./support/browser";
+import { Server } from "./support/server";
+
+let server: Server;
+let browser: Browser;
+
+beforeAll(async () => {
+  server = await Server.start("bread-grasp");
+  browser = await launch();
+});
+
+afterEach(async () => {
+  for (const context of browser.contexts()) await context.close();
+});
+
+afterAll(async () => {
+  await browser?.close();
+  await server?.stop();
+});
+
+/** Opens the page in control, with the simulation running. */
+async function controlling(width = 1280, height = 720): Promise<Awaited<ReturnType<typeof open>>> {
+  const opened = await open(browser, server.url, { width, height });
+  await until(opened.page, (t) => t.inControl);
+  await read(opened.page, (t) => t.app.connection.send({ type: "run", paused: false }));
+  return opened;
+}
+
+/** Where the palm's origin is in the window, px. */
+async function palm(page: Page): Promise<{ x: number; y: number }> {
+  return page.evaluate(() => {
+    const { stage } = window.thenar.app;
+    const at = 7 * window.thenar.model!.hands[0]!.bone_start;
+    const p = window.thenar.snapshot!.rigids;
+    const v = stage.world.localToWorld(stage.world.position.clone().set(p[at]!, p[at + 1]!, p[at + 2]!));
+    v.project(stage.camera);
+    const box = stage.canvas.getBoundingClientRect();
+    return { x: box.left + (box.width * (v.x + 1)) / 2, y: box.top + (box.height * (1 - v.y)) / 2 };
+  });
+}
+
+/** Parts of the page that lie on each other, of those that show. */
+async function overlapping(page: Page): Promise<string[]> {
+  return page.evaluate(() => {
+    const names = [".top", ".scales", ".hint", ".dock", ".transport", ".drawer", ".rail"];
+    const boxes = names.flatMap((name) => {
+      const box = document.querySelector(name)!.getBoundingClientRect();
+      return box.width > 0 && box.height > 0 ? [{ name, box }] : [];
+    });
+    return boxes.flatMap((a, i) =>
+      boxes
+        .slice(i + 1)
+        .filter((b) => a.box.left < b.box.right - 1 && b.box.left < a.box.right - 1)
+        .filter((b) => a.box.top < b.box.bottom - 1 && b.box.top < a.box.bottom - 1)
+        .map((b) => `${a.name} on ${b.name}`),
+    );
+  });
+}
+
+for (const [width, height] of [
+  [1280, 720],
+  [390, 844],
+  [760, 420],
+] as const) {
+  test(`the grasp and the forces are in sight together at ${width}×${height}`, { timeout: 150_000 }, async () => {
+    const { page, problems } = await controlling(width, height);
+    const dock = page.locator(".dock");
+    expect(await dock.isVisible()).toBe(false);
+    await read(page, (t) => t.app.inputs.start("mouse"));
+    await dock.waitFor();
+    await read(page, (t) => t.app.stage.setLayer("pressure", true));
+    await page.locator(".scale-pressure").waitFor();
+    expect(await overlapping(page)).toEqual([]);
+    // Closing by the dock's slider presses on something: the numbers are those of the snapshot.
+    await page.getByRole("slider", { name: "Close the hand" }).fill("1000");
+    await expect
+      .poll(() => dock.locator("[data-digit] output").allTextContents(), { timeout: 60_000 })
+      .toContainEqual(expect.stringMatching(/^(?!0\.00)\d+\.\d+ N$/));
+    const inWindow = await dock.locator("input, [data-digit] output").evaluateAll((parts) =>
+      parts.map((part) => {
+        const { left, top, right, bottom } = part.getBoundingClientRect();
+        return left >= 0 && top >= 0 && right <= window.innerWidth && bottom <= window.innerHeight && right > left;
+      }),
+    );
+    expect(inWindow).toEqual(Array(6).fill(true));
+    // With a panel open they stay.
+    await page.locator('.rail [aria-controls="panel-run"]').click();
+    await page.locator("#panel-run").waitFor();
+    expect(await dock.isVisible()).toBe(true);
+    expect(await overlapping(page)).toEqual([]);
+    await page.keyboard.press("Escape");
+    await expect.poll(() => dock.isVisible()).toBe(false);
+    expect(problems).toEqual([]);
+  });
+}
+
+test("the hint names what closes the hand, and stays while the visitor leads it", async () => {
+  const { page, problems } = await controlling();
+  const hint = page.locator(".hint");
+  await hint.getByText(/wheel/).waitFor();
+  const { x, y } = await palm(page);
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x, y - 8);
+  await page.mouse.move(x, y - 16);
+  await page.mouse.up();
+  await until(page, (t) => t.app.inputs.active?.id === "mouse");
+  await hint.getByText(/Close it round the bread/).waitFor();
+  await hint.getByRole("button", { name: "Got it" }).click();
+  expect(await hint.isVisible()).toBe(false);
+  expect(problems).toEqual([]);
+});
+
+test("a drag down moves the tracked hand down, no nearer", async () => {
+  const { page, problems } = await controlling();
+  await read(page, (t) => t.app.inputs.start("mouse"));
+  // The goal of the drag, as the page sends it: the tracked palm follows it through the table if need be.
+  const tracked = (): Promise<number[]> =>
+    read(page, (t) => {
+      const at = 7 * t.model!.hands[0]!.target_start;
+      return Array.from(t.snapshot!.targets.subarray(at, at + 3));
+    });
+  await until(page, (t) => (t.snapshot!.flags & 32) !== 0);
+  const before = await tracked();
+  const { x, y } = await palm(page);
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  for (let i = 1; i <= 12; i++) await page.mouse.move(x, y + 5 * i);
+  await page.mouse.up();
+  await expect.poll(async () => before[1]! - (await tracked())[1]!, { timeout: 60_000 }).toBeGreaterThan(0.015);
+  const after = await tracked();
+  // Level: less than a tenth of the way down, where the plane of the picture would bring 0.2 of it nearer.
+  const level = Math.hypot(after[0]! - before[0]!, after[2]! - before[2]!);
+  expect(level).toBeLessThan(0.1 * (before[1]! - after[1]!));
+  expect(problems).toEqual([]);
+});
+
+test("who watches can take control where it is refused", async () => {
+  const first = await controlling();
+  const second = await open(browser, server.url);
+  await second.page.locator(".hint").getByText(/Viewer \d+ leads the hand/).waitFor();
+  await second.page.keyboard.press("p");
+  const toast = second.page.locator(".toast", { hasText: /Viewer \d+ holds control/ });
+  await toast.getByRole("button", { name: "Take control" }).click();
+  await until(second.page, (t) => t.inControl);
+  await until(first.page, (t) => !t.inControl);
+  expect(second.problems).toEqual([]);
+});
+
+test("a slow line says that the model is loading, with buttons off and no hint", async () => {
+  const page = await browser.newPage();
+  let release = (): void => undefined;
+  const released = new Promise<void>((resolve) => (release = resolve));
+  await page.routeWebSocket(/\/live/, (socket) => {
+    const line = socket.connectToServer();
+    line.onMessage(async (message) => {
+      if (typeof message !== "string") await released;
+      socket.send(message);
+    });
+  });
+  await page.goto(server.url);
+  await page.locator(".loading").getByText("Loading the model").waitFor();
+  expect(await page.locator(".transport button:enabled").count()).toBe(0);
+  expect(await page.locator(".hint").isVisible()).toBe(false);
+  release();
+  await until(page, (t) => t.snapshot !== null && t.framesDrawn > 2);
+  await expect.poll(() => page.locator(".loading").isVisible(), { timeout: 60_000 }).toBe(false);
+  await page.locator(".hint").waitFor();
+});
+
+test("scenes have names, and a file of another kind hears what the page takes", async () => {
+  const { page, problems } = await controlling();
+  await page.locator('.rail [aria-controls="panel-run"]').click();
+  const menu = page.getByLabel("Scene", { exact: true });
+  const [shown, bare] = await menu.evaluate((input) => {
+    const select = input as HTMLSelectElement;
+    const group = [...select.querySelectorAll("optgroup")].find(({ label }) => label === "Without a hand");
+    return [select.selectedOptions[0]!.text, [...(group?.children ?? [])].map((o) => (o as HTMLOptionElement).value)];
+  });
+  expect(shown).toBe("A hand grasps a small loaf of bread and lifts it");
+  expect(bare).toContain("falling-box");
+  await page.evaluate(() => {
+    const dataTransfer = new DataTransfer();
+    dataTransfer.items.add(new File(["solid"], "bread.stl"));
+    window.dispatchEvent(new DragEvent("drop", { dataTransfer, cancelable: true }));
+  });
+  await page.getByText(/The page takes .*bread\.stl is neither/).waitFor();
+  expect(problems).toEqual([]);
+});
+
+test("Tab leads from a panel's button into the panel; landmarks and a heading name the page", async () => {
+  const { page, problems } = await controlling();
+  const tab = page.locator('.rail [aria-controls="panel-help"]');
+  await tab.focus();
+  await page.keyboard.press("Enter");
+  await page.locator("#panel-help").waitFor();
+  // Past the rail's last button the drawer comes.
+  await page.keyboard.press("Tab");
+  expect(await page.evaluate(() => document.activeElement?.closest(".drawer") !== null)).toBe(true);
+  expect(await page.locator("main canvas").count()).toBe(1);
+  expect(await page.getByRole("heading", { level: 1, name: "Thenar" }).count()).toBe(1);
+  expect(problems).toEqual([]);
+});
