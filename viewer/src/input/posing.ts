@@ -68,7 +68,7 @@ export class Posing extends InputSourceBase {
     });
     connection.on("status", () => {
       if (this.state !== "on" || connection.inControl || connection.status?.control === null) return;
-      this.end("Someone else took control.");
+      this.end("Another viewer took control.");
     });
     feed.on("live", (live) => {
       if (!live && this.state === "on") this.end("A recording is shown.");

@@ -15,12 +15,12 @@ export function hintText(pointer: PointerKind, leading: boolean, thing: string |
   const round = thing === null ? "" : ` round the ${thing}`;
   const lift = thing === null ? "." : ", then drag up.";
   if (!leading) {
-    const close = pointer === "touch" ? "A slider then closes it." : "The mouse wheel over it closes it.";
+    const close = pointer === "touch" ? "A slider then closes it." : "The mouse wheel over the hand closes it.";
     return `Drag the hand${down}. ${close} Drag beside it to look around.`;
   }
   return pointer === "touch"
-    ? `Close it${round} with the slider below${lift} Two fingers apart bring it nearer; a twist rolls it.`
-    : `Close it${round}: wheel over the hand, key G or the slider below${lift.replace(", then", ". Then")}`;
+    ? `Close it${round} with the slider${lift} Two fingers apart bring it nearer; a twist rolls it.`
+    : `Close it${round}: wheel over the hand, key G or the slider${lift.replace(", then", ". Then")}`;
 }
 
 export function hint(desk: Desk): HTMLElement {
@@ -33,7 +33,7 @@ export function hint(desk: Desk): HTMLElement {
   };
   const got = button("Got it", done, { class: "plain" });
   const take = button("Take control", () => takeControl(desk));
-  const element = h("div", { class: "hint", hidden: true }, text, take, got);
+  const element = h("div", { class: "hint", role: "status", hidden: true }, text, take, got);
   let seen = recall("hint-seen", isTrue) !== null;
   let pointer: PointerKind = window.matchMedia("(pointer: coarse)").matches ? "touch" : "mouse";
   let thing: Thing | null = null;
@@ -46,8 +46,9 @@ export function hint(desk: Desk): HTMLElement {
     const other = inputs.active !== null && inputs.active.id !== POSING_ID;
     const none = !feed.live || recorded || hands === 0 || feed.snapshot === null || stage.stats.frames === 0;
     const holder = status?.control ?? null;
-    const watching = connection.state === "open" && holder !== null && !connection.inControl;
-    element.hidden = seen || none || other;
+    const open = connection.state === "open";
+    const watching = open && holder !== null && !connection.inControl;
+    element.hidden = seen || none || other || !open;
     take.hidden = !watching;
     const leading = inputs.active?.id === POSING_ID;
     setText(text, watching ? `Viewer ${holder} leads the hand; you are watching.` : hintText(pointer, leading, thing?.name ?? null));
@@ -64,12 +65,12 @@ export function hint(desk: Desk): HTMLElement {
     lift = null;
     refresh();
   });
-  let drawn = false;
+  const drawing = stage.onFrame(() => {
+    if (stage.snapshot === null || stage.stats.frames === 0) return;
+    drawing();
+    refresh();
+  });
   feed.on("snapshot", (snapshot) => {
-    if (!drawn && stage.stats.frames > 0) {
-      drawn = true;
-      refresh();
-    }
     if (!seen && lift !== null && lift.seen(snapshot)) done();
   });
   inputs.onChange(() => {
