@@ -178,19 +178,22 @@ impl GripHand {
     }
 
     /// Moves on by a step of `h` that ends at time `t` \[s\]: `targets`, which scripts and poses have filled, become those of
-    /// the grip where digits take part in it.
+    /// the grip where digits take part in it. A hand that is not `scripted` but moved live leaves the scene's grips to
+    /// who moves it.
     pub fn step(
         &mut self,
         world: &World,
         hand: &BuiltHand,
-        h: f64,
-        t: f64,
+        (h, t): (f64, f64),
+        scripted: bool,
         targets: &mut [Option<Target>],
     ) {
         let Some(palm) = self.read_script(h, targets) else { return };
-        self.begin_by_script(t);
+        self.begin_by_script(t, scripted);
         let Some(order) = self.memory.order else { return };
-        if order.open.is_some_and(|open| t >= open) && self.memory.phase != Phase::Opening {
+        let over = order.open.is_some_and(|open| t >= open);
+        let left = !scripted && self.orders.contains(&order);
+        if (over || left) && self.memory.phase != Phase::Opening {
             self.release();
         }
         let Some(opposition) = self.oppositions[order.kind as usize].take() else { return };
@@ -228,14 +231,14 @@ impl GripHand {
         *targets.first()?
     }
 
-    /// Begins the scene's next grip when its time has come.
-    fn begin_by_script(&mut self, t: f64) {
+    /// Begins the scene's next grip when its time has come, or passes it over.
+    fn begin_by_script(&mut self, t: f64, scripted: bool) {
         while let Some(order) = self.orders.get(self.memory.begun as usize) {
             if t < order.at {
                 return;
             }
             self.memory.begun += 1;
-            if order.open.is_none_or(|open| t < open) {
+            if scripted && order.open.is_none_or(|open| t < open) {
                 self.begin(*order);
             }
         }

@@ -30,6 +30,6 @@ pub use kind::{GripKind, PadPlace};
 pub use memory::{GripMemory, PadMemory, Phase};
 pub use opposition::{Base, Opposition, Span};
 pub use order::Order;
-pub use size::{narrowest, pads_middle, pads_middle_at, usual_force, way_to};
+pub use size::{friction, narrowest, pads_middle, pads_middle_at, slip_limit, usual_force, way_to};
 pub use surface::Anchor;
 pub use trouble::Trouble;

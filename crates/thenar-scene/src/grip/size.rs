@@ -44,29 +44,43 @@ pub fn way_to(world: &World, object: BodyId, point: &Vec3) -> Option<f64> {
     nearest(world, object, point).map(|place| (place.point - point).norm())
 }
 
-/// Force that holds an object against its weight with `MARGIN`: `m g / (2 μ)` is the least between two sides \[N\].
-/// `flesh` is the hand's.
+/// Force that holds an object against its weight with `MARGIN` \[N\]. `flesh` is the hand's.
 pub fn usual_force(desc: &WorldDesc, flesh: u32, object: BodyId) -> f64 {
-    let own = desc.softs.get(flesh as usize).map_or(1.0, |soft| soft.flesh.friction);
-    let (mass, friction) = match object {
-        BodyId::Rigid(i) => {
-            let rigid = &desc.rigids[i as usize];
-            (rigid.mass, rigid.friction)
-        }
+    (MARGIN * slip_limit(desc, flesh, object)).max(FORCE_MIN)
+}
+
+/// Least force between two sides that keeps an object from slipping under its weight, `m g / (2 μ)` \[N\]. `flesh` is the
+/// hand's.
+pub fn slip_limit(desc: &WorldDesc, flesh: u32, object: BodyId) -> f64 {
+    mass(desc, object) * desc.gravity.norm() / (2.0 * friction(desc, flesh, object).max(0.05))
+}
+
+/// Mass of a body \[kg\].
+fn mass(desc: &WorldDesc, object: BodyId) -> f64 {
+    match object {
+        BodyId::Rigid(i) => desc.rigids[i as usize].mass,
         BodyId::Soft(i) => {
             let soft = &desc.softs[i as usize].flesh;
-            let volume = |(tet, material): (&[u32; 4], &thenar::model::Material)| {
+            let of = |(tet, material): (&[u32; 4], &thenar::model::Material)| {
                 let [a, b, c, d] = tet.map(|n| soft.nodes[n as usize]);
                 (b - a).cross(&(c - a)).dot(&(d - a)).abs() / 6.0 * material.density
             };
-            (soft.tets.iter().zip(&soft.materials).map(volume).sum(), soft.friction)
+            soft.tets.iter().zip(&soft.materials).map(of).sum()
         }
+    }
+}
+
+/// Friction between an object and a hand of this flesh.
+pub fn friction(desc: &WorldDesc, flesh: u32, object: BodyId) -> f64 {
+    let own = desc.softs.get(flesh as usize).map_or(1.0, |soft| soft.flesh.friction);
+    let friction = match object {
+        BodyId::Rigid(i) => desc.rigids[i as usize].friction,
+        BodyId::Soft(i) => desc.softs[i as usize].flesh.friction,
     };
     let pair = [BodyId::Soft(flesh), object];
     let rule = |rule: &&PairRule| rule.bodies == pair || rule.bodies == [pair[1], pair[0]];
     let ruled = desc.pairs.iter().rfind(rule).and_then(|rule| rule.friction);
-    let friction = ruled.unwrap_or((own * friction).sqrt()).max(0.05);
-    (MARGIN * mass * desc.gravity.norm() / (2.0 * friction)).max(FORCE_MIN)
+    ruled.unwrap_or((own * friction).sqrt())
 }
 
 /// The middle of the pads of a hand that is about to close, world \[m\].

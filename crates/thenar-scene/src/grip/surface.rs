@@ -7,6 +7,8 @@ use thenar::{Pose, Vec3, World};
 
 /// Most samples of a surface.
 pub const SAMPLES_MAX: usize = 700;
+/// Least cells across the thinnest extent: a rod that is sampled from fewer has no two places that face each other but at a slant.
+const ACROSS: f64 = 5.0;
 /// Rounds in which a point finds the surface by its distance.
 const ROUNDS: usize = 24;
 /// A point is on the surface when it is this near \[m\].
@@ -200,7 +202,7 @@ fn sample_rigid(world: &World, body: u32, centre: &Vec3, radius: f64, out: &mut 
     }
     // As many cells along each edge as give about the number of samples wanted.
     let mut cell = extent.max() / 24.0;
-    let count = |cell: f64| extent.map(|e| (e / cell).ceil().max(1.0));
+    let count = |cell: f64| extent.map(|e| (e / cell).ceil().max(ACROSS));
     while count(cell).product() > SAMPLES_MAX as f64 {
         cell *= 1.05;
     }

@@ -37,6 +37,13 @@ pub enum Trouble {
     },
     /// Nothing was touched where the object was to be.
     Missed,
+    /// The object slips out of pads that press no harder.
+    Slippery {
+        /// Force that would keep it from slipping under its weight.
+        needed: f64,
+        /// Friction between it and the hand.
+        friction: f64,
+    },
 }
 
 impl Trouble {
@@ -68,6 +75,9 @@ impl Trouble {
             }
             Self::Weak { felt } => format!(
                 "{kind}: `{object}` is held with {felt:.2} N instead of {force} N: the fingers' drives give no more"
+            ),
+            Self::Slippery { needed, friction } => format!(
+                "{kind}: `{object}` slips out: its weight needs more than {needed:.2} N at a friction of {friction:.2}, and {force} N are asked"
             ),
             Self::Missed => {
                 format!(

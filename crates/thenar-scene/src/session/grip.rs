@@ -3,9 +3,10 @@
 use super::{Entry, Session, drive};
 use crate::build::BuiltHand;
 use crate::grip::{
-    GripHand, GripKind, GripMemory, GripState, Opposition, Order, narrowest, pads_middle,
-    usual_force, way_to,
+    GripHand, GripKind, GripMemory, GripState, Opposition, Order, Trouble, friction, narrowest,
+    pads_middle, slip_limit, usual_force, way_to,
 };
+use crate::live::Mover;
 use serde::{Serialize, Serializer};
 use thenar::model::{BodyId, Motion};
 
@@ -132,7 +133,7 @@ impl Session {
         Some(format!("hand `{}`: {said}", self.built.hands[hand].name))
     }
 
-    /// What can be foreseen to be amiss with the grips of the scene: objects that are too large, a sentence each.
+    /// What can be foreseen to be amiss with the grips of the scene, a sentence each: objects that are too large, or slip out.
     pub(super) fn grip_warnings(&self) -> Vec<String> {
         let hands = self.grips.iter().zip(&self.built.hands);
         let orders = hands.flat_map(|(gripping, hand)| {
@@ -146,19 +147,44 @@ impl Session {
         let opposition = g.opposition(order.kind)?;
         let (object, opening) = (order.object()?, opposition.opening());
         let width = narrowest(&self.world, object);
-        let object = self.body_name(object);
-        let trouble = crate::grip::Trouble::TooLarge { width, opening };
-        let said = trouble.sentence(opposition, object, order.force);
-        (width.is_finite() && width > opening).then(|| format!("hand `{}`: {said}", hand.name))
+        let trouble = match width.is_finite() && width > opening {
+            true => Trouble::TooLarge { width, opening },
+            false => self.slippery(hand, order, object)?,
+        };
+        let said = trouble.sentence(opposition, self.body_name(object), order.force);
+        Some(format!("hand `{}`: {said}", hand.name))
+    }
+
+    /// Trouble with an object that moves and that friction alone carries, where all hands that hold it at that time press with
+    /// less than its weight needs.
+    fn slippery(&self, hand: &BuiltHand, order: &Order, object: BodyId) -> Option<Trouble> {
+        let fixed = matches!(object, BodyId::Rigid(i)
+            if self.world.desc().rigids[i as usize].motion != Motion::Dynamic);
+        if fixed || !order.kind.has_thumb() {
+            return None;
+        }
+        let flesh = hand.flesh()?;
+        let together = |other: &Order| {
+            other.object() == Some(object)
+                && order.open.is_none_or(|open| other.at < open)
+                && other.open.is_none_or(|open| order.at < open)
+        };
+        let orders = self.grips.iter().flatten().flat_map(|gripping| gripping.orders());
+        let force: f64 = orders.filter(|other| together(other)).map(|other| other.force).sum();
+        let needed = slip_limit(self.world.desc(), flesh, object);
+        let friction = friction(self.world.desc(), flesh, object);
+        (force < needed).then_some(Trouble::Slippery { needed, friction })
     }
 
     /// Puts the grips' targets over those of scripts and poses, for a step that ends at time `t` \[s\].
     pub(super) fn steer_grips(&mut self, t: f64) {
         let h = self.world.time_step();
-        for (gripping, hand) in self.grips.iter_mut().zip(&self.built.hands) {
-            if let Some(gripping) = gripping {
+        for k in 0..self.grips.len() {
+            let scripted = self.mover(k) == Mover::Script;
+            let hand = &self.built.hands[k];
+            if let Some(gripping) = &mut self.grips[k] {
                 let targets = &mut self.input.targets[drive::bones(hand)];
-                gripping.step(&self.world, hand, h, t, targets);
+                gripping.step(&self.world, hand, (h, t), scripted, targets);
             }
         }
     }

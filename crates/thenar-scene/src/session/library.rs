@@ -24,6 +24,8 @@ const SCENES: &[Builtin] = scenes![
     "bread-grasp",
     "bread-squeeze",
     "car-grasp",
+    "card",
+    "egg",
     "falling-box",
     "finger-pendulum",
     "fist",
@@ -31,10 +33,12 @@ const SCENES: &[Builtin] = scenes![
     "free-motion",
     "glove-versus-hand",
     "gripper",
+    "pen",
     "pinch",
     "skinning-comparison",
     "soft-cube",
     "table-press",
+    "two-hands",
 ];
 
 /// All of them.

@@ -59,6 +59,22 @@ fn what_is_too_large_is_told_when_the_scene_is_opened() {
     assert!(warnings.iter().any(|warning| warning.starts_with(said)), "{warnings:?}");
 }
 
+/// 50 g at a friction of 0.8 slip out of two pads below m g / (2 μ) = 0.31 N.
+#[test]
+fn what_slips_out_is_told_when_the_scene_is_opened() {
+    let told = |force: f64| {
+        let stage = Stage { force, ..ball() };
+        stage.session().warnings().iter().find(|said| said.contains("slips out")).cloned()
+    };
+    let said = told(0.3).expect("a warning");
+    assert!(said.starts_with("hand `hand`: pinch: `thing` slips out"), "{said}");
+    assert!(
+        said.contains("more than 0.31 N at a friction of 0.80") && said.contains("0.3 N"),
+        "{said}"
+    );
+    assert_eq!(told(0.32), None);
+}
+
 #[test]
 fn what_is_too_far_is_told_and_the_fingers_stay_sound() {
     let text =
@@ -112,4 +128,29 @@ fn a_session_that_starts_over_grips_again() {
         session.restart();
     }
     assert_eq!(hashes[0], hashes[1]);
+}
+
+/// Whoever moves a hand live grips with it: the scene's grip lets go of a hand that poses take over, and does not begin on one that they move.
+#[test]
+fn a_hand_that_is_moved_live_leaves_the_grips_of_the_scene() {
+    for taken in [0.0, 0.4] {
+        let mut session = ball().session();
+        let mut live = session.live_hand(0).expect("a hand that poses move");
+        while session.world().time() < 1.5 {
+            let time = session.world().time();
+            if time >= taken {
+                let bones = session.hands()[0].handle.bones.clone();
+                let pose = live
+                    .pose_of(&session.input().targets[bones.start as usize..bones.end as usize]);
+                session.live_pose(0, time, &pose).expect("a pose");
+            }
+            session.step(&mut ());
+            // From 0.1 s, and until half a second after poses came; not to the step.
+            let time = session.world().time();
+            let held = taken > 0.1 && (0.1..taken + 0.5).contains(&time);
+            if [0.1, taken + 0.5].iter().all(|edge| (time - edge).abs() > 0.02) {
+                assert_eq!(session.grip_state(0).is_some(), held, "{taken}: {time} s");
+            }
+        }
+    }
 }

@@ -42,7 +42,7 @@ def _degrees(thumb: list[float], *fingers: list[float]) -> Array:
 
 
 #: The twenty angles of a hand that is open around a thing as wide as a small loaf, thumb across from the fingers, and of
-#: one that is closed on it [rad], as :attr:`thenar.Hand.angles`. They are the keys of the scene ``bread-grasp``.
+#: one that is closed on it [rad], as :attr:`thenar.Hand.angles`.
 OPEN = _degrees([-14, 22, 2, 2], [38, 0, 12, 8], [40, 0, 12, 8], [40, 0, 12, 8], [36, 0, 12, 8])
 CLOSED = _degrees([14, 22, 14, 18], [58, 0, 18, 10], [66, 0, 18, 12], [66, 0, 20, 12], [60, 0, 20, 12])
 

@@ -5,6 +5,7 @@ mod errors;
 mod files;
 mod format;
 mod fuzz_scenes;
+mod grips;
 mod scenes;
 mod shapes;
 mod tissue;
