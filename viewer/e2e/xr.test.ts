@@ -115,7 +115,7 @@ test("a headset's hands are tracked, followed, and feel the loaf", { timeout: 24
   const openGap = await gap(page);
   await pinch(page, "right", 1);
   expect(openGap).toBeGreaterThan(0.035);
-  await expect.poll(() => gap(page), { timeout: 30_000 }).toBeLessThan(0.6 * openGap);
+  await expect.poll(() => gap(page), { timeout: 90_000 }).toBeLessThan(0.6 * openGap);
   // The pinched fingers press on the loaf, wherever it lies by now: it pushes back.
   await expect
     .poll(

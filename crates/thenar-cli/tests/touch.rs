@@ -233,6 +233,16 @@ fn without_a_keeper_a_glove_holds_on() {
     let mut touch = held.start(&["--no-keeper"]);
     until("a stop", || held.holds());
     assert!(keepers(&touch).is_empty());
+    // The load comes and goes: stopped until that fell on a moment at which the glove holds.
+    until("a glove that holds while the program stands still", || {
+        touch.signal("-STOP");
+        std::thread::sleep(Duration::from_millis(100));
+        held.holds() || {
+            touch.signal("-CONT");
+            std::thread::sleep(Duration::from_millis(70));
+            false
+        }
+    });
     touch.signal("-KILL");
     touch.0.wait().unwrap();
     std::thread::sleep(Duration::from_millis(300));

@@ -103,7 +103,7 @@ mod tests {
         assert!(order.is_sorted_by(|a, b| a < b) && order[0] > 50 && order[3] < 99, "{order:?}");
     }
 
-    /// The pages that the kernel counts as this thread's stack are there after it was touched, and not before.
+    /// The pages that the kernel counts as this thread's stack are there after it was touched.
     #[cfg(target_os = "linux")]
     #[test]
     fn a_touched_stack_is_there() {
@@ -127,11 +127,11 @@ mod tests {
             panic!("no mapping holds {place:x}");
         };
         let thread = std::thread::spawn(move || {
-            let before = resident();
             touch_stack();
-            (before, resident())
+            resident()
         });
-        let (before, after) = thread.join().unwrap();
-        assert!(before < STACK / 2 && after >= STACK, "{before} and {after} B");
+        // Before, it may have fewer: not where another test has locked all memory, or this stack was another thread's.
+        let after = thread.join().unwrap();
+        assert!(after >= STACK, "{after} B");
     }
 }

@@ -62,7 +62,8 @@ export function hint(desk: Desk): HTMLElement {
   });
   feed.on("model", (model) => {
     thing = thingToLift(model);
-    lift = null;
+    // Whoever leads the hand goes on to lead it in the next scene.
+    lift = inputs.active?.id === POSING_ID && thing !== null ? new Lift(thing) : null;
     refresh();
   });
   const drawing = stage.onFrame(() => {

@@ -1,20 +1,22 @@
 //! The program's end of the line to a keeper. A message is one byte of length and as many that set the device free; the
 //! length 0 says that the device is free. The keeper answers a byte when it has taken over.
 
-use super::{ARGUMENT, BEAT_NS, program};
+use super::{ARGUMENT, BEAT_NS, GONE_NS, program};
 use std::io::{self, ErrorKind, Read, Write};
+use std::net::Shutdown;
 use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
 use std::os::unix::process::CommandExt;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// How long a keeper has to end \[ns\]; one that hangs is killed.
+/// How long a keeper has to end; one that hangs is killed.
 const ENDING: Duration = Duration::from_millis(50);
 
-/// A keeper at work, as the program sees it. Dropping it ends the keeper, which lets the device be.
+/// A keeper at work, as the program sees it. Dropping it kills the keeper.
 pub struct Keeping {
-    keeper: Child,
+    /// The keeper's process; `None` once it is left to end.
+    keeper: Option<Child>,
     line: UnixStream,
     beat_ns: Option<u64>,
 }
@@ -36,7 +38,7 @@ impl Keeping {
             .stdout(Stdio::from(handle))
             .stderr(Stdio::null())
             .spawn()?;
-        Ok(Some(Self { keeper, line, beat_ns: None }))
+        Ok(Some(Self { keeper: Some(keeper), line, beat_ns: None }))
     }
 
     /// Says that the program lives, when that is due; `release` gives the bytes that set the device free now. True if the
@@ -80,19 +82,39 @@ impl Keeping {
     }
 }
 
+impl Keeping {
+    /// Ends the keeper: at once where the device is `free`; else it releases the device for its second. Waits for nothing.
+    pub fn end(mut self, free: bool) {
+        // A keeper that does not hear this sees the line break, and releases.
+        let heard = free && self.line.write(&[0]).is_ok_and(|sent| sent == 1);
+        let _ = self.line.shutdown(Shutdown::Both);
+        let outliving = Duration::from_nanos(GONE_NS);
+        self.leave(if heard { ENDING } else { outliving + ENDING });
+    }
+
+    /// Leaves the keeper to a thread that collects its end, and kills it when that is late: a process that hangs in the
+    /// system may end never.
+    fn leave(&mut self, patience: Duration) {
+        let Some(mut keeper) = self.keeper.take() else { return };
+        let collect = move || {
+            let start = Instant::now();
+            while start.elapsed() < patience {
+                match keeper.try_wait() {
+                    Ok(None) => std::thread::sleep(Duration::from_millis(1)),
+                    _ => return,
+                }
+            }
+            let _ = keeper.kill();
+            let _ = keeper.wait();
+        };
+        // Without a thread it ends all the same, for the line is closed.
+        let _ = std::thread::Builder::new().name("keeper's end".into()).spawn(collect);
+    }
+}
+
 impl Drop for Keeping {
     fn drop(&mut self) {
-        // Only a keeper that hears this lets the device be at once.
-        let _ = self.line.write(&[0]);
-        let start = Instant::now();
-        while start.elapsed() < ENDING {
-            match self.keeper.try_wait() {
-                Ok(None) => std::thread::sleep(Duration::from_micros(500)),
-                _ => return,
-            }
-        }
-        let _ = self.keeper.kill();
-        let _ = self.keeper.wait();
+        self.leave(Duration::ZERO);
     }
 }
 

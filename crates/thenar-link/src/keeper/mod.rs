@@ -9,7 +9,7 @@
 //!
 //! Each device that a protocol knows to set free ([`Protocol::release`]) has a keeper of its own: the same program started
 //! anew, with a second handle of the device's port or socket as standard output and a line to the program as standard
-//! input. It adds nothing to what the device is sent while the program lives. It stands in a process group of its own, so
+//! input. It adds nothing to what the device is sent while the device's thread beats. It stands in a process group of its own, so
 //! that what stops the program from a terminal does not stop it.
 //!
 //! Programs that open devices say once how a keeper is started ([`use_program`]), and call `run` when they are started so.

@@ -75,10 +75,16 @@ fn keep(line: &mut UnixStream, device: &mut impl Write) -> io::Result<()> {
     }
 }
 
-/// True if the device cannot be reached any more; what it does not take now it is sent again.
+/// True if the device's port or socket is gone for good; what it does not take now it is sent again, as when a network is
+/// down for a while.
 fn is_lost(sent: io::Result<usize>) -> bool {
-    let again = [ErrorKind::WouldBlock, ErrorKind::Interrupted, ErrorKind::ConnectionRefused];
-    sent.is_err_and(|error| !again.contains(&error.kind()))
+    use rustix::io::Errno;
+    let gone = [ErrorKind::BrokenPipe, ErrorKind::ConnectionReset, ErrorKind::NotConnected];
+    let ports = [Errno::IO, Errno::NXIO, Errno::NODEV, Errno::BADF];
+    sent.is_err_and(|error| {
+        gone.contains(&error.kind())
+            || Errno::from_io_error(&error).is_some_and(|errno| ports.contains(&errno))
+    })
 }
 
 /// Splits what comes into messages.

@@ -15,6 +15,7 @@ pub use serial::SerialTransport;
 pub use socket::StreamTransport;
 pub use tcp::TcpServer;
 pub use udp::{UdpTransport, listening};
+#[cfg(unix)]
 pub(crate) use wait::read_within;
 pub use websocket::WebSocketTransport;
 

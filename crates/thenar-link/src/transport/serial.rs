@@ -78,7 +78,10 @@ impl Transport for SerialTransport {
         while !bytes.is_empty() {
             match self.port.write(bytes) {
                 Ok(sent) => bytes = &bytes[sent..],
-                Err(error) if passing(&error) && start.elapsed() < SEND_PATIENCE => {}
+                // Asleep: this thread is above the loop.
+                Err(error) if passing(&error) && start.elapsed() < SEND_PATIENCE => {
+                    std::thread::sleep(Duration::from_micros(200));
+                }
                 Err(error) if passing(&error) => {
                     return Err(io::Error::new(ErrorKind::TimedOut, "it takes no more bytes"));
                 }

@@ -53,6 +53,13 @@ impl Kept {
         }
     }
 
+    /// The thread is done with the device; `free` if it was told to let the wearer go and took that.
+    pub fn end(self, free: bool) {
+        if let Some(keeping) = self.keeping {
+            keeping.end(free);
+        }
+    }
+
     fn tell(&mut self, shared: &Shared, error: &io::Error) {
         if !std::mem::replace(&mut self.told, true) {
             let text = format!(

@@ -17,7 +17,7 @@
 
 mod door;
 mod handles;
-#[cfg(unix)]
+#[cfg_attr(not(unix), path = "unkept.rs")]
 mod kept;
 mod messages;
 mod notice;
@@ -97,7 +97,7 @@ impl Device {
         Self { name, connect, protocol, tracks, display: None, speaks: true }
     }
 
-    /// This device, of whose samples its profile states this.
+    /// The device, of whose samples its profile states this.
     pub fn timed(mut self, timing: TrackerTiming) -> Self {
         let timing = Some(timing);
         self.tracks = self.tracks.map(|traits| TrackerTraits { timing, ..traits });

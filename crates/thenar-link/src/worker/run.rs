@@ -2,7 +2,6 @@
 
 use super::door::Door;
 use super::handles::slot;
-#[cfg(unix)]
 use super::kept::Kept;
 use super::notice::{Away, Others, Silence};
 use super::{BACK_OFF, Device, OUTPUT_SILENCE_NS, POLL, Shared};
@@ -61,9 +60,12 @@ impl Worker {
 
     /// Until it is asked to stop.
     pub fn run(mut self) {
-        // What the system refuses the loop reports, and `thenar devices check`.
-        let _ = raise_priority(Urgency::Device);
-        touch_stack();
+        // Whoever only tracks need not be above the loop. What the system refuses the loop reports, and `thenar devices
+        // check`.
+        if self.device.display.is_some() {
+            let _ = raise_priority(Urgency::Device);
+            touch_stack();
+        }
         let mut pause = BACK_OFF[0];
         let mut away = Away::default();
         while !self.stopping() {
@@ -73,9 +75,12 @@ impl Worker {
                     away.reached(&self.shared);
                     self.shared.connected.store(true, Ordering::Relaxed);
                     let heard = self.shared.heard();
-                    let end = self.session(&mut *transport, &mut away);
+                    let mut kept = Kept::default();
+                    let end = self.session(&mut *transport, &mut kept, &mut away);
                     self.shared.connected.store(false, Ordering::Relaxed);
-                    self.last_words(&mut *transport);
+                    // Kept until it is free.
+                    let free = self.last_words(&mut *transport);
+                    kept.end(free);
                     let spoke = self.shared.heard() != heard;
                     if spoke {
                         pause = BACK_OFF[0];
@@ -112,12 +117,12 @@ impl Worker {
     }
 
     /// Talks with the device until something ends it.
-    fn session(&mut self, transport: &mut dyn Transport, away: &mut Away) -> End {
-        let talk = AssertUnwindSafe(|| self.talk(transport, away));
+    fn session(&mut self, transport: &mut dyn Transport, kept: &mut Kept, away: &mut Away) -> End {
+        let talk = AssertUnwindSafe(|| self.talk(transport, kept, away));
         catch_unwind(talk).unwrap_or(End::Panicked)
     }
 
-    fn talk(&mut self, transport: &mut dyn Transport, away: &mut Away) -> End {
+    fn talk(&mut self, transport: &mut dyn Transport, kept: &mut Kept, away: &mut Away) -> End {
         let mut buffer = vec![0; 1 << 16];
         let opened_ns = now_ns();
         let mut silence = Silence::new(opened_ns);
@@ -126,8 +131,6 @@ impl Worker {
         self.door.open(opened_ns);
         // What waited for a device that was away is not shown late.
         self.ends.outputs.iter_mut().for_each(|output| _ = output.update());
-        #[cfg(unix)]
-        let mut kept = Kept::default();
         let mut link = Link { transport, lost: None };
         self.device.protocol.start(opened_ns, &mut |bytes| link.send(bytes));
         while link.lost.is_none() {
@@ -139,7 +142,6 @@ impl Worker {
                 Err(error) => return End::Lost(error),
             };
             let now = now_ns();
-            #[cfg(unix)]
             if kept.beat(now, &*self.device.protocol, &mut *link.transport, &self.shared) {
                 // As at the start: it holds nothing, whatever it was told before.
                 self.shown_ns = [None; 2];
@@ -167,13 +169,15 @@ impl Worker {
         link.lost.map_or(End::Stopped, End::Lost)
     }
 
-    /// Sets the device free, as far as it still can be reached.
-    fn last_words(&mut self, transport: &mut dyn Transport) {
+    /// Sets the device free, as far as it still can be reached; true if it took that.
+    fn last_words(&mut self, transport: &mut dyn Transport) -> bool {
         let protocol = &mut self.device.protocol;
-        let _ = catch_unwind(AssertUnwindSafe(|| {
+        let said = catch_unwind(AssertUnwindSafe(|| {
             let mut link = Link { transport, lost: None };
             protocol.stop(&mut |bytes| link.send(bytes));
+            link.lost.is_none()
         }));
+        said.unwrap_or(false)
     }
 }
 

@@ -15,7 +15,7 @@ pub type Limit = [Option<u64>; 2];
 pub struct Port {
     /// Path of the port.
     pub path: PathBuf,
-    /// This process may read and write.
+    /// Whether the process may read and write.
     pub ours: bool,
     /// Group of the port.
     pub group: u32,

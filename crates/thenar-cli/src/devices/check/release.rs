@@ -22,7 +22,7 @@ body = "hand/index-distal"
 force = [0, 2, 0]
 profile = { kind = "sine", frequency = 1.5 }
 "#;
-/// This wearer does not exist.
+/// No ramp: nobody wears the glove.
 const PROFILE: &str = "display.ramp = 0.0\n";
 /// Longest that anything may take on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);

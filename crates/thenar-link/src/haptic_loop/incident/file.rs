@@ -77,7 +77,7 @@ impl Incident {
     /// Reads a file.
     ///
     /// # Errors
-    /// It is none, damaged, or of another version.
+    /// The file is no incident, is damaged, or is of another version.
     pub fn read(path: &Path) -> Result<Self, IncidentError> {
         if std::fs::metadata(path)?.len() > LARGEST {
             return Err(IncidentError::Damaged("it is larger than an incident can be"));

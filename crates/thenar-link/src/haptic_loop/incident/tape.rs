@@ -79,8 +79,9 @@ impl Tape {
 
     /// Takes down a sample.
     pub fn sample(&mut self, tracker: usize, sample: &HandSample, stated: Option<TrackerTiming>) {
-        if !self.broken && self.samples.push(sample.clone()).is_err() {
-            self.broken = true;
+        // Both or neither: the reel takes the next sample for each input that names one.
+        if !self.broken {
+            self.broken = self.inputs.slots() == 0 || self.samples.push(sample.clone()).is_err();
         }
         self.input(Input::Sample(tracker as u8, stated));
     }
@@ -97,7 +98,15 @@ impl Tape {
             return;
         }
         self.state_ns = now_ns.saturating_add(STATE_EVERY_NS);
-        let Ok(mut room) = self.empty.pop() else { return };
+        // Room for both inputs below or for none, as the reel takes the next state for each input that names one.
+        if self.inputs.slots() < 2 {
+            self.broken = true;
+            return;
+        }
+        let Ok(mut room) = self.empty.pop() else {
+            self.broken = true;
+            return;
+        };
         // As long as it may be: a shorter one of before was cut.
         room.resize(STATE_ROOM, 0);
         let length = write(&mut room);
