@@ -125,7 +125,8 @@ fn contacts_and_loads_add_up() {
     // Those that carry force.
     let all = session.world().contacts().iter();
     let contacts: Vec<_> = all.filter(|c| c.force_W.norm() > 1e-6).collect();
-    assert!(contacts.len() > 20 && snapshot.contacts.len() == contacts.len());
+    // Two of each digit that presses, at least.
+    assert!(contacts.len() >= 10 && snapshot.contacts.len() == contacts.len());
     let number = |id: BodyId| match id {
         BodyId::Rigid(i) => i as u16,
         BodyId::Soft(i) => 32768 + i as u16,
