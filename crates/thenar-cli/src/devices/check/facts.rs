@@ -15,7 +15,7 @@ pub type Limit = [Option<u64>; 2];
 pub struct Port {
     /// Path of the port.
     pub path: PathBuf,
-    /// Whether the process may read and write.
+    /// True if the process may read and write it.
     pub ours: bool,
     /// Group of the port.
     pub group: u32,
