@@ -4,7 +4,7 @@
 use std::path::Path;
 use thenar::Vec3;
 use thenar::model::Side;
-use thenar_scene::format::Scene;
+use thenar_scene::format::{Hand, Scene};
 use thenar_scene::hands::{Hands, with_hands};
 use thenar_scene::session::{Session, builtin, builtins, read};
 
@@ -50,10 +50,25 @@ fn every_scene_takes_every_choice() {
             }
             assert!(!sides.is_empty());
             assert_eq!(session.softs().len(), own.soft.len() + own.figure.len(), "{name}");
-            // Shipped scenes have right hands only, if any: nothing that refers to one is lost.
-            assert_eq!(session.scene().probe.len(), own.probe.len(), "{name}");
-            let added = usize::from(own.hand.is_empty()) + usize::from(which == Hands::Both);
-            assert_eq!(session.hands().len(), own.hand.len() + added, "{name}");
+            let is_left =
+                |hand: &Hand| hand.model.as_ref().is_some_and(|model| model.value.contains("left"));
+            let left = own.hand.iter().filter(|hand| is_left(hand)).count();
+            let right = own.hand.len() - left;
+            if left > 0 && right > 0 {
+                // Hands of the other side go, with what refers to them.
+                let kept = match which {
+                    Hands::Left => left,
+                    Hands::Right => right,
+                    _ => left + right,
+                };
+                assert_eq!(session.hands().len(), kept, "{name}");
+                assert!(session.scene().probe.len() <= own.probe.len(), "{name}");
+            } else {
+                // Hands are mirrored: nothing that refers to one is lost.
+                assert_eq!(session.scene().probe.len(), own.probe.len(), "{name}");
+                let added = usize::from(own.hand.is_empty()) + usize::from(which == Hands::Both);
+                assert_eq!(session.hands().len(), own.hand.len() + added, "{name}");
+            }
             added_hands_are_clear(&session, name);
             for _ in 0..5 {
                 let report = session.step(&mut ());
