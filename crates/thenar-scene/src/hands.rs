@@ -28,7 +28,7 @@ pub enum Hands {
 ///   them (probes, pairs, loads, bonds, joints). Where there is none of that side, all hands are
 ///   mirrored in the plane x = 0 instead, with their motions and the camera. Where there is none
 ///   at all, one is put beside the origin, 0.2 m up.
-/// - `Both` adds a hand of each side that is missing. It holds still, 0.35 m beside the other.
+/// - `Both` adds a hand of each side that is missing. It holds still, 0.4 m beside the other.
 ///
 /// `lengths` are those of left and right hands, wrist to middle fingertip \[m\]; `None` leaves
 /// them as they are.

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use thenar::model::Side;
 
 /// Distance of an added hand from the one beside it \[m\].
-const APART: f64 = 0.35;
+const APART: f64 = 0.4;
 /// How far in front of figures a hand is added \[m\]: as far as a person of 1.7 m reaches to the side, and the length of a
 /// hand.
 const BEFORE_FIGURES: f64 = 0.85;
