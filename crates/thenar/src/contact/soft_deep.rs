@@ -30,8 +30,6 @@ use crate::math::Vec3;
 use std::ops::Range;
 
 pub(super) const NONE: u32 = u32::MAX;
-/// Contacts rest within this part of an edge; what is deeper has got in.
-pub(super) const ENTERED: f64 = 0.01;
 
 /// What touched before does not leave as one by a way this much longer than its deepest vertex is inside: that would be
 /// a needle, in farther than three times its width; it is a seam, along which edges go through each other.
@@ -213,7 +211,7 @@ impl SoftSoft<'_> {
             return;
         }
         let corners = own.surface.triangles[s as usize];
-        let entered = -ENTERED * other.surface.edge_mean * area.norm();
+        let entered = -other.surface.entered() * area.norm();
         for k in 0..3 {
             let (i, j) = (k, (k + 1) % 3);
             let (inner, outer) = if height[i] < height[j] { (i, j) } else { (j, i) };
@@ -370,7 +368,7 @@ impl SoftSoft<'_> {
     fn inside(&self, own: &SoftSide, other: &SoftSide, v: u32) -> Option<(Vec3, (u32, [f64; 3]))> {
         let p = own.state.positions[v as usize];
         let (t, nearest) = nearest_on(other, &p, f64::INFINITY, |t| !self.are_neighbors(v, t))?;
-        let least = ENTERED * other.surface.edge_mean;
+        let least = other.surface.entered();
         let depth = depth(other.surface, &p, t, &nearest, other.state.positions);
         if depth < least || !self.has_got_in(other, v, &p, (t, &nearest), depth) {
             return None;
@@ -398,8 +396,8 @@ impl SoftSoft<'_> {
             let mut weights = [0.0; 3];
             (weights[k], weights[(k + 1) % 3]) = (1.0 - at, at);
             let area = area_vector(&other.surface.corners(through, other.state.positions));
-            let within = area.try_normalize(0.0).unwrap_or_else(Vec3::zeros)
-                * (ENTERED * other.surface.edge_mean);
+            let within =
+                area.try_normalize(0.0).unwrap_or_else(Vec3::zeros) * other.surface.entered();
             let p: Vec3 = (0..3).map(|j| x[corners[j] as usize] * weights[j]).sum();
             let faces = [Some(s), across].into_iter().flatten();
             let inward: Vec3 = faces.map(|t| -area_vector(&own.surface.corners(t, x))).sum();

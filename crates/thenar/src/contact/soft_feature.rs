@@ -10,7 +10,6 @@ use crate::contact::aabb::Aabb;
 use crate::contact::collector::{Collector, feature_key};
 use crate::contact::near::{Arrival, Near};
 use crate::contact::sharp_blocks::Prism;
-use crate::contact::soft_deep::ENTERED;
 use crate::contact::soft_rigid::{KEY_POINT, SoftRigid, VertexScratch};
 use crate::contact::soft_round::{ROUND_PLACES, Touches, meet_round};
 use crate::contact::soft_samples::{self, meet_samples};
@@ -224,8 +223,7 @@ fn sharp_at_nearest(pair: &SoftRigid, p: &Vec3, i: u32, t: u32) -> Option<Touch>
     let outward = to_shape(pair.surface.pseudonormal(t, closest.feature, x));
     let distance = closest.distance_squared.sqrt();
     let gap = distance.copysign((p - closest.point).dot(&outward));
-    let is_outside = gap < -ENTERED * pair.surface.edge_mean
-        && !pair.surface.winds_around(&pair.placed.world_point(p), x);
+    let is_outside = !pair.surface.holds_behind(&pair.placed.world_point(p), -gap, x);
     let gap = if is_outside { distance } else { gap };
     if gap > pair.margin || is_free(pair, &closest, gap) {
         return None;

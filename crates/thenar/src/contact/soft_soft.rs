@@ -8,7 +8,7 @@ use crate::contact::bvh::Bvh;
 use crate::contact::collector::{Collector, feature_key};
 use crate::contact::ridge::{Crossing, Passing, Ridge, crossing, passing};
 use crate::contact::sides::Sight;
-use crate::contact::soft_deep::{DeepScratch, ENTERED, nearest_on};
+use crate::contact::soft_deep::{DeepScratch, nearest_on};
 use crate::contact::soft_rigid::{KEY_CROSSING, KEY_SOFT_SOFT};
 use crate::contact::surface::Surface;
 use crate::contact::triangle::{Closest, Feature, ROUNDED_UP, closest_on_triangle};
@@ -304,11 +304,10 @@ impl SoftSoft<'_> {
         (t, nearest): (u32, &Closest),
         depth: f64,
     ) -> bool {
-        let is_deep = depth > ENTERED * other.surface.edge_mean;
         if self.apart.is_none() {
-            return !is_deep || other.surface.winds_around(p, other.state.positions);
+            return other.surface.holds_behind(p, depth, other.state.positions);
         }
-        !other.goes_on_nearer(p, t, nearest) && (!is_deep || self.is_wound(v))
+        !other.goes_on_nearer(p, t, nearest) && (!other.surface.is_deep(depth) || self.is_wound(v))
     }
 
     /// A vertex of side `i` at the triangle that it comes to in this step.

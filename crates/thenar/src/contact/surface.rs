@@ -13,6 +13,8 @@ const NONE: u32 = u32::MAX;
 /// it. The circle in an equilateral triangle has a radius of 0.29 edges: below its middle, what is less deep is
 /// nearer to the triangle than to a wall that goes down from its rim.
 const DEPTH: f64 = 0.25;
+/// Contacts rest within this part of the mean edge; what is deeper has got in.
+const ENTERED: f64 = 0.01;
 
 /// A triangle at the start of a step, and its motion.
 #[derive(Clone, Copy, Debug)]
@@ -188,6 +190,22 @@ impl Surface {
     pub fn winds_around(&self, p: &Vec3, x: &[Vec3]) -> bool {
         let angles = (0..self.triangles.len() as u32).map(|t| solid_angle(p, &self.corners(t, x)));
         angles.sum::<f64>() > std::f64::consts::TAU
+    }
+
+    /// Whether a point that lies behind its nearest place by `depth` \[m\] is inside. A shallow one is; a deep one is by
+    /// winding number, as the outer side of a surface that is folded inside out looks inward.
+    pub fn holds_behind(&self, p: &Vec3, depth: f64, x: &[Vec3]) -> bool {
+        !self.is_deep(depth) || self.winds_around(p, x)
+    }
+
+    /// Whether what lies behind the surface by this much \[m\] has got in.
+    pub fn is_deep(&self, depth: f64) -> bool {
+        depth > self.entered()
+    }
+
+    /// Contacts rest no deeper behind the surface than this \[m\]; what is deeper has got in.
+    pub fn entered(&self) -> f64 {
+        ENTERED * self.edge_mean
     }
 
     /// The triangles around a vertex.
