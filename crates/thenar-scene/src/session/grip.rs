@@ -169,8 +169,13 @@ impl Session {
                 && order.open.is_none_or(|open| other.at < open)
                 && other.open.is_none_or(|open| order.at < open)
         };
-        let orders = self.grips.iter().flatten().flat_map(|gripping| gripping.orders());
-        let force: f64 = orders.filter(|other| together(other)).map(|other| other.force).sum();
+        // A hand grips once at a time.
+        let of_hand = |orders: &[Order]| {
+            let forces = orders.iter().filter(|other| together(other)).map(|other| other.force);
+            forces.fold(0.0, f64::max)
+        };
+        let gripping = self.grips.iter().flatten();
+        let force: f64 = gripping.map(|gripping| of_hand(gripping.orders())).sum();
         let needed = slip_limit(self.world.desc(), flesh, object);
         let friction = friction(self.world.desc(), flesh, object);
         (force < needed).then_some(Trouble::Slippery { needed, friction })
