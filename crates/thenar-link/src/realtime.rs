@@ -5,7 +5,7 @@
 pub enum Urgency {
     /// The loop.
     Loop,
-    /// The thread behind a device, above the loop: a loop gone wild cannot keep it from letting the wearer go.
+    /// The thread behind a device that shows forces, above the loop: a loop gone wild cannot keep it from letting the wearer go.
     Device,
     /// The watchdog, above both for the same reason.
     Watchdog,
