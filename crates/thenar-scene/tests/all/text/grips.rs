@@ -208,3 +208,50 @@ fn two_hands_carry_a_plank_level_and_share_its_weight() {
     // Its ends are within 4 mm of one height.
     assert!(pose.vector(&Vec3::x()).y.abs() < 0.01, "{pose:?}");
 }
+
+/// The ball of `ball-grip` in its pinch, up in the air: where it is beside the palm, and how fast it creeps there until
+/// `end` [m, m/s].
+fn pinched(h: f64, end: f64) -> (Vec3, f64) {
+    let mut text = builtin("ball-grip").expect("a scene").text.to_owned();
+    // The hand stays up, and its fingers closed.
+    for (now, late) in [
+        ("open = 5.0", "open = 25.0"),
+        ("time = 3.8\n", "time = 23.8\n"),
+        ("time = 4.7\n", "time = 24.7\n"),
+        ("time = 5.3\n", "time = 25.3\n"),
+        ("time = 6.0\n", "time = 26.0\n"),
+    ] {
+        assert!(text.contains(now), "{now}");
+        text = text.replace(now, late);
+    }
+    let step = [format!("time_step={h}")];
+    let mut session = Session::from_text(&text, Path::new("pinched.toml"), &step)
+        .unwrap_or_else(|error| panic!("{error}"));
+    let ball = body(&session, "ball");
+    let palm = match body(&session, "hand/palm") {
+        BodyId::Rigid(palm) => palm,
+        BodyId::Soft(_) => unreachable!("a bone is rigid"),
+    };
+    let beside =
+        |session: &Session| session.world().rigid_pose(palm).inverse_point(&middle(session, ball));
+    run_to(&mut session, 3.5, |_| {});
+    let at = beside(&session);
+    run_to(&mut session, end, |session| {
+        let slip = Touch::of(session, 0, ball).slip;
+        assert!(slip < 1e-5, "step {h}: {slip} m/s at {} s", session.world().time());
+    });
+    (at, (beside(&session) - at).norm() / (end - 3.5))
+}
+
+#[test]
+fn a_pinched_ball_is_held_alike_at_1_5_and_10_ms() {
+    let (place, creep) = pinched(5e-3, 8.0);
+    assert!(creep < 1e-4, "it creeps by {creep} m/s");
+    for h in [1e-3, 1e-2] {
+        let (other, creep) = pinched(h, 4.0);
+        println!("step {h}: {creep} m/s, {} m from where it is at 5 ms", (other - place).norm());
+        assert!(creep < 1e-4, "step {h}: it creeps by {creep} m/s");
+        // A pad is 15 mm wide, and the fingers close in steps.
+        assert!((other - place).norm() < 1e-3, "{other} at {h} s, {place} at 5 ms");
+    }
+}
