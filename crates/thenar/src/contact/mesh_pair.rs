@@ -28,6 +28,10 @@ const SETTLE: usize = 4;
 /// Points nearer to each other than this part of the shape are one.
 const SAME: f64 = 1e-4;
 
+/// A flat face of a shape that stands on a mesh may lean by so much from the mesh's normals \[rad\], while it settles: a
+/// distance off the mesh is a thousandth shorter then.
+const STANDING: f64 = 0.045;
+
 /// Deeper than this part of a sharp shape's inradius its nearest face need not be the one that was
 /// entered: there only corners and vertices tell the way out.
 const SHALLOW: f64 = 0.01;
@@ -99,7 +103,7 @@ pub(crate) fn convex_on_mesh(a: &Mover, b: &Mover, reach: Reach, manifold: &mut 
 fn drop_beside(pair: &Pair, first: usize, manifold: &mut Manifold) {
     manifold.retain_from(first, |p| {
         let q_W = p.position_W - 0.5 * p.gap * p.normal_W;
-        p.gap.abs() > pair.same || pair.is_normal(&q_W, p.gap, &p.normal_W)
+        p.gap.abs() > pair.same || pair.is_normal(&q_W, p.gap, &p.normal_W, STANDING)
     });
 }
 
@@ -206,11 +210,13 @@ impl<'a> Pair<'a> {
     }
 
     /// Whether mesh B, which holds the surface point `q_W`, is nearest there to what lies off it by
-    /// `gap` (or at least a little) along `n_W`: whether `n_W` is one of its normals.
-    fn is_normal(&self, q_W: &Vec3, gap: f64, n_W: &Vec3) -> bool {
+    /// `gap` (or at least a little) along `n_W`: whether `n_W` leans by no more than `lean` \[rad\] from one of its
+    /// normals, to round-off.
+    fn is_normal(&self, q_W: &Vec3, gap: f64, n_W: &Vec3, lean: f64) -> bool {
         let off = gap.max(self.same);
         let there = self.b.distance(&(q_W + off * n_W));
-        (there.value - off).abs() <= 1e-3 * off
+        let round_off = 8.0 * f64::EPSILON * (q_W.norm() + self.movers[1].side.body.radius);
+        (there.value - off).abs() <= 0.5 * lean * lean * off + round_off
     }
 }
 
@@ -274,6 +280,12 @@ fn faces(pair: &Pair, mesh: &MeshShape, shallow: f64, manifold: &mut Manifold) -
     let mut deepest: Option<DeepFace> = None;
     let around = pair.around_a().inflate(mesh.index.rounding);
     let (margin, rounding) = (pair.reach.margin, mesh.index.rounding);
+    // What is round touches a triangle beside the nearest one at its border, a little aside and so a little aslant. That
+    // holds nothing where the triangles are level: no more aslant than what is `SAME` aside.
+    let lean = match pair.a.shape {
+        Shape::Sphere { .. } | Shape::Capsule { .. } | Shape::Ellipsoid { .. } => SAME,
+        _ => STANDING,
+    };
     mesh.index.tree.overlapping(&around, |item| {
         let t = mesh.index.items[item as usize];
         let tri = mesh.triangles[t as usize].map(|v| mesh.points[v as usize]);
@@ -295,7 +307,7 @@ fn faces(pair: &Pair, mesh: &MeshShape, shallow: f64, manifold: &mut Manifold) -
         {
             deepest = Some(DeepFace { triangle: t, q_W, n_W, gap });
         }
-        if gap <= margin && gap > -shallow && pair.is_normal(&q_W, gap, &n_W) {
+        if gap <= margin && gap > -shallow && pair.is_normal(&q_W, gap, &n_W, lean) {
             pair.push(FACE | t, q_W + 0.5 * gap * n_W, n_W, gap, manifold);
         }
     });
@@ -338,7 +350,7 @@ fn edges(pair: &Pair, mesh: &MeshShape, shallow: f64, manifold: &mut Manifold) {
         let is_normal = |along: &Along| {
             let n_W = normal(along);
             let q_W = pair.a.world_point(&along.lowest) + rounding * n_W;
-            pair.is_normal(&q_W, along.value - rounding, &n_W)
+            pair.is_normal(&q_W, along.value - rounding, &n_W, STANDING)
         };
         let mut along = along;
         if along.value < rounding && !is_normal(&along) {

@@ -1,5 +1,6 @@
 //! Goal: in slow motion the force follows position without flicker. Method: things drawn and rolled at
-//! 20 mm/s over a finger of the paper's hand and over a soft pad, and the finger over the pad, at 1 ms steps. The part of the
+//! 20 mm/s over a finger of the default hand, over one of the paper's and over a soft pad, and the finger over the pad,
+//! at 1 ms steps. The part of the
 //! net force above 50 Hz (rms over the three components, Hann window, straight trend removed) is below
 //! 0.5 % of the mean force: amplitudes, not their squares. At half the speed the largest change of force
 //! and torque in a step is half.
@@ -19,7 +20,7 @@ const MOVES: f64 = 0.3;
 /// A hand whose bones are held where they are, palm down, fingers along -z.
 const HAND: &str = r#"
 [[hand]]
-preset = "paper"
+preset = "PRESET"
 name = "below"
 self_contact = false
 bone_drive = { stiffness = 1e6, damping = 1e3, angular_stiffness = 1e3, angular_damping = 1 }
@@ -54,7 +55,8 @@ struct Case<'a> {
     /// Turns without sliding over the way (a ball of radius `reach`).
     rolls: bool,
     friction: f64,
-    on_hand: bool,
+    /// What it moves over: a hand of this preset, or the pad.
+    over: Option<&'a str>,
     /// \[m/s\]
     speed: f64,
 }
@@ -68,13 +70,16 @@ const BALL: Case<'_> = Case {
     way: [0.0, 0.0, 0.006],
     rolls: false,
     friction: 0.6,
-    on_hand: true,
+    over: Some("paper"),
     speed: 0.02,
 };
 
 /// Force on the thing and its torque about where it was first, at every step on its way.
 fn wrenches(case: &Case<'_>, speed: f64) -> Vec<[Vec3; 2]> {
-    let (start, up) = if case.on_hand { (FINGERTIP, -1.0) } else { ([0.0; 3], 1.0) };
+    let (start, up) = match case.over {
+        Some(_) => (FINGERTIP, -1.0),
+        None => ([0.0; 3], 1.0),
+    };
     let way = Vec3::from(case.way);
     let pressed = Vec3::from(start) + Vec3::y() * (up * (case.reach - case.depth));
     let above = pressed + Vec3::y() * (up * (case.depth + 2e-3));
@@ -97,7 +102,7 @@ fn wrenches(case: &Case<'_>, speed: f64) -> Vec<[Vec3; 2]> {
         "{}\n[[rigid]]\nname = \"thing\"\nshape = {}\nmotion = \"scripted\"\nfriction = {}\n\
          interpolation = \"linear\"\nkeyframes = [\n{}{}{}{}]\n\
          [[pair]]\nbodies = [\"thing\", \"below\"]\nfriction = {}\n",
-        if case.on_hand { HAND } else { PAD },
+        case.over.map_or(PAD.into(), |preset| HAND.replace("PRESET", preset)),
         case.shape,
         case.friction,
         key(0.0, above - way * 0.5, 0.0),
@@ -135,7 +140,7 @@ fn wrenches(case: &Case<'_>, speed: f64) -> Vec<[Vec3; 2]> {
 }
 
 /// The rms of what is above 50 Hz in all components of a force, over its mean size.
-fn above_50_hz(force: &[Vec3]) -> f64 {
+pub(super) fn above_50_hz(force: &[Vec3]) -> f64 {
     let n = force.len();
     let mean = force.iter().sum::<Vec3>() / n as f64;
     let at = |i: usize| i as f64 - 0.5 * (n as f64 - 1.0);
@@ -161,7 +166,7 @@ fn above_50_hz(force: &[Vec3]) -> f64 {
 }
 
 /// Largest change of force \[N\] and torque \[N m\] in a step.
-fn largest_change(wrenches: &[[Vec3; 2]]) -> [f64; 2] {
+pub(super) fn largest_change(wrenches: &[[Vec3; 2]]) -> [f64; 2] {
     let change = |k: usize| wrenches.windows(2).map(move |w| (w[1][k] - w[0][k]).norm());
     [0, 1].map(|k| change(k).fold(0.0, f64::max))
 }
@@ -205,7 +210,7 @@ const EDGE: Case<'_> = Case {
     reach: 0.014142,
     depth: 0.002,
     way: [0.006, 0.0, 0.0],
-    on_hand: false,
+    over: None,
     ..BALL
 };
 
@@ -226,6 +231,27 @@ fn a_fingertip_is_drawn_over_a_ball() {
         ..BALL
     });
     check(&LARGE);
+}
+
+/// The same on the hand that a scene means without saying so.
+#[test]
+fn a_ball_is_drawn_and_rolls_over_a_fingertip_of_the_default_hand() {
+    let small = Case { over: Some("touch"), ..BALL };
+    check(&Case { name: "default hand, ball rolls along", rolls: true, ..small });
+    check_spectrum(&Case { name: "default hand, ball drawn along", ..small });
+    check_spectrum(&Case {
+        name: "default hand, ball drawn across, frictionless",
+        friction: 0.0,
+        way: [0.006, 0.0, 0.0],
+        ..small
+    });
+}
+
+#[test]
+fn a_large_ball_rolls_over_a_fingertip_of_the_default_hand() {
+    let large = Case { over: Some("touch"), ..LARGE };
+    check_spectrum(&Case { name: "default hand, large ball rolls along", rolls: true, ..large });
+    check_spectrum(&Case { name: "default hand, large ball drawn", ..large });
 }
 
 #[test]
@@ -328,7 +354,7 @@ fn finger_on_pad(cells: [u32; 3], way: [f64; 3], depth: f64, friction: f64) -> V
         )
     };
     let down = Vec3::y() * -depth;
-    let hand = HAND.replace("\"below\"", "\"hand\"");
+    let hand = HAND.replace("\"below\"", "\"hand\"").replace("PRESET", "paper");
     let text = format!(
         "version = 1\ngravity = [0, 0, 0]\ntime_step = {H}\nduration = {end}\n{hand}\n[hand.motion]\n\
          kind = \"keyframes\"\n{}{}{}{}\n[[soft]]\nname = \"pad\"\n\

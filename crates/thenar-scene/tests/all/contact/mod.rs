@@ -5,5 +5,6 @@ mod long_steps;
 mod overlaps;
 mod rest_matrix;
 mod resting_hand;
+mod rigid_wrench;
 mod self_contact;
 mod tumbling;

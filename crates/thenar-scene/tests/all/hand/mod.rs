@@ -2,6 +2,7 @@
 
 mod bone_coupling;
 mod bones;
+mod crushed_tip;
 mod elements;
 mod finger_area;
 mod hand_mesh;
