@@ -14,8 +14,8 @@ use thenar_scene::session::Session;
 /// With the time at which the hand holds or presses.
 const SCENES: [(&str, &str, f64); 3] = [
     ("table", include_str!("../../../../scenes/table-press.toml"), 1.2),
-    ("bread", include_str!("../../../../scenes/bread-grasp.toml"), 1.6),
-    ("car", include_str!("../../../../scenes/car-grasp.toml"), 1.6),
+    ("bread", include_str!("../../../../scenes/bread-grasp.toml"), 2.1),
+    ("car", include_str!("../../../../scenes/car-grasp.toml"), 2.1),
 ];
 const MODES: [LoopMode; 3] = [LoopMode::Shared, LoopMode::Multirate, LoopMode::SingleRate];
 /// Mass \[kg\], damping \[N s/m\], stiffness \[N/m\].
