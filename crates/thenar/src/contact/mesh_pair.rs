@@ -30,9 +30,9 @@ const SETTLE: usize = 4;
 /// (10 µm, of shapes of a centimetre), so that none is let go that says more.
 const SAME: f64 = 1e-4;
 
-/// Deeper than this part of a sharp shape's inradius its nearest face need not be the one that was
-/// entered: there only corners and vertices tell the way out. Up to it, that is so only within as much of the
-/// border of a face.
+/// Deeper than this part of a sharp shape's inradius its nearest face need not be the one that was entered: there only
+/// corners and vertices tell the way out. Up to it, that is so only within as much of the border of a face. Found by
+/// trial: with a tenth as much, or ten times, depths of overlaps are wrong.
 const SHALLOW: f64 = 0.01;
 
 const POINT: u32 = 0;
