@@ -6,7 +6,7 @@ import subprocess
 import time
 from datetime import UTC, datetime
 
-from . import cases, report
+from . import cases, pairs, report
 from .engines import BINARIES, HERE, WORK
 from .hand import Hand
 
@@ -54,7 +54,8 @@ def main():
         took=time.time() - start,
     )
     preface = (HERE / "peers" / "preface.md").read_text(encoding="utf-8")
-    text = report.markdown(found, preface)
+    say(start, "pairs of rigid shapes")
+    text = report.markdown(found, preface) + "\n" + pairs.section()
     print(text)
     # A quick or partial run proves that all works; it does not replace the record.
     folder = WORK if options.quick or options.only else HERE

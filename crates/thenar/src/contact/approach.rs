@@ -10,8 +10,12 @@ use crate::contact::soft_way::KEPT;
 use crate::contact::{Distance, Shape};
 use crate::math::Vec3;
 
-/// Steps of one trace at most.
+/// Steps of one trace at most. Where they end early, a point on its way is constrained by the tangent plane of where it
+/// has got to; a point inside finds no way out, and keeps its nearest.
 const TRACE_STEPS_MAX: usize = 48;
+/// A point that has come in did so where its way of this step came this near to the surface, in parts of that way: the
+/// normal is that of the place it came through. No step of a trace is shorter than half of it, so that none creeps.
+const ENTERED: f64 = 1e-3;
 /// Steps along a segment at most: of one that goes 100 mm in a step each is a quarter of a card's thickness.
 const SEGMENT_STEPS_MAX: f64 = 480.0;
 /// A nearest face that turns by less than this (cosine of 45°) from the one that was seen is nearer to it than to one
@@ -150,7 +154,7 @@ fn entry(shape: &Shape, p: &Vec3, u: &Vec3, depth: f64) -> Option<Seen> {
     if there.value <= 0.0 {
         return None;
     }
-    let near = 1e-3 * length;
+    let near = ENTERED * length;
     let arrival = approach_from(shape, &from, there, u, 0.0, near)?;
     Some(Seen { normal: arrival.gradient, place: from })
 }

@@ -9,7 +9,7 @@ use crate::contact::area::TOUCHING;
 use crate::math::Vec3;
 use std::cell::Cell;
 
-/// Of more faces than this it is sooner told by distances.
+/// Of more faces than this it is sooner told by distances: up to 153 places of a triangle ask each of them.
 const FACES_MAX: usize = 64;
 /// Places as far as [`TOUCHING`] but for rounding are not told.
 const FARTHER: f64 = TOUCHING * (1.0 + 1e-6);

@@ -9,12 +9,13 @@ const KEPT: usize = 32;
 /// Points delivered are at most this many: the deepest, and those farthest apart.
 pub(crate) const DELIVERED_MAX: usize = 12;
 /// Of points higher than the deepest by more than this part of how far apart they lie, the lower go
-/// first: a body can only stand on the lower ones.
+/// first: a body can only stand on the lower ones. So far a body tilts (0.6°) before it stands on a higher one.
 const LEVEL: f64 = 1e-2;
 
 /// Ways in which a body may tilt: with so many each corner of a rectangle comes first in one.
 const TILTS: usize = 6;
-/// How far it tilts \[rad\]: a small angle, which weighs a gap of 1 mm like 2 cm to the side.
+/// How far it tilts \[rad\]: a small angle, which weighs a gap of 1 mm like 2 cm to the side, the usual margin like the
+/// size of what a hand holds. Of points that are level it chooses the same at any angle.
 const TILT: f64 = 0.05;
 
 /// One point.

@@ -16,6 +16,9 @@ use crate::math::Vec3;
 /// its digits. Every other crossing counts, however near to an end, for where one edge hands over to the next on
 /// another body's ridge, a gap between them is a place at which nothing holds.
 const PARALLEL: f64 = f64::EPSILON;
+/// A face that reaches less far from its edge has no area, and no direction \[m\]: round-off leaves as much of places
+/// ten kilometres away.
+const AREALESS: f64 = 1e-12;
 /// A face level to this (sine) lies as near to a plane as a gap is known: to a hundredth of an edge.
 const LEVEL: f64 = 0.01;
 
@@ -49,7 +52,7 @@ impl Ridge {
         let along = (x[j as usize] - start).try_normalize(0.0)?;
         let fall = |v: u32| {
             let out = x[v as usize] - start;
-            (out - along * out.dot(&along)).try_normalize(1e-12)
+            (out - along * out.dot(&along)).try_normalize(AREALESS)
         };
         let outward = surface.pseudonormal(triangle, Feature::Edge(k), x);
         Some(Self { outward, falls: [fall(t[(k + 2) % 3])?, fall(far)?] })

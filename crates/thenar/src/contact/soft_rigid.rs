@@ -95,9 +95,12 @@ impl Guess {
 }
 
 /// Vertices out of reach are looked for so many times as far, if they stay there for so many steps: less far is soon
-/// looked for again, and farther costs more.
+/// looked for again, and farther costs more. It decides the time alone.
 const BEYOND: f64 = 1.5;
+/// The number of these steps: the second search is then an eighth of one in each.
 const KEPT: f64 = 8.0;
+/// A third more than 1/√3, the distance of an equilateral triangle's corners from its middle in edges, for stretching.
+const TO_CORNER: f64 = 0.77;
 
 impl VertexScratch {
     /// For surfaces of up to so many vertices, `all` together.
@@ -142,10 +145,9 @@ impl SoftRigid<'_> {
         (self.placed.shape_point(&p_W), self.placed.rotation.tr_mul(&slip_W) * self.h)
     }
 
-    /// A triangle that a feature could touch has a vertex within this distance of the shape:
-    /// 1/√3 of its longest edge, with a third to spare for stretching.
+    /// A triangle that a feature could touch has a vertex within this distance of the shape.
     fn feature_reach(&self, v: usize) -> f64 {
-        0.77 * self.surface.edge_around[v] + soft_feature::depth_max(self)
+        TO_CORNER * self.surface.edge_around[v] + soft_feature::depth_max(self)
     }
 
     /// Tests one vertex; false when the shape is out of its reach.

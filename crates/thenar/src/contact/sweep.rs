@@ -11,8 +11,12 @@ use crate::contact::rigid_pair::{Reach, RigidSide};
 use crate::contact::support::Solid;
 use crate::math::{Mat3, Quat, Vec3};
 
+/// Most advances of one search. Where they end early, the pair glances: the contact is looked for where it has got to,
+/// and has its true gap there.
 const ADVANCES_MAX: usize = 64;
-/// Bodies meet where they come nearer than this part of the margin; passing farther they do not.
+/// Bodies meet where they come nearer than this part of the margin; passing farther they do not. An advance goes at
+/// least half as far, which ends the search; a body that only passes is held up by no more than this. Tests of fast
+/// bodies hold from 0.005 to 0.5.
 pub(crate) const MEETING: f64 = 0.05;
 
 /// A piece of a body that moves.

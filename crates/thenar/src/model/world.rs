@@ -119,7 +119,9 @@ pub struct SolverSettings {
     pub cone: Cone,
     /// Joint limits.
     pub limits: Limits,
-    /// Points nearer than this become constraints, before they touch \[m\]; motion adds to it.
+    /// Points nearer than this become constraints, before they touch \[m\]; motion adds to it. For motion that a step
+    /// does not foresee, as other contacts make it: a millimetre is 6 cm/s at 60 steps a second. A wider one costs
+    /// constraints that bear nothing.
     pub contact_margin: f64,
     /// A step that contact does not carry through (an overlap grows in it by half the margin, or it is off by
     /// a hundred tolerances) is made in halves, and these again, so many times at most: see `World::step`. By default
