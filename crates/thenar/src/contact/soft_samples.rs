@@ -22,7 +22,8 @@ const PARTS_MAX: u32 = 16;
 const POINTS_MAX: usize = ((PARTS_MAX + 1) * (PARTS_MAX + 2) / 2) as usize;
 /// Of the points of one triangle those touch that are farther than the nearest by no more than this part of the margin,
 /// and what the triangle travels: it holds them apart as long as it does not turn by that much. The margin is what a
-/// step may move beside what is foreseen of it; of turning a quarter is allowed for.
+/// step may move beside what is foreseen of it; of turning a quarter is allowed for. Tests of detection alone hold with
+/// none, too.
 const BEHIND: f64 = 0.25;
 /// Numbers for the places of one part, these and those on its centre line.
 pub(crate) const PLACES: u32 = 512;
