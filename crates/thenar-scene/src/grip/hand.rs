@@ -17,7 +17,7 @@ use super::memory::{GripMemory, PadMemory, Phase};
 use super::opposition::{Base, Opposition};
 use super::order::Order;
 use super::solve::{Goal, solve};
-use super::squeeze::{RANGE, Squeeze};
+use super::squeeze::{RANGE, push};
 use super::trouble::Trouble;
 use crate::build::BuiltHand;
 use crate::live::{Law, follow};
@@ -299,7 +299,7 @@ impl GripHand {
                 ..PadMemory::default()
             };
         }
-        (memory.phase, memory.since, memory.squeeze) = (Phase::Reaching, 0.0, Squeeze::default());
+        (memory.phase, memory.since, memory.depth) = (Phase::Reaching, 0.0, 0.0);
         (memory.felt, memory.force, memory.trouble) = ([0.0; 6], 0.0, choice.trouble);
     }
 
@@ -392,7 +392,7 @@ impl GripHand {
             Base::Palm(_, normal) => *normal,
             Base::Thumb(_) => along.and_then(|way| way.try_normalize(1e-4)).unwrap_or(ready),
         };
-        (memory.phase, memory.since, memory.squeeze) = (Phase::Holding, 0.0, Squeeze::default());
+        (memory.phase, memory.since, memory.depth) = (Phase::Holding, 0.0, 0.0);
         // What was foreseen to be out of reach may have been met all the same.
         let foreseen = memory.trouble.filter(|t| !matches!(t, Trouble::OutOfReach { .. }));
         self.memory.trouble = foreseen.or(self.untouched(opposition, world, hand));
@@ -430,19 +430,19 @@ impl GripHand {
     ) {
         let bound = stiffness(opposition, world, hand);
         let memory = &mut self.memory;
-        memory.squeeze.push(memory.force, order.force, bound, h);
+        memory.depth = push(memory.depth, memory.force, order.force, bound, h);
         let fingers = (1..opposition.pads()).filter(|pad| memory.pads[*pad].anchor.is_some());
         let share = 1.0 / fingers.count().max(1) as f64;
         for pad in 0..opposition.pads() {
             let kept = &mut memory.pads[pad];
             let (Some(chain), Some(_)) = (opposition.chain(pad), kept.anchor) else { continue };
             let inwards = if pad == 0 { memory.axis_P } else { memory.axis_P * -share };
-            let centre = kept.point_P + inwards * memory.squeeze.depth;
+            let centre = kept.point_P + inwards * memory.depth;
             solve(chain, &mut kept.goal, &Goal { centre, normal: -kept.normal_P }, ROUNDS);
             turn_to(kept, h);
         }
         let lacking = order.force - memory.force > LACKING.1 * order.force;
-        if memory.since > LACKING.0 && lacking && memory.squeeze.depth >= RANGE[1] {
+        if memory.since > LACKING.0 && lacking && memory.depth >= RANGE[1] {
             memory.trouble.get_or_insert(Trouble::Weak { felt: memory.force });
         }
     }

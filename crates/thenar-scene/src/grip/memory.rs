@@ -3,7 +3,6 @@
 use super::digit::{Angles, FREEDOMS_MAX};
 use super::opposition::PADS_MAX;
 use super::order::Order;
-use super::squeeze::Squeeze;
 use super::surface::Anchor;
 use super::trouble::Trouble;
 use serde::{Deserialize, Serialize};
@@ -91,8 +90,8 @@ pub struct GripMemory {
     pub pads: [PadMemory; PADS_MAX],
     /// From the base to the fingers, in the palm's frame.
     pub axis_P: Vec3,
-    /// How far pads are pushed in, and against what.
-    pub squeeze: Squeeze,
+    /// How far pads are pushed in \[m\].
+    pub depth: f64,
     /// Sum of the normal forces of each digit (palm, thumb, index, middle, ring, little) on the object in the last step \[N\].
     pub felt: [f64; 6],
     /// Force of the two sides against each other, smoothed \[N\].
@@ -114,8 +113,7 @@ impl GripMemory {
             vectors.into_iter().chain(angles)
         });
         let own = self.felt.iter().chain(self.axis_P.iter()).copied();
-        let mut numbers =
-            lists.chain(own).chain([self.since, self.squeeze.depth, self.squeeze.from, self.force]);
+        let mut numbers = lists.chain(own).chain([self.since, self.depth, self.force]);
         numbers.all(f64::is_finite)
             && self.script.iter().flatten().all(|x| x.is_finite())
             && anchors.into_iter().all(|anchor| anchor.fits(world))

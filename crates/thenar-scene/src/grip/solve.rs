@@ -13,7 +13,9 @@
 
 use super::digit::{Angles, Chain, FREEDOMS_MAX, Reached};
 use nalgebra::{SMatrix, SVector};
+use std::f64::consts::PI;
 use thenar::Vec3;
+use thenar::math::tangents;
 
 /// Weight of the normal's turn \[m/rad\]: half a radian away bends the place by 0.1 mm at an arm of 60 mm.
 const TURN: f64 = 0.004;
@@ -23,8 +25,8 @@ const EASE: f64 = 0.0015;
 const DAMPING: f64 = 0.005;
 /// Largest change of an angle in one round \[rad\].
 const ROUND_MAX: f64 = 0.25;
-/// A step is halved so often, to a thousandth: beyond that nothing is to be gained.
-const HALVINGS: usize = 10;
+/// A step is tried so often, at last a five-hundredth of it: what less of it would bring is not felt.
+const TRIALS: usize = 10;
 
 /// Where a pad is wanted, in the palm's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,7 +94,7 @@ fn round(chain: &Chain, angles: &mut Angles, goal: &Goal) -> f64 {
         let largest = (0..n).map(|i| step[i].abs()).fold(0.0, f64::max);
         let mut scale = (ROUND_MAX / largest.max(1e-300)).min(1.0);
         let now = lack(chain, angles, &reached, goal);
-        for _ in 0..HALVINGS {
+        for _ in 0..TRIALS {
             let mut trial = *angles;
             for i in 0..n {
                 let [low, high] = chain.freedoms[i].range;
@@ -123,7 +125,12 @@ fn lack(chain: &Chain, angles: &Angles, reached: &Reached, goal: &Goal) -> f64 {
 fn turn_between(from: &Vec3, to: &Vec3) -> Vec3 {
     let axis = from.cross(to);
     let (sin, cos) = (axis.norm(), from.dot(to));
-    if sin < 1e-9 { Vec3::zeros() } else { axis * (sin.atan2(cos) / sin) }
+    match sin < 1e-9 {
+        false => axis * (sin.atan2(cos) / sin),
+        true if cos > 0.0 => Vec3::zeros(),
+        // Half a turn, about whatever lies across.
+        true => tangents(from).0 * PI,
+    }
 }
 
 #[cfg(test)]
@@ -163,7 +170,7 @@ mod tests {
     fn what_stands_still_is_held_still() {
         let hand = fixture::hand(false);
         let mut random = Random::new(5);
-        for digit in [Digit::Thumb, Digit::Index, Digit::Little] {
+        for digit in Digit::FINGERS {
             let chain = Chain::new(&hand, digit, PadPlace::Tip).expect("a chain");
             for _ in 0..100 {
                 let mut there = chain.ease();
@@ -186,6 +193,19 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// A pad that looks the opposite way turns round as far as its joints let it.
+    #[test]
+    fn an_opposite_normal_turns_the_pad() {
+        let hand = fixture::hand(false);
+        let chain = Chain::new(&hand, Digit::Thumb, PadPlace::Tip).expect("a chain");
+        let reached = chain.reach(&chain.ease());
+        let goal = Goal { centre: reached.centre, normal: -reached.normal };
+        let mut angles = chain.ease();
+        solve(&chain, &mut angles, &goal, 100);
+        let turned = chain.reach(&angles).normal.dot(&goal.normal);
+        assert!(turned > -0.99, "cosine {turned}");
     }
 
     /// The columns of the Jacobian are differences.

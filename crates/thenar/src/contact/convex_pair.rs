@@ -15,7 +15,7 @@ use crate::contact::{Shape, cuboid_pair};
 use crate::math::Vec3;
 
 /// A flat face is the reference when the normal differs from its own by less than this (cosine of 2.6°): heights over
-/// it are then distances to a thousandth. What is tilted more rises by the usual margin within 2 cm. Tests of rigid
+/// it are then distances to a thousandth. What is tilted more rises by the usual margin within 22 mm. Tests of rigid
 /// pairs hold from 0.99 to 0.99999.
 const ALIGNED: f64 = 0.999;
 /// The face of A is preferred to that of B only if so much better aligned (in cosines): of faces that are level to

@@ -13,8 +13,8 @@ use crate::contact::surface::Surface;
 use crate::math::{Mat3, Pose, Vec3};
 use std::ops::Range;
 
-/// Most clusters of a surface, or up to twice as many: all pairs of two surfaces' are gone through, some thousands of
-/// boxes. Larger clusters are passed over less often, and each time cost a search.
+/// Most clusters of a surface, or up to twice as many: all pairs of two surfaces' are gone through, 16 000 boxes at
+/// most. Larger clusters are passed over less often, and each time cost a search.
 const CLUSTERS_MAX: usize = 64;
 /// Clusters of fewer triangles tell little more than these: four leaves of the tree.
 const TRIANGLES_MIN: usize = 16;

@@ -218,7 +218,8 @@ impl<'a> Pair<'a> {
     fn is_normal(&self, q_W: &Vec3, gap: f64, n_W: &Vec3, lean: f64) -> bool {
         let off = gap.max(self.same);
         let there = self.b.distance(&(q_W + off * n_W));
-        let round_off = 8.0 * f64::EPSILON * (q_W.norm() + self.movers[1].side.body.radius);
+        let sizes = self.movers[0].side.body.radius + self.movers[1].side.body.radius;
+        let round_off = 8.0 * f64::EPSILON * (q_W.norm() + sizes);
         (there.value - off).abs() <= 0.5 * lean * lean * off + round_off
     }
 }
@@ -283,12 +284,10 @@ fn faces(pair: &Pair, mesh: &MeshShape, shallow: f64, manifold: &mut Manifold) -
     let mut deepest: Option<DeepFace> = None;
     let around = pair.around_a().inflate(mesh.index.rounding);
     let (margin, rounding) = (pair.reach.margin, mesh.index.rounding);
-    // What is round touches a triangle beside the nearest one at its border, a little aside and so a little aslant. That
-    // holds nothing where the triangles are level: no more aslant than what is `SAME` aside.
-    let lean = match pair.a.shape {
-        Shape::Sphere { .. } | Shape::Capsule { .. } | Shape::Ellipsoid { .. } => SAME,
-        _ => STANDING,
-    };
+    // A ball touches the triangle beside the nearest one at its border, a little aside and so a little aslant. Where the two
+    // are level such a point holds nothing: a ball's leans by as many radians as it lies radii aside, `SAME` at most.
+    // The nearest points of other shapes are not found so finely.
+    let lean = if let Shape::Sphere { .. } = pair.a.shape { SAME } else { STANDING };
     mesh.index.tree.overlapping(&around, |item| {
         let t = mesh.index.items[item as usize];
         let tri = mesh.triangles[t as usize].map(|v| mesh.points[v as usize]);

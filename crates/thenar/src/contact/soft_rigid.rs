@@ -95,9 +95,10 @@ impl Guess {
 }
 
 /// Vertices out of reach are looked for so many times as far, if they stay there for so many steps: less far is soon
-/// looked for again, and farther costs more. It decides the time alone.
+/// looked for again, and farther costs more. What is found does not depend on this.
 const BEYOND: f64 = 1.5;
-/// The number of these steps: the second search is then an eighth of one in each.
+/// Steps for which a vertex out of reach is not looked for again: a search farther out, once in eight steps, costs each
+/// of them an eighth.
 const KEPT: f64 = 8.0;
 /// A third more than 1/√3, the distance of an equilateral triangle's corners from its middle in edges, for stretching.
 const TO_CORNER: f64 = 0.77;

@@ -7,7 +7,7 @@ use crate::world::World;
 use crate::world::response::{body_of, nearest_vertex};
 
 /// Depth from which two surfaces overlap instead of touching \[m\]: what the place of a contact is good
-/// for between rigid shapes of some centimetres (as `contact/pair_tests.rs` holds every pair to it).
+/// for between rigid shapes of some centimetres (as `contact/pair_tests.rs` holds pairs that are apart to it).
 const DEPTH_LEAST: f64 = 1e-5;
 /// A surface of triangles, deformable or a rigid mesh, is no finer than these: with one, that depth in
 /// mean edge lengths.

@@ -1,6 +1,6 @@
 //! Goal: a hand at rest on something round presses it with the same force in every step. Method: the
-//! default hand, and the paper's, come down on a fixed body, a finger here and a palm there, and after they have come to rest
-//! the force of each finger is compared from step to step.
+//! default hand, and the paper's (which alone is tried at 1 ms and on meshes), come down on a fixed body, a finger here and
+//! a palm there, and after they have come to rest the force of each finger is compared from step to step.
 
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
@@ -88,7 +88,9 @@ fn rests_quietly(presets: &[&str], shape: &str, reach: f64, steps: &[f64]) {
             let (flicker, force) = flicker(&scene(preset, shape, reach, h));
             let case = format!("{preset}, {shape} at {h} s");
             println!("{case}: {force:.2} N, {flicker:.1e}");
-            assert!(force > 1.0, "{case}: the fingers bear {force} N");
+            // Joints as loose as those of the living close around a small ball with little.
+            let least = if preset == "paper" { 5.0 } else { 1.0 };
+            assert!(force > least, "{case}: the fingers bear {force} N");
             assert!(flicker < FLICKER_MAX, "{case}: the force changes by {flicker:.1e}");
         }
     }

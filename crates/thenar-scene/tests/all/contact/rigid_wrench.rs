@@ -176,7 +176,7 @@ fn check(tip: Tip, below: &str, top: f64) {
         println!("{case}: {:.4} % above 50 Hz, {fast:?} to {slow:?} in a step", 100.0 * high);
         assert!(high < 5e-3, "{case}: {} % above 50 Hz", 100.0 * high);
         for k in 0..2 {
-            // What acts is found to a tenth of a promille at least.
+            // What acts is found to a hundredth of a promille at least.
             let least = WEIGHT * [1.0, ARM][k] * 1e-5;
             assert!(
                 slow[k] < (0.75 * fast[k]).max(least),
@@ -193,13 +193,11 @@ fn tips_are_drawn_over_a_plate() {
     }
 }
 
+/// Level triangles are one plane to a ball.
 #[test]
-fn tips_are_drawn_over_plates_of_triangles() {
+fn a_ball_is_drawn_over_plates_of_triangles() {
     for cells in [1, 9] {
-        let plate = mesh_plate(cells);
-        for tip in TIPS {
-            check(tip, &plate, 0.002);
-        }
+        check(TIPS[0], &mesh_plate(cells), 0.002);
     }
 }
 

@@ -76,7 +76,7 @@ impl Press {
         let middle = session.world().rigid_pose(plates[0]).position;
         let near = |i: &usize| {
             let apart = session.world().collision_vertices(0)[*i] - middle;
-            apart.x.abs() < 0.012 && apart.z.abs() < 0.011
+            apart.x.abs() < 0.009 && apart.z.abs() < 0.008
         };
         let between = (0..session.world().collision_vertices(0).len()).filter(near).collect();
         Self { session, tip, plates, between }

@@ -89,6 +89,7 @@ fn presses_on_its_patch(scene: &str) {
         // What the bone bears where flesh is crushed has no area.
         let skin = told.skin_normal;
         assert!((spread / skin - 1.0).abs() < 0.01, "{spread} of {skin} N");
+        // More load need not touch more skin: a finger that it bends stands on its tip.
         println!("{patch} m2 under {load} N");
     }
 }
