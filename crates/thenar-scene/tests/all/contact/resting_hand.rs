@@ -89,7 +89,7 @@ fn rests_quietly(presets: &[&str], shape: &str, reach: f64, steps: &[f64]) {
             let case = format!("{preset}, {shape} at {h} s");
             println!("{case}: {force:.2} N, {flicker:.1e}");
             // Joints as loose as those of the living close around a small ball with little.
-            let least = if preset == "paper" { 5.0 } else { 1.0 };
+            let least = if *preset == "paper" { 5.0 } else { 1.0 };
             assert!(force > least, "{case}: the fingers bear {force} N");
             assert!(flicker < FLICKER_MAX, "{case}: the force changes by {flicker:.1e}");
         }
