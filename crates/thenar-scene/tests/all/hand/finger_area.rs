@@ -68,7 +68,7 @@ fn presses_on_its_patch(scene: &str) {
     let mut session = Session::from_text(scene, Path::new("finger-area.toml"), &[])
         .unwrap_or_else(|error| panic!("{error}"));
     let mut readout = ContactReadout::new(session.world());
-    for load in [2.0, 8.0, 20.0] {
+    for load in [2.0, 8.0, 18.0] {
         let mut pressed = 0.0;
         while pressed < load {
             assert!(session.world().time() < 3.0, "it presses with {pressed} N only");
