@@ -42,11 +42,8 @@ pub mod realtime;
 mod registry;
 pub mod rehearsal;
 pub mod replay;
-mod sample;
-pub mod source_clock;
 #[cfg(test)]
 mod testing;
-mod tracker_clock;
 pub mod transport;
 pub mod twin;
 pub mod worker;
@@ -57,5 +54,5 @@ pub use error::LinkError;
 pub use output::{DIGITS, DigitOutput, HandOutput, Rendering};
 pub use protocol::{Event, Protocol, Transport};
 pub use registry::{drivers, open};
-pub use sample::HandSample;
+pub use thenar_track::{HandSample, source_clock};
 pub use worker::release_all;

@@ -11,6 +11,7 @@ pub mod haptic;
 pub mod math;
 pub mod model;
 mod processor;
+pub mod random;
 pub mod readout;
 mod skeleton;
 mod solver;

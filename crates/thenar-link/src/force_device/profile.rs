@@ -9,7 +9,7 @@ use thenar::haptic::LoopProfile;
 use thenar::haptic::safety::Limits;
 use thenar::model::Side;
 use thenar::{Pose, Vec3};
-use thenar_scene::motion::ANGLES;
+use thenar_track::ANGLES;
 
 /// The profile that comes with the program.
 pub const SHIPPED: &str = include_str!("../../profiles/force-device.toml");

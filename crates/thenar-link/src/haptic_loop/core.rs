@@ -12,7 +12,7 @@ use super::record::TickRecord;
 use crate::{ForceDisplay, HandOutput, Rendering, Tracker};
 use rtrb::Producer;
 use thenar::haptic::safety::{LimitError, Limits, Status, Trip};
-use thenar_scene::live::Mover;
+use thenar_track::live::Mover;
 
 /// What the loop does each tick.
 pub struct Core {

@@ -13,7 +13,7 @@ use thenar::math::rotation_vector;
 use thenar::model::{Digit, HandModel, Side};
 use thenar::world::Target;
 use thenar::{Pose, Vec3};
-use thenar_scene::live::{LiveHand, Mover};
+use thenar_track::live::{LiveHand, Mover};
 
 /// A tick longer than this is taken as if it were this long \[s\].
 const STEP_MAX: f64 = 0.02;

@@ -74,7 +74,7 @@ use std::time::Duration;
 use thenar::haptic::safety::{Limits, Trip};
 use thenar::haptic::{CouplingDesign, FeltBounds, GRIP, LoopProfile};
 use thenar::model::Drive;
-use thenar_scene::live::OBSERVATION;
+use thenar_track::live::OBSERVATION;
 
 /// Records that may wait for the monitor.
 const RECORDS: usize = 16_384;

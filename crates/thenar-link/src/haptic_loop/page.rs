@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use thenar::haptic::TrackerTiming;
 use thenar::model::Side;
-use thenar_scene::live::LivePose;
+use thenar_track::live::LivePose;
 use triple_buffer::{Input, Output, triple_buffer};
 
 /// Where whoever receives poses puts them.

@@ -15,8 +15,8 @@ use thenar::haptic::{
 use thenar::model::{Digit, Drive, Side, SolverKind};
 use thenar::readout::ContactReadout;
 use thenar::world::{ModelError, World};
-use thenar_scene::live::LiveError;
 use thenar_scene::session::Session;
+use thenar_track::live::LiveError;
 
 /// How touch joins the tracked hand and the simulation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

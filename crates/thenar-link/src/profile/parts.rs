@@ -215,6 +215,6 @@ impl Display {
 }
 
 /// Angles of one digit in the order of
-/// [`hand_angles`](thenar_scene::motion::hand_angles): flexion and spread of its base joint, then
+/// [`hand_angles`](thenar_track::hand_angles): flexion and spread of its base joint, then
 /// flexion of its second and third joint.
 pub type DigitAngles = [f64; 4];

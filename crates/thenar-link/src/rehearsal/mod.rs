@@ -22,8 +22,8 @@ use glove::{Ends, LateTracker};
 use thenar::haptic::TrackerTiming;
 use thenar::haptic::safety::{Limits, Status};
 use thenar::model::Side;
-use thenar_scene::live::{LiveError, LivePose};
 use thenar_scene::session::{Random, Session};
+use thenar_track::live::{LiveError, LivePose};
 use wearer::Hand;
 
 /// Length of a tick \[ns\].

@@ -5,9 +5,9 @@ use thenar::haptic::Pad;
 use thenar::model::{Digit, HandModel};
 use thenar::world::Target;
 use thenar::{Mat3, Vec3};
-use thenar_scene::live::{LiveError, LiveHand, LivePose};
 use thenar_scene::motion::HandMotion;
 use thenar_scene::session::Session;
+use thenar_track::live::{LiveError, LiveHand, LivePose};
 
 /// Mass \[kg\], damping \[N s/m\] and stiffness \[N/m\] at a fingertip.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,9 +9,9 @@ use thenar::model::Side;
 use thenar::{Pose, Quat, Vec3};
 use thenar_link::haptic_loop::{LoopMode, ManualLoop, Settings};
 use thenar_link::{HandOutput, HandSample, Rendering, Tracker};
-use thenar_scene::live::LivePose;
-use thenar_scene::motion::{Recording, TrackedSample};
 use thenar_scene::session::Random;
+use thenar_track::live::LivePose;
+use thenar_track::{Recording, TrackedSample};
 
 /// The left hand can touch itself; the right one is bones alone, which is quicker.
 const SCENE: &str = "version = 1

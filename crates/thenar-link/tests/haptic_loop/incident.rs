@@ -7,7 +7,7 @@ use thenar::haptic::safety::Status;
 use thenar_link::Rendering;
 use thenar_link::haptic_loop::incident::{Incident, IncidentError, Input, VERSION, replay};
 use thenar_link::haptic_loop::{LoopMode, Settings, TickRecord};
-use thenar_scene::live::LivePose;
+use thenar_track::live::LivePose;
 
 /// A hand with flesh, so that frames respond.
 const FLESH: &str = "version = 1\ntime_step = 0.01\n[[hand]]\npreset = \"paper\"\nname = \"hand\"\n\

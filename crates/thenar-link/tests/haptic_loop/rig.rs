@@ -8,9 +8,9 @@ use thenar::haptic::safety::Limits;
 use thenar::model::Side;
 use thenar_link::haptic_loop::{LoopMode, ManualLoop, Settings, SimulationPort};
 use thenar_link::{ForceDisplay, HandOutput, HandSample, Rendering, Tracker};
-use thenar_scene::live::LivePose;
-use thenar_scene::motion::ANGLES;
 use thenar_scene::session::Session;
+use thenar_track::ANGLES;
+use thenar_track::live::LivePose;
 
 pub const MS: u64 = 1_000_000;
 

@@ -5,8 +5,8 @@ use thenar::haptic::safety::{Limits, Status};
 use thenar::{Pose, Quat, Vec3};
 use thenar_link::haptic_loop::{LoopMode, Settings};
 use thenar_link::{HandOutput, Rendering};
-use thenar_scene::live::LivePose;
 use thenar_scene::session::Random;
+use thenar_track::live::LivePose;
 
 fn say(rig: &Rig, wrist: Pose) {
     let LivePose::Angles { angles, .. } = rig.pose(0.0) else { unreachable!() };

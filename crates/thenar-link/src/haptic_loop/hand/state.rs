@@ -8,7 +8,7 @@ use thenar::Pose;
 use thenar::haptic::{Felt, HandReport, HapticHand, Pad};
 use thenar::model::Side;
 use thenar::world::Target;
-use thenar_scene::live::LiveHand;
+use thenar_track::live::LiveHand;
 
 /// All that the next tick depends on besides what enters it; borrowed, to be written without a copy.
 #[derive(Serialize)]

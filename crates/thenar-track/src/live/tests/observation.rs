@@ -2,8 +2,8 @@
 //! of what is followed, the part in quadrature is what a spring to it would take off the damping.
 
 use super::Rig;
+use crate::ANGLES;
 use crate::live::{LivePose, OBSERVATION};
-use crate::motion::ANGLES;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 use thenar::Pose;

@@ -5,9 +5,9 @@ mod garbage;
 mod observation;
 
 use super::{LiveError, LiveHand, LivePose, Mover, OPENING, SPEED_MAX, SPIN_MAX};
-use crate::motion::fixture;
-use crate::motion::tracker::Tracker;
-use crate::motion::{Articulation, TRACKED_JOINTS};
+use crate::fixture;
+use crate::tracker::Tracker;
+use crate::{Articulation, TRACKED_JOINTS};
 use thenar::model::HandModel;
 use thenar::world::Target;
 use thenar::{Pose, Quat, Vec3};
@@ -319,7 +319,7 @@ fn a_turned_wrist_frame_and_another_size_are_recognised() {
 fn angles_are_taken_in_anatomical_order_and_kept_within_limits() {
     let mut rig = Rig::new();
     let wrist = rig.wrist();
-    let ranges = crate::motion::hand_angles(&rig.hand, &rig.articulation);
+    let ranges = crate::hand_angles(&rig.hand, &rig.articulation);
     let mut angles: [f64; 20] = std::array::from_fn(|k| 0.02 * k as f64);
     angles[5] = 9.0;
     angles[18] = -9.0;

@@ -5,7 +5,7 @@
 //! `ë = -ω² e - 2ω ė`, solved exactly. Where that would be too fast the step is cut short.
 
 use super::observer::{Linear, bounded};
-use crate::motion::filter::{left_jacobian, left_jacobian_inverse, relax};
+use crate::filter::{left_jacobian, left_jacobian_inverse, relax};
 use thenar::{Quat, Vec3};
 
 /// How the goal is followed.

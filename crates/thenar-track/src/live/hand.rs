@@ -8,9 +8,7 @@ use super::memory::{CALIBRATION, Memory, Way};
 use super::observer::{Observed, ObservedRotation};
 use super::stance::Stance;
 use super::{JOINT_RATE_MAX, LiveError, LivePose, Mover, OPENING, SPEED_MAX, SPIN_MAX, STALE};
-use crate::motion::{
-    ANGLES, AngleRange, Articulation, BoneLengths, Knuckles, Retarget, hand_angles,
-};
+use crate::{ANGLES, AngleRange, Articulation, BoneLengths, Knuckles, Retarget, hand_angles};
 use std::f64::consts::TAU;
 use thenar::model::HandModel;
 use thenar::world::Target;

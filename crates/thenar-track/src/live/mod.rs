@@ -4,7 +4,7 @@
 //!
 //! 1. *checked*: what is not finite, no unit quaternion or too far away is refused;
 //! 2. *carried over* to our hand: wrist pose and joint angles within their limits (see
-//!    [`Retarget`](crate::motion::Retarget)). The tracker's wrist frame is calibrated on the first
+//!    [`Retarget`](crate::Retarget)). The tracker's wrist frame is calibrated on the first
 //!    good pose, then refined over the first 90, by a fifth of a degree per pose at most. Rotations are
 //!    carried over and the wrist's place is; fingers of another length end elsewhere, so that a
 //!    hand should be built as long as its wearer's: see [`LiveHand::length`];
@@ -33,13 +33,12 @@ mod stance;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use check::RADIUS_MAX;
-pub use check::{LiveError, checked};
-pub(crate) use follower::{Law, follow};
+pub use check::{LiveError, RADIUS_MAX, checked};
+pub use follower::{Law, follow};
 pub use hand::LiveHand;
 pub use memory::{LiveMemory, LiveMemoryRef};
 
-use crate::motion::ANGLES;
+use crate::ANGLES;
 use thenar::Pose;
 use thenar::haptic::Observation;
 
@@ -65,7 +64,7 @@ pub const OBSERVATION: Observation = Observation { adds: 0.01, makes_up: 0.2 };
 #[allow(clippy::large_enum_variant)] // one at a time, by reference: a box would cost more
 pub enum LivePose {
     /// The joints of WebXR Hand Input, in the order of
-    /// [`TRACKED_JOINTS`](crate::motion::TRACKED_JOINTS).
+    /// [`TRACKED_JOINTS`](crate::TRACKED_JOINTS).
     Joints {
         /// Frames: -z along the bone away from the wrist, +y out of the back of the hand.
         joints: [Pose; 25],
@@ -76,7 +75,7 @@ pub enum LivePose {
     Angles {
         /// Pose of the wrist frame, world.
         wrist: Pose,
-        /// In the order of [`hand_angles`](crate::motion::hand_angles) \[rad\]; what is out of
+        /// In the order of [`hand_angles`](crate::hand_angles) \[rad\]; what is out of
         /// range is brought to its end. Angles that the hand lacks are ignored.
         angles: [f64; ANGLES],
     },

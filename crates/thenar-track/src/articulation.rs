@@ -1,6 +1,6 @@
 //! A hand's skeleton as a motion sees it: wrist and joint angles in, bone targets out.
 
-use super::error::MotionError;
+use crate::FitError;
 use thenar::kinematics::Tree;
 use thenar::model::HandModel;
 use thenar::world::Target;
@@ -24,13 +24,12 @@ pub struct Articulation {
 
 impl Articulation {
     /// The skeleton of `hand`.
-    pub fn new(hand: &HandModel) -> Result<Self, MotionError> {
+    pub fn new(hand: &HandModel) -> Result<Self, FitError> {
         let name = || hand.name.clone();
         let Some(root) = hand.bones.first() else {
-            return Err(MotionError::NoBones { hand: name() });
+            return Err(FitError::NoBones { hand: name() });
         };
-        let tree =
-            Tree::of_hand(hand).map_err(|cause| MotionError::Tree { hand: name(), cause })?;
+        let tree = Tree::of_hand(hand).map_err(|cause| FitError::Tree { hand: name(), cause })?;
         let poses: Vec<_> = hand.bones.iter().map(|bone| bone.pose_MB).collect();
         let mut rest_angles = vec![[0.0; 2]; tree.joints()];
         tree.angles(&poses, &mut rest_angles);

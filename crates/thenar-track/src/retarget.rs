@@ -9,8 +9,8 @@
 
 use super::articulation::Articulation;
 use super::calibration::{BoneLengths, Knuckles};
-use super::error::MotionError;
 use super::recording::{TRACKED_JOINTS, TrackedSample, mirrored};
+use crate::FitError;
 use thenar::model::{Bone, HandModel};
 use thenar::{Pose, Quat};
 
@@ -37,7 +37,7 @@ impl Retarget {
         hand: &HandModel,
         samples: &[TrackedSample],
         mirror: bool,
-    ) -> Result<Self, MotionError> {
+    ) -> Result<Self, FitError> {
         let mut retarget = Self::uncalibrated(hand, mirror)?;
         let mut knuckles = Knuckles::of(hand);
         spread_over(samples).for_each(|sample| knuckles.take(&sample.joints, mirror));
@@ -46,10 +46,10 @@ impl Retarget {
     }
 
     /// A retargeting that takes the tracker's wrist frame, not yet known, for ours.
-    pub fn uncalibrated(hand: &HandModel, mirror: bool) -> Result<Self, MotionError> {
+    pub fn uncalibrated(hand: &HandModel, mirror: bool) -> Result<Self, FitError> {
         let tracked: Vec<_> = hand.bones.iter().map(tracked_index).collect();
         if tracked.first() != Some(&Some(0)) {
-            return Err(MotionError::NoWrist { hand: hand.name.clone() });
+            return Err(FitError::NoWrist { hand: hand.name.clone() });
         }
         let parent = |b: usize| hand.bones[b].parent.map_or(0, |p| p as usize);
         let pose_PB = (0..hand.bones.len())
@@ -105,7 +105,7 @@ pub fn size_ratio(hand: &HandModel, samples: &[TrackedSample]) -> Option<f64> {
     ratios.get(ratios.len() / 2).copied()
 }
 
-pub(super) fn tracked_index(bone: &Bone) -> Option<usize> {
+pub(crate) fn tracked_index(bone: &Bone) -> Option<usize> {
     let name = bone.tracked_joint.as_deref()?;
     TRACKED_JOINTS.iter().position(|joint| *joint == name)
 }

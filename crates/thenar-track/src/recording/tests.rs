@@ -1,10 +1,10 @@
 //! Goal: recordings come back as written, and whatever is wrong is refused with line and cause.
 
 use super::*;
-use crate::motion::fixture::hand;
-use crate::motion::mutate::Mutator;
-use crate::motion::tracker::Tracker;
-use crate::motion::{Recorded, RecordedDesc};
+use crate::fixture::hand;
+use crate::mutate::Mutator;
+use crate::tracker::Tracker;
+use crate::{Recorded, RecordedDesc};
 
 fn text() -> String {
     let hand = hand(false);

@@ -1,6 +1,6 @@
 //! Where a hand is, as wrist and joint angles.
 
-use crate::motion::Articulation;
+use crate::Articulation;
 use serde::{Deserialize, Serialize};
 use thenar::world::Target;
 use thenar::{Pose, Quat, Vec3};

@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::live::JOINT_RATE_MAX;
-use crate::session::Random;
+use thenar::random::Random;
 
 /// One run of 6 s with everything a bad tracker can do; returns all targets, and whether the
 /// scene started over before.

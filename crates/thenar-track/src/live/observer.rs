@@ -205,7 +205,7 @@ impl ObservedRotation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::session::Random;
+    use thenar::random::Random;
 
     const GAP: f64 = 1.0 / 90.0;
 

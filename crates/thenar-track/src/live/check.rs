@@ -1,16 +1,16 @@
 //! What poses are taken.
 
 use super::LivePose;
-use crate::motion::TRACKED_JOINTS;
-use crate::text::plain;
+use crate::TRACKED_JOINTS;
 use thenar::Pose;
+use thenar_input::plain;
 
 /// Farthest place \[m\].
 const REACH: f64 = 10.0;
 /// Largest deviation of a quaternion's length from 1.
 const NORM_SLACK: f64 = 1e-2;
 /// Largest radius \[m\].
-pub(crate) const RADIUS_MAX: f64 = 0.5;
+pub const RADIUS_MAX: f64 = 0.5;
 
 /// Why a live pose was refused. Nothing has changed then.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

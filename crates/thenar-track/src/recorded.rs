@@ -13,10 +13,10 @@
 //! The result is a function of time alone, whatever times it is asked at.
 
 use super::articulation::Articulation;
-use super::error::MotionError;
 use super::filter;
 use super::recording::{Recording, TrackedSample};
 use super::retarget::Retarget;
+use crate::FitError;
 use desc::Settings;
 use thenar::model::{HandModel, Side};
 use thenar::world::Target;
@@ -78,7 +78,7 @@ impl Recorded {
         desc: &RecordedDesc,
         recording: &Recording,
         hand: &HandModel,
-    ) -> Result<Self, MotionError> {
+    ) -> Result<Self, FitError> {
         let settings = desc.settings()?;
         let articulation = Articulation::new(hand)?;
         let side = desc.hand.or(hand.side).unwrap_or(Side::Right);
@@ -87,7 +87,7 @@ impl Recorded {
         let used = &samples[samples.partition_point(|s| s.time < origin)..];
         if used.is_empty() {
             let side = if side == Side::Left { "left" } else { "right" };
-            return Err(MotionError::NoHand { side });
+            return Err(FitError::NoHand { side });
         }
         let mirror = hand.side.is_some_and(|ours| ours != side);
         let retarget = Retarget::new(hand, samples, mirror)?;

@@ -3,9 +3,9 @@
 //! hand of another size move in a known way.
 
 use super::*;
-use crate::motion::fixture::{hand, scaled};
-use crate::motion::retarget::size_ratio;
-use crate::motion::tracker::Tracker;
+use crate::fixture::{hand, scaled};
+use crate::retarget::size_ratio;
+use crate::tracker::Tracker;
 use std::path::Path;
 use thenar::Vec3;
 use thenar::kinematics::velocity_between;

@@ -1,6 +1,6 @@
 //! A recorded motion as a person asks for it.
 
-use crate::motion::error::MotionError;
+use crate::FitError;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use std::path::PathBuf;
@@ -95,7 +95,7 @@ impl RecordedDesc {
     }
 
     /// Checks the description.
-    pub(super) fn settings(&self) -> Result<Settings, MotionError> {
+    pub(super) fn settings(&self) -> Result<Settings, FitError> {
         check("start_s", self.start_s, 0.0, 1e7, "between 0 and 1e7 s")?;
         check("heading_deg", self.heading_deg, -360.0, 360.0, "between -360° and 360°")?;
         for x in self.position {
@@ -130,9 +130,9 @@ fn check(
     min: f64,
     max: f64,
     expected: &'static str,
-) -> Result<(), MotionError> {
+) -> Result<(), FitError> {
     match (min..=max).contains(&value) {
         true => Ok(()),
-        false => Err(MotionError::Setting { key, expected, value }),
+        false => Err(FitError::Setting { key, expected, value }),
     }
 }
