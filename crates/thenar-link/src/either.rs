@@ -9,8 +9,8 @@
 use crate::{Driver, Found, HandSample, LinkError, Lookout, Messenger, Opened, Tracker, now_ns};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::{Arc, Mutex, PoisonError};
-use thenar::haptic::TrackerTiming;
 use thenar::model::Side;
+use thenar_touch::TrackerTiming;
 use thenar_track::live::checked;
 use thenar_track::tracker_clock::{ClockNews, TrackerClock};
 

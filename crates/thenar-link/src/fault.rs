@@ -2,9 +2,9 @@
 
 use crate::{Driver, Found, HandSample, LinkError, Lookout, Opened, Tracker};
 use std::f64::consts::PI;
-use thenar::haptic::TrackerTiming;
 use thenar::model::Side;
 use thenar::{Pose, Quat, Vec3};
+use thenar_touch::TrackerTiming;
 use thenar_track::live::LivePose;
 
 /// What can go wrong.

@@ -7,9 +7,9 @@ use crate::{
 use std::io;
 use std::time::Duration;
 use thenar::Pose;
-use thenar::haptic::LoopProfile;
-use thenar::haptic::safety::Limits;
 use thenar::model::Side;
+use thenar_touch::LoopProfile;
+use thenar_touch::safety::Limits;
 use thenar_track::ANGLES;
 use thenar_track::live::LivePose;
 

@@ -3,9 +3,9 @@
 use crate::profile::{Address, Wrist, profile_name};
 use crate::{HandSample, LinkError, Lookout, Messenger, Opened, Tracker, nesting, now_ns};
 use thenar::Pose;
-use thenar::haptic::TrackerTiming;
 use thenar::model::Side;
 use thenar_input::quoted;
+use thenar_touch::TrackerTiming;
 use thenar_track::live::LivePose;
 use thenar_track::tracker_clock::TrackerClock;
 

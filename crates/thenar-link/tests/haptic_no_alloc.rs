@@ -5,10 +5,10 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
-use thenar::haptic::TrackerTiming;
 use thenar::model::Side;
 use thenar_link::haptic_loop::{LoopMode, ManualLoop, Settings, page_tracker};
 use thenar_scene::session::Session;
+use thenar_touch::TrackerTiming;
 use thenar_track::live::LivePose;
 
 struct Counting;

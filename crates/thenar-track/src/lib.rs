@@ -20,6 +20,7 @@ mod recording;
 mod retarget;
 mod sample;
 pub mod source_clock;
+mod timing;
 pub mod tracker_clock;
 
 #[cfg(test)]
@@ -41,3 +42,4 @@ pub use recording::{
 };
 pub use retarget::{Retarget, size_ratio};
 pub use sample::HandSample;
+pub use timing::{Observation, TrackerTiming};

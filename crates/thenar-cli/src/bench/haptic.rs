@@ -3,13 +3,13 @@
 use super::samples::Samples;
 use std::hint::black_box;
 use std::time::Instant;
-use thenar::haptic::{CouplingDesign, Proxies, RigidState, TrackerTiming};
 use thenar::model::Side;
 use thenar::{Mat3, Pose, Quat, Vec3};
 use thenar_link::haptic_loop::{ManualLoop, Settings, page_tracker};
 use thenar_link::now_ns;
 use thenar_scene::live::LivePose;
 use thenar_scene::motion::ANGLES;
+use thenar_touch::{CouplingDesign, Proxies, RigidState, TrackerTiming};
 
 const BONES: usize = 16;
 /// Ticks that are timed together, since one is hardly longer than reading the clock.

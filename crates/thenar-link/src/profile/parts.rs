@@ -2,10 +2,10 @@
 
 use crate::joints::in_reach;
 use serde::{Deserialize, Serialize};
-use thenar::haptic::safety::Limits;
-use thenar::haptic::{LoopProfile, TrackerTiming};
 use thenar::model::Side;
 use thenar::{Pose, Quat, Vec3};
+use thenar_touch::safety::Limits;
+use thenar_touch::{LoopProfile, TrackerTiming};
 
 type Refusal = (String, String);
 

@@ -6,10 +6,10 @@
 
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use thenar::haptic::TrackerTiming;
 use thenar_link::haptic_loop::LoopMode;
 use thenar_link::rehearsal::{Human, Outcome, Rehearsal};
 use thenar_scene::session::Session;
+use thenar_touch::TrackerTiming;
 
 /// With the time at which the hand holds or presses.
 const SCENES: [(&str, &str, f64); 3] = [

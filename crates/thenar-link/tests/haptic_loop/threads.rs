@@ -6,9 +6,9 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use thenar::Pose;
-use thenar::haptic::safety::Limits;
 use thenar_link::haptic_loop::{HapticLoop, Remote, Settings, State};
 use thenar_link::{Rendering, now_ns};
+use thenar_touch::safety::Limits;
 use thenar_track::ANGLES;
 use thenar_track::live::LivePose;
 

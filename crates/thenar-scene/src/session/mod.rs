@@ -1,6 +1,7 @@
 //! A running scene: its drivers and loads fill the input of each step, its probes read the state.
 
 mod drive;
+mod felt;
 mod figures;
 mod grip;
 mod keep_up;
@@ -46,7 +47,7 @@ use crate::tuning::Tuning;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::PathBuf;
-use thenar::haptic::SlowToFast;
+use thenar::condensed::SlowToFast;
 use thenar::world::{Input, StageTimer, StepReport, Target};
 use thenar::{Pose, World};
 

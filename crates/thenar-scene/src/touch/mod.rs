@@ -12,14 +12,14 @@ mod study;
 pub use study::{Comparison, Study, compare, lead};
 
 use crate::session::Session;
-use thenar::haptic::{
+use thenar::model::SolverKind;
+use thenar::world::{Input, ModelError};
+use thenar::{Pose, Vec3, World};
+use thenar_touch::{
     CouplingDesign, FastToSlow, Felt, FeltBounds, FreeHand, HandReport, HandSettings, HapticHand,
     LoopProfile, Mode, Observation, Pad, PadReading, Prediction, ProxyError, RigidState,
     SingleRate, SingleRateSettings, SlowToFast, Touch, series_drive, series_stiffness,
 };
-use thenar::model::SolverKind;
-use thenar::world::{Input, ModelError};
-use thenar::{Pose, Vec3, World};
 
 /// Length of a haptic tick \[ns\].
 pub const TICK_NS: u64 = 1_000_000;

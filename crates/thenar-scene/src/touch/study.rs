@@ -3,9 +3,9 @@
 use super::{Rehearsal, TouchError, TouchMode, TouchSettings};
 use crate::session::Session;
 use std::f64::consts::TAU;
-use thenar::haptic::{CouplingDesign, Prediction, RigidState};
 use thenar::world::Target;
 use thenar::{Pose, Vec3};
+use thenar_touch::{CouplingDesign, Prediction, RigidState};
 
 /// A hand that is led to and fro along one direction, from where its motion begins.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -39,8 +39,8 @@ pub use hand::LiveHand;
 pub use memory::{LiveMemory, LiveMemoryRef};
 
 use crate::ANGLES;
+use crate::Observation;
 use thenar::Pose;
-use thenar::haptic::Observation;
 
 /// Fastest wrist \[m/s\].
 pub const SPEED_MAX: f64 = 4.0;

@@ -3,10 +3,10 @@
 use super::refused;
 use crate::validate::case::{Basis, CaseError, Check, Figure};
 use crate::validate::run::Solver;
-use thenar::haptic::{
+use thenar::{Mat3, Pose};
+use thenar_touch::{
     CouplingDesign, HandSettings, HapticHand, RigidState, SlowToFast, Touch, series_stiffness,
 };
-use thenar::{Mat3, Pose};
 
 /// The glove moves on by 1, 3 and 10 mm, the bone is blocked: force over displacement at rest.
 pub fn stiffness(_: Solver) -> Result<Vec<Figure>, CaseError> {
