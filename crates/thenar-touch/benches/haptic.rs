@@ -60,7 +60,7 @@ fn whole_tick_multirate(bencher: Bencher) {
         now += 1_000_000;
         frame.time_ns = now - now % 16_000_000;
         for (i, state) in tracked.iter().enumerate() {
-            hand.track(i, now, state.pose_WB, None);
+            hand.lead(i, *state);
         }
         hand.tick(now, black_box(&frame))
     });

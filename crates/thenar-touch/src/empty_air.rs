@@ -117,7 +117,7 @@ mod tests {
                 frame.free.extend(free);
                 frame.bones[0] = bone;
                 (frame.time_ns, frame.step) = (ms * 1_000_000, ms);
-                hand.track(0, ms * 1_000_000, Pose::translation(0.005, 0.0, 0.0), None);
+                hand.lead(0, at(0.005));
                 hand.tick(ms * 1_000_000, &frame);
             }
             hand.device_wrenches()[0][0]

@@ -2,14 +2,14 @@
 
 use crate::empty_air::Held;
 use crate::late_frames::{of_multirate, of_shared_constraints};
+use crate::led_hand::LedHand;
 use crate::shared::{Resolution, SharedConstraints};
 use crate::smooth::Smooth;
-use crate::tracked_hand::TrackedHand;
 use crate::{
     BLEND, DelayMeter, FastToSlow, Prediction, Proxies, Proxy, ProxyError, ProxyReport, RigidState,
-    Sample, SlowToFast, Touch, seconds_between,
+    SlowToFast, Touch, seconds_between,
 };
-use thenar::math::{Pose, Vec3, rotation_vector};
+use thenar::math::{Vec3, rotation_vector};
 use thenar::world::StepReport;
 
 /// What stands in for the simulated bones between two frames.
@@ -27,15 +27,10 @@ pub enum Mode {
 pub struct HandSettings {
     /// Between simulation frames.
     pub mode: Mode,
-    /// Between samples of the tracker.
-    pub tracking: Prediction,
     /// Between frames, in `Multirate`.
     pub simulation: Prediction,
     /// A tick longer than this is stepped as if it were this long \[s\].
     pub step_max: f64,
-    /// After a jump of the tracker the hand is led there with this time constant \[s\], and felt
-    /// again when it has arrived.
-    pub glide: f64,
     /// Contact forces are resolved to this \[N\] ...
     pub force_tolerance: f64,
     /// ... or for so many sweeps.
@@ -46,18 +41,13 @@ impl Default for HandSettings {
     fn default() -> Self {
         Self {
             mode: Mode::Multirate,
-            tracking: Prediction::TRACKER,
             simulation: Prediction::SIMULATION,
             step_max: 0.02,
-            glide: GLIDE,
             force_tolerance: 1e-3,
             sweeps_max: 20,
         }
     }
 }
-
-/// How fast a hand is led to where its tracker found it \[s\]; half a metre in most of a second.
-pub(super) const GLIDE: f64 = 0.15;
 
 /// Part of the masses that proxies keep with shared constraints. There bones follow their proxies without
 /// any mass, so that their couplings damp nothing in free air, and a proxy of a palm's mass would ring on the
@@ -99,7 +89,7 @@ struct Free {
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct HapticHand {
     settings: HandSettings,
-    hand: TrackedHand,
+    hand: LedHand,
     proxies: Proxies,
     shared: SharedConstraints,
     /// Step of the frame that `shared` works on.
@@ -158,7 +148,7 @@ impl HapticHand {
         Ok(Self {
             free,
             settings,
-            hand: TrackedHand::new(settings.tracking, settings.glide, proxies.states()),
+            hand: LedHand::new(proxies.states()),
             shared: SharedConstraints::new(n, contacts_max),
             shared_step: None,
             newest: None,
@@ -240,7 +230,7 @@ impl HapticHand {
     fn place_free(&mut self) {
         let Free { bones, held, .. } = &mut self.free;
         for (i, held) in held.iter().enumerate() {
-            bones[i] = held.map_or(self.hand.targets()[i], |held| held.let_go(&self.bones[i]));
+            bones[i] = held.map_or(self.hand.states()[i], |held| held.let_go(&self.bones[i]));
         }
     }
 
@@ -253,10 +243,10 @@ impl HapticHand {
             let own = if known { free.proxies.device_wrenches()[i] } else { [Vec3::zeros(); 2] };
             let told = self.proxies.device_wrenches()[i];
             // Where the hand sets out anew nothing of before goes on.
-            let anew = self.hand.jumped(i) || self.hand.set_out_from_bone(i);
+            let anew = self.hand.has_set_out(i);
             let felt = self.smooth.take(i, [told[0] - own[0], told[1] - own[1]], anew);
-            let (share, [force, torque]) = (self.hand.share(i), self.shown[i]);
-            self.wrenches[i] = [felt[0] * (share * force), felt[1] * (share * torque)];
+            let [force, torque] = self.shown[i];
+            self.wrenches[i] = [felt[0] * force, felt[1] * torque];
         }
     }
 
@@ -310,14 +300,12 @@ fn at_most(v: &Vec3, size: f64) -> Vec3 {
 }
 
 impl Touch for HapticHand {
-    fn track(
-        &mut self,
-        bone: usize,
-        time_ns: u64,
-        pose_WB: Pose,
-        velocity: Option<[Vec3; 2]>,
-    ) -> Sample {
-        self.hand.push(bone, time_ns, pose_WB, velocity)
+    fn lead(&mut self, bone: usize, state: RigidState) {
+        self.hand.lead(bone, state);
+    }
+
+    fn set_out(&mut self, bone: usize) {
+        self.hand.set_out(bone);
     }
 
     fn tick(&mut self, now_ns: u64, frame: &SlowToFast) -> HandReport {
@@ -327,13 +315,13 @@ impl Touch for HapticHand {
             self.frames.take(frame.time_ns, now_ns);
         }
         let contact = self.place_bones(frame, simulation_age, h);
-        let tracking_age = self.hand.place(now_ns, h, &self.bones);
-        for i in (0..self.bones.len()).filter(|i| self.hand.set_out_from_bone(*i)) {
+        let tracking_age = self.hand.place(now_ns, &self.bones);
+        for i in (0..self.bones.len()).filter(|i| self.hand.has_set_out(*i)) {
             self.proxies.place(i, RigidState::at_rest(self.bones[i].pose_WB));
             self.free.proxies.place(i, RigidState::at_rest(self.free.bones[i].pose_WB));
         }
-        let proxies = self.proxies.step(h, self.hand.targets(), &self.bones);
-        self.free.proxies.step(h, self.hand.targets(), &self.free.bones);
+        let proxies = self.proxies.step(h, self.hand.states(), &self.bones);
+        self.free.proxies.step(h, self.hand.states(), &self.free.bones);
         self.feel(h, frame.step);
         self.ticks += 1;
         HandReport { step: h, tracking_age, simulation_age, proxies, contact, world: None }
@@ -346,11 +334,11 @@ impl Touch for HapticHand {
     }
 
     fn tracked(&self) -> &[RigidState] {
-        self.hand.tracked()
+        self.hand.states()
     }
 
     fn jumped(&self, bone: usize) -> bool {
-        self.hand.jumped(bone)
+        self.hand.has_set_out(bone)
     }
 
     fn bones(&self) -> &[RigidState] {

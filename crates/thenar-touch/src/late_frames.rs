@@ -84,8 +84,7 @@ mod tests {
                 way.push_back((ms + latency, now_ns, back.free[0]));
             }
             let x = speed * 1e-3 * ms as f64;
-            let velocity = Some([Vec3::x() * speed, Vec3::zeros()]);
-            hand.track(0, now_ns, Pose::translation(x, 0.0, 0.0), velocity);
+            hand.lead(0, RigidState { velocity_W: Vec3::x() * speed, ..at(x) });
             hand.tick(now_ns, &frame);
             hand.publish(now_ns, &mut back);
             // Whole periods.

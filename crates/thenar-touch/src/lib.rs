@@ -34,7 +34,7 @@
 //!     let now_ns = ms * 1_000_000;
 //!     // The finger closes by 4 mm; its simulated bone stays where it is, blocked.
 //!     let down = 0.004 * (ms as f64 / 2000.0).min(1.0);
-//!     hand.track(0, now_ns, Pose::translation(0.0, -down, 0.0), None);
+//!     hand.lead(0, RigidState::at_rest(Pose::translation(0.0, -down, 0.0)));
 //!     frame.time_ns = now_ns;                      // from the simulation's slot
 //!     let report = hand.tick(now_ns, &frame);
 //!     hand.publish(now_ns, &mut back);             // to the simulation's slot
@@ -67,6 +67,7 @@ mod felt;
 mod hand;
 pub mod haptic_loop;
 mod late_frames;
+mod led_hand;
 mod output;
 mod pads;
 mod prediction;
@@ -75,6 +76,7 @@ mod proxies;
 mod proxies_tests;
 pub mod realtime;
 pub mod safety;
+pub mod sampled;
 pub mod shared;
 mod single_rate;
 mod smooth;
@@ -84,15 +86,8 @@ mod stability;
 #[path = "../../thenar/src/testing.rs"]
 mod testing;
 mod touch;
-mod track;
-mod tracked_hand;
 pub mod virtual_user;
 mod ways_out;
-
-#[cfg(test)]
-mod math {
-    pub use thenar::math::{Quat, Vec3};
-}
 
 pub use clock::now_ns;
 pub use coupling::{CouplingDesign, drive_reaction, series_stiffness};
@@ -115,5 +110,9 @@ pub use stability::{CouplingRule, CouplingWarning, LoopProfile};
 pub use thenar::condensed::{RigidState, SlowToFast};
 pub use thenar_track::{HandSample, Observation, TrackerTiming};
 pub use touch::Touch;
-pub use track::{Sample, Track, Tracked};
 pub use ways_out::lock_soon;
+
+#[cfg(test)]
+mod math {
+    pub use thenar::math::{Quat, Vec3};
+}

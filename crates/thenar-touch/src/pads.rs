@@ -73,6 +73,7 @@ impl Pad {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampled::Sampled;
     use crate::{CouplingDesign, HandSettings, HapticHand, RigidState, SlowToFast};
     use thenar::math::{Mat3, Quat};
     use thenar::model::{Bone, CouplingKind, EmbeddedSurface, Flesh};
@@ -142,7 +143,8 @@ mod tests {
         let start = [RigidState::at_rest(Pose::identity()); 5];
         let design = CouplingDesign::default();
         let settings = HandSettings::default();
-        let mut loops = HapticHand::new(settings, design.hand(&model), &start, 0).unwrap();
+        let loops = HapticHand::new(settings, design.hand(&model), &start, 0).unwrap();
+        let mut loops = Sampled::new(Box::new(loops));
         let frame = SlowToFast::new(&start, 0);
         let mut pad = Pad::of_hand(&model)[1];
         let mut reading = None;
@@ -171,7 +173,8 @@ mod tests {
         let start = [RigidState::at_rest(Pose::identity()); 5];
         let design = CouplingDesign::default();
         let settings = HandSettings::default();
-        let mut loops = HapticHand::new(settings, design.hand(&model), &start, 0).unwrap();
+        let loops = HapticHand::new(settings, design.hand(&model), &start, 0).unwrap();
+        let mut loops = Sampled::new(Box::new(loops));
         let frame = SlowToFast::new(&start, 0);
         let glove = Pad::of_hand(&model)[1];
         let mut pads = [glove, Pad { ground: None, ..glove }];

@@ -5,43 +5,31 @@
 //! is felt from their other end ([`drive_reaction`]). A drive then stands for both couplings in
 //! series ([`series_drive`]).
 
-use crate::hand::GLIDE;
-use crate::tracked_hand::TrackedHand;
+use crate::led_hand::LedHand;
 use crate::{
-    FastToSlow, FreeHand, HandReport, Prediction, RigidState, Sample, SlowToFast, Touch,
-    drive_reaction, series_stiffness,
+    FastToSlow, FreeHand, HandReport, RigidState, SlowToFast, Touch, drive_reaction,
+    series_stiffness,
 };
 use std::ops::Range;
-use thenar::math::{Pose, Vec3};
+use thenar::math::Vec3;
 use thenar::model::Drive;
 use thenar::world::{Input, StepReport, World};
 
 /// How a simulation within the tick is stepped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SingleRateSettings {
-    /// Between samples of the tracker.
-    pub tracking: Prediction,
     /// A tick longer than this is stepped as if it were this long \[s\]: the simulation falls
     /// behind rather than leap.
     pub step_max: f64,
     /// Shorter times wait for the next tick \[s\].
     pub step_min: f64,
-    /// After a jump of the tracker the hand is led there with this time constant \[s\], and felt
-    /// again when it has arrived.
-    pub glide: f64,
     /// Whoever fills the input carries the hand's weight.
     pub weightless: bool,
 }
 
 impl Default for SingleRateSettings {
     fn default() -> Self {
-        Self {
-            tracking: Prediction::TRACKER,
-            step_max: 0.02,
-            step_min: 1e-4,
-            glide: GLIDE,
-            weightless: false,
-        }
+        Self { step_max: 0.02, step_min: 1e-4, weightless: false }
     }
 }
 
@@ -57,7 +45,7 @@ pub struct SingleRate {
     input: Input,
     /// The hand's bones among the rigid bodies.
     first: usize,
-    hand: TrackedHand,
+    hand: LedHand,
     bones: Vec<RigidState>,
     /// The same hand in empty air, if it can be taken out of its world, and whether it does something else than this
     /// one. Without it all that the drives bear is felt.
@@ -89,7 +77,7 @@ impl SingleRate {
             settings,
             input: world.input(),
             first,
-            hand: TrackedHand::new(settings.tracking, settings.glide, &states),
+            hand: LedHand::new(&states),
             bones: states,
             felt: vec![[Vec3::zeros(); 2]; n],
             wrenches: vec![[Vec3::zeros(); 2]; n],
@@ -106,8 +94,8 @@ impl SingleRate {
     }
 
     /// The bones' targets; one that was never tracked is let go, and nothing is felt of it.
-    fn lead(&mut self) {
-        for (i, target) in self.hand.targets().iter().enumerate() {
+    fn lead_bones(&mut self) {
+        for (i, target) in self.hand.states().iter().enumerate() {
             let target = Some(target.target()).filter(|_| self.hand.is_known(i));
             self.input.targets[self.first + i] = target;
         }
@@ -157,7 +145,7 @@ impl SingleRate {
             let drive = self.world.desc().drives[self.first + i];
             let held = drive.filter(|_| self.input.targets[self.first + i].is_some());
             let bears = |drive: &Drive, bone: &RigidState| {
-                drive_reaction(drive, &self.hand.targets()[i], bone)
+                drive_reaction(drive, &self.hand.states()[i], bone)
             };
             self.felt[i] = match (held, &self.free) {
                 (Some(drive), None) => bears(&drive, &self.bones[i]),
@@ -174,28 +162,26 @@ impl SingleRate {
     /// What the wearer is shown of it.
     fn show_felt(&mut self) {
         for (i, [force, torque]) in self.felt.iter().enumerate() {
-            let (share, [linear, angular]) = (self.hand.share(i), self.shown[i]);
-            self.wrenches[i] = [force * (share * linear), torque * (share * angular)];
+            let [linear, angular] = self.shown[i];
+            self.wrenches[i] = [force * linear, torque * angular];
         }
     }
 }
 
 impl Touch for SingleRate {
-    fn track(
-        &mut self,
-        bone: usize,
-        time_ns: u64,
-        pose_WB: Pose,
-        velocity: Option<[Vec3; 2]>,
-    ) -> Sample {
-        self.hand.push(bone, time_ns, pose_WB, velocity)
+    fn lead(&mut self, bone: usize, state: RigidState) {
+        self.hand.lead(bone, state);
+    }
+
+    fn set_out(&mut self, bone: usize) {
+        self.hand.set_out(bone);
     }
 
     fn tick(&mut self, now_ns: u64, _: &SlowToFast) -> HandReport {
         let h = self.hand.passed(now_ns, self.settings.step_max);
         self.owed = (self.owed + h).min(self.settings.step_max);
-        let tracking_age = self.hand.place(now_ns, h, &self.bones);
-        self.lead();
+        let tracking_age = self.hand.place(now_ns, &self.bones);
+        self.lead_bones();
         let mut world = None;
         if self.owed >= self.settings.step_min && self.owed > 0.0 {
             world = Some(self.step());
@@ -209,16 +195,16 @@ impl Touch for SingleRate {
 
     fn publish(&self, now_ns: u64, to: &mut FastToSlow) {
         (to.time_ns, to.tick) = (now_ns, self.ticks);
-        to.proxies.copy_from_slice(self.hand.targets());
-        to.free.copy_from_slice(self.hand.targets());
+        to.proxies.copy_from_slice(self.hand.states());
+        to.free.copy_from_slice(self.hand.states());
     }
 
     fn tracked(&self) -> &[RigidState] {
-        self.hand.tracked()
+        self.hand.states()
     }
 
     fn jumped(&self, bone: usize) -> bool {
-        self.hand.jumped(bone)
+        self.hand.has_set_out(bone)
     }
 
     fn bones(&self) -> &[RigidState] {

@@ -1,23 +1,21 @@
 //! One interface to the three modes of touch: what the loop around ticks, whatever is inside.
 
-use crate::{FastToSlow, HandReport, HapticHand, RigidState, Sample, SlowToFast};
-use thenar::math::{Pose, Vec3};
+use crate::{FastToSlow, HandReport, HapticHand, RigidState, SlowToFast};
+use thenar::math::Vec3;
 use thenar::world::{Input, World};
 
 /// A hand at the device's rate: [`HapticHand`](crate::HapticHand) beside a slower
 /// simulation, or [`SingleRate`](crate::SingleRate) with the simulation within.
 ///
-/// Each tick: samples that came in (`track`), the step (`tick`), where the simulated bones should
+/// Each tick: where the hand is (`lead`), the step (`tick`), where the simulated bones should
 /// go (`publish`), and forces (`Pad::read`). Nothing here allocates, waits or knows the time.
 pub trait Touch {
-    /// Takes a pose of bone `bone` measured at `time_ns`; see `Track::push`.
-    fn track(
-        &mut self,
-        bone: usize,
-        time_ns: u64,
-        pose_WB: Pose,
-        velocity: Option<[Vec3; 2]>,
-    ) -> Sample;
+    /// Leads bone `bone` in the tick that comes. The state is of that tick, as it was observed upstream, and is taken
+    /// as it is; what is not finite leads nowhere.
+    fn lead(&mut self, bone: usize, state: RigidState);
+
+    /// Bone `bone` of the hand is somewhere else from the next tick on, as where a scene began anew: nothing of before goes on.
+    fn set_out(&mut self, bone: usize);
 
     /// One tick, on the newest simulation frame (which single-rate does not look at).
     fn tick(&mut self, now_ns: u64, frame: &SlowToFast) -> HandReport;

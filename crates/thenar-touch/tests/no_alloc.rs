@@ -11,6 +11,7 @@ use thenar::model::Motion;
 use thenar::shape::Shape;
 use thenar::{Mat3, Pose, Vec3, World};
 use thenar_touch::safety::{Bank, Limits, Signal, Trip};
+use thenar_touch::sampled::Sampled;
 use thenar_touch::shared::CondensedContact;
 use thenar_touch::{
     CouplingDesign, FastToSlow, HandSettings, HapticHand, Mode, RigidState, SingleRate,
@@ -106,7 +107,8 @@ fn a_haptic_tick_allocates_nothing() {
         }
         for (i, state) in start.iter().enumerate() {
             let place = state.pose_WB.position - Vec3::y() * 1e-5 * tick as f64;
-            hand.track(i, now, Pose::new(place, state.pose_WB.rotation), None);
+            let pose_WB = Pose::new(place, state.pose_WB.rotation);
+            hand.lead(i, RigidState::at_rest(pose_WB));
         }
         active = active.max(hand.tick(now, &newest).contact.active);
         hand.publish(now, &mut back);
@@ -147,7 +149,8 @@ fn publishing_and_single_rate_allocate_nothing() {
     let inside = World::new(desc.clone()).unwrap();
     let mut world = World::new(desc).unwrap();
     let start = [0, 1].map(|b| RigidState::of(&world, b));
-    let mut touch = SingleRate::new(SingleRateSettings::default(), inside, 0..2);
+    let within = SingleRate::new(SingleRateSettings::default(), inside, 0..2);
+    let mut touch = Sampled::new(Box::new(within));
     let mut frame = SlowToFast::new(&start, 40);
     let mut input = world.input();
     let mut run = |steps: u64| {

@@ -90,8 +90,9 @@ pub fn lead(
         let depth = 0.5 * length * (1.0 - phase.cos());
         let speed = 0.5 * length * phase.sin() * TAU * study.frequency;
         for (bone, state) in start.iter().enumerate() {
-            let pose = Pose::new(state.position + unit * depth, state.rotation);
-            chain.track(bone, pose, Some([unit * speed, Vec3::zeros()]));
+            let pose_WB = Pose::new(state.position + unit * depth, state.rotation);
+            let velocity_W = unit * speed;
+            chain.lead(bone, RigidState { velocity_W, ..RigidState::at_rest(pose_WB) });
         }
         chain.tick(false);
         if ms < study.settle {

@@ -6,8 +6,8 @@ pub use state::HandState;
 
 use super::exchange::{FastEnds, Frame};
 use crate::{
-    DIGITS, Felt, HandReport, HandSample, PAD_NORMAL_B, Pad, PadReading, Touch, TrackerTiming,
-    seconds_between,
+    DIGITS, Felt, HandReport, HandSample, PAD_NORMAL_B, Pad, PadReading, RigidState, Touch,
+    TrackerTiming, seconds_between,
 };
 use thenar::math::rotation_vector;
 use thenar::model::{Digit, HandModel, Side};
@@ -158,6 +158,7 @@ impl LoopHand {
             self.beginnings = frame.beginnings;
             self.targets.copy_from_slice(&frame.targets);
             self.live.restart(&self.targets);
+            (0..self.targets.len()).for_each(|bone| self.touch.set_out(bone));
         }
         fresh.then_some(self.frame_step)
     }
@@ -177,9 +178,9 @@ impl LoopHand {
         }
         if leads || self.ends.state.is_some() {
             for (bone, target) in self.targets.iter().enumerate() {
-                let Some(t) = target else { continue };
-                let velocity = [t.velocity_W, t.angular_velocity_W];
-                self.touch.track(bone, now_ns, t.pose_WB, Some(velocity));
+                if let Some(target) = target {
+                    self.touch.lead(bone, RigidState::from(*target));
+                }
             }
         }
         // What acts in a simulation within the loop, but for this hand.

@@ -8,8 +8,8 @@ use super::simulation::{SimulatedHand, Simulation};
 use crate::safety::LimitError;
 use crate::{
     CouplingDesign, DIGITS, Felt, FeltBounds, FreeHand, HandOutput, HandSettings, HapticHand, Mode,
-    Prediction, ProxyError, RigidState, SingleRate, SingleRateSettings, SlowToFast, Touch,
-    series_drive, series_stiffness,
+    ProxyError, RigidState, SingleRate, SingleRateSettings, SlowToFast, Touch, series_drive,
+    series_stiffness,
 };
 use std::sync::{Arc, PoisonError};
 use thenar::model::{Digit, Drive, Side, SolverKind};
@@ -211,12 +211,7 @@ impl SimulationPort {
             each.map(|(proxy, drive)| (proxy, drive.unwrap_or(proxy.bone)))
         };
         let touch: Box<dyn Touch + Send> = if single {
-            // Samples come every tick, already smooth.
-            let settings = SingleRateSettings {
-                tracking: Prediction { blend: 0.0, ..Prediction::TRACKER },
-                weightless: true,
-                ..SingleRateSettings::default()
-            };
+            let settings = SingleRateSettings { weightless: true, ..SingleRateSettings::default() };
             // The drive of a bone is both couplings of a proxy in one.
             let mut within = world.clone();
             let mut desc = world.desc().clone();
@@ -238,7 +233,6 @@ impl SimulationPort {
         } else {
             let settings = HandSettings {
                 mode: if responds { Mode::SharedConstraints } else { Mode::Multirate },
-                tracking: Prediction { blend: 0.0, ..Prediction::TRACKER },
                 ..HandSettings::default()
             };
             let (proxies, parts): (_, Vec<_>) =

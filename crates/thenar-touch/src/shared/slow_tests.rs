@@ -2,7 +2,7 @@
 //! bones are not yet where they come to rest.
 
 use crate::{CouplingDesign, HandSettings, HapticHand, Mode, Proxy, RigidState, SlowToFast, Touch};
-use thenar::math::{Mat3, Pose, Vec3};
+use thenar::math::{Mat3, Pose};
 use thenar::model::Drive;
 
 const MS: u64 = 1_000_000;
@@ -47,7 +47,7 @@ fn farthest(proxy: Proxy) -> f64 {
             assert!(response.prepare());
             (next.time_ns, next.step) = (ms * MS, next.step + 1);
         }
-        touch.track(0, ms * MS, hand, Some([Vec3::zeros(); 2]));
+        touch.lead(0, RigidState::at_rest(hand));
         touch.tick(ms * MS, &frame);
         if ms > 1000 {
             farthest = farthest.max(bone.pose_WB.position.norm());

@@ -7,6 +7,7 @@ use thenar::model::{Digit, Motion};
 use thenar::shape::Shape;
 use thenar::{Mat3, Pose, Quat, Vec3, World};
 use thenar_touch::safety::{Guard, Limits, Signal, Status};
+use thenar_touch::sampled::Sampled;
 use thenar_touch::{
     CouplingDesign, FastToSlow, HandSettings, HapticHand, Mode, Pad, Proxy, RigidState, SlowToFast,
     Touch,
@@ -35,7 +36,9 @@ fn a_soft_finger_feels_the_floor_and_lets_go_of_it() {
     let mut input = world.input();
     input.gravity = Vec3::zeros();
     let start = [0, 1].map(|i| RigidState::at_rest(world.rigid_pose(i)));
-    let mut hand = HapticHand::new(HandSettings::default(), proxies, &start, 0).unwrap();
+    let mut hand = Sampled::new(Box::new(
+        HapticHand::new(HandSettings::default(), proxies, &start, 0).unwrap(),
+    ));
     let (mut frame, mut back) = (SlowToFast::new(&start, 0), FastToSlow::new(&start));
     let mut pad = Pad::new(Digit::Index, 1, Vec3::x() * 0.015);
 
@@ -105,7 +108,8 @@ fn hostile_samples_and_frames_leave_finite_forces() {
         let start = [RigidState::at_rest(Pose::identity()); 2];
         let mode = if start_seed % 2 == 0 { Mode::Multirate } else { Mode::SharedConstraints };
         let settings = HandSettings { mode, ..HandSettings::default() };
-        let mut hand = HapticHand::new(settings, proxies(), &start, 2).unwrap();
+        let mut hand =
+            Sampled::new(Box::new(HapticHand::new(settings, proxies(), &start, 2).unwrap()));
         let mut frame = SlowToFast::new(&start, 2);
         let mut pad = Pad::new(Digit::Index, 1, Vec3::x() * 0.01);
         let limits = Limits { ramp: 0.05, engage_force: 5.0, ..Limits::cybergrasp() };
@@ -148,10 +152,15 @@ fn hostile_samples_and_frames_leave_finite_forces() {
                 response.prepare();
             }
             let report = hand.tick(now, &frame);
-            assert!(hand.proxies().states().iter().all(RigidState::is_finite), "{}", context());
+            assert!(
+                hand.touch().proxies().states().iter().all(RigidState::is_finite),
+                "{}",
+                context()
+            );
             let reading = pad.read(&hand, report.step);
             assert!(
-                hand.proxies()
+                hand.touch()
+                    .proxies()
                     .device_wrenches()
                     .iter()
                     .flatten()
@@ -184,7 +193,9 @@ fn hostile_samples_and_frames_leave_finite_forces() {
 #[test]
 fn a_teleport_is_not_felt() {
     let start = [RigidState::at_rest(Pose::identity()); 2];
-    let mut hand = HapticHand::new(HandSettings::default(), proxies(), &start, 0).unwrap();
+    let mut hand = Sampled::new(Box::new(
+        HapticHand::new(HandSettings::default(), proxies(), &start, 0).unwrap(),
+    ));
     let mut frame = SlowToFast::new(&start, 0);
     let mut pad = Pad::new(Digit::Index, 1, Vec3::x() * 0.01);
     let mut guard = Guard::<1>::new(Limits { ramp: 0.05, ..Limits::cybergrasp() }, 0).unwrap();
@@ -203,7 +214,7 @@ fn a_teleport_is_not_felt() {
         }
         // The simulated bones: blocked at first; at 60 Hz they go where the proxies are.
         if ms % 16 == 0 {
-            for (bone, proxy) in frame.bones.iter_mut().zip(hand.proxies().states()) {
+            for (bone, proxy) in frame.bones.iter_mut().zip(hand.touch().proxies().states()) {
                 *bone = if ms < 1300 { start[0] } else { RigidState::at_rest(proxy.pose_WB) };
             }
             (frame.time_ns, frame.step) = (now, frame.step + 1);
@@ -241,7 +252,8 @@ fn wherever_the_tracker_throws_a_hand_it_is_not_pulled() {
         let mode = if throw % 2 == 0 { Mode::Multirate } else { Mode::SharedConstraints };
         let start = [RigidState::at_rest(Pose::identity()); 2];
         let settings = HandSettings { mode, ..HandSettings::default() };
-        let mut hand = HapticHand::new(settings, proxies(), &start, 0).unwrap();
+        let mut hand =
+            Sampled::new(Box::new(HapticHand::new(settings, proxies(), &start, 0).unwrap()));
         let mut frame = SlowToFast::new(&start, 0);
         let mut pad = Pad::new(Digit::Index, 1, Vec3::x() * 0.01);
         let mut guard = Guard::<1>::new(Limits { ramp: 0.05, ..Limits::cybergrasp() }, 0).unwrap();
@@ -262,7 +274,7 @@ fn wherever_the_tracker_throws_a_hand_it_is_not_pulled() {
             }
             // Blocked; then, two frames late, where the proxies are.
             if ms % 16 == 0 {
-                for (bone, proxy) in frame.bones.iter_mut().zip(hand.proxies().states()) {
+                for (bone, proxy) in frame.bones.iter_mut().zip(hand.touch().proxies().states()) {
                     *bone = if thrown { RigidState::at_rest(proxy.pose_WB) } else { start[0] };
                 }
                 (frame.time_ns, frame.step) = (now, frame.step + 1);
@@ -287,7 +299,7 @@ fn wherever_the_tracker_throws_a_hand_it_is_not_pulled() {
                 pressed = force;
             }
             if (1001..1400).contains(&ms) {
-                let told = hand.proxies().device_wrenches()[1][0].norm();
+                let told = hand.touch().proxies().device_wrenches()[1][0].norm();
                 coupled = coupled.max(told);
                 // 11 ms to the next sample, 3 ms of slew.
                 assert!(force == 0.0 || ms < 1016, "{context}");

@@ -6,6 +6,7 @@ use crate::common::body;
 use thenar::model::{Motion, WorldDesc};
 use thenar::shape::Shape;
 use thenar::{Mat3, Pose, Vec3, World};
+use thenar_touch::sampled::Sampled;
 use thenar_touch::shared::CondensedContact;
 use thenar_touch::virtual_user::{Device, VirtualUser};
 use thenar_touch::{
@@ -22,7 +23,7 @@ struct Press {
     world: World,
     bone: u32,
     proxy: Proxy,
-    hand: HapticHand,
+    hand: Sampled<HapticHand>,
     frame: SlowToFast,
     back: FastToSlow,
     user: VirtualUser,
@@ -60,7 +61,9 @@ impl Press {
             world: World::new(desc).unwrap(),
             bone,
             proxy,
-            hand: HapticHand::new(settings, vec![proxy], &start, 1).unwrap(),
+            hand: Sampled::new(Box::new(
+                HapticHand::new(settings, vec![proxy], &start, 1).unwrap(),
+            )),
             frame: SlowToFast::new(&start, 1),
             back: FastToSlow::new(&start),
             user: VirtualUser::new(device, height),
@@ -129,7 +132,7 @@ impl Press {
         self.hand.track(0, self.now_ns, pose, Some([velocity, Vec3::zeros()]));
         self.hand.tick(self.now_ns, &self.frame);
         self.hand.publish(self.now_ns, &mut self.back);
-        let force = self.hand.proxies().device_wrenches()[0][0].y;
+        let force = self.hand.touch().proxies().device_wrenches()[0][0].y;
         self.user.advance(force, push);
         force
     }
@@ -201,7 +204,7 @@ fn led_force(mode: Mode, rate: u64) -> Vec<f64> {
         );
         press.hand.tick(press.now_ns, &press.frame);
         press.hand.publish(press.now_ns, &mut press.back);
-        press.hand.proxies().device_wrenches()[0][0].y
+        press.hand.touch().proxies().device_wrenches()[0][0].y
     };
     (0..2000).map(led).collect()
 }

@@ -5,6 +5,7 @@ use crate::common::body;
 use thenar::model::{Digit, Motion, WorldDesc};
 use thenar::shape::Shape;
 use thenar::{Mat3, Pose, Vec3, World};
+use thenar_touch::sampled::Sampled;
 use thenar_touch::{
     CouplingDesign, FastToSlow, HapticHand, Pad, RigidState, SingleRate, SingleRateSettings,
     SlowToFast, Touch, series_drive,
@@ -16,7 +17,7 @@ const RADIUS: f64 = 0.008;
 const MASS: f64 = 0.004;
 
 /// A floor (body 0) and a bone (body 1) on a drive of 400 N/m, without weight.
-fn single_rate(height: f64) -> SingleRate {
+fn single_rate(height: f64) -> Sampled<SingleRate> {
     let mut desc = WorldDesc { gravity: Vec3::zeros(), ..WorldDesc::default() };
     let mut floor = body("floor", 1.0, [1.0; 3], Vec3::zeros());
     floor.motion = Motion::Prescribed;
@@ -27,7 +28,8 @@ fn single_rate(height: f64) -> SingleRate {
     let bone = desc.add_rigid(bone);
     let proxy = CouplingDesign::default().proxy(MASS, &Mat3::from_diagonal_element(2e-7));
     desc.drives[bone as usize] = Some(series_drive(&proxy.device, &proxy.bone));
-    SingleRate::new(SingleRateSettings::default(), World::new(desc).unwrap(), bone..bone + 1)
+    let (settings, world) = (SingleRateSettings::default(), World::new(desc).unwrap());
+    Sampled::new(Box::new(SingleRate::new(settings, world, bone..bone + 1)))
 }
 
 fn no_frame() -> SlowToFast {
@@ -103,7 +105,7 @@ fn both_kinds_of_hand_are_ticked_alike() {
     let hands: [Box<dyn Touch>; 2] = [Box::new(coupled), Box::new(single_rate(0.1))];
     for mut hand in hands {
         let mut pad = Pad::new(Digit::Index, 0, Vec3::zeros());
-        hand.track(0, MS, Pose::translation(0.0, 0.1, 0.0), None);
+        hand.lead(0, RigidState::at_rest(Pose::translation(0.0, 0.1, 0.0)));
         let report = hand.tick(2 * MS, &no_frame());
         assert!(pad.read(&*hand, report.step).pad_force.is_finite());
     }

@@ -48,3 +48,10 @@ impl RigidState {
         }
     }
 }
+
+impl From<Target> for RigidState {
+    fn from(target: Target) -> Self {
+        let Target { pose_WB, velocity_W, angular_velocity_W } = target;
+        Self { pose_WB, velocity_W, angular_velocity_W }
+    }
+}

@@ -42,7 +42,7 @@ fn force_at_rest(design: &CouplingDesign, displacement: f64) -> Result<f64, Case
     for tick in 1..=2000u64 {
         let now_ns = tick * 1_000_000;
         let there = displacement * (tick as f64 / 500.0).min(1.0);
-        hand.track(0, now_ns, Pose::translation(there, 0.0, 0.0), None);
+        hand.lead(0, RigidState::at_rest(Pose::translation(there, 0.0, 0.0)));
         frame.time_ns = now_ns;
         hand.tick(now_ns, &frame);
     }

@@ -6,7 +6,8 @@
 //! began anew the bones are at their start. Until it has all but arrived the wearer feels nothing of it,
 //! because the way there is the tracker's doing and not the wearer's.
 
-use crate::{Prediction, RigidState, Sample, Track, seconds_between};
+use super::{Sample, Track};
+use crate::{Prediction, RigidState, seconds_between};
 use thenar::math::{Pose, Quat, Vec3, rotation_vector};
 
 /// Within this distance of its tracked pose the force of a gliding bone grows from nothing to all \[m\].
