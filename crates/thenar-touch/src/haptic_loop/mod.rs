@@ -40,11 +40,13 @@ mod hand;
 mod histogram;
 pub mod incident;
 mod lookout;
+mod manual;
 mod monitor;
 mod page;
 mod pauses;
 mod port;
 mod record;
+mod settings;
 mod simulation;
 mod watchdog;
 
@@ -56,30 +58,28 @@ pub use error::LoopError;
 pub use exchange::{FastEnds, FingerContact, Frame, Lead, SlowEnds, slots};
 pub use hand::LoopHand;
 pub use histogram::Histogram;
+pub use manual::ManualLoop;
 pub use monitor::Watcher;
 pub use page::{PagePoses, page_tracker};
 pub use port::{LoopMode, PortError, SimulationPort};
 pub use record::{TickRecord, header, line, word};
+pub use settings::Settings;
 pub use simulation::{SimulatedHand, Simulation};
 
 use crate::realtime::{Urgency, lock_memory, raise_priority, touch_stack};
-use crate::safety::{Limits, Trip};
-use crate::{
-    CouplingDesign, FeltBounds, ForceDisplay, GRIP, LoopProfile, Rendering, Tracker, now_ns,
-};
+use crate::safety::Trip;
+use crate::{CouplingDesign, FeltBounds, ForceDisplay, Tracker, now_ns};
 use control::Control;
-use incident::{Incident, Reel, Tape};
+use incident::{Reel, Tape};
 use lookout::Lookouts;
 use monitor::Monitor;
 use rtrb::Consumer;
+use settings::{bounds_of, fitted, limits_of};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, PoisonError, TryLockError, Weak};
 use std::thread::JoinHandle;
 use std::time::Duration;
-use thenar::model::Drive;
-use thenar_track::live::OBSERVATION;
 
 /// Records that may wait for the monitor.
 const RECORDS: usize = 16_384;
@@ -89,39 +89,6 @@ const ENDING: Duration = Duration::from_millis(500);
 const WRITING: Duration = Duration::from_secs(10);
 /// Name of the monitor's thread.
 const MONITOR: &str = "monitor";
-
-/// How the loop runs.
-pub struct Settings {
-    /// Ticks per second.
-    pub rate_hz: f64,
-    /// What stands between hand and simulation.
-    pub mode: LoopMode,
-    /// Couplings to the tracked pose. Those to the bones are the scene's drives.
-    pub design: CouplingDesign,
-    /// Damping of the loosest grip that the wearer is taken to have \[N s/m\]: what is felt is no stiffer than such a
-    /// hand bears behind the delay of its tracker ([`crate::GRIP`]). `None` shows the couplings as they are.
-    pub grip: Option<f64>,
-    /// Part of a device's rating that the user allows, where it is less than the device's own.
-    pub user_fraction: Option<f64>,
-    /// Where trips are written down; `None` to keep no files.
-    pub trip_folder: Option<PathBuf>,
-    /// Sees every record.
-    pub watcher: Option<Watcher>,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            rate_hz: 1000.0,
-            mode: LoopMode::default(),
-            design: CouplingDesign::default(),
-            grip: Some(GRIP),
-            user_fraction: None,
-            trip_folder: None,
-            watcher: None,
-        }
-    }
-}
 
 /// What the threads share.
 pub struct Shared {
@@ -276,65 +243,6 @@ fn without(what: &str, cause: &str) -> String {
     )
 }
 
-/// The couplings that these displays can render: no stiffer than their makers rate, and what speaks
-/// against them even so.
-fn fitted(
-    design: &CouplingDesign,
-    rate_hz: f64,
-    displays: &[Box<dyn ForceDisplay>],
-) -> (CouplingDesign, Vec<String>) {
-    let profiles: Vec<_> = displays.iter().map(|display| display.loop_profile()).collect();
-    let stiffest = |most: f64, profile: &LoopProfile| most.min(profile.rated_stiffness);
-    let device_stiffness = profiles.iter().fold(design.device_stiffness, stiffest);
-    let design = CouplingDesign { device_stiffness, ..*design };
-    let drive = Drive {
-        stiffness: device_stiffness,
-        damping: design.device_damping,
-        angular_stiffness: 0.0,
-        angular_damping: 0.0,
-    };
-    let slower =
-        |profile: LoopProfile| LoopProfile { period: profile.period.max(1.0 / rate_hz), ..profile };
-    let warnings = profiles.into_iter().map(slower).flat_map(|profile| profile.warnings(&drive));
-    (design, warnings.map(|warning| warning.to_string()).collect())
-}
-
-/// The loop, and the slowest of these displays that push.
-fn bounds_of(settings: &Settings, displays: &[Box<dyn ForceDisplay>]) -> FeltBounds {
-    let [delay, damping, friction, resolution] = [0.0; 4];
-    let (period, rated_stiffness) = (1.0 / settings.rate_hz, f64::INFINITY);
-    let alone = LoopProfile { period, delay, damping, friction, resolution, rated_stiffness };
-    let slowest = |slow: LoopProfile, profile: LoopProfile| {
-        let LoopProfile { period, delay, .. } = profile;
-        LoopProfile { period: slow.period.max(period), delay: slow.delay.max(delay), ..slow }
-    };
-    // Stops hold a finger and vibration moves none: neither gives out energy, however late.
-    let pushing = || {
-        let pushes = [Rendering::Tendons, Rendering::Wrench];
-        displays.iter().filter(move |display| pushes.contains(&display.rendering()))
-    };
-    let grip = settings.grip.filter(|_| displays.is_empty() || pushing().next().is_some());
-    let profiles = pushing().map(|display| display.loop_profile());
-    let profile = profiles.fold(alone, slowest);
-    FeltBounds { grip, profile, observation: OBSERVATION }
-}
-
-/// What each display can do, and within which limits.
-fn limits_of(settings: &Settings, displays: &[Box<dyn ForceDisplay>]) -> Vec<Ability> {
-    // Written so that what is not a number is refused where it is checked.
-    let allowed = |own: Limits| match settings.user_fraction {
-        Some(fraction) if fraction > own.user_fraction => own,
-        Some(user_fraction) => Limits { user_fraction, ..own },
-        None => own,
-    };
-    let able = |display: &dyn ForceDisplay| Ability {
-        rendering: display.rendering(),
-        limits: allowed(display.limits()),
-        torque_limits: display.torque_limits().map(allowed),
-    };
-    displays.iter().map(|display| able(display.as_ref())).collect()
-}
-
 /// The monitor's ends of what the loop hands on.
 struct Monitored {
     records: Consumer<TickRecord>,
@@ -378,64 +286,6 @@ fn share(
     });
     register(&shared);
     Ok((shared, Monitored { records: monitored, reel }))
-}
-
-/// A haptic loop without threads and clocks: whoever holds it says when it ticks. For tests and
-/// benches.
-pub struct ManualLoop {
-    shared: Arc<Shared>,
-    mode: LoopMode,
-    design: CouplingDesign,
-    bounds: FeltBounds,
-    /// What ticks did.
-    pub records: Consumer<TickRecord>,
-    /// What entered in the last seconds, where a folder for trips is set.
-    pub reel: Option<Reel>,
-}
-
-impl ManualLoop {
-    /// Without a hand.
-    ///
-    /// # Errors
-    /// As [`HapticLoop::start`].
-    pub fn new(
-        settings: &Settings,
-        trackers: Vec<Box<dyn Tracker>>,
-        displays: Vec<Box<dyn ForceDisplay>>,
-    ) -> Result<Self, LoopError> {
-        let bounds = bounds_of(settings, &displays);
-        let (shared, Monitored { records, reel }) = share(settings, trackers, displays, false)?;
-        let (mode, design) = (settings.mode, settings.design);
-        Ok(Self { shared, mode, design, bounds, records, reel })
-    }
-
-    /// One tick at `now_ns`; false when it was left out.
-    pub fn tick(&mut self, now_ns: u64) -> bool {
-        tick(&self.shared, &TickTime { now_ns, ..TickTime::default() })
-    }
-
-    /// Arms and stops; its status stays empty.
-    pub fn remote(&self) -> Remote {
-        Remote(self.shared.control.clone())
-    }
-
-    /// For whoever steps the simulation.
-    pub fn port(&self) -> SimulationPort {
-        SimulationPort::new(self.shared.clone(), self.mode, self.design, self.bounds)
-    }
-
-    /// What is kept of the last seconds, with these records of them; `None` where nothing is.
-    pub fn incident(&mut self, reason: &str, records: &[TickRecord]) -> Option<Incident> {
-        let displays = self.core(|core| core.displays().to_vec());
-        let (reel, frames) = (self.reel.as_mut()?, self.shared.frames.as_ref()?);
-        reel.wind();
-        reel.incident(reason, &displays, frames, records)
-    }
-
-    /// Looks at what the loop ticks.
-    pub fn core<T>(&self, look: impl FnOnce(&mut Core) -> T) -> T {
-        look(&mut self.shared.core.lock().unwrap_or_else(PoisonError::into_inner))
-    }
 }
 
 /// The thread of the loop.
