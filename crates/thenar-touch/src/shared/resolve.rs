@@ -2,7 +2,6 @@
 
 use crate::RigidState;
 use crate::shared::Condensed;
-use thenar::condensed::dot;
 use thenar::kernels::project;
 use thenar::math::{Pose, Quat, Vec3, rotation_vector};
 use thenar::model::Cone;
@@ -18,8 +17,9 @@ pub struct SharedConstraints {
     anchors: Vec<Vec3>,
     /// Contact values d \[m\].
     values: Vec<Vec3>,
-    /// Wrenches `k δ` on the bones.
+    /// Wrenches `k δ` on the bones, and what they add to contact values.
     load: Vec<f64>,
+    lifted: Vec<f64>,
     /// Displacements q of the bones, those of the tick before, and their rates.
     moved: Vec<f64>,
     moved_before: Vec<f64>,
@@ -48,6 +48,7 @@ impl SharedConstraints {
             anchors: Vec::with_capacity(contacts_max),
             values: Vec::with_capacity(contacts_max),
             load: vec![0.0; 6 * bones],
+            lifted: Vec::with_capacity(3 * contacts_max),
             moved: vec![0.0; 6 * bones],
             moved_before: vec![0.0; 6 * bones],
             rates: vec![0.0; 6 * bones],
@@ -153,15 +154,17 @@ impl SharedConstraints {
 
     /// Contact values at the present forces: `d = d₀ + J C k δ + B (f - f₀)` from the anchors.
     fn measure(&mut self, frame: &Condensed) {
-        let n = 6 * frame.bones();
+        let mut lifted = std::mem::take(&mut self.lifted);
+        lifted.resize(3 * frame.contacts.len(), 0.0);
+        frame.lift_times(&self.load, &mut lifted, |i| self.acts(frame, i));
         self.values.clear();
         for (i, contact) in frame.contacts.iter().enumerate() {
             if !self.acts(frame, i) {
                 self.values.push(Vec3::zeros());
                 continue;
             }
-            let lift = |r: usize| dot(&frame.lift[(3 * i + r) * n..][..n], &self.load);
-            let mut d = contact.value + Vec3::new(lift(0), lift(1), lift(2)) - self.anchors[i];
+            let lift = Vec3::from_column_slice(&lifted[3 * i..][..3]);
+            let mut d = contact.value + lift - self.anchors[i];
             for (j, other) in frame.contacts.iter().enumerate() {
                 let change = self.forces[j] - other.force;
                 if change != Vec3::zeros() {
@@ -170,6 +173,7 @@ impl SharedConstraints {
             }
             self.values.push(d);
         }
+        self.lifted = lifted;
     }
 
     /// One pass over all contacts; the largest change of a force \[N\].
@@ -199,10 +203,8 @@ impl SharedConstraints {
     fn follow(&mut self, frame: &Condensed, h: f64) {
         let n = 6 * frame.bones();
         std::mem::swap(&mut self.moved, &mut self.moved_before);
-        let rows = frame.compliance.chunks_exact(n.max(1));
-        for ((q, rest), row) in self.moved.iter_mut().zip(&frame.rest).zip(rows) {
-            *q = rest + dot(row, &self.load);
-        }
+        frame.compliance_times(&self.load, &mut self.moved);
+        self.moved.iter_mut().zip(&frame.rest).for_each(|(q, rest)| *q += rest);
         for (i, contact) in frame.contacts.iter().enumerate() {
             let change = self.forces[i] - contact.force;
             for r in 0..3 {

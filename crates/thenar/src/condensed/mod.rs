@@ -8,5 +8,5 @@ mod response;
 mod rigid_state;
 
 pub use frame::SlowToFast;
-pub use response::{Condensed, CondensedContact, dot};
+pub use response::{Condensed, CondensedContact};
 pub use rigid_state::RigidState;

@@ -3,6 +3,8 @@
 use super::RigidState;
 use crate::math::{Mat3, Vec3};
 use crate::model::Drive;
+use crate::solver::exact::vectors;
+use fearless_simd::{Level, dispatch};
 
 /// One contact of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -196,6 +198,21 @@ impl Condensed {
         self.ready = other.ready;
     }
 
+    /// `C x` into `out`, both 6n, by the processor's vectors.
+    pub fn compliance_times(&self, x: &[f64], out: &mut [f64]) {
+        rows_times(&self.compliance, x, out);
+    }
+
+    /// `J C x` into `out`: 6n numbers to 3m, by the processor's vectors. Only of contacts that `acts` names; those of the
+    /// others stay.
+    pub fn lift_times(&self, x: &[f64], out: &mut [f64], acts: impl Fn(usize) -> bool) {
+        let n = 3 * 6 * self.bones;
+        let rows = self.lift.chunks_exact(n.max(1)).zip(out.chunks_exact_mut(3));
+        for (_, (rows, out)) in rows.enumerate().filter(|(i, _)| acts(*i)) {
+            rows_times(rows, x, out);
+        }
+    }
+
     /// Whether contact `i` is the limit of a joint.
     pub fn is_limit(&self, i: usize) -> bool {
         self.limits.get(i).is_some_and(|limit| *limit)
@@ -230,7 +247,7 @@ impl Condensed {
 }
 
 /// Product of two rows: four sums side by side, so that no addition waits for the one before.
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 4];
     let (fours, rest) = (a.chunks_exact(4), a.chunks_exact(4).remainder());
     let tail = &b[b.len().min(a.len() - rest.len())..];
@@ -241,4 +258,14 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     }
     let last: f64 = rest.iter().zip(tail).map(|(a, b)| a * b).sum();
     (sums[0] + sums[1]) + (sums[2] + sums[3]) + last
+}
+
+/// Products of the rows of a matrix with `x`.
+fn rows_times(matrix: &[f64], x: &[f64], out: &mut [f64]) {
+    let rows = matrix.chunks_exact(x.len().max(1)).zip(out.iter_mut());
+    dispatch!(Level::new(), simd => {
+        for (row, out) in rows {
+            *out = vectors::dot(simd, row, x);
+        }
+    });
 }
