@@ -34,8 +34,9 @@ impl World {
     /// hand's among the rigid bodies. The caller sets time and step. Costs an assembly and a factor;
     /// changes nothing that is simulated, allocates nothing.
     ///
-    /// Returns whether there is a response. There is none, and a haptic loop goes on as in multirate, with another solver than the exact one, when
-    /// the system cannot be factored, or when the frame is for another number of bones.
+    /// Returns whether there is a response. There is none, and a haptic loop goes on as in multirate,
+    /// with another solver than the exact one, when the system cannot be factored, or when the frame
+    /// is for another number of bones.
     pub fn condense(&mut self, bones: Range<u32>, input: &Input, to: &mut SlowToFast) -> bool {
         to.response.clear();
         let bones = bones.start as usize..(bones.end as usize).min(self.model.rigids.len());

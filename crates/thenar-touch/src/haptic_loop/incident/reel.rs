@@ -140,3 +140,87 @@ fn is_state(input: &Input) -> bool {
 fn is_sample(input: &Input) -> bool {
     matches!(input, Input::Sample(..))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tape::Tape;
+    use super::*;
+    use crate::testing::Random;
+    use crate::{HandSample, TrackerTiming};
+    use thenar::model::Side;
+
+    /// Ticks this far apart make a state every few of them \[ns\].
+    const TICK_NS: u64 = 130_000_000;
+
+    impl Reel {
+        /// Each input that names a state or a sample has the one that it names, and none between the first and the last
+        /// sample is missing.
+        fn is_in_step(&self) -> bool {
+            let (mut states, mut samples) = (self.states.iter(), self.kept_samples.iter());
+            let mut before = None;
+            let each = self.kept.iter().all(|input| match input {
+                Input::State(time_ns) => {
+                    states.next().is_some_and(|state| state[..] == time_ns.to_le_bytes())
+                }
+                Input::Sample(_, Some(stated)) => {
+                    let number = stated.latency as u64;
+                    let follows = before.replace(number).is_none_or(|before| number == before + 1);
+                    follows && samples.next().is_some_and(|sample| sample.time_ns == number)
+                }
+                _ => true,
+            });
+            let begins = self.kept.front().is_none_or(is_state);
+            each && begins && states.next().is_none() && samples.next().is_none()
+        }
+    }
+
+    /// One tick of a loop with up to three samples, each with its number for a time and for what its tracker states.
+    fn tick(tape: &mut Tape, random: &mut Random, now_ns: u64, number: &mut u64) {
+        for _ in 0..random.next() % 4 {
+            *number += 1;
+            let sample = HandSample { side: Side::Right, time_ns: *number, pose: None };
+            let stated = TrackerTiming { rate: 90.0, latency: *number as f64, noise: 0.0 };
+            tape.sample(0, &sample, Some(stated));
+        }
+        tape.input(Input::Tick(now_ns, true));
+        tape.state(now_ns, |room| {
+            room[..8].copy_from_slice(&now_ns.to_le_bytes());
+            Some(8)
+        });
+    }
+
+    /// Rings of odd sizes, filled beyond their ends by a loop whose monitor looks at random: what is kept begins with a
+    /// state and stays in step, through every overflow of inputs, of samples and of states; and looked at in time it is
+    /// there again.
+    #[test]
+    fn rings_that_overflow_stay_in_step() {
+        let mut lost = 0;
+        for seed in 1..=60 {
+            let mut random = Random::new(seed);
+            let room = [20, 8].map(|least| least + (random.next() % 40) as usize);
+            let (mut tape, mut reel) = Tape::with_room(room[0], room[1]);
+            let (mut now_ns, mut number) = (0, 0);
+            for _ in 0..400 {
+                now_ns += TICK_NS;
+                tick(&mut tape, &mut random, now_ns, &mut number);
+                if random.range(0.0, 1.0) < 0.08 {
+                    reel.wind();
+                    assert!(reel.is_in_step(), "seed {seed}, {now_ns} ns");
+                    let newest = reel.kept.iter().rev().find_map(|input| match input {
+                        Input::Tick(time_ns, _) => Some(*time_ns),
+                        _ => None,
+                    });
+                    lost += u32::from(newest != Some(now_ns));
+                }
+            }
+            for _ in 0..40 {
+                now_ns += TICK_NS;
+                tick(&mut tape, &mut random, now_ns, &mut number);
+                reel.wind();
+                assert!(reel.is_in_step(), "seed {seed}, {now_ns} ns");
+            }
+            assert!(!reel.states.is_empty(), "seed {seed}: nothing is kept again");
+        }
+        assert!(lost > 100, "rings overflowed {lost} times");
+    }
+}

@@ -57,8 +57,13 @@ pub struct Tape {
 impl Tape {
     /// Both ends. Allocates all that they need.
     pub fn new() -> (Self, Reel) {
-        let (inputs, inputs_out) = RingBuffer::new(INPUTS);
-        let (samples, samples_out) = RingBuffer::new(SAMPLES);
+        Self::with_room(INPUTS, SAMPLES)
+    }
+
+    /// Both ends, with room for this many inputs and samples.
+    pub(super) fn with_room(inputs: usize, samples: usize) -> (Self, Reel) {
+        let (inputs, inputs_out) = RingBuffer::new(inputs);
+        let (samples, samples_out) = RingBuffer::new(samples);
         let (filled, filled_out) = RingBuffer::new(STATES);
         let (mut empty_in, empty) = RingBuffer::new(STATES);
         for _ in 0..STATES {
