@@ -69,7 +69,7 @@ impl DelayMeter {
 }
 
 impl LoopProfile {
-    /// The same loop with so much more delay \[s\]: of a tracker, of frames.
+    /// A loop with so much more delay \[s\], of a tracker or of frames, and else the same.
     pub fn later(&self, delay: f64) -> Self {
         Self { delay: self.delay + delay, ..*self }
     }

@@ -104,11 +104,11 @@ pub struct HapticHand {
     carried: Vec<RigidState>,
     /// Periods that bones may be carried on when frames come late.
     periods_when_late: f64,
-    /// They are carried on for as long as this, slowing down \[s\].
+    /// Simulated bones are carried on for as long as this, slowing down \[s\].
     reach: f64,
     /// Simulated ends of the couplings in this tick.
     bones: Vec<RigidState>,
-    /// The same hand in empty air.
+    /// What this hand does in empty air.
     free: Free,
     /// What contact does to the wearer, smooth from frame to frame.
     smooth: Smooth,

@@ -78,12 +78,12 @@ impl LedHand {
         &self.states
     }
 
-    /// Whether a bone was ever led.
+    /// True for a bone that was ever led.
     pub fn is_known(&self, bone: usize) -> bool {
         self.fresh[bone] || self.led_ns[bone].is_some()
     }
 
-    /// Whether a bone was somewhere else in the last tick.
+    /// True for a bone that was somewhere else in the last tick.
     pub fn has_set_out(&self, bone: usize) -> bool {
         self.set_out[bone]
     }

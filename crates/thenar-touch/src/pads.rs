@@ -9,7 +9,7 @@ use thenar::model::{Digit, HandModel};
 pub struct Pad {
     /// The finger.
     pub digit: Digit,
-    /// Its distal bone.
+    /// Distal bone of the digit.
     pub bone: usize,
     /// The pad in the bone's frame \[m\].
     pub point_B: Vec3,
@@ -25,7 +25,7 @@ pub struct Pad {
 pub struct PadReading {
     /// Force of the device coupling on the wearer, world \[N\].
     pub force_W: Vec3,
-    /// Its part along the inward pad normal \[N\]: positive when something presses on the pad.
+    /// Part of the force along the inward pad normal \[N\]: positive when something presses on the pad.
     pub pad_force: f64,
     /// Mean velocity of the tracked pad against its ground since the last reading, along the same
     /// normal \[m/s\]:

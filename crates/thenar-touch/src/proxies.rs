@@ -40,21 +40,21 @@ pub enum ProxyError {
     /// Mass must be positive and finite.
     #[error("proxy {proxy}: mass {mass} kg is not positive and finite")]
     Mass {
-        /// Which proxy.
+        /// Index of the proxy.
         proxy: usize,
-        /// Its mass \[kg\].
+        /// Mass of the proxy \[kg\].
         mass: f64,
     },
     /// Inertia must be symmetric positive definite.
     #[error("proxy {proxy}: inertia is not symmetric positive definite")]
     Inertia {
-        /// Which proxy.
+        /// Index of the proxy.
         proxy: usize,
     },
     /// Coupling parameters must be finite and not negative.
     #[error("proxy {proxy}: coupling parameter {value} is negative or not finite")]
     Coupling {
-        /// Which proxy.
+        /// Index of the proxy.
         proxy: usize,
         /// The parameter.
         value: f64,

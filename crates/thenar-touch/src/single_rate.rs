@@ -47,11 +47,11 @@ pub struct SingleRate {
     first: usize,
     hand: LedHand,
     bones: Vec<RigidState>,
-    /// The same hand in empty air, if it can be taken out of its world, and whether it does something else than this
+    /// What this hand does in empty air, if it can be taken out of its world, and whether it does something else than this
     /// one. Without it all that the drives bear is felt.
     free: Option<FreeHand>,
     differs: bool,
-    /// Of the drives, less what they bear in empty air; then what is shown of it.
+    /// What drives bear, less what they bear in empty air; then what is shown of it.
     felt: Vec<[Vec3; 2]>,
     wrenches: Vec<[Vec3; 2]>,
     /// Parts of the drives' forces and torques that are shown.
@@ -127,7 +127,7 @@ impl SingleRate {
         report
     }
 
-    /// Whether contact or a load acts on the hand: what it would not meet in empty air.
+    /// True if contact or a load acts on the hand: what it would not meet in empty air.
     fn is_acted_on(&self) -> bool {
         let bones = self.first as u32..(self.first + self.bones.len()) as u32;
         let gravity = if self.settings.weightless { self.input.gravity } else { Vec3::zeros() };

@@ -26,7 +26,7 @@ pub trait Touch {
     /// Where the hand was taken to be in the last tick.
     fn tracked(&self) -> &[RigidState];
 
-    /// Whether a bone jumped in the last tick: it was lost and found elsewhere, or teleported.
+    /// True for a bone that jumped in the last tick: it was lost and found elsewhere, or teleported.
     fn jumped(&self, bone: usize) -> bool;
 
     /// Where the simulated bones were taken to be in the last tick.

@@ -24,9 +24,9 @@ const PRESS: f64 = 0.25;
 /// the newest frame of the simulation.
 #[derive(Default)]
 struct Ticks {
-    /// Those in which nothing pressed.
+    /// Ticks in which nothing pressed.
     free: Samples,
-    /// Those in which simulated contacts pressed.
+    /// Ticks in which simulated contacts pressed.
     pressing: Samples,
 }
 

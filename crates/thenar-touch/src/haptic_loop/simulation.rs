@@ -11,9 +11,9 @@ use thenar_track::live::{LiveError, LiveHand};
 pub struct SimulatedHand<'a> {
     /// The model it was made from.
     pub model: &'a HandModel,
-    /// Its bones among the rigid bodies, the palm first.
+    /// Bones among the rigid bodies, the palm first.
     pub bones: Range<u32>,
-    /// Its flesh among the soft bodies, if it has any.
+    /// Flesh among the soft bodies, if the hand has any.
     pub flesh: Option<u32>,
     /// True if its bones have drives.
     pub driven: bool,

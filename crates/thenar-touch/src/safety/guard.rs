@@ -104,7 +104,7 @@ impl<const N: usize> Guard<N> {
         self.status
     }
 
-    /// Its limits.
+    /// Limits of this guard.
     pub fn limits(&self) -> &Limits {
         &self.limits
     }
@@ -336,7 +336,7 @@ fn scaled<const N: usize>(v: &[f64; N], factor: f64) -> [f64; N] {
     v.map(|x| x * factor)
 }
 
-/// The same direction, no longer than `most`.
+/// A vector of the same direction, no longer than `most`.
 fn at_most<const N: usize>(v: &[f64; N], most: f64) -> [f64; N] {
     let size = length(v);
     if size > most { scaled(v, most / size) } else { *v }

@@ -5,13 +5,13 @@
 pub struct Limits {
     /// What the device is rated for continuously \[N\].
     pub rated: f64,
-    /// It turns: torques and rates.
+    /// An actuator that turns: torques and rates.
     pub turns: bool,
     /// Part of it that the user allows, 0 to 1.
     pub user_fraction: f64,
     /// Components are never negative: a tendon pulls.
     pub unilateral: bool,
-    /// It holds and never pushes: a stop, or what is shown as vibration. It gives out no energy.
+    /// An actuator that holds and never pushes: a stop, or what is shown as vibration. It gives out no energy.
     pub passive: bool,
     /// Largest change per second \[N/s\].
     pub slew: f64,
@@ -57,7 +57,7 @@ pub struct Limits {
 pub struct LimitError {
     /// Field of `Limits`.
     pub name: &'static str,
-    /// Its value.
+    /// Value that was given.
     pub value: f64,
     /// What it must be.
     pub wanted: &'static str,

@@ -27,15 +27,15 @@ pub enum Trip {
     /// The point moved too fast.
     #[error("speed {} m/s is above {limit} m/s", short(*speed))]
     Overspeed {
-        /// Its speed \[m/s\].
+        /// Speed of the point \[m/s\].
         speed: f64,
         /// The limit \[m/s\].
         limit: f64,
     },
-    /// It turned too fast.
+    /// The hand turned too fast.
     #[error("turning at {rate} rad/s is above {limit} rad/s")]
     Overspin {
-        /// Its rate \[rad/s\].
+        /// Rate of the turn \[rad/s\].
         rate: f64,
         /// The limit \[rad/s\].
         limit: f64,
@@ -60,7 +60,7 @@ pub enum Trip {
     /// Another actuator of the device tripped.
     #[error("actuator {actuator} tripped")]
     Companion {
-        /// Which.
+        /// Index of the other actuator.
         actuator: usize,
     },
 }
@@ -89,13 +89,13 @@ pub enum Pause {
     /// The newest simulation state is old.
     #[error("no simulation state for {} s", short(*age_s))]
     Simulation {
-        /// Its age \[s\].
+        /// Age of the frame \[s\].
         age_s: f64,
     },
     /// The newest tracked pose is old.
     #[error("no tracked pose for {} s", short(*age_s))]
     Tracking {
-        /// Its age \[s\].
+        /// Age of the pose \[s\].
         age_s: f64,
     },
     /// Nobody called for a while.

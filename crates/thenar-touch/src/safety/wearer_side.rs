@@ -58,7 +58,7 @@ impl<const N: usize> WearerSide<N> {
         self.ring.fill(Interval::NONE);
     }
 
-    /// Whether what is seen of the wearer is older than a tick or two.
+    /// True if what is seen of the wearer is older than a tick or two.
     pub fn is_late(&self) -> bool {
         self.delay > 2e-3
     }

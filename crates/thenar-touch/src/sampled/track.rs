@@ -36,7 +36,7 @@ pub struct Tracked {
     pub state: RigidState,
     /// Age of what is known about it \[s\].
     pub age: f64,
-    /// It is somewhere else than it could have got to since it was last told.
+    /// True for a bone that is somewhere else than it could have got to since the tick before.
     pub jumped: bool,
 }
 

@@ -114,17 +114,17 @@ impl TrackedHand {
         &self.targets
     }
 
-    /// Whether a bone was ever tracked.
+    /// True for a bone that was ever tracked.
     pub fn is_known(&self, bone: usize) -> bool {
         self.known[bone]
     }
 
-    /// Whether it jumped in the last tick.
+    /// True for a bone that jumped in the last tick.
     pub fn jumped(&self, bone: usize) -> bool {
         self.jumped[bone]
     }
 
-    /// Whether it was led from its simulated bone in the last tick, and not from where it was.
+    /// True for a bone that was led from its simulated bone in the last tick, and not from where it was.
     pub fn set_out_from_bone(&self, bone: usize) -> bool {
         self.from_bone[bone]
     }

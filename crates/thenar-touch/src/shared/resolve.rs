@@ -61,7 +61,7 @@ impl SharedConstraints {
         Self { empty_air: true, ..Self::new(bones, contacts_max) }
     }
 
-    /// Whether contact `i` of a frame acts here.
+    /// True if contact `i` of a frame acts here.
     fn acts(&self, frame: &Condensed, i: usize) -> bool {
         !self.empty_air || frame.is_limit(i)
     }

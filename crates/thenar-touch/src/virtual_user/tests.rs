@@ -71,7 +71,7 @@ fn onsets_agree_with_eigenvalues_elsewhere() {
     }
 }
 
-/// The same at random: masses, dampings, rates, delays and coupling dampings drawn by a seed.
+/// Random loops: masses, dampings, rates, delays and coupling dampings drawn by a seed.
 #[test]
 fn onsets_agree_with_eigenvalues_at_random() {
     for seed in 1..=12 {

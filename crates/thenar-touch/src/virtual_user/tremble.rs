@@ -36,7 +36,7 @@ impl Wall {
         Ok(given / f64::from(CYCLES - CYCLES / 10))
     }
 
-    /// Whether no tremble, from 1e-5 of a sensor's step (or of a millimetre) to ten thousand of
+    /// True if no tremble, from 1e-5 of a sensor's step (or of a millimetre) to ten thousand of
     /// them, wins energy.
     pub fn is_passive(&self) -> bool {
         let step = if self.device.resolution > 0.0 { self.device.resolution } else { 1e-3 };
