@@ -26,6 +26,25 @@ fn every_path_in_the_architecture_exists() {
     }
 }
 
+/// Who audits what pushes on a person reads one crate, and who audits what moves a hand another: neither may come to know
+/// scenes, devices or programs.
+#[test]
+fn touch_and_tracking_know_only_what_is_below_them() {
+    for (name, below) in [
+        ("thenar", vec![]),
+        ("thenar-track", vec!["thenar", "thenar-input"]),
+        ("thenar-touch", vec!["thenar", "thenar-track"]),
+    ] {
+        let text = read(&format!("crates/{name}/Cargo.toml"));
+        let ours = text.lines().skip_while(|line| *line != "[dependencies]");
+        let ours: Vec<&str> = (ours.take_while(|line| !line.starts_with("[dev-")))
+            .filter_map(|line| line.split(['.', ' ', '=']).next())
+            .filter(|word| word.starts_with("thenar"))
+            .collect();
+        assert_eq!(ours, below, "{name} depends on {ours:?}");
+    }
+}
+
 /// What links call a heading by.
 fn anchor(heading: &str) -> String {
     let kept = |c: &char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');

@@ -7,4 +7,4 @@ mod file;
 mod text;
 
 pub use file::{InputError, open_plain, read, read_text};
-pub use text::{brief, quoted, visible};
+pub use text::{brief, plain, quoted, visible};

@@ -38,6 +38,15 @@ pub fn brief(message: &str) -> String {
     format!("{} … ({} bytes left out) … {}", &message[..head], tail - head, &message[tail..])
 }
 
+/// Small and large numbers in powers of ten, others as they are.
+pub fn plain(x: f64) -> String {
+    if x.is_finite() && x != 0.0 && !(1e-3..1e5).contains(&x.abs()) {
+        format!("{x:e}")
+    } else {
+        format!("{x}")
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

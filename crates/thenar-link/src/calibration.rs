@@ -1,7 +1,7 @@
 //! Fitting a device to its wearer: poses that a person takes, and what follows from them.
 
 use crate::{LinkError, Opened};
-use thenar_scene::motion::ANGLES;
+use thenar_track::ANGLES;
 
 /// A pose to take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

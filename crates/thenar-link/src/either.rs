@@ -6,13 +6,13 @@
 //! for half a second before the hand goes back to it, so that one on the edge does not make the
 //! hand flicker. Left and right are chosen apart. Every change is reported.
 
-use crate::tracker_clock::{ClockNews, TrackerClock};
 use crate::{Driver, Found, HandSample, LinkError, Lookout, Messenger, Opened, Tracker, now_ns};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::{Arc, Mutex, PoisonError};
-use thenar::haptic::TrackerTiming;
 use thenar::model::Side;
-use thenar_scene::live::checked;
+use thenar_touch::TrackerTiming;
+use thenar_track::live::checked;
+use thenar_track::tracker_clock::{ClockNews, TrackerClock};
 
 /// A source is trusted so long after its newest good sample \[ns\].
 const STALE_NS: u64 = 100_000_000;
@@ -258,8 +258,8 @@ mod tests {
     use std::cell::Cell;
     use std::sync::{Arc, Mutex};
     use thenar::Pose;
-    use thenar_scene::live::LivePose;
-    use thenar_scene::motion::ANGLES;
+    use thenar_track::ANGLES;
+    use thenar_track::live::LivePose;
 
     const MS: u64 = 1_000_000;
 

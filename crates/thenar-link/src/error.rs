@@ -1,5 +1,7 @@
 //! What goes wrong between us and a device.
 
+use thenar_touch::haptic_loop::LoopError;
+
 /// Names the device and the cause; whoever shows it adds nothing.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -28,4 +30,10 @@ pub enum LinkError {
         /// Cause in words.
         cause: String,
     },
+}
+
+impl From<LoopError> for LinkError {
+    fn from(LoopError { what, cause }: LoopError) -> Self {
+        Self::Setting { what, cause }
+    }
 }

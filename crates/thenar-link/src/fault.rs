@@ -2,10 +2,10 @@
 
 use crate::{Driver, Found, HandSample, LinkError, Lookout, Opened, Tracker};
 use std::f64::consts::PI;
-use thenar::haptic::TrackerTiming;
 use thenar::model::Side;
 use thenar::{Pose, Quat, Vec3};
-use thenar_scene::live::LivePose;
+use thenar_touch::TrackerTiming;
+use thenar_track::live::LivePose;
 
 /// What can go wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -193,7 +193,7 @@ mod tests {
     use super::*;
     use std::collections::HashSet;
     use std::mem::discriminant;
-    use thenar_scene::motion::ANGLES;
+    use thenar_track::ANGLES;
 
     const MS: u64 = 1_000_000;
 

@@ -13,16 +13,14 @@
 
 pub mod bhaptics;
 pub mod calibration;
-mod clock;
 pub mod cyberglove;
 pub mod cybergrasp;
-mod device;
+mod driver;
 pub mod either;
 mod error;
 pub mod fault;
 pub mod force_device;
 pub mod hand_tracking_streamer;
-pub mod haptic_loop;
 pub mod joints;
 pub mod keeper;
 mod lines;
@@ -32,30 +30,27 @@ pub mod null;
 #[cfg(feature = "openxr")]
 pub mod openxr;
 mod options;
-mod output;
 mod paired;
 pub mod pose_stream;
 pub mod profile;
 mod protocol;
 mod rate;
-pub mod realtime;
 mod registry;
 pub mod rehearsal;
 pub mod replay;
-mod sample;
-pub mod source_clock;
 #[cfg(test)]
 mod testing;
-mod tracker_clock;
 pub mod transport;
 pub mod twin;
 pub mod worker;
 
-pub use clock::now_ns;
-pub use device::{Driver, ForceDisplay, Found, Lookout, Messenger, Opened, Presence, Tracker};
+pub use driver::{Driver, Found, Opened};
 pub use error::LinkError;
-pub use output::{DIGITS, DigitOutput, HandOutput, Rendering};
 pub use protocol::{Event, Protocol, Transport};
 pub use registry::{drivers, open};
-pub use sample::HandSample;
+pub use thenar_touch::{
+    DIGITS, DigitOutput, ForceDisplay, HandOutput, Lookout, Messenger, Presence, Rendering,
+    Tracker, haptic_loop, now_ns, realtime,
+};
+pub use thenar_track::{HandSample, source_clock};
 pub use worker::release_all;

@@ -7,11 +7,11 @@ use crate::{
 use std::io;
 use std::time::Duration;
 use thenar::Pose;
-use thenar::haptic::LoopProfile;
-use thenar::haptic::safety::Limits;
 use thenar::model::Side;
-use thenar_scene::live::LivePose;
-use thenar_scene::motion::ANGLES;
+use thenar_touch::LoopProfile;
+use thenar_touch::safety::Limits;
+use thenar_track::ANGLES;
+use thenar_track::live::LivePose;
 
 /// Between samples \[ns\].
 const PERIOD_NS: u64 = 10_000_000;

@@ -1,13 +1,13 @@
 //! A glove without a place of its own, on a wrist that another device tracks.
 
 use crate::profile::{Address, Wrist, profile_name};
-use crate::tracker_clock::TrackerClock;
 use crate::{HandSample, LinkError, Lookout, Messenger, Opened, Tracker, nesting, now_ns};
 use thenar::Pose;
-use thenar::haptic::TrackerTiming;
 use thenar::model::Side;
 use thenar_input::quoted;
-use thenar_scene::live::LivePose;
+use thenar_touch::TrackerTiming;
+use thenar_track::live::LivePose;
+use thenar_track::tracker_clock::TrackerClock;
 
 /// Adds a tracker for the wrist to a glove, if profile or address name one. The profile's wrist pose
 /// is where the wrist is in the frame of the tracker's wrist, if the profile names a tracker; else

@@ -7,8 +7,8 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::sync::Arc;
 use thenar::model::Side;
-use thenar_scene::live::LivePose;
-use thenar_scene::motion::RECORDING_BYTES_MAX;
+use thenar_track::RECORDING_BYTES_MAX;
+use thenar_track::live::LivePose;
 
 /// Between the last sample and the first of the next round \[s\].
 const PAUSE: f64 = 0.011;

@@ -4,7 +4,7 @@ use crate::{Event, HandOutput, Protocol};
 use std::path::Path;
 use thenar::Pose;
 use thenar::model::Side;
-use thenar_scene::motion::Recording;
+use thenar_track::Recording;
 
 /// Hands at rest, of several shapes (tests/data).
 pub fn hands(side: Side) -> Vec<[Pose; 25]> {
@@ -12,7 +12,7 @@ pub fn hands(side: Side) -> Vec<[Pose; 25]> {
     let recording = Recording::open(&file).unwrap();
     let mut hands: Vec<_> = recording.hand(side).iter().map(|sample| sample.joints).collect();
     if side == Side::Right {
-        let mirrored = |pose| thenar_scene::motion::mirrored(pose);
+        let mirrored = |pose| thenar_track::mirrored(pose);
         hands.insert(0, recording.hand(Side::Left)[0].joints.each_ref().map(mirrored));
     }
     hands

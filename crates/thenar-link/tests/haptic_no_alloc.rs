@@ -5,11 +5,11 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
-use thenar::haptic::TrackerTiming;
 use thenar::model::Side;
 use thenar_link::haptic_loop::{LoopMode, ManualLoop, Settings, page_tracker};
-use thenar_scene::live::LivePose;
 use thenar_scene::session::Session;
+use thenar_touch::TrackerTiming;
+use thenar_track::live::LivePose;
 
 struct Counting;
 

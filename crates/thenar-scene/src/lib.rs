@@ -14,7 +14,6 @@ pub mod flat;
 pub mod format;
 pub mod grip;
 pub mod hands;
-pub mod live;
 pub mod motion;
 pub mod recording;
 pub mod reference;
@@ -25,6 +24,7 @@ pub mod touch;
 pub mod tuning;
 
 pub use text::SceneError;
+pub use thenar_track::live;
 
 /// The samples in the README, run as tests of documentation.
 #[cfg(doctest)]

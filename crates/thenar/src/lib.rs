@@ -4,13 +4,14 @@
 //! Units are SI (m, kg, s, N, Pa, rad); frames are right-handed. `pose_AB` is the
 //! pose of frame B in frame A, so that `p_A = pose_AB * p_B`.
 
+pub mod condensed;
 mod contact;
 mod coupling;
 mod flesh;
-pub mod haptic;
 pub mod math;
 pub mod model;
 mod processor;
+pub mod random;
 pub mod readout;
 mod skeleton;
 mod solver;
@@ -36,11 +37,17 @@ pub mod kinematics {
 }
 
 /// The kernels of a step, one by one: benches time them, `thenar validate` holds them against
-/// differences of energies, and probes measure stress by them. Stepping a world needs none of them.
+/// differences of energies, probes measure stress by them, and touch resolves contact and couplings by them. Stepping a
+/// world needs none of them.
 pub mod kernels {
     pub use crate::contact::{Detector, Reach, RigidPlace, Side, Sides, Site, SurfaceState};
     pub use crate::coupling::{BoneSystem, EffectiveMass, skin_target};
     pub use crate::flesh::{PAIRS, RestTet, respond, rotation_of, signed_svd};
-    pub use crate::skeleton::{JointFrames, axis_states, joint_block, spring_torque};
-    pub use crate::solver::{BlockDiagonal, BlockMatrix, CgWorkspace, conjugate_gradients};
+    pub use crate::skeleton::{
+        JointFrames, axis_states, drive_energy, drive_force, joint_block, spring_torque,
+        turn_freely,
+    };
+    pub use crate::solver::{
+        BlockDiagonal, BlockMatrix, CgWorkspace, conjugate_gradients, project,
+    };
 }

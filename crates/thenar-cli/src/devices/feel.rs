@@ -7,9 +7,9 @@ use crate::interrupt;
 use std::io::{BufRead, Write};
 use std::time::{Duration, Instant};
 use thenar::Vec3;
-use thenar::haptic::safety::{Guard, Limits, Signal, Status};
 use thenar::model::Side;
 use thenar_link::{DIGITS, ForceDisplay, HandOutput, Rendering, Tracker, now_ns};
+use thenar_touch::safety::{Guard, Limits, Signal, Status};
 
 /// Largest force \[N\].
 const FORCE: f64 = 1.0;

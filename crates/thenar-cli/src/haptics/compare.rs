@@ -6,10 +6,10 @@ use crate::error::CliError;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use thenar::Vec3;
-use thenar::haptic::CouplingDesign;
 use thenar_output::Output;
 use thenar_scene::session::Session;
 use thenar_scene::touch::{Comparison, Study, TouchMode, compare};
+use thenar_touch::CouplingDesign;
 
 /// Fingertips of a hand of about 600 tetrahedra over a table.
 const SCENE: &str =

@@ -4,8 +4,8 @@ use crate::chart::{Axis, Dash, Line, Panel, page};
 use crate::error::CliError;
 use std::io::Write;
 use std::path::PathBuf;
-use thenar::haptic::virtual_user::{Device, Wall, predicted_onset, stability_onset};
 use thenar_output::Output;
+use thenar_touch::virtual_user::{Device, Wall, predicted_onset, stability_onset};
 
 /// Where onsets are sought \[N/m\].
 const RANGE: [f64; 2] = [1.0, 1e6];

@@ -4,8 +4,8 @@ use crate::error::CliError;
 use crate::run::open_live;
 use crate::touch::ModeWord;
 use std::path::PathBuf;
-use thenar::haptic::{GRIP, LoopProfile, MARGIN, TrackerTiming};
 use thenar_link::rehearsal::{Human, Outcome, Rehearsal, RehearsalError};
+use thenar_touch::{GRIP, LoopProfile, MARGIN, TrackerTiming};
 
 /// Names of fingers, thumb first.
 const FINGERS: [&str; 5] = ["thumb", "index", "middle", "ring", "little"];

@@ -64,7 +64,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
 
 /// All ticks; times count back from the stop of forces, or from the end.
 fn table(reason: &str, records: &[TickRecord]) -> String {
-    use thenar::haptic::safety::Status;
+    use thenar_touch::safety::Status;
     let stop = records.iter().find(|record| matches!(record.status, Status::Tripped(_)));
     let zero_ns = stop.or(records.last()).map_or(0, |record| record.time_ns);
     let mut text = format!("# made again: forces stopped: {reason}\n{}\n", header());

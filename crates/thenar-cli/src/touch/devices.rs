@@ -3,7 +3,9 @@
 use super::simulated::Simulated;
 use crate::error::CliError;
 use std::path::PathBuf;
-use thenar_link::haptic_loop::{HapticLoop, LoopMode, Remote, STATEMENT, Settings, Watcher};
+use thenar_link::haptic_loop::{
+    HapticLoop, LoopError, LoopMode, Remote, STATEMENT, Settings, Watcher,
+};
 use thenar_link::{ForceDisplay, LinkError, Tracker};
 
 /// Devices, and how they are felt.
@@ -135,6 +137,12 @@ impl Teller {
             eprintln!("{message}");
         }
         self.told = messages;
+    }
+}
+
+impl From<LoopError> for CliError {
+    fn from(error: LoopError) -> Self {
+        LinkError::from(error).into()
     }
 }
 

@@ -7,8 +7,8 @@ mod wall;
 
 use super::case::{Case, CaseError, Figure};
 use super::run::Solver;
-use thenar::haptic::ProxyError;
-use thenar::haptic::virtual_user::Device;
+use thenar_touch::ProxyError;
+use thenar_touch::virtual_user::Device;
 
 const fn case(
     id: &'static str,

@@ -4,7 +4,7 @@ use super::{Bhaptics, Feel, PATH, PORT};
 use crate::transport::{WebSocketTransport, websocket};
 use crate::worker::{Device, DisplayTraits};
 use crate::{Driver, Found, LinkError, Opened, Rendering};
-use thenar::haptic::safety::Limits;
+use thenar_touch::safety::Limits;
 
 /// `bhaptics:` and `bhaptics:HOST:PORT`.
 pub struct BhapticsDriver;

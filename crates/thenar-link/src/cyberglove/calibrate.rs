@@ -6,7 +6,7 @@ use super::{Classic, CyberGlove3Driver, CyberGloveDriver, Third, open_with};
 use crate::calibration::{Calibrate, Fitted, Prompt};
 use crate::profile::{Address, load};
 use crate::{Driver, LinkError, Opened, Protocol};
-use thenar_scene::motion::ANGLES;
+use thenar_track::ANGLES;
 use toml::{Table, Value};
 
 /// A sensor's values must spread by so much over the poses.

@@ -21,7 +21,7 @@ use crate::transport::{SerialTransport, serial};
 use crate::worker::{Device, TrackerTraits};
 use crate::{Driver, Event, Found, HandSample, LinkError, Opened, Protocol};
 use std::sync::Arc;
-use thenar_scene::live::LivePose;
+use thenar_track::live::LivePose;
 
 /// The hand that a glove's values make.
 fn sample(profile: &Profile, now_ns: u64, values: &[f64]) -> Event {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use thenar::Pose;
 use thenar::model::Side;
-use thenar_scene::motion::ANGLES;
+use thenar_track::ANGLES;
 
 /// What is shipped for CyberGlove I and II.
 pub const SHIPPED: &str = include_str!("../../profiles/cyberglove.toml");

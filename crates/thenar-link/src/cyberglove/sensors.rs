@@ -1,7 +1,7 @@
 //! The sensors of a CyberGlove and what they say of a hand.
 
 use thenar::{Pose, Quat, Vec3};
-use thenar_scene::motion::ANGLES;
+use thenar_track::ANGLES;
 
 /// Sensors of the larger gloves.
 pub const SENSORS: usize = 22;

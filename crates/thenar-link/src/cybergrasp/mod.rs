@@ -20,8 +20,8 @@ use crate::transport::{StreamTransport, host_and_port, tcp};
 use crate::worker::{Device, DisplayTraits};
 use crate::{DIGITS, Driver, Event, Found, HandOutput, LinkError, Opened, Protocol, Rendering};
 use serde::{Deserialize, Serialize};
-use thenar::haptic::{CYBERGRASP_FORCE_MAX, tendon_pull};
 use thenar::model::Side;
+use thenar_touch::{CYBERGRASP_FORCE_MAX, tendon_pull};
 
 /// What is shipped.
 pub const SHIPPED: &str = include_str!("../../profiles/cybergrasp.toml");

@@ -7,7 +7,7 @@ use std::net::TcpListener;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
-use thenar::haptic::{CYBERGRASP_FORCE_MAX, tendon_pull};
+use thenar_touch::{CYBERGRASP_FORCE_MAX, tendon_pull};
 
 /// Without a command for so long, all tendons are released.
 pub const UNIT_SILENCE: Duration = Duration::from_millis(20);

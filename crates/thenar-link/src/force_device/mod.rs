@@ -12,12 +12,12 @@ pub mod wire;
 
 pub use driver::{ForceDeviceDriver, PORT};
 
-use crate::source_clock::SourceClock;
 use crate::{Event, HandOutput, HandSample, Protocol};
 use thenar::model::Side;
 use thenar::{Pose, Vec3};
-use thenar_scene::live::LivePose;
-use thenar_scene::motion::ANGLES;
+use thenar_track::ANGLES;
+use thenar_track::live::LivePose;
+use thenar_track::source_clock::SourceClock;
 use wire::{Command, State};
 
 /// Commands follow each other after so long at most \[ns\] ...

@@ -5,11 +5,11 @@ use crate::joints::{in_reach, rotation};
 use crate::profile::{Check, DigitAngles, Hand};
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use thenar::haptic::LoopProfile;
-use thenar::haptic::safety::Limits;
 use thenar::model::Side;
 use thenar::{Pose, Vec3};
-use thenar_scene::motion::ANGLES;
+use thenar_touch::LoopProfile;
+use thenar_touch::safety::Limits;
+use thenar_track::ANGLES;
 
 /// The profile that comes with the program.
 pub const SHIPPED: &str = include_str!("../../profiles/force-device.toml");

@@ -14,9 +14,9 @@ pub use line::{Body, Line};
 
 use crate::joints::{POINTS, rebuild};
 use crate::lines::{Lines, Shown};
-use crate::source_clock::SourceClock;
 use crate::{Event, HandSample, Protocol};
 use thenar::{Pose, Vec3};
+use thenar_track::source_clock::SourceClock;
 
 /// UDP port that the app sends to.
 pub const UDP_PORT: u16 = 9000;

@@ -4,7 +4,7 @@ use super::*;
 use crate::joints::WEBXR_OF_POINT;
 use crate::testing::{Mutator, collect, hands};
 use thenar::model::Side;
-use thenar_scene::live::LivePose;
+use thenar_track::live::LivePose;
 
 const MS: u64 = 1_000_000;
 

@@ -13,7 +13,7 @@
 use super::{POINTS, WEBXR_OF_POINT, in_reach};
 use thenar::model::Side;
 use thenar::{Mat3, Pose, Quat, Vec3};
-use thenar_scene::live::LivePose;
+use thenar_track::live::LivePose;
 
 /// Axes of the fingers' hinges in the palm's frame of a right hand, thumb first. A left hand's are
 /// the mirror images: y and z change sign.

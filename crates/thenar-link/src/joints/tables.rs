@@ -1,5 +1,5 @@
 //! Which joint of another order is which of ours. Ours is that of WebXR Hand Input
-//! ([`TRACKED_JOINTS`](thenar_scene::motion::TRACKED_JOINTS)).
+//! ([`TRACKED_JOINTS`](thenar_track::TRACKED_JOINTS)).
 
 use thenar::Vec3;
 
@@ -34,7 +34,7 @@ pub fn webxr_of_mediapipe(landmark: &Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use thenar_scene::motion::TRACKED_JOINTS;
+    use thenar_track::TRACKED_JOINTS;
 
     /// The streamer's names, from its documentation, and OpenXR's, from the standard, both with
     /// the words that differ between vocabularies replaced.

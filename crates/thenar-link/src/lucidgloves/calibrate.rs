@@ -5,7 +5,7 @@ use super::{LucidGlovesDriver, SHIPPED};
 use crate::calibration::{Calibrate, Fitted, Prompt};
 use crate::profile::{Address, load};
 use crate::{Driver, LinkError, Opened};
-use thenar_scene::motion::ANGLES;
+use thenar_track::ANGLES;
 use toml::Value;
 
 /// A sensor must change by so much between the two.

@@ -3,9 +3,9 @@
 use super::encoding::State;
 use crate::profile::{Check, DigitAngles, Display, Hand, Link, Tracking, Wrist};
 use serde::{Deserialize, Serialize};
-use thenar::haptic::servo_stop;
 use thenar::model::Side;
-use thenar_scene::motion::ANGLES;
+use thenar_touch::servo_stop;
+use thenar_track::ANGLES;
 
 /// What is shipped.
 pub const SHIPPED: &str = include_str!("../../profiles/lucidgloves.toml");

@@ -15,7 +15,7 @@ use crate::lines::Lines;
 use crate::{Event, HandOutput, HandSample, Protocol};
 use std::sync::Arc;
 use thenar::model::Side;
-use thenar_scene::live::LivePose;
+use thenar_track::live::LivePose;
 
 /// Longest line of any firmware seen is 75 bytes; per-joint curls may double that.
 const LINE_MAX: usize = 300;

@@ -16,7 +16,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use thenar::model::Side;
 use thenar::{Pose, Vec3};
-use thenar_scene::live::LivePose;
+use thenar_track::live::LivePose;
 
 /// Shipped profile.
 const SHIPPED: &str = include_str!("../../profiles/openxr.toml");

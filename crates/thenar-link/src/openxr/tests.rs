@@ -137,7 +137,7 @@ fn numbers_that_are_none_are_refused() {
         for event in collect(&mut protocol, 1, &[&mutator.damage(&good)]) {
             refused += u32::from(matches!(event, Event::Refused(_)));
             if let Event::Sample(HandSample { pose: Some(pose), .. }) = event {
-                assert!(thenar_scene::live::checked(0.0, &pose).is_ok());
+                assert!(thenar_track::live::checked(0.0, &pose).is_ok());
             }
         }
     }

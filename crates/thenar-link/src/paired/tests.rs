@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::{Arc, Mutex};
 use thenar::{Quat, Vec3};
-use thenar_scene::motion::ANGLES;
+use thenar_track::ANGLES;
 
 const SIDE: Side = Side::Right;
 

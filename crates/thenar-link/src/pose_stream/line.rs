@@ -8,9 +8,9 @@ use serde::Deserialize;
 use std::fmt::Write;
 use thenar::model::Side;
 use thenar::{Pose, Vec3};
-use thenar_scene::live::LivePose;
-use thenar_scene::motion::TRACKED_JOINTS;
-use thenar_scene::text::plain;
+use thenar_input::plain;
+use thenar_track::TRACKED_JOINTS;
+use thenar_track::live::LivePose;
 
 /// Nothing of a hand is thicker \[m\].
 const RADIUS_MAX: f64 = 0.5;

@@ -18,8 +18,8 @@ pub use line::{Line, Order, natural_order, write};
 
 use crate::lines::{Lines, Shown};
 use crate::rate::Rate;
-use crate::source_clock::SourceClock;
 use crate::{Event, HandSample, Protocol};
+use thenar_track::source_clock::SourceClock;
 
 /// UDP port unless another is chosen.
 pub const UDP_PORT: u16 = 9010;

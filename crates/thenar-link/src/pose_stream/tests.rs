@@ -6,7 +6,7 @@ use crate::joints::WEBXR_OF_POINT;
 use crate::testing::{Mutator, collect, hands};
 use thenar::Pose;
 use thenar::model::Side;
-use thenar_scene::live::{LivePose, checked};
+use thenar_track::live::{LivePose, checked};
 
 const MS: u64 = 1_000_000;
 
@@ -75,7 +75,7 @@ fn recordings_are_streams() {
                 _ => None,
             })
             .collect();
-        let recording = thenar_scene::motion::Recording::open(std::path::Path::new(file)).unwrap();
+        let recording = thenar_track::Recording::open(std::path::Path::new(file)).unwrap();
         let want = recording.hand(side);
         assert_eq!(got.len(), want.len());
         count += got.len();
@@ -92,7 +92,7 @@ fn recordings_are_streams() {
 
 #[test]
 fn the_order_of_joints_is_that_of_the_header() {
-    let mut names = thenar_scene::motion::TRACKED_JOINTS;
+    let mut names = thenar_track::TRACKED_JOINTS;
     names.swap(0, 24);
     let header = serde_json::json!({
         "format": "hand-joints-jsonl", "version": 1, "quat": "x,y,z,w", "joints": names,

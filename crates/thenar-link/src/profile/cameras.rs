@@ -4,8 +4,8 @@ use super::{Address, Check, Tracking, load};
 use crate::LinkError;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
-use thenar::haptic::TrackerTiming;
 use thenar::model::Side;
+use thenar_touch::TrackerTiming;
 
 /// Shipped profile of poses from the page.
 const PAGE: &str = include_str!("../../profiles/page.toml");

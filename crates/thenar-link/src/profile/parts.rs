@@ -2,10 +2,10 @@
 
 use crate::joints::in_reach;
 use serde::{Deserialize, Serialize};
-use thenar::haptic::safety::Limits;
-use thenar::haptic::{LoopProfile, TrackerTiming};
 use thenar::model::Side;
 use thenar::{Pose, Quat, Vec3};
+use thenar_touch::safety::Limits;
+use thenar_touch::{LoopProfile, TrackerTiming};
 
 type Refusal = (String, String);
 
@@ -215,6 +215,6 @@ impl Display {
 }
 
 /// Angles of one digit in the order of
-/// [`hand_angles`](thenar_scene::motion::hand_angles): flexion and spread of its base joint, then
+/// [`hand_angles`](thenar_track::hand_angles): flexion and spread of its base joint, then
 /// flexion of its second and third joint.
 pub type DigitAngles = [f64; 4];

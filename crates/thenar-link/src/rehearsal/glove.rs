@@ -4,9 +4,9 @@ use crate::worker::Door;
 use crate::{ForceDisplay, HandOutput, HandSample, Rendering, Tracker};
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use thenar::haptic::safety::Limits;
-use thenar::haptic::{LoopProfile, TrackerTiming};
 use thenar::model::Side;
+use thenar_touch::safety::Limits;
+use thenar_touch::{LoopProfile, TrackerTiming};
 
 /// What both ends share.
 struct Line {

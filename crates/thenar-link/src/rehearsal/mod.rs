@@ -16,14 +16,14 @@ mod wearer;
 
 pub use wearer::{Finger, Flow, Human};
 
-use crate::haptic_loop::{LoopMode, ManualLoop, PortError, Settings};
-use crate::{DIGITS, HandSample, LinkError};
+use crate::haptic_loop::{LoopError, LoopMode, ManualLoop, PortError, Settings};
+use crate::{DIGITS, HandSample};
 use glove::{Ends, LateTracker};
-use thenar::haptic::TrackerTiming;
-use thenar::haptic::safety::{Limits, Status};
 use thenar::model::Side;
-use thenar_scene::live::{LiveError, LivePose};
 use thenar_scene::session::{Random, Session};
+use thenar_touch::TrackerTiming;
+use thenar_touch::safety::{Limits, Status};
+use thenar_track::live::{LiveError, LivePose};
 use wearer::Hand;
 
 /// Length of a tick \[ns\].
@@ -81,7 +81,7 @@ pub enum RehearsalError {
     Live(#[from] LiveError),
     /// The loop cannot be made.
     #[error(transparent)]
-    Link(#[from] LinkError),
+    Loop(#[from] LoopError),
 }
 
 /// Figures of a finger at the end of a rehearsal.

@@ -1,13 +1,13 @@
 //! A hand whose fingers give way: each a mass on a spring and a damper, which its command holds.
 
 use crate::DIGITS;
-use thenar::haptic::Pad;
 use thenar::model::{Digit, HandModel};
 use thenar::world::Target;
 use thenar::{Mat3, Vec3};
-use thenar_scene::live::{LiveError, LiveHand, LivePose};
 use thenar_scene::motion::HandMotion;
 use thenar_scene::session::Session;
+use thenar_touch::Pad;
+use thenar_track::live::{LiveError, LiveHand, LivePose};
 
 /// Mass \[kg\], damping \[N s/m\] and stiffness \[N/m\] at a fingertip.
 #[derive(Clone, Copy, Debug, PartialEq)]

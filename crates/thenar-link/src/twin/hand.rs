@@ -57,7 +57,7 @@ pub fn joints(side: Side, wrist: Pose, curls: [f64; 5]) -> [Pose; 25] {
 mod tests {
     use super::*;
     use crate::joints::{WEBXR_OF_POINT, rebuild};
-    use thenar_scene::live::checked;
+    use thenar_track::live::checked;
 
     /// What other parts of the program say of such hands: they are sound, flex by what they were curled,
     /// and their points alone give a hand again.
@@ -68,7 +68,7 @@ mod tests {
             for curl in [0.0, 0.3, 1.0] {
                 let hand = joints(side, wrist, [curl; 5]);
                 let radii = [0.01; 25];
-                let pose = thenar_scene::live::LivePose::Joints { joints: hand, radii };
+                let pose = thenar_track::live::LivePose::Joints { joints: hand, radii };
                 checked(0.0, &pose).unwrap();
                 assert!(rebuild(side, &WEBXR_OF_POINT.map(|j| hand[j].position)).is_ok());
                 // The middle finger's bones.

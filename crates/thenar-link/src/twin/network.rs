@@ -15,7 +15,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 use thenar::model::Side;
 use thenar::{Pose, Vec3};
-use thenar_scene::live::LivePose;
+use thenar_track::live::LivePose;
 use tungstenite::{Message, WebSocket};
 
 /// Between two looks of a device at its socket, and two states of an arm.

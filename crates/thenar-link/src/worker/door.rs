@@ -8,8 +8,8 @@
 use super::handles::slot;
 use crate::{DigitOutput, HandOutput};
 use thenar::Vec3;
-use thenar::haptic::safety::Limits;
 use thenar::model::Side;
+use thenar_touch::safety::Limits;
 
 /// Stands before one device.
 #[derive(Clone, Debug)]

@@ -6,9 +6,9 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-use thenar::haptic::safety::Limits;
-use thenar::haptic::{LoopProfile, TrackerTiming};
 use thenar::model::Side;
+use thenar_touch::safety::Limits;
+use thenar_touch::{LoopProfile, TrackerTiming};
 use triple_buffer::{Input, Output};
 
 /// Index of a side's slot.

@@ -32,11 +32,11 @@ use messages::Messages;
 use run::{Ends, Worker};
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, TryLockError, Weak};
+use std::sync::{Arc, Mutex, Weak};
 use std::time::{Duration, Instant};
-use thenar::haptic::safety::Limits;
-use thenar::haptic::{LoopProfile, TrackerTiming};
 use thenar::model::Side;
+use thenar_touch::safety::Limits;
+use thenar_touch::{LoopProfile, TrackerTiming, lock_soon};
 use triple_buffer::triple_buffer;
 
 /// Without a new output for so long, the hand is released \[ns\].
@@ -190,19 +190,6 @@ impl Shared {
 fn all() -> &'static Mutex<Vec<Weak<Shared>>> {
     static ALL: Mutex<Vec<Weak<Shared>>> = Mutex::new(Vec::new());
     &ALL
-}
-
-/// What others hold for a moment at most, in ways out that must not wait for ever: `None` when this
-/// very thread holds it, as in a panic hook. A panic elsewhere while it was held does no harm to it.
-pub(crate) fn lock_soon<T>(what: &Mutex<T>) -> Option<MutexGuard<'_, T>> {
-    for _ in 0..100 {
-        match what.try_lock() {
-            Ok(held) => return Some(held),
-            Err(TryLockError::Poisoned(poisoned)) => return Some(poisoned.into_inner()),
-            Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_micros(200)),
-        }
-    }
-    None
 }
 
 /// Releases every hand and ends every device's thread, for ways out that drop nothing: a signal, a

@@ -12,9 +12,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
-use thenar::haptic::safety::Limits;
 use thenar::model::Side;
-use thenar_scene::live::checked;
+use thenar_touch::safety::Limits;
+use thenar_track::live::checked;
 use triple_buffer::{Input, Output};
 
 /// The thread's ends of the slots: left, right.

@@ -5,8 +5,8 @@ use crate::{Event, ForceDisplay, HandOutput, HandSample, Tracker, now_ns};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use thenar::Pose;
 use thenar::Vec3;
-use thenar_scene::live::LivePose;
-use thenar_scene::motion::ANGLES;
+use thenar_track::ANGLES;
+use thenar_track::live::LivePose;
 
 /// Longest that anything may take on a busy machine before a test gives up.
 const PATIENCE: Duration = Duration::from_secs(20);

@@ -6,7 +6,7 @@ use crate::conformance::{self, Bench, wait};
 use thenar::model::Side;
 use thenar_link::cyberglove::{ClassicTwin, CyberGlove3Driver, CyberGloveDriver, ThirdTwin};
 use thenar_link::twin::Twin;
-use thenar_scene::motion::ANGLES;
+use thenar_track::ANGLES;
 
 /// Fingers bend by 80, 95 and 55 degrees, the thumb by 15, 45 and 60 and spreads by 5 to 22.
 fn expected_22(curls: [f64; 5]) -> [f64; ANGLES] {

@@ -11,7 +11,7 @@ use thenar::Vec3;
 use thenar::model::Side;
 use thenar_link::twin::{SIMULATIONS, Simulation};
 use thenar_link::{Driver, HandOutput, LinkError, Opened, drivers, now_ns};
-use thenar_scene::live::checked;
+use thenar_track::live::checked;
 
 /// How a driver is tried.
 struct Stand {

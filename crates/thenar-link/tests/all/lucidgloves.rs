@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use thenar::model::Side;
 use thenar_link::lucidgloves::{LucidGlovesDriver, LucidGlovesTwin};
 use thenar_link::twin::Twin;
-use thenar_scene::motion::ANGLES;
+use thenar_track::ANGLES;
 
 /// The shipped profile: fingers from flat to 80, 95, 55 degrees; the thumb from 0, 5, 0, 0 to
 /// 15, 22, 45, 60 (flexion, spread, second and third joint).

@@ -14,8 +14,8 @@ use thenar_link::force_device::twin::SimulatedArm;
 use thenar_link::hand_tracking_streamer::{Points, twin};
 use thenar_link::haptic_loop::{ManualLoop, Settings};
 use thenar_link::{HandOutput, Opened, now_ns, pose_stream};
-use thenar_scene::live::LivePose;
-use thenar_scene::motion::Recording;
+use thenar_track::Recording;
+use thenar_track::live::LivePose;
 use tungstenite::{Message, WebSocket};
 
 const SILENT: &str = "is connected but says nothing: is it switched on";

@@ -25,8 +25,8 @@ use thenar_link::lucidgloves::{self, LucidGloves, LucidGlovesTwin};
 use thenar_link::profile::{Address, load};
 use thenar_link::twin::Twin;
 use thenar_link::{Event, Protocol, pose_stream};
-use thenar_scene::live::LivePose;
-use thenar_scene::motion::Recording;
+use thenar_track::Recording;
+use thenar_track::live::LivePose;
 
 /// A protocol and a stream of good packets, ten or, of the long ones, three, the first of them another
 /// hand's than the others.

@@ -11,8 +11,8 @@ use thenar::{Pose, Vec3};
 use thenar_link::force_device::twin::SimulatedArm;
 use thenar_link::hand_tracking_streamer::{Points, twin};
 use thenar_link::{DigitOutput, HandOutput, Opened, Tracker, now_ns, pose_stream};
-use thenar_scene::live::LivePose;
-use thenar_scene::motion::Recording;
+use thenar_track::Recording;
+use thenar_track::live::LivePose;
 use tungstenite::{Message, WebSocket};
 
 /// Longest that anything may take on a busy machine.

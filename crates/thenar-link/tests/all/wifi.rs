@@ -15,7 +15,7 @@ use thenar::{Pose, Vec3};
 use thenar_link::lucidgloves::LucidGlovesTwin;
 use thenar_link::twin::Twin;
 use thenar_link::{HandOutput, Opened, now_ns, pose_stream};
-use thenar_scene::live::LivePose;
+use thenar_track::live::LivePose;
 
 fn free_port() -> u16 {
     UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port()

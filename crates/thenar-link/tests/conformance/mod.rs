@@ -12,8 +12,8 @@ use thenar::model::Side;
 use thenar_link::twin::PtyTwin;
 use thenar_link::twin::Twin;
 use thenar_link::{Driver, ForceDisplay, HandOutput, Tracker, now_ns};
-use thenar_scene::live::LivePose;
-use thenar_scene::motion::ANGLES;
+use thenar_track::ANGLES;
+use thenar_track::live::LivePose;
 
 /// Longest that anything may take on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(30);

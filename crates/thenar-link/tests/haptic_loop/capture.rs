@@ -4,14 +4,14 @@
 use crate::rig::{MS, devices, limits, session};
 use std::path::Path;
 use std::sync::{Arc, Mutex};
-use thenar::haptic::safety::Status;
 use thenar::model::Side;
 use thenar::{Pose, Quat, Vec3};
 use thenar_link::haptic_loop::{LoopMode, ManualLoop, Settings};
 use thenar_link::{HandOutput, HandSample, Rendering, Tracker};
-use thenar_scene::live::LivePose;
-use thenar_scene::motion::{Recording, TrackedSample};
 use thenar_scene::session::Random;
+use thenar_touch::safety::Status;
+use thenar_track::live::LivePose;
+use thenar_track::{Recording, TrackedSample};
 
 /// The left hand can touch itself; the right one is bones alone, which is quicker.
 const SCENE: &str = "version = 1

@@ -6,8 +6,8 @@ use std::f64::consts::FRAC_PI_2;
 use thenar::{Pose, Vec3};
 use thenar_link::Rendering;
 use thenar_link::haptic_loop::{LoopMode, Settings};
-use thenar_scene::live::LivePose;
 use thenar_scene::tuning::SettingValue;
+use thenar_track::live::LivePose;
 
 const MODES: [LoopMode; 3] = [LoopMode::Shared, LoopMode::SingleRate, LoopMode::Multirate];
 

@@ -4,8 +4,8 @@ use crate::rig::{MS, PRESS, Rig, blocked, check_outputs, limits};
 use thenar::{Pose, Quat, Vec3};
 use thenar_link::Rendering;
 use thenar_link::haptic_loop::{LoopMode, Settings};
-use thenar_scene::live::LivePose;
 use thenar_scene::session::Random;
+use thenar_track::live::LivePose;
 
 fn pressing() -> Rig {
     let mut rig = Rig::new(&blocked(), Rendering::Tendons);

@@ -3,11 +3,11 @@
 
 use crate::rig::{MS, PRESS, Rig, SCENE};
 use std::path::PathBuf;
-use thenar::haptic::safety::Status;
 use thenar_link::Rendering;
 use thenar_link::haptic_loop::incident::{Incident, IncidentError, Input, VERSION, replay};
 use thenar_link::haptic_loop::{LoopMode, Settings, TickRecord};
-use thenar_scene::live::LivePose;
+use thenar_touch::safety::Status;
+use thenar_track::live::LivePose;
 
 /// A hand with flesh, so that frames respond.
 const FLESH: &str = "version = 1\ntime_step = 0.01\n[[hand]]\npreset = \"paper\"\nname = \"hand\"\n\
@@ -130,7 +130,7 @@ fn what_is_not_the_same_is_noticed() {
     let late = differs(&|incident| {
         for input in &mut incident.inputs {
             if let Input::Sample(_, stated) = input {
-                *stated = Some(thenar::haptic::TrackerTiming::HEADSET);
+                *stated = Some(thenar_touch::TrackerTiming::HEADSET);
             }
         }
     });

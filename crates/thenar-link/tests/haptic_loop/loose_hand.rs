@@ -2,9 +2,9 @@
 //! dies out, and it is given no energy.
 
 use crate::rig::session;
-use thenar::haptic::TrackerTiming;
 use thenar_link::haptic_loop::LoopMode;
 use thenar_link::rehearsal::{Human, Outcome, Rehearsal};
+use thenar_touch::TrackerTiming;
 
 const BREAD: &str = include_str!("../../../../scenes/bread-grasp.toml");
 const CAR: &str = include_str!("../../../../scenes/car-grasp.toml");

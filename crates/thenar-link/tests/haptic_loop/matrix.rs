@@ -6,10 +6,10 @@
 
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use thenar::haptic::TrackerTiming;
 use thenar_link::haptic_loop::LoopMode;
 use thenar_link::rehearsal::{Human, Outcome, Rehearsal};
 use thenar_scene::session::Session;
+use thenar_touch::TrackerTiming;
 
 /// With the time at which the hand holds or presses.
 const SCENES: [(&str, &str, f64); 3] = [
@@ -110,18 +110,42 @@ fn every_hand_comes_to_rest() {
 /// after the push the sway falls by e^(-6/4), and neither mode nor rule has a part in it.
 #[test]
 fn a_heavy_loose_hand_decays_as_it_does_by_itself() {
-    let small = ["hand.hand.preset=paper", "hand.hand.tets=200"].map(str::to_owned);
-    let swayed = [3.0, 9.0].map(|after| {
-        let (_, text, until) = SCENES[0];
-        let session = Session::from_text(text, Path::new("test.toml"), &small).expect("a scene");
-        let human = Human { mass: 2.0, damping: 1.0, stiffness: 50.0 };
-        let tracker = TrackerTiming { rate: 120.0, latency: 0.0, noise: 0.0 };
-        let (mode, grip, press) = (LoopMode::Shared, Some(1.0), 0.01);
-        let what = Rehearsal { human, tracker, mode, grip, until, press, after };
-        let worst = what.run(session).expect("a hand that presses").worst();
-        println!("{after} s: {worst:?}");
-        worst.motion_rms
-    });
+    let swayed = [3.0, 9.0].map(|after| heavy(after).1.worst().motion_rms);
     let (falls, own) = (swayed[1] / swayed[0], (-6.0_f64 / 4.0).exp());
     assert!((falls / own).ln().abs() < 0.3, "to {falls} of {swayed:?}, by itself to {own}");
+}
+
+/// 2 kg, 1 N s/m and 50 N/m, pressed on a table and looked at for the second that ends so long after the push \[s\].
+fn heavy(after: f64) -> (Rehearsal, Outcome) {
+    let small = ["hand.hand.preset=paper", "hand.hand.tets=200"].map(str::to_owned);
+    let (_, text, until) = SCENES[0];
+    let session = Session::from_text(text, Path::new("test.toml"), &small).expect("a scene");
+    let human = Human { mass: 2.0, damping: 1.0, stiffness: 50.0 };
+    let tracker = TrackerTiming { rate: 120.0, latency: 0.0, noise: 0.0 };
+    let (mode, grip, press) = (LoopMode::Shared, Some(1.0), 0.01);
+    let what = Rehearsal { human, tracker, mode, grip, until, press, after };
+    let out = what.run(session).expect("a hand that presses");
+    println!("{after} s: {:?}", out.worst());
+    (what, out)
+}
+
+/// How long a hand sways by itself \[s\]: until the sway that contact, which takes it away by F/k, and the push, by v₀/ω,
+/// begin falls by e^(-t b/2m) to a tenth of a millimetre.
+fn own_decay(human: &Human, force: f64) -> f64 {
+    let Human { mass, damping, stiffness } = *human;
+    let start = force / stiffness + 0.5 * 0.05 / (mass * stiffness).sqrt();
+    2.0 * mass / damping * (start / 1e-4).ln()
+}
+
+/// Given as long as its own damping takes, and two seconds, the same hand is still: 0.1 mm and 20 mN rms, 0.1 mJ a second.
+#[test]
+fn a_heavy_loose_hand_is_still_after_its_own_decay() {
+    let (what, first) = heavy(1.0);
+    let wait = own_decay(&what.human, first.worst().mean);
+    assert!((10.0..40.0).contains(&wait), "{wait} s");
+    let (_, out) = heavy(wait + 2.0);
+    let worst = out.worst();
+    assert!(out.trips.is_empty() && out.live && worst.mean > 0.02, "{:?} {worst:?}", out.trips);
+    assert!(worst.motion_rms < 1e-4 && worst.rms < 0.02, "{worst:?} after {wait} s");
+    assert!(worst.given < 1e-4, "{worst:?}");
 }

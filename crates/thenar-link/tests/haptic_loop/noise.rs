@@ -6,8 +6,8 @@ use std::f64::consts::TAU;
 use thenar::{Pose, Quat, Vec3};
 use thenar_link::Rendering;
 use thenar_link::haptic_loop::{LoopMode, Settings};
-use thenar_scene::live::LivePose;
 use thenar_scene::session::Random;
+use thenar_track::live::LivePose;
 
 /// Fingers on a table, of the paper's hand, which is quick.
 const TABLE: &str = include_str!("../../../../scenes/table-press.toml");

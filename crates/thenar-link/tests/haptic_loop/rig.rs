@@ -3,14 +3,14 @@
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 use thenar::Pose;
-use thenar::haptic::LoopProfile;
-use thenar::haptic::safety::Limits;
 use thenar::model::Side;
 use thenar_link::haptic_loop::{LoopMode, ManualLoop, Settings, SimulationPort};
 use thenar_link::{ForceDisplay, HandOutput, HandSample, Rendering, Tracker};
-use thenar_scene::live::LivePose;
-use thenar_scene::motion::ANGLES;
 use thenar_scene::session::Session;
+use thenar_touch::LoopProfile;
+use thenar_touch::safety::Limits;
+use thenar_track::ANGLES;
+use thenar_track::live::LivePose;
 
 pub const MS: u64 = 1_000_000;
 

@@ -1,9 +1,9 @@
 //! The loop on a made-up clock: arming, a slow and a stalled simulation.
 
 use crate::rig::{MS, PRESS, Rig, check_outputs};
-use thenar::haptic::safety::Limits;
 use thenar_link::Rendering;
 use thenar_link::haptic_loop::{LoopMode, Settings};
+use thenar_touch::safety::Limits;
 
 fn settings(mode: LoopMode) -> Settings {
     Settings { mode, grip: None, ..Settings::default() }
@@ -49,7 +49,7 @@ fn a_blocked_finger_is_felt_as_the_springs_in_series() {
     });
     let drive = rig.session.world().desc().drives[7].unwrap();
     let device = Settings::default().design.device_stiffness;
-    let series = thenar::haptic::series_stiffness(device, drive.stiffness);
+    let series = thenar_touch::series_stiffness(device, drive.stiffness);
     let way = blocked.position - tip.position;
     let want = series * way.dot(&tip.vector(&thenar::Vec3::y()));
     let got = rig.index_force();

@@ -6,11 +6,11 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use thenar::Pose;
-use thenar::haptic::safety::Limits;
 use thenar_link::haptic_loop::{HapticLoop, Remote, Settings, State};
 use thenar_link::{Rendering, now_ns};
-use thenar_scene::live::LivePose;
-use thenar_scene::motion::ANGLES;
+use thenar_touch::safety::Limits;
+use thenar_track::ANGLES;
+use thenar_track::live::LivePose;
 
 /// Longest that anything may take on a busy machine before a test gives up.
 const PATIENCE: Duration = Duration::from_secs(30);

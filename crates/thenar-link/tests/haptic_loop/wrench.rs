@@ -1,12 +1,12 @@
 //! A display of one point: force and torque, each behind its guard, and no weight of the hand.
 
 use crate::rig::{MS, Rig, SCENE, blocked, limits, torque_limits};
-use thenar::haptic::safety::{Limits, Status};
 use thenar::{Pose, Quat, Vec3};
 use thenar_link::haptic_loop::{LoopMode, Settings};
 use thenar_link::{HandOutput, Rendering};
-use thenar_scene::live::LivePose;
 use thenar_scene::session::Random;
+use thenar_touch::safety::{Limits, Status};
+use thenar_track::live::LivePose;
 
 fn say(rig: &Rig, wrist: Pose) {
     let LivePose::Angles { angles, .. } = rig.pose(0.0) else { unreachable!() };
@@ -49,7 +49,7 @@ fn a_blocked_palm_is_twisted_back_within_the_torque_limits() {
     let drive = rig.session.world().desc().drives[0].unwrap();
     let design = Settings::default().design;
     let device = design.device_stiffness * design.lever * design.lever;
-    let series = thenar::haptic::series_stiffness(device, drive.angular_stiffness);
+    let series = thenar_touch::series_stiffness(device, drive.angular_stiffness);
     assert!((wanted.y / (-0.2 * series) - 1.0).abs() < 0.02, "{wanted} N m, {series} N m/rad");
     let sent = rig.wearer.last().torque_W;
     let most = torque_limits().force_max();

@@ -8,8 +8,8 @@ use crate::format::{
 };
 use crate::math::Pose;
 use crate::motion::{
-    HandMotion, JointKey, Key, Keyframes, KeyframesDesc, LimitPolicy, MotionError, Preset,
-    Recorded, RecordedDesc, Recording, WristKey,
+    FitError, HandMotion, JointKey, Key, Keyframes, KeyframesDesc, LimitPolicy, MotionError,
+    Preset, Recorded, RecordedDesc, Recording, WristKey,
 };
 use crate::text::{At, Fault, nearest};
 use std::collections::BTreeMap;
@@ -53,9 +53,9 @@ fn recorded(
 ) -> Result<HandMotion, Fault> {
     let recording = Recording::open(&assets::path(files, file))
         .map_err(|e| file.fault(MotionError::from(e).to_string()))?;
-    let problem = |e: MotionError| match e {
+    let problem = |e: FitError| match e {
         // The recording's, not the scene's.
-        MotionError::NoHand { .. } => format!("{}: {e}", assets::path(files, file).display()),
+        FitError::NoHand { .. } => format!("{}: {e}", assets::path(files, file).display()),
         other => other.to_string(),
     };
     Recorded::new(desc, &recording, hand)

@@ -20,14 +20,13 @@ mod desc;
 
 pub use desc::{JointKey, Key, KeyframesDesc, LimitPolicy, WristKey};
 
-use super::anatomy::Anatomy;
-use super::articulation::Articulation;
 use super::error::MotionError;
 use super::interpolate::{RotationTrack, ScalarTrack, VectorTrack};
 use compile::{check_times, joint_tracks, wrist_tracks};
 use thenar::model::HandModel;
 use thenar::world::Target;
 use thenar::{Pose, Vec3};
+use thenar_track::{Anatomy, Articulation};
 
 /// A keyframed motion made ready for one hand.
 #[derive(Clone, Debug)]

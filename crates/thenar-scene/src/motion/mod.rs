@@ -4,39 +4,27 @@
 //! limits, always finite, and consistent (the velocity is the derivative of the pose). Nothing
 //! here reads a clock or allocates once a motion is made.
 
-mod anatomy;
-mod angles;
-mod articulation;
-mod calibration;
 mod error;
-pub(crate) mod filter;
 mod interpolate;
 mod keyframes;
 mod preset;
-mod recorded;
-mod recording;
-mod retarget;
 
 #[cfg(test)]
+#[allow(dead_code)] // the tests of tracking use all of it
+#[path = "../../../thenar-track/src/fixture.rs"]
 pub(crate) mod fixture;
 #[cfg(test)]
+#[path = "../../../thenar-track/src/mutate.rs"]
 mod mutate;
-#[cfg(test)]
-pub(crate) mod tracker;
 
-pub use anatomy::{Anatomy, JointRole};
-pub use angles::{ANGLES, AngleRange, hand_angles};
-pub use articulation::Articulation;
-pub use calibration::{BoneLengths, Knuckles};
 pub use error::MotionError;
 pub use keyframes::{JointKey, Key, Keyframes, KeyframesDesc, LimitPolicy, WristKey};
 pub use preset::Preset;
-pub use recorded::{Recorded, RecordedDesc, Tracking};
-pub use recording::{
-    LINE_BYTES_MAX, RECORDING_BYTES_MAX, Recording, RecordingError, TRACKED_JOINTS, TrackedSample,
-    mirrored,
+pub use thenar_track::{
+    ANGLES, Anatomy, AngleRange, Articulation, BoneLengths, FitError, JointRole, Knuckles,
+    LINE_BYTES_MAX, RECORDING_BYTES_MAX, Recorded, RecordedDesc, Recording, RecordingError,
+    Retarget, TRACKED_JOINTS, TrackedSample, Tracking, hand_angles, mirrored, size_ratio,
 };
-pub use retarget::{Retarget, size_ratio};
 
 use thenar::Pose;
 use thenar::world::Target;

@@ -4,7 +4,7 @@ use crate::build::{Built, BuiltHand, Follow};
 use crate::live::{LiveError, LiveHand};
 use std::ops::Range;
 use thenar::World;
-use thenar::haptic::SlowToFast;
+use thenar::condensed::SlowToFast;
 use thenar::kinematics::velocity_between;
 use thenar::math::Vec3;
 use thenar::model::RigidDesc;

@@ -1,6 +1,7 @@
 //! A running scene: its drivers and loads fill the input of each step, its probes read the state.
 
 mod drive;
+mod felt;
 mod figures;
 mod grip;
 mod keep_up;
@@ -12,7 +13,6 @@ mod memory;
 mod open;
 mod overlap;
 mod probe;
-mod random;
 mod replay;
 mod source;
 mod summary;
@@ -31,11 +31,11 @@ pub use memory::{Memory, MemoryRef};
 pub use open::{read, read_scene};
 pub use overlap::StartOverlap;
 pub use probe::{Column, Probes};
-pub use random::{Random, random_at};
 pub use source::Source;
 pub use summary::Summary;
 pub use table::{TableFormat, TableWriter};
 pub use taken_back::TakenBack;
+pub use thenar::random::{Random, random_at};
 pub use witness::{Entry, Witness};
 
 use crate::build::{Built, BuiltHand, Mesh, RigidLook, SoftBuild};
@@ -47,7 +47,7 @@ use crate::tuning::Tuning;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::PathBuf;
-use thenar::haptic::SlowToFast;
+use thenar::condensed::SlowToFast;
 use thenar::world::{Input, StageTimer, StepReport, Target};
 use thenar::{Pose, World};
 

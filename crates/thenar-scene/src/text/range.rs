@@ -3,6 +3,7 @@
 use crate::session::FORCE_MAX;
 use thenar::model::OGDEN_ALPHA;
 use thenar::world::GRAVITY_MAX;
+use thenar_input::plain;
 use thenar_rig::hand::{DETAILS, LENGTHS};
 
 /// An interval of admissible numbers. Numbers must be finite in any case.
@@ -141,14 +142,5 @@ impl Range {
             }
             (true, true) => format!(" from {} to {}", plain(min), plain(max)),
         }
-    }
-}
-
-/// Small and large numbers in powers of ten, others as they are.
-pub fn plain(x: f64) -> String {
-    if x.is_finite() && x != 0.0 && !(1e-3..1e5).contains(&x.abs()) {
-        format!("{x:e}")
-    } else {
-        format!("{x}")
     }
 }

@@ -12,14 +12,15 @@ mod study;
 pub use study::{Comparison, Study, compare, lead};
 
 use crate::session::Session;
-use thenar::haptic::{
+use thenar::model::SolverKind;
+use thenar::world::{Input, ModelError};
+use thenar::{Pose, Vec3, World};
+use thenar_touch::sampled::Sampled;
+use thenar_touch::{
     CouplingDesign, FastToSlow, Felt, FeltBounds, FreeHand, HandReport, HandSettings, HapticHand,
     LoopProfile, Mode, Observation, Pad, PadReading, Prediction, ProxyError, RigidState,
     SingleRate, SingleRateSettings, SlowToFast, Touch, series_drive, series_stiffness,
 };
-use thenar::model::SolverKind;
-use thenar::world::{Input, ModelError};
-use thenar::{Pose, Vec3, World};
 
 /// Length of a haptic tick \[ns\].
 pub const TICK_NS: u64 = 1_000_000;
@@ -82,7 +83,7 @@ pub enum TouchError {
 
 /// A hand of a scene, felt in simulated time.
 pub struct Rehearsal {
-    touch: Box<dyn Touch>,
+    touch: Sampled<dyn Touch>,
     felt: Felt,
     /// None in single-rate, where it is within `touch`.
     slow: Option<Slow>,
@@ -170,7 +171,7 @@ impl Rehearsal {
         Ok(Self {
             back: FastToSlow::new(&start),
             readings: vec![none; pads.len()],
-            touch,
+            touch: Sampled::new(touch),
             felt,
             slow,
             frame,
@@ -184,7 +185,16 @@ impl Rehearsal {
         self.tick * TICK_NS
     }
 
-    /// A sample of the tracker, taken now.
+    /// Where a bone of the hand is in the tick that comes, as the loop leads it: observed before.
+    pub fn lead(&mut self, bone: usize, state: RigidState) {
+        let time_ns = (self.tick + 1) * TICK_NS;
+        self.touch.lead(bone, state);
+        if bone == 0 {
+            self.felt.hear(time_ns, time_ns, None);
+        }
+    }
+
+    /// A sample of a tracker, taken now, which nobody has observed before.
     pub fn track(&mut self, bone: usize, pose_WB: Pose, velocity: Option<[Vec3; 2]>) {
         // It is known in the tick that comes.
         let time_ns = (self.tick + 1) * TICK_NS;
@@ -206,7 +216,7 @@ impl Rehearsal {
         self.touch.publish(now, &mut self.back);
         self.felt.step(report.step, |bone, observed| self.touch.added_delay(bone, observed));
         for (pad, reading) in self.pads.iter_mut().zip(&mut self.readings) {
-            *reading = pad.read(&*self.touch, report.step);
+            *reading = pad.read(&self.touch, report.step);
             let part = self.felt.part(pad.bone);
             reading.force_W *= part;
             reading.pad_force *= part;
@@ -231,7 +241,7 @@ impl Rehearsal {
 
     /// The hand at the haptic rate: what it would have the wearer feel before that is bounded.
     pub fn touch(&self) -> &dyn Touch {
-        &*self.touch
+        &self.touch
     }
 
     /// The simulation.

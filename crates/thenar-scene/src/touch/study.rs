@@ -3,9 +3,9 @@
 use super::{Rehearsal, TouchError, TouchMode, TouchSettings};
 use crate::session::Session;
 use std::f64::consts::TAU;
-use thenar::haptic::{CouplingDesign, Prediction, RigidState};
 use thenar::world::Target;
 use thenar::{Pose, Vec3};
+use thenar_touch::{CouplingDesign, Prediction, RigidState};
 
 /// A hand that is led to and fro along one direction, from where its motion begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,8 +90,9 @@ pub fn lead(
         let depth = 0.5 * length * (1.0 - phase.cos());
         let speed = 0.5 * length * phase.sin() * TAU * study.frequency;
         for (bone, state) in start.iter().enumerate() {
-            let pose = Pose::new(state.position + unit * depth, state.rotation);
-            chain.track(bone, pose, Some([unit * speed, Vec3::zeros()]));
+            let pose_WB = Pose::new(state.position + unit * depth, state.rotation);
+            let velocity_W = unit * speed;
+            chain.lead(bone, RigidState { velocity_W, ..RigidState::at_rest(pose_WB) });
         }
         chain.tick(false);
         if ms < study.settle {

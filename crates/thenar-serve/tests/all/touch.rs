@@ -7,13 +7,13 @@ use serde_json::Value;
 use std::net::TcpStream;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
-use thenar::haptic::safety::Limits;
-use thenar::haptic::{LoopProfile, TrackerTiming};
 use thenar_link::haptic_loop::{HapticLoop, Remote, Settings, State, page_tracker};
 use thenar_link::{ForceDisplay, HandOutput, Rendering};
 use thenar_serve::http::{self, Port, Reach, Server};
 use thenar_serve::hub::{ClientId, Hub};
 use thenar_serve::live::{Haptics, Live, Options, SceneSource};
+use thenar_touch::safety::Limits;
+use thenar_touch::{LoopProfile, TrackerTiming};
 use tokio_tungstenite::tungstenite::{Message, WebSocket, client};
 
 const PATIENCE: Duration = Duration::from_secs(30);

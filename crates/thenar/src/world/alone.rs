@@ -212,7 +212,8 @@ mod tests {
         desc.drives[1] = Some(drive);
         let mut whole = World::new(desc).unwrap();
         let mut input = whole.input();
-        let target = crate::haptic::RigidState::at_rest(Pose::translation(1.0, 0.1, 0.0)).target();
+        let target =
+            crate::condensed::RigidState::at_rest(Pose::translation(1.0, 0.1, 0.0)).target();
         input.targets[1] = Some(target);
         whole.step(&input, &mut ());
         let mut alone = whole.alone(1..2).unwrap();

@@ -1,13 +1,12 @@
 //! The response that touch works on between two frames: how the bones of a hand and its contacts
-//! answer about the state after a step (`haptic::shared`).
+//! answer about the state after a step ([`condensed`](crate::condensed)).
 //!
 //! The bones answer as they would at rest, so the system is assembled anew for a step that is long
 //! beside all damping. What hangs on no drive and on no bones, an object, would not come to rest in
 //! the hand's motion alone: it has its inertia over one time step, and goes on for as long at its velocity.
 
+use crate::condensed::{CondensedContact, RigidState, SlowToFast};
 use crate::contact::Site;
-use crate::haptic::shared::CondensedContact;
-use crate::haptic::{RigidState, SlowToFast};
 use crate::math::{Mat3, Vec3};
 use crate::model::{Drive, Limits, WorldDesc};
 use crate::solver::TURN_LEVER;
@@ -35,9 +34,9 @@ impl World {
     /// hand's among the rigid bodies. The caller sets time and step. Costs an assembly and a factor;
     /// changes nothing that is simulated, allocates nothing.
     ///
-    /// Returns whether there is a response. There is none, and the haptic loop goes on as in
-    /// [`Mode::Multirate`](crate::haptic::Mode), with another solver than the exact one, when
-    /// the system cannot be factored, or when the frame is for another number of bones.
+    /// Returns whether there is a response. There is none, and a haptic loop goes on as in multirate,
+    /// with another solver than the exact one, when the system cannot be factored, or when the frame
+    /// is for another number of bones.
     pub fn condense(&mut self, bones: Range<u32>, input: &Input, to: &mut SlowToFast) -> bool {
         to.response.clear();
         let bones = bones.start as usize..(bones.end as usize).min(self.model.rigids.len());

@@ -6,7 +6,6 @@
 mod common;
 mod contact;
 mod flesh;
-mod haptic;
 mod skeleton;
 mod solver;
 mod world;

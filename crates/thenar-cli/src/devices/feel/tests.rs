@@ -4,10 +4,10 @@
 use super::*;
 use std::sync::{Arc, Mutex};
 use thenar::Pose;
-use thenar::haptic::LoopProfile;
 use thenar_link::HandSample;
 use thenar_scene::live::LivePose;
 use thenar_scene::motion::ANGLES;
+use thenar_touch::LoopProfile;
 
 const MS: u64 = 1_000_000;
 

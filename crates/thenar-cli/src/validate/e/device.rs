@@ -2,9 +2,9 @@
 
 use crate::validate::case::{Basis, CaseError, Check, Figure};
 use crate::validate::run::Solver;
-use thenar::haptic::safety::{Guard, Limits, Signal};
-use thenar::haptic::{CYBERGRASP_FORCE_MAX, tendon_pull};
 use thenar_scene::session::Random;
+use thenar_touch::safety::{Guard, Limits, Signal};
+use thenar_touch::{CYBERGRASP_FORCE_MAX, tendon_pull};
 
 /// Ticks of 1 ms.
 const TICKS: u64 = 20_000;

@@ -3,10 +3,10 @@
 use super::refused;
 use crate::validate::case::{Basis, CaseError, Check, Figure};
 use crate::validate::run::Solver;
-use thenar::haptic::{
+use thenar::{Mat3, Pose};
+use thenar_touch::{
     CouplingDesign, HandSettings, HapticHand, RigidState, SlowToFast, Touch, series_stiffness,
 };
-use thenar::{Mat3, Pose};
 
 /// The glove moves on by 1, 3 and 10 mm, the bone is blocked: force over displacement at rest.
 pub fn stiffness(_: Solver) -> Result<Vec<Figure>, CaseError> {
@@ -42,7 +42,7 @@ fn force_at_rest(design: &CouplingDesign, displacement: f64) -> Result<f64, Case
     for tick in 1..=2000u64 {
         let now_ns = tick * 1_000_000;
         let there = displacement * (tick as f64 / 500.0).min(1.0);
-        hand.track(0, now_ns, Pose::translation(there, 0.0, 0.0), None);
+        hand.lead(0, RigidState::at_rest(Pose::translation(there, 0.0, 0.0)));
         frame.time_ns = now_ns;
         hand.tick(now_ns, &frame);
     }

@@ -3,7 +3,7 @@
 
 use super::*;
 use std::path::Path;
-use thenar_scene::motion::{Recording, TrackedSample};
+use thenar_track::{Recording, TrackedSample};
 
 /// What was lost on the way: worst and mean angle of finger bones, of thumb bones and of the
 /// wrist \[degrees\], mean distance of metacarpal bases \[m\].
@@ -98,7 +98,7 @@ fn frames_come_back_on_a_real_capture() {
 /// A mirrored hand gives mirrored frames, a moved one moved frames, and a larger one thicker.
 #[test]
 fn hands_may_be_anywhere_and_on_either_side() {
-    use thenar_scene::motion::mirrored;
+    use thenar_track::mirrored;
     let sample = &hands().hand(Side::Left)[0].joints.map(|joint| joint);
     let points = WEBXR_OF_POINT.map(|joint| sample[joint].position);
     let joints = |side, points: &[Vec3; POINTS]| match rebuild(side, points).unwrap() {

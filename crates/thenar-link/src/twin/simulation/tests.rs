@@ -7,7 +7,7 @@ use std::net::UdpSocket;
 use std::time::{Duration, Instant};
 use thenar::Vec3;
 use thenar::model::Side;
-use thenar_scene::live::LivePose;
+use thenar_track::live::LivePose;
 
 /// A number that changes as the hand closes.
 fn shape(pose: &LivePose) -> f64 {

@@ -1,13 +1,12 @@
 //! From keys to curves.
 
 use super::desc::{JointKey, Key, KeyframesDesc, LimitPolicy, WristKey};
-use crate::motion::anatomy::{Anatomy, JointRole};
-use crate::motion::articulation::Articulation;
 use crate::motion::error::MotionError;
 use crate::motion::interpolate::{RotationTrack, ScalarTrack, VectorTrack};
 use crate::motion::preset::Preset;
 use thenar::model::HandModel;
 use thenar::{Mat3, Pose, Quat, Vec3};
+use thenar_track::{Anatomy, Articulation, JointRole};
 
 fn bad_key(k: usize, key: &Key, cause: String) -> MotionError {
     MotionError::Key { number: k + 1, time: key.time, cause }

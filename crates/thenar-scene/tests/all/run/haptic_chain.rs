@@ -4,14 +4,14 @@
 
 use std::f64::consts::TAU;
 use std::path::Path;
-use thenar::haptic::safety::{Guard, Limits, Signal, Status};
-use thenar::haptic::{BLEND, CouplingDesign, GRIP, Pad, Prediction};
 use thenar::math::rotation_vector;
 use thenar::model::Digit;
 use thenar::world::Target;
 use thenar::{Pose, Quat, Vec3};
 use thenar_scene::session::{Random, Session};
 use thenar_scene::touch::{Comparison, Rehearsal, Study, TouchMode, TouchSettings, compare, lead};
+use thenar_touch::safety::{Guard, Limits, Signal, Status};
+use thenar_touch::{BLEND, CouplingDesign, GRIP, Pad, Prediction};
 
 /// Fingertips a few millimetres above a table.
 const OVER_A_TABLE: &str = include_str!("../../../../../scenes/validation/e09-press.toml");

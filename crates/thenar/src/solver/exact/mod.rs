@@ -43,7 +43,7 @@ mod respond;
 mod small_cholesky;
 mod substitution;
 mod symbolic;
-pub(super) mod vectors;
+pub(crate) mod vectors;
 mod wide_cholesky;
 
 pub use free_motion::Before;

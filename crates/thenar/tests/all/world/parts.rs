@@ -3,7 +3,7 @@
 //! as steps of their own, bit by bit; scenes where nothing is to be divided.
 
 use crate::common::body;
-use thenar::haptic::{RigidState, SlowToFast};
+use thenar::condensed::{RigidState, SlowToFast};
 use thenar::model::{Drive, Motion, SolverKind, WorldDesc};
 use thenar::shape::Shape;
 use thenar::world::{Input, Target};

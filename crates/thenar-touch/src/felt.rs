@@ -1,0 +1,224 @@
+//! How stiff a hand is felt: as its couplings are, and no stiffer than the delay of this tracker, these frames and this
+//! display bears in a loose grip.
+
+use crate::{DelayMeter, LoopProfile, MARGIN, Observation, TrackerTiming};
+
+/// How fast what is felt of a hand grows when delays become less, per second: twice as much within a second.
+const GROWS: f64 = 0.7;
+/// How fast it falls when they become more, per second: half as much within a quarter of a second.
+const FALLS: f64 = 2.8;
+
+/// Growth begins at so much \[N/m\], which the rule allows a loose grip behind almost a second: from nothing it would never
+/// begin.
+const LEAST: f64 = 1.0;
+
+/// What bounds the stiffness that is felt.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct FeltBounds {
+    /// Damping of the loosest grip \[N s/m\]; `None` bounds nothing.
+    pub grip: Option<f64>,
+    /// The loop and the slowest of its displays.
+    pub profile: LoopProfile,
+    /// What stands between the tracker's samples and the hand.
+    pub observation: Observation,
+}
+
+/// Stiffness that one hand is felt with, by what its trackers and its frames do.
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+pub struct Felt {
+    bounds: FeltBounds,
+    /// What each blocked bone is felt like through its couplings alone \[N/m\].
+    couplings: Vec<f64>,
+    meter: DelayMeter,
+    stated: Option<TrackerTiming>,
+    /// What observation and frames add to the delay of each bone \[s\].
+    added: Vec<f64>,
+    /// The present tracker was heard, and what is felt follows it from there.
+    heard: bool,
+    /// Stiffness that may be felt \[N/m\]; infinite before the first sample.
+    most: Vec<f64>,
+}
+
+impl Felt {
+    /// A hand whose tracker is not known yet.
+    pub fn new(bounds: FeltBounds, couplings: Vec<f64>) -> Self {
+        let (meter, stated) = Default::default();
+        let (added, most) = (vec![0.0; couplings.len()], vec![f64::INFINITY; couplings.len()]);
+        Self { bounds, couplings, meter, stated, added, heard: false, most }
+    }
+
+    /// A sample measured at `time_ns` came at `now_ns`, from a tracker that states this of itself.
+    pub fn hear(&mut self, time_ns: u64, now_ns: u64, stated: Option<TrackerTiming>) {
+        self.meter.take(time_ns, now_ns);
+        self.stated = stated;
+    }
+
+    /// Another tracker moves the hand.
+    pub fn forget(&mut self) {
+        (self.meter, self.heard) = (DelayMeter::default(), false);
+    }
+
+    /// How late the wearer's motion is seen, and answered by what is sent \[s\].
+    pub fn seen_late(&self) -> f64 {
+        self.bounds.profile.delay + self.meter.delay(self.stated.as_ref())
+    }
+
+    /// From motion to the force on a bone, observation and frames included \[s\].
+    pub fn delay(&self, bone: usize) -> f64 {
+        self.profile(bone).delay
+    }
+
+    fn profile(&self, bone: usize) -> LoopProfile {
+        let added = self.added.get(bone).copied().unwrap_or(0.0);
+        self.bounds.profile.later(self.meter.delay(self.stated.as_ref()) + added)
+    }
+
+    /// Goes on by `h` \[s\]: what may be felt follows the delay, without a step. `added` is what frames add to each bone's
+    /// on top of, or instead of, what observation adds \[s\]: see [`Touch::added_delay`](crate::Touch::added_delay).
+    pub fn step(&mut self, h: f64, added: impl Fn(usize, f64) -> f64) {
+        let observed = self.bounds.observation.adds(self.meter.delay(self.stated.as_ref()));
+        let (grows, falls) = ((GROWS * h).exp(), (-FALLS * h).exp());
+        for bone in 0..self.couplings.len() {
+            self.added[bone] = added(bone, observed);
+            let Some(grip) = self.bounds.grip else { continue };
+            let bound = MARGIN * self.profile(bone).felt_stiffness_max(grip);
+            // A delay that is no number bears nothing, until there is one.
+            let bound = if bound.is_nan() { 0.0 } else { bound };
+            let most = self.most[bone];
+            self.most[bone] = if self.heard && most.is_finite() {
+                bound.clamp(most * falls, (most * grows).max(LEAST))
+            } else {
+                bound
+            };
+        }
+        self.heard |= self.stated.is_some() || self.meter != DelayMeter::default();
+    }
+
+    /// Part of a bone's force that is felt.
+    pub fn part(&self, bone: usize) -> f64 {
+        let coupling = self.couplings.get(bone).copied().unwrap_or(0.0);
+        let most = self.most.get(bone).copied().unwrap_or(f64::INFINITY);
+        if coupling > most { most / coupling } else { 1.0 }
+    }
+
+    /// Stiffness of a bone, blocked, as it is felt \[N/m\].
+    pub fn stiffness(&self, bone: usize) -> f64 {
+        let most = self.most.get(bone).copied().unwrap_or(f64::INFINITY);
+        self.couplings.get(bone).copied().unwrap_or(0.0).min(most)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bounds(grip: Option<f64>) -> FeltBounds {
+        let [delay, damping, friction, resolution] = [0.0; 4];
+        let rated_stiffness = f64::INFINITY;
+        let profile =
+            LoopProfile { period: 1e-3, delay, damping, friction, resolution, rated_stiffness };
+        FeltBounds { grip, profile, observation: Observation { adds: 0.01, makes_up: 0.3 } }
+    }
+
+    /// 90 Hz and 40 ms late: within 80 and 100 % of `b / (T/2 + t_d)` with all of the delay, and softer couplings as
+    /// they are. A tracker that becomes faster is felt stiffer little by little.
+    #[test]
+    fn stiffness_is_cut_to_the_rule() {
+        let mut felt = Felt::new(bounds(Some(1.0)), vec![400.0, 3.0]);
+        for k in 0..300_u64 {
+            let time_ns = k * 1_000_000_000 / 90;
+            felt.hear(time_ns, time_ns + 40_000_000, None);
+            (0..11).for_each(|_| felt.step(1e-3, |_, observed| observed + 6e-3));
+        }
+        // Observation makes up for so late a tracker, and adds nothing.
+        let delay = 0.04 + 0.5 / 90.0 + 6e-3;
+        assert!((felt.delay(0) - delay).abs() < 1e-5);
+        let rule = 1.0 / (0.5e-3 + delay);
+        assert!((0.8 * rule..=rule).contains(&felt.stiffness(0)), "{} N/m", felt.stiffness(0));
+        assert!((felt.part(0) * 400.0 - felt.stiffness(0)).abs() < 1e-9);
+        assert_eq!((felt.part(1), felt.stiffness(1)), (1.0, 3.0));
+        let mut before = felt.part(0);
+        for k in 0..6000_u64 {
+            let time_ns = 9_000_000_000 + k * 1_000_000;
+            felt.hear(time_ns, time_ns, None);
+            felt.step(1e-3, |_, observed| observed + 6e-3);
+            assert!(felt.part(0) - before <= 1e-3 * felt.part(0));
+            before = felt.part(0);
+        }
+        assert!(felt.stiffness(0) > 2.0 * rule);
+        // To one at once nearly all of its 10 ms.
+        assert!((felt.delay(0) - 0.5e-3 - (0.01 - 0.3 * 0.5e-3) - 6e-3).abs() < 1e-5);
+        let mut all = Felt::new(bounds(None), vec![400.0]);
+        all.hear(0, 40_000_000, Some(TrackerTiming::HEADSET));
+        all.step(1e-3, |_, _| 0.1);
+        assert_eq!(all.part(0), 1.0);
+    }
+
+    /// The guards' account meets motion as it is seen with what was sent: frames and observation are in the delay that
+    /// bounds stiffness, and not in that.
+    #[test]
+    fn guards_do_not_reckon_with_frames() {
+        let mut felt = Felt::new(bounds(Some(1.0)), vec![400.0]);
+        felt.hear(0, 0, Some(TrackerTiming { rate: 100.0, latency: 0.01, noise: 0.0 }));
+        felt.step(1e-3, |_, observed| observed + 0.05);
+        assert!((felt.seen_late() - 0.015).abs() < 1e-12, "{} s", felt.seen_late());
+        assert!((felt.delay(0) - (0.015 + 0.01 - 0.3 * 0.015 + 0.05)).abs() < 1e-12);
+    }
+
+    /// Nobody was tracked for a while: what is felt begins as the first tracker's delay has it, not from what no delay
+    /// would allow; and likewise for the next tracker of the hand.
+    #[test]
+    fn what_is_felt_begins_with_the_trackers_delay() {
+        let mut felt = Felt::new(bounds(Some(1.0)), vec![400.0]);
+        (0..500).for_each(|_| felt.step(1e-3, |_, _| 6e-3));
+        for timing in [TrackerTiming::HEADSET, TrackerTiming::GLOVE, TrackerTiming::HEADSET] {
+            felt.forget();
+            felt.hear(0, 0, Some(timing));
+            felt.step(1e-3, |_, _| 6e-3);
+            let most = MARGIN / (0.5e-3 + timing.delay() + 6e-3);
+            assert!((felt.stiffness(0) - most).abs() < 1e-9, "{} of {most} N/m", felt.stiffness(0));
+        }
+    }
+
+    /// A profile that states no number for a delay, or for a rate, is felt with nothing.
+    #[test]
+    fn a_delay_that_is_no_number_bears_nothing() {
+        let mut bounds = bounds(Some(1.0));
+        let mut felt = Felt::new(bounds, vec![400.0]);
+        felt.hear(0, 0, Some(TrackerTiming { rate: 0.0, latency: 0.0, noise: 0.0 }));
+        felt.step(1e-3, |_, _| 6e-3);
+        assert_eq!(felt.part(0), 0.0);
+        // Once there is a delay, it is felt again.
+        felt.hear(10_000_000, 10_000_000, Some(TrackerTiming::GLOVE));
+        (0..6000).for_each(|_| felt.step(1e-3, |_, _| 6e-3));
+        let most = MARGIN / (0.5e-3 + TrackerTiming::GLOVE.delay() + 6e-3);
+        assert!((felt.stiffness(0) / most - 1.0).abs() < 1e-9, "{} N/m", felt.stiffness(0));
+        bounds.profile.delay = f64::NAN;
+        let mut felt = Felt::new(bounds, vec![400.0]);
+        felt.hear(0, 0, Some(TrackerTiming::GLOVE));
+        felt.step(1e-3, |_, _| 6e-3);
+        assert_eq!(felt.part(0), 0.0);
+        let nonsense = TrackerTiming { latency: f64::NAN, ..TrackerTiming::GLOVE };
+        assert_eq!(DelayMeter::default().delay(Some(&nonsense)), f64::INFINITY);
+    }
+
+    /// A simulation that falls from 100 to 20 frames a second is felt as much softer within half a second, and each
+    /// bone by its own delay.
+    #[test]
+    fn frames_that_become_late_are_felt_softer_at_once() {
+        let mut felt = Felt::new(bounds(Some(1.0)), vec![400.0, 400.0]);
+        let late = |bone: usize, slow: bool| [6e-3, 0.1][usize::from(slow)] * [1.0, 2.0][bone];
+        felt.hear(0, 0, Some(TrackerTiming { rate: 100.0, latency: 0.0, noise: 0.0 }));
+        (0..100).for_each(|_| felt.step(1e-3, |bone, _| late(bone, false)));
+        let most = |delay: f64| MARGIN / (0.5e-3 + 5e-3 + delay);
+        assert!((felt.stiffness(0) - most(6e-3)).abs() < 1e-9);
+        assert!((felt.stiffness(1) - most(12e-3)).abs() < 1e-9);
+        for _ in 0..800 {
+            let before = felt.stiffness(0);
+            felt.step(1e-3, |bone, _| late(bone, true));
+            assert!(felt.stiffness(0) >= before * (1.0 - 3e-3), "a step from {before} N/m");
+        }
+        assert!((felt.stiffness(0) - most(0.1)).abs() < 1e-9, "{} N/m", felt.stiffness(0));
+        assert!((felt.delay(1) - 0.205).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,365 @@
+//! One tick of the haptic loop for a whole hand: newest samples in, forces on the wearer out.
+
+use crate::empty_air::Held;
+use crate::late_frames::{of_multirate, of_shared_constraints};
+use crate::led_hand::LedHand;
+use crate::shared::{Resolution, SharedConstraints};
+use crate::smooth::Smooth;
+use crate::{
+    BLEND, DelayMeter, FastToSlow, Prediction, Proxies, Proxy, ProxyError, ProxyReport, RigidState,
+    SlowToFast, Touch, seconds_between,
+};
+use thenar::math::{Vec3, rotation_vector};
+use thenar::world::StepReport;
+
+/// What stands in for the simulated bones between two frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum Mode {
+    /// The frame's bones, carried forward by their velocity (the paper).
+    Multirate,
+    /// The frame's condensed response, contact resolved every tick; frames without one as
+    /// `Multirate`.
+    SharedConstraints,
+}
+
+/// How a hand is predicted and resolved.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct HandSettings {
+    /// Between simulation frames.
+    pub mode: Mode,
+    /// Between frames, in `Multirate`.
+    pub simulation: Prediction,
+    /// A tick longer than this is stepped as if it were this long \[s\].
+    pub step_max: f64,
+    /// Contact forces are resolved to this \[N\] ...
+    pub force_tolerance: f64,
+    /// ... or for so many sweeps.
+    pub sweeps_max: u32,
+}
+
+impl Default for HandSettings {
+    fn default() -> Self {
+        Self {
+            mode: Mode::Multirate,
+            simulation: Prediction::SIMULATION,
+            step_max: 0.02,
+            force_tolerance: 1e-3,
+            sweeps_max: 20,
+        }
+    }
+}
+
+/// Part of the masses that proxies keep with shared constraints. There bones follow their proxies without
+/// any mass, so that their couplings damp nothing in free air, and a proxy of a palm's mass would ring on the
+/// device coupling.
+const LIGHT: f64 = 0.01;
+/// So far bones are always carried on \[s\]: no more than the proxies lag.
+const ALWAYS: f64 = 0.004;
+/// A frame that is older than this part of a period when it arrives is late.
+const LATE: f64 = 0.75;
+
+/// What one tick did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HandReport {
+    /// Length of the step \[s\]; zero when the clock did not advance.
+    pub step: f64,
+    /// Age of the oldest tracked pose \[s\]; infinite when a bone was never tracked.
+    pub tracking_age: f64,
+    /// Age of the simulation frame \[s\].
+    pub simulation_age: f64,
+    /// The proxies.
+    pub proxies: ProxyReport,
+    /// Contact, with shared constraints.
+    pub contact: Resolution,
+    /// The simulation's own step, in single-rate.
+    pub world: Option<StepReport>,
+}
+
+/// The hand in empty air, whose couplings' forces are not felt.
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+struct Free {
+    proxies: Proxies,
+    shared: SharedConstraints,
+    bones: Vec<RigidState>,
+    /// How far contact held each bone when that was last known.
+    held: Vec<Option<Held>>,
+}
+
+/// A hand at the device's rate.
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+pub struct HapticHand {
+    settings: HandSettings,
+    hand: LedHand,
+    proxies: Proxies,
+    shared: SharedConstraints,
+    /// Step of the frame that `shared` works on.
+    shared_step: Option<u64>,
+    /// Step and time of the newest frame.
+    newest: Option<(u64, u64)>,
+    /// How often frames come and how old they are, the last that was heard, and whether it has a response that is used.
+    frames: DelayMeter,
+    frame_heard: Option<u64>,
+    responds: bool,
+    /// The newest frame's bones, at velocities that are believed.
+    carried: Vec<RigidState>,
+    /// Periods that bones may be carried on when frames come late.
+    periods_when_late: f64,
+    /// Simulated bones are carried on for as long as this, slowing down \[s\].
+    reach: f64,
+    /// Simulated ends of the couplings in this tick.
+    bones: Vec<RigidState>,
+    /// What this hand does in empty air.
+    free: Free,
+    /// What contact does to the wearer, smooth from frame to frame.
+    smooth: Smooth,
+    /// What of it the wearer feels.
+    wrenches: Vec<[Vec3; 2]>,
+    /// Parts of the device couplings' forces and torques that are shown.
+    shown: Vec<[f64; 2]>,
+    ticks: u64,
+}
+
+impl HapticHand {
+    /// A hand whose proxies start at `start`, for frames with up to `contacts_max` contacts.
+    pub fn new(
+        settings: HandSettings,
+        proxies: Vec<Proxy>,
+        start: &[RigidState],
+        contacts_max: usize,
+    ) -> Result<Self, ProxyError> {
+        let n = proxies.len();
+        let least_stable = proxies.iter().map(|proxy| {
+            let (device, bone) = (proxy.device.stiffness, proxy.bone.stiffness);
+            if bone > 0.0 { 0.5 * device / bone } else { 1.0 }
+        });
+        // Half of what would just be stable.
+        let periods_when_late = 0.5 * least_stable.fold(1.0, f64::min);
+        let mut proxies = proxies;
+        if settings.mode == Mode::SharedConstraints {
+            proxies.iter_mut().for_each(|proxy| *proxy = proxy.lighter(LIGHT));
+        }
+        let proxies = Proxies::new(proxies, start)?;
+        let free = Free {
+            proxies: proxies.clone(),
+            shared: SharedConstraints::in_empty_air(n, contacts_max),
+            bones: proxies.states().to_vec(),
+            held: vec![None; n],
+        };
+        Ok(Self {
+            free,
+            settings,
+            hand: LedHand::new(proxies.states()),
+            shared: SharedConstraints::new(n, contacts_max),
+            shared_step: None,
+            newest: None,
+            frames: DelayMeter::of_frames(),
+            frame_heard: None,
+            responds: false,
+            carried: proxies.states().to_vec(),
+            reach: 0.0,
+            periods_when_late,
+            bones: proxies.states().to_vec(),
+            smooth: Smooth::new(n),
+            wrenches: vec![[Vec3::zeros(); 2]; n],
+            shown: vec![[1.0; 2]; n],
+            proxies,
+            ticks: 0,
+        })
+    }
+
+    /// Shows only these parts of a bone's force and torque to the wearer, 0 to 1.
+    pub fn show(&mut self, bone: usize, parts: [f64; 2]) {
+        self.shown[bone] = parts;
+    }
+
+    /// The simulated bones now.
+    fn place_bones(&mut self, frame: &SlowToFast, age: f64, h: f64) -> Resolution {
+        let response = &frame.response;
+        self.responds = self.settings.mode == Mode::SharedConstraints && response.is_ready();
+        if self.responds {
+            if self.shared_step != Some(frame.step) {
+                self.shared.begin(response);
+                self.free.shared.begin(response);
+                self.shared_step = Some(frame.step);
+            }
+            // Nobody leads a bone that was never tracked: its proxy is where the frame has it.
+            for (i, of_frame) in frame.bones.iter().enumerate() {
+                if !self.hand.is_known(i) {
+                    self.proxies.place(i, RigidState::at_rest(of_frame.pose_WB));
+                    self.free.proxies.place(i, RigidState::at_rest(of_frame.pose_WB));
+                }
+            }
+            let (tolerance, sweeps) = (self.settings.force_tolerance, self.settings.sweeps_max);
+            let states = self.proxies.states();
+            let resolution = self.shared.resolve(response, states, h, tolerance, sweeps);
+            let free = &mut self.free;
+            free.shared.resolve(response, free.proxies.states(), h, tolerance, sweeps);
+            for (i, of_frame) in frame.bones.iter().enumerate() {
+                // Resolved for where the proxies were; their step asks for its end.
+                let at_end = |shared: &SharedConstraints| {
+                    let resolved = shared.bone(i, of_frame);
+                    RigidState { pose_WB: resolved.pose_after(h), ..resolved }
+                };
+                let [bone, free_bone] = if self.hand.is_known(i) {
+                    [at_end(&self.shared), at_end(&free.shared)]
+                } else {
+                    [*of_frame; 2]
+                };
+                (self.bones[i], free.bones[i]) = (bone, free_bone);
+                free.held[i] = Some(Held::between(&bone, &free_bone));
+            }
+            return resolution;
+        }
+        if self.newest.is_none_or(|(step, _)| step != frame.step) {
+            self.take_frame(frame, age);
+        }
+        // The horizon is held for as long again, at half the speed.
+        let horizon = (self.reach / 1.5).max(ALWAYS).min(self.settings.simulation.horizon);
+        let prediction = Prediction { horizon, ..self.settings.simulation };
+        let states = self.carried.iter().zip(&frame.bones);
+        for (bone, (carried, of_frame)) in self.bones.iter_mut().zip(states) {
+            *bone = prediction.at(&RigidState { pose_WB: of_frame.pose_WB, ..*carried }, age);
+        }
+        self.place_free();
+        Resolution::default()
+    }
+
+    /// The bones of the hand in empty air between two frames: as far from the simulated ones as contact held them
+    /// in the frame, so that what is felt comes with frames. Where that was never known, all is felt: that hand is
+    /// wherever its wearer is.
+    fn place_free(&mut self) {
+        let Free { bones, held, .. } = &mut self.free;
+        for (i, held) in held.iter().enumerate() {
+            bones[i] = held.map_or(self.hand.states()[i], |held| held.let_go(&self.bones[i]));
+        }
+    }
+
+    /// The couplings' forces and torques on the wearer, less what they are in empty air.
+    fn feel(&mut self, h: f64, step: u64) {
+        let free = &self.free;
+        self.smooth.begin(h, step);
+        for i in 0..self.wrenches.len() {
+            let known = free.held[i].is_some();
+            let own = if known { free.proxies.device_wrenches()[i] } else { [Vec3::zeros(); 2] };
+            let told = self.proxies.device_wrenches()[i];
+            // Where the hand sets out anew nothing of before goes on.
+            let anew = self.hand.has_set_out(i);
+            let felt = self.smooth.take(i, [told[0] - own[0], told[1] - own[1]], anew);
+            let [force, torque] = self.shown[i];
+            self.wrenches[i] = [felt[0] * force, felt[1] * torque];
+        }
+    }
+
+    /// Bones go on at their velocities, but not faster than they went from frame to frame (a
+    /// simulation slower than real time moves less than its velocities say), and not far: what the simulation sees of
+    /// its own motion comes back to it through the proxies, later, and must come back smaller. With r the part of the
+    /// bone coupling in the proxies' stiffness and bones carried on by e periods, one step answers the last with r
+    /// ((1 + e) b₁ - e b₀): stable up to e = 1 when frames arrive within their period. When they arrive later, and
+    /// the answer is two steps old, r (1 + 2 e) < 1 is.
+    fn take_frame(&mut self, frame: &SlowToFast, age: f64) {
+        let period = self.newest.map_or(0.0, |(_, before)| seconds_between(before, frame.time_ns));
+        let both = self.carried.iter_mut().zip(&frame.bones);
+        both.for_each(|(carried, bone)| believe(carried, bone, period));
+        let held = &mut self.free.held;
+        if frame.free.is_empty() {
+            // A frame that tells of no hand in empty air: all is felt, as before there were any.
+            held.fill(None);
+        }
+        for (held, (bone, free)) in held.iter_mut().zip(frame.bones.iter().zip(&frame.free)) {
+            *held = Some(Held::between(bone, free));
+        }
+        let most = if age < LATE * period { 1.0 } else { self.periods_when_late };
+        self.reach = period.max(0.0) * most;
+        self.newest = Some((frame.step, frame.time_ns));
+    }
+
+    /// The proxies and their forces.
+    pub fn proxies(&self) -> &Proxies {
+        &self.proxies
+    }
+}
+
+/// Takes over a bone of the frame that came `period` \[s\] after the one before.
+fn believe(carried: &mut RigidState, bone: &RigidState, period: f64) {
+    let before = carried.pose_WB;
+    *carried = RigidState::at_rest(bone.pose_WB);
+    if period > 0.0 {
+        let turn = bone.pose_WB.rotation * before.rotation.inverse();
+        let went = (bone.pose_WB.position - before.position).norm() / period;
+        let turned = rotation_vector(&turn).norm() / period;
+        carried.velocity_W = at_most(&bone.velocity_W, went);
+        carried.angular_velocity_W = at_most(&bone.angular_velocity_W, turned);
+    }
+}
+
+/// A velocity of no more than this size.
+fn at_most(v: &Vec3, size: f64) -> Vec3 {
+    let norm = v.norm();
+    // NaN stays, and is not believed by the prediction.
+    if norm > size { v * (size / norm) } else { *v }
+}
+
+impl Touch for HapticHand {
+    fn lead(&mut self, bone: usize, state: RigidState) {
+        self.hand.lead(bone, state);
+    }
+
+    fn set_out(&mut self, bone: usize) {
+        self.hand.set_out(bone);
+    }
+
+    fn tick(&mut self, now_ns: u64, frame: &SlowToFast) -> HandReport {
+        let h = self.hand.passed(now_ns, self.settings.step_max);
+        let simulation_age = seconds_between(frame.time_ns, now_ns);
+        if self.frame_heard.replace(frame.step) != Some(frame.step) {
+            self.frames.take(frame.time_ns, now_ns);
+        }
+        let contact = self.place_bones(frame, simulation_age, h);
+        let tracking_age = self.hand.place(now_ns, &self.bones);
+        for i in (0..self.bones.len()).filter(|i| self.hand.has_set_out(*i)) {
+            self.proxies.place(i, RigidState::at_rest(self.bones[i].pose_WB));
+            self.free.proxies.place(i, RigidState::at_rest(self.free.bones[i].pose_WB));
+        }
+        let proxies = self.proxies.step(h, self.hand.states(), &self.bones);
+        self.free.proxies.step(h, self.hand.states(), &self.free.bones);
+        self.feel(h, frame.step);
+        self.ticks += 1;
+        HandReport { step: h, tracking_age, simulation_age, proxies, contact, world: None }
+    }
+
+    fn publish(&self, now_ns: u64, to: &mut FastToSlow) {
+        (to.time_ns, to.tick) = (now_ns, self.ticks);
+        to.proxies.copy_from_slice(self.proxies.states());
+        to.free.copy_from_slice(self.free.proxies.states());
+    }
+
+    fn tracked(&self) -> &[RigidState] {
+        self.hand.states()
+    }
+
+    fn jumped(&self, bone: usize) -> bool {
+        self.hand.has_set_out(bone)
+    }
+
+    fn bones(&self) -> &[RigidState] {
+        &self.bones
+    }
+
+    fn added_delay(&self, bone: usize, observed: f64) -> f64 {
+        let Some([period, age]) = self.frames.seen() else { return BLEND.max(observed) };
+        if self.responds {
+            // What listed contacts answer is not late by frames, and what begins with a frame is no sway.
+            of_shared_constraints(period, age).max(observed)
+        } else {
+            of_multirate(&self.proxies.proxies()[bone], period, age) + observed
+        }
+    }
+
+    fn device_wrenches(&self) -> &[[Vec3; 2]] {
+        &self.wrenches
+    }
+
+    fn beside(&self) -> Option<&HapticHand> {
+        Some(self)
+    }
+}

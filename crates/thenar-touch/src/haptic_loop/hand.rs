@@ -1,0 +1,329 @@
+//! One hand in the loop: samples of its tracker in, forces of its couplings out.
+
+mod state;
+
+pub use state::HandState;
+
+use super::exchange::{FastEnds, Frame};
+use crate::{
+    DIGITS, Felt, HandReport, HandSample, PAD_NORMAL_B, Pad, PadReading, RigidState, Touch,
+    TrackerTiming, seconds_between,
+};
+use thenar::math::rotation_vector;
+use thenar::model::{Digit, HandModel, Side};
+use thenar::world::Target;
+use thenar::{Pose, Vec3};
+use thenar_track::live::{LiveHand, Mover};
+
+/// A tick longer than this is taken as if it were this long \[s\].
+const STEP_MAX: f64 = 0.02;
+/// A tracker that has been silent for so long gives way to another of the same hand \[ns\].
+const TRACKER_SILENCE_NS: u64 = 100_000_000;
+
+/// One hand.
+pub struct LoopHand {
+    side: Side,
+    live: LiveHand,
+    touch: Box<dyn Touch + Send>,
+    ends: FastEnds,
+    /// Where `live` wants the bones.
+    targets: Vec<Option<Target>>,
+    pads: [Option<Pad>; DIGITS],
+    readings: [Option<PadReading>; DIGITS],
+    /// How stiff it is felt.
+    felt: Option<Felt>,
+    report: HandReport,
+    last_ns: Option<u64>,
+    beginnings: u64,
+    /// Step of the frame that the hand is on.
+    frame_step: u64,
+    /// Number of the tracker that moves the hand, and when its newest sample came \[ns\].
+    tracker: Option<(usize, u64)>,
+    /// Time of the sample that the last tick took, if it took one \[ns\].
+    fresh_ns: Option<u64>,
+    /// Time of the newest sample that counts as tracking \[ns\].
+    tracked_ns: u64,
+    palm_last: Option<Pose>,
+    /// Linear \[m/s\] and angular \[rad/s\].
+    palm_velocity: [[f64; 3]; 2],
+}
+
+impl LoopHand {
+    /// A hand of this side, built as `model`.
+    pub fn new(
+        side: Side,
+        model: &HandModel,
+        live: LiveHand,
+        touch: Box<dyn Touch + Send>,
+        mut ends: FastEnds,
+    ) -> Self {
+        let mut pads = [None; DIGITS];
+        for pad in Pad::of_hand(model) {
+            if let Some(finger) = Digit::FINGERS.iter().position(|digit| *digit == pad.digit) {
+                pads[finger] = Some(pad);
+            }
+        }
+        let frame = ends.frame.read();
+        let (targets, beginnings) = (frame.targets.clone(), frame.beginnings);
+        let frame_step = frame.bones.step;
+        Self {
+            side,
+            live,
+            touch,
+            ends,
+            targets,
+            pads,
+            readings: [None; DIGITS],
+            felt: None,
+            report: HandReport::default(),
+            last_ns: None,
+            beginnings,
+            frame_step,
+            tracker: None,
+            fresh_ns: None,
+            tracked_ns: 0,
+            palm_last: None,
+            palm_velocity: [[0.0; 3]; 2],
+        }
+    }
+
+    /// Side of the hand.
+    pub fn side(&self) -> Side {
+        self.side
+    }
+
+    /// Bounds how stiff it is felt.
+    pub fn bound(&mut self, felt: Felt) {
+        self.felt = Some(felt);
+    }
+
+    /// Takes a sample of tracker `tracker`, which states this of itself. See [`LoopHand::take`].
+    pub fn take_timed(
+        &mut self,
+        tracker: usize,
+        sample: &HandSample,
+        now_ns: u64,
+        stated: Option<TrackerTiming>,
+    ) {
+        let before = self.tracker();
+        self.take(tracker, sample, now_ns);
+        if let Some(felt) = self.felt.as_mut().filter(|_| self.fresh_ns == Some(sample.time_ns)) {
+            if before != Some(tracker) {
+                felt.forget();
+            }
+            felt.hear(sample.time_ns, now_ns, stated);
+        }
+    }
+
+    /// Takes a sample of tracker `tracker`. Of two trackers of one hand the one that moves it goes
+    /// on until it has been silent for a while.
+    pub fn take(&mut self, tracker: usize, sample: &HandSample, now_ns: u64) {
+        if let Some((moving, heard_ns)) = self.tracker {
+            let silent = now_ns.saturating_sub(heard_ns) > TRACKER_SILENCE_NS;
+            if moving != tracker && !silent {
+                return;
+            }
+        }
+        let Some(pose) = &sample.pose else {
+            // One that does not see the hand moves it no longer, and keeps no other from it.
+            if self.tracker.is_some_and(|(moving, _)| moving == tracker) {
+                self.live.lose();
+            }
+            return;
+        };
+        self.tracker = Some((tracker, now_ns));
+        if self.live.mover() == Mover::Script {
+            self.targets.copy_from_slice(&self.ends.frame.output_buffer_mut().targets);
+            self.live.restart(&self.targets);
+        }
+        let time = sample.time_ns as f64 * 1e-9;
+        // A pose that is none has been told of by the device; here it only ages.
+        if self.live.pose(time, pose, &self.targets).is_err() || self.live.waits() {
+            return;
+        }
+        self.fresh_ns = Some(sample.time_ns);
+        if !self.live.is_setting_out() {
+            self.tracked_ns = sample.time_ns;
+        }
+    }
+
+    /// Takes the newest simulation frame, and gives its step, if there is one. Begins a tick.
+    pub fn update(&mut self) -> Option<u64> {
+        self.fresh_ns = None;
+        let fresh = self.ends.frame.update();
+        let frame = self.ends.frame.output_buffer_mut();
+        self.frame_step = frame.bones.step;
+        if frame.beginnings != self.beginnings {
+            // The bones are elsewhere: the hand sets out from there, smoothly.
+            self.beginnings = frame.beginnings;
+            self.targets.copy_from_slice(&frame.targets);
+            self.live.restart(&self.targets);
+            (0..self.targets.len()).for_each(|bone| self.touch.set_out(bone));
+        }
+        fresh.then_some(self.frame_step)
+    }
+
+    /// One tick. Allocates nothing.
+    pub fn tick(&mut self, now_ns: u64) {
+        let passed = seconds_between(self.last_ns.unwrap_or(now_ns), now_ns);
+        self.last_ns = Some(now_ns);
+        let h = passed.clamp(0.0, STEP_MAX);
+        let frame = self.ends.frame.output_buffer_mut();
+        let leads = self.live.mover() != Mover::Script;
+        if leads {
+            self.live.step(h, &mut self.targets);
+        } else if self.ends.state.is_some() {
+            // A simulation within the loop follows the script as well.
+            self.targets.copy_from_slice(&frame.targets);
+        }
+        if leads || self.ends.state.is_some() {
+            for (bone, target) in self.targets.iter().enumerate() {
+                if let Some(target) = target {
+                    self.touch.lead(bone, RigidState::from(*target));
+                }
+            }
+        }
+        // What acts in a simulation within the loop, but for this hand.
+        if let (Some(from), Some(input)) = (&mut self.ends.input, self.touch.input_mut())
+            && from.update()
+        {
+            input.copy_from(from.output_buffer_mut());
+        }
+        self.report = self.touch.tick(now_ns, &frame.bones);
+        let lead = self.ends.lead.input_buffer_mut();
+        lead.leads = leads;
+        self.touch.publish(now_ns, &mut lead.proxies);
+        self.ends.lead.publish();
+        self.hand_over_state();
+        // A hand that sets out for where it was found moves by itself: that is not the wearer's speed,
+        // which no guard may stop.
+        let sets_out = leads && self.live.is_setting_out();
+        let (touch, h) = (&*self.touch, self.report.step);
+        if let Some(felt) = &mut self.felt {
+            felt.step(h, |bone, observed| touch.added_delay(bone, observed));
+        }
+        for (pad, reading) in self.pads.iter_mut().zip(&mut self.readings) {
+            *reading = pad.as_mut().map(|pad| pad.read(touch, h));
+            if let (Some(pad), Some(reading), Some(felt)) = (pad, reading.as_mut(), &self.felt) {
+                let part = felt.part(pad.bone);
+                reading.force_W *= part;
+                reading.pad_force *= part;
+            }
+            if let Some(reading) = reading.as_mut().filter(|_| sets_out) {
+                reading.opening_velocity = 0.0;
+            }
+        }
+        self.observe_palm(h, sets_out);
+    }
+
+    fn hand_over_state(&mut self) {
+        let (Some(to), Some(world)) = (&mut self.ends.state, self.touch.world()) else { return };
+        // In every tick: velocities that scripts want of bodies are worked out from it.
+        to.input_buffer_mut().copy_from(world.state());
+        to.publish();
+    }
+
+    fn observe_palm(&mut self, h: f64, sets_out: bool) {
+        let pose = self.touch.tracked()[0].pose_WB;
+        let jumped = sets_out || self.touch.jumped(0);
+        let before = self.palm_last.replace(pose).filter(|_| !jumped).unwrap_or(pose);
+        let ways = [
+            pose.position - before.position,
+            rotation_vector(&(pose.rotation * before.rotation.inverse())),
+        ];
+        self.palm_velocity = ways.map(|way| if h > 0.0 { (way / h).into() } else { [0.0; 3] });
+    }
+
+    /// What each pad feels; `None` for a finger that the hand lacks.
+    pub fn readings(&self) -> &[Option<PadReading>; DIGITS] {
+        &self.readings
+    }
+
+    /// Force \[N\] and torque \[N m\] on the wearer at the palm's centre, world, each with the
+    /// palm's mean velocity in the last tick \[m/s, rad/s\].
+    pub fn palm(&self) -> [([f64; 3], [f64; 3]); 2] {
+        let part = self.felt.as_ref().map_or(1.0, |felt| felt.part(0));
+        let [force, torque] = self.touch.device_wrenches()[0].map(|wrench| wrench * part);
+        let [linear, angular] = self.palm_velocity;
+        [(force.into(), linear), (torque.into(), angular)]
+    }
+
+    /// Into the pad of a finger: the direction in which something presses on it, world.
+    pub fn inward(&self, finger: usize) -> Vec3 {
+        let Some(pad) = &self.pads[finger] else { return Vec3::zeros() };
+        -self.touch.tracked()[pad.bone].pose_WB.vector(&PAD_NORMAL_B)
+    }
+
+    /// How late its motion is seen \[s\], as far as that is known.
+    pub fn seen_late(&self) -> f64 {
+        self.felt.as_ref().map_or(0.0, Felt::seen_late)
+    }
+
+    /// From the motion of the finger that is felt stiffest to the force that answers it \[s\], as far as that is known.
+    pub fn delay(&self) -> f64 {
+        let Some(felt) = &self.felt else { return 0.0 };
+        self.stiffest().map_or(0.0, |bone| felt.delay(bone))
+    }
+
+    /// Stiffest that a blocked finger is felt \[N/m\].
+    pub fn felt_stiffness(&self) -> f64 {
+        let Some(felt) = &self.felt else { return 0.0 };
+        self.stiffest().map_or(0.0, |bone| felt.stiffness(bone))
+    }
+
+    /// The bone of the pad that is felt stiffest when it is blocked.
+    fn stiffest(&self) -> Option<usize> {
+        let felt = self.felt.as_ref()?;
+        let bones = self.pads.iter().flatten().map(|pad| pad.bone);
+        bones.max_by(|a, b| felt.stiffness(*a).total_cmp(&felt.stiffness(*b)))
+    }
+
+    /// How far a finger is closed, 0 to 1.
+    pub fn curl(&self, finger: usize) -> f64 {
+        self.live.curl(finger).unwrap_or(0.0)
+    }
+
+    /// The newest frame.
+    pub fn frame(&mut self) -> &Frame {
+        self.ends.frame.output_buffer_mut()
+    }
+
+    /// When the simulation was last heard \[ns\].
+    pub fn simulated_ns(&mut self) -> u64 {
+        // A simulation within the tick is as new as the tick.
+        match (self.touch.world(), self.last_ns) {
+            (Some(_), Some(now)) => now,
+            _ => self.frame().made_ns,
+        }
+    }
+
+    /// When the hand was last tracked where it is \[ns\].
+    pub fn tracked_ns(&self) -> u64 {
+        self.tracked_ns
+    }
+
+    /// Time of the sample that the last tick took, if it took one \[ns\].
+    pub fn fresh_ns(&self) -> Option<u64> {
+        self.fresh_ns
+    }
+
+    /// What moves the hand.
+    pub fn mover(&self) -> Mover {
+        self.live.mover()
+    }
+
+    /// The tracker that moves it.
+    pub fn tracker(&self) -> Option<usize> {
+        self.tracker.map(|(tracker, _)| tracker)
+    }
+
+    /// What the last tick did.
+    pub fn report(&self) -> &HandReport {
+        &self.report
+    }
+
+    /// Where the bones were taken to be, and where the hand was.
+    pub fn touch(&self) -> &dyn Touch {
+        &*self.touch
+    }
+}

@@ -1,0 +1,223 @@
+//! Contact of one frame, resolved against the proxies of one haptic tick.
+
+use crate::RigidState;
+use crate::shared::Condensed;
+use thenar::kernels::project;
+use thenar::math::{Pose, Quat, Vec3, rotation_vector};
+use thenar::model::Cone;
+
+/// Contact forces, where contacts stick, and how far the bones have moved since the frame.
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+pub struct SharedConstraints {
+    /// In empty air: of all contacts only the hand's own, the limits of its joints, and no loads.
+    empty_air: bool,
+    /// Contact forces in the contact frames \[N\].
+    forces: Vec<Vec3>,
+    /// Where each contact sticks: tangential values are measured from here \[m\].
+    anchors: Vec<Vec3>,
+    /// Contact values d \[m\].
+    values: Vec<Vec3>,
+    /// Wrenches `k δ` on the bones, and what they add to contact values.
+    load: Vec<f64>,
+    lifted: Vec<f64>,
+    /// Displacements q of the bones, those of the tick before, and their rates.
+    moved: Vec<f64>,
+    moved_before: Vec<f64>,
+    rates: Vec<f64>,
+    /// No tick yet since the frame began: displacements cannot be compared.
+    fresh: bool,
+}
+
+/// How well one tick was resolved.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Resolution {
+    /// Sweeps over the contacts.
+    pub sweeps: u32,
+    /// Largest change of a force in the last sweep \[N\].
+    pub residual: f64,
+    /// Contacts that carry force.
+    pub active: u32,
+}
+
+impl SharedConstraints {
+    /// For frames of this size.
+    pub fn new(bones: usize, contacts_max: usize) -> Self {
+        Self {
+            empty_air: false,
+            forces: Vec::with_capacity(contacts_max),
+            anchors: Vec::with_capacity(contacts_max),
+            values: Vec::with_capacity(contacts_max),
+            load: vec![0.0; 6 * bones],
+            lifted: Vec::with_capacity(3 * contacts_max),
+            moved: vec![0.0; 6 * bones],
+            moved_before: vec![0.0; 6 * bones],
+            rates: vec![0.0; 6 * bones],
+            fresh: true,
+        }
+    }
+
+    /// For the same hand in empty air: nothing touches it and nothing loads it.
+    pub fn in_empty_air(bones: usize, contacts_max: usize) -> Self {
+        Self { empty_air: true, ..Self::new(bones, contacts_max) }
+    }
+
+    /// True if contact `i` of a frame acts here.
+    fn acts(&self, frame: &Condensed, i: usize) -> bool {
+        !self.empty_air || frame.is_limit(i)
+    }
+
+    /// Starts from a new frame: its own forces, sticking where it says. Bones keep their velocity
+    /// until the second tick.
+    pub fn begin(&mut self, frame: &Condensed) {
+        self.forces.clear();
+        let (empty_air, none) = (self.empty_air, Vec3::zeros());
+        self.forces.extend(frame.contacts.iter().enumerate().map(|(i, contact)| {
+            if empty_air && !frame.is_limit(i) { none } else { contact.force }
+        }));
+        self.anchors.clear();
+        self.anchors.resize(frame.contacts.len(), Vec3::zeros());
+        self.moved.fill(0.0);
+        self.fresh = true;
+    }
+
+    /// Contact forces on the hand, in the contact frames \[N\].
+    pub fn forces(&self) -> &[Vec3] {
+        &self.forces
+    }
+
+    /// Finds forces and displacements for these proxies by projected Gauss-Seidel, started from
+    /// those of the tick before, `h` \[s\] ago, until no force changes by more than `tolerance`
+    /// \[N\]. A frame that is not prepared, or not the one last begun, moves nothing.
+    pub fn resolve(
+        &mut self,
+        frame: &Condensed,
+        proxies: &[RigidState],
+        h: f64,
+        tolerance: f64,
+        sweeps_max: u32,
+    ) -> Resolution {
+        let begun = self.forces.len() == frame.contacts.len();
+        let fits = self.load.len() == 6 * frame.bones() && proxies.len() == frame.bones();
+        if !(frame.is_ready() && begun && fits) {
+            return Resolution::default();
+        }
+        self.pull(frame, proxies);
+        self.measure(frame);
+        let mut resolution = Resolution::default();
+        while resolution.sweeps < sweeps_max {
+            resolution.sweeps += 1;
+            resolution.residual = self.sweep(frame);
+            if resolution.residual <= tolerance {
+                break;
+            }
+        }
+        // What slid or was open sticks, if it does, from where it is now.
+        for (anchor, value) in self.anchors.iter_mut().zip(&self.values) {
+            *anchor += Vec3::new(0.0, value.y, value.z);
+        }
+        self.follow(frame, h);
+        resolution.active = self.forces.iter().filter(|f| f.x > 0.0).count() as u32;
+        resolution
+    }
+
+    /// Bone `i` now: the frame's, displaced.
+    pub fn bone(&self, i: usize, frame: &RigidState) -> RigidState {
+        let part = |q: &[f64], k: usize| Vec3::new(q[k], q[k + 1], q[k + 2]);
+        let (linear, angular) = (part(&self.moved, 6 * i), part(&self.moved, 6 * i + 3));
+        let turned = Quat::from_scaled_axis(angular) * frame.pose_WB.rotation;
+        RigidState {
+            pose_WB: Pose::new(frame.pose_WB.position + linear, turned),
+            velocity_W: part(&self.rates, 6 * i),
+            angular_velocity_W: part(&self.rates, 6 * i + 3),
+        }
+    }
+
+    /// `k δ`, less the loads in empty air: what the moved proxies pull at the bones. A proxy that is not finite pulls
+    /// nothing.
+    fn pull(&mut self, frame: &Condensed, proxies: &[RigidState]) {
+        for (i, proxy) in proxies.iter().enumerate() {
+            let (spring, target) = (&frame.springs[i], &frame.targets[i].pose_WB);
+            let wrench = if proxy.is_finite() {
+                let away = proxy.pose_WB.position - target.position;
+                let turn = rotation_vector(&(proxy.pose_WB.rotation * target.rotation.inverse()));
+                [away * spring.stiffness, turn * spring.angular_stiffness]
+            } else {
+                [Vec3::zeros(); 2]
+            };
+            self.load[6 * i..6 * i + 3].copy_from_slice(wrench[0].as_slice());
+            self.load[6 * i + 3..6 * i + 6].copy_from_slice(wrench[1].as_slice());
+        }
+        if self.empty_air {
+            self.load.iter_mut().zip(&frame.loads).for_each(|(pull, load)| *pull -= load);
+        }
+    }
+
+    /// Contact values at the present forces: `d = d₀ + J C k δ + B (f - f₀)` from the anchors.
+    fn measure(&mut self, frame: &Condensed) {
+        let mut lifted = std::mem::take(&mut self.lifted);
+        lifted.resize(3 * frame.contacts.len(), 0.0);
+        frame.lift_times(&self.load, &mut lifted, |i| self.acts(frame, i));
+        self.values.clear();
+        for (i, contact) in frame.contacts.iter().enumerate() {
+            if !self.acts(frame, i) {
+                self.values.push(Vec3::zeros());
+                continue;
+            }
+            let lift = Vec3::from_column_slice(&lifted[3 * i..][..3]);
+            let mut d = contact.value + lift - self.anchors[i];
+            for (j, other) in frame.contacts.iter().enumerate() {
+                let change = self.forces[j] - other.force;
+                if change != Vec3::zeros() {
+                    d += frame.block(i, j) * change;
+                }
+            }
+            self.values.push(d);
+        }
+        self.lifted = lifted;
+    }
+
+    /// One pass over all contacts; the largest change of a force \[N\].
+    fn sweep(&mut self, frame: &Condensed) -> f64 {
+        let mut largest = 0.0_f64;
+        for (i, contact) in frame.contacts.iter().enumerate() {
+            if !self.acts(frame, i) {
+                continue;
+            }
+            let own = frame.block(i, i);
+            let force = self.forces[i];
+            let new = project(Cone::Circular, contact.friction, &own, &self.values[i], &force);
+            let change = new - force;
+            if change == Vec3::zeros() {
+                continue;
+            }
+            self.forces[i] = new;
+            largest = largest.max(change.amax());
+            for (j, value) in self.values.iter_mut().enumerate() {
+                *value += frame.block(j, i) * change;
+            }
+        }
+        largest
+    }
+
+    /// `q = q₀ + C (k δ + Jᵀ (f - f₀))`.
+    fn follow(&mut self, frame: &Condensed, h: f64) {
+        let n = 6 * frame.bones();
+        std::mem::swap(&mut self.moved, &mut self.moved_before);
+        frame.compliance_times(&self.load, &mut self.moved);
+        self.moved.iter_mut().zip(&frame.rest).for_each(|(q, rest)| *q += rest);
+        for (i, contact) in frame.contacts.iter().enumerate() {
+            let change = self.forces[i] - contact.force;
+            for r in 0..3 {
+                if change[r] != 0.0 {
+                    let lift = &frame.lift[(3 * i + r) * n..][..n];
+                    self.moved.iter_mut().zip(lift).for_each(|(q, l)| *q += l * change[r]);
+                }
+            }
+        }
+        if !self.fresh && h > 0.0 {
+            let ways = self.moved.iter().zip(&self.moved_before);
+            self.rates.iter_mut().zip(ways).for_each(|(rate, (q, q0))| *rate = (q - q0) / h);
+        }
+        self.fresh = false;
+    }
+}

@@ -1,0 +1,309 @@
+//! Place and velocity from samples: a critically damped g-h filter (Benedict and Bordner 1962) whose memory
+//! follows the noise.
+//!
+//! Between samples the motion goes on at the velocity found; a sample `r` away from where it was
+//! expected moves the place by `g r` and the velocity by `h r / gap`, with `g = 1 - θ²`,
+//! `h = (1 - θ)²`, `θ = exp(-gap / memory)`. Steady motion is followed without lag.
+//!
+//! A filter that remembers as long as it should leaves residuals without memory (Mehra 1970). Where
+//! successive ones are unlike, as about a hand that is still and noisy, it remembers longer, up to 80 ms; where they
+//! are alike motion runs ahead of it, and it forgets sooner, down to 14 ms, at once when two in a row
+//! are large. At 14 ms and 90 Hz white noise is led on at 0.83 of its size (place), at 80 ms at 0.40.
+//! At an acceleration `a` the place lags by 8e-5 s² a, the velocity by 0.024 s a.
+
+use serde::{Deserialize, Serialize};
+use thenar::{Quat, Vec3};
+
+/// Time in which a sample loses its weight: least and most \[s\].
+const MEMORY: [f64; 2] = [0.0139, 0.08];
+/// What the newest residual weighs in how alike residuals are.
+const NEWEST: f64 = 0.08;
+/// How fast memory changes with that, per sample.
+const ADAPTS: f64 = 0.5;
+/// Two residuals in a row that exceed the usual one by this factor are motion.
+const MOTION: f64 = 3.0;
+/// A sample keeps `exp(-1.2)` of its weight until the next at least: slow trackers are noisier.
+const FADE_MAX: f64 = 1.2;
+
+/// Gains for a time between samples \[s\].
+#[derive(Clone, Copy, Debug)]
+struct Gains {
+    place: f64,
+    /// Over the gap \[1/s\]; zero when the gap is not known.
+    rate: f64,
+}
+
+impl Gains {
+    /// Gains after `gap` \[s\]; without one the velocity is left as it is.
+    fn after(gap: Option<f64>, memory: f64) -> Self {
+        let fade = (-(gap.unwrap_or(0.011) / memory).min(FADE_MAX)).exp();
+        let rate = gap.map_or(0.0, |gap| (1.0 - fade) * (1.0 - fade) / gap);
+        Self { place: 1.0 - fade * fade, rate }
+    }
+}
+
+/// How residuals follow one another, and the memory that goes with it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scatter<T> {
+    before: T,
+    /// Mean product of successive residuals, and mean square.
+    alike: f64,
+    square: f64,
+    memory: f64,
+}
+
+impl<T: Linear> Scatter<T> {
+    fn new(none: T) -> Self {
+        Self { before: none, alike: 0.0, square: 0.0, memory: MEMORY[0] }
+    }
+
+    /// The gains for this residual.
+    fn gains(&mut self, residual: T, gap: Option<f64>) -> Gains {
+        let (square, product) = (residual.dot(&residual), residual.dot(&self.before));
+        if square > MOTION * MOTION * self.square && product > 0.0 {
+            self.memory = MEMORY[0];
+        }
+        let gains = Gains::after(gap, self.memory);
+        self.alike += NEWEST * (product - self.alike);
+        self.square += NEWEST * (square - self.square);
+        self.before = residual;
+        if self.square > 0.0 {
+            let alike = (self.alike / self.square).clamp(-1.0, 1.0);
+            self.memory = (self.memory * (-ADAPTS * alike).exp()).clamp(MEMORY[0], MEMORY[1]);
+        }
+        gains
+    }
+}
+
+/// What can be added and scaled: a number or a vector.
+pub trait Linear:
+    Copy
+    + std::ops::Add<Output = Self>
+    + std::ops::Sub<Output = Self>
+    + std::ops::Mul<f64, Output = Self>
+{
+    /// Absolute value or length.
+    fn size(&self) -> f64;
+    /// Product along another.
+    fn dot(&self, other: &Self) -> f64;
+}
+
+impl Linear for f64 {
+    fn size(&self) -> f64 {
+        self.abs()
+    }
+
+    fn dot(&self, other: &Self) -> f64 {
+        self * other
+    }
+}
+
+impl Linear for Vec3 {
+    fn size(&self) -> f64 {
+        self.norm()
+    }
+
+    fn dot(&self, other: &Self) -> f64 {
+        Vec3::dot(self, other)
+    }
+}
+
+/// No longer than `most`.
+pub fn bounded<T: Linear>(v: T, most: f64) -> T {
+    let size = v.size();
+    if size <= most { v } else { v * (most / size) }
+}
+
+/// A place and its velocity.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Observed<T> {
+    /// At the last sample.
+    pub place: T,
+    /// Per second.
+    pub rate: T,
+    scatter: Scatter<T>,
+}
+
+impl<T: Linear> Observed<T> {
+    /// At rest.
+    pub fn at(place: T) -> Self {
+        let none = place * 0.0;
+        Self { place, rate: none, scatter: Scatter::new(none) }
+    }
+
+    /// How far a sample is from where it was expected, `gap` \[s\] after the last.
+    pub fn surprise(&self, sample: T, gap: Option<f64>) -> f64 {
+        (sample - self.ahead(gap.unwrap_or(0.0))).size()
+    }
+
+    /// Takes in a sample, `gap` \[s\] after the last; the velocity stays below `rate_max`.
+    pub fn take(&mut self, sample: T, gap: Option<f64>, rate_max: f64) {
+        let expected = self.ahead(gap.unwrap_or(0.0));
+        let residual = sample - expected;
+        let gains = self.scatter.gains(residual, gap);
+        self.place = expected + residual * gains.place;
+        self.rate = bounded(self.rate + residual * gains.rate, rate_max);
+    }
+
+    /// How quiet its samples are: 1 where they are as sure as motion, less where noise is remembered longer.
+    pub fn quiet(&self) -> f64 {
+        MEMORY[0] / self.scatter.memory
+    }
+
+    /// Place `ahead` seconds later.
+    pub fn ahead(&self, ahead: f64) -> T {
+        self.place + self.rate * ahead
+    }
+}
+
+/// An observer of a rotation: residuals are rotation vectors in the world.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ObservedRotation {
+    /// At the last sample.
+    pub place: Quat,
+    /// Angular velocity, world \[rad/s\].
+    pub rate: Vec3,
+    scatter: Scatter<Vec3>,
+}
+
+impl ObservedRotation {
+    /// At rest.
+    pub fn at(place: Quat) -> Self {
+        Self { place, rate: Vec3::zeros(), scatter: Scatter::new(Vec3::zeros()) }
+    }
+
+    fn residual(&self, sample: &Quat, gap: Option<f64>) -> (Quat, Vec3) {
+        let expected = self.ahead(gap.unwrap_or(0.0));
+        (expected, (sample * expected.inverse()).scaled_axis())
+    }
+
+    /// How far a sample is from where it was expected \[rad\], `gap` \[s\] after the last.
+    pub fn surprise(&self, sample: &Quat, gap: Option<f64>) -> f64 {
+        self.residual(sample, gap).1.norm()
+    }
+
+    /// Takes in a sample, `gap` \[s\] after the last; the velocity stays below `rate_max`.
+    pub fn take(&mut self, sample: &Quat, gap: Option<f64>, rate_max: f64) {
+        let (expected, residual) = self.residual(sample, gap);
+        let gains = self.scatter.gains(residual, gap);
+        let turned = Quat::from_scaled_axis(residual * gains.place) * expected;
+        self.place = Quat::new_normalize(turned.into_inner());
+        self.rate = bounded(self.rate + residual * gains.rate, rate_max);
+    }
+
+    /// How quiet its samples are: see [`Observed::quiet`].
+    pub fn quiet(&self) -> f64 {
+        MEMORY[0] / self.scatter.memory
+    }
+
+    /// Rotation `ahead` seconds later.
+    pub fn ahead(&self, ahead: f64) -> Quat {
+        Quat::from_scaled_axis(self.rate * ahead) * self.place
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use thenar::random::Random;
+
+    const GAP: f64 = 1.0 / 90.0;
+
+    #[test]
+    fn steady_motion_is_followed_without_lag() {
+        let mut place = Observed::at(0.0);
+        let mut turn = ObservedRotation::at(Quat::identity());
+        let spin = Vec3::new(1.0, -2.0, 0.5);
+        for k in 1..200 {
+            let t = f64::from(k) * GAP;
+            place.take(1.5 * t, Some(GAP), 4.0);
+            turn.take(&Quat::from_scaled_axis(spin * t), Some(GAP), 20.0);
+        }
+        let t = 199.0 * GAP;
+        assert!((place.place - 1.5 * t).abs() < 1e-9 && (place.rate - 1.5).abs() < 1e-7);
+        assert!(turn.place.angle_to(&Quat::from_scaled_axis(spin * t)) < 1e-7);
+        assert!((turn.rate - spin).norm() < 1e-6);
+    }
+
+    #[test]
+    fn steady_acceleration_is_followed_by_the_known_lag() {
+        // Benedict and Bordner: lag (1 - g)/h × acceleration × gap².
+        let gains = Gains::after(Some(GAP), MEMORY[0]);
+        let mut place = Observed::at(0.0);
+        let at = |k: i32| 0.5 * 10.0 * (f64::from(k) * GAP).powi(2);
+        for k in 1..60 {
+            place.take(at(k), Some(GAP), 40.0);
+        }
+        let (g, h) = (gains.place, gains.rate * GAP);
+        let want = (1.0 - g) / h * 10.0 * GAP * GAP;
+        assert!((at(59) - place.place - want).abs() < 1e-6, "{} {want}", at(59) - place.place);
+    }
+
+    #[test]
+    fn rounding_to_a_millimetre_is_smoothed() {
+        let gains = Gains::after(Some(GAP), MEMORY[0]);
+        let mut place = Observed::at(0.0);
+        let (mut error, mut rate_error, mut n) = (0.0, 0.0, 0.0);
+        for k in 0..20_000 {
+            let truth = 0.0137 * f64::from(k) * GAP;
+            place.take((truth * 1e3).round() * 1e-3, Some(GAP), 4.0);
+            if k > 100 {
+                error += (place.place - truth).powi(2);
+                rate_error += (place.rate - 0.0137).powi(2);
+                n += 1.0;
+            }
+        }
+        // No worse than at the shortest memory; the rounding errors of a slow ramp are not quite white.
+        let sample = 1e-3 / 12f64.sqrt();
+        let [want, rate_want] = noise(&gains).map(|part| part * sample);
+        let (rms, rate_rms) = ((error / n).sqrt(), (rate_error / n).sqrt());
+        assert!(rms < 1.35 * want, "{rms} {want}");
+        assert!(rate_rms < 1.5 * rate_want && rate_want < 9e-3, "{rate_rms} {rate_want}");
+    }
+
+    /// Benedict and Bordner: noise of place and rate over that of white samples. The variances are
+    /// (2g² + 2h - 3gh) / (g (4 - 2g - h)) and 2h² / (g gap² (4 - 2g - h)).
+    fn noise(gains: &Gains) -> [f64; 2] {
+        let (g, h) = (gains.place, gains.rate * GAP);
+        let below = g * (4.0 - 2.0 * g - h);
+        [((2.0 * g * g + 2.0 * h - 3.0 * g * h) / below).sqrt(), (2.0 * h * h / below).sqrt() / GAP]
+    }
+
+    /// About a still hand white noise is remembered for as long as may be, and a reach that then begins is
+    /// followed as if there had been none.
+    #[test]
+    fn memory_follows_noise_and_lets_go_when_it_moves() {
+        let most = noise(&Gains::after(Some(GAP), MEMORY[1]));
+        let least = noise(&Gains::after(Some(GAP), MEMORY[0]));
+        assert!(most[0] < 0.5 * least[0] && most[1] < 0.1 * least[1], "{most:?} {least:?}");
+        let mut random = Random::new(7);
+        let mut white = || (0..12).map(|_| random.symmetric()).sum::<f64>() * 0.5;
+        let mut place = Observed::at(0.0);
+        let (mut error, mut rate_error, count) = (0.0, 0.0, 4000);
+        for k in 0..count + 200 {
+            place.take(1e-3 * white(), Some(GAP), 4.0);
+            if k >= 200 {
+                error += place.place.powi(2) / f64::from(count);
+                rate_error += place.rate.powi(2) / f64::from(count);
+            }
+        }
+        let (rms, rate_rms) = (error.sqrt(), rate_error.sqrt());
+        // It wavers between its bounds: the mean is nearer to the longer.
+        assert!(rms < 0.7e-3 * least[0] && rms > 0.8e-3 * most[0], "{rms} m");
+        assert!(rate_rms < 0.5e-3 * least[1], "{rate_rms} m/s");
+        // 20 cm in 0.4 s, with the least jerk: never farther off than the shortest memory by more than noise.
+        let mut short = Observed::at(place.place);
+        let (mut far, mut far_short) = (0.0_f64, 0.0_f64);
+        for k in 1..60 {
+            let u = (f64::from(k) * GAP / 0.4).min(1.0);
+            let truth = 0.2 * u.powi(3) * (10.0 - 15.0 * u + 6.0 * u * u);
+            let sample = truth + 1e-3 * white();
+            place.take(sample, Some(GAP), 4.0);
+            short.scatter = Scatter::new(0.0);
+            short.take(sample, Some(GAP), 4.0);
+            far = far.max((place.place - truth).abs());
+            far_short = far_short.max((short.place - truth).abs());
+        }
+        assert!(far < far_short + 4e-3, "{far} m, {far_short} m");
+    }
+}

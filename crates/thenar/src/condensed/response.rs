@@ -1,0 +1,271 @@
+//! The condensed response of a frame: plain arrays with room for a fixed number of contacts.
+
+use super::RigidState;
+use crate::math::{Mat3, Vec3};
+use crate::model::Drive;
+use crate::solver::exact::vectors;
+use fearless_simd::{Level, dispatch};
+
+/// One contact of a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct CondensedContact {
+    /// Rows: normal (away from the obstacle), first and second tangent, world.
+    pub frame: Mat3,
+    /// Its value d₀ \[m\]: gap along the normal, negative when penetrating, and how far it has slid
+    /// since the frame, once all has come to rest under the frame's forces and unmoved proxies.
+    pub value: Vec3,
+    /// Friction coefficient.
+    pub friction: f64,
+    /// Force on the hand in the contact frame, normal first \[N\].
+    pub force: Vec3,
+}
+
+/// How bones and contacts answer to forces about one frame.
+///
+/// With n bones and m contacts; row-major; bone degrees of freedom are displacement \[m\] then
+/// rotation vector \[rad\], world, and forces likewise N and N m.
+///
+/// | array | meaning | shape |
+/// |---|---|---|
+/// | `compliance` | C: bones by wrenches on bones, couplings to the proxies included | 6n × 6n |
+/// | `rows` | J: contact values (normal, tangents) by bones | 3m × 6n |
+/// | `local` | W: contact values by contact forces, bones held | 3m × 3m |
+/// | `lift` | J C | 3m × 6n |
+/// | `delassus` | B = J C Jᵀ + W | 3m × 3m |
+///
+/// The publisher fills the first three, `contacts`, `springs`, `targets`, for a frame that is not at rest `rest`,
+/// for one with loads `loads`, and calls `prepare`.
+/// `World::condense` knows the last two without J and W, which it leaves empty.
+#[derive(Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Condensed {
+    bones: usize,
+    contacts_max: usize,
+    /// Couplings of the bones to their proxies.
+    pub springs: Vec<Drive>,
+    /// Where the proxies were in this frame.
+    pub targets: Vec<RigidState>,
+    /// How far the bones are from where they come to rest under the frame's forces and unmoved proxies,
+    /// 6n; zero when left empty.
+    pub rest: Vec<f64>,
+    /// Wrenches on the bones from outside that are no contact and no weight, 6n; none when left empty.
+    pub loads: Vec<f64>,
+    /// C.
+    pub compliance: Vec<f64>,
+    /// Contacts that touch or may touch before the next frame.
+    pub contacts: Vec<CondensedContact>,
+    /// Which of them are limits of joints: the hand's own, there in empty air as well. None when left empty.
+    pub limits: Vec<bool>,
+    /// J.
+    pub rows: Vec<f64>,
+    /// W.
+    pub local: Vec<f64>,
+    /// J C.
+    pub lift: Vec<f64>,
+    /// B.
+    pub delassus: Vec<f64>,
+    ready: bool,
+}
+
+impl Clone for Condensed {
+    /// With all of its room.
+    fn clone(&self) -> Self {
+        let mut copy = Self::new(self.bones, self.contacts_max);
+        copy.copy_from(self);
+        copy
+    }
+}
+
+impl Condensed {
+    /// Nothing published yet, with room for so many contacts.
+    pub fn new(bones: usize, contacts_max: usize) -> Self {
+        let (n, m) = (6 * bones, 3 * contacts_max);
+        Self {
+            bones,
+            contacts_max,
+            springs: Vec::with_capacity(bones),
+            targets: Vec::with_capacity(bones),
+            rest: Vec::with_capacity(n),
+            loads: Vec::with_capacity(n),
+            compliance: Vec::with_capacity(n * n),
+            contacts: Vec::with_capacity(contacts_max),
+            limits: Vec::with_capacity(contacts_max),
+            rows: Vec::with_capacity(m * n),
+            local: Vec::with_capacity(m * m),
+            lift: Vec::with_capacity(m * n),
+            delassus: Vec::with_capacity(m * m),
+            ready: false,
+        }
+    }
+
+    /// Bones it is for.
+    pub fn bones(&self) -> usize {
+        self.bones
+    }
+
+    /// Contacts it has room for.
+    pub fn contacts_max(&self) -> usize {
+        self.contacts_max
+    }
+
+    /// True once prepared: the haptic loop may use it.
+    pub fn is_ready(&self) -> bool {
+        self.ready
+    }
+
+    /// Empty, keeping its memory.
+    pub fn clear(&mut self) {
+        self.springs.clear();
+        self.targets.clear();
+        self.contacts.clear();
+        self.limits.clear();
+        for array in self.arrays() {
+            array.clear();
+        }
+        self.ready = false;
+    }
+
+    /// Computes the products the haptic loop needs, in O(m n² + m² n). False, and not ready, when
+    /// an array has the wrong length, holds a number that is not finite, or there is no room.
+    pub fn prepare(&mut self) -> bool {
+        let (n, m) = (6 * self.bones, 3 * self.contacts.len());
+        for array in [&mut self.rest, &mut self.loads] {
+            if array.is_empty() {
+                array.resize(n, 0.0);
+            }
+        }
+        self.lift.clear();
+        self.delassus.clear();
+        self.ready = self.contacts.len() <= self.contacts_max
+            && self.springs.len() == self.bones
+            && self.targets.len() == self.bones
+            && self.rest.len() == n
+            && self.loads.len() == n
+            && self.compliance.len() == n * n
+            && self.rows.len() == m * n
+            && self.local.len() == m * m
+            && self.is_finite();
+        if !self.ready {
+            return false;
+        }
+        // Without bones or contacts there are no chunks; their length must still not be zero.
+        let (n, m) = (n.max(1), m.max(1));
+        for row in self.rows.chunks_exact(n) {
+            // C is symmetric: its rows are its columns.
+            self.lift.extend(self.compliance.chunks_exact(n).map(|column| dot(row, column)));
+        }
+        for (lift, local) in self.lift.chunks_exact(n).zip(self.local.chunks_exact(m)) {
+            let values = self.rows.chunks_exact(n).zip(local).map(|(row, w)| dot(lift, row) + w);
+            self.delassus.extend(values);
+        }
+        true
+    }
+
+    /// C, J C and B, to be filled by who knows them; then [`Self::finish`].
+    pub(crate) fn products(&mut self) -> (&mut Vec<f64>, &mut Vec<f64>, &mut Vec<f64>) {
+        (&mut self.compliance, &mut self.lift, &mut self.delassus)
+    }
+
+    /// Ready, when all lengths fit and all numbers are finite.
+    pub(crate) fn finish(&mut self) -> bool {
+        let (n, m) = (6 * self.bones, 3 * self.contacts.len());
+        self.ready = self.contacts.len() <= self.contacts_max
+            && self.springs.len() == self.bones
+            && self.targets.len() == self.bones
+            && self.rest.len() == n
+            && self.loads.len() == n
+            && self.compliance.len() == n * n
+            && self.lift.len() == m * n
+            && self.delassus.len() == m * m
+            && self.is_finite();
+        self.ready
+    }
+
+    /// Takes over `other` without allocating, given room for its contacts.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.springs.clone_from(&other.springs);
+        self.targets.clone_from(&other.targets);
+        self.rest.clone_from(&other.rest);
+        self.loads.clone_from(&other.loads);
+        self.contacts.clone_from(&other.contacts);
+        self.limits.clone_from(&other.limits);
+        self.compliance.clone_from(&other.compliance);
+        self.rows.clone_from(&other.rows);
+        self.local.clone_from(&other.local);
+        self.lift.clone_from(&other.lift);
+        self.delassus.clone_from(&other.delassus);
+        self.ready = other.ready;
+    }
+
+    /// `C x` into `out`, both 6n, by the processor's vectors.
+    pub fn compliance_times(&self, x: &[f64], out: &mut [f64]) {
+        rows_times(&self.compliance, x, out);
+    }
+
+    /// `J C x` into `out`: 6n numbers to 3m, by the processor's vectors. Only of contacts that `acts` names; those of the
+    /// others stay.
+    pub fn lift_times(&self, x: &[f64], out: &mut [f64], acts: impl Fn(usize) -> bool) {
+        let n = 3 * 6 * self.bones;
+        let rows = self.lift.chunks_exact(n.max(1)).zip(out.chunks_exact_mut(3));
+        for (_, (rows, out)) in rows.enumerate().filter(|(i, _)| acts(*i)) {
+            rows_times(rows, x, out);
+        }
+    }
+
+    /// Whether contact `i` is the limit of a joint.
+    pub fn is_limit(&self, i: usize) -> bool {
+        self.limits.get(i).is_some_and(|limit| *limit)
+    }
+
+    /// Own response of contact `i` \[m/N\].
+    pub fn block(&self, i: usize, j: usize) -> Mat3 {
+        let m = 3 * self.contacts.len();
+        Mat3::from_fn(|r, c| self.delassus[(3 * i + r) * m + 3 * j + c])
+    }
+
+    fn arrays(&mut self) -> [&mut Vec<f64>; 7] {
+        let Self { rest, loads, compliance, rows, local, lift, delassus, .. } = self;
+        [rest, loads, compliance, rows, local, lift, delassus]
+    }
+
+    fn is_finite(&self) -> bool {
+        let at_rest = self.rest.iter().chain(&self.loads);
+        let given = self.compliance.iter().chain(&self.rows).chain(&self.local).chain(at_rest);
+        let numbers = given.chain(&self.lift).chain(&self.delassus);
+        let contacts = self.contacts.iter().all(|c| {
+            c.friction.is_finite()
+                && c.frame.iter().chain(&c.value).chain(&c.force).all(|x| x.is_finite())
+        });
+        let springs =
+            self.springs.iter().all(|s| s.stiffness.is_finite() && s.angular_stiffness.is_finite());
+        numbers.copied().all(f64::is_finite)
+            && contacts
+            && springs
+            && self.targets.iter().all(RigidState::is_finite)
+    }
+}
+
+/// Product of two rows: four sums side by side, so that no addition waits for the one before.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 4];
+    let (fours, rest) = (a.chunks_exact(4), a.chunks_exact(4).remainder());
+    let tail = &b[b.len().min(a.len() - rest.len())..];
+    for (a, b) in fours.zip(b.chunks_exact(4)) {
+        for k in 0..4 {
+            sums[k] += a[k] * b[k];
+        }
+    }
+    let last: f64 = rest.iter().zip(tail).map(|(a, b)| a * b).sum();
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + last
+}
+
+/// Products of the rows of a matrix with `x`.
+fn rows_times(matrix: &[f64], x: &[f64], out: &mut [f64]) {
+    let rows = matrix.chunks_exact(x.len().max(1)).zip(out.iter_mut());
+    dispatch!(Level::new(), simd => {
+        for (row, out) in rows {
+            *out = vectors::dot(simd, row, x);
+        }
+    });
+}
