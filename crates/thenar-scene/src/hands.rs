@@ -28,7 +28,8 @@ pub enum Hands {
 ///   them (probes, pairs, loads, bonds, joints). Where there is none of that side, all hands are
 ///   mirrored in the plane x = 0 instead, with their motions and the camera. Where there is none
 ///   at all, one is put beside the origin, 0.2 m up.
-/// - `Both` adds a hand of each side that is missing. It holds still, 0.4 m beside the other.
+/// - `Both` adds a hand of each side that is missing. It holds still beside the others, as far as the
+///   fingers of two hands reach and 5 cm more.
 ///
 /// `lengths` are those of left and right hands, wrist to middle fingertip \[m\]; `None` leaves
 /// them as they are.
@@ -40,16 +41,20 @@ pub fn with_hands(scene: &mut Scene, which: Hands, lengths: [Option<f64>; 2]) {
         Hands::Both => {
             for side in [Side::Left, Side::Right] {
                 if !scene.hand.iter().any(|hand| side_of(hand) == side) {
-                    let hand = holding_still(scene, side);
+                    let hand = holding_still(scene, side, lengths);
                     scene.hand.push(hand);
                 }
             }
         }
     }
     for hand in &mut scene.hand {
-        let length = lengths[usize::from(side_of(hand) == Side::Right)];
-        hand.length = length.or(hand.length);
+        hand.length = length_of(hand, lengths);
     }
+}
+
+/// Length of a hand with that asked for its side: `[left, right]` \[m\].
+fn length_of(hand: &Hand, lengths: [Option<f64>; 2]) -> Option<f64> {
+    lengths[usize::from(side_of(hand) == Side::Right)].or(hand.length)
 }
 
 /// The side of a hand: of a model from a file, what the file's name says.

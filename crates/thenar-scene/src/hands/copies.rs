@@ -1,6 +1,6 @@
 //! Hands that a scene lacks.
 
-use super::mirror;
+use super::{length_of, mirror};
 use crate::format::{
     BonesWord, Hand, HandKey, KeyframesTable, LimitsWord, MotionTable, Pair, Scene, SkinningWord,
     WristTable,
@@ -10,31 +10,34 @@ use crate::text::At;
 use std::collections::BTreeMap;
 use thenar::model::Side;
 
-/// Distance of an added hand from the one beside it \[m\].
-const APART: f64 = 0.4;
+/// What is left free between an added hand and others that point at it \[m\].
+const CLEAR: f64 = 0.05;
+/// Length of a hand that tells none: that of the built-in hands, rounded up, wrist to middle fingertip \[m\].
+const LENGTH: f64 = 0.19;
 /// How far in front of figures a hand is added \[m\]: as far as a person of 1.7 m reaches to the side, and the length of a
 /// hand.
 const BEFORE_FIGURES: f64 = 0.85;
 /// Lowest wrist of an added hand \[m\].
 const HEIGHT_MIN: f64 = 0.15;
 
-/// A copy of the scene's hand as one of `side`, beside it and still; a hand of its own where the
-/// scene has none.
-pub fn holding_still(scene: &Scene, side: Side) -> Hand {
+/// A copy of the scene's hand as one of `side`, beside it and still, with room for hands of `lengths`, left and right
+/// \[m\]; a hand of its own where the scene has none.
+pub fn holding_still(scene: &Scene, side: Side, lengths: [Option<f64>; 2]) -> Hand {
     let Some(template) = template(scene) else { return default_hand(scene, side) };
     let mut hand = template.clone();
     mirror::hand(&mut hand, side);
     hand.name = free_name(scene, side);
     let outwards = outwards(side);
+    let reach = |hand: &Hand| length_of(hand, lengths).unwrap_or(LENGTH);
     let first = match hand.motion.as_ref().map(|motion| &motion.value) {
         Some(MotionTable::Keyframes(keys)) => keys.key.first().and_then(|key| key.wrist.clone()),
         _ => None,
     };
     let mut wrist = first.unwrap_or_else(|| resting(outwards));
     let place = wrist.position.get_or_insert_with(Vec3::zeros);
-    // As far out as all hands of the other side leave room for.
-    let theirs = scene.hand.iter().map(|other| outwards * start(other).x);
-    let edge = theirs.fold(f64::NEG_INFINITY, f64::max) + APART;
+    // As far out as all hands of the other side leave room for, should both point at each other.
+    let theirs = scene.hand.iter().map(|other| outwards * start(other).x + reach(other));
+    let edge = theirs.fold(f64::NEG_INFINITY, f64::max) + CLEAR + reach(&hand);
     place.x = outwards * (outwards * place.x).max(edge);
     place.y = place.y.max(HEIGHT_MIN);
     hand.motion = Some(still(wrist));
