@@ -1,6 +1,6 @@
 //! The monitor's part: the last seconds of what entered.
 
-use super::tape::{Input, SampleIn};
+use super::tape::{Input, STATE_ROOM, SampleIn};
 use super::{Frames, Incident, KEPT_NS};
 use crate::haptic_loop::{Ability, TickRecord};
 use rtrb::{Consumer, Producer};
@@ -37,7 +37,7 @@ impl Reel {
                     let Ok(state) = self.filled.pop() else { continue };
                     if state.is_empty() {
                         // None could be taken, and nothing is kept.
-                        let _ = self.empty.push(state);
+                        give_back(&mut self.empty, state);
                         self.clear();
                         continue;
                     }
@@ -63,8 +63,7 @@ impl Reel {
         self.kept.clear();
         self.kept_samples.clear();
         for state in self.states.drain(..) {
-            // There is room for all that there are.
-            let _ = self.empty.push(state);
+            give_back(&mut self.empty, state);
         }
     }
 
@@ -78,8 +77,8 @@ impl Reel {
         for input in self.kept.drain(..from) {
             match input {
                 Input::State(_) => {
-                    let state = self.states.pop_front();
-                    state.map(|state| self.empty.push(state));
+                    let Some(state) = self.states.pop_front() else { continue };
+                    give_back(&mut self.empty, state);
                 }
                 Input::Sample(..) => _ = self.kept_samples.pop_front(),
                 _ => {}
@@ -131,6 +130,13 @@ impl Reel {
             records: records.iter().filter(|r| kept.contains(&r.time_ns)).copied().collect(),
         })
     }
+}
+
+/// Gives the loop the room of a state at its full length, which it need not write then within a tick.
+fn give_back(empty: &mut Producer<Vec<u8>>, mut room: Vec<u8>) {
+    room.resize(STATE_ROOM, 0);
+    // There is room for all that there are.
+    let _ = empty.push(room);
 }
 
 fn is_state(input: &Input) -> bool {

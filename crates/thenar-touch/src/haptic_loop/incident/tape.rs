@@ -14,7 +14,7 @@ const SAMPLES: usize = 512;
 /// States in all: those of the time that is kept, one that is filled, one that is on its way.
 const STATES: usize = 6;
 /// Room for one \[B\]; that of a hand of 16 bones before one display takes some 100 KiB.
-const STATE_ROOM: usize = 512 * 1024;
+pub(super) const STATE_ROOM: usize = 512 * 1024;
 
 /// What enters the chain, in the order in which it does.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -111,8 +111,7 @@ impl Tape {
             self.broken = true;
             return;
         };
-        // As long as it may be: a shorter one of before was cut.
-        room.resize(STATE_ROOM, 0);
+        debug_assert_eq!(room.len(), STATE_ROOM, "the reel gives rooms back at their full length");
         let length = write(&mut room);
         room.truncate(length.unwrap_or(0));
         let begins = std::mem::replace(&mut self.broken, length.is_none());
