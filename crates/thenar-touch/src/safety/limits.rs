@@ -51,6 +51,11 @@ pub struct Limits {
     pub quantum: f64,
 }
 
+/// Upper ends of what limits a force: in ratings a second, \[m/s\] or \[rad/s\], \[s\].
+const RATINGS_A_SECOND_MAX: f64 = 1000.0;
+const SPEED_MAX: f64 = 100.0;
+const TIME_MAX: f64 = 60.0;
+
 /// Why limits are refused.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("safety limit {name} = {value} must be {wanted}")]
@@ -131,7 +136,7 @@ impl Limits {
         (self.slew * dt).min(self.step_max)
     }
 
-    /// Refuses limits that make no sense.
+    /// Refuses limits that make no sense, and such as limit nothing.
     pub fn check(&self) -> Result<(), LimitError> {
         if !(0.0..=1.0).contains(&self.user_fraction) {
             let (name, value) = ("user_fraction", self.user_fraction);
@@ -149,6 +154,31 @@ impl Limits {
         for (name, value) in positive {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(LimitError { name, value, wanted: "positive and finite" });
+            }
+        }
+        // The whole rating in a millisecond or one tick is a blow; no limb is as fast as 100 m/s or rad/s; who waits for a minute believes that nothing comes.
+        let upper_ends = [
+            (
+                "slew",
+                self.slew,
+                RATINGS_A_SECOND_MAX * self.rated,
+                "at most a rating a millisecond",
+            ),
+            ("step_max", self.step_max, self.rated, "at most the rating"),
+            ("speed_max", self.speed_max, SPEED_MAX, "at most 100 m/s or rad/s"),
+            ("simulation_hold", self.simulation_hold, TIME_MAX, "at most 60 s"),
+            ("tracking_hold", self.tracking_hold, TIME_MAX, "at most 60 s"),
+            ("fade", self.fade, TIME_MAX, "at most 60 s"),
+            ("regain", self.regain, TIME_MAX, "at most 60 s"),
+            ("device_silence_max", self.device_silence_max, TIME_MAX, "at most 60 s"),
+            ("gap_hold", self.gap_hold, TIME_MAX, "at most 60 s"),
+            ("gap_max", self.gap_max, TIME_MAX, "at most 60 s"),
+            ("ramp", self.ramp, TIME_MAX, "at most 60 s"),
+        ];
+        for (name, value, most, wanted) in upper_ends {
+            // Products of a profile's decimals are off by round-off.
+            if value > most * (1.0 + 1e-9) {
+                return Err(LimitError { name, value, wanted });
             }
         }
         let not_negative = [

@@ -589,6 +589,20 @@ fn senseless_limits_are_refused() {
         "safety limit rated = NaN must be positive and finite"
     );
     assert!(refused(Limits { fade: -1.0, ..good }).contains("fade"));
+    // What limits nothing.
+    assert_eq!(
+        refused(Limits { slew: 1e300, ..good }),
+        "safety limit slew = 1e300 must be at most a rating a millisecond"
+    );
+    for (limits, name) in [
+        (Limits { step_max: 12.1, ..good }, "step_max"),
+        (Limits { speed_max: 1e9, ..good }, "speed_max"),
+        (Limits { ramp: 1e9, ..good }, "ramp"),
+        (Limits { gap_hold: 61.0, ..good }, "gap_hold"),
+        (Limits { tracking_hold: 1e3, ..good }, "tracking_hold"),
+    ] {
+        assert!(refused(limits).contains(name), "{name}");
+    }
 }
 
 /// Behind 30 ms, a guard that trips while it pushes and is armed anew: the force of before the trip did its work before,
