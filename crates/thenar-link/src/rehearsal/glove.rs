@@ -107,7 +107,7 @@ impl ForceDisplay for Glove {
 
     fn show(&mut self, output: &HandOutput) {
         // As before a device: what is refused, or is nothing new, leaves it as it is.
-        if !self.door.bind(output)
+        if !self.door.bind(output, output.time_ns)
             && let Some(sent) = self.door.pass(output.side, Some(output), output.time_ns)
         {
             open(&self.line).shown = sent;

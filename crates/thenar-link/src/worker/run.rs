@@ -237,7 +237,7 @@ fn through(
     now: u64,
 ) -> [Option<HandOutput>; 2] {
     for output in wanted.iter().flatten() {
-        if door.bind(output) {
+        if door.bind(output, now) {
             let text = "it holds one hand, and shows the one that pressed first; \
                         `?side=left` or `?side=right` in its address says which it holds";
             shared.messages().note(now, text);

@@ -50,7 +50,7 @@ fn output(forces: [f64; 5]) -> HandOutput {
     output
 }
 
-/// Pull only, twelve newtons at most, and nothing for what is not a number.
+/// Pull only, half of twelve newtons at most as the profile says, and nothing for what is not a number.
 #[test]
 fn tendons_pull_what_they_are_told_within_their_rating() {
     let bridge = Bridge::start(0);
@@ -58,7 +58,7 @@ fn tendons_pull_what_they_are_told_within_their_rating() {
     let wanted = [3.5, -2.0, 40.0, f64::NAN, 12.0];
     wait("the pull", || {
         display.show(&output(wanted));
-        (bridge.unit.tendons().0 == [3.5, 0.0, 12.0, 0.0, 12.0]).then_some(())
+        (bridge.unit.tendons().0 == [3.5, 0.0, 6.0, 0.0, 6.0]).then_some(())
     });
     assert_eq!(display.limits().rated, 12.0);
     assert!(display.limits().unilateral);
@@ -133,7 +133,7 @@ fn the_example_of_a_bridge_pulls_and_lets_go() {
     let text = || String::from_utf8(lines.0.lock().unwrap().clone()).unwrap();
     wait("the pull", || {
         display.show(&output([0.5, 2.25, 0.0, 0.0, 40.0]));
-        text().lines().any(|line| line == "0.50 2.25 0.00 0.00 12.00").then_some(())
+        text().lines().any(|line| line == "0.50 2.25 0.00 0.00 6.00").then_some(())
     });
     drop(display);
     wait("slack tendons", || text().ends_with("0.00 0.00 0.00 0.00 0.00\n").then_some(()));
