@@ -13,7 +13,7 @@ import {
   WebGLRenderer,
 } from "three";
 import type { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import type { SceneModel, Snapshot } from "../protocol/types";
+import type { SceneModel, Snapshot, Touch } from "../protocol/types";
 import { CameraRig } from "./camera-rig";
 import { FrameClock } from "./frame-clock";
 import { LAYERS_AT_FIRST, ON_SKIN, type LayerName, type ViewName } from "./layers";
@@ -66,6 +66,7 @@ export class Stage {
   private readonly clip = { value: new Vector4(0, 0, 0, 1) };
   private view: WorldView | null = null;
   private bones = FIRST_BONES;
+  private devices: Touch["hands"] = [];
   private framed = false;
   private smooth = true;
   private lastChange = 0;
@@ -162,6 +163,7 @@ export class Stage {
     this.view = new WorldView(model, this.shared, this.clip, this.camera);
     this.view.interpolator.on = this.smooth;
     this.view.setWeightBones(this.bones);
+    this.view.setTendons(this.devices);
     this.world.add(this.view.group);
     this.framed = false;
     if (!sameScene) this.setView("scene");
@@ -195,6 +197,13 @@ export class Stage {
     this.bones = names;
     this.view?.setWeightBones(names);
     this.invalidate();
+  }
+
+  /** Forces of devices that hands wear; of those with tendons these are drawn. */
+  setDevices(hands: Touch["hands"]): void {
+    this.devices = hands;
+    this.view?.setTendons(hands);
+    if (hands.some((hand) => hand.renders === "tendons")) this.invalidate();
   }
 
   /** Shows motion between snapshots (the default) or only the snapshots themselves. */

@@ -1,9 +1,10 @@
 // Everything that moves in one scene.
 
 import { Box3, Group, Matrix4, Mesh, Vector3, Vector4, type Camera, type IUniform } from "three";
-import type { HandModel, RigidModel, SceneModel, Snapshot } from "../protocol/types";
+import type { HandModel, RigidModel, SceneModel, Snapshot, Touch } from "../protocol/types";
 import { roundUp } from "./colour-map";
 import { ContactView } from "./contact-view";
+import { ExoskeletonView } from "./exoskeleton-view";
 import { GhostView } from "./ghost-view";
 import { Interpolator } from "./interpolate";
 import { ON_SKIN, type LayerName } from "./layers";
@@ -30,6 +31,8 @@ export class WorldView {
   private readonly rigids: RigidView[];
   private readonly softs: SoftView[];
   private readonly ghosts: GhostView[] = [];
+  /** One for each hand. */
+  private readonly exoskeletons: readonly ExoskeletonView[];
   private readonly bones: { readonly rigid: number; readonly group: Group }[] = [];
   private readonly extents: readonly (number | null)[];
   private readonly pressures = new Map<number, PressureMap>();
@@ -65,9 +68,9 @@ export class WorldView {
       groups.forEach((group, b) => this.bones.push({ rigid: hand.bone_start + b, group }));
       this.drawRays(hand, groups);
     }
-    for (const part of [...this.rigids, ...this.softs, ...this.ghosts, ...this.bones, this.contacts]) {
-      this.group.add(part.group);
-    }
+    this.exoskeletons = model.hands.map((hand) => new ExoskeletonView(hand));
+    const things = [...this.rigids, ...this.softs, ...this.ghosts, ...this.bones, ...this.exoskeletons];
+    for (const part of [...things, this.contacts]) this.group.add(part.group);
     this.group.visible = false;
   }
 
@@ -147,6 +150,17 @@ export class WorldView {
     for (const ghost of this.ghosts) if (ghost.of === "skinning") ghost.group.position.copy(right);
   }
 
+  /** Draws the tendons of devices that have them, on the first hand of each side, with the forces that they are sent. */
+  setTendons(hands: Touch["hands"]): void {
+    this.exoskeletons.forEach((exoskeleton, k) => {
+      const { side } = this.model.hands[k];
+      const first = this.model.hands.findIndex((hand) => hand.side === side) === k;
+      const device = hands.find((hand) => first && hand.side === side && hand.renders === "tendons");
+      exoskeleton.setForces(device?.sent ?? null, device?.force_max ?? 0);
+    });
+    this.fresh = true;
+  }
+
   /** Whose skinning weights the layer of that name shows. */
   setWeightBones(names: readonly string[]): void {
     for (const { model, hand, boneWeight } of this.softs) {
@@ -168,6 +182,7 @@ export class WorldView {
     }
     for (const view of this.softs) view.update(nodes);
     for (const ghost of this.ghosts) ghost.update(rigids, targets);
+    for (const exoskeleton of this.exoskeletons) exoskeleton.update(rigids);
     for (const { rigid, group } of this.bones) {
       if (!group.visible) continue;
       group.position.fromArray(rigids, 7 * rigid);
@@ -258,7 +273,7 @@ export class WorldView {
   }
 
   dispose(): void {
-    for (const part of [...this.rigids, ...this.softs, ...this.ghosts]) part.dispose();
+    for (const part of [...this.rigids, ...this.softs, ...this.ghosts, ...this.exoskeletons]) part.dispose();
     this.group.traverse((part) => {
       if (!(part instanceof Mesh)) return;
       part.geometry.dispose();

@@ -130,10 +130,13 @@ export function touchCard(desk: Desk): HTMLElement {
   connection.on("open", () => devices.opened(performance.now()));
   connection.on("close", () => {
     devices.closed();
+    // What they are sent is not known any more.
+    desk.app.stage.setDevices([]);
     draw();
   });
   connection.on("touch", (touch) => {
     devices.reported(touch, performance.now());
+    desk.app.stage.setDevices(touch.hands);
     draw();
   });
   connection.on("status", draw);
