@@ -38,6 +38,9 @@ pub struct Args {
     /// Then the fingers close by so much more [mm].
     #[arg(long, value_name = "MM", default_value_t = 10.0)]
     press: f64,
+    /// They press and let go at this rate [Hz] instead of staying closed.
+    #[arg(long, value_name = "HZ")]
+    sway: Option<f64>,
     /// Then, after a push, so long until the end [s], of which the last second is looked at.
     #[arg(long, value_name = "S", default_value_t = 3.0)]
     after: f64,
@@ -92,6 +95,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         grip,
         until: args.until,
         press: 1e-3 * args.press,
+        sway: args.sway,
         after: args.after,
     };
     let wrong = |error: RehearsalError| CliError::Input(error.to_string());
@@ -119,17 +123,24 @@ fn print(what: &Rehearsal, out: &Outcome) {
     }
     println!();
     println!(
-        "{:8}{:>12}{:>12}{:>14}{:>16}{:>16}",
-        "", "force [N]", "rms [mN]", "motion [mm]", "given [mJ/s]", "most given [mJ]"
+        "{:8}{:>12}{:>12}{:>14}{:>16}{:>16}{:>20}",
+        "",
+        "force [N]",
+        "rms [mN]",
+        "motion [mm]",
+        "given [mJ/s]",
+        "most given [mJ]",
+        "beyond damping [mJ]"
     );
     for (name, felt) in FINGERS.iter().zip(&out.fingers) {
         println!(
-            "{name:8}{:>12.3}{:>12.2}{:>14.4}{:>16.4}{:>16.4}",
+            "{name:8}{:>12.3}{:>12.2}{:>14.4}{:>16.4}{:>16.4}{:>20.4}",
             felt.mean,
             1e3 * felt.rms,
             1e3 * felt.motion_rms,
             1e3 * felt.given,
-            1e3 * felt.given_max
+            1e3 * felt.given_max,
+            1e3 * felt.beyond
         );
     }
     println!();
@@ -140,10 +151,13 @@ fn print(what: &Rehearsal, out: &Outcome) {
     out.trips.iter().for_each(|trip| println!("stopped at {trip}"));
     let worst = out.worst();
     let still = worst.rms < 0.02 && worst.motion_rms < 1e-4 && worst.given < 1e-4;
-    let verdict = match (out.trips.is_empty(), still) {
+    let passive = worst.beyond < 1e-3;
+    let verdict = match (out.trips.is_empty(), what.sway) {
         (false, _) => "the guards stopped it",
-        (true, true) => "still: what disturbs it dies out",
-        (true, false) => "not still: more than 20 mN or 0.1 mm rms, or 0.1 mJ a second given",
+        (true, Some(_)) if passive => "passive: no finger is given more than its damper takes up",
+        (true, Some(_)) => "not passive: more than 1 mJ beyond what a damper took up",
+        (true, None) if still => "still: what disturbs it dies out",
+        (true, None) => "not still: more than 20 mN or 0.1 mm rms, or 0.1 mJ a second given",
     };
     println!("{verdict}");
 }

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! The wearer does what the scene's script does, with five fingers that give way to what they feel; then the fingers
-//! close a little more, the command stands still, each finger is pushed once, and what is left of that is looked at.
+//! close a little more, the command stands still, each finger is pushed once, and what is left of that is looked at. Or
+//! the command goes on to press and let go: then what a finger was given is held against what its damper took up.
 //! The same request gives the same bits.
 
 mod glove;
@@ -56,6 +57,8 @@ pub struct Rehearsal {
     pub until: f64,
     /// Then the fingers close by so much more, to press \[m\].
     pub press: f64,
+    /// They do so and open again at this rate, to the end \[Hz\]; `None` to stay closed.
+    pub sway: Option<f64>,
     /// From the push to the end \[s\]; the last second is looked at.
     pub after: f64,
 }
@@ -97,6 +100,9 @@ pub struct Felt {
     pub given: f64,
     /// The most that was given to it on balance since its command stood still \[J\].
     pub given_max: f64,
+    /// The most that was given on balance, to it and to what commands it, beyond what its own damper took up, since the
+    /// script ended \[J\]. What is passive behind the delay stays near nothing.
+    pub beyond: f64,
 }
 
 /// What came of it.
@@ -125,6 +131,7 @@ impl Outcome {
             motion_rms: worst.motion_rms.max(felt.motion_rms),
             given: worst.given.max(felt.given),
             given_max: worst.given_max.max(felt.given_max),
+            beyond: worst.beyond.max(felt.beyond),
         })
     }
 }
@@ -146,6 +153,7 @@ impl Rehearsal {
             ("the tracker's NOISE", noise, 0.0..=0.02, "m", "0 to 20 mm"),
             ("the time of the scene", self.until, 0.0..=60.0, "s", "0 to 60 s"),
             ("the way to press", self.press, 0.0..=0.05, "m", "0 to 50 mm"),
+            ("the rate to sway", self.sway.unwrap_or(1.0), 0.05..=10.0, "Hz", "0.05 to 10 Hz"),
             ("the time after the push", self.after, 1.0..=60.0, "s", "1 to 60 s"),
             ("the grip", self.grip.unwrap_or(1.0), 1e-3..=1000.0, "N s/m", "0.001 to 1000 N s/m"),
         ];
@@ -216,9 +224,12 @@ impl<'a> Run<'a> {
         for ms in 1..=end {
             let now_ns = ms * TICK_NS;
             let scene = 1e-3 * ms.saturating_sub(BEFORE).min(script) as f64;
-            let pressed = 1e-3 * ms.saturating_sub(still) as f64 / PRESSING;
-            self.hand.command(scene, self.what.press * pressed.min(1.0));
-            let pushed = if (push..push + PUSH.1).contains(&ms) { PUSH.0 } else { 0.0 };
+            if ms == still + 1 {
+                self.hand.beyond = [0.0; DIGITS];
+            }
+            self.hand.command(scene, self.pressed(1e-3 * ms.saturating_sub(still) as f64));
+            let pushes = self.what.sway.is_none() && (push..push + PUSH.1).contains(&ms);
+            let pushed = if pushes { PUSH.0 } else { 0.0 };
             let forces = self.ends.shown().digits.map(|digit| digit.pad_force);
             let moved = self.hand.advance(&forces, pushed);
             if tracker.is_due(ms) {
@@ -232,11 +243,30 @@ impl<'a> Run<'a> {
                 self.frame(now_ns)?;
             }
             self.tick(now_ns, &forces);
+            if ms > still {
+                self.balance();
+            }
             if ms > still + SETTLE / 2 {
                 self.account(&forces, &moved, ms + WINDOW > end);
             }
         }
         Ok(self.finish())
+    }
+
+    /// How much farther the fingers are closed so long after the script has ended \[m\].
+    fn pressed(&self, after: f64) -> f64 {
+        let part = match self.what.sway {
+            None => (after / PRESSING).min(1.0),
+            Some(rate) => 0.5 - 0.5 * (std::f64::consts::TAU * rate * after).cos(),
+        };
+        self.what.press * part
+    }
+
+    /// Books what each finger was given beyond what its damper took up.
+    fn balance(&mut self) {
+        for (felt, beyond) in self.out.fingers.iter_mut().zip(&self.hand.beyond) {
+            felt.beyond = felt.beyond.max(*beyond);
+        }
     }
 
     /// The hand as the tracker sees it.

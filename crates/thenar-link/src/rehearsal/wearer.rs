@@ -29,6 +29,13 @@ pub struct Finger {
     pub speed: f64,
 }
 
+impl Finger {
+    /// Energy of its motion and of its spring \[J\].
+    fn energy(&self, human: &Human) -> f64 {
+        0.5 * (human.mass * self.speed * self.speed + human.stiffness * self.place * self.place)
+    }
+}
+
 /// Flow of `m ẍ + b ẋ + k x = f` over a time h in which f is constant, exact however stiff: the exponential of its
 /// matrix in `(x, ẋ h, f h²/m)`.
 #[derive(Clone, Copy, Debug)]
@@ -64,6 +71,7 @@ impl Finger {
 
 /// A hand of five such fingers.
 pub(super) struct Hand {
+    human: Human,
     flow: Flow,
     live: LiveHand,
     motion: Option<HandMotion>,
@@ -72,11 +80,15 @@ pub(super) struct Hand {
     commanded: LivePose,
     /// How much farther its fingers are to close \[m\].
     press: f64,
+    /// How much of that the last command added \[m\].
+    closed: f64,
     /// From the root of each finger to its pad \[m\].
     levers: [f64; DIGITS],
     pub fingers: [Finger; DIGITS],
     /// Energy given to each since its command stood still \[J\].
     pub given: [f64; DIGITS],
+    /// Energy given to each and to what closes it, less what its damper took up, since the script ended \[J\].
+    pub beyond: [f64; DIGITS],
 }
 
 impl Hand {
@@ -87,14 +99,25 @@ impl Hand {
         let targets = session.input().targets[bones(session)].to_vec();
         let commanded = live.pose_of(&targets);
         let (motion, levers) = (session.hands()[0].motion.clone(), levers(model));
-        let (fingers, given) = ([Finger::default(); DIGITS], [0.0; DIGITS]);
-        let flow = Flow::new(human, h);
-        Ok(Self { flow, live, motion, targets, commanded, press: 0.0, levers, fingers, given })
+        Ok(Self {
+            human: *human,
+            flow: Flow::new(human, h),
+            live,
+            motion,
+            targets,
+            commanded,
+            press: 0.0,
+            closed: 0.0,
+            levers,
+            fingers: [Finger::default(); DIGITS],
+            given: [0.0; DIGITS],
+            beyond: [0.0; DIGITS],
+        })
     }
 
     /// Goes on with the script to this time of the scene \[s\], fingers closed by so much more \[m\].
     pub fn command(&mut self, time: f64, press: f64) {
-        self.press = press;
+        self.closed = press - std::mem::replace(&mut self.press, press);
         if let Some(motion) = &mut self.motion {
             motion.sample(time, &mut self.targets);
             self.commanded = self.live.pose_of(&self.targets);
@@ -104,10 +127,14 @@ impl Hand {
     /// Moves for a step under the forces on its pads, which open, and one that closes; how far each finger went \[m\].
     pub fn advance(&mut self, forces: &[f64; DIGITS], push: f64) -> [f64; DIGITS] {
         let mut moved = [0.0; DIGITS];
-        for ((finger, force), moved) in self.fingers.iter_mut().zip(forces).zip(&mut moved) {
-            let before = finger.place;
-            finger.advance(&self.flow, push - force);
-            *moved = finger.place - before;
+        for (k, finger) in self.fingers.iter_mut().enumerate() {
+            let before = *finger;
+            finger.advance(&self.flow, push - forces[k]);
+            moved[k] = finger.place - before.place;
+            // What work did not become motion or tension became heat.
+            let gained = finger.energy(&self.human) - before.energy(&self.human);
+            let heat = (push - forces[k]) * moved[k] - gained;
+            self.beyond[k] += -forces[k] * (moved[k] + self.closed) - heat;
         }
         moved
     }

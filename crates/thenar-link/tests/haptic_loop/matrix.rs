@@ -48,6 +48,7 @@ fn rehearsed(case: usize) -> (String, Rehearsal, Outcome) {
         grip: Some(1.0),
         until,
         press: 0.01,
+        sway: None,
         after: 3.0,
     };
     let out = what.run(session).expect("a hand that holds");
@@ -82,6 +83,7 @@ fn check(name: &str, what: &Rehearsal, out: &Outcome) {
     let speed = worst.motion_rms * ((stiffness + out.stiffness) / mass).sqrt();
     let most = 1e-4 + 0.85 * speed * speed + 2.84 * worst.motion_rms * worst.mean;
     assert!(worst.given < most, "{name}: {worst:?}");
+    assert!(worst.beyond < 1e-3, "{name}: given beyond its damping, {worst:?}");
 }
 
 #[test]
@@ -122,8 +124,8 @@ fn heavy(after: f64) -> (Rehearsal, Outcome) {
     let session = Session::from_text(text, Path::new("test.toml"), &small).expect("a scene");
     let human = Human { mass: 2.0, damping: 1.0, stiffness: 50.0 };
     let tracker = TrackerTiming { rate: 120.0, latency: 0.0, noise: 0.0 };
-    let (mode, grip, press) = (LoopMode::Shared, Some(1.0), 0.01);
-    let what = Rehearsal { human, tracker, mode, grip, until, press, after };
+    let (mode, grip, press, sway) = (LoopMode::Shared, Some(1.0), 0.01, None);
+    let what = Rehearsal { human, tracker, mode, grip, until, press, sway, after };
     let out = what.run(session).expect("a hand that presses");
     println!("{after} s: {:?}", out.worst());
     (what, out)
