@@ -236,20 +236,18 @@ mod tests {
     /// The hand for touch, thrashed. With seed 1 it jams the car under it from 3.1 s on, with 4 J in its drives.
     #[test]
     fn a_hand_for_touch_is_not_torn_up() {
-        for (seed, seconds) in [(1, 4.2), (2, 3.7), (3, 3.7), (7, 3.7)] {
-            let args = Args {
-                seconds,
-                time_steps: vec![],
-                seed,
-                judge: true,
-                sweep: false,
-                preset: Some(PresetArg::Touch),
-                overrides: vec![],
-            };
-            let soaked = soak(&args, 1.0 / 60.0, &[]).unwrap();
-            assert!(soaked.sound() && soaked.contacts > 10, "{soaked:?}");
-            assert!(soaked.penetration < 5e-3 && soaked.missed_by < 1e-3, "{soaked:?}");
-        }
+        let args = Args {
+            seconds: 4.2,
+            time_steps: vec![],
+            seed: 1,
+            judge: true,
+            sweep: false,
+            preset: Some(PresetArg::Touch),
+            overrides: vec![],
+        };
+        let soaked = soak(&args, 1.0 / 60.0, &[]).unwrap();
+        assert!(soaked.sound() && soaked.contacts > 10, "{soaked:?}");
+        assert!(soaked.penetration < 5e-3 && soaked.missed_by < 1e-3, "{soaked:?}");
     }
 
     /// Deep steps are counted in a row, misses with their size.

@@ -48,6 +48,7 @@ pub const CASES: &[Case] = &[
     case("C6", "stack of five boxes", false, rest::stack),
     case("C7", "sliding to rest", false, slip::sliding),
     case("C8", "pinch hold", false, rest::pinch),
+    case("C8F", "the same of a heavier object", true, rest::pinch_heavy),
     case("C9", "action and reaction", false, balance::balance),
     case("C10", "tipping before slipping", false, incline::tipping),
     case("C11", "Cattaneo and Mindlin: a pressed ball dragged aside", true, tangential::mindlin),

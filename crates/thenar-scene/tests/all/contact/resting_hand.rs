@@ -1,5 +1,5 @@
 //! Goal: a hand at rest on something round presses it with the same force in every step. Method: the
-//! default hand, and the paper's (which alone is tried at 1 ms and on meshes), come down on a fixed body, a finger here and
+//! default hand, and the paper's (on a ball, and alone at 1 ms and on meshes), come down on a fixed body, a finger here and
 //! a palm there, and after they have come to rest the force of each finger is compared from step to step.
 
 use std::f64::consts::{PI, TAU};
@@ -81,6 +81,7 @@ fn flicker(text: &str) -> (f64, f64) {
 }
 
 const BOTH: [&str; 2] = ["touch", "paper"];
+const DEFAULT: [&str; 1] = ["touch"];
 
 fn rests_quietly(presets: &[&str], shape: &str, reach: f64, steps: &[f64]) {
     for preset in presets {
@@ -149,16 +150,21 @@ fn on_a_large_ball() {
 
 #[test]
 fn on_a_small_ball() {
-    rests_quietly(&BOTH, r#"kind = "sphere", radius = 0.025"#, 0.04, &[0.005, 1.0 / 60.0]);
+    rests_quietly(&DEFAULT, r#"kind = "sphere", radius = 0.025"#, 0.04, &[0.005, 1.0 / 60.0]);
 }
 
 #[test]
 fn on_an_ellipsoid() {
-    rests_quietly(&BOTH, r#"kind = "ellipsoid", size = [0.12, 0.16, 0.1]"#, 0.075, &[0.005]);
+    rests_quietly(&DEFAULT, r#"kind = "ellipsoid", size = [0.12, 0.16, 0.1]"#, 0.075, &[0.005]);
 }
 
 #[test]
 fn on_a_capsule_and_a_cylinder() {
-    rests_quietly(&BOTH, r#"kind = "capsule", radius = 0.05, length = 0.1"#, 0.075, &[1.0 / 60.0]);
-    rests_quietly(&BOTH, r#"kind = "cylinder", radius = 0.06, length = 0.12"#, 0.075, &[0.005]);
+    rests_quietly(
+        &DEFAULT,
+        r#"kind = "capsule", radius = 0.05, length = 0.1"#,
+        0.075,
+        &[1.0 / 60.0],
+    );
+    rests_quietly(&DEFAULT, r#"kind = "cylinder", radius = 0.06, length = 0.12"#, 0.075, &[0.005]);
 }

@@ -199,7 +199,7 @@ fn table(name: &str) {
     let all = shapes();
     let (_, shape, rotation, lowest, distance) = all.iter().find(|s| s.0 == name).expect("a shape");
     let mut press = Press::with_shape(pad(TRIANGLE, 0.0), shape, *rotation, *lowest);
-    for load in [0.1, 0.5, 2.0, 8.0, 20.0] {
+    for load in [0.1, 2.0, 20.0] {
         press.settle(load);
         press.is_told(name, load, patch(&press, *distance), TRIANGLE * TRIANGLE);
     }
@@ -270,12 +270,12 @@ fn pad_on_pad(triangle: f64, loads: &[f64]) {
 
 #[test]
 fn between_pads() {
-    pad_on_pad(2e-3, &[0.1, 0.5, 2.0, 8.0, 20.0]);
+    pad_on_pad(2e-3, &[0.1, 2.0, 20.0]);
 }
 
 #[test]
 fn between_finer_pads() {
-    pad_on_pad(1.6e-3, &[0.1, 2.0, 20.0]);
+    pad_on_pad(1.6e-3, &[2.0]);
 }
 
 /// With ever finer triangles the area under a ball comes to rest, and is that of the patch.
