@@ -8,6 +8,10 @@ const GROWS: f64 = 0.7;
 /// How fast it falls when they become more, per second: half as much within a quarter of a second.
 const FALLS: f64 = 2.8;
 
+/// How fast what is known of the tracker's noise follows more of it and less \[s\]: memory wavers from sample to sample, and a
+/// loose hand answers to what it is within a tenth of a second.
+const NOISE: [f64; 2] = [0.1, 0.5];
+
 /// Growth begins at so much \[N/m\], which the rule allows a loose grip behind almost a second: from nothing it would never
 /// begin.
 const LEAST: f64 = 1.0;
@@ -31,6 +35,8 @@ pub struct Felt {
     couplings: Vec<f64>,
     meter: DelayMeter,
     stated: Option<TrackerTiming>,
+    /// How noisy the tracker is of late, 0 to 1.
+    noisy: f64,
     /// What observation and frames add to the delay of each bone \[s\].
     added: Vec<f64>,
     /// The present tracker was heard, and what is felt follows it from there.
@@ -44,7 +50,7 @@ impl Felt {
     pub fn new(bounds: FeltBounds, couplings: Vec<f64>) -> Self {
         let (meter, stated) = Default::default();
         let (added, most) = (vec![0.0; couplings.len()], vec![f64::INFINITY; couplings.len()]);
-        Self { bounds, couplings, meter, stated, added, heard: false, most }
+        Self { bounds, couplings, meter, stated, noisy: 0.0, added, heard: false, most }
     }
 
     /// A sample measured at `time_ns` came at `now_ns`, from a tracker that states this of itself.
@@ -55,12 +61,15 @@ impl Felt {
 
     /// Another tracker moves the hand.
     pub fn forget(&mut self) {
-        (self.meter, self.heard) = (DelayMeter::default(), false);
+        (self.meter, self.heard, self.noisy) = (DelayMeter::default(), false, 0.0);
     }
 
-    /// How late the wearer's motion is seen, and answered by what is sent \[s\].
+    /// How late the wearer's motion is seen, and answered by what is sent \[s\]. Observers make up for what they add where
+    /// hands sway slowly, but not for what noise does.
     pub fn seen_late(&self) -> f64 {
-        self.bounds.profile.delay + self.meter.delay(self.stated.as_ref())
+        let delay = self.meter.delay(self.stated.as_ref());
+        let noise = self.noisy * self.bounds.observation.noisy;
+        self.bounds.profile.delay + delay + noise
     }
 
     /// From motion to the force on a bone, observation and frames included \[s\].
@@ -73,10 +82,14 @@ impl Felt {
         self.bounds.profile.later(self.meter.delay(self.stated.as_ref()) + added)
     }
 
-    /// Goes on by `h` \[s\]: what may be felt follows the delay, without a step. `added` is what frames add to each bone's
-    /// on top of, or instead of, what observation adds \[s\]: see [`Touch::added_delay`](crate::Touch::added_delay).
-    pub fn step(&mut self, h: f64, added: impl Fn(usize, f64) -> f64) {
-        let observed = self.bounds.observation.adds(self.meter.delay(self.stated.as_ref()));
+    /// Goes on by `h` \[s\] with a hand that is seen this `noisy`, 0 to 1: what may be felt follows the delay, without a step.
+    /// `added` is what frames add to each bone's on top of, or instead of, what observation adds \[s\]: see
+    /// [`Touch::added_delay`](crate::Touch::added_delay).
+    pub fn step(&mut self, h: f64, noisy: f64, added: impl Fn(usize, f64) -> f64) {
+        let within = NOISE[usize::from(noisy < self.noisy)];
+        self.noisy += (1.0 - (-h / within).exp()) * (noisy - self.noisy);
+        let delay = self.meter.delay(self.stated.as_ref());
+        let observed = self.bounds.observation.adds(delay, self.noisy);
         let (grows, falls) = ((GROWS * h).exp(), (-FALLS * h).exp());
         for bone in 0..self.couplings.len() {
             self.added[bone] = added(bone, observed);
@@ -117,7 +130,11 @@ mod tests {
         let rated_stiffness = f64::INFINITY;
         let profile =
             LoopProfile { period: 1e-3, delay, damping, friction, resolution, rated_stiffness };
-        FeltBounds { grip, profile, observation: Observation { adds: 0.01, makes_up: 0.3 } }
+        FeltBounds {
+            grip,
+            profile,
+            observation: Observation { adds: 0.01, makes_up: 0.3, noisy: 0.03 },
+        }
     }
 
     /// 90 Hz and 40 ms late: within 80 and 100 % of `b / (T/2 + t_d)` with all of the delay, and softer couplings as
@@ -128,7 +145,7 @@ mod tests {
         for k in 0..300_u64 {
             let time_ns = k * 1_000_000_000 / 90;
             felt.hear(time_ns, time_ns + 40_000_000, None);
-            (0..11).for_each(|_| felt.step(1e-3, |_, observed| observed + 6e-3));
+            (0..11).for_each(|_| felt.step(1e-3, 0.0, |_, observed| observed + 6e-3));
         }
         // Observation makes up for so late a tracker, and adds nothing.
         let delay = 0.04 + 0.5 / 90.0 + 6e-3;
@@ -141,7 +158,7 @@ mod tests {
         for k in 0..6000_u64 {
             let time_ns = 9_000_000_000 + k * 1_000_000;
             felt.hear(time_ns, time_ns, None);
-            felt.step(1e-3, |_, observed| observed + 6e-3);
+            felt.step(1e-3, 0.0, |_, observed| observed + 6e-3);
             assert!(felt.part(0) - before <= 1e-3 * felt.part(0));
             before = felt.part(0);
         }
@@ -150,7 +167,7 @@ mod tests {
         assert!((felt.delay(0) - 0.5e-3 - (0.01 - 0.3 * 0.5e-3) - 6e-3).abs() < 1e-5);
         let mut all = Felt::new(bounds(None), vec![400.0]);
         all.hear(0, 40_000_000, Some(TrackerTiming::HEADSET));
-        all.step(1e-3, |_, _| 0.1);
+        all.step(1e-3, 0.0, |_, _| 0.1);
         assert_eq!(all.part(0), 1.0);
     }
 
@@ -160,7 +177,7 @@ mod tests {
     fn guards_do_not_reckon_with_frames() {
         let mut felt = Felt::new(bounds(Some(1.0)), vec![400.0]);
         felt.hear(0, 0, Some(TrackerTiming { rate: 100.0, latency: 0.01, noise: 0.0 }));
-        felt.step(1e-3, |_, observed| observed + 0.05);
+        felt.step(1e-3, 0.0, |_, observed| observed + 0.05);
         assert!((felt.seen_late() - 0.015).abs() < 1e-12, "{} s", felt.seen_late());
         assert!((felt.delay(0) - (0.015 + 0.01 - 0.3 * 0.015 + 0.05)).abs() < 1e-12);
     }
@@ -170,11 +187,11 @@ mod tests {
     #[test]
     fn what_is_felt_begins_with_the_trackers_delay() {
         let mut felt = Felt::new(bounds(Some(1.0)), vec![400.0]);
-        (0..500).for_each(|_| felt.step(1e-3, |_, _| 6e-3));
+        (0..500).for_each(|_| felt.step(1e-3, 0.0, |_, _| 6e-3));
         for timing in [TrackerTiming::HEADSET, TrackerTiming::GLOVE, TrackerTiming::HEADSET] {
             felt.forget();
             felt.hear(0, 0, Some(timing));
-            felt.step(1e-3, |_, _| 6e-3);
+            felt.step(1e-3, 0.0, |_, _| 6e-3);
             let most = MARGIN / (0.5e-3 + timing.delay() + 6e-3);
             assert!((felt.stiffness(0) - most).abs() < 1e-9, "{} of {most} N/m", felt.stiffness(0));
         }
@@ -186,17 +203,17 @@ mod tests {
         let mut bounds = bounds(Some(1.0));
         let mut felt = Felt::new(bounds, vec![400.0]);
         felt.hear(0, 0, Some(TrackerTiming { rate: 0.0, latency: 0.0, noise: 0.0 }));
-        felt.step(1e-3, |_, _| 6e-3);
+        felt.step(1e-3, 0.0, |_, _| 6e-3);
         assert_eq!(felt.part(0), 0.0);
         // Once there is a delay, it is felt again.
         felt.hear(10_000_000, 10_000_000, Some(TrackerTiming::GLOVE));
-        (0..6000).for_each(|_| felt.step(1e-3, |_, _| 6e-3));
+        (0..6000).for_each(|_| felt.step(1e-3, 0.0, |_, _| 6e-3));
         let most = MARGIN / (0.5e-3 + TrackerTiming::GLOVE.delay() + 6e-3);
         assert!((felt.stiffness(0) / most - 1.0).abs() < 1e-9, "{} N/m", felt.stiffness(0));
         bounds.profile.delay = f64::NAN;
         let mut felt = Felt::new(bounds, vec![400.0]);
         felt.hear(0, 0, Some(TrackerTiming::GLOVE));
-        felt.step(1e-3, |_, _| 6e-3);
+        felt.step(1e-3, 0.0, |_, _| 6e-3);
         assert_eq!(felt.part(0), 0.0);
         let nonsense = TrackerTiming { latency: f64::NAN, ..TrackerTiming::GLOVE };
         assert_eq!(DelayMeter::default().delay(Some(&nonsense)), f64::INFINITY);
@@ -209,16 +226,37 @@ mod tests {
         let mut felt = Felt::new(bounds(Some(1.0)), vec![400.0, 400.0]);
         let late = |bone: usize, slow: bool| [6e-3, 0.1][usize::from(slow)] * [1.0, 2.0][bone];
         felt.hear(0, 0, Some(TrackerTiming { rate: 100.0, latency: 0.0, noise: 0.0 }));
-        (0..100).for_each(|_| felt.step(1e-3, |bone, _| late(bone, false)));
+        (0..100).for_each(|_| felt.step(1e-3, 0.0, |bone, _| late(bone, false)));
         let most = |delay: f64| MARGIN / (0.5e-3 + 5e-3 + delay);
         assert!((felt.stiffness(0) - most(6e-3)).abs() < 1e-9);
         assert!((felt.stiffness(1) - most(12e-3)).abs() < 1e-9);
         for _ in 0..800 {
             let before = felt.stiffness(0);
-            felt.step(1e-3, |bone, _| late(bone, true));
+            felt.step(1e-3, 0.0, |bone, _| late(bone, true));
             assert!(felt.stiffness(0) >= before * (1.0 - 3e-3), "a step from {before} N/m");
         }
         assert!((felt.stiffness(0) - most(0.1)).abs() < 1e-9, "{} N/m", felt.stiffness(0));
         assert!((felt.delay(1) - 0.205).abs() < 1e-12);
+    }
+
+    /// Noise that begins is felt softer within half a second, and the guards' account reckons with what it delays; once it is
+    /// gone, what is felt grows again.
+    #[test]
+    fn noise_is_felt_softer() {
+        let mut felt = Felt::new(bounds(Some(1.0)), vec![400.0]);
+        felt.hear(0, 0, Some(TrackerTiming { rate: 100.0, latency: 0.0, noise: 0.0 }));
+        (0..100).for_each(|_| felt.step(1e-3, 0.0, |_, observed| observed));
+        let most = |delay: f64| MARGIN / (0.5e-3 + delay);
+        assert!((felt.stiffness(0) - most(0.0135)).abs() < 1e-9, "{} N/m", felt.stiffness(0));
+        assert!((felt.seen_late() - 0.005).abs() < 1e-12);
+        for _ in 0..600 {
+            let before = felt.stiffness(0);
+            felt.step(1e-3, 1.0, |_, observed| observed);
+            assert!(felt.stiffness(0) >= before * (1.0 - 3e-3), "a step from {before} N/m");
+        }
+        assert!((felt.stiffness(0) / most(0.035) - 1.0).abs() < 0.01, "{} N/m", felt.stiffness(0));
+        assert!((felt.seen_late() - 0.035).abs() < 2e-4, "{} s", felt.seen_late());
+        (0..5000).for_each(|_| felt.step(1e-3, 0.0, |_, observed| observed));
+        assert!((felt.stiffness(0) / most(0.0135) - 1.0).abs() < 0.01, "{} N/m", felt.stiffness(0));
     }
 }

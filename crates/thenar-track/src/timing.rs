@@ -26,18 +26,21 @@ impl TrackerTiming {
 
 /// What observing a tracker's samples adds to their delay, as far as a spring is concerned: the part of its stiffness
 /// that it takes off the damping of whoever holds it, `-Im G(ω)/ω` of what is observed over what is there, at the worst
-/// ω. Observers carry motion on, which makes up for delay.
+/// ω. Observers carry motion on, which makes up for delay; and they remember noisy samples longer, which is late.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Observation {
-    /// Without a delay \[s\].
+    /// Without a delay and without noise \[s\].
     pub adds: f64,
     /// Less of it per second of delay.
     pub makes_up: f64,
+    /// Of samples that are remembered as long as may be, whatever their delay \[s\].
+    pub noisy: f64,
 }
 
 impl Observation {
-    /// To samples that are late by so much \[s\].
-    pub fn adds(&self, delay: f64) -> f64 {
-        (self.adds - self.makes_up * delay).max(0.0)
+    /// To samples that are late by so much \[s\] and `noisy` from 0, as sure as motion, to 1, remembered as long as may be.
+    pub fn adds(&self, delay: f64, noisy: f64) -> f64 {
+        let sure = (self.adds - self.makes_up * delay).max(0.0);
+        sure + noisy * (self.noisy - sure)
     }
 }

@@ -114,7 +114,7 @@ fn late_frames_do_not_make_a_loose_hand_hum() {
     }
 }
 
-/// Seen with a millimetre of noise, which is observed longer and followed less tightly, and so later than the rule knows:
+/// Seen with a millimetre of noise, which is observed longer, followed less tightly and felt softer for it:
 /// a loose finger trembles with what it is told, and does not hum. A millimetre on the rule's stiffness is its force,
 /// and moves it by F/k.
 #[test]

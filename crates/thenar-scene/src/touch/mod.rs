@@ -214,7 +214,7 @@ impl Rehearsal {
         }
         let report = self.touch.tick(now, &self.frame);
         self.touch.publish(now, &mut self.back);
-        self.felt.step(report.step, |bone, observed| self.touch.added_delay(bone, observed));
+        self.felt.step(report.step, 0.0, |bone, observed| self.touch.added_delay(bone, observed));
         for (pad, reading) in self.pads.iter_mut().zip(&mut self.readings) {
             *reading = pad.read(&self.touch, report.step);
             let part = self.felt.part(pad.bone);

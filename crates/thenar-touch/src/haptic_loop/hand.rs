@@ -200,7 +200,7 @@ impl LoopHand {
         let sets_out = leads && self.live.is_setting_out();
         let (touch, h) = (&*self.touch, self.report.step);
         if let Some(felt) = &mut self.felt {
-            felt.step(h, |bone, observed| touch.added_delay(bone, observed));
+            felt.step(h, self.live.noisy(), |bone, observed| touch.added_delay(bone, observed));
         }
         for (pad, reading) in self.pads.iter_mut().zip(&mut self.readings) {
             *reading = pad.as_mut().map(|pad| pad.read(touch, h));

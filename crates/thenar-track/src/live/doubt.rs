@@ -2,18 +2,40 @@
 
 use thenar::Pose;
 
-/// How far a sample may be from what was expected, and what the fastest start adds: place \[m, m/s²\], turns of the
-/// wrist, angles of joints \[rad, rad/s²\]. Noise of trackers reaches 1 cm and 5 degrees; hands start with some 100
-/// m/s², wrists and fingers turn with some 500 rad/s².
-const EXPECTED: [[f64; 2]; 3] = [[0.02, 100.0], [0.12, 500.0], [0.15, 500.0]];
+/// How far a sample may be from what was expected, what the fastest start adds, and the most of that: place \[m, m/s², m\],
+/// turns of the wrist, angles of joints \[rad, rad/s², rad\]. Noise of trackers reaches 1 cm and 5 degrees. A reach that is
+/// 3 m/s fast on its way of 0.3 m starts with 49 m/s² (the least jerk of Flash and Hogan 1985: 1.875 D/T and 5.77 D/T²);
+/// twice that is allowed for, and 500 rad/s² of wrists and fingers. Where samples are so far apart that this would reach
+/// 3.5 cm at a fingertip, 17 cm from the wrist and 10 cm from its knuckle, starts wait as glitches do: 5 cm never pass.
+const EXPECTED: [[f64; 3]; 3] = [[0.02, 100.0, 0.015], [0.12, 500.0, 0.08], [0.15, 500.0, 0.2]];
 /// Fastest true motion from the sample in doubt to the next \[m/s\], \[rad/s\].
 const FASTEST: [f64; 3] = [4.0, 25.0, 26.0];
 
 /// A sample that waits for the next.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Doubt {
-    waiting: Option<Pose>,
+    waiting: Option<Waiting>,
     angles: Vec<[f64; 2]>,
+}
+
+/// A wrist in doubt, and how long after the last one taken it was \[s\].
+#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
+pub struct Waiting {
+    /// Where it was seen.
+    pub wrist: Pose,
+    /// Time since the last sample that was taken \[s\].
+    pub gap: f64,
+}
+
+/// What becomes of a sample.
+#[derive(Clone, Copy, Debug)]
+pub enum Verdict {
+    /// It is taken; what waited is forgotten.
+    Taken,
+    /// It is taken after the one that waited, which it bears out.
+    BornOut(Waiting),
+    /// It waits for the next.
+    Waits,
 }
 
 impl Doubt {
@@ -32,8 +54,13 @@ impl Doubt {
         self.waiting = None;
     }
 
-    /// True if this sample must wait: it is `surprises` from what is expected `gap` \[s\] after the last one taken, and
-    /// none before it, `step` \[s\] earlier, bears it out.
+    /// Angles of the joints of the sample that waits or waited last \[rad\].
+    pub fn angles(&self) -> &[[f64; 2]] {
+        &self.angles
+    }
+
+    /// What becomes of this sample: it is `surprises` from what is expected `gap` \[s\] after the last one taken, and may
+    /// bear out the one before it, `step` \[s\] earlier.
     pub fn look(
         &mut self,
         wrist: &Pose,
@@ -41,21 +68,25 @@ impl Doubt {
         surprises: [f64; 3],
         gap: f64,
         step: Option<f64>,
-    ) -> bool {
-        let most = EXPECTED.map(|[base, start]| base + 0.5 * start * gap * gap);
-        let expected = surprises.iter().zip(&most).all(|(surprise, most)| surprise <= most);
-        if expected || self.is_borne_out(wrist, angles, step.unwrap_or(gap)) {
+    ) -> Verdict {
+        let most = EXPECTED.map(|[base, start, most]| base + (0.5 * start * gap * gap).min(most));
+        if surprises.iter().zip(&most).all(|(surprise, most)| surprise <= most) {
             self.waiting = None;
-            return false;
+            return Verdict::Taken;
         }
-        self.waiting = Some(*wrist);
+        if self.is_borne_out(wrist, angles, step.unwrap_or(gap))
+            && let Some(waiting) = self.waiting.take()
+        {
+            return Verdict::BornOut(waiting);
+        }
+        self.waiting = Some(Waiting { wrist: *wrist, gap });
         self.angles.copy_from_slice(angles);
-        true
+        Verdict::Waits
     }
 
     /// True if the sample in doubt and this one are of one motion.
     fn is_borne_out(&self, wrist: &Pose, angles: &[[f64; 2]], step: f64) -> bool {
-        let Some(before) = &self.waiting else { return false };
+        let Some(Waiting { wrist: before, .. }) = &self.waiting else { return false };
         let change = (self.angles.as_flattened().iter().zip(angles.as_flattened()))
             .map(|(a, b)| (a - b).abs())
             .fold(0.0, f64::max);
@@ -64,7 +95,7 @@ impl Doubt {
             wrist.rotation.angle_to(&before.rotation),
             change,
         ];
-        let noise = EXPECTED.map(|[base, _]| base);
+        let noise = EXPECTED.map(|[base, ..]| base);
         (0..3).all(|k| ways[k] <= noise[k] + FASTEST[k] * step)
     }
 }
@@ -87,7 +118,8 @@ mod tests {
         let none = [[0.0; 2]; 15];
         let mut doubt = Doubt::new(15);
         let mut look = |x: f64, expected: f64, gap: f64| {
-            doubt.look(&at(x), &none, [(x - expected).abs(), 0.0, 0.0], gap, Some(GAP))
+            let surprises = [(x - expected).abs(), 0.0, 0.0];
+            matches!(doubt.look(&at(x), &none, surprises, gap, Some(GAP)), Verdict::Waits)
         };
         assert!(look(0.05, 0.0, GAP) && !look(0.0, 0.0, 2.0 * GAP));
         assert!(look(0.05, 0.0, GAP) && !look(0.05, 0.0, 2.0 * GAP));
@@ -102,10 +134,29 @@ mod tests {
         let mut doubt = Doubt::new(15);
         let mut bent = [[0.0; 2]; 15];
         bent[4][0] = 0.6;
-        assert!(doubt.look(&at(0.0), &bent, [0.0, 0.0, 0.6], GAP, Some(GAP)));
-        assert!(!doubt.look(&at(0.0), &bent, [0.0, 0.0, 0.6], 2.0 * GAP, Some(GAP)));
+        let mut look = |wrist: &Pose, surprises: [f64; 3], gap: f64| {
+            doubt.look(wrist, &bent, surprises, gap, Some(GAP))
+        };
+        assert!(matches!(look(&at(0.0), [0.0, 0.0, 0.6], GAP), Verdict::Waits));
+        let after = look(&at(0.0), [0.0, 0.0, 0.6], 2.0 * GAP);
+        assert!(matches!(after, Verdict::BornOut(waiting) if waiting.gap == GAP));
         let turned = Pose::new(Vec3::zeros(), Quat::from_scaled_axis(Vec3::z() * 0.5));
-        assert!(doubt.look(&turned, &bent, [0.0, 0.5, 0.0], GAP, Some(GAP)));
-        assert!(!doubt.look(&at(0.0), &bent, [0.0; 3], 2.0 * GAP, Some(GAP)));
+        assert!(matches!(look(&turned, [0.0, 0.5, 0.0], GAP), Verdict::Waits));
+        assert!(matches!(look(&at(0.0), [0.0; 3], 2.0 * GAP), Verdict::Taken));
+    }
+
+    /// Five centimetres of a fingertip are in doubt however long ago the last sample was: by the wrist, by its turn 17 cm
+    /// away, by a knuckle 10 cm away.
+    #[test]
+    fn five_centimetres_never_pass() {
+        let none = [[0.0; 2]; 15];
+        for gap in [1e-3, GAP, 1.0 / 60.0, 1.0 / 30.0, 0.067, 0.1] {
+            for k in 0..3 {
+                let mut surprises = [0.0; 3];
+                surprises[k] = [0.05, 0.05 / 0.17, 0.5][k];
+                let verdict = Doubt::new(15).look(&at(0.0), &none, surprises, gap, Some(gap));
+                assert!(matches!(verdict, Verdict::Waits), "{k} after {gap} s");
+            }
+        }
     }
 }

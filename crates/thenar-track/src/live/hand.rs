@@ -2,7 +2,7 @@
 
 use super::check::checked;
 use super::clock::Timing;
-use super::doubt::Doubt;
+use super::doubt::{Doubt, Verdict, Waiting};
 use super::follower::{Law, follow, follow_rotation};
 use super::memory::{CALIBRATION, Memory, Way};
 use super::observer::{Observed, ObservedRotation};
@@ -18,9 +18,12 @@ use thenar::{Pose, Quat};
 const AHEAD_MAX: f64 = 0.025;
 /// Natural frequency of the follower \[rad/s\]: on the way to another place, and once there.
 const OMEGA: [f64; 2] = [TAU * 4.0, TAU * 25.0];
-/// Followed tightly, a hand whose samples are noise is followed this part as tightly at least: 16 Hz of 80, where 1 mm of
-/// white noise at 90 Hz leaves a third of what 80 Hz lets through above 40 Hz.
-const NOISY: f64 = 0.2;
+/// Followed tightly, a hand whose samples are noise is followed this part as tightly at least: 32 Hz of 80, which is 10 ms late
+/// and leaves half of what 80 Hz lets through above 40 Hz of white noise.
+const NOISY: f64 = 0.4;
+/// Noise that is felt: place \[m\], turn of the wrist and angle of a joint \[rad\], each some 20 µm at a fingertip. Sways that
+/// less noise hides are below what a hand at rest may sway by.
+const FELT: [f64; 3] = [2e-5, 1e-4, 2e-4];
 /// A script is reached when nothing is further off than this \[m, rad\].
 const ARRIVED: f64 = 1e-4;
 /// A sample this far from what was expected is a teleport: \[m\] and \[m/s\] times the gap.
@@ -99,6 +102,15 @@ impl LiveHand {
     /// True if the last pose waits for another that agrees with it: nothing is known by it yet.
     pub fn waits(&self) -> bool {
         self.doubt.as_ref().is_some_and(Doubt::waits)
+    }
+
+    /// How noisy its samples are, from 0, as sure as motion, to 1, remembered as long as may be; the worst of wrist and joints.
+    /// See [`Observation`](crate::Observation).
+    pub fn noisy(&self) -> f64 {
+        let memory = &self.memory;
+        let wrist = memory.position.noisy(FELT[0]).max(memory.rotation.noisy(FELT[1]));
+        let joints = memory.joints.iter().flatten().map(|joint| joint.noisy(FELT[2]));
+        joints.fold(wrist, f64::max)
     }
 
     /// What moves the hand.
@@ -193,7 +205,7 @@ impl LiveHand {
             },
             false => timing,
         };
-        self.observe(&wrist, &timing, was_lost);
+        observe(&mut self.memory, &wrist, &self.angles, &timing, was_lost);
         (self.memory.arrived, self.memory.late, self.memory.lost) =
             (self.memory.now, timing.late, false);
         Ok(())
@@ -331,7 +343,7 @@ impl LiveHand {
     }
 
     /// How the pose carried over lies in time, after the last one that was taken; `None` when it must wait for another
-    /// that agrees with it.
+    /// that agrees with it. One that it bears out is taken before it.
     fn without_doubt(&mut self, wrist: &Pose, timing: Timing) -> Option<Timing> {
         let Self { doubt: Some(doubt), memory, angles, .. } = self else { return Some(timing) };
         let since_taken = memory.now - memory.arrived + memory.late - timing.late;
@@ -343,31 +355,14 @@ impl LiveHand {
                 .map(|(joint, angle)| joint.surprise(*angle, gap))
                 .fold(0.0, f64::max),
         ];
-        let waits = doubt.look(wrist, angles, surprises, gap.unwrap_or(0.0), timing.gap);
-        (!waits).then_some(Timing { gap, ..timing })
-    }
-
-    /// Takes the pose carried over into the observers; sets out anew where it does not continue
-    /// the ones before.
-    fn observe(&mut self, wrist: &Pose, timing: &Timing, was_lost: bool) {
-        let gap = timing.gap.unwrap_or(0.0);
-        let far = |[base, rate]: [f64; 2]| base + rate * gap;
-        let teleported = self.memory.position.surprise(wrist.position, timing.gap) > far(TELEPORT)
-            || self.memory.rotation.surprise(&wrist.rotation, timing.gap) > far(TELEPORT_TURN);
-        if was_lost || timing.fresh || teleported {
-            self.memory.position = Observed::at(wrist.position);
-            self.memory.rotation = ObservedRotation::at(wrist.rotation);
-            for (joint, angles) in self.memory.joints.iter_mut().zip(&self.angles) {
-                *joint = angles.map(Observed::at);
-            }
-            self.memory.set_out = self.memory.now;
-            return;
-        }
-        self.memory.position.take(wrist.position, timing.gap, SPEED_MAX);
-        self.memory.rotation.take(&wrist.rotation, timing.gap, SPIN_MAX);
-        for (joint, angles) in self.memory.joints.iter_mut().zip(&self.angles) {
-            for k in 0..2 {
-                joint[k].take(angles[k], timing.gap, JOINT_RATE_MAX);
+        match doubt.look(wrist, angles, surprises, gap.unwrap_or(0.0), timing.gap) {
+            Verdict::Waits => None,
+            Verdict::Taken => Some(Timing { gap, ..timing }),
+            Verdict::BornOut(Waiting { wrist, gap: before }) => {
+                let first = Timing { gap: Some(before), fresh: false, ..timing };
+                observe(memory, &wrist, doubt.angles(), &first, false);
+                let step = timing.gap.or_else(|| gap.map(|gap| (gap - before).max(0.0)));
+                Some(Timing { gap: step, ..timing })
             }
         }
     }
@@ -443,5 +438,35 @@ impl LiveHand {
             && a.rotation.0.angle_to(&b.rotation.0) < ARRIVED
             && a.angles.iter().zip(&b.angles).all(|(a, b)| near(a, b))
             && self.opening() >= 1.0
+    }
+}
+
+/// Takes a pose that was carried over into the observers; sets out anew where it does not continue the ones before.
+fn observe(
+    memory: &mut Memory,
+    wrist: &Pose,
+    angles: &[[f64; 2]],
+    timing: &Timing,
+    was_lost: bool,
+) {
+    let gap = timing.gap.unwrap_or(0.0);
+    let far = |[base, rate]: [f64; 2]| base + rate * gap;
+    let teleported = memory.position.surprise(wrist.position, timing.gap) > far(TELEPORT)
+        || memory.rotation.surprise(&wrist.rotation, timing.gap) > far(TELEPORT_TURN);
+    if was_lost || timing.fresh || teleported {
+        memory.position = Observed::at(wrist.position);
+        memory.rotation = ObservedRotation::at(wrist.rotation);
+        for (joint, angles) in memory.joints.iter_mut().zip(angles) {
+            *joint = angles.map(Observed::at);
+        }
+        memory.set_out = memory.now;
+        return;
+    }
+    memory.position.take(wrist.position, timing.gap, SPEED_MAX);
+    memory.rotation.take(&wrist.rotation, timing.gap, SPIN_MAX);
+    for (joint, angles) in memory.joints.iter_mut().zip(angles) {
+        for k in 0..2 {
+            joint[k].take(angles[k], timing.gap, JOINT_RATE_MAX);
+        }
     }
 }

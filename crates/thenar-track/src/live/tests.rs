@@ -2,6 +2,7 @@
 //! a tracker watches a moving hand whose pose is known; random garbage is compared with the bounds.
 
 mod garbage;
+mod glitch;
 mod observation;
 
 use super::{LiveError, LiveHand, LivePose, Mover, OPENING, SPEED_MAX, SPIN_MAX};
@@ -17,6 +18,7 @@ const H: f64 = 5e-3;
 const GAP: f64 = 1.0 / 90.0;
 
 /// A hand, its targets, and a script that holds it still at its rest.
+#[derive(Clone)]
 struct Rig {
     hand: HandModel,
     live: LiveHand,
