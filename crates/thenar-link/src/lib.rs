@@ -23,6 +23,7 @@ pub mod force_device;
 pub mod hand_tracking_streamer;
 pub mod joints;
 pub mod keeper;
+pub mod latency;
 mod lines;
 pub mod lucidgloves;
 mod nesting;
@@ -42,6 +43,7 @@ pub mod replay;
 mod testing;
 pub mod transport;
 pub mod twin;
+pub mod wearer;
 pub mod worker;
 
 pub use driver::{Driver, Found, Opened};

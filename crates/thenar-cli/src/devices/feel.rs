@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use thenar::Vec3;
 use thenar::model::Side;
 use thenar_link::{DIGITS, ForceDisplay, HandOutput, Rendering, Tracker, now_ns};
-use thenar_touch::safety::{Guard, Limits, Signal, Status};
+use thenar_touch::safety::{Guard, Limits, Signal, Status, Trip};
 
 /// Largest force \[N\].
 const FORCE: f64 = 1.0;
@@ -17,10 +17,11 @@ const FORCE: f64 = 1.0;
 const PER_FINGER: f64 = 1.5;
 /// Length of a hand that no profile knows, wrist to middle fingertip \[m\].
 const HAND_LENGTH: f64 = 0.19;
-const NAMES: [&str; DIGITS] =
+/// Fingers, thumb first.
+pub const NAMES: [&str; DIGITS] =
     ["thumb", "index finger", "middle finger", "ring finger", "little finger"];
 /// The world's axes, for devices that push the whole hand.
-const DIRECTIONS: [&str; 3] = ["to the right", "up", "towards you"];
+pub const DIRECTIONS: [&str; 3] = ["to the right", "up", "towards you"];
 
 /// Asks, unless `arm`, then plays the force on every finger. Movement stops are at `stop`, a fraction of
 /// the wearer's calibrated range: 0 open to 1 closed.
@@ -29,7 +30,7 @@ const DIRECTIONS: [&str; 3] = ["to the right", "up", "towards you"];
 /// The person does not agree, or the guard trips.
 pub fn run(
     display: &mut dyn ForceDisplay,
-    mut tracker: Option<&mut Box<dyn Tracker>>,
+    tracker: Option<&mut Box<dyn Tracker>>,
     arm: bool,
     stop: f64,
 ) -> Result<(), CliError> {
@@ -38,13 +39,8 @@ pub fn run(
         return Err(CliError::Other("not armed: no force was shown".into()));
     }
     let limits = gentle(&display.rendering().limits(display.limits()));
-    let mut guard =
-        Guard::<DIGITS>::new(limits, 2000).map_err(|e| CliError::Other(e.to_string()))?;
-    guard.arm();
-    let side = tracker.as_mut().map_or(Side::Right, |tracker| side_of(&mut ***tracker));
-    let length = tracker.as_ref().and_then(|tracker| tracker.hand_length()).unwrap_or(HAND_LENGTH);
-    let mut trial =
-        Trial { display, tracker, guard, speeds: Speeds::new(side, length), side, stop };
+    let mut trial = Trial::new(display, tracker, limits, stop)?;
+    trial.begin(limits)?;
     // The guard engages on small forces only, then opens over its ramp: begin with none.
     trial.play(None, limits.ramp + 0.2)?;
     let pushes = trial.display.rendering() == Rendering::Wrench;
@@ -53,9 +49,14 @@ pub fn run(
         println!("{name}");
         trial.play(Some(axis), PER_FINGER)?;
     }
-    trial.display.show(&HandOutput::released(side, now_ns()));
+    trial.release();
     println!("released");
     Ok(())
+}
+
+/// A guard that is off.
+fn guard(limits: Limits) -> Result<Guard<DIGITS>, CliError> {
+    Guard::new(limits, 2000).map_err(|e| CliError::Other(e.to_string()))
 }
 
 /// The device's own limits, with no more than our force.
@@ -89,17 +90,57 @@ fn side_of(tracker: &mut dyn Tracker) -> Side {
 }
 
 /// What takes part.
-struct Trial<'a> {
-    display: &'a mut dyn ForceDisplay,
+pub struct Trial<'a> {
+    /// The display.
+    pub display: &'a mut dyn ForceDisplay,
     tracker: Option<&'a mut Box<dyn Tracker>>,
     guard: Guard<DIGITS>,
     speeds: Speeds,
-    side: Side,
+    /// The hand.
+    pub side: Side,
     /// Where fingers are stopped.
     stop: f64,
 }
 
-impl Trial<'_> {
+impl<'a> Trial<'a> {
+    /// Nothing is shown before it [begins](Trial::begin).
+    ///
+    /// # Errors
+    /// The limits make no sense.
+    pub fn new(
+        display: &'a mut dyn ForceDisplay,
+        mut tracker: Option<&'a mut Box<dyn Tracker>>,
+        limits: Limits,
+        stop: f64,
+    ) -> Result<Self, CliError> {
+        let guard = guard(limits)?;
+        let side = tracker.as_mut().map_or(Side::Right, |tracker| side_of(&mut ***tracker));
+        let length = tracker.as_ref().and_then(|tracker| tracker.hand_length());
+        let speeds = Speeds::new(side, length.unwrap_or(HAND_LENGTH));
+        Ok(Self { display, tracker, guard, speeds, side, stop })
+    }
+
+    /// Arms anew: from nothing, through the guard's wait and ramp.
+    ///
+    /// # Errors
+    /// The limits make no sense.
+    pub fn begin(&mut self, limits: Limits) -> Result<(), CliError> {
+        self.guard = guard(limits)?;
+        self.guard.arm();
+        Ok(())
+    }
+
+    /// What the guard does.
+    pub fn status(&self) -> Status {
+        self.guard.status()
+    }
+
+    /// Nothing from now on, until it begins anew.
+    pub fn release(&mut self) {
+        self.guard.trip(Trip::Requested);
+        self.display.show(&HandOutput::released(self.side, now_ns()));
+    }
+
     /// One finger or direction, or none, for some seconds, at about 1 kHz.
     fn play(&mut self, axis: Option<usize>, seconds: f64) -> Result<(), CliError> {
         let start = Instant::now();
@@ -119,14 +160,22 @@ impl Trial<'_> {
 
     /// Shows the force of this moment; `phase` goes from 0 to 1.
     fn tick(&mut self, now: u64, axis: Option<usize>, phase: f64) -> Result<(), CliError> {
-        let rendering = self.display.rendering();
-        // Vibrating players need not answer; anything else that is not there must not be ready for it.
-        let vibrates = rendering == Rendering::Vibration;
         let mut wanted = [0.0; DIGITS];
         if let Some(axis) = axis {
             // Up and down again, without a jump.
             wanted[axis] = FORCE * (std::f64::consts::PI * phase).sin();
         }
+        self.show(now, wanted)
+    }
+
+    /// Shows these forces, as far as the guard lets them through.
+    ///
+    /// # Errors
+    /// The guard trips: forces are released.
+    pub fn show(&mut self, now: u64, wanted: [f64; DIGITS]) -> Result<(), CliError> {
+        let rendering = self.display.rendering();
+        // Vibrating players need not answer; anything else that is not there must not be ready for it.
+        let vibrates = rendering == Rendering::Vibration;
         if let Some(sample) = self.tracker.as_mut().and_then(|t| t.latest(self.side)) {
             self.speeds.take(sample);
         }
@@ -173,5 +222,7 @@ fn velocity(speeds: &Speeds, rendering: Rendering, now_ns: u64) -> [f64; DIGITS]
     }
 }
 
+#[cfg(test)]
+pub mod fake;
 #[cfg(test)]
 mod tests;

@@ -2,7 +2,10 @@
 
 mod calibrate;
 mod check;
+mod comfort;
 mod feel;
+mod keys;
+mod latency;
 mod list;
 mod simulate;
 mod speed;
@@ -28,6 +31,10 @@ enum What {
     Test(test::Args),
     /// Fit a glove to its wearer.
     Calibrate(calibrate::Args),
+    /// Find out how much force a wearer likes, finger by finger, with a stop at hand.
+    Comfort(comfort::Args),
+    /// Measure how late a tracker sees a hand, and keep it in its profile.
+    Latency(latency::Args),
     /// Run a simulated device that a driver can open.
     Simulate(simulate::Args),
 }
@@ -42,6 +49,8 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         What::Check(args) => check::run(args),
         What::Test(args) => test::run(args),
         What::Calibrate(args) => calibrate::run(args),
+        What::Comfort(args) => comfort::run(args),
+        What::Latency(args) => latency::run(args),
         What::Simulate(args) => simulate::run(args),
     }
 }

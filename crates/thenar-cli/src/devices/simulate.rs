@@ -17,6 +17,9 @@ pub struct Args {
     /// Hold the hand still, so far closed: 0 open to 1 closed. By default it opens and closes.
     #[arg(long, value_parser = super::test::fraction)]
     still: Option<f64>,
+    /// What it tells is so old [s]: all simulated hands that are not still move as one, by this computer's clock.
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = late)]
+    late: f64,
     /// For how long [s]; by default until Ctrl-C.
     #[arg(long, value_parser = super::test::seconds)]
     seconds: Option<f64>,
@@ -24,6 +27,21 @@ pub struct Args {
 
 /// Time in which the hand opens and closes \[s\].
 const PERIOD: f64 = 4.0;
+
+/// A delay that a tracker can have.
+fn late(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if (0.0..=0.5).contains(&seconds) => Ok(seconds),
+        _ => Err("expected seconds, 0 to 0.5".into()),
+    }
+}
+
+/// Time of this computer, the same for all programs \[s\].
+fn clock() -> f64 {
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    // Whole periods are left out, for the digits.
+    now.map_or(0.0, |time| time.as_secs_f64() % (1e6 * PERIOD))
+}
 
 /// Runs it.
 ///
@@ -56,14 +74,14 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let start = Instant::now();
     let mut felt = device.felt();
     while !interrupt::asked() && args.seconds.is_none_or(|s| start.elapsed().as_secs_f64() < s) {
-        let phase = start.elapsed().as_secs_f64() * std::f64::consts::TAU / PERIOD;
+        let phase = (clock() - args.late) / PERIOD * std::f64::consts::TAU;
         device.set_curls([args.still.unwrap_or(0.5 - 0.5 * phase.cos()); 5]);
         let now = device.felt();
         if now != felt {
             println!("felt: {now}");
             felt = now;
         }
-        std::thread::sleep(Duration::from_millis(5));
+        std::thread::sleep(Duration::from_millis(1));
     }
     Ok(())
 }

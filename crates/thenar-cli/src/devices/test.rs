@@ -6,6 +6,7 @@ use crate::interrupt;
 use std::io::Write;
 use std::time::{Duration, Instant};
 use thenar::model::Side;
+use thenar_link::wearer::{Wearer, worn};
 use thenar_link::{HandSample, Tracker, now_ns};
 use thenar_scene::live::LivePose;
 
@@ -67,9 +68,13 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         println!("{} sends no poses", args.address);
     }
     if args.feel {
-        let Some(mut display) = device.display.take() else {
+        let Some(display) = device.display.take() else {
             return Err(CliError::Input(format!("{} shows no forces", args.address)));
         };
+        let (mut display, comfort) = worn(display, &args.address, &Wearer::load(None)?);
+        if let Some(comfort) = comfort {
+            println!("for you {comfort}");
+        }
         feel::run(&mut *display, device.tracker.as_mut(), args.arm, args.stop_at)?;
     }
     Ok(())

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use thenar_link::haptic_loop::{
     HapticLoop, LoopError, LoopMode, Remote, STATEMENT, Settings, Watcher,
 };
+use thenar_link::wearer::{Wearer, worn};
 use thenar_link::{ForceDisplay, LinkError, Tracker};
 
 /// Devices, and how they are felt.
@@ -30,6 +31,10 @@ pub struct DeviceOptions {
     /// profile allows.
     #[arg(long, value_name = "PART", requires = "devices")]
     pub force: Option<f64>,
+    /// Name of the wearer: no more force than `thenar devices comfort` found for that name. Without a name it is what
+    /// was found for whoever is not named, if anything was.
+    #[arg(long, value_name = "NAME", requires = "devices")]
+    pub wearer: Option<String>,
     /// Start no keepers: processes that let the wearer go when this program is stopped or killed.
     #[arg(long, requires = "devices")]
     pub no_keeper: bool,
@@ -79,6 +84,7 @@ impl DeviceOptions {
             let folder = self.trips.display();
             return Err(CliError::Input(format!("--trips {folder} is not a folder")));
         }
+        let wearer = Wearer::load(self.wearer.as_deref())?;
         if !self.no_keeper {
             crate::keeper::enable();
         }
@@ -88,7 +94,7 @@ impl DeviceOptions {
             for address in simulated.addresses(address)? {
                 let opened = thenar_link::open(&address)?;
                 trackers.extend(opened.tracker);
-                displays.extend(opened.display);
+                displays.extend(opened.display.map(|display| dressed(display, &address, &wearer)));
             }
         }
         trackers.extend(more);
@@ -116,6 +122,19 @@ impl DeviceOptions {
             println!("Dry run: displays get zeros until they are armed.");
         }
     }
+}
+
+/// The display as its wearer wants it; what that is, is told.
+fn dressed(
+    display: Box<dyn ForceDisplay>,
+    address: &str,
+    wearer: &Wearer,
+) -> Box<dyn ForceDisplay> {
+    let (display, comfort) = worn(display, address, wearer);
+    if let (Some(comfort), Some(file)) = (comfort, &wearer.file) {
+        println!("{address}: {comfort}, by {}", file.display());
+    }
+    display
 }
 
 /// Prints what devices and loop have to tell, each once.

@@ -48,9 +48,44 @@ pub fn page_timing() -> Result<TrackerTiming, LinkError> {
     camera_timing("page", PAGE, None)
 }
 
+/// Drivers whose profile states delays, `[tracking]`.
+const TIMED: [&str; 5] = ["lucidgloves", "cyberglove", "cyberglove3", "hts", "openxr"];
+
+/// True if the profile of this driver has `[tracking]`: there a measured delay is kept.
+pub fn states_timing(driver: &str) -> bool {
+    TIMED.contains(&driver)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A file of one's own with `[tracking]` alone is taken by those drivers, and by no other.
+    #[test]
+    fn delays_are_kept_where_they_are_read() {
+        let file = std::env::temp_dir().join(format!("thenar-timed-{}.toml", std::process::id()));
+        std::fs::write(&file, "[tracking]\nrate = 77.0\nlatency = 0.033\nnoise = 2e-3\n").unwrap();
+        let shipped = [
+            ("lucidgloves", crate::lucidgloves::SHIPPED),
+            ("cyberglove", include_str!("../../profiles/cyberglove.toml")),
+            ("cyberglove3", include_str!("../../profiles/cyberglove3.toml")),
+            ("hts", include_str!("../../profiles/hts.toml")),
+            ("openxr", include_str!("../../profiles/openxr.toml")),
+            ("cybergrasp", include_str!("../../profiles/cybergrasp.toml")),
+            ("force-device", include_str!("../../profiles/force-device.toml")),
+        ];
+        for (driver, text) in shipped {
+            let has = text.lines().any(|line| line.starts_with("[tracking]"));
+            assert_eq!(has, states_timing(driver), "{driver}");
+        }
+        let hts = format!("hts:0?profile={}", file.display());
+        let glove = format!("cyberglove:/no/such/port?profile={}", file.display());
+        for address in [hts, glove] {
+            let timing = crate::open(&address).unwrap().tracker.unwrap().timing().unwrap();
+            assert_eq!(timing, TrackerTiming { rate: 77.0, latency: 0.033, noise: 2e-3 });
+        }
+        std::fs::remove_file(&file).unwrap();
+    }
 
     /// Each is what the study of a Quest 2 found: 45 ms, and half a period of 90 Hz.
     #[test]

@@ -61,14 +61,18 @@ pub fn profile_name(driver: &str, address: &Address) -> String {
     source(driver, address).1
 }
 
+/// Where settings of this person are kept; `None` where the system has no place for them.
+pub fn settings_folder() -> Option<PathBuf> {
+    let set = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+    set("THENAR_CONFIG")
+        .or_else(|| Some(set("XDG_CONFIG_HOME").or_else(|| set("APPDATA"))?.join("thenar")))
+        .or_else(|| Some(set("HOME")?.join(".config/thenar")))
+}
+
 /// Where a user's profile for this driver is kept, whether or not there is one: for this side if
 /// that exists, else for both. `None` where the system has no place for settings.
 pub fn user_file(driver: &str, side: Option<Side>) -> Option<PathBuf> {
-    let set = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
-    let folder = set("THENAR_CONFIG")
-        .or_else(|| Some(set("XDG_CONFIG_HOME").or_else(|| set("APPDATA"))?.join("thenar")))
-        .or_else(|| Some(set("HOME")?.join(".config/thenar")))?
-        .join("devices");
+    let folder = settings_folder()?.join("devices");
     let of_side = side.map(|side| match side {
         Side::Left => folder.join(format!("{driver}-left.toml")),
         Side::Right => folder.join(format!("{driver}-right.toml")),
@@ -78,6 +82,12 @@ pub fn user_file(driver: &str, side: Option<Side>) -> Option<PathBuf> {
             .filter(|file| file.exists())
             .unwrap_or_else(|| folder.join(format!("{driver}.toml"))),
     )
+}
+
+/// A file of settings that stands for itself.
+pub(crate) fn read_table<T: DeserializeOwned>(file: &Path) -> Result<T, String> {
+    let text = read_text(file, PROFILE_BYTES_MAX).map_err(|error| error.to_string())?;
+    merged("", &text)
 }
 
 /// The user's keys over the shipped ones. Whatever is wrong is the user's: the shipped file is

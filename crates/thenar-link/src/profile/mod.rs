@@ -7,6 +7,7 @@ mod load;
 mod parts;
 
 pub use address::Address;
-pub use cameras::{Cameras, camera_timing, page_timing};
-pub use load::{Check, load, profile_name, save, user_file};
+pub use cameras::{Cameras, camera_timing, page_timing, states_timing};
+pub(crate) use load::read_table;
+pub use load::{Check, load, profile_name, save, settings_folder, user_file};
 pub use parts::{DigitAngles, Display, Hand, Link, Tracking, Wrist};

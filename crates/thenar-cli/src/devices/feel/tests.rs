@@ -1,49 +1,13 @@
 //! Goal: what a person feels first is what was said, on every kind of device, and the guard knows how the
 //! hand moves. Method: a display and a tracker in memory, in simulated time.
 
+use super::fake::{Display, MS};
 use super::*;
 use std::sync::{Arc, Mutex};
 use thenar::Pose;
 use thenar_link::HandSample;
 use thenar_scene::live::LivePose;
 use thenar_scene::motion::ANGLES;
-use thenar_touch::LoopProfile;
-
-const MS: u64 = 1_000_000;
-
-struct Display {
-    rendering: Rendering,
-    heard_ns: Arc<Mutex<u64>>,
-    shown: Arc<Mutex<Vec<HandOutput>>>,
-}
-
-impl ForceDisplay for Display {
-    fn rendering(&self) -> Rendering {
-        self.rendering
-    }
-
-    fn limits(&self) -> Limits {
-        // Arms push both ways.
-        let unilateral = self.rendering != Rendering::Wrench;
-        Limits { ramp: 0.1, unilateral, ..Limits::cybergrasp() }
-    }
-
-    fn loop_profile(&self) -> LoopProfile {
-        unreachable!("a trial has no coupling")
-    }
-
-    fn show(&mut self, output: &HandOutput) {
-        self.shown.lock().unwrap().push(*output);
-    }
-
-    fn heard_ns(&mut self) -> Option<u64> {
-        Some(*self.heard_ns.lock().unwrap())
-    }
-
-    fn messages(&mut self) -> Vec<String> {
-        Vec::new()
-    }
-}
 
 /// A hand whose index finger's base bends at this rate \[rad/s\].
 struct Bending {
@@ -77,16 +41,9 @@ fn trial(rendering: Rendering, rate: f64) -> (Result<(), CliError>, Vec<HandOutp
     let mut display = Display { rendering, heard_ns: clock.clone(), shown: shown.clone() };
     let mut tracker: Box<dyn Tracker> =
         Box::new(Bending { rate, now_ns: clock.clone(), sample: None });
-    let mut guard = Guard::new(gentle(&display.rendering().limits(display.limits())), 10).unwrap();
-    guard.arm();
-    let mut trial = Trial {
-        display: &mut display,
-        tracker: Some(&mut tracker),
-        guard,
-        speeds: Speeds::new(Side::Right, HAND_LENGTH),
-        side: Side::Right,
-        stop: 0.25,
-    };
+    let limits = gentle(&display.rendering().limits(display.limits()));
+    let mut trial = Trial::new(&mut display, Some(&mut tracker), limits, 0.25).unwrap();
+    trial.begin(limits).unwrap();
     let mut result = Ok(());
     for k in 0..1800u64 {
         let now = 1000 * MS + k * MS;

@@ -2,6 +2,13 @@
 //! a device, another opens it.
 #![cfg(unix)]
 
+#[cfg(target_os = "linux")]
+mod comfort;
+#[cfg(target_os = "linux")]
+mod latency;
+#[cfg(target_os = "linux")]
+mod person;
+
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
@@ -92,9 +99,15 @@ struct Simulated {
 
 impl Simulated {
     fn start(name: &str, test: &str) -> Self {
+        Self::late(name, test, 0.0)
+    }
+
+    /// What it tells is so old \[s\].
+    fn late(name: &str, test: &str, late: f64) -> Self {
         let port = std::env::temp_dir().join(format!("thenar-port-{test}-{}", std::process::id()));
+        let (place, late) = (port.to_str().unwrap(), late.to_string());
         let args =
-            ["devices", "simulate", name, "--seconds", "120", "--port", port.to_str().unwrap()];
+            ["devices", "simulate", name, "--seconds", "120", "--late", &late, "--port", place];
         let process = thenar(&args).stdout(Stdio::null()).spawn().unwrap();
         let start = Instant::now();
         while !port.is_symlink() {
