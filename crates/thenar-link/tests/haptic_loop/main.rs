@@ -13,4 +13,5 @@ mod noise;
 mod rig;
 mod smooth;
 mod threads;
+mod unanswered;
 mod wrench;

@@ -222,7 +222,7 @@ impl SimulationPort {
                 shown.push(parts);
             }
             within.retune(desc)?;
-            let mut inner = SingleRate::new(settings, within, bones.clone());
+            let mut inner = SingleRate::new(settings, within, bones.clone())?;
             if let Some(input) = inner.input_mut() {
                 input.copy_from(simulation.input());
             }
