@@ -5,6 +5,7 @@
 mod capture;
 mod empty_air;
 mod faults;
+mod held;
 mod in_place;
 mod incident;
 mod loose_hand;
@@ -13,5 +14,6 @@ mod noise;
 mod rig;
 mod smooth;
 mod threads;
+mod turning;
 mod unanswered;
 mod wrench;
