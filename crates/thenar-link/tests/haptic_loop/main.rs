@@ -3,8 +3,10 @@
 //! loop on a made-up clock for what is timed, on its own threads for what is about threads.
 
 mod capture;
+mod default_mode;
 mod empty_air;
 mod faults;
+mod free_motion;
 mod held;
 mod in_place;
 mod incident;
@@ -12,6 +14,7 @@ mod loose_hand;
 mod matrix;
 mod noise;
 mod rig;
+mod several;
 mod smooth;
 mod threads;
 mod turning;
