@@ -7,7 +7,7 @@ use crate::shared::{Resolution, SharedConstraints};
 use crate::smooth::Smooth;
 use crate::{
     BLEND, DelayMeter, FastToSlow, Prediction, Proxies, Proxy, ProxyError, ProxyReport, RigidState,
-    SlowToFast, Touch, seconds_between,
+    SlowToFast, Touch, hold_then_fade, seconds_between,
 };
 use thenar::math::{Vec3, rotation_vector};
 use thenar::world::StepReport;
@@ -18,7 +18,7 @@ pub enum Mode {
     /// The frame's bones, carried forward by their velocity (the paper).
     Multirate,
     /// The frame's condensed response, contact resolved every tick; frames without one as
-    /// `Multirate`.
+    /// `Multirate`, for as long as what contact did when there was one can be believed.
     SharedConstraints,
 }
 
@@ -57,6 +57,10 @@ const LIGHT: f64 = 0.01;
 const ALWAYS: f64 = 0.004;
 /// A frame that is older than this part of a period when it arrives is late.
 const LATE: f64 = 0.75;
+
+/// Without a response, what contact did when there last was one is felt for so long, and then fades within as long
+/// again \[s\]: a step that could not be factored is made up for, and what the hand's flesh bears is never felt.
+const UNANSWERED: f64 = 0.05;
 
 /// What one tick did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -100,6 +104,9 @@ pub struct HapticHand {
     frames: DelayMeter,
     frame_heard: Option<u64>,
     responds: bool,
+    /// With shared constraints, time since a frame had a response \[s\]; the part of the force that is felt.
+    unanswered: f64,
+    answered: f64,
     /// The newest frame's bones, at velocities that are believed.
     carried: Vec<RigidState>,
     /// Periods that bones may be carried on when frames come late.
@@ -155,6 +162,8 @@ impl HapticHand {
             frames: DelayMeter::of_frames(),
             frame_heard: None,
             responds: false,
+            unanswered: f64::INFINITY,
+            answered: if settings.mode == Mode::SharedConstraints { 0.0 } else { 1.0 },
             carried: proxies.states().to_vec(),
             reach: 0.0,
             periods_when_late,
@@ -236,6 +245,12 @@ impl HapticHand {
 
     /// The couplings' forces and torques on the wearer, less what they are in empty air.
     fn feel(&mut self, h: f64, step: u64) {
+        if self.settings.mode == Mode::SharedConstraints {
+            self.unanswered = if self.responds { 0.0 } else { self.unanswered + h };
+            let part = hold_then_fade(self.unanswered, UNANSWERED, UNANSWERED);
+            // Back within the time of the fade, too.
+            self.answered = part.min(self.answered + h / UNANSWERED);
+        }
         let free = &self.free;
         self.smooth.begin(h, step);
         for i in 0..self.wrenches.len() {
@@ -244,7 +259,8 @@ impl HapticHand {
             let told = self.proxies.device_wrenches()[i];
             // Where the hand sets out anew nothing of before goes on.
             let anew = self.hand.has_set_out(i);
-            let felt = self.smooth.take(i, [told[0] - own[0], told[1] - own[1]], anew);
+            let acts = [told[0] - own[0], told[1] - own[1]].map(|wrench| wrench * self.answered);
+            let felt = self.smooth.take(i, acts, anew);
             let [force, torque] = self.shown[i];
             self.wrenches[i] = [felt[0] * force, felt[1] * torque];
         }
@@ -261,7 +277,7 @@ impl HapticHand {
         let both = self.carried.iter_mut().zip(&frame.bones);
         both.for_each(|(carried, bone)| believe(carried, bone, period));
         let held = &mut self.free.held;
-        if frame.free.is_empty() {
+        if frame.free.is_empty() && self.settings.mode == Mode::Multirate {
             // A frame that tells of no hand in empty air: all is felt, as before there were any.
             held.fill(None);
         }

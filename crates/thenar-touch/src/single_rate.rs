@@ -13,7 +13,7 @@ use crate::{
 use std::ops::Range;
 use thenar::math::Vec3;
 use thenar::model::Drive;
-use thenar::world::{Input, StepReport, World};
+use thenar::world::{Input, ModelError, StepReport, World};
 
 /// How a simulation within the tick is stepped.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,9 +47,8 @@ pub struct SingleRate {
     first: usize,
     hand: LedHand,
     bones: Vec<RigidState>,
-    /// What this hand does in empty air, if it can be taken out of its world, and whether it does something else than this
-    /// one. Without it all that the drives bear is felt.
-    free: Option<FreeHand>,
+    /// What this hand does in empty air, and whether it does something else than this one.
+    free: FreeHand,
     differs: bool,
     /// What drives bear, less what they bear in empty air; then what is shown of it.
     felt: Vec<[Vec3; 2]>,
@@ -64,14 +63,21 @@ pub struct SingleRate {
 impl SingleRate {
     /// `bones` are the hand's among the world's rigid bodies, those with a drive are felt.
     /// Allocates all it needs.
-    pub fn new(settings: SingleRateSettings, world: World, bones: Range<u32>) -> Self {
+    ///
+    /// # Errors
+    /// The hand cannot be taken out of its world: what it does in empty air, which is not to be felt, is not known.
+    pub fn new(
+        settings: SingleRateSettings,
+        world: World,
+        bones: Range<u32>,
+    ) -> Result<Self, ModelError> {
         let end = (bones.end as usize).min(world.model().rigids.len());
         let first = (bones.start as usize).min(end);
         let n = end - first;
         let at = |i: usize| RigidState::of(&world, (first + i) as u32);
         let states: Vec<RigidState> = (0..n).map(at).collect();
-        let free = FreeHand::of(&world, first as u32..end as u32, settings.weightless).ok();
-        Self {
+        let free = FreeHand::of(&world, first as u32..end as u32, settings.weightless)?;
+        Ok(Self {
             free,
             differs: false,
             settings,
@@ -85,7 +91,7 @@ impl SingleRate {
             owed: 0.0,
             ticks: 0,
             world,
-        }
+        })
     }
 
     /// Shows only these parts of a bone's force and torque to the wearer, 0 to 1.
@@ -104,7 +110,7 @@ impl SingleRate {
     /// The world's step, and that of the hand in empty air where it does something else.
     fn step(&mut self) -> StepReport {
         let Self { world, free, input, .. } = self;
-        if let Some(free) = free.as_mut().filter(|_| !self.differs) {
+        if !self.differs {
             free.resume(world.state());
         }
         world.set_time_step(self.owed);
@@ -112,9 +118,8 @@ impl SingleRate {
         let acts = self.is_acted_on();
         if acts || self.differs {
             let bones = self.first..self.first + self.bones.len();
-            if let Some(free) = &mut self.free {
-                free.step(self.owed, self.input.targets[bones].iter().copied(), &self.input);
-            }
+            let targets = self.input.targets[bones].iter().copied();
+            self.free.step(self.owed, targets, &self.input);
             self.differs = true;
         }
         self.owed = 0.0;
@@ -147,11 +152,10 @@ impl SingleRate {
             let bears = |drive: &Drive, bone: &RigidState| {
                 drive_reaction(drive, &self.hand.states()[i], bone)
             };
-            self.felt[i] = match (held, &self.free) {
-                (Some(drive), None) => bears(&drive, &self.bones[i]),
-                (Some(drive), Some(free)) if self.differs => {
+            self.felt[i] = match held {
+                Some(drive) if self.differs => {
                     let (whole, own) =
-                        (bears(&drive, &self.bones[i]), bears(&drive, &free.bone(i)));
+                        (bears(&drive, &self.bones[i]), bears(&drive, &self.free.bone(i)));
                     [whole[0] - own[0], whole[1] - own[1]]
                 }
                 _ => [Vec3::zeros(); 2],

@@ -149,7 +149,7 @@ fn publishing_and_single_rate_allocate_nothing() {
     let inside = World::new(desc.clone()).unwrap();
     let mut world = World::new(desc).unwrap();
     let start = [0, 1].map(|b| RigidState::of(&world, b));
-    let within = SingleRate::new(SingleRateSettings::default(), inside, 0..2);
+    let within = SingleRate::new(SingleRateSettings::default(), inside, 0..2).unwrap();
     let mut touch = Sampled::new(Box::new(within));
     let mut frame = SlowToFast::new(&start, 40);
     let mut input = world.input();

@@ -66,6 +66,40 @@ fn a_hand_that_is_said_to_be_lost_fades() {
     returns(&mut rig);
 }
 
+/// Seen at 90 Hz, the tracker says once that it does not see the hand: as if it had said nothing, to the bit.
+#[test]
+fn a_hand_that_is_once_unseen_is_a_missing_sample() {
+    let felt = |told: bool| {
+        let mut rig = pressing();
+        suffer(&mut rig, 400, |rig, k| match (k % 11, k / 11) {
+            (0, 9) if told => rig.wearer.say(rig.now_ns, None),
+            (0, 9) => (),
+            (0, _) => rig.wearer.say(rig.now_ns, Some(rig.pose(PRESS + 1e-4 * k as f64))),
+            _ => (),
+        })
+    };
+    assert_eq!(felt(true), felt(false));
+}
+
+/// What a trip's file says of the tracker's age is how long the hand was not seen.
+#[test]
+fn records_tell_how_long_the_hand_was_not_tracked() {
+    let mut rig = pressing();
+    let last_ns = rig.now_ns - MS;
+    for _ in 0..300 {
+        rig.blocked_frame();
+        rig.now_ns += MS;
+        rig.wearer.alive(rig.now_ns);
+        assert!(rig.clock.tick(rig.now_ns));
+        let mut age = f32::NAN;
+        while let Ok(record) = rig.clock.records.pop() {
+            age = record.ages[0];
+        }
+        let want = (rig.now_ns - last_ns) as f64 * 1e-9;
+        assert!((f64::from(age) - want).abs() < 1e-6, "{age} of {want} s");
+    }
+}
+
 #[test]
 fn a_teleport_becomes_a_journey_without_force() {
     let mut rig = pressing();
@@ -77,7 +111,9 @@ fn a_teleport_becomes_a_journey_without_force() {
             let LivePose::Angles { angles, .. } = rig.pose(PRESS) else { unreachable!() };
             rig.wearer.say(rig.now_ns, Some(LivePose::Angles { wrist, angles }));
         });
-        assert!(forces[200..].iter().all(|f| *f == 0.0));
+        // The second sample, which bears out the first, lets go, as fast as the slew lets it.
+        assert!(forces.windows(2).all(|pair| pair[1] <= pair[0] + 1e-6), "{:?}", &forces[..200]);
+        assert!(forces[20..].iter().all(|f| *f == 0.0));
         let home = rig.wrist;
         suffer(&mut rig, 1500, |rig, _| {
             let LivePose::Angles { angles, .. } = rig.pose(0.0) else { unreachable!() };
@@ -222,7 +258,7 @@ fn a_stop_outlives_the_hands() {
     }
 }
 
-/// A short stall lets go, and force comes back after wait and ramp; a long one is a trip.
+/// A short stall lets go, and force comes back by a ramp; a long one is a trip.
 #[test]
 fn a_clock_that_jumps_pauses_or_trips() {
     let mut rig = pressing();

@@ -3,14 +3,20 @@
 //! loop on a made-up clock for what is timed, on its own threads for what is about threads.
 
 mod capture;
+mod default_mode;
 mod empty_air;
 mod faults;
+mod free_motion;
+mod held;
 mod in_place;
 mod incident;
 mod loose_hand;
 mod matrix;
 mod noise;
 mod rig;
+mod several;
 mod smooth;
 mod threads;
+mod turning;
+mod unanswered;
 mod wrench;

@@ -141,7 +141,7 @@ impl Rehearsal {
         let input = world.input();
         let mut slow = None;
         let touch: Box<dyn Touch> = if settings.mode == TouchMode::SingleRate {
-            Box::new(SingleRate::new(SingleRateSettings::default(), world, bones))
+            Box::new(SingleRate::new(SingleRateSettings::default(), world, bones)?)
         } else {
             let responds = settings.mode == TouchMode::SharedConstraints
                 && world.desc().solver.kind == SolverKind::Exact;

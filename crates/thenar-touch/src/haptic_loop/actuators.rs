@@ -120,8 +120,14 @@ impl Actuators {
         let (simulation_ns, tracking_ns) = (hand.simulated_ns(), hand.tracked_ns());
         let Heard { device_ns, enabled } = heard;
         match &mut self.bank {
-            Guards::Fingers(bank) => bank.see_late(hand.seen_late()),
-            Guards::Point(bank) => bank.see_late(hand.seen_late()),
+            Guards::Fingers(bank) => {
+                bank.see_late(hand.seen_late());
+                bank.see_away(hand.is_away());
+            }
+            Guards::Point(bank) => {
+                bank.see_late(hand.seen_late());
+                bank.see_away(hand.is_away());
+            }
         }
         match &mut self.bank {
             Guards::Point(bank) => {

@@ -80,12 +80,12 @@ impl Core {
         })
     }
 
-    /// Guards, all off, for a number of hands; allocates, so it is called outside the loop.
+    /// Guards of these displays, all off, for a number of hands; allocates, so it is called outside the loop.
     ///
     /// # Errors
     /// As [`Core::new`].
-    pub fn guards(&self, hands: usize) -> Result<Vec<Actuators>, LimitError> {
-        let each = self.displays.iter().flat_map(|display| std::iter::repeat_n(display, hands));
+    pub fn guards(displays: &[Ability], hands: usize) -> Result<Vec<Actuators>, LimitError> {
+        let each = displays.iter().flat_map(|display| std::iter::repeat_n(display, hands));
         each.map(Actuators::new).collect()
     }
 
@@ -187,7 +187,7 @@ impl Core {
         let held = enabled;
         let enabled = enabled && self.fading.is_none();
         for (number, hand) in self.hands.iter_mut().enumerate() {
-            let frame = hand.update();
+            let frame = hand.update(now_ns);
             if let (Some(step), Some(tape)) = (frame, &mut self.tape) {
                 tape.input(Input::Frame(number as u8, step));
             }
@@ -261,7 +261,7 @@ impl Core {
                 pose_ns: hand.fresh_ns(),
                 tracked: hand.mover() == Mover::Live,
                 display: actuators.map(|_| (k / hands) as u8),
-                ages: [report.tracking_age as f32, report.simulation_age as f32],
+                ages: [hand.tracking_age(time.now_ns) as f32, report.simulation_age as f32],
                 contacts: report.contact.active,
                 status: actuators.map_or(Status::Off, Actuators::status),
                 stiffness: hand.felt_stiffness() as f32,

@@ -1,5 +1,6 @@
 //! One hand in the loop: samples of its tracker in, forces of its couplings out.
 
+mod held;
 mod state;
 
 pub use state::HandState;
@@ -9,11 +10,12 @@ use crate::{
     DIGITS, Felt, HandReport, HandSample, PAD_NORMAL_B, Pad, PadReading, RigidState, Touch,
     TrackerTiming, seconds_between,
 };
+use held::Held;
 use thenar::math::rotation_vector;
 use thenar::model::{Digit, HandModel, Side};
 use thenar::world::Target;
 use thenar::{Pose, Vec3};
-use thenar_track::live::{LiveHand, Mover};
+use thenar_track::live::{LiveHand, Mover, STALE, checked};
 
 /// A tick longer than this is taken as if it were this long \[s\].
 const STEP_MAX: f64 = 0.02;
@@ -30,8 +32,9 @@ pub struct LoopHand {
     targets: Vec<Option<Target>>,
     pads: [Option<Pad>; DIGITS],
     readings: [Option<PadReading>; DIGITS],
-    /// How stiff it is felt.
+    /// How stiff it is felt, and how stiff a turn of the palm is.
     felt: Option<Felt>,
+    turn: Option<Felt>,
     report: HandReport,
     last_ns: Option<u64>,
     beginnings: u64,
@@ -39,6 +42,8 @@ pub struct LoopHand {
     frame_step: u64,
     /// Number of the tracker that moves the hand, and when its newest sample came \[ns\].
     tracker: Option<(usize, u64)>,
+    /// The last sample that was believed.
+    held: Option<Held>,
     /// Time of the sample that the last tick took, if it took one \[ns\].
     fresh_ns: Option<u64>,
     /// Time of the newest sample that counts as tracking \[ns\].
@@ -75,11 +80,13 @@ impl LoopHand {
             pads,
             readings: [None; DIGITS],
             felt: None,
+            turn: None,
             report: HandReport::default(),
             last_ns: None,
             beginnings,
             frame_step,
             tracker: None,
+            held: None,
             fresh_ns: None,
             tracked_ns: 0,
             palm_last: None,
@@ -92,9 +99,9 @@ impl LoopHand {
         self.side
     }
 
-    /// Bounds how stiff it is felt.
-    pub fn bound(&mut self, felt: Felt) {
-        self.felt = Some(felt);
+    /// Bounds how stiff it is felt, and how stiff a turn of its palm is.
+    pub fn bound(&mut self, felt: Felt, turn: Option<Felt>) {
+        (self.felt, self.turn) = (Some(felt), turn);
     }
 
     /// Takes a sample of tracker `tracker`, which states this of itself. See [`LoopHand::take`].
@@ -107,7 +114,10 @@ impl LoopHand {
     ) {
         let before = self.tracker();
         self.take(tracker, sample, now_ns);
-        if let Some(felt) = self.felt.as_mut().filter(|_| self.fresh_ns == Some(sample.time_ns)) {
+        if self.fresh_ns != Some(sample.time_ns) {
+            return;
+        }
+        for felt in self.felt.iter_mut().chain(&mut self.turn) {
             if before != Some(tracker) {
                 felt.forget();
             }
@@ -124,32 +134,55 @@ impl LoopHand {
                 return;
             }
         }
-        let Some(pose) = &sample.pose else {
-            // One that does not see the hand moves it no longer, and keeps no other from it.
-            if self.tracker.is_some_and(|(moving, _)| moving == tracker) {
-                self.live.lose();
-            }
-            return;
-        };
+        // One that does not see the hand is silent, and keeps no other from it.
+        let Some(pose) = &sample.pose else { return };
+        let goes_on = self.tracker.is_some_and(|(moving, _)| moving == tracker);
         self.tracker = Some((tracker, now_ns));
         if self.live.mover() == Mover::Script {
             self.targets.copy_from_slice(&self.ends.frame.output_buffer_mut().targets);
             self.live.restart(&self.targets);
         }
         let time = sample.time_ns as f64 * 1e-9;
+        let is_elsewhere = || self.held.as_ref().is_some_and(|held| held.is_far(pose));
+        let sets_out = !goes_on || self.is_unseen(now_ns) && is_elsewhere();
+        if sets_out && checked(time, pose).is_ok() {
+            self.live.lose();
+        }
         // A pose that is none has been told of by the device; here it only ages.
         if self.live.pose(time, pose, &self.targets).is_err() || self.live.waits() {
             return;
         }
+        self.held = Some(Held::new(pose, sample.time_ns, now_ns));
         self.fresh_ns = Some(sample.time_ns);
         if !self.live.is_setting_out() {
             self.tracked_ns = sample.time_ns;
         }
     }
 
+    /// True if no sample was believed for too long.
+    fn is_unseen(&self, now_ns: u64) -> bool {
+        let seen_ns = self.held.as_ref().map_or(0, Held::seen_ns);
+        seconds_between(seen_ns, now_ns) > STALE
+    }
+
+    /// Holds a hand still that is not seen.
+    fn hold_still(&mut self, now_ns: u64) {
+        let Some(held) = &mut self.held else { return };
+        if held.is_over(now_ns) {
+            self.live.lose();
+            self.held = None;
+            return;
+        }
+        while let Some((time, pose)) = held.again(now_ns) {
+            // It was taken before, and is again.
+            let _ = self.live.pose(time, pose, &self.targets);
+        }
+    }
+
     /// Takes the newest simulation frame, and gives its step, if there is one. Begins a tick.
-    pub fn update(&mut self) -> Option<u64> {
+    pub fn update(&mut self, now_ns: u64) -> Option<u64> {
         self.fresh_ns = None;
+        self.hold_still(now_ns);
         let fresh = self.ends.frame.update();
         let frame = self.ends.frame.output_buffer_mut();
         self.frame_step = frame.bones.step;
@@ -195,12 +228,11 @@ impl LoopHand {
         self.touch.publish(now_ns, &mut lead.proxies);
         self.ends.lead.publish();
         self.hand_over_state();
-        // A hand that sets out for where it was found moves by itself: that is not the wearer's speed,
-        // which no guard may stop.
-        let sets_out = leads && self.live.is_setting_out();
         let (touch, h) = (&*self.touch, self.report.step);
-        if let Some(felt) = &mut self.felt {
-            felt.step(h, self.live.noisy(), |bone, observed| touch.added_delay(bone, observed));
+        let noisy = self.live.noisy();
+        for felt in self.felt.iter_mut().chain(&mut self.turn) {
+            // The turn is that of the first bone.
+            felt.step(h, noisy, |bone, observed| touch.added_delay(bone, observed));
         }
         for (pad, reading) in self.pads.iter_mut().zip(&mut self.readings) {
             *reading = pad.as_mut().map(|pad| pad.read(touch, h));
@@ -209,11 +241,8 @@ impl LoopHand {
                 reading.force_W *= part;
                 reading.pad_force *= part;
             }
-            if let Some(reading) = reading.as_mut().filter(|_| sets_out) {
-                reading.opening_velocity = 0.0;
-            }
         }
-        self.observe_palm(h, sets_out);
+        self.observe_palm(h);
     }
 
     fn hand_over_state(&mut self) {
@@ -223,9 +252,9 @@ impl LoopHand {
         to.publish();
     }
 
-    fn observe_palm(&mut self, h: f64, sets_out: bool) {
+    fn observe_palm(&mut self, h: f64) {
         let pose = self.touch.tracked()[0].pose_WB;
-        let jumped = sets_out || self.touch.jumped(0);
+        let jumped = self.touch.jumped(0);
         let before = self.palm_last.replace(pose).filter(|_| !jumped).unwrap_or(pose);
         let ways = [
             pose.position - before.position,
@@ -242,8 +271,11 @@ impl LoopHand {
     /// Force \[N\] and torque \[N m\] on the wearer at the palm's centre, world, each with the
     /// palm's mean velocity in the last tick \[m/s, rad/s\].
     pub fn palm(&self) -> [([f64; 3], [f64; 3]); 2] {
-        let part = self.felt.as_ref().map_or(1.0, |felt| felt.part(0));
-        let [force, torque] = self.touch.device_wrenches()[0].map(|wrench| wrench * part);
+        let part = |felt: &Option<Felt>| felt.as_ref().map_or(1.0, |felt| felt.part(0));
+        let (push, turn) = (part(&self.felt), part(&self.turn));
+        let [force, torque] = self.touch.device_wrenches()[0];
+        // A hand is pushed and turned by one thing: torque is cut as force is, and by its own rule.
+        let (force, torque) = (force * push, torque * push.min(turn));
         let [linear, angular] = self.palm_velocity;
         [(force.into(), linear), (torque.into(), angular)]
     }
@@ -302,6 +334,16 @@ impl LoopHand {
         self.tracked_ns
     }
 
+    /// Since the hand was last tracked where it is \[s\]; infinite before it ever was.
+    pub fn tracking_age(&self, now_ns: u64) -> f64 {
+        if self.tracked_ns == 0 { f64::INFINITY } else { seconds_between(self.tracked_ns, now_ns) }
+    }
+
+    /// True while the hand is on its way to where its tracker found it.
+    pub fn is_away(&self) -> bool {
+        self.live.is_setting_out()
+    }
+
     /// Time of the sample that the last tick took, if it took one \[ns\].
     pub fn fresh_ns(&self) -> Option<u64> {
         self.fresh_ns
@@ -309,7 +351,11 @@ impl LoopHand {
 
     /// What moves the hand.
     pub fn mover(&self) -> Mover {
-        self.live.mover()
+        let unseen = self.last_ns.is_some_and(|now_ns| self.is_unseen(now_ns));
+        match self.live.mover() {
+            Mover::Live if unseen => Mover::Lost,
+            mover => mover,
+        }
     }
 
     /// The tracker that moves it.

@@ -48,6 +48,7 @@ mod port;
 mod record;
 mod settings;
 mod simulation;
+mod turning;
 mod watchdog;
 
 pub use actuators::{Ability, Actuators, Axis, Heard};
@@ -94,6 +95,8 @@ const MONITOR: &str = "monitor";
 pub struct Shared {
     core: Mutex<Core>,
     displays: Mutex<Vec<Box<dyn ForceDisplay>>>,
+    /// What each of them can do.
+    abilities: Vec<Ability>,
     control: Arc<Control>,
     /// Frames of the last seconds, where incidents are kept.
     frames: Option<incident::Frames>,
@@ -268,6 +271,7 @@ fn share(
     }
     let limits = limits_of(settings, &displays);
     let (records, monitored) = rtrb::RingBuffer::new(RECORDS);
+    let abilities = limits.clone();
     let mut core = Core::new(trackers, limits, records)
         .map_err(|cause| wrong("a device's limits", cause.to_string()))?;
     // Single-rate has a whole simulation for a state.
@@ -280,6 +284,7 @@ fn share(
     let shared = Arc::new(Shared {
         core: Mutex::new(core),
         displays: Mutex::new(displays),
+        abilities,
         control: Arc::new(Control::default()),
         frames: kept.then(incident::Frames::default),
         in_real_time,

@@ -50,7 +50,11 @@ impl Pauses {
     /// What is to be told, once.
     pub fn tell(&mut self) -> impl Iterator<Item = String> + '_ {
         self.untold.drain(..).map(|pause| {
-            format!("forces paused: {pause}; they begin anew once little force is wanted")
+            let again = match pause {
+                Pause::DeadMan => "they begin anew once it is held and little force is wanted",
+                _ => "they come back once that is over",
+            };
+            format!("forces paused: {pause}; {again}")
         })
     }
 }

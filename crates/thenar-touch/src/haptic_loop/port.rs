@@ -1,10 +1,11 @@
 //! The simulation's side: proxies in before a step, a frame out after it.
 
-use super::Shared;
 use super::actuators::Actuators;
 use super::exchange::{FingerContact, Frame, SlowEnds, slots};
 use super::hand::LoopHand;
 use super::simulation::{SimulatedHand, Simulation};
+use super::turning::felt_turn;
+use super::{Core, Shared};
 use crate::safety::LimitError;
 use crate::{
     CouplingDesign, DIGITS, Felt, FeltBounds, FreeHand, HandOutput, HandSettings, HapticHand, Mode,
@@ -178,8 +179,8 @@ impl SimulationPort {
             slow.push(port);
             fast.push(hand);
         }
-        let core = self.shared.core.lock().unwrap_or_else(PoisonError::into_inner);
-        let actuators = core.guards(fast.len())?;
+        // The loop's memory is not held for this: it allocates.
+        let actuators = Core::guards(&self.shared.abilities, fast.len())?;
         Ok((slow, fast, actuators))
     }
 
@@ -222,7 +223,7 @@ impl SimulationPort {
                 shown.push(parts);
             }
             within.retune(desc)?;
-            let mut inner = SingleRate::new(settings, within, bones.clone());
+            let mut inner = SingleRate::new(settings, within, bones.clone())?;
             if let Some(input) = inner.input_mut() {
                 input.copy_from(simulation.input());
             }
@@ -252,7 +253,11 @@ impl SimulationPort {
             let (proxy, [part, _]) = proxy.driven_by(&drive);
             part * series_stiffness(proxy.device.stiffness, proxy.bone.stiffness)
         });
-        hand.bound(Felt::new(self.bounds, felt.collect()));
+        let turn = held().next().map(|(proxy, drive)| {
+            let (proxy, [_, part]) = proxy.driven_by(&drive);
+            felt_turn(self.bounds, &proxy, part)
+        });
+        hand.bound(Felt::new(self.bounds, felt.collect()), turn);
         let (first, retuned) = (range.start, world.retuned());
         Ok((PortHand { index, first, drives, ends: slow, responds, retuned, free }, hand))
     }

@@ -29,7 +29,7 @@ pub struct TickRecord {
     pub tracked: bool,
     /// The display; `None` when there is none.
     pub display: Option<u8>,
-    /// Age of the oldest tracked pose and of the simulation frame \[s\].
+    /// Since the hand was tracked where it is, and since the simulation frame was begun \[s\].
     pub ages: [f32; 2],
     /// Simulated contacts that press, with shared constraints.
     pub contacts: u32,

@@ -35,6 +35,11 @@ impl<const N: usize> Bank<N> {
         self.guards.iter_mut().for_each(|guard| guard.see_late(delay));
     }
 
+    /// See [`Guard::see_away`].
+    pub fn see_away(&mut self, away: bool) {
+        self.guards.iter_mut().for_each(|guard| guard.see_away(away));
+    }
+
     /// The first trip in force, with its actuator. A companion's reason is not the first.
     pub fn tripped(&self) -> Option<(usize, Trip)> {
         let mut trips =

@@ -32,6 +32,21 @@ const STUCK_TICKS: u32 = 100;
 /// usual 2 N s/m.
 const DELAYED: f64 = (1.0 - MARGIN) * GRIP / 2.0;
 
+/// After a pause forces come back once nothing has paused them for this many times the longest that any news may be late
+/// before it does, 0.2 s: what comes too rarely, again and again, would be felt as knocking.
+const SURE: f64 = 4.0 / 3.0;
+
+/// How far forces got since they were armed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+enum Got {
+    /// Little force has to be wanted first.
+    Armed,
+    /// It was, and the ramp began.
+    Ramping,
+    /// Full force.
+    Live,
+}
+
 /// Stands before one actuator.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Guard<const N: usize> {
@@ -51,6 +66,11 @@ pub struct Guard<const N: usize> {
     wearer: WearerSide<N>,
     /// How far what comes in was trusted in the last tick, 0 to 1.
     trust: f64,
+    /// The hand is on its way to where its wearer's is.
+    away: bool,
+    got: Got,
+    /// Time since something last paused the forces \[s\].
+    calm: f64,
     #[serde(skip, default = "SignalLog::without_room")]
     log: SignalLog<N>,
 }
@@ -70,6 +90,9 @@ impl<const N: usize> Guard<N> {
             passivity: Passivity::default(),
             wearer: WearerSide::new(),
             trust: 1.0,
+            away: false,
+            got: Got::Armed,
+            calm: 0.0,
             log: SignalLog::new(log_ticks),
         })
     }
@@ -80,6 +103,7 @@ impl<const N: usize> Guard<N> {
     pub fn arm(&mut self) {
         let armed = !matches!(self.status, Status::Off | Status::Tripped(_));
         self.status = Status::Waiting { small_ticks: 0, pause: None };
+        self.got = Got::Armed;
         if armed {
             return;
         }
@@ -112,6 +136,12 @@ impl<const N: usize> Guard<N> {
     /// The velocities of the next ticks are of the wearer's motion so long ago \[s\].
     pub fn see_late(&mut self, delay: f64) {
         self.wearer.see_late(delay);
+    }
+
+    /// The hand that is felt is on its way to where its wearer's is, as after a teleport, or has arrived: on the way it meets
+    /// things that its wearer does not.
+    pub fn see_away(&mut self, away: bool) {
+        self.away = away;
     }
 
     /// Bound of the energy given out that [`Guard::energy`] cannot know of yet, for the delay \[J\].
@@ -167,7 +197,9 @@ impl<const N: usize> Guard<N> {
         let wanted = self.clamp(&signal.force); // 3
         let change = self.limits.change_max(dt); // 4
         let gain = self.regain(trust, dt) * self.engage(dt, pause, length(&wanted)); // 5
-        let speed = length(&signal.velocity);
+        // Where nothing is sent nothing is given out, and a hand may be on its way by itself.
+        let idle = matches!(self.status, Status::Waiting { .. }) && self.sent == [0.0; N];
+        let speed = if idle { 0.0 } else { length(&signal.velocity) };
         let limit = self.limits.speed_max;
         if speed > limit {
             return Err(match self.limits.turns {
@@ -175,7 +207,7 @@ impl<const N: usize> Guard<N> {
                 false => Trip::Overspeed { speed, limit },
             }); // 6
         }
-        let damping = self.balance_energy(&signal.velocity, dt)?; // 7
+        let damping = self.balance_energy(&signal.velocity, speed, dt)?; // 7
         if dt > self.limits.gap_hold {
             // The device was let go meanwhile.
             return Ok([0.0; N]);
@@ -220,6 +252,8 @@ impl<const N: usize> Guard<N> {
             Some(Pause::DeadMan)
         } else if device == 0.0 {
             Some(Pause::Device { age_s: ages[2] })
+        } else if self.away {
+            Some(Pause::Away)
         } else if tracking == 0.0 {
             Some(Pause::Tracking { age_s: ages[1] })
         } else if simulation == 0.0 {
@@ -242,26 +276,45 @@ impl<const N: usize> Guard<N> {
         self.trust
     }
 
-    /// Waiting, ramp, full force: the part of the wanted force that passes.
+    /// Waiting, ramp, full force: the part of the wanted force that passes. Who arms, or takes hold of a dead-man switch,
+    /// has to want little force first. Any other pause is over once its cause is, however much is wanted: what was
+    /// held is held still, and is felt again by a ramp.
     fn engage(&mut self, dt: f64, pause: Option<Pause>, wanted: f64) -> f64 {
         if pause.is_some() {
+            if pause == Some(Pause::DeadMan) {
+                self.got = Got::Armed;
+            }
+            self.calm = 0.0;
             self.status = Status::Waiting { small_ticks: 0, pause };
             return 0.0;
         }
+        self.calm += dt;
         match self.status {
             Status::Waiting { small_ticks, .. } => {
-                let small = wanted < self.limits.engage_force;
+                let small = self.got == Got::Armed && wanted < self.limits.engage_force;
                 let small_ticks = if small { small_ticks + 1 } else { 0 };
-                self.status = if small_ticks >= self.limits.engage_ticks {
+                let begins = match self.got {
+                    Got::Armed => small_ticks >= self.limits.engage_ticks,
+                    Got::Ramping | Got::Live => self.calm >= self.calm_enough(),
+                };
+                self.status = if begins {
                     Status::Ramping { gain: 0.0 }
                 } else {
                     Status::Waiting { small_ticks, pause: None }
                 };
+                if begins && self.got == Got::Armed {
+                    self.got = Got::Ramping;
+                }
                 0.0
             }
             Status::Ramping { gain } => {
-                let gain = if self.limits.ramp > 0.0 { gain + dt / self.limits.ramp } else { 1.0 };
+                let Limits { ramp, regain, .. } = self.limits;
+                let ramp = if self.got == Got::Live { ramp.min(regain) } else { ramp };
+                let gain = if ramp > 0.0 { gain + dt / ramp } else { 1.0 };
                 self.status = if gain < 1.0 { Status::Ramping { gain } } else { Status::Live };
+                if gain >= 1.0 {
+                    self.got = Got::Live;
+                }
                 gain.min(1.0)
             }
             Status::Live => 1.0,
@@ -269,11 +322,17 @@ impl<const N: usize> Guard<N> {
         }
     }
 
+    /// Time without a pause after which one is over \[s\].
+    fn calm_enough(&self) -> f64 {
+        let Limits { simulation_hold, tracking_hold, device_silence_max, fade, .. } = self.limits;
+        SURE * (simulation_hold.max(tracking_hold).max(device_silence_max) + fade)
+    }
+
     /// Books the last interval; the damping that evens out a deficit \[N s/m\].
-    fn balance_energy(&mut self, velocity: &[f64; N], dt: f64) -> Result<f64, Trip> {
+    fn balance_energy(&mut self, velocity: &[f64; N], speed: f64, dt: f64) -> Result<f64, Trip> {
         let limits = &self.limits;
         let held = dt.min(limits.gap_hold);
-        let acted = self.wearer.take(self.sent, held, length(velocity));
+        let acted = self.wearer.take(self.sent, held, speed);
         let power: f64 = acted.iter().zip(velocity).map(|(f, v)| f * v).sum();
         if !(limits.passive && power > 0.0) {
             self.passivity.observe(&acted, velocity, held, limits.energy_ceiling);

@@ -83,7 +83,7 @@ impl std::fmt::Display for Quantity {
     }
 }
 
-/// Why force fades for now; it comes back by itself, through waiting and ramp.
+/// Why force fades for now; it comes back by itself, by a ramp.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error, serde::Serialize, serde::Deserialize)]
 pub enum Pause {
     /// The newest simulation state is old.
@@ -113,6 +113,9 @@ pub enum Pause {
     /// The dead-man switch is released.
     #[error("the dead-man switch is released")]
     DeadMan,
+    /// The hand was found elsewhere.
+    #[error("the hand is on its way to where it was found")]
+    Away,
 }
 
 /// What a guard is doing.

@@ -1,6 +1,8 @@
 //! Goal: what `mod.rs` guarantees, whatever comes in. Method: seeded hostile signals with an
 //! independent ledger, and one scripted test per stage.
 
+mod pauses;
+
 use super::*;
 use crate::testing::Random;
 
@@ -251,9 +253,9 @@ fn an_old_simulation_is_held_then_fades_and_comes_back_by_itself() {
         panic!("{:?}", guard.status())
     };
     assert!((age_s - 0.4).abs() < 1e-9);
-    for force in [4.0, 0.0, 0.0, 0.0, 0.0, 4.0] {
+    for _ in 0..=201 {
         now += MS;
-        guard.tick(now, &signal(now, [force], [0.0]));
+        guard.tick(now, &signal(now, [4.0], [0.0]));
     }
     assert_eq!(guard.status(), Status::Live);
 }
@@ -406,7 +408,7 @@ fn trips_are_zero_at_once_and_latched_with_their_numbers() {
     assert!((gap_s - 0.6).abs() < 1e-12);
 }
 
-/// After a gap force begins anew, from zero: it waits for a small wish, and ramps.
+/// After a gap force begins anew, from zero: it ramps once the gap is 0.2 s ago, whatever is wanted.
 #[test]
 fn a_loop_that_stood_still_begins_anew() {
     let mut now = MS;
@@ -426,8 +428,7 @@ fn a_loop_that_stood_still_begins_anew() {
     assert_eq!(guard.status(), Status::Waiting { small_ticks: 0, pause });
     // The watchdog let go after 20 of the 55 ms.
     assert!((guard.energy() - account - 40e-3 * 5.0 * 0.01).abs() < 1e-12);
-    assert!((0..300).all(|_| tick(&mut guard, &mut now, 1, 5.0) == 0.0), "a large wish waits");
-    assert!((0..4).all(|_| tick(&mut guard, &mut now, 1, 0.1) == 0.0));
+    assert!((0..200).all(|_| tick(&mut guard, &mut now, 1, 5.0) == 0.0));
     // 5 N within half a second.
     let forces: Vec<f64> = (0..501).map(|_| tick(&mut guard, &mut now, 1, 5.0)).collect();
     assert!((forces[250] - 2.5).abs() < 0.03 && forces[500] == 5.0, "{forces:?}");

@@ -29,7 +29,8 @@ fn single_rate(height: f64) -> Sampled<SingleRate> {
     let proxy = CouplingDesign::default().proxy(MASS, &Mat3::from_diagonal_element(2e-7));
     desc.drives[bone as usize] = Some(series_drive(&proxy.device, &proxy.bone));
     let (settings, world) = (SingleRateSettings::default(), World::new(desc).unwrap());
-    Sampled::new(Box::new(SingleRate::new(settings, world, bone..bone + 1)))
+    let touch = SingleRate::new(settings, world, bone..bone + 1).expect("a hand of one bone");
+    Sampled::new(Box::new(touch))
 }
 
 fn no_frame() -> SlowToFast {

@@ -1,6 +1,7 @@
 //! A hand in the loop, as it is kept for an incident and taken up again.
 
 use super::LoopHand;
+use super::held::Held;
 use crate::haptic_loop::exchange::FastEnds;
 use crate::{DIGITS, Felt, HandReport, HapticHand, Pad};
 use serde::{Deserialize, Serialize};
@@ -18,9 +19,11 @@ pub struct HandStateRef<'a> {
     targets: &'a [Option<Target>],
     pads: &'a [Option<Pad>; DIGITS],
     felt: &'a Option<Felt>,
+    turn: &'a Option<Felt>,
     last_ns: Option<u64>,
     beginnings: u64,
     tracker: Option<(usize, u64)>,
+    held: &'a Option<Held>,
     tracked_ns: u64,
     palm_last: Option<Pose>,
     /// Step of the frame that the hand is on.
@@ -36,9 +39,11 @@ pub struct HandState {
     targets: Vec<Option<Target>>,
     pads: [Option<Pad>; DIGITS],
     felt: Option<Felt>,
+    turn: Option<Felt>,
     last_ns: Option<u64>,
     beginnings: u64,
     tracker: Option<(usize, u64)>,
+    held: Option<Held>,
     tracked_ns: u64,
     palm_last: Option<Pose>,
     /// Step of the frame that the hand was on.
@@ -55,9 +60,11 @@ impl LoopHand {
             targets: &self.targets,
             pads: &self.pads,
             felt: &self.felt,
+            turn: &self.turn,
             last_ns: self.last_ns,
             beginnings: self.beginnings,
             tracker: self.tracker,
+            held: &self.held,
             tracked_ns: self.tracked_ns,
             palm_last: self.palm_last,
             frame: self.frame_step,
@@ -75,11 +82,13 @@ impl LoopHand {
             pads: state.pads,
             readings: [None; DIGITS],
             felt: state.felt,
+            turn: state.turn,
             report: HandReport::default(),
             last_ns: state.last_ns,
             beginnings: state.beginnings,
             frame_step: state.frame,
             tracker: state.tracker,
+            held: state.held,
             fresh_ns: None,
             tracked_ns: state.tracked_ns,
             palm_last: state.palm_last,

@@ -1,0 +1,124 @@
+//! Where a hand was last seen, for as long as its tracker does not see it.
+//!
+//! A tracker that is silent for a moment, or says that it does not see the hand, or a loop that stood still, says nothing of
+//! where the hand went: it is held still where it was, by the same samples again. When it is seen there anew it simply
+//! goes on. Seen elsewhere it sets out for there.
+
+use serde::{Deserialize, Serialize};
+use thenar_track::live::LivePose;
+
+/// A hand that was not seen for so long is told of again, before it would count as lost
+/// ([`STALE`](thenar_track::live::STALE)) \[ns\].
+const AGAIN_NS: u64 = 90_000_000;
+/// After a longer gap between two ticks, at which the guards trip, nothing goes on \[ns\].
+const GAP_NS: u64 = 500_000_000;
+/// Seen so far from where it was, it is elsewhere: place \[m\], turn of the wrist and of a joint \[rad\]. A sample so far
+/// from what was expected is a teleport.
+const FAR: [f64; 2] = [0.05, 0.5];
+
+/// The last sample that was believed.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Held {
+    pose: LivePose,
+    /// When it was measured, and when it came; both go on with each time it is told again \[ns\].
+    time_ns: u64,
+    came_ns: u64,
+    /// When it came first \[ns\].
+    seen_ns: u64,
+}
+
+impl Held {
+    /// A sample measured at `time_ns` that came now.
+    pub fn new(pose: &LivePose, time_ns: u64, now_ns: u64) -> Self {
+        Self { pose: pose.clone(), time_ns, came_ns: now_ns, seen_ns: now_ns }
+    }
+
+    /// When the hand was last seen \[ns\].
+    pub fn seen_ns(&self) -> u64 {
+        self.seen_ns
+    }
+
+    /// True if nothing may go on: nobody looked for too long.
+    pub fn is_over(&self, now_ns: u64) -> bool {
+        now_ns.saturating_sub(self.came_ns) > GAP_NS
+    }
+
+    /// The sample again, with its new time \[s\], if it is due.
+    pub fn again(&mut self, now_ns: u64) -> Option<(f64, &LivePose)> {
+        if now_ns.saturating_sub(self.came_ns) < AGAIN_NS {
+            return None;
+        }
+        self.time_ns = self.time_ns.saturating_add(AGAIN_NS);
+        self.came_ns += AGAIN_NS;
+        Some((self.time_ns as f64 * 1e-9, &self.pose))
+    }
+
+    /// True if a hand seen here is elsewhere. What cannot be compared is.
+    pub fn is_far(&self, pose: &LivePose) -> bool {
+        let near = match (&self.pose, pose) {
+            (LivePose::Joints { joints: before, .. }, LivePose::Joints { joints, .. }) => {
+                before.iter().zip(joints).all(|(a, b)| (a.position - b.position).norm() < FAR[0])
+            }
+            (
+                LivePose::Angles { wrist: before, angles: bent },
+                LivePose::Angles { wrist, angles },
+            ) => {
+                (before.position - wrist.position).norm() < FAR[0]
+                    && before.rotation.angle_to(&wrist.rotation) < FAR[1]
+                    && bent.iter().zip(angles).all(|(a, b)| (a - b).abs() < FAR[1])
+            }
+            _ => false,
+        };
+        !near
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use thenar::{Pose, Quat, Vec3};
+
+    const MS: u64 = 1_000_000;
+
+    fn angles(x: f64, turn: f64, bent: f64) -> LivePose {
+        let wrist = Pose::new(Vec3::x() * x, Quat::from_scaled_axis(Vec3::z() * turn));
+        LivePose::Angles { wrist, angles: [bent; 20] }
+    }
+
+    fn joints(place: impl Fn(usize) -> f64) -> LivePose {
+        let joints = std::array::from_fn(|k| Pose::translation(place(k), 0.0, 0.0));
+        LivePose::Joints { joints, radii: [0.01; 25] }
+    }
+
+    /// Within 5 cm and half a radian it is where it was, by either kind of pose; poses of two kinds cannot be compared, and
+    /// numbers that are none are nowhere.
+    #[test]
+    fn far_is_what_a_teleport_is() {
+        let held = Held::new(&angles(0.0, 0.0, 0.3), 0, 0);
+        assert!(!held.is_far(&angles(0.04, 0.4, 0.7)));
+        for far in [angles(0.06, 0.0, 0.3), angles(0.0, 0.6, 0.3), angles(0.0, 0.0, 0.9)] {
+            assert!(held.is_far(&far));
+        }
+        assert!(held.is_far(&angles(f64::NAN, 0.0, 0.3)) && held.is_far(&joints(|_| 0.0)));
+        let held = Held::new(&joints(|_| 0.0), 0, 0);
+        assert!(!held.is_far(&joints(|_| 0.04)));
+        assert!(held.is_far(&joints(|k| if k == 24 { 0.06 } else { 0.0 })));
+    }
+
+    /// Every 90 ms of silence once, each by its own time; as often as was missed after a gap, and not at all after one
+    /// that trips the guards.
+    #[test]
+    fn silence_is_filled_by_the_last_sample() {
+        let mut held = Held::new(&angles(0.0, 0.0, 0.0), 5 * MS, 10 * MS);
+        assert!(held.again(99 * MS).is_none());
+        assert_eq!(held.again(100 * MS).unwrap().0, 0.095);
+        assert!(held.again(189 * MS).is_none());
+        let mut told = Vec::new();
+        while let Some((time, _)) = held.again(480 * MS) {
+            told.push((time * 1e3).round());
+        }
+        assert_eq!(told, [185.0, 275.0, 365.0, 455.0]);
+        assert_eq!(held.seen_ns(), 10 * MS);
+        assert!(!held.is_over(900 * MS) && held.is_over(1000 * MS));
+    }
+}
