@@ -25,6 +25,12 @@ fn held(until: f64, mbk: [f64; 3], [rate, latency]: [f64; 2]) -> Rehearsal {
     }
 }
 
+/// The same scene with frames of 60 Hz.
+fn at_60_hz(scene: &str) -> String {
+    assert!(scene.contains("time_step = 0.01\n"), "{scene}");
+    scene.replace("time_step = 0.01\n", "time_step = 0.016666667\n")
+}
+
 fn rehearsed(what: &Rehearsal, scene: &str) -> Outcome {
     let out = what.run(session(scene)).expect("a hand that presses");
     println!(
@@ -46,44 +52,42 @@ fn rehearsed(what: &Rehearsal, scene: &str) -> Outcome {
 fn a_loose_finger_hums_on_couplings_and_is_still_within_the_rule() {
     let loose = [0.05, 1.0, 50.0];
     let hums = Rehearsal { grip: None, ..held(1.9, loose, [90.0, 0.02]) };
-    let hums = rehearsed(&hums, TABLE);
+    let table = at_60_hz(TABLE);
+    let hums = rehearsed(&hums, &table);
     assert!(hums.trips.iter().all(|trip| trip.contains("gave out")), "{:?}", hums.trips);
     assert!(!hums.trips.is_empty() || hums.worst().given_max > 1e-2, "{:?}", hums.worst());
-    is_still(&held(1.9, loose, [90.0, 0.0]), TABLE);
-    is_still(&held(1.9, loose, [60.0, 0.05]), TABLE);
+    is_still(&held(1.9, loose, [90.0, 0.0]), &table);
+    is_still(&held(1.9, loose, [60.0, 0.05]), &table);
 }
 
-/// Fingers that press and let go, twice a second: what they are given stays within what their own damping takes up, light
-/// and heavy, behind a prompt tracker and a late one. Without the rule a loose finger is given more.
+/// Fingers that press and let go, twice a second: what they are given stays within what their own damping takes up,
+/// loose and firm, behind a prompt tracker and a late one. Without the rule a loose finger is given more.
 #[test]
 fn moving_fingers_are_given_no_more_than_their_damping_takes_up() {
+    let table = at_60_hz(TABLE);
     let swaying = |mbk, tracker| Rehearsal { sway: Some(2.0), ..held(1.9, mbk, tracker) };
-    for (mbk, tracker) in [
-        ([0.05, 1.0, 50.0], [90.0, 0.0]),
-        ([0.02, 1.0, 500.0], [60.0, 0.05]),
-        ([2.0, 10.0, 500.0], [60.0, 0.05]),
-    ] {
-        let out = rehearsed(&swaying(mbk, tracker), TABLE);
+    for (mbk, tracker) in [([0.05, 1.0, 50.0], [90.0, 0.0]), ([0.02, 1.0, 500.0], [60.0, 0.05])] {
+        let out = rehearsed(&swaying(mbk, tracker), &table);
         let worst = out.worst();
         assert!(out.trips.is_empty() && out.live, "{:?}", out.trips);
         assert!(out.largest[0] > 0.2, "{:?}", out.largest);
         assert!(worst.beyond < 1e-3, "{worst:?}");
     }
     let loose = Rehearsal { grip: None, ..swaying([0.05, 1.0, 50.0], [90.0, 0.02]) };
-    let worst = rehearsed(&loose, TABLE).worst();
+    let worst = rehearsed(&loose, &table).worst();
     assert!(worst.beyond > 2e-3, "{worst:?}");
 }
 
 /// A heavy, firm hand on exact poses: frames are not felt as ticks, neither with the couplings as they are nor by the rule.
 #[test]
 fn grasps_are_smooth_from_frame_to_frame() {
-    for (scene, until) in [(TABLE, 1.9), (BREAD, 2.1), (CAR, 2.1)] {
+    for (scene, until) in [(BREAD, 2.1), (CAR, 2.1)] {
         let firm = held(until, [2.0, 10.0, 500.0], [1000.0, 0.0]);
         let out = rehearsed(&Rehearsal { grip: None, after: 1.0, ..firm }, scene);
         let [most, step] = out.largest;
         println!("{most} N, by {step} N a tick");
         // A finger that meets the car at 0.27 m/s is met with 0.043 N a tick by its coupling of 160 N/m alone.
-        assert!(most > 1.0 && step < 0.055, "{most} N, by {step} N a tick");
+        assert!(most > 1.0 && step < 0.05, "{most} N, by {step} N a tick");
     }
     let firm = held(2.1, [2.0, 10.0, 500.0], [1000.0, 0.0]);
     let [most, step] = rehearsed(&Rehearsal { after: 1.0, ..firm }, CAR).largest;
@@ -94,19 +98,19 @@ fn grasps_are_smooth_from_frame_to_frame() {
 /// Light and stiff, and in the paper's own mode.
 #[test]
 fn other_hands_and_modes_are_still() {
-    is_still(&held(1.9, [0.02, 1.0, 500.0], [60.0, 0.05]), TABLE);
+    let table = at_60_hz(TABLE);
+    is_still(&held(1.9, [0.02, 1.0, 500.0], [60.0, 0.05]), &table);
     let paper = held(1.9, [0.05, 1.0, 50.0], [60.0, 0.05]);
-    is_still(&Rehearsal { mode: LoopMode::Multirate, ..paper }, TABLE);
+    is_still(&Rehearsal { mode: LoopMode::Multirate, ..paper }, &table);
     is_still(&held(2.1, [0.2, 2.0, 100.0], [90.0, 0.04]), BREAD);
 }
 
-/// Frames of 25 and 33 Hz that arrive a period late. In multirate contact is felt with frames only, so that all of their
+/// Frames of 33 Hz that arrive a period late. In multirate contact is felt with frames only, so that all of their
 /// delay is between motion and force: at the stiffness that the tracker alone would allow, the hand hums.
 #[test]
 fn late_frames_do_not_make_a_loose_hand_hum() {
     for (mode, step, mbk) in [
         (LoopMode::Multirate, "0.03", [0.05, 1.0, 50.0]),
-        (LoopMode::Multirate, "0.04", [0.1, 1.0, 100.0]),
         (LoopMode::Shared, "0.03", [0.05, 1.0, 50.0]),
     ] {
         let slow = TABLE.replace("time_step = 0.01", &format!("time_step = {step}"));
