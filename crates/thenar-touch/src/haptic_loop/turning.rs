@@ -31,7 +31,7 @@ mod tests {
         let rated_stiffness = f64::INFINITY;
         let profile =
             LoopProfile { period: 1e-3, delay, damping, friction, resolution, rated_stiffness };
-        let observation = Observation { adds: 0.0, makes_up: 0.0 };
+        let observation = Observation::default();
         let bounds = FeltBounds { grip: Some(GRIP), profile, observation };
         let timing = TrackerTiming { rate: 100.0, latency: 0.01, noise: 0.0 };
         let rule = GRIP * GRIP_LEVER * GRIP_LEVER / (0.5e-3 + timing.delay());
@@ -43,7 +43,7 @@ mod tests {
             }
             let mut felt = felt_turn(bounds, &proxy, 1.0);
             felt.hear(0, 0, Some(timing));
-            felt.step(1e-3, |_, observed| observed);
+            felt.step(1e-3, 0.0, |_, observed| observed);
             let turning = 0.5 * angular * felt.part(0);
             assert!(turning <= rule, "{turning} of {rule} N m/rad");
             let want = (0.5 * angular).min(MARGIN * rule);

@@ -116,7 +116,7 @@ fn a_true_approach_is_late_by_one_sample_at_most() {
                 for tick in 1..2000 {
                     let t = TICK * f64::from(tick);
                     if times.get(at).is_some_and(|due| *due <= t + 1e-9) {
-                        let mut seen = |rig: &mut Rig, time: f64| {
+                        let seen = |rig: &mut Rig, time: f64| {
                             let x = reach(way, time);
                             let pose = LivePose::Angles {
                                 wrist: Pose::translation(x, 0.0, 0.0),
