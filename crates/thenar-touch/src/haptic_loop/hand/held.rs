@@ -121,10 +121,10 @@ mod tests {
     fn silence_is_filled_by_the_last_sample() {
         let mut held = Held::new(&angles(0.0, 0.0, 0.0), 5 * MS, 10 * MS);
         assert!(held.again(94 * MS).is_none());
-        assert_eq!(held.again(95 * MS).unwrap().0, 0.09);
+        assert!((held.again(95 * MS).unwrap().0 - 0.09).abs() < 1e-12);
         held.doubt(true);
         assert!(held.again(99 * MS).is_none());
-        assert_eq!(held.again(100 * MS).unwrap().0, 0.095);
+        assert!((held.again(100 * MS).unwrap().0 - 0.095).abs() < 1e-12);
         held.doubt(false);
         assert!(held.again(184 * MS).is_none());
         let mut told = Vec::new();
