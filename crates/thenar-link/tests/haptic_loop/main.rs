@@ -3,7 +3,6 @@
 //! loop on a made-up clock for what is timed, on its own threads for what is about threads.
 
 mod capture;
-mod default_mode;
 mod empty_air;
 mod faults;
 mod free_motion;

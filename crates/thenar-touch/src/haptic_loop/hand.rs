@@ -148,6 +148,7 @@ impl LoopHand {
         if sets_out && checked(time, pose).is_ok() {
             self.live.lose();
         }
+        self.held.iter_mut().for_each(|held| held.doubt(false));
         // A pose that is none has been told of by the device; here it only ages.
         if self.live.pose(time, pose, &self.targets).is_err() || self.live.waits() {
             return;
@@ -176,6 +177,7 @@ impl LoopHand {
         while let Some((time, pose)) = held.again(now_ns) {
             // It was taken before, and is again.
             let _ = self.live.pose(time, pose, &self.targets);
+            held.doubt(self.live.waits());
         }
     }
 

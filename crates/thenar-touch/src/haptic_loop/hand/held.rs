@@ -9,7 +9,9 @@ use thenar_track::live::LivePose;
 
 /// A hand that was not seen for so long is told of again, before it would count as lost
 /// ([`STALE`](thenar_track::live::STALE)) \[ns\].
-const AGAIN_NS: u64 = 90_000_000;
+const AGAIN_NS: u64 = 85_000_000;
+/// Of a hand that moved, that is in doubt: it is borne out so soon after, before it would count as lost as well \[ns\].
+const BORNE_OUT_NS: u64 = 5_000_000;
 /// After a longer gap between two ticks, at which the guards trip, nothing goes on \[ns\].
 const GAP_NS: u64 = 500_000_000;
 /// Seen so far from where it was, it is elsewhere: place \[m\], turn of the wrist and of a joint \[rad\]. A sample so far
@@ -25,12 +27,14 @@ pub struct Held {
     came_ns: u64,
     /// When it came first \[ns\].
     seen_ns: u64,
+    /// It was told again, and is in doubt.
+    doubted: bool,
 }
 
 impl Held {
     /// A sample measured at `time_ns` that came now.
     pub fn new(pose: &LivePose, time_ns: u64, now_ns: u64) -> Self {
-        Self { pose: pose.clone(), time_ns, came_ns: now_ns, seen_ns: now_ns }
+        Self { pose: pose.clone(), time_ns, came_ns: now_ns, seen_ns: now_ns, doubted: false }
     }
 
     /// When the hand was last seen \[ns\].
@@ -45,12 +49,18 @@ impl Held {
 
     /// The sample again, with its new time \[s\], if it is due.
     pub fn again(&mut self, now_ns: u64) -> Option<(f64, &LivePose)> {
-        if now_ns.saturating_sub(self.came_ns) < AGAIN_NS {
+        let after = if self.doubted { BORNE_OUT_NS } else { AGAIN_NS };
+        if now_ns.saturating_sub(self.came_ns) < after {
             return None;
         }
-        self.time_ns = self.time_ns.saturating_add(AGAIN_NS);
-        self.came_ns += AGAIN_NS;
+        self.time_ns = self.time_ns.saturating_add(after);
+        self.came_ns += after;
         Some((self.time_ns as f64 * 1e-9, &self.pose))
+    }
+
+    /// Whether it is in doubt, now that it was told again; a sample that came since is one of its own.
+    pub fn doubt(&mut self, doubted: bool) {
+        self.doubted = doubted;
     }
 
     /// True if a hand seen here is elsewhere. What cannot be compared is.
@@ -105,20 +115,24 @@ mod tests {
         assert!(held.is_far(&joints(|k| if k == 24 { 0.06 } else { 0.0 })));
     }
 
-    /// Every 90 ms of silence once, each by its own time; as often as was missed after a gap, and not at all after one
-    /// that trips the guards.
+    /// Every 85 ms of silence once, each by its own time, and 5 ms after one that is in doubt; as often as was missed after a gap,
+    /// and not at all after one that trips the guards.
     #[test]
     fn silence_is_filled_by_the_last_sample() {
         let mut held = Held::new(&angles(0.0, 0.0, 0.0), 5 * MS, 10 * MS);
+        assert!(held.again(94 * MS).is_none());
+        assert!((held.again(95 * MS).unwrap().0 - 0.09).abs() < 1e-12);
+        held.doubt(true);
         assert!(held.again(99 * MS).is_none());
-        assert_eq!(held.again(100 * MS).unwrap().0, 0.095);
-        assert!(held.again(189 * MS).is_none());
+        assert!((held.again(100 * MS).unwrap().0 - 0.095).abs() < 1e-12);
+        held.doubt(false);
+        assert!(held.again(184 * MS).is_none());
         let mut told = Vec::new();
-        while let Some((time, _)) = held.again(480 * MS) {
+        while let Some((time, _)) = held.again(450 * MS) {
             told.push((time * 1e3).round());
         }
-        assert_eq!(told, [185.0, 275.0, 365.0, 455.0]);
+        assert_eq!(told, [180.0, 265.0, 350.0, 435.0]);
         assert_eq!(held.seen_ns(), 10 * MS);
-        assert!(!held.is_over(900 * MS) && held.is_over(1000 * MS));
+        assert!(!held.is_over(940 * MS) && held.is_over(941 * MS));
     }
 }
