@@ -3,13 +3,16 @@
 //! loop on a made-up clock for what is timed, on its own threads for what is about threads.
 
 mod capture;
+mod drift;
 mod empty_air;
 mod faults;
+mod glitch;
 mod in_place;
 mod incident;
 mod loose_hand;
 mod matrix;
 mod noise;
+mod noisy_hand;
 mod rig;
 mod smooth;
 mod threads;

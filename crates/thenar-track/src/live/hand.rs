@@ -18,9 +18,9 @@ use thenar::{Pose, Quat};
 const AHEAD_MAX: f64 = 0.025;
 /// Natural frequency of the follower \[rad/s\]: on the way to another place, and once there.
 const OMEGA: [f64; 2] = [TAU * 4.0, TAU * 25.0];
-/// Followed tightly, a hand whose samples are noise is followed this part as tightly at least: 32 Hz of 80, which is 10 ms late
-/// and leaves half of what 80 Hz lets through above 40 Hz of white noise.
-const NOISY: f64 = 0.4;
+/// Followed tightly, a hand whose samples are noise is followed this part as tightly at least: 16 Hz of 80, where 1 mm of
+/// white noise at 90 Hz leaves a third of what 80 Hz lets through above 40 Hz.
+const NOISY: f64 = 0.2;
 /// Noise that is felt: place \[m\], turn of the wrist and angle of a joint \[rad\], each some 20 µm at a fingertip. Sways that
 /// less noise hides are below what a hand at rest may sway by.
 const FELT: [f64; 3] = [2e-5, 1e-4, 2e-4];
@@ -405,7 +405,8 @@ impl LiveHand {
         // Followed tightly, noise would be felt: no tighter than it is observed.
         let tight = self.omega > OMEGA[1] && self.memory.way == Way::Live;
         let law = |speed: f64, quiet: f64| {
-            let part = if tight { quiet.max(NOISY) } else { 1.0 };
+            // The power 5/4 of how quiet it is: least where memory is longest.
+            let part = if tight { (quiet * quiet.sqrt().sqrt()).max(NOISY) } else { 1.0 };
             Law { omega: part * omega, speed: speed * opening * opening }
         };
         let quiet = [self.memory.position.quiet(), self.memory.rotation.quiet()];
