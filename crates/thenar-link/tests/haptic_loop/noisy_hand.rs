@@ -48,6 +48,7 @@ fn a_loose_hand_seen_with_noise_is_only_stirred() {
         assert!(felt.contains(&out.stiffness), "{} N/m", out.stiffness);
         let most = force * force / damping + 2.84 * worst.motion_rms * worst.mean;
         assert!(worst.given < most, "{worst:?} at {force} N");
-        assert!(worst.motion_rms < 2.0 * force / stiffness, "{worst:?} at {force} N");
+        // Near its own frequency a loose hand sways by more than F/k.
+        assert!(worst.motion_rms < 3.0 * force / stiffness, "{worst:?} at {force} N");
     }
 }
