@@ -73,12 +73,12 @@ fn opens_moves_and_is_felt(kind: &Kind) {
     let mut output = HandOutput::released(Side::Right, 0);
     output.digits[1].pad_force = 4.0;
     output.digits[1].curl_at_contact = Some(0.25);
-    output.force_W = Vec3::new(0.0, 2.0, 0.0);
+    output.force_W = Vec3::new(0.0, 1.0, 0.0);
     let expected = match display.rendering() {
         Rendering::Stops => "index 75%",
         Rendering::Tendons => "index 4.0 N",
         Rendering::Vibration => "right thumb 0%, index 48%",
-        Rendering::Wrench => "0.0 2.0 0.0 N",
+        Rendering::Wrench => "0.0 1.0 0.0 N",
     };
     wait(expected, || {
         output.time_ns = now_ns();
