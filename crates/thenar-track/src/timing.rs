@@ -33,7 +33,7 @@ pub struct Observation {
     pub adds: f64,
     /// Less of it per second of delay.
     pub makes_up: f64,
-    /// Of samples that are remembered as long as may be, whatever their delay \[s\].
+    /// Added to samples that are remembered as long as may be, whatever their delay \[s\].
     pub noisy: f64,
 }
 

@@ -169,7 +169,8 @@ fn hold_still(session: &mut Session, args: &Args, keys: &Keys) -> Result<Option<
         keys.line(UNFINISHED)?;
         session.watch(args.still)?;
         match stillness(&session.trace.seen) {
-            Ok(noise) => return Ok(Some(noise)),
+            // What would be printed as nothing is nothing.
+            Ok(noise) => return Ok(Some(if noise < 0.5e-6 { 0.0 } else { noise })),
             Err(moved @ Doubt::Moved { .. }) => println!("{moved}. Again, please."),
             Err(doubt) => return Err(refused(&doubt)),
         }

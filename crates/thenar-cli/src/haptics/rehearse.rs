@@ -38,7 +38,7 @@ pub struct Args {
     /// Then the fingers close by so much more [mm].
     #[arg(long, value_name = "MM", default_value_t = 10.0)]
     press: f64,
-    /// They press and let go at this rate [Hz] instead of staying closed.
+    /// Fingers press and let go at this rate [Hz] instead of staying closed.
     #[arg(long, value_name = "HZ")]
     sway: Option<f64>,
     /// Then, after a push, so long until the end [s], of which the last second is looked at.

@@ -57,7 +57,7 @@ pub struct Rehearsal {
     pub until: f64,
     /// Then the fingers close by so much more, to press \[m\].
     pub press: f64,
-    /// They do so and open again at this rate, to the end \[Hz\]; `None` to stay closed.
+    /// Fingers do so and open again at this rate, to the end \[Hz\]; `None` to stay closed.
     pub sway: Option<f64>,
     /// From the push to the end \[s\]; the last second is looked at.
     pub after: f64,

@@ -29,13 +29,6 @@ pub struct Finger {
     pub speed: f64,
 }
 
-impl Finger {
-    /// Energy of its motion and of its spring \[J\].
-    fn energy(&self, human: &Human) -> f64 {
-        0.5 * (human.mass * self.speed * self.speed + human.stiffness * self.place * self.place)
-    }
-}
-
 /// Flow of `m ẍ + b ẋ + k x = f` over a time h in which f is constant, exact however stiff: the exponential of its
 /// matrix in `(x, ẋ h, f h²/m)`.
 #[derive(Clone, Copy, Debug)]
@@ -128,13 +121,13 @@ impl Hand {
     pub fn advance(&mut self, forces: &[f64; DIGITS], push: f64) -> [f64; DIGITS] {
         let mut moved = [0.0; DIGITS];
         for (k, finger) in self.fingers.iter_mut().enumerate() {
-            let before = *finger;
+            let before = finger.place;
             finger.advance(&self.flow, push - forces[k]);
-            moved[k] = finger.place - before.place;
-            // What work did not become motion or tension became heat.
-            let gained = finger.energy(&self.human) - before.energy(&self.human);
-            let heat = (push - forces[k]) * moved[k] - gained;
-            self.beyond[k] += -forces[k] * (moved[k] + self.closed) - heat;
+            moved[k] = finger.place - before;
+            // Its damping takes up what it does at the speed at which the finger moves, with its command and beyond.
+            let way = moved[k] + self.closed;
+            let heat = self.human.damping * way * way / self.flow.h;
+            self.beyond[k] += -forces[k] * way - heat;
         }
         moved
     }

@@ -49,7 +49,8 @@ fn rehearsed(case: usize) -> (String, Rehearsal, Outcome) {
         until,
         press: 0.01,
         sway: None,
-        after: 3.0,
+        // What the push took off the felt stiffness, as noise of the tracker, has grown back after three seconds.
+        after: 4.0,
     };
     let out = what.run(session).expect("a hand that holds");
     let name = format!(

@@ -88,8 +88,8 @@ fn noise_is_felt_as_little() {
     for mode in [LoopMode::Shared, LoopMode::Multirate] {
         for (noise, part, fast) in [
             ([0.0, 0.0], 1e-9, 1e-9),
-            ([1e-3, 0.0], 0.055, 0.008),
-            ([1e-3, 2.0_f64.to_radians()], 0.1, 0.045),
+            ([1e-3, 0.0], 0.05, 0.009),
+            ([1e-3, 2.0_f64.to_radians()], 0.08, 0.04),
         ] {
             for felt in forces(mode, noise) {
                 let mean = felt.iter().sum::<f64>() / felt.len() as f64;

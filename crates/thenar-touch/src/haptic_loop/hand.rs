@@ -17,6 +17,8 @@ use thenar::world::Target;
 use thenar::{Pose, Vec3};
 use thenar_track::live::{LiveHand, Mover, STALE, checked};
 
+/// After a longer gap between samples a hand begins afresh, and so it does after such a gap between ticks \[s\].
+const AFRESH: f64 = 0.1;
 /// A tick longer than this is taken as if it were this long \[s\].
 const STEP_MAX: f64 = 0.02;
 /// A tracker that has been silent for so long gives way to another of the same hand \[ns\].
@@ -168,8 +170,11 @@ impl LoopHand {
 
     /// Holds a hand still that is not seen.
     fn hold_still(&mut self, now_ns: u64) {
+        // A hand that is led goes on by a few milliseconds at most when the loop stood still: its time is behind then, and after so
+        // long it begins afresh.
+        let stood_still = self.last_ns.is_some_and(|last| seconds_between(last, now_ns) > AFRESH);
         let Some(held) = &mut self.held else { return };
-        if held.is_over(now_ns) {
+        if stood_still || held.is_over(now_ns) {
             self.live.lose();
             self.held = None;
             return;

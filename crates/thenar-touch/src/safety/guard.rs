@@ -41,7 +41,7 @@ const SURE: f64 = 4.0 / 3.0;
 enum Got {
     /// Little force has to be wanted first.
     Armed,
-    /// It was, and the ramp began.
+    /// Little force was wanted, and the ramp began.
     Ramping,
     /// Full force.
     Live,

@@ -30,11 +30,11 @@ pub struct Waiting {
 /// What becomes of a sample.
 #[derive(Clone, Copy, Debug)]
 pub enum Verdict {
-    /// It is taken; what waited is forgotten.
+    /// The sample is taken; what waited is forgotten.
     Taken,
-    /// It is taken after the one that waited, which it bears out.
+    /// The sample is taken after the one that waited, which it bears out.
     BornOut(Waiting),
-    /// It waits for the next.
+    /// The sample waits for the next.
     Waits,
 }
 

@@ -4,7 +4,7 @@
 //! line, whose slope is how much faster our clock runs. It is the edge of their lower hull that spans their mean time
 //! (Moon, Skelly and Towsley 1999): the highest line that lies below all of them.
 
-/// Of each such time the least difference is kept \[ns\].
+/// Length of the times of each of which the least difference is kept \[ns\].
 const EACH: u64 = 500_000_000;
 /// Number of these: 20 s, over which a way that is uncertain by 1 ms tells the rate within 1e-4.
 const KEPT: usize = 40;

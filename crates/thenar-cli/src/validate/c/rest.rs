@@ -37,7 +37,7 @@ pub fn pinch(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     Ok(vec![hold(solver, 0.2, 0.6)?])
 }
 
-/// The same of a heavier object that slides more easily.
+/// The smallest normal force that holds a heavier object, which slides more easily.
 pub fn pinch_heavy(solver: Solver) -> Result<Vec<Figure>, CaseError> {
     Ok(vec![hold(solver, 0.3, 0.5)?])
 }

@@ -324,7 +324,9 @@ fn judge(case: &Case, folder: &std::path::Path) -> Option<String> {
         let now = force(&session);
         if t >= 0.5 {
             at_half.get_or_insert((p, energy(&session)));
-            flicker = flicker.max((now - before).abs() / now.max(1e-3));
+            if t >= 0.9 {
+                flicker = flicker.max((now - before).abs() / now.max(1e-3));
+            }
         }
         before = now;
     }

@@ -10,7 +10,7 @@ use thenar_track::live::LivePose;
 /// A hand that was not seen for so long is told of again, before it would count as lost
 /// ([`STALE`](thenar_track::live::STALE)) \[ns\].
 const AGAIN_NS: u64 = 85_000_000;
-/// Of a hand that moved, that is in doubt: it is borne out so soon after, before it would count as lost as well \[ns\].
+/// A sample of a hand that moved is in doubt: it is borne out so soon after, before it would count as lost as well \[ns\].
 const BORNE_OUT_NS: u64 = 5_000_000;
 /// After a longer gap between two ticks, at which the guards trip, nothing goes on \[ns\].
 const GAP_NS: u64 = 500_000_000;
@@ -27,7 +27,7 @@ pub struct Held {
     came_ns: u64,
     /// When it came first \[ns\].
     seen_ns: u64,
-    /// It was told again, and is in doubt.
+    /// The sample was repeated, and is in doubt.
     doubted: bool,
 }
 
@@ -58,7 +58,7 @@ impl Held {
         Some((self.time_ns as f64 * 1e-9, &self.pose))
     }
 
-    /// Whether it is in doubt, now that it was told again; a sample that came since is one of its own.
+    /// Whether the sample is in doubt, now that it was repeated; one that came since is one of its own.
     pub fn doubt(&mut self, doubted: bool) {
         self.doubted = doubted;
     }

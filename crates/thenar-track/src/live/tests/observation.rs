@@ -15,7 +15,7 @@ fn taken(timing: &TrackerTiming, hz: f64) -> f64 {
     swayed(timing, hz, 0.01, 5000)[0]
 }
 
-/// The same of a sway of `size` \[m\] by so many milliseconds but the first 2000, the delay by its phase \[s\], and how noisy
+/// Figures of a sway of `size` \[m\] by so many milliseconds but the first 2000, the delay by its phase \[s\], and how noisy
 /// it is seen meanwhile.
 fn swayed(timing: &TrackerTiming, hz: f64, size: f64, end: u32) -> [f64; 3] {
     let mut rig = Rig::new();
