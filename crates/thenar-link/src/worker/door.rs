@@ -98,7 +98,9 @@ impl Door {
         if self.one_hand && bears {
             let rested = now_ns.saturating_sub(self.bore_ns) > LEAVES_AFTER_NS;
             if self.bound.is_none() || rested && !self.takes(output.side) {
-                self.bound.map(|side| self.hands[slot(side)].release(now_ns));
+                if let Some(side) = self.bound {
+                    self.hands[slot(side)].release(now_ns);
+                }
                 self.bound = Some(output.side);
             }
             if self.takes(output.side) {
