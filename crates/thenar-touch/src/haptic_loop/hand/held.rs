@@ -58,7 +58,7 @@ impl Held {
         Some((self.time_ns as f64 * 1e-9, &self.pose))
     }
 
-    /// Whether the sample is in doubt, now that it was repeated; one that came since is one of its own.
+    /// Notes whether the sample is in doubt, now that it was repeated; what came since is a sample of its own.
     pub fn doubt(&mut self, doubted: bool) {
         self.doubted = doubted;
     }
