@@ -14,7 +14,7 @@ use crate::contact::manifold::{Manifold, ManifoldPoint};
 use crate::contact::mesh_clear;
 use crate::contact::mesh_deep::{self, DeepFace};
 use crate::contact::mesh_index::MeshEdge;
-use crate::contact::nearest::point as weighted;
+use crate::contact::nearest::{point as weighted, sharpened};
 use crate::contact::rigid_pair::{Reach, reversed};
 use crate::contact::support::{Solid, inradius, support};
 use crate::contact::sweep::Mover;
@@ -78,14 +78,14 @@ pub(crate) fn convex_on_mesh(a: &Mover, b: &Mover, reach: Reach, manifold: &mut 
         }
         _ => f64::INFINITY,
     };
-    let deepest = faces(&pair, mesh, shallow, manifold);
+    let deepest = faces(&pair, mesh, shallow, first, manifold);
     edges(&pair, mesh, shallow, manifold);
     if shallow < f64::INFINITY {
         let before = manifold.points().len();
         reversed(manifold, |m| vertices(&Pair::new(b, a, reach), mesh, FROM_B, m));
         drop_beside(&pair, before, manifold);
         if manifold.points().len() == first {
-            faces(&pair, mesh, f64::INFINITY, manifold);
+            faces(&pair, mesh, f64::INFINITY, first, manifold);
         }
         drop_strays(first, shallow, manifold);
     }
@@ -222,6 +222,29 @@ impl<'a> Pair<'a> {
         let round_off = 8.0 * f64::EPSILON * (q_W.norm() + sizes);
         (there.value - off).abs() <= 0.5 * lean * lean * off + round_off
     }
+
+    /// The same of a point of a triangle. A shape that is round touches the triangle beside the nearest one at its border,
+    /// a little aside and so a little aslant. Where the two are level such a point holds nothing: it leans by as many
+    /// radians as it lies radii aside, [`SAME`] at most. Along its straight lines a shape may stand.
+    fn is_normal_beside(&self, q_W: &Vec3, gap: f64, n_W: &Vec3) -> bool {
+        let straight = match self.a.shape {
+            Shape::Sphere { .. } | Shape::Ellipsoid { .. } => None,
+            Shape::Capsule { .. } | Shape::Cylinder { .. } | Shape::Cone { .. } => {
+                Some(self.a.rotation.column(1).into_owned())
+            }
+            _ => return self.is_normal(q_W, gap, n_W, STANDING),
+        };
+        if self.is_normal(q_W, gap, n_W, SAME) {
+            return true;
+        }
+        let Some(along_W) = straight else { return false };
+        // Where it leans is known from a little off both surfaces.
+        let off = gap.max(self.same);
+        let there = self.b.distance(&(q_W + off * n_W)).gradient;
+        let leans = there - n_W.dot(&there) * n_W;
+        let across = leans - leans.dot(&along_W) * along_W;
+        across.norm() <= SAME && self.is_normal(q_W, gap, n_W, STANDING)
+    }
 }
 
 /// Corners, rims, centres and lowest points of convex A.
@@ -279,15 +302,18 @@ fn lowest_on_rim(pair: &Pair, mesh: &MeshShape, radius: f64, y: f64) -> Vec3 {
 }
 
 /// The point of each near triangle that is nearest to A, where A's nearest point agrees. Returns the deepest in A,
-/// whether or not it does.
-fn faces(pair: &Pair, mesh: &MeshShape, shallow: f64, manifold: &mut Manifold) -> Option<DeepFace> {
+/// whether or not it does. Points of this pair begin at `first`.
+fn faces(
+    pair: &Pair,
+    mesh: &MeshShape,
+    shallow: f64,
+    first: usize,
+    manifold: &mut Manifold,
+) -> Option<DeepFace> {
     let mut deepest: Option<DeepFace> = None;
+    let mut nearest: Option<DeepFace> = None;
     let around = pair.around_a().inflate(mesh.index.rounding);
     let (margin, rounding) = (pair.reach.margin, mesh.index.rounding);
-    // A ball touches the triangle beside the nearest one at its border, a little aside and so a little aslant. Where the two
-    // are level such a point holds nothing: a ball's leans by as many radians as it lies radii aside, `SAME` at most.
-    // The nearest points of other shapes are not found so finely.
-    let lean = if let Shape::Sphere { .. } = pair.a.shape { SAME } else { STANDING };
     mesh.index.tree.overlapping(&around, |item| {
         let t = mesh.index.items[item as usize];
         let tri = mesh.triangles[t as usize].map(|v| mesh.points[v as usize]);
@@ -298,7 +324,8 @@ fn faces(pair: &Pair, mesh: &MeshShape, shallow: f64, manifold: &mut Manifold) -
         if pair.a.shape.least_over(&tri) > margin + rounding {
             return;
         }
-        let q = weighted(&tri, &pair.a.shape.nearest_on_triangle(&tri));
+        let weights = pair.a.shape.nearest_on_triangle(&tri);
+        let q = weighted(&tri, &sharpened(pair.a.shape, &tri, weights));
         let d = pair.a.shape.distance(&q);
         let gap = d.value - rounding;
         let n_W = -(pair.a.rotation * d.gradient);
@@ -309,10 +336,20 @@ fn faces(pair: &Pair, mesh: &MeshShape, shallow: f64, manifold: &mut Manifold) -
         {
             deepest = Some(DeepFace { triangle: t, q_W, n_W, gap });
         }
-        if gap <= margin && gap > -shallow && pair.is_normal(&q_W, gap, &n_W, lean) {
+        if gap > margin || gap <= -shallow {
+            return;
+        }
+        if pair.is_normal_beside(&q_W, gap, &n_W) {
             pair.push(FACE | t, q_W + 0.5 * gap * n_W, n_W, gap, manifold);
+        } else if nearest.is_none_or(|n| gap < n.gap) && pair.is_normal(&q_W, gap, &n_W, STANDING) {
+            nearest = Some(DeepFace { triangle: t, q_W, n_W, gap });
         }
     });
+    // The nearest of all is one of both surfaces, however aslant it was found.
+    let least = manifold.points()[first..].iter().map(|p| p.gap).fold(f64::INFINITY, f64::min);
+    if let Some(DeepFace { triangle, q_W, n_W, gap }) = nearest.filter(|n| n.gap < least) {
+        pair.push(FACE | triangle, q_W + 0.5 * gap * n_W, n_W, gap, manifold);
+    }
     deepest
 }
 

@@ -1,25 +1,23 @@
 //! Goal: the area that is reported of a finger is that of its patch. Method: the default hand, and the paper's, come down
-//! on a plate with their index finger first, slowly; when that presses with a few newtons and with many, the area is
-//! held against the part of its skin that is nearer than 20 µm to the plate.
+//! with their index finger first, slowly, on a plate, and on a ball, a cylinder and an edge that stand where it met the plate;
+//! when it presses with a few newtons and with many, the area is held against the part of its skin that is nearer than 20 µm.
 
 use std::path::Path;
 use thenar::Vec3;
 use thenar::model::Digit;
-use thenar::readout::ContactReadout;
+use thenar::readout::{ContactReadout, PatchContact};
 use thenar_scene::session::Session;
 
 /// What is nearer touches \[m\]: the definition of the read-out.
 const TOUCHING: f64 = 20e-6;
-/// Where the plate's upper side is \[m\].
+/// Where the upper side of what is touched is \[m\].
 const TOP: f64 = 0.01;
+/// Rows of places in which a triangle is looked at: of 2 mm², each then stands for 0.003 mm².
+const ROWS: u32 = 24;
 
 const SCENE: &str = r#"version = 1
 time_step = 0.005
 duration = 3.0
-[[rigid]]
-name = "plate"
-shape = { kind = "box", size = [0.4, 0.02, 0.4] }
-motion = "fixed"
 [[hand]]
 preset = "PRESET"
 name = "hand"
@@ -39,57 +37,151 @@ joints.index-pip = { flexion_deg = 20 }
 joints.index-dip = { flexion_deg = 10 }
 "#;
 
-/// The part of a triangle below a height, which is a triangle, or what is left of it without one.
-fn below(x: &[Vec3; 3], height: f64) -> f64 {
-    let area = (x[1] - x[0]).cross(&(x[2] - x[0])).norm() / 2.0;
-    let y = [0, 1, 2].map(|k| x[k].y - height);
-    // The corner that is alone on its side, and what of the edges to it is on that side.
-    let cut = |k: usize| {
-        let part = |j: usize| y[k] / (y[k] - y[j]);
-        part((k + 1) % 3) * part((k + 2) % 3) * area
+/// What stands fixed under the finger, and how far a place is from it \[m\], seen from the middle of its upper side.
+struct Thing {
+    shape: &'static str,
+    /// About z.
+    angle_deg: f64,
+    /// Its middle below the upper side \[m\].
+    below: f64,
+    distance: fn(&Vec3) -> f64,
+    /// With what the finger presses \[N\].
+    loads: [f64; 3],
+    /// How far the area may be off, in parts.
+    within: f64,
+}
+
+const PLATE: Thing = Thing {
+    shape: r#"kind = "box", size = [0.4, 0.02, 0.4]"#,
+    angle_deg: 0.0,
+    below: 0.01,
+    distance: |p| p.y,
+    loads: [2.0, 8.0, 18.0],
+    within: 0.05,
+};
+
+const THINGS: [Thing; 3] = [
+    Thing {
+        shape: r#"kind = "sphere", radius = 0.015"#,
+        angle_deg: 0.0,
+        below: 0.015,
+        distance: |p| (p + Vec3::y() * 0.015).norm() - 0.015,
+        loads: [2.0, 8.0, 15.0],
+        within: 0.3,
+    },
+    // Across the finger.
+    Thing {
+        shape: r#"kind = "cylinder", radius = 0.008, length = 0.06"#,
+        angle_deg: 90.0,
+        below: 0.008,
+        distance: |p| p.z.hypot(p.y + 0.008) - 0.008,
+        loads: [2.0, 8.0, 15.0],
+        within: 0.3,
+    },
+    // Of a right angle, along the finger.
+    Thing {
+        shape: r#"kind = "box", size = [0.03, 0.03, 0.06]"#,
+        angle_deg: 45.0,
+        below: 0.015 * std::f64::consts::SQRT_2,
+        distance: |p| {
+            let (right, left) = ((p.y + p.x) / 2.0_f64.sqrt(), (p.y - p.x) / 2.0_f64.sqrt());
+            if right.min(left) > 0.0 { right.hypot(left) } else { right.max(left) }
+        },
+        loads: [2.0, 8.0, 15.0],
+        within: 0.3,
+    },
+];
+
+fn scene(preset: &str, thing: &Thing, at: &Vec3) -> String {
+    let Thing { shape, angle_deg, below, .. } = thing;
+    let (x, y, z) = (at.x, at.y - below, at.z);
+    SCENE.replace("PRESET", preset)
+        + &format!(
+            "[[rigid]]\nname = \"thing\"\nshape = {{ {shape} }}\nmotion = \"fixed\"\nposition = [{x}, {y}, {z}]\n\
+             rotation = {{ axis = [0, 0, 1], angle_deg = {angle_deg} }}\n"
+        )
+}
+
+/// The middles of the parts into which rows divide a triangle, all of one area.
+fn places(x: [Vec3; 3]) -> impl Iterator<Item = Vec3> {
+    let n = ROWS;
+    let at = move |i: f64, j: f64| {
+        x[0] + (x[1] - x[0]) * (i / f64::from(n)) + (x[2] - x[0]) * (j / f64::from(n))
     };
-    let lower: Vec<usize> = (0..3).filter(|&k| y[k] < 0.0).collect();
-    match lower[..] {
-        [] => 0.0,
-        [k] => cut(k),
-        [j, k] => area - cut(3 - j - k),
-        _ => area,
+    let all = (0..n).flat_map(move |i| (0..n - i).map(move |j| (f64::from(i), f64::from(j))));
+    let third = 1.0 / 3.0;
+    all.flat_map(move |(i, j)| {
+        let whole = i + j + 1.5 < f64::from(n);
+        [Some(at(i + third, j + third)), whole.then(|| at(i + 2.0 * third, j + 2.0 * third))]
+    })
+    .flatten()
+}
+
+/// The part of the index finger's skin that is nearer than [`TOUCHING`] \[m²\], and its middle.
+fn patch(session: &Session, thing: &Thing, at: &Vec3) -> (f64, Vec3) {
+    let world = session.world();
+    let x = world.collision_vertices(0);
+    let index = u32::from(Digit::Index.part());
+    let (mut area, mut moment) = (0.0, Vec3::zeros());
+    for t in &world.desc().softs[0].flesh.collision.triangles {
+        if t.iter().any(|v| world.model().part_of(0, *v) != index) {
+            continue;
+        }
+        let corners = t.map(|v| x[v as usize]);
+        let each = (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).norm()
+            / (2.0 * f64::from(ROWS * ROWS));
+        for p in places(corners).filter(|p| (thing.distance)(&(p - at)) < TOUCHING) {
+            area += each;
+            moment += each * p;
+        }
     }
+    (area, moment / area)
+}
+
+fn index(session: &Session, readout: &mut ContactReadout) -> PatchContact {
+    readout.read(session.world());
+    readout.parts(0)[Digit::Index.part() as usize].contact
+}
+
+/// Presses with a few loads, and returns the middle of the first patch.
+fn presses_on_its_patch(preset: &str, thing: &Thing, at: Vec3) -> Vec3 {
+    let text = scene(preset, thing, &at);
+    let mut session = Session::from_text(&text, Path::new("finger-area.toml"), &[])
+        .unwrap_or_else(|error| panic!("{error}"));
+    let mut readout = ContactReadout::new(session.world());
+    let mut middle = None;
+    for load in thing.loads {
+        let mut told = index(&session, &mut readout);
+        while told.normal < load {
+            let Thing { shape, .. } = thing;
+            let normal = told.normal;
+            assert!(session.world().time() < 3.0, "{preset}, {shape}: {normal} N only");
+            session.step(&mut ());
+            told = index(&session, &mut readout);
+        }
+        let (area, centre) = patch(&session, thing, &at);
+        middle.get_or_insert(centre);
+        println!(
+            "{preset}, {}: {area:e} m2, {:e} reported, {} N",
+            thing.shape, told.area, told.normal
+        );
+        assert!((told.area / area - 1.0).abs() < thing.within, "{} of {area} m2", told.area);
+        let spread = told.pressure_mean() * told.area;
+        // What the bone bears where flesh is crushed has no area. More load need not touch more skin: a finger that it
+        // bends stands on its tip.
+        let skin = told.skin_normal;
+        assert!((spread / skin - 1.0).abs() < 0.01, "{spread} of {skin} N");
+    }
+    middle.expect("a load")
 }
 
 #[test]
-fn the_area_of_the_index_finger_on_a_plate_is_that_of_its_patch() {
+fn the_area_of_the_index_finger_is_that_of_its_patch() {
     for preset in ["touch", "paper"] {
-        presses_on_its_patch(&SCENE.replace("PRESET", preset));
-    }
-}
-
-fn presses_on_its_patch(scene: &str) {
-    let mut session = Session::from_text(scene, Path::new("finger-area.toml"), &[])
-        .unwrap_or_else(|error| panic!("{error}"));
-    let mut readout = ContactReadout::new(session.world());
-    for load in [2.0, 8.0, 18.0] {
-        let mut pressed = 0.0;
-        while pressed < load {
-            assert!(session.world().time() < 3.0, "it presses with {pressed} N only");
-            session.step(&mut ());
-            readout.read(session.world());
-            pressed = readout.parts(0)[Digit::Index.part() as usize].contact.normal;
+        let middle = presses_on_its_patch(preset, &PLATE, Vec3::y() * TOP);
+        let at = Vec3::new(middle.x, TOP, middle.z);
+        for thing in &THINGS {
+            presses_on_its_patch(preset, thing, at);
         }
-        let world = session.world();
-        let told = readout.parts(0)[Digit::Index.part() as usize].contact;
-        let x = world.collision_vertices(0);
-        let triangles = &world.desc().softs[0].flesh.collision.triangles;
-        let index = u32::from(Digit::Index.part());
-        let is_index = |t: &&[u32; 3]| t.iter().all(|v| world.model().part_of(0, *v) == index);
-        let of_index = triangles.iter().filter(is_index);
-        let patch: f64 = of_index.map(|t| below(&t.map(|v| x[v as usize]), TOP + TOUCHING)).sum();
-        assert!((told.area / patch - 1.0).abs() < 0.05, "{} of {patch} m2", told.area);
-        let spread = told.pressure_mean() * told.area;
-        // What the bone bears where flesh is crushed has no area.
-        let skin = told.skin_normal;
-        assert!((spread / skin - 1.0).abs() < 0.01, "{spread} of {skin} N");
-        // More load need not touch more skin: a finger that it bends stands on its tip.
-        println!("{patch} m2 under {load} N");
     }
 }
