@@ -76,7 +76,6 @@ mod proxies;
 mod proxies_tests;
 pub mod realtime;
 pub mod safety;
-pub mod sampled;
 pub mod shared;
 mod single_rate;
 mod smooth;

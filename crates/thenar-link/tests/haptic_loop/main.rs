@@ -21,4 +21,5 @@ mod smooth;
 mod threads;
 mod turning;
 mod unanswered;
+mod whole_hand;
 mod wrench;

@@ -310,6 +310,11 @@ impl LoopHand {
         self.stiffest().map_or(0.0, |bone| felt.stiffness(bone))
     }
 
+    /// Part of a bone's force that is felt.
+    pub fn felt_part(&self, bone: usize) -> f64 {
+        self.felt.as_ref().map_or(1.0, |felt| felt.part(bone))
+    }
+
     /// The bone of the pad that is felt stiffest when it is blocked.
     fn stiffest(&self) -> Option<usize> {
         let felt = self.felt.as_ref()?;
