@@ -31,10 +31,10 @@ pub struct Args {
     #[arg(long, value_enum, default_value_t)]
     mode: ModeWord,
     /// Rates of the tracker [Hz], separated by commas.
-    #[arg(long, value_name = "HZ,...", value_delimiter = ',', default_values_t = [60.0, 90.0, 120.0])]
+    #[arg(long, value_name = "HZ,...", value_delimiter = ',', default_values_t = [60.0, 120.0])]
     rates: Vec<f64>,
     /// Delays of the tracker [ms], separated by commas.
-    #[arg(long, value_name = "MS,...", value_delimiter = ',', default_values_t = [0.0, 20.0, 50.0])]
+    #[arg(long, value_name = "MS,...", value_delimiter = ',', default_values_t = [0.0, 50.0])]
     delays: Vec<f64>,
     /// Time of the scene at which the command stands still [s].
     #[arg(long, value_name = "S", default_value_t = UNTIL)]
@@ -229,19 +229,17 @@ mod tests {
         <Command as clap::Parser>::parse_from([&["map"], words].concat()).args
     }
 
-    /// What the loop shows a hand is softer than what it comes to rest on, and not by much: theory and rehearsal agree within a
-    /// third.
+    /// What is stiffer than the scene's couplings is told in words, and is no point of the picture.
     #[test]
-    fn what_is_shown_is_stable_and_not_soft() {
-        let args = args(&["--rates", "90", "--delays", "20"]);
-        let one = onset(&args, 90.0, 20.0).map_err(|e| e.to_string()).unwrap();
-        assert!(one.shown < one.stiffness, "{one:?}");
-        assert!((one.stiffness / one.theory).ln().abs() < 0.3, "{one:?}");
-        let map = vec![vec![one]];
-        let text = row(90.0, &map[0]);
-        assert!(text.contains("90 Hz") && text.contains(", "), "{text}");
+    fn maps_are_told_and_drawn() {
+        let args = args(&["--rates", "60,120", "--delays", "0,50"]);
+        let onset = |stiffness| Onset { stiffness, theory: 64.0, shown: 49.2, delay: 0.0168 };
+        let map = vec![vec![onset(87.4), onset(15.0)], vec![onset(f64::INFINITY), onset(0.0)]];
+        assert!(row(60.0, &map[0]).contains("87.4 (64.0), 49.2"), "{}", row(60.0, &map[0]));
+        assert!(row(120.0, &map[1]).contains("all (64.0), 49.2"), "{}", row(120.0, &map[1]));
+        assert!(head(&args).contains("50 ms late"));
         let svg = picture(&args, &map);
-        assert!(svg.starts_with("<svg") && svg.contains("20 ms late") && !svg.contains("NaN"));
+        assert!(svg.starts_with("<svg") && svg.contains("50 ms late") && !svg.contains("NaN"));
     }
 
     #[test]

@@ -15,6 +15,7 @@ mod loose_hand;
 mod matrix;
 mod noise;
 mod noisy_hand;
+mod onset;
 mod rig;
 mod several;
 mod smooth;
