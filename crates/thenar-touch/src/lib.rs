@@ -99,6 +99,7 @@ pub use empty_air::FreeHand;
 pub use exchange::FastToSlow;
 pub use felt::{Felt, FeltBounds};
 pub use hand::{HandReport, HandSettings, HapticHand, Mode};
+pub use led_hand::LedHand;
 pub use output::{DIGITS, DigitOutput, HandOutput, Rendering};
 pub use pads::{Pad, PadReading};
 pub use prediction::{Prediction, hold_then_fade, seconds_between};
