@@ -3,6 +3,7 @@
 //! loop on a made-up clock for what is timed, on its own threads for what is about threads.
 
 mod capture;
+mod default_mode;
 mod drift;
 mod empty_air;
 mod faults;
