@@ -58,7 +58,7 @@ fn ticks_and_frames_allocate_nothing() {
         let remote = clock.remote();
         let mut led = |ms: u64| {
             now += 1_000_000;
-            let flexion = 0.2 * (1.0 - (ms as f64 * 1e-3).cos());
+            let flexion = 0.2 * (1.0 - (ms as f64 * 5e-3).cos());
             let pose = match ms {
                 1500..1600 => Some(LivePose::Angles { wrist, angles: [f64::NAN; 20] }),
                 1600..1700 => None,

@@ -20,7 +20,6 @@ pub mod reference;
 pub mod session;
 pub mod taxels;
 pub mod text;
-pub mod touch;
 pub mod tuning;
 
 pub use text::SceneError;

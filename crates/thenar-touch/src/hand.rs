@@ -67,8 +67,6 @@ const UNANSWERED: f64 = 0.05;
 pub struct HandReport {
     /// Length of the step \[s\]; zero when the clock did not advance.
     pub step: f64,
-    /// Age of the oldest tracked pose \[s\]; infinite when a bone was never tracked.
-    pub tracking_age: f64,
     /// Age of the simulation frame \[s\].
     pub simulation_age: f64,
     /// The proxies.
@@ -316,12 +314,12 @@ fn at_most(v: &Vec3, size: f64) -> Vec3 {
 }
 
 impl Touch for HapticHand {
-    fn lead(&mut self, bone: usize, state: RigidState) {
-        self.hand.lead(bone, state);
+    fn hand(&self) -> &LedHand {
+        &self.hand
     }
 
-    fn set_out(&mut self, bone: usize) {
-        self.hand.set_out(bone);
+    fn hand_mut(&mut self) -> &mut LedHand {
+        &mut self.hand
     }
 
     fn tick(&mut self, now_ns: u64, frame: &SlowToFast) -> HandReport {
@@ -331,7 +329,7 @@ impl Touch for HapticHand {
             self.frames.take(frame.time_ns, now_ns);
         }
         let contact = self.place_bones(frame, simulation_age, h);
-        let tracking_age = self.hand.place(now_ns, &self.bones);
+        self.hand.place(&self.bones);
         for i in (0..self.bones.len()).filter(|i| self.hand.has_set_out(*i)) {
             self.proxies.place(i, RigidState::at_rest(self.bones[i].pose_WB));
             self.free.proxies.place(i, RigidState::at_rest(self.free.bones[i].pose_WB));
@@ -340,21 +338,13 @@ impl Touch for HapticHand {
         self.free.proxies.step(h, self.hand.states(), &self.free.bones);
         self.feel(h, frame.step);
         self.ticks += 1;
-        HandReport { step: h, tracking_age, simulation_age, proxies, contact, world: None }
+        HandReport { step: h, simulation_age, proxies, contact, world: None }
     }
 
     fn publish(&self, now_ns: u64, to: &mut FastToSlow) {
         (to.time_ns, to.tick) = (now_ns, self.ticks);
         to.proxies.copy_from_slice(self.proxies.states());
         to.free.copy_from_slice(self.free.proxies.states());
-    }
-
-    fn tracked(&self) -> &[RigidState] {
-        self.hand.states()
-    }
-
-    fn jumped(&self, bone: usize) -> bool {
-        self.hand.has_set_out(bone)
     }
 
     fn bones(&self) -> &[RigidState] {

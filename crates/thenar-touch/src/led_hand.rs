@@ -7,15 +7,15 @@ use crate::{RigidState, seconds_between};
 
 /// All bones of a hand that is led.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
-pub(crate) struct LedHand {
+pub struct LedHand {
     states: Vec<RigidState>,
     /// Led since the last tick.
     fresh: Vec<bool>,
     /// The hand is somewhere else: since the last tick, and in the last tick.
     sets_out: Vec<bool>,
     set_out: Vec<bool>,
-    /// Tick in which it was last led \[ns\].
-    led_ns: Vec<Option<u64>>,
+    /// Led before.
+    known: Vec<bool>,
     last_ns: Option<u64>,
 }
 
@@ -28,7 +28,7 @@ impl LedHand {
             fresh: vec![false; n],
             sets_out: vec![false; n],
             set_out: vec![false; n],
-            led_ns: vec![None; n],
+            known: vec![false; n],
             last_ns: None,
         }
     }
@@ -52,25 +52,19 @@ impl LedHand {
         passed.clamp(0.0, most)
     }
 
-    /// Places the hand in this tick; the age of what was known longest ago \[s\], infinite when a bone was never led. Such
-    /// a bone is where its simulated one is; one that is led no more stands still.
-    pub fn place(&mut self, now_ns: u64, bones: &[RigidState]) -> f64 {
-        let mut oldest = 0.0_f64;
+    /// Places the hand in this tick. A bone that was never led is where its simulated one is; one that is led no more stands
+    /// still.
+    pub fn place(&mut self, bones: &[RigidState]) {
         for (i, state) in self.states.iter_mut().enumerate() {
             self.set_out[i] = std::mem::take(&mut self.sets_out[i]);
             if std::mem::take(&mut self.fresh[i]) {
-                self.led_ns[i] = Some(now_ns);
-                continue;
-            }
-            match self.led_ns[i] {
-                Some(led_ns) => {
-                    *state = RigidState::at_rest(state.pose_WB);
-                    oldest = oldest.max(seconds_between(led_ns, now_ns));
-                }
-                None => (*state, oldest) = (bones[i], f64::INFINITY),
+                self.known[i] = true;
+            } else if self.known[i] {
+                *state = RigidState::at_rest(state.pose_WB);
+            } else {
+                *state = bones[i];
             }
         }
-        oldest
     }
 
     /// Where the hand is.
@@ -80,7 +74,7 @@ impl LedHand {
 
     /// True for a bone that was ever led.
     pub fn is_known(&self, bone: usize) -> bool {
-        self.fresh[bone] || self.led_ns[bone].is_some()
+        self.fresh[bone] || self.known[bone]
     }
 
     /// True for a bone that was somewhere else in the last tick.
@@ -94,24 +88,22 @@ mod tests {
     use super::*;
     use thenar::{Pose, Vec3};
 
-    const MS: u64 = 1_000_000;
-
-    /// What is led is taken to the bit, in the very tick; what is led no more stands still there and grows old.
+    /// What is led is taken to the bit, in the very tick; what is led no more stands still there.
     #[test]
     fn a_led_hand_is_where_it_is_led() {
         let at = |x: f64| RigidState::at_rest(Pose::translation(x, 0.0, 0.0));
         let bones = [at(0.0), at(0.1)];
         let mut hand = LedHand::new(&bones);
-        assert_eq!(hand.place(MS, &bones), f64::INFINITY);
+        hand.place(&bones);
+        assert_eq!(hand.states(), bones);
         let moves = RigidState { velocity_W: Vec3::y(), ..at(0.3) };
         hand.lead(0, moves);
         hand.lead(1, RigidState { velocity_W: Vec3::x() * f64::NAN, ..at(0.5) });
-        assert_eq!(hand.place(2 * MS, &bones), f64::INFINITY);
+        hand.place(&bones);
         assert_eq!(hand.states(), [moves, at(0.1)]);
         assert!(hand.is_known(0) && !hand.is_known(1));
         hand.lead(1, at(0.2));
-        let age = hand.place(12 * MS, &bones);
-        assert!((age - 0.01).abs() < 1e-12, "{age}");
+        hand.place(&bones);
         assert_eq!(hand.states(), [at(0.3), at(0.2)]);
     }
 
@@ -124,7 +116,7 @@ mod tests {
         assert!(!hand.has_set_out(0));
         for told in [true, false] {
             hand.lead(0, bones[0]);
-            hand.place(MS, &bones);
+            hand.place(&bones);
             assert_eq!(hand.has_set_out(0), told);
         }
     }

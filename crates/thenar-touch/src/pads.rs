@@ -73,7 +73,6 @@ impl Pad {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampled::Sampled;
     use crate::{CouplingDesign, HandSettings, HapticHand, RigidState, SlowToFast};
     use thenar::math::{Mat3, Quat};
     use thenar::model::{Bone, CouplingKind, EmbeddedSurface, Flesh};
@@ -143,8 +142,7 @@ mod tests {
         let start = [RigidState::at_rest(Pose::identity()); 5];
         let design = CouplingDesign::default();
         let settings = HandSettings::default();
-        let loops = HapticHand::new(settings, design.hand(&model), &start, 0).unwrap();
-        let mut loops = Sampled::new(Box::new(loops));
+        let mut loops = HapticHand::new(settings, design.hand(&model), &start, 0).unwrap();
         let frame = SlowToFast::new(&start, 0);
         let mut pad = Pad::of_hand(&model)[1];
         let mut reading = None;
@@ -153,8 +151,13 @@ mod tests {
             let t = tick as f64 * 1e-3;
             let turn = Quat::from_scaled_axis(Vec3::x() * -0.5 * t);
             let now = (tick + 1) * 1_000_000;
-            loops.track(0, now, Pose::identity(), None);
-            loops.track(2, now, Pose::new(Vec3::y() * -0.02 * t, turn), None);
+            loops.lead(0, RigidState::at_rest(Pose::identity()));
+            let there = RigidState {
+                pose_WB: Pose::new(Vec3::y() * -0.02 * t, turn),
+                velocity_W: Vec3::y() * -0.02,
+                angular_velocity_W: Vec3::x() * -0.5,
+            };
+            loops.lead(2, there);
             let report = loops.tick(now, &frame);
             reading = Some(pad.read(&loops, report.step));
         }
@@ -173,8 +176,7 @@ mod tests {
         let start = [RigidState::at_rest(Pose::identity()); 5];
         let design = CouplingDesign::default();
         let settings = HandSettings::default();
-        let loops = HapticHand::new(settings, design.hand(&model), &start, 0).unwrap();
-        let mut loops = Sampled::new(Box::new(loops));
+        let mut loops = HapticHand::new(settings, design.hand(&model), &start, 0).unwrap();
         let frame = SlowToFast::new(&start, 0);
         let glove = Pad::of_hand(&model)[1];
         let mut pads = [glove, Pad { ground: None, ..glove }];
@@ -182,9 +184,8 @@ mod tests {
         for tick in 0..200u64 {
             let (now, t) = ((tick + 1) * 1_000_000, tick as f64 * 1e-3);
             let pose = Pose::translation(0.0, t, 0.0);
-            for bone in 0..5 {
-                loops.track(bone, now, pose, None);
-            }
+            let there = RigidState { velocity_W: Vec3::y(), ..RigidState::at_rest(pose) };
+            (0..5).for_each(|bone| loops.lead(bone, there));
             let report = loops.tick(now, &frame);
             speeds = [0, 1].map(|i| pads[i].read(&loops, report.step).opening_velocity);
         }

@@ -1,5 +1,5 @@
-//! Between two samples of a tracker, or two frames of the simulation, the haptic loop goes on:
-//! poses are carried forward by their velocity, not far, and then held.
+//! Between two frames of the simulation the haptic loop goes on: bones are carried forward by their velocity, not far, and
+//! then held.
 
 use crate::RigidState;
 
@@ -7,24 +7,17 @@ use crate::RigidState;
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Prediction {
     /// Up to this age a state moves on at its velocity; over as long again it slows down to a
-    /// halt, so it ends `1.5 × horizon × velocity` ahead \[s\]. About two sample periods.
+    /// halt, so it ends `1.5 × horizon × velocity` ahead \[s\].
     pub horizon: f64,
     /// Larger speeds are not believed: the state is held \[m/s\].
     pub speed_max: f64,
     /// Likewise \[rad/s\].
     pub angular_speed_max: f64,
-    /// What a new sample corrects is blended in with this time constant \[s\], so that noise
-    /// does not become steps; zero for none. Tracks only.
-    pub blend: f64,
 }
 
 impl Prediction {
-    /// For a tracker at 72 to 120 Hz. Hands reach about 5 m/s, fingers about 40 rad/s.
-    pub const TRACKER: Self =
-        Self { horizon: 0.02, speed_max: 8.0, angular_speed_max: 80.0, blend: 0.01 };
-    /// For a simulation at 20 Hz or more.
-    pub const SIMULATION: Self =
-        Self { horizon: 0.05, speed_max: 8.0, angular_speed_max: 80.0, blend: 0.0 };
+    /// For a simulation at 20 Hz or more. Hands reach about 5 m/s, fingers about 40 rad/s.
+    pub const SIMULATION: Self = Self { horizon: 0.05, speed_max: 8.0, angular_speed_max: 80.0 };
 
     /// `state` as it should be after `age` \[s\]; a negative or senseless age is taken as zero.
     /// Pose and velocity are continuous in age.
@@ -79,7 +72,7 @@ mod tests {
     use super::*;
     use thenar::math::{Pose, Quat, Vec3};
 
-    const TRACKER: Prediction = Prediction::TRACKER;
+    const FRAMES: Prediction = Prediction::SIMULATION;
 
     /// Never further than 1.5 horizons, without a jump in pose or velocity.
     #[test]
@@ -88,20 +81,20 @@ mod tests {
             velocity_W: Vec3::x(),
             ..RigidState::at_rest(Pose::new(Vec3::zeros(), Quat::identity()))
         };
-        let mut before = TRACKER.at(&state, 0.0);
+        let mut before = FRAMES.at(&state, 0.0);
         for k in 1..2000 {
-            let now = TRACKER.at(&state, 1e-4 * f64::from(k));
+            let now = FRAMES.at(&state, 1e-4 * f64::from(k));
             let moved = now.pose_WB.position.x - before.pose_WB.position.x;
             assert!((0.0..=1e-4 + 1e-15).contains(&moved));
-            assert!((before.velocity_W.x - now.velocity_W.x).abs() <= 1e-4 / 0.02 + 1e-12);
+            assert!((before.velocity_W.x - now.velocity_W.x).abs() <= 1e-4 / 0.05 + 1e-12);
             before = now;
         }
-        assert!((before.pose_WB.position.x - 0.03).abs() < 1e-12);
+        assert!((before.pose_WB.position.x - 0.075).abs() < 1e-12);
         assert_eq!(before.velocity_W.x, 0.0);
-        assert_eq!(TRACKER.at(&state, f64::NAN).pose_WB, state.pose_WB);
-        assert_eq!(TRACKER.at(&state, -3.0).pose_WB, state.pose_WB);
+        assert_eq!(FRAMES.at(&state, f64::NAN).pose_WB, state.pose_WB);
+        assert_eq!(FRAMES.at(&state, -3.0).pose_WB, state.pose_WB);
         let mad = RigidState { velocity_W: Vec3::x() * 1e9, ..state };
-        assert_eq!(TRACKER.at(&mad, 0.01), RigidState::at_rest(state.pose_WB));
+        assert_eq!(FRAMES.at(&mad, 0.01), RigidState::at_rest(state.pose_WB));
     }
 
     #[test]

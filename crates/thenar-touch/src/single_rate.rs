@@ -173,18 +173,18 @@ impl SingleRate {
 }
 
 impl Touch for SingleRate {
-    fn lead(&mut self, bone: usize, state: RigidState) {
-        self.hand.lead(bone, state);
+    fn hand(&self) -> &LedHand {
+        &self.hand
     }
 
-    fn set_out(&mut self, bone: usize) {
-        self.hand.set_out(bone);
+    fn hand_mut(&mut self) -> &mut LedHand {
+        &mut self.hand
     }
 
     fn tick(&mut self, now_ns: u64, _: &SlowToFast) -> HandReport {
         let h = self.hand.passed(now_ns, self.settings.step_max);
         self.owed = (self.owed + h).min(self.settings.step_max);
-        let tracking_age = self.hand.place(now_ns, &self.bones);
+        self.hand.place(&self.bones);
         self.lead_bones();
         let mut world = None;
         if self.owed >= self.settings.step_min && self.owed > 0.0 {
@@ -194,21 +194,13 @@ impl Touch for SingleRate {
         }
         self.show_felt();
         self.ticks += 1;
-        HandReport { step: h, tracking_age, world, ..HandReport::default() }
+        HandReport { step: h, world, ..HandReport::default() }
     }
 
     fn publish(&self, now_ns: u64, to: &mut FastToSlow) {
         (to.time_ns, to.tick) = (now_ns, self.ticks);
         to.proxies.copy_from_slice(self.hand.states());
         to.free.copy_from_slice(self.hand.states());
-    }
-
-    fn tracked(&self) -> &[RigidState] {
-        self.hand.states()
-    }
-
-    fn jumped(&self, bone: usize) -> bool {
-        self.hand.has_set_out(bone)
     }
 
     fn bones(&self) -> &[RigidState] {

@@ -1,6 +1,6 @@
 //! One interface to the three modes of touch: what the loop around ticks, whatever is inside.
 
-use crate::{FastToSlow, HandReport, HapticHand, RigidState, SlowToFast};
+use crate::{FastToSlow, HandReport, HapticHand, LedHand, RigidState, SlowToFast};
 use thenar::math::Vec3;
 use thenar::world::{Input, World};
 
@@ -10,12 +10,22 @@ use thenar::world::{Input, World};
 /// Each tick: where the hand is (`lead`), the step (`tick`), where the simulated bones should
 /// go (`publish`), and forces (`Pad::read`). Nothing here allocates, waits or knows the time.
 pub trait Touch {
+    /// The wearer's hand.
+    fn hand(&self) -> &LedHand;
+
+    /// The wearer's hand, to be led.
+    fn hand_mut(&mut self) -> &mut LedHand;
+
     /// Leads bone `bone` in the tick that comes. The state is of that tick, as it was observed upstream, and is taken
     /// as it is; what is not finite leads nowhere.
-    fn lead(&mut self, bone: usize, state: RigidState);
+    fn lead(&mut self, bone: usize, state: RigidState) {
+        self.hand_mut().lead(bone, state);
+    }
 
     /// Bone `bone` of the hand is somewhere else from the next tick on, as where a scene began anew: nothing of before goes on.
-    fn set_out(&mut self, bone: usize);
+    fn set_out(&mut self, bone: usize) {
+        self.hand_mut().set_out(bone);
+    }
 
     /// One tick, on the newest simulation frame (which single-rate does not look at).
     fn tick(&mut self, now_ns: u64, frame: &SlowToFast) -> HandReport;
@@ -24,10 +34,14 @@ pub trait Touch {
     fn publish(&self, now_ns: u64, to: &mut FastToSlow);
 
     /// Where the hand was taken to be in the last tick.
-    fn tracked(&self) -> &[RigidState];
+    fn tracked(&self) -> &[RigidState] {
+        self.hand().states()
+    }
 
     /// True for a bone that jumped in the last tick: it was lost and found elsewhere, or teleported.
-    fn jumped(&self, bone: usize) -> bool;
+    fn jumped(&self, bone: usize) -> bool {
+        self.hand().has_set_out(bone)
+    }
 
     /// Where the simulated bones were taken to be in the last tick.
     fn bones(&self) -> &[RigidState];

@@ -11,7 +11,6 @@ use thenar::model::Motion;
 use thenar::shape::Shape;
 use thenar::{Mat3, Pose, Vec3, World};
 use thenar_touch::safety::{Bank, Limits, Signal, Trip};
-use thenar_touch::sampled::Sampled;
 use thenar_touch::shared::CondensedContact;
 use thenar_touch::{
     CouplingDesign, FastToSlow, HandSettings, HapticHand, Mode, RigidState, SingleRate,
@@ -149,8 +148,7 @@ fn publishing_and_single_rate_allocate_nothing() {
     let inside = World::new(desc.clone()).unwrap();
     let mut world = World::new(desc).unwrap();
     let start = [0, 1].map(|b| RigidState::of(&world, b));
-    let within = SingleRate::new(SingleRateSettings::default(), inside, 0..2).unwrap();
-    let mut touch = Sampled::new(Box::new(within));
+    let mut touch = SingleRate::new(SingleRateSettings::default(), inside, 0..2).unwrap();
     let mut frame = SlowToFast::new(&start, 40);
     let mut input = world.input();
     let mut run = |steps: u64| {
@@ -160,7 +158,7 @@ fn publishing_and_single_rate_allocate_nothing() {
                 let low = state.pose_WB.position - Vec3::y() * 1e-4 * k as f64;
                 let pose = Pose::new(low, state.pose_WB.rotation);
                 input.targets[b] = Some(RigidState::at_rest(pose).target());
-                touch.track(b, (k + 1) * 1_000_000, pose, None);
+                touch.lead(b, RigidState::at_rest(pose));
             }
             world.step(&input, &mut ());
             assert!(world.condense(0..2, &input, &mut frame));

@@ -13,6 +13,7 @@ pub mod model;
 mod processor;
 pub mod random;
 pub mod readout;
+mod room;
 mod skeleton;
 mod solver;
 #[cfg(test)]

@@ -1,15 +1,17 @@
 //! The three modes on one motion.
 
+use super::rehearse::tracker;
 use crate::building::told;
 use crate::chart::{Axis, Dash, Line, Panel, page};
 use crate::error::CliError;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use thenar::Vec3;
+use thenar_link::haptic_loop::LoopMode;
+use thenar_link::rehearsal::{Comparison, Study};
 use thenar_output::Output;
 use thenar_scene::session::Session;
-use thenar_scene::touch::{Comparison, Study, TouchMode, compare};
-use thenar_touch::CouplingDesign;
+use thenar_touch::{CouplingDesign, TrackerTiming};
 
 /// Fingertips of a hand of about 600 tetrahedra over a table.
 const SCENE: &str =
@@ -26,18 +28,24 @@ pub struct Args {
     /// How often [Hz].
     #[arg(long, default_value_t = 1.0)]
     frequency: f64,
+    /// Rate [Hz], delay [ms] and noise [mm] of the tracker.
+    #[arg(long, value_name = "HZ,DELAY,NOISE", default_value = "1000,0,0", value_parser = tracker)]
+    tracker: TrackerTiming,
+    /// Damping of the loosest grip that the loop reckons with [N s/m]; without it the couplings are felt as they are.
+    #[arg(long, value_name = "B")]
+    grip: Option<f64>,
     /// Also draws force against time and against displacement as SVG.
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
 }
 
-/// Modes and simulation periods \[ms\]; the first is the reference.
-const RUNS: [(TouchMode, u64); 5] = [
-    (TouchMode::SingleRate, 1),
-    (TouchMode::SharedConstraints, 16),
-    (TouchMode::SharedConstraints, 50),
-    (TouchMode::Multirate, 16),
-    (TouchMode::Multirate, 50),
+/// Modes and periods of the scene \[ms\]; the first, which steps within each tick, is the reference.
+const RUNS: [(LoopMode, u64); 5] = [
+    (LoopMode::SingleRate, 16),
+    (LoopMode::Shared, 16),
+    (LoopMode::Shared, 50),
+    (LoopMode::Multirate, 16),
+    (LoopMode::Multirate, 50),
 ];
 
 /// Runs the command.
@@ -53,17 +61,18 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     if !(0.05..=20.0).contains(&args.frequency) {
         return Err(CliError::Input("the frequency must be from 0.05 to 20 Hz".into()));
     }
-    let session = match &args.scene {
-        Some(file) => told(|| Ok(Session::load(file, &[])?))?,
-        None => Session::from_text(SCENE, Path::new("e09-press.toml"), &[])?,
-    };
-    let cycle = (1000.0 / args.frequency).round() as u64;
-    let study = Study { way, frequency: args.frequency, settle: 600, measured: 2 * cycle };
+    let [frequency, grip] = [args.frequency, args.grip];
+    let (tracker, design) = (args.tracker, CouplingDesign::default());
+    let study = Study { way, frequency, cycles: 2, tracker, design, grip };
     println!("{}", head());
     let mut found: Vec<Comparison> = Vec::new();
     for (mode, period) in RUNS {
-        let one = compare(&session, CouplingDesign::default(), mode, period, &study)
-            .map_err(|e| CliError::Input(e.to_string()))?;
+        let step = [format!("time_step={}", 1e-3 * period as f64)];
+        let session = match &args.scene {
+            Some(file) => told(|| Ok(Session::load(file, &step)?))?,
+            None => Session::from_text(SCENE, Path::new("e09-press.toml"), &step)?,
+        };
+        let one = study.run(session, mode).map_err(|e| CliError::Input(e.to_string()))?;
         println!("{}", row(&one, found.first().unwrap_or(&one)));
         found.push(one);
     }
@@ -73,6 +82,15 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         svg.finish()?;
     }
     Ok(())
+}
+
+/// As it reads in a table.
+fn name(mode: LoopMode) -> &'static str {
+    match mode {
+        LoopMode::Multirate => "multirate",
+        LoopMode::Shared => "shared constraints",
+        LoopMode::SingleRate => "single-rate",
+    }
 }
 
 fn head() -> String {
@@ -85,7 +103,7 @@ fn head() -> String {
 fn row(one: &Comparison, reference: &Comparison) -> String {
     format!(
         "{:<20} {:>7} ms {:>6.0} N/m {:>5.1} ms {:>8.3} N {:>9.2} mJ {:>9.2} mJ {:>10.3} N",
-        one.mode.name(),
+        name(one.mode),
         one.period,
         one.stiffness,
         one.delay_ms,
@@ -97,7 +115,7 @@ fn row(one: &Comparison, reference: &Comparison) -> String {
 }
 
 fn picture(found: &[Comparison]) -> String {
-    let name = |one: &Comparison| format!("{}, {} ms", one.mode.name(), one.period);
+    let named = |one: &Comparison| format!("{}, {} ms", name(one.mode), one.period);
     let over_time = |one: &Comparison| -> Vec<(f64, f64)> {
         let each = one.force.iter().enumerate().step_by(4);
         each.map(|(ms, force)| (1e-3 * ms as f64, *force)).collect()
@@ -108,7 +126,7 @@ fn picture(found: &[Comparison]) -> String {
     };
     let panel = |title: &str, x: &str, points: &dyn Fn(&Comparison) -> Vec<(f64, f64)>| {
         let lines: Vec<Line> = (found.iter().enumerate())
-            .map(|(i, one)| Line::new(name(one), i, Dash::Solid, points(one)))
+            .map(|(i, one)| Line::new(named(one), i, Dash::Solid, points(one)))
             .collect();
         let all = || lines.iter().flat_map(|line| line.points.iter().copied());
         Panel {

@@ -1,84 +1,76 @@
-//! Stability maps: the stiffest coupling that does not oscillate, against rate and delay.
+//! Stability maps: the stiffest coupling on which a loosely held hand comes to rest, against the tracker's rate and delay.
 
+use super::rehearse::human;
 use crate::chart::{Axis, Dash, Line, Panel, page};
 use crate::error::CliError;
+use crate::run::open_live;
+use crate::touch::ModeWord;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use thenar_link::rehearsal::{Human, Onset, Rehearsal, RehearsalError};
 use thenar_output::Output;
-use thenar_touch::virtual_user::{Device, Wall, predicted_onset, stability_onset};
+use thenar_scene::session::Session;
+use thenar_touch::{GRIP, TrackerTiming};
 
-/// Where onsets are sought \[N/m\].
-const RANGE: [f64; 2] = [1.0, 1e6];
-/// How long a swing is watched \[s\] per kilogram and N s/m: near the onset it changes at (excess of
-/// damping) / (2 m) per second.
-const WATCH: f64 = 400.0;
+/// A hand of about 200 tetrahedra that lies down on a table and presses.
+const SCENE: &str =
+    include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/table-press.toml"));
+/// When it lies there \[s\].
+const UNTIL: f64 = 1.2;
 
-/// How stiff a coupling may be, against rate and delay: simulated beside theory.
+/// How stiff a coupling may be for a hand that gives way, against the tracker's rate and delay: found in closed loop with a
+/// scene, beside theory.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Moving mass of device and finger [kg].
-    #[arg(long, default_value_t = 0.1, value_parser = positive)]
-    mass: f64,
-    /// Damping of device and finger [N s/m].
-    #[arg(long, default_value_t = 1.0, value_parser = positive)]
-    damping: f64,
-    /// Damping of the coupling [N s/m].
-    #[arg(long, default_value_t = 0.0, value_parser = not_negative)]
-    coupling_damping: f64,
-    /// Rates of the device [Hz], separated by commas.
-    #[arg(
-        long,
-        value_name = "HZ,...",
-        value_delimiter = ',',
-        value_parser = positive,
-        default_values_t = [250.0, 500.0, 1000.0, 2000.0, 4000.0, 8000.0]
-    )]
+    /// A scene whose first hand is worn, with its motion as the wearer's command; without one, a hand presses a table.
+    scene: Option<PathBuf>,
+    /// Mass [kg], damping [N s/m] and stiffness [N/m] of each finger at its pad.
+    #[arg(long, value_name = "M,B,K", default_value = "0.05,1,50", value_parser = human)]
+    human: Human,
+    /// How touch joins the tracked hand and the simulation.
+    #[arg(long, value_enum, default_value_t)]
+    mode: ModeWord,
+    /// Rates of the tracker [Hz], separated by commas.
+    #[arg(long, value_name = "HZ,...", value_delimiter = ',', default_values_t = [60.0, 120.0])]
     rates: Vec<f64>,
-    /// Delays beyond the hold [ms], separated by commas; places of the map whose delay is not a whole number of
-    /// ticks are left out.
-    #[arg(
-        long,
-        value_name = "MS,...",
-        value_delimiter = ',',
-        value_parser = not_negative,
-        default_values_t = [0.0, 1.0, 2.0, 4.0, 8.0]
-    )]
+    /// Delays of the tracker [ms], separated by commas.
+    #[arg(long, value_name = "MS,...", value_delimiter = ',', default_values_t = [0.0, 50.0])]
     delays: Vec<f64>,
+    /// Time of the scene at which the command stands still [s].
+    #[arg(long, value_name = "S", default_value_t = UNTIL)]
+    until: f64,
+    /// Then the fingers close by so much more [mm].
+    #[arg(long, value_name = "MM", default_value_t = 10.0)]
+    press: f64,
+    /// Change a value of the scene; may be given several times.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    set: Vec<String>,
     /// Also draws the map as SVG.
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
 }
 
-fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(x) if x > 0.0 && x.is_finite() => Ok(x),
-        _ => Err("expected a number above 0".into()),
-    }
-}
-
-fn not_negative(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(x) if x >= 0.0 && x.is_finite() => Ok(x),
-        _ => Err("expected a number of 0 or more".into()),
-    }
-}
-
-/// One place of the map.
-#[derive(Clone, Copy, Debug)]
-struct Cell {
-    /// By simulation and by eigenvalues \[N/m\]; NaN when it is not within the range.
-    simulated: f64,
-    theory: f64,
-}
+/// By rate, then by delay.
+type Map = Vec<Vec<Onset>>;
 
 /// Runs the command.
 ///
 /// # Errors
-/// The picture cannot be written.
+/// A number or the scene is wrong, or the picture cannot be written.
 pub fn run(args: &Args) -> Result<(), CliError> {
     let svg = args.svg.as_deref().map(Output::create).transpose()?;
-    let map = map(args);
-    print!("{}", table(args, &map));
+    let all = || args.rates.iter().flat_map(|rate| args.delays.iter().map(move |d| (rate, d)));
+    for (rate, delay) in all() {
+        rehearsal(args, *rate, *delay).check().map_err(wrong)?;
+    }
+    print!("{}", head(args));
+    let mut map = Map::new();
+    for rate in &args.rates {
+        let onsets: Result<Vec<Onset>, CliError> =
+            args.delays.iter().map(|delay| onset(args, *rate, *delay)).collect();
+        map.push(onsets?);
+        println!("{}", row(*rate, &map[map.len() - 1]));
+    }
     if let Some(mut svg) = svg {
         svg.write_all(picture(args, &map).as_bytes())
             .map_err(|e| CliError::Other(format!("cannot write the map: {e}")))?;
@@ -87,112 +79,138 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     Ok(())
 }
 
-fn map(args: &Args) -> Map {
-    let row = |rate: &f64| args.delays.iter().map(|delay| cell(args, *rate, *delay)).collect();
-    args.rates.iter().map(row).collect()
+fn wrong(error: RehearsalError) -> CliError {
+    CliError::Input(error.to_string())
 }
 
-/// None where the delay is not a whole number of ticks.
-fn cell(args: &Args, rate: f64, delay_ms: f64) -> Option<Cell> {
-    let ticks = 1e-3 * delay_ms * rate;
-    if (ticks - ticks.round()).abs() > 1e-9 {
-        return None;
+fn rehearsal(args: &Args, rate: f64, delay_ms: f64) -> Rehearsal {
+    Rehearsal {
+        human: args.human,
+        tracker: TrackerTiming { rate, latency: 1e-3 * delay_ms, noise: 0.0 },
+        mode: args.mode.into(),
+        grip: Some(GRIP),
+        until: args.until,
+        press: 1e-3 * args.press,
+        sway: None,
+        after: 3.0,
     }
-    let device = Device {
-        mass: args.mass,
-        damping: args.damping,
-        friction: 0.0,
-        resolution: 0.0,
-        delay_ticks: ticks.round() as usize,
-        period: 1.0 / rate,
-    };
-    let wall = |k: f64| Wall { device, proxy: Wall::plain_proxy(k, args.coupling_damping) };
-    let [low, high] = RANGE;
-    let theory = predicted_onset(low, high, wall);
-    let theory = if (2.0 * low..0.5 * high).contains(&theory) { theory } else { f64::NAN };
-    let seconds = WATCH * args.mass / args.damping;
-    let simulated = stability_onset(0.5 * theory, 2.0 * theory, seconds, wall);
-    Some(Cell { simulated: simulated.unwrap_or(f64::NAN), theory })
 }
 
-/// By rate, then by delay.
-type Map = Vec<Vec<Option<Cell>>>;
+fn onset(args: &Args, rate: f64, delay_ms: f64) -> Result<Onset, CliError> {
+    let open = || match &args.scene {
+        Some(file) => open_live(file, &args.set),
+        None => {
+            let small = ["hand.hand.preset=paper", "hand.hand.tets=200"].map(str::to_owned);
+            let set = [&small[..], &args.set].concat();
+            Ok(Session::from_text(SCENE, Path::new("table-press.toml"), &set)?)
+        }
+    };
+    rehearsal(args, rate, delay_ms).onset(|| open().map_err(Failed::Open)).map_err(CliError::from)
+}
+
+/// Why a place of the map is empty.
+enum Failed {
+    Open(CliError),
+    Rehearsal(RehearsalError),
+}
+
+impl From<RehearsalError> for Failed {
+    fn from(error: RehearsalError) -> Self {
+        Self::Rehearsal(error)
+    }
+}
+
+impl From<Failed> for CliError {
+    fn from(failed: Failed) -> Self {
+        match failed {
+            Failed::Open(error) => error,
+            Failed::Rehearsal(error) => wrong(error),
+        }
+    }
+}
 
 /// To three digits at least.
 fn short(x: f64) -> String {
-    let decimals = (2.0 - x.abs().log10().floor()).clamp(0.0, 3.0);
+    if !x.is_finite() {
+        return "all".into();
+    }
+    let decimals = (2.0 - x.abs().max(1.0).log10().floor()).clamp(0.0, 3.0);
     format!("{x:.*}", if x == 0.0 { 0 } else { decimals as usize })
 }
 
-fn table(args: &Args, map: &Map) -> String {
+fn head(args: &Args) -> String {
+    let Human { mass, damping, stiffness } = args.human;
     let mut out = format!(
-        "stiffest stable coupling [N/m], simulated (by eigenvalues)\n\
-         mass {} kg, damping {} N s/m, coupling damping {} N s/m\n\n{:>9} {:>12}",
-        args.mass, args.damping, args.coupling_damping, "rate", "passive to"
+        "stiffest coupling on which a hand comes to rest [N/m], rehearsed (by theory), and what the loop shows it\n\
+         fingers of {mass} kg, {damping} N s/m, {stiffness} N/m; `all`: it rests on the scene's own couplings\n\n{:>9}",
+        "tracker"
     );
     for delay in &args.delays {
-        out += &format!(" {:>17}", format!("{delay} ms late"));
-    }
-    for (rate, row) in args.rates.iter().zip(map) {
-        let passive = 2.0 * (args.damping - args.coupling_damping).max(0.0) * rate;
-        out += &format!("\n{rate:>6} Hz {:>12}", short(passive));
-        for cell in row {
-            let text = match cell {
-                Some(c) if c.theory.is_finite() => {
-                    format!("{} ({})", short(c.simulated), short(c.theory))
-                }
-                Some(_) => "none".into(),
-                None => "-".into(),
-            };
-            out += &format!(" {text:>17}");
-        }
+        out += &format!(" {:>22}", format!("{delay} ms late"));
     }
     out + "\n"
 }
 
+fn row(rate: f64, onsets: &[Onset]) -> String {
+    let mut out = format!("{rate:>6} Hz");
+    for onset in onsets {
+        let [found, theory, shown] = [onset.stiffness, onset.theory, onset.shown].map(short);
+        out += &format!(" {:>22}", format!("{found} ({theory}), {shown}"));
+    }
+    out
+}
+
 fn picture(args: &Args, map: &Map) -> String {
-    let all = || map.iter().flatten().flatten().flat_map(|c| [c.simulated, c.theory]);
-    let column = |d: usize, value: fn(&Cell) -> f64| -> Vec<(f64, f64)> {
-        let points =
-            args.rates.iter().zip(map).filter_map(|(rate, row)| Some((*rate, row[d].as_ref()?)));
-        points.map(|(rate, cell)| (rate, value(cell))).collect()
+    let found = |onset: &Onset| onset.stiffness;
+    let theory = |onset: &Onset| onset.theory;
+    let shown = |onset: &Onset| onset.shown;
+    let finite = |points: Vec<(f64, f64)>| -> Vec<(f64, f64)> {
+        points.into_iter().filter(|(_, y)| y.is_finite() && *y > 0.0).collect()
     };
-    let by_rate = args.delays.iter().enumerate().map(|(d, delay)| {
-        let line = Line::new(format!("{delay} ms late"), d, Dash::Solid, column(d, |c| c.theory));
-        Line { dots: column(d, |c| c.simulated), ..line }
-    });
-    let damping = (args.damping - args.coupling_damping).max(0.0);
-    let passive = args.rates.iter().map(|rate| (*rate, 2.0 * damping * rate)).collect();
-    let passive = Line::new("passive, not late", args.delays.len() + 1, Dash::Dashed, passive);
-    let row = |r: usize, value: fn(&Cell) -> f64| -> Vec<(f64, f64)> {
-        let points = args.delays.iter().zip(&map[r]);
-        points.filter_map(|(delay, cell)| Some((*delay, value(cell.as_ref()?)))).collect()
+    let column = |d: usize, value: fn(&Onset) -> f64| {
+        finite(args.rates.iter().zip(map).map(|(rate, row)| (*rate, value(&row[d]))).collect())
     };
-    let by_delay = args.rates.iter().enumerate().map(|(r, rate)| {
-        let line = Line::new(format!("{rate} Hz"), r, Dash::Solid, row(r, |c| c.theory));
-        Line { dots: row(r, |c| c.simulated), ..line }
-    });
+    let row = |r: usize, value: fn(&Onset) -> f64| {
+        finite(args.delays.iter().zip(&map[r]).map(|(delay, o)| (*delay, value(o))).collect())
+    };
+    let lines = |count: usize,
+                 name: &dyn Fn(usize) -> String,
+                 points: &dyn Fn(usize, fn(&Onset) -> f64) -> Vec<(f64, f64)>| {
+        let each = (0..count).flat_map(|i| {
+            let line = Line::new(name(i), i, Dash::Solid, points(i, theory));
+            let dots = Line { dots: points(i, found), ..line };
+            let loops = format!("{}, shown", name(i));
+            [dots, Line::new(loops, i, Dash::Dashed, points(i, shown))]
+        });
+        each.collect::<Vec<Line>>()
+    };
+    let all = || {
+        let each = map.iter().flatten().flat_map(|o| [found(o), theory(o), shown(o)]);
+        each.filter(|y| y.is_finite() && *y > 0.0)
+    };
+    let delays = |i: usize| format!("{} ms late", args.delays[i]);
+    let rates = |i: usize| format!("{} Hz", args.rates[i]);
     let panels = [
         Panel {
-            title: "stiffest stable coupling [N/m]".into(),
-            x_label: "rate [Hz]".into(),
+            title: "stiffest coupling [N/m]".into(),
+            x_label: "rate of the tracker [Hz]".into(),
             x: Axis::log(args.rates.iter().copied(), 3.0),
             y: Axis::log(all(), 5.0),
-            lines: by_rate.chain([passive]).collect(),
+            lines: lines(args.delays.len(), &delays, &column),
             marks: Vec::new(),
         },
         Panel {
-            title: "stiffest stable coupling [N/m]".into(),
-            x_label: "delay beyond the hold [ms]".into(),
+            title: "stiffest coupling [N/m]".into(),
+            x_label: "delay of the tracker [ms]".into(),
             x: Axis::linear(args.delays.iter().copied()),
             y: Axis::log(all(), 5.0),
-            lines: by_delay.collect(),
+            lines: lines(args.rates.len(), &rates, &row),
             marks: Vec::new(),
         },
     ];
+    let Human { mass, damping, stiffness } = args.human;
     let subtitle = format!(
-        "mass {} kg, damping {} N s/m, coupling damping {} N s/m; lines: eigenvalues, dots: simulated",
-        args.mass, args.damping, args.coupling_damping
+        "fingers of {mass} kg, {damping} N s/m, {stiffness} N/m; lines: a late spring, dots: rehearsed, dashed: shown"
     );
     page("How stiff a coupling may be", &subtitle, &panels)
 }
@@ -211,35 +229,27 @@ mod tests {
         <Command as clap::Parser>::parse_from([&["map"], words].concat()).args
     }
 
-    /// Validation E1's figures are places of the map; every place that there is agrees with theory.
+    /// What is stiffer than the scene's couplings is told in words, and is no point of the picture.
     #[test]
-    fn the_map_goes_through_the_published_figures() {
-        let args = args(&[]);
-        let map = map(&args);
-        let theory = |rate: usize, delay: usize| map[rate][delay].unwrap().theory;
-        assert!((theory(2, 0) - 2003.34).abs() < 0.01 && (theory(3, 0) - 4003.34).abs() < 0.01);
-        assert!((theory(1, 0) - 1003.34).abs() < 0.01 && (theory(2, 1) - 668.51).abs() < 0.01);
-        assert!(map[0][1].is_none(), "1 ms is a quarter of a tick");
-        for cell in map.iter().flatten().flatten() {
-            assert!((cell.simulated / cell.theory - 1.0).abs() < 0.02, "{cell:?}");
-        }
-        let text = table(&args, &map);
-        assert!(text.contains("(2003)") && text.lines().count() == 10, "{text}");
+    fn maps_are_told_and_drawn() {
+        let args = args(&["--rates", "60,120", "--delays", "0,50"]);
+        let onset = |stiffness| Onset { stiffness, theory: 64.0, shown: 49.2, delay: 0.0168 };
+        let map = vec![vec![onset(87.4), onset(15.0)], vec![onset(f64::INFINITY), onset(0.0)]];
+        assert!(row(60.0, &map[0]).contains("87.4 (64.0), 49.2"), "{}", row(60.0, &map[0]));
+        assert!(row(120.0, &map[1]).contains("all (64.0), 49.2"), "{}", row(120.0, &map[1]));
+        assert!(head(&args).contains("50 ms late"));
         let svg = picture(&args, &map);
-        assert!(svg.starts_with("<svg") && svg.contains("4 ms late") && !svg.contains("NaN"));
+        assert!(svg.starts_with("<svg") && svg.contains("50 ms late") && !svg.contains("NaN"));
     }
-    /// A light device, late: computed apart, by the eigenvalues of the exactly sampled loop in another
-    /// language. Figures below 100 N/m keep three digits.
+
     #[test]
-    fn other_masses_rates_and_delays_are_asked_for() {
-        let words = ["--mass", "0.005", "--damping", "0.1", "--rates", "500,2000", "--delays", "8"];
-        let args = args(&words);
-        let map = map(&args);
-        for (row, expected) in map.iter().zip([11.44, 12.44]) {
-            let cell = row[0].unwrap();
-            assert!((cell.theory - expected).abs() < 0.01, "{cell:?}");
-            assert!((cell.simulated / expected - 1.0).abs() < 0.02, "{cell:?}");
+    fn numbers_out_of_sense_are_refused_before_anything_runs() {
+        for (words, name) in [
+            (["--rates", "0", "--delays", "0"], "HZ is 0 Hz"),
+            (["--rates", "90", "--delays", "900"], "DELAY is 0.9 s"),
+        ] {
+            let error = run(&args(&words)).unwrap_err().to_string();
+            assert!(error.contains(name), "{error}");
         }
-        assert!(table(&args, &map).contains("(11.4)"), "{}", table(&args, &map));
     }
 }

@@ -68,14 +68,14 @@ fn three(text: &str, units: [&[(&str, f64)]; 3], names: [&str; 3]) -> Result<[f6
     Ok(numbers)
 }
 
-fn human(text: &str) -> Result<Human, String> {
+pub(super) fn human(text: &str) -> Result<Human, String> {
     let units: [&[(&str, f64)]; 3] =
         [&[("kg", 1.0), ("g", 1e-3)], &[("Ns/m", 1.0)], &[("N/m", 1.0)]];
     let [mass, damping, stiffness] = three(text, units, ["M", "B", "K"])?;
     Ok(Human { mass, damping, stiffness })
 }
 
-fn tracker(text: &str) -> Result<TrackerTiming, String> {
+pub(super) fn tracker(text: &str) -> Result<TrackerTiming, String> {
     let units: [&[(&str, f64)]; 3] =
         [&[("Hz", 1.0)], &[("ms", 1e-3), ("s", 1.0)], &[("mm", 1e-3), ("m", 1.0)]];
     let [rate, latency, noise] = three(text, units, ["HZ", "DELAY", "NOISE"])?;
@@ -149,9 +149,7 @@ fn print(what: &Rehearsal, out: &Outcome) {
         out.largest[0], out.largest[1]
     );
     out.trips.iter().for_each(|trip| println!("stopped at {trip}"));
-    let worst = out.worst();
-    let still = worst.rms < 0.02 && worst.motion_rms < 1e-4 && worst.given < 1e-4;
-    let passive = worst.beyond < 1e-3;
+    let (still, passive) = (out.is_still(), out.worst().beyond < 1e-3);
     let verdict = match (out.trips.is_empty(), what.sway) {
         (false, _) => "the guards stopped it",
         (true, Some(_)) if passive => "passive: no finger is given more than its damper takes up",

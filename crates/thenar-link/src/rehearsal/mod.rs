@@ -13,11 +13,19 @@
 //! The same request gives the same bits.
 
 mod glove;
+mod led;
+mod onset;
+mod stage;
+mod study;
 mod wearer;
 
+pub use led::{Led, scripted};
+pub use onset::{Onset, late_spring_onset};
+pub use stage::Stage;
+pub use study::{Comparison, Study, moved};
 pub use wearer::{Finger, Flow, Human};
 
-use crate::haptic_loop::{LoopError, LoopMode, ManualLoop, PortError, Settings};
+use crate::haptic_loop::{LoopError, LoopMode, PortError, Settings};
 use crate::{DIGITS, HandSample};
 use glove::{Ends, LateTracker};
 use thenar::model::Side;
@@ -123,6 +131,12 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// What disturbed the hand has died out: 20 mN and 0.1 mm rms, 0.1 mJ a second, and nothing stopped the forces.
+    pub fn is_still(&self) -> bool {
+        let worst = self.worst();
+        self.trips.is_empty() && worst.rms < 0.02 && worst.motion_rms < 1e-4 && worst.given < 1e-4
+    }
+
     /// The worst of all fingers.
     pub fn worst(&self) -> Felt {
         self.fingers.iter().fold(Felt::default(), |worst, felt| Felt {
@@ -179,14 +193,11 @@ impl Rehearsal {
 /// A rehearsal under way.
 struct Run<'a> {
     what: &'a Rehearsal,
-    session: Session,
-    clock: ManualLoop,
-    port: crate::haptic_loop::SimulationPort,
+    stage: Stage,
     ends: Ends,
     hand: Hand,
     random: Random,
     side: Side,
-    begun: bool,
     out: Outcome,
     sums: [[f64; 4]; DIGITS],
 }
@@ -196,11 +207,9 @@ impl<'a> Run<'a> {
         let limits = Limits { ramp: RAMP, ..Limits::cybergrasp() };
         let (ends, tracker, display) = glove::pair(what.tracker, limits);
         let settings = Settings { mode: what.mode, grip: what.grip, ..Settings::default() };
-        let clock = ManualLoop::new(&settings, vec![tracker], vec![display])?;
-        let mut port = clock.port();
-        port.attach(&session)?;
-        let side = session.hands()[0].model.side.unwrap_or(Side::Right);
-        let hand = Hand::new(&session, &what.human, 1e-9 * TICK_NS as f64)?;
+        let stage = Stage::new(session, &settings, vec![tracker], vec![display])?;
+        let side = stage.session().hands()[0].model.side.unwrap_or(Side::Right);
+        let hand = Hand::new(stage.session(), &what.human, 1e-9 * TICK_NS as f64)?;
         let out = Outcome {
             fingers: [Felt::default(); DIGITS],
             largest: [0.0; 2],
@@ -209,17 +218,16 @@ impl<'a> Run<'a> {
             trips: Vec::new(),
             live: false,
         };
-        let (random, begun, sums) = (Random::new(1), false, [[0.0; 4]; DIGITS]);
-        Ok(Self { what, session, clock, port, ends, hand, random, side, begun, out, sums })
+        let (random, sums) = (Random::new(1), [[0.0; 4]; DIGITS]);
+        Ok(Self { what, stage, ends, hand, random, side, out, sums })
     }
 
     fn run(mut self) -> Result<Outcome, RehearsalError> {
-        self.clock.remote().arm();
+        self.stage.clock().remote().arm();
         let script = (1e3 * self.what.until) as u64;
         let still = BEFORE + script;
         let push = still + SETTLE;
         let end = push + (1e3 * self.what.after) as u64;
-        let frame = ((1e3 * self.session.world().time_step()).round() as u64).max(1);
         let mut tracker = LateTracker::new(self.what.tracker);
         for ms in 1..=end {
             let now_ns = ms * TICK_NS;
@@ -239,10 +247,7 @@ impl<'a> Run<'a> {
             if let Some(sample) = tracker.arrived(now_ns) {
                 self.ends.tell(sample, now_ns);
             }
-            if ms.is_multiple_of(frame) {
-                self.frame(now_ns)?;
-            }
-            self.tick(now_ns, &forces);
+            self.tick(now_ns, &forces)?;
             if ms > still {
                 self.balance();
             }
@@ -279,24 +284,13 @@ impl<'a> Run<'a> {
         self.hand.pose(&mut white)
     }
 
-    /// The simulation's step that began a period ago is done; the next begins.
-    fn frame(&mut self, now_ns: u64) -> Result<(), RehearsalError> {
-        if self.begun {
-            self.session.step(&mut ());
-            self.port.after_step(&mut self.session, now_ns);
-        }
-        self.port.before_step(&mut self.session, now_ns)?;
-        self.begun = true;
-        Ok(())
-    }
-
-    fn tick(&mut self, now_ns: u64, before: &[f64; DIGITS]) {
+    fn tick(&mut self, now_ns: u64, before: &[f64; DIGITS]) -> Result<(), RehearsalError> {
         self.ends.hear(now_ns);
-        self.clock.tick(now_ns);
-        while self.clock.records.pop().is_ok() {}
-        if let Some(reason) = self.clock.core(|core| core.tripped()) {
+        self.stage.tick(false)?;
+        let clock = self.stage.clock();
+        if let Some(reason) = clock.core(|core| core.tripped()) {
             self.out.trips.push(format!("{:.3} s: {reason}", now_ns as f64 * 1e-9));
-            self.clock.remote().arm();
+            clock.remote().arm();
         }
         let after = self.ends.shown().digits.map(|digit| digit.pad_force);
         for (before, after) in before.iter().zip(after) {
@@ -304,6 +298,7 @@ impl<'a> Run<'a> {
             *largest = largest.max(after);
             *step = step.max((after - before).abs());
         }
+        Ok(())
     }
 
     /// Books what the forces of the last tick did.
@@ -334,7 +329,7 @@ impl<'a> Run<'a> {
             felt.motion_rms = (place_square - place * place).max(0.0).sqrt();
         }
         let out = &mut self.out;
-        self.clock.core(|core| {
+        self.stage.clock().core(|core| {
             let hand = &core.hands()[0];
             (out.stiffness, out.delay) = (hand.felt_stiffness(), hand.delay());
             out.live = core.actuators().iter().all(|a| a.status() == Status::Live);

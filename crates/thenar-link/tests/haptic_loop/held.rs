@@ -94,6 +94,10 @@ impl Watched {
         self.before.iter().sum()
     }
 
+    pub fn now_ns(&self) -> u64 {
+        self.worn.rig.now_ns
+    }
+
     pub fn tripped(&self) -> Option<String> {
         self.worn.rig.clock.core(|core| core.tripped().map(|reason| reason.to_string()))
     }

@@ -3,6 +3,7 @@
 //! loop on a made-up clock for what is timed, on its own threads for what is about threads.
 
 mod capture;
+mod default_mode;
 mod drift;
 mod empty_air;
 mod faults;
@@ -15,10 +16,12 @@ mod loose_hand;
 mod matrix;
 mod noise;
 mod noisy_hand;
+mod onset;
 mod rig;
 mod several;
 mod smooth;
 mod threads;
 mod turning;
 mod unanswered;
+mod whole_hand;
 mod wrench;

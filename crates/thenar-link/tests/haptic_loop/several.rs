@@ -1,7 +1,7 @@
 //! Goal: two devices on one hand are told apart. Method: two trackers that see one hand in two places, two displays that show
 //! it; the loop on a made-up clock, a hand that is held.
 
-use crate::rig::{MS, PRESS, Rig, Wearer, blocked, devices};
+use crate::rig::{MS, PRESS, Rig, Wearer, blocked, check_outputs, devices};
 use thenar::{Pose, Vec3};
 use thenar_link::haptic_loop::ManualLoop;
 use thenar_link::{HandOutput, Rendering};
@@ -38,6 +38,41 @@ fn go(rig: &mut Rig, other: &Wearer, ms: u64, press: f64, [first, second]: [bool
 
 fn outputs(wearer: &Wearer) -> Vec<HandOutput> {
     wearer.shown.lock().unwrap().outputs.clone()
+}
+
+/// Another tracker that sees the hand 7 cm elsewhere changes no bit of what is felt while the first one sees it. The first is
+/// silent: the other takes the hand over, after 0.1 s, with a set-out that is not felt; and keeps it.
+#[test]
+fn one_tracker_moves_the_hand_until_it_is_silent() {
+    let felt = |two: bool| {
+        let (mut rig, other) = several([Rendering::Tendons; 2]);
+        rig.clock.remote().arm();
+        go(&mut rig, &other, 1500, 0.0, [true, two]);
+        go(&mut rig, &other, 600, PRESS, [true, two]);
+        (rig, other)
+    };
+    let (alone, _) = felt(false);
+    let (mut rig, other) = felt(true);
+    assert!(rig.index_force() > 0.2, "{} N", rig.index_force());
+    assert_eq!(outputs(&rig.wearer), outputs(&alone.wearer));
+    let tracker = |rig: &Rig| rig.clock.core(|core| core.hands()[0].tracker());
+    go(&mut rig, &other, 90, PRESS, [false, true]);
+    assert_eq!(tracker(&rig), Some(0));
+    let before = outputs(&rig.wearer).len();
+    go(&mut rig, &other, 900, PRESS, [false, true]);
+    assert_eq!(tracker(&rig), Some(1));
+    let way: Vec<f64> =
+        outputs(&rig.wearer)[before..].iter().map(|o| o.digits[1].pad_force).collect();
+    assert!(way.windows(2).all(|pair| pair[1] <= pair[0] + 1e-9), "{:?}", &way[..60]);
+    assert!(way[60..].iter().all(|force| *force == 0.0), "{:?}", &way[60..]);
+    // The first sees it again: it waits its turn.
+    go(&mut rig, &other, 500, PRESS, [true, true]);
+    assert_eq!(tracker(&rig), Some(1));
+    go(&mut rig, &other, 1800, PRESS, [true, false]);
+    assert_eq!(tracker(&rig), Some(0));
+    assert!(rig.index_force() > 0.2, "{} N", rig.index_force());
+    check_outputs(&outputs(&rig.wearer));
+    assert_eq!(rig.clock.core(|core| core.tripped()), None);
 }
 
 /// Tendons and stops on one hand: each shows as if it were alone; one that is silent is let go and the other is not; what

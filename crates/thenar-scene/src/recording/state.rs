@@ -63,10 +63,10 @@ impl<'de> Deserialize<'de> for Bare {
             x: parts.x,
             v: parts.v,
             contact_change: parts.contact_change,
-            impulses: parts.impulses,
+            impulses: parts.impulses.into(),
             sides: parts.sides,
             limit_impulses: parts.limit_impulses,
-            patch_loads: parts.patch_loads,
+            patch_loads: parts.patch_loads.into(),
             faded: Vec::new(),
         }))
     }

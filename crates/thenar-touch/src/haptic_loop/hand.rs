@@ -139,6 +139,10 @@ impl LoopHand {
         // One that does not see the hand is silent, and keeps no other from it.
         let Some(pose) = &sample.pose else { return };
         let goes_on = self.tracker.is_some_and(|(moving, _)| moving == tracker);
+        // Nor does one that says the same again say where the hand is.
+        if goes_on && self.held.as_ref().is_some_and(|held| !held.is_news(sample.time_ns)) {
+            return;
+        }
         self.tracker = Some((tracker, now_ns));
         if self.live.mover() == Mover::Script {
             self.targets.copy_from_slice(&self.ends.frame.output_buffer_mut().targets);
@@ -308,6 +312,11 @@ impl LoopHand {
     pub fn felt_stiffness(&self) -> f64 {
         let Some(felt) = &self.felt else { return 0.0 };
         self.stiffest().map_or(0.0, |bone| felt.stiffness(bone))
+    }
+
+    /// Part of a bone's force that is felt.
+    pub fn felt_part(&self, bone: usize) -> f64 {
+        self.felt.as_ref().map_or(1.0, |felt| felt.part(bone))
     }
 
     /// The bone of the pad that is felt stiffest when it is blocked.

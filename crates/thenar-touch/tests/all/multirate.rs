@@ -6,7 +6,6 @@ use crate::common::body;
 use thenar::model::{Motion, WorldDesc};
 use thenar::shape::Shape;
 use thenar::{Mat3, Pose, Vec3, World};
-use thenar_touch::sampled::Sampled;
 use thenar_touch::shared::CondensedContact;
 use thenar_touch::virtual_user::{Device, VirtualUser};
 use thenar_touch::{
@@ -18,12 +17,18 @@ const MS: u64 = 1_000_000;
 /// Radius of the bone, a ball: it rests on the floor when its centre is this high.
 const RADIUS: f64 = 0.008;
 
+/// So high, and rising so fast.
+fn at(height: f64, speed: f64) -> RigidState {
+    let there = RigidState::at_rest(Pose::translation(0.0, height, 0.0));
+    RigidState { velocity_W: Vec3::y() * speed, ..there }
+}
+
 /// One bone above a floor, its wearer and everything between.
 struct Press {
     world: World,
     bone: u32,
     proxy: Proxy,
-    hand: Sampled<HapticHand>,
+    hand: HapticHand,
     frame: SlowToFast,
     back: FastToSlow,
     user: VirtualUser,
@@ -61,9 +66,7 @@ impl Press {
             world: World::new(desc).unwrap(),
             bone,
             proxy,
-            hand: Sampled::new(Box::new(
-                HapticHand::new(settings, vec![proxy], &start, 1).unwrap(),
-            )),
+            hand: HapticHand::new(settings, vec![proxy], &start, 1).unwrap(),
             frame: SlowToFast::new(&start, 1),
             back: FastToSlow::new(&start),
             user: VirtualUser::new(device, height),
@@ -127,12 +130,10 @@ impl Press {
     /// The force on the wearer \[N\].
     fn tick(&mut self, push: f64) -> f64 {
         self.now_ns += MS;
-        let pose = Pose::translation(0.0, self.user.measured_position(), 0.0);
-        let velocity = Vec3::y() * self.user.measured_velocity();
-        self.hand.track(0, self.now_ns, pose, Some([velocity, Vec3::zeros()]));
+        self.hand.lead(0, at(self.user.measured_position(), self.user.measured_velocity()));
         self.hand.tick(self.now_ns, &self.frame);
         self.hand.publish(self.now_ns, &mut self.back);
-        let force = self.hand.touch().proxies().device_wrenches()[0][0].y;
+        let force = self.hand.proxies().device_wrenches()[0][0].y;
         self.user.advance(force, push);
         force
     }
@@ -191,20 +192,15 @@ fn led_force(mode: Mode, rate: u64) -> Vec<f64> {
     let mut press = Press::new(mode, rate as f64, place(0));
     let led = |ms: u64| {
         let y = place(ms);
-        let velocity = Vec3::y() * ((y - place(ms.saturating_sub(1))) / 1e-3);
+        let velocity = (y - place(ms.saturating_sub(1))) / 1e-3;
         if ms.is_multiple_of(1000 / rate) {
             press.simulate();
         }
         press.now_ns += MS;
-        press.hand.track(
-            0,
-            press.now_ns,
-            Pose::translation(0.0, y, 0.0),
-            Some([velocity, Vec3::zeros()]),
-        );
+        press.hand.lead(0, at(y, velocity));
         press.hand.tick(press.now_ns, &press.frame);
         press.hand.publish(press.now_ns, &mut press.back);
-        press.hand.touch().proxies().device_wrenches()[0][0].y
+        press.hand.proxies().device_wrenches()[0][0].y
     };
     (0..2000).map(led).collect()
 }
@@ -246,9 +242,7 @@ fn free_proxies_do_not_ring() {
                 press.simulate();
             }
             press.now_ns += MS;
-            let velocity = Vec3::y() * ((place(ms + 1) - place(ms - 1)) / 2e-3);
-            let pose = Pose::translation(0.0, place(ms), 0.0);
-            press.hand.track(0, press.now_ns, pose, Some([velocity, Vec3::zeros()]));
+            press.hand.lead(0, at(place(ms), (place(ms + 1) - place(ms - 1)) / 2e-3));
             press.hand.tick(press.now_ns, &press.frame);
             press.hand.publish(press.now_ns, &mut press.back);
             if ms > 1000 {

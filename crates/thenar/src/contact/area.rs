@@ -13,6 +13,7 @@ use crate::contact::surface::Surface;
 use crate::contact::triangle::area_vector;
 use crate::contact::{Contact, Site, SurfacePoint};
 use crate::math::Vec3;
+use crate::room::Room;
 use std::cell::Cell;
 use std::ops::Range;
 
@@ -33,13 +34,13 @@ pub(crate) struct AreaScratch {
     count: Vec<u32>,
     share: Vec<f64>,
     /// Triangles with a count.
-    touched: Vec<u32>,
+    touched: Room<u32>,
     /// Per vertex, the distance to another soft surface \[m\], and those that have one.
     gaps: Vec<f64>,
-    known: Vec<u32>,
+    known: Room<u32>,
     /// The same within triangles and their edges.
     within: Vec<Within>,
-    noted: Vec<u32>,
+    noted: Room<u32>,
 }
 
 /// Between surfaces farther apart than this no contact tells a distance \[m\]: the usual margin. Where none tells one
@@ -94,11 +95,11 @@ impl AreaScratch {
         Self {
             count: vec![0; triangles],
             share: vec![0.0; triangles],
-            touched: Vec::with_capacity(triangles),
+            touched: Room::with_capacity(triangles),
             gaps: vec![FAR; vertices],
-            known: Vec::with_capacity(vertices),
+            known: Room::with_capacity(vertices),
             within: vec![Within::NOTHING; triangles],
-            noted: Vec::with_capacity(triangles),
+            noted: Room::with_capacity(triangles),
         }
     }
 

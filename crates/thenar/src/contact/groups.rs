@@ -1,17 +1,19 @@
 //! Numbers that belong together: a forest of sets (Galler & Fisher 1964), emptied at the cost of what
 //! was joined.
 
+use crate::room::Room;
+
 /// A partition of `0..n`, at first of single numbers.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Groups {
     parent: Vec<u32>,
     /// The numbers that were ever joined.
-    joined: Vec<u32>,
+    joined: Room<u32>,
 }
 
 impl Groups {
     pub fn with_size(n: usize) -> Self {
-        Self { parent: (0..n as u32).collect(), joined: Vec::with_capacity(n) }
+        Self { parent: (0..n as u32).collect(), joined: Room::with_capacity(n) }
     }
 
     /// The lowest number of the group of `i`, whatever the order in which it grew.

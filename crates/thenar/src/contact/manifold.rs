@@ -1,6 +1,7 @@
 //! The contact points of one pair of rigid bodies.
 
 use crate::math::{Vec3, tangents};
+use crate::room::Room;
 
 /// Points held at once. When there are more, those that would be delivered last are let go.
 const OFFERED_MAX: usize = 64;
@@ -32,14 +33,14 @@ pub(crate) struct ManifoldPoint {
 /// A bounded set of points. Those of the pair of pieces in hand lie last, and make room among themselves.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Manifold {
-    points: Vec<ManifoldPoint>,
+    points: Room<ManifoldPoint>,
     /// The first of them.
     own: usize,
 }
 
 impl Manifold {
     pub fn new() -> Self {
-        Self { points: Vec::with_capacity(OFFERED_MAX), own: 0 }
+        Self { points: Room::with_capacity(OFFERED_MAX), own: 0 }
     }
 
     pub fn clear(&mut self) {

@@ -2,6 +2,7 @@
 
 use crate::contact::approach::Seen;
 use crate::math::Vec3;
+use crate::room::Room;
 use std::ops::Range;
 
 /// What a surface vertex saw of a body it was near.
@@ -31,7 +32,7 @@ impl Side {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sides {
     /// Sorted by vertex, then body, once the search is over.
-    seen: Vec<Side>,
+    seen: Room<Side>,
     /// No more are kept; a state that was read back holds what it holds.
     #[cfg_attr(feature = "serde", serde(skip))]
     most: usize,
@@ -40,7 +41,7 @@ pub struct Sides {
 impl Sides {
     /// Room for so many sides.
     pub fn with_capacity(sides: usize) -> Self {
-        Self { seen: Vec::with_capacity(sides), most: sides }
+        Self { seen: Room::with_capacity(sides), most: sides }
     }
 
     /// All, in order.

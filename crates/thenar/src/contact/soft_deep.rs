@@ -27,6 +27,7 @@ use crate::contact::surface::Surface;
 use crate::contact::triangle::{Closest, Feature, ROUNDED_UP, area_vector, closest_on_triangle};
 use crate::contact::{Contact, Site, SurfacePoint};
 use crate::math::Vec3;
+use crate::room::Room;
 use std::ops::Range;
 
 pub(super) const NONE: u32 = u32::MAX;
@@ -97,7 +98,7 @@ struct Region {
 /// Vertices of one side that are, or may be, inside the other.
 #[derive(Clone, Debug, Default)]
 struct Flood {
-    queue: Vec<u32>,
+    queue: Room<u32>,
     /// Per vertex, whether it was in the queue,
     queued: Vec<bool>,
     /// and whether it is inside.
@@ -107,7 +108,7 @@ struct Flood {
 impl Flood {
     fn with_size(vertices: usize) -> Self {
         let no = vec![false; vertices];
-        Self { queue: Vec::with_capacity(vertices), queued: no.clone(), inside: no }
+        Self { queue: Room::with_capacity(vertices), queued: no.clone(), inside: no }
     }
 
     /// Each vertex is looked at once.
@@ -129,9 +130,9 @@ impl Flood {
 #[derive(Clone, Debug, Default)]
 pub(super) struct DeepScratch {
     floods: [Flood; 2],
-    pierces: Vec<Pierce>,
-    places: Vec<Place>,
-    regions: Vec<Region>,
+    pierces: Room<Pierce>,
+    places: Room<Place>,
+    regions: Room<Region>,
     /// Triangles of A, then of B.
     groups: Groups,
     triangles: usize,
@@ -145,9 +146,9 @@ impl DeepScratch {
         let most = 2 * vertices + triangles;
         Self {
             floods: [0, 1].map(|_| Flood::with_size(vertices)),
-            pierces: Vec::with_capacity(most),
-            places: Vec::with_capacity(most),
-            regions: Vec::with_capacity(most),
+            pierces: Room::with_capacity(most),
+            places: Room::with_capacity(most),
+            regions: Room::with_capacity(most),
             groups: Groups::with_size(2 * triangles),
             triangles,
             most,

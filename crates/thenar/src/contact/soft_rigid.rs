@@ -10,6 +10,7 @@ use crate::contact::surface::Surface;
 use crate::contact::triangle::ROUNDED_UP;
 use crate::contact::{Contact, Distance, Shape, Site, SurfacePoint, SurfaceState};
 use crate::math::Vec3;
+use crate::room::Room;
 use std::cell::Cell;
 
 /// Kinds of contact, as they enter the key.
@@ -45,7 +46,7 @@ pub(crate) struct SoftRigid<'a> {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct VertexScratch {
     /// The vertices within reach.
-    pub near: Vec<u32>,
+    pub near: Room<u32>,
     /// Per vertex of all surfaces, what is known of the last search.
     guesses: Vec<Guess>,
 }
@@ -106,7 +107,7 @@ const TO_CORNER: f64 = 0.77;
 impl VertexScratch {
     /// For surfaces of up to so many vertices, `all` together.
     pub fn with_size(vertices: usize, all: usize) -> Self {
-        Self { near: Vec::with_capacity(vertices), guesses: vec![Guess::none(); all] }
+        Self { near: Room::with_capacity(vertices), guesses: vec![Guess::none(); all] }
     }
 }
 

@@ -14,6 +14,7 @@ use crate::contact::surface::Surface;
 use crate::contact::triangle::{Closest, Feature, ROUNDED_UP, closest_on_triangle};
 use crate::contact::{Contact, Site, SurfacePoint, SurfaceState};
 use crate::math::Vec3;
+use crate::room::Room;
 
 const NONE: u32 = u32::MAX;
 /// Distances to one place are equal but for rounding \[m\]. Places a metre from the origin are rounded by 1e-16 m:
@@ -73,7 +74,7 @@ pub(crate) struct SoftSoft<'a> {
 pub(crate) struct PairScratch {
     pub(super) vertices: [VertexScratch; 2],
     pub(super) deep: DeepScratch,
-    crossings: Vec<Cross>,
+    crossings: Room<Cross>,
     /// No more are kept; not the room that the list happens to have, which a clone lacks.
     crossings_max: usize,
 }
@@ -85,7 +86,7 @@ pub(super) struct VertexScratch {
     /// and the one that arrives first, with the part of the step until then.
     pub arriving: Vec<(f64, u32)>,
     /// The vertices that have either.
-    pub met: Vec<u32>,
+    pub met: Room<u32>,
     /// Per vertex the triangle it touches, or `NONE`.
     touched: Vec<u32>,
 }
@@ -103,13 +104,13 @@ impl PairScratch {
         let one = || VertexScratch {
             nearest: vec![None; vertices],
             arriving: vec![NEVER; vertices],
-            met: Vec::with_capacity(vertices),
+            met: Room::with_capacity(vertices),
             touched: vec![NONE; vertices],
         };
         Self {
             vertices: [one(), one()],
             deep: DeepScratch::with_size(vertices, triangles),
-            crossings: Vec::with_capacity(vertices),
+            crossings: Room::with_capacity(vertices),
             crossings_max: vertices,
         }
     }

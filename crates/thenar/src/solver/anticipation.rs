@@ -10,6 +10,7 @@
 
 use crate::math::{Vec3, Vec6};
 use crate::model::Cone;
+use crate::room::Room;
 use crate::solver::{BlockDiagonal, BlockMatrix, ContactRows, Convergence};
 
 /// When to stop.
@@ -46,8 +47,8 @@ pub struct Anticipation {
     /// y + D⁻¹ Jᵀ λ, valid at touched rows.
     anticipated: Vec<Vec3>,
     /// Rigid bodies and nodes that some contact holds.
-    touched_rigids: Vec<u32>,
-    touched_nodes: Vec<u32>,
+    touched_rigids: Room<u32>,
+    touched_nodes: Room<u32>,
     mark: Vec<bool>,
 }
 
@@ -58,8 +59,8 @@ impl Anticipation {
         Self {
             impulse: vec![Vec3::zeros(); rows],
             anticipated: vec![Vec3::zeros(); rows],
-            touched_rigids: Vec::with_capacity(rigids),
-            touched_nodes: Vec::with_capacity(nodes),
+            touched_rigids: Room::with_capacity(rigids),
+            touched_nodes: Room::with_capacity(nodes),
             mark: vec![false; rows],
         }
     }

@@ -3,6 +3,7 @@
 //! A joint limit is a row too, which holds how two bodies turn against each other.
 
 use crate::math::{Mat3, Mat6, Vec3, Vec6, tangents};
+use crate::room::Room;
 use crate::solver::BlockDiagonal;
 use crate::solver::push_out::Push;
 use std::ops::Range;
@@ -41,11 +42,11 @@ pub struct ContactRow {
 #[derive(Clone, Debug, Default)]
 pub struct ContactRows {
     /// Rows of the contacts.
-    pub rows: Vec<ContactRow>,
+    pub rows: Room<ContactRow>,
     /// Node of each held point.
-    pub nodes: Vec<u32>,
+    pub nodes: Room<u32>,
     /// Barycentric weight of each, negative on side B.
-    pub weights: Vec<f64>,
+    pub weights: Room<f64>,
     /// Number of rigid bodies, which come before the nodes among the unknowns.
     pub rigids: usize,
 }
@@ -54,9 +55,9 @@ impl ContactRows {
     /// Room for so many contacts.
     pub fn with_capacity(rigids: usize, contacts: usize) -> Self {
         Self {
-            rows: Vec::with_capacity(contacts),
-            nodes: Vec::with_capacity(16 * contacts),
-            weights: Vec::with_capacity(16 * contacts),
+            rows: Room::with_capacity(contacts),
+            nodes: Room::with_capacity(16 * contacts),
+            weights: Room::with_capacity(16 * contacts),
             rigids,
         }
     }

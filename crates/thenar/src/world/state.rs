@@ -5,6 +5,7 @@ use crate::coupling::BoneSystem;
 use crate::flesh::Faded;
 use crate::math::{Mat6, Pose, Vec3, Vec6};
 use crate::model::WorldDesc;
+use crate::room::Room;
 use crate::skeleton::AxisState;
 use crate::solver::{
     Anticipation, Articulated, BlockDiagonal, BlockMatrix, CgWorkspace, ContactRows, Failure,
@@ -36,13 +37,13 @@ pub struct State {
     /// What contact added to the velocities in the last step: the next one's first guess.
     pub contact_change: Vec<Vec3>,
     /// Contact impulses of the last step by feature, sorted \[N s\], world, on A.
-    pub impulses: Vec<(u64, Vec3)>,
+    pub impulses: Room<(u64, Vec3)>,
     /// From which side surface vertices came near other bodies in the last step.
     pub sides: Sides,
     /// Impulses of joint limits in the last step, per joint and axis, on the child \[N m s\].
     pub limit_impulses: Vec<[f64; 2]>,
     /// Normal forces of the last step in patches whose friction depends on them, sorted \[N\].
-    pub patch_loads: Vec<(PatchKey, f64)>,
+    pub patch_loads: Room<(PatchKey, f64)>,
     /// Stress that has faded in elements with memory: element after element, term after term.
     pub faded: Vec<Faded>,
 }
@@ -67,10 +68,10 @@ impl State {
             x,
             contact_change: vec![Vec3::zeros(); v.len()],
             v,
-            impulses: Vec::new(),
+            impulses: Room::default(),
             sides: Sides::default(),
             limit_impulses: vec![[0.0; 2]; model.joints.len()],
-            patch_loads: Vec::with_capacity(patches_max(model)),
+            patch_loads: Room::with_capacity(patches_max(model)),
             faded: vec![Faded::default(); model.flesh.memory.len()],
         };
         state.hold(model);
@@ -228,9 +229,9 @@ pub struct Scratch {
     /// Conjugate gradients.
     pub cg: CgWorkspace,
     /// Bounds of joints that have rows.
-    pub limits: Vec<LimitRow>,
+    pub limits: Room<LimitRow>,
     /// Contacts found.
-    pub found: Vec<Contact>,
+    pub found: Room<Contact>,
     /// The sides seen with them.
     pub sides: Sides,
     /// Their rows.
@@ -238,19 +239,19 @@ pub struct Scratch {
     /// Contact solver.
     pub anticipation: Anticipation,
     /// Contacts as reported.
-    pub contacts: Vec<ContactPoint>,
+    pub contacts: Room<ContactPoint>,
     /// Their areas \[m²\].
-    pub areas: Vec<f64>,
+    pub areas: Room<f64>,
     /// Contacts and limits that touch is told of, by weight.
-    pub chosen: Vec<u32>,
+    pub chosen: Room<u32>,
     /// Length of the step, or of that part of it, that contacts and limits are of \[s\].
     pub part_length: f64,
     /// How deep each rigid, then each deformable body was in others when the part began \[m\].
     pub depths: Vec<f64>,
     /// Their gaps at the end of the step \[m\]; before, those of all rows at its start.
-    pub gaps: Vec<f64>,
+    pub gaps: Room<f64>,
     /// What all rows ask of the pseudo-velocity that undoes overlaps.
-    pub wishes: Vec<Wish>,
+    pub wishes: Room<Wish>,
     /// This pseudo-velocity: positions move by it, besides the velocities \[m/s\].
     pub push: Vec<Vec3>,
     /// There is one in this step.
@@ -313,18 +314,18 @@ impl Scratch {
             lambda: vec![Vec6::zeros(); model.joints.len()],
             step1_mass: vec![0.0; nodes],
             cg: CgWorkspace::new(rows),
-            limits: Vec::with_capacity(limits::rows_max(model)),
-            found: Vec::with_capacity(contacts_max),
+            limits: Room::with_capacity(limits::rows_max(model)),
+            found: Room::with_capacity(contacts_max),
             sides: Sides::with_capacity(sides_max),
             rows: ContactRows::with_capacity(rigids, contacts_max + limits::rows_max(model)),
             anticipation: Anticipation::new(rigids, nodes),
-            contacts: Vec::with_capacity(contacts_max),
-            areas: Vec::with_capacity(contacts_max),
-            chosen: Vec::with_capacity(contacts_max + limits::rows_max(model)),
+            contacts: Room::with_capacity(contacts_max),
+            areas: Room::with_capacity(contacts_max),
+            chosen: Room::with_capacity(contacts_max + limits::rows_max(model)),
             part_length: 0.0,
             depths: vec![0.0; rigids + model.soft_nodes.len()],
-            gaps: Vec::with_capacity(contacts_max + limits::rows_max(model)),
-            wishes: Vec::with_capacity(contacts_max + limits::rows_max(model)),
+            gaps: Room::with_capacity(contacts_max + limits::rows_max(model)),
+            wishes: Room::with_capacity(contacts_max + limits::rows_max(model)),
             push: vec![Vec3::zeros(); rows],
             pushes: false,
             straight: vec![Vec3::zeros(); state.x.len()],

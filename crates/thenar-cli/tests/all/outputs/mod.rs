@@ -35,7 +35,7 @@ const COMMANDS: [&[&str]; 15] = [
     &["compare", "finger-pendulum", "--seconds", "0.001", "-q", "--csv"],
     &["compare", "finger-pendulum", "--seconds", "0.001", "-q", "--svg"],
     &["compare", "finger-pendulum", "--seconds", "0.001", "-q", "--report"],
-    &["haptics", "map", "--rates", "1000", "--delays", "0", "--svg"],
+    &["haptics", "map", "--human", "0.05,10,50", "--rates", "1000", "--delays", "0", "--svg"],
     &["validate", "--case", "A1", "--json"],
 ];
 

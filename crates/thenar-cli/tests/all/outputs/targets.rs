@@ -99,7 +99,7 @@ fn nobody_has_to_read_what_is_printed() {
         &["run", "finger-pendulum", "--seconds", "0.01"],
         &["replay", "r.rec"],
         &["build", "left", "--hand", "--tets", "100"],
-        &["haptics", "map", "--rates", "500,1000", "--delays", "0"],
+        &["haptics", "map", "--human", "0.05,10,50", "--rates", "500,1000", "--delays", "0"],
         &["validate", "--case", "A1", "--case", "A2"],
         &["devices", "list"],
     ];

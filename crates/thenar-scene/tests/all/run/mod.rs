@@ -1,7 +1,6 @@
 //! Sessions: what moves them, what they measure, and what can be kept of them.
 
 mod compare;
-mod haptic_chain;
 mod live;
 mod motion;
 mod probes;

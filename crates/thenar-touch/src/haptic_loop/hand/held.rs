@@ -14,6 +14,8 @@ const AGAIN_NS: u64 = 85_000_000;
 const BORNE_OUT_NS: u64 = 5_000_000;
 /// After a longer gap between two ticks, at which the guards trip, nothing goes on \[ns\].
 const GAP_NS: u64 = 500_000_000;
+/// Samples may overtake each other by so much on their way \[ns\]: as long as a pose counts at all.
+const OVERTAKEN_NS: u64 = 100_000_000;
 /// Seen so far from where it was, it is elsewhere: place \[m\], turn of the wrist and of a joint \[rad\]. A sample so far
 /// from what was expected is a teleport.
 const FAR: [f64; 2] = [0.05, 0.5];
@@ -25,7 +27,8 @@ pub struct Held {
     /// When it was measured, and when it came; both go on with each time it is told again \[ns\].
     time_ns: u64,
     came_ns: u64,
-    /// When it came first \[ns\].
+    /// When it was measured and came first \[ns\].
+    measured_ns: u64,
     seen_ns: u64,
     /// The sample was repeated, and is in doubt.
     doubted: bool,
@@ -34,7 +37,14 @@ pub struct Held {
 impl Held {
     /// A sample measured at `time_ns` that came now.
     pub fn new(pose: &LivePose, time_ns: u64, now_ns: u64) -> Self {
-        Self { pose: pose.clone(), time_ns, came_ns: now_ns, seen_ns: now_ns, doubted: false }
+        let (measured_ns, came_ns, seen_ns) = (time_ns, now_ns, now_ns);
+        Self { pose: pose.clone(), time_ns, came_ns, measured_ns, seen_ns, doubted: false }
+    }
+
+    /// True for a sample measured at `time_ns` that is neither this one again nor overtaken by it. A clock that jumped back
+    /// further begins afresh.
+    pub fn is_news(&self, time_ns: u64) -> bool {
+        time_ns > self.measured_ns || self.measured_ns - time_ns > OVERTAKEN_NS
     }
 
     /// When the hand was last seen \[ns\].
@@ -113,6 +123,14 @@ mod tests {
         let held = Held::new(&joints(|_| 0.0), 0, 0);
         assert!(!held.is_far(&joints(|_| 0.04)));
         assert!(held.is_far(&joints(|k| if k == 24 { 0.06 } else { 0.0 })));
+    }
+
+    /// The same sample, and one that was overtaken, say nothing new; a clock that was set back does.
+    #[test]
+    fn what_is_told_again_is_no_news() {
+        let held = Held::new(&angles(0.0, 0.0, 0.0), 500 * MS, 510 * MS);
+        assert!(held.is_news(501 * MS) && held.is_news(399 * MS));
+        assert!(!held.is_news(500 * MS) && !held.is_news(450 * MS));
     }
 
     /// Every 85 ms of silence once, each by its own time, and 5 ms after one that is in doubt; as often as was missed after a gap,

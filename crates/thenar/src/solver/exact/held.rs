@@ -13,6 +13,7 @@
 //! be passed are added, until `0 ≤ λ ⊥ J v - wanted ≥ 0` for all of them (an active set).
 
 use crate::math::Vec3;
+use crate::room::Room;
 use crate::solver::TURN_LEVER;
 use crate::solver::exact::coarse::Coarse;
 use crate::solver::exact::jacobi::BlockJacobi;
@@ -41,10 +42,10 @@ pub struct Bound {
 #[derive(Clone, Debug)]
 pub struct Held {
     /// All bounds of this step.
-    pub bounds: Vec<Bound>,
+    pub bounds: Room<Bound>,
     freedoms: usize,
     /// Those that are held.
-    members: Vec<u32>,
+    members: Room<u32>,
     /// A and H: a row of all freedoms for each of them.
     rows: Vec<f64>,
     answers: Vec<f64>,
@@ -60,9 +61,9 @@ impl Held {
         // Of the two bounds of an axis one is held at a time.
         let most = bounds.div_ceil(2);
         Self {
-            bounds: Vec::with_capacity(bounds),
+            bounds: Room::with_capacity(bounds),
             freedoms,
-            members: Vec::with_capacity(most),
+            members: Room::with_capacity(most),
             rows: vec![0.0; most * freedoms],
             answers: vec![0.0; most * freedoms],
             gram: vec![0.0; most * most],

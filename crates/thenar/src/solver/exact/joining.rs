@@ -4,6 +4,7 @@
 //! of it seems to press. Few do once the others hold it. So those that pressed before start, then
 //! those that close the fastest, a few at a time, until the true velocities close no gap.
 
+use crate::room::Room;
 use crate::solver::{ContactRow, ContactRows};
 
 /// So few contacts are not sorted out: all enter at once.
@@ -15,7 +16,7 @@ const JOIN_MAX: usize = 64;
 #[derive(Clone, Debug, Default)]
 pub struct Joining {
     /// How fast each closes \[m/s\], and its row.
-    waiting: Vec<(f64, u32)>,
+    waiting: Room<(f64, u32)>,
     /// Per node, the last round in which a contact that leans mostly on it entered.
     taken: Vec<u32>,
     round: u32,
@@ -24,7 +25,7 @@ pub struct Joining {
 impl Joining {
     /// Room for so many contacts on so many nodes.
     pub fn new(contacts: usize, nodes: usize) -> Self {
-        Self { waiting: Vec::with_capacity(contacts), taken: vec![0; nodes], round: 0 }
+        Self { waiting: Room::with_capacity(contacts), taken: vec![0; nodes], round: 0 }
     }
 
     /// Nobody waits.

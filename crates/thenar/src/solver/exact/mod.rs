@@ -53,6 +53,7 @@ pub use reduction::Reduction;
 pub use relative::{Carried, Coordinates, System};
 
 use crate::math::Vec3;
+use crate::room::Room;
 use crate::solver::{BlockMatrix, Islands, JointBlock};
 use coarse::Coarse;
 use delassus::Delassus;
@@ -122,7 +123,7 @@ pub struct Exact {
     held: Held,
     delassus: Delassus,
     /// One column of what touch is told.
-    pulled: Vec<f64>,
+    pulled: Room<f64>,
     work: pcg::Workspace,
 }
 
@@ -214,7 +215,7 @@ impl Exact {
                 &direct,
                 bodies.freedoms(),
             ),
-            pulled: Vec::with_capacity(3 * plan.contacts_max.min(PRESSING_MAX) + factor::LANES),
+            pulled: Room::with_capacity(3 * plan.contacts_max.min(PRESSING_MAX) + factor::LANES),
             direct,
             coarse,
             split,

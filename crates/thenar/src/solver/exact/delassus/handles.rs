@@ -6,6 +6,7 @@
 //! than the contacts' own axes, each axis is a handle itself. A turn has one axis only.
 
 use super::nodes_of;
+use crate::room::Room;
 use crate::solver::exact::factor::Scalar;
 use crate::solver::{ContactRow, ContactRows};
 
@@ -39,30 +40,30 @@ pub struct Term {
 /// The handles, and B.
 #[derive(Clone, Debug)]
 pub struct Handles {
-    list: Vec<Handle>,
-    terms: Vec<Term>,
+    list: Room<Handle>,
+    terms: Room<Term>,
     /// Where the terms of each member begin; one more at the end.
-    start: Vec<usize>,
+    start: Room<usize>,
     /// First column of each node and each body.
     of_node: Vec<u32>,
     of_body: Vec<u32>,
-    new_nodes: Vec<u32>,
-    new_bodies: Vec<u32>,
+    new_nodes: Room<u32>,
+    new_bodies: Room<u32>,
 }
 
 impl Handles {
     /// Room for `members` contacts on so many nodes and bodies.
     pub fn new(members: usize, nodes: usize, bodies: usize) -> Self {
-        let mut start = Vec::with_capacity(members + 1);
+        let mut start = Room::with_capacity(members + 1);
         start.push(0);
         Self {
-            list: Vec::with_capacity(3 * members),
-            terms: Vec::with_capacity(TERMS_MAX * members),
+            list: Room::with_capacity(3 * members),
+            terms: Room::with_capacity(TERMS_MAX * members),
             start,
             of_node: vec![NONE; nodes],
             of_body: vec![NONE; bodies],
-            new_nodes: Vec::with_capacity(nodes),
-            new_bodies: Vec::with_capacity(bodies),
+            new_nodes: Room::with_capacity(nodes),
+            new_bodies: Room::with_capacity(bodies),
         }
     }
 

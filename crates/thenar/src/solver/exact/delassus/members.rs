@@ -2,6 +2,7 @@
 
 use super::nodes_of;
 use crate::math::Vec3;
+use crate::room::Room;
 use crate::solver::ContactRows;
 use crate::solver::exact::joining::{ALL_AT_ONCE, Joining};
 
@@ -9,7 +10,7 @@ use crate::solver::exact::joining::{ALL_AT_ONCE, Joining};
 #[derive(Clone, Debug)]
 pub struct Members {
     capacity: usize,
-    list: Vec<u32>,
+    list: Room<u32>,
     /// True for contacts in the list.
     is_member: Vec<bool>,
     joining: Joining,
@@ -20,7 +21,7 @@ impl Members {
     pub fn new(capacity: usize, contacts_max: usize, nodes: usize) -> Self {
         Self {
             capacity,
-            list: Vec::with_capacity(capacity),
+            list: Room::with_capacity(capacity),
             is_member: vec![false; contacts_max],
             joining: Joining::new(contacts_max, nodes),
         }

@@ -12,6 +12,7 @@
 
 use super::Compliance;
 use crate::math::{Mat3, Vec3};
+use crate::room::Room;
 use crate::solver::ContactRows;
 use crate::solver::contact_law::{PIVOT_LEAST, Response};
 use crate::solver::exact::small_cholesky;
@@ -24,7 +25,7 @@ const HELD_MAX: usize = 64;
 #[derive(Clone, Debug)]
 pub struct Turns {
     /// Members of W.
-    held: Vec<u32>,
+    held: Room<u32>,
     /// How many members there were when these were held; none where W is another one now.
     prepared: usize,
     /// Whether each member is held, and its response.
@@ -40,7 +41,7 @@ impl Turns {
     pub fn new(capacity: usize) -> Self {
         let most = HELD_MAX.min(capacity);
         Self {
-            held: Vec::with_capacity(most),
+            held: Room::with_capacity(most),
             prepared: 0,
             is_held: vec![false; capacity],
             own: vec![Response::default(); capacity],
