@@ -3,10 +3,12 @@
 
 import { spawn, type ChildProcess } from "node:child_process";
 import { existsSync, mkdtempSync, rmSync } from "node:fs";
+import type { Server as Front } from "node:http";
 import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
+import { front } from "./front";
 
 const PROGRAMS = ["../../../target/release/thenar", "../../../target/debug/thenar"];
 
@@ -36,11 +38,13 @@ export class Server {
   /** What it printed, both streams. */
   output = "";
   private child: ChildProcess | null = null;
+  private front: Front | null = null;
   /** Where the program works; null while none runs. */
   private folder: string | null = null;
 
   private constructor(
-    readonly port: number,
+    /** Where browsers look: the program's own port, or that of the folder before it. */
+    private readonly shown: number,
     private readonly args: readonly string[],
   ) {}
 
@@ -55,13 +59,16 @@ export class Server {
 
   private static async of(args: readonly string[]): Promise<Server> {
     const port = await freePort();
-    const server = new Server(port, [...args, "--port", String(port), "--no-open"]);
+    const folder = process.env["THENAR_PAGE"];
+    const shown = folder === undefined ? port : await freePort();
+    const server = new Server(shown, [...args, "--port", String(port), "--no-open"]);
+    if (folder !== undefined) server.front = await front(resolve(folder), shown, port);
     await server.restart();
     return server;
   }
 
   get url(): string {
-    return `http://127.0.0.1:${this.port}/`;
+    return `http://127.0.0.1:${this.shown}/`;
   }
 
   /** Starts the program again on the same port. */
@@ -93,6 +100,7 @@ export class Server {
 
   /** Ends it with Ctrl-C; gives its exit code. */
   async stop(): Promise<number | null> {
+    this.front?.close();
     return this.end("SIGINT");
   }
 

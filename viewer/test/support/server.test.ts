@@ -13,7 +13,7 @@ writeFileSync("thenar-trip-1.csv", "# forces stopped");
 process.stdout.write("in " + process.cwd() + "\\n");
 const port = Number(process.argv[process.argv.indexOf("--port") + 1]);
 process.on("SIGINT", () => process.exit(0));
-require("node:http").createServer((_, answer) => answer.end("page")).listen(port, "127.0.0.1");
+require("node:http").createServer((_, answer) => answer.setHeader("x-program", "fake").end("page")).listen(port, "127.0.0.1");
 `;
 
 let folder: string;
@@ -42,6 +42,17 @@ it("works in a folder of its own, which goes with it", async () => {
   expect(await server.stop()).toBe(0);
   expect(existsSync(place!)).toBe(false);
   expect(readdirSync(".")).toEqual(here);
+});
+
+it("shows the page of a folder in the program's place, behind the program's headers", async () => {
+  writeFileSync(join(folder, "index.html"), "a new page");
+  process.env["THENAR_PAGE"] = folder;
+  const server = await Server.start("fist").finally(() => delete process.env["THENAR_PAGE"]);
+  const answer = await fetch(server.url);
+  expect([await answer.text(), answer.headers.get("x-program")]).toEqual(["a new page", "fake"]);
+  expect((await fetch(`${server.url}absent.js`)).status).toBe(404);
+  expect((await fetch(`${server.url}..%2f..%2fetc%2fpasswd`)).status).toBe(404);
+  await server.stop();
 });
 
 it("takes a new folder after a crash, and ends twice without harm", async () => {
