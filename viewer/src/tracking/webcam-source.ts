@@ -129,6 +129,10 @@ export class WebcamSource extends InputSourceBase {
     this.set("off");
   }
 
+  led(): readonly Side[] {
+    return this.outlet.led();
+  }
+
   private fail(note: string): void {
     this.letGo();
     this.set("failed", note);
