@@ -212,6 +212,26 @@ test("a slow line says that the model is loading, with buttons off and no hint",
   await page.locator(".hint").waitFor();
 });
 
+test("a scene is chosen by its picture", async () => {
+  const { page, problems } = await controlling();
+  await panel(page, "run");
+  const tiles = page.getByRole("group", { name: "Scenes in pictures" });
+  const scenes = await read(page, (t) => t.app.connection.welcome!.scenes.length);
+  expect(await tiles.getByRole("button").count()).toBe(scenes);
+  const running = tiles.getByRole("button", { name: "A hand grasps a small loaf of bread and lifts it" });
+  expect(await running.getAttribute("aria-pressed")).toBe("true");
+  const pinch = tiles.getByRole("button", { name: "Thumb and index finger pinch" });
+  await pinch.scrollIntoViewIfNeeded();
+  const picture = pinch.locator("img");
+  await expect.poll(() => picture.evaluate((img) => (img as HTMLImageElement).naturalWidth), { timeout: 20_000 }).toBe(160);
+  await pinch.click();
+  await until(page, (t) => t.model!.scene === "pinch");
+  await expect.poll(() => pinch.getAttribute("aria-pressed"), { timeout: 20_000 }).toBe("true");
+  await running.click();
+  await until(page, (t) => t.model!.scene === "bread-grasp");
+  expect(problems).toEqual([]);
+});
+
 test("scenes have names, and a file of another kind hears what the page takes", async () => {
   const { page, problems } = await controlling();
   await page.locator('.rail [aria-controls="panel-run"]').click();
