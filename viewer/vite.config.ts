@@ -19,6 +19,8 @@ export default defineConfig({
     reportCompressedSize: false,
     chunkSizeWarningLimit: 1200,
   },
+  // The thread that tracks hands loads MediaPipe's WebAssembly as a module.
+  worker: { format: "es" },
   // The server takes a page of its own origin only.
   server: {
     proxy: { "/live": { target: server, ws: true, changeOrigin: true, rewriteWsOrigin: true } },

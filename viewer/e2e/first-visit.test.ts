@@ -30,6 +30,12 @@ async function controlling(width = 1280, height = 720): Promise<Awaited<ReturnTy
   return opened;
 }
 
+/** Opens a panel by its button. */
+async function panel(page: Page, id: string): Promise<void> {
+  await page.locator(`.rail [aria-controls="panel-${id}"]`).click();
+  await page.locator(`#panel-${id}`).waitFor();
+}
+
 /** Where the palm's origin is in the window, px. */
 async function palm(page: Page): Promise<{ x: number; y: number }> {
   return page.evaluate(() => {
@@ -75,11 +81,14 @@ async function overlapping(page: Page): Promise<string[]> {
   });
 }
 
-for (const [width, height] of [
+/** A desk, a phone, and a phone on its side. */
+const SIZES = [
   [1280, 720],
   [390, 844],
   [760, 420],
-] as const) {
+] as const;
+
+for (const [width, height] of SIZES) {
   test(`the grasp and the forces are in sight together at ${width}×${height}`, { timeout: 150_000 }, async () => {
     const { page, problems } = await controlling(width, height);
     const dock = page.locator(".dock");
@@ -111,6 +120,29 @@ for (const [width, height] of [
     expect(problems).toEqual([]);
   });
 }
+
+test("the dock shows both hands while both are led, and the one that is posed", { timeout: 150_000 }, async () => {
+  const { page, problems } = await controlling();
+  await read(page, (t) => t.app.connection.send({ type: "scene", name: "two-hands" }));
+  await until(page, (t) => t.model!.scene === "two-hands" && t.snapshot !== null);
+  // A motion that comes along moves every hand of the scene.
+  await read(page, (t) => t.app.inputs.start("motion"));
+  const titles = page.locator(".dock-hand:visible");
+  await expect.poll(() => titles.allTextContents(), { timeout: 20_000 }).toEqual(["Right hand", "Left hand"]);
+  for (const [width, height] of SIZES) {
+    await page.setViewportSize({ width, height });
+    expect(await overlapping(page), `${width}×${height}`).toEqual([]);
+  }
+  await page.setViewportSize({ width: 1280, height: 720 });
+  await panel(page, "input");
+  await page.locator("#panel-input").getByLabel("Hand", { exact: true }).selectOption("1");
+  await page.getByRole("button", { name: "Mouse, touch and keys" }).click();
+  await expect.poll(() => titles.allTextContents(), { timeout: 20_000 }).toEqual(["Left hand"]);
+  await page.keyboard.press("Escape");
+  await read(page, (t) => t.app.connection.send({ type: "scene", name: "bread-grasp" }));
+  await until(page, (t) => t.model!.scene === "bread-grasp");
+  expect(problems).toEqual([]);
+});
 
 test("the hint names what closes the hand, and stays while the visitor leads it", async () => {
   const { page, problems } = await controlling();
@@ -178,6 +210,26 @@ test("a slow line says that the model is loading, with buttons off and no hint",
   await until(page, (t) => t.snapshot !== null && t.framesDrawn > 2);
   await expect.poll(() => page.locator(".loading").isVisible(), { timeout: 60_000 }).toBe(false);
   await page.locator(".hint").waitFor();
+});
+
+test("a scene is chosen by its picture", async () => {
+  const { page, problems } = await controlling();
+  await panel(page, "run");
+  const tiles = page.getByRole("group", { name: "Scenes in pictures" });
+  const scenes = await read(page, (t) => t.app.connection.welcome!.scenes.length);
+  expect(await tiles.getByRole("button").count()).toBe(scenes);
+  const running = tiles.getByRole("button", { name: "A hand grasps a small loaf of bread and lifts it" });
+  expect(await running.getAttribute("aria-pressed")).toBe("true");
+  const pinch = tiles.getByRole("button", { name: "Thumb and index finger pinch" });
+  await pinch.scrollIntoViewIfNeeded();
+  const picture = pinch.locator("img");
+  await expect.poll(() => picture.evaluate((img) => (img as HTMLImageElement).naturalWidth), { timeout: 20_000 }).toBe(160);
+  await pinch.click();
+  await until(page, (t) => t.model!.scene === "pinch");
+  await expect.poll(() => pinch.getAttribute("aria-pressed"), { timeout: 20_000 }).toBe("true");
+  await running.click();
+  await until(page, (t) => t.model!.scene === "bread-grasp");
+  expect(problems).toEqual([]);
 });
 
 test("scenes have names, and a file of another kind hears what the page takes", async () => {

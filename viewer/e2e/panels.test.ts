@@ -193,6 +193,35 @@ test("one button lets go of what the hand grips, another grips or says why not",
   expect(problems).toEqual([]);
 });
 
+test("scenes without a hand show what presses on their bodies", { timeout: 240_000 }, async () => {
+  const { page, problems } = await running("#scene=gripper");
+  const shown = page.locator("#panel-forces");
+  const bodies = () => shown.locator(".numbers tbody th").allTextContents();
+  const go = async (name: string): Promise<void> => {
+    await page.evaluate((name) => window.thenar.app.connection.send({ type: "scene", name }), name);
+    await expect.poll(() => read(page, (t) => t.model!.scene), { timeout: 60_000 }).toBe(name);
+  };
+  await until(page, (t) => t.model!.scene === "gripper" && t.snapshot !== null);
+  await panel(page, "forces");
+  await expect.poll(bodies).toEqual(["gripper", "ball"]);
+  await shown.getByText("This scene has no hand. What presses on each body:").waitFor();
+  expect(await shown.locator(".hand-diagram, tfoot").evaluateAll((parts) => parts.map((part) => part.checkVisibility()))).toEqual([false, false]);
+  expect(await shown.locator(".legend span").allTextContents()).toEqual(["gripper", "ball"]);
+  // The ball lies on the table, and is then gripped: something always presses on it.
+  const ball = shown.locator(".numbers tbody tr", { hasText: "ball" }).locator("td").first();
+  await expect.poll(async () => Number(await ball.textContent()), { timeout: 60_000 }).toBeGreaterThan(0.1);
+  // Rods in empty air: nothing to list.
+  await go("finger-pendulum");
+  await expect.poll(bodies).toEqual([]);
+  await shown.getByText("This scene has no hand, and nothing in it touches.").waitFor();
+  expect(await shown.getByLabel("Plot").locator("option").allTextContents()).toEqual(["Step time", "Energy"]);
+  // Fingers again where there is a hand.
+  await go("bread-grasp");
+  await expect.poll(bodies).toEqual(["Palm", "Thumb", "Index", "Middle", "Ring", "Little"]);
+  expect(await shown.locator(".hand-diagram").isVisible()).toBe(true);
+  expect(problems).toEqual([]);
+});
+
 test("a recording is replayed, saved and loaded again", async () => {
   const { page, problems } = await running();
   await panel(page, "record");

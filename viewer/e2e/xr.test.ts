@@ -133,11 +133,19 @@ test("a headset's hands are tracked, followed, and feel the loaf", { timeout: 24
     return Math.max(...Array.from(digits).filter((_, i) => i % 4 === 0)) > 0.05;
   });
 
+  // The desk shows the forces of the hands that are led.
+  const docked = (): Promise<string[]> =>
+    page.locator(".dock-hand").evaluateAll((titles) => titles.map((title) => title.textContent!).sort());
+  await expect.poll(docked).toEqual(["Left hand", "Right hand"]);
+
   // One hand goes out of sight: it is lost, the other goes on.
   await page.evaluate(async () => (await window.thenar.emulate!()).show("left", false));
   await until(page, (t) => t.tracking!.report.tracked.join() === "right");
+  await expect.poll(docked, { timeout: 20_000 }).toEqual(["Right hand"]);
   await page.evaluate(async () => (await window.thenar.emulate!()).show("left", true));
   await until(page, (t) => t.tracking!.report.tracked.length === 2);
+  await page.evaluate(async () => (await window.thenar.emulate!()).show("right", false));
+  await expect.poll(docked, { timeout: 20_000 }).toEqual(["Left hand"]);
 
   await page.evaluate(() => window.thenar.app.inputs.stop());
   await until(page, (t) => !t.tracking!.report.running && t.app.connection.status?.hands === "scene" && t.app.connection.status?.loading === null, 120);

@@ -25,6 +25,10 @@ class Fake extends InputSourceBase {
     this.set("off");
   }
 
+  led(): [] {
+    return [];
+  }
+
   unplug(): void {
     this.set("failed", "unplugged");
   }

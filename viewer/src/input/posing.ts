@@ -3,7 +3,7 @@
 
 import type { Quaternion, Vector3 } from "three";
 import type { App } from "../app";
-import type { HandModel } from "../protocol/types";
+import type { HandModel, Side } from "../protocol/types";
 import { clampPose, copyPose, follow, wristNumbers, type HandPose } from "./hand-pose";
 import { presentPose } from "./present-pose";
 import {
@@ -90,6 +90,10 @@ export class Posing extends InputSourceBase {
     this.before = performance.now();
     this.timer = setInterval(() => this.tick(), INTERVAL);
     this.set("on");
+  }
+
+  led(): readonly Side[] {
+    return this.on && this.model !== null ? [this.model.side] : [];
   }
 
   stop(): void {

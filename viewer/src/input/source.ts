@@ -2,6 +2,8 @@
 // `InputSource`; the registry sees to it that one at a time has the hand, and the Input panel
 // draws a button for each.
 
+import type { Side } from "../protocol/types";
+
 export type InputState = "off" | "starting" | "on" | "failed";
 
 export interface InputSource {
@@ -20,6 +22,8 @@ export interface InputSource {
   readonly available: boolean;
   /** Controls of its own, shown below the button: a preview, a file chooser. */
   readonly controls?: HTMLElement;
+  /** Sides of the hands that it moves at present. */
+  led(): readonly Side[];
   /** Starts to send poses. A failure shows in `state` and `note`, or is thrown. */
   start(): void | Promise<void>;
   /** Stops sending; says `sendLost` for the hands it moved. The registry calls the script back. */
@@ -40,6 +44,7 @@ export abstract class InputSourceBase implements InputSource {
 
   abstract start(): void | Promise<void>;
   abstract stop(): void;
+  abstract led(): readonly Side[];
 
   onChange(listener: () => void): () => void {
     this.listeners.add(listener);

@@ -7,6 +7,7 @@ import { BUILTIN_MOTIONS, builtinPose, duration } from "./builtin";
 import { newHandJoints } from "./joints";
 import { FILE_BYTES_MAX, parseMotion, type Motion, type Track } from "./motion";
 import { MotionControls } from "./motion-controls";
+import type { Side } from "../protocol/types";
 import { HandsRequest, PoseOutlet, SIDES, type Lengths } from "./outlet";
 import { moveJoints, type Rigid } from "./rigid";
 import { placeMotion, sampleTrack } from "./sample";
@@ -82,6 +83,10 @@ export class MotionSource extends InputSourceBase {
     this.outlet.lostAll();
     this.request.restore();
     this.set("off", this.note);
+  }
+
+  led(): readonly Side[] {
+    return this.outlet.led();
   }
 
   private restart(): void {

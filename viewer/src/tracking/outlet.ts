@@ -18,6 +18,11 @@ export class PoseOutlet {
     return inControl && model !== null && model.hands.some((hand) => hand.side === side);
   }
 
+  /** Sides of the hands that move. */
+  led(): readonly Side[] {
+    return SIDES.filter((side) => this.moving.has(side));
+  }
+
   joints(side: Side, joints: HandJoints): boolean {
     if (!this.accepts(side)) return false;
     this.moving.add(side);

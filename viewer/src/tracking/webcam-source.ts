@@ -1,6 +1,5 @@
-// Input source: hands seen by a webcam. Pictures stay in the browser.
+// Input source: hands seen by a webcam. Pictures stay in the browser; another thread looks at them.
 
-import type { Hands, Results } from "@mediapipe/hands";
 import { Vector3 } from "three";
 import type { App } from "../app";
 import { InputSourceBase } from "../input/source";
@@ -9,7 +8,8 @@ import { h } from "../ui/dom";
 import { fixed } from "../ui/format";
 import { slider } from "../ui/widgets";
 import { openCamera } from "./camera";
-import { loadHands } from "./mediapipe";
+import type { TrackedHand } from "./hand-messages";
+import { HandTracker } from "./hand-tracker";
 import { OneEuro } from "./one-euro";
 import { HandsRequest, PoseOutlet, SIDES } from "./outlet";
 import { PictureTime } from "./picture-time";
@@ -51,7 +51,7 @@ export class WebcamSource extends InputSourceBase {
   readonly id = "webcam";
   readonly label = "Webcam";
   readonly help =
-    "Your hand before the camera moves the simulated one. Pictures never leave this browser; loads 10 MB once.";
+    "Your hand before the camera moves the simulated one. Pictures never leave this browser; loads 16 MB once.";
   readonly controls: HTMLElement;
   /** Pictures looked at since the start. */
   pictures = 0;
@@ -62,7 +62,8 @@ export class WebcamSource extends InputSourceBase {
   private readonly preview = h("div", { class: "webcam-preview", hidden: true }, this.video);
   /** How far the palm is turned down, degrees. */
   private tilt = TILT_DEGREES;
-  private hands: Hands | null = null;
+  private tracker: HandTracker | null = null;
+  private looking = Promise.resolve();
   private stream: MediaStream | null = null;
   /** Counts starts, so that what an old one still awaits is dropped. */
   private run = 0;
@@ -113,11 +114,12 @@ export class WebcamSource extends InputSourceBase {
       await this.video.play();
       this.preview.hidden = false;
       this.set("starting", "Loading the hand tracker.");
-      this.hands ??= await loadHands((results) => this.results(results));
+      this.tracker ??= await HandTracker.load(new URL("mediapipe/", document.baseURI).href);
       if (run !== this.run) return;
       this.words = "Show a hand to the camera.";
       this.set("on", this.words);
-      void this.look(run);
+      // The picture of a run before may still be looked at.
+      this.looking = this.looking.then(() => this.look(run));
     } catch (error) {
       if (run !== this.run) return;
       this.fail(error instanceof Error ? error.message : String(error));
@@ -127,6 +129,10 @@ export class WebcamSource extends InputSourceBase {
   stop(): void {
     this.letGo();
     this.set("off");
+  }
+
+  led(): readonly Side[] {
+    return this.outlet.led();
   }
 
   private fail(note: string): void {
@@ -146,18 +152,22 @@ export class WebcamSource extends InputSourceBase {
 
   /** One picture after the other, each when the one before is done and a frame has passed. */
   private async look(run: number): Promise<void> {
-    while (run === this.run && this.hands !== null) {
+    while (run === this.run) {
       try {
+        if (this.tracker === null) throw new Error("it broke");
         if (this.video.readyState >= HTMLMediaElement.HAVE_CURRENT_DATA) {
           const before = performance.now();
-          await this.hands.send({ image: this.video });
+          const hands = await this.tracker.look(await createImageBitmap(this.video), before);
+          if (run !== this.run) return;
           this.pace.add((performance.now() - before) / 1000);
+          this.results(hands);
           this.sayPace();
         }
       } catch (error) {
-        if (run !== this.run) return;
         // A tracker that broke is made anew the next time.
-        this.hands = null;
+        this.tracker?.close();
+        this.tracker = null;
+        if (run !== this.run) return;
         this.fail(`The hand tracker stopped: ${error instanceof Error ? error.message : String(error)}`);
         return;
       }
@@ -165,18 +175,14 @@ export class WebcamSource extends InputSourceBase {
     }
   }
 
-  private results(results: Results): void {
+  private results(hands: readonly TrackedHand[]): void {
     if (this.stream === null) return;
     this.pictures += 1;
     const time = performance.now() / 1000;
     const aspect = this.video.videoWidth / this.video.videoHeight;
     const found = new Set<Side>();
-    results.multiHandedness.forEach(({ label, score }, i) => {
-      // The labels are meant for mirrored pictures; ours is as the camera sees it.
-      const side: Side = label === "Left" ? "right" : "left";
+    hands.forEach(({ side, score, picture, metres }) => {
       if (score < SCORE_MIN || found.has(side)) return;
-      const picture = results.multiHandLandmarks[i];
-      const metres = results.multiHandWorldLandmarks[i];
       const from = seen(picture, metres, aspect);
       if (from === null) return;
       found.add(side);

@@ -1,5 +1,5 @@
 // The grasp and what it does, side by side over the picture: one slider that closes the hand, and
-// the normal force at each fingertip. It shows while the visitor leads the hand.
+// the normal force at each fingertip of every hand that the visitor leads. It shows while one is led.
 
 import "./dock.css";
 import { POSING_ID, type Posing } from "../input/posing";
@@ -7,7 +7,8 @@ import { PER_DIGIT, PER_HAND } from "../protocol/types";
 import type { Desk } from "./desk";
 import { h, setText } from "./dom";
 import { fixed } from "./format";
-import { DIGIT_COLOURS, DIGIT_LABELS } from "./quantities";
+import { handName, ledHands } from "./led-hands";
+import { DIGIT_COLOURS, DIGIT_LABELS, HANDS_MOST } from "./quantities";
 import { slider } from "./widgets";
 
 /** Between two updates of the numbers: faster ones cannot be read, ms. */
@@ -27,6 +28,43 @@ export function forceText(force: number): string {
   return `${fixed(force, force < 9.995 ? 2 : 1)} N`;
 }
 
+interface Row {
+  readonly element: HTMLElement;
+  /** Names the hand where the scene has several. */
+  name(text: string, shown: boolean): void;
+  write(forces: readonly number[]): void;
+}
+
+/** The forces at one hand's fingertips, side by side. */
+function forceRow(): Row {
+  const title = h("small", { class: "dock-hand" });
+  const cells = DIGIT_LABELS.slice(1).map((label, f) => {
+    const force = h("output");
+    const fill = h("i");
+    fill.style.background = DIGIT_COLOURS[f + 1];
+    const name = h("small", {}, label);
+    return { force, fill, element: h("div", { "data-digit": label }, name, force, h("div", { class: "dock-bar" }, fill)) };
+  });
+  const forces = h("div", { class: "dock-forces", role: "group" }, ...cells.map(({ element }) => element));
+  return {
+    element: h("div", {}, title, forces),
+    name(text, shown) {
+      setText(title, text);
+      title.hidden = !shown;
+      forces.setAttribute("aria-label", `Normal force at each fingertip${shown ? `, ${text}` : ""}`);
+    },
+    write(values) {
+      values.forEach((force, f) => {
+        const { force: text, fill, element: cell } = cells[f];
+        setText(text, forceText(force));
+        // The square root shows a light touch beside a firm grip.
+        fill.style.width = `${fixed(100 * Math.min(1, Math.sqrt(Math.max(0, force) / FULL)), 0)}%`;
+        cell.dataset["free"] = String(force < FREE);
+      });
+    },
+  };
+}
+
 export function graspDock(desk: Desk, posing: Posing): HTMLElement {
   const { inputs, feed } = desk.app;
   const close = slider(
@@ -35,31 +73,21 @@ export function graspDock(desk: Desk, posing: Posing): HTMLElement {
     (value) => `${fixed(100 * value, 0)} %`,
     (value) => posing.setGrasp(value),
   );
-  const cells = DIGIT_LABELS.slice(1).map((label, f) => {
-    const force = h("output");
-    const fill = h("i");
-    fill.style.background = DIGIT_COLOURS[f + 1];
-    const name = h("small", {}, label);
-    return { force, fill, element: h("div", { "data-digit": label }, name, force, h("div", { class: "dock-bar" }, fill)) };
-  });
-  const forces = h(
-    "div",
-    { class: "dock-forces", role: "group", "aria-label": "Normal force at each fingertip" },
-    ...cells.map(({ element }) => element),
-  );
-  const element = h("section", { class: "dock", "aria-label": "Your grasp", hidden: true }, close.element, forces);
+  const rows = Array.from({ length: HANDS_MOST }, forceRow);
+  const list = h("div", { class: "dock-rows" });
+  const element = h("section", { class: "dock", "aria-label": "Your grasp", hidden: true }, close.element, list);
+  let shown: number[] = [];
 
   const refresh = () => {
-    const { snapshot } = feed;
-    if (element.hidden || snapshot === null) return;
+    const { snapshot, model } = feed;
+    if (element.hidden || snapshot === null || model === null) return;
     close.set(posing.sliders().grasp);
-    const hand = posing.on ? posing.hand : 0;
-    fingertipForces(snapshot.fingers, hand).forEach((force, f) => {
-      const { force: text, fill, element: cell } = cells[f];
-      setText(text, forceText(force));
-      // The square root shows a light touch beside a firm grip.
-      fill.style.width = `${fixed(100 * Math.min(1, Math.sqrt(Math.max(0, force) / FULL)), 0)}%`;
-      cell.dataset["free"] = String(force < FREE);
+    shown = ledHands(model.hands, inputs.active?.led() ?? [], shown);
+    const used = rows.slice(0, shown.length);
+    if (list.childElementCount !== used.length) list.replaceChildren(...used.map((row) => row.element));
+    used.forEach((row, r) => {
+      row.name(handName(model.hands[shown[r]]), model.hands.length > 1);
+      row.write(fingertipForces(snapshot.fingers, shown[r]));
     });
   };
   const show = () => {
@@ -69,7 +97,10 @@ export function graspDock(desk: Desk, posing: Posing): HTMLElement {
     refresh();
   };
   inputs.onChange(show);
-  feed.on("model", show);
+  feed.on("model", () => {
+    shown = [];
+    show();
+  });
   feed.on("live", show);
   let last = -Infinity;
   feed.on("snapshot", () => {

@@ -1,4 +1,4 @@
-// What is plotted: per hand and digit force, area and pressure, and what the step costs.
+// What is plotted: force, area and pressure per digit of a hand, or per body where no hand is, and what the step costs.
 
 import { DIGITS, PER_DIGIT, PER_HAND, type Snapshot } from "../protocol/types";
 
@@ -10,11 +10,24 @@ export const HANDS_MOST = 2;
 const STEP = HANDS_MOST * PER_HAND;
 export const COLUMNS = STEP + 5;
 
-export interface Curve {
+/** What has a row of numbers and a curve: a digit, or a body. */
+export interface Part {
   readonly label: string;
   readonly colour: string;
-  readonly column: number;
   readonly dashed?: boolean;
+}
+
+export const DIGIT_PARTS: readonly Part[] = DIGIT_LABELS.map((label, d) => ({ label, colour: DIGIT_COLOURS[d] }));
+
+/** Bodies in the digits' colours; dashed from where these come again. */
+export function bodyParts(names: readonly string[]): Part[] {
+  const colours = DIGIT_COLOURS.length;
+  // The first body is what the scene is about: the first colour of a finger, not the palm's grey.
+  return names.map((label, i) => ({ label, colour: DIGIT_COLOURS[(i + 1) % colours], dashed: i >= colours }));
+}
+
+export interface Curve extends Part {
+  readonly column: number;
 }
 
 export interface Quantity {
@@ -25,10 +38,13 @@ export interface Quantity {
   readonly factor: number;
   /** Top of the scale at least, in shown units. */
   readonly least: number;
-  curves(hand: number): readonly Curve[];
+  /** One curve for each part; else it is of the whole scene. */
+  readonly perPart: boolean;
+  /** Of parts whose numbers begin at a column. */
+  curves(first: number, parts: readonly Part[]): readonly Curve[];
 }
 
-function perDigit(
+function perPart(
   id: string,
   label: string,
   unit: string,
@@ -42,26 +58,23 @@ function perDigit(
     unit,
     factor,
     least,
-    curves: (hand) =>
-      DIGITS.map((_, d) => ({
-        label: DIGIT_LABELS[d],
-        colour: DIGIT_COLOURS[d],
-        column: PER_HAND * hand + PER_DIGIT * d + k,
-      })),
+    perPart: true,
+    curves: (first, parts) => parts.map((part, d) => ({ ...part, column: first + PER_DIGIT * d + k })),
   };
 }
 
 export const QUANTITIES: readonly Quantity[] = [
-  perDigit("normal", "Normal force", "N", 1, 0.5, 0),
-  perDigit("shear", "Shear force", "N", 1, 0.5, 1),
-  perDigit("area", "Contact area", "mm²", 1e6, 50, 2),
-  perDigit("pressure", "Mean pressure", "kPa", 1e-3, 5, 3),
+  perPart("normal", "Normal force", "N", 1, 0.5, 0),
+  perPart("shear", "Shear force", "N", 1, 0.5, 1),
+  perPart("area", "Contact area", "mm²", 1e6, 50, 2),
+  perPart("pressure", "Mean pressure", "kPa", 1e-3, 5, 3),
   {
     id: "cost",
     label: "Step time",
     unit: "ms",
     factor: 1,
     least: 1,
+    perPart: false,
     curves: () => [
       { label: "Cost of a step", colour: DIGIT_COLOURS[4], column: STEP },
       { label: "Budget", colour: DIGIT_COLOURS[1], column: STEP + 1, dashed: true },
@@ -73,6 +86,7 @@ export const QUANTITIES: readonly Quantity[] = [
     unit: "mJ",
     factor: 1e3,
     least: 1,
+    perPart: false,
     curves: () => [
       { label: "Total", colour: DIGIT_COLOURS[0], column: STEP + 2, dashed: true },
       { label: "Kinetic", colour: DIGIT_COLOURS[4], column: STEP + 3 },

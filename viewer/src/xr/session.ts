@@ -3,6 +3,7 @@
 
 import { Vector3, type PerspectiveCamera } from "three";
 import type { App } from "../app";
+import type { Side } from "../protocol/types";
 import type { LayerName } from "../scene/layers";
 import { HandsRequest, PoseOutlet, SIDES } from "../tracking/outlet";
 import { identity, inverse, type Rigid } from "../tracking/rigid";
@@ -66,6 +67,11 @@ export class XrLive {
       connection.on("open", () => this.request.forget()),
     );
     session.addEventListener("visibilitychange", this.visibility);
+  }
+
+  /** Sides of the hands that move. */
+  led(): readonly Side[] {
+    return this.outlet.led();
   }
 
   /** The scene comes before the visitor again at the next frame. */

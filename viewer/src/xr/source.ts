@@ -3,6 +3,7 @@
 import type { App } from "../app";
 import { InputSourceBase } from "../input/source";
 import { button, h } from "../ui/dom";
+import type { Side } from "../protocol/types";
 import { SIDES } from "../tracking/outlet";
 import type { Emulator } from "./emulate";
 import { XrLive } from "./session";
@@ -97,6 +98,10 @@ export class XrSource extends InputSourceBase {
 
   stop(): void {
     this.end("");
+  }
+
+  led(): readonly Side[] {
+    return this.live?.led() ?? [];
   }
 
   /** Draws into the session; true if its floor is known. */

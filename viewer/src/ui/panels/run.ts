@@ -7,6 +7,7 @@ import { bytes, fixed, significant } from "../format";
 import { ICONS } from "../icons";
 import { overlapLines, overlapRemark } from "../overlaps";
 import { fillSceneMenu } from "../scene-menu";
+import { sceneTiles } from "../scene-tiles";
 import { Throttle } from "../throttle";
 import { group, segmented, select, slider } from "../widgets";
 
@@ -23,7 +24,9 @@ export function runPanel(desk: Desk): Panel {
   const take = button("Take control", () => {
     command(desk, { type: "control", take: !connection.inControl });
   });
-  const scene = select("Scene", [], (name) => void command(desk, { type: "scene", name }));
+  const go = (name: string) => void command(desk, { type: "scene", name });
+  const scene = select("Scene", [], go);
+  const tiles = sceneTiles(go);
   scene.element.classList.add("stacked");
   const about = h("p", { class: "help" });
   const overlaps = h("ul", { class: "help", hidden: true });
@@ -37,7 +40,7 @@ export function runPanel(desk: Desk): Panel {
     (value) => (value === 1 ? "real time" : `${significant(value, 2)} × real time`),
     (value) => throttle.push(value),
   );
-  const settable = h("fieldset", { class: "bare" }, scene.element, about, overlaps, hands.element, speed.element);
+  const settable = h("fieldset", { class: "bare" }, scene.element, about, overlaps, tiles.element, hands.element, speed.element);
   const line = h("dl", { class: "facts" });
   const body = h("div", {}, group("Control", who, take), settable, group("Connection", line));
 
@@ -49,6 +52,7 @@ export function runPanel(desk: Desk): Panel {
     // What is recorded keeps its scene and its hands.
     const recorded = (status?.recording ?? null) !== null;
     scene.input.disabled = recorded;
+    tiles.element.hidden = recorded;
     hands.element.hidden = recorded;
     take.disabled = connection.state !== "open";
     setText(take, mine ? "Give up control" : "Take control");
@@ -65,7 +69,10 @@ export function runPanel(desk: Desk): Panel {
     );
     const scenes = welcome?.scenes ?? [];
     const names = scenes.map(({ name }) => name).join("\n");
-    if (names !== listed) fillSceneMenu(scene.input, scenes);
+    if (names !== listed) {
+      fillSceneMenu(scene.input, scenes);
+      tiles.fill(scenes);
+    }
     listed = names;
     if (status !== null) {
       if (
@@ -75,6 +82,7 @@ export function runPanel(desk: Desk): Panel {
         scene.input.prepend(h("option", { value: status.scene }, status.scene));
       }
       scene.input.value = status.scene;
+      tiles.mark(status.scene);
       hands.set(status.hands);
       if (!throttle.busy) speed.set(status.speed);
     }
