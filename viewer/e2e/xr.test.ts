@@ -105,7 +105,7 @@ test("a headset's hands are tracked, followed, and feel the loaf", { timeout: 24
   await place(page, "right", 0.1, 0.25, 0.1);
   await place(page, "left", -0.2, 0.25, 0.1);
   await until(page, (t) => t.app.connection.status?.hands === "both" && t.app.connection.status?.loading === null && t.model?.hands.length === 2, 120);
-  const sizes = await read(page, (t) => t.model!.hands.map((hand) => [hand.length, t.tracking!.report.lengths[hand.side]!]));
+  const sizes = await read(page, (t) => t.model!.hands.map((hand) => [hand.length, t.tracking!.report.lengths[hand.side!]!]));
   for (const [built, measured] of sizes) expect(Math.abs(built! - measured!)).toBeLessThan(1e-4);
 
   // Free of the loaf, the simulated hand takes on the pinch: IWER's closes to some 2 mm at the

@@ -43,6 +43,14 @@ describe("a model", () => {
     expect(Array.from(m.hands[0].collision_digits)).toEqual([0, 0, 2, 2]);
   });
 
+  it("may have a hand whose side nobody knows", () => {
+    const arrays = new Arrays();
+    const json = worldJson(arrays);
+    const sideless = { ...json, hands: json.hands.map((hand) => ({ ...hand, side: null })) };
+    const message = decode(encodeModel(sideless, arrays, 1), null, 0);
+    expect(message.kind === "model" && message.model.hands[0].side).toBeNull();
+  });
+
   it("is refused when cut off anywhere", () => {
     const whole = encodeWorld();
     for (let length = 0; length < whole.byteLength - 3; length += 7) {

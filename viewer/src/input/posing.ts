@@ -86,6 +86,7 @@ export class Posing extends InputSourceBase {
 
   start(): void {
     if (this.model === null) throw new Error("This scene has no hand to pose.");
+    if (this.model.side === null) throw new Error("This hand's model says neither left nor right: poses do not move it.");
     if (!this.app.feed.live) throw new Error("A recording is shown. Go back to live first.");
     this.before = performance.now();
     this.timer = setInterval(() => this.tick(), INTERVAL);
@@ -93,7 +94,8 @@ export class Posing extends InputSourceBase {
   }
 
   led(): readonly Side[] {
-    return this.on && this.model !== null ? [this.model.side] : [];
+    const side = this.model?.side ?? null;
+    return this.on && side !== null ? [side] : [];
   }
 
   stop(): void {
@@ -102,8 +104,8 @@ export class Posing extends InputSourceBase {
 
   private end(note: string): void {
     clearInterval(this.timer);
-    const side = this.model?.side;
-    if (side !== undefined && this.app.connection.inControl) this.app.connection.sendLost(side);
+    const side = this.model?.side ?? null;
+    if (side !== null && this.app.connection.inControl) this.app.connection.sendLost(side);
     this.goal = null;
     this.pose = null;
     this.set("off", note);
@@ -112,8 +114,8 @@ export class Posing extends InputSourceBase {
   /** Poses another of the scene's hands; the present one stays as it is. */
   choose(hand: number): void {
     if (hand === this.hand) return;
-    const before = this.model;
-    if (this.on && before !== null) this.app.connection.sendLost(before.side);
+    const before = this.model?.side ?? null;
+    if (this.on && before !== null) this.app.connection.sendLost(before);
     this.hand = hand;
     this.goal = null;
     this.pose = null;
@@ -192,7 +194,7 @@ export class Posing extends InputSourceBase {
     this.before = now;
     const hand = this.model;
     const { connection } = this.app;
-    if (hand === null || !connection.inControl || !this.acquire(hand)) return;
+    if (hand === null || hand.side === null || !connection.inControl || !this.acquire(hand)) return;
     this.onTick?.(dt);
     const { goal, pose } = this;
     if (goal === null || pose === null) return;

@@ -231,7 +231,7 @@ function readHand(value: unknown, i: number, rigids: number, softs: number, arra
   check(angles.length === 20, `${what}.angles has ${angles.length} entries instead of 20.`);
   return {
     name: text(json["name"], `${what}.name`),
-    side: oneOf(json["side"], SIDES, `${what}.side`),
+    side: orNull(json["side"], (v) => oneOf(v, SIDES, `${what}.side`)),
     soft: orNull(json["soft"], (v) => index(v, softs, `${what}.soft`)),
     length: number(json["length"], `${what}.length`),
     bone_start: start,

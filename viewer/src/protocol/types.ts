@@ -118,7 +118,8 @@ export interface HandAngle {
 
 export interface HandModel {
   readonly name: string;
-  readonly side: Side;
+  /** Null where the model does not say: poses do not move it. */
+  readonly side: Side | null;
   readonly soft: number | null;
   /** Wrist to middle fingertip, m. */
   readonly length: number;

@@ -107,7 +107,7 @@ export class MotionSource extends InputSourceBase {
       if (!this.inTime(duration(builtin))) return;
       for (const hand of this.app.connection.model?.hands ?? []) {
         const pose = builtinPose(builtin, this.time, hand, this.centre);
-        this.outlet.angles(hand.side, pose.wrist, pose.angles);
+        if (hand.side !== null) this.outlet.angles(hand.side, pose.wrist, pose.angles);
       }
     } else if (this.motion !== null) {
       this.playFile(this.motion);

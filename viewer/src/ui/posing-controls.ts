@@ -55,7 +55,7 @@ export function posingControls(desk: Desk, posing: Posing): HTMLElement {
   feed.on("model", (model) => {
     which.element.hidden = model.hands.length < 2;
     which.input.replaceChildren(
-      ...model.hands.map((hand, i) => h("option", { value: i }, `${hand.name} (${hand.side})`)),
+      ...model.hands.map((hand, i) => h("option", { value: i }, `${hand.name} (${hand.side ?? "no side"})`)),
     );
   });
   let last = 0;

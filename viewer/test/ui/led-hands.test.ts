@@ -8,7 +8,7 @@ import { newHandJoints } from "../../src/tracking/joints";
 import { fingertipForces } from "../../src/ui/grasp-dock";
 import { handName, ledHands } from "../../src/ui/led-hands";
 
-const hand = (name: string, side: Side) => ({ name, side }) as HandModel;
+const hand = (name: string, side: Side | null) => ({ name, side }) as HandModel;
 const BOTH = [hand("right", "right"), hand("left", "left")];
 
 it("shows the hand of the side that is led, both where both are", () => {
@@ -24,6 +24,13 @@ it("keeps the hand that was led while tracking is lost, and begins with the firs
   expect(ledHands([hand("hand", "right")], ["left"], [])).toEqual([0]);
   expect(ledHands([hand("hand", "right")], [], [1])).toEqual([0]);
   expect(ledHands([], ["left"], [])).toEqual([]);
+});
+
+it("shows a hand of no known side by its name, and leads it by none", () => {
+  const unknown = [hand("claw", null), hand("left", "left")];
+  expect(ledHands(unknown, ["left"], [])).toEqual([1]);
+  expect(ledHands(unknown, [], [])).toEqual([0]);
+  expect(handName(unknown[0]!)).toBe("claw");
 });
 
 it("shows every hand of a side, for a pose moves them all", () => {

@@ -107,7 +107,7 @@ export function forcesPanel(desk: Desk): Panel {
     const hands = model.hands.slice(0, HANDS_MOST);
     hand = Math.min(hand, Math.max(0, hands.length - 1));
     which.input.replaceChildren(
-      ...hands.map((item, i) => h("option", { value: i }, `${item.name} (${item.side})`)),
+      ...hands.map((item, i) => h("option", { value: i }, `${item.name} (${item.side ?? "no side"})`)),
     );
     which.input.value = String(hand);
     which.element.hidden = hands.length < 2;
