@@ -61,7 +61,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     if !(0.05..=20.0).contains(&args.frequency) {
         return Err(CliError::Input("the frequency must be from 0.05 to 20 Hz".into()));
     }
-    let [frequency, grip] = [args.frequency, args.grip];
+    let (frequency, grip) = (args.frequency, args.grip);
     let (tracker, design) = (args.tracker, CouplingDesign::default());
     let study = Study { way, frequency, cycles: 2, tracker, design, grip };
     println!("{}", head());
