@@ -25,5 +25,10 @@ export default defineConfig({
   server: {
     proxy: { "/live": { target: server, ws: true, changeOrigin: true, rewriteWsOrigin: true } },
   },
-  test: { include: ["test/**/*.test.ts", "src/**/*.test.ts"], environment: "node" },
+  test: {
+    include: ["test/**/*.test.ts", "src/**/*.test.ts"],
+    environment: "node",
+    // Machines that build beside are slow.
+    testTimeout: 60_000,
+  },
 });

@@ -10,7 +10,7 @@ import { histogram, picture } from "./support/pixels";
 import { Server } from "./support/server";
 
 const folder = fileURLToPath(new URL("../src/ui/thumbs/", import.meta.url));
-/** Drawn so much larger, then made smaller: edges are smooth. */
+/** Drawn this much larger, then made smaller: edges are smooth. */
 const FINER = 4;
 const [WIDTH, HEIGHT] = [160, 100];
 

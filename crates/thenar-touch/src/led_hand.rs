@@ -21,7 +21,7 @@ pub struct LedHand {
 
 impl LedHand {
     /// A hand that nobody has led yet, with its bones here.
-    pub fn new(bones: &[RigidState]) -> Self {
+    pub(crate) fn new(bones: &[RigidState]) -> Self {
         let n = bones.len();
         Self {
             states: bones.to_vec(),
@@ -46,7 +46,7 @@ impl LedHand {
     }
 
     /// Begins a tick: time since the one before \[s\], not negative and at most `most`.
-    pub fn passed(&mut self, now_ns: u64, most: f64) -> f64 {
+    pub(crate) fn passed(&mut self, now_ns: u64, most: f64) -> f64 {
         let passed = seconds_between(self.last_ns.unwrap_or(now_ns), now_ns);
         self.last_ns = Some(now_ns);
         passed.clamp(0.0, most)
@@ -54,7 +54,7 @@ impl LedHand {
 
     /// Places the hand in this tick. A bone that was never led is where its simulated one is; one that is led no more stands
     /// still.
-    pub fn place(&mut self, bones: &[RigidState]) {
+    pub(crate) fn place(&mut self, bones: &[RigidState]) {
         for (i, state) in self.states.iter_mut().enumerate() {
             self.set_out[i] = std::mem::take(&mut self.sets_out[i]);
             if std::mem::take(&mut self.fresh[i]) {

@@ -1,4 +1,5 @@
-//! Lists whose copies have as much room: a world that was cloned steps without allocating, as the one it was cloned from.
+//! Lists whose copies have as much room: what a cloned world adds to them in a step allocates no more than in the world that
+//! it was cloned from.
 
 use std::ops::{Deref, DerefMut};
 
@@ -9,7 +10,7 @@ use std::ops::{Deref, DerefMut};
 pub struct Room<T>(Vec<T>);
 
 impl<T> Room<T> {
-    /// Empty, for so many.
+    /// Empty, with room for `many`.
     pub fn with_capacity(many: usize) -> Self {
         Self(Vec::with_capacity(many))
     }
@@ -35,7 +36,9 @@ impl<T: Clone> Clone for Room<T> {
     }
 
     fn clone_from(&mut self, from: &Self) {
-        self.0.clone_from(&from.0);
+        self.0.clear();
+        self.0.reserve(from.0.capacity());
+        self.0.extend_from_slice(&from.0);
     }
 }
 

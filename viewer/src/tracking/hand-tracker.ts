@@ -73,6 +73,29 @@ export class HandTracker {
   }
 }
 
+/** A tracker that is loaded when first asked for, once however often that is; anew after it failed or was dropped. */
+export class HandTrackerOnce {
+  private loading: Promise<HandTracker> | null = null;
+
+  constructor(private readonly load: () => Promise<HandTracker>) {}
+
+  get(): Promise<HandTracker> {
+    const loading = (this.loading ??= this.load());
+    loading.catch(() => {
+      if (this.loading === loading) this.loading = null;
+    });
+    return loading;
+  }
+
+  drop(): void {
+    this.loading?.then(
+      (tracker) => tracker.close(),
+      () => undefined,
+    );
+    this.loading = null;
+  }
+}
+
 function startThread(): TrackerThread {
   return new Worker(new URL("./hand-worker.ts", import.meta.url), { type: "module", name: "hands" });
 }

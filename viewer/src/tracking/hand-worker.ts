@@ -16,7 +16,15 @@ function handsOf({ landmarks, worldLandmarks, handedness }: HandLandmarkerResult
   });
 }
 
+/** Smallest WebAssembly module that uses a SIMD instruction. */
+const SIMD = new Uint8Array([
+  0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11,
+]);
+
 async function open(folder: string): Promise<Look> {
+  if (!WebAssembly.validate(SIMD)) throw new Error("this browser is too old for it and lacks WebAssembly SIMD");
+  const model = await fetch(`${folder}hand.task`, { method: "HEAD" });
+  if (!model.ok) throw new Error("this page was built without it");
   const fileset = {
     wasmLoaderPath: `${folder}vision_wasm_module_internal.js`,
     wasmBinaryPath: `${folder}vision_wasm_module_internal.wasm`,

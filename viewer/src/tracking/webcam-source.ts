@@ -9,7 +9,7 @@ import { fixed } from "../ui/format";
 import { slider } from "../ui/widgets";
 import { openCamera } from "./camera";
 import type { TrackedHand } from "./hand-messages";
-import { HandTracker } from "./hand-tracker";
+import { HandTracker, HandTrackerOnce } from "./hand-tracker";
 import { OneEuro } from "./one-euro";
 import { HandsRequest, PoseOutlet, SIDES } from "./outlet";
 import { PictureTime } from "./picture-time";
@@ -62,7 +62,7 @@ export class WebcamSource extends InputSourceBase {
   private readonly preview = h("div", { class: "webcam-preview", hidden: true }, this.video);
   /** How far the palm is turned down, degrees. */
   private tilt = TILT_DEGREES;
-  private tracker: HandTracker | null = null;
+  private readonly tracker = new HandTrackerOnce(() => HandTracker.load(new URL("mediapipe/", document.baseURI).href));
   private looking = Promise.resolve();
   private stream: MediaStream | null = null;
   /** Counts starts, so that what an old one still awaits is dropped. */
@@ -114,7 +114,7 @@ export class WebcamSource extends InputSourceBase {
       await this.video.play();
       this.preview.hidden = false;
       this.set("starting", "Loading the hand tracker.");
-      this.tracker ??= await HandTracker.load(new URL("mediapipe/", document.baseURI).href);
+      await this.tracker.get();
       if (run !== this.run) return;
       this.words = "Show a hand to the camera.";
       this.set("on", this.words);
@@ -154,10 +154,10 @@ export class WebcamSource extends InputSourceBase {
   private async look(run: number): Promise<void> {
     while (run === this.run) {
       try {
-        if (this.tracker === null) throw new Error("it broke");
+        const tracker = await this.tracker.get();
         if (this.video.readyState >= HTMLMediaElement.HAVE_CURRENT_DATA) {
           const before = performance.now();
-          const hands = await this.tracker.look(await createImageBitmap(this.video), before);
+          const hands = await tracker.look(await createImageBitmap(this.video), before);
           if (run !== this.run) return;
           this.pace.add((performance.now() - before) / 1000);
           this.results(hands);
@@ -165,8 +165,7 @@ export class WebcamSource extends InputSourceBase {
         }
       } catch (error) {
         // A tracker that broke is made anew the next time.
-        this.tracker?.close();
-        this.tracker = null;
+        this.tracker.drop();
         if (run !== this.run) return;
         this.fail(`The hand tracker stopped: ${error instanceof Error ? error.message : String(error)}`);
         return;

@@ -1,9 +1,9 @@
-// Page and tracking thread, wired to each other without a thread: what is asked is answered, and what breaks is told.
+// Page and tracking thread, wired to each other without a thread: questions are answered, and failures have reasons.
 
 import { describe, expect, it } from "vitest";
 import type { FromTracker, ToTracker, TrackedHand } from "../../src/tracking/hand-messages";
 import { serveTracker, type Look } from "../../src/tracking/hand-service";
-import { HandTracker, type TrackerThread } from "../../src/tracking/hand-tracker";
+import { HandTracker, HandTrackerOnce, type TrackerThread } from "../../src/tracking/hand-tracker";
 
 const HAND: TrackedHand = { side: "left", score: 0.9, picture: [{ x: 0.1, y: 0.2, z: 0 }], metres: [{ x: 0, y: 0, z: 0.01 }] };
 
@@ -104,5 +104,34 @@ describe("the hand tracker", () => {
     await serve({ type: "picture", picture: picture.bitmap, time: 0 });
     expect(answers).toEqual([{ type: "failed", reason: "it is not loaded" }]);
     expect(picture.closed).toBe(1);
+  });
+
+  it("is loaded once by all who ask while it loads, and anew after it failed or was dropped", async () => {
+    const threads: Thread[] = [];
+    const ends: (() => void)[] = [];
+    const once = new HandTrackerOnce(() => {
+      const thread = new Thread(() => new Promise((done, fail) => ends.push(threads.length === 1 ? () => fail(new Error("no")) : () => done(() => []))));
+      threads.push(thread);
+      return HandTracker.load("/", thread);
+    });
+    const next = async () => {
+      await new Promise((resolve) => setTimeout(resolve));
+      ends.shift()!();
+    };
+    const [one, two] = [once.get(), once.get()];
+    void next();
+    await expect(one).rejects.toThrow("no");
+    await expect(two).rejects.toThrow("no");
+    expect(threads.map((thread) => thread.ended)).toEqual([1]);
+    // Off and on again before it is there.
+    const [three, four] = [once.get(), once.get()];
+    void next();
+    expect(await three).toBe(await four);
+    expect(threads.map((thread) => thread.ended)).toEqual([1, 0]);
+    once.drop();
+    const five = once.get();
+    void next();
+    expect(await five).not.toBe(await three);
+    expect(threads.map((thread) => thread.ended)).toEqual([1, 1, 0]);
   });
 });

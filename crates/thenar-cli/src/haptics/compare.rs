@@ -1,9 +1,9 @@
 //! The three modes on one motion.
 
 use super::rehearse::tracker;
-use crate::building::told;
 use crate::chart::{Axis, Dash, Line, Panel, page};
 use crate::error::CliError;
+use crate::run::open_live;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use thenar::Vec3;
@@ -55,21 +55,16 @@ const RUNS: [(LoopMode, u64); 5] = [
 pub fn run(args: &Args) -> Result<(), CliError> {
     let svg = args.svg.as_deref().map(Output::create).transpose()?;
     let way = Vec3::new(args.way[0], args.way[1], args.way[2]);
-    if !(way.norm() > 0.0 && way.norm() < 1.0) {
-        return Err(CliError::Input("the way must be longer than 0 and shorter than 1 m".into()));
-    }
-    if !(0.05..=20.0).contains(&args.frequency) {
-        return Err(CliError::Input("the frequency must be from 0.05 to 20 Hz".into()));
-    }
     let (frequency, grip) = (args.frequency, args.grip);
     let (tracker, design) = (args.tracker, CouplingDesign::default());
     let study = Study { way, frequency, cycles: 2, tracker, design, grip };
+    study.check().map_err(|e| CliError::Input(e.to_string()))?;
     println!("{}", head());
     let mut found: Vec<Comparison> = Vec::new();
     for (mode, period) in RUNS {
         let step = [format!("time_step={}", 1e-3 * period as f64)];
         let session = match &args.scene {
-            Some(file) => told(|| Ok(Session::load(file, &step)?))?,
+            Some(file) => open_live(file, &step)?,
             None => Session::from_text(SCENE, Path::new("e09-press.toml"), &step)?,
         };
         let one = study.run(session, mode).map_err(|e| CliError::Input(e.to_string()))?;

@@ -39,7 +39,7 @@ pub struct Args {
     /// Time of the scene at which the command stands still [s].
     #[arg(long, value_name = "S", default_value_t = UNTIL)]
     until: f64,
-    /// Then the fingers close by so much more [mm].
+    /// Then the fingers close by this much more [mm].
     #[arg(long, value_name = "MM", default_value_t = 10.0)]
     press: f64,
     /// Change a value of the scene; may be given several times.
@@ -50,6 +50,10 @@ pub struct Args {
     svg: Option<PathBuf>,
 }
 
+/// One of an onset's figures.
+type Value = fn(&Onset) -> f64;
+/// Of a line in the picture.
+type Points = Vec<(f64, f64)>;
 /// By rate, then by delay.
 type Map = Vec<Vec<Onset>>;
 
@@ -141,8 +145,8 @@ fn short(x: f64) -> String {
 fn head(args: &Args) -> String {
     let Human { mass, damping, stiffness } = args.human;
     let mut out = format!(
-        "stiffest coupling on which a hand comes to rest [N/m], rehearsed (by theory), and what the loop shows it\n\
-         fingers of {mass} kg, {damping} N s/m, {stiffness} N/m; `all`: it rests on the scene's own couplings\n\n{:>9}",
+        "stiffest coupling on which a hand comes to rest [N/m], rehearsed (by theory), and what the loop shows\n\
+         fingers of {mass} kg, {damping} N s/m, {stiffness} N/m; `all`: it rests on the scene's own couplings; `>`: on all tried\n\n{:>9}",
         "tracker"
     );
     for delay in &args.delays {
@@ -155,7 +159,8 @@ fn row(rate: f64, onsets: &[Onset]) -> String {
     let mut out = format!("{rate:>6} Hz");
     for onset in onsets {
         let [found, theory, shown] = [onset.stiffness, onset.theory, onset.shown].map(short);
-        out += &format!(" {:>22}", format!("{found} ({theory}), {shown}"));
+        let beyond = if onset.beyond { ">" } else { "" };
+        out += &format!(" {:>22}", format!("{beyond}{found} ({theory}), {shown}"));
     }
     out
 }
@@ -173,17 +178,16 @@ fn picture(args: &Args, map: &Map) -> String {
     let row = |r: usize, value: fn(&Onset) -> f64| {
         finite(args.delays.iter().zip(&map[r]).map(|(delay, o)| (*delay, value(o))).collect())
     };
-    let lines = |count: usize,
-                 name: &dyn Fn(usize) -> String,
-                 points: &dyn Fn(usize, fn(&Onset) -> f64) -> Vec<(f64, f64)>| {
-        let each = (0..count).flat_map(|i| {
-            let line = Line::new(name(i), i, Dash::Solid, points(i, theory));
-            let dots = Line { dots: points(i, found), ..line };
-            let loops = format!("{}, shown", name(i));
-            [dots, Line::new(loops, i, Dash::Dashed, points(i, shown))]
-        });
-        each.collect::<Vec<Line>>()
-    };
+    let lines =
+        |count: usize, name: &dyn Fn(usize) -> String, points: &dyn Fn(usize, Value) -> Points| {
+            let each = (0..count).flat_map(|i| {
+                let line = Line::new(name(i), i, Dash::Solid, points(i, theory));
+                let dots = Line { dots: points(i, found), ..line };
+                let loops = format!("{}, shown", name(i));
+                [dots, Line::new(loops, i, Dash::Dashed, points(i, shown))]
+            });
+            each.collect::<Vec<Line>>()
+        };
     let all = || {
         let each = map.iter().flatten().flat_map(|o| [found(o), theory(o), shown(o)]);
         each.filter(|y| y.is_finite() && *y > 0.0)
@@ -229,12 +233,19 @@ mod tests {
         <Command as clap::Parser>::parse_from([&["map"], words].concat()).args
     }
 
-    /// What is stiffer than the scene's couplings is told in words, and is no point of the picture.
+    /// What is stiffer than the scene's couplings is said in words, and is no point of the picture.
     #[test]
-    fn maps_are_told_and_drawn() {
+    fn maps_are_printed_and_drawn() {
         let args = args(&["--rates", "60,120", "--delays", "0,50"]);
-        let onset = |stiffness| Onset { stiffness, theory: 64.0, shown: 49.2, delay: 0.0168 };
-        let map = vec![vec![onset(87.4), onset(15.0)], vec![onset(f64::INFINITY), onset(0.0)]];
+        let onset = |stiffness| Onset {
+            stiffness,
+            theory: 64.0,
+            beyond: stiffness > 100.0 && stiffness < 1e3,
+            shown: 49.2,
+            delay: 0.0168,
+        };
+        let map = vec![vec![onset(87.4), onset(160.0)], vec![onset(f64::INFINITY), onset(0.0)]];
+        assert!(row(60.0, &map[0]).contains(">160 (64.0), 49.2"), "{}", row(60.0, &map[0]));
         assert!(row(60.0, &map[0]).contains("87.4 (64.0), 49.2"), "{}", row(60.0, &map[0]));
         assert!(row(120.0, &map[1]).contains("all (64.0), 49.2"), "{}", row(120.0, &map[1]));
         assert!(head(&args).contains("50 ms late"));
@@ -247,6 +258,7 @@ mod tests {
         for (words, name) in [
             (["--rates", "0", "--delays", "0"], "HZ is 0 Hz"),
             (["--rates", "90", "--delays", "900"], "DELAY is 0.9 s"),
+            (["--human", "0.05,0,50", "--rates", "90"], "damping B is 0 N s/m"),
         ] {
             let error = run(&args(&words)).unwrap_err().to_string();
             assert!(error.contains(name), "{error}");

@@ -1,26 +1,29 @@
 //! A hand that is led through exact poses, seen by a tracker, in the product's own loop.
 
 use super::glove::{self, Ends, LateTracker};
-use super::{RehearsalError, Stage, TICK_NS};
+use super::{RehearsalError, Stage, TICK_NS, moved, white};
 use crate::haptic_loop::Settings;
 use crate::{DIGITS, HandSample};
 use thenar::Vec3;
 use thenar::model::Side;
-use thenar_scene::session::Session;
+use thenar_scene::session::{Random, Session};
 use thenar_touch::TrackerTiming;
 use thenar_touch::safety::Limits;
 use thenar_track::live::{LiveError, LivePose};
 
-/// The first hand of a scene, led past all that a person does.
+/// The first hand of a scene, led exactly: it gives way to nothing.
 pub struct Led {
     stage: Stage,
     ends: Ends,
     tracker: LateTracker,
+    /// Of what the tracker sees \[m\].
+    noise: f64,
+    random: Random,
     side: Side,
 }
 
 impl Led {
-    /// With a tracker of this timing, which the loop is told, and without a display: what is felt is what the couplings
+    /// With a tracker of this timing, which the loop knows, and without a display: what is felt is what the couplings
     /// would have the wearer feel.
     ///
     /// # Errors
@@ -33,7 +36,8 @@ impl Led {
         let (ends, tracker, _) = glove::pair(timing, Limits::cybergrasp());
         let stage = Stage::new(session, settings, vec![tracker], Vec::new())?;
         let side = stage.session().hands()[0].model.side.unwrap_or(Side::Right);
-        Ok(Self { stage, ends, tracker: LateTracker::new(timing), side })
+        let (noise, random) = (timing.noise, Random::new(1));
+        Ok(Self { stage, ends, tracker: LateTracker::new(timing), noise, random, side })
     }
 
     /// Loop and scene.
@@ -48,7 +52,8 @@ impl Led {
     pub fn tick(&mut self, pose: Option<&LivePose>, stalled: bool) -> Result<(), RehearsalError> {
         let now_ns = self.stage.next_ns();
         if self.tracker.is_due(now_ns / TICK_NS) {
-            let pose = pose.cloned();
+            let off = Vec3::from_fn(|_, _| white(self.noise, &mut self.random));
+            let pose = pose.map(|pose| moved(pose, off));
             self.tracker.see(HandSample { side: self.side, time_ns: now_ns, pose });
         }
         if let Some(sample) = self.tracker.arrived(now_ns) {

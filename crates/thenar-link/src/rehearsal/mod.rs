@@ -28,6 +28,7 @@ pub use wearer::{Finger, Flow, Human};
 use crate::haptic_loop::{LoopError, LoopMode, PortError, Settings};
 use crate::{DIGITS, HandSample};
 use glove::{Ends, LateTracker};
+use std::ops::RangeInclusive;
 use thenar::model::Side;
 use thenar_scene::session::{Random, Session};
 use thenar_touch::TrackerTiming;
@@ -63,7 +64,7 @@ pub struct Rehearsal {
     pub grip: Option<f64>,
     /// Time of the scene at which the command stands still \[s\].
     pub until: f64,
-    /// Then the fingers close by so much more, to press \[m\].
+    /// Then the fingers close by this much more, to press \[m\].
     pub press: f64,
     /// Fingers do so and open again at this rate, to the end \[Hz\]; `None` to stay closed.
     pub sway: Option<f64>,
@@ -157,27 +158,18 @@ impl Rehearsal {
     /// Names the number and what it may be.
     pub fn check(&self) -> Result<(), RehearsalError> {
         let Human { mass, damping, stiffness } = self.human;
-        let TrackerTiming { rate, latency, noise } = self.tracker;
         let numbers = [
             ("the mass M", mass, 1e-3..=100.0, "kg", "0.001 to 100 kg"),
             ("the damping B", damping, 0.0..=1000.0, "N s/m", "0 to 1000 N s/m"),
             ("the stiffness K", stiffness, 0.0..=1e5, "N/m", "0 to 100000 N/m"),
-            ("the tracker's rate HZ", rate, 5.0..=1000.0, "Hz", "5 to 1000 Hz"),
-            ("the tracker's DELAY", latency, 0.0..=0.2, "s", "0 to 200 ms"),
-            ("the tracker's NOISE", noise, 0.0..=0.02, "m", "0 to 20 mm"),
             ("the time of the scene", self.until, 0.0..=60.0, "s", "0 to 60 s"),
             ("the way to press", self.press, 0.0..=0.05, "m", "0 to 50 mm"),
             ("the rate to sway", self.sway.unwrap_or(1.0), 0.05..=10.0, "Hz", "0.05 to 10 Hz"),
             ("the time after the push", self.after, 1.0..=60.0, "s", "1 to 60 s"),
             ("the grip", self.grip.unwrap_or(1.0), 1e-3..=1000.0, "N s/m", "0.001 to 1000 N s/m"),
         ];
-        for (what, value, range, unit, expected) in numbers {
-            if !range.contains(&value) {
-                let value = format!("{value} {unit}");
-                return Err(RehearsalError::Number { what, value, expected });
-            }
-        }
-        Ok(())
+        check_all(&numbers)?;
+        check_tracker(&self.tracker)
     }
 
     /// Runs it with the first hand of a scene.
@@ -188,6 +180,33 @@ impl Rehearsal {
         self.check()?;
         Run::new(self, session)?.run()
     }
+}
+
+/// One number of noise with this standard deviation: even ones have it that reach √3 as far.
+fn white(noise: f64, random: &mut Random) -> f64 {
+    if noise > 0.0 { 3.0_f64.sqrt() * noise * random.symmetric() } else { 0.0 }
+}
+
+/// What it is, its value, the values that make sense, unit, and these values in words.
+type Number = (&'static str, f64, RangeInclusive<f64>, &'static str, &'static str);
+
+fn check_all(numbers: &[Number]) -> Result<(), RehearsalError> {
+    for (what, value, range, unit, expected) in numbers {
+        if !range.contains(value) {
+            let value = format!("{value} {unit}");
+            return Err(RehearsalError::Number { what, value, expected });
+        }
+    }
+    Ok(())
+}
+
+fn check_tracker(timing: &TrackerTiming) -> Result<(), RehearsalError> {
+    let TrackerTiming { rate, latency, noise } = *timing;
+    check_all(&[
+        ("the tracker's rate HZ", rate, 5.0..=1000.0, "Hz", "5 to 1000 Hz"),
+        ("the tracker's DELAY", latency, 0.0..=0.2, "s", "0 to 200 ms"),
+        ("the tracker's NOISE", noise, 0.0..=0.02, "m", "0 to 20 mm"),
+    ])
 }
 
 /// A rehearsal under way.
@@ -276,12 +295,8 @@ impl<'a> Run<'a> {
 
     /// The hand as the tracker sees it.
     fn seen(&mut self) -> LivePose {
-        let noise = self.what.tracker.noise;
-        let random = &mut self.random;
-        // Even numbers of this spread have the standard deviation asked for.
-        let mut white =
-            || if noise > 0.0 { 3.0_f64.sqrt() * noise * random.symmetric() } else { 0.0 };
-        self.hand.pose(&mut white)
+        let (noise, random) = (self.what.tracker.noise, &mut self.random);
+        self.hand.pose(&mut || white(noise, random))
     }
 
     fn tick(&mut self, now_ns: u64, before: &[f64; DIGITS]) -> Result<(), RehearsalError> {

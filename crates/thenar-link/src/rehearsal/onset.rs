@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 use thenar_scene::session::Session;
 use thenar_touch::{LoopProfile, MARGIN};
 
-/// Where an onset is sought, as parts of what theory says.
+/// Where an onset is sought, as parts of what theory says, which takes the hold between two samples and what smooths them for one
+/// delay: no more than a factor of two either way, and a quarter to spare. What lies beyond is reported as beyond.
 const RANGE: [f64; 2] = [0.4, 2.5];
 /// Rehearsals within that: each halves what is left, the last to 3 %.
 const PROBES: u32 = 6;
@@ -18,7 +19,9 @@ pub struct Onset {
     pub stiffness: f64,
     /// A spring that acts as late as the loop reckons with, by theory \[N/m\].
     pub theory: f64,
-    /// What the loop shows such a hand \[N/m\].
+    /// All that was tried below the scene's couplings is soft enough: the onset lies above.
+    pub beyond: bool,
+    /// What the loop shows any hand, by the rule with the rehearsal's grip \[N/m\].
     pub shown: f64,
     /// Delay from motion to force that the loop reckons with \[s\].
     pub delay: f64,
@@ -50,15 +53,20 @@ fn profile(delay: f64) -> LoopProfile {
 }
 
 impl Rehearsal {
-    /// Looks for the stiffest coupling on which what disturbs its hand dies out, whatever its `grip` says; `open` opens the
-    /// scene anew for each try.
+    /// Looks for the stiffest coupling on which what disturbs its hand dies out; `open` opens the scene anew for each try.
     ///
     /// # Errors
-    /// A number makes no sense, or the scene has no hand that could be worn.
+    /// A number makes no sense, the hand has no damping, or the scene has no hand that could be worn.
     pub fn onset<E: From<RehearsalError>>(
         &self,
         open: impl Fn() -> Result<Session, E>,
     ) -> Result<Onset, E> {
+        if self.human.damping <= 0.0 {
+            let (what, expected) =
+                ("the damping B", "more than 0 N s/m: without it nothing dies out");
+            let value = format!("{} N s/m", self.human.damping);
+            return Err(RehearsalError::Number { what, value, expected }.into());
+        }
         let still = |grip: Option<f64>| -> Result<(bool, Outcome), E> {
             let out = Self { grip, sway: None, ..*self }.run(open()?)?;
             Ok((out.is_still(), out))
@@ -68,16 +76,18 @@ impl Rehearsal {
         let profile = profile(delay);
         // Half a tick is what holding a force adds.
         let theory = late_spring_onset(&self.human, 0.5 * profile.period + delay);
-        let shown = (MARGIN * profile.felt_stiffness_max(self.human.damping)).min(couplings);
-        let mut onset = Onset { stiffness: f64::INFINITY, theory, shown, delay };
+        let rule = |grip| MARGIN * profile.felt_stiffness_max(grip);
+        let shown = self.grip.map_or(couplings, |grip| rule(grip).min(couplings));
+        let stiffness = f64::INFINITY;
+        let mut onset = Onset { stiffness, theory, beyond: false, shown, delay };
         if all {
             return Ok(onset);
         }
         let [mut low, mut high] = RANGE.map(|part| (part * theory).min(couplings));
-        let mut found = 0.0;
+        let (mut found, most) = (0.0, high);
         for _ in 0..PROBES {
             let middle = (low * high).sqrt();
-            let grip = middle / (MARGIN * profile.felt_stiffness_max(1.0));
+            let grip = (middle / rule(1.0)).clamp(1e-3, 1e3);
             let (is_still, out) = still(Some(grip))?;
             if is_still {
                 (low, found) = (middle, out.stiffness);
@@ -85,7 +95,7 @@ impl Rehearsal {
                 high = middle;
             }
         }
-        onset.stiffness = found;
+        (onset.stiffness, onset.beyond) = (found, high == most && most < couplings);
         Ok(onset)
     }
 }

@@ -1,7 +1,7 @@
 //! One motion felt in several modes: how stiff, how late, and what energy comes back.
 
 use super::led::{Led, scripted};
-use super::{BEFORE, RehearsalError};
+use super::{BEFORE, RehearsalError, check_all, check_tracker};
 use crate::haptic_loop::{LoopMode, Settings};
 use std::f64::consts::TAU;
 use thenar::{Pose, Vec3};
@@ -58,11 +58,28 @@ impl Comparison {
 }
 
 impl Study {
+    /// Its numbers make sense.
+    ///
+    /// # Errors
+    /// The one that does not.
+    pub fn check(&self) -> Result<(), RehearsalError> {
+        let (way, cycles, grip) =
+            (self.way.norm(), f64::from(self.cycles), self.grip.unwrap_or(1.0));
+        check_all(&[
+            ("the way", way, 1e-6..=1.0, "m", "longer than 0 and at most 1 m"),
+            ("the frequency", self.frequency, 0.05..=20.0, "Hz", "0.05 to 20 Hz"),
+            ("the number of cycles", cycles, 1.0..=1000.0, "", "1 to 1000"),
+            ("the grip", grip, 1e-3..=1000.0, "N s/m", "0.001 to 1000 N s/m"),
+        ])?;
+        check_tracker(&self.tracker)
+    }
+
     /// Leads the first hand of a scene through it.
     ///
     /// # Errors
-    /// The scene has no hand that could be felt.
+    /// A number makes no sense, or the scene has no hand that could be felt.
     pub fn run(&self, session: Session, mode: LoopMode) -> Result<Comparison, RehearsalError> {
+        self.check()?;
         let start = scripted(&session, 0.0)?;
         let Self { design, grip, .. } = *self;
         let settings = Settings { mode, design, grip, ..Settings::default() };

@@ -5,7 +5,8 @@ use crate::held::{Watched, holding};
 use thenar::{Pose, Vec3};
 use thenar_track::live::LivePose;
 
-/// Forces are back to within a tenth so long after a fault \[ms\]: 0.2 s without a pause and a ramp of half a second.
+/// Forces are back to within a tenth this long after a fault \[ms\]: 0.2 s without a pause, a ramp of half a second, and 0.1 s for what
+/// the flesh makes up.
 const BACK: usize = 800;
 
 fn shifted(pose: &LivePose, by: Vec3) -> LivePose {
@@ -21,12 +22,13 @@ fn returns(held: &mut Watched, full: f64, what: &str, back: usize) {
     assert!(least > 0.9 * full, "{what}: {least} of {full} N");
 }
 
-/// Poses that are none, that repeat themselves, that contradict each other, and none at all: for 0.3 s each.
+/// Poses that are none, that repeat themselves, and none at all, for 0.3 s each; then poses two metres apart in turn, which make it
+/// another hand: what that held is not felt.
 #[test]
 fn a_tracker_that_fails_while_something_is_held() {
     let mut held = holding();
     let full = held.total();
-    for what in ["no numbers", "the same again", "unseen", "in doubt", "silent"] {
+    for what in ["no numbers", "the same again", "unseen", "silent", "in doubt"] {
         let (then, mut odd) = (held.now_ns(), false);
         let forces = held.go(300, |rig, pose, _| match what {
             "no numbers" => {
@@ -45,8 +47,11 @@ fn a_tracker_that_fails_while_something_is_held() {
         });
         assert!(forces[80] > 0.9 * full, "{what}: {} of {full} N", forces[80]);
         assert!(forces[170..].iter().all(|force| *force == 0.0), "{what}: {:?}", &forces[170..]);
-        returns(&mut held, full, what, BACK);
+        if what != "in doubt" {
+            returns(&mut held, full, what, BACK);
+        }
     }
+    assert_eq!(held.tripped(), None);
 }
 
 /// A glitch of 5 cm for one sample, a device that is silent for 0.2 s, a simulation for 0.3 s, a loop for 50 ms; then a teleport: from the

@@ -18,7 +18,7 @@ fn several(renderings: [Rendering; 2]) -> (Rig, Wearer) {
     (rig, second)
 }
 
-/// So many ticks with the finger pressed so far, seen by the first tracker and, `by` elsewhere, by the second, if they look.
+/// Some ticks with the finger pressed by `press`, seen by the first tracker and, `by` elsewhere, by the second, if they look.
 fn go(rig: &mut Rig, other: &Wearer, ms: u64, press: f64, [first, second]: [bool; 2]) {
     for k in 0..ms {
         rig.blocked_frame();

@@ -10,7 +10,7 @@ use crate::{
     DIGITS, Felt, HandReport, HandSample, PAD_NORMAL_B, Pad, PadReading, RigidState, Touch,
     TrackerTiming, seconds_between,
 };
-use held::Held;
+use held::{Held, Newest};
 use thenar::math::rotation_vector;
 use thenar::model::{Digit, HandModel, Side};
 use thenar::world::Target;
@@ -46,6 +46,7 @@ pub struct LoopHand {
     tracker: Option<(usize, u64)>,
     /// The last sample that was believed.
     held: Option<Held>,
+    newest: Newest,
     /// Time of the sample that the last tick took, if it took one \[ns\].
     fresh_ns: Option<u64>,
     /// Time of the newest sample that counts as tracking \[ns\].
@@ -89,6 +90,7 @@ impl LoopHand {
             frame_step,
             tracker: None,
             held: None,
+            newest: Newest::default(),
             fresh_ns: None,
             tracked_ns: 0,
             palm_last: None,
@@ -115,8 +117,7 @@ impl LoopHand {
         stated: Option<TrackerTiming>,
     ) {
         let before = self.tracker();
-        self.take(tracker, sample, now_ns);
-        if self.fresh_ns != Some(sample.time_ns) {
+        if !self.take(tracker, sample, now_ns) {
             return;
         }
         for felt in self.felt.iter_mut().chain(&mut self.turn) {
@@ -128,20 +129,23 @@ impl LoopHand {
     }
 
     /// Takes a sample of tracker `tracker`. Of two trackers of one hand the one that moves it goes
-    /// on until it has been silent for a while.
-    pub fn take(&mut self, tracker: usize, sample: &HandSample, now_ns: u64) {
+    /// on until it has been silent for a while. True if the sample moves the hand.
+    pub fn take(&mut self, tracker: usize, sample: &HandSample, now_ns: u64) -> bool {
         if let Some((moving, heard_ns)) = self.tracker {
             let silent = now_ns.saturating_sub(heard_ns) > TRACKER_SILENCE_NS;
             if moving != tracker && !silent {
-                return;
+                return false;
             }
         }
         // One that does not see the hand is silent, and keeps no other from it.
-        let Some(pose) = &sample.pose else { return };
+        let Some(pose) = &sample.pose else { return false };
         let goes_on = self.tracker.is_some_and(|(moving, _)| moving == tracker);
-        // Nor does one that says the same again say where the hand is.
-        if goes_on && self.held.as_ref().is_some_and(|held| !held.is_news(sample.time_ns)) {
-            return;
+        if !goes_on {
+            self.newest = Newest::default();
+        }
+        // Nor does one that says the same again say where the hand is, whether or not it was believed.
+        if !self.newest.hears(sample.time_ns) {
+            return false;
         }
         self.tracker = Some((tracker, now_ns));
         if self.live.mover() == Mover::Script {
@@ -157,13 +161,14 @@ impl LoopHand {
         self.held.iter_mut().for_each(|held| held.doubt(false));
         // A pose that is none has been told of by the device; here it only ages.
         if self.live.pose(time, pose, &self.targets).is_err() || self.live.waits() {
-            return;
+            return false;
         }
         self.held = Some(Held::new(pose, sample.time_ns, now_ns));
         self.fresh_ns = Some(sample.time_ns);
         if !self.live.is_setting_out() {
             self.tracked_ns = sample.time_ns;
         }
+        true
     }
 
     /// True if no sample was believed for too long.

@@ -14,6 +14,7 @@ use crate::contact::manifold::{Manifold, ManifoldPoint};
 use crate::contact::mesh_clear;
 use crate::contact::mesh_deep::{self, DeepFace};
 use crate::contact::mesh_index::MeshEdge;
+use crate::contact::mesh_normals::{SAME, STANDING};
 use crate::contact::nearest::{point as weighted, sharpened};
 use crate::contact::rigid_pair::{Reach, reversed};
 use crate::contact::support::{Solid, inradius, support};
@@ -26,13 +27,6 @@ use crate::math::Vec3;
 const RIM_POINTS: usize = 8;
 /// Iterations that find the lowest point of a rim over a mesh; on a flat one the first does.
 const SETTLE: usize = 4;
-/// Points nearer to each other than this part of the shape are one: a tenth of what places of contacts are good for
-/// (10 µm, of shapes of a centimetre), so that none is let go that says more.
-const SAME: f64 = 1e-4;
-
-/// A flat face of a shape that stands on a mesh may lean by so much from the mesh's normals \[rad\], while it settles: a
-/// distance off the mesh is a thousandth shorter then.
-const STANDING: f64 = 0.045;
 
 /// Deeper than this part of a sharp shape's inradius its nearest face need not be the one that was entered: there only
 /// corners and vertices tell the way out. Up to it, that is so only within as much of the border of a face. Found by
@@ -134,12 +128,12 @@ pub(crate) fn mesh_on_mesh(a: &Mover, b: &Mover, reach: Reach, manifold: &mut Ma
 pub(super) struct Pair<'a> {
     pub a: Solid<'a>,
     pub b: Solid<'a>,
-    movers: [&'a Mover<'a>; 2],
+    pub movers: [&'a Mover<'a>; 2],
     pub reach: Reach,
     /// How far points can move against each other in the step \[m\].
     pub travel: f64,
     /// A length of A below which places do not differ \[m\].
-    same: f64,
+    pub same: f64,
 }
 
 impl<'a> Pair<'a> {
@@ -210,40 +204,6 @@ impl<'a> Pair<'a> {
         let bounds =
             self.movers[0].piece.bounds.moved(&rotation, &self.b.shape_point(&self.a.origin));
         bounds.inflate(self.reach.margin + self.travel)
-    }
-
-    /// Whether mesh B, which holds the surface point `q_W`, is nearest there to what lies off it by
-    /// `gap` (or at least a little) along `n_W`: whether `n_W` leans by no more than `lean` \[rad\] from one of its
-    /// normals, to round-off.
-    fn is_normal(&self, q_W: &Vec3, gap: f64, n_W: &Vec3, lean: f64) -> bool {
-        let off = gap.max(self.same);
-        let there = self.b.distance(&(q_W + off * n_W));
-        let sizes = self.movers[0].side.body.radius + self.movers[1].side.body.radius;
-        let round_off = 8.0 * f64::EPSILON * (q_W.norm() + sizes);
-        (there.value - off).abs() <= 0.5 * lean * lean * off + round_off
-    }
-
-    /// The same of a point of a triangle. A shape that is round touches the triangle beside the nearest one at its border,
-    /// a little aside and so a little aslant. Where the two are level such a point holds nothing: it leans by as many
-    /// radians as it lies radii aside, [`SAME`] at most. Along its straight lines a shape may stand.
-    fn is_normal_beside(&self, q_W: &Vec3, gap: f64, n_W: &Vec3) -> bool {
-        let straight = match self.a.shape {
-            Shape::Sphere { .. } | Shape::Ellipsoid { .. } => None,
-            Shape::Capsule { .. } | Shape::Cylinder { .. } | Shape::Cone { .. } => {
-                Some(self.a.rotation.column(1).into_owned())
-            }
-            _ => return self.is_normal(q_W, gap, n_W, STANDING),
-        };
-        if self.is_normal(q_W, gap, n_W, SAME) {
-            return true;
-        }
-        let Some(along_W) = straight else { return false };
-        // Where it leans is known from a little off both surfaces.
-        let off = gap.max(self.same);
-        let there = self.b.distance(&(q_W + off * n_W)).gradient;
-        let leans = there - n_W.dot(&there) * n_W;
-        let across = leans - leans.dot(&along_W) * along_W;
-        across.norm() <= SAME && self.is_normal(q_W, gap, n_W, STANDING)
     }
 }
 
@@ -339,10 +299,14 @@ fn faces(
         if gap > margin || gap <= -shallow {
             return;
         }
-        if pair.is_normal_beside(&q_W, gap, &n_W) {
+        let seen = pair.seen_off(&q_W, gap, &n_W);
+        // Of triangles that are equally near but for round-off the lowest index.
+        let rank = |n: &DeepFace| ((n.gap / (1e-3 * pair.same)).round() as i64, n.triangle);
+        let face = DeepFace { triangle: t, q_W, n_W, gap };
+        if pair.is_normal_beside(&seen, &n_W) {
             pair.push(FACE | t, q_W + 0.5 * gap * n_W, n_W, gap, manifold);
-        } else if nearest.is_none_or(|n| gap < n.gap) && pair.is_normal(&q_W, gap, &n_W, STANDING) {
-            nearest = Some(DeepFace { triangle: t, q_W, n_W, gap });
+        } else if seen.is_within(STANDING) && nearest.is_none_or(|n| rank(&face) < rank(&n)) {
+            nearest = Some(face);
         }
     });
     // The nearest of all is one of both surfaces, however aslant it was found.

@@ -42,6 +42,7 @@ mod mesh_clear;
 mod mesh_deep;
 mod mesh_distance;
 mod mesh_index;
+mod mesh_normals;
 mod mesh_pair;
 mod near;
 mod nearest;

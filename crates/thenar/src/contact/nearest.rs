@@ -149,7 +149,10 @@ fn newton(slope: f64, curvature: f64, length: f64) -> f64 {
 
 /// The step in a plane with these axes, along both directions of main curvature.
 fn step_within(shape: &Shape, p: &Vec3, axes: [Vec3; 2], length: f64) -> Vec3 {
-    let slopes = |p: &Vec3| axes.map(|axis| shape.distance(p).gradient.dot(&axis));
+    let slopes = |p: &Vec3| {
+        let gradient = shape.distance(p).gradient;
+        axes.map(|axis| gradient.dot(&axis))
+    };
     let d = APART * length;
     let rows = axes.map(|axis| {
         let [plus, minus] = [slopes(&(p + d * axis)), slopes(&(p - d * axis))];

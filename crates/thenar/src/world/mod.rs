@@ -35,6 +35,7 @@ mod state;
 mod step;
 mod two_step;
 
+pub use crate::room::Room;
 pub use crate::solver::Failure;
 pub use alone::Alone;
 pub use check::GRAVITY_MAX;

@@ -25,7 +25,7 @@ type Tip = (&'static str, &'static str, f64);
 
 const LEVEL: &str = "{ axis = [0, 0, 1], angle = 0 }";
 
-const TIPS: [Tip; 8] = [
+const TIPS: [Tip; 9] = [
     (r#"{ kind = "sphere", radius = 0.01 }"#, LEVEL, 0.01),
     (r#"{ kind = "ellipsoid", size = [0.03, 0.012, 0.02] }"#, LEVEL, 0.006),
     // Along z, and leaning by 30°, on its end.
@@ -62,10 +62,16 @@ const TIPS: [Tip; 8] = [
         "{ axis = [0, 0, 1], angle_deg = 40 }",
         0.01 * (0.766_044 + 0.642_788),
     ),
+    // On its side, along z.
+    (
+        r#"{ kind = "cone", radius = 0.01, height = 0.02 }"#,
+        "{ axis = [0.6015010, 0.3717480, 0.6015010], angle_deg = 136.353073 }",
+        0.006708204,
+    ),
 ];
 
 /// Tips that touch a plane along a line.
-const LINES: [usize; 2] = [2, 7];
+const LINES: [usize; 3] = [2, 7, 8];
 const ALL: Vec3 = Vec3::new(1.0, 1.0, 1.0);
 
 /// A level plate of triangles, 60 mm square, top at half its height of 4 mm.

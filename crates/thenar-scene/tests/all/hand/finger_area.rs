@@ -42,12 +42,13 @@ struct Thing {
     shape: &'static str,
     /// About z.
     angle_deg: f64,
-    /// Its middle below the upper side \[m\].
+    /// Depth of its middle below the upper side \[m\].
     below: f64,
     distance: fn(&Vec3) -> f64,
     /// With what the finger presses \[N\].
     loads: [f64; 3],
-    /// How far the area may be off, in parts.
+    /// How far the area may be off, in parts: on what is round or sharp a patch has one to three points of the skin, each of
+    /// which stands for an area around it; on the plate it has ten and more.
     within: f64,
 }
 

@@ -14,8 +14,11 @@ const AGAIN_NS: u64 = 85_000_000;
 const BORNE_OUT_NS: u64 = 5_000_000;
 /// After a longer gap between two ticks, at which the guards trip, nothing goes on \[ns\].
 const GAP_NS: u64 = 500_000_000;
-/// Samples may overtake each other by so much on their way \[ns\]: as long as a pose counts at all.
+/// Within this time samples may overtake each other on their way \[ns\]: as long as a pose counts at all.
 const OVERTAKEN_NS: u64 = 100_000_000;
+/// A sample measured this little after another is that sample again, as a clock that is followed at its rate dates it \[ns\]:
+/// poses of one motion lie further apart.
+const AGAIN_MEASURED_NS: u64 = 500_000;
 /// Seen so far from where it was, it is elsewhere: place \[m\], turn of the wrist and of a joint \[rad\]. A sample so far
 /// from what was expected is a teleport.
 const FAR: [f64; 2] = [0.05, 0.5];
@@ -27,8 +30,7 @@ pub struct Held {
     /// When it was measured, and when it came; both go on with each time it is told again \[ns\].
     time_ns: u64,
     came_ns: u64,
-    /// When it was measured and came first \[ns\].
-    measured_ns: u64,
+    /// When it came first \[ns\].
     seen_ns: u64,
     /// The sample was repeated, and is in doubt.
     doubted: bool,
@@ -37,14 +39,7 @@ pub struct Held {
 impl Held {
     /// A sample measured at `time_ns` that came now.
     pub fn new(pose: &LivePose, time_ns: u64, now_ns: u64) -> Self {
-        let (measured_ns, came_ns, seen_ns) = (time_ns, now_ns, now_ns);
-        Self { pose: pose.clone(), time_ns, came_ns, measured_ns, seen_ns, doubted: false }
-    }
-
-    /// True for a sample measured at `time_ns` that is neither this one again nor overtaken by it. A clock that jumped back
-    /// further begins afresh.
-    pub fn is_news(&self, time_ns: u64) -> bool {
-        time_ns > self.measured_ns || self.measured_ns - time_ns > OVERTAKEN_NS
+        Self { pose: pose.clone(), time_ns, came_ns: now_ns, seen_ns: now_ns, doubted: false }
     }
 
     /// When the hand was last seen \[ns\].
@@ -93,6 +88,24 @@ impl Held {
     }
 }
 
+/// When the newest sample of a tracker was measured, believed or not \[ns\].
+#[derive(Clone, Copy, Debug, Default, serde::Serialize, serde::Deserialize)]
+pub struct Newest(Option<u64>);
+
+impl Newest {
+    /// True for a sample measured at `time_ns` that is neither the newest again nor overtaken by it, which then is the
+    /// newest. A clock that jumped back further begins afresh.
+    pub fn hears(&mut self, time_ns: u64) -> bool {
+        let is_news = self.0.is_none_or(|newest| {
+            time_ns > newest + AGAIN_MEASURED_NS || time_ns + OVERTAKEN_NS < newest
+        });
+        if is_news {
+            self.0 = Some(time_ns);
+        }
+        is_news
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -127,10 +140,13 @@ mod tests {
 
     /// The same sample, and one that was overtaken, say nothing new; a clock that was set back does.
     #[test]
-    fn what_is_told_again_is_no_news() {
-        let held = Held::new(&angles(0.0, 0.0, 0.0), 500 * MS, 510 * MS);
-        assert!(held.is_news(501 * MS) && held.is_news(399 * MS));
-        assert!(!held.is_news(500 * MS) && !held.is_news(450 * MS));
+    fn what_is_repeated_is_no_news() {
+        let mut newest = Newest::default();
+        assert!(newest.hears(500 * MS) && newest.hears(501 * MS));
+        assert!(
+            !newest.hears(501 * MS) && !newest.hears(501 * MS + 1200) && !newest.hears(450 * MS)
+        );
+        assert!(newest.hears(502 * MS) && newest.hears(399 * MS) && newest.hears(400 * MS));
     }
 
     /// Every 85 ms of silence once, each by its own time, and 5 ms after one that is in doubt; as often as was missed after a gap,

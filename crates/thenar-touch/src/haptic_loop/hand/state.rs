@@ -1,7 +1,7 @@
 //! A hand in the loop, as it is kept for an incident and taken up again.
 
 use super::LoopHand;
-use super::held::Held;
+use super::held::{Held, Newest};
 use crate::haptic_loop::exchange::FastEnds;
 use crate::{DIGITS, Felt, HandReport, HapticHand, Pad};
 use serde::{Deserialize, Serialize};
@@ -24,6 +24,7 @@ pub struct HandStateRef<'a> {
     beginnings: u64,
     tracker: Option<(usize, u64)>,
     held: &'a Option<Held>,
+    newest: Newest,
     tracked_ns: u64,
     palm_last: Option<Pose>,
     /// Step of the frame that the hand is on.
@@ -44,6 +45,7 @@ pub struct HandState {
     beginnings: u64,
     tracker: Option<(usize, u64)>,
     held: Option<Held>,
+    newest: Newest,
     tracked_ns: u64,
     palm_last: Option<Pose>,
     /// Step of the frame that the hand was on.
@@ -65,6 +67,7 @@ impl LoopHand {
             beginnings: self.beginnings,
             tracker: self.tracker,
             held: &self.held,
+            newest: self.newest,
             tracked_ns: self.tracked_ns,
             palm_last: self.palm_last,
             frame: self.frame_step,
@@ -89,6 +92,7 @@ impl LoopHand {
             frame_step: state.frame,
             tracker: state.tracker,
             held: state.held,
+            newest: state.newest,
             fresh_ns: None,
             tracked_ns: state.tracked_ns,
             palm_last: state.palm_last,
