@@ -50,6 +50,10 @@ pub struct Args {
     svg: Option<PathBuf>,
 }
 
+/// One of an onset's figures.
+type Value = fn(&Onset) -> f64;
+/// Of a line in the picture.
+type Points = Vec<(f64, f64)>;
 /// By rate, then by delay.
 type Map = Vec<Vec<Onset>>;
 
@@ -173,17 +177,16 @@ fn picture(args: &Args, map: &Map) -> String {
     let row = |r: usize, value: fn(&Onset) -> f64| {
         finite(args.delays.iter().zip(&map[r]).map(|(delay, o)| (*delay, value(o))).collect())
     };
-    let lines = |count: usize,
-                 name: &dyn Fn(usize) -> String,
-                 points: &dyn Fn(usize, fn(&Onset) -> f64) -> Vec<(f64, f64)>| {
-        let each = (0..count).flat_map(|i| {
-            let line = Line::new(name(i), i, Dash::Solid, points(i, theory));
-            let dots = Line { dots: points(i, found), ..line };
-            let loops = format!("{}, shown", name(i));
-            [dots, Line::new(loops, i, Dash::Dashed, points(i, shown))]
-        });
-        each.collect::<Vec<Line>>()
-    };
+    let lines =
+        |count: usize, name: &dyn Fn(usize) -> String, points: &dyn Fn(usize, Value) -> Points| {
+            let each = (0..count).flat_map(|i| {
+                let line = Line::new(name(i), i, Dash::Solid, points(i, theory));
+                let dots = Line { dots: points(i, found), ..line };
+                let loops = format!("{}, shown", name(i));
+                [dots, Line::new(loops, i, Dash::Dashed, points(i, shown))]
+            });
+            each.collect::<Vec<Line>>()
+        };
     let all = || {
         let each = map.iter().flatten().flat_map(|o| [found(o), theory(o), shown(o)]);
         each.filter(|y| y.is_finite() && *y > 0.0)
