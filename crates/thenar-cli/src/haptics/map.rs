@@ -52,7 +52,7 @@ pub struct Args {
 
 /// One of an onset's figures.
 type Value = fn(&Onset) -> f64;
-/// Of a line in the picture.
+/// Points of a line in the picture.
 type Points = Vec<(f64, f64)>;
 /// By rate, then by delay.
 type Map = Vec<Vec<Onset>>;

@@ -16,7 +16,7 @@ pub struct Led {
     stage: Stage,
     ends: Ends,
     tracker: LateTracker,
-    /// Of what the tracker sees \[m\].
+    /// Noise of what the tracker sees \[m\].
     noise: f64,
     random: Random,
     side: Side,

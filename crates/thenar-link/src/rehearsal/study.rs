@@ -58,7 +58,7 @@ impl Comparison {
 }
 
 impl Study {
-    /// Its numbers make sense.
+    /// Looks whether the numbers make sense.
     ///
     /// # Errors
     /// The one that does not.

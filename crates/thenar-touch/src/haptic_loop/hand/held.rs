@@ -138,7 +138,7 @@ mod tests {
         assert!(held.is_far(&joints(|k| if k == 24 { 0.06 } else { 0.0 })));
     }
 
-    /// The same sample, and one that was overtaken, say nothing new; a clock that was set back does.
+    /// A sample that is repeated, and one that was overtaken, say nothing new; a clock that was set back does.
     #[test]
     fn what_is_repeated_is_no_news() {
         let mut newest = Newest::default();
