@@ -114,7 +114,7 @@ test("a headset's hands are tracked, followed, and feel the loaf", { timeout: 24
   await page.waitForTimeout(1500);
   const openGap = await gap(page);
   expect(openGap).toBeGreaterThan(0.035);
-  // A page that stood still for a while begins again with an open hand.
+  // Beside a build a single pinch did not arrive once.
   const pinched = async (): Promise<number> => {
     await pinch(page, "right", 1);
     return gap(page);
