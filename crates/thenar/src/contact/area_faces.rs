@@ -79,16 +79,17 @@ impl Faces {
         (0..3).max_by(|&i, &j| least(i).total_cmp(&least(j))).unwrap_or(0)
     }
 
-    /// Whether the place with these weights of corners 1 and 2 is outside, farther than [`TOUCHING`] from all faces:
-    /// the way there from the place outside, over the same side of all planes, goes through none of them.
-    pub fn are_beyond(&self, u: f64, v: f64) -> bool {
-        let x = &self.x;
+    /// Whether the triangle between places with these weights of corners 1 and 2 is outside, farther than [`TOUCHING`]
+    /// from all faces: the way there from the place outside, over the same side of all planes, goes through none.
+    pub fn are_beyond(&self, places: [[f64; 2]; 3]) -> bool {
+        let [start, one, two] = self.x;
         self.faces[..self.count].iter().all(|Face { heights: [a, b, c], bounds }| {
-            let height = a + u * (b - a) + v * (c - a);
-            height > FARTHER
-                || height > 0.0 && {
-                    let p = x[0] + u * (x[1] - x[0]) + v * (x[2] - x[0]);
-                    bounds.distance_squared(&p) > FARTHER * FARTHER
+            let height = |[u, v]: [f64; 2]| a + u * (b - a) + v * (c - a);
+            let lowest = places.map(height).into_iter().fold(f64::INFINITY, f64::min);
+            lowest > FARTHER
+                || lowest > 0.0 && {
+                    let at = places.map(|[u, v]| start + u * (one - start) + v * (two - start));
+                    !Aabb::of_points(&at).inflate(FARTHER).overlaps(bounds)
                 }
         })
     }
@@ -115,7 +116,7 @@ mod tests {
         let mesh = MeshShape::new(points, triangles, grid_of(&boxed(0.02), 0.03, 13));
         let shape = Shape::Mesh(Arc::new(mesh.clone()));
         let mut random = Random::new(4);
-        let (mut told, mut all) = (0, 0);
+        let (mut told, mut all, mut parts_told, mut parts) = (0, 0, 0, 0);
         for i in 0..2000 {
             // Upon a face, along it or not.
             let flat = if i % 2 == 0 { 0.05 } else { 1.0 };
@@ -126,15 +127,31 @@ mod tests {
                 middle + Vec3::new(arm.x, flat * arm.y, arm.z)
             });
             let Some(faces) = Faces::near(&shape, x, &Cell::new(0)) else { continue };
+            let at = |u: f64, v: f64| x[0] + u * (x[1] - x[0]) + v * (x[2] - x[0]);
             for (j, k) in (0..=8).flat_map(|j| (0..=8 - j).map(move |k| (j, k))) {
                 let (u, v) = (f64::from(j) / 8.0, f64::from(k) / 8.0);
-                let p = x[0] + u * (x[1] - x[0]) + v * (x[2] - x[0]);
+                let p = at(u, v);
                 let is_beyond = mesh.distance(&p).value > TOUCHING;
-                assert!(is_beyond || !faces.are_beyond(u, v), "{i}: {p}");
+                assert!(is_beyond || !faces.are_beyond([[u, v]; 3]), "{i}: {p}");
                 all += u32::from(is_beyond);
-                told += u32::from(faces.are_beyond(u, v));
+                told += u32::from(faces.are_beyond([[u, v]; 3]));
+            }
+            // Of parts with such corners, places inside.
+            for (j, k) in (0..8).flat_map(|j| (0..8 - j).map(move |k| (f64::from(j), f64::from(k))))
+            {
+                let part = [[j, k], [j + 1.0, k], [j, k + 1.0]].map(|w| w.map(|w| w / 8.0));
+                let is_beyond = |w: [f64; 3]| {
+                    let [u, v] = [0, 1].map(|i| (0..3).map(|c| w[c] * part[c][i]).sum::<f64>());
+                    mesh.distance(&at(u, v)).value > TOUCHING
+                };
+                let inside = [[0.4, 0.4, 0.2], [0.4, 0.2, 0.4], [0.2, 0.4, 0.4], [0.5, 0.5, 0.0]];
+                let are_beyond = inside.into_iter().all(is_beyond);
+                assert!(are_beyond || !faces.are_beyond(part), "{i}: {part:?}");
+                parts += u32::from(are_beyond);
+                parts_told += u32::from(faces.are_beyond(part));
             }
         }
         assert!(all > 20_000 && 10 * told > 9 * all, "{told} of {all}");
+        assert!(parts > 20_000 && 10 * parts_told > 8 * parts, "{parts_told} of {parts}");
     }
 }

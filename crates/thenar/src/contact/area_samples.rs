@@ -1,8 +1,8 @@
 //! The part of a triangle that is nearer to something than [`TOUCHING`], by samples of the distance.
 
-use crate::contact::Shape;
 use crate::contact::area::TOUCHING;
 use crate::contact::triangle::{ROUNDED_UP, area_vector};
+use crate::contact::{Distance, Shape};
 use crate::math::Vec3;
 
 /// Most parts into which the edges of a triangle are divided.
@@ -16,22 +16,25 @@ pub(super) fn parts_for(shape: &Shape, x: &[Vec3; 3]) -> usize {
     ((edge / part).ceil() as usize).clamp(1, PARTS_MAX)
 }
 
-/// A distance within bounds. Where they tell that no sample beside it lies on the other side of [`TOUCHING`], they
-/// are not looked into, and the value is one of them.
+/// A distance within bounds. Where they tell that all beside it lies on the same side of [`TOUCHING`], it is not looked
+/// into, and the value is one of them.
 #[derive(Clone, Copy)]
 struct Sample {
     value: f64,
     low: f64,
     high: f64,
+    /// Of the distance, where that was looked into.
+    gradient: Option<Vec3>,
 }
 
 impl Sample {
-    const UNKNOWN: Self = Self { value: 0.0, low: f64::NEG_INFINITY, high: f64::INFINITY };
-    /// Farther than [`TOUCHING`], and not looked into as long as none beside it is nearer.
-    const BEYOND: Self = Self { value: f64::INFINITY, low: TOUCHING, high: f64::INFINITY };
+    const UNKNOWN: Self =
+        Self { value: 0.0, low: f64::NEG_INFINITY, high: f64::INFINITY, gradient: None };
+    /// Farther than [`TOUCHING`], and not looked into as long as the parts beside it are.
+    const BEYOND: Self = Self { value: f64::INFINITY, low: TOUCHING, ..Self::UNKNOWN };
 
-    fn exact(value: f64) -> Self {
-        Self { value, low: value, high: value }
+    fn exact(Distance { value, gradient }: Distance) -> Self {
+        Self { value, low: value, high: value, gradient: Some(gradient) }
     }
 
     /// The knowledge of a place so far away, as a distance changes by no more than the way.
@@ -49,59 +52,69 @@ impl Sample {
         self,
         widest: f64,
         is_beyond: impl Fn() -> bool,
-        distance: impl Fn(f64) -> f64,
+        distance: impl Fn(f64) -> Distance,
     ) -> Self {
         let Self { low, high, .. } = self;
         if low > TOUCHING + widest {
-            return Self { value: low, ..self };
+            return Self { value: low, gradient: None, ..self };
         }
         if high < TOUCHING - widest {
-            return Self { value: high, ..self };
+            return Self { value: high, gradient: None, ..self };
         }
         if is_beyond() {
             return Self::BEYOND;
         }
         Self::exact(distance(high.max(-low)))
     }
+
+    /// Whether all within a part's width is known to lie on its side of [`TOUCHING`].
+    fn is_clear(&self) -> bool {
+        self.gradient.is_none() && self.value < f64::INFINITY
+    }
 }
 
 /// Area of the part of triangle `x` where `distance` is below [`TOUCHING`] \[m²\], with edges divided
-/// into so many parts. `distance` is asked with a bound that it does not exceed on either side; of places, by their
-/// weights of corners 1 and 2, of which `beyond` says that they are farther it is asked only beside what is below.
+/// into so many parts. `distance` is asked with a bound that it does not exceed on either side. Of places, by their
+/// weights of corners 1 and 2, `beyond` says whether the triangle between them is farther all over; it may not know.
 pub(super) fn area_below(
     x: &[Vec3; 3],
     parts: usize,
-    distance: impl Fn(&Vec3, f64) -> f64,
-    beyond: impl Fn(f64, f64) -> bool,
+    distance: impl Fn(&Vec3, f64) -> Distance,
+    beyond: impl Fn([[f64; 2]; 3]) -> bool,
 ) -> f64 {
     let n = parts.min(PARTS_MAX);
     // Between samples.
     let ways = [0, 1, 2].map(|k| (x[(k + 1) % 3] - x[k]).norm() / n as f64 * ROUNDED_UP);
     let widest = ways.iter().copied().fold(0.0, f64::max);
-    let weights = |i: usize, j: usize| (i as f64 / n as f64, j as f64 / n as f64);
-    let there = |i: usize, j: usize, most: f64| {
-        let (u, v) = weights(i, j);
-        distance(&(x[0] + (x[1] - x[0]) * u + (x[2] - x[0]) * v), most)
+    let weights = |i: usize, j: usize| [i as f64 / n as f64, j as f64 / n as f64];
+    let place = |i: usize, j: usize| {
+        let [u, v] = weights(i, j);
+        x[0] + (x[1] - x[0]) * u + (x[2] - x[0]) * v
     };
     let at = |i: usize, j: usize, known: Sample| {
-        let (u, v) = weights(i, j);
-        known.settled(widest, || beyond(u, v), |most| there(i, j, most))
+        let is_beyond = || beyond([weights(i, j); 3]);
+        known.settled(widest, is_beyond, |most| distance(&place(i, j), most))
     };
-    // A corner that lies beyond is looked into only beside one that does not.
     let part = |corners: [(&mut Sample, usize, usize); 3]| {
-        let [(a, ..), (b, ..), (c, ..)] = &corners;
-        let least = a.value.min(b.value).min(c.value);
-        if least > TOUCHING {
-            return 0.0;
+        if let Some((clear, ..)) = corners.iter().find(|(sample, ..)| sample.is_clear()) {
+            return if clear.value > TOUCHING { 0.0 } else { 1.0 };
         }
-        let mut gaps = [0.0; 3];
-        for (gap, (sample, i, j)) in gaps.iter_mut().zip(corners) {
-            if sample.value == f64::INFINITY {
-                *sample = Sample::exact(there(i, j, f64::INFINITY));
+        let is_unknown = |(sample, ..): &(&mut Sample, usize, usize)| sample.gradient.is_none();
+        if corners.iter().any(is_unknown) {
+            let [a, b, c] = &corners;
+            if beyond([a, b, c].map(|(_, i, j)| weights(*i, *j))) {
+                return 0.0;
             }
-            *gap = sample.value;
         }
-        part_below(gaps)
+        let planes = corners.map(|(sample, i, j)| {
+            let x = place(i, j);
+            if sample.gradient.is_none() {
+                *sample = Sample::exact(distance(&x, f64::INFINITY));
+            }
+            (x, sample.value, sample.gradient.unwrap_or_default())
+        });
+        let rises = planes.map(|(x, gap, slope)| planes.map(|(y, ..)| gap + slope.dot(&(y - x))));
+        part_below_planes(rises)
     };
     // Two rows of samples at a time.
     let mut below = [Sample::UNKNOWN; PARTS_MAX + 1];
@@ -128,6 +141,55 @@ pub(super) fn area_below(
         std::mem::swap(&mut below, &mut above);
     }
     area_vector(x).norm() * parts_below / (n * n) as f64
+}
+
+/// The part of a triangle's area where a distance is below [`TOUCHING`], given its tangent planes at the corners by
+/// their values at all corners. A distance that bends up lies between these planes and the plane through its values.
+/// Where it bends no more than [`parts_for`] allows, the middle of what the two cut out is right to second order;
+/// where an edge or a tip of the shape lies between the corners it is made of the tangent planes.
+fn part_below_planes(rises: [[f64; 3]; 3]) -> f64 {
+    let gaps = [0, 1, 2].map(|i| rises[i][i]);
+    let under = |i: usize, j: usize| gaps[j] - rises[i][j];
+    let pairs = (0..3).flat_map(|i| (0..3).map(move |j| (i, j)));
+    let (least, most) = pairs.fold((0.0_f64, 0.0_f64), |(least, most), (i, j)| {
+        (least.min(under(i, j)), most.max(under(i, j)))
+    });
+    // In a hollow, or between pieces: four times the bend that is allowed, as a tangent leaves a curve.
+    if least < -TOUCHING {
+        return part_below(gaps);
+    }
+    if most > TOUCHING {
+        return part_below_all(rises);
+    }
+    0.5 * (part_below(gaps) + part_below_all(rises))
+}
+
+/// The part of a triangle's area where three linear functions with these corner values are all below [`TOUCHING`].
+fn part_below_all(functions: [[f64; 3]; 3]) -> f64 {
+    // By weights of the corners; each cut adds a corner at most.
+    let mut polygon = [[0.0_f64; 3]; 6];
+    (polygon[0], polygon[1], polygon[2]) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+    let mut count = 3;
+    for f in functions {
+        let height = |w: &[f64; 3]| w.iter().zip(&f).map(|(w, f)| w * (f - TOUCHING)).sum::<f64>();
+        let (whole, corners) = (polygon, count);
+        count = 0;
+        for (k, from) in whole[..corners].iter().enumerate() {
+            let to = &whole[(k + 1) % corners];
+            let (a, b) = (height(from), height(to));
+            if a <= 0.0 {
+                polygon[count] = *from;
+                count += 1;
+            }
+            if (a <= 0.0) != (b <= 0.0) {
+                polygon[count] = [0, 1, 2].map(|i| from[i] + (to[i] - from[i]) * (a / (a - b)));
+                count += 1;
+            }
+        }
+    }
+    let cross = |p: &[f64; 3], q: &[f64; 3]| p[1] * q[2] - p[2] * q[1];
+    let polygon = &polygon[..count];
+    (0..count).map(|k| cross(&polygon[k], &polygon[(k + 1) % count])).sum()
 }
 
 /// The part of a triangle's area where a linear function with these corner values is below
@@ -165,6 +227,31 @@ mod tests {
         assert!((part_below([2.0 * t, 0.0, 0.0]) - 0.75).abs() < 1e-12);
     }
 
+    /// The parts below, by all samples.
+    fn parts_below(x: &[Vec3; 3], n: usize, distance: impl Fn(&Vec3) -> Distance) -> f64 {
+        let place = |[i, j]: [usize; 2]| {
+            let (u, v) = (i as f64 / n as f64, j as f64 / n as f64);
+            x[0] + (x[1] - x[0]) * u + (x[2] - x[0]) * v
+        };
+        let part = |corners: [[usize; 2]; 3]| {
+            let at = corners.map(|c| (place(c), distance(&place(c))));
+            let rise = |(p, d): (Vec3, Distance), q: Vec3| d.value + d.gradient.dot(&(q - p));
+            part_below_planes(at.map(|a| at.map(|(q, _)| rise(a, q))))
+        };
+        let mut parts = 0.0;
+        for (i, j) in (0..n).flat_map(|j| (0..n - j).map(move |i| (i, j))) {
+            parts += part([[i, j], [i + 1, j], [i, j + 1]]);
+            if i + j + 1 < n {
+                parts += part([[i + 1, j], [i + 1, j + 1], [i, j + 1]]);
+            }
+        }
+        parts
+    }
+
+    fn to_ball(p: &Vec3, middle: &Vec3, radius: f64) -> Distance {
+        Distance { value: (p - middle).norm() - radius, gradient: (p - middle).normalize() }
+    }
+
     /// As many parts are found below as by all samples, of which a third need not be looked into.
     #[test]
     fn bounds_tell_what_samples_would() {
@@ -173,35 +260,76 @@ mod tests {
             let x = [0; 3].map(|_| random.vector(0.01));
             let radius = 0.002 + 0.05 * random.unit();
             let middle = (x[0] + x[1] + x[2]) / 3.0 + random.vector(1.0).normalize() * radius;
-            let distance = |p: &Vec3| (p - middle).norm() - radius;
+            let distance = |p: &Vec3| to_ball(p, &middle, radius);
             let n = PARTS_MAX;
-            let at = |i: usize, j: usize| {
-                let (u, v) = (i as f64 / n as f64, j as f64 / n as f64);
-                distance(&(x[0] + (x[1] - x[0]) * u + (x[2] - x[0]) * v))
-            };
-            let mut parts = 0.0;
-            for (i, j) in (0..n).flat_map(|j| (0..n - j).map(move |i| (i, j))) {
-                parts += part_below([at(i, j), at(i + 1, j), at(i, j + 1)]);
-                if i + j + 1 < n {
-                    parts += part_below([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
-                }
-            }
             let asked = Cell::new(0);
             let found = area_below(
                 &x,
                 n,
                 |p, most| {
                     asked.set(asked.get() + 1);
-                    assert!(distance(p).abs() <= most);
+                    assert!(distance(p).value.abs() <= most);
                     distance(p)
                 },
-                |_, _| false,
+                |_| false,
             );
-            let all = area_vector(&x).norm() * parts / (n * n) as f64;
+            let all = area_vector(&x).norm() * parts_below(&x, n, distance) / (n * n) as f64;
             assert!((found - all).abs() <= 1e-12 * area_vector(&x).norm(), "{i}: {found} {all}");
             all_asked += asked.get();
         }
         assert!(all_asked < 300 * (PARTS_MAX + 1) * (PARTS_MAX + 2) / 3, "{all_asked}");
+    }
+
+    /// Area of the part of a triangle below a height, given those of its corners: quadratic in it on either side of
+    /// the middle corner.
+    fn under(area: f64, mut corners: [f64; 3], height: f64) -> f64 {
+        corners.sort_by(f64::total_cmp);
+        let [a, b, c] = corners;
+        let part = |from: f64, to: f64| (from - to).powi(2) / ((a - c).abs() * (b - to).abs());
+        match height {
+            h if h <= a => 0.0,
+            h if h <= b => area * part(h, a),
+            h if h <= c => area * (1.0 - part(h, c)),
+            _ => area,
+        }
+    }
+
+    /// An edge that a triangle lies on, wherever and however turned, touches a strip, into however few parts the triangle
+    /// is divided: on skin that lies on it flat, as wide as the bound reaches beside it; on skin that leans on both
+    /// sides, as they open.
+    #[test]
+    fn edges_touch_strips() {
+        let mut random = Random::new(11);
+        let x =
+            [Vec3::new(-2e-3, 0.0, -1e-3), Vec3::new(0.0, 0.0, 2e-3), Vec3::new(2e-3, 0.0, -1e-3)];
+        let area = area_vector(&x).norm();
+        for i in 0..300 {
+            let angles = [0; 2].map(|_| 0.05 + 1.4 * random.unit());
+            let (gap, at) = (0.5 * TOUCHING * random.unit(), 1e-3 * (random.unit() - 0.5));
+            let turn = 3.0 * random.unit();
+            let across = Vec3::new(turn.cos(), 0.0, turn.sin());
+            let along = |p: &Vec3| across.dot(p) - at;
+            let flat = |p: &Vec3| {
+                let value = along(p).hypot(gap);
+                Distance { value, gradient: (across * along(p) + Vec3::y() * gap) / value }
+            };
+            let draped = |p: &Vec3| {
+                let side = if along(p) < 0.0 { -angles[0] } else { angles[1] };
+                let gradient = across * side.sin() + Vec3::y() * side.cos();
+                Distance { value: gap + along(p) * side.sin(), gradient }
+            };
+            let strip = |[left, right]: [f64; 2]| {
+                under(area, x.map(|p| along(&p)), right) - under(area, x.map(|p| along(&p)), -left)
+            };
+            let beside = (TOUCHING * TOUCHING - gap * gap).sqrt();
+            let open = angles.map(|angle| (TOUCHING - gap) / angle.sin());
+            for parts in [1, 2, 5, 16] {
+                let on_flat = area_below(&x, parts, |p, _| flat(p), |_| false) / strip([beside; 2]);
+                assert!((on_flat - 1.0).abs() < 0.2, "{i}: {on_flat} by {parts}");
+                let on_draped = area_below(&x, parts, |p, _| draped(p), |_| false) / strip(open);
+                assert!((on_draped - 1.0).abs() < 0.1, "{i}: {on_draped} by {parts}");
+            }
+        }
     }
 
     /// A flat triangle under a ball that just touches it is nearer than the bound within a disc of
@@ -211,9 +339,9 @@ mod tests {
         let (radius, t): (f64, f64) = (0.06, TOUCHING);
         let x =
             [Vec3::new(-6e-3, 0.0, -4e-3), Vec3::new(0.0, 0.0, 6e-3), Vec3::new(6e-3, 0.0, -4e-3)];
-        let distance = |p: &Vec3, _| (p - Vec3::y() * radius).norm() - radius;
+        let middle = Vec3::y() * radius;
         let disc = std::f64::consts::PI * (2.0 * radius * t + t * t);
-        let area = area_below(&x, PARTS_MAX, distance, |_, _| false);
-        assert!((area / disc - 1.0).abs() < 0.1, "{area} of {disc} m²");
+        let area = area_below(&x, PARTS_MAX, |p, _| to_ball(p, &middle, radius), |_| false);
+        assert!((area / disc - 1.0).abs() < 0.02, "{area} of {disc} m²");
     }
 }

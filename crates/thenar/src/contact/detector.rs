@@ -3,6 +3,7 @@
 use crate::contact::aabb::Aabb;
 use crate::contact::apart::Apart;
 use crate::contact::area::{self, AreaScratch, Skin};
+use crate::contact::area_between::between_soft;
 use crate::contact::collector::{Collector, Known, feature_key};
 use crate::contact::crowd::Allowance;
 use crate::contact::deepening::{Clusters, Moved, RigidMove, Since};
@@ -252,7 +253,7 @@ impl Detector {
                         c.normal_W.dot(&(at(&c.a) - at(&c.b)))
                     };
                     let skins = [skin(a.soft), skin(b.soft)];
-                    area::between_soft(skins, of, gap, areas, &mut scratch.area);
+                    between_soft(skins, of, gap, areas, &mut scratch.area);
                 }
                 (Site::Rigid { .. }, _) => areas.fill(0.0),
             }

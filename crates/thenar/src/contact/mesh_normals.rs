@@ -29,7 +29,19 @@ impl Pair<'_> {
         SeenOff { off, nearer: (value - off).abs(), gradient_W: gradient, round_off }
     }
 
-    /// The same of a point of a triangle. A shape that is round touches the triangle beside the nearest one at its border,
+    /// Mesh B, seen from its surface point `q_W` along the way to A, which is `n_W` or, where the distance would differ by
+    /// no more than what is not known of it anyway (`unknown` \[m\]), upright on B.
+    pub fn seen_upright(&self, q_W: &Vec3, gap: f64, n_W: Vec3, unknown: f64) -> (Vec3, SeenOff) {
+        let seen = self.seen_off(q_W, gap, &n_W);
+        let upright_W = seen.gradient_W;
+        let shorter = 0.5 * (n_W - upright_W).norm_squared() * gap.abs();
+        if seen.is_within(SAME) || shorter > unknown {
+            return (n_W, seen);
+        }
+        (upright_W, self.seen_off(q_W, gap, &upright_W))
+    }
+
+    /// [`Pair::is_normal`] of a point of a triangle. A shape that is round touches the triangle beside the nearest one at its border,
     /// a little aside and so a little aslant. Where the two are level such a point holds nothing: it leans by as many
     /// radians as it lies radii aside, [`SAME`] at most. Along a line on which it is straight, and on what is flat, a
     /// shape may stand.

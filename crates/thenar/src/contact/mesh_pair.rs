@@ -15,7 +15,7 @@ use crate::contact::mesh_clear;
 use crate::contact::mesh_deep::{self, DeepFace};
 use crate::contact::mesh_index::MeshEdge;
 use crate::contact::mesh_normals::{SAME, STANDING};
-use crate::contact::nearest::{point as weighted, sharpened};
+use crate::contact::nearest::{longest_edge, place_unknown, point as weighted, sharpened};
 use crate::contact::rigid_pair::{Reach, reversed};
 use crate::contact::support::{Solid, inradius, support};
 use crate::contact::sweep::Mover;
@@ -299,7 +299,8 @@ fn faces(
         if gap > margin || gap <= -shallow {
             return;
         }
-        let seen = pair.seen_off(&q_W, gap, &n_W);
+        let unknown = place_unknown(longest_edge(&tri));
+        let (n_W, seen) = pair.seen_upright(&q_W, gap, n_W, unknown);
         // Of triangles that are equally near but for round-off the lowest index.
         let rank = |n: &DeepFace| ((n.gap / (1e-3 * pair.same)).round() as i64, n.triangle);
         let face = DeepFace { triangle: t, q_W, n_W, gap };
@@ -349,22 +350,26 @@ fn edges(pair: &Pair, mesh: &MeshShape, shallow: f64, manifold: &mut Manifold) {
         if along.value - rounding > margin || along.value - rounding < -shallow {
             return;
         }
-        let normal = |along: &Along| -(pair.a.rotation * along.gradient);
-        let is_normal = |along: &Along| {
-            let n_W = normal(along);
+        // The way off the mesh, and whether it is one of its normals.
+        let look = |along: &Along| {
+            let n_W = -(pair.a.rotation * along.gradient);
             let q_W = pair.a.world_point(&along.lowest) + rounding * n_W;
-            pair.is_normal(&q_W, along.value - rounding, &n_W, STANDING)
+            let unknown = place_unknown((ends[1] - ends[0]).norm());
+            let (n_W, seen) = pair.seen_upright(&q_W, along.value - rounding, n_W, unknown);
+            (n_W, seen.is_within(STANDING))
         };
         let mut along = along;
-        if along.value < rounding && !is_normal(&along) {
+        let (mut n_W, mut is_normal) = look(&along);
+        if along.value < rounding && !is_normal {
             let [n1, n2] = mesh.index.edges[e as usize].normals;
             let out = pair.a.rotation.tr_mul(&(pair.b.rotation * (n1 + n2).normalize()));
             along.draw_apart(pair.a.shape, ends, &out, 0.5 * shallow.min(inradius(pair.a.shape)));
+            (n_W, is_normal) = look(&along);
         }
-        let n_W = normal(&along);
-        if !is_normal(&along) {
+        if !is_normal {
             return;
         }
+        along.gradient = -pair.a.rotation.tr_mul(&n_W);
         for (k, q) in along.ends.into_iter().enumerate() {
             let gap = along.value + along.gradient.dot(&(q - along.lowest)) - rounding;
             let q_W = pair.a.world_point(&q) + rounding * n_W;

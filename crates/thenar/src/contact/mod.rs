@@ -17,6 +17,7 @@ mod along;
 mod apart;
 mod approach;
 mod area;
+mod area_between;
 mod area_faces;
 mod area_samples;
 mod blunt;

@@ -11,7 +11,8 @@ use crate::math::Vec3;
 const TO_MIDDLE: f64 = 1e-3;
 /// Cuts through the centroid leave at most 1 - 1/e of the area each (Grünbaum, 1960).
 const CUTS_MAX: usize = 64;
-/// Within this part of the longest edge the least distance is found.
+/// Within this part of the longest edge the least distance is found. The place is found less well: at an edge of the shape
+/// so near as `gap` it may lie `√(2 gap · this)` aside, and the way to the shape leans by that over the gap.
 const TOLERANCE: f64 = 1e-9;
 const CORNERS_MAX: usize = CUTS_MAX + 4;
 
@@ -90,7 +91,13 @@ pub(crate) fn point(tri: &[Vec3; 3], w: &[f64; 3]) -> Vec3 {
     tri[0] * w[0] + tri[1] * w[1] + tri[2] * w[2]
 }
 
-fn longest_edge(tri: &[Vec3; 3]) -> f64 {
+/// How much farther than the nearest place of a triangle, or of a segment, with an edge of this length the one may be that
+/// is found \[m\].
+pub(crate) fn place_unknown(length: f64) -> f64 {
+    TOLERANCE * length
+}
+
+pub(crate) fn longest_edge(tri: &[Vec3; 3]) -> f64 {
     (0..3).map(|k| (tri[(k + 1) % 3] - tri[k]).norm()).fold(0.0, f64::max)
 }
 

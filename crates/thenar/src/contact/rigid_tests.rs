@@ -256,6 +256,41 @@ fn meshes_rest_like_the_shape_they_are() {
 
 /// At 5 m/s and 60 Hz each shape meets a 2 mm plate before it crosses, and flies past one that is
 /// beside its way.
+/// Flat faces a few nanometres over level triangles are held upright wherever their edges cross those of triangles: places
+/// are found to less than that.
+#[test]
+fn what_stands_on_triangles_is_held_upright() {
+    let half = 0.03;
+    let plate = mesh_cube(half);
+    let things = [
+        (boxed(0.005), 0.005),
+        (Shape::Cylinder { radius: 0.006, half_length: 0.01 }, 0.01),
+        (Shape::Cone { radius: 0.014, height: 0.02 }, 0.005),
+    ];
+    let mut random = Random::new(8);
+    for i in 0..200 {
+        let gap = 1e-9 * 10.0_f64.powf(3.0 * random.unit());
+        let turn = if i % 2 == 0 { 0.0 } else { random.unit() };
+        for (shape, below) in &things {
+            let place = random.vector(1.0) * 0.015;
+            let place = if i % 4 == 0 { Vec3::zeros() } else { Vec3::new(place.x, 0.0, place.z) };
+            let pose = Pose::new(
+                place + Vec3::y() * (half + below + gap),
+                Quat::from_scaled_axis(Vec3::y() * turn),
+            );
+            let contacts = at_rest((shape, pose), (&plate, Pose::identity()));
+            // What lies beside, farther off, holds nothing yet.
+            let near: Vec<_> = contacts.iter().filter(|c| c.gap < 2e-6).collect();
+            assert!(near.len() >= 3, "{i}, {shape:?}: {contacts:#?}");
+            for c in near {
+                let lean = (c.normal_W - Vec3::y()).norm();
+                assert!(lean < 2e-4, "{i}, {shape:?} at {gap}: a normal leans by {lean}");
+                assert!((c.gap - gap).abs() < 1e-10, "{i}, {shape:?}: {} of {gap} m", c.gap);
+            }
+        }
+    }
+}
+
 #[test]
 fn fast_rigid_bodies_are_announced() {
     let plate = Shape::Cuboid { half: Vec3::new(0.2, 0.001, 0.2) };

@@ -1,6 +1,6 @@
 //! Goal: the area that is reported of a finger is that of its patch. Method: the default hand, and the paper's, come down
-//! with their index finger first, slowly, on a plate, and the default one on a ball and a cylinder that stand where it met the plate;
-//! when it presses with a few newtons and with many, the area is held against the part of its skin that is nearer than 20 µm.
+//! with their index finger first, slowly, on a plate, and the default one on a ball, a cylinder and an edge that stand where
+//! it met the plate; when it presses with a few newtons and with many, the area is held against the part of its skin that is nearer than 20 µm.
 
 use std::path::Path;
 use thenar::Vec3;
@@ -12,8 +12,11 @@ use thenar_scene::session::Session;
 const TOUCHING: f64 = 20e-6;
 /// Where the upper side of what is touched is \[m\].
 const TOP: f64 = 0.01;
-/// Rows of places in which a triangle is looked at: of 12 mm², as the paper's hand has them, each stands for 200 µm².
-const ROWS: u32 = 240;
+/// Rows of places in which a triangle is looked at: of the default hand's 2 mm² each then stands for 600 µm², of the
+/// paper's 12 mm² for 200.
+fn rows(preset: &str) -> u32 {
+    if preset == "paper" { 240 } else { 60 }
+}
 
 const SCENE: &str = r#"version = 1
 time_step = 0.005
@@ -40,15 +43,15 @@ joints.index-dip = { flexion_deg = 10 }
 /// What stands fixed under the finger, and how far a place is from it \[m\], seen from the middle of its upper side.
 struct Thing {
     shape: &'static str,
-    /// Its turn about z.
+    /// About z.
     angle_deg: f64,
     /// Depth of its middle below the upper side \[m\].
     below: f64,
     distance: fn(&Vec3) -> f64,
     /// With what the finger presses \[N\].
     loads: [f64; 3],
-    /// How far the area may be off, in parts: on what is round a patch has one to three points of the skin, each of
-    /// which stands for an area around it; on the plate it has ten and more.
+    /// How far the area may be off, in parts: less where a patch has ten points of the skin and more, on the plate, than
+    /// where it has one to three.
     within: f64,
 }
 
@@ -61,14 +64,14 @@ const PLATE: Thing = Thing {
     within: 0.05,
 };
 
-const THINGS: [Thing; 2] = [
+const THINGS: [Thing; 3] = [
     Thing {
         shape: r#"kind = "sphere", radius = 0.015"#,
         angle_deg: 0.0,
         below: 0.015,
         distance: |p| (p + Vec3::y() * 0.015).norm() - 0.015,
         loads: [2.0, 8.0, 15.0],
-        within: 0.3,
+        within: 0.1,
     },
     // Across the finger.
     Thing {
@@ -77,7 +80,19 @@ const THINGS: [Thing; 2] = [
         below: 0.008,
         distance: |p| p.z.hypot(p.y + 0.008) - 0.008,
         loads: [2.0, 5.0, 8.0],
-        within: 0.3,
+        within: 0.1,
+    },
+    // Of a right angle, along the finger.
+    Thing {
+        shape: r#"kind = "box", size = [0.03, 0.03, 0.06]"#,
+        angle_deg: 45.0,
+        below: 0.015 * std::f64::consts::SQRT_2,
+        distance: |p| {
+            let (right, left) = ((p.y + p.x) / 2.0_f64.sqrt(), (p.y - p.x) / 2.0_f64.sqrt());
+            if right.min(left) > 0.0 { right.hypot(left) } else { right.max(left) }
+        },
+        loads: [2.0, 5.0, 8.0],
+        within: 0.1,
     },
 ];
 
@@ -92,8 +107,7 @@ fn scene(preset: &str, thing: &Thing, at: &Vec3) -> String {
 }
 
 /// The middles of the parts into which rows divide a triangle, all of one area.
-fn places(x: [Vec3; 3]) -> impl Iterator<Item = Vec3> {
-    let n = ROWS;
+fn places(x: [Vec3; 3], n: u32) -> impl Iterator<Item = Vec3> {
     let at = move |i: f64, j: f64| {
         x[0] + (x[1] - x[0]) * (i / f64::from(n)) + (x[2] - x[0]) * (j / f64::from(n))
     };
@@ -107,7 +121,7 @@ fn places(x: [Vec3; 3]) -> impl Iterator<Item = Vec3> {
 }
 
 /// The part of the index finger's skin that is nearer than [`TOUCHING`] \[m²\], and its middle.
-fn patch(session: &Session, thing: &Thing, at: &Vec3) -> (f64, Vec3) {
+fn patch(session: &Session, thing: &Thing, at: &Vec3, rows: u32) -> (f64, Vec3) {
     let world = session.world();
     let x = world.collision_vertices(0);
     let index = u32::from(Digit::Index.part());
@@ -118,8 +132,8 @@ fn patch(session: &Session, thing: &Thing, at: &Vec3) -> (f64, Vec3) {
         }
         let corners = t.map(|v| x[v as usize]);
         let each = (corners[1] - corners[0]).cross(&(corners[2] - corners[0])).norm()
-            / (2.0 * f64::from(ROWS * ROWS));
-        for p in places(corners).filter(|p| (thing.distance)(&(p - at)) < TOUCHING) {
+            / (2.0 * f64::from(rows * rows));
+        for p in places(corners, rows).filter(|p| (thing.distance)(&(p - at)) < TOUCHING) {
             area += each;
             moment += each * p;
         }
@@ -148,7 +162,7 @@ fn presses_on_its_patch(preset: &str, thing: &Thing, at: Vec3) -> Vec3 {
             session.step(&mut ());
             told = index(&session, &mut readout);
         }
-        let (area, centre) = patch(&session, thing, &at);
+        let (area, centre) = patch(&session, thing, &at, rows(preset));
         middle.get_or_insert(centre);
         println!(
             "{preset}, {}: {area:e} m2, {:e} reported, {} N",
@@ -171,5 +185,94 @@ fn the_area_of_the_index_finger_is_that_of_its_patch() {
     let at = Vec3::new(middle.x, TOP, middle.z);
     for thing in &THINGS {
         presses_on_its_patch("touch", thing, at);
+    }
+}
+
+const PINCH: &str = r#"version = 1
+time_step = 0.005
+duration = 2.0
+gravity = [0, 0, 0]
+[[hand]]
+preset = "touch"
+name = "hand"
+[[hand.grip]]
+kind = "pinch"
+force = FORCE
+at = 0.1
+[hand.motion]
+kind = "keyframes"
+[[hand.motion.key]]
+time = 0
+pose = "open"
+[[hand.motion.key]]
+time = 0.6
+pose = "pinch"
+"#;
+
+/// Distance of `p` to a triangle.
+fn to_triangle(p: &Vec3, [a, b, c]: [Vec3; 3]) -> f64 {
+    let normal = (b - a).cross(&(c - a));
+    let sides = [(a, b), (b, c), (c, a)];
+    if sides.iter().all(|(s, e)| normal.cross(&(e - s)).dot(&(p - s)) >= 0.0) {
+        return (normal.dot(&(p - a)) / normal.norm()).abs();
+    }
+    let to_side = |(s, e): (Vec3, Vec3)| {
+        let t = ((p - s).dot(&(e - s)) / (e - s).norm_squared()).clamp(0.0, 1.0);
+        (p - s - (e - s) * t).norm()
+    };
+    sides.into_iter().map(to_side).fold(f64::INFINITY, f64::min)
+}
+
+/// The part of one finger's skin that is nearer than [`TOUCHING`] to another's \[m²\].
+fn patch_on(session: &Session, finger: Digit, other: Digit) -> f64 {
+    let world = session.world();
+    let x = world.collision_vertices(0);
+    let of = |digit: Digit| {
+        let part = u32::from(digit.part());
+        let triangles = world.desc().softs[0].flesh.collision.triangles.iter();
+        let own = triangles.filter(move |t| t.iter().all(|v| world.model().part_of(0, *v) == part));
+        own.map(|t| t.map(|v| x[v as usize])).collect::<Vec<_>>()
+    };
+    let size = |t: &[Vec3; 3]| {
+        let middle = (t[0] + t[1] + t[2]) / 3.0;
+        (middle, t.iter().map(|p| (p - middle).norm()).fold(0.0, f64::max))
+    };
+    let (own, others) = (of(finger), of(other));
+    let mut area = 0.0;
+    for t in &own {
+        let (middle, radius) = size(t);
+        let near: Vec<_> = others
+            .iter()
+            .filter(|o| {
+                let (at, reach) = size(o);
+                (at - middle).norm() < radius + reach + TOUCHING
+            })
+            .collect();
+        let rows = rows("touch");
+        let each = (t[1] - t[0]).cross(&(t[2] - t[0])).norm() / (2.0 * f64::from(rows * rows));
+        let touches = |p: &Vec3| near.iter().any(|o| to_triangle(p, **o) < TOUCHING);
+        area += each * places(*t, rows).filter(touches).count() as f64;
+    }
+    area
+}
+
+/// Between two fingers it is half of what touches on either side.
+#[test]
+fn the_area_of_a_pinch_is_that_of_its_patches() {
+    for load in [1.5, 3.0, 6.0, 9.0] {
+        let text = PINCH.replace("FORCE", &load.to_string());
+        let mut session = Session::from_text(&text, Path::new("pinch.toml"), &[])
+            .unwrap_or_else(|error| panic!("{error}"));
+        let mut readout = ContactReadout::new(session.world());
+        let mut told = index(&session, &mut readout);
+        while session.world().time() < 2.0 {
+            session.step(&mut ());
+            told = index(&session, &mut readout);
+        }
+        let sides = [(Digit::Index, Digit::Thumb), (Digit::Thumb, Digit::Index)]
+            .map(|(own, other)| patch_on(&session, own, other));
+        let area = 0.5 * (sides[0] + sides[1]);
+        println!("pinch: {area:e} m2, {:e} reported, {} N", told.area, told.normal);
+        assert!((told.area / area - 1.0).abs() < 0.2, "{} of {area} m2", told.area);
     }
 }
