@@ -1,5 +1,5 @@
 //! Goal: bones are solid where flesh is crushed, and nowhere else. Method: the tip of a finger
-//! of the default hand lies between two steel plates, of which one is fixed; a load presses the other
+//! of the paper's hand lies between two steel plates, of which one is fixed; a load presses the other
 //! one down, and lets it go. Expected from geometry and statics: the plates come no nearer than the
 //! bone is thick, the finger's readout shows the load, and no energy comes from nowhere.
 

@@ -1,11 +1,11 @@
 //! The area over which surfaces touch.
 //!
 //! The area of a contact patch is that of the part of the soft surface nearer than [`TOUCHING`] to the
-//! other body, at the end of the step. It is found triangle by triangle: the distance is sampled over a
-//! triangle, taken as linear in between, and the part below the bound is cut out. What is found on a
+//! other body, at the end of the step. It is found triangle by triangle: the distance and its gradient
+//! are sampled over a triangle, and the part below the bound is cut out. What is found on a
 //! triangle is shared evenly by the contacts that touch it, so that their sum does not depend on how
-//! many there are. During the step an edge or a tip slides away from the points that meet it: where none touches any
-//! more, but the triangle does, those near on it share.
+//! many there are; what bears load touches. During the step an edge or a tip slides away from the points
+//! that meet it: where none touches any more, but the triangle does, those near on it share.
 
 use crate::contact::area_between::AtVertices;
 use crate::contact::area_faces::Faces;
@@ -45,13 +45,14 @@ pub(crate) struct AreaScratch {
 }
 
 impl AreaScratch {
-    pub fn with_size(triangles: usize, vertices: usize) -> Self {
+    /// Of the largest surface, and at most so many contacts.
+    pub fn with_size(triangles: usize, vertices: usize, contacts: usize) -> Self {
         Self {
             count: vec![0; triangles],
             near: vec![0; triangles],
             share: vec![0.0; triangles],
             touched: Room::with_capacity(triangles),
-            at_vertices: AtVertices::with_size(vertices),
+            at_vertices: AtVertices::with_size(vertices, contacts, triangles),
         }
     }
 
@@ -79,15 +80,18 @@ impl AreaScratch {
         }
     }
 
-    /// Shares what touches of a triangle by the contacts that do or, where none does, by those near on it.
-    pub fn share_out(&mut self, skin: Skin, t: u32, area: f64) {
+    /// Shares a triangle's area, which touches, by the contacts that do or, where none does, by those near on it.
+    pub fn share_out(&mut self, t: u32, area: f64) {
         let (touching, near) = (self.count[t as usize], self.near[t as usize]);
-        // A point that touches where samples find nothing stands for the finest part.
-        let least = || skin.triangle_area(t) / (PARTS_MAX * PARTS_MAX) as f64;
-        self.share[t as usize] = match touching {
-            0 => area / f64::from(near),
-            _ => (if area > 0.0 { area } else { least() }) / f64::from(touching),
-        };
+        self.share[t as usize] = area / f64::from(if touching > 0 { touching } else { near });
+    }
+
+    /// What touches of a triangle by samples: where they find nothing, a point that touches stands for the finest part.
+    pub fn at_least(&self, skin: &Skin, t: u32, area: f64) -> f64 {
+        if area > 0.0 || self.count[t as usize] == 0 {
+            return area;
+        }
+        skin.triangle_area(t) / (PARTS_MAX * PARTS_MAX) as f64
     }
 
     /// The part of a triangle's area that is one contact's, which touches or only is near.
@@ -136,30 +140,32 @@ impl Skin<'_> {
     }
 }
 
-/// Areas of the contacts `of` of one surface with one rigid body, all of which are of this pair.
+/// Areas of the contacts `of` of one surface with one rigid body, all of which are of this pair; `bears` says which bore
+/// load in the step.
 pub(crate) fn with_rigid(
     skin: Skin,
     (body, placed): (&RigidBody, &Placed),
     of: &[Contact],
     areas: &mut [f64],
+    bears: impl Fn(usize) -> bool,
     scratch: &mut AreaScratch,
 ) {
-    for (contact, area) in of.iter().zip(areas.iter_mut()) {
+    let guess = Cell::new(0);
+    for (i, (contact, area)) in of.iter().zip(areas.iter_mut()).enumerate() {
         *area = 0.0;
         let Some(point) = soft_point(&contact.a) else { continue };
         let p = placed.shape_point(&point.interpolate(skin.x));
-        // Of a triangle that touches no point is farther than its edges and that.
+        // No point of a triangle that touches is farther than this.
         let widest = skin.edge_longest(point) + TOUCHING;
-        let Some(distance) = body.shape.distance_within(&p, widest) else { continue };
-        if distance.value <= TOUCHING {
+        let found = body.shape.distance_within_near(&p, widest, &guess);
+        if bears(i) || found.is_some_and(|distance| distance.value <= TOUCHING) {
             *area = TO_COME;
             skin.triangles_of(point, |t| scratch.touch(t));
-        } else {
+        } else if found.is_some() {
             *area = MAY_COME;
             skin.triangles_of(point, |t| scratch.come_near(t));
         }
     }
-    let guess = Cell::new(0);
     let distance = |x_W: &Vec3, known: f64| {
         let near = body.shape.distance_near(&placed.shape_point(x_W), known, &guess);
         Distance { gradient: placed.rotation * near.gradient, ..near }
@@ -170,7 +176,8 @@ pub(crate) fn with_rigid(
         let parts = parts_for(&body.shape, &x);
         let faces = Faces::near(&body.shape, x.map(|p| placed.shape_point(&p)), &guess);
         let beyond = |places| faces.as_ref().is_some_and(|faces| faces.are_beyond(places));
-        scratch.share_out(skin, t, area_below(&x, parts, distance, beyond));
+        let area = area_below(&x, parts, distance, beyond);
+        scratch.share_out(t, scratch.at_least(&skin, t, area));
     }
     for (contact, area) in of.iter().zip(areas).filter(|(_, area)| **area < 0.0) {
         let mut all = 0.0;

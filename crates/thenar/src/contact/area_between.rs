@@ -5,14 +5,11 @@
 use crate::contact::aabb::Aabb;
 use crate::contact::area::{AreaScratch, LIGHT, Skin, TOUCHING, soft_point};
 use crate::contact::area_samples::{PARTS_MAX, area_below};
-use crate::contact::triangle::{Feature, area_vector, closest_on_triangle};
+use crate::contact::triangle::{Closest, Feature, ROUNDED_UP, area_vector, closest_on_triangle};
 use crate::contact::{Contact, Distance, SurfacePoint};
 use crate::math::Vec3;
 use crate::room::Room;
 
-/// Triangles of the other surface that one is held against, at most: six or seven lie around a vertex, and as many beside
-/// those, with four or five such vertices.
-const FACING_MAX: usize = 64;
 /// Each triangle is divided into parts half as long as an edge of the other surface: each then meets an edge or two.
 const PARTS_OF_EDGE: f64 = 2.0;
 
@@ -26,15 +23,17 @@ pub(super) struct AtVertices {
     next: Room<u32>,
     /// Vertices with a list.
     listed: Room<u32>,
+    /// What one triangle meets.
+    facing: Room<Facing>,
 }
 
 impl AtVertices {
-    pub fn with_size(vertices: usize) -> Self {
+    pub fn with_size(vertices: usize, contacts: usize, triangles: usize) -> Self {
         Self {
             first: vec![NONE; vertices],
-            // A contact at each vertex, of either surface, and as many between them.
-            next: Room::with_capacity(8 * vertices),
+            next: Room::with_capacity(2 * contacts),
             listed: Room::with_capacity(vertices),
+            facing: Room::with_capacity(triangles),
         }
     }
 
@@ -59,11 +58,6 @@ impl AtVertices {
             self.next[k as usize] = std::mem::replace(first, k);
         }
     }
-
-    fn at(&self, v: u32) -> impl Iterator<Item = u32> + '_ {
-        let known = |k: u32| (k != NONE).then_some(k);
-        std::iter::successors(known(self.first[v as usize]), move |k| known(self.next[*k as usize]))
-    }
 }
 
 /// A point of a contact.
@@ -78,12 +72,13 @@ fn vertices(point: &SurfacePoint) -> impl Iterator<Item = u32> + '_ {
 }
 
 /// Areas of contacts between two soft surfaces (or one and itself). `gap` gives each contact's distance at the end of
-/// the step.
+/// the step, `bears` says which bore load in it.
 pub(crate) fn between_soft(
     skins: [Skin; 2],
     of: &[Contact],
     gap: impl Fn(&Contact) -> f64,
     areas: &mut [f64],
+    bears: impl Fn(usize) -> bool,
     scratch: &mut AreaScratch,
 ) {
     areas.fill(0.0);
@@ -93,14 +88,14 @@ pub(crate) fn between_soft(
     {
         scratch.at_vertices.list(skin, of);
         // Whether a contact touches at a point, or else is near there.
-        let touches = |contact: &Contact, point: &SurfacePoint| {
-            let gap = gap(contact);
+        let touches = |i: usize, point: &SurfacePoint| {
+            let gap = gap(&of[i]);
             let is_near = || gap <= skin.edge_longest(point) + TOUCHING;
-            if gap <= TOUCHING { Some(true) } else { is_near().then_some(false) }
+            if gap <= TOUCHING || bears(i) { Some(true) } else { is_near().then_some(false) }
         };
-        for contact in of {
+        for (i, contact) in of.iter().enumerate() {
             for point in points_on(contact, skin.surface.soft) {
-                match touches(contact, point) {
+                match touches(i, point) {
                     Some(true) => skin.triangles_of(point, |t| scratch.touch(t)),
                     Some(false) => skin.triangles_of(point, |t| scratch.come_near(t)),
                     None => {}
@@ -110,20 +105,24 @@ pub(crate) fn between_soft(
         for i in 0..scratch.touched.len() {
             let t = scratch.touched[i];
             let x = skin.corners(t);
-            let facing = Facing::of((t, &x), [skin, other], of, &scratch.at_vertices);
+            face((t, &x), [skin, other], of, &gap, &mut scratch.at_vertices);
+            let facing = &scratch.at_vertices.facing;
             let edge = (0..3).map(|k| (x[(k + 1) % 3] - x[k]).norm()).fold(0.0, f64::max);
             let parts = (PARTS_OF_EDGE * edge / other.surface.edge_mean).ceil() as usize;
-            let distance = |p: &Vec3, _| facing.distance(p);
-            let parts = parts.clamp(1, PARTS_MAX);
-            let area = match facing.count {
-                0 => 0.0,
-                _ => area_below(&x, parts, distance, |_| false),
+            let area = match facing.is_empty() {
+                true => 0.0,
+                false => area_below(
+                    &x,
+                    parts.clamp(1, PARTS_MAX),
+                    |p, _| distance(p, facing, other),
+                    |_| false,
+                ),
             };
-            scratch.share_out(*skin, t, 0.5 * area);
+            scratch.share_out(t, 0.5 * scratch.at_least(skin, t, area));
         }
-        for (contact, area) in of.iter().zip(areas.iter_mut()) {
+        for (i, (contact, area)) in of.iter().zip(areas.iter_mut()).enumerate() {
             for point in points_on(contact, skin.surface.soft) {
-                if let Some(touches) = touches(contact, point) {
+                if let Some(touches) = touches(i, point) {
                     skin.triangles_of(point, |t| *area += scratch.share_of(t, touches));
                 }
             }
@@ -138,78 +137,92 @@ fn points_on(contact: &Contact, soft: u32) -> impl Iterator<Item = &SurfacePoint
     sites.filter_map(soft_point).filter(move |p| p.soft == soft)
 }
 
-/// What a triangle meets: corners of triangles of another surface, and their normals.
+/// A triangle that another may touch.
+#[derive(Clone, Copy, Debug)]
 struct Facing {
-    triangles: [([Vec3; 3], Vec3); FACING_MAX],
-    count: usize,
+    triangle: u32,
+    x: [Vec3; 3],
+    normal: Vec3,
+    /// A ball around it \[m\].
+    middle: Vec3,
+    radius: f64,
 }
 
 impl Facing {
-    /// The triangles that contacts say triangle `t` with corners `x` meets, and those beside them, as far as they may be
-    /// nearer than [`TOUCHING`].
-    fn of(
-        (t, x): (u32, &[Vec3; 3]),
-        [skin, other]: [&Skin; 2],
-        of: &[Contact],
-        at_vertices: &AtVertices,
-    ) -> Self {
-        let corners = skin.surface.triangles[t as usize];
-        let mut met = Met { triangles: [0; FACING_MAX], count: 0 };
-        for k in corners.into_iter().flat_map(|v| at_vertices.at(v)) {
-            let (Some(own), Some(there)) = (point(of, k), point(of, k ^ 1)) else { continue };
-            if vertices(own).all(|v| corners.contains(&v)) {
-                other.triangles_of(there, |o| met.add(o));
-            }
-        }
-        for i in 0..met.count {
-            let o = met.triangles[i];
-            (0..3).filter_map(|k| other.surface.across(o, k)).for_each(|o| met.add(o));
-        }
-        let around = Aabb::of_points(x).inflate(TOUCHING);
-        let mut facing =
-            Self { triangles: [([Vec3::zeros(); 3], Vec3::zeros()); FACING_MAX], count: 0 };
-        for o in &met.triangles[..met.count] {
-            let x = other.corners(*o);
-            if Aabb::of_points(&x).overlaps(&around) {
-                let normal = area_vector(&x).try_normalize(0.0).unwrap_or_default();
-                facing.triangles[facing.count] = (x, normal);
-                facing.count += 1;
-            }
-        }
-        facing
-    }
-
-    /// From the nearest triangle, negative behind its inside.
-    fn distance(&self, p: &Vec3) -> Distance {
-        let mut nearest = Distance { value: f64::INFINITY, gradient: Vec3::y() };
-        let mut least = f64::INFINITY;
-        for (x, normal) in &self.triangles[..self.count] {
-            let near = closest_on_triangle(p, x);
-            if near.distance_squared < least {
-                least = near.distance_squared;
-                let (away, value) = (p - near.point, least.sqrt());
-                let is_inside = near.feature == Feature::Face && normal.dot(&away) < 0.0;
-                // On the surface, or too near to say which way.
-                let out = away.try_normalize(f64::EPSILON * p.norm()).unwrap_or(*normal);
-                let side = if is_inside { -1.0 } else { 1.0 };
-                nearest = Distance { value: side * value, gradient: side * out };
-            }
-        }
-        nearest
+    fn new(triangle: u32, x: [Vec3; 3]) -> Self {
+        let middle = (x[0] + x[1] + x[2]) / 3.0;
+        let radius = x.iter().map(|p| (p - middle).norm()).fold(0.0, f64::max);
+        let normal = area_vector(&x).try_normalize(0.0).unwrap_or_default();
+        Self { triangle, x, normal, middle, radius }
     }
 }
 
-/// Different triangles, as many as there is room for.
-struct Met {
-    triangles: [u32; FACING_MAX],
-    count: usize,
+/// Lists the triangles that contacts say triangle `t` with corners `x` meets, and those beside them, as far as they may be
+/// nearer than [`TOUCHING`], or as deep as these contacts.
+fn face(
+    (t, x): (u32, &[Vec3; 3]),
+    [skin, other]: [&Skin; 2],
+    of: &[Contact],
+    gap: &impl Fn(&Contact) -> f64,
+    at_vertices: &mut AtVertices,
+) {
+    let corners = skin.surface.triangles[t as usize];
+    let AtVertices { first, next, facing, .. } = at_vertices;
+    facing.clear();
+    let list = |v: u32| {
+        let first = Some(first[v as usize]).filter(|k| *k != NONE);
+        std::iter::successors(first, |k| Some(next[*k as usize]).filter(|k| *k != NONE))
+    };
+    let met = || {
+        corners.into_iter().flat_map(list).filter(|&k| {
+            point(of, k).is_some_and(|own| vertices(own).all(|v| corners.contains(&v)))
+        })
+    };
+    let depth = met().map(|k| -gap(&of[k as usize / 2])).fold(0.0, f64::max);
+    let around = Aabb::of_points(x).inflate(TOUCHING + depth);
+    let mut add = |o: u32| {
+        let corners = other.corners(o);
+        let is_near = Aabb::of_points(&corners).overlaps(&around);
+        if is_near && facing.iter().all(|f| f.triangle != o) {
+            facing.push(Facing::new(o, corners));
+        }
+    };
+    for there in met().filter_map(|k| point(of, k ^ 1)) {
+        other.triangles_of(there, |o| {
+            add(o);
+            (0..3).filter_map(|k| other.surface.across(o, k)).for_each(&mut add);
+        });
+    }
 }
 
-impl Met {
-    fn add(&mut self, t: u32) {
-        if self.count < FACING_MAX && !self.triangles[..self.count].contains(&t) {
-            self.triangles[self.count] = t;
-            self.count += 1;
+/// Distance from the nearest of these triangles, negative behind it.
+fn distance(p: &Vec3, facing: &[Facing], other: &Skin) -> Distance {
+    let mut nearest: Option<(&Facing, Closest)> = None;
+    for f in facing {
+        let least = nearest.map_or(f64::INFINITY, |(_, near)| near.distance_squared);
+        let beyond = (p - f.middle).norm() - f.radius;
+        if beyond > 0.0 && beyond * beyond > least * ROUNDED_UP {
+            continue;
         }
+        let near = closest_on_triangle(p, &f.x);
+        if near.distance_squared < least {
+            nearest = Some((f, near));
+        }
+    }
+    let Some((f, near)) = nearest else {
+        return Distance { value: f64::INFINITY, gradient: Vec3::y() };
+    };
+    let away = p - near.point;
+    if near.feature == Feature::Face {
+        return Distance { value: f.normal.dot(&away), gradient: f.normal };
+    }
+    let out = other.surface.pseudonormal(f.triangle, near.feature, other.x);
+    let side = if out.dot(&away) < 0.0 { -1.0 } else { 1.0 };
+    // Too near to say which way: places are rounded.
+    let rounding = 16.0 * f64::EPSILON * (p.norm() + f.radius);
+    let gradient = away.try_normalize(rounding).map(|away| side * away);
+    Distance {
+        value: side * near.distance_squared.sqrt(),
+        gradient: gradient.or_else(|| out.try_normalize(0.0)).unwrap_or(f.normal),
     }
 }

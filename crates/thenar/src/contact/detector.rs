@@ -97,10 +97,11 @@ impl Detector {
         let apart = neighbors_at_rest(desc, &surfaces);
         let soft_soft = soft_soft_pairs(&pairs, &surfaces, &apart);
         let shaped = bodies.iter().flatten().count();
+        let capacity = 3 * vertices + 4 * DELIVERED_MAX * shaped;
         Self {
             clusters: surfaces.iter().map(Clusters::new).collect(),
-            capacity: 3 * vertices + 4 * DELIVERED_MAX * shaped,
-            scratch: Scratch::new(&bodies, &surfaces),
+            capacity,
+            scratch: Scratch::new(&bodies, &surfaces, capacity),
             pairs,
             bodies,
             surfaces,
@@ -222,13 +223,14 @@ impl Detector {
     }
 
     /// The area \[m²\] over which each of these contacts touches with bodies where they are now: see
-    /// [`area`]. Zero between rigid bodies, and where surfaces do not touch.
+    /// [`area`]. Zero between rigid bodies, and where surfaces do not touch, unless the contact bore load (`bears`).
     pub fn areas(
         &mut self,
         rigids: &[RigidPlace],
         positions: &[Vec3],
         contacts: &[Contact],
         areas: &mut [f64],
+        bears: impl Fn(usize) -> bool,
     ) {
         let Self { bodies, surfaces, scratch, .. } = self;
         let skin = |soft: u32| {
@@ -237,12 +239,14 @@ impl Detector {
             Skin { surface, x: &positions[vertices] }
         };
         for run in area::runs(contacts) {
-            let (of, areas) = (&contacts[run.clone()], &mut areas[run]);
+            let bears = |i: usize| bears(run.start + i);
+            let (of, areas) = (&contacts[run.clone()], &mut areas[run.clone()]);
             match (&of[0].a, &of[0].b) {
                 (Site::Soft(a), Site::Rigid { body: i, .. }) => {
                     let Some(body) = &bodies[*i as usize] else { continue };
                     let placed = body.place(&rigids[*i as usize], 0.0);
-                    area::with_rigid(skin(a.soft), (body, &placed), of, areas, &mut scratch.area);
+                    let body = (body, &placed);
+                    area::with_rigid(skin(a.soft), body, of, areas, bears, &mut scratch.area);
                 }
                 (Site::Soft(a), Site::Soft(b)) => {
                     let gap = |c: &Contact| {
@@ -253,7 +257,7 @@ impl Detector {
                         c.normal_W.dot(&(at(&c.a) - at(&c.b)))
                     };
                     let skins = [skin(a.soft), skin(b.soft)];
-                    between_soft(skins, of, gap, areas, &mut scratch.area);
+                    between_soft(skins, of, gap, areas, bears, &mut scratch.area);
                 }
                 (Site::Rigid { .. }, _) => areas.fill(0.0),
             }
@@ -453,7 +457,8 @@ impl Detector {
 }
 
 impl Scratch {
-    fn new(bodies: &[Option<RigidBody>], surfaces: &[Surface]) -> Self {
+    /// With room for so many contacts.
+    fn new(bodies: &[Option<RigidBody>], surfaces: &[Surface], contacts: usize) -> Self {
         let vertices = surfaces.iter().map(Surface::vertex_count).max().unwrap_or(0);
         let all = surfaces.iter().map(Surface::vertex_count).sum();
         let triangles = surfaces.iter().map(|s| s.triangles.len()).max().unwrap_or(0);
@@ -468,7 +473,7 @@ impl Scratch {
             features: FeatureScratch::with_size(points, triangles),
             pair: PairScratch::with_size(vertices, triangles),
             manifold: Manifold::new(),
-            area: AreaScratch::with_size(triangles, vertices),
+            area: AreaScratch::with_size(triangles, vertices, contacts),
         }
     }
 }

@@ -30,12 +30,13 @@ impl Pair<'_> {
     }
 
     /// Mesh B, seen from its surface point `q_W` along the way to A, which is `n_W` or, where the distance would differ by
-    /// no more than what is not known of it anyway (`unknown` \[m\]), upright on B.
+    /// no more than what is not known of it anyway (`unknown` \[m\]), upright on B. On what is round the place is known.
     pub fn seen_upright(&self, q_W: &Vec3, gap: f64, n_W: Vec3, unknown: f64) -> (Vec3, SeenOff) {
         let seen = self.seen_off(q_W, gap, &n_W);
         let upright_W = seen.gradient_W;
         let shorter = 0.5 * (n_W - upright_W).norm_squared() * gap.abs();
-        if seen.is_within(SAME) || shorter > unknown {
+        let is_known = || !matches!(self.straight(&n_W), Straight::All);
+        if seen.is_within(SAME) || shorter > unknown || is_known() {
             return (n_W, seen);
         }
         (upright_W, self.seen_off(q_W, gap, &upright_W))

@@ -33,6 +33,9 @@ const SETTLE: usize = 4;
 /// trial: with a tenth as much, or ten times, depths of overlaps are wrong.
 const SHALLOW: f64 = 0.01;
 
+/// Points in one place whose normals are nearer than this (cosine of 2.6°, [`STANDING`]) hold the same.
+const ALONG: f64 = 0.999;
+
 const POINT: u32 = 0;
 const FACE: u32 = 1 << 28;
 const EDGE: u32 = 2 << 28;
@@ -191,7 +194,7 @@ impl<'a> Pair<'a> {
         manifold: &mut Manifold,
     ) {
         let same = |p: &ManifoldPoint| {
-            (p.position_W - position_W).norm() < self.same && p.normal_W.dot(&normal_W) > 0.999
+            (p.position_W - position_W).norm() < self.same && p.normal_W.dot(&normal_W) > ALONG
         };
         if !manifold.points().iter().any(same) {
             manifold.offer(ManifoldPoint { feature, position_W, normal_W, gap });

@@ -12,7 +12,7 @@ const TO_MIDDLE: f64 = 1e-3;
 /// Cuts through the centroid leave at most 1 - 1/e of the area each (Grünbaum, 1960).
 const CUTS_MAX: usize = 64;
 /// Within this part of the longest edge the least distance is found. The place is found less well: at an edge of the shape
-/// so near as `gap` it may lie `√(2 gap · this)` aside, and the way to the shape leans by that over the gap.
+/// so near as `gap` it may lie `√(2 gap · edge · this)` aside, and the way to the shape leans by that over the gap.
 const TOLERANCE: f64 = 1e-9;
 const CORNERS_MAX: usize = CUTS_MAX + 4;
 

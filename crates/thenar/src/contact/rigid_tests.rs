@@ -254,8 +254,6 @@ fn meshes_rest_like_the_shape_they_are() {
     }
 }
 
-/// At 5 m/s and 60 Hz each shape meets a 2 mm plate before it crosses, and flies past one that is
-/// beside its way.
 /// Flat faces a few nanometres over level triangles are held upright wherever their edges cross those of triangles: places
 /// are found to less than that.
 #[test]
@@ -291,6 +289,8 @@ fn what_stands_on_triangles_is_held_upright() {
     }
 }
 
+/// At 5 m/s and 60 Hz each shape meets a 2 mm plate before it crosses, and flies past one that is
+/// beside its way.
 #[test]
 fn fast_rigid_bodies_are_announced() {
     let plate = Shape::Cuboid { half: Vec3::new(0.2, 0.001, 0.2) };

@@ -91,7 +91,7 @@ impl Scene {
     pub fn areas(&self, contacts: &[Contact]) -> Vec<f64> {
         let positions: Vec<Vec3> = self.surfaces.iter().flat_map(|s| s.0.clone()).collect();
         let mut areas = vec![0.0; contacts.len()];
-        Detector::new(&self.desc).areas(&self.places, &positions, contacts, &mut areas);
+        Detector::new(&self.desc).areas(&self.places, &positions, contacts, &mut areas, |_| false);
         areas
     }
 

@@ -1,5 +1,6 @@
 //! Over what area contacts touch at the end of a step.
 
+use crate::math::Vec3;
 use crate::world::World;
 
 impl World {
@@ -11,7 +12,9 @@ impl World {
         }
         scratch.areas.resize(scratch.contacts.len(), 0.0);
         let found = &scratch.found[..scratch.contacts.len().min(scratch.found.len())];
-        detector.areas(places, &scratch.vertices, found, &mut scratch.areas);
+        let contacts = &scratch.contacts;
+        let bears = |i: usize| contacts[i].force_W != Vec3::zeros();
+        detector.areas(places, &scratch.vertices, found, &mut scratch.areas, bears);
         for (contact, area) in scratch.contacts.iter_mut().zip(&scratch.areas) {
             contact.area = *area;
         }

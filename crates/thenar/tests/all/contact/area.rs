@@ -81,9 +81,9 @@ impl Press {
         Self { input: world.input(), world, rigid }
     }
 
-    /// Another pad, upside down, on a bone.
-    fn with_pad(flesh: Flesh) -> Self {
-        let mut desc = based(flesh.clone());
+    /// Another pad over it, upside down, on a bone.
+    fn with_pads([below, flesh]: [Flesh; 2]) -> Self {
+        let mut desc = based(below);
         let at = Vec3::new(0.4e-3, 2.0 * HEIGHT + 1e-4, 0.3e-3);
         let over = Pose::new(at, Quat::from_scaled_axis(Vec3::x() * std::f64::consts::PI));
         let rigid = desc.add_rigid(level("bone", Pose::new(at, Quat::identity())));
@@ -247,9 +247,10 @@ fn to_surface(p: &Vec3, triangles: &[([Vec3; 3], Vec3, f64)], reach: f64) -> f64
     within.map(|(t, _, _)| to_triangle(p, *t)).fold(reach, f64::min)
 }
 
-/// Half of what touches on either side, of pads that bulge as fingertips do.
-fn pad_on_pad(triangle: f64, loads: &[f64]) {
-    let mut press = Press::with_pad(pad(triangle, 0.25));
+/// Half of what touches on either side, of pads that bulge as fingertips do, with triangles of these sizes.
+fn pad_on_pad(triangles: [f64; 2], loads: &[f64]) {
+    let mut press = Press::with_pads(triangles.map(|triangle| pad(triangle, 0.25)));
+    let triangle = triangles[0].max(triangles[1]);
     for &load in loads {
         press.settle(load);
         let patch = [(0, 1), (1, 0)].map(|(own, other)| {
@@ -270,12 +271,18 @@ fn pad_on_pad(triangle: f64, loads: &[f64]) {
 
 #[test]
 fn between_pads() {
-    pad_on_pad(2e-3, &[0.1, 2.0, 20.0]);
+    pad_on_pad([2e-3; 2], &[0.1, 2.0, 20.0]);
 }
 
 #[test]
 fn between_finer_pads() {
-    pad_on_pad(1.6e-3, &[2.0]);
+    pad_on_pad([1.6e-3; 2], &[2.0]);
+}
+
+#[test]
+fn between_a_coarse_and_a_fine_pad() {
+    pad_on_pad([4e-3, 1.6e-3], &[2.0, 10.0]);
+    pad_on_pad([1.6e-3, 4e-3], &[2.0]);
 }
 
 /// With ever finer triangles the area under a ball comes to rest, and is that of the patch.
