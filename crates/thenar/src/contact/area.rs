@@ -86,7 +86,8 @@ impl AreaScratch {
         self.share[t as usize] = area / f64::from(if touching > 0 { touching } else { near });
     }
 
-    /// What touches of a triangle by samples: where they find nothing, a point that touches stands for the finest part.
+    /// What touches of a triangle by samples. Where they find nothing, a point that touches or bore load stands for the finest
+    /// part: so small a patch is not resolved.
     pub fn at_least(&self, skin: &Skin, t: u32, area: f64) -> f64 {
         if area > 0.0 || self.count[t as usize] == 0 {
             return area;

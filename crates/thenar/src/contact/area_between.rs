@@ -180,7 +180,12 @@ fn face(
     };
     let depth = met().map(|k| -gap(&of[k as usize / 2])).fold(0.0, f64::max);
     let around = Aabb::of_points(x).inflate(TOUCHING + depth);
+    let itself = skin.surface.soft == other.surface.soft;
     let mut add = |o: u32| {
+        let is_beside = |v: &u32| other.surface.triangles[o as usize].contains(v);
+        if itself && corners.iter().any(is_beside) {
+            return;
+        }
         let corners = other.corners(o);
         let is_near = Aabb::of_points(&corners).overlaps(&around);
         if is_near && facing.iter().all(|f| f.triangle != o) {
