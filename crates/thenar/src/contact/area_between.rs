@@ -105,7 +105,7 @@ pub(crate) fn between_soft(
         for i in 0..scratch.touched.len() {
             let t = scratch.touched[i];
             let x = skin.corners(t);
-            face((t, &x), [skin, other], of, &gap, &mut scratch.at_vertices);
+            let depth = face((t, &x), [skin, other], of, &gap, &mut scratch.at_vertices);
             let facing = &scratch.at_vertices.facing;
             let edge = (0..3).map(|k| (x[(k + 1) % 3] - x[k]).norm()).fold(0.0, f64::max);
             let parts = (PARTS_OF_EDGE * edge / other.surface.edge_mean).ceil() as usize;
@@ -114,7 +114,7 @@ pub(crate) fn between_soft(
                 false => area_below(
                     &x,
                     parts.clamp(1, PARTS_MAX),
-                    |p, _| distance(p, facing, other),
+                    |p, _| distance(p, facing, other, 2.0 * depth + TOUCHING),
                     |_| false,
                 ),
             };
@@ -158,14 +158,14 @@ impl Facing {
 }
 
 /// Lists the triangles that contacts say triangle `t` with corners `x` meets, and those beside them, as far as they may be
-/// nearer than [`TOUCHING`], or as deep as these contacts.
+/// nearer than [`TOUCHING`], or as deep as these contacts. Returns how deep these are \[m\].
 fn face(
     (t, x): (u32, &[Vec3; 3]),
     [skin, other]: [&Skin; 2],
     of: &[Contact],
     gap: &impl Fn(&Contact) -> f64,
     at_vertices: &mut AtVertices,
-) {
+) -> f64 {
     let corners = skin.surface.triangles[t as usize];
     let AtVertices { first, next, facing, .. } = at_vertices;
     facing.clear();
@@ -198,10 +198,21 @@ fn face(
             (0..3).filter_map(|k| other.surface.across(o, k)).for_each(&mut add);
         });
     }
+    depth
+}
+
+/// Distance from the nearest of these triangles, negative behind it: not deeper than contacts say, by `deepest` \[m\]. What
+/// seems to be lies beyond the rim of these triangles, apart from those that follow.
+fn distance(p: &Vec3, facing: &[Facing], other: &Skin, deepest: f64) -> Distance {
+    let near = signed(p, facing, other);
+    if near.value >= -deepest {
+        return near;
+    }
+    Distance { value: -near.value, gradient: -near.gradient }
 }
 
 /// Distance from the nearest of these triangles, negative behind it.
-fn distance(p: &Vec3, facing: &[Facing], other: &Skin) -> Distance {
+fn signed(p: &Vec3, facing: &[Facing], other: &Skin) -> Distance {
     let mut nearest: Option<(&Facing, Closest)> = None;
     for f in facing {
         let least = nearest.map_or(f64::INFINITY, |(_, near)| near.distance_squared);

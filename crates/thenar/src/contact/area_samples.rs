@@ -160,9 +160,10 @@ fn part_below_planes(rises: [[f64; 3]; 3]) -> f64 {
     }
     let up = || between(flat, part_below_all(rises), bent);
     let down = || {
-        // One is below where not all are above.
+        // One is below where not all are above. A plane means nothing beyond an edge, where the distance bends up from it.
         let above = rises.map(|rise| rise.map(|g| 2.0 * TOUCHING - g));
-        between(flat, 1.0 - part_below_all(above), hollow)
+        let any = between(flat, 1.0 - part_below_all(above), hollow);
+        flat + (1.0 - bent / hollow).max(0.0) * (any - flat)
     };
     let part = |bends: f64, of: &dyn Fn() -> f64| if bends > 0.0 { bends * of() } else { 0.0 };
     (part(bent, &up) + part(hollow, &down)) / (bent + hollow)
