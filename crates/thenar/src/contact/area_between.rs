@@ -63,7 +63,7 @@ impl AtVertices {
 /// A point of a contact.
 fn point(of: &[Contact], k: u32) -> Option<&SurfacePoint> {
     let contact = &of[k as usize / 2];
-    soft_point(if k % 2 == 0 { &contact.a } else { &contact.b })
+    soft_point(if k.is_multiple_of(2) { &contact.a } else { &contact.b })
 }
 
 /// The vertices a point lies between.
