@@ -10,6 +10,7 @@
 use crate::contact::area_between::AtVertices;
 use crate::contact::area_faces::Faces;
 use crate::contact::area_samples::{PARTS_MAX, area_below, parts_for};
+use crate::contact::nearest::longest_edge;
 use crate::contact::rigid_body::{Placed, RigidBody};
 use crate::contact::surface::Surface;
 use crate::contact::triangle::area_vector;
@@ -86,7 +87,7 @@ impl AreaScratch {
         self.share[t as usize] = area / f64::from(if touching > 0 { touching } else { near });
     }
 
-    /// What touches of a triangle by samples. Where they find nothing, a point that touches or bore load stands for the finest
+    /// Area of a triangle that touches, by samples. Where they find nothing, a point that touches or bore load stands for the finest
     /// part: so small a patch is not resolved.
     pub fn at_least(&self, skin: &Skin, t: u32, area: f64) -> f64 {
         if area > 0.0 || self.count[t as usize] == 0 {
@@ -129,11 +130,9 @@ impl Skin<'_> {
     pub fn edge_longest(&self, point: &SurfacePoint) -> f64 {
         let mut longest = 0.0_f64;
         self.triangles_of(point, |t| {
-            let x = self.corners(t);
-            let edges = (0..3).map(|k| (x[(k + 1) % 3] - x[k]).norm_squared());
-            longest = edges.fold(longest, f64::max);
+            longest = longest.max(longest_edge(&self.corners(t)));
         });
-        longest.sqrt()
+        longest
     }
 
     fn triangle_area(&self, t: u32) -> f64 {

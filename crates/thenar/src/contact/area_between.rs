@@ -5,6 +5,7 @@
 use crate::contact::aabb::Aabb;
 use crate::contact::area::{AreaScratch, LIGHT, Skin, TOUCHING, soft_point};
 use crate::contact::area_samples::{PARTS_MAX, area_below};
+use crate::contact::nearest::longest_edge;
 use crate::contact::triangle::{Closest, Feature, ROUNDED_UP, area_vector, closest_on_triangle};
 use crate::contact::{Contact, Distance, SurfacePoint};
 use crate::math::Vec3;
@@ -23,7 +24,7 @@ pub(super) struct AtVertices {
     next: Room<u32>,
     /// Vertices with a list.
     listed: Room<u32>,
-    /// What one triangle meets.
+    /// Triangles that one of the other surface meets.
     facing: Room<Facing>,
 }
 
@@ -107,8 +108,8 @@ pub(crate) fn between_soft(
             let x = skin.corners(t);
             let depth = face((t, &x), [skin, other], of, &gap, &mut scratch.at_vertices);
             let facing = &scratch.at_vertices.facing;
-            let edge = (0..3).map(|k| (x[(k + 1) % 3] - x[k]).norm()).fold(0.0, f64::max);
-            let parts = (PARTS_OF_EDGE * edge / other.surface.edge_mean).ceil() as usize;
+            let parts =
+                (PARTS_OF_EDGE * longest_edge(&x) / other.surface.edge_mean).ceil() as usize;
             let area = match facing.is_empty() {
                 true => 0.0,
                 false => area_below(

@@ -16,8 +16,8 @@ pub(super) fn parts_for(shape: &Shape, x: &[Vec3; 3]) -> usize {
     ((edge / part).ceil() as usize).clamp(1, PARTS_MAX)
 }
 
-/// A distance within bounds. Where all beside it lies on the same side of [`TOUCHING`] by these, nobody looks into it, and
-/// its value is one of them.
+/// A distance within bounds. Where all beside it lies on the same side of [`TOUCHING`] by these, nobody looks into it:
+/// the value is one of them.
 #[derive(Clone, Copy)]
 struct Sample {
     value: f64,
@@ -42,7 +42,7 @@ impl Sample {
         Self { low: self.low - way, high: self.high + way, ..*self }
     }
 
-    /// What both know.
+    /// Bounds that both know.
     fn and(&self, other: &Self) -> Self {
         Self { low: self.low.max(other.low), high: self.high.min(other.high), ..*self }
     }
@@ -144,8 +144,8 @@ pub(super) fn area_below(
 }
 
 /// The part of a triangle's area where a distance is below [`TOUCHING`], given its tangent planes at the corners by
-/// their values at all corners. A distance that bends up lies between these planes and the plane through its values; one
-/// that bends down, in a hollow, between that plane and the lowest of them.
+/// their values at all corners. A distance that bends up lies between these planes and the plane through its
+/// values; in a hollow, where it bends down, it lies between that plane and the lowest of them.
 fn part_below_planes(rises: [[f64; 3]; 3]) -> f64 {
     let gaps = [0, 1, 2].map(|i| rises[i][i]);
     let pairs = (0..3).flat_map(|i| (0..3).map(move |j| (i, j)));

@@ -43,7 +43,7 @@ joints.index-dip = { flexion_deg = 10 }
 /// What stands fixed under the finger, and how far a place is from it \[m\], seen from the middle of its upper side.
 struct Thing {
     shape: &'static str,
-    /// About z.
+    /// Turn about z.
     angle_deg: f64,
     /// Depth of its middle below the upper side \[m\].
     below: f64,
