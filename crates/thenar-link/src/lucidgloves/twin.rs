@@ -24,6 +24,8 @@ pub struct LucidGlovesTwin {
     pub legacy: bool,
     /// Lines that it said.
     pub lines_said: u64,
+    /// Lines that reached its serial port, read or not.
+    pub lines_heard: u64,
     received: Vec<u8>,
     /// When it says its next line; `None` while it waits for one.
     next_ns: Option<u64>,
@@ -45,6 +47,7 @@ impl LucidGlovesTwin {
             servos: [0; 5],
             legacy,
             lines_said: 0,
+            lines_heard: 0,
             received: Vec::new(),
             next_ns: None,
             waiting_ns: 0,
@@ -122,6 +125,7 @@ impl Twin for LucidGlovesTwin {
     }
 
     fn step(&mut self, now_ns: u64, received: &[u8], send: &mut dyn FnMut(&[u8])) {
+        self.lines_heard += received.iter().filter(|byte| **byte == b'\n').count() as u64;
         let room = PORT_BUFFER - self.received.len();
         self.received.extend_from_slice(&received[..received.len().min(room)]);
         if !received.is_empty() {
