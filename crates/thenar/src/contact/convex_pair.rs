@@ -164,6 +164,10 @@ fn flatten(
         }
     }
     let (normal_W, flag) = if by_a { (-n, 1 << 15) } else { (*n, 0) };
+    if let Some((end, tip)) = incident.tip {
+        let is_end = |c: &&mut Corner| c.id == end as u32;
+        polygon.corners[..polygon.count].iter_mut().filter(is_end).for_each(|c| c.p = tip);
+    }
     for corner in &polygon.corners[..polygon.count] {
         let gap = n.dot(&(corner.p - p));
         if gap <= margin {

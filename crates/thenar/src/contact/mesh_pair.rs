@@ -33,6 +33,9 @@ const SETTLE: usize = 4;
 /// trial: with a tenth as much, or ten times, depths of overlaps are wrong.
 const SHALLOW: f64 = 0.01;
 
+/// Crossings are told up to so many times as deep as the shallowest: as deep as a tilt by half their distance makes them.
+const AS_DEEP: f64 = 1.5;
+
 /// Points in one place whose normals are nearer than this (cosine of 2.6°, [`STANDING`]) hold the same.
 const ALONG: f64 = 0.999;
 
@@ -337,7 +340,11 @@ fn edges(pair: &Pair, mesh: &MeshShape, shallow: f64, manifold: &mut Manifold) {
             for (slot, k) in [(axis + 1) % 3, (axis + 2) % 3].into_iter().enumerate() {
                 normals[slot][k] = out[k];
             }
-            crossing(pair, i as u32, ends, normals, 0.0, mesh, manifold);
+            crossing(pair, i as u32, ends, normals, 0.0, mesh, &mut |c: Crossing| {
+                if c.gap > -c.shallow {
+                    pair.push(c.feature, c.position_W, c.normal_W, c.gap, manifold);
+                }
+            });
         }
     }
     let around = pair.around_a().inflate(mesh.index.rounding);
@@ -366,7 +373,8 @@ fn edges(pair: &Pair, mesh: &MeshShape, shallow: f64, manifold: &mut Manifold) {
         if along.value < rounding && !is_normal {
             let [n1, n2] = mesh.index.edges[e as usize].normals;
             let out = pair.a.rotation.tr_mul(&(pair.b.rotation * (n1 + n2).normalize()));
-            along.draw_apart(pair.a.shape, ends, &out, 0.5 * shallow.min(inradius(pair.a.shape)));
+            let way = 0.5 * shallow.min(inradius(pair.a.shape));
+            along.draw_apart(pair.a.shape, ends, out, way);
             (n_W, is_normal) = look(&along);
         }
         if !is_normal {
@@ -412,15 +420,50 @@ fn vertices(pair: &Pair, mesh: &MeshShape, flag: u32, manifold: &mut Manifold) {
     });
 }
 
-/// Sharp edges of mesh A that cross sharp edges of mesh B.
+/// Where an edge of A and one of B cross.
+#[derive(Clone, Copy)]
+struct Crossing {
+    feature: u32,
+    position_W: Vec3,
+    normal_W: Vec3,
+    gap: f64,
+    /// Deeper than this it may be that of edges that lie behind each other.
+    shallow: f64,
+}
+
+/// Sharp edges of mesh A that cross sharp edges of mesh B. Edges that have gone deep into each other cross at the
+/// shallowest of them and at what is little deeper: others lie behind each other, on far sides of the bodies.
 fn crossings(pair: &Pair, mesh_a: &MeshShape, mesh_b: &MeshShape, manifold: &mut Manifold) {
     let rotation = pair.a.rotation.transpose() * pair.b.rotation;
     let around = pair.movers[1].piece.bounds.moved(&rotation, &pair.a.shape_point(&pair.b.origin));
-    mesh_a.index.edge_tree.overlapping(&around.inflate(pair.reach.margin), |i| {
-        let edge = &mesh_a.index.edges[i as usize];
-        let ends = edge.vertices.map(|v| mesh_a.points[v as usize]);
-        crossing(pair, i, ends, edge.normals, mesh_a.index.rounding, mesh_b, manifold);
+    let each = |found: &mut dyn FnMut(Crossing)| {
+        mesh_a.index.edge_tree.overlapping(&around.inflate(pair.reach.margin), |i| {
+            let edge = &mesh_a.index.edges[i as usize];
+            let ends = edge.vertices.map(|v| mesh_a.points[v as usize]);
+            crossing(pair, i, ends, edge.normals, mesh_a.index.rounding, mesh_b, found);
+        });
+    };
+    let lies_inside =
+        |c: &Crossing| [pair.a, pair.b].iter().all(|s| s.distance(&c.position_W).value < 0.0);
+    let mut highest = f64::NEG_INFINITY;
+    let mut is_deep = false;
+    each(&mut |c: Crossing| {
+        if c.gap > -c.shallow {
+            pair.push(c.feature, c.position_W, c.normal_W, c.gap, manifold);
+        }
+        let counts = c.gap < 0.0 && c.gap > highest && lies_inside(&c);
+        if counts {
+            highest = c.gap;
+        }
+        is_deep |= c.gap <= -c.shallow && (counts || c.gap >= AS_DEEP * highest);
     });
+    if is_deep {
+        each(&mut |c: Crossing| {
+            if c.gap <= -c.shallow && c.gap >= AS_DEEP * highest && lies_inside(&c) {
+                pair.push(c.feature, c.position_W, c.normal_W, c.gap, manifold);
+            }
+        });
+    }
 }
 
 /// One edge of A (number, ends, normals of its faces and rounding, in A's frame) and the sharp edges
@@ -432,7 +475,7 @@ fn crossing(
     normals: [Vec3; 2],
     rounding_a: f64,
     mesh: &MeshShape,
-    manifold: &mut Manifold,
+    found: &mut dyn FnMut(Crossing),
 ) {
     let turn = pair.b.rotation.transpose() * pair.a.rotation;
     let ends = ends.map(|p| pair.b.shape_point(&pair.a.world_point(&p)));
@@ -444,12 +487,15 @@ fn crossing(
         let ends_b = edge_b.vertices.map(|v| mesh.points[v as usize]);
         let Some((p, q, n)) = cross((&edge_a, ends), (edge_b, ends_b)) else { return };
         let gap = (p - q).dot(&n) - rounding_a - rounding_b;
-        let deep = SHALLOW * (ends[1] - ends[0]).norm().min((ends_b[1] - ends_b[0]).norm());
-        if gap <= pair.reach.margin && gap > -deep {
+        if gap <= pair.reach.margin {
             let middle = 0.5 * (p + q + (rounding_b - rounding_a) * n);
-            let feature = CROSSING | i << 14 & 0x0fff_c000 | j & 0x3fff;
-            let (position_W, normal_W) = (pair.b.world_point(&middle), pair.b.rotation * n);
-            pair.push(feature, position_W, normal_W, gap, manifold);
+            found(Crossing {
+                feature: CROSSING | i << 14 & 0x0fff_c000 | j & 0x3fff,
+                position_W: pair.b.world_point(&middle),
+                normal_W: pair.b.rotation * n,
+                gap,
+                shallow: SHALLOW * (ends[1] - ends[0]).norm().min((ends_b[1] - ends_b[0]).norm()),
+            });
         }
     });
 }

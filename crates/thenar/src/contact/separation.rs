@@ -26,6 +26,8 @@ const INWARD: [f64; 4] = [0.02, 0.1, 0.4, 0.9];
 /// A face's direction counts only if the gap along it is larger by this part of the size: ten times what a direction is
 /// good for, so that round-off does not choose.
 const FACE_BETTER: f64 = 1e-6;
+/// Times that shapes are drawn apart along the way found before.
+const DRAWN: usize = 4;
 /// Round-off of a gap, as a part of the size: positions that are a million sizes away still keep as many digits.
 const ROUND_OFF: f64 = 1e-9;
 
@@ -65,8 +67,8 @@ pub(crate) fn separation(a: &Solid, b: &Solid) -> Separation {
         {
             let rough = along(a, b, near);
             let rough = past_faces(a, b, rough, size);
-            let better = drawn_apart(a, b, &rough, size).unwrap_or(rough);
-            return drawn_apart(a, b, &better, size).unwrap_or(better);
+            let drawn = |found: Separation| drawn_apart(a, b, &found, size).unwrap_or(found);
+            return (0..DRAWN).fold(rough, |found, _| drawn(found));
         }
     }
     // One lies deep in the other: out the shortest way for the middle of A.

@@ -27,11 +27,13 @@ pub(crate) struct Face {
     count: usize,
     /// Outward normal of a flat face.
     pub normal: Option<Vec3>,
+    /// Where the end `.0` of a round-ended line is farthest: on its ball, beside the line.
+    pub tip: Option<(usize, Vec3)>,
 }
 
 impl Face {
     fn new(points: impl IntoIterator<Item = Vec3>, normal: Option<Vec3>) -> Self {
-        let mut face = Self { corners: [Vec3::zeros(); DISC_CORNERS], count: 0, normal };
+        let mut face = Self { corners: [Vec3::zeros(); DISC_CORNERS], count: 0, normal, tip: None };
         for p in points {
             if face.count < DISC_CORNERS {
                 face.corners[face.count] = p;
@@ -110,12 +112,11 @@ fn face(shape: &Shape, d: &Vec3) -> Face {
     };
     match shape {
         Shape::Capsule { radius, half_length } => {
+            let ends = [-half_length, *half_length].map(|y| Vec3::y() * y);
             // The end ahead is touched at its ball, wherever it is looked for.
-            let end = |y: f64| {
-                let towards = if y * d.y > 0.0 { *d } else { out };
-                Vec3::y() * y + towards * *radius
-            };
-            Face::new([-half_length, *half_length].map(end), None)
+            let ahead = usize::from(d.y > 0.0);
+            let tip = (d.y != 0.0).then_some((ahead, ends[ahead] + *radius * d));
+            Face { tip, ..Face::new(ends.map(|end| end + *radius * out), None) }
         }
         Shape::Cuboid { half } => {
             let k = d.iamax();
@@ -162,6 +163,7 @@ impl Solid<'_> {
         let count = face.count;
         face.corners[..count].iter_mut().for_each(|p| *p = self.origin + self.rotation * *p);
         face.normal = face.normal.map(|n| self.rotation * n);
+        face.tip = face.tip.map(|(end, p)| (end, self.origin + self.rotation * p));
         face
     }
 
