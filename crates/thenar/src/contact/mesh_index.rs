@@ -38,9 +38,10 @@ pub(crate) struct MeshIndex {
     pub(super) pieces: Vec<(u32, Aabb, u32)>,
     /// Whether each piece is closed.
     pub(super) closed: Vec<bool>,
-    /// Edges whose faces differ in direction by more than `SHARP`.
-    pub edges: Vec<MeshEdge>,
-    pub edge_tree: Bvh,
+    /// Edges whose faces differ in direction by more than `SHARP`,
+    pub edges: Edges,
+    /// and those that stick out by less.
+    pub bends: Edges,
     /// Vertices of triangles, and a tree over them.
     pub vertices: Vec<u32>,
     pub vertex_tree: Bvh,
@@ -52,6 +53,20 @@ pub(crate) struct MeshIndex {
     pub(super) size: f64,
 }
 
+/// Edges, and a tree over them.
+#[derive(Clone, Default)]
+pub(crate) struct Edges {
+    pub list: Vec<MeshEdge>,
+    pub tree: Bvh,
+}
+
+impl Edges {
+    fn plant(&mut self, points: &[Vec3]) {
+        let ends = |e: &MeshEdge| Aabb::of_points(&e.vertices.map(|v| points[v as usize]));
+        self.tree = Bvh::build(&self.list.iter().map(ends).collect::<Vec<_>>());
+    }
+}
+
 impl std::fmt::Debug for MeshIndex {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("MeshIndex").field("triangles", &self.items.len()).finish_non_exhaustive()
@@ -61,6 +76,9 @@ impl std::fmt::Debug for MeshIndex {
 /// Cosine of the bend from which an edge is an edge, 5°. Below it the surface is taken as smooth:
 /// bodies touch it within its faces.
 const SHARP: f64 = 0.996_194_698_091_745_5;
+/// Cosine of the bend from which a sharp edge that lies across can sink in beside the vertices, 8e-4 rad: by a ten-thousandth
+/// of the edge, an eighth of its bend.
+const LEVEL: f64 = 1.0 - 3.2e-7;
 
 impl MeshIndex {
     /// Prepares triangles; those that are degenerate or name missing points are left out.
@@ -109,8 +127,8 @@ impl MeshIndex {
         index.corners = index.items.iter().map(|&t| corners(t)).collect();
         index.rounding = index.shell(grid);
         index.is_solid = index.rounding > 0.0 || open.is_empty();
-        let ends = |e: &MeshEdge| Aabb::of_points(&e.vertices.map(|v| points[v as usize]));
-        index.edge_tree = Bvh::build(&index.edges.iter().map(ends).collect::<Vec<_>>());
+        index.edges.plant(points);
+        index.bends.plant(points);
         index
     }
 
@@ -153,8 +171,11 @@ impl MeshIndex {
                 let apex = t.iter().find(|v| !same[0].0.contains(v)).map(|&v| points[v as usize]);
                 apex.is_none_or(|apex| other.dot(&(apex - 0.5 * (a + b))) <= 0.0)
             };
+            let edge = MeshEdge { vertices: same[0].0, normals: [first, other] };
             if same.len() != 2 || (first.dot(&other) < SHARP && outward) {
-                self.edges.push(MeshEdge { vertices: same[0].0, normals: [first, other] });
+                self.edges.list.push(edge);
+            } else if first.dot(&other) < LEVEL && outward {
+                self.bends.list.push(edge);
             }
         }
         open

@@ -13,7 +13,7 @@ use crate::contact::features::{corners, edges as cuboid_edges, rim};
 use crate::contact::manifold::{Manifold, ManifoldPoint};
 use crate::contact::mesh_clear;
 use crate::contact::mesh_deep::{self, DeepFace};
-use crate::contact::mesh_index::MeshEdge;
+use crate::contact::mesh_index::{Edges, MeshEdge};
 use crate::contact::mesh_normals::{SAME, STANDING};
 use crate::contact::nearest::{longest_edge, place_unknown, point as weighted, sharpened};
 use crate::contact::rigid_pair::{Reach, reversed};
@@ -46,6 +46,7 @@ const VERTEX: u32 = 3 << 28;
 const CROSSING: u32 = 4 << 28;
 /// Points of what lies deep in a mesh.
 pub(super) const DEEP: u32 = 5 << 28;
+const BEND: u32 = 6 << 28;
 /// Where a feature has its kind.
 pub(super) const KIND: u32 = 7 << 28;
 /// Set in the feature of a point that came from side B.
@@ -81,9 +82,8 @@ pub(crate) fn convex_on_mesh(a: &Mover, b: &Mover, reach: Reach, manifold: &mut 
     let deepest = faces(&pair, mesh, shallow, first, manifold);
     edges(&pair, mesh, shallow, manifold);
     if shallow < f64::INFINITY {
-        let before = manifold.points().len();
         reversed(manifold, |m| vertices(&Pair::new(b, a, reach), mesh, FROM_B, m));
-        drop_beside(&pair, before, manifold);
+        drop_beside(&pair, FROM_B, first, shallow, manifold);
         if manifold.points().len() == first {
             faces(&pair, mesh, f64::INFINITY, first, manifold);
         }
@@ -101,12 +101,22 @@ pub(crate) fn convex_on_mesh(a: &Mover, b: &Mover, reach: Reach, manifold: &mut 
     }
 }
 
-/// Leaves out vertices of the mesh from `first` on that lie on an edge of A, where its distance may point
-/// either way, along which the mesh has no normal: on the side of a box that stands on them.
-fn drop_beside(pair: &Pair, first: usize, manifold: &mut Manifold) {
-    manifold.retain_from(first, |p| {
+/// Leaves out vertices of mesh B from `first` on that are met along no normal of the mesh: beside a box that stands on
+/// level triangles, or has its edge on a ridge of them, its distance points sideways, and would hold it as if a step were
+/// in its way. What B's surface does there other points tell; without any, vertices that have got in stay. `flag` is that
+/// of B's vertices.
+fn drop_beside(pair: &Pair, flag: u32, first: usize, shallow: f64, manifold: &mut Manifold) {
+    let is_vertex = |p: &ManifoldPoint| p.feature & (KIND | FROM_B) == flag | VERTEX;
+    let is_upright = |p: &ManifoldPoint| {
         let q_W = p.position_W - 0.5 * p.gap * p.normal_W;
-        p.gap.abs() > pair.same || pair.is_normal(&q_W, p.gap, &p.normal_W, STANDING)
+        pair.is_normal(&q_W, p.gap, &p.normal_W, STANDING)
+    };
+    let own = &manifold.points()[first..];
+    let is_held = own.iter().any(|p| p.gap < shallow && (!is_vertex(p) || is_upright(p)));
+    let is_slow = pair.travel <= pair.reach.margin;
+    manifold.retain_from(first, |p| {
+        let holds_nothing = p.gap.abs() <= pair.same || is_slow && (p.gap > 0.0 || is_held);
+        !(is_vertex(p) && p.gap > -shallow && holds_nothing) || is_upright(p)
     });
 }
 
@@ -125,9 +135,14 @@ pub(crate) fn mesh_on_mesh(a: &Mover, b: &Mover, reach: Reach, manifold: &mut Ma
     let (Some(mesh_a), Some(mesh_b)) = (mesh_of(&a.piece.shape), mesh_of(&b.piece.shape)) else {
         return;
     };
-    vertices(&Pair::new(a, b, reach), mesh_a, 0, manifold);
-    reversed(manifold, |m| vertices(&Pair::new(b, a, reach), mesh_b, FROM_B, m));
-    crossings(&Pair::new(a, b, reach), mesh_a, mesh_b, manifold);
+    let first = manifold.points().len();
+    let (on_b, on_a) = (Pair::new(a, b, reach), Pair::new(b, a, reach));
+    vertices(&on_b, mesh_a, 0, manifold);
+    reversed(manifold, |m| vertices(&on_a, mesh_b, FROM_B, m));
+    crossings(&on_b, mesh_a, mesh_b, manifold);
+    let shallow = SHALLOW * a.side.body.radius.min(b.side.body.radius);
+    drop_beside(&on_b, FROM_B, first, shallow, manifold);
+    reversed(manifold, |m| drop_beside(&on_a, 0, first, shallow, m));
 }
 
 /// Two pieces, and how they move.
@@ -340,18 +355,38 @@ fn edges(pair: &Pair, mesh: &MeshShape, shallow: f64, manifold: &mut Manifold) {
             for (slot, k) in [(axis + 1) % 3, (axis + 2) % 3].into_iter().enumerate() {
                 normals[slot][k] = out[k];
             }
-            crossing(pair, i as u32, ends, normals, 0.0, mesh, &mut |c: Crossing| {
-                if c.gap > -c.shallow {
-                    pair.push(c.feature, c.position_W, c.normal_W, c.gap, manifold);
-                }
-            });
+            let edge = Crosses { i: i as u32, ends, normals, rounding: 0.0 };
+            for others in [&mesh.index.edges, &mesh.index.bends] {
+                crossing(pair, &edge, mesh, others, &mut |c: Crossing| {
+                    if c.gap > -c.shallow {
+                        pair.push(c.feature, c.position_W, c.normal_W, c.gap, manifold);
+                    }
+                });
+            }
         }
     }
+    along_edges(pair, mesh, &mesh.index.edges, EDGE, shallow, manifold);
+    if matches!(pair.a.shape, Shape::Cylinder { .. } | Shape::Cone { .. }) {
+        along_edges(pair, mesh, &mesh.index.bends, BEND, shallow, manifold);
+    }
+}
+
+/// The ends of the part of each edge that runs along a face of A; of bends, which do not stick out of the faces beside
+/// them, where they cross a rim.
+fn along_edges(
+    pair: &Pair,
+    mesh: &MeshShape,
+    edges: &Edges,
+    kind: u32,
+    shallow: f64,
+    manifold: &mut Manifold,
+) {
     let around = pair.around_a().inflate(mesh.index.rounding);
     let (margin, rounding) = (pair.reach.margin, mesh.index.rounding);
     let flat = 1e-3 * pair.same;
-    mesh.index.edge_tree.overlapping(&around, |e| {
-        let ends = mesh.index.edges[e as usize].vertices.map(|v| mesh.points[v as usize]);
+    edges.tree.overlapping(&around, |e| {
+        let MeshEdge { vertices, normals } = edges.list[e as usize];
+        let ends = vertices.map(|v| mesh.points[v as usize]);
         if !Aabb::of_points(&ends).overlaps(&around) {
             return;
         }
@@ -371,8 +406,8 @@ fn edges(pair: &Pair, mesh: &MeshShape, shallow: f64, manifold: &mut Manifold) {
         let mut along = along;
         let (mut n_W, mut is_normal) = look(&along);
         if along.value < rounding && !is_normal {
-            let [n1, n2] = mesh.index.edges[e as usize].normals;
-            let out = pair.a.rotation.tr_mul(&(pair.b.rotation * (n1 + n2).normalize()));
+            let out =
+                pair.a.rotation.tr_mul(&(pair.b.rotation * (normals[0] + normals[1]).normalize()));
             let way = 0.5 * shallow.min(inradius(pair.a.shape));
             along.draw_apart(pair.a.shape, ends, out, way);
             (n_W, is_normal) = look(&along);
@@ -381,11 +416,12 @@ fn edges(pair: &Pair, mesh: &MeshShape, shallow: f64, manifold: &mut Manifold) {
             return;
         }
         along.gradient = -pair.a.rotation.tr_mul(&n_W);
-        for (k, q) in along.ends.into_iter().enumerate() {
+        let places = if kind == BEND { [along.lowest; 2] } else { along.ends };
+        for (k, q) in places.into_iter().enumerate() {
             let gap = along.value + along.gradient.dot(&(q - along.lowest)) - rounding;
             let q_W = pair.a.world_point(&q) + rounding * n_W;
             if gap <= margin {
-                pair.push(EDGE | (2 * e) | k as u32, q_W + 0.5 * gap * n_W, n_W, gap, manifold);
+                pair.push(kind | (2 * e) | k as u32, q_W + 0.5 * gap * n_W, n_W, gap, manifold);
             }
         }
     });
@@ -431,17 +467,22 @@ struct Crossing {
     shallow: f64,
 }
 
-/// Sharp edges of mesh A that cross sharp edges of mesh B. Edges that have gone deep into each other cross at the
+/// Edges of mesh A that cross edges of mesh B, of which one is sharp. Edges that have gone deep into each other cross at the
 /// shallowest of them and at what is little deeper: others lie behind each other, on far sides of the bodies.
 fn crossings(pair: &Pair, mesh_a: &MeshShape, mesh_b: &MeshShape, manifold: &mut Manifold) {
     let rotation = pair.a.rotation.transpose() * pair.b.rotation;
     let around = pair.movers[1].piece.bounds.moved(&rotation, &pair.a.shape_point(&pair.b.origin));
     let each = |found: &mut dyn FnMut(Crossing)| {
-        mesh_a.index.edge_tree.overlapping(&around.inflate(pair.reach.margin), |i| {
-            let edge = &mesh_a.index.edges[i as usize];
-            let ends = edge.vertices.map(|v| mesh_a.points[v as usize]);
-            crossing(pair, i, ends, edge.normals, mesh_a.index.rounding, mesh_b, found);
-        });
+        let (a, b) = (&mesh_a.index, &mesh_b.index);
+        // What is blunt on blunt touches at its vertices and faces.
+        for (own, others) in [(&a.edges, &b.edges), (&a.edges, &b.bends), (&a.bends, &b.edges)] {
+            own.tree.overlapping(&around.inflate(pair.reach.margin), |i| {
+                let MeshEdge { vertices, normals } = own.list[i as usize];
+                let ends = vertices.map(|v| mesh_a.points[v as usize]);
+                let edge = Crosses { i, ends, normals, rounding: a.rounding };
+                crossing(pair, &edge, mesh_b, others, found);
+            });
+        }
     };
     let lies_inside =
         |c: &Crossing| [pair.a, pair.b].iter().all(|s| s.distance(&c.position_W).value < 0.0);
@@ -466,31 +507,36 @@ fn crossings(pair: &Pair, mesh_a: &MeshShape, mesh_b: &MeshShape, manifold: &mut
     }
 }
 
-/// One edge of A (number, ends, normals of its faces and rounding, in A's frame) and the sharp edges
-/// of mesh B that it crosses.
-fn crossing(
-    pair: &Pair,
+/// An edge of A: its number, ends, normals of its faces and rounding, in A's frame.
+struct Crosses {
     i: u32,
     ends: [Vec3; 2],
     normals: [Vec3; 2],
-    rounding_a: f64,
+    rounding: f64,
+}
+
+/// One edge of A and those of mesh B that it crosses.
+fn crossing(
+    pair: &Pair,
+    edge: &Crosses,
     mesh: &MeshShape,
+    others: &Edges,
     found: &mut dyn FnMut(Crossing),
 ) {
     let turn = pair.b.rotation.transpose() * pair.a.rotation;
-    let ends = ends.map(|p| pair.b.shape_point(&pair.a.world_point(&p)));
-    let edge_a = MeshEdge { vertices: [0; 2], normals: normals.map(|n| turn * n) };
-    let rounding_b = mesh.index.rounding;
-    let near = Aabb::of_points(&ends).inflate(pair.reach.margin + rounding_a + rounding_b);
-    mesh.index.edge_tree.overlapping(&near, |j| {
-        let edge_b = &mesh.index.edges[j as usize];
+    let ends = edge.ends.map(|p| pair.b.shape_point(&pair.a.world_point(&p)));
+    let edge_a = MeshEdge { vertices: [0; 2], normals: edge.normals.map(|n| turn * n) };
+    let roundings = [edge.rounding, mesh.index.rounding];
+    let near = Aabb::of_points(&ends).inflate(pair.reach.margin + roundings[0] + roundings[1]);
+    others.tree.overlapping(&near, |j| {
+        let edge_b = &others.list[j as usize];
         let ends_b = edge_b.vertices.map(|v| mesh.points[v as usize]);
         let Some((p, q, n)) = cross((&edge_a, ends), (edge_b, ends_b)) else { return };
-        let gap = (p - q).dot(&n) - rounding_a - rounding_b;
+        let gap = (p - q).dot(&n) - roundings[0] - roundings[1];
         if gap <= pair.reach.margin {
-            let middle = 0.5 * (p + q + (rounding_b - rounding_a) * n);
+            let middle = 0.5 * (p + q + (roundings[1] - roundings[0]) * n);
             found(Crossing {
-                feature: CROSSING | i << 14 & 0x0fff_c000 | j & 0x3fff,
+                feature: CROSSING | edge.i << 14 & 0x0fff_c000 | j & 0x3fff,
                 position_W: pair.b.world_point(&middle),
                 normal_W: pair.b.rotation * n,
                 gap,

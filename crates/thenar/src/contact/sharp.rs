@@ -61,8 +61,9 @@ fn collect(
         }
         Shape::Mesh(mesh) => {
             let at = |v: &u32| mesh.points[*v as usize];
-            points.extend(mesh.index.edges.iter().flat_map(|edge| edge.vertices.iter().map(at)));
-            for edge in &mesh.index.edges {
+            points
+                .extend(mesh.index.edges.list.iter().flat_map(|edge| edge.vertices.iter().map(at)));
+            for edge in &mesh.index.edges.list {
                 spread(&edge.vertices.map(|v| at(&v)), spacing, points);
             }
             points.extend(&mesh.points);
