@@ -52,9 +52,9 @@ impl Along {
     }
 }
 
-/// Times that an edge is drawn out of a shape along the way found before: the first leaves it beside its place by
-/// as much as the bisector of its faces leans from the way out; of the second remains as much as the shape's edge
-/// bends within that.
+/// Times that an edge is drawn out of a shape along the way found before. The bisector of its faces, the first way, leads
+/// aside by as much as it leans from the way out (31 µm on rims of 12 mm); along that way only the bend of the shape's
+/// own edge within it remains, and the last time takes that out.
 const DRAWN: usize = 3;
 
 impl Along {

@@ -4,7 +4,7 @@ use crate::math::{Vec3, tangents};
 use crate::room::Room;
 
 /// Points held at once. When there are more, those that would be delivered last are let go.
-const OFFERED_MAX: usize = 64;
+pub(super) const OFFERED_MAX: usize = 64;
 /// How many remain then.
 const KEPT: usize = 32;
 /// Points delivered are at most this many: the deepest, and those farthest apart.
@@ -14,7 +14,7 @@ pub(crate) const DELIVERED_MAX: usize = 12;
 const LEVEL: f64 = 1e-2;
 /// Points that differ by no more than this part of their reach are as good as each other, and the one offered first is taken:
 /// a body that comes to rest trembles by less, and its points must not change for that. What is left out for it lies
-/// deeper by no more than 4 µm under a cup of 40 mm.
+/// deeper by no more than 4 µm under a cup that is 40 mm wide.
 const EQUAL: f64 = 1e-4;
 
 /// Ways in which a body may tilt: with so many each corner of a rectangle comes first in one.
@@ -82,7 +82,7 @@ impl Manifold {
     }
 
     /// Removes points from `first` on that `keep` does not hold for.
-    pub fn retain_from(&mut self, first: usize, keep: impl Fn(&ManifoldPoint) -> bool) {
+    pub fn retain_from(&mut self, first: usize, mut keep: impl FnMut(&ManifoldPoint) -> bool) {
         let mut kept = first;
         for i in first..self.points.len() {
             if keep(&self.points[i]) {
@@ -93,7 +93,7 @@ impl Manifold {
         self.points.truncate(kept);
     }
 
-    /// Leaves at most `DELIVERED_MAX` points: first the deepest, then those that would touch first if the
+    /// Leaves at most `DELIVERED_MAX` points: first the deepest (but for [`EQUAL`]), then those that would touch first if the
     /// body tilted, then again and again the one farthest from those chosen, at first of those about as deep.
     pub fn reduce(&mut self) {
         self.leave(0, DELIVERED_MAX);

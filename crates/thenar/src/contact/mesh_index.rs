@@ -38,9 +38,9 @@ pub(crate) struct MeshIndex {
     pub(super) pieces: Vec<(u32, Aabb, u32)>,
     /// Whether each piece is closed.
     pub(super) closed: Vec<bool>,
-    /// Edges whose faces differ in direction by more than `SHARP`,
+    /// Edges whose faces differ in direction by more than `SHARP`.
     pub edges: Edges,
-    /// and those that stick out by less.
+    /// Edges that stick out by less, numbered after those.
     pub bends: Edges,
     /// Vertices of triangles, and a tree over them.
     pub vertices: Vec<u32>,
@@ -57,6 +57,8 @@ pub(crate) struct MeshIndex {
 #[derive(Clone, Default)]
 pub(crate) struct Edges {
     pub list: Vec<MeshEdge>,
+    /// Number of the first.
+    pub first: u32,
     pub tree: Bvh,
 }
 
@@ -73,8 +75,8 @@ impl std::fmt::Debug for MeshIndex {
     }
 }
 
-/// Cosine of the bend from which an edge is an edge, 5°. Below it the surface is taken as smooth:
-/// bodies touch it within its faces.
+/// Cosine of the bend from which an edge is an edge, 5°. Below it the surface is taken as smooth: faces of bodies touch
+/// it within its own, and only their edges and rims touch it at bends.
 const SHARP: f64 = 0.996_194_698_091_745_5;
 /// Cosine of the bend from which a sharp edge that lies across can sink in beside the vertices, 8e-4 rad: by a ten-thousandth
 /// of the edge, an eighth of its bend.
@@ -129,6 +131,7 @@ impl MeshIndex {
         index.is_solid = index.rounding > 0.0 || open.is_empty();
         index.edges.plant(points);
         index.bends.plant(points);
+        index.bends.first = index.edges.list.len() as u32;
         index
     }
 

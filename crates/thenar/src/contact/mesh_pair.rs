@@ -10,7 +10,7 @@ use crate::contact::aabb::Aabb;
 use crate::contact::along::Along;
 use crate::contact::approach::approach_from;
 use crate::contact::features::{corners, edges as cuboid_edges, rim};
-use crate::contact::manifold::{Manifold, ManifoldPoint};
+use crate::contact::manifold::{Manifold, ManifoldPoint, OFFERED_MAX};
 use crate::contact::mesh_clear;
 use crate::contact::mesh_deep::{self, DeepFace};
 use crate::contact::mesh_index::{Edges, MeshEdge};
@@ -33,6 +33,8 @@ const SETTLE: usize = 4;
 /// trial: with a tenth as much, or ten times, depths of overlaps are wrong.
 const SHALLOW: f64 = 0.01;
 
+/// What points the other way by more than this (cosine, 120°) does not hold a body where another point would.
+const OPPOSITE: f64 = -0.5;
 /// Crossings are told up to so many times as deep as the shallowest: as deep as a tilt by half their distance makes them.
 const AS_DEEP: f64 = 1.5;
 
@@ -83,7 +85,7 @@ pub(crate) fn convex_on_mesh(a: &Mover, b: &Mover, reach: Reach, manifold: &mut 
     edges(&pair, mesh, shallow, manifold);
     if shallow < f64::INFINITY {
         reversed(manifold, |m| vertices(&Pair::new(b, a, reach), mesh, FROM_B, m));
-        drop_beside(&pair, FROM_B, first, shallow, manifold);
+        drop_beside(&[(&pair, FROM_B)], first, shallow, manifold);
         if manifold.points().len() == first {
             faces(&pair, mesh, f64::INFINITY, first, manifold);
         }
@@ -101,23 +103,40 @@ pub(crate) fn convex_on_mesh(a: &Mover, b: &Mover, reach: Reach, manifold: &mut 
     }
 }
 
-/// Leaves out vertices of mesh B from `first` on that are met along no normal of the mesh: beside a box that stands on
+/// Leaves out vertices of meshes from `first` on that are met along no normal of their mesh: beside a box that stands on
 /// level triangles, or has its edge on a ridge of them, its distance points sideways, and would hold it as if a step were
-/// in its way. What B's surface does there other points tell; without any, vertices that have got in stay. `flag` is that
-/// of B's vertices.
-fn drop_beside(pair: &Pair, flag: u32, first: usize, shallow: f64, manifold: &mut Manifold) {
-    let is_vertex = |p: &ManifoldPoint| p.feature & (KIND | FROM_B) == flag | VERTEX;
+/// in its way. What the mesh's surface does there other points tell; what has got in and is held by no other stays.
+/// `pairs` are those of which B has the vertices, and the flag of these.
+fn drop_beside(pairs: &[(&Pair, u32)], first: usize, shallow: f64, manifold: &mut Manifold) {
     let is_upright = |p: &ManifoldPoint| {
-        let q_W = p.position_W - 0.5 * p.gap * p.normal_W;
-        pair.is_normal(&q_W, p.gap, &p.normal_W, STANDING)
+        pairs.iter().all(|(pair, flag)| {
+            // Normals are those of the pair whose B has the flag.
+            let n_W = if *flag == FROM_B { p.normal_W } else { -p.normal_W };
+            let q_W = p.position_W - 0.5 * p.gap * n_W;
+            let is_vertex = p.feature & (KIND | FROM_B) == flag | VERTEX;
+            !is_vertex || p.gap <= -shallow || pair.is_normal(&q_W, p.gap, &n_W, STANDING)
+        })
     };
-    let own = &manifold.points()[first..];
-    let is_held = own.iter().any(|p| p.gap < shallow && (!is_vertex(p) || is_upright(p)));
-    let is_slow = pair.travel <= pair.reach.margin;
-    manifold.retain_from(first, |p| {
-        let holds_nothing = p.gap.abs() <= pair.same || is_slow && (p.gap > 0.0 || is_held);
-        !(is_vertex(p) && p.gap > -shallow && holds_nothing) || is_upright(p)
-    });
+    let mut upright = [true; OFFERED_MAX];
+    let points = &manifold.points()[first..];
+    for (upright, p) in upright.iter_mut().zip(points) {
+        *upright = is_upright(p);
+    }
+    let same = pairs[0].0.same;
+    let is_slow = pairs[0].0.travel <= pairs[0].0.reach.margin;
+    let holds = |p: &ManifoldPoint| {
+        let others = points.iter().zip(&upright);
+        let is_held = |(o, upright): (&ManifoldPoint, &bool)| {
+            *upright && o.gap <= same && o.normal_W.dot(&p.normal_W) > OPPOSITE
+        };
+        if p.gap > 0.0 { !is_slow && p.gap > same } else { !others.into_iter().any(is_held) }
+    };
+    let mut stays = upright;
+    for (stays, p) in stays.iter_mut().zip(points).filter(|(stays, _)| !**stays) {
+        *stays = holds(p);
+    }
+    let mut stays = stays.into_iter();
+    manifold.retain_from(first, |_| stays.next().unwrap_or(true));
 }
 
 /// Leaves out points from `first` on that are deep and would be let out by another face than the
@@ -139,10 +158,9 @@ pub(crate) fn mesh_on_mesh(a: &Mover, b: &Mover, reach: Reach, manifold: &mut Ma
     let (on_b, on_a) = (Pair::new(a, b, reach), Pair::new(b, a, reach));
     vertices(&on_b, mesh_a, 0, manifold);
     reversed(manifold, |m| vertices(&on_a, mesh_b, FROM_B, m));
-    crossings(&on_b, mesh_a, mesh_b, manifold);
-    let shallow = SHALLOW * a.side.body.radius.min(b.side.body.radius);
-    drop_beside(&on_b, FROM_B, first, shallow, manifold);
-    reversed(manifold, |m| drop_beside(&on_a, 0, first, shallow, m));
+    crossings([&on_b, &on_a], [mesh_a, mesh_b], manifold);
+    let shallow = SHALLOW * a.piece.bounds.half().min().min(b.piece.bounds.half().min());
+    drop_beside(&[(&on_b, FROM_B), (&on_a, 0)], first, shallow, manifold);
 }
 
 /// Two pieces, and how they move.
@@ -348,22 +366,22 @@ fn edges(pair: &Pair, mesh: &MeshShape, shallow: f64, manifold: &mut Manifold) {
         return;
     }
     if let Shape::Cuboid { half } = pair.a.shape {
-        for (i, (ends, axis)) in cuboid_edges(half).into_iter().zip(AXES).enumerate() {
-            let out =
-                Vec3::from_fn(|k, _| if k == axis { 0.0 } else { 1.0_f64.copysign(ends[0][k]) });
-            let mut normals = [Vec3::zeros(); 2];
-            for (slot, k) in [(axis + 1) % 3, (axis + 2) % 3].into_iter().enumerate() {
-                normals[slot][k] = out[k];
+        offer_crossings(pair, manifold, |found| {
+            for (i, (ends, axis)) in cuboid_edges(half).into_iter().zip(AXES).enumerate() {
+                let out = Vec3::from_fn(
+                    |k, _| {
+                        if k == axis { 0.0 } else { 1.0_f64.copysign(ends[0][k]) }
+                    },
+                );
+                let mut normals = [Vec3::zeros(); 2];
+                for (slot, k) in [(axis + 1) % 3, (axis + 2) % 3].into_iter().enumerate() {
+                    normals[slot][k] = out[k];
+                }
+                let edge = Crosses { i: i as u32, ends, normals, rounding: 0.0 };
+                crossing(pair, &edge, mesh, &mesh.index.edges, found);
+                crossing(pair, &edge, mesh, &mesh.index.bends, found);
             }
-            let edge = Crosses { i: i as u32, ends, normals, rounding: 0.0 };
-            for others in [&mesh.index.edges, &mesh.index.bends] {
-                crossing(pair, &edge, mesh, others, &mut |c: Crossing| {
-                    if c.gap > -c.shallow {
-                        pair.push(c.feature, c.position_W, c.normal_W, c.gap, manifold);
-                    }
-                });
-            }
-        }
+        });
     }
     along_edges(pair, mesh, &mesh.index.edges, EDGE, shallow, manifold);
     if matches!(pair.a.shape, Shape::Cylinder { .. } | Shape::Cone { .. }) {
@@ -371,8 +389,8 @@ fn edges(pair: &Pair, mesh: &MeshShape, shallow: f64, manifold: &mut Manifold) {
     }
 }
 
-/// The ends of the part of each edge that runs along a face of A; of bends, which do not stick out of the faces beside
-/// them, where they cross a rim.
+/// The ends of the part of each edge that runs along a face of A; of bends, along which faces and vertices stand, the
+/// place where they cross a rim.
 fn along_edges(
     pair: &Pair,
     mesh: &MeshShape,
@@ -391,6 +409,10 @@ fn along_edges(
             return;
         }
         let ends = ends.map(|p| pair.a.shape_point(&pair.b.world_point(&p)));
+        let (middle, length) = (0.5 * (ends[0] + ends[1]), (ends[1] - ends[0]).norm());
+        if pair.a.shape.distance(&middle).value > margin + rounding + 0.5 * length {
+            return;
+        }
         let along = Along::of(pair.a.shape, ends, flat);
         if along.value - rounding > margin || along.value - rounding < -shallow {
             return;
@@ -399,7 +421,7 @@ fn along_edges(
         let look = |along: &Along| {
             let n_W = -(pair.a.rotation * along.gradient);
             let q_W = pair.a.world_point(&along.lowest) + rounding * n_W;
-            let unknown = place_unknown((ends[1] - ends[0]).norm());
+            let unknown = place_unknown(length);
             let (n_W, seen) = pair.seen_upright(&q_W, along.value - rounding, n_W, unknown);
             (n_W, seen.is_within(STANDING))
         };
@@ -408,7 +430,8 @@ fn along_edges(
         if along.value < rounding && !is_normal {
             let out =
                 pair.a.rotation.tr_mul(&(pair.b.rotation * (normals[0] + normals[1]).normalize()));
-            let way = 0.5 * shallow.min(inradius(pair.a.shape));
+            // Clear of the shape, whose nearest face may lie aslant to the way.
+            let way = 0.5 * shallow.min(inradius(pair.a.shape)) - 2.0 * along.value;
             along.draw_apart(pair.a.shape, ends, out, way);
             (n_W, is_normal) = look(&along);
         }
@@ -416,10 +439,10 @@ fn along_edges(
             return;
         }
         along.gradient = -pair.a.rotation.tr_mul(&n_W);
-        let places = if kind == BEND { [along.lowest; 2] } else { along.ends };
-        for (k, q) in places.into_iter().enumerate() {
+        let ends = if kind == BEND { &[along.lowest][..] } else { &along.ends };
+        for (k, q) in ends.iter().enumerate() {
             let gap = along.value + along.gradient.dot(&(q - along.lowest)) - rounding;
-            let q_W = pair.a.world_point(&q) + rounding * n_W;
+            let q_W = pair.a.world_point(q) + rounding * n_W;
             if gap <= margin {
                 pair.push(kind | (2 * e) | k as u32, q_W + 0.5 * gap * n_W, n_W, gap, manifold);
             }
@@ -467,23 +490,22 @@ struct Crossing {
     shallow: f64,
 }
 
-/// Edges of mesh A that cross edges of mesh B, of which one is sharp. Edges that have gone deep into each other cross at the
-/// shallowest of them and at what is little deeper: others lie behind each other, on far sides of the bodies.
-fn crossings(pair: &Pair, mesh_a: &MeshShape, mesh_b: &MeshShape, manifold: &mut Manifold) {
-    let rotation = pair.a.rotation.transpose() * pair.b.rotation;
-    let around = pair.movers[1].piece.bounds.moved(&rotation, &pair.a.shape_point(&pair.b.origin));
-    let each = |found: &mut dyn FnMut(Crossing)| {
-        let (a, b) = (&mesh_a.index, &mesh_b.index);
-        // What is blunt on blunt touches at its vertices and faces.
-        for (own, others) in [(&a.edges, &b.edges), (&a.edges, &b.bends), (&a.bends, &b.edges)] {
-            own.tree.overlapping(&around.inflate(pair.reach.margin), |i| {
-                let MeshEdge { vertices, normals } = own.list[i as usize];
-                let ends = vertices.map(|v| mesh_a.points[v as usize]);
-                let edge = Crosses { i, ends, normals, rounding: a.rounding };
-                crossing(pair, &edge, mesh_b, others, found);
-            });
-        }
-    };
+/// Edges of mesh A that cross edges of mesh B, of which one is sharp: blunt ones sink in between their vertices by what
+/// triangles stand off the round surface that they stand for.
+fn crossings(pairs: [&Pair; 2], meshes: [&MeshShape; 2], manifold: &mut Manifold) {
+    let [a, b] = meshes.map(|mesh| &mesh.index);
+    offer_crossings(pairs[0], manifold, |found| {
+        sharp_on(pairs[0], meshes, &b.edges, found);
+        sharp_on(pairs[0], meshes, &b.bends, found);
+        sharp_on(pairs[1], [meshes[1], meshes[0]], &a.bends, &mut |c: Crossing| {
+            found(Crossing { normal_W: -c.normal_W, feature: c.feature ^ FROM_B, ..c });
+        });
+    });
+}
+
+/// Adds the crossings that `each` finds. Edges that have gone deep into each other cross at the shallowest of them and at
+/// what is little deeper: others lie behind each other, on far sides of the bodies.
+fn offer_crossings(pair: &Pair, manifold: &mut Manifold, each: impl Fn(&mut dyn FnMut(Crossing))) {
     let lies_inside =
         |c: &Crossing| [pair.a, pair.b].iter().all(|s| s.distance(&c.position_W).value < 0.0);
     let mut highest = f64::NEG_INFINITY;
@@ -505,6 +527,27 @@ fn crossings(pair: &Pair, mesh_a: &MeshShape, mesh_b: &MeshShape, manifold: &mut
             }
         });
     }
+}
+
+/// Sharp edges of A that cross `others`, of B.
+fn sharp_on(
+    pair: &Pair,
+    [mesh, below]: [&MeshShape; 2],
+    others: &Edges,
+    found: &mut dyn FnMut(Crossing),
+) {
+    if others.list.is_empty() {
+        return;
+    }
+    let rotation = pair.a.rotation.transpose() * pair.b.rotation;
+    let around = pair.movers[1].piece.bounds.moved(&rotation, &pair.a.shape_point(&pair.b.origin));
+    let sharp = &mesh.index.edges;
+    sharp.tree.overlapping(&around.inflate(pair.reach.margin), |i| {
+        let MeshEdge { vertices, normals } = sharp.list[i as usize];
+        let ends = vertices.map(|v| mesh.points[v as usize]);
+        let edge = Crosses { i, ends, normals, rounding: mesh.index.rounding };
+        crossing(pair, &edge, below, others, found);
+    });
 }
 
 /// An edge of A: its number, ends, normals of its faces and rounding, in A's frame.
@@ -536,7 +579,7 @@ fn crossing(
         if gap <= pair.reach.margin {
             let middle = 0.5 * (p + q + (roundings[1] - roundings[0]) * n);
             found(Crossing {
-                feature: CROSSING | edge.i << 14 & 0x0fff_c000 | j & 0x3fff,
+                feature: CROSSING | crossing_name(edge.i, others.first + j),
                 position_W: pair.b.world_point(&middle),
                 normal_W: pair.b.rotation * n,
                 gap,
@@ -544,6 +587,12 @@ fn crossing(
             });
         }
     });
+}
+
+/// A name of 28 bits for two edges that cross. Two crossings of one name share what is remembered of their forces, which
+/// costs a few sweeps.
+fn crossing_name(i: u32, j: u32) -> u32 {
+    (i.wrapping_mul(0x9E37_79B1) ^ j.wrapping_mul(0x85EB_CA6B).rotate_left(13)) >> 4
 }
 
 /// The nearest points of two edges' lines if both lie within the edges, and the normal from B to A

@@ -211,11 +211,15 @@ fn overlaps_are_the_depths_of_the_points() {
                 a.1.position -= (d + depth) * n;
                 let found = contacts(&a, &b);
                 let least = found.iter().map(|c| c.gap).fold(f64::INFINITY, f64::min);
-                // Two halves of the overlap, were it between planes.
+                // No less than the ball that fits into the overlap; half of it, where the ball's way out is not the shortest.
                 let common = -2.0 * least_common(&a, &b, &mut random);
+                // A rim in a mesh by more than a hundredth of its radius is led out, and not at once.
+                let told_at_least =
+                    if depth > 1e-4 { 0.05 * common } else { 0.5 * common - ALLOWED };
                 // Another way out can be shorter than back along the normal, which is known to a few degrees.
                 assert!(
-                    least > -1.2 * depth - ALLOWED && (least < 0.0 || common < 0.1 * depth),
+                    least > -1.2 * depth - ALLOWED
+                        && (least < -told_at_least || common < 0.1 * depth),
                     "{}\n{}\n{least:e} for {depth:e}, {common:e}",
                     name(a.0),
                     name(b.0)

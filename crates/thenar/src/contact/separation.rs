@@ -26,7 +26,8 @@ const INWARD: [f64; 4] = [0.02, 0.1, 0.4, 0.9];
 /// A face's direction counts only if the gap along it is larger by this part of the size: ten times what a direction is
 /// good for, so that round-off does not choose.
 const FACE_BETTER: f64 = 1e-6;
-/// Times that shapes are drawn apart along the way found before.
+/// Times that shapes are drawn apart along the way found before, at most. Overlaps of 0.5 mm of shapes of 2 cm then lie on
+/// both surfaces to 10 µm, but for a corner on a cone; with two, to 0.1 mm.
 const DRAWN: usize = 4;
 /// Round-off of a gap, as a part of the size: positions that are a million sizes away still keep as many digits.
 const ROUND_OFF: f64 = 1e-9;
@@ -67,8 +68,9 @@ pub(crate) fn separation(a: &Solid, b: &Solid) -> Separation {
         {
             let rough = along(a, b, near);
             let rough = past_faces(a, b, rough, size);
-            let drawn = |found: Separation| drawn_apart(a, b, &found, size).unwrap_or(found);
-            return (0..DRAWN).fold(rough, |found, _| drawn(found));
+            let drawn = |found: &Separation| drawn_apart(a, b, found, size);
+            let found = std::iter::successors(Some(rough), drawn).take(1 + DRAWN);
+            return found.last().unwrap_or(rough);
         }
     }
     // One lies deep in the other: out the shortest way for the middle of A.

@@ -197,6 +197,9 @@ fn check_changes(tip: Tip<'_>, below: &str, top: f64, seen: Option<Vec3>) {
         let [fast, slow] = [fast, slow].map(|w| largest_change(&w));
         println!("{case}: {:.4} % above 50 Hz, {fast:?} to {slow:?} in a step", 100.0 * high);
         if seen.is_none() {
+            // On a level face no force is sideways but that of friction.
+            let pushed = |f: &Vec3| f.xz().norm() > 0.301 * f.y + 1e-6;
+            assert!(!force.iter().any(pushed), "{case}: pushed aside");
             continue;
         }
         assert!(high < 5e-3, "{case}: {} % above 50 Hz", 100.0 * high);
@@ -311,11 +314,15 @@ fn tips_are_drawn_over_a_ball_of_triangles() {
             let hinge = Vec3::new(-ARM, tip.2 + 0.01, 0.0);
             let found = wrenches(tip, &below, 0.06, way, SPEED);
             let moments = found.iter().map(|[f, torque]| (torque - hinge.cross(f)).z);
-            let off = moments.map(|m| (m / (WEIGHT * ARM) - 1.0).abs()).fold(0.0, f64::max);
+            let offs: Vec<f64> = moments.map(|m| (m / (WEIGHT * ARM) - 1.0).abs()).collect();
+            let off = offs.iter().copied().fold(0.0, f64::max);
+            let turning = offs.iter().filter(|off| **off > 0.05).count();
             let force: Vec<Vec3> = found.iter().map(|w| w[0]).collect();
             let high = above_50_hz(&force);
             println!("{} along {way:?}: {off:.3} off, {:.3} % above 50 Hz", tip.0, 100.0 * high);
             assert!(off < 0.05 + turned, "{} along {way:?}: {off} off", tip.0);
+            // Triangles are 3 mm wide: it passes no more than ten bends.
+            assert!(turning <= 20, "{} along {way:?}: off in {turning} steps", tip.0);
         }
     }
 }
