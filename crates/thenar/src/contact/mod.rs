@@ -40,6 +40,7 @@ mod grid;
 mod groups;
 mod manifold;
 mod mesh_clear;
+mod mesh_crossing;
 mod mesh_deep;
 mod mesh_distance;
 mod mesh_index;

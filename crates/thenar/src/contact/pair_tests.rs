@@ -213,13 +213,14 @@ fn overlaps_are_the_depths_of_the_points() {
                 let least = found.iter().map(|c| c.gap).fold(f64::INFINITY, f64::min);
                 // No less than the ball that fits into the overlap; half of it, where the ball's way out is not the shortest.
                 let common = -2.0 * least_common(&a, &b, &mut random);
-                // A rim in a mesh by more than a hundredth of its radius is led out, and not at once.
-                let told_at_least =
-                    if depth > 1e-4 { 0.05 * common } else { 0.5 * common - ALLOWED };
-                // Another way out can be shorter than back along the normal, which is known to a few degrees.
+                // A rim or an edge deeper in a mesh than a hundredth of its shape is led out, and not at once.
+                let part = if depth > 5e-5 { 0.05 } else { 0.5 };
+                let told_at_least = part * common - ALLOWED;
+                // Another way out can be shorter than back along the normal, which is known to a few degrees; and of edges
+                // that cross, some are told that are a fifth deeper.
                 assert!(
-                    least > -1.2 * depth - ALLOWED
-                        && (least < -told_at_least || common < 0.1 * depth),
+                    least > -1.5 * depth - ALLOWED
+                        && (least < -told_at_least.max(0.0) || common < 0.1 * depth),
                     "{}\n{}\n{least:e} for {depth:e}, {common:e}",
                     name(a.0),
                     name(b.0)
