@@ -144,8 +144,8 @@ fn crossing(
     });
 }
 
-/// A name of 28 bits for two edges that cross. Two crossings of one name share what is remembered of their forces, which
-/// costs a few sweeps.
+/// A name of 28 bits for two edges that cross. Should two crossings have one name, the next solve starts for both from
+/// the force of one.
 fn crossing_name(i: u32, j: u32) -> u32 {
     (i.wrapping_mul(0x9E37_79B1) ^ j.wrapping_mul(0x85EB_CA6B).rotate_left(13)) >> 4
 }

@@ -34,7 +34,7 @@ const SETTLE: usize = 4;
 /// trial: with a tenth as much, or ten times, depths of overlaps are wrong.
 pub(super) const SHALLOW: f64 = 0.01;
 
-/// What points the other way by more than this (cosine, 120°) does not hold a body where another point would.
+/// A contact that points the other way by more than this (cosine, 120°) does not hold a body where another would.
 const OPPOSITE: f64 = -0.5;
 /// Points in one place whose normals are nearer than this (cosine of 2.6°, [`STANDING`]) hold the same.
 const ALONG: f64 = 0.999;
