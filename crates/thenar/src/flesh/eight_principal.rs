@@ -30,12 +30,16 @@ const OTHERS: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
 #[inline(always)]
 fn stretches<S: Simd>(simd: S, F: &Mat3x8<S>) -> Stretches<S> {
     let R = rotations(simd, F);
-    let column = |m: &Mat3x8<S>, c: usize| [m[3 * c], m[3 * c + 1], m[3 * c + 2]];
-    let (r, f) = ([0, 1, 2].map(|c| column(&R, c)), [0, 1, 2].map(|c| column(F, c)));
+    let (r, f) = (columns(&R), columns(F));
     let mut d = [dot(&r[0], &f[0]), dot(&r[1], &f[1]), dot(&r[2], &f[2])];
     // Entries (1, 2), (2, 0), (0, 1).
-    let half = |i: usize, j: usize| (dot(&r[i], &f[j]) + dot(&r[j], &f[i])) * 0.5;
-    let mut o = [half(1, 2), half(2, 0), half(0, 1)];
+    let mut o = three(
+        #[inline(always)]
+        |k| {
+            let [i, j] = OTHERS[k];
+            (dot(&r[i], &f[j]) + dot(&r[j], &f[i])) * 0.5
+        },
+    );
     let (zero, one) = (simd.splat_f64x8(0.0), simd.splat_f64x8(1.0));
     let mut V = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];
     let tiny = simd.splat_f64x8(f64::MIN_POSITIVE);
@@ -61,11 +65,11 @@ fn stretches<S: Simd>(simd: S, F: &Mat3x8<S>) -> Stretches<S> {
             o[q] = c * y - s * x;
             o[p] = s * y + c * x;
             let (vp, vq) = (V[p], V[q]);
-            V[p] = [0, 1, 2].map(
+            V[p] = three(
                 #[inline(always)]
                 |i| c * vp[i] - s * vq[i],
             );
-            V[q] = [0, 1, 2].map(
+            V[q] = three(
                 #[inline(always)]
                 |i| s * vp[i] + c * vq[i],
             );
@@ -73,6 +77,11 @@ fn stretches<S: Simd>(simd: S, F: &Mat3x8<S>) -> Stretches<S> {
     }
     let U = [times(&R, &V[0]), times(&R, &V[1]), times(&R, &V[2])];
     Stretches { U: flat(&U), V: flat(&V), s: d }
+}
+
+#[inline(always)]
+fn columns<S: Simd>(m: &Mat3x8<S>) -> [Vec3x8<S>; 3] {
+    [[m[0], m[1], m[2]], [m[3], m[4], m[5]], [m[6], m[7], m[8]]]
 }
 
 /// A matrix of its columns.
@@ -126,7 +135,7 @@ pub fn assemble<S: Simd>(
     let damping = f64x8::load_array_ref(simd, &rest.damping);
     let scale = (damping + h) * h * volume;
     let zero = simd.splat_f64x8(0.0);
-    let (stretch, cross) = (law.diagonal.map(|x| x * scale), law.beside.map(|x| x * scale));
+    let (stretch, cross) = (scaled(&law.diagonal, scale), scaled(&law.beside, scale));
     let mut own = [zero; 3];
     let mut other = [zero; 3];
     for k in 0..3 {
@@ -177,11 +186,14 @@ pub fn assemble<S: Simd>(
             first[c][a] = dealt(simd, [m[0], m[3], m[6], m[1], m[4], m[7], m[2], m[5]]);
         }
     }
-    let last = |i: usize| blocks[i][8];
-    let some = dealt(simd, [0, 1, 2, 3, 4, 5, 6, 7].map(last));
+    let [l0, l1, l2, l3, l4, l5, l6, l7, l8, l9] = {
+        let b = &blocks;
+        [b[0][8], b[1][8], b[2][8], b[3][8], b[4][8], b[5][8], b[6][8], b[7][8], b[8][8], b[9][8]]
+    };
+    let some = dealt(simd, [l0, l1, l2, l3, l4, l5, l6, l7]);
     let f0 = minus_sum(&f);
     let [f1, f2, f3] = &f;
-    let lasts = dealt(simd, [last(8), last(9), f0[0], f0[1], f0[2], f1[0], f1[1], f1[2]]);
+    let lasts = dealt(simd, [l8, l9, f0[0], f0[1], f0[2], f1[0], f1[1], f1[2]]);
     let impulses = dealt(simd, [f2[0], f2[1], f2[2], f3[0], f3[1], f3[2], zero, zero]);
 
     for (lane, places) in places.iter().enumerate() {
@@ -238,12 +250,17 @@ impl<S: Simd> Axes<S> {
 /// `U L Uᵀ`.
 #[inline(always)]
 fn sandwich<S: Simd>(U: &Mat3x8<S>, L: &Mat3x8<S>) -> Mat3x8<S> {
-    let column = |m: &Mat3x8<S>, c: usize| [m[3 * c], m[3 * c + 1], m[3 * c + 2]];
-    let UL = flat(&[times(U, &column(L, 0)), times(U, &column(L, 1)), times(U, &column(L, 2))]);
+    let L = columns(L);
+    let UL = flat(&[times(U, &L[0]), times(U, &L[1]), times(U, &L[2])]);
     entries(
         #[inline(always)]
         |r, c| UL[r].mul_add(U[c], UL[3 + r].mul_add(U[3 + c], UL[6 + r] * U[6 + c])),
     )
+}
+
+#[inline(always)]
+fn scaled<S: Simd>(v: &Vec3x8<S>, by: f64x8<S>) -> Vec3x8<S> {
+    [v[0] * by, v[1] * by, v[2] * by]
 }
 
 #[inline(always)]

@@ -104,11 +104,11 @@ impl PatchLanes {
         let F = entries(
             #[inline(always)]
             |r, c| {
-                (1..NODES).fold(
-                    f64x8::splat(simd, 0.0),
-                    #[inline(always)]
-                    |sum, a| arms[a][r].mul_add(g[a][c], sum),
-                )
+                let mut sum = f64x8::splat(simd, 0.0);
+                for a in 1..NODES {
+                    sum = arms[a][r].mul_add(g[a][c], sum);
+                }
+                sum
             },
         );
         let R = rotations(simd, &F);

@@ -1,6 +1,6 @@
 //! Laws in principal stretches (`principal`, `ogden`) of eight elements at once.
 
-use crate::flesh::lanes::{Kind, LANES, RestLanes, Vec3x8, dot};
+use crate::flesh::lanes::{Kind, LANES, RestLanes, Vec3x8, dot, three};
 use crate::flesh::ogden::{power, volume_factor};
 use crate::flesh::principal::STRETCH_MIN;
 use fearless_simd::{Simd, f64x8, prelude::*};
@@ -52,25 +52,25 @@ fn stable_neo_hookean<S: Simd>(
     let bulk = lambda * volume * 0.5 - mu;
     At {
         energy: mu * squares * 0.5 + bulk * volume,
-        stress: [0, 1, 2].map(
+        stress: three(
             #[inline(always)]
             |i| mu.mul_add(s[i], p * area[i]),
         ),
-        diagonal: [0, 1, 2].map(
+        diagonal: three(
             #[inline(always)]
             |i| (lambda * area[i]).mul_add(area[i], mu),
         ),
-        beside: PAIRS.map(
+        beside: of_pairs(
             #[inline(always)]
             |[i, j]| (lambda * area[i]).mul_add(area[j], p * s[3 - i - j]),
         ),
-        twist: s.map(
+        twist: three(
             #[inline(always)]
-            |s| p.mul_add(s, mu),
+            |k| p.mul_add(s[k], mu),
         ),
-        flip: s.map(
+        flip: three(
             #[inline(always)]
-            |s| mu - p * s,
+            |k| mu - p * s[k],
         ),
     }
 }
@@ -78,39 +78,53 @@ fn stable_neo_hookean<S: Simd>(
 /// The two axes beside each.
 const PAIRS: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
 
+/// Something of each of them.
+#[inline(always)]
+fn of_pairs<T>(f: impl Fn([usize; 2]) -> T) -> [T; 3] {
+    [f(PAIRS[0]), f(PAIRS[1]), f(PAIRS[2])]
+}
+
+#[inline(always)]
+fn loaded<S: Simd>(simd: S, numbers: &[[f64; LANES]; 3]) -> Vec3x8<S> {
+    three(
+        #[inline(always)]
+        |k| f64x8::load_array_ref(simd, &numbers[k]),
+    )
+}
+
 /// `P = μσ + (λ ln J - μ) / σ`, and its expansion beyond [`STRETCH_MIN`].
 #[inline(always)]
 fn neo_hookean<S: Simd>(simd: S, s: &Vec3x8<S>, lambda: f64x8<S>, mu: f64x8<S>) -> At<S> {
     let least = simd.splat_f64x8(STRETCH_MIN);
-    let at = s.map(
+    let at = three(
         #[inline(always)]
-        |s| s.max(least),
+        |k| s[k].max(least),
     );
     let ln_J = (at[0] * at[1] * at[2]).to_array().map(f64::ln);
     let ln_J = f64x8::load_array(simd, ln_J);
     let one = simd.splat_f64x8(1.0);
-    let inverse = at.map(
+    let inverse = three(
         #[inline(always)]
-        |s| one / s,
+        |k| one / at[k],
     );
     let pull = lambda.mul_sub(ln_J, mu);
-    let diagonal = inverse.map(
+    let diagonal = three(
         #[inline(always)]
-        |i| (lambda - pull).mul_add(i * i, mu),
+        |k| (lambda - pull).mul_add(inverse[k] * inverse[k], mu),
     );
-    let beside = PAIRS.map(
+    let beside = of_pairs(
         #[inline(always)]
         |[i, j]| lambda * inverse[i] * inverse[j],
     );
     let past = [s[0] - at[0], s[1] - at[1], s[2] - at[2]];
-    let slope = [0, 1, 2].map(
+    let slope = three(
         #[inline(always)]
         |k| {
             let [i, j] = PAIRS[k];
             diagonal[k].mul_add(past[k], beside[j].mul_add(past[i], beside[i] * past[j]))
         },
     );
-    let there = [0, 1, 2].map(
+    let there = three(
         #[inline(always)]
         |k| mu.mul_add(at[k], pull * inverse[k]),
     );
@@ -125,14 +139,14 @@ fn neo_hookean<S: Simd>(simd: S, s: &Vec3x8<S>, lambda: f64x8<S>, mu: f64x8<S>) 
         stress,
         diagonal,
         beside,
-        twist: PAIRS.map(
+        twist: of_pairs(
             #[inline(always)]
             |[i, j]| {
                 let sum = s[i] + s[j];
                 sum.abs().simd_gt(small).select((stress[i] + stress[j]) / sum, zero)
             },
         ),
-        flip: [0, 1, 2].map(
+        flip: three(
             #[inline(always)]
             |k| {
                 let [i, j] = PAIRS[k];
@@ -158,17 +172,20 @@ fn ogden<S: Simd>(
     let over = mu * 2.0 / alpha;
     let (shape, bulk) = (over / alpha, lambda + mu * (2.0 / 3.0) + over);
     let [f, g] = powers(rest, s, volume + 1.0);
-    let f = f.map(|jet| jet.map(|x| f64x8::load_array(simd, x)));
-    let [g, slope, curvature] = g[0].map(|x| f64x8::load_array(simd, x));
+    let f = three(
+        #[inline(always)]
+        |i| loaded(simd, &f[i]),
+    );
+    let [g, slope, curvature] = loaded(simd, &g[0]);
     let sum = f[0][0] + f[1][0] + f[2][0];
     let pressure = (shape * sum).mul_add(slope, bulk * volume);
     let stiffness = (shape * sum).mul_add(curvature, bulk);
     let (around, inside) = (shape * slope, shape * g);
-    let diagonal = [0, 1, 2].map(
+    let diagonal = three(
         #[inline(always)]
         |i| (stiffness * area[i]).mul_add(area[i], around * f[i][1] * area[i] * 2.0),
     );
-    let beside = PAIRS.map(
+    let beside = of_pairs(
         #[inline(always)]
         |[i, j]| {
             let mixed = f[i][1].mul_add(area[j], f[j][1] * area[i]);
@@ -178,20 +195,20 @@ fn ogden<S: Simd>(
     let small = simd.splat_f64x8(ALIKE);
     At {
         energy: shape * g.mul_sub(sum, simd.splat_f64x8(3.0)) + bulk * volume * volume * 0.5,
-        stress: [0, 1, 2].map(
+        stress: three(
             #[inline(always)]
             |i| inside.mul_add(f[i][1], pressure * area[i]),
         ),
-        diagonal: [0, 1, 2].map(
+        diagonal: three(
             #[inline(always)]
             |i| inside.mul_add(f[i][2], diagonal[i]),
         ),
-        beside: [0, 1, 2].map(
+        beside: three(
             #[inline(always)]
             |k| pressure.mul_add(s[k], beside[k]),
         ),
         // f′ is odd: both are its divided differences, and what depends on J cancels but for ±p σ.
-        twist: PAIRS.map(
+        twist: of_pairs(
             #[inline(always)]
             |[i, j]| {
                 let gap = s[i] + s[j];
@@ -200,7 +217,7 @@ fn ogden<S: Simd>(
                 inside.mul_add(k, pressure * s[3 - i - j])
             },
         ),
-        flip: PAIRS.map(
+        flip: of_pairs(
             #[inline(always)]
             |[i, j]| {
                 let gap = s[i] - s[j];
@@ -216,7 +233,7 @@ fn ogden<S: Simd>(
 #[inline(always)]
 fn powers<S: Simd>(rest: &RestLanes, s: &Vec3x8<S>, J: f64x8<S>) -> [[[[f64; LANES]; 3]; 3]; 2] {
     let mut out = [[[[0.0; LANES]; 3]; 3]; 2];
-    let (s, J) = (s.map(|s| s.to_array()), J.to_array());
+    let (s, J) = ([s[0].to_array(), s[1].to_array(), s[2].to_array()], J.to_array());
     for lane in 0..LANES {
         let alpha = rest.alpha[lane];
         for i in 0..3 {

@@ -7,7 +7,7 @@
 //! Everything comes down to one register-blocked product of panel rows ([`products`]): a tile of
 //! T registers of rows times N columns stays in registers while the depth is run through.
 
-use crate::solver::exact::factor::{LANES, Scalar};
+use crate::solver::exact::factor::{LANES, Lanes, Scalar};
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 
 /// Columns treated together; widths are multiples of 3.
@@ -19,10 +19,32 @@ pub fn load<S: Simd>(simd: S, x: &[Scalar], at: usize) -> f32x16<S> {
     f32x16::from_slice(simd, &x[at..at + LANES])
 }
 
+/// The lines `at(0)`, `at(1)`, .. of 16 numbers each.
+#[inline(always)]
+pub fn load_lines<S: Simd, const N: usize>(
+    simd: S,
+    lines: &[Lanes],
+    at: impl Fn(usize) -> usize,
+) -> [f32x16<S>; N] {
+    // Not `array::from_fn`: what it calls would be compiled without the vector instructions.
+    let mut loaded = [f32x16::splat(simd, 0.0); N];
+    for i in 0..N {
+        loaded[i] = f32x16::from_slice(simd, &lines[at(i)]);
+    }
+    loaded
+}
+
 /// Stores 16 numbers from `at` on.
 #[inline(always)]
 pub fn store<S: Simd>(value: f32x16<S>, x: &mut [Scalar], at: usize) {
     value.store_slice(&mut x[at..at + LANES]);
+}
+
+/// True where a register of the machine holds 16 numbers, as of AVX-512, which has 32 of them. Where it takes two, as
+/// with AVX2, a tile of two by [`COLUMNS`] is more than its 16 registers hold.
+#[inline(always)]
+pub const fn is_wide<S: Simd>() -> bool {
+    S::f32s::LEN >= LANES
 }
 
 /// The last register's boundary at or before a row.
@@ -47,7 +69,10 @@ fn products<S: Simd, const T: usize, const N: usize>(
 ) -> [[f32x16<S>; T]; N] {
     let mut sums = [[f32x16::splat(simd, 0.0); T]; N];
     for l in panel.chunks_exact(stride) {
-        let rows: [_; T] = std::array::from_fn(|t| load(simd, l, row + LANES * t));
+        let mut rows = [f32x16::splat(simd, 0.0); T];
+        for t in 0..T {
+            rows[t] = load(simd, l, row + LANES * t);
+        }
         let factors = &l[column..column + N];
         for c in 0..N {
             let factor = f32x16::splat(simd, factors[c]);
@@ -86,19 +111,20 @@ fn factor_columns<S: Simd, const N: usize>(
     let (done, rest) = panel.split_at_mut(k0 * stride);
     let block = &mut rest[..N * stride];
     let mut row = line(k0);
-    while row + 2 * LANES <= stride && k0 > 0 {
+    while is_wide::<S>() && row + 2 * LANES <= stride && k0 > 0 {
         subtract(products::<S, 2, N>(simd, done, stride, row, k0), simd, block, stride, row);
         row += 2 * LANES;
     }
-    if row < stride && k0 > 0 {
+    while row < stride && k0 > 0 {
         subtract(products::<S, 1, N>(simd, done, stride, row, k0), simd, block, stride, row);
+        row += LANES;
     }
 
     let Some(pivots) = factor_pivots::<N>(block, stride, k0) else { return false };
     for row in (line(k0)..stride).step_by(LANES) {
-        let mut x: [_; N] = std::array::from_fn(|c| load(simd, block, c * stride + row));
+        let mut x = [f32x16::splat(simd, 0.0); N];
         for c in 0..N {
-            let mut value = x[c];
+            let mut value = load(simd, block, c * stride + row);
             for e in 0..c {
                 value -= x[e] * pivots[c][e];
             }
@@ -168,7 +194,7 @@ pub fn outer_product<S: Simd>(
 ) {
     let mut column = width;
     // More columns for more registers.
-    while S::f32s::LEN >= LANES && height - column >= 2 * COLUMNS {
+    while is_wide::<S>() && height - column >= 2 * COLUMNS {
         product_columns::<S, { 2 * COLUMNS }>(simd, panel, stride, width, column, update);
         column += 2 * COLUMNS;
     }
@@ -194,7 +220,7 @@ fn product_columns<S: Simd, const N: usize>(
     let update_stride = stride - first;
     let update = &mut update[(column - width) * update_stride..][..N * update_stride];
     let mut row = line(column);
-    while row + 2 * LANES <= stride {
+    while is_wide::<S>() && row + 2 * LANES <= stride {
         let sums = products::<S, 2, N>(simd, panel, stride, row, column);
         for c in 0..N {
             for t in 0..2 {
@@ -203,11 +229,12 @@ fn product_columns<S: Simd, const N: usize>(
         }
         row += 2 * LANES;
     }
-    if row < stride {
+    while row < stride {
         let sums = products::<S, 1, N>(simd, panel, stride, row, column);
         for c in 0..N {
             store(sums[c][0], update, c * update_stride + row - first);
         }
+        row += LANES;
     }
 }
 

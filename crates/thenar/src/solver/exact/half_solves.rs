@@ -5,6 +5,7 @@
 //! never touched, and take no part in products.
 
 use crate::solver::exact::aligned::Aligned;
+use crate::solver::exact::dense::{is_wide, load_lines};
 use crate::solver::exact::factor::{Factor, LANES, Lanes, Scalar};
 use crate::solver::exact::symbolic::Symbolic;
 use fearless_simd::{Simd, SimdBase, SimdFloat, dispatch, f32x16};
@@ -82,10 +83,13 @@ impl HalfSolves {
 #[inline(always)]
 pub fn add_product<S: Simd>(simd: S, a: &[Lanes], b: &[Lanes], to: &mut [Lanes; LANES]) {
     // What fits into the registers.
-    if S::f32s::LEN >= LANES {
+    if is_wide::<S>() {
         add_columns::<S, 16>(simd, a, b, 0, to);
     } else {
-        (0..LANES).step_by(4).for_each(|first| add_columns::<S, 4>(simd, a, b, first, to));
+        // A closure in an iterator of the standard library would be compiled without the vector instructions.
+        for first in (0..LANES).step_by(4) {
+            add_columns::<S, 4>(simd, a, b, first, to);
+        }
     }
 }
 
@@ -97,7 +101,12 @@ fn add_columns<S: Simd, const N: usize>(
     first: usize,
     to: &mut [Lanes; LANES],
 ) {
-    let mut sums: [_; N] = std::array::from_fn(|i| f32x16::from_slice(simd, &to[first + i]));
+    let mut sums: [_; N] = load_lines(
+        simd,
+        to,
+        #[inline(always)]
+        |i| first + i,
+    );
     for (a, b) in a.iter().zip(b) {
         let b = f32x16::from_slice(simd, b);
         for i in 0..N {

@@ -1,7 +1,7 @@
 //! Forward and backward substitution with one supernode's panel (see `dense` for its layout): for
 //! one right-hand side, or for `LANES` of them together.
 
-use crate::solver::exact::dense::{COLUMNS, line, load, store};
+use crate::solver::exact::dense::{COLUMNS, is_wide, line, load, load_lines, store};
 use crate::solver::exact::factor::{LANES, Lanes, Scalar};
 use crate::solver::exact::symbolic::Supernode;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16};
@@ -110,9 +110,14 @@ pub fn forward_many<S: Simd>(
 ) {
     let (stride, width, first) = (node.stride(), node.width(), node.pivots().start);
     for k0 in (0..width).step_by(3) {
-        let mut values = reduce::<S, 3>(simd, &panel[..k0 * stride], stride, k0, &x[first..], {
-            std::array::from_fn(|r| f32x16::from_slice(simd, &x[first + k0 + r]))
-        });
+        let start = load_lines(
+            simd,
+            x,
+            #[inline(always)]
+            |r| first + k0 + r,
+        );
+        let mut values =
+            reduce::<S, 3>(simd, &panel[..k0 * stride], stride, k0, &x[first..], start);
         for c in 0..3 {
             let l = &panel[(k0 + c) * stride + k0..][..3];
             values[c] *= l[c];
@@ -122,28 +127,50 @@ pub fn forward_many<S: Simd>(
             values[c].store_slice(&mut x[first + k0 + c]);
         }
     }
-    // Four nodes at a time keep the arithmetic units busy.
-    let (fours, rest) = rows.as_chunks::<4>();
-    let mut row = width;
     let panel = &panel[..width * stride];
-    for places in fours {
-        let start: [_; 12] = std::array::from_fn(|r| {
-            f32x16::from_slice(simd, &x[3 * places[r / 3] as usize + r % 3])
-        });
-        let values = reduce::<S, 12>(simd, panel, stride, row, &x[first..], start);
-        for (r, value) in values.iter().enumerate() {
-            value.store_slice(&mut x[3 * places[r / 3] as usize + r % 3]);
+    let mut row = width;
+    // As many nodes at a time as the registers hold.
+    let rest = if is_wide::<S>() {
+        let (fours, rest) = rows.as_chunks::<4>();
+        for places in fours {
+            reduce_nodes::<S, 12>(simd, panel, stride, row, first, places, x);
+            row += 12;
         }
-        row += 12;
-    }
+        rest
+    } else {
+        let (twos, rest) = rows.as_chunks::<2>();
+        for places in twos {
+            reduce_nodes::<S, 6>(simd, panel, stride, row, first, places, x);
+            row += 6;
+        }
+        rest
+    };
     for place in rest {
-        let at = 3 * *place as usize;
-        let start = std::array::from_fn(|r| f32x16::from_slice(simd, &x[at + r]));
-        let values = reduce::<S, 3>(simd, panel, stride, row, &x[first..], start);
-        for (r, value) in values.iter().enumerate() {
-            value.store_slice(&mut x[at + r]);
-        }
+        reduce_nodes::<S, 3>(simd, panel, stride, row, first, std::slice::from_ref(place), x);
         row += 3;
+    }
+}
+
+/// Takes from the rows of the nodes `places`, R in all, what the panel's rows from `row` on make of the pivots.
+#[inline(always)]
+fn reduce_nodes<S: Simd, const R: usize>(
+    simd: S,
+    panel: &[Scalar],
+    stride: usize,
+    row: usize,
+    first: usize,
+    places: &[u32],
+    x: &mut [Lanes],
+) {
+    let start = load_lines(
+        simd,
+        x,
+        #[inline(always)]
+        |r| 3 * places[r / 3] as usize + r % 3,
+    );
+    let values = reduce::<S, R>(simd, panel, stride, row, &x[first..], start);
+    for r in 0..R {
+        values[r].store_slice(&mut x[3 * places[r / 3] as usize + r % 3]);
     }
 }
 
