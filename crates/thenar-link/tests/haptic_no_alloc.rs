@@ -2,41 +2,16 @@
 //! simulation's side. Method: a global allocator that counts, around ticks with poses, bad poses,
 //! losses, arming, forces, a trip, and frames with and without a condensed response.
 
-use std::alloc::{GlobalAlloc, Layout, System};
 use std::path::Path;
-use std::sync::atomic::{AtomicU64, Ordering};
 use thenar::model::Side;
 use thenar_link::haptic_loop::{LoopMode, ManualLoop, Settings, page_tracker};
 use thenar_scene::session::Session;
+use thenar_testing::allocations;
 use thenar_touch::TrackerTiming;
 use thenar_track::live::LivePose;
 
-struct Counting;
-
-static COUNT: AtomicU64 = AtomicU64::new(0);
-
-thread_local! {
-    /// Other threads (the device's) may allocate.
-    static MINE: std::cell::Cell<bool> = const { std::cell::Cell::new(false) };
-}
-
-// The only way to see allocations is to stand in for the allocator, which is an unsafe trait.
-#[allow(unsafe_code)]
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        if MINE.try_with(std::cell::Cell::get).unwrap_or(false) {
-            COUNT.fetch_add(1, Ordering::Relaxed);
-        }
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
 #[global_allocator]
-static ALLOCATOR: Counting = Counting;
+static ALLOCATOR: allocations::Counting = allocations::Counting;
 
 const SCENE: &str = "version = 1\n[[hand]]\npreset = \"paper\"\nname = \"hand\"\nflesh = false\n";
 
@@ -81,18 +56,16 @@ fn ticks_and_frames_allocate_nothing() {
         };
         // The first lead takes its memory.
         (0..20).for_each(&mut led);
-        let before = COUNT.load(Ordering::Relaxed);
-        MINE.set(true);
+        let before = allocations::so_far();
         let mut last = None;
         for ms in 20..1800 {
-            let until_now = COUNT.load(Ordering::Relaxed);
+            let until_now = allocations::so_far();
             led(ms);
-            if COUNT.load(Ordering::Relaxed) != until_now {
+            if allocations::so_far() != until_now {
                 last = Some(ms);
             }
         }
-        MINE.set(false);
-        let count = COUNT.load(Ordering::Relaxed) - before;
+        let count = allocations::so_far() - before;
         assert_eq!(count, 0, "allocations in 1780 ticks of {mode:?}, the last at {last:?} ms");
     }
 }

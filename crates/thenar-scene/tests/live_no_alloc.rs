@@ -1,32 +1,14 @@
 //! Goal: steps and live poses allocate nothing. Method: a global allocator that counts, around
 //! steps of a hand that a script moves, that poses move, that is lost, and that returns.
 
-use std::alloc::{GlobalAlloc, Layout, System};
 use std::path::Path;
-use std::sync::atomic::{AtomicU64, Ordering};
 use thenar::{Pose, Quat, Vec3};
 use thenar_scene::live::LivePose;
 use thenar_scene::session::{Session, builtin};
-
-struct Counting;
-
-static COUNT: AtomicU64 = AtomicU64::new(0);
-
-// The only way to see allocations is to stand in for the allocator, which is an unsafe trait.
-#[allow(unsafe_code)]
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        COUNT.fetch_add(1, Ordering::Relaxed);
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
+use thenar_testing::allocations;
 
 #[global_allocator]
-static ALLOCATOR: Counting = Counting;
+static ALLOCATOR: allocations::Counting = allocations::Counting;
 
 #[test]
 fn live_steps_allocate_nothing() {
@@ -34,7 +16,7 @@ fn live_steps_allocate_nothing() {
     let paper = ["hand.hand.preset=paper".to_owned()];
     let mut session = Session::from_text(text, Path::new("t.toml"), &paper).expect("a scene");
     session.set("friction", &thenar_scene::tuning::SettingValue::Number(0.7)).expect("a setting");
-    let before = COUNT.load(Ordering::Relaxed);
+    let before = allocations::so_far();
     for k in 0..240 {
         let t = f64::from(k) / 60.0;
         let wave = Vec3::new(0.066, 0.15 - 0.05 * (3.0 * t).sin(), 0.07);
@@ -56,15 +38,13 @@ fn live_steps_allocate_nothing() {
         }
         session.step(&mut ());
     }
-    let after = COUNT.load(Ordering::Relaxed);
+    let after = allocations::so_far();
     assert_eq!(after - before, 0, "allocations in 240 steps");
 
     // A grip from its beginning to its end; places on the object are searched in its first step.
     let text = builtin("ball-grip").expect("a scene").text;
     let mut session = Session::from_text(text, Path::new("t.toml"), &paper).expect("a scene");
-    let before = COUNT.load(Ordering::Relaxed);
-    for _ in 0..session.steps_wanted() {
-        session.step(&mut ());
-    }
-    assert_eq!(COUNT.load(Ordering::Relaxed) - before, 0, "allocations in the steps of a grip");
+    let steps = session.steps_wanted();
+    let (allocated, ()) = allocations::count(|| (0..steps).for_each(|_| _ = session.step(&mut ())));
+    assert_eq!(allocated, 0, "allocations in the steps of a grip");
 }

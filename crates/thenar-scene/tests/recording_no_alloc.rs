@@ -1,36 +1,16 @@
 //! Goal: a step that is recorded allocates nothing on its thread, poses, settings and keyframes
 //! included. Method: a global allocator that counts by thread.
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::path::Path;
 use thenar::{Pose, Vec3};
 use thenar_record::{Field, Header, Recorder};
 use thenar_scene::live::LivePose;
 use thenar_scene::recording::{SessionTape, TimeOf};
 use thenar_scene::session::Session;
-
-struct Counting;
-
-thread_local! {
-    static COUNT: Cell<u64> = const { Cell::new(0) };
-}
-
-// The only way to see allocations is to stand in for the allocator, which is an unsafe trait.
-#[allow(unsafe_code)]
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        COUNT.set(COUNT.get() + 1);
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
+use thenar_testing::allocations;
 
 #[global_allocator]
-static ALLOCATOR: Counting = Counting;
+static ALLOCATOR: allocations::Counting = allocations::Counting;
 
 const SCENE: &str = r#"
 version = 1
@@ -65,7 +45,7 @@ fn a_recorded_step_and_a_record_allocate_nothing() {
     let mut pose = LivePose::Joints { joints: [Pose::identity(); 25], radii };
     for k in 0..60 {
         let t = 0.005 * f64::from(k);
-        let before = COUNT.get();
+        let before = allocations::so_far();
         if let LivePose::Joints { joints, .. } = &mut pose {
             joints.iter_mut().enumerate().for_each(|(j, joint)| {
                 joint.position = Vec3::new(1e-3 * j as f64, 0.3, -4e-3 * j as f64 + 0.1 * t);
@@ -75,7 +55,11 @@ fn a_recorded_step_and_a_record_allocate_nothing() {
         session.step(&mut ());
         assert!(channel.record(k as u64, &[t]));
         // The first contact between bodies may still find its memory.
-        assert!(k < 20 || COUNT.get() == before, "step {k}: {} allocations", COUNT.get() - before);
+        assert!(
+            k < 20 || allocations::so_far() == before,
+            "step {k}: {} allocations",
+            allocations::so_far() - before
+        );
     }
     drop(session);
     recorder.finish().unwrap();

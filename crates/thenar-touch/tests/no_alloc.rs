@@ -5,11 +5,10 @@
 mod common;
 
 use common::{body, finger};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use thenar::model::Motion;
 use thenar::shape::Shape;
 use thenar::{Mat3, Pose, Vec3, World};
+use thenar_testing::allocations;
 use thenar_touch::safety::{Bank, Limits, Signal, Trip};
 use thenar_touch::shared::CondensedContact;
 use thenar_touch::{
@@ -17,28 +16,8 @@ use thenar_touch::{
     SingleRateSettings, SlowToFast, Touch, pad_force,
 };
 
-struct Counting;
-
-thread_local! {
-    // Of this thread only: the test harness has one of its own, which allocates when it likes.
-    static COUNT: Cell<u64> = const { Cell::new(0) };
-}
-
-// The only way to see allocations is to stand in for the allocator, which is an unsafe trait.
-#[allow(unsafe_code)]
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        COUNT.with(|count| count.set(count.get() + 1));
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
 #[global_allocator]
-static ALLOCATOR: Counting = Counting;
+static ALLOCATOR: allocations::Counting = allocations::Counting;
 
 const BONES: usize = 16;
 
@@ -96,7 +75,7 @@ fn a_haptic_tick_allocates_nothing() {
     let mut forces = [[0.0]; 5];
 
     let (mut active, mut felt) = (0, 0.0_f64);
-    let before = COUNT.get();
+    let before = allocations::so_far();
     for tick in 1..1000u64 {
         let now = tick * 1_000_000;
         if tick % 50 == 0 {
@@ -129,7 +108,7 @@ fn a_haptic_tick_allocates_nothing() {
             bank.trip(Trip::Requested);
         }
     }
-    let after = COUNT.get();
+    let after = allocations::so_far();
     assert_eq!(active, 40, "all contacts of the largest frame must bear");
     assert!(felt > 0.5 && forces == [[0.0]; 5], "{felt} N, then {forces:?}");
     assert_eq!(after - before, 0, "allocations in 1000 ticks");
@@ -168,9 +147,7 @@ fn publishing_and_single_rate_allocate_nothing() {
         contacts
     };
     run(1);
-    let before = COUNT.get();
-    let contacts = run(60);
-    let after = COUNT.get();
+    let (allocated, contacts) = allocations::count(|| run(60));
     assert!(contacts > 10, "{contacts} contacts");
-    assert_eq!(after - before, 0, "allocations in 60 frames");
+    assert_eq!(allocated, 0, "allocations in 60 frames");
 }

@@ -4,8 +4,6 @@
 mod common;
 
 use common::{FLESH, bar, body, finger};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use thenar::model::{
     BodyId, Drive, FrictionTable, Motion, Sheet, Skin, SoftDesc, SolverKind, facets,
 };
@@ -13,29 +11,10 @@ use thenar::readout::{ContactReadout, TaxelPlace, TaxelReadout, TaxelSkin};
 use thenar::shape::Shape;
 use thenar::world::Target;
 use thenar::{Pose, Vec3, World};
-
-struct Counting;
-
-thread_local! {
-    /// Of this thread alone: the test harness allocates on its own.
-    static COUNT: Cell<u64> = const { Cell::new(0) };
-}
-
-// The only way to see allocations is to stand in for the allocator, which is an unsafe trait.
-#[allow(unsafe_code)]
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let _ = COUNT.try_with(|n| n.set(n.get() + 1));
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
+use thenar_testing::allocations;
 
 #[global_allocator]
-static ALLOCATOR: Counting = Counting;
+static ALLOCATOR: allocations::Counting = allocations::Counting;
 
 #[test]
 fn a_step_allocates_nothing() {
@@ -95,7 +74,7 @@ fn steps_allocate_nothing(kind: SolverKind) {
     let mut taxels = TaxelReadout::new(&world, 0, &places, f64::INFINITY).unwrap();
 
     let mut active = 0;
-    let before = COUNT.with(Cell::get);
+    let before = allocations::so_far();
     for i in 0..300 {
         let down = 0.003 * f64::from(i) / 300.0;
         input.targets[0] = Some(Target {
@@ -110,7 +89,7 @@ fn steps_allocate_nothing(kind: SolverKind) {
         assert_eq!(readout.body(&world, BodyId::Soft(0)).points > 0, report.contacts_active > 0);
         active = active.max(report.contacts_active);
     }
-    let after = COUNT.with(Cell::get);
+    let after = allocations::so_far();
     assert!(active > 20, "the scene must touch: {active} active contacts");
     assert_eq!(after - before, 0, "allocations in 300 steps");
 }

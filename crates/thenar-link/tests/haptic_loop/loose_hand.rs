@@ -4,6 +4,7 @@
 use crate::rig::session;
 use thenar_link::haptic_loop::LoopMode;
 use thenar_link::rehearsal::{Human, Outcome, Rehearsal};
+use thenar_testing::one_in;
 use thenar_touch::TrackerTiming;
 
 const BREAD: &str = include_str!("../../../../scenes/bread-grasp.toml");
@@ -66,7 +67,8 @@ fn a_loose_finger_hums_on_couplings_and_is_still_within_the_rule() {
 fn moving_fingers_are_given_no_more_than_their_damping_takes_up() {
     let table = at_60_hz(TABLE);
     let swaying = |mbk, tracker| Rehearsal { sway: Some(2.0), ..held(1.9, mbk, tracker) };
-    for (mbk, tracker) in [([0.05, 1.0, 50.0], [90.0, 0.0]), ([0.02, 1.0, 500.0], [60.0, 0.05])] {
+    let all = [([0.02, 1.0, 500.0], [60.0, 0.05]), ([0.05, 1.0, 50.0], [90.0, 0.0])];
+    for (mbk, tracker) in one_in(2, all) {
         let out = rehearsed(&swaying(mbk, tracker), &table);
         let worst = out.worst();
         assert!(out.trips.is_empty() && out.live, "{:?}", out.trips);
@@ -99,10 +101,13 @@ fn grasps_are_smooth_from_frame_to_frame() {
 #[test]
 fn other_hands_and_modes_are_still() {
     let table = at_60_hz(TABLE);
-    is_still(&held(1.9, [0.02, 1.0, 500.0], [60.0, 0.05]), &table);
     let paper = held(1.9, [0.05, 1.0, 50.0], [60.0, 0.05]);
-    is_still(&Rehearsal { mode: LoopMode::Multirate, ..paper }, &table);
-    is_still(&held(2.1, [0.2, 2.0, 100.0], [90.0, 0.04]), BREAD);
+    let all = [
+        (Rehearsal { mode: LoopMode::Multirate, ..paper }, table.as_str()),
+        (held(1.9, [0.02, 1.0, 500.0], [60.0, 0.05]), &table),
+        (held(2.1, [0.2, 2.0, 100.0], [90.0, 0.04]), BREAD),
+    ];
+    one_in(2, all).for_each(|(what, scene)| is_still(&what, scene));
 }
 
 /// Frames of 33 Hz that arrive a period late. In multirate contact is felt with frames only, so that all of their
@@ -123,7 +128,8 @@ fn late_frames_do_not_make_a_loose_hand_hum() {
 /// and moves it by F/k.
 #[test]
 fn a_loose_finger_seen_with_noise_does_not_hum() {
-    for (mbk, tracker) in [([0.05, 1.0, 50.0], [90.0, 0.0]), ([0.05, 1.0, 150.0], [60.0, 0.02])] {
+    let all = [([0.05, 1.0, 50.0], [90.0, 0.0]), ([0.05, 1.0, 150.0], [60.0, 0.02])];
+    for (mbk, tracker) in one_in(2, all) {
         let noisy = held(1.9, mbk, tracker);
         let noisy = Rehearsal { tracker: TrackerTiming { noise: 1e-3, ..noisy.tracker }, ..noisy };
         let out = rehearsed(&noisy, TABLE);

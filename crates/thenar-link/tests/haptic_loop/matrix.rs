@@ -1,7 +1,7 @@
 //! Goal: a hand that rests on what it feels comes to rest, whatever hand it is, however it is seen, in every mode and on
 //! what it holds. Method: rehearsals with the paper's hand at 200 tetrahedra, one hand, tracker, mode and scene each.
 //!
-//! Every 29th case runs here, which takes all hands, trackers, modes and scenes in turn; `THENAR_WHOLE_MATRIX=1` runs them
+//! Every 29th case runs here, which takes all hands, trackers, modes and scenes in turn; `THENAR_CASES=all` runs them
 //! all.
 
 use std::path::Path;
@@ -90,7 +90,7 @@ fn check(name: &str, what: &Rehearsal, out: &Outcome) {
 #[test]
 fn every_hand_comes_to_rest() {
     let all = MODES.len() * HANDS.len() * TRACKERS.len() * SCENES.len();
-    let whole = std::env::var_os("THENAR_WHOLE_MATRIX").is_some();
+    let whole = thenar_testing::cases_wanted().is_some_and(|wanted| wanted == "all");
     // A simulation within the tick takes a third of a minute on soft bread.
     let quick = |case: usize| MODES[case % MODES.len()] != LoopMode::SingleRate || case < all / 3;
     let cases = (0..all).filter(|case| whole || (case % 29 == 5 && quick(*case)));

@@ -3,7 +3,7 @@
 //! moves nor overlaps by more than 0.05 mm, its force is steady from step to step, and nothing has put
 //! energy in. Of a hand, a finger is driven down on what lies on a column, and held there.
 //!
-//! A fixed tenth of the cases runs here. All of them: `THENAR_MATRIX=all cargo test -p thenar-scene
+//! A fixed tenth of the cases runs here. All of them: `THENAR_CASES=all cargo test -p thenar-scene
 //! --test all rest_matrix -- --nocapture`; with another text, those whose names contain it. The scenes of cases that
 //! fail are kept, and named.
 
@@ -379,7 +379,7 @@ const HARD: [&str; 12] = [
 
 #[test]
 fn what_is_set_down_stays() {
-    let wanted = std::env::var("THENAR_MATRIX").ok();
+    let wanted = thenar_testing::cases_wanted();
     // A tenth that meets every thing, support, step and place: 11 is coprime to their numbers.
     let chosen: Vec<Case> = cases()
         .into_iter()

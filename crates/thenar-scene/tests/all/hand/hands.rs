@@ -7,6 +7,7 @@ use thenar::model::Side;
 use thenar_scene::format::{Hand, Scene};
 use thenar_scene::hands::{Hands, with_hands};
 use thenar_scene::session::{Session, builtin, builtins, read};
+use thenar_testing::one_in;
 
 const FILE: &str = "test.toml";
 
@@ -37,45 +38,45 @@ fn bounds(session: &Session, hand: usize) -> [Vec3; 2] {
 
 #[test]
 fn every_scene_takes_every_choice() {
-    for builtin in builtins() {
+    let choices = [Hands::Left, Hands::Right, Hands::Both];
+    let all = builtins().iter().flat_map(|builtin| choices.map(|which| (builtin, which)));
+    for (builtin, which) in one_in(4, all) {
         let own = scene(builtin.text);
-        for which in [Hands::Left, Hands::Right, Hands::Both] {
-            let mut session = open(scene(builtin.text), which, [None; 2]);
-            let name = builtin.name;
-            let sides = sides(&session);
-            match which {
-                Hands::Left => assert!(sides.iter().all(|s| *s == Side::Left), "{name}"),
-                Hands::Right => assert!(sides.iter().all(|s| *s == Side::Right), "{name}"),
-                _ => assert!(sides.contains(&Side::Left) && sides.contains(&Side::Right), "{name}"),
-            }
-            assert!(!sides.is_empty());
-            assert_eq!(session.softs().len(), own.soft.len() + own.figure.len(), "{name}");
-            let is_left =
-                |hand: &Hand| hand.model.as_ref().is_some_and(|model| model.value.contains("left"));
-            let left = own.hand.iter().filter(|hand| is_left(hand)).count();
-            let right = own.hand.len() - left;
-            if left > 0 && right > 0 {
-                // Hands of the other side go, with what refers to them.
-                let kept = match which {
-                    Hands::Left => left,
-                    Hands::Right => right,
-                    _ => left + right,
-                };
-                assert_eq!(session.hands().len(), kept, "{name}");
-                assert!(session.scene().probe.len() <= own.probe.len(), "{name}");
-            } else {
-                // Hands are mirrored: nothing that refers to one is lost.
-                assert_eq!(session.scene().probe.len(), own.probe.len(), "{name}");
-                let added = usize::from(own.hand.is_empty()) + usize::from(which == Hands::Both);
-                assert_eq!(session.hands().len(), own.hand.len() + added, "{name}");
-            }
-            added_hands_are_clear(&session, name);
-            for _ in 0..5 {
-                let report = session.step(&mut ());
-                assert!(!report.non_finite && report.penetration_max < 1e-3, "{name} {which:?}");
-            }
-            session.probe();
+        let mut session = open(scene(builtin.text), which, [None; 2]);
+        let name = builtin.name;
+        let sides = sides(&session);
+        match which {
+            Hands::Left => assert!(sides.iter().all(|s| *s == Side::Left), "{name}"),
+            Hands::Right => assert!(sides.iter().all(|s| *s == Side::Right), "{name}"),
+            _ => assert!(sides.contains(&Side::Left) && sides.contains(&Side::Right), "{name}"),
         }
+        assert!(!sides.is_empty());
+        assert_eq!(session.softs().len(), own.soft.len() + own.figure.len(), "{name}");
+        let is_left =
+            |hand: &Hand| hand.model.as_ref().is_some_and(|model| model.value.contains("left"));
+        let left = own.hand.iter().filter(|hand| is_left(hand)).count();
+        let right = own.hand.len() - left;
+        if left > 0 && right > 0 {
+            // Hands of the other side go, with what refers to them.
+            let kept = match which {
+                Hands::Left => left,
+                Hands::Right => right,
+                _ => left + right,
+            };
+            assert_eq!(session.hands().len(), kept, "{name}");
+            assert!(session.scene().probe.len() <= own.probe.len(), "{name}");
+        } else {
+            // Hands are mirrored: nothing that refers to one is lost.
+            assert_eq!(session.scene().probe.len(), own.probe.len(), "{name}");
+            let added = usize::from(own.hand.is_empty()) + usize::from(which == Hands::Both);
+            assert_eq!(session.hands().len(), own.hand.len() + added, "{name}");
+        }
+        added_hands_are_clear(&session, name);
+        for _ in 0..5 {
+            let report = session.step(&mut ());
+            assert!(!report.non_finite && report.penetration_max < 1e-3, "{name} {which:?}");
+        }
+        session.probe();
     }
 }
 

@@ -6,6 +6,7 @@ use crate::common::{finger, random};
 use thenar::model::{Drive, FleshInStep1, SolverKind, WorldDesc};
 use thenar::world::{Input, Target};
 use thenar::{Pose, Quat, Vec3, World};
+use thenar_testing::one_in;
 
 const DRIVE: Drive =
     Drive { stiffness: 400.0, damping: 1.0, angular_stiffness: 0.4, angular_damping: 1e-3 };
@@ -134,13 +135,11 @@ fn without_joints_two_steps_are_the_monolithic_solution() {
 /// (the paper's scheme "limits the stiffness of this coupling").
 #[test]
 fn lumped_flesh_is_stable_where_frozen_flesh_diverges() {
-    for drive in [DRIVE, WEAK] {
-        for h in [1e-3, 5e-3, 1.0 / 60.0] {
-            for kappa in [1e7, 1e8, 1e9, 1e10] {
-                let speed = fastest(with(FleshInStep1::Lumped, true, kappa, h), drive);
-                assert!(speed < 0.5, "h {h}, kappa {kappa}: {speed} m/s");
-            }
-        }
+    let steps = [DRIVE, WEAK].into_iter().flat_map(|d| [1e-3, 5e-3, 1.0 / 60.0].map(|h| (d, h)));
+    let all = steps.flat_map(|(drive, h)| [1e7, 1e8, 1e9, 1e10].map(|kappa| (drive, h, kappa)));
+    for (drive, h, kappa) in one_in(5, all) {
+        let speed = fastest(with(FleshInStep1::Lumped, true, kappa, h), drive);
+        assert!(speed < 0.5, "h {h}, kappa {kappa}: {speed} m/s");
     }
     for (h, kappa) in [(1e-3, 1e10), (5e-3, 1e9), (1.0 / 60.0, 1e9)] {
         let speed = fastest(with(FleshInStep1::Frozen, false, kappa, h), WEAK);

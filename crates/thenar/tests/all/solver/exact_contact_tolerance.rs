@@ -9,6 +9,7 @@ use thenar::model::{
 use thenar::shape::Shape;
 use thenar::world::{Input, Target};
 use thenar::{Pose, Quat, Vec3, World};
+use thenar_testing::one_in;
 
 const DRIVE: Drive =
     Drive { stiffness: 400.0, damping: 2.0, angular_stiffness: 0.4, angular_damping: 1e-3 };
@@ -173,17 +174,20 @@ fn grasps() -> [(&'static str, WorldDesc); 5] {
     ]
 }
 
-/// Calls `look` at states 8 ms apart on the way of a grasp, with the step by the reference from
-/// there.
+/// Calls `look` at states 16 ms apart on the way of a grasp (8 ms with all cases), with the step by the reference
+/// from there.
 fn along(desc: WorldDesc, mut look: impl FnMut(&World, &Input, &World)) {
     let mut world = exact(&World::new(desc).unwrap(), 1e-6, 10_000);
     let mut input = world.input();
-    for _ in 0..15 {
+    let looked_at: Vec<usize> = one_in(2, 0..15).collect();
+    for k in 0..15 {
         steer(&world, world.time(), &mut input);
-        let mut dense = world.clone();
-        dense.set_solver(SolverKind::Monolithic);
-        dense.step(&input, &mut ());
-        look(&world, &input, &dense);
+        if looked_at.contains(&k) {
+            let mut dense = world.clone();
+            dense.set_solver(SolverKind::Monolithic);
+            dense.step(&input, &mut ());
+            look(&world, &input, &dense);
+        }
         for _ in 0..(8e-3 / world.time_step()).round() as usize {
             assert!(!world.step(&input, &mut ()).fell_back);
         }
@@ -255,5 +259,5 @@ fn contact_that_misses_the_tolerance_says_so() {
         });
     }
     // Most of what so few sweeps leave is led on to where it should be.
-    assert!(missed > 5, "only {missed} missed");
+    assert!(missed > 2, "only {missed} missed");
 }
