@@ -40,13 +40,6 @@ pub fn store<S: Simd>(value: f32x16<S>, x: &mut [Scalar], at: usize) {
     value.store_slice(&mut x[at..at + LANES]);
 }
 
-/// True where a register of the machine holds 16 numbers, as of AVX-512, which has 32 of them. Where it takes two, as
-/// with AVX2, a tile of two by [`COLUMNS`] is more than its 16 registers hold.
-#[inline(always)]
-pub const fn is_wide<S: Simd>() -> bool {
-    S::f32s::LEN >= LANES
-}
-
 /// The last register's boundary at or before a row.
 #[inline(always)]
 pub const fn line(row: usize) -> usize {
@@ -111,13 +104,12 @@ fn factor_columns<S: Simd, const N: usize>(
     let (done, rest) = panel.split_at_mut(k0 * stride);
     let block = &mut rest[..N * stride];
     let mut row = line(k0);
-    while is_wide::<S>() && row + 2 * LANES <= stride && k0 > 0 {
+    while row + 2 * LANES <= stride && k0 > 0 {
         subtract(products::<S, 2, N>(simd, done, stride, row, k0), simd, block, stride, row);
         row += 2 * LANES;
     }
-    while row < stride && k0 > 0 {
+    if row < stride && k0 > 0 {
         subtract(products::<S, 1, N>(simd, done, stride, row, k0), simd, block, stride, row);
-        row += LANES;
     }
 
     let Some(pivots) = factor_pivots::<N>(block, stride, k0) else { return false };
@@ -194,7 +186,7 @@ pub fn outer_product<S: Simd>(
 ) {
     let mut column = width;
     // More columns for more registers.
-    while is_wide::<S>() && height - column >= 2 * COLUMNS {
+    while S::f32s::LEN >= LANES && height - column >= 2 * COLUMNS {
         product_columns::<S, { 2 * COLUMNS }>(simd, panel, stride, width, column, update);
         column += 2 * COLUMNS;
     }
@@ -220,7 +212,7 @@ fn product_columns<S: Simd, const N: usize>(
     let update_stride = stride - first;
     let update = &mut update[(column - width) * update_stride..][..N * update_stride];
     let mut row = line(column);
-    while is_wide::<S>() && row + 2 * LANES <= stride {
+    while row + 2 * LANES <= stride {
         let sums = products::<S, 2, N>(simd, panel, stride, row, column);
         for c in 0..N {
             for t in 0..2 {
@@ -229,12 +221,11 @@ fn product_columns<S: Simd, const N: usize>(
         }
         row += 2 * LANES;
     }
-    while row < stride {
+    if row < stride {
         let sums = products::<S, 1, N>(simd, panel, stride, row, column);
         for c in 0..N {
             store(sums[c][0], update, c * update_stride + row - first);
         }
-        row += LANES;
     }
 }
 

@@ -5,7 +5,7 @@
 //! never touched, and take no part in products.
 
 use crate::solver::exact::aligned::Aligned;
-use crate::solver::exact::dense::{is_wide, load_lines};
+use crate::solver::exact::dense::load_lines;
 use crate::solver::exact::factor::{Factor, LANES, Lanes, Scalar};
 use crate::solver::exact::symbolic::Symbolic;
 use fearless_simd::{Simd, SimdBase, SimdFloat, dispatch, f32x16};
@@ -83,7 +83,7 @@ impl HalfSolves {
 #[inline(always)]
 pub fn add_product<S: Simd>(simd: S, a: &[Lanes], b: &[Lanes], to: &mut [Lanes; LANES]) {
     // What fits into the registers.
-    if is_wide::<S>() {
+    if S::f32s::LEN >= LANES {
         add_columns::<S, 16>(simd, a, b, 0, to);
     } else {
         // A closure in an iterator of the standard library would be compiled without the vector instructions.

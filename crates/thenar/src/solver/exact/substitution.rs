@@ -1,7 +1,7 @@
 //! Forward and backward substitution with one supernode's panel (see `dense` for its layout): for
 //! one right-hand side, or for `LANES` of them together.
 
-use crate::solver::exact::dense::{COLUMNS, is_wide, line, load, load_lines, store};
+use crate::solver::exact::dense::{COLUMNS, line, load, load_lines, store};
 use crate::solver::exact::factor::{LANES, Lanes, Scalar};
 use crate::solver::exact::symbolic::Supernode;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16};
@@ -129,22 +129,12 @@ pub fn forward_many<S: Simd>(
     }
     let panel = &panel[..width * stride];
     let mut row = width;
-    // As many nodes at a time as the registers hold.
-    let rest = if is_wide::<S>() {
-        let (fours, rest) = rows.as_chunks::<4>();
-        for places in fours {
-            reduce_nodes::<S, 12>(simd, panel, stride, row, first, places, x);
-            row += 12;
-        }
-        rest
-    } else {
-        let (twos, rest) = rows.as_chunks::<2>();
-        for places in twos {
-            reduce_nodes::<S, 6>(simd, panel, stride, row, first, places, x);
-            row += 6;
-        }
-        rest
-    };
+    // Four nodes at a time keep the arithmetic units busy.
+    let (fours, rest) = rows.as_chunks::<4>();
+    for places in fours {
+        reduce_nodes::<S, 12>(simd, panel, stride, row, first, places, x);
+        row += 12;
+    }
     for place in rest {
         reduce_nodes::<S, 3>(simd, panel, stride, row, first, std::slice::from_ref(place), x);
         row += 3;

@@ -117,7 +117,7 @@ fn work_round_closed_paths_is_never_gained() {
     let mut seed = 7;
     let mut random = || common::random(&mut seed);
     let parts = 400;
-    let paths: Vec<usize> = one_in(3, 0..60).collect();
+    let paths: Vec<u32> = one_in(3, 0..60).collect();
     let mut inside_out = 0;
     for (material, size) in
         laws().into_iter().flat_map(|law| [0.3, 0.6, 1.0, 2.0].map(|s| (law, s)))
