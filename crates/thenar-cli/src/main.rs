@@ -16,6 +16,7 @@ mod devices;
 mod error;
 mod files;
 mod fit;
+mod hand;
 mod haptics;
 mod interrupt;
 mod keeper;
@@ -64,6 +65,8 @@ enum Command {
     Build(build::Args),
     /// List the scenes that come with the program.
     Scenes(scenes::Args),
+    /// List the names and ranges of a hand.
+    Hand(hand::Args),
     /// List, test, calibrate and simulate gloves and other devices of touch.
     Devices(devices::Args),
     /// Compare the two-step scheme with the exact solver on one scene.
@@ -96,6 +99,7 @@ fn main() -> ExitCode {
         Some(Command::Replay(args)) => replay::run(&args),
         Some(Command::Build(args)) => build::run(&args),
         Some(Command::Scenes(args)) => scenes::run(&args),
+        Some(Command::Hand(args)) => hand::run(&args),
         Some(Command::Devices(args)) => devices::run(&args),
         Some(Command::Compare(args)) => compare::run(&args),
         Some(Command::Bench(args)) => return bench::run(&args),

@@ -37,9 +37,17 @@ unsafe impl GlobalAlloc for Counting {
     }
 }
 
-/// Allocations of this thread so far; always 0 unless [`Counting`] is the global allocator.
+/// Allocations of this thread so far.
+///
+/// # Panics
+/// [`Counting`] is not the global allocator, so that nothing is counted.
 pub fn so_far() -> u64 {
-    COUNT.get()
+    let before = COUNT.get();
+    drop(std::hint::black_box(Box::new(0_u8)));
+    assert!(COUNT.get() > before, "`Counting` is not the global allocator of this test");
+    // The box is not the test's.
+    COUNT.set(before);
+    before
 }
 
 /// Allocations of this thread within `act`, and what `act` returns.
@@ -47,9 +55,6 @@ pub fn so_far() -> u64 {
 /// # Panics
 /// [`Counting`] is not the global allocator, so that nothing would be counted.
 pub fn count<T>(act: impl FnOnce() -> T) -> (u64, T) {
-    let unused = so_far();
-    drop(std::hint::black_box(Box::new(0_u8)));
-    assert!(so_far() > unused, "`Counting` is not the global allocator of this test");
     let before = so_far();
     let done = act();
     (so_far() - before, done)

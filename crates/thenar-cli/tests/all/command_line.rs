@@ -297,6 +297,39 @@ fn a_mesh_file_becomes_a_model_that_a_scene_uses() {
     assert!((last[2] - 0.1).abs() < 1e-9, "{last:?}");
 }
 
+/// The program prints what the document says of the default hand, and of another hand that hand's ranges.
+#[test]
+fn the_names_and_ranges_of_a_hand_are_printed() {
+    let folder = Folder::new("hand-list");
+    let printed = |args: &[&str]| {
+        let output = folder.thenar(args);
+        assert!(output.status.success(), "{}", error(&output));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let document = include_str!("../../../../docs/hand.md");
+    let (_, tables) = document.split_once("## Names and ranges\n\n").unwrap();
+    assert_eq!(printed(&["hand", "--list"]), tables);
+    let left = printed(&["hand", "--list", "left"]);
+    assert!(left.contains("those of the default left hand"), "{left}");
+    printed(&["build", "left", "--hand", "--tets", "100", "-o", "own.thenar"]);
+    let own = printed(&["hand", "--list", "own.thenar"]);
+    assert_eq!(own, left.replace("the default left hand", "`own.thenar`"));
+    // The ranges of the file, not of a built-in hand.
+    let mut model = thenar_rig::read_model(&folder.0.join("own.thenar")).unwrap();
+    let thenar_rig::Model::Hand(hand) = &mut model else { panic!("no hand") };
+    let tip = hand.bones.iter().position(|bone| bone.name == "thumb-distal").unwrap();
+    let joint = hand.joints.iter_mut().find(|joint| joint.child as usize == tip).unwrap();
+    let limit = joint.axes[0].limit.as_mut().unwrap();
+    limit.max = 0.5_f64.min(limit.max);
+    thenar_rig::write_model(&folder.0.join("stiff.thenar"), &model).unwrap();
+    let stiff = printed(&["hand", "--list", "stiff.thenar"]);
+    assert!(stiff.contains("| 3 | `thumb-ip` | flexion | -15 | 29 | -7 |"), "{stiff}");
+    for (name, why) in [("own.glb", "expected `right`, `left`"), ("none.thenar", "none.thenar")] {
+        let output = folder.thenar(&["hand", "--list", name]);
+        assert!(output.status.code() == Some(2) && error(&output).contains(why), "{output:?}");
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn ctrl_c_ends_a_run_with_whole_files() {

@@ -62,7 +62,7 @@ fn a_loose_finger_hums_on_couplings_and_is_still_within_the_rule() {
 }
 
 /// Fingers that press and let go, twice a second: what they are given stays within what their own damping takes up,
-/// loose and firm, behind a prompt tracker and a late one. Without the rule a loose finger is given more.
+/// firm, behind a late tracker, and with all cases loose, behind a prompt one. Without the rule a loose finger is given more.
 #[test]
 fn moving_fingers_are_given_no_more_than_their_damping_takes_up() {
     let table = at_60_hz(TABLE);
@@ -97,7 +97,7 @@ fn grasps_are_smooth_from_frame_to_frame() {
     assert!(most > 0.5 && step < 0.05, "{most} N, by {step} N a tick");
 }
 
-/// Light and stiff, and in the paper's own mode.
+/// In the paper's own mode, a hand that holds bread, and, with all cases, a light and stiff one.
 #[test]
 fn other_hands_and_modes_are_still() {
     let table = at_60_hz(TABLE);

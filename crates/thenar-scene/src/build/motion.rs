@@ -3,15 +3,15 @@
 use super::Files;
 use super::assets;
 use crate::format::{
-    CurlTable, HandKey, JointAngles, KeyframesTable, LimitsWord, MotionTable, RecordedTable,
-    SideOfHandWord, WristTable,
+    CurlTable, HandKey, JointAngles, KeyframesTable, LimitsWord, MotionTable, PoseWord,
+    RecordedTable, SideOfHandWord, WristTable,
 };
 use crate::math::Pose;
 use crate::motion::{
     FitError, HandMotion, JointKey, Key, Keyframes, KeyframesDesc, LimitPolicy, MotionError,
     Preset, Recorded, RecordedDesc, Recording, WristKey,
 };
-use crate::text::{At, Fault, nearest};
+use crate::text::{At, Fault};
 use std::collections::BTreeMap;
 use thenar::model::{Digit, HandModel, Side};
 
@@ -31,7 +31,7 @@ pub fn load(
             .map_err(|e| at(e.to_string()))
     };
     match &table.value {
-        MotionTable::Keyframes(k) => keyframes(&desc(k)?, &|p| table.fault(p)),
+        MotionTable::Keyframes(k) => keyframes(&desc(k), &|p| table.fault(p)),
         MotionTable::Recorded(r) => recorded(&recorded_desc(r), &r.file, hand, files),
         MotionTable::File(f) if f.file.value.ends_with(".jsonl") => {
             recorded(&RecordedDesc::of_file(&f.file.value), &f.file, hand, files)
@@ -83,23 +83,23 @@ fn recorded_desc(t: &RecordedTable) -> RecordedDesc {
     }
 }
 
-fn desc(t: &KeyframesTable) -> Result<KeyframesDesc, Fault> {
+fn desc(t: &KeyframesTable) -> KeyframesDesc {
     let limits = match t.limits {
         LimitsWord::Error => LimitPolicy::Error,
         LimitsWord::Clamp => LimitPolicy::Clamp,
     };
-    Ok(KeyframesDesc { limits, key: t.key.iter().map(key).collect::<Result<_, _>>()? })
+    KeyframesDesc { limits, key: t.key.iter().map(key).collect() }
 }
 
-fn key(k: &HandKey) -> Result<Key, Fault> {
+fn key(k: &HandKey) -> Key {
     let joint = |j: &JointAngles| JointKey { flexion_deg: j.flexion_deg, spread_deg: j.spread_deg };
-    Ok(Key {
+    Key {
         time: k.time,
         wrist: k.wrist.as_ref().map(wrist),
-        pose: k.pose.as_ref().map(preset).transpose()?,
+        pose: k.pose.map(preset),
         curl: k.curl.as_ref().map(curl).unwrap_or_default(),
         joints: k.joints.iter().map(|(name, j)| (name.clone(), joint(j))).collect(),
-    })
+    }
 }
 
 fn wrist(w: &WristTable) -> WristKey {
@@ -116,16 +116,14 @@ fn curl(c: &CurlTable) -> BTreeMap<Digit, f64> {
     Digit::FINGERS.into_iter().zip(fingers).filter_map(|(d, c)| c.map(|c| (d, c))).collect()
 }
 
-fn preset(word: &At<String>) -> Result<Preset, Fault> {
-    let known = || Preset::NAMED.iter().map(|(name, _)| *name);
-    Preset::NAMED.iter().find(|(name, _)| *name == word.value).map(|(_, p)| *p).ok_or_else(|| {
-        let hint = nearest(&word.value, known())
-            .map_or(String::new(), |near| format!("; did you mean \"{near}\"?"));
-        let list: Vec<_> = known().collect();
-        word.fault(format!(
-            "expected one of \"{}\", got \"{}\"{hint}",
-            list.join("\", \""),
-            word.value
-        ))
-    })
+fn preset(word: PoseWord) -> Preset {
+    match word {
+        PoseWord::Rest => Preset::Rest,
+        PoseWord::Open => Preset::Open,
+        PoseWord::Relaxed => Preset::Relaxed,
+        PoseWord::Fist => Preset::Fist,
+        PoseWord::Point => Preset::Point,
+        PoseWord::Pinch => Preset::Pinch,
+        PoseWord::PowerGrasp => Preset::PowerGrasp,
+    }
 }

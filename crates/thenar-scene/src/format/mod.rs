@@ -37,7 +37,7 @@ pub use load::{
 };
 pub use motion::{
     CurlTable, HandKey, JointAngles, KeyframesTable, LimitsWord, MotionFileTable, MotionTable,
-    RecordedTable, SideOfHandWord, WristTable,
+    PoseWord, RecordedTable, SideOfHandWord, WristTable,
 };
 pub use pose::{DriveTable, InterpolationWord, Keyframe, Placement, Rotation};
 pub use probe::{

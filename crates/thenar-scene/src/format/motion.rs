@@ -24,6 +24,26 @@ words! {
     }
 }
 
+words! {
+    /// A shape of the whole hand.
+    pub enum PoseWord {
+        /// As the hand's mesh was modelled.
+        "rest" => Rest,
+        /// Flat, fingers a little apart.
+        "open" => Open,
+        /// Hanging loose.
+        "relaxed" => Relaxed,
+        /// Closed on itself.
+        "fist" => Fist,
+        /// Index straight, the others closed.
+        "point" => Point,
+        /// Thumb and index pads against each other.
+        "pinch" => Pinch,
+        /// All fingers and the thumb around something of 5 to 8 cm.
+        "power-grasp" => PowerGrasp,
+    }
+}
+
 table! {
     /// Where the wrist is, world. Its -z axis points to the fingers, +y out of the back of the
     /// hand. Give `rotation`, or the two directions.
@@ -73,7 +93,7 @@ table! {
         /// The wrist.
         wrist: Option<WristTable>;
         /// Shape of the whole hand.
-        pose: Option<At<String>>;
+        pose: Option<PoseWord>;
         /// How far each finger is closed.
         curl: Option<CurlTable>;
         /// Single joints, by the name of the joint or of the bone it carries.

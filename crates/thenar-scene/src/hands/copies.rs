@@ -2,8 +2,8 @@
 
 use super::{length_of, mirror};
 use crate::format::{
-    BonesWord, Hand, HandKey, KeyframesTable, LimitsWord, MotionTable, Pair, Scene, SkinningWord,
-    WristTable,
+    BonesWord, Hand, HandKey, KeyframesTable, LimitsWord, MotionTable, Pair, PoseWord, Scene,
+    SkinningWord, WristTable,
 };
 use crate::math::Vec3;
 use crate::text::At;
@@ -126,7 +126,7 @@ fn still(wrist: WristTable) -> At<MotionTable> {
     let key = HandKey {
         time: 0.0,
         wrist: Some(wrist),
-        pose: Some(mirror::unwritten("rest".into(), "hand.motion.key.pose")),
+        pose: Some(PoseWord::Rest),
         curl: None,
         joints: BTreeMap::new(),
     };

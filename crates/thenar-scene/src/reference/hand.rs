@@ -7,14 +7,15 @@ use crate::motion::{
 use std::fmt::Write;
 use thenar::model::{Digit, HandModel};
 
-/// Tables of the bones, joints, angles, poses, grips and tracked joints of `hand`, in Markdown.
+/// Tables of the bones, joints, angles, poses, grips and tracked joints of `hand`, in Markdown; `name` says in prose
+/// whose ranges they are.
 ///
 /// # Errors
 /// The joints of `hand` do not form a tree.
-pub fn hand_tables(hand: &HandModel) -> Result<String, MotionError> {
+pub fn hand_tables(hand: &HandModel, name: &str) -> Result<String, MotionError> {
     let mut out = String::new();
     bones(&mut out, hand);
-    angles(&mut out, hand)?;
+    angles(&mut out, hand, name)?;
     poses(&mut out);
     grips(&mut out);
     tracked(&mut out);
@@ -41,11 +42,12 @@ fn bones(out: &mut String, hand: &HandModel) {
     out.push('\n');
 }
 
-fn angles(out: &mut String, hand: &HandModel) -> Result<(), MotionError> {
-    out.push_str(
+fn angles(out: &mut String, hand: &HandModel, name: &str) -> Result<(), MotionError> {
+    let _ = write!(
+        out,
         "### The twenty angles\n\nIn the order of the live protocol and of recordings. Flexion is positive when the hand \
          closes; spread is positive away from the middle finger (the middle finger: towards the thumb; the thumb: \
-         out of the palm). Ranges are those of the default right hand.\n\n\
+         out of the palm). Ranges are those of {name}.\n\n\
          | number | joint | angle | smallest [°] | largest [°] | at rest [°] |\n|---:|---|---|---:|---:|---:|\n",
     );
     let found = hand_angles(hand, &Articulation::new(hand)?);

@@ -78,7 +78,7 @@ fn stable_neo_hookean<S: Simd>(
 /// The two axes beside each.
 const PAIRS: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
 
-/// Something of each of them.
+/// `f` of each of [`PAIRS`].
 #[inline(always)]
 fn of_pairs<T>(f: impl Fn([usize; 2]) -> T) -> [T; 3] {
     [f(PAIRS[0]), f(PAIRS[1]), f(PAIRS[2])]

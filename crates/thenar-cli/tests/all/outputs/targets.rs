@@ -94,8 +94,9 @@ fn a_table_goes_to_standard_output_and_to_pipes() {
 #[test]
 fn nobody_has_to_read_what_is_printed() {
     let folder = stocked("head");
-    let commands: [&[&str]; 7] = [
+    let commands: [&[&str]; 8] = [
         &["scenes"],
+        &["hand", "--list"],
         &["run", "finger-pendulum", "--seconds", "0.01"],
         &["replay", "r.rec"],
         &["build", "left", "--hand", "--tets", "100"],

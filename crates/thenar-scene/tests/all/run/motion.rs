@@ -6,14 +6,31 @@ use thenar::model::{Digit, HandModel, Side};
 use thenar::world::Target;
 use thenar::{Pose, Vec3};
 use thenar_rig::hand::uniform_hand;
+use thenar_scene::format::MotionTable;
 use thenar_scene::grip::{Chain, PadPlace};
 use thenar_scene::motion::{
-    Anatomy, Articulation, Keyframes, KeyframesDesc, Recording, Retarget, TRACKED_JOINTS,
+    Anatomy, Articulation, Keyframes, KeyframesDesc, Preset, Recording, Retarget, TRACKED_JOINTS,
     size_ratio,
 };
+use thenar_scene::session::read;
 
 fn hands() -> [HandModel; 2] {
     [Side::Right, Side::Left].map(|side| uniform_hand(side, 600).expect("a shipped hand"))
+}
+
+/// Whatever shape a motion can name, a scene and its schema know by the same word.
+#[test]
+fn every_shape_of_the_hand_is_a_word_of_scenes() {
+    for (name, shape) in Preset::NAMED {
+        let motion =
+            format!(r#"{{ kind = "keyframes", key = [{{ time = 0, pose = "{name}" }}] }}"#);
+        let scene = format!("version = 1\n[[hand]]\nname = \"hand\"\nmotion = {motion}\n");
+        let scene = read(&scene, &[]).expect(name);
+        let motion = scene.hand[0].motion.as_ref().expect("a motion");
+        let MotionTable::Keyframes(keyframes) = &motion.value else { panic!("{motion:?}") };
+        let word = keyframes.key[0].pose.expect("a pose");
+        assert_eq!(format!("{word:?}"), format!("{shape:?}"));
+    }
 }
 
 /// Bone poses in one key, the wrist at the origin, fingers along -z, palm down.

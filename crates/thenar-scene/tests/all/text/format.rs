@@ -38,7 +38,7 @@ fn the_reference_is_up_to_date() {
 #[test]
 fn the_reference_of_hands_is_up_to_date() {
     let hand = thenar_rig::default_hand(thenar::model::Side::Right).unwrap();
-    let tables = reference::hand_tables(&hand).unwrap();
+    let tables = reference::hand_tables(&hand, "the default right hand").unwrap();
     let text = std::fs::read_to_string(root().join("docs/hand.md")).unwrap();
     let (head, _) = text.split_once("\n## Names and ranges\n").expect("`Names and ranges`");
     compare_or_update("docs/hand.md", &format!("{head}\n## Names and ranges\n\n{tables}"));

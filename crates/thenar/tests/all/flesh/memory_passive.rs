@@ -151,7 +151,7 @@ fn work_round_closed_paths_is_never_gained() {
             );
         }
     }
-    assert!(inside_out > 1500 * paths.len() as u32, "{inside_out}");
+    assert!(inside_out > 100_000 / 60 * paths.len() as u32, "{inside_out}");
 }
 
 /// Forces of the flesh at this instant.

@@ -144,6 +144,8 @@ fn lumped_flesh_is_stable_where_frozen_flesh_diverges() {
     for (h, kappa) in [(1e-3, 1e10), (5e-3, 1e9), (1.0 / 60.0, 1e9)] {
         let speed = fastest(with(FleshInStep1::Frozen, false, kappa, h), WEAK);
         assert!(speed > 10.0, "frozen flesh at h {h}, kappa {kappa}: {speed} m/s");
+        let speed = fastest(with(FleshInStep1::Lumped, true, kappa, h), WEAK);
+        assert!(speed < 0.5, "lumped flesh at h {h}, kappa {kappa}: {speed} m/s");
     }
 }
 

@@ -98,9 +98,13 @@ fn check_friction(world: &World, cone: Cone, case: &str) {
 /// One step of both solvers from the same states, on the way into the press and in it.
 #[test]
 fn a_pressed_finger_agrees_with_the_dense_reference() {
-    let cones = [Cone::Circular, Cone::Linearised].into_iter();
+    let (round, linear) = (Cone::Circular, Cone::Linearised);
     let presses = [(1e7, 1e-3), (1e9, 1e-3), (1e8, 5e-3), (1e10, 1e-2)];
-    for (cone, (kappa, h)) in one_in(3, cones.flat_map(|cone| presses.map(|press| (cone, press)))) {
+    // Every other case: all presses, with the cones by turns.
+    let cones = [[round, linear], [linear, round]].into_iter().cycle();
+    let all = presses.into_iter().zip(cones);
+    let all = all.flat_map(|(press, cones)| cones.map(|cone| (cone, press)));
+    for (cone, (kappa, h)) in one_in(2, all) {
         let (mut world, input) = press(kappa, h, cone);
         let (mut most, mut unconverged) = (0, 0);
         for i in 0..60 {

@@ -235,7 +235,7 @@ fn the_tolerance_is_honoured_in_contact() {
 /// Contact that ran out of sweeps short of the tolerance says so, and by no more than anything moves.
 #[test]
 fn contact_that_misses_the_tolerance_says_so() {
-    let mut missed = 0;
+    let (mut missed, mut looks) = (0, 0);
     for (name, desc) in grasps() {
         along(desc, |before, input, dense| {
             for sweeps in [1, 3, 10, 30] {
@@ -250,6 +250,7 @@ fn contact_that_misses_the_tolerance_says_so() {
                     "{name}, {} s: {error} {report:?}",
                     before.time()
                 );
+                looks += 1;
                 missed += usize::from(error > 10.0 * asked);
                 let residual = report.contact_residual;
                 // A first visit of a stiff contact throws the light box by several m/s; no more is
@@ -259,5 +260,6 @@ fn contact_that_misses_the_tolerance_says_so() {
         });
     }
     // Most of what so few sweeps leave is led on to where it should be.
-    assert!(missed > 2, "only {missed} missed");
+    // One look in fifty.
+    assert!(50 * missed > looks, "only {missed} of {looks} missed");
 }
