@@ -18,7 +18,7 @@ fn hands() -> [HandModel; 2] {
     [Side::Right, Side::Left].map(|side| uniform_hand(side, 600).expect("a shipped hand"))
 }
 
-/// Whatever shape a motion can name, a scene and its schema know by the same word.
+/// Scenes and their schema name each shape of the hand by the word that motions use.
 #[test]
 fn every_shape_of_the_hand_is_a_word_of_scenes() {
     for (name, shape) in Preset::NAMED {
