@@ -146,6 +146,11 @@ test("the dock shows both hands while both are led, and the one that is posed", 
 
 test("the hint names what closes the hand, and stays while the visitor leads it", async () => {
   const { page, problems } = await controlling();
+  // From its beginning, and paused: the script lifts the bread on a slow machine before the visitor takes the hand,
+  // and bread that rises in her lead ends the hint.
+  await read(page, (t) => t.app.connection.send({ type: "reset" }));
+  await read(page, (t) => t.app.connection.send({ type: "run", paused: true }));
+  await until(page, (t) => t.app.connection.status!.paused && t.snapshot!.time < 1);
   const hint = page.locator(".hint");
   await hint.getByText(/wheel/).waitFor();
   await dragUp(page);
