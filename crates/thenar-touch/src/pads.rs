@@ -123,6 +123,7 @@ mod tests {
             bone_nodes: Vec::new(),
             regions: Vec::new(),
             nail_nodes: Vec::new(),
+            bending: Vec::new(),
         }
     }
 

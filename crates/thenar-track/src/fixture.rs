@@ -66,6 +66,7 @@ pub fn hand(flip: bool) -> HandModel {
         bone_nodes: Vec::new(),
         regions: Vec::new(),
         nail_nodes: Vec::new(),
+        bending: Vec::new(),
     }
 }
 
@@ -81,6 +82,21 @@ pub fn scaled(mut hand: HandModel, scale: f64) -> HandModel {
         joint.pose_CK.position *= scale;
     }
     hand
+}
+
+/// Makes the bones of a digit longer by a factor.
+pub fn lengthen(hand: &mut HandModel, digit: Digit, factor: f64) {
+    let own: Vec<bool> = hand.bones.iter().map(|bone| bone.digit == digit).collect();
+    for bone in hand.bones.iter_mut().filter(|bone| bone.digit == digit) {
+        bone.pose_BT.position *= factor;
+        bone.ends_B.iter_mut().for_each(|end| *end *= factor);
+    }
+    for joint in hand.joints.iter_mut().filter(|joint| own[joint.child as usize]) {
+        joint.pose_CK.position *= factor;
+        if joint.parent.is_some_and(|parent| own[parent as usize]) {
+            joint.pose_PJ.position *= factor;
+        }
+    }
 }
 
 fn bone(

@@ -15,6 +15,9 @@ mod calibration;
 mod error;
 mod filter;
 pub mod live;
+mod meeting;
+mod muscles;
+pub mod reach;
 mod recorded;
 mod recording;
 mod retarget;
@@ -35,6 +38,7 @@ pub use angles::{ANGLES, AngleRange, hand_angles};
 pub use articulation::Articulation;
 pub use calibration::{BoneLengths, Knuckles};
 pub use error::FitError;
+pub use muscles::Muscles;
 pub use recorded::{Recorded, RecordedDesc, Tracking};
 pub use recording::{
     LINE_BYTES_MAX, RECORDING_BYTES_MAX, Recording, RecordingError, TRACKED_JOINTS, TrackedSample,

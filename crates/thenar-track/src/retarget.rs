@@ -1,14 +1,16 @@
 //! From the 25 tracked joints of a person's hand to the joint angles of ours.
 //!
-//! Bone lengths differ, so rotations are carried over, positions only for the wrist. Each of our
-//! bones takes the rotation of the tracked joint at its proximal end, and the tree takes the
-//! nearest admissible angles. Both use the same frames (-z along the bone, +y out of the back)
-//! for phalanges, where the bone itself fixes the axis. A wrist frame is a convention of the
-//! tracker instead, so it is calibrated: the constant rotation that best lays the directions from
-//! the wrist to the four knuckles of our hand on those of the tracked one [Kabsch 1976].
+//! Bone lengths differ, so rotations are carried over, positions only for the wrist and for pads
+//! that come near each other (see `Meeting`). Each of our bones takes the rotation of the tracked
+//! joint at its proximal end, and the tree takes the nearest admissible angles. Both use the same
+//! frames (-z along the bone, +y out of the back) for phalanges, where the bone itself fixes the
+//! axis. A wrist frame is a convention of the tracker instead, so it is calibrated: the constant
+//! rotation that best lays the directions from the wrist to the four knuckles of our hand on those
+//! of the tracked one [Kabsch 1976].
 
 use super::articulation::Articulation;
 use super::calibration::{BoneLengths, Knuckles};
+use super::meeting::Meeting;
 use super::recording::{TRACKED_JOINTS, TrackedSample, mirrored};
 use crate::FitError;
 use thenar::model::{Bone, HandModel};
@@ -29,6 +31,8 @@ pub struct Retarget {
     /// Our wrist frame in the tracked wrist frame.
     wrist_offset: Quat,
     mirror: bool,
+    /// Pads that may meet; `None` for a hand without a thumb or fingers.
+    pub(crate) meeting: Option<Meeting>,
 }
 
 impl Retarget {
@@ -56,7 +60,8 @@ impl Retarget {
             .map(|b| hand.bones[parent(b)].pose_MB.inverse() * hand.bones[b].pose_MB)
             .collect();
         let rotation_TB = hand.bones.iter().map(|bone| bone.pose_BT.rotation.inverse()).collect();
-        Ok(Self { tracked, rotation_TB, pose_PB, wrist_offset: Quat::identity(), mirror })
+        let (wrist_offset, meeting) = (Quat::identity(), Meeting::of(hand));
+        Ok(Self { tracked, rotation_TB, pose_PB, wrist_offset, mirror, meeting })
     }
 
     /// Rotation from our wrist frame to the tracked one, found by calibration.
@@ -67,6 +72,12 @@ impl Retarget {
     /// Changes that rotation, when more is known.
     pub fn set_wrist_offset(&mut self, wrist_offset: Quat) {
         self.wrist_offset = wrist_offset;
+    }
+
+    /// Lets pads that touch on the tracked hand touch on ours and no more: for forces that its wearer feels, whose own
+    /// fingers press on each other already.
+    pub fn without_press(&mut self) {
+        self.meeting.iter_mut().for_each(Meeting::without_press);
     }
 
     /// Our wrist in the recording's space, and the joint angles \[rad\], for tracked joints.
@@ -80,17 +91,20 @@ impl Retarget {
         poses: &mut [Pose],
     ) -> Pose {
         let tree = &articulation.tree;
-        let tracked = |k: usize| if self.mirror { mirrored(&joints[k]) } else { joints[k] };
-        let mut wrist = tracked(0);
+        let joints = if self.mirror { joints.each_ref().map(mirrored) } else { *joints };
+        let mut wrist = joints[0];
         wrist.rotation *= self.wrist_offset;
         wanted[0] = wrist * articulation.pose_BT.inverse();
         for b in 1..wanted.len() {
             wanted[b] = wanted[tree.parent(b - 1)] * self.pose_PB[b];
             if let Some(k) = self.tracked[b] {
-                wanted[b].rotation = tracked(k).rotation * self.rotation_TB[b];
+                wanted[b].rotation = joints[k].rotation * self.rotation_TB[b];
             }
         }
         tree.project(wanted, angles, poses);
+        if let Some(meeting) = &self.meeting {
+            meeting.apply(&joints, &wanted[0].rotation, angles);
+        }
         wrist
     }
 }

@@ -90,6 +90,7 @@ pub fn build_figure(
         coupling: CouplingKind::Bone,
         regions: Vec::new(),
         nail_nodes: Vec::new(),
+        bending: Vec::new(),
     };
     model_file::check_hand(&figure)?;
     let report = FigureReport::new(&plan, &figure, &skin, lost);

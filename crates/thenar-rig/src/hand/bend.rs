@@ -75,8 +75,7 @@ impl<'a> Bender<'a> {
 
     /// All axes of a hand's joints.
     pub fn axes(hand: &HandModel) -> Vec<AxisOf> {
-        let joints = hand.joints.iter().enumerate();
-        joints.flat_map(|(j, joint)| (0..joint.kind.angles()).map(move |k| (j, k))).collect()
+        hand.axes().collect()
     }
 
     /// Stiffness of the flesh \[N m/rad\], secant: entry (a, b) is by how much the torque about axis a differs between turns of

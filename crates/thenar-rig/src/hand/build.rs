@@ -149,6 +149,7 @@ fn made(bytes: &[u8], options: &HandOptions) -> Result<Made, RigError> {
         coupling: options.coupling,
         regions: regions_of(&collision_mesh, &sides),
         nail_nodes,
+        bending: Vec::new(),
     };
     relax(&mut hand)?;
     // A rig of strange proportions can still lead to a bone without length or mass.

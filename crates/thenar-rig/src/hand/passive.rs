@@ -86,7 +86,8 @@ pub fn joint_stiffness(hand: &HandModel) -> Result<Vec<JointStiffness>, RigError
     Ok(measured.rows(hand))
 }
 
-/// Gives the joints of a hand the springs that make up what its flesh leaves of what is wanted, and dampers.
+/// Gives the joints of a hand the springs that make up what its flesh leaves of what is wanted, and dampers; keeps what the
+/// flesh resists.
 ///
 /// # Errors
 /// As [`joint_stiffness`].
@@ -100,6 +101,7 @@ pub(super) fn fill_up(hand: &mut HandModel) -> Result<Vec<JointStiffness>, RigEr
         let critical = 2.0 * (total * inertia_beyond(hand, (j, k))).sqrt();
         hand.joints[j].axes[k].damping = rounded(DAMPING_RATIO * critical);
     }
+    hand.bending = measured.flesh.iter().map(|f| f.signum() * rounded(f.abs())).collect();
     Ok(measured.rows(hand))
 }
 

@@ -53,6 +53,13 @@ pub(crate) fn hand(hand: &HandModel) -> Check {
         format!("{vertices} collision vertices need as many digits")
     })?;
     check_solids(&hand.solids, hand.bones.len())?;
+    let (axes, bending) = (hand.axes().count(), hand.bending.len());
+    ensure(bending == 0 || bending == axes * axes, || {
+        format!(
+            "{bending} stiffnesses of the flesh for {axes} axes of joints, expected their square"
+        )
+    })?;
+    numbers("stiffness of the flesh", hand.bending.iter().copied(), |_| true)?;
     numbers("hand length", [hand.length], |l| l > 0.0)
 }
 

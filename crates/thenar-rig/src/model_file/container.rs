@@ -4,7 +4,7 @@ use crate::RigError;
 
 const MAGIC: &[u8; 8] = b"THENARMD";
 /// What is written; all from 1 on are read.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 const HEADER_BYTES: usize = 32;
 
 /// What the body is.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   byte  0  magic    8 bytes, "THENARMD"
-//!         8  version  u32, 4
+//!         8  version  u32, 5
 //!        12  kind     u32: 1 hand, 2 rigid, 3 soft
 //!        16  length   u64, bytes of the body
 //!        24  checksum u64, FNV-1a of the body
@@ -14,7 +14,8 @@
 //! sum 1), so that what has been read can be simulated. Hands of version 1 have no solids of bones and
 //! are read as such: their bones touch nothing. Flesh of versions 1 and 2 has no memory, and their hands do not
 //! know which nodes stand for bone, so that their flesh can be held uniformly alone. Hands before version 4
-//! know neither the regions of their skin nor their nails. All else is as in version 4.
+//! know neither the regions of their skin nor their nails, and those before version 5 not what their flesh resists. All
+//! else is as in version 5.
 
 mod check;
 mod container;
@@ -68,7 +69,7 @@ impl Model {
     /// The model in the bytes of a file.
     ///
     /// # Errors
-    /// When the bytes are not a whole, undamaged model file of version 1 to 4, or hold a model that
+    /// When the bytes are not a whole, undamaged model file of version 1 to 5, or hold a model that
     /// makes no sense.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, RigError> {
         let (version, kind, body) = container::open(bytes)?;
@@ -79,7 +80,9 @@ impl Model {
                     1 => container::decode::<old::OldHand>(&[body, &[0]].concat())?.into(),
                     2 => container::decode::<old::OldHand>(body)?.into(),
                     // Regions and nails came last and anew: none.
-                    3 => container::decode(&[body, &[0, 0]].concat())?,
+                    3 => container::decode(&[body, &[0, 0, 0]].concat())?,
+                    // What flesh resists came last and anew: nothing.
+                    4 => container::decode(&[body, &[0]].concat())?,
                     _ => container::decode(body)?,
                 };
                 check::hand(&hand)?;

@@ -78,6 +78,7 @@ impl From<OldHand> for HandModel {
             bone_nodes: Vec::new(),
             regions: Vec::new(),
             nail_nodes: Vec::new(),
+            bending: Vec::new(),
         }
     }
 }

@@ -162,15 +162,15 @@ fn objects_come_back_as_they_were() {
 }
 
 /// The bytes of a hand without memory, held uniformly, as version 2 had them: without the list of relaxations, the
-/// kind of coupling and the lists of nodes in bone, of regions and of nodes under nails, a zero each.
+/// kind of coupling and the lists of nodes in bone, of regions, of nodes under nails and of the flesh's stiffnesses, a zero each.
 fn of_version_2(hand: &HandModel) -> Vec<u8> {
     let flesh = &hand.flesh;
     let before = (&hand.name, hand.side, &hand.bones, &hand.joints);
     let before = postcard::to_stdvec(&(before, &flesh.nodes, &flesh.tets, &flesh.materials));
     let mut bytes = bytes_of(hand);
     assert_eq!(bytes.remove(32 + before.unwrap().len()), 0);
-    assert_eq!(bytes[bytes.len() - 4..], [0; 4]);
-    let mut old = resealed(&bytes[..bytes.len() - 4]);
+    assert_eq!(bytes[bytes.len() - 5..], [0; 5]);
+    let mut old = resealed(&bytes[..bytes.len() - 5]);
     old[8] = 2;
     old
 }
@@ -181,7 +181,8 @@ fn hands_of_earlier_versions_lack_what_came_later() {
     for (version, solids) in [(1, 0), (2, 2)] {
         let solids = tiny_hand().solids[..solids].to_vec();
         let (bone_nodes, nail_nodes, regions) = (Vec::new(), Vec::new(), Vec::new());
-        let hand = HandModel { solids, bone_nodes, nail_nodes, regions, ..tiny_hand() };
+        let bending = Vec::new();
+        let hand = HandModel { solids, bone_nodes, nail_nodes, regions, bending, ..tiny_hand() };
         let mut old = of_version_2(&hand);
         if version == 1 {
             old = resealed(&old[..old.len() - 1]);
@@ -192,22 +193,35 @@ fn hands_of_earlier_versions_lack_what_came_later() {
         assert!(back.bone_nodes.is_empty() && back.coupling == CouplingKind::Uniform);
         assert!(back.flesh.relaxation.is_empty());
         assert_eq!(bytes_of(&back), bytes_of(&hand));
-        old[8] = 5;
+        old[8] = 6;
         let error = Model::from_bytes(&old).unwrap_err().to_string();
-        assert!(error.contains("version 5"), "{error}");
+        assert!(error.contains("version 6"), "{error}");
     }
 }
 
 /// Version 3 ended before the regions.
 #[test]
 fn hands_of_version_3_have_no_nails() {
-    let hand = HandModel { nail_nodes: Vec::new(), regions: Vec::new(), ..tiny_hand() };
+    let (nail_nodes, regions, bending) = (Vec::new(), Vec::new(), Vec::new());
+    let hand = HandModel { nail_nodes, regions, bending, ..tiny_hand() };
     let bytes = bytes_of(&hand);
-    let mut old = resealed(&bytes[..bytes.len() - 2]);
+    let mut old = resealed(&bytes[..bytes.len() - 3]);
     old[8] = 3;
     let Model::Hand(back) = Model::from_bytes(&old).unwrap() else { panic!("not a hand") };
     assert!(back.nail_nodes.is_empty() && back.regions.is_empty());
     assert_eq!(back.bone_nodes, hand.bone_nodes);
+    assert_eq!(bytes_of(&back), bytes);
+}
+
+/// Version 4 ended before what the flesh resists.
+#[test]
+fn hands_of_version_4_do_not_know_what_their_flesh_resists() {
+    let hand = HandModel { bending: Vec::new(), ..tiny_hand() };
+    let bytes = bytes_of(&hand);
+    let mut old = resealed(&bytes[..bytes.len() - 1]);
+    old[8] = 4;
+    let Model::Hand(back) = Model::from_bytes(&old).unwrap() else { panic!("not a hand") };
+    assert!(back.bending.is_empty());
     assert_eq!(bytes_of(&back), bytes);
 }
 

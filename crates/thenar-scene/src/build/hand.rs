@@ -11,6 +11,7 @@ use crate::motion::{ANGLES, AngleRange, Articulation, HandMotion, hand_angles};
 use crate::text::Fault;
 use thenar::World;
 use thenar::model::{CouplingKind, Drive, Flesh, HandHandle, HandModel, HandPlacement};
+use thenar_track::Muscles;
 
 /// Palm drive when the scene gives none: the root follows the tracker closely.
 const PALM_DRIVE: Drive =
@@ -36,6 +37,9 @@ pub struct BuiltHand {
     pub coupling: CouplingKind,
     /// Springs between flesh and bones, per volume of what they hold \[N/m⁴\].
     pub coupling_stiffness: f64,
+    /// Torques that hold its joints at their targets; `None` for a hand that nothing drives, or that the scene leaves to its
+    /// drives.
+    pub muscles: Option<Muscles>,
     /// Red, green, blue from 0 to 1, if the scene says.
     pub colour: Option<[f64; 3]>,
 }
@@ -109,7 +113,11 @@ fn add(built: &mut Built, hand: &Hand, preset: PresetWord, files: &Files) -> Res
     if !built_here {
         built.memory.take_tets(model.flesh.tets.len() as u64, at)?;
     }
+    let modulus = |flesh: &Flesh| flesh.materials.iter().map(|m| m.young).fold(0.0, f64::max);
+    let before = modulus(&model.flesh);
     soften(&mut model.flesh, hand.material.as_ref(), tissue::is_layered(hand))?;
+    let softer = modulus(&model.flesh) / before.max(f64::MIN_POSITIVE);
+    model.bending.iter_mut().for_each(|f| *f *= softer);
     built.memory.take_relaxation(&model.flesh.relaxation, at)?;
     set(&mut model.flesh.friction, hand.friction);
     hand_joints::change(&mut model, &hand.joint)?;
@@ -168,6 +176,15 @@ fn add(built: &mut Built, hand: &Hand, preset: PresetWord, files: &Files) -> Res
         let name = built.world.joints[j as usize].name.clone();
         built.names.add_joint_of(&name, j);
     }
+    // The flesh's stiffness was measured as the model holds its flesh.
+    if coupling != model.coupling {
+        model.bending.clear();
+    }
+    // Joints that no drive pulls are limp, and fingers that are to grip find their own way, by force.
+    let usual = preset != PresetWord::Paper && hand.grip.is_empty();
+    let pulls = |drive: Drive| drive.stiffness > 0.0 || drive.angular_stiffness > 0.0;
+    let has_muscles = placement.bone_drive.is_some_and(pulls) && hand.muscles.unwrap_or(usual);
+    let muscles = has_muscles.then(|| Muscles::new(&model, hand.flesh).ok()).flatten();
     built.hands.push(BuiltHand {
         name: hand.name.value.clone(),
         model,
@@ -176,6 +193,7 @@ fn add(built: &mut Built, hand: &Hand, preset: PresetWord, files: &Files) -> Res
         driven: hand.driven,
         coupling,
         coupling_stiffness,
+        muscles,
         colour: hand.colour,
     });
     Ok(())

@@ -195,6 +195,10 @@ table! {
         grip: Vec<At<GripTable>>;
         /// False lets the hand go: no drives, whatever the motion. Default true.
         driven: bool = true;
+        /// False leaves the hand to its drives alone. True adds torques about the joints that balance flesh and springs
+        /// at the targets, as a person's muscles do. Default true; of the preset "paper", and
+        /// of a hand with `grip`, false. None where no drive pulls its bones, and none while the haptic loop leads it.
+        muscles: Option<bool>;
         /// Drive of the palm. Default: 1000 N/m, 10 N s/m, 10 N m/rad, 0.1 N m s/rad.
         palm_drive: Option<DriveTable>;
         /// Drive of every other bone. Default: 200 N/m, 1 N s/m, 0.3 N m/rad, 0.003 N m s/rad.

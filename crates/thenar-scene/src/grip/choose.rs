@@ -6,14 +6,13 @@
 //! line passes the middle of the object. The best few are reached for by inverse kinematics, and the one that is reached
 //! best is taken.
 
-use super::digit::{Angles, Chain};
 use super::opposition::{Opposition, PADS_MAX, Span};
 use super::size::{middle, pads_middle};
-use super::solve::{Goal, solve};
 use super::surface::{Anchor, Sample, nearest, sample, through};
 use super::trouble::Trouble;
 use thenar::model::BodyId;
 use thenar::{Pose, Vec3, World};
+use thenar_track::reach::{Angles, Chain, Goal, solve};
 
 /// Surface is looked at within this of the middle of the pads \[m\]: a finger's length.
 const NEIGHBOURHOOD: f64 = 0.12;
@@ -241,7 +240,7 @@ fn beside(
 fn approach(chain: &Chain, angles: &mut Angles, palm: &Pose, place: &Sample) -> f64 {
     let centre = palm.inverse_point(&(place.point + place.normal * chain.pad.radius));
     let normal = -palm.inverse_vector(&place.normal);
-    solve(chain, angles, &Goal { centre, normal }, ROUNDS)
+    solve(chain, &chain.ease(), angles, &Goal { centre, normal }, ROUNDS)
 }
 
 /// What can be had of an object that does not fit: each pad goes to what is nearest.

@@ -11,12 +11,10 @@
 //! force: one loop for each pad would let an object wander that its weight presses on one side.
 
 use super::choose::{Scratch, choose, each_other};
-use super::digit::{Angles, Chain, FREEDOMS_MAX};
 use super::kind::GripKind;
 use super::memory::{GripMemory, PadMemory, Phase};
 use super::opposition::{Base, Opposition};
 use super::order::Order;
-use super::solve::{Goal, solve};
 use super::squeeze::{RANGE, push};
 use super::trouble::Trouble;
 use crate::build::BuiltHand;
@@ -26,6 +24,7 @@ use std::f64::consts::TAU;
 use thenar::model::Digit;
 use thenar::world::Target;
 use thenar::{Pose, Vec3, World};
+use thenar_track::reach::{Angles, Chain, FREEDOMS_MAX, Goal, solve};
 
 /// How far before the surface pads gather \[m\]: they clear what they go around, and are there a fifth of a second later.
 const BEFORE: f64 = 12e-3;
@@ -346,7 +345,7 @@ impl GripHand {
                 kept.lead_P = if size > LEAD.1 { lead * (LEAD.1 / size) } else { lead };
             }
             let goal = Goal { centre: goal + kept.lead_P, normal: -normal_P };
-            solve(chain, &mut kept.goal, &goal, ROUNDS);
+            solve(chain, &chain.ease(), &mut kept.goal, &goal, ROUNDS);
             gathered &= advance(kept, chain, h) < GATHERED;
             if closing && felt > touch {
                 kept.touched = true;
@@ -438,7 +437,13 @@ impl GripHand {
             let (Some(chain), Some(_)) = (opposition.chain(pad), kept.anchor) else { continue };
             let inwards = if pad == 0 { memory.axis_P } else { memory.axis_P * -share };
             let centre = kept.point_P + inwards * memory.depth;
-            solve(chain, &mut kept.goal, &Goal { centre, normal: -kept.normal_P }, ROUNDS);
+            solve(
+                chain,
+                &chain.ease(),
+                &mut kept.goal,
+                &Goal { centre, normal: -kept.normal_P },
+                ROUNDS,
+            );
             turn_to(kept, h);
         }
         let lacking = order.force - memory.force > LACKING.1 * order.force;

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use thenar::model::Digit;
+use thenar_track::reach::PadPlace;
 
 /// How an object is gripped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -18,15 +19,6 @@ pub enum GripKind {
     Hook,
     /// The thumb's pad on the side of the bent index finger, as a key is held.
     Lateral,
-}
-
-/// Where on a digit a pad is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PadPlace {
-    /// The palm's side of the last bone.
-    Tip,
-    /// The thumb's side of the last bone but one.
-    Side,
 }
 
 impl GripKind {

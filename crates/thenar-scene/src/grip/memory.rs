@@ -1,12 +1,12 @@
 //! What a grip remembers from step to step: with it, another session of the same scene goes on with the same bits.
 
-use super::digit::{Angles, FREEDOMS_MAX};
 use super::opposition::PADS_MAX;
 use super::order::Order;
 use super::surface::Anchor;
 use super::trouble::Trouble;
 use serde::{Deserialize, Serialize};
 use thenar::{Vec3, World};
+use thenar_track::reach::{Angles, FREEDOMS_MAX};
 
 /// What a grip is doing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -10,7 +10,6 @@
 //! milliseconds, for the search of places.
 
 mod choose;
-mod digit;
 mod felt;
 mod hand;
 mod kind;
@@ -18,15 +17,13 @@ mod memory;
 mod opposition;
 mod order;
 mod size;
-mod solve;
 mod squeeze;
 mod surface;
 mod trouble;
 
-pub use digit::{Angles, Chain, Freedom, Pad, Reached};
 pub(crate) use felt::digit_touched;
 pub use hand::{GripHand, GripState};
-pub use kind::{GripKind, PadPlace};
+pub use kind::GripKind;
 pub use memory::{GripMemory, PadMemory, Phase};
 pub use opposition::{Base, Opposition, Span};
 pub use order::Order;

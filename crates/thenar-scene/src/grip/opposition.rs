@@ -6,12 +6,11 @@
 //!               ------> axis
 //! ```
 
-use super::digit::{Angles, Chain, FREEDOMS_MAX};
-use super::kind::{GripKind, PadPlace};
-use super::solve::{Goal, solve};
+use super::kind::GripKind;
 use thenar::Vec3;
 use thenar::model::{Digit, HandModel};
 use thenar::readout::TaxelSkin;
+use thenar_track::reach::{Angles, Chain, FREEDOMS_MAX, Goal, PadPlace, solve};
 
 /// Widths are this far apart \[m\].
 const STEP: f64 = 5e-3;
@@ -216,14 +215,15 @@ impl Opposition {
             let (mut misses, mut facing) = ([0.0f64; 2], 0.0f64);
             if let Base::Thumb(thumb) = &self.base {
                 let goal = Goal { centre: start - axis * thumb.pad.radius, normal: axis };
-                misses[0] = solve(thumb, &mut angles[0], &goal, 3);
+                misses[0] = solve(thumb, &thumb.ease(), &mut angles[0], &goal, 3);
                 facing = thumb.reach(&angles[0]).normal.angle(&axis);
             }
             let mut mean = Vec3::zeros();
             for (i, finger) in self.fingers.iter().enumerate() {
                 let place = end + across * self.offset(i);
                 let goal = Goal { centre: place + axis * finger.pad.radius, normal: -axis };
-                misses[1] = misses[1].max(solve(finger, &mut angles[i + 1], &goal, 3));
+                misses[1] =
+                    misses[1].max(solve(finger, &finger.ease(), &mut angles[i + 1], &goal, 3));
                 let reached = finger.reach(&angles[i + 1]);
                 mean += (goal.centre - reached.centre) / count;
                 facing = facing.max(reached.normal.angle(&-axis));

@@ -76,6 +76,7 @@ pub fn default_hand(scene: &Scene, side: Side) -> Hand {
         motion: Some(still(before_figures(resting(outwards(side)), scene))),
         grip: Vec::new(),
         driven: true,
+        muscles: None,
         palm_drive: None,
         bone_drive: None,
         colour: None,

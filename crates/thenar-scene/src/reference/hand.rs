@@ -1,11 +1,12 @@
 //! The names and ranges of a hand, in Markdown, from the model and the enums that the program uses.
 
-use crate::grip::{GripKind, PadPlace};
+use crate::grip::GripKind;
 use crate::motion::{
     ANGLES, Anatomy, Articulation, MotionError, Preset, TRACKED_JOINTS, hand_angles,
 };
 use std::fmt::Write;
 use thenar::model::{Digit, HandModel};
+use thenar_track::reach::PadPlace;
 
 /// Tables of the bones, joints, angles, poses, grips and tracked joints of `hand`, in Markdown; `name` says in prose
 /// whose ranges they are.

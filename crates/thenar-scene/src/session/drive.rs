@@ -7,7 +7,7 @@ use thenar::World;
 use thenar::condensed::SlowToFast;
 use thenar::kinematics::velocity_between;
 use thenar::math::Vec3;
-use thenar::model::RigidDesc;
+use thenar::model::{Flesh, RigidDesc};
 use thenar::world::{Input, Target};
 
 /// Fills targets and prescribed velocities for a step that ends at time `t` \[s\].
@@ -79,6 +79,24 @@ pub fn weigh(
     for (load, rigid) in frame.response.loads.chunks_exact_mut(6).zip(rigids) {
         let weight = input.gravity * rigid.mass;
         load[..3].iter_mut().zip(&weight).for_each(|(load, weight)| *load += weight);
+    }
+}
+
+/// Torques that hold the joints of hands at the targets of scripts and poses, after the loads of the step. Fingers that grip
+/// find their own way, by the force that they feel. A hand that is led has none: its targets answer to contact, and the
+/// hand in empty air beside it has other targets, so that the difference would be felt.
+pub fn hold(input: &mut Input, built: &mut Built, led: &[Option<Vec<Target>>], world: &World) {
+    for (hand, _) in built.hands.iter_mut().zip(led).filter(|(_, led)| led.is_none()) {
+        let joints = hand.handle.joints.start as usize..hand.handle.joints.end as usize;
+        let bones = bones(hand);
+        // Settings change all moduli by one factor.
+        let young = |flesh: &Flesh| flesh.materials.first().map_or(1.0, |m| m.young);
+        let stiffer = hand.flesh().map_or(1.0, |soft| {
+            young(&world.desc().softs[soft as usize].flesh) / young(&hand.model.flesh)
+        });
+        if let Some(muscles) = &mut hand.muscles {
+            muscles.hold(&input.targets[bones], stiffer, &mut input.joint_torques[joints]);
+        }
     }
 }
 

@@ -85,9 +85,10 @@ impl Session {
         }
         let t = self.world.time() + self.world.time_step();
         drive::fill(&mut self.input, &mut self.built, &mut self.live, &self.world, t);
+        load::fill(&mut self.input, &self.built.loads, &self.world, t);
+        drive::hold(&mut self.input, &mut self.built, &self.led, &self.world);
         self.steer_grips(t);
         drive::follow_leaders(&mut self.input, &self.built, &self.led);
-        load::fill(&mut self.input, &self.built.loads, &self.world, t);
         drive::motors(&mut self.input, &self.built, &self.world, t);
         drive::carry(&mut self.input, &self.built, &self.led, &self.world);
         self.report = self.world.step(&self.input, timer);

@@ -62,9 +62,10 @@ impl Session {
         let before = self.world.time();
         let t = before + self.world.time_step();
         drive::fill(&mut self.input, &mut self.built, &mut self.live, &self.world, t);
+        load::fill(&mut self.input, &self.built.loads, &self.world, t);
+        drive::hold(&mut self.input, &mut self.built, &self.led, &self.world);
         self.steer_grips(t);
         drive::follow_leaders(&mut self.input, &self.built, &self.led);
-        load::fill(&mut self.input, &self.built.loads, &self.world, t);
         drive::carry(&mut self.input, &self.built, &self.led, &self.world);
         self.world.set_time(if taken_back { before } else { t });
         self.steps += 1;

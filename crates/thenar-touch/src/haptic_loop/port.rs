@@ -248,6 +248,7 @@ impl SimulationPort {
         let mut live = simulation.live_hand(index)?;
         live.follow_at(FOLLOW_HZ);
         live.doubt_glitches();
+        live.press_no_pads();
         let mut hand = LoopHand::new(side, model, live, touch, fast);
         let felt = held().map(|(proxy, drive)| {
             let (proxy, [part, _]) = proxy.driven_by(&drive);

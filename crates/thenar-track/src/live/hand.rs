@@ -99,6 +99,12 @@ impl LiveHand {
         self.doubt = Some(Doubt::new(self.memory.joints.len()));
     }
 
+    /// Lets pads that touch on the tracked hand touch on ours and no more. For forces: the wearer's own fingers press on
+    /// each other already.
+    pub fn press_no_pads(&mut self) {
+        self.retarget.iter_mut().for_each(Retarget::without_press);
+    }
+
     /// True if the last pose waits for another that agrees with it: nothing is known by it yet.
     pub fn waits(&self) -> bool {
         self.doubt.as_ref().is_some_and(Doubt::waits)

@@ -194,6 +194,9 @@ pub struct HandModel {
     /// Nodes that stand for nails and their beds, which are grown to the last bones, ascending; a node may
     /// stand for bone too.
     pub nail_nodes: Vec<BoneNode>,
+    /// Stiffness of the flesh against turns of the joints \[N m/rad\]: a symmetric matrix, row by row, over all axes of
+    /// the joints ([`HandModel::axes`]); the secant about rest. Empty where it was not measured.
+    pub bending: Vec<f64>,
 }
 
 /// Springs per volume of flesh of the paper's coupling \[N/m⁴\].
@@ -206,6 +209,12 @@ const UNIFORM_STIFFNESS: f64 = 2e9;
 const BONE_STIFFNESS: f64 = 2.2e5;
 
 impl HandModel {
+    /// All axes of the joints: the joint's number, and which of its axes.
+    pub fn axes(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let joints = self.joints.iter().enumerate();
+        joints.flat_map(|(j, joint)| (0..joint.kind.angles()).map(move |k| (j, k)))
+    }
+
     /// Springs per volume when a scene gives none \[N/m⁴\]: per volume of flesh, or of bone. Those in
     /// bone are proportional to the flesh's largest modulus and to the inverse squared length of the
     /// hand, so that hands of all sizes and moduli yield in the same proportions.

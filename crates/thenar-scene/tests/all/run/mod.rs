@@ -4,6 +4,7 @@ mod compare;
 mod live;
 mod motion;
 mod probes;
+mod reached;
 mod settings;
 mod snapshot;
 mod taxels;

@@ -7,12 +7,12 @@ use thenar::world::Target;
 use thenar::{Pose, Vec3};
 use thenar_rig::hand::uniform_hand;
 use thenar_scene::format::MotionTable;
-use thenar_scene::grip::{Chain, PadPlace};
 use thenar_scene::motion::{
     Anatomy, Articulation, Keyframes, KeyframesDesc, Preset, Recording, Retarget, TRACKED_JOINTS,
     size_ratio,
 };
 use thenar_scene::session::read;
+use thenar_track::reach::{Chain, PadPlace};
 
 fn hands() -> [HandModel; 2] {
     [Side::Right, Side::Left].map(|side| uniform_hand(side, 600).expect("a shipped hand"))

@@ -1,6 +1,5 @@
 //! One digit as a chain of joints from the palm to a pad, and where the pad is.
 
-use super::kind::PadPlace;
 use thenar::kinematics::Tree;
 use thenar::model::{Digit, HandModel, JointDesc, JointKind};
 use thenar::readout::TaxelSkin;
@@ -15,10 +14,19 @@ pub type Angles = [f64; FREEDOMS_MAX];
 
 /// Where along the last bone its pad is, from its joint (0) to its end (1): a little nearer to the end, where people put
 /// fingertips down.
-const ALONG: f64 = 0.55;
+pub const ALONG: f64 = 0.55;
+
+/// Where on a digit a pad is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PadPlace {
+    /// The palm's side of the last bone.
+    Tip,
+    /// The thumb's side of the last bone but one.
+    Side,
+}
 
 /// One angle of a chain.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Freedom {
     /// Joint of the hand.
     pub joint: usize,
@@ -34,7 +42,7 @@ pub struct Freedom {
 
 /// A patch of skin that grips: round about a point on the axis of its bone, so that what it touches is as far from there
 /// however the finger is turned.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Pad {
     /// Bone of the hand that it is on.
     pub bone: usize,
@@ -47,7 +55,7 @@ pub struct Pad {
 }
 
 /// A digit's joints from the palm outwards.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Chain {
     /// Digit that is led.
     pub digit: Digit,
@@ -187,6 +195,13 @@ impl Chain {
         let mut poses = [Pose::identity(); BONES_MAX];
         self.tree.forward(palm, &pairs[..n - 1], &mut poses[..n]);
         (poses, pairs)
+    }
+
+    /// Writes its angles among those of all joints of the hand.
+    pub fn write(&self, own: &Angles, angles: &mut [[f64; 2]]) {
+        for (own, freedom) in own.iter().zip(&self.freedoms) {
+            angles[freedom.joint][freedom.axis] = *own;
+        }
     }
 
     fn pairs(&self, angles: &Angles) -> [[f64; 2]; BONES_MAX] {

@@ -11,7 +11,7 @@
 //! it is taken, and half of that, until the same sum is less. Freedoms at the end of their range that would go on are left out of it. What is weighed
 //! beside the place bends it by a fraction of a millimetre, which a loop around this takes away where it matters.
 
-use super::digit::{Angles, Chain, FREEDOMS_MAX, Reached};
+use super::chain::{Angles, Chain, FREEDOMS_MAX, Reached};
 use nalgebra::{SMatrix, SVector};
 use std::f64::consts::PI;
 use thenar::Vec3;
@@ -37,11 +37,11 @@ pub struct Goal {
     pub normal: Vec3,
 }
 
-/// Brings the pad of a chain to a goal in a number of rounds from `angles`, which become those found; returns how far off the
-/// place is \[m\].
-pub fn solve(chain: &Chain, angles: &mut Angles, goal: &Goal, rounds: usize) -> f64 {
+/// Brings the pad of a chain to a goal in a number of rounds from `angles`, which become those found, near `ease` as far as
+/// the goal leaves that open; returns how far off the place is \[m\].
+pub fn solve(chain: &Chain, ease: &Angles, angles: &mut Angles, goal: &Goal, rounds: usize) -> f64 {
     for _ in 0..rounds {
-        if round(chain, angles, goal) < 1e-9 {
+        if round(chain, ease, angles, goal) < 1e-9 {
             break;
         }
     }
@@ -49,7 +49,7 @@ pub fn solve(chain: &Chain, angles: &mut Angles, goal: &Goal, rounds: usize) -> 
 }
 
 /// One round; returns the largest change of an angle.
-fn round(chain: &Chain, angles: &mut Angles, goal: &Goal) -> f64 {
+fn round(chain: &Chain, ease: &Angles, angles: &mut Angles, goal: &Goal) -> f64 {
     let n = chain.freedoms.len();
     let reached = chain.reach(angles);
     let miss = goal.centre - reached.centre;
@@ -64,8 +64,8 @@ fn round(chain: &Chain, angles: &mut Angles, goal: &Goal) -> f64 {
             matrix[(i, k)] = move_i.dot(&reached.moves[k])
                 + TURN * TURN * turn_i.dot(&across(&reached.turns[k]));
         }
-        let ease = chain.freedoms[i].ease - angles[i];
-        right[i] = move_i.dot(&miss) + TURN * TURN * turn_i.dot(&turn) + EASE * EASE * ease;
+        let unease = ease[i] - angles[i];
+        right[i] = move_i.dot(&miss) + TURN * TURN * turn_i.dot(&turn) + EASE * EASE * unease;
         matrix[(i, i)] += DAMPING * DAMPING + EASE * EASE;
     }
     // Freedoms that push against the ends of their ranges are held, one after the other.
@@ -93,7 +93,7 @@ fn round(chain: &Chain, angles: &mut Angles, goal: &Goal) -> f64 {
         }
         let largest = (0..n).map(|i| step[i].abs()).fold(0.0, f64::max);
         let mut scale = (ROUND_MAX / largest.max(1e-300)).min(1.0);
-        let now = lack(chain, angles, &reached, goal);
+        let now = lack(ease, angles, &reached, goal);
         for _ in 0..TRIALS {
             let mut trial = *angles;
             for i in 0..n {
@@ -101,7 +101,7 @@ fn round(chain: &Chain, angles: &mut Angles, goal: &Goal) -> f64 {
                 trial[i] =
                     (angles[i] + step[i] * scale).clamp(low.min(angles[i]), high.max(angles[i]));
             }
-            if lack(chain, &trial, &chain.reach(&trial), goal) < now {
+            if lack(ease, &trial, &chain.reach(&trial), goal) < now {
                 *angles = trial;
                 return largest * scale;
             }
@@ -113,9 +113,9 @@ fn round(chain: &Chain, angles: &mut Angles, goal: &Goal) -> f64 {
 }
 
 /// What rounds make less: squares of the way, of the turn and of unease, as they are weighed.
-fn lack(chain: &Chain, angles: &Angles, reached: &Reached, goal: &Goal) -> f64 {
+fn lack(ease: &Angles, angles: &Angles, reached: &Reached, goal: &Goal) -> f64 {
     let turn = turn_between(&reached.normal, &goal.normal);
-    let unease = chain.freedoms.iter().zip(angles).map(|(f, angle)| (f.ease - angle).powi(2));
+    let unease = ease.iter().zip(angles).map(|(ease, angle)| (ease - angle).powi(2));
     (goal.centre - reached.centre).norm_squared()
         + TURN * TURN * turn.norm_squared()
         + EASE * EASE * unease.sum::<f64>()
@@ -136,10 +136,10 @@ fn turn_between(from: &Vec3, to: &Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grip::kind::PadPlace;
-    use crate::motion::fixture;
-    use crate::session::Random;
+    use crate::fixture;
+    use crate::reach::PadPlace;
     use thenar::model::Digit;
+    use thenar::random::Random;
 
     /// Places that digits reach at angles drawn from their ranges are reached from ease, but for what ease and turn bend.
     #[test]
@@ -157,7 +157,7 @@ mod tests {
                 let reached = chain.reach(&there);
                 let goal = Goal { centre: reached.centre, normal: reached.normal };
                 let mut angles = chain.ease();
-                let miss = solve(&chain, &mut angles, &goal, 60);
+                let miss = solve(&chain, &chain.ease(), &mut angles, &goal, 60);
                 assert!(miss < 1e-3, "{digit:?}: {miss} m of {there:?}");
                 assert_eq!(angles, chain.within(angles), "within the ranges");
             }
@@ -183,10 +183,10 @@ mod tests {
                 let Some(normal) = way.try_normalize(0.1) else { continue };
                 let goal = Goal { centre, normal };
                 let mut angles = chain.ease();
-                solve(&chain, &mut angles, &goal, 300);
+                solve(&chain, &chain.ease(), &mut angles, &goal, 300);
                 let before = angles;
                 for _ in 0..2 {
-                    solve(&chain, &mut angles, &goal, 1);
+                    solve(&chain, &chain.ease(), &mut angles, &goal, 1);
                     let moved = (0..FREEDOMS_MAX).map(|k| (angles[k] - before[k]).abs());
                     let most = moved.fold(0.0, f64::max);
                     assert!(most < 1e-3, "{digit:?}: {most} rad at {before:?}, normal {normal:?}");
@@ -203,7 +203,7 @@ mod tests {
         let reached = chain.reach(&chain.ease());
         let goal = Goal { centre: reached.centre, normal: -reached.normal };
         let mut angles = chain.ease();
-        solve(&chain, &mut angles, &goal, 100);
+        solve(&chain, &chain.ease(), &mut angles, &goal, 100);
         let turned = chain.reach(&angles).normal.dot(&goal.normal);
         assert!(turned > -0.99, "cosine {turned}");
     }
@@ -240,7 +240,7 @@ mod tests {
         let along = (tip.centre - knuckle).normalize();
         let goal = Goal { centre: tip.centre + along * 0.05, normal: tip.normal };
         let mut angles = chain.ease();
-        let miss = solve(&chain, &mut angles, &goal, 200);
+        let miss = solve(&chain, &chain.ease(), &mut angles, &goal, 200);
         assert!((miss - 0.05).abs() < 1e-3, "{miss}");
     }
 }

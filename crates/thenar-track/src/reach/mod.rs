@@ -1,0 +1,7 @@
+//! Digits that reach: a chain of joints from the palm to a pad, and the angles that bring the pad to a place.
+
+mod chain;
+mod solve;
+
+pub use chain::{ALONG, Angles, Chain, FREEDOMS_MAX, Freedom, Pad, PadPlace, Reached};
+pub use solve::{Goal, solve};
