@@ -5,6 +5,8 @@ use super::retarget::tracked_index;
 use thenar::model::HandModel;
 use thenar::{Mat3, Pose, Quat, Vec3};
 
+/// A tracked hand is larger than ours by a factor within these, or it is none.
+pub(crate) const RATIOS: std::ops::RangeInclusive<f64> = 0.3..=3.0;
 /// The knuckles of the four fingers among the tracked joints.
 const KNUCKLES: [usize; 4] = [6, 11, 16, 21];
 

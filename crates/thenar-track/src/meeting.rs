@@ -16,7 +16,7 @@
 //! where rotations bring it; `press` is how far pads go into each other, since trackers do not see force. Pads that do not
 //! face each other are left alone: a thumb on the back of a finger pinches nothing.
 
-use crate::calibration::BoneLengths;
+use crate::calibration::{BoneLengths, RATIOS};
 use crate::reach::{ALONG, Angles, Chain, FREEDOMS_MAX, PadPlace, Reached};
 use crate::recording::TRACKED_JOINTS;
 use crate::retarget::tracked_index;
@@ -27,8 +27,6 @@ use thenar::{Pose, Quat, Vec3};
 /// How far pads that meet press into each other \[m\]: usual drives hold the tip of a bent digit with some 330 N/m, and
 /// give 1.5 N for 4.5 mm on either side.
 const PRESS: f64 = 9e-3;
-/// A tracked hand is larger than ours by a factor within these, or it is none.
-const RATIOS: std::ops::RangeInclusive<f64> = 0.3..=3.0;
 /// Gap at which pads are led by rotations alone, and from which on by each other, in sums of their radii: from a pad's
 /// breadth and a half to what trackers err by at a fingertip (some 4 mm of 17).
 const LED: [f64; 2] = [1.5, 0.25];

@@ -8,6 +8,7 @@ use super::memory::{CALIBRATION, Memory, Way};
 use super::observer::{Observed, ObservedRotation};
 use super::stance::Stance;
 use super::{JOINT_RATE_MAX, LiveError, LivePose, Mover, OPENING, SPEED_MAX, SPIN_MAX, STALE};
+use crate::calibration::RATIOS;
 use crate::{ANGLES, AngleRange, Articulation, BoneLengths, Knuckles, Retarget, hand_angles};
 use std::f64::consts::TAU;
 use thenar::model::HandModel;
@@ -32,8 +33,6 @@ const TELEPORT: [f64; 2] = [0.05, SPEED_MAX];
 const TELEPORT_TURN: [f64; 2] = [0.5, 25.0];
 /// Largest change of the wrist's frame per pose while it is refined \[rad\].
 const REFINEMENT: f64 = 0.0035;
-/// A tracked hand is larger than ours by a factor within these, or it is none.
-const RATIOS: [f64; 2] = [0.3, 3.0];
 
 /// A hand that poses may move, with all that is known of its tracker.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
@@ -332,7 +331,7 @@ impl LiveHand {
             return;
         };
         let ratio = self.bones.ratio(joints);
-        let Some(ratio) = ratio.filter(|r| (RATIOS[0]..=RATIOS[1]).contains(r)) else { return };
+        let Some(ratio) = ratio.filter(|r| RATIOS.contains(r)) else { return };
         self.memory.ratios[self.memory.calibrated] = ratio;
         self.knuckles.take(joints, false);
         let found = self.knuckles.wrist_offset();
