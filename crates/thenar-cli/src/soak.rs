@@ -24,9 +24,9 @@ pub struct Args {
     /// Time steps to run, one after the other \[s\].
     #[arg(long = "time-step", value_delimiter = ',', default_values_t = [1.0 / 60.0, 1e-3])]
     time_steps: Vec<f64>,
-    /// Seed of the motion.
-    #[arg(long, default_value_t = 1)]
-    seed: u32,
+    /// Seeds of the motion. Of several each must be sound, and all together are judged.
+    #[arg(long = "seed", value_name = "SEED", value_delimiter = ',', default_values_t = [1])]
+    seeds: Vec<u32>,
     /// Judge penetration, joint gaps and the accuracy of contact; with `false` only that numbers stay finite and
     /// energy bounded, which is all that `--sweep` judges.
     #[arg(long, value_name = "BOOL", default_value_t = true, action = clap::ArgAction::Set)]
@@ -81,6 +81,35 @@ impl Extremes {
         word(self.sound())
     }
 
+    /// Takes in the soak of another seed; hash, places tried and the deepest place stay those of one.
+    fn join(self, other: &Self) -> Self {
+        Self {
+            tries: self.tries,
+            steps: self.steps + other.steps,
+            non_finite: self.non_finite + other.non_finite,
+            fell_back: self.fell_back + other.fell_back,
+            failure: other.failure.or(self.failure),
+            energy: self.energy.max(other.energy),
+            penetration: self.penetration.max(other.penetration),
+            deepest: if other.penetration > self.penetration {
+                other.deepest
+            } else {
+                self.deepest
+            },
+            deep: self.deep + other.deep,
+            deep_now: 0,
+            deep_longest: self.deep_longest.max(other.deep_longest),
+            joint_gap: self.joint_gap.max(other.joint_gap),
+            inverted: self.inverted.max(other.inverted),
+            contacts: self.contacts.max(other.contacts),
+            contact_residual: self.contact_residual.max(other.contact_residual),
+            missed: self.missed + other.missed,
+            missed_by: self.missed_by.max(other.missed_by),
+            speed: self.speed.max(other.speed),
+            hash: self.hash,
+        }
+    }
+
     /// Takes in the step just done.
     fn take(&mut self, report: &StepReport) {
         self.steps += 1;
@@ -108,6 +137,10 @@ fn word(passed: bool) -> &'static str {
 /// Runs the command; exit code 1 when a soak went wrong.
 pub fn run(args: &Args) -> ExitCode {
     let bad_step = args.time_steps.iter().any(|h| !(*h > 0.0 && *h <= 0.1));
+    if args.sweep && args.seeds.len() > 1 {
+        eprintln!("error: --sweep takes one --seed");
+        return ExitCode::from(2);
+    }
     if bad_step || !(args.seconds > 0.0 && args.seconds <= 1e6) {
         eprintln!("error: --time-step must be within (0, 0.1] s and --seconds within (0, 1e6] s");
         return ExitCode::from(2);
@@ -125,12 +158,7 @@ pub fn run(args: &Args) -> ExitCode {
 fn each_step(args: &Args) -> Result<bool, String> {
     let mut passed = true;
     for &h in &args.time_steps {
-        let e = soak(args, h, &[])?;
-        let mut figures = soundness(&e);
-        if args.judge {
-            figures.extend(quality(&e, h));
-        }
-        passed &= print(args, h, &e, &figures);
+        passed &= each_seed(args, h)?;
         // Nobody reads the next one.
         if interrupt::asked() {
             break;
@@ -139,17 +167,46 @@ fn each_step(args: &Args) -> Result<bool, String> {
     Ok(passed)
 }
 
-/// Prints a soak; true when all figures keep to their limits.
-fn print(args: &Args, h: f64, e: &Extremes, figures: &[Figure]) -> bool {
-    let passed = figures.iter().all(|figure| figure.kept);
+/// Soaks with every seed, which are judged together.
+fn each_seed(args: &Args, h: f64) -> Result<bool, String> {
+    let figures = |e: &Extremes| {
+        let more = if args.judge { quality(e, h) } else { Vec::new() };
+        soundness(e).into_iter().chain(more).collect::<Vec<_>>()
+    };
+    let mut all: Option<Extremes> = None;
+    for &seed in &args.seeds {
+        let e = soak(args, h, seed, &[])?;
+        match &args.seeds[..] {
+            [_] => return Ok(print((args.seconds, h, seed), &e, &figures(&e))),
+            _ => print((args.seconds, h, seed), &e, &soundness(&e)),
+        };
+        all = Some(all.map_or(e, |all| all.join(&e)));
+        if interrupt::asked() {
+            break;
+        }
+    }
+    let figures = all.as_ref().map(figures).unwrap_or_default();
+    let passed = are_kept(&figures);
+    println!("{:4}  step {:.3} ms, all seeds together:", word(passed), h * 1e3);
+    figures.iter().for_each(|figure| println!("      {figure}"));
+    Ok(passed)
+}
+
+fn are_kept(figures: &[Figure]) -> bool {
+    figures.iter().all(|figure| figure.kept)
+}
+
+/// Prints the soak of a seed, for so many seconds at a step \[s\]; true when all figures keep to their limits.
+fn print((seconds, h, seed): (f64, f64, u32), e: &Extremes, figures: &[Figure]) -> bool {
+    let passed = are_kept(figures);
     println!(
         "{:4}  step {:.3} ms, {} s, seed {}: {} steps, not finite {}, fell back {}, energy max \
          {:.3} J, penetration max {:.3} mm, joint gap max {:.3} mm, inverted tets max {}, \
          contacts max {}, node speed max {:.2} m/s, hash {:016x}",
         word(passed),
         h * 1e3,
-        args.seconds,
-        args.seed,
+        seconds,
+        seed,
         e.steps,
         e.non_finite,
         e.fell_back,
@@ -178,11 +235,11 @@ fn print(args: &Args, h: f64, e: &Extremes, figures: &[Figure]) -> bool {
     passed
 }
 
-fn soak(args: &Args, h: f64, more: &[String]) -> Result<Extremes, String> {
+fn soak(args: &Args, h: f64, seed: u32, more: &[String]) -> Result<Extremes, String> {
     let mut overrides = vec![format!("time_step={h}")];
     overrides.extend(args.preset.map(|preset| format!("hand.hand.preset={}", preset.word())));
     overrides.extend(args.overrides.iter().chain(more).cloned());
-    let (mut session, tries) = scene::open(args.seconds, args.seed, &overrides)?;
+    let (mut session, tries) = scene::open(args.seconds, seed, &overrides)?;
     let mut extremes = Extremes { tries, ..Extremes::default() };
     let steps = (args.seconds / h).round() as u64;
     for step in 0..steps {
@@ -221,16 +278,16 @@ mod tests {
         let args = Args {
             seconds,
             time_steps,
-            seed: 3,
+            seeds: vec![3],
             judge: true,
             preset: Some(PresetArg::Paper),
             sweep: false,
             overrides,
         };
-        let first = soak(&args, 1.0 / 60.0, &[]).unwrap();
+        let first = soak(&args, 1.0 / 60.0, 3, &[]).unwrap();
         assert!(first.sound(), "{first:?}");
         assert!(first.contacts > 10, "it must hit something: {first:?}");
-        assert_eq!(first.hash, soak(&args, 1.0 / 60.0, &[]).unwrap().hash);
+        assert_eq!(first.hash, soak(&args, 1.0 / 60.0, 3, &[]).unwrap().hash);
     }
 
     /// The hand for touch, thrashed. With seed 1 it jams the car under it from 3.1 s on, with 4 J in its drives.
@@ -239,13 +296,13 @@ mod tests {
         let args = Args {
             seconds: 4.2,
             time_steps: vec![],
-            seed: 1,
+            seeds: vec![1],
             judge: true,
             sweep: false,
             preset: Some(PresetArg::Touch),
             overrides: vec![],
         };
-        let soaked = soak(&args, 1.0 / 60.0, &[]).unwrap();
+        let soaked = soak(&args, 1.0 / 60.0, 1, &[]).unwrap();
         assert!(soaked.sound() && soaked.contacts > 10, "{soaked:?}");
         assert!(soaked.penetration < 5e-3 && soaked.missed_by < 1e-3, "{soaked:?}");
     }
@@ -267,5 +324,8 @@ mod tests {
         e.take(&StepReport { contact_residual: 5e-3, ..StepReport::default() });
         assert_eq!((e.steps, e.deep, e.deep_longest), (11, 5, 3));
         assert_eq!((e.missed, e.missed_by), (2, 2e-4));
+        // Of two seeds counts are added, and what lasts does not go on from one to the other.
+        let both = e.join(&Extremes { steps: 9, deep: 1, deep_longest: 1, ..Extremes::default() });
+        assert_eq!((both.steps, both.deep, both.deep_longest, both.missed), (20, 6, 3, 2));
     }
 }

@@ -1,9 +1,10 @@
 //! What goes amiss with grips while a scene runs.
 
+use std::mem::discriminant;
 use thenar_scene::grip::Trouble;
 use thenar_scene::session::Session;
 
-/// Tells each trouble of each hand's grips once.
+/// Tells of each trouble of each hand's grips when it begins.
 #[derive(Debug)]
 pub struct GripNews {
     told: Vec<Option<Trouble>>,
@@ -19,7 +20,9 @@ impl GripNews {
     pub fn tell(&mut self, session: &Session) {
         for (hand, told) in self.told.iter_mut().enumerate() {
             let trouble = session.grip_state(hand).and_then(|state| state.trouble);
-            if told.is_none() && trouble.is_some() {
+            if trouble.is_some()
+                && told.as_ref().map(discriminant) != trouble.as_ref().map(discriminant)
+            {
                 let said = session.grip_trouble(hand).unwrap_or_default();
                 eprintln!("warning: {:.2} s: {said}", session.world().time());
             }

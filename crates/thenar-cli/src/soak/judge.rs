@@ -1,4 +1,4 @@
-//! What a soak must keep to. Limits of quality are requirements, the same at every step and seed: what
+//! What a soak must keep to. Limits of quality are requirements, the same at every step, of one seed or of several together: what
 //! a wearer of a glove or a viewer of the page would notice.
 
 use super::Extremes;

@@ -11,7 +11,8 @@ const STEPS: [f64; 5] = [2.5e-4, 1e-3, 5e-3, 1.0 / 60.0, 0.02];
 
 /// Runs all and prints a row of each; true when all are sound.
 pub fn run(args: &Args) -> Result<bool, String> {
-    println!("{} s each, seed {}", args.seconds, args.seed);
+    let seed = args.seeds.first().copied().unwrap_or(1);
+    println!("{} s each, seed {seed}", args.seconds);
     println!(
         "{:4} {:>8} {:>7} {:>7} {:>7} {:>6} {:>6} {:>9} {:>8} {:>8} {:>8} {:>8} {:>9}",
         "",
@@ -40,7 +41,7 @@ pub fn run(args: &Args) -> Result<bool, String> {
                     format!("hand.hand.coupling_stiffness={coupling:e}"),
                     format!("hand.hand.material.young={tissue:e}"),
                 ];
-                let e = soak(args, h, &stiffness)?;
+                let e = soak(args, h, seed, &stiffness)?;
                 passed &= e.sound();
                 println!(
                     "{:4} {coupling:>8.0e} {tissue:>7.0e} {:>7.2} {:>7} {:>6} {:>6} {:>9.3} {:>8.3} \

@@ -27,7 +27,7 @@ table! {
         /// fingers; "hook": all fingers against the palm; "lateral": the thumb on the side of the index finger.
         kind: GripWord;
         /// With which the two sides press against each other [N]: half of the sum of the normal forces of the pads. Default:
-        /// twice what keeps the object from slipping, m g / (2 friction); without an object 1.
+        /// twice what keeps the object from slipping, m g / (2 friction), and more as load asks; without an object 1.
         force: Option<f64> where GRIP_FORCE;
         /// When the fingers set out [s].
         at: f64 where DURATION;

@@ -2,15 +2,15 @@
 //!
 //! Every sample of the surface is a place for the base's pad: a line goes in there along the inward normal, and where it
 //! leaves again the fingers are to press. Such pairs are ranked by how far they are from the pads of the hand at that width
-//! (see [`Opposition`]), how their line lies to the pads' own, how far the second normal is off the line, and how far the
-//! line passes the middle of the object. The best few are reached for by inverse kinematics, and the one that is reached
-//! best is taken.
+//! (see [`Opposition`]), how their line lies to the pads' own, how far the second normal is off the line, how far the
+//! line passes the middle of the object, and by how long a lever weight turns it about the line. The best few are reached for
+//! by inverse kinematics, with the palm where it is or a little aside, and the one that is reached best is taken.
 
 use super::opposition::{Opposition, PADS_MAX, Span};
 use super::size::{middle, pads_middle};
 use super::surface::{Anchor, Sample, nearest, sample, through};
 use super::trouble::Trouble;
-use thenar::model::BodyId;
+use thenar::model::{BodyId, Motion};
 use thenar::{Pose, Vec3, World};
 use thenar_track::reach::{Angles, Chain, Goal, solve};
 
@@ -28,8 +28,28 @@ const TILT: f64 = 0.06;
 const SLANT: f64 = 0.06;
 /// A second normal farther off the line than 45° holds nothing \[cosine\].
 const SLANT_MIN: f64 = 0.7;
+/// Added for a pair outside the cone of friction \[m²\]: it is taken where there is no other.
+const SLIPS: f64 = 1.0;
 /// What a finger reached for counts beside where it is wanted.
 const MISS: f64 = 16.0;
+/// How far the palm goes aside at most, so that pads get to their places \[m\]: a finger and a half; farther off, a hand is
+/// not yet where it is to grip.
+const SHIFT_MAX: f64 = 0.03;
+/// How far down of that \[m\]: what an object lies on is below.
+const DOWN_MAX: f64 = 0.5 * REACH;
+/// The palm stays where pads lack less than this, for which they make up as they close \[m\].
+const SHIFT_MIN: f64 = 0.25 * REACH;
+/// Weight of its way aside: less than that of pads that lack as much.
+const SHIFT: f64 = 0.25 * MISS;
+/// Times that the palm is put aside by what pads lack.
+const SHIFTS: usize = 4;
+/// Weight of the lever by which gravity turns an object in its pads: more than that of a pad that ends as far from its
+/// place, for which closing makes up, while friction of a pad holds a lever of a few millimetres only. Found by
+/// trial: cubes, ellipsoids and a card that were lifted from beside their middle fell with 16 (that of a pad), and were
+/// held with 40.
+const LEVER: f64 = 2.5 * MISS;
+/// A longer lever is as good as any \[m\]: long things are held where the hand is, and by two hands.
+const LEVER_MAX: f64 = 0.5 * SHIFT_MAX;
 /// What the way from the middle of the object to the line counts.
 const ASIDE: f64 = 0.5;
 /// A pad that ends farther than this from its place is out of reach \[m\]: what fingers that close do not make up.
@@ -48,8 +68,17 @@ pub struct Choice {
     pub anchors: [Option<Anchor>; PADS_MAX],
     /// Angles of each chain at its place.
     pub angles: [Angles; PADS_MAX],
+    /// How far the palm is to go aside for that, in its own frame \[m\].
+    pub shift_P: Vec3,
     /// What does not fit.
     pub trouble: Option<Trouble>,
+}
+
+impl Choice {
+    fn none() -> Self {
+        let (anchors, angles) = ([None; PADS_MAX], Default::default());
+        Self { anchors, angles, shift_P: Vec3::zeros(), trouble: None }
+    }
 }
 
 /// A place for the base, one for the fingers.
@@ -78,7 +107,7 @@ impl Default for Scratch {
 pub fn choose(
     opposition: &Opposition,
     world: &World,
-    object: BodyId,
+    (object, friction): (BodyId, f64),
     palm: &Pose,
     scratch: &mut Scratch,
 ) -> Choice {
@@ -87,6 +116,14 @@ pub fn choose(
     sample(world, object, &pads_middle(palm, opposition), NEIGHBOURHOOD, samples);
     let centre = middle(world, object);
     best.clear();
+    let gravity = world.desc().gravity;
+    let falls = match object {
+        BodyId::Rigid(i) => world.desc().rigids[i as usize].motion == Motion::Dynamic,
+        BodyId::Soft(_) => true,
+    };
+    let down = gravity.try_normalize(1e-9).filter(|_| falls).unwrap_or_else(Vec3::zeros);
+    // Two pads hold what lies between them when the line from one to the other is within both cones of friction.
+    let least = 1.0 / (1.0 + friction * friction).sqrt();
     let mut narrowest = f64::INFINITY;
     for base in samples.iter() {
         let way = -base.normal;
@@ -97,12 +134,19 @@ pub fn choose(
         let width = (fingers.point - base.point).norm();
         narrowest = narrowest.min(width);
         if width <= opening {
-            let cost = rank(&base.point, &fingers, &way, opposition.at(width), palm, &centre);
+            let cost = rank(&base.point, &fingers, &way, opposition.at(width), palm, &centre)
+                + LEVER * lever(&(centre - base.point), &down, &way).powi(2);
+            let slips = fingers.normal.dot(&way) < least;
+            let cost = if slips { cost + SLIPS } else { cost };
             keep(best, Pair { base: *base, fingers, cost });
         }
     }
     let mut choice: Option<(f64, Choice)> = None;
     for pair in best.iter() {
+        // Costs only grow from here, and pairs are in order.
+        if choice.as_ref().is_some_and(|(least, _)| pair.cost >= *least) {
+            break;
+        }
         let (cost, tried) = reach_for(opposition, world, object, palm, pair);
         if choice.as_ref().is_none_or(|(least, _)| cost < *least) {
             choice = Some((cost, tried));
@@ -117,7 +161,7 @@ pub fn choose(
 /// Places where pads meet when nothing is between them: they move with the palm, which is this body.
 pub fn each_other(opposition: &Opposition, palm: u32) -> Choice {
     let span = opposition.at(0.0);
-    let mut choice = Choice { anchors: [None; PADS_MAX], angles: span.angles, trouble: None };
+    let mut choice = Choice { angles: span.angles, ..Choice::none() };
     for (pad, anchor) in choice.anchors.iter_mut().enumerate().take(opposition.pads()) {
         let (point_B, normal_B) = match pad {
             0 => (span.base, -span.axis),
@@ -138,6 +182,12 @@ fn rank(base: &Vec3, fingers: &Sample, way: &Vec3, span: &Span, palm: &Pose, cen
     off + TILT * TILT * tilt + SLANT * SLANT * slant + ASIDE * aside
 }
 
+/// Lever of gravity on an object held along the line `way` by two pads, one of which is `arm` from its middle \[m\]; at most
+/// `LEVER_MAX`.
+fn lever(arm: &Vec3, down: &Vec3, way: &Vec3) -> f64 {
+    (arm - way * arm.dot(way)).cross(down).norm().min(LEVER_MAX)
+}
+
 /// Keeps the pair if it is among the best.
 fn keep(best: &mut Vec<Pair>, pair: Pair) {
     let place = best.partition_point(|other| other.cost <= pair.cost);
@@ -147,7 +197,8 @@ fn keep(best: &mut Vec<Pair>, pair: Pair) {
     }
 }
 
-/// Reaches for a pair with all pads; the cost of what is reached \[m²\].
+/// Reaches for a pair with all pads, from where the palm is or, when pads lack something there, from beside it; the cost of
+/// what is reached \[m²\].
 fn reach_for(
     opposition: &Opposition,
     world: &World,
@@ -155,12 +206,45 @@ fn reach_for(
     palm: &Pose,
     pair: &Pair,
 ) -> (f64, Choice) {
+    let (mut least, mut choice, mut lack_P) = reach_from(opposition, world, object, palm, pair);
+    let mut shift_P = Vec3::zeros();
+    let gravity = world.desc().gravity;
+    let down_P = palm.inverse_vector(&gravity.try_normalize(1e-9).unwrap_or_else(Vec3::zeros));
+    for _ in 0..SHIFTS {
+        // A palm that is one of the two sides is where it is.
+        if lack_P.norm() < SHIFT_MIN || !opposition.kind.has_thumb() {
+            break;
+        }
+        shift_P += lack_P;
+        shift_P -= down_P * (shift_P.dot(&down_P) - DOWN_MAX).max(0.0);
+        shift_P *= (SHIFT_MAX / shift_P.norm().max(1e-9)).min(1.0);
+        let beside = Pose::new(palm.point(&shift_P), palm.rotation);
+        let (cost, mut tried, lack) = reach_from(opposition, world, object, &beside, pair);
+        let cost = cost + SHIFT * shift_P.norm_squared();
+        lack_P = lack;
+        if cost < least {
+            tried.shift_P = shift_P;
+            (least, choice) = (cost, tried);
+        }
+    }
+    (least, choice)
+}
+
+/// Reaches for a pair from a place of the palm: cost \[m²\], choice, and what pads lack in the mean, in the palm's frame \[m\].
+fn reach_from(
+    opposition: &Opposition,
+    world: &World,
+    object: BodyId,
+    palm: &Pose,
+    pair: &Pair,
+) -> (f64, Choice, Vec3) {
     let width = (pair.fingers.point - pair.base.point).norm();
     let span = opposition.at(width);
     let places = side_by_side(opposition, world, object, pair, &palm.vector(&span.across));
-    let mut choice = Choice { anchors: [None; PADS_MAX], angles: span.angles, trouble: None };
+    let mut choice = Choice { angles: span.angles, ..Choice::none() };
     let mut cost = pair.cost;
     let mut worst: Option<(usize, f64)> = None;
+    let (mut lack_P, mut count) = (Vec3::zeros(), 0.0);
     for pad in 0..opposition.pads() {
         let place = match pad {
             0 => Some(pair.base),
@@ -169,8 +253,10 @@ fn reach_for(
         let Some(place) = place else { continue };
         choice.anchors[pad] = Some(place.anchor);
         let Some(chain) = opposition.chain(pad) else { continue };
-        let miss = approach(chain, &mut choice.angles[pad], palm, &place);
+        let miss_P = approach(chain, &mut choice.angles[pad], palm, &place);
+        let miss = miss_P.norm();
         cost += MISS * miss * miss;
+        (lack_P, count) = (lack_P + miss_P, count + 1.0);
         if worst.is_none_or(|(_, most)| miss > most) {
             worst = Some((pad, miss));
         }
@@ -178,7 +264,7 @@ fn reach_for(
     choice.trouble = worst
         .filter(|(_, miss)| *miss > REACH)
         .map(|(pad, miss)| Trouble::OutOfReach { pad: pad as u8, miss });
-    (cost, choice)
+    (cost, choice, lack_P / f64::max(count, 1.0))
 }
 
 /// Places of the fingers beside each other, as the hand has them or turned about the line, so that most find one.
@@ -236,11 +322,12 @@ fn beside(
     (near && found.normal.dot(&way) > 0.5).then_some(found)
 }
 
-/// Brings a chain to a place; how far off it ends \[m\].
-fn approach(chain: &Chain, angles: &mut Angles, palm: &Pose, place: &Sample) -> f64 {
+/// Brings a chain to a place; what it lacks at its end, in the palm's frame \[m\].
+fn approach(chain: &Chain, angles: &mut Angles, palm: &Pose, place: &Sample) -> Vec3 {
     let centre = palm.inverse_point(&(place.point + place.normal * chain.pad.radius));
     let normal = -palm.inverse_vector(&place.normal);
-    solve(chain, &chain.ease(), angles, &Goal { centre, normal }, ROUNDS)
+    solve(chain, &chain.ease(), angles, &Goal { centre, normal }, ROUNDS);
+    centre - chain.reach(angles).centre
 }
 
 /// What can be had of an object that does not fit: each pad goes to what is nearest.
@@ -253,7 +340,7 @@ fn stand_in(
 ) -> Choice {
     let opening = opposition.opening();
     let span = opposition.at(opening);
-    let mut choice = Choice { anchors: [None; PADS_MAX], angles: span.angles, trouble: None };
+    let mut choice = Choice { angles: span.angles, ..Choice::none() };
     let mut nearest_way = f64::INFINITY;
     for pad in 0..opposition.pads() {
         let at_P = match pad {

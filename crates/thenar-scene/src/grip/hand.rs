@@ -7,20 +7,24 @@
 //! ```
 //!
 //! Pads follow places of the object until they touch, and the palm from then on: an object that is held moves with the
-//! hand and is held by the drives' springs, not followed where it slips. Only the depth `u` of all pads together answers to
-//! force: one loop for each pad would let an object wander that its weight presses on one side.
+//! hand and is held by the drives' springs, not followed where it slips. The depth `u` of all pads together answers to
+//! force, and a finger that bears next to nothing goes farther in: one loop for each pad would let an object wander that its
+//! weight presses on one side.
 
 use super::choose::{Scratch, choose, each_other};
+use super::felt::{felt, friction_used};
 use super::kind::GripKind;
-use super::memory::{GripMemory, PadMemory, Phase};
+use super::memory::{GripMemory, PadMemory, Phase, Reflex};
 use super::opposition::{Base, Opposition};
 use super::order::Order;
-use super::squeeze::{RANGE, push};
+use super::size::friction;
+use super::squeeze::{RANGE, further, push, wanted};
 use super::trouble::Trouble;
 use crate::build::BuiltHand;
 use crate::live::{Law, follow};
 use crate::motion::Articulation;
 use std::f64::consts::TAU;
+use std::ops::Range;
 use thenar::model::Digit;
 use thenar::world::Target;
 use thenar::{Pose, Vec3, World};
@@ -36,6 +40,10 @@ const BEHIND: f64 = 8e-3;
 const LEAD: (f64, f64) = (8.0, 0.015);
 /// Frequency at which joints follow while nothing is held \[Hz\], and their fastest rate \[rad/s\]: a reach takes half a second.
 const FOLLOW: (f64, f64) = (4.0, 4.0);
+/// The same of a palm that goes aside \[Hz, m/s\]: people's hands correct their way on the last centimetres no faster.
+const ASIDE: (f64, f64) = (2.0, 0.15);
+/// A palm this near has arrived \[m\].
+const THERE: f64 = 2e-3;
 /// Pads close when all targets are this near to where they make for \[rad\].
 const GATHERED: f64 = 0.05;
 /// Longest reach, and longest wait of a pad that touches for the others \[s\].
@@ -48,6 +56,11 @@ const SMOOTHING: f64 = 0.01;
 const OPENING: f64 = 0.5;
 /// A force is lacking when after so long \[s\] so much of it is not there.
 const LACKING: (f64, f64) = (2.0, 0.1);
+/// Time over which the use of friction is smoothed \[s\]: some steps at the usual ones.
+const LOAD_SMOOTHING: f64 = 0.03;
+/// An object that was pressed with the first part of what is wanted, and after that for so long \[s\] with less than the
+/// last part, is gone.
+const LOST: (f64, f64, f64) = (0.5, 0.2, 0.05);
 /// Rounds of inverse kinematics in a step.
 const ROUNDS: usize = 3;
 
@@ -187,11 +200,16 @@ impl GripHand {
         scripted: bool,
         targets: &mut [Option<Target>],
     ) {
-        let Some(palm) = self.read_script(h, targets) else { return };
+        if !self.read_script(h, targets) {
+            return;
+        }
         self.begin_by_script(t, scripted);
+        self.go_aside(h, targets);
+        let Some(palm) = targets.first().copied().flatten() else { return };
         let Some(order) = self.memory.order else { return };
         let over = order.open.is_some_and(|open| t >= open);
-        let left = !scripted && self.orders.contains(&order);
+        let is_order = |other: &Order| other.adapting(order.adapts) == order;
+        let left = !scripted && self.orders.iter().any(is_order);
         if (over || left) && self.memory.phase != Phase::Opening {
             self.release();
         }
@@ -208,13 +226,57 @@ impl GripHand {
         if self.memory.phase == Phase::Idle {
             return;
         }
-        self.memory.felt = super::felt::felt(world, hand, order.object());
+        self.memory.felt = felt(world, hand, order.object());
+        let Some(opposition) = self.oppositions[order.kind as usize].as_deref() else { return };
+        let used = |pads: Range<usize>| {
+            let mut own = [false; 6];
+            let chains = pads.filter_map(|pad| opposition.chain(pad));
+            chains.for_each(|chain| own[part(chain.digit)] = true);
+            friction_used(world, hand, order.object(), own)
+        };
+        let used = used(0..1).max(used(1..opposition.pads()));
+        let blend = 1.0 - (-world.time_step() / LOAD_SMOOTHING).exp();
+        self.memory.reflex.used += blend * (used - self.memory.reflex.used);
     }
 
-    /// Angles of the script and their rates; the palm's target.
-    fn read_script(&mut self, h: f64, targets: &[Option<Target>]) -> Option<Target> {
+    /// Forgets that the palm is aside: a leader has taken it over.
+    pub fn be_led(&mut self) {
+        let reflex = &mut self.memory.reflex;
+        (reflex.aside_P, reflex.shift_P) = (Vec3::zeros(), [Vec3::zeros(); 2]);
+    }
+
+    /// Moves the palm, and the hand with it, to where pads reach their places, and back when the grip is over.
+    fn go_aside(&mut self, h: f64, targets: &mut [Option<Target>]) {
+        let GripMemory { order, phase, since, reflex, .. } = &mut self.memory;
+        // Fingers that hold take the object with them: they open first.
+        let open = *phase == Phase::Opening && *since > 0.5 * OPENING;
+        if order.is_none() || open {
+            reflex.aside_P = Vec3::zeros();
+        }
+        let law = Law { omega: TAU * ASIDE.0, speed: ASIDE.1 };
+        let [shift_P, rate_P] = &mut reflex.shift_P;
+        for k in 0..3 {
+            [shift_P[k], rate_P[k]] =
+                follow([shift_P[k], rate_P[k]], [reflex.aside_P[k], 0.0], law, h);
+        }
+        // What is left of a way back is nothing.
+        if reflex.aside_P == Vec3::zeros() && shift_P.norm() < 1e-9 && rate_P.norm() < 1e-9 {
+            reflex.shift_P = [Vec3::zeros(); 2];
+            return;
+        }
+        let Some(palm) = targets.first().copied().flatten() else { return };
+        let [shift_W, rate_W] = reflex.shift_P.map(|v| palm.pose_WB.vector(&v));
+        for target in targets.iter_mut().flatten() {
+            target.pose_WB.position += shift_W;
+            target.velocity_W += rate_W + palm.angular_velocity_W.cross(&shift_W);
+        }
+    }
+
+    /// Angles of the script and their rates; false while some bone has no target.
+    fn read_script(&mut self, h: f64, targets: &[Option<Target>]) -> bool {
         for (pose, target) in self.poses.iter_mut().zip(targets) {
-            *pose = target.as_ref()?.pose_WB;
+            let Some(target) = target else { return false };
+            *pose = target.pose_WB;
         }
         self.articulation.tree.angles(&self.poses, &mut self.script);
         let before = &mut self.memory.script;
@@ -227,7 +289,7 @@ impl GripHand {
             self.script_rates[j] = [0, 1].map(|k| (now[k] - before[j][k]) / h);
         }
         before.copy_from_slice(&self.script);
-        *targets.first()?
+        true
     }
 
     /// Begins the scene's next grip when its time has come, or passes it over.
@@ -281,7 +343,16 @@ impl GripHand {
         palm: &Pose,
     ) {
         let choice = match order.object() {
-            Some(object) => choose(opposition, world, object, palm, &mut self.scratch),
+            Some(object) => {
+                let friction = hand.flesh().map(|flesh| friction(world.desc(), flesh, object));
+                choose(
+                    opposition,
+                    world,
+                    (object, friction.unwrap_or(1.0)),
+                    palm,
+                    &mut self.scratch,
+                )
+            }
             None => each_other(opposition, hand.handle.bones.start),
         };
         let Self { memory, script, script_rates, .. } = self;
@@ -300,6 +371,10 @@ impl GripHand {
         }
         (memory.phase, memory.since, memory.depth) = (Phase::Reaching, 0.0, 0.0);
         (memory.felt, memory.force, memory.trouble) = ([0.0; 6], 0.0, choice.trouble);
+        // The palm may still be aside for the grip before.
+        let shift_P = memory.reflex.shift_P;
+        let aside_P = shift_P[0] + choice.shift_P;
+        memory.reflex = Reflex { wanted: order.force, aside_P, shift_P, ..Reflex::default() };
     }
 
     /// Pads go to their places, then in until they touch.
@@ -318,7 +393,8 @@ impl GripHand {
         };
         let wanted = self.memory.order.map_or(0.0, |order| order.force);
         let touch = (TOUCH.0 * wanted).min(TOUCH.1);
-        let (mut gathered, mut touching) = (true, true);
+        let Reflex { aside_P, shift_P, .. } = &self.memory.reflex;
+        let (mut gathered, mut touching) = ((aside_P - shift_P[0]).norm() < THERE, true);
         for pad in 0..opposition.pads() {
             let kept = &mut self.memory.pads[pad];
             let Some(anchor) = kept.anchor else { continue };
@@ -427,16 +503,34 @@ impl GripHand {
         order: &Order,
         h: f64,
     ) {
+        // A keyframe of an older program does not say what is wanted.
+        self.memory.reflex.wanted = self.memory.reflex.wanted.max(order.force);
+        if self.is_lost(order, h) {
+            self.memory.pads.iter_mut().for_each(|pad| pad.rates = [0.0; FREEDOMS_MAX]);
+            return;
+        }
         let bound = stiffness(opposition, world, hand);
         let memory = &mut self.memory;
-        memory.depth = push(memory.depth, memory.force, order.force, bound, h);
+        if order.adapts {
+            let Reflex { wanted: before, used, .. } = memory.reflex;
+            memory.reflex.wanted = wanted(before, order.force, memory.force, used, h);
+        }
+        memory.depth = push(memory.depth, memory.force, memory.reflex.wanted, bound, h);
         let fingers = (1..opposition.pads()).filter(|pad| memory.pads[*pad].anchor.is_some());
         let share = 1.0 / fingers.count().max(1) as f64;
+        let shares =
+            order.object().is_some() && opposition.kind.has_thumb() && memory.reflex.gone == 0.0;
         for pad in 0..opposition.pads() {
             let kept = &mut memory.pads[pad];
             let (Some(chain), Some(_)) = (opposition.chain(pad), kept.anchor) else { continue };
             let inwards = if pad == 0 { memory.axis_P } else { memory.axis_P * -share };
-            let centre = kept.point_P + inwards * memory.depth;
+            let mut centre = kept.point_P + inwards * memory.depth;
+            if pad > 0 && shares && memory.reflex.held {
+                let (felt, mean) = (memory.felt[part(chain.digit)], share * memory.force);
+                let more = &mut memory.reflex.further[pad];
+                *more = further(*more, felt, mean, bound, h);
+                centre -= kept.normal_P * *more;
+            }
             solve(
                 chain,
                 &chain.ease(),
@@ -450,6 +544,21 @@ impl GripHand {
         if memory.since > LACKING.0 && lacking && memory.depth >= RANGE[1] {
             memory.trouble.get_or_insert(Trouble::Weak { felt: memory.force });
         }
+    }
+
+    /// Whether what was held is gone: fingers then stay as they are, and press again when they meet it.
+    fn is_lost(&mut self, order: &Order, h: f64) -> bool {
+        let GripMemory { reflex, force, trouble, .. } = &mut self.memory;
+        reflex.held |= *force > LOST.0 * reflex.wanted;
+        let is_felt = *force > LOST.2 * reflex.wanted;
+        reflex.gone = if reflex.held && !is_felt { reflex.gone + h } else { 0.0 };
+        let lost = reflex.gone > LOST.1 && order.object().is_some();
+        if lost {
+            *trouble = Some(Trouble::Lost { wanted: reflex.wanted });
+        } else if is_felt && matches!(trouble, Some(Trouble::Lost { .. })) {
+            *trouble = None;
+        }
+        lost
     }
 
     /// Force of the two sides against each other in the last step \[N\].

@@ -73,6 +73,30 @@ impl Default for PadMemory {
     }
 }
 
+/// No palm is so far aside \[m\], nor so fast on its way there \[m/s\].
+const ASIDE_MAX: f64 = 1.0;
+
+/// How a grip answers to load. Came later to the form of a keyframe than the rest, and stands behind it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Reflex {
+    /// Whether the force of the present and of the waiting order may rise: see [`Order::adapts`].
+    pub adapts: [bool; 2],
+    /// Force that is wanted now \[N\].
+    pub wanted: f64,
+    /// Part of what friction can give that the side with less in hand uses up.
+    pub used: f64,
+    /// How much farther than the others each pad is pushed in, so that it bears its share \[m\].
+    pub further: [f64; PADS_MAX],
+    /// How far the palm is to go aside of where its script or its pose has it, in its own frame \[m\].
+    pub aside_P: Vec3,
+    /// How far aside it is, and the rate \[m, m/s\].
+    pub shift_P: [Vec3; 2],
+    /// True once the object was pressed with half of what is wanted.
+    pub held: bool,
+    /// For how long it has been gone after that \[s\].
+    pub gone: f64,
+}
+
 /// All that changes in the grips of a hand.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GripMemory {
@@ -100,9 +124,27 @@ pub struct GripMemory {
     pub trouble: Option<Trouble>,
     /// Angles of the script in the step before \[rad\]; empty before the first.
     pub script: Vec<[f64; 2]>,
+    /// How it answers to load.
+    #[serde(skip)]
+    pub reflex: Reflex,
 }
 
 impl GripMemory {
+    /// How it answers to load, complete.
+    pub fn reflex(&self) -> Reflex {
+        let adapts = [self.order, self.waiting].map(|order| order.is_some_and(|o| o.adapts));
+        Reflex { adapts, ..self.reflex }
+    }
+
+    /// Goes on with that.
+    pub fn set_reflex(&mut self, reflex: Reflex) {
+        let orders = [&mut self.order, &mut self.waiting];
+        for (order, adapts) in orders.into_iter().zip(reflex.adapts) {
+            *order = order.map(|order| order.adapting(adapts));
+        }
+        self.reflex = reflex;
+    }
+
     /// True when its numbers are finite and it names bodies of this world.
     pub fn is_of(&self, world: &World) -> bool {
         let anchors = self.pads.iter().filter_map(|pad| pad.anchor);
@@ -113,8 +155,14 @@ impl GripMemory {
             vectors.into_iter().chain(angles)
         });
         let own = self.felt.iter().chain(self.axis_P.iter()).copied();
-        let mut numbers = lists.chain(own).chain([self.since, self.depth, self.force]);
+        let Reflex { wanted, used, further, gone, aside_P, shift_P, .. } = &self.reflex;
+        let shifts = shift_P.iter().chain([aside_P]).flat_map(|v| v.iter());
+        let reflex = further.iter().chain([wanted, used, gone]).chain(shifts).copied();
+        let mut numbers = lists.chain(own).chain(reflex);
+        let mut more = [self.since, self.depth, self.force].into_iter();
         numbers.all(f64::is_finite)
+            && [aside_P, &shift_P[0], &shift_P[1]].iter().all(|v| v.norm() < ASIDE_MAX)
+            && more.all(f64::is_finite)
             && self.script.iter().flatten().all(|x| x.is_finite())
             && anchors.into_iter().all(|anchor| anchor.fits(world))
             && orders.into_iter().all(|order| order.fits(world))

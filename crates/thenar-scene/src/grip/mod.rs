@@ -24,7 +24,7 @@ mod trouble;
 pub(crate) use felt::digit_touched;
 pub use hand::{GripHand, GripState};
 pub use kind::GripKind;
-pub use memory::{GripMemory, PadMemory, Phase};
+pub use memory::{GripMemory, PadMemory, Phase, Reflex};
 pub use opposition::{Base, Opposition, Span};
 pub use order::Order;
 pub use size::{friction, narrowest, pads_middle, pads_middle_at, slip_limit, usual_force, way_to};

@@ -19,6 +19,10 @@ pub struct Order {
     pub at: f64,
     /// When they open \[s\].
     pub open: Option<f64>,
+    /// The force was left open, and may rise to what the load asks. A recording keeps it elsewhere, since it came
+    /// later than the rest.
+    #[serde(skip)]
+    pub adapts: bool,
 }
 
 impl Order {
@@ -34,7 +38,12 @@ impl Order {
             BodyId::Rigid(i) => (false, i),
             BodyId::Soft(i) => (true, i),
         });
-        Self { object, kind, force, at, open }
+        Self { object, kind, force, at, open, adapts: false }
+    }
+
+    /// The same, with a force that may rise to what the load asks.
+    pub fn adapting(self, adapts: bool) -> Self {
+        Self { adapts, ..self }
     }
 
     /// True when the object is one of this world's, and the numbers are finite.

@@ -34,9 +34,80 @@ pub fn push(u: f64, felt: f64, wanted: f64, bound: f64, h: f64) -> f64 {
     (u + rate.clamp(-SPEED, SPEED) * h).clamp(RANGE[0], RANGE[1])
 }
 
+/// Force is kept at so many times what would slip. People keep to the same where things get heavier or slipperier in their
+/// fingers [Johansson and Westling 1984].
+const SAFETY: f64 = 1.5;
+/// A force that adapts rises to so many times what was foreseen at most: what still slips then does not lack force.
+const RISE_MAX: f64 = 4.0;
+/// Time in which a force that rose falls again \[s\]. People let go slowly what threatened to slip.
+const FALL: f64 = 1.0;
+
+/// Force that is wanted after a step of `h` \[s\] \[N\], where pads press with `force` and use up the part `used` of what
+/// friction can give; never less than what was `foreseen`.
+pub fn wanted(before: f64, foreseen: f64, force: f64, used: f64, h: f64) -> f64 {
+    let asked = (SAFETY * used * force).min(RISE_MAX * foreseen);
+    let fallen = foreseen + (before - foreseen) * (-h / FALL).exp();
+    asked.max(fallen).max(foreseen)
+}
+
+/// A finger is pushed in until it bears this part of the mean of the fingers.
+const LEAST_SHARE: f64 = 1.0 / 3.0;
+/// How much farther than the others one is pushed at most \[m\]: half as thick as a finger is.
+const FURTHER_MAX: f64 = 8e-3;
+/// Below this part of its least share a finger touches nothing yet.
+const TOUCHES: f64 = 0.1;
+
+/// How much farther than the others a finger is pushed in after a step of `h` \[s\], when it bears `felt` and all together
+/// bear `mean` each \[N\]; less again when it bears more than that. One that bears its share is left alone: were each finger
+/// to have a force of its own, an object would wander that its weight presses on one side.
+pub fn further(before: f64, felt: f64, mean: f64, bound: f64, h: f64) -> f64 {
+    let share = LEAST_SHARE * mean;
+    let lacks = (share - felt).max(0.0) + (mean - felt).min(0.0);
+    let rate = match felt < TOUCHES * share {
+        true => SPEED,
+        false => RATE.min(0.5 / h) * lacks / bound,
+    };
+    (before + rate.clamp(-SPEED, SPEED) * h).clamp(0.0, FURTHER_MAX)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A side that has 0.7 of its friction in use wants half a tenth more than it has; one that slides half as much again.
+    #[test]
+    fn force_rises_with_the_part_of_friction_in_use_and_falls_slowly() {
+        assert_eq!(wanted(1.0, 1.0, 1.0, 0.5, 0.01), 1.0);
+        assert!((wanted(1.0, 1.0, 1.0, 0.7, 0.01) - 1.05).abs() < 1e-12);
+        assert_eq!(wanted(1.0, 1.0, 1.0, 1.0, 0.01), 1.5);
+        assert_eq!(wanted(1.0, 1.0, 30.0, 1.0, 0.01), RISE_MAX);
+        // A second later a rise is down to 1/e, whatever the step.
+        for h in [1e-3, 1e-2] {
+            let steps = (1.0 / h) as usize;
+            let force = (0..steps).fold(2.0, |before, _| wanted(before, 1.0, 1.0, 0.0, h));
+            assert!((force - 1.0 - (-1.0f64).exp()).abs() < 1e-9, "{force}");
+        }
+    }
+
+    /// An idle finger 5 mm off a spring comes in, and stops near its third.
+    #[test]
+    fn an_idle_finger_comes_in_until_it_bears_its_share() {
+        for h in [1e-3, 1e-2, 1.0 / 60.0] {
+            let (mut way, mut felt) = (0.0, 0.0);
+            for _ in 0..(3.0 / h) as usize {
+                let now = 400.0 * f64::max(way - 0.005, 0.0);
+                way = further(way, felt, 1.5, 1000.0, h);
+                felt = now;
+            }
+            assert!((felt - 0.5).abs() < 0.05, "{h}: {felt} N");
+        }
+        assert_eq!(further(0.003, 0.6, 1.5, 1000.0, 0.01), 0.003);
+        // It goes back where it bears more than the others, no farther than they are.
+        assert!(further(0.003, 2.5, 1.5, 1000.0, 0.01) < 0.003);
+        assert_eq!(further(1e-6, 2.5, 1.5, 1000.0, 0.01), 0.0);
+        let nothing = (0..1000).fold(0.0, |way, _| further(way, 0.0, 1.5, 1000.0, 0.01));
+        assert_eq!(nothing, FURTHER_MAX);
+    }
 
     /// Springs from a thirtieth of the bound to all of it, linear to quadratic, felt a step late.
     #[test]

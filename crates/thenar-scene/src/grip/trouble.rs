@@ -44,6 +44,11 @@ pub enum Trouble {
         /// Friction between it and the hand.
         friction: f64,
     },
+    /// The object was held, and has slipped out.
+    Lost {
+        /// Force that was wanted last.
+        wanted: f64,
+    },
 }
 
 impl Trouble {
@@ -78,6 +83,9 @@ impl Trouble {
             ),
             Self::Slippery { needed, friction } => format!(
                 "{kind}: `{object}` slips out: its weight needs more than {needed:.2} N at a friction of {friction:.2}, and {force} N are asked"
+            ),
+            Self::Lost { wanted } => format!(
+                "{kind}: `{object}` slipped out of {base} and {fingers}, which were to press with {wanted:.2} N"
             ),
             Self::Missed => {
                 format!(

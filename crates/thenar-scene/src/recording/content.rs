@@ -2,7 +2,7 @@
 
 use super::state::{Bare, BareRef};
 use crate::format::PresetWord;
-use crate::session::{GripsRef, Memory, MemoryRef, Session, Source};
+use crate::session::{GripsRef, Memory, MemoryRef, ReflexesRef, Session, Source};
 use serde::{Deserialize, Serialize};
 use thenar::world::State;
 
@@ -133,7 +133,12 @@ impl Keyframe {
             let faded: (Vec<[f64; 6]>, &[u8]) = postcard::take_from_bytes(rest).ok()?;
             state.faded = faded.0;
             if !faded.1.is_empty() {
-                kept.memory.grips = postcard::take_from_bytes(faded.1).ok()?.0;
+                let rest;
+                (kept.memory.grips, rest) = postcard::take_from_bytes(faded.1).ok()?;
+                if !rest.is_empty() {
+                    kept.memory
+                        .set_reflexes(&postcard::take_from_bytes::<Vec<_>>(rest).ok()?.0[..]);
+                }
             }
         }
         Some(Self { number, state, kept: Some(kept) })
@@ -149,11 +154,11 @@ impl Keyframe {
     /// True when a session remembers the same as this, to the bit.
     pub(super) fn remembers_as(&self, session: &Session) -> bool {
         let (mut one, mut other) = (Vec::new(), Vec::new());
-        append(&mut one, &(session.memory(), session.grips_memory()));
+        append(&mut one, &(session.memory(), session.grips_memory(), session.reflexes()));
         self.kept.as_ref().is_none_or(|kept| {
             append(&mut other, &kept.memory);
             if !kept.memory.grips.is_empty() {
-                append(&mut other, &kept.memory.grips);
+                append(&mut other, &(&kept.memory.grips, kept.memory.reflexes()));
             }
             one == other
         })
@@ -171,6 +176,8 @@ pub(super) struct KeyframeRef<'a> {
     faded: &'a [[f64; 6]],
     /// After it what hands grip.
     grips: GripsRef<'a>,
+    /// After that how their grips answer to load.
+    reflexes: ReflexesRef<'a>,
 }
 
 impl<'a> KeyframeRef<'a> {
@@ -179,7 +186,8 @@ impl<'a> KeyframeRef<'a> {
         let state = session.world().state();
         let memory = session.memory();
         let (faded, grips) = (&state.faded[..], session.grips_memory());
-        Self { number, state: state.into(), start, memory, faded, grips }
+        let reflexes = session.reflexes();
+        Self { number, state: state.into(), start, memory, faded, grips, reflexes }
     }
 }
 

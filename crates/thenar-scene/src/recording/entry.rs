@@ -36,6 +36,7 @@ pub enum What {
     ResumeRemembering { state: Box<Bare>, faded: Vec<[f64; 6]> },
     Grip { hand: u32, order: Order },
     Release { hand: u32 },
+    GripAdapting { hand: u32, order: Order },
 }
 
 /// A borrowed input, to be written: nothing is copied to the heap.
@@ -61,6 +62,7 @@ pub enum WhatRef<'a> {
     ResumeRemembering { state: BareRef<'a>, faded: &'a [[f64; 6]] },
     Grip { hand: u32, order: &'a Order },
     Release { hand: u32 },
+    GripAdapting { hand: u32, order: &'a Order },
 }
 
 /// Hands an entry on in the form in which it is written.
@@ -86,6 +88,9 @@ pub fn with_ref(number: u64, entry: Entry<'_>, then: impl FnOnce(&InputRef<'_>))
         }
         Entry::Resume { state } => {
             give(WhatRef::ResumeRemembering { state: state.into(), faded: &state.faded });
+        }
+        Entry::Grip { hand, order } if order.adapts => {
+            give(WhatRef::GripAdapting { hand: hand as u32, order });
         }
         Entry::Grip { hand, order } => give(WhatRef::Grip { hand: hand as u32, order }),
         Entry::Release { hand } => give(WhatRef::Release { hand: hand as u32 }),
@@ -139,6 +144,9 @@ impl What {
                 then(Entry::Resume { state: &state })
             }
             Self::Grip { hand, order } => then(Entry::Grip { hand: *hand as usize, order }),
+            Self::GripAdapting { hand, order } => {
+                then(Entry::Grip { hand: *hand as usize, order: &order.adapting(true) })
+            }
             Self::Release { hand } => then(Entry::Release { hand: *hand as usize }),
             Self::Restart => then(Entry::Restart),
             Self::SetNumber { key, value } => {
@@ -163,7 +171,9 @@ impl fmt::Display for What {
             Self::Resume { .. } | Self::ResumeRemembering { .. } => {
                 write!(f, "the state of another simulation")
             }
-            Self::Grip { hand, order } => write!(f, "{} of hand {hand}", order.kind.name()),
+            Self::Grip { hand, order } | Self::GripAdapting { hand, order } => {
+                write!(f, "{} of hand {hand}", order.kind.name())
+            }
             Self::Release { hand } => write!(f, "hand {hand} opens"),
             Self::Restart => write!(f, "restart"),
             Self::SetNumber { key, value } => write!(f, "{key} = {}", plain(*value)),
@@ -208,6 +218,7 @@ mod tests {
         let order =
             Order::new(Some(ball), crate::grip::GripKind::Tripod, 1.0 / 3.0, 0.1, Some(2.5));
         check(Entry::Grip { hand: 1, order: &order });
+        check(Entry::Grip { hand: 1, order: &order.adapting(true) });
         check(Entry::Release { hand: 1 });
         let target = |k: usize| Target {
             pose_WB: frame(k),

@@ -79,11 +79,13 @@ impl Session {
         };
         let built = &self.built.hands[hand];
         let flesh = built.flesh().unwrap_or(u32::MAX);
+        let adapts = force.is_none();
         let force = force.unwrap_or_else(|| usual_force(self.world.desc(), flesh, body));
         if !(force > 0.0 && force <= FORCE_MAX) {
             return Err(GripError::Force(force));
         }
         let order = Order::new(Some(body), kind, force, self.world.time(), None);
+        let order = order.adapting(adapts);
         self.begin_grip(hand, &order)?;
         Ok(self.body_name(body).to_owned())
     }
@@ -188,6 +190,9 @@ impl Session {
             let scripted = self.mover(k) == Mover::Script;
             let hand = &self.built.hands[k];
             if let Some(gripping) = &mut self.grips[k] {
+                if self.led[k].is_some() {
+                    gripping.be_led();
+                }
                 let targets = &mut self.input.targets[drive::bones(hand)];
                 gripping.step(&self.world, hand, (h, t), scripted, targets);
             }
@@ -206,6 +211,11 @@ impl Session {
     /// What grips remember, one for each hand.
     pub(crate) fn grips_memory(&self) -> GripsRef<'_> {
         GripsRef(self)
+    }
+
+    /// How they answer to load.
+    pub(crate) fn reflexes(&self) -> ReflexesRef<'_> {
+        ReflexesRef(self)
     }
 
     /// True when this can be gone on from.
@@ -340,5 +350,19 @@ impl Serialize for GripsRef<'_> {
         }
         let grips = self.0.grips.iter();
         to.collect_seq(grips.map(|gripping| gripping.as_ref().map(|gripping| gripping.memory())))
+    }
+}
+
+/// How grips answer to load, where it is.
+#[derive(Clone, Copy, Debug)]
+pub struct ReflexesRef<'a>(&'a Session);
+
+impl Serialize for ReflexesRef<'_> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        if self.0.grips.iter().all(Option::is_none) {
+            return to.serialize_unit();
+        }
+        let grips = self.0.grips.iter();
+        to.collect_seq(grips.map(|g| g.as_ref().map(|gripping| gripping.memory().reflex())))
     }
 }

@@ -3,7 +3,7 @@
 
 use super::{Session, drive};
 use crate::flat::{FlatTarget, Flattened, target};
-use crate::grip::GripMemory;
+use crate::grip::{GripMemory, Reflex};
 use crate::live::{LiveMemory, LiveMemoryRef};
 use crate::tuning::SettingValue;
 use serde::{Deserialize, Serialize, Serializer};
@@ -144,6 +144,22 @@ impl Session {
         memory.hands.len() == self.built.hands.len()
             && self.takes_grips(&memory.grips)
             && memory.hands.iter().enumerate().all(fits)
+    }
+}
+
+impl Memory {
+    /// How grips answer to load, one for each hand.
+    pub(crate) fn reflexes(&self) -> Vec<Option<Reflex>> {
+        self.grips.iter().map(|grip| grip.as_ref().map(GripMemory::reflex)).collect()
+    }
+
+    /// Goes on with these.
+    pub(crate) fn set_reflexes(&mut self, reflexes: &[Option<Reflex>]) {
+        for (grip, reflex) in self.grips.iter_mut().zip(reflexes) {
+            if let (Some(grip), Some(reflex)) = (grip, reflex) {
+                grip.set_reflex(*reflex);
+            }
+        }
     }
 }
 

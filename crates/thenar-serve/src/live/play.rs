@@ -174,7 +174,8 @@ impl Play {
         });
         let trouble = hand.and_then(|hand| self.session.grip_state(hand)?.trouble);
         // A trouble's figure may change; the same is told once.
-        let is_new = trouble.is_some() && self.told.is_none();
+        let kind = |trouble: &Option<Trouble>| trouble.as_ref().map(std::mem::discriminant);
+        let is_new = trouble.is_some() && kind(&self.told) != kind(&trouble);
         self.told = trouble;
         if is_new { self.session.grip_trouble(hand?) } else { None }
     }

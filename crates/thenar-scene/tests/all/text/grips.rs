@@ -209,6 +209,84 @@ fn two_hands_carry_a_plank_level_and_share_its_weight() {
     assert!(pose.vector(&Vec3::x()).y.abs() < 0.01, "{pose:?}");
 }
 
+/// A thing put where the egg lies, some millimetres aside of where the hand comes down, gripped by a line without a force and
+/// lifted: held by the hand alone, without creep, with no more than thrice what keeps it from slipping.
+#[track_caller]
+fn is_held_instead_of_the_egg(shape: &str, mass: f64, half_height: f64, kind: &str) {
+    let mut text = builtin("egg").expect("a scene").text.to_owned();
+    let egg = text.find("[[rigid]]\nname = \"egg\"").expect("an egg");
+    let end = egg + text[egg..].find("\n\n").expect("the end of the egg");
+    let thing = format!(
+        "[[rigid]]\nname = \"egg\"\nshape = {shape}\nmass = {mass}\nposition = [0, {half_height}, 0]\nfriction = 0.8"
+    );
+    text.replace_range(egg..end, &thing);
+    for (now, then) in [
+        ("position = [0.077, ", "position = [0.067, "),
+        ("force = 0.8\n", ""),
+        ("\"tripod\"", &format!("\"{kind}\"")),
+    ] {
+        assert!(text.contains(now), "{now}");
+        text = text.replace(now, then);
+    }
+    let mut session = Session::from_text(&text, Path::new("egg.toml"), &[])
+        .unwrap_or_else(|error| panic!("{error}"));
+    let thing = body(&session, "egg");
+    let before = middle(&session, thing);
+    run_to(&mut session, 3.3, |_| {});
+    let (limit, weight) = (slip_limit(&session, thing, 1.0), weight(&session, thing));
+    run_to(&mut session, 3.8, |session| {
+        let touch = Touch::of(session, 0, thing);
+        let what = format!("{shape}, {} s: {touch:?}, limit {limit} N", session.world().time());
+        assert!((1.1..3.0).contains(&(0.5 * touch.sum() / limit)), "{what}");
+        assert!((touch.lift - weight).abs() < 0.02 * weight, "{what}");
+        assert!(touch.slip < 1e-4, "{what}");
+        assert_eq!(session.grip_trouble(0), None, "{what}");
+    });
+    let lifted = middle(&session, thing).y - before.y;
+    assert!(lifted > 0.07, "{shape} goes up by {lifted} m");
+}
+
+#[test]
+fn a_cube_of_40_mm_is_lifted_in_a_tripod() {
+    is_held_instead_of_the_egg(
+        "{ kind = \"box\", size = [0.04, 0.04, 0.04] }",
+        0.1,
+        0.02,
+        "tripod",
+    );
+}
+
+#[test]
+fn a_cube_of_30_mm_is_lifted_in_a_pinch() {
+    is_held_instead_of_the_egg(
+        "{ kind = \"box\", size = [0.03, 0.03, 0.03] }",
+        0.05,
+        0.015,
+        "pinch",
+    );
+}
+
+#[test]
+fn an_ellipsoid_is_lifted_in_a_tripod() {
+    let shape = "{ kind = \"ellipsoid\", size = [0.06, 0.04, 0.04] }";
+    is_held_instead_of_the_egg(shape, 0.06, 0.02, "tripod");
+}
+
+/// A grip that is too weak loses the egg, and says so with its force.
+#[test]
+fn a_thing_that_slips_out_is_reported() {
+    let mut text = builtin("egg").expect("a scene").text.to_owned();
+    text = text.replace("force = 0.8\n", "force = 0.2\n");
+    let mut session = Session::from_text(&text, Path::new("egg.toml"), &[])
+        .unwrap_or_else(|error| panic!("{error}"));
+    while session.world().time() < 3.0 {
+        session.step(&mut ());
+    }
+    let said = session.grip_trouble(0).expect("a trouble");
+    assert!(said.contains("`egg` slipped out of thumb and fingers"), "{said}");
+    assert!(said.ends_with("press with 0.20 N"), "{said}");
+}
+
 /// The ball of `ball-grip` in its pinch, up in the air: where it is beside the palm, and how fast it creeps there until
 /// `end` [m, m/s].
 fn pinched(h: f64, end: f64) -> (Vec3, f64) {
