@@ -40,7 +40,7 @@ const BEHIND: f64 = 8e-3;
 const LEAD: (f64, f64) = (8.0, 0.015);
 /// Frequency at which joints follow while nothing is held \[Hz\], and their fastest rate \[rad/s\]: a reach takes half a second.
 const FOLLOW: (f64, f64) = (4.0, 4.0);
-/// The same of a palm that goes aside \[Hz, m/s\]: people's hands correct their way on the last centimetres no faster.
+/// Frequency \[Hz\] and fastest rate \[m/s\] of a palm that goes aside, slower than fingers: 30 mm take half a second.
 const ASIDE: (f64, f64) = (2.0, 0.15);
 /// A palm this near has arrived \[m\].
 const THERE: f64 = 2e-3;
@@ -546,7 +546,7 @@ impl GripHand {
         }
     }
 
-    /// Whether what was held is gone: fingers then stay as they are, and press again when they meet it.
+    /// True when an object that was held is gone: fingers then stay as they are, and press again when they meet it.
     fn is_lost(&mut self, order: &Order, h: f64) -> bool {
         let GripMemory { reflex, force, trouble, .. } = &mut self.memory;
         reflex.held |= *force > LOST.0 * reflex.wanted;

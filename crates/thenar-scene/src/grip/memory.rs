@@ -79,7 +79,7 @@ const ASIDE_MAX: f64 = 1.0;
 /// How a grip answers to load. Came later to the form of a keyframe than the rest, and stands behind it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Reflex {
-    /// Whether the force of the present and of the waiting order may rise: see [`Order::adapts`].
+    /// [`Order::adapts`] of the present and of the waiting order.
     pub adapts: [bool; 2],
     /// Force that is wanted now \[N\].
     pub wanted: f64,
