@@ -36,8 +36,9 @@ def test_the_notebook_runs_and_ends_with_the_forces_of_the_fingers() -> None:
     lines = names["axes"].get_lines()
     forces = np.array([line.get_ydata() for line in lines])
     assert [line.get_label() for line in lines] == ["palm", "thumb", "index", "middle", "ring", "little"]
-    # Nothing presses at first; in the end the thumb bears the others, and the bread is up.
-    assert forces[:, 0].max() == 0.0 and forces[1, -1] > 0.5 and forces[2:, -1].max() > 0.5
+    # Nothing presses at first; in the end the thumb bears the others, but for how they slant, and the bread is up.
+    assert forces[:, 0].max() == 0.0 and forces[1, -1] > 0.5
+    assert forces[2:, -1].sum() == pytest.approx(forces[1, -1], rel=0.1)
     assert names["heights"][-1] - names["heights"][0] > 0.05
     matplotlib.pyplot.close("all")
 
