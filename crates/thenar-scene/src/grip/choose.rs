@@ -45,8 +45,7 @@ const SHIFT: f64 = 0.25 * MISS;
 const SHIFTS: usize = 4;
 /// Weight of the lever by which gravity turns an object in its pads: more than that of a pad that ends as far from its
 /// place, for which closing makes up, while friction of a pad holds a lever of a few millimetres only. Found by
-/// trial: cubes, ellipsoids and a card that were lifted from beside their middle fell with 16 (that of a pad), and were
-/// held with 40.
+/// trial: with that of a pad, an egg 4 mm farther off and an ellipsoid in a pinch fell; with this they were held.
 const LEVER: f64 = 2.5 * MISS;
 /// A longer lever is as good as any \[m\]: long things are held where the hand is, and by two hands.
 const LEVER_MAX: f64 = 0.5 * SHIFT_MAX;

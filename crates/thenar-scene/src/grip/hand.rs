@@ -40,7 +40,7 @@ const BEHIND: f64 = 8e-3;
 const LEAD: (f64, f64) = (8.0, 0.015);
 /// Frequency at which joints follow while nothing is held \[Hz\], and their fastest rate \[rad/s\]: a reach takes half a second.
 const FOLLOW: (f64, f64) = (4.0, 4.0);
-/// Frequency \[Hz\] and fastest rate \[m/s\] of a palm that goes aside, slower than fingers: 30 mm take half a second.
+/// Frequency \[Hz\] and fastest rate \[m/s\] of a palm that goes aside: half as fast as joints.
 const ASIDE: (f64, f64) = (2.0, 0.15);
 /// A palm this near has arrived \[m\].
 const THERE: f64 = 2e-3;
