@@ -18,7 +18,7 @@ use super::memory::{GripMemory, PadMemory, Phase, Reflex};
 use super::opposition::{Base, Opposition};
 use super::order::Order;
 use super::size::friction;
-use super::squeeze::{RANGE, further, push, wanted};
+use super::squeeze::{RANGE, further, push, slope, wanted};
 use super::trouble::Trouble;
 use crate::build::BuiltHand;
 use crate::live::{Law, follow};
@@ -515,6 +515,7 @@ impl GripHand {
             let Reflex { wanted: before, used, .. } = memory.reflex;
             memory.reflex.wanted = wanted(before, order.force, memory.force, used, h);
         }
+        let met = slope(memory.depth, memory.force, bound);
         memory.depth = push(memory.depth, memory.force, memory.reflex.wanted, bound, h);
         let fingers = (1..opposition.pads()).filter(|pad| memory.pads[*pad].anchor.is_some());
         let share = 1.0 / fingers.count().max(1) as f64;
@@ -528,7 +529,7 @@ impl GripHand {
             if pad > 0 && shares && memory.reflex.held {
                 let (felt, mean) = (memory.felt[part(chain.digit)], share * memory.force);
                 let more = &mut memory.reflex.further[pad];
-                *more = further(*more, felt, mean, bound, h);
+                *more = further(*more, felt, mean, met, h);
                 centre -= kept.normal_P * *more;
             }
             solve(
