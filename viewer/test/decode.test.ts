@@ -40,6 +40,8 @@ describe("a model", () => {
     expect(Array.from(m.softs[0].skin?.bones ?? [])).toEqual([1, 1, 1, 2, 1, 2, 1, 2, 2, 2]);
     expect(m.hands[0].angles[4]?.joint).toBe("j");
     expect(m.hands[0].angles[3]).toBeNull();
+    expect(m.hands[0].shapes.get("fist")?.[19]).toBeCloseTo(1.9, 12);
+    expect(m.hands[0].cuff?.triangles).toEqual(Uint32Array.from([0, 1, 2]));
     expect(Array.from(m.hands[0].collision_digits)).toEqual([0, 0, 2, 2]);
   });
 

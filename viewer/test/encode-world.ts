@@ -122,7 +122,13 @@ export function worldJson(arrays: Arrays) {
         bones: [bone("palm", null, "palm"), bone("index-distal", 0, "index")],
         wrist_B: [0, 0, 0, 0, 0, 0, 1],
         angles: Array.from({ length: 20 }, (_, i) => (i === 4 ? ANGLE : null)),
+        shapes: { fist: Array.from({ length: 20 }, (_, i) => i / 10) },
         collision_digits: arrays.put("u8", 1, [0, 0, 2, 2]),
+        cuff: {
+          positions: arrays.put("f32", 3, [0, 0, 0, 1, 0, 0, 0, 1, 0]),
+          triangles: arrays.put("u32", 3, [0, 1, 2]),
+          colours: null,
+        },
       },
     ],
   };

@@ -36,7 +36,9 @@ function hand(side: Side, back: number): { model: HandModel; rigids: Float32Arra
     bones,
     wrist_B: [0, 0, 0, 0, 0, 0, 1],
     angles: [],
+    shapes: new Map(),
     collision_digits: new Uint8Array(),
+    cuff: null,
   };
   return { model, rigids: Float32Array.from(rigids) };
 }

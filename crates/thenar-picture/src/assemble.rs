@@ -4,6 +4,7 @@ use super::V;
 use super::colour::vector;
 use super::normals;
 use super::scene3d::{Material, Mesh, Scene3d};
+use super::skin::Site;
 use std::ops::Range;
 use thenar::Vec3;
 
@@ -18,6 +19,8 @@ pub(super) struct Geometry {
     pub colours: Vec<V>,
     /// Part of the ambient light that arrives, 0 to 1.
     pub ambient: Vec<f32>,
+    /// Where on a hand; none for what is not skin.
+    pub sites: Vec<Option<Site>>,
     /// Corners of each triangle.
     pub triangles: Vec<[u32; 3]>,
     /// Mesh of each triangle.
@@ -69,6 +72,7 @@ impl Geometry {
             Some(c) => base.component_mul(&vector(*c)),
             None => base,
         };
+        let site = |i: usize| mesh.sites.as_ref().and_then(|sites| sites.get(i).copied());
         let place = |i: usize| (mesh.positions[i] - origin).cast::<f32>();
         self.mesh_of.resize(self.mesh_of.len() + triangles.len(), self.ranges.len() as u32);
         let first = self.points.len() as u32;
@@ -79,7 +83,7 @@ impl Geometry {
                 let next = self.points.len() as u32;
                 self.triangles.push([next, next + 1, next + 2]);
                 for (&i, n) in triangle.iter().zip(corner_normals) {
-                    self.push(place(i as usize), n.cast(), tint(i as usize));
+                    self.push(place(i as usize), n.cast(), tint(i as usize), site(i as usize));
                 }
             }
             return;
@@ -93,12 +97,22 @@ impl Geometry {
             }
         };
         for (i, n) in vertex_normals.iter().enumerate() {
-            self.push(place(i), n.cast(), tint(i));
+            self.push(place(i), n.cast(), tint(i), site(i));
         }
         self.triangles.extend(triangles.iter().map(|t| t.map(|i| i + first)));
     }
 
-    pub(super) fn push(&mut self, point: V, normal: V, colour: V) {
+    /// Site between the corners of a triangle, by their weights.
+    pub(super) fn site(&self, corners: [u32; 3], weights: &[f32; 3]) -> Option<Site> {
+        let [a, b, c] = corners.map(|i| self.sites[i as usize]);
+        let (of, w) = ([a?, b?, c?], weights);
+        let mix = |value: fn(&Site) -> f32| (0..3).map(|k| value(&of[k]) * w[k]).sum();
+        let nail = [mix(|s| s.nail[0]), mix(|s| s.nail[1])];
+        Some(Site { blood: mix(|s| s.blood), open: mix(|s| s.open), nail })
+    }
+
+    pub(super) fn push(&mut self, point: V, normal: V, colour: V, site: Option<Site>) {
+        self.sites.push(site);
         self.points.push(point);
         self.normals.push(normal);
         self.colours.push(colour);

@@ -8,6 +8,7 @@ use super::shapes::{Solid, of_shape, sphere};
 use thenar::model::{JointKind, Motion, RigidDesc};
 use thenar::{Pose, Vec3, World};
 use thenar_rig::TriMesh;
+use thenar_rig::hand::cuff;
 use thenar_rig::object::Paint;
 
 /// Colours of bodies that were given none.
@@ -42,6 +43,14 @@ fn painted(mesh: &TriMesh, paint: &[Paint]) -> Vec<Rgb> {
         }
     }
     colours
+}
+
+/// The cuff that a hand with flesh wears.
+pub fn cuff_mesh(world: &World, hand: &Hand) -> Option<Mesh<'static>> {
+    let cuff = cuff(hand.model)?;
+    let pose_WB = world.rigid_pose(hand.bones.start);
+    let positions: Vec<Vec3> = cuff.positions.iter().map(|p| pose_WB.point(p)).collect();
+    Some(Mesh::new(positions, cuff.triangles, Material { crease: Some(0.9), ..Material::cloth() }))
 }
 
 /// Fixed bodies look like furniture; others take the colour that belongs to their name.

@@ -88,7 +88,7 @@ impl Screen {
             let (point, normal) = (mix(&geometry.points), mix(&geometry.normals));
             let colour = mix(&geometry.colours);
             let ambient = (0..3).map(|k| geometry.ambient[corners[k] as usize] * w[k]).sum();
-            geometry.push(point, normal, colour);
+            geometry.push(point, normal, colour, geometry.site(corners, w));
             geometry.ambient.push(ambient);
             let eye: V = (0..3).map(|k| triangle[k] * w[k]).sum();
             let [x, y, inverse] = on_screen(eye, view);

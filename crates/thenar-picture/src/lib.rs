@@ -28,6 +28,7 @@ mod scene3d;
 mod shade;
 mod shadow;
 mod shapes;
+mod skin;
 mod stage;
 mod surface;
 mod tile;

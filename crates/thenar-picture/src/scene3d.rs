@@ -1,6 +1,7 @@
 //! What is drawn: meshes, light, ground, backdrop.
 
 use super::colour::{Rgb, hex};
+use super::skin::Site;
 use std::borrow::Cow;
 use thenar::Vec3;
 
@@ -67,6 +68,11 @@ impl Material {
         Self { wrap: [0.2; 3], specular: 0.12, ..Self::matte(hex(0x6f9fc8)) }
     }
 
+    /// Cloth of a cuff.
+    pub fn cloth() -> Self {
+        Self { wrap: [0.12; 3], specular: 0.02, rim: 0.12, ..Self::matte(hex(0x39485a)) }
+    }
+
     /// Material of bones.
     pub fn bone() -> Self {
         Self { wrap: [0.15; 3], specular: 0.12, gloss: 30.0, ..Self::matte(hex(0xefe6d0)) }
@@ -104,6 +110,8 @@ pub struct Mesh<'a> {
     pub normals: Option<Cow<'a, [Vec3]>>,
     /// Colours per vertex, multiplied with the material's.
     pub colours: Option<Cow<'a, [Rgb]>>,
+    /// Where on a hand each vertex is; skin looks different from place to place.
+    pub sites: Option<Vec<Site>>,
     /// Material of the surface.
     pub material: Material,
     /// Both sides are drawn (open surfaces, wires).
@@ -122,6 +130,7 @@ impl<'a> Mesh<'a> {
             triangles: triangles.into(),
             normals: None,
             colours: None,
+            sites: None,
             material,
             two_sided: false,
         }

@@ -9,6 +9,10 @@ use super::colour::vector;
 use super::pattern;
 use super::scene3d::{Ground, Light, Material, Pattern, Scene3d};
 use super::shadow::Shadow;
+use super::skin;
+
+/// Highlight that a nail has beside that of skin: strength and exponent.
+const NAIL_SHINE: (f32, f32) = (0.2, 60.0);
 
 /// Everything shading looks at.
 pub(super) struct Shader<'a> {
@@ -135,7 +139,14 @@ impl<'a> Shader<'a> {
                 + values[corners[1] as usize] * w[1]
                 + values[corners[2] as usize] * w[2]
         };
-        let colour = mix(&self.geometry.colours);
+        let mut colour = mix(&self.geometry.colours);
+        let mut material = *material;
+        if let Some(site) = self.geometry.site(corners, &w) {
+            let nail;
+            (colour, nail) = skin::colour(&colour, &site);
+            material.specular += NAIL_SHINE.0 * nail;
+            material.gloss += NAIL_SHINE.1 * nail;
+        }
         if material.unlit {
             return (colour, material.opacity);
         }
@@ -146,7 +157,7 @@ impl<'a> Shader<'a> {
             normal = -normal;
         }
         let open: f32 = (0..3).map(|k| self.geometry.ambient[corners[k] as usize] * w[k]).sum();
-        let reflected = self.reflect(&p, &normal, &colour, open, material);
+        let reflected = self.reflect(&p, &normal, &colour, open, &material);
         let edge = 1.0 - normal.dot(&eye).clamp(0.0, 1.0);
         let opacity = material.opacity + (1.0 - material.opacity) * 0.5 * edge * edge * edge;
         (reflected, if material.opacity < 1.0 { opacity } else { 1.0 })

@@ -1,11 +1,12 @@
 //! A moment of a simulation as a scene of meshes.
 
 use super::actors::{Hand, Rigid, Soft};
-use super::bodies::{bone_meshes, rigid_mesh};
+use super::bodies::{bone_meshes, cuff_mesh, rigid_mesh};
 use super::colour::{Rgb, hex, pressure_colour};
 use super::draw::{Pen, arrow, points, wires};
 use super::scene3d::{Ground, Material, Mesh, Pattern, Scene3d};
 use super::shapes::Solid;
+use super::skin;
 use super::surface::{self, Nodes};
 use super::{Camera, Layers};
 use thenar::model::BodyId;
@@ -63,6 +64,9 @@ impl Stage<'_> {
             self.add_soft(soft, layers, scales, &pen, &mut scene);
         }
         for hand in &self.hands {
+            if layers.skin && !layers.targets && !layers.see_through() {
+                scene.meshes.extend(cuff_mesh(self.world, hand));
+            }
             if layers.bones {
                 scene.meshes.extend(bone_meshes(self.world, hand));
             }
@@ -133,7 +137,10 @@ impl Stage<'_> {
         }
         if layers.skin && !layers.targets {
             let positions = surface::embedded(soft.render, tets, nodes);
-            let mesh = Mesh::new(positions, soft.render.triangles.clone(), material);
+            let mut mesh = Mesh::new(positions, soft.render.triangles.clone(), material);
+            if !layers.pressure && !layers.weights {
+                mesh.sites = soft.hand.map(|hand| skin::sites(hand, soft.render));
+            }
             scene.meshes.push(self.tinted(mesh, soft, layers, scales));
         }
         if layers.targets {

@@ -8,13 +8,17 @@ import { clampPose, copyPose, follow, wristNumbers, type HandPose } from "./hand
 import { presentPose } from "./present-pose";
 import {
   DIGIT_COUNT,
+  clampAngles,
   curl,
   curlOf,
+  fingersAre,
   grasp,
   graspOf,
-  preset,
+  presetOf,
   setSpread,
   spreadOf,
+  thumbAside,
+  thumbLast,
   type Angles,
   type Preset,
 } from "./shapes";
@@ -51,20 +55,20 @@ export class Posing extends InputSourceBase {
   private pose: HandPose | null = null;
   private timer: ReturnType<typeof setInterval> | undefined;
   private before = 0;
+  /** The shape whose thumb waits for the fingers. */
+  private closed: Angles | null = null;
 
   constructor(private readonly app: App) {
     super();
     const { connection, feed } = app;
     feed.on("model", (model) => {
-      this.goal = null;
-      this.pose = null;
+      this.forget();
       this.hand = Math.min(this.hand, Math.max(0, model.hands.length - 1));
       this.setAvailable(model.hands.length > 0, model.hands.length > 0 ? "" : "This scene has no hand.");
     });
     // Another server, or another's control: what was posed is void.
     connection.on("close", () => {
-      this.goal = null;
-      this.pose = null;
+      this.forget();
     });
     connection.on("status", () => {
       if (this.state !== "on" || connection.inControl || connection.status?.control === null) return;
@@ -106,9 +110,14 @@ export class Posing extends InputSourceBase {
     clearInterval(this.timer);
     const side = this.model?.side ?? null;
     if (side !== null && this.app.connection.inControl) this.app.connection.sendLost(side);
+    this.forget();
+    this.set("off", note);
+  }
+
+  private forget(): void {
     this.goal = null;
     this.pose = null;
-    this.set("off", note);
+    this.closed = null;
   }
 
   /** Poses another of the scene's hands; the present one stays as it is. */
@@ -117,8 +126,7 @@ export class Posing extends InputSourceBase {
     const before = this.model?.side ?? null;
     if (this.on && before !== null) this.app.connection.sendLost(before);
     this.hand = hand;
-    this.goal = null;
-    this.pose = null;
+    this.forget();
     this.changed();
   }
 
@@ -132,11 +140,16 @@ export class Posing extends InputSourceBase {
   }
 
   shape(name: Preset): void {
-    this.aim((goal) => void (goal.angles = preset(name)));
+    this.aim((goal, hand) => {
+      const angles = presetOf(name, hand);
+      this.closed = thumbLast(name) ? clampAngles(angles, hand) : null;
+      goal.angles = this.closed === null ? angles : thumbAside(angles);
+    });
   }
 
   /** The fingers keep what sets them apart from the slider's shape, until an end is reached. */
   setGrasp(amount: number): void {
+    this.closed = null;
     this.aim((goal) => {
       const from = grasp(graspOf(goal.angles));
       goal.angles = moved(goal.angles, 0, from, grasp(amount), amount);
@@ -144,6 +157,7 @@ export class Posing extends InputSourceBase {
   }
 
   setCurl(digit: number, amount: number): void {
+    this.closed = null;
     this.aim((goal) => {
       const from = curl(digit, curlOf(digit, goal.angles));
       goal.angles = moved(goal.angles, 4 * digit, from, curl(digit, amount), amount);
@@ -168,12 +182,12 @@ export class Posing extends InputSourceBase {
     };
   }
 
-  private aim(change: (goal: HandPose) => void): void {
+  private aim(change: (goal: HandPose, hand: HandModel) => void): void {
     const hand = this.model;
     if (!this.on || hand === null || !this.acquire(hand)) return;
     const { goal, pose } = this;
     if (goal === null || pose === null) return;
-    change(goal);
+    change(goal, hand);
     clampPose(goal, hand, pose);
     this.changed();
   }
@@ -198,6 +212,10 @@ export class Posing extends InputSourceBase {
     this.onTick?.(dt);
     const { goal, pose } = this;
     if (goal === null || pose === null) return;
+    if (this.closed !== null && fingersAre(pose.angles, this.closed)) {
+      goal.angles.set(this.closed.subarray(0, 4));
+      this.closed = null;
+    }
     follow(pose, goal, dt);
     connection.sendAngles(hand.side, wristNumbers(pose), pose.angles);
   }

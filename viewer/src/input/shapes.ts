@@ -8,10 +8,13 @@ export const DIGIT_COUNT = 5;
 export const ANGLE_COUNT = 20;
 export type Angles = Float64Array;
 
-export const PRESETS = ["open", "relaxed", "fist", "point", "pinch", "power grasp"] as const;
+export const PRESETS = ["open", "relaxed", "fist", "point", "pinch", "power-grasp"] as const;
 export type Preset = (typeof PRESETS)[number];
 
 /** Base, second and third flexion, and spread, degrees. */
+/** So near is there, rad. */
+const FINGERS_THERE = 0.1;
+
 type DigitShape = readonly [number, number, number, number];
 interface Shape {
   readonly thumb: DigitShape;
@@ -28,7 +31,7 @@ const SHAPES: Readonly<Record<Preset, Shape>> = {
   fist: { thumb: [10, 30, 40, 22], index: CLOSED, others: CLOSED },
   point: { thumb: [10, 30, 40, 22], index: [5, 5, 3, 0], others: CLOSED },
   pinch: { thumb: [10, 20, 30, 15], index: [45, 50, 35, 0], others: [25, 30, 15, 0] },
-  "power grasp": { thumb: [0, 25, 25, 22], index: [50, 45, 25, 0], others: [50, 45, 25, 0] },
+  "power-grasp": { thumb: [0, 25, 25, 22], index: [50, 45, 25, 0], others: [50, 45, 25, 0] },
 };
 
 /** Ends of the grasp slider: fingers ready around something of 5 to 8 cm with the thumb opposed,
@@ -52,8 +55,32 @@ function write(shape: Shape): Angles {
   return angles;
 }
 
+/** Thumb that lets fingers pass, base flexion, base spread, second and third flexion, degrees. */
+const THUMB_ASIDE = [-10, 22, 0, 0];
+
+/** A shape of any hand. */
 export function preset(name: Preset): Angles {
   return write(SHAPES[name]);
+}
+
+/** A shape of this hand: its own where the server knows one. */
+export function presetOf(name: Preset, hand: HandModel): Angles {
+  return hand.shapes.get(name)?.slice() ?? preset(name);
+}
+
+/** True for shapes with the thumb over bent fingers, which bend before it. */
+export const thumbLast = (name: Preset): boolean => name === "fist" || name === "point";
+
+/** These angles with the thumb aside. */
+export function thumbAside(angles: Angles): Angles {
+  const aside = angles.slice();
+  aside.set(THUMB_ASIDE.map((degrees) => (degrees * Math.PI) / 180));
+  return aside;
+}
+
+/** True when all fingers are within some degrees of where they are to be. */
+export function fingersAre(angles: Angles, goal: Angles): boolean {
+  return angles.every((angle, i) => i < 4 || Math.abs(angle - goal[i]) < FINGERS_THERE);
 }
 
 const mix = (a: Angles, b: Angles, share: number): Angles => a.map((x, i) => x + (b[i] - x) * share);

@@ -240,8 +240,20 @@ function readHand(value: unknown, i: number, rigids: number, softs: number, arra
     bones: bones.map((bone, b) => readBone(bone, count, `${what}.bones[${b}]`)),
     wrist_B: pose(json["wrist_B"], `${what}.wrist_B`),
     angles: angles.map((angle, a) => orNull(angle, (v) => readAngle(v, count, `${what}.angles[${a}]`))),
+    shapes: readShapes(json["shapes"] ?? {}, `${what}.shapes`),
     collision_digits: arrays.get(json["collision_digits"], "u8", 1, `${what}.collision_digits`),
+    cuff: orNull(json["cuff"] ?? null, (v) => readMesh(v, arrays, `${what}.cuff`)),
   };
+}
+
+function readShapes(value: unknown, what: string): ReadonlyMap<string, Float64Array> {
+  return new Map(
+    Object.entries(object(value, what)).map(([name, of]) => {
+      const angles = list(of, `${what}.${name}`).map((angle) => number(angle, `${what}.${name}`));
+      check(angles.length === 20, `${what}.${name} has ${angles.length} entries instead of 20.`);
+      return [name, Float64Array.from(angles)];
+    }),
+  );
 }
 
 function readOverlap(value: unknown, i: number): Overlap {

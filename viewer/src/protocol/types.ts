@@ -132,8 +132,12 @@ export interface HandModel {
   readonly wrist_B: Pose7;
   /** Per digit, thumb first: base flexion, base spread, second flexion, third flexion. */
   readonly angles: readonly (HandAngle | null)[];
+  /** Named shapes of this hand as such angles; none of a server that does not say. */
+  readonly shapes: ReadonlyMap<string, Float64Array>;
   /** Per collision vertex, an index into DIGITS. */
   readonly collision_digits: Uint8Array;
+  /** Worn at the wrist, in the palm bone's frame, m; null for hands with a forearm, and where a server does not say. */
+  readonly cuff: RigidMesh | null;
 }
 
 export interface SceneCamera {

@@ -4,6 +4,7 @@ import { Box3, Group, Matrix4, Mesh, Vector3, Vector4, type Camera, type IUnifor
 import type { HandModel, RigidModel, SceneModel, Snapshot, Touch } from "../protocol/types";
 import { roundUp } from "./colour-map";
 import { ContactView } from "./contact-view";
+import { CuffView } from "./cuff-view";
 import { ExoskeletonView } from "./exoskeleton-view";
 import { GhostView } from "./ghost-view";
 import { Interpolator } from "./interpolate";
@@ -33,6 +34,7 @@ export class WorldView {
   private readonly ghosts: GhostView[] = [];
   /** One for each hand. */
   private readonly exoskeletons: readonly ExoskeletonView[];
+  private readonly cuffs: readonly CuffView[];
   private readonly bones: { readonly rigid: number; readonly group: Group }[] = [];
   private readonly extents: readonly (number | null)[];
   private readonly pressures = new Map<number, PressureMap>();
@@ -69,7 +71,8 @@ export class WorldView {
       this.drawRays(hand, groups);
     }
     this.exoskeletons = model.hands.map((hand) => new ExoskeletonView(hand));
-    const things = [...this.rigids, ...this.softs, ...this.ghosts, ...this.bones, ...this.exoskeletons];
+    this.cuffs = model.hands.flatMap((hand) => (hand.cuff === null ? [] : [new CuffView(hand, hand.cuff)]));
+    const things = [...this.rigids, ...this.cuffs, ...this.softs, ...this.ghosts, ...this.bones, ...this.exoskeletons];
     for (const part of [...things, this.contacts]) this.group.add(part.group);
     this.group.visible = false;
   }
@@ -128,6 +131,8 @@ export class WorldView {
       const cells = on("flesh") && (hand || !on("objects"));
       view.setVisible(on(hand ? "skin" : "objects") || coloured, through, cells, !hand && on("wireframe"));
     }
+    const whole = on("skin") && !on("bones") && !on("flesh") && !on("pressure");
+    for (const cuff of this.cuffs) cuff.setVisible(whole);
     for (const ghost of this.ghosts) ghost.setVisible(on(ghost.of));
     for (const bone of this.bones) bone.group.visible = on("bones") || this.boneless(bone.rigid);
     this.contacts.setVisible(on("contacts"), on("forces"));
@@ -183,6 +188,7 @@ export class WorldView {
     for (const view of this.softs) view.update(nodes);
     for (const ghost of this.ghosts) ghost.update(rigids, targets);
     for (const exoskeleton of this.exoskeletons) exoskeleton.update(rigids);
+    for (const cuff of this.cuffs) cuff.update(rigids);
     for (const { rigid, group } of this.bones) {
       if (!group.visible) continue;
       group.position.fromArray(rigids, 7 * rigid);

@@ -2,7 +2,7 @@
 
 import { Quaternion, Vector3 } from "three";
 import type { HandModel } from "../protocol/types";
-import { clampAngles, preset, type Preset } from "../input/shapes";
+import { clampAngles, presetOf, type Preset } from "../input/shapes";
 
 interface Key {
   /** s */
@@ -50,7 +50,7 @@ export const BUILTIN_MOTIONS: readonly BuiltinMotion[] = [
     keys: [
       { time: 0, shape: "relaxed", shift: still, turn: still },
       { time: 1.2, shape: "relaxed", shift: [0, -0.12, 0], turn: [-10, 0, 0] },
-      { time: 2.2, shape: "power grasp", shift: [0, -0.12, 0], turn: [-10, 0, 0] },
+      { time: 2.2, shape: "power-grasp", shift: [0, -0.12, 0], turn: [-10, 0, 0] },
       { time: 3, shape: "relaxed", shift: [0, -0.12, 0], turn: [-10, 0, 0] },
       { time: 4, shape: "relaxed", shift: still, turn: still },
     ],
@@ -84,7 +84,7 @@ export function builtinPose(
   const linear = Math.min(1, Math.max(0, (time - from.time) / (to.time - from.time)));
   const share = linear * linear * (3 - 2 * linear);
 
-  const [shapeA, shapeB] = [preset(from.shape), preset(to.shape)];
+  const [shapeA, shapeB] = [presetOf(from.shape, hand), presetOf(to.shape, hand)];
   const angles = clampAngles(
     shapeA.map((angle, i) => angle + share * (shapeB[i] - angle)),
     hand,

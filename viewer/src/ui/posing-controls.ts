@@ -31,7 +31,7 @@ export function posingControls(desk: Desk, posing: Posing): HTMLElement {
     withHand(() => posing.setSpread(value)),
   );
   const shapes = PRESETS.map((name) =>
-    button(name[0].toUpperCase() + name.slice(1), () => withHand(() => posing.shape(name))),
+    button(name[0].toUpperCase() + name.slice(1).replace("-", " "), () => withHand(() => posing.shape(name))),
   );
   const which = select("Hand", [], (value) => posing.choose(Number(value)));
   which.element.hidden = true;

@@ -6,7 +6,7 @@ import { BUILTIN_MOTIONS, builtinPose, duration } from "../../src/tracking/built
 import type { HandModel, Side } from "../../src/protocol/types";
 
 const hand = (side: Side) =>
-  ({ side, angles: Array.from({ length: 20 }, () => ({ joint: "", rest: 0, min: -0.3, max: 1.4 })) }) as unknown as HandModel;
+  ({ side, shapes: new Map(), angles: Array.from({ length: 20 }, () => ({ joint: "", rest: 0, min: -0.3, max: 1.4 })) }) as unknown as HandModel;
 
 describe.each(BUILTIN_MOTIONS)("$title", (motion) => {
   it("ends as it begins, moves smoothly and stays in range", () => {

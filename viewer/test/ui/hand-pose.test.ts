@@ -6,7 +6,19 @@ import { describe, expect, it } from "vitest";
 import { clampPose, copyPose, follow, restPose } from "../../src/input/hand-pose";
 import { pickHand } from "../../src/input/pick";
 import { presentPose } from "../../src/input/present-pose";
-import { PRESETS, clampAngles, curl, curlOf, grasp, graspOf, preset } from "../../src/input/shapes";
+import {
+  PRESETS,
+  clampAngles,
+  curl,
+  curlOf,
+  fingersAre,
+  grasp,
+  graspOf,
+  preset,
+  presetOf,
+  thumbAside,
+  thumbLast,
+} from "../../src/input/shapes";
 import { decode } from "../../src/protocol/decode";
 import type { SceneModel, Snapshot } from "../../src/protocol/types";
 import { modelMessage, snapshotMessage, type Place } from "./world";
@@ -58,6 +70,25 @@ describe("shapes", () => {
       expect(closed[i]).toBeGreaterThan(open[i]);
     }
     expect(grasp(7)).toEqual(closed);
+  });
+
+  it("are the hand's own where the server knows them", () => {
+    const { model } = world({ position: somewhere, rotation: turned, angles: new Float64Array(20) });
+    const own = new Float64Array(20).fill(0.5);
+    const hand = { ...model.hands[0], shapes: new Map([["fist", own]]) };
+    expect(presetOf("fist", hand)).toEqual(own);
+    expect(presetOf("fist", hand)).not.toBe(own);
+    expect(presetOf("point", hand)).toEqual(preset("point"));
+  });
+
+  it("lay the thumb over fingers that have bent", () => {
+    const fist = preset("fist");
+    const aside = thumbAside(fist);
+    expect(aside.slice(4)).toEqual(fist.slice(4));
+    expect(aside[2]).toBeLessThan(fist[2]);
+    expect(fingersAre(aside, fist)).toBe(true);
+    expect(fingersAre(preset("open"), fist)).toBe(false);
+    expect(PRESETS.filter(thumbLast)).toEqual(["fist", "point"]);
   });
 
   it("stay within the joints' limits, whatever is asked", () => {

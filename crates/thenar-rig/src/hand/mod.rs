@@ -4,6 +4,7 @@ mod asset;
 mod bend;
 pub(crate) mod bones;
 mod build;
+mod cuff;
 mod digits;
 mod fist;
 mod grading;
@@ -26,6 +27,7 @@ mod weights;
 
 pub use asset::{asset, default_hand, uniform_hand};
 pub use build::{LENGTHS, build_hand, build_hand_file, build_hand_with_report};
+pub use cuff::cuff;
 pub use fist::{Inversions, fist};
 pub use grading::{DETAILS, graded_tets};
 pub use layers::Layer;

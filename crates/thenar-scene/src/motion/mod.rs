@@ -1,13 +1,15 @@
 //! What moves a hand: keyframes that a person writes, and recordings of tracked hands.
 //!
 //! Both give, at any time, a pose and a velocity for every bone of a hand: smooth, within joint
-//! limits, always finite, and consistent (the velocity is the derivative of the pose). Nothing
-//! here reads a clock or allocates once a motion is made.
+//! limits (but for a fist, which is squeezed), always finite, and consistent (the velocity is the
+//! derivative of the pose). Nothing here reads a clock or allocates once a motion is made.
 
 mod error;
+mod fist;
 mod interpolate;
 mod keyframes;
 mod preset;
+mod shapes;
 
 #[cfg(test)]
 #[allow(dead_code)] // the tests of tracking use all of it
@@ -20,6 +22,7 @@ mod mutate;
 pub use error::MotionError;
 pub use keyframes::{JointKey, Key, Keyframes, KeyframesDesc, LimitPolicy, WristKey};
 pub use preset::Preset;
+pub use shapes::Shapes;
 pub use thenar_track::{
     ANGLES, Anatomy, AngleRange, Articulation, BoneLengths, FitError, JointRole, Knuckles,
     LINE_BYTES_MAX, RECORDING_BYTES_MAX, Recorded, RecordedDesc, Recording, RecordingError,

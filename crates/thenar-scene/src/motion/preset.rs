@@ -28,6 +28,9 @@ pub enum Preset {
 /// side.
 const PRESS: f64 = 6e-3;
 
+/// Thumb that lets fingers pass: flexion of its three joints, and its spread \[degrees\].
+pub(super) const THUMB_ASIDE: Shape = ([-10.0, 0.0, 0.0], 22.0);
+
 /// Flexion of the three joints of a digit from the palm outwards, and its spread \[degrees\].
 pub(crate) type Shape = ([f64; 3], f64);
 
@@ -43,13 +46,15 @@ impl Preset {
         ("power-grasp", Self::PowerGrasp),
     ];
 
-    /// Angles that follow from the hand itself \[rad\], each with its joint and which of its angles it is; none for shapes that are
-    /// the same for all hands, and for hands that cannot make this one.
-    pub(super) fn own_angles(self, hand: &HandModel) -> Vec<(usize, usize, f64)> {
-        match self {
-            Self::Pinch => Opposition::pressed(hand, GripKind::Pinch, PRESS).unwrap_or_default(),
-            _ => Vec::new(),
-        }
+    /// True for shapes with the thumb over bent fingers, which bend before it.
+    pub(super) fn is_closed(self) -> bool {
+        matches!(self, Self::Fist | Self::Point)
+    }
+
+    /// Angles of thumb and index finger whose pads press into each other \[rad\], each with its joint and which of its angles
+    /// it is; `None` for hands that cannot make them meet.
+    pub(super) fn pinch(hand: &HandModel) -> Option<Vec<(usize, usize, f64)>> {
+        Opposition::pressed(hand, GripKind::Pinch, PRESS)
     }
 
     /// Flexion by place in the digit, and spread \[degrees\]; `None` is the angle at rest.

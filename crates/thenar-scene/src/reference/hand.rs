@@ -65,8 +65,10 @@ fn angles(out: &mut String, hand: &HandModel, name: &str) -> Result<(), MotionEr
 fn poses(out: &mut String) {
     out.push_str(
         "### Poses\n\nNames for `pose` in a key. Each cell gives the flexion of the three joints from the palm outwards, \
-         then the spread [°]; angles beyond a joint's range are clamped. `pinch` is found for each hand, so that the \
-         pads of thumb and index finger press on each other; the table has what a hand takes where that fails.\n\n",
+         then the spread [°]; angles beyond a joint's range are clamped. `pinch`, `fist` and `point` are found for each \
+         hand: pads of thumb and index finger press on each other, fingertips on the palm, and the thumb on fingers, on its \
+         way aside until these have bent. A fist is squeezed, by up to a sixth beyond the ranges of its joints. The table has \
+         what a hand takes that cannot do so.\n\n",
     );
     out.push_str("| pose | thumb | index | middle, ring, little |\n|---|---|---|---|\n");
     for (name, preset) in Preset::NAMED {

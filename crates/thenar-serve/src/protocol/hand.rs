@@ -1,11 +1,16 @@
 //! Hands in a model message.
 
 use super::arrays::{Array, Arrays, seven};
+use super::rigid::{Mesh, drawn};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use thenar::Pose;
 use thenar::model::{HandModel, JointKind, Side};
+use thenar_rig::hand::cuff;
 use thenar_scene::build::BuiltHand;
-use thenar_scene::motion::{ANGLES, AngleRange, Articulation, hand_angles};
+use thenar_scene::motion::{
+    ANGLES, Anatomy, AngleRange, Articulation, Preset, Shapes, hand_angles,
+};
 
 /// A hand.
 #[derive(Debug, Serialize)]
@@ -20,7 +25,10 @@ pub struct Hand {
     bones: Vec<Bone>,
     wrist_B: [f64; 7],
     angles: Vec<Option<Angle>>,
+    shapes: BTreeMap<&'static str, [f64; ANGLES]>,
     collision_digits: Array,
+    /// What it wears at the wrist, in the palm bone's frame.
+    cuff: Option<Mesh>,
 }
 
 #[derive(Debug, Serialize)]
@@ -73,8 +81,18 @@ pub fn hand(built: &BuiltHand, target_start: usize, arrays: &mut Arrays) -> Hand
         bones: model.bones.iter().map(bone).collect(),
         wrist_B: seven(&model.bones.first().map_or(Pose::identity(), |palm| palm.pose_BT)),
         angles: angles(model),
+        shapes: shapes(model),
         collision_digits: arrays.u8(1, model.collision_digits.iter().map(|d| *d as u8)),
+        cuff: cuff(model).map(|mesh| drawn(&mesh, &[], arrays)),
     }
+}
+
+/// Named shapes of the hand as such angles.
+fn shapes(model: &HandModel) -> BTreeMap<&'static str, [f64; ANGLES]> {
+    let Ok(articulation) = Articulation::new(model) else { return BTreeMap::new() };
+    let anatomy = Anatomy::of(model);
+    let shapes = Shapes::new(model, &articulation, &anatomy);
+    Preset::NAMED.map(|(name, shape)| (name, shapes.twenty(shape))).into()
 }
 
 /// The 20 angles by which a pose message bends a hand.

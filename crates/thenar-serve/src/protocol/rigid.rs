@@ -28,8 +28,9 @@ pub struct Rigid {
     parts: Vec<Rigid>,
 }
 
+/// A mesh that is seen.
 #[derive(Debug, Serialize)]
-struct Mesh {
+pub struct Mesh {
     positions: Array,
     triangles: Array,
     colours: Option<Array>,
@@ -117,7 +118,7 @@ fn part(part: &Part, pose_BS: &Pose, arrays: &mut Arrays) -> Rigid {
     rigid(&desc, None, false, false, arrays)
 }
 
-fn drawn(mesh: &TriMesh, paint: &[Paint], arrays: &mut Arrays) -> Mesh {
+pub(super) fn drawn(mesh: &TriMesh, paint: &[Paint], arrays: &mut Arrays) -> Mesh {
     Mesh {
         positions: arrays.points(&mesh.positions),
         triangles: arrays.triangles(&mesh.triangles),

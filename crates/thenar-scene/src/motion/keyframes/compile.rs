@@ -4,9 +4,13 @@ use super::desc::{JointKey, Key, KeyframesDesc, LimitPolicy, WristKey};
 use crate::motion::error::MotionError;
 use crate::motion::interpolate::{RotationTrack, ScalarTrack, VectorTrack};
 use crate::motion::preset::Preset;
-use thenar::model::HandModel;
+use crate::motion::shapes::Shapes;
+use thenar::model::{Digit, HandModel};
 use thenar::{Mat3, Pose, Quat, Vec3};
 use thenar_track::{Anatomy, Articulation, JointRole};
+
+/// Part of the way to a fist during which the thumb stays aside.
+const THUMB_LAST: f64 = 0.75;
 
 fn bad_key(k: usize, key: &Key, cause: String) -> MotionError {
     MotionError::Key { number: k + 1, time: key.time, cause }
@@ -89,10 +93,8 @@ pub fn joint_tracks(
     articulation: &Articulation,
     anatomy: &Anatomy,
 ) -> Result<(Vec<[ScalarTrack; 2]>, Vec<String>), MotionError> {
-    let mut compiler = Compiler::new(desc.limits, articulation, anatomy);
-    if desc.key.iter().any(|key| key.pose == Some(Preset::Pinch)) {
-        compiler.pinch = Preset::Pinch.own_angles(hand);
-    }
+    let shapes = Shapes::new(hand, articulation, anatomy);
+    let mut compiler = Compiler::new(desc.limits, articulation, anatomy, shapes);
     for (k, key) in desc.key.iter().enumerate() {
         compiler.add(key).map_err(|cause| bad_key(k, key, cause))?;
     }
@@ -104,23 +106,37 @@ struct Compiler<'a> {
     policy: LimitPolicy,
     articulation: &'a Articulation,
     anatomy: &'a Anatomy,
-    /// Angles of a pinch of this hand: joint, axis, angle \[rad\].
-    pinch: Vec<(usize, usize, f64)>,
+    shapes: Shapes<'a>,
     knots: Vec<[Vec<(f64, f64)>; 2]>,
+    /// True when the last key laid the thumb over bent fingers.
+    thumb_over: bool,
     warnings: Vec<String>,
 }
 
 impl<'a> Compiler<'a> {
-    fn new(policy: LimitPolicy, articulation: &'a Articulation, anatomy: &'a Anatomy) -> Self {
+    fn new(
+        policy: LimitPolicy,
+        articulation: &'a Articulation,
+        anatomy: &'a Anatomy,
+        shapes: Shapes<'a>,
+    ) -> Self {
         let knots = vec![[Vec::new(), Vec::new()]; anatomy.roles.len()];
-        Self { policy, articulation, anatomy, pinch: Vec::new(), knots, warnings: Vec::new() }
+        Self {
+            policy,
+            articulation,
+            anatomy,
+            shapes,
+            knots,
+            thumb_over: false,
+            warnings: Vec::new(),
+        }
     }
 
     fn add(&mut self, key: &Key) -> Result<(), String> {
         let mut wanted = vec![[None; 2]; self.knots.len()];
         for (j, role) in self.anatomy.roles.iter().enumerate() {
             if let Some(preset) = key.pose {
-                wanted[j] = self.shape(j, role, preset);
+                wanted[j] = self.shapes.angles(preset, j).map(Some);
             }
             if let Some(curl) = key.curl.get(&role.digit) {
                 wanted[j] = self.curl(j, role, *curl)?;
@@ -134,6 +150,7 @@ impl<'a> Compiler<'a> {
         for (name, joint) in &key.joints {
             self.joint(name, joint, key.time, &mut wanted)?;
         }
+        self.thumb_aside(key, &wanted);
         for (knots, wanted) in self.knots.iter_mut().zip(wanted) {
             for (knots, wanted) in knots.iter_mut().zip(wanted) {
                 knots.extend(wanted.map(|angle| (key.time, angle)));
@@ -142,31 +159,35 @@ impl<'a> Compiler<'a> {
         Ok(())
     }
 
-    /// Angles of joint `j` in a preset, clamped \[rad\].
-    fn shape(&self, j: usize, role: &JointRole, preset: Preset) -> [Option<f64>; 2] {
-        let mut angles = self.articulation.rest_angles[j];
-        if let Some((flexion, spread)) = preset.angles_deg(role.digit) {
-            if let Some((axis, sense)) = role.flexion {
-                angles[axis] = sense * flexion[role.place.min(2)].to_radians();
-            }
-            if let Some((axis, sense)) = role.spread {
-                angles[axis] = sense * spread.to_radians();
+    /// Leads the thumb aside on its way over bent fingers, until they have bent, and on its way from there.
+    fn thumb_aside(&mut self, key: &Key, wanted: &[[Option<f64>; 2]]) {
+        let is_thumb = |role: &JointRole| role.digit == Digit::Thumb;
+        let named = key.joints.keys().filter_map(|name| self.anatomy.find(name));
+        let own = key.curl.contains_key(&Digit::Thumb)
+            || named.into_iter().any(|j| is_thumb(&self.anatomy.roles[j]));
+        let over = !own && key.pose.is_some_and(Preset::is_closed);
+        for j in self.anatomy.joints_of(Digit::Thumb) {
+            let aside = self.shapes.thumb_aside(j);
+            for (k, knots) in self.knots[j].iter_mut().enumerate() {
+                let (Some((last, _)), Some(_)) = (knots.last().copied(), wanted[j][k]) else {
+                    continue;
+                };
+                let part = if over { THUMB_LAST } else { 1.0 - THUMB_LAST };
+                if over != self.thumb_over {
+                    knots.push((last + part * (key.time - last), aside[k]));
+                }
             }
         }
-        if preset == Preset::Pinch {
-            for &(_, axis, angle) in self.pinch.iter().filter(|(joint, ..)| *joint == j) {
-                angles[axis] = angle;
-            }
-        }
-        self.articulation.tree.clamp(j, angles).map(Some)
+        let moved = self.anatomy.joints_of(Digit::Thumb).any(|j| wanted[j][0].is_some());
+        self.thumb_over = if moved { over } else { self.thumb_over };
     }
 
     fn curl(&self, j: usize, role: &JointRole, curl: f64) -> Result<[Option<f64>; 2], String> {
         if !(0.0..=1.0).contains(&curl) {
             return Err(format!("curl of {} must be in 0..1, got {curl}", role.digit.name()));
         }
-        let (open, fist) = (self.shape(j, role, Preset::Open), self.shape(j, role, Preset::Fist));
-        Ok([0, 1].map(|k| open[k].zip(fist[k]).map(|(a, b)| a + curl * (b - a))))
+        let [open, fist] = [Preset::Open, Preset::Fist].map(|shape| self.shapes.angles(shape, j));
+        Ok([0, 1].map(|k| Some(open[k] + curl * (fist[k] - open[k]))))
     }
 
     fn joint(

@@ -144,3 +144,29 @@ fn rests(preset: &str, kinetic_max: f64) {
     let [held, through] = [&session, &free].map(|s| buried(s, &longest, &everywhere, 1.0, 3e-4));
     assert!(held < through, "{held} of {through}");
 }
+
+/// Each finger presses on the palm, and the thumb on index and middle finger: a fist of any side and size, with forces of a
+/// hand at ease.
+#[test]
+fn a_fist_closes_on_the_palm_and_the_thumb_over_it() {
+    for changes in [["model=right", "length=0.19"], ["model=left", "length=0.17"]] {
+        let changes = changes.map(|change| format!("hand.hand.{change}"));
+        let mut session = load("fist", &["time_step=0.01", &changes[0], &changes[1]]);
+        run(&mut session, 2.2);
+        let of = &session.hands()[0].model.collision_digits;
+        let pressed = |one: Digit, others: &[Digit]| {
+            let digit = |vertex: Option<u32>| vertex.map_or(Digit::Palm, |v| of[v as usize]);
+            let contacts = session.world().contacts().iter().filter(|c| {
+                let [a, b] = c.vertices.map(digit);
+                (a == one && others.contains(&b)) || (b == one && others.contains(&a))
+            });
+            contacts.map(|c| c.force_W.dot(&c.normal_W).abs()).sum::<f64>()
+        };
+        for finger in &Digit::FINGERS[1..] {
+            let force = pressed(*finger, &[Digit::Palm]);
+            assert!((0.1..4.0).contains(&force), "{changes:?}: {finger:?} with {force} N");
+        }
+        let force = pressed(Digit::Thumb, &[Digit::Index, Digit::Middle]);
+        assert!((1.0..8.0).contains(&force), "{changes:?}: the thumb with {force} N");
+    }
+}
