@@ -39,7 +39,7 @@ pub use encode::{EncodeError, Movie, write_png};
 pub use from_session::{camera, draw};
 pub use image::Image;
 pub use layers::Layers;
-pub use portrait::hand_portrait;
+pub use portrait::portrait;
 pub use render::{Quality, render};
 pub use scene3d::{Backdrop, Ground, Material, Pattern};
 pub use shapes::of_shape;

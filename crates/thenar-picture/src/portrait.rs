@@ -1,5 +1,9 @@
 //! A model at rest, to look at it.
 
+use super::colour::hex;
+use super::draw::{Pen, wires};
+use super::scene3d::{Mesh, Scene3d};
+use super::surface;
 use super::{
     Backdrop, Camera, Ground, Hand, Image, Layers, Material, Pattern, Quality, Scales, Soft, Stage,
     render,
@@ -7,12 +11,25 @@ use super::{
 use thenar::model::{CouplingKind, HandModel, HandPlacement, Skinning, WorldDesc};
 use thenar::world::ModelError;
 use thenar::{Pose, Vec3, World};
+use thenar_rig::Model;
 
-/// Draws a hand in its rest pose, seen from above its back.
+/// Draws a model: a hand or a figure in its rest pose, seen from above its back, or an object.
 ///
 /// # Errors
-/// When the model cannot be simulated.
-pub fn hand_portrait(
+/// When a hand cannot be simulated.
+pub fn portrait(
+    model: &Model,
+    layers: &Layers,
+    size: [u32; 2],
+    quality: &Quality,
+) -> Result<Image, ModelError> {
+    match model {
+        Model::Hand(hand) => hand_portrait(hand, layers, size, quality),
+        _ => object_portrait(model, layers, size, quality),
+    }
+}
+
+fn hand_portrait(
     hand: &HandModel,
     layers: &Layers,
     size: [u32; 2],
@@ -56,5 +73,46 @@ pub fn hand_portrait(
     let mut scene = stage.scene(layers, &Scales::default(), &camera, size[1]);
     let paper = Backdrop::default().horizon;
     scene.ground = Some(Ground::horizontal(lowest - 0.01, Pattern::Plain(paper)));
+    Ok(render(&scene, &camera, size[0], size[1], quality))
+}
+
+/// Draws an object, seen from above to one side; with the layer `flesh`, a soft one's elements too.
+fn object_portrait(
+    model: &Model,
+    layers: &Layers,
+    size: [u32; 2],
+    quality: &Quality,
+) -> Result<Image, ModelError> {
+    let (positions, triangles, flesh) = match model {
+        Model::Rigid(rigid) => {
+            (rigid.render.positions.clone(), rigid.render.triangles.clone(), None)
+        }
+        Model::Soft(soft) => {
+            let nodes = &soft.flesh.nodes;
+            let positions = surface::embedded(&soft.render, &soft.flesh.tets, nodes);
+            (positions, soft.render.triangles.clone(), layers.flesh.then_some(&soft.flesh))
+        }
+        Model::Hand(hand) => return hand_portrait(hand, layers, size, quality),
+    };
+    let aspect = f64::from(size[0]) / f64::from(size[1].max(1));
+    let camera = Camera::fitted(&positions, Vec3::new(-0.5, -0.6, -0.75), 0.5, aspect, 0.1);
+    let lowest = positions.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
+    let paper = Backdrop::default().horizon;
+    let mut scene = Scene3d {
+        ground: Some(Ground::horizontal(lowest, Pattern::Plain(paper))),
+        ..Scene3d::default()
+    };
+    let material = match (model, flesh) {
+        (Model::Rigid(_), _) => Material::paint(hex(0xb3231f)),
+        (_, None) => Material::rubber(),
+        (_, Some(_)) => Material { opacity: 0.32, casts_shadow: false, ..Material::rubber() },
+    };
+    scene.meshes.push(Mesh::new(positions, triangles, material));
+    if let Some(flesh) = flesh {
+        let pen = Pen::new(&camera, size[1], 1.3);
+        scene
+            .meshes
+            .push(pen.lines(wires(&flesh.nodes, &flesh.tets), Material::unlit(hex(0x1d4e6b))));
+    }
     Ok(render(&scene, &camera, size[0], size[1], quality))
 }

@@ -266,3 +266,32 @@ mod files {
         assert!(error.expect_err("refused").to_string().contains("no-such-folder/a.png"));
     }
 }
+
+/// A rigid box is red and a soft one blue; with its flesh the soft one shows lines.
+#[test]
+fn what_was_built_is_drawn() {
+    use thenar::model::{Law, Material as Tissue};
+    use thenar_rig::embed::{EmbedOptions, embed};
+    use thenar_rig::object::{ImportOptions, SoftModel, Weight, rigid_from_mesh};
+    use thenar_rig::{Model, mesh::shapes};
+    let mesh = shapes::cuboid(&Vec3::new(0.03, 0.02, 0.04));
+    let (rigid, _) =
+        rigid_from_mesh("box", &mesh, Weight::Mass(0.1), &ImportOptions::default()).expect("a box");
+    let tissue = Tissue { law: Law::Corotational, young: 1e4, poisson: 0.3, density: 1000.0 };
+    let options = EmbedOptions { tets: 100, ..EmbedOptions::default() };
+    let body = embed(&mesh, &options, |_| tissue).expect("a body");
+    let soft = SoftModel { name: "box".into(), flesh: body.flesh, render: body.render };
+    let draw = |model: &Model, layers: &str| {
+        let layers = layers.parse::<Layers>().expect("layers");
+        portrait(model, &layers, [120, 80], &plain()).expect("a picture")
+    };
+    let [rigid, soft] = [Model::Rigid(rigid), Model::Soft(soft)];
+    let [red, _, blue] = draw(&rigid, "skin").pixel(60, 40);
+    assert!(red > 2 * blue, "{red} {blue}");
+    let whole = draw(&soft, "skin");
+    let [red, _, blue] = whole.pixel(60, 40);
+    assert!(blue > red, "{red} {blue}");
+    let lines = draw(&soft, "skin,flesh");
+    let dark = |image: &Image| image.rgb.chunks(3).filter(|p| p[0] < 60 && p[2] < 140).count();
+    assert!(dark(&lines) > 100 + dark(&whole), "{} {}", dark(&lines), dark(&whole));
+}

@@ -5,7 +5,6 @@ use super::{Args, CouplingArg, Outputs, PresetArg, SideArg, SpringsArg, name, wr
 use crate::error::CliError;
 use std::path::Path;
 use thenar::model::{CouplingKind, HandModel, Side};
-use thenar_picture::{Quality, hand_portrait, write_png};
 use thenar_rig::export::{hand_glb, hand_json, write_hand_vtk};
 use thenar_rig::hand::{
     HandOptions, JointStiffness, NameMap, RigReading, Size, Springs, asset, build_hand_with_report,
@@ -49,11 +48,6 @@ pub fn write_boned(args: &Args, outputs: &mut Outputs, hand: &HandModel) -> Resu
     }
     if let Some(output) = outputs.json.take() {
         write(Some(output), hand_json(hand)?.as_bytes())?;
-    }
-    if let Some(output) = outputs.picture.take() {
-        let image = hand_portrait(hand, &args.layers, [960, 640], &Quality::still())
-            .map_err(|e| CliError::Input(e.to_string()))?;
-        write_png(output, &image)?;
     }
     Ok(())
 }

@@ -9,7 +9,7 @@ use crate::{building, interrupt};
 use std::io::Write;
 use std::path::PathBuf;
 use thenar_output::{Output, protect};
-use thenar_picture::Layers;
+use thenar_picture::{Layers, Quality, portrait, write_png};
 use thenar_rig::Model;
 
 /// Build a simulation-ready model from a mesh.
@@ -89,8 +89,8 @@ pub struct Args {
     /// Write VTK files for ParaView into this folder.
     #[arg(long, value_name = "DIR")]
     vtk: Option<PathBuf>,
-    /// Draw the built hand or figure as a PNG file.
-    #[arg(long, value_name = "FILE.png", requires = "boned")]
+    /// Draw what was built as a PNG file.
+    #[arg(long, value_name = "FILE.png")]
     picture: Option<PathBuf>,
     /// What to draw: skin, flesh, bones, weights.
     #[arg(long, default_value = "skin,bones", value_name = "LIST", requires = "picture")]
@@ -163,6 +163,11 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         (.., true) => object::rigid(args),
         _ => object::soft(args),
     })?;
+    if let Some(output) = outputs.picture.take() {
+        let image = portrait(&model, &args.layers, [960, 640], &Quality::still())
+            .map_err(|e| CliError::Input(e.to_string()))?;
+        write_png(output, &image)?;
+    }
     let Some(path) = &args.output else { return Ok(()) };
     write(outputs.model, &model.to_bytes().map_err(|e| e.in_file(path.display()))?)?;
     let kind = match model {

@@ -15,7 +15,7 @@ use thenar_track::{Anatomy, Articulation};
 const OUTER: [f64; 2] = [1.1, 0.92];
 /// Parts of a knuckle's range that are tried, the first and the last: a knuckle at its end is pulled on.
 const KNUCKLE: [f64; 2] = [0.5, 1.15];
-/// Their number less one: they are 2° apart.
+/// Number of steps from the first to the last: 2° each.
 const TRIED: u32 = 30;
 /// How far fingertips are pulled into the palm \[m\]: usual drives (500 N/m at a fingertip) would give 3 N, but for what bends
 /// before.

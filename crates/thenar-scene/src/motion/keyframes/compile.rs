@@ -108,8 +108,8 @@ struct Compiler<'a> {
     anatomy: &'a Anatomy,
     shapes: Shapes<'a>,
     knots: Vec<[Vec<(f64, f64)>; 2]>,
-    /// True when the last key laid the thumb over bent fingers.
-    thumb_over: bool,
+    /// Shape with the thumb over bent fingers that the last key with a shape made.
+    thumb_over: Option<Preset>,
     warnings: Vec<String>,
 }
 
@@ -127,7 +127,7 @@ impl<'a> Compiler<'a> {
             anatomy,
             shapes,
             knots,
-            thumb_over: false,
+            thumb_over: None,
             warnings: Vec::new(),
         }
     }
@@ -159,27 +159,33 @@ impl<'a> Compiler<'a> {
         Ok(())
     }
 
-    /// Leads the thumb aside on its way over bent fingers, until they have bent, and on its way from there.
+    /// Leads the thumb aside on its way over bent fingers, until they have bent, and on its way from there. A thumb whose
+    /// angles a key names goes its own way.
     fn thumb_aside(&mut self, key: &Key, wanted: &[[Option<f64>; 2]]) {
-        let is_thumb = |role: &JointRole| role.digit == Digit::Thumb;
-        let named = key.joints.keys().filter_map(|name| self.anatomy.find(name));
-        let own = key.curl.contains_key(&Digit::Thumb)
-            || named.into_iter().any(|j| is_thumb(&self.anatomy.roles[j]));
-        let over = !own && key.pose.is_some_and(Preset::is_closed);
-        for j in self.anatomy.joints_of(Digit::Thumb) {
+        let thumb: Vec<usize> = self.anatomy.joints_of(Digit::Thumb).collect();
+        let mut named = key.joints.keys().filter_map(|name| self.anatomy.find(name));
+        let own = key.curl.contains_key(&Digit::Thumb) || named.any(|j| thumb.contains(&j));
+        if !own && key.pose.is_none() {
+            return;
+        }
+        let over = key.pose.filter(|pose| !own && pose.is_closed());
+        let before = std::mem::replace(&mut self.thumb_over, over);
+        if own || over == before {
+            return;
+        }
+        let leaves = before.map(|_| 1.0 - THUMB_LAST);
+        let arrives = over.map(|_| THUMB_LAST);
+        for j in thumb {
             let aside = self.shapes.thumb_aside(j);
             for (k, knots) in self.knots[j].iter_mut().enumerate() {
-                let (Some((last, _)), Some(_)) = (knots.last().copied(), wanted[j][k]) else {
-                    continue;
-                };
-                let part = if over { THUMB_LAST } else { 1.0 - THUMB_LAST };
-                if over != self.thumb_over {
-                    knots.push((last + part * (key.time - last), aside[k]));
+                let Some((last, _)) = knots.last().copied() else { continue };
+                for part in [leaves, arrives].into_iter().flatten() {
+                    if wanted[j][k].is_some() {
+                        knots.push((last + part * (key.time - last), aside[k]));
+                    }
                 }
             }
         }
-        let moved = self.anatomy.joints_of(Digit::Thumb).any(|j| wanted[j][0].is_some());
-        self.thumb_over = if moved { over } else { self.thumb_over };
     }
 
     fn curl(&self, j: usize, role: &JointRole, curl: f64) -> Result<[Option<f64>; 2], String> {

@@ -190,3 +190,46 @@ fn damaged_files_are_read_or_refused_but_never_harm() {
     }
     assert!(made > 100 && refused > 500, "{made} {refused}");
 }
+
+/// Fingers bend before the thumb lies over them, and it is off them before they straighten; from a fist to a pointing
+/// hand, too. A thumb that a key names itself goes straight there.
+#[test]
+fn a_thumb_goes_aside_where_fingers_pass() {
+    let text = |own: &str| {
+        format!(
+            r#"
+            [[key]]
+            time = 0
+            pose = "open"
+            [[key]]
+            time = 1
+            pose = "fist"
+            {own}
+            [[key]]
+            time = 2
+            pose = "fist"
+            {own}
+            [[key]]
+            time = 3
+            pose = "point"
+            {own}
+            [[key]]
+            time = 4
+            pose = "open"
+            "#
+        )
+    };
+    let thumb = |motion: &mut Keyframes, time: f64| {
+        let poses: Vec<_> = sample(motion, time).iter().map(|t| t.pose_WB).collect();
+        let mut angles = vec![[0.0; 2]; 15];
+        motion.articulation.tree.angles(&poses, &mut angles);
+        angles[1][0].abs().to_degrees()
+    };
+    let mut fist = motion(&text(""), false);
+    let aside = [0.75, 2.25, 2.75, 3.25].map(|t| thumb(&mut fist, t));
+    assert!(aside.iter().all(|angle| *angle < 1e-6), "{aside:?}");
+    let over = [1.0, 1.5, 2.0, 3.0].map(|t| thumb(&mut fist, t));
+    assert!(over.iter().all(|angle| (angle - 30.0).abs() < 1e-6), "{over:?}");
+    let mut own = motion(&text("joints = { thumb-proximal = { flexion_deg = 30 } }"), false);
+    assert!(thumb(&mut own, 0.75) > 15.0 && (thumb(&mut own, 2.5) - 30.0).abs() < 1e-6);
+}
