@@ -1,4 +1,4 @@
-//! How skin looks from place to place: blood under it, creases, fingernails. The page draws it in the same way.
+//! How skin looks from place to place: blood under it, creases, fingernails. The page draws the same, with finer grain.
 
 use super::V;
 use super::normals::smooth;
@@ -27,11 +27,14 @@ impl Default for Site {
 /// Half width and half length of nails, the thumb's and a finger's, of the length of a hand: 6.4, 6.8, 4.6 and 5.4 mm of
 /// 190.
 const NAILS: [[f64; 2]; 2] = [[6.4 / 190.0, 6.8 / 190.0], [4.6 / 190.0, 5.4 / 190.0]];
+/// Below the middle of the bone by so much, of the length of a hand, skin is twice as far off the nail: 1 mm of 190.
+const PLANE: f64 = 1.0 / 190.0;
 /// Rounds in which curvature is smoothed.
 const SMOOTHINGS: usize = 12;
 
-/// The sites of the vertices of a hand's skin.
-pub fn sites(hand: &HandModel, render: &EmbeddedSurface) -> Vec<Site> {
+/// The sites of the vertices of a hand's skin; `None` for figures.
+pub fn sites(hand: &HandModel, render: &EmbeddedSurface) -> Option<Vec<Site>> {
+    hand.bones.iter().find(|bone| bone.digit != Digit::Palm)?;
     let rest = embedded(render, &hand.flesh.tets, &hand.flesh.nodes);
     let curvature = curvature(&rest, &render.triangles);
     let skin = vertex_skin(render, &hand.flesh.tets, &hand.bindings);
@@ -40,7 +43,8 @@ pub fn sites(hand: &HandModel, render: &EmbeddedSurface) -> Vec<Site> {
             .max_by(|a, b| skin[v].weights[*a].total_cmp(&skin[v].weights[*b]));
         let b = heaviest.map_or(0, |k| usize::from(skin[v].bones[k]));
         let bone = hand.bones.get(b)?;
-        let hollow = -curvature[v] as f32;
+        // Curvature as of a hand of 190 mm.
+        let hollow = -(curvature[v] * hand.length / 0.19) as f32;
         Some(Site {
             blood: (blood(hand, b, &bone.pose_MB.inverse_point(&rest[v]))
                 + 0.2 * step(0.0, 120.0, hollow))
@@ -49,7 +53,7 @@ pub fn sites(hand: &HandModel, render: &EmbeddedSurface) -> Vec<Site> {
             nail: nail(hand, bone.digit, &rest[v]),
         })
     };
-    (0..rest.len()).map(|v| site(v).unwrap_or_default()).collect()
+    Some((0..rest.len()).map(|v| site(v).unwrap_or_default()).collect())
 }
 
 /// Half the length of a bone \[m\].
@@ -82,7 +86,7 @@ fn nail(hand: &HandModel, digit: Digit, p_M: &Vec3) -> [f32; 2] {
     let Some(bone) = last else { return Site::default().nail };
     let [wide, long] = NAILS[usize::from(digit != Digit::Thumb)].map(|part| part * hand.length);
     let p = bone.pose_MB.inverse_point(p_M);
-    let off = if p.y >= 0.0 { 1.0 } else { 1.0 + (-p.y / 1e-3).min(8.0) };
+    let off = if p.y >= 0.0 { 1.0 } else { 1.0 + (-p.y / (PLANE * hand.length)).min(8.0) };
     let along = -p.z - (half(bone) - 0.25 * long);
     [(off * p.x / wide) as f32, (off * along / long) as f32]
 }

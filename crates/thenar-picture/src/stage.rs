@@ -64,7 +64,12 @@ impl Stage<'_> {
             self.add_soft(soft, layers, scales, &pen, &mut scene);
         }
         for hand in &self.hands {
-            if layers.skin && !layers.targets && !layers.see_through() {
+            let through = layers.targets || layers.pressure || layers.see_through();
+            let has_flesh = self
+                .softs
+                .iter()
+                .any(|soft| soft.hand.is_some_and(|of| std::ptr::eq(of, hand.model)));
+            if layers.skin && has_flesh && !through {
                 scene.meshes.extend(cuff_mesh(self.world, hand));
             }
             if layers.bones {
@@ -139,7 +144,7 @@ impl Stage<'_> {
             let positions = surface::embedded(soft.render, tets, nodes);
             let mut mesh = Mesh::new(positions, soft.render.triangles.clone(), material);
             if !layers.pressure && !layers.weights {
-                mesh.sites = soft.hand.map(|hand| skin::sites(hand, soft.render));
+                mesh.sites = soft.hand.and_then(|hand| skin::sites(hand, soft.render));
             }
             scene.meshes.push(self.tinted(mesh, soft, layers, scales));
         }

@@ -157,7 +157,7 @@ export class Posing extends InputSourceBase {
   }
 
   setCurl(digit: number, amount: number): void {
-    this.closed = null;
+    if (digit === 0) this.closed = null;
     this.aim((goal) => {
       const from = curl(digit, curlOf(digit, goal.angles));
       goal.angles = moved(goal.angles, 4 * digit, from, curl(digit, amount), amount);
@@ -212,7 +212,7 @@ export class Posing extends InputSourceBase {
     this.onTick?.(dt);
     const { goal, pose } = this;
     if (goal === null || pose === null) return;
-    if (this.closed !== null && fingersAre(pose.angles, this.closed)) {
+    if (this.closed !== null && fingersAre(pose.angles, goal.angles)) {
       goal.angles.set(this.closed.subarray(0, 4));
       this.closed = null;
     }

@@ -12,9 +12,6 @@ export const PRESETS = ["open", "relaxed", "fist", "point", "pinch", "power-gras
 export type Preset = (typeof PRESETS)[number];
 
 /** Base, second and third flexion, and spread, degrees. */
-/** So near is there, rad. */
-const FINGERS_THERE = 0.1;
-
 type DigitShape = readonly [number, number, number, number];
 interface Shape {
   readonly thumb: DigitShape;
@@ -71,14 +68,32 @@ export function presetOf(name: Preset, hand: HandModel): Angles {
 /** True for shapes with the thumb over bent fingers, which bend before it. */
 export const thumbLast = (name: Preset): boolean => name === "fist" || name === "point";
 
-/** These angles with the thumb aside. */
+/** Angles of a closed shape with the thumb still aside. */
 export function thumbAside(angles: Angles): Angles {
   const aside = angles.slice();
   aside.set(THUMB_ASIDE.map((degrees) => (degrees * Math.PI) / 180));
   return aside;
 }
 
-/** True when all fingers are within some degrees of where they are to be. */
+/** Fingers this near are there, rad. */
+const FINGERS_THERE = 0.1;
+
+/** Part of the way to or from a closed shape during which fingers bend and the thumb is aside. */
+const THUMB_LAST = 0.75;
+
+/** Angles on the way from one shape to another, 0 to 1; the thumb goes aside where fingers pass. */
+export function between(from: Preset, to: Preset, share: number, hand: HandModel): Angles {
+  const [a, b] = [presetOf(from, hand), presetOf(to, hand)];
+  const angles = mix(a, b, share);
+  if (thumbLast(from) === thumbLast(to)) return angles;
+  const aside = thumbLast(to) ? thumbAside(b) : thumbAside(a);
+  const turn = thumbLast(to) ? THUMB_LAST : 1 - THUMB_LAST;
+  const thumb = share < turn ? mix(a, aside, share / turn) : mix(aside, b, (share - turn) / (1 - turn));
+  angles.set(thumb.subarray(0, 4));
+  return angles;
+}
+
+/** True when all fingers are within some degrees of their goal. */
 export function fingersAre(angles: Angles, goal: Angles): boolean {
   return angles.every((angle, i) => i < 4 || Math.abs(angle - goal[i]) < FINGERS_THERE);
 }

@@ -2,7 +2,7 @@
 
 import { Quaternion, Vector3 } from "three";
 import type { HandModel } from "../protocol/types";
-import { clampAngles, presetOf, type Preset } from "../input/shapes";
+import { between, clampAngles, type Preset } from "../input/shapes";
 
 interface Key {
   /** s */
@@ -84,11 +84,7 @@ export function builtinPose(
   const linear = Math.min(1, Math.max(0, (time - from.time) / (to.time - from.time)));
   const share = linear * linear * (3 - 2 * linear);
 
-  const [shapeA, shapeB] = [presetOf(from.shape, hand), presetOf(to.shape, hand)];
-  const angles = clampAngles(
-    shapeA.map((angle, i) => angle + share * (shapeB[i] - angle)),
-    hand,
-  );
+  const angles = clampAngles(between(from.shape, to.shape, share, hand), hand);
   const position = new Vector3(...from.shift)
     .lerp(new Vector3(...to.shift), share)
     .add(ABOVE)

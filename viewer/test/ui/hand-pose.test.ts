@@ -8,6 +8,7 @@ import { pickHand } from "../../src/input/pick";
 import { presentPose } from "../../src/input/present-pose";
 import {
   PRESETS,
+  between,
   clampAngles,
   curl,
   curlOf,
@@ -89,6 +90,19 @@ describe("shapes", () => {
     expect(fingersAre(aside, fist)).toBe(true);
     expect(fingersAre(preset("open"), fist)).toBe(false);
     expect(PRESETS.filter(thumbLast)).toEqual(["fist", "point"]);
+  });
+
+  it("go past the thumb aside on the way to a fist and back", () => {
+    const { model } = world({ position: somewhere, rotation: turned, angles: new Float64Array(20) });
+    const hand = model.hands[0];
+    const [open, fist] = [preset("open"), preset("fist")];
+    expect(between("open", "fist", 0, hand)).toEqual(open);
+    expect(between("open", "fist", 1, hand)).toEqual(fist);
+    const late = between("open", "fist", 0.75, hand);
+    expect(late.slice(0, 4)).toEqual(thumbAside(fist).slice(0, 4));
+    expect(late[4]).toBeCloseTo(0.75 * fist[4], 9);
+    expect(between("fist", "open", 0.25, hand).slice(0, 4)).toEqual(late.slice(0, 4));
+    expect(between("open", "pinch", 0.5, hand)[0]).toBeCloseTo(0.5 * preset("pinch")[0], 9);
   });
 
   it("stay within the joints' limits, whatever is asked", () => {

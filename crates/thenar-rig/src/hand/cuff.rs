@@ -3,7 +3,7 @@
 use crate::TriMesh;
 use std::f64::consts::TAU;
 use thenar::Vec3;
-use thenar::model::HandModel;
+use thenar::model::{Digit, HandModel};
 
 /// Directions around the wrist.
 const AROUND: usize = 64;
@@ -33,9 +33,11 @@ const PROFILE: [[f64; 2]; 13] = [
 /// Farther behind the wrist than this, of the length of a hand, flesh is a forearm: that ends by itself.
 const FOREARM: f64 = 0.35;
 
-/// The cuff of a hand at rest, in the frame of its palm's bone \[m\]; `None` for skeletons and for hands with a forearm.
+/// The cuff of a hand at rest, in the frame of its palm's bone \[m\]; `None` for hands with a forearm,
+/// and for figures.
 pub fn cuff(hand: &HandModel) -> Option<TriMesh> {
     let palm = hand.bones.first()?;
+    hand.bones.iter().find(|bone| bone.digit != Digit::Palm)?;
     let (flesh, render) = (&hand.flesh, &hand.render);
     let mut skin = vec![Vec3::zeros(); render.vertices.len()];
     render.positions(&flesh.tets, &flesh.nodes, &mut skin);

@@ -17,11 +17,13 @@ const OUTER: [f64; 2] = [1.1, 0.92];
 const KNUCKLE: [f64; 2] = [0.5, 1.15];
 /// Number of steps from the first to the last: 2° each.
 const TRIED: u32 = 30;
-/// How far fingertips are pulled into the palm \[m\]: usual drives (500 N/m at a fingertip) would give 3 N, but for what bends
-/// before.
-const SQUEEZE: f64 = 6e-3;
-/// How far the thumb presses in \[m\]: half of that.
+/// How far fingertips are pulled into the palm, of the length of a hand: 6 mm of 190. Usual drives (500 N/m at a fingertip)
+/// would give 3 N, but for what bends before.
+const SQUEEZE: f64 = 6.0 / 190.0;
+/// How far the thumb presses in: half of that.
 const PRESS: f64 = 0.5 * SQUEEZE;
+/// A thumb that ends farther from its place than this, of the length of a hand, has not found it: 10 mm of 190.
+const MISS: f64 = 10.0 / 190.0;
 /// Farthest that a finger goes aside, so that it lies beside its neighbour \[rad\].
 const ASIDE_MAX: f64 = 0.2;
 /// Rounds of inverse kinematics for the thumb.
@@ -42,8 +44,10 @@ pub(super) fn fist(
         angles: articulation.rest_angles.clone(),
         poses: vec![Pose::identity(); hand.bones.len()],
     };
-    let fingers: Option<Vec<_>> =
-        Digit::FINGERS[1..].iter().map(|digit| Finger::of(hand, anatomy, *digit)).collect();
+    let fingers: Option<Vec<_>> = Digit::FINGERS[1..]
+        .iter()
+        .map(|digit| Finger::of(hand, articulation, anatomy, *digit))
+        .collect();
     let fingers = fingers?;
     for finger in &fingers {
         fist.bend(finger);
@@ -56,19 +60,25 @@ pub(super) fn fist(
     Some(fist.angles)
 }
 
-/// What bends and spreads a finger.
+/// A finger: its pads, and the angles that bend and spread it.
 struct Finger {
     digit: Digit,
     tip: Pad,
     side: Pad,
     /// Joint, angle, and where its range ends in the sense that closes \[rad\]; from the knuckle outwards.
-    bends: Vec<(usize, usize, f64)>,
+    bends: [(usize, usize, f64); 3],
     /// Joint and angle that spread it.
     spread: Option<(usize, usize)>,
 }
 
 impl Finger {
-    fn of(hand: &HandModel, anatomy: &Anatomy, digit: Digit) -> Option<Self> {
+    /// `None` for a finger with more or fewer joints than three, or with one that has no end.
+    fn of(
+        hand: &HandModel,
+        articulation: &Articulation,
+        anatomy: &Anatomy,
+        digit: Digit,
+    ) -> Option<Self> {
         let chain = Chain::new(hand, digit, PadPlace::Tip)?;
         let side = Chain::new(hand, digit, PadPlace::Side)?.pad;
         let (mut bends, mut spread) = (Vec::new(), None);
@@ -76,13 +86,17 @@ impl Finger {
             let (joint, axis) = (freedom.joint, freedom.axis);
             let role = anatomy.roles.get(joint)?;
             if let Some((_, sense)) = role.flexion.filter(|(flexion, _)| *flexion == axis) {
-                bends.push((joint, axis, freedom.range[usize::from(sense > 0.0)]));
+                let limit = articulation.tree.limits(joint)[axis]?;
+                let end = if sense > 0.0 { limit.max } else { limit.min };
+                if sense * end <= 0.0 {
+                    return None;
+                }
+                bends.push((joint, axis, end));
             } else if role.place == 0 {
                 spread = Some((joint, axis));
             }
         }
-        let bounded = bends.len() >= 2 && bends.iter().all(|(.., end)| end.is_finite());
-        bounded.then_some(Self { digit, tip: chain.pad, side, bends, spread })
+        Some(Self { digit, tip: chain.pad, side, bends: bends.try_into().ok()?, spread })
     }
 }
 
@@ -102,21 +116,36 @@ impl Fist<'_> {
 
     /// Bends a finger until its tip presses on the palm, or as far as it goes.
     fn bend(&mut self, finger: &Finger) {
-        for ((joint, axis, end), part) in finger.bends[1..].iter().zip(OUTER) {
-            self.angles[*joint][*axis] = part * end;
+        let [knuckle, outer @ ..] = finger.bends;
+        for (bend, part) in outer.into_iter().zip(OUTER) {
+            self.pull(bend, part);
         }
-        let (joint, axis, end) = finger.bends[0];
         for i in 0..=TRIED {
             let part = f64::from(i) / f64::from(TRIED);
-            self.angles[joint][axis] = end * (KNUCKLE[0] + (KNUCKLE[1] - KNUCKLE[0]) * part);
+            self.pull(knuckle, KNUCKLE[0] + (KNUCKLE[1] - KNUCKLE[0]) * part);
             self.forward();
-            if self.clearance(&finger.tip).is_some_and(|clear| clear < -SQUEEZE) {
+            if self.clearance(&finger.tip).is_some_and(|clear| clear < -SQUEEZE * self.hand.length)
+            {
                 return;
             }
         }
     }
 
-    /// Way from a fingertip to the skin of the palm, along the palm's normal \[m\]; `None` where it is not over the palm.
+    /// Pulls a joint to a part of where its range ends, beyond that end or within its range.
+    fn pull(&mut self, (joint, axis, end): (usize, usize, f64), part: f64) {
+        self.angles[joint][axis] = part * end;
+        if part < 1.0 {
+            self.angles[joint][axis] = self.clamped(joint, axis);
+        }
+    }
+
+    /// An angle of a joint within its range \[rad\].
+    fn clamped(&self, joint: usize, axis: usize) -> f64 {
+        self.articulation.tree.clamp(joint, self.angles[joint])[axis]
+    }
+
+    /// Way from a fingertip to the hand's skin at rest below its palm, along the palm's normal \[m\]; `None` where there is
+    /// none.
     fn clearance(&self, tip: &Pad) -> Option<f64> {
         let last = &self.hand.bones[tip.bone];
         let along_B = (last.ends_B[1] - last.ends_B[0]).try_normalize(1e-9)?;
@@ -142,7 +171,7 @@ impl Fist<'_> {
         let mut best = (f64::INFINITY, self.angles[joint][axis]);
         for i in -10..=10 {
             self.angles[joint][axis] = ASIDE_MAX * f64::from(i) / 10.0;
-            self.angles[joint] = self.articulation.tree.clamp(joint, self.angles[joint]);
+            self.angles[joint][axis] = self.clamped(joint, axis);
             self.forward();
             let off = self.gap(&finger.side, &beside.side).abs();
             if off < best.0 {
@@ -176,9 +205,14 @@ impl Fist<'_> {
             count += 1.0;
         }
         let out = out.try_normalize(1e-9)?;
-        let goal = Goal { centre: place / count + out * (thumb.pad.radius - PRESS), normal: -out };
+        let goal = Goal {
+            centre: place / count + out * (thumb.pad.radius - PRESS * self.hand.length),
+            normal: -out,
+        };
         let mut angles = thumb.ease();
-        solve(&thumb, &thumb.ease(), &mut angles, &goal, ROUNDS);
+        if solve(&thumb, &thumb.ease(), &mut angles, &goal, ROUNDS) > MISS * self.hand.length {
+            return None;
+        }
         for (freedom, angle) in thumb.freedoms.iter().zip(angles) {
             self.angles[freedom.joint][freedom.axis] = angle;
         }

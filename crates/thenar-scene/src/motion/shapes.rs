@@ -42,7 +42,7 @@ impl<'a> Shapes<'a> {
         self.articulation.tree.clamp(j, self.bent(j, THUMB_ASIDE))
     }
 
-    /// What hands take that give no shape of their own.
+    /// Angles that hands take which give no shape of their own.
     fn usual(&self, shape: Preset, j: usize) -> [f64; 2] {
         let role = &self.anatomy.roles[j];
         match shape.angles_deg(role.digit) {

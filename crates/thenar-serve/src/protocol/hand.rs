@@ -27,7 +27,7 @@ pub struct Hand {
     angles: Vec<Option<Angle>>,
     shapes: BTreeMap<&'static str, [f64; ANGLES]>,
     collision_digits: Array,
-    /// What it wears at the wrist, in the palm bone's frame.
+    /// Worn at the wrist of a hand with flesh, in the palm bone's frame.
     cuff: Option<Mesh>,
 }
 
@@ -83,7 +83,7 @@ pub fn hand(built: &BuiltHand, target_start: usize, arrays: &mut Arrays) -> Hand
         angles: angles(model),
         shapes: shapes(model),
         collision_digits: arrays.u8(1, model.collision_digits.iter().map(|d| *d as u8)),
-        cuff: cuff(model).map(|mesh| drawn(&mesh, &[], arrays)),
+        cuff: built.flesh().and_then(|_| cuff(model)).map(|mesh| drawn(&mesh, &[], arrays)),
     }
 }
 

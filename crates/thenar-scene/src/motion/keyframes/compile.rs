@@ -9,7 +9,7 @@ use thenar::model::{Digit, HandModel};
 use thenar::{Mat3, Pose, Quat, Vec3};
 use thenar_track::{Anatomy, Articulation, JointRole};
 
-/// Part of the way to a fist during which the thumb stays aside.
+/// Part of the way to a fist after which the thumb, aside until then, comes over the fingers.
 const THUMB_LAST: f64 = 0.75;
 
 fn bad_key(k: usize, key: &Key, cause: String) -> MotionError {
@@ -175,14 +175,21 @@ impl<'a> Compiler<'a> {
         }
         let leaves = before.map(|_| 1.0 - THUMB_LAST);
         let arrives = over.map(|_| THUMB_LAST);
+        // The way begins where the last of the digits sets out.
+        let knots = self.knots.iter().zip(wanted).filter(|(_, wanted)| wanted[0].is_some());
+        let set_out = knots.filter_map(|(knots, _)| knots[0].last());
+        let Some(start) = set_out.map(|(time, _)| *time).reduce(f64::max) else { return };
         for j in thumb {
             let aside = self.shapes.thumb_aside(j);
             for (k, knots) in self.knots[j].iter_mut().enumerate() {
-                let Some((last, _)) = knots.last().copied() else { continue };
+                let (Some((last, angle)), Some(_)) = (knots.last().copied(), wanted[j][k]) else {
+                    continue;
+                };
+                if start > last {
+                    knots.push((start, angle));
+                }
                 for part in [leaves, arrives].into_iter().flatten() {
-                    if wanted[j][k].is_some() {
-                        knots.push((last + part * (key.time - last), aside[k]));
-                    }
+                    knots.push((start + part * (key.time - start), aside[k]));
                 }
             }
         }

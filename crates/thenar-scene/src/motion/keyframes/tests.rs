@@ -230,6 +230,21 @@ fn a_thumb_goes_aside_where_fingers_pass() {
     assert!(aside.iter().all(|angle| *angle < 1e-6), "{aside:?}");
     let over = [1.0, 1.5, 2.0, 3.0].map(|t| thumb(&mut fist, t));
     assert!(over.iter().all(|angle| (angle - 30.0).abs() < 1e-6), "{over:?}");
+    // Keys that bend other digits meanwhile put the way off until they are there.
+    let late = r#"
+        [[key]]
+        time = 0
+        pose = "open"
+        [[key]]
+        time = 9
+        joints = { index-proximal = { flexion_deg = 10 } }
+        [[key]]
+        time = 10
+        pose = "fist"
+    "#;
+    let mut late = motion(late, false);
+    let before = [9.0, 9.75].map(|t| thumb(&mut late, t));
+    assert!(before.iter().all(|angle| *angle < 1e-6), "{before:?}");
     let mut own = motion(&text("joints = { thumb-proximal = { flexion_deg = 30 } }"), false);
     assert!(thumb(&mut own, 0.75) > 15.0 && (thumb(&mut own, 2.5) - 30.0).abs() < 1e-6);
 }

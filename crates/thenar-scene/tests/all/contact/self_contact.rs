@@ -164,7 +164,7 @@ fn a_fist_closes_on_the_palm_and_the_thumb_over_it() {
         };
         for finger in &Digit::FINGERS[1..] {
             let force = pressed(*finger, &[Digit::Palm]);
-            assert!((0.1..4.0).contains(&force), "{changes:?}: {finger:?} with {force} N");
+            assert!((0.3..4.0).contains(&force), "{changes:?}: {finger:?} with {force} N");
         }
         let force = pressed(Digit::Thumb, &[Digit::Index, Digit::Middle]);
         assert!((1.0..8.0).contains(&force), "{changes:?}: the thumb with {force} N");

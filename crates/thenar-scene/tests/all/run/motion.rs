@@ -8,8 +8,8 @@ use thenar::{Pose, Vec3};
 use thenar_rig::hand::uniform_hand;
 use thenar_scene::format::MotionTable;
 use thenar_scene::motion::{
-    Anatomy, Articulation, Keyframes, KeyframesDesc, Preset, Recording, Retarget, TRACKED_JOINTS,
-    size_ratio,
+    Anatomy, Articulation, Keyframes, KeyframesDesc, Preset, Recording, Retarget, Shapes,
+    TRACKED_JOINTS, hand_angles, size_ratio,
 };
 use thenar_scene::session::read;
 use thenar_track::reach::{Chain, PadPlace};
@@ -44,6 +44,36 @@ fn posed(hand: &HandModel, key: &str) -> Vec<Pose> {
     let mut out: Vec<Option<Target>> = vec![None; hand.bones.len()];
     motion.sample(0.0, &mut out);
     out.iter().flatten().map(|target| target.pose_WB).collect()
+}
+
+/// A fist bends knuckles to their ends and pulls on by a sixth at most; pointing is the same but for the index, which is
+/// straight; a hand without a finger makes neither, and takes the table's.
+#[test]
+fn fists_follow_from_the_hand() {
+    for hand in hands() {
+        let (articulation, anatomy) = (Articulation::new(&hand).unwrap(), Anatomy::of(&hand));
+        let shapes = Shapes::new(&hand, &articulation, &anatomy);
+        let [fist, point] = [Preset::Fist, Preset::Point].map(|shape| shapes.twenty(shape));
+        let ranges = hand_angles(&hand, &articulation);
+        for (k, range) in ranges.iter().enumerate() {
+            let range = range.as_ref().expect("an angle");
+            assert!((range.min - 1e-9..=1.16 * range.max).contains(&fist[k]), "{k}: {}", fist[k]);
+        }
+        // Knuckles, from the index finger on: at what reaches the palm, which for the longest is beyond their ends.
+        let knuckles = [4, 8, 12, 16].map(|k| fist[k].to_degrees());
+        assert!(knuckles.iter().all(|angle| *angle > 70.0), "{knuckles:?}");
+        assert!(knuckles[1] > 90.0 && knuckles[2] > 90.0, "{knuckles:?}");
+        assert!(point[4].to_degrees() < 6.0 && point[8] == fist[8], "{point:?}");
+        let mut short = hand.clone();
+        short
+            .bones
+            .iter_mut()
+            .filter(|b| b.digit == Digit::Little)
+            .for_each(|b| b.digit = Digit::Palm);
+        let anatomy = Anatomy::of(&short);
+        let table = Shapes::new(&short, &articulation, &anatomy).twenty(Preset::Fist);
+        assert!((table[4].to_degrees() - 80.0).abs() < 1e-9, "{table:?}");
+    }
 }
 
 fn tip(hand: &HandModel, poses: &[Pose], digit: Digit) -> Vec3 {
