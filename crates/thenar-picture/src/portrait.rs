@@ -8,10 +8,10 @@ use super::{
     Backdrop, Camera, Ground, Hand, Image, Layers, Material, Pattern, Quality, Scales, Soft, Stage,
     render,
 };
-use thenar::model::{CouplingKind, HandModel, HandPlacement, Skinning, WorldDesc};
+use thenar::model::{CouplingKind, Flesh, HandModel, HandPlacement, Skinning, WorldDesc};
 use thenar::world::ModelError;
 use thenar::{Pose, Vec3, World};
-use thenar_rig::Model;
+use thenar_rig::{Model, TriMesh};
 
 /// Draws a model: a hand or a figure in its rest pose, seen from above its back, or an object.
 ///
@@ -23,10 +23,19 @@ pub fn portrait(
     size: [u32; 2],
     quality: &Quality,
 ) -> Result<Image, ModelError> {
-    match model {
-        Model::Hand(hand) => hand_portrait(hand, layers, size, quality),
-        _ => object_portrait(model, layers, size, quality),
-    }
+    let (skin, flesh) = match model {
+        Model::Hand(hand) => return hand_portrait(hand, layers, size, quality),
+        Model::Rigid(rigid) => {
+            let TriMesh { positions, triangles } = rigid.render.clone();
+            (Mesh::new(positions, triangles, Material::paint(hex(0xb3231f))), None)
+        }
+        Model::Soft(soft) => {
+            let positions = surface::embedded(&soft.render, &soft.flesh.tets, &soft.flesh.nodes);
+            let mesh = Mesh::new(positions, soft.render.triangles.clone(), Material::rubber());
+            (mesh, Some(&soft.flesh))
+        }
+    };
+    Ok(object_portrait(skin, flesh, layers, size, quality))
 }
 
 fn hand_portrait(
@@ -78,41 +87,27 @@ fn hand_portrait(
 
 /// Draws an object, seen from above to one side; with the layer `flesh`, a soft one's elements too.
 fn object_portrait(
-    model: &Model,
+    mut skin: Mesh,
+    flesh: Option<&Flesh>,
     layers: &Layers,
     size: [u32; 2],
     quality: &Quality,
-) -> Result<Image, ModelError> {
-    let (positions, triangles, flesh) = match model {
-        Model::Rigid(rigid) => {
-            (rigid.render.positions.clone(), rigid.render.triangles.clone(), None)
-        }
-        Model::Soft(soft) => {
-            let nodes = &soft.flesh.nodes;
-            let positions = surface::embedded(&soft.render, &soft.flesh.tets, nodes);
-            (positions, soft.render.triangles.clone(), layers.flesh.then_some(&soft.flesh))
-        }
-        Model::Hand(hand) => return hand_portrait(hand, layers, size, quality),
-    };
+) -> Image {
+    let flesh = flesh.filter(|_| layers.flesh);
     let aspect = f64::from(size[0]) / f64::from(size[1].max(1));
-    let camera = Camera::fitted(&positions, Vec3::new(-0.5, -0.6, -0.75), 0.5, aspect, 0.1);
-    let lowest = positions.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
+    let camera = Camera::fitted(&skin.positions, Vec3::new(-0.5, -0.6, -0.75), 0.5, aspect, 0.1);
+    let lowest = skin.positions.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
     let paper = Backdrop::default().horizon;
-    let mut scene = Scene3d {
-        ground: Some(Ground::horizontal(lowest, Pattern::Plain(paper))),
-        ..Scene3d::default()
-    };
-    let material = match (model, flesh) {
-        (Model::Rigid(_), _) => Material::paint(hex(0xb3231f)),
-        (_, None) => Material::rubber(),
-        (_, Some(_)) => Material { opacity: 0.32, casts_shadow: false, ..Material::rubber() },
-    };
-    scene.meshes.push(Mesh::new(positions, triangles, material));
+    let ground = Some(Ground::horizontal(lowest, Pattern::Plain(paper)));
+    let mut scene = Scene3d { ground, ..Scene3d::default() };
     if let Some(flesh) = flesh {
+        let lines = wires(&flesh.nodes, &flesh.tets);
         let pen = Pen::new(&camera, size[1], 1.3);
-        scene
-            .meshes
-            .push(pen.lines(wires(&flesh.nodes, &flesh.tets), Material::unlit(hex(0x1d4e6b))));
+        scene.meshes.push(pen.lines(lines, Material::unlit(hex(0x1d4e6b))));
+        skin.material = Material { opacity: 0.32, casts_shadow: false, ..skin.material };
     }
-    Ok(render(&scene, &camera, size[0], size[1], quality))
+    if layers.skin {
+        scene.meshes.push(skin);
+    }
+    render(&scene, &camera, size[0], size[1], quality)
 }

@@ -85,11 +85,14 @@ const THUMB_LAST = 0.75;
 export function between(from: Preset, to: Preset, share: number, hand: HandModel): Angles {
   const [a, b] = [presetOf(from, hand), presetOf(to, hand)];
   const angles = mix(a, b, share);
-  if (thumbLast(from) === thumbLast(to)) return angles;
-  const aside = thumbLast(to) ? thumbAside(b) : thumbAside(a);
-  const turn = thumbLast(to) ? THUMB_LAST : 1 - THUMB_LAST;
-  const thumb = share < turn ? mix(a, aside, share / turn) : mix(aside, b, (share - turn) / (1 - turn));
-  angles.set(thumb.subarray(0, 4));
+  if (from === to || !(thumbLast(from) || thumbLast(to))) return angles;
+  // Where the thumb comes aside, and where it leaves from there.
+  const off = thumbLast(from) ? 1 - THUMB_LAST : THUMB_LAST;
+  const on = thumbLast(to) ? THUMB_LAST : 1 - THUMB_LAST;
+  const aside = thumbAside(b);
+  if (share < off) angles.set(mix(a, aside, share / off).subarray(0, 4));
+  else if (share < on) angles.set(aside.subarray(0, 4));
+  else angles.set(mix(aside, b, (share - on) / (1 - on)).subarray(0, 4));
   return angles;
 }
 

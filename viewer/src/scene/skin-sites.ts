@@ -48,9 +48,11 @@ export function skinSites(
     if (bone.digit !== "palm" && back && !distal) blood += 0.35 * Math.exp(-(((along - 1) / 0.35) ** 2));
     if (bone.digit !== "palm" && back) blood += 0.3 * Math.exp(-(((along + 1) / 0.35) ** 2));
     if (!back) blood += 0.14;
-    blood += 0.2 * smooth(0, 120, -broad[v]);
+    // Curvature as of a hand of 190 mm.
+    const hollow = -broad[v] * scale;
+    blood += 0.2 * smooth(0, 120, hollow);
     site[4 * v] = Math.min(1, blood);
-    site[4 * v + 1] = 1 - 0.75 * smooth(20, 220, -broad[v]);
+    site[4 * v + 1] = 1 - 0.75 * smooth(20, 220, hollow);
     nailPlace(hand, b, poses, rest, v, scale, site);
   }
   return { site, curve };
@@ -74,7 +76,7 @@ function nailPlace(
     const nail = digit === "thumb" ? NAIL.thumb : NAIL.finger;
     const [x, y, z] = inBone(poses, d, rest, v);
     const half = 0.5 * Math.abs(hand.bones[d].ends_B[0][2] - hand.bones[d].ends_B[1][2]);
-    const off = y >= 0 ? 1 : 1 + Math.min(8, -y / 0.001);
+    const off = y >= 0 ? 1 : 1 + Math.min(8, -y / (0.001 * scale));
     u = (off * x) / (nail.wide * scale);
     w = (off * (-z - (half - 0.25 * nail.long * scale))) / (nail.long * scale);
   }

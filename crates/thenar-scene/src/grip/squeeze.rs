@@ -17,8 +17,8 @@
 pub const RATE: f64 = 8.0;
 /// Fastest push \[m/s\]: as fast as pads close.
 const SPEED: f64 = 0.04;
-/// Fastest push of pads that press \[m/s\]; where things are hard, gaps in force below 4 N never ask for so much. A loaf that gives way by 30 mm is held
-/// within a second, as people hold one.
+/// Fastest push, and way back, of pads that press \[m/s\]; where things are hard, gaps in force below 4 N never ask for so
+/// much. A loaf that gives way by 30 mm is held within a second, as people hold one.
 const PRESSING: f64 = 0.08;
 /// The secant counts from here on \[m\]; before it says nothing.
 const SECANT_FROM: f64 = 2e-4;

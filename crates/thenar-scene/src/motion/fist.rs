@@ -10,10 +10,10 @@ use thenar::{Pose, Vec3};
 use thenar_track::reach::{Chain, Goal, Pad, PadPlace, solve};
 use thenar_track::{Anatomy, Articulation};
 
-/// Parts of their ranges to which the second and the third joint of a finger are pulled: flesh in the bend of the second
+/// Parts of where their ranges end to which the second and the third joint of a finger are pulled: flesh in the bend of the second
 /// resists, and holds it some degrees short of its end.
 const OUTER: [f64; 2] = [1.1, 0.92];
-/// Parts of a knuckle's range that are tried, the first and the last: a knuckle at its end is pulled on.
+/// Parts of where a knuckle's range ends that are tried, the first and the last: a knuckle at its end is pulled on.
 const KNUCKLE: [f64; 2] = [0.5, 1.15];
 /// Number of steps from the first to the last: 2° each.
 const TRIED: u32 = 30;
@@ -26,6 +26,8 @@ const PRESS: f64 = 0.5 * SQUEEZE;
 const MISS: f64 = 10.0 / 190.0;
 /// Farthest that a finger goes aside, so that it lies beside its neighbour \[rad\].
 const ASIDE_MAX: f64 = 0.2;
+/// Joints whose range ends farther on bend no finger of a person \[rad\]: 130°.
+const BEND_MAX: f64 = 2.27;
 /// Rounds of inverse kinematics for the thumb.
 const ROUNDS: usize = 60;
 
@@ -88,12 +90,12 @@ impl Finger {
             if let Some((_, sense)) = role.flexion.filter(|(flexion, _)| *flexion == axis) {
                 let limit = articulation.tree.limits(joint)[axis]?;
                 let end = if sense > 0.0 { limit.max } else { limit.min };
-                if sense * end <= 0.0 {
+                if !(0.0..BEND_MAX).contains(&(sense * end)) {
                     return None;
                 }
                 bends.push((joint, axis, end));
-            } else if role.place == 0 {
-                spread = Some((joint, axis));
+            } else if role.spread.is_some_and(|(spread, _)| spread == axis) {
+                spread = spread.or(Some((joint, axis)));
             }
         }
         Some(Self { digit, tip: chain.pad, side, bends: bends.try_into().ok()?, spread })
@@ -213,9 +215,7 @@ impl Fist<'_> {
         if solve(&thumb, &thumb.ease(), &mut angles, &goal, ROUNDS) > MISS * self.hand.length {
             return None;
         }
-        for (freedom, angle) in thumb.freedoms.iter().zip(angles) {
-            self.angles[freedom.joint][freedom.axis] = angle;
-        }
+        thumb.write(&angles, &mut self.angles);
         Some(())
     }
 }

@@ -415,6 +415,8 @@ impl LiveHand {
             Law { omega: part * omega, speed: speed * opening * opening }
         };
         let quiet = [self.memory.position.quiet(), self.memory.rotation.quiet()];
+        // A script may squeeze joints against their ends.
+        let returns = self.memory.way == Way::Returning;
         let (stance, goal) = (&mut self.memory.stance, &self.memory.script);
         stance.position = follow(stance.position, goal.position, law(SPEED_MAX, quiet[0]), h);
         stance.rotation =
@@ -428,7 +430,9 @@ impl LiveHand {
                 let [mut angle, mut rate] = follow([before, stance.rates[j][k]], goal, law, h);
                 if let Some(limit) = limits[k] {
                     // A script may have left the hand beyond a limit: then it goes no further.
-                    let inside = angle.clamp(limit.min.min(before), limit.max.max(before));
+                    let asked = if returns { goal[0] } else { before };
+                    let low = limit.min.min(before).min(asked);
+                    let inside = angle.clamp(low, limit.max.max(before).max(asked));
                     rate = if inside == angle { rate } else { 0.0 };
                     angle = inside;
                 }

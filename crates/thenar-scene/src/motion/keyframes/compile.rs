@@ -173,23 +173,33 @@ impl<'a> Compiler<'a> {
         if own || over == before {
             return;
         }
-        let leaves = before.map(|_| 1.0 - THUMB_LAST);
-        let arrives = over.map(|_| THUMB_LAST);
-        // The way begins where the last of the digits sets out.
-        let knots = self.knots.iter().zip(wanted).filter(|(_, wanted)| wanted[0].is_some());
-        let set_out = knots.filter_map(|(knots, _)| knots[0].last());
-        let Some(start) = set_out.map(|(time, _)| *time).reduce(f64::max) else { return };
+        // Off the fingers before the first of them sets out, and over them after the last.
+        let fingers = self.anatomy.roles.iter().zip(&self.knots).zip(wanted);
+        let moving = fingers.filter(|((role, _), wanted)| {
+            role.digit != Digit::Thumb && wanted.iter().any(Option::is_some)
+        });
+        let set_out = moving.filter_map(|((_, knots), _)| {
+            knots.iter().filter_map(|knots| knots.last()).map(|(time, _)| *time).reduce(f64::max)
+        });
+        let [first, last] =
+            set_out.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], t| [a.min(t), b.max(t)]);
+        if first > last {
+            return;
+        }
+        let leaves = before.map(|_| (first, 1.0 - THUMB_LAST));
+        let arrives = over.map(|_| (last, THUMB_LAST));
         for j in thumb {
             let aside = self.shapes.thumb_aside(j);
             for (k, knots) in self.knots[j].iter_mut().enumerate() {
-                let (Some((last, angle)), Some(_)) = (knots.last().copied(), wanted[j][k]) else {
+                let (Some((own, angle)), Some(_)) = (knots.last().copied(), wanted[j][k]) else {
                     continue;
                 };
-                if start > last {
-                    knots.push((start, angle));
+                let start = |from: f64| from.max(own);
+                if let Some((from, _)) = leaves.or(arrives).filter(|(from, _)| *from > own) {
+                    knots.push((from, angle));
                 }
-                for part in [leaves, arrives].into_iter().flatten() {
-                    knots.push((start + part * (key.time - start), aside[k]));
+                for (from, part) in [leaves, arrives].into_iter().flatten() {
+                    knots.push((start(from) + part * (key.time - start(from)), aside[k]));
                 }
             }
         }

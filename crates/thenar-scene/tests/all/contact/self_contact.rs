@@ -155,10 +155,13 @@ fn a_fist_closes_on_the_palm_and_the_thumb_over_it() {
         run(&mut session, 2.2);
         let of = &session.hands()[0].model.collision_digits;
         let pressed = |one: Digit, others: &[Digit]| {
-            let digit = |vertex: Option<u32>| vertex.map_or(Digit::Palm, |v| of[v as usize]);
+            let digit = |vertex: Option<u32>| vertex.map(|v| of[v as usize]);
             let contacts = session.world().contacts().iter().filter(|c| {
                 let [a, b] = c.vertices.map(digit);
-                (a == one && others.contains(&b)) || (b == one && others.contains(&a))
+                let meets = |a: Option<Digit>, b: Option<Digit>| {
+                    a == Some(one) && b.is_some_and(|b| others.contains(&b))
+                };
+                meets(a, b) || meets(b, a)
             });
             contacts.map(|c| c.force_W.dot(&c.normal_W).abs()).sum::<f64>()
         };
