@@ -27,8 +27,13 @@ impl<'a> Shapes<'a> {
         let own = self.own[shape as usize].get_or_init(|| self.own(shape));
         match own {
             Some(own) => own[j],
-            None => self.articulation.tree.clamp(j, self.usual(shape, j)),
+            None => self.table(shape, j),
         }
+    }
+
+    /// Both angles of joint `j` in a shape of any hand, within their ranges \[rad\].
+    pub(super) fn table(&self, shape: Preset, j: usize) -> [f64; 2] {
+        self.articulation.tree.clamp(j, self.usual(shape, j))
     }
 
     /// A shape as the twenty angles of a hand (see [`hand_angles`]) \[rad\]; 0 for joints that it lacks.

@@ -209,7 +209,8 @@ impl<'a> Compiler<'a> {
         if !(0.0..=1.0).contains(&curl) {
             return Err(format!("curl of {} must be in 0..1, got {curl}", role.digit.name()));
         }
-        let [open, fist] = [Preset::Open, Preset::Fist].map(|shape| self.shapes.angles(shape, j));
+        // One finger alone is closed, not squeezed.
+        let [open, fist] = [Preset::Open, Preset::Fist].map(|shape| self.shapes.table(shape, j));
         Ok([0, 1].map(|k| Some(open[k] + curl * (fist[k] - open[k]))))
     }
 
