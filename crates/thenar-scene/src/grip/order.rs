@@ -41,7 +41,7 @@ impl Order {
         Self { object, kind, force, at, open, adapts: false }
     }
 
-    /// This order with a force that may rise to what the load asks, or not.
+    /// The order with a force that may rise to what the load asks, or not.
     pub fn adapting(self, adapts: bool) -> Self {
         Self { adapts, ..self }
     }
