@@ -49,6 +49,29 @@ async function palm(page: Page): Promise<{ x: number; y: number }> {
   });
 }
 
+/** Waits until the palm, tracked and simulated, moves by less than 0.5 mm in a tenth of a second of the simulation. */
+async function stands(page: Page): Promise<void> {
+  const end = Date.now() + 60_000;
+  const look = (): Promise<{ time: number; at: number[] }> =>
+    read(page, (t) => {
+      const { bone_start, target_start } = t.model!.hands[0]!;
+      const { time, rigids, targets } = t.snapshot!;
+      const palm = (from: Float32Array, start: number) => Array.from(from.subarray(7 * start, 7 * start + 3));
+      return { time, at: [...palm(rigids, bone_start), ...palm(targets, target_start)] };
+    });
+  let before = await look();
+  for (;;) {
+    const now = await look();
+    if (now.time >= before.time + 0.1 || now.time < before.time) {
+      const moved = Math.max(...now.at.map((x, i) => Math.abs(x - before.at[i]!)));
+      if (now.time > before.time && moved < 5e-4) return;
+      before = now;
+    }
+    if (Date.now() > end) throw new Error("the palm did not come to rest within a minute");
+    await new Promise((resolve) => setTimeout(resolve, 50));
+  }
+}
+
 /** Drags the hand up by 16 px until the pointer leads it: the script moves it, and a press may come where it was. */
 async function dragUp(page: Page): Promise<void> {
   const end = Date.now() + 60_000;
@@ -162,6 +185,8 @@ test("the hint names what closes the hand, and stays while the visitor leads it"
 
 test("a drag down moves the tracked hand down, no nearer", async () => {
   const { page, problems } = await controlling();
+  // From where the script begins, held still: what the visitor before left may be on its way yet.
+  await read(page, (t) => t.app.connection.send({ type: "reset" }));
   await read(page, (t) => t.app.inputs.start("mouse"));
   // The goal of the drag, as the page sends it: the tracked palm follows it through the table if need be.
   const tracked = (): Promise<number[]> =>
@@ -170,6 +195,7 @@ test("a drag down moves the tracked hand down, no nearer", async () => {
       return Array.from(t.snapshot!.targets.subarray(at, at + 3));
     });
   await until(page, (t) => (t.snapshot!.flags & 32) !== 0);
+  await stands(page);
   const before = await tracked();
   const { x, y } = await palm(page);
   await page.mouse.move(x, y);
