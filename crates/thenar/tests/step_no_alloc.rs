@@ -5,12 +5,12 @@ mod common;
 
 use common::{FLESH, bar, body, finger};
 use thenar::model::{
-    BodyId, Drive, FrictionTable, Motion, Sheet, Skin, SoftDesc, SolverKind, facets,
+    BodyId, Drive, FrictionTable, Motion, PoseOffsets, Sheet, Skin, SoftDesc, SolverKind, facets,
 };
 use thenar::readout::{ContactReadout, TaxelPlace, TaxelReadout, TaxelSkin};
 use thenar::shape::Shape;
 use thenar::world::Target;
-use thenar::{Pose, Vec3, World};
+use thenar::{Pose, Quat, Vec3, World};
 use thenar_testing::allocations;
 
 #[global_allocator]
@@ -39,6 +39,16 @@ fn steps_allocate_nothing(kind: SolverKind) {
         pose_WM: Pose::translation(0.045, 0.017, 0.0),
         velocity_W: Vec3::zeros(),
         coupling: None,
+    });
+    let carried = &desc.softs[0].coupling.as_ref().unwrap().bindings;
+    let both = |n: &u32| carried[*n as usize].weights.iter().all(|w| *w > 0.0);
+    let nodes: Vec<u32> = (0..carried.len() as u32).filter(both).collect();
+    desc.pose_offsets.push(PoseOffsets {
+        soft: 0,
+        joint: 0,
+        poses: vec![Quat::from_scaled_axis(Vec3::z())],
+        offsets: vec![Vec3::y() * 1e-3; nodes.len()],
+        nodes,
     });
     let sheet = Sheet {
         thickness: 1e-3,

@@ -25,4 +25,5 @@ mod press;
 mod regions;
 mod rigs;
 mod scans;
+mod sculpted;
 mod support;

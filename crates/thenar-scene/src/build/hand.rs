@@ -3,7 +3,8 @@
 use super::soft::{damped_once, group_elements, law, relaxation, skinning};
 use super::solver::set;
 use super::{
-    Built, Files, Mesh, RigidLook, assets, drivers, hand_joints, motion, place, preset, tissue,
+    Built, Files, Mesh, RigidLook, assets, drivers, hand_joints, motion, place, pose_offsets,
+    preset, tissue,
 };
 use crate::format::{BonesWord, CouplingWord, ElementsWord, Hand, HandMaterial, PresetWord, Scene};
 use crate::math::{Pose, Vec3};
@@ -159,6 +160,7 @@ fn add(built: &mut Built, hand: &Hand, preset: PresetWord, files: &Files) -> Res
         };
         group_elements(&mut built.world, handle.soft, hand.elements.unwrap_or(usual));
         built.world.skins.extend(tissue::skin_of_hand(hand, &model, handle.soft)?);
+        pose_offsets::of_hand(built, hand, &model, &handle, coupling, placement.skinning)?;
         built.meshes.push(Mesh::new(&model.flesh.nodes, &model.flesh.tets));
         built.node_starts.push(None);
     } else {

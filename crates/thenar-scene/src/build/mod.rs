@@ -19,6 +19,7 @@ mod motor;
 mod names;
 mod pair;
 mod place;
+mod pose_offsets;
 mod preset;
 mod rigid;
 mod select;

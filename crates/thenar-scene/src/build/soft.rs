@@ -1,7 +1,7 @@
 //! Soft bodies.
 
 use super::solver::set;
-use super::{Built, Files, Mesh, assets, lattice, place, tissue};
+use super::{Built, Files, Mesh, assets, lattice, place, pose_offsets, tissue};
 use crate::format::{
     Bind, ElementsWord, FixedSet, LawWord, MaterialTable, Scene, SkinningWord, Soft, SoftShape,
     SplitWord, Terms,
@@ -63,6 +63,7 @@ fn add(built: &mut Built, soft: &Soft, files: &Files) -> Result<(), Fault> {
     flesh.friction = soft.friction;
     flesh.fixed = fixed(&soft.fixed, &mesh)?;
     let coupling = coupling(built, soft, &mesh)?;
+    pose_offsets::of_binds(built, soft, &mesh, index)?;
     built.world.skins.extend(skin);
     built.world.add_soft(SoftDesc {
         name: soft.name.value.clone(),

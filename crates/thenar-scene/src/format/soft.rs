@@ -204,6 +204,19 @@ table! {
         stiffness: Option<f64> where SPRING;
         /// Spring of each node [N/m].
         node_stiffness: Option<f64> where SPRING;
+        /// What the pose of the joint between two bones adds to these nodes' places. Between poses it is interpolated, at rest
+        /// it is nothing.
+        pose_offset: Vec<At<PoseOffsetTable>>;
+    }
+}
+
+table! {
+    /// An offset of skinning targets at one pose of a joint.
+    pub struct PoseOffsetTable {
+        /// Rotation of the joint's child from rest against its parent, in the parent's axes.
+        rotation: At<Rotation>;
+        /// Offset at rest [m], in the axes of the body's model frame; the bones carry it along.
+        offset: Vec3 where PLACE;
     }
 }
 

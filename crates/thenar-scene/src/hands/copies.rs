@@ -61,6 +61,7 @@ pub fn default_hand(scene: &Scene, side: Side) -> Hand {
         coupling_stiffness: None,
         coupling_damping_time: 1e-3,
         skinning: SkinningWord::Lbs,
+        pose_offsets: false,
         elements: None,
         material: None,
         springs: None,

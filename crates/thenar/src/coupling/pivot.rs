@@ -5,7 +5,7 @@
 //! bones carry the node, as in Eq. 6, and the derivative fills the same blocks as that of Eq. 8.
 
 use crate::coupling::SkinTarget;
-use crate::math::{Pose, Quat, Vec3};
+use crate::math::{Mat3, Pose, Quat, Vec3};
 use crate::solver::{Apart, Turning};
 
 /// What a node turns about, and from where.
@@ -37,8 +37,15 @@ impl Pivot {
     /// ```
     ///
     /// with `μ_j = w_j c_j / n` of sum 1, so that a motion of both bones as one moves the target with them.
+    ///
+    /// `posed` is an offset of X in the first bone's frame with its slope, by which the derivative grows: `R̄ slope (ω_0 − ω_1)`.
     #[inline]
-    pub fn target(&self, poses_WB: [&Pose; 2], weights: [f64; 2]) -> SkinTarget {
+    pub fn target(
+        &self,
+        poses_WB: [&Pose; 2],
+        weights: [f64; 2],
+        posed: Option<(Vec3, Mat3)>,
+    ) -> SkinTarget {
         let [w_0, w_1] = weights;
         let q_0 = poses_WB[0].rotation;
         let q_1 = poses_WB[1].rotation * self.rest;
@@ -46,7 +53,8 @@ impl Pivot {
         let (near, sign) = (dot.abs(), 1.0_f64.copysign(dot));
         let n2 = w_0 * w_0 + w_1 * w_1 + 2.0 * w_0 * w_1 * near;
         let blended = (q_0.coords * w_0 + q_1.coords * (w_1 * sign)) / n2.sqrt();
-        let r = Quat::new_unchecked(blended.into()) * self.arm_B;
+        let turn = Quat::new_unchecked(blended.into());
+        let r = turn * posed.map_or(self.arm_B, |(offset, _)| self.arm_B + offset);
         let (joint_W, mut levers) = centre(poses_WB, self.anchors_B, weights);
         let mu = w_0 * (w_0 + w_1 * near) / n2;
         levers[0] += r * mu;
@@ -54,8 +62,14 @@ impl Pivot {
         let (v_0, v_1) = (q_0.imag(), q_1.imag());
         let between = v_0 * q_1.w - v_1 * q_0.w - v_0.cross(&v_1);
         let axis = between * (w_0 * w_1 * sign / n2);
-        let apart = Some(Apart { axis, arm: r });
-        SkinTarget { position_W: joint_W + r, turning: Turning { levers, apart } }
+        let blended = Apart::Blended { axis, arm: r };
+        let apart = match posed {
+            None => blended,
+            Some((_, slope)) => {
+                Apart::Posed(blended.matrix() + turn.to_rotation_matrix().matrix() * slope)
+            }
+        };
+        SkinTarget { position_W: joint_W + r, turning: Turning { levers, apart: Some(apart) } }
     }
 }
 
@@ -70,12 +84,25 @@ fn centre(poses_WB: [&Pose; 2], anchors_B: [Vec3; 2], weights: [f64; 2]) -> (Vec
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::coupling::{BoundNode, skin_target};
+    use crate::coupling::{BoundNode, OffsetModel, SkinTarget, skin_target};
     use crate::testing::{Random, assert_close, jacobian};
     use std::f64::consts::{FRAC_PI_2, PI};
 
+    /// The target of a node with these offsets.
+    pub(crate) fn posed(bound: &BoundNode, poses: &[Pose], offsets: &OffsetModel) -> SkinTarget {
+        skin_target(bound, poses, &offsets.pose(poses, &mut Vec::new()))
+    }
+
+    fn target(bound: &BoundNode, poses: &[Pose]) -> SkinTarget {
+        posed(bound, poses, &OffsetModel::default())
+    }
+
     /// `∂f/∂q` of a node on bodies 0 and 1 as the solver has it, and by central differences.
-    pub(crate) fn derivatives(bound: &BoundNode, poses: &[Pose]) -> [Vec<Vec<f64>>; 2] {
+    pub(crate) fn derivatives(
+        bound: &BoundNode,
+        poses: &[Pose],
+        offsets: &OffsetModel,
+    ) -> [Vec<Vec<f64>>; 2] {
         let at = |q: &[f64]| {
             let moved: Vec<Pose> = (0..2)
                 .map(|j| {
@@ -85,9 +112,9 @@ pub(crate) mod tests {
                     Pose::new(poses[j].position + shift, turn * poses[j].rotation)
                 })
                 .collect();
-            skin_target(bound, &moved).position_W.as_slice().to_vec()
+            posed(bound, &moved, offsets).position_W.as_slice().to_vec()
         };
-        let target = skin_target(bound, poses);
+        let target = posed(bound, poses, offsets);
         let mut analytic = vec![vec![0.0; 12]; 3];
         for (r, c, j) in (0..18).map(|k| (k % 3, k / 3 % 3, k / 9)) {
             analytic[r][6 * j + c] = if r == c { bound.weights[j] } else { 0.0 };
@@ -97,7 +124,7 @@ pub(crate) mod tests {
     }
 
     /// Two bones of any rest pose with a common joint, and a node near it.
-    fn random_pair(random: &mut Random) -> ([Pose; 2], BoundNode) {
+    pub(crate) fn random_pair(random: &mut Random) -> ([Pose; 2], BoundNode) {
         let poses = [0, 1].map(|_| Pose::new(random.vec3(0.1), random.rotation(PI)));
         let (joint, x) = (random.vec3(0.1), random.vec3(0.1));
         let w = random.range(0.02, 0.98);
@@ -105,13 +132,13 @@ pub(crate) mod tests {
         let anchors = [0, 1].map(|j| poses[j].inverse_point(&joint));
         let offsets = [0, 1].map(|j| poses[j].inverse_point(&x));
         let pivot = Some(Pivot::new([&poses[0], &poses[1]], anchors, weights, &x));
-        (poses, BoundNode { node: 0, bones: [0, 1], weights, offsets, pivot })
+        (poses, BoundNode { node: 0, bones: [0, 1], weights, offsets, pivot, posed: None })
     }
 
     fn joined_at_origin(weights: [f64; 2], x: Vec3) -> BoundNode {
         let still = Pose::identity();
         let pivot = Some(Pivot::new([&still, &still], [Vec3::zeros(); 2], weights, &x));
-        BoundNode { node: 0, bones: [0, 1], weights, offsets: [x, x], pivot }
+        BoundNode { node: 0, bones: [0, 1], weights, offsets: [x, x], pivot, posed: None }
     }
 
     /// The child turned by an angle about an axis through the joint.
@@ -125,10 +152,10 @@ pub(crate) mod tests {
         for _ in 0..200 {
             let (poses, bound) = random_pair(&mut random);
             let x = poses[0].point(&bound.offsets[0]);
-            let target = skin_target(&bound, &poses);
+            let target = target(&bound, &poses);
             assert!((target.position_W - x).norm() < 1e-15);
-            let apart = target.turning.apart.unwrap();
-            assert!(apart.axis.norm() < 1e-14, "nothing is turned apart: {}", apart.axis);
+            let apart = target.turning.apart.unwrap().matrix();
+            assert!(apart.norm() < 1e-14, "nothing is turned apart: {apart}");
         }
     }
 
@@ -141,7 +168,7 @@ pub(crate) mod tests {
             let whole = Pose::new(random.vec3(1.0), random.rotation(PI));
             let bend = Pose::new(random.vec3(0.01), random.rotation(179.0_f64.to_radians()));
             let poses = [whole * rest[0], whole * bend * rest[1]];
-            let [analytic, numeric] = derivatives(&bound, &poses);
+            let [analytic, numeric] = derivatives(&bound, &poses, &OffsetModel::default());
             assert_close(&analytic, &numeric, 1e-8);
         }
     }
@@ -154,8 +181,8 @@ pub(crate) mod tests {
             let bend = Pose::new(random.vec3(0.01), random.rotation(2.5));
             let bent = [rest[0], bend * rest[1]];
             let motion = Pose::new(random.vec3(1.0), random.rotation(PI));
-            let before = skin_target(&bound, &bent).position_W;
-            let after = skin_target(&bound, &bent.map(|p| motion * p)).position_W;
+            let before = target(&bound, &bent).position_W;
+            let after = target(&bound, &bent.map(|p| motion * p)).position_W;
             assert!((motion.point(&before) - after).norm() < 1e-14);
         }
     }
@@ -168,7 +195,7 @@ pub(crate) mod tests {
             let (rest, bound) = random_pair(&mut random);
             let bend = Pose::new(random.vec3(0.01), random.rotation(3.0));
             let poses = [rest[0], bend * rest[1]];
-            let target = skin_target(&bound, &poses);
+            let target = target(&bound, &poses);
             let force = random.vec3(10.0);
             let mut torque = -target.position_W.cross(&force);
             for j in 0..2 {
@@ -186,14 +213,14 @@ pub(crate) mod tests {
             for w in [0.01, 0.3, 0.5, 0.9] {
                 let bound = joined_at_origin([w, 1.0 - w], Vec3::new(0.01, 0.0, 0.004));
                 let poses = turned(Vec3::z(), degrees.to_radians());
-                let at = skin_target(&bound, &poses).position_W;
+                let at = target(&bound, &poses).position_W;
                 assert!((at.xy().norm() / 0.01 - 1.0).abs() < 1e-12, "{degrees}°, {w}");
                 assert!((at.z - 0.004).abs() < 1e-15);
             }
         }
         // With equal weights it turns by half the angle.
         let bound = joined_at_origin([0.5, 0.5], Vec3::new(0.01, 0.0, 0.0));
-        let at = skin_target(&bound, &turned(Vec3::z(), FRAC_PI_2)).position_W;
+        let at = target(&bound, &turned(Vec3::z(), FRAC_PI_2)).position_W;
         assert!((at.y.atan2(at.x) - FRAC_PI_2 / 2.0).abs() < 1e-12);
     }
 
@@ -201,7 +228,7 @@ pub(crate) mod tests {
     #[test]
     fn a_bend_keeps_its_depth() {
         let bound = joined_at_origin([0.5, 0.5], Vec3::new(0.0, 0.01, 0.0));
-        let at = skin_target(&bound, &turned(Vec3::z(), FRAC_PI_2)).position_W;
+        let at = target(&bound, &turned(Vec3::z(), FRAC_PI_2)).position_W;
         assert!((at.norm() / 0.01 - 1.0).abs() < 1e-12);
     }
 
@@ -213,8 +240,7 @@ pub(crate) mod tests {
         let step = 350.0_f64.to_radians() / f64::from(steps);
         for w in [0.05, 0.5, 0.8] {
             let bound = joined_at_origin([w, 1.0 - w], Vec3::new(radius, 0.0, 0.0));
-            let at =
-                |k: i32| skin_target(&bound, &turned(Vec3::z(), step * f64::from(k))).position_W;
+            let at = |k: i32| target(&bound, &turned(Vec3::z(), step * f64::from(k))).position_W;
             for k in 1..=steps {
                 let moved = (at(k) - at(k - 1)).norm();
                 let passes = step * f64::from(k - 1) < PI && step * f64::from(k) >= PI;

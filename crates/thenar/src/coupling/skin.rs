@@ -1,8 +1,8 @@
 //! Skinning targets (Eq. 6) and their derivatives.
 
-use crate::coupling::Pivot;
-use crate::math::{Pose, Vec3};
-use crate::solver::Turning;
+use crate::coupling::{NodeOffset, Pivot, Posed};
+use crate::math::{Mat3, Pose, Vec3};
+use crate::solver::{Apart, Turning};
 
 /// A node bound to at most two bones.
 #[derive(Clone, Copy, Debug)]
@@ -17,6 +17,8 @@ pub struct BoundNode {
     pub offsets: [Vec3; 2],
     /// What the node turns about where the rotations of its two bones are blended.
     pub pivot: Option<Pivot>,
+    /// What the pose of its bones' joint adds to its rest position, if anything.
+    pub posed: Option<NodeOffset>,
 }
 
 /// The target f_i of a node with its derivative: `∂f_i/∂q_j = [w I, turning]`.
@@ -28,20 +30,30 @@ pub struct SkinTarget {
     pub turning: Turning,
 }
 
-/// Eq. 6, `f_i(q) = Σ_j w_ij (x_j + R_j x_ij)`, or [`Pivot::target`].
+/// Eq. 6, `f_i(q) = Σ_j w_ij (x_j + R_j x_ij)`, or [`Pivot::target`], with x_ij as the pose has it ([`Posed`]).
 #[inline]
-pub fn skin_target(bound: &BoundNode, poses_WB: &[Pose]) -> SkinTarget {
+pub fn skin_target(bound: &BoundNode, poses_WB: &[Pose], posed: &Posed<'_>) -> SkinTarget {
     if let Some(pivot) = &bound.pivot {
-        return pivot.target(bound.bones.map(|b| &poses_WB[b as usize]), bound.weights);
+        let of_pose = bound.posed.as_ref().map(|at| (posed.offset(at, 0), posed.slope(at, 0)));
+        return pivot.target(bound.bones.map(|b| &poses_WB[b as usize]), bound.weights, of_pose);
     }
     let mut target = SkinTarget { position_W: Vec3::zeros(), turning: Turning::NONE };
     for j in 0..2 {
         let weight = bound.weights[j];
         if weight != 0.0 {
             let pose = &poses_WB[bound.bones[j] as usize];
-            target.turning.levers[j] = pose.vector(&bound.offsets[j]) * weight;
+            let offset = bound.posed.as_ref().map_or(Vec3::zeros(), |at| posed.offset(at, j));
+            target.turning.levers[j] = pose.vector(&(bound.offsets[j] + offset)) * weight;
             target.position_W += pose.position * weight + target.turning.levers[j];
         }
+    }
+    if let Some(at) = &bound.posed {
+        let slope = |j: usize| {
+            let rotation = poses_WB[bound.bones[j] as usize].rotation.to_rotation_matrix();
+            rotation.matrix() * posed.slope(at, j) * bound.weights[j]
+        };
+        let whole: Mat3 = slope(0) + slope(1);
+        target.turning.apart = Some(Apart::Posed(whole));
     }
     target
 }
@@ -49,7 +61,8 @@ pub fn skin_target(bound: &BoundNode, poses_WB: &[Pose]) -> SkinTarget {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::coupling::derivatives;
+    use crate::coupling::OffsetModel;
+    use crate::coupling::pivot::tests::{derivatives, posed};
     use crate::math::Quat;
     use crate::testing::{Random, assert_close};
 
@@ -66,8 +79,9 @@ mod tests {
                 weights: [w, 1.0 - w],
                 offsets: [random.vec3(0.05), random.vec3(0.05)],
                 pivot: None,
+                posed: None,
             };
-            let [analytic, numeric] = derivatives(&bound, &poses);
+            let [analytic, numeric] = derivatives(&bound, &poses, &OffsetModel::default());
             assert_close(&analytic, &numeric, 1e-6);
         }
     }
@@ -79,8 +93,9 @@ mod tests {
         let poses = [Pose::identity(), Pose::new(Vec3::zeros(), quarter)];
         let offset = Vec3::new(0.01, 0.0, 0.0);
         let (weights, offsets) = ([0.5, 0.5], [offset, offset]);
-        let bound = BoundNode { node: 0, bones: [0, 1], weights, offsets, pivot: None };
-        let radius = skin_target(&bound, &poses).position_W.norm() / 0.01;
+        let bound =
+            BoundNode { node: 0, bones: [0, 1], weights, offsets, pivot: None, posed: None };
+        let radius = posed(&bound, &poses, &OffsetModel::default()).position_W.norm() / 0.01;
         assert!((radius - std::f64::consts::FRAC_1_SQRT_2).abs() < 1e-12);
     }
 }

@@ -5,7 +5,7 @@
 //! The springs have no net force and no net torque. The dampers have no net force; their net
 //! torque is the product of damping force and stretch, since they act on the bone at the target.
 
-use crate::coupling::{BoundNode, skin_target};
+use crate::coupling::{BoundNode, OffsetModel, Posed, Share, skin_target};
 use crate::math::{Mat3, Mat6, Pose, Vec3};
 use crate::model::FleshInStep1;
 use crate::solver::BlockMatrix;
@@ -23,6 +23,8 @@ pub struct CouplingModel {
     pub damping: Vec<f64>,
     /// Joint between the two bones of each, and whether its child is the first of them.
     pub joints: Vec<Option<(u32, bool)>>,
+    /// What poses of joints add to targets.
+    pub offsets: OffsetModel,
     /// Where the blocks of each lie in the system matrix.
     pub entries: Vec<CouplingEntries>,
 }
@@ -100,11 +102,19 @@ impl CouplingModel {
         self.bound.iter().chain(&self.unbound)
     }
 
+    /// What offsets add where the bones are: for reading; a step has room of its own for it.
+    pub fn shares(&self, poses_WB: &[Pose]) -> Vec<Share> {
+        let mut shares = Vec::new();
+        self.offsets.pose(poses_WB, &mut shares);
+        shares
+    }
+
     /// Adds the springs to `A` and `b`, and to `bones` what the bones feel of them in step 1. `x`
     /// and `v` are nodal.
     pub fn assemble(
         &self,
         poses_WB: &[Pose],
+        posed: &Posed<'_>,
         x: &[Vec3],
         v: &[Vec3],
         h: f64,
@@ -115,7 +125,7 @@ impl CouplingModel {
     ) {
         let row0 = 2 * poses_WB.len();
         for (i, bound) in self.bound.iter().enumerate() {
-            let target = skin_target(bound, poses_WB);
+            let target = skin_target(bound, poses_WB, posed);
             let s = h * h * self.stiffness[i] + h * self.damping[i];
             let felt = step1.felt(bound.node, s);
             let entries = &self.entries[i];
@@ -162,8 +172,11 @@ impl CouplingModel {
 
     /// Energy stored in the springs \[J\].
     pub fn energy(&self, poses_WB: &[Pose], x: &[Vec3]) -> f64 {
+        let shares = self.shares(poses_WB);
+        let posed = self.offsets.with(&shares);
         let stretch2 = |bound: &BoundNode| {
-            (x[bound.node as usize] - skin_target(bound, poses_WB).position_W).norm_squared()
+            let target = skin_target(bound, poses_WB, &posed);
+            (x[bound.node as usize] - target.position_W).norm_squared()
         };
         self.bound.iter().zip(&self.stiffness).map(|(bound, k)| 0.5 * k * stretch2(bound)).sum()
     }

@@ -3,7 +3,7 @@
 use crate::math::{Pose, Vec3};
 use crate::model::{
     Binding, BodyParts, CouplingKind, ElementPatches, Flesh, FrictionTable, HandModel, JointDesc,
-    Motion, RigidDesc, Skin, Skinning, patches,
+    Motion, PoseOffsets, RigidDesc, Skin, Skinning, patches,
 };
 use std::ops::Range;
 
@@ -197,6 +197,8 @@ pub struct WorldDesc {
     pub patches: Vec<ElementPatches>,
     /// Skins of deformable bodies, each of which has one at most.
     pub skins: Vec<Skin>,
+    /// Offsets of skinning targets by the pose of joints; each node has those of one joint at most.
+    pub pose_offsets: Vec<PoseOffsets>,
     /// Indices into `softs`: those whose surface also touches itself. Hands are among them.
     pub self_contact: Vec<u32>,
 }
@@ -216,6 +218,7 @@ impl Default for WorldDesc {
             parts: Vec::new(),
             patches: Vec::new(),
             skins: Vec::new(),
+            pose_offsets: Vec::new(),
             self_contact: Vec::new(),
         }
     }

@@ -31,6 +31,7 @@ pub use vertex::VertexContact;
 
 use crate::World;
 use crate::contact::Site;
+use crate::coupling::Share;
 use crate::model::BodyId;
 use std::ops::Range;
 use vertex::Surfaces;
@@ -74,6 +75,8 @@ pub struct ContactReadout {
     part_of_bone: Vec<Option<u32>>,
     /// Last bone of each part.
     tips: Vec<Option<u32>>,
+    /// What poses of joints add to targets.
+    shares: Vec<Share>,
 }
 
 impl ContactReadout {
@@ -86,6 +89,7 @@ impl ContactReadout {
             part_ranges: Vec::new(),
             part_of_bone: vec![None; desc.rigids.len()],
             tips: Vec::new(),
+            shares: Vec::with_capacity(world.model().coupling.offsets.sample_count()),
         };
         for soft in 0..desc.softs.len() as u32 {
             let first = readout.tips.len();

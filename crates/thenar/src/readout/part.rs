@@ -25,7 +25,7 @@ pub struct PartContact {
 }
 
 pub(super) fn read(readout: &mut ContactReadout, world: &World) {
-    let ContactReadout { surfaces, parts, part_ranges, part_of_bone, tips } = readout;
+    let ContactReadout { surfaces, parts, part_ranges, part_of_bone, tips, shares } = readout;
     for (part, tip) in parts.iter_mut().zip(tips.iter()) {
         *part = PartContact::default();
         part.tip_W = tip.map_or(Vec3::zeros(), |bone| world.rigid_pose(bone).position);
@@ -55,7 +55,7 @@ pub(super) fn read(readout: &mut ContactReadout, world: &World) {
         }
         part.torque_W = part.contact.torque_about(&part.tip_W);
     }
-    world.for_each_bone_load(|bone, force_W, torque_W| {
+    world.for_each_bone_load(shares, |bone, force_W, torque_W| {
         if let Some(index) = part_of_bone[bone as usize] {
             let part = &mut parts[index as usize];
             let arm_W = world.rigid_pose(bone).position - part.tip_W;

@@ -5,22 +5,28 @@ use crate::math::{Mat3, Vec3, skew};
 /// The angular part of `∂f/∂q` of a target: `∂f = Σ_j ω_j × l_j + T (ω_0 − ω_1)`.
 ///
 /// Where places are blended (`Skinning::Linear`) there are levers alone. Where rotations are blended
-/// (`Skinning::Joint`) the target turns with neither bone, and T is what bones that turn apart add.
+/// (`Skinning::Joint`) the target turns with neither bone, and T is what bones that turn apart add, as they do where
+/// their pose shifts the target (`PoseOffsets`).
 #[derive(Clone, Copy, Debug)]
 pub struct Turning {
     /// The lever l of each bone, weighted, world \[m\].
     pub levers: [Vec3; 2],
-    /// T, where rotations are blended.
+    /// T, where there is one.
     pub apart: Option<Apart>,
 }
 
-/// `T = κ rᵀ − (κ·r) 1`.
+/// T: what bones that turn apart add.
 #[derive(Clone, Copy, Debug)]
-pub struct Apart {
-    /// κ, along the axis by which the bones are turned to each other, world.
-    pub axis: Vec3,
-    /// r, from the joint to the target, world \[m\].
-    pub arm: Vec3,
+pub enum Apart {
+    /// Of blended rotations, `κ rᵀ − (κ·r) 1`.
+    Blended {
+        /// κ, along the axis by which the bones are turned to each other, world.
+        axis: Vec3,
+        /// r, from the joint to the target, world \[m\].
+        arm: Vec3,
+    },
+    /// Of a target that the bones' pose shifts: any matrix \[m\].
+    Posed(Mat3),
 }
 
 impl Turning {
@@ -65,17 +71,29 @@ impl Apart {
     /// `T ω`: velocity of the target \[m/s\] when the first bone turns by ω against the second \[rad/s\].
     #[inline(always)]
     pub fn velocity(&self, omega: &Vec3) -> Vec3 {
-        self.axis * self.arm.dot(omega) - omega * self.axis.dot(&self.arm)
+        match self {
+            Self::Blended { axis, arm } => axis * arm.dot(omega) - omega * axis.dot(arm),
+            Self::Posed(matrix) => matrix * omega,
+        }
     }
 
     /// `Tᵀ f`: torque on the first bone, and against it on the second \[N m\], of a force on the target \[N\].
     #[inline(always)]
     pub fn torque(&self, force: &Vec3) -> Vec3 {
-        self.arm * self.axis.dot(force) - force * self.axis.dot(&self.arm)
+        match self {
+            Self::Blended { axis, arm } => arm * axis.dot(force) - force * axis.dot(arm),
+            Self::Posed(matrix) => matrix.tr_mul(force),
+        }
     }
 
-    fn matrix(&self) -> Mat3 {
-        self.axis * self.arm.transpose() - Mat3::from_diagonal_element(self.axis.dot(&self.arm))
+    /// T \[m\].
+    pub fn matrix(&self) -> Mat3 {
+        match self {
+            Self::Blended { axis, arm } => {
+                axis * arm.transpose() - Mat3::from_diagonal_element(axis.dot(arm))
+            }
+            Self::Posed(matrix) => *matrix,
+        }
     }
 }
 
@@ -88,7 +106,10 @@ mod tests {
     fn velocity_torque_and_matrix_are_one_map() {
         let mut random = Random::new(5);
         for k in 0..100 {
-            let apart = Apart { axis: random.vec3(1.0), arm: random.vec3(0.1) };
+            let apart = match k % 2 {
+                0 => Apart::Blended { axis: random.vec3(1.0), arm: random.vec3(0.1) },
+                _ => Apart::Posed(Mat3::from_fn(|_, _| random.range(-0.1, 0.1))),
+            };
             let levers = [random.vec3(0.1), random.vec3(0.1)];
             let turning = Turning { levers, apart: (k % 3 > 0).then_some(apart) };
             let (omega, force) = (random.vec3(3.0), random.vec3(3.0));

@@ -1,7 +1,7 @@
 //! Some bodies of a world taken out of it: the same bones, joints and flesh in the same state, with nothing to touch.
 
 use crate::math::Vec3;
-use crate::model::{BodyId, RigidDesc, SoftDesc, WorldDesc};
+use crate::model::{BodyId, PoseOffsets, RigidDesc, SoftDesc, WorldDesc};
 use crate::world::{Input, ModelError, State, StepReport, World};
 use std::ops::Range;
 
@@ -78,6 +78,13 @@ impl World {
             skins: (whole.skins.iter())
                 .filter_map(|skin| new_soft(skin.soft).map(|soft| (soft, skin.clone())))
                 .map(|(soft, skin)| crate::model::Skin { soft, ..skin })
+                .collect(),
+            pose_offsets: (whole.pose_offsets.iter())
+                .filter_map(|offsets| {
+                    let joint = joints.iter().position(|&j| j == offsets.joint as usize)?;
+                    let soft = new_soft(offsets.soft)?;
+                    Some(PoseOffsets { soft, joint: joint as u32, ..offsets.clone() })
+                })
                 .collect(),
             ..WorldDesc::default()
         };

@@ -168,8 +168,10 @@ pub fn coupling(
         *mass = if model.is_held[n] { f64::INFINITY } else { damped };
     }
     let step1 = EffectiveMass { flesh: step1_flesh, mass: &scratch.step1_mass };
+    let posed = model.coupling.offsets.pose(&state.poses_WB, &mut scratch.shares);
     model.coupling.assemble(
         &state.poses_WB,
+        &posed,
         &state.x,
         &state.v[2 * model.rigids.len()..],
         h,

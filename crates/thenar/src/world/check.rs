@@ -8,6 +8,7 @@ use crate::model::{
 };
 use crate::world::{HALVINGS_MAX, ModelError, freedoms};
 
+mod pose_offsets;
 mod skin;
 
 /// Gravity stays below this along each axis \[m/s²\].
@@ -56,6 +57,7 @@ pub fn check(desc: &WorldDesc) -> Result<(), ModelError> {
     desc.parts.iter().try_for_each(|parts| check_parts(parts, desc))?;
     desc.patches.iter().try_for_each(|patches| check_patches(patches, desc))?;
     desc.skins.iter().try_for_each(|skin| skin::check(skin, desc))?;
+    desc.pose_offsets.iter().try_for_each(|given| pose_offsets::check(given, desc))?;
     check_pairs(desc)?;
     freedoms::check(desc)
 }

@@ -151,7 +151,7 @@ impl Rest<'_> {
         exact::clear(exact, scratch);
         let rest = Part { h: REST, left: 0.0, reach: 0.0 };
         assemble::skeleton(desc, model, desc.solver.limits, state, input, rest, scratch);
-        exact::couple(exact, model, state, REST);
+        exact::couple(exact, model, state, REST, &mut scratch.shares);
         assemble::flesh(model, state, input, REST, scratch);
         // Prescribed bodies were given this input's velocities.
         state.v.copy_from_slice(&scratch.before.v);

@@ -1,6 +1,6 @@
 //! Energy, momentum and the forces that drives and flesh put on bones.
 
-use crate::coupling::{SkinTarget, skin_target};
+use crate::coupling::{Share, SkinTarget, skin_target};
 use crate::math::{Quat, Vec3};
 use crate::model::JointKind;
 use crate::skeleton::{AxisState, axis_states, drive_energy, drive_force, spring_energy};
@@ -87,9 +87,10 @@ impl World {
     /// through the coupling springs (Eq. 8), dampers included.
     pub fn coupling_wrench(&self, i: u32) -> [Vec3; 2] {
         let mut wrench = [Vec3::zeros(); 2];
+        let shares = self.shares();
         for (k, bound) in self.model.coupling.bound.iter().enumerate() {
             for j in (0..bound.carriers()).filter(|&j| bound.bones[j] == i) {
-                let (target, force) = self.spring_force(k);
+                let (target, force) = self.spring_force(k, &shares);
                 wrench[0] -= force * bound.weights[j];
                 wrench[1] -= target.turning.torque(j, &force);
             }
@@ -99,9 +100,15 @@ impl World {
 
     /// Gives `load` the force \[N\] and the torque about the bone's centre of mass \[N m\] of each
     /// coupling spring on each bone that carries its node, as [`World::coupling_wrench`] sums them.
-    pub(crate) fn for_each_bone_load(&self, mut load: impl FnMut(u32, Vec3, Vec3)) {
+    /// `shares` is room for what poses of joints add to targets.
+    pub(crate) fn for_each_bone_load(
+        &self,
+        shares: &mut Vec<Share>,
+        mut load: impl FnMut(u32, Vec3, Vec3),
+    ) {
+        self.model.coupling.offsets.pose(&self.state.poses_WB, shares);
         for (k, bound) in self.model.coupling.bound.iter().enumerate() {
-            let (target, force) = self.spring_force(k);
+            let (target, force) = self.spring_force(k, shares);
             for j in 0..bound.carriers() {
                 let torque = -target.turning.torque(j, &force);
                 load(bound.bones[j], force * -bound.weights[j], torque);
@@ -112,18 +119,25 @@ impl World {
     /// Force of the coupling springs on the nodes of a deformable body (Eq. 7), dampers included:
     /// node index and force \[N\], world.
     pub fn coupling_forces(&self, soft: u32) -> impl Iterator<Item = (u32, Vec3)> + '_ {
-        let range = self.node_range(soft);
+        let (range, shares) = (self.node_range(soft), self.shares());
         self.model.coupling.bound.iter().enumerate().filter_map(move |(k, bound)| {
             let node = bound.node as usize;
-            range.contains(&node).then(|| ((node - range.start) as u32, self.spring_force(k).1))
+            range
+                .contains(&node)
+                .then(|| ((node - range.start) as u32, self.spring_force(k, &shares).1))
         })
     }
 
+    /// What offsets add to targets at this state.
+    fn shares(&self) -> Vec<Share> {
+        self.model.coupling.shares(&self.state.poses_WB)
+    }
+
     /// Target of bound node `k` and the force of its spring and damper on the node.
-    fn spring_force(&self, k: usize) -> (SkinTarget, Vec3) {
+    fn spring_force(&self, k: usize, shares: &[Share]) -> (SkinTarget, Vec3) {
         let (model, state) = (&self.model, &self.state);
         let bound = &model.coupling.bound[k];
-        let target = skin_target(bound, &state.poses_WB);
+        let target = skin_target(bound, &state.poses_WB, &model.coupling.offsets.with(shares));
         let mut rate = state.v[2 * model.rigids.len() + bound.node as usize];
         for j in 0..bound.carriers() {
             let bone = bound.bones[j] as usize;

@@ -65,6 +65,28 @@ pub enum ModelError {
         /// Rigid-body indices.
         bones: [u32; 2],
     },
+    /// The pose of a joint is to shift a node that the joint's two bodies do not both carry.
+    #[error(
+        "{thing}: node {node} is not carried by both bodies of joint {joint}: its pose shifts only what lies between them"
+    )]
+    NotPosed {
+        /// Name of the body.
+        thing: String,
+        /// Number of the node.
+        node: usize,
+        /// Name of the joint.
+        joint: String,
+    },
+    /// Offsets are given twice for one pose.
+    #[error(
+        "{thing}: offsets at joint {joint} have poses that are the same, or too near to each other or to rest"
+    )]
+    SamePoses {
+        /// Name of the body.
+        thing: String,
+        /// Name of the joint.
+        joint: String,
+    },
     /// Weights are negative or do not sum to 1.
     #[error("{thing}: weights of node {node} must be non-negative and sum to 1, got {weights:?}")]
     Weights {

@@ -1,6 +1,6 @@
 //! A step by the exact solver: what it needs of the model, and what it gives the state.
 
-use crate::coupling::skin_target;
+use crate::coupling::{Share, skin_target};
 use crate::math::Vec3;
 use crate::model::{Limits, SolverSettings, WorldDesc};
 use crate::solver::exact::{Accuracy, Before, Carried, Exact, Plan, StepSystem};
@@ -63,10 +63,11 @@ pub fn clear(exact: &Exact, scratch: &mut Scratch) {
 }
 
 /// The coupling springs at this state (Eq. 6-8).
-pub fn couple(exact: &mut Exact, model: &Model, state: &State, h: f64) {
+pub fn couple(exact: &mut Exact, model: &Model, state: &State, h: f64, shares: &mut Vec<Share>) {
     let coupling = &model.coupling;
+    let posed = coupling.offsets.pose(&state.poses_WB, shares);
     for (k, (bound, carried)) in coupling.bound.iter().zip(&mut exact.carried).enumerate() {
-        let target = skin_target(bound, &state.poses_WB);
+        let target = skin_target(bound, &state.poses_WB, &posed);
         carried.turning = target.turning;
         carried.spring = h * h * coupling.stiffness[k] + h * coupling.damping[k];
         let stretched = state.x[bound.node as usize] - target.position_W;
@@ -111,7 +112,7 @@ impl Scheme for ExactScheme<'_> {
         h: f64,
         scratch: &mut Scratch,
     ) -> Result<(), Failure> {
-        couple(self.exact, model, state, h);
+        couple(self.exact, model, state, h, &mut scratch.shares);
         let bounds = scratch.limits.iter().map(|limit| limit.bound(model, state, h));
         self.exact.bounds_mut().extend(bounds);
         Ok(())

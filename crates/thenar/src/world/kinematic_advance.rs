@@ -15,7 +15,7 @@
 //!
 //! Steps 2 to 4 correct positions by second order in Δt and leave velocities as the solver found them.
 
-use crate::coupling::skin_target;
+use crate::coupling::{Share, skin_target};
 use crate::math::{Pose, Quat, Vec3};
 use crate::skeleton::joint_block;
 use crate::solver::JointBlock;
@@ -79,8 +79,9 @@ pub fn advance_jointed(
     let velocity = |i: usize| state.v[i] + push.map_or(Vec3::zeros(), |push| push[i]);
     let spin = |b: usize| velocity(2 * b + 1);
     model.tree.turn(model, &state.poses_WB, spin, h, &mut moved.rotations_JK);
+    let posed = model.coupling.offsets.pose(&state.poses_WB, &mut scratch.shares);
     for (bound, target_W) in model.coupling.carried().zip(&mut moved.targets_W) {
-        let target = skin_target(bound, &state.poses_WB);
+        let target = skin_target(bound, &state.poses_WB, &posed);
         *target_W = target.position_W;
         for j in 0..bound.carriers() {
             let b = 2 * bound.bones[j] as usize;
@@ -96,8 +97,9 @@ pub fn advance_jointed(
     if let Some(exact) = exact.filter(|_| !model.tree.cuts.is_empty()) {
         close_loops(exact, model, state, scratch);
     }
-    let moved = &scratch.moved;
-    carry(model, state, moved);
+    let Scratch { moved, shares, .. } = scratch;
+    let moved = &*moved;
+    carry(model, state, moved, shares);
     model.tree.floating.iter().for_each(|floating| keep_course(floating, model, moved, state));
     keep_own_spins(model, state, moved);
     model.tree.floating.iter().for_each(|floating| keep_spin(floating, model, moved, state));
@@ -159,11 +161,12 @@ fn keep_own_spins(model: &Model, state: &mut State, moved: &Moved) {
 }
 
 /// Takes each carried node along with its target by what the target moves beyond first order.
-fn carry(model: &Model, state: &mut State, moved: &Moved) {
+fn carry(model: &Model, state: &mut State, moved: &Moved, shares: &mut Vec<Share>) {
     let row0 = 2 * model.rigids.len();
+    let posed = model.coupling.offsets.pose(&state.poses_WB, shares);
     for (bound, target_W) in model.coupling.carried().zip(&moved.targets_W) {
         let n = bound.node as usize;
-        let arc = skin_target(bound, &state.poses_WB).position_W - target_W;
+        let arc = skin_target(bound, &state.poses_WB, &posed).position_W - target_W;
         let held = &model.known[row0 + n];
         state.x[n] += Vec3::from_fn(|k, _| if held[k] { 0.0 } else { arc[k] });
     }

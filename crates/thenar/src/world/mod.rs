@@ -339,10 +339,13 @@ impl World {
     pub fn skin_targets(&self, soft: u32, out: &mut [Vec3]) {
         let range = self.node_range(soft);
         out.copy_from_slice(&self.state.x[range.clone()]);
-        for bound in &self.model.coupling.bound {
+        let (coupling, poses_WB) = (&self.model.coupling, &self.state.poses_WB);
+        let shares = coupling.shares(poses_WB);
+        let posed = coupling.offsets.with(&shares);
+        for bound in &coupling.bound {
             let node = bound.node as usize;
             if range.contains(&node) {
-                out[node - range.start] = skin_target(bound, &self.state.poses_WB).position_W;
+                out[node - range.start] = skin_target(bound, poses_WB, &posed).position_W;
             }
         }
     }

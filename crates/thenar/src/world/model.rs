@@ -1,10 +1,11 @@
 //! The constant part of a world: topology, rest shapes, materials, sparsity.
 
-use crate::coupling::{BoundNode, CouplingEntries, CouplingModel, Pivot};
+use crate::coupling::{BoundNode, CouplingEntries, CouplingModel, PairAtRest, Pivot};
 use crate::flesh::{FleshModel, RestTet};
 use crate::math::{Mat3, Vec3};
 use crate::model::{
-    BodyId, FrictionTable, JointDesc, Motion, Relaxation, Skin, Skinning, SoftDesc, WorldDesc,
+    BodyId, FrictionTable, JointDesc, Motion, PoseOffsets, Relaxation, Skin, Skinning, SoftDesc,
+    WorldDesc,
 };
 use crate::solver::BlockMatrix;
 use crate::world::joint_tree::JointTree;
@@ -116,6 +117,9 @@ impl Model {
         };
         for soft in &desc.softs {
             model.add_soft(soft, desc)?;
+        }
+        for offsets in &desc.pose_offsets {
+            model.add_pose_offsets(offsets, desc)?;
         }
         for parts in &desc.parts {
             model.parts[parts.soft as usize].clone_from(&parts.vertices);
@@ -254,7 +258,7 @@ impl Model {
                 let anchors_B = if first { [child, parent] } else { [parent, child] };
                 Pivot::new(poses, anchors_B, weights, &x_W)
             });
-            let bound = BoundNode { node: node_W, bones, weights, offsets, pivot };
+            let bound = BoundNode { node: node_W, bones, weights, offsets, pivot, posed: None };
             if coupling.stiffness[node] == 0.0 {
                 // Flesh that has no spring at all is tied to nothing, and goes its own way.
                 if hangs {
@@ -271,6 +275,53 @@ impl Model {
             self.coupling.stiffness.push(coupling.stiffness[node]);
             self.coupling.damping.push(coupling.stiffness[node] * coupling.damping_time);
             self.coupling.joints.push(joint);
+        }
+        Ok(())
+    }
+
+    /// Gives nodes the offsets that follow the pose of a joint, which must be that of their two bones.
+    fn add_pose_offsets(
+        &mut self,
+        given: &PoseOffsets,
+        desc: &WorldDesc,
+    ) -> Result<(), ModelError> {
+        let joint = &desc.joints[given.joint as usize];
+        let thing = &desc.softs[given.soft as usize].name;
+        let (node0, bodies) =
+            (self.soft_nodes[given.soft as usize].start, [Some(joint.child), joint.parent]);
+        let CouplingModel { bound, unbound, offsets, .. } = &mut self.coupling;
+        let mut carried: Vec<&mut BoundNode> = bound.iter_mut().chain(unbound).collect();
+        carried.sort_unstable_by_key(|bound| bound.node);
+        let place = |node: &u32| {
+            let found =
+                carried.binary_search_by_key(&(node0 as u32 + node), |bound| bound.node).ok()?;
+            let bones = carried[found].bones.map(Some);
+            let both = carried[found].carriers() == 2 && bodies.iter().all(|b| bones.contains(b));
+            both.then_some((found, bones[0] == bodies[0]))
+        };
+        let places: Result<Vec<(usize, bool)>, u32> =
+            given.nodes.iter().map(|node| place(node).ok_or(*node)).collect();
+        let (places, child_first): (Vec<_>, Vec<_>) = places
+            .map_err(|node| ModelError::NotPosed {
+                thing: thing.clone(),
+                node: node as usize,
+                joint: joint.name.clone(),
+            })?
+            .into_iter()
+            .unzip();
+        // Without a parent it has no node.
+        let Some(parent) = joint.parent else { return Ok(()) };
+        let bodies = [joint.child, parent];
+        let pair = PairAtRest {
+            bodies,
+            rotations_WB: bodies.map(|b| desc.rigids[b as usize].pose_WB.rotation),
+            model_WM: desc.softs[given.soft as usize].pose_WM.rotation,
+        };
+        let posed = offsets.push(given, &pair, &child_first).ok_or_else(|| {
+            ModelError::SamePoses { thing: thing.clone(), joint: joint.name.clone() }
+        })?;
+        for (place, posed) in places.into_iter().zip(posed) {
+            carried[place].posed = Some(posed);
         }
         Ok(())
     }

@@ -30,6 +30,7 @@ impl World {
             self.state.patch_loads.reserve(patches_max(&self.model));
             self.scratch.before.patch_loads.reserve(patches_max(&self.model));
         }
+        self.scratch.shares.reserve(self.model.coupling.offsets.sample_count());
         self.detector.retune(&desc);
         self.state.scale_impulses(desc.time_step / self.time_step);
         self.time_step = desc.time_step;

@@ -1,7 +1,7 @@
 //! What changes: the state that a snapshot must hold, and the step's scratch memory.
 
 use crate::contact::{Contact, Sides};
-use crate::coupling::BoneSystem;
+use crate::coupling::{BoneSystem, Share};
 use crate::flesh::Faded;
 use crate::math::{Mat6, Pose, Vec3, Vec6};
 use crate::model::WorldDesc;
@@ -226,6 +226,8 @@ pub struct Scratch {
     pub lambda: Vec<Vec6>,
     /// Nodal mass that step 1 sees.
     pub step1_mass: Vec<f64>,
+    /// What poses of joints add to targets.
+    pub shares: Vec<Share>,
     /// Conjugate gradients.
     pub cg: CgWorkspace,
     /// Bounds of joints that have rows.
@@ -313,6 +315,7 @@ impl Scratch {
             dv: vec![Vec6::zeros(); rigids],
             lambda: vec![Vec6::zeros(); model.joints.len()],
             step1_mass: vec![0.0; nodes],
+            shares: Vec::with_capacity(model.coupling.offsets.sample_count()),
             cg: CgWorkspace::new(rows),
             limits: Room::with_capacity(limits::rows_max(model)),
             found: Room::with_capacity(contacts_max),

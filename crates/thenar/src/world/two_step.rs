@@ -175,11 +175,12 @@ fn close_joints(
     solve_bones(scratch)?;
     add_change(model, state, scratch);
     let row0 = 2 * model.rigids.len();
+    let posed = model.coupling.offsets.pose(&state.poses_WB, &mut scratch.shares);
     for (k, bound) in model.coupling.bound.iter().enumerate() {
         let mass = scratch.step1_mass[bound.node as usize];
         let s = h * h * model.coupling.stiffness[k] + h * model.coupling.damping[k];
         if mass.is_finite() {
-            let target = skin_target(bound, &state.poses_WB);
+            let target = skin_target(bound, &state.poses_WB, &posed);
             for j in 0..bound.carriers() {
                 let [lin, ang] = unstack(&scratch.dv[bound.bones[j] as usize]);
                 let moved = lin * bound.weights[j] + target.turning.velocity(j, &ang);

@@ -57,7 +57,9 @@ fn coupling_blocks(world: &World) -> Matrix {
     let mass = &model.flesh.mass;
     let step1 = EffectiveMass { flesh: FleshInStep1::Frozen, mass };
     let (poses, x) = (&state.poses_WB, &state.x);
-    model.coupling.assemble(poses, x, &at_rest, 1.0, &step1, &mut A, &mut b, &mut bones);
+    let shares = model.coupling.shares(poses);
+    let posed = model.coupling.offsets.with(&shares);
+    model.coupling.assemble(poses, &posed, x, &at_rest, 1.0, &step1, &mut A, &mut b, &mut bones);
     negated(dense(&A))
 }
 
@@ -69,8 +71,11 @@ fn negated(mut m: Matrix) -> Matrix {
 /// `∂f_i/∂q_j = [w I, turning]` of all bound nodes; by linear blending, turning is `-(w R_j x_ij)×`.
 fn target_jacobian(world: &World) -> Matrix {
     let mut rows = vec![vec![0.0; coordinates(world, Some(SOFT))]; 3 * world.nodes(SOFT).len()];
-    for bound in &world.model().coupling.bound {
-        let target = skin_target(bound, &world.state().poses_WB);
+    let (coupling, poses) = (&world.model().coupling, &world.state().poses_WB);
+    let shares = coupling.shares(poses);
+    let posed = coupling.offsets.with(&shares);
+    for bound in &coupling.bound {
+        let target = skin_target(bound, poses, &posed);
         for j in 0..bound.carriers() {
             let turning = target.turning.matrix(j);
             let moving = Mat3::from_diagonal_element(bound.weights[j]);

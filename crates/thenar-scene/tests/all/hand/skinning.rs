@@ -141,26 +141,112 @@ torque = 0.01
 profile = { kind = "random", seed = 8, interval = 0.02, until = 0.1 }
 "#;
 
+/// By what parts of themselves linear and angular momentum of the hand in flight change from 0.15 to 0.4 s; it gains no energy.
+fn drift(settings: &[&str]) -> [f64; 2] {
+    let mut session = open(FLIGHT, settings).unwrap_or_else(|e| panic!("{e}"));
+    let mut at = |time: f64| {
+        while session.world().time() < time {
+            session.step(&mut ());
+        }
+        let world = session.world();
+        (world.momentum(), world.energy(&world.input()).total())
+    };
+    let (before, after) = (at(0.15), at(0.4));
+    assert!(after.1 < before.1, "{settings:?}: {} J became {} J", before.1, after.1);
+    [0, 1].map(|k| (after.0[k] - before.0[k]).norm() / before.0[k].norm())
+}
+
+/// The paper's springs are linearised once a step; what they lose is the same by either blending, with offsets or without.
 #[test]
 fn a_hand_in_flight_keeps_its_momentum_and_gains_no_energy() {
-    let fly = |skinning: &str| {
-        let skinning = format!("hand.hand.skinning={skinning}");
-        let mut session = open(FLIGHT, &[&skinning]).unwrap_or_else(|e| panic!("{e}"));
-        let mut at = |time: f64| {
-            while session.world().time() < time {
-                session.step(&mut ());
-            }
-            let world = session.world();
-            let [p, l] = world.momentum();
-            (p, l, world.energy(&world.input()).total())
-        };
-        let (before, after) = (at(0.15), at(0.4));
-        assert!(after.2 < before.2, "{skinning}: {} J became {} J", before.2, after.2);
-        let drift = (after.0 - before.0).norm() / before.0.norm();
-        (drift, (after.1 - before.1).norm() / before.1.norm())
+    let (joint, offsets) = ("hand.hand.skinning=joint", "hand.hand.pose_offsets=true");
+    let plain = drift(&[]);
+    for settings in [&[joint][..], &[offsets], &[joint, offsets]] {
+        let drift = drift(settings);
+        let what = format!("{settings:?}: {drift:?} against {plain:?}");
+        assert!(drift[0] < 1e-4 && drift[0] < 2.0 * plain[0] + 1e-6, "{what}");
+        assert!(drift[1] < 1e-2 && drift[1] < 2.0 * plain[1] + 1e-4, "{what}");
+    }
+}
+
+/// The middle layer of the bar is off by `(1, 2, 3)` mm where b is turned by 90°.
+fn with_offset(axis: &str, position: &str, bones: &str) -> String {
+    let text = bar(axis, BETWEEN).replace("PLACE", position);
+    let bound = r#"bones = ["a", "b"]"#;
+    assert!(text.ends_with(&format!("{bound}\n")));
+    let rotation = format!("rotation = {{ axis = {axis}, angle_deg = 90 }}");
+    let offset = format!("pose_offset = [{{ {rotation}, offset = [0.001, 0.002, 0.003] }}]");
+    text.replace(&format!("{bound}\n"), &format!("bones = {bones}\n{offset}\n"))
+}
+
+/// Targets of the middle layer at 0.6 s \[m\], where b has been at 90° for 0.1 s.
+fn middle_targets(text: &str, overrides: &[&str]) -> Vec<[f64; 3]> {
+    let mut session = open(text, overrides).unwrap_or_else(|e| panic!("{e}"));
+    let middle: Vec<usize> = (0..session.world().nodes(0).len())
+        .filter(|&n| session.world().nodes(0)[n].x.abs() < 1e-9)
+        .collect();
+    while session.world().time() < 0.6 {
+        session.step(&mut ());
+    }
+    let mut targets = session.world().nodes(0).to_vec();
+    session.world().skin_targets(0, &mut targets);
+    middle.iter().map(|&n| [targets[n].x, targets[n].y, targets[n].z]).collect()
+}
+
+/// Both bones carry the offset: by blended places as `½ (1 + R)` has it, by blended rotations as a turn by 45° has it.
+#[test]
+fn offsets_by_pose_move_targets_as_the_bones_carry_them() {
+    let (x, y, z) = (1e-3, 2e-3, 3e-3);
+    let half = 0.5_f64.sqrt();
+    let turned = |by: &str| match by {
+        // About x, then about z; by 90° and halved with what is not turned, or by 45°.
+        "lbs x" => [x, (y - z) / 2.0, (y + z) / 2.0],
+        "lbs z" => [(x - y) / 2.0, (x + y) / 2.0, z],
+        "joint x" => [x, (y - z) * half, (y + z) * half],
+        _ => [(x - y) * half, (x + y) * half, z],
     };
-    let (joint, linear) = (fly("joint"), fly("lbs"));
-    // The paper's springs are linearised once a step; what they lose is the same by either blending.
-    assert!(joint.0 < 1e-4 && joint.0 < 2.0 * linear.0 + 1e-6, "{joint:?} against {linear:?}");
-    assert!(joint.1 < 1e-2 && joint.1 < 2.0 * linear.1 + 1e-4, "{joint:?} against {linear:?}");
+    for ([axis, position], name) in [(TWIST, "x"), (BEND, "z")] {
+        for (skinning, solver) in [("lbs", "exact"), ("joint", "two-step"), ("joint", "monolithic")]
+        {
+            // Whichever bone is named first, and with the joint the other way round.
+            let plain = bar(axis, BETWEEN).replace("PLACE", position);
+            let settings =
+                [format!("soft.bar.skinning={skinning}"), format!("solver.kind={solver}")];
+            let settings: Vec<&str> = settings.iter().map(|s| &s[..]).collect();
+            let without = middle_targets(&plain, &settings);
+            let expected = turned(&format!("{skinning} {name}"));
+            for bones in [r#"["a", "b"]"#, r#"["b", "a"]"#] {
+                let with = middle_targets(&with_offset(axis, position, bones), &settings);
+                assert_eq!(with.len(), 9);
+                for (with, without) in with.iter().zip(&without) {
+                    for k in 0..3 {
+                        let off = with[k] - without[k] - expected[k];
+                        assert!(
+                            off.abs() < 1e-9,
+                            "{skinning}, {solver}, {bones}: {with:?} {without:?}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn offsets_by_pose_that_cannot_be_are_refused() {
+    let [axis, position] = TWIST;
+    let refused = |text: &str, words: &[&str]| {
+        let error = open(text, &[]).unwrap_err().to_string();
+        assert!(words.iter().all(|word| error.contains(word)), "{error}");
+    };
+    let text = with_offset(axis, position, r#"["a"]"#);
+    refused(&text, &["pose_offset", "two"]);
+    let text = with_offset(axis, position, r#"["a", "b"]"#);
+    refused(&text.replace(BETWEEN, ""), &["pose_offset", "\"a\" and \"b\""]);
+    refused(
+        &text.replace("angle_deg = 90 }, offset", "angle_deg = 360 }, offset"),
+        &["between", "rest"],
+    );
+    let hand = "version = 1\ntime_step = 0.01\nduration = 1\n[[hand]]\nname = \"hand\"\npose_offsets = true\n";
+    refused(hand, &["pose_offsets", "uniform"]);
 }

@@ -4,8 +4,8 @@
 
 use crate::common::{FLESH, bar, body, finger, random};
 use thenar::model::{
-    Axis, Binding, Coupling, Drive, FixedNode, JointDesc, JointKind, Motion, Skinning, SoftDesc,
-    SolverKind, WorldDesc,
+    Axis, Binding, Coupling, Drive, FixedNode, JointDesc, JointKind, Motion, PoseOffsets, Skinning,
+    SoftDesc, SolverKind, WorldDesc,
 };
 use thenar::world::{Input, Target};
 use thenar::{Pose, Quat, Vec3, World};
@@ -108,7 +108,40 @@ fn rigs(kappa: f64, h: f64) -> Vec<(&'static str, WorldDesc)> {
         ("ball, universal, hinge", chain([Ball, Universal, Hinge], kappa, h)),
         ("fixed, hinge, ball", chain([Fixed, Hinge, Ball], kappa, h)),
         ("two fingers, box, block", company(kappa, h)),
+        ("offsets by pose", shifted(chain([Ball, Universal, Hinge], kappa, h), Skinning::Linear)),
+        ("and joint skinning", shifted(company(kappa, h), Skinning::Joint)),
     ]
+}
+
+/// Targets between two bones are shifted by up to 2 mm where their joint is turned by half a radian, one way or another.
+fn shifted(mut desc: WorldDesc, skinning: Skinning) -> WorldDesc {
+    let mut seed = 3;
+    let mut vec = || Vec3::new(random(&mut seed), random(&mut seed), random(&mut seed));
+    for (j, joint) in (0..).zip(&desc.joints) {
+        for (s, soft) in (0..).zip(&desc.softs) {
+            let both = |binding: &Binding| {
+                let bones = [Some(binding.bones[0]), Some(binding.bones[1])];
+                [Some(joint.child), joint.parent].iter().all(|b| bones.contains(b))
+                    && binding.weights.iter().all(|w| *w > 0.0)
+            };
+            let bindings = soft.coupling.iter().flat_map(|coupling| &coupling.bindings);
+            let nodes: Vec<u32> =
+                (0..).zip(bindings).filter(|(_, b)| both(b)).map(|(n, _)| n).collect();
+            let poses = [Vec3::z(), Vec3::new(-0.6, 0.8, 0.0)];
+            desc.pose_offsets.push(PoseOffsets {
+                soft: s,
+                joint: j,
+                poses: poses.map(|axis| Quat::from_scaled_axis(axis * 0.5)).to_vec(),
+                offsets: (0..2 * nodes.len()).map(|_| vec() * 0.002).collect(),
+                nodes,
+            });
+        }
+    }
+    for coupling in desc.softs.iter_mut().filter_map(|soft| soft.coupling.as_mut()) {
+        coupling.skinning = skinning;
+    }
+    assert!(desc.pose_offsets.iter().any(|given| given.nodes.len() > 5));
+    desc
 }
 
 /// A world in motion: driven to a place beside its own, with joint and node forces on it.

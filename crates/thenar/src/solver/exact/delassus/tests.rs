@@ -41,7 +41,7 @@ fn matrix(random: &mut Random, positions: &[Vec3]) -> BlockMatrix {
 
 fn carried(random: &mut Random, node: usize) -> Carried {
     let weight = random.range(0.0, 1.0);
-    let apart = Apart { axis: random.vec3(0.2), arm: random.vec3(0.1) };
+    let apart = Apart::Blended { axis: random.vec3(0.2), arm: random.vec3(0.1) };
     let levers = [random.vec3(0.1), random.vec3(0.1)];
     let turning = Turning { levers, apart: node.is_multiple_of(2).then_some(apart) };
     Carried {

@@ -1,0 +1,125 @@
+//! Offsets of skinning targets that a hand's own flesh gives: where it comes to rest around bent bones that hold it at the bone
+//! alone, and how far skinning puts it from there (pose-space deformation of Lewis et al. 2000, with physics for the sculptor).
+
+use super::bend::{AxisOf, Bender, SHAPE_STEP, moves};
+use crate::RigError;
+use crate::work::Stage;
+use thenar::math::Mat3;
+use thenar::model::{Binding, CouplingKind, HandModel, PoseOffsets, Skinning};
+use thenar::{Pose, Quat, Vec3};
+
+/// Widest way between two poses of an axis \[rad\]: 30°. Half-way between poses 45° apart a last finger joint keeps up to half of
+/// what targets lack, as its flesh gives way most in the first degrees.
+const APART: f64 = std::f64::consts::FRAC_PI_6;
+/// A turn that is not worth a pose \[rad\]: 10°, at which linear blending keeps 99.6 %.
+const SMALL: f64 = 0.17;
+
+/// What the poses of all joints add to the targets of a hand's flesh, with indices of the hand's own joints and `soft` 0.
+/// Each axis is bent alone, to both ends of its range.
+///
+/// # Errors
+/// The hand has no bone in its flesh, the work would be too much, or the flesh finds no rest.
+pub fn sculpted_offsets(
+    hand: &HandModel,
+    skinning: Skinning,
+) -> Result<Vec<PoseOffsets>, RigError> {
+    if hand.bone_nodes.iter().all(|node| node.volume == 0.0) {
+        return Err(RigError::invalid(
+            "no node of the flesh lies in bone, around which it could come to rest",
+        ));
+    }
+    let mut bender = Bender::held(hand, CouplingKind::Bone, SHAPE_STEP)?;
+    let turns: Vec<(AxisOf, f64)> =
+        Bender::axes(hand).iter().flat_map(|&axis| turns(&bender, hand, axis)).collect();
+    let work = (Bender::SHAPE_WORK * hand.flesh.tets.len() * turns.len()) as f64;
+    let stage = Stage::new("shapes of bent joints", turns.len(), work, "ask for fewer tetrahedra")?;
+    let mut all: Vec<PoseOffsets> =
+        (0..hand.joints.len()).map(|j| without_poses(hand, j)).collect();
+    let mut shapes: Vec<Vec<Vec3>> = vec![Vec::new(); hand.joints.len()];
+    for (done, &((j, k), turn)) in turns.iter().enumerate() {
+        let (poses, x) = bender.shape((j, k), turn)?;
+        all[j].poses.push(turned(hand, &poses, j));
+        let moves = moves(hand, &poses);
+        shapes[j].extend(
+            all[j]
+                .nodes
+                .iter()
+                .map(|&n| offset(hand, n as usize, &x[n as usize], &moves, j, skinning)),
+        );
+        stage.at(done + 1)?;
+    }
+    for (given, shapes) in all.iter_mut().zip(&shapes) {
+        let (nodes, poses) = (given.nodes.len(), given.poses.len());
+        given.offsets = (0..nodes * poses).map(|i| shapes[i % poses * nodes + i / poses]).collect();
+    }
+    all.retain(|given| !given.poses.is_empty() && !given.nodes.is_empty());
+    Ok(all)
+}
+
+/// The turns of an axis from rest to the ends of its range, in parts.
+fn turns(bender: &Bender<'_>, hand: &HandModel, (j, k): AxisOf) -> Vec<(AxisOf, f64)> {
+    let Some(limit) = hand.joints[j].axes[k].limit else { return Vec::new() };
+    let ends = [limit.min, limit.max].map(|end| end - bender.angle_at_rest((j, k)));
+    let parts = |end: f64| {
+        let count = (end.abs() / APART).ceil();
+        (1..=count as usize).map(move |part| end * part as f64 / count)
+    };
+    let worth = ends.into_iter().filter(|end| end.abs() > SMALL);
+    worth.flat_map(parts).map(|turn| ((j, k), turn)).collect()
+}
+
+/// The nodes that the bodies of a joint carry together.
+fn without_poses(hand: &HandModel, j: usize) -> PoseOffsets {
+    let joint = &hand.joints[j];
+    let both = |binding: &Binding| {
+        let of = |bone: u32| (0..2).any(|k| binding.bones[k] == bone && binding.weights[k] > 0.0);
+        of(joint.child) && joint.parent.is_some_and(of)
+    };
+    let nodes = hand.bindings.iter().zip(0..).filter(|(binding, _)| both(binding)).map(|(_, n)| n);
+    PoseOffsets {
+        soft: 0,
+        joint: j as u32,
+        poses: Vec::new(),
+        nodes: nodes.collect(),
+        offsets: Vec::new(),
+    }
+}
+
+/// Rotation of a joint's child from rest against its parent, in the parent's frame.
+fn turned(hand: &HandModel, poses: &[Pose], j: usize) -> Quat {
+    let child = hand.joints[j].child as usize;
+    let parent = poses[hand.joints[j].parent.unwrap_or(0) as usize].rotation;
+    let rest = hand.bones[child].pose_MB.rotation;
+    parent.inverse() * poses[child].rotation * rest.inverse() * parent
+}
+
+/// The offset at rest, model frame \[m\], that takes a node's target to `x`.
+fn offset(
+    hand: &HandModel,
+    node: usize,
+    x: &Vec3,
+    moves: &[Pose],
+    j: usize,
+    skinning: Skinning,
+) -> Vec3 {
+    let (binding, rest) = (&hand.bindings[node], &hand.flesh.nodes[node]);
+    let [a, b] = binding.bones.map(|bone| &moves[bone as usize]);
+    let [u, v] = binding.weights;
+    let blend = |p: &Vec3| a.point(p) * u + b.point(p) * v;
+    match skinning {
+        Skinning::Linear => {
+            let matrix = |pose: &Pose| *pose.rotation.to_rotation_matrix().matrix();
+            let carried: Mat3 = matrix(a) * u + matrix(b) * v;
+            carried.try_inverse().map_or(Vec3::zeros(), |inverse| inverse * (x - blend(rest)))
+        }
+        Skinning::Joint => {
+            let joint = &hand.joints[j];
+            let centre = (hand.bones[joint.child as usize].pose_MB * joint.pose_CK).position;
+            let sign = 1.0_f64.copysign(a.rotation.coords.dot(&b.rotation.coords));
+            let turn = Quat::new_normalize(
+                (a.rotation.coords * u + b.rotation.coords * (v * sign)).into(),
+            );
+            turn.inverse() * (x - blend(&centre)) - (rest - centre)
+        }
+    }
+}
