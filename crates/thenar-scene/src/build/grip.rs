@@ -61,9 +61,9 @@ fn grips(built: &Built, k: usize, table: &Hand, first: &At<GripTable>) -> Result
         };
         let kind = of_word(*kind);
         gripping.learn(hand, kind).map_err(|e| grip.fault(e))?;
-        let adapts = force.is_none() && body.is_some();
+        let adapts = force.is_none() && body.is_some() && kind.has_thumb();
         let force = force.unwrap_or_else(|| {
-            body.map_or(EACH_OTHER, |body| usual_force(&built.world, flesh, body))
+            body.map_or(EACH_OTHER, |body| usual_force(&built.world, flesh, body, kind))
         });
         gripping.plan(Order::new(body, kind, force, *at, *open).adapting(adapts));
     }

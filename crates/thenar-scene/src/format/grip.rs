@@ -11,7 +11,7 @@ words! {
         "tripod" => Tripod,
         /// The thumb's pad against those of all fingers.
         "power" => Power,
-        /// All fingers against the palm.
+        /// All fingers bent around a handle, which hangs in them.
         "hook" => Hook,
         /// The thumb's pad on the side of the index finger.
         "lateral" => Lateral,
@@ -24,10 +24,11 @@ table! {
         /// The rigid or soft body. Left out, the pads press against each other.
         object: Option<At<String>>;
         /// "pinch": pads of thumb and index finger; "tripod": and of the middle finger; "power": the thumb against all
-        /// fingers; "hook": all fingers against the palm; "lateral": the thumb on the side of the index finger.
+        /// fingers; "hook": all fingers bent around a handle; "lateral": the thumb on the side of the index finger.
         kind: GripWord;
         /// With which the two sides press against each other [N]: half of the sum of the normal forces of the pads. Default:
-        /// twice what keeps the object from slipping, m g / (2 friction), and more as load asks; without an object 1.
+        /// twice what keeps the object from slipping, m g / (2 friction), and more as load asks; of a hook m g / 2; without an
+        /// object 1.
         force: Option<f64> where GRIP_FORCE;
         /// When the fingers set out [s].
         at: f64 where DURATION;

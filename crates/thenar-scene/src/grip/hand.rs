@@ -11,8 +11,9 @@
 //! force, and a finger that bears next to nothing goes farther in: one loop for each pad would let an object wander that its
 //! weight presses on one side.
 
-use super::choose::{Scratch, choose, each_other};
+use super::choose::{Choice, Scratch, choose, each_other};
 use super::felt::{felt, friction_used};
+use super::hook::Around;
 use super::kind::GripKind;
 use super::memory::{GripMemory, PadMemory, Phase, Reflex};
 use super::opposition::{Base, Opposition};
@@ -342,19 +343,8 @@ impl GripHand {
         order: &Order,
         palm: &Pose,
     ) {
-        let choice = match order.object() {
-            Some(object) => {
-                let friction = hand.flesh().map(|flesh| friction(world.desc(), flesh, object));
-                choose(
-                    opposition,
-                    world,
-                    (object, friction.unwrap_or(1.0)),
-                    palm,
-                    &mut self.scratch,
-                )
-            }
-            None => each_other(opposition, hand.handle.bones.start),
-        };
+        let choice = self.choice(opposition, world, hand, order, palm);
+        let bends = order.kind == GripKind::Hook && order.object().is_some();
         let Self { memory, script, script_rates, .. } = self;
         for (pad, kept) in memory.pads.iter_mut().enumerate() {
             let (angles, rates) = match opposition.chain(pad) {
@@ -363,7 +353,7 @@ impl GripHand {
             };
             *kept = PadMemory {
                 anchor: choice.anchors[pad],
-                goal: choice.angles[pad],
+                goal: if bends { angles } else { choice.angles[pad] },
                 angles,
                 rates,
                 ..PadMemory::default()
@@ -377,7 +367,29 @@ impl GripHand {
         memory.reflex = Reflex { wanted: order.force, aside_P, shift_P, ..Reflex::default() };
     }
 
-    /// Pads go to their places, then in until they touch.
+    /// Where pads are to go, and the palm for that.
+    fn choice(
+        &mut self,
+        opposition: &Opposition,
+        world: &World,
+        hand: &BuiltHand,
+        order: &Order,
+        palm: &Pose,
+    ) -> Choice {
+        let Some(object) = order.object() else {
+            return each_other(opposition, hand.handle.bones.start);
+        };
+        let friction = hand.flesh().map(|flesh| friction(world.desc(), flesh, object));
+        let thing = (object, friction.unwrap_or(1.0));
+        let choice = choose(opposition, world, thing, palm, &mut self.scratch);
+        if order.kind != GripKind::Hook {
+            return choice;
+        }
+        let around = Around { opposition, model: &hand.model, world, object, palm: *palm };
+        around.choose(choice)
+    }
+
+    /// Pads go to their places, then in until they touch; fingers of a hook bend around what they are to carry.
     fn reach(
         &mut self,
         opposition: &Opposition,
@@ -386,6 +398,11 @@ impl GripHand {
         palm: &Pose,
         h: f64,
     ) {
+        let object = self.memory.order.and_then(|order| order.object());
+        if let Some(object) = object.filter(|_| opposition.kind == GripKind::Hook) {
+            let around = Around { opposition, model: &hand.model, world, object, palm: *palm };
+            return self.bend_around(&around, hand, h);
+        }
         let closing = self.memory.phase == Phase::Closing;
         let before = match closing {
             true => (BEFORE - CLOSING * self.memory.since).max(-BEHIND),
@@ -439,6 +456,23 @@ impl GripHand {
         }
     }
 
+    /// Fingers bend until they are around the object, or as bent as they go.
+    fn bend_around(&mut self, around: &Around, hand: &BuiltHand, h: f64) {
+        let (memory, opposition) = (&mut self.memory, around.opposition);
+        memory.phase = Phase::Closing;
+        let mut around_it = true;
+        for pad in 1..opposition.pads() {
+            let kept = &mut memory.pads[pad];
+            let (Some(chain), Some(_)) = (opposition.chain(pad), kept.anchor) else { continue };
+            around_it &= !around.bend(pad, &mut kept.goal, h);
+            around_it &= advance(kept, chain, h) < GATHERED;
+            kept.touched = around.way(pad, &kept.angles) < BEFORE;
+        }
+        if around_it || memory.since > PATIENCE[0] + PATIENCE[1] {
+            self.take_hold(opposition, around.world, hand, &around.palm);
+        }
+    }
+
     /// From here on the palm carries the pads.
     fn take_hold(&mut self, opposition: &Opposition, world: &World, hand: &BuiltHand, palm: &Pose) {
         let memory = &mut self.memory;
@@ -485,6 +519,9 @@ impl GripHand {
         if !pads.clone().any(|pad| self.memory.pads[pad].touched) {
             return Some(Trouble::Missed);
         }
+        if opposition.kind == GripKind::Hook {
+            return None;
+        }
         let short = pads.find(|pad| !self.memory.pads[*pad].touched)?;
         let chain = opposition.chain(short)?;
         let bone = hand.handle.bones.start + chain.pad.bone as u32;
@@ -516,7 +553,16 @@ impl GripHand {
             memory.reflex.wanted = wanted(before, order.force, memory.force, used, h);
         }
         let met = slope(memory.depth, memory.force, bound);
-        memory.depth = push(memory.depth, memory.force, memory.reflex.wanted, bound, h);
+        let before = memory.depth;
+        memory.depth = push(before, memory.force, memory.reflex.wanted, bound, h);
+        if let Some(object) = order.object().filter(|_| opposition.kind == GripKind::Hook) {
+            memory.depth = memory.depth.max(before);
+            let palm = world.rigid_pose(hand.handle.bones.start);
+            let around = Around { opposition, model: &hand.model, world, object, palm };
+            around.tighten(&mut memory.pads, memory.depth - before, h);
+            memory.pads.iter_mut().for_each(|kept| turn_to(kept, h));
+            return self.tell_weak(order);
+        }
         let fingers = (1..opposition.pads()).filter(|pad| memory.pads[*pad].anchor.is_some());
         let share = 1.0 / fingers.count().max(1) as f64;
         let shares =
@@ -541,6 +587,12 @@ impl GripHand {
             );
             turn_to(kept, h);
         }
+        self.tell_weak(order);
+    }
+
+    /// Tells when pads are as far in as they go and bear less than was asked for.
+    fn tell_weak(&mut self, order: &Order) {
+        let memory = &mut self.memory;
         let lacking = order.force - memory.force > LACKING.1 * order.force;
         if memory.since > LACKING.0 && lacking && memory.depth >= RANGE[1] {
             memory.trouble.get_or_insert(Trouble::Weak { felt: memory.force });
@@ -636,16 +688,16 @@ fn turn_to(kept: &mut PadMemory, h: f64) {
     }
 }
 
-/// A bound of the stiffness with which the base's pad is pushed \[N/m\]: all bones of its digit pushed as far as the pad,
-/// and turned as if each were a lever of [`LEVER`].
+/// A bound of the stiffness with which the thumb, or of a hook all fingers, are pushed \[N/m\]: all bones as far as the
+/// pads, and turned as if each were a lever of [`LEVER`].
 fn stiffness(opposition: &Opposition, world: &World, hand: &BuiltHand) -> f64 {
-    let chain = opposition.chain(0).or_else(|| opposition.chain(1));
-    let Some(chain) = chain else { return 1.0 };
     let drive = |bone: &usize| {
         let drive = world.desc().drives[hand.handle.bones.start as usize + bone];
         drive.map_or(0.0, |d| d.stiffness + d.angular_stiffness / (LEVER * LEVER))
     };
-    chain.bones[1..].iter().map(drive).sum::<f64>().max(1.0)
+    let of = |chain: &Chain| chain.bones[1..].iter().map(drive).sum::<f64>();
+    let thumb = opposition.chain(0).map(of);
+    thumb.unwrap_or_else(|| opposition.fingers.iter().map(of).sum()).max(1.0)
 }
 
 /// A finger's lever \[m\].

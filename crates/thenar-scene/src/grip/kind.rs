@@ -41,7 +41,7 @@ impl GripKind {
         Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
-    /// The fingers that press against the thumb, or in a hook against the palm.
+    /// The fingers that press against the thumb, or in a hook bend around the object.
     pub fn fingers(self) -> &'static [Digit] {
         match self {
             Self::Pinch | Self::Lateral => &Digit::FINGERS[1..2],

@@ -4,7 +4,8 @@
 //! 2. `choose`: opposed places of the object's surface for them, whatever its shape;
 //! 3. `solve`: angles for a pad's place, by damped least squares within the joints' ranges;
 //! 4. `squeeze`: how hard pads push, by the force that is felt;
-//! 5. [`GripHand`]: these, step by step.
+//! 5. `hook`: fingers that bend around a handle instead;
+//! 6. [`GripHand`]: these, step by step.
 //!
 //! The same calls give the same bits. Steps allocate nothing once a hand has learnt a kind. The step in which a grip begins takes some
 //! milliseconds, for the search of places.
@@ -12,6 +13,7 @@
 mod choose;
 mod felt;
 mod hand;
+mod hook;
 mod kind;
 mod memory;
 mod opposition;

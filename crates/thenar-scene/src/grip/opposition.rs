@@ -6,6 +6,7 @@
 //!               ------> axis
 //! ```
 
+use super::hook::{Skin, skin};
 use super::kind::GripKind;
 use thenar::Vec3;
 use thenar::model::{Digit, HandModel};
@@ -46,6 +47,8 @@ pub struct Opposition {
     pub base: Base,
     /// Fingers, from the index finger outwards.
     pub fingers: Vec<Chain>,
+    /// Skin of the fingers of a hook, in their order.
+    pub skins: Vec<Skin>,
     /// Distance of neighbouring fingers \[m\].
     pub spacing: f64,
     /// How pads stand, by rising width; at least one.
@@ -91,7 +94,14 @@ impl Opposition {
         let (first, last) = (knuckle(hand, Digit::Index), knuckle(hand, Digit::Little));
         let (Some(first), Some(last)) = (first, last) else { return Err(missing(Digit::Little)) };
         let spacing = (last - first).norm() / 3.0;
-        let mut opposition = Self { kind, base, fingers, spacing, spans: Vec::new() };
+        let skins: Vec<Skin> = match kind {
+            GripKind::Hook => fingers.iter().filter_map(|chain| skin(hand, chain)).collect(),
+            _ => Vec::new(),
+        };
+        if kind == GripKind::Hook && skins.len() < fingers.len() {
+            return Err("a hook needs fingers of three bones".into());
+        }
+        let mut opposition = Self { kind, base, fingers, skins, spacing, spans: Vec::new() };
         opposition.span(&(last - first));
         match opposition.spans.is_empty() {
             true => Err(format!("the pads of a {} do not meet on this hand", kind.name())),

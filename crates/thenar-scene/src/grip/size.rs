@@ -1,5 +1,6 @@
 //! What can be said of an object before it is gripped: how wide it is, how hard it is to be held, how far away it is.
 
+use super::kind::GripKind;
 use super::surface::{nearest, sample, through};
 use crate::math::Vec3;
 use thenar::model::{BodyId, PairRule, WorldDesc};
@@ -44,9 +45,14 @@ pub fn way_to(world: &World, object: BodyId, point: &Vec3) -> Option<f64> {
     nearest(world, object, point).map(|place| (place.point - point).norm())
 }
 
-/// Force that holds an object against its weight with `MARGIN` \[N\]. `flesh` is the hand's.
-pub fn usual_force(desc: &WorldDesc, flesh: u32, object: BodyId) -> f64 {
-    (MARGIN * slip_limit(desc, flesh, object)).max(FORCE_MIN)
+/// Force that holds an object against its weight with `MARGIN` \[N\]; in a hook no friction holds it, and half of the weight
+/// is what there is when it hangs. `flesh` is the hand's.
+pub fn usual_force(desc: &WorldDesc, flesh: u32, object: BodyId, kind: GripKind) -> f64 {
+    let force = match kind.has_thumb() {
+        true => MARGIN * slip_limit(desc, flesh, object),
+        false => 0.5 * mass(desc, object) * desc.gravity.norm(),
+    };
+    force.max(FORCE_MIN)
 }
 
 /// Least force between two sides that keeps an object from slipping under its weight, `m g / (2 μ)` \[N\]. `flesh` is the

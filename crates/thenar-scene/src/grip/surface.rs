@@ -120,6 +120,18 @@ pub fn nearest(world: &World, of: BodyId, point: &Vec3) -> Option<Sample> {
     }
 }
 
+/// From a point, world, to the surface of a body \[m\]; of a rigid one negative inside.
+pub fn clearance(world: &World, of: BodyId, point: &Vec3) -> f64 {
+    match of {
+        BodyId::Rigid(body) => Solid::of(world, body).map_or(f64::INFINITY, |solid| {
+            solid.shape.distance(&solid.pose_WS.inverse_point(point)).value
+        }),
+        BodyId::Soft(_) => {
+            nearest(world, of, point).map_or(f64::INFINITY, |place| (place.point - point).norm())
+        }
+    }
+}
+
 /// A rigid body's shape in its place.
 struct Solid<'a> {
     body: u32,

@@ -79,8 +79,8 @@ impl Session {
         };
         let built = &self.built.hands[hand];
         let flesh = built.flesh().unwrap_or(u32::MAX);
-        let adapts = force.is_none();
-        let force = force.unwrap_or_else(|| usual_force(self.world.desc(), flesh, body));
+        let adapts = force.is_none() && kind.has_thumb();
+        let force = force.unwrap_or_else(|| usual_force(self.world.desc(), flesh, body, kind));
         if !(force > 0.0 && force <= FORCE_MAX) {
             return Err(GripError::Force(force));
         }

@@ -4,5 +4,6 @@
 
 mod ask;
 mod bits;
+mod hook;
 mod shapes;
 mod stage;

@@ -1,58 +1,12 @@
 //! What is gripped is lifted and held, whatever its shape, at every step, by both hands.
 
-use crate::stage::{Stage, open};
-use thenar::Vec3;
+use crate::stage::{Stage, hold, middle, open};
 use thenar_scene::grip::{GripKind, Phase};
 use thenar_scene::session::Session;
 
 /// A round thing rocks on two soft pads as a pendulum about the line between them, and is damped by flesh alone: at 1 ms by
 /// 0.4 mm to either side. More is slip [m].
 const ROCKING: f64 = 1e-3;
-
-/// What became of a grip.
-#[derive(Debug)]
-struct Held {
-    /// Force at the end, and the most there was [N].
-    force: f64,
-    most: f64,
-    /// How far the thing went up [m].
-    lift: f64,
-    /// How far it went in the hand while that held still, 3.5 to 4.5 s [m].
-    slip: f64,
-    trouble: Option<String>,
-}
-
-fn middle(session: &Session) -> Vec3 {
-    let desc = session.world().desc();
-    match desc.rigids.iter().position(|rigid| rigid.name == "thing") {
-        Some(i) => session.world().rigid_pose(i as u32).position,
-        None => {
-            let soft = desc.softs.iter().position(|soft| soft.name == "thing").expect("a thing");
-            let nodes = session.world().nodes(soft as u32);
-            nodes.iter().sum::<Vec3>() / nodes.len() as f64
-        }
-    }
-}
-
-fn hold(session: &mut Session) -> Held {
-    let start = middle(session);
-    let (mut most, mut before) = (0.0f64, None);
-    for _ in 0..session.steps_wanted() {
-        assert!(!session.step(&mut ()).non_finite);
-        most = most.max(session.grip_state(0).map_or(0.0, |state| state.force));
-        if session.world().time() > 3.5 {
-            before.get_or_insert(session.hand_wrist(0).inverse_point(&middle(session)));
-        }
-    }
-    let after = session.hand_wrist(0).inverse_point(&middle(session));
-    Held {
-        force: session.grip_state(0).map_or(0.0, |state| state.force),
-        most,
-        lift: middle(session).y - start.y,
-        slip: (after - before.unwrap_or(after)).norm(),
-        trouble: session.grip_trouble(0),
-    }
-}
 
 /// Holds what it lifts: within a tenth of the force, never a fifth above it, and still in the hand.
 #[track_caller]

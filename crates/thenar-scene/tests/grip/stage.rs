@@ -122,3 +122,48 @@ impl Stage {
 pub fn open(text: &str) -> Session {
     Session::from_text(text, Path::new("grip.toml"), &[]).unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
+
+/// What became of a grip.
+#[derive(Debug)]
+pub struct Held {
+    /// Force at the end, and the most there was [N].
+    pub force: f64,
+    pub most: f64,
+    /// How far the thing went up [m].
+    pub lift: f64,
+    /// How far it went in the hand while that held still, 3.5 to 4.5 s [m].
+    pub slip: f64,
+    pub trouble: Option<String>,
+}
+
+pub fn middle(session: &Session) -> Vec3 {
+    let desc = session.world().desc();
+    match desc.rigids.iter().position(|rigid| rigid.name == "thing") {
+        Some(i) => session.world().rigid_pose(i as u32).position,
+        None => {
+            let soft = desc.softs.iter().position(|soft| soft.name == "thing").expect("a thing");
+            let nodes = session.world().nodes(soft as u32);
+            nodes.iter().sum::<Vec3>() / nodes.len() as f64
+        }
+    }
+}
+
+pub fn hold(session: &mut Session) -> Held {
+    let start = middle(session);
+    let (mut most, mut before) = (0.0f64, None);
+    for _ in 0..session.steps_wanted() {
+        assert!(!session.step(&mut ()).non_finite);
+        most = most.max(session.grip_state(0).map_or(0.0, |state| state.force));
+        if session.world().time() > 3.5 {
+            before.get_or_insert(session.hand_wrist(0).inverse_point(&middle(session)));
+        }
+    }
+    let after = session.hand_wrist(0).inverse_point(&middle(session));
+    Held {
+        force: session.grip_state(0).map_or(0.0, |state| state.force),
+        most,
+        lift: middle(session).y - start.y,
+        slip: (after - before.unwrap_or(after)).norm(),
+        trouble: session.grip_trouble(0),
+    }
+}

@@ -244,6 +244,11 @@ fn freedoms(bones: &[usize], joints: &[JointDesc]) -> Vec<Freedom> {
     freedoms
 }
 
+/// The palm's side of any bone, as a pad; `None` where it has no length.
+pub fn palmar_pad(hand: &HandModel, bone: usize) -> Option<Pad> {
+    pad(hand, bone, PadPlace::Tip)
+}
+
 /// The pad on a bone: where a line from the bone's axis leaves the skin at rest.
 fn pad(hand: &HandModel, bone: usize, place: PadPlace) -> Option<Pad> {
     let of = &hand.bones[bone];

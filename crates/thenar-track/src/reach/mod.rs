@@ -3,5 +3,5 @@
 mod chain;
 mod solve;
 
-pub use chain::{ALONG, Angles, Chain, FREEDOMS_MAX, Freedom, Pad, PadPlace, Reached};
+pub use chain::{ALONG, Angles, Chain, FREEDOMS_MAX, Freedom, Pad, PadPlace, Reached, palmar_pad};
 pub use solve::{Goal, solve};
