@@ -5,5 +5,6 @@
 mod ask;
 mod bits;
 mod hook;
+mod lateral;
 mod shapes;
 mod stage;

@@ -59,7 +59,7 @@ pub struct Pad {
 pub struct Chain {
     /// Digit that is led.
     pub digit: Digit,
-    /// Pad at its end.
+    /// Pad on its last bone, or on the one before.
     pub pad: Pad,
     /// Bones of the hand in it, the palm first.
     pub bones: Vec<usize>,
@@ -82,7 +82,7 @@ pub struct Reached {
 }
 
 impl Chain {
-    /// The chain of a digit that ends in its pad; `None` where the hand has no such digit, no skin there, or joints that
+    /// The chain of a digit with its pad; `None` where the hand has no such digit, no skin there, or joints that
     /// make no chain of hinges.
     pub fn new(hand: &HandModel, digit: Digit, place: PadPlace) -> Option<Self> {
         let last = hand.bones.iter().rposition(|bone| bone.digit == digit)?;
@@ -90,7 +90,8 @@ impl Chain {
             PadPlace::Tip => last,
             PadPlace::Side => hand.bones[last].parent? as usize,
         };
-        let mut bones = vec![tip];
+        // A bone beyond the pad goes with it: left where it was, it would hold the finger back.
+        let mut bones = vec![last];
         while *bones.last()? != 0 {
             bones.push(hand.bones[*bones.last()?].parent? as usize);
         }
@@ -141,7 +142,7 @@ impl Chain {
     /// Where its pad is at these angles.
     pub fn reach(&self, angles: &Angles) -> Reached {
         let (poses, angles) = self.forward(&Pose::identity(), angles);
-        let tip = self.bones.len() - 1;
+        let tip = self.pad_link();
         let centre = poses[tip].point(&self.pad.centre_B);
         let mut reached = Reached {
             centre,
@@ -158,7 +159,7 @@ impl Chain {
             let still = [Vec3::zeros(); 2];
             self.tree.velocities(&poses[..n], still, &angles[..n - 1], rates, velocities);
             rates[freedom.link][freedom.axis] = 0.0;
-            let [velocity, spin] = velocities[n - 1];
+            let [velocity, spin] = velocities[tip];
             (reached.moves[k], reached.turns[k]) = (velocity + spin.cross(&arm), spin);
         }
         reached
@@ -187,6 +188,12 @@ impl Chain {
         for link in 1..n {
             to(self.bones[link], poses[link], velocities[link]);
         }
+    }
+
+    /// Which of its bones has the pad.
+    fn pad_link(&self) -> usize {
+        let last = self.bones.len() - 1;
+        self.bones.iter().position(|bone| *bone == self.pad.bone).unwrap_or(last)
     }
 
     fn forward(&self, palm: &Pose, angles: &Angles) -> ([Pose; BONES_MAX], [[f64; 2]; BONES_MAX]) {
