@@ -87,6 +87,11 @@ fn sixteen(wrist: &str, name: impl Fn(&str, usize) -> String) -> Vec<(String, St
     names
 }
 
+/// The number of a digit, the thumb's 0.
+fn number(digit: &str) -> usize {
+    FINGERS.iter().position(|finger| *finger == digit).map_or(0, |k| k + 1)
+}
+
 fn upper(word: &str) -> String {
     word[..1].to_uppercase() + &word[1..]
 }
@@ -127,7 +132,7 @@ const ANGLE_MAX: f64 = 0.45;
 #[test]
 fn sixteen_joints_by_the_names_of_many_tools_become_the_shipped_hand() {
     type Name = fn(&str, usize) -> String;
-    let tools: [(&str, &str, Name); 6] = [
+    let tools: [(&str, &str, Name); 7] = [
         ("Mixamo", "mixamorig:RightHand", |d, k| {
             format!("mixamorig:RightHand{}{}", upper(d), k + 1)
         }),
@@ -147,10 +152,10 @@ fn sixteen_joints_by_the_names_of_many_tools_become_the_shipped_hand() {
             format!("J_Bip_R_{digit}{}", k + 1)
         }),
         ("3ds Max", "Bip01 R Hand", |d, k| {
-            let n = ["thumb", "index", "middle", "ring", "pinky"].iter().position(|x| *x == d);
             let behind = if k == 0 { String::new() } else { k.to_string() };
-            format!("Bip01 R Finger{}{behind}", n.unwrap())
+            format!("Bip01 R Finger{}{behind}", number(d))
         }),
+        ("MakeHuman", "wrist.R", |d, k| format!("finger{}-{}.R", number(d) + 1, k + 1)),
     ];
     for (tool, wrist, name) in tools {
         let rig = Foreign::new(Side::Right, sixteen(wrist, name));

@@ -1,6 +1,6 @@
 //! Which joints of a rig are the hand's: by the name map, by WebXR's names, or by what names say.
 
-use super::words::{self, Place, Said};
+use super::words::{self, Place, Said, Thumbs};
 use crate::RigError;
 use crate::glb::RigJoint;
 use crate::hand::names::{self, NameMap};
@@ -47,19 +47,9 @@ pub(in crate::hand) fn find(
         joints.iter().position(|j| j.name == name)
     };
     let names = words::uncounted(joints.iter().map(|j| j.name.as_str()));
-    let side = one_side(joints, &names, side)?;
-    let mapped: Vec<Said> = map.keys().map(|webxr| words::said(webxr)).collect();
-    let said: Vec<Said> = (joints.iter().zip(&names))
-        .map(|(joint, name)| {
-            if let Some((webxr, _)) = map.iter().find(|(_, own)| **own == joint.name) {
-                return words::said(webxr);
-            }
-            let other = side.is_some_and(|side| words::side(name).is_some_and(|own| own != side));
-            // What the map gives to one joint, no other has.
-            let said = words::said(name);
-            if other || mapped.contains(&said) { Said::Nothing } else { said }
-        })
-        .collect();
+    let thumbs = Thumbs::of(&names);
+    let side = one_side(joints, &names, &thumbs, side)?;
+    let said = said_of(joints, &names, &thumbs, map, side);
     let by_word = || {
         let rank = |k: &usize| match said[*k] {
             Said::Wrist(rank) => Some(rank),
@@ -84,6 +74,33 @@ pub(in crate::hand) fn find(
     let digits =
         digits.map(|chain| chain.unwrap_or(Chain { metacarpal: None, moving: [0; 3], tip: None }));
     Ok(Found { wrist, digits, side })
+}
+
+/// Meanings of all joints, by the map or by their names.
+fn said_of(
+    joints: &[RigJoint],
+    names: &[&str],
+    thumbs: &Thumbs,
+    map: &NameMap,
+    side: Option<Side>,
+) -> Vec<Said> {
+    let of_webxr = |webxr: &String| words::said(webxr, &Thumbs::default());
+    let mapped: Vec<Said> = map.keys().map(of_webxr).collect();
+    let layer = words::layer(names, thumbs);
+    let of_name = |name: &str| {
+        let other = side.is_some_and(|side| words::side(name).is_some_and(|own| own != side));
+        let handle = layer.is_some_and(|layer| !words::is_of_layer(name, layer));
+        // What the map gives to one joint, no other has.
+        let said = words::said(name, thumbs);
+        if other || handle || mapped.contains(&said) { Said::Nothing } else { said }
+    };
+    let given = |joint: &RigJoint| map.iter().find(|(_, own)| **own == joint.name);
+    let joints = joints.iter().zip(names);
+    joints
+        .map(|(joint, name)| {
+            given(joint).map_or_else(|| of_name(name), |(webxr, _)| of_webxr(webxr))
+        })
+        .collect()
 }
 
 /// Errs if a name map names a joint that WebXR or this rig does not have, or one joint twice.
@@ -232,9 +249,10 @@ fn along(
 fn one_side(
     joints: &[RigJoint],
     names: &[&str],
+    thumbs: &Thumbs,
     asked: Option<Side>,
 ) -> Result<Option<Side>, RigError> {
-    let of_hand = names.iter().filter(|name| words::said(name) != Said::Nothing);
+    let of_hand = names.iter().filter(|name| words::said(name, thumbs) != Said::Nothing);
     let sides: Vec<Side> = of_hand.filter_map(|name| words::side(name)).collect();
     let has = |side| sides.contains(&side);
     let told = match (has(Side::Left), has(Side::Right)) {

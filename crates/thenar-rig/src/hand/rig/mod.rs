@@ -3,6 +3,8 @@
 mod found;
 mod frames;
 mod posed;
+#[cfg(test)]
+mod tests;
 mod words;
 
 pub(super) use found::{Found, find};

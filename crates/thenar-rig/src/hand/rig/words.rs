@@ -1,8 +1,8 @@
 //! What the names of common rigs say: which digit, which joint of it, which side.
 //!
 //! Names are cut into words at signs, digits and capitals; what is no word of the tables says nothing. So are read the
-//! joints of WebXR and OpenXR, Oculus hands, VRM 0 and 1, Unity's humanoid, Mixamo, Unreal and MakeHuman's game rig,
-//! Rigify, VRoid, Daz and 3ds Max bipeds.
+//! joints of WebXR and OpenXR, Oculus hands, VRM 0 and 1, Unity's humanoid, Mixamo, Unreal, MakeHuman's default and game
+//! rigs, Rigify, VRoid, Daz and 3ds Max bipeds.
 
 use thenar::model::{Digit, Side};
 
@@ -78,6 +78,24 @@ pub(super) fn uncounted<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str
 /// Joints of a hand: a wrist and three of each digit.
 const JOINTS_MIN: usize = 16;
 
+/// First words of names that a control rig has several times, the better first: Rigify's bones that deform, then those
+/// that they follow. All others of such a rig are handles.
+const LAYERS: [&str; 2] = ["def", "org"];
+
+/// The first word of names that stand for a whole hand of a control rig, if this is one.
+pub(super) fn layer(names: &[&str], thumbs: &Thumbs) -> Option<&'static str> {
+    let of_hand = |layer: &str| {
+        let own = names.iter().filter(|name| is_of_layer(name, layer));
+        own.filter(|name| said(name, thumbs) != Said::Nothing).count()
+    };
+    LAYERS.into_iter().find(|layer| of_hand(layer) >= JOINTS_MIN)
+}
+
+/// True if a name begins with this word.
+pub(super) fn is_of_layer(name: &str, layer: &str) -> bool {
+    words(name).first().is_some_and(|word| word == layer)
+}
+
 /// Digits by their words. The middle one's are last: they also name the middle phalanx of the others.
 const DIGITS: [(Digit, &[&str]); 5] = [
     (Digit::Thumb, &["thumb"]),
@@ -100,14 +118,38 @@ fn one_of<T: Copy>(table: &[(T, &[&str])], words: &[String]) -> Option<T> {
     table.iter().find(|(_, of)| words.iter().any(|w| of.contains(&w.as_str()))).map(|(t, _)| *t)
 }
 
-/// Reads a name.
-pub(super) fn said(name: &str) -> Said {
+/// Words that a finger's number follows in the place of its name: `Finger0`, `Finger01` of 3ds Max and `finger1-1` of
+/// MakeHuman, Rigify's `palm.01`, MakeHuman's `metacarpal1`.
+const NUMBERED: [&str; 3] = ["finger", "palm", "metacarpal"];
+
+/// The thumb's number after each word of [`NUMBERED`]: 0, or 1 in rigs that count five digits to 5.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Thumbs([u32; NUMBERED.len()]);
+
+impl Thumbs {
+    /// The numbers of a rig whose joints have these names.
+    pub fn of(names: &[&str]) -> Self {
+        let mut thumbs = Self::default();
+        let unnamed = names.iter().map(|name| words(name));
+        for words in unnamed.filter(|words| one_of(&DIGITS, words).is_none()) {
+            if let Some((kind, [finger, _])) = numbers(&words, &Self::default())
+                && finger as usize == Digit::FINGERS.len()
+            {
+                thumbs.0[kind] = 1;
+            }
+        }
+        thumbs
+    }
+}
+
+/// Reads a name of a rig that counts fingers so.
+pub(super) fn said(name: &str, thumbs: &Thumbs) -> Said {
     let words = words(name);
     let has = |word: &str| words.iter().any(|w| w == word);
     let number = words.iter().rev().find_map(|w| w.parse::<u32>().ok());
     let (digit, number) = match (one_of(&DIGITS, &words), number) {
         (Some(digit), number) => (Some(digit), number),
-        (None, _) => numbered(&words).map_or((None, number), |(d, n)| (Some(d), Some(n))),
+        (None, _) => numbered(&words, thumbs).map_or((None, number), |(d, n)| (Some(d), Some(n))),
     };
     let Some(digit) = digit else {
         let elsewhere = ["forearm", "end", "ik", "elbow", "arm", "shoulder", "pole", "prop"];
@@ -140,21 +182,30 @@ pub(super) fn said(name: &str) -> Said {
     Said::Of(digit, place)
 }
 
-/// Fingers that have numbers in the place of names: `Finger0`, `Finger01`, `Finger02` of 3ds Max, thumb first, and
-/// Rigify's `palm.01` to `palm.04`, index first.
-fn numbered(words: &[String]) -> Option<(Digit, u32)> {
-    let after = |word: &str| {
-        let at = words.iter().position(|w| w == word)?;
-        words.get(at + 1).filter(|w| w.bytes().all(|b| b.is_ascii_digit()))
-    };
-    if let Some(finger) = after("finger") {
-        let (first, rest) = finger.split_at(1);
-        let digit = Digit::FINGERS.get(first.parse::<usize>().ok()?)?;
-        return Some((*digit, rest.parse().unwrap_or(0)));
+/// The digit that has a number in the place of a name, and the number of its joint.
+fn numbered(words: &[String], thumbs: &Thumbs) -> Option<(Digit, u32)> {
+    let (kind, [finger, joint]) = numbers(words, thumbs)?;
+    let digit = *Digit::FINGERS.get(finger.checked_sub(thumbs.0[kind])? as usize)?;
+    // Rigs that count from the index finger have none before it.
+    let is = NUMBERED[kind] == "finger" || digit != Digit::Thumb || thumbs.0[kind] > 0;
+    is.then_some((digit, joint))
+}
+
+/// Index of the word of [`NUMBERED`] that a name has, and the numbers after it: of a finger and of a joint. A metacarpal's,
+/// which lies before all that is numbered along the finger, is 0.
+fn numbers(words: &[String], thumbs: &Thumbs) -> Option<(usize, [u32; 2])> {
+    let number = |at: usize| words.get(at).filter(|w| w.bytes().all(|b| b.is_ascii_digit()));
+    let (kind, at, own) = (0..).zip(NUMBERED).find_map(|(kind, word)| {
+        let at = 1 + words.iter().position(|w| w == word)?;
+        Some((kind, at, number(at)?))
+    })?;
+    if NUMBERED[kind] != "finger" {
+        return Some((kind, [own.parse().ok()?, 0]));
     }
-    let palm: usize = after("palm")?.parse().ok()?;
-    // The metacarpal lies before all that is numbered along the finger.
-    Some((*Digit::FINGERS.get(palm).filter(|_| palm > 0)?, 0))
+    let (finger, rest) = own.split_at(1);
+    // What follows the number of a finger from 0 to 4 is a copy's, or a scene's.
+    let joint = number(at + 1).filter(|_| thumbs.0[kind] > 0).map_or(rest, String::as_str);
+    Some((kind, [finger.parse().ok()?, joint.parse().unwrap_or(0)]))
 }
 
 /// The side that a name says.
@@ -212,8 +263,38 @@ mod tests {
             ("Spine1", Said::Nothing),
         ];
         for (name, expected) in cases {
-            assert_eq!(said(name), expected, "{name}");
+            assert_eq!(said(name, &Thumbs::default()), expected, "{name}");
         }
+    }
+
+    #[test]
+    fn fingers_are_counted_from_0_unless_there_is_a_fifth() {
+        use Digit::{Index, Little, Middle, Thumb};
+        let read = |names: &[&str]| -> Vec<Said> {
+            let thumbs = Thumbs::of(names);
+            names.iter().map(|name| said(name, &thumbs)).collect()
+        };
+        assert_eq!(
+            read(&["finger5-3.R", "finger1-1.R", "metacarpal1.R", "palm.02.R"]),
+            [
+                Said::Of(Little, Place::Number(3)),
+                Said::Of(Thumb, Place::Number(1)),
+                Said::Of(Index, Place::Bone(0)),
+                Said::Of(Middle, Place::Number(0)),
+            ]
+        );
+        // A copy of a biped.
+        assert_eq!(
+            read(&["Bip01 R Finger0.001", "Bip01 R Finger42.001"]),
+            [Said::Of(Thumb, Place::Number(0)), Said::Of(Little, Place::Number(2))]
+        );
+        // The five of anatomy.
+        assert_eq!(
+            read(&["metacarpal_1", "metacarpal_5"]),
+            [Said::Of(Thumb, Place::Bone(0)), Said::Of(Little, Place::Bone(0))]
+        );
+        assert_eq!(read(&["metacarpal0", "palm0"]), [Said::Nothing; 2]);
+        assert_eq!(read(&["index_metacarpal_5"]), [Said::Of(Index, Place::Bone(0))]);
     }
 
     #[test]
