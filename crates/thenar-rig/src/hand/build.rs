@@ -207,7 +207,7 @@ pub(super) fn rigged(rig: &SkinnedMesh, options: &HandOptions) -> Result<Rigged,
         (Size::Own, None) => 1.0,
     };
     let mut rigged = at_scale(rig, &found, &frames, scale)?;
-    unit::check_length(rigged.length)?;
+    unit::check_length(rigged.length, scale)?;
     rigged.reading.unit = unit.map(|(unit, _)| unit);
     if options.side.is_some_and(|side| side != rigged.side) {
         return Err(RigError::invalid(format!(

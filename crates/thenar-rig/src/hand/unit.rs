@@ -19,22 +19,31 @@ pub(super) fn of_length(length: f64) -> Option<(&'static str, f64)> {
     fitting.next().is_none().then_some(*first)
 }
 
-/// Errs unless a hand may be so long; says in what unit it would be one of people's.
-pub(super) fn check_length(length: f64) -> Result<(), RigError> {
+/// Errs unless a hand may be so long \[m\], read at this scale; says in what unit it would be one of people's, and how
+/// to say so.
+pub(super) fn check_length(length: f64, scale: f64) -> Result<(), RigError> {
     let [low, high] = LENGTHS;
     if (low..=high).contains(&length) {
         return Ok(());
     }
-    let asked = match of_length(length) {
-        Some((unit, metres)) => format!(
-            ": are these {unit}? Then the scale is {metres} (`--scale {metres}`), and the hand {:.4} m long",
-            length * metres
-        ),
-        None => ": say its length (`--length`, in scenes `length`)".into(),
+    let unscaled = length / scale;
+    let help = match of_length(unscaled) {
+        Some((unit, metres)) => {
+            let own = format!("{:.4}", unscaled * metres);
+            let said = said(&format!("--scale {metres}"), &format!("length = {own}"));
+            format!("are these {unit}? Then it is {own} m long: {said}")
+        }
+        None => format!("say how long it is: {}", said("--length", "length")),
     };
     Err(RigError::invalid(format!(
-        "the hand length, wrist to middle fingertip, is {length:.4} m, expected {low} to {high} m{asked}"
+        "the hand length, wrist to middle fingertip, is {length:.4} m, expected {low} to {high} m; {help}"
     )))
+}
+
+/// Words for what users write: for the program that builds models, and in scenes, whose hands have a length and no
+/// scale.
+fn said(option: &str, key: &str) -> String {
+    format!("`{option}` for `thenar build`, `{key}` in a scene's [[hand]]")
 }
 
 #[cfg(test)]
@@ -59,10 +68,26 @@ mod tests {
 
     #[test]
     fn a_strange_length_asks_about_the_unit() {
-        let message = |length: f64| check_length(length).unwrap_err().to_string();
-        assert!(check_length(0.19).is_ok());
-        assert!(message(190.0).contains("are these millimetres"), "{}", message(190.0));
-        assert!(message(0.9).contains("--length"), "{}", message(0.9));
-        assert!(message(f64::NAN).contains("--length"));
+        let message =
+            |length: f64, scale: f64| check_length(length, scale).unwrap_err().to_string();
+        assert!(check_length(0.19, 1.0).is_ok() && check_length(0.19, 0.001).is_ok());
+        assert!(message(190.0, 1.0).contains("are these millimetres"), "{}", message(190.0, 1.0));
+        assert!(message(0.9, 1.0).contains("`--length`"), "{}", message(0.9, 1.0));
+        assert!(message(f64::NAN, 1.0).contains("`--length`"));
+    }
+
+    /// Hands have a scale on the command line, and a length in scenes.
+    #[test]
+    fn users_of_the_program_and_of_scenes_are_told_what_each_writes() {
+        let message =
+            |length: f64, scale: f64| check_length(length, scale).unwrap_err().to_string();
+        let told = message(190.0, 1.0);
+        assert!(told.contains("`--scale 0.001` for `thenar build`"), "{told}");
+        assert!(told.contains("`length = 0.1900` in a scene's [[hand]]"), "{told}");
+        let told = message(0.9, 1.0);
+        assert!(told.contains("`length` in a scene's [[hand]]"), "{told}");
+        // A hand in millimetres that was taken for decimetres.
+        let told = message(19.0, 0.1);
+        assert!(told.contains("millimetres") && told.contains("--scale 0.001"), "{told}");
     }
 }
