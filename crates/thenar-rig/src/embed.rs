@@ -75,10 +75,29 @@ pub fn closed_surface(mesh: &TriMesh) -> Result<TriMesh, RigError> {
     // A mesh that cannot be used need not be turned first.
     phase("looking at the mesh's edges")?;
     let topology = Topology::of(&whole);
-    check_holes("the mesh", &topology)?;
+    if !topology.closed() {
+        return Err(not_closed(whole, &topology));
+    }
     check_parts("the mesh", &topology)?;
     whole.orient()?;
     Ok(whole)
+}
+
+/// The refusal of an open mesh, with what helps: closing its holes, where that makes a body of it.
+fn not_closed(whole: TriMesh, topology: &Topology) -> RigError {
+    let open = open_edges("the mesh", topology);
+    let holes = match mended(whole) {
+        Ok((_, holes)) => holes.len(),
+        Err(error) => return error,
+    };
+    let (holes, them) = match holes {
+        1 => ("one hole".into(), "it"),
+        n => (format!("{n} holes"), "them"),
+    };
+    RigError::invalid(format!(
+        "{open}, around {holes}: `thenar build FILE --soft -o MODEL.thenar` closes {them} and writes a model to use in \
+         the mesh's place"
+    ))
 }
 
 /// [`closed_surface`] of a mesh whose holes are closed first, those whose border is a simple loop; and these holes.
@@ -86,14 +105,23 @@ pub fn closed_surface(mesh: &TriMesh) -> Result<TriMesh, RigError> {
 /// # Errors
 /// When the mesh is malformed, of several parts, or not closed for another reason.
 pub fn mended_surface(mesh: &TriMesh) -> Result<(TriMesh, Vec<Hole>), RigError> {
-    let mut whole = welded(mesh)?;
+    mended(welded(mesh)?)
+}
+
+/// A welded mesh with its holes closed, its outside out; and these holes.
+fn mended(mut whole: TriMesh) -> Result<(TriMesh, Vec<Hole>), RigError> {
     phase("closing holes of the mesh")?;
     // Along a border of triangles that disagree lies no hole.
     whole.orient()?;
     let (mut whole, holes) = close_holes(&whole);
     phase("looking at the mesh's edges")?;
     let topology = Topology::of(&whole);
-    check_holes("the mesh", &topology)?;
+    if !topology.closed() {
+        return Err(RigError::invalid(format!(
+            "{}, not around holes that could be closed: mend it in a program for meshes",
+            open_edges("the mesh", &topology)
+        )));
+    }
     check_parts("the mesh", &topology)?;
     whole.orient()?;
     Ok((whole, holes))
@@ -166,10 +194,15 @@ fn check_holes(what: &str, topology: &Topology) -> Result<(), RigError> {
     if topology.closed() {
         return Ok(());
     }
-    Err(RigError::invalid(format!(
+    Err(RigError::invalid(open_edges(what, topology)))
+}
+
+/// The edges at which a surface is not closed, in words.
+fn open_edges(what: &str, topology: &Topology) -> String {
+    format!(
         "{what} is not closed: {} edges have one triangle, {} more than two",
         topology.boundary_edges, topology.non_manifold_edges
-    )))
+    )
 }
 
 fn check_parts(what: &str, topology: &Topology) -> Result<(), RigError> {

@@ -46,6 +46,32 @@ fn holes_are_closed_and_told_however_triangles_are_turned() {
     }
 }
 
+/// The refusal counts the holes, and says what closes them, where something does.
+#[test]
+fn an_open_mesh_is_refused_with_its_holes_and_what_closes_them() {
+    let message = |mesh: &TriMesh| closed_surface(mesh).unwrap_err().to_string();
+    let told = message(&cut_ball(0.7, 3));
+    assert!(told.contains("edges have one triangle") && told.contains("around 2 holes"), "{told}");
+    assert!(told.contains("`thenar build FILE --soft -o MODEL.thenar` closes them"), "{told}");
+    let mut one = cut_ball(2.0, 0);
+    one.triangles.swap_remove(7);
+    let told = message(&one);
+    assert!(told.contains("3 edges have one triangle, 0 more than two, around one hole"), "{told}");
+    // No promise is made that cannot be kept.
+    let told = message(&finned());
+    assert!(told.contains("1 more than two") && told.contains("program for meshes"), "{told}");
+    assert!(!told.contains("thenar build"), "{told}");
+}
+
+/// A ball with a fin: an edge of three triangles is no border.
+fn finned() -> TriMesh {
+    let mut fin = cut_ball(2.0, 0);
+    let [a, b, _] = fin.triangles[0];
+    fin.positions.push(Vec3::repeat(0.1));
+    fin.triangles.push([a, b, fin.positions.len() as u32 - 1]);
+    fin
+}
+
 #[test]
 fn what_no_loop_bounds_is_still_refused() {
     let message = |mesh: &TriMesh| mended_surface(mesh).unwrap_err().to_string();
@@ -55,12 +81,7 @@ fn what_no_loop_bounds_is_still_refused() {
     two.positions.extend(far.positions.iter().map(|p| p + Vec3::repeat(0.2)));
     two.triangles.extend(far.triangles.iter().map(|t| t.map(|v| v + first)));
     assert!(message(&two).contains("2 separate parts"), "{}", message(&two));
-    // A fin: an edge of three triangles is no border.
-    let mut fin = cut_ball(2.0, 0);
-    let [a, b, _] = fin.triangles[0];
-    fin.positions.push(Vec3::repeat(0.1));
-    fin.triangles.push([a, b, fin.positions.len() as u32 - 1]);
-    assert!(message(&fin).contains("more than two"), "{}", message(&fin));
+    assert!(message(&finned()).contains("more than two"), "{}", message(&finned()));
     let sheet = TriMesh {
         positions: vec![Vec3::zeros(), Vec3::x(), Vec3::y()],
         triangles: vec![[0, 1, 2]],
