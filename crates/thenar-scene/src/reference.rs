@@ -95,10 +95,23 @@ fn kind(schema: &Value, found: &mut Vec<(String, String)>) -> String {
                 None => format!("list of {item}"),
             }
         }
-        "object" => format!("name = {}", kind(&schema["additionalProperties"], found)),
+        "object" => {
+            let known = schema["properties"].as_object().into_iter().flat_map(|known| known.keys());
+            let value = kind(&schema["additionalProperties"], found);
+            format!("name = {value}{}", such_as(known.map(String::as_str)))
+        }
         "boolean" => "`true`, `false`".into(),
-        other => format!("{other}{}", bounds(schema)),
+        other => {
+            let known = schema["examples"].as_array().into_iter().flatten();
+            format!("{other}{}{}", bounds(schema), such_as(known.filter_map(Value::as_str)))
+        }
     }
+}
+
+/// Names that a free text may have; nothing where none are known.
+fn such_as<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let names: Vec<String> = names.map(|name| format!("`{name}`")).collect();
+    if names.is_empty() { String::new() } else { format!(" such as {}", names.join(", ")) }
 }
 
 fn bounds(schema: &Value) -> String {

@@ -98,7 +98,7 @@ fn joint(
         _ => [flexion, Axis::default()],
     };
     JointDesc {
-        name: format!("{}-{}", rig.digit.name(), names::joint_names(rig.digit)[k]),
+        name: names::joint_name(rig.digit, k),
         kind,
         parent: Some(parent),
         child: child as u32,

@@ -32,7 +32,7 @@ pub use cuff::cuff;
 pub use fist::{Inversions, fist};
 pub use grading::{DETAILS, graded_tets};
 pub use layers::Layer;
-pub use names::NameMap;
+pub use names::{NameMap, joint_names};
 pub use options::{HandOptions, Size, Springs};
 pub use passive::{JointStiffness, joint_stiffness};
 pub use report::{BoneCover, BoneLength, HandReport, RigReading};

@@ -47,10 +47,17 @@ pub(super) fn bone_names(digit: Digit) -> [&'static str; 3] {
     }
 }
 
-/// The joints at the proximal ends of those bones.
-pub(super) fn joint_names(digit: Digit) -> [&'static str; 3] {
-    match digit {
+/// The joint at the proximal end of moving bone `k`, from 0 to 2.
+pub(super) fn joint_name(digit: Digit, k: usize) -> String {
+    let joints = match digit {
         Digit::Thumb => ["cmc", "mcp", "ip"],
         _ => ["mcp", "pip", "dip"],
-    }
+    };
+    format!("{}-{}", digit.name(), joints[k])
+}
+
+/// Names of the joints of all hands that are built here, whatever their rig: thumb first, each digit from the palm on.
+pub fn joint_names() -> Vec<String> {
+    let of = |digit| (0..3).map(move |k| joint_name(digit, k));
+    Digit::FINGERS.into_iter().flat_map(of).collect()
 }

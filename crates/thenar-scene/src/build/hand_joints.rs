@@ -1,7 +1,7 @@
 //! What a scene says of single joints of a hand.
 
 use super::solver::set;
-use crate::format::{HandAxis, HandJoint, HandJointsFile};
+use crate::format::{HandAxis, HandJoint, HandJointsFile, JointName};
 use crate::motion::{Anatomy, Articulation};
 use crate::text::{At, Fault, Node, SceneError, parse};
 use std::path::Path;
@@ -37,7 +37,7 @@ pub fn change(model: &mut HandModel, tables: &[HandJoint]) -> Result<(), Fault> 
         let found = joints_like(&anatomy, &table.name)?;
         let turns_aside = |j: &usize| anatomy.roles[*j].spread.is_some();
         if let Some(change) = table.abduction.as_ref().filter(|_| !found.iter().any(turns_aside)) {
-            let problem = format!("\"{}\" flexes and has no abduction", table.name.value);
+            let problem = format!("\"{}\" flexes and has no abduction", table.name.value.0);
             return Err(change.fault(problem));
         }
         for j in found {
@@ -56,18 +56,18 @@ pub fn change(model: &mut HandModel, tables: &[HandJoint]) -> Result<(), Fault> 
 }
 
 /// The joints that fit a name; with a `*` at the end, all that begin so.
-fn joints_like(anatomy: &Anatomy, name: &At<String>) -> Result<Vec<usize>, Fault> {
-    let fits = |known: &str| match name.value.strip_suffix('*') {
+fn joints_like(anatomy: &Anatomy, name: &At<JointName>) -> Result<Vec<usize>, Fault> {
+    let wanted = &name.value.0;
+    let fits = |known: &str| match wanted.strip_suffix('*') {
         Some(start) => known.starts_with(start),
-        None => known == name.value,
+        None => known == wanted,
     };
     let roles = anatomy.roles.iter().enumerate();
     let found: Vec<usize> =
         roles.filter(|(_, role)| fits(&role.joint) || fits(&role.bone)).map(|(j, _)| j).collect();
     if found.is_empty() {
         let known: Vec<&str> = anatomy.roles.iter().map(|role| role.joint.as_str()).collect();
-        let problem =
-            format!("the hand has no joint \"{}\"; it has {}", name.value, known.join(", "));
+        let problem = format!("the hand has no joint \"{wanted}\"; it has {}", known.join(", "));
         return Err(name.fault(problem));
     }
     Ok(found)

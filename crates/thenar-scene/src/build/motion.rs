@@ -98,7 +98,7 @@ fn key(k: &HandKey) -> Key {
         wrist: k.wrist.as_ref().map(wrist),
         pose: k.pose.map(preset),
         curl: k.curl.as_ref().map(curl).unwrap_or_default(),
-        joints: k.joints.iter().map(|(name, j)| (name.clone(), joint(j))).collect(),
+        joints: k.joints.0.iter().map(|(name, j)| (name.clone(), joint(j))).collect(),
     }
 }
 

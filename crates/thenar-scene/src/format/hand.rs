@@ -1,8 +1,8 @@
 //! Hands.
 
 use super::{
-    DriveTable, ElementsWord, GripTable, HandLayer, HandTissueWord, LawWord, MotionTable,
-    NailTable, Rotation, SkinTable, Terms, TissueWord,
+    DriveTable, ElementsWord, GripTable, HandLayer, HandTissueWord, JointName, LawWord,
+    MotionTable, NailTable, Rotation, SkinTable, Terms, TissueWord,
 };
 use crate::math::Vec3;
 use crate::text::{At, table, words};
@@ -102,7 +102,7 @@ table! {
     /// Changes to joints of a hand. Of several that fit a joint, the last one that gives a value gives it.
     pub struct HandJoint {
         /// Name of the joint, or of the bone that it carries, without the hand's; a `*` at the end stands for any ending.
-        name: At<String>;
+        name: At<JointName>;
         /// Flexion: 0 is the straight digit, more closes the hand.
         flexion: Option<HandAxis>;
         /// Abduction, of knuckles and the thumb's carpal joint: 0 is the model's rest pose, more leads to the thumb's side.

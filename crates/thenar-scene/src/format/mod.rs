@@ -10,6 +10,7 @@ mod friction;
 mod grip;
 mod hand;
 mod joint;
+mod joint_names;
 mod load;
 mod motion;
 mod pose;
@@ -31,6 +32,7 @@ pub use hand::{
     SkinningWord, SpringsWord,
 };
 pub use joint::{Joint, JointWord};
+pub use joint_names::{JointName, NamedJoints};
 pub use load::{
     ForceLoad, JointTorqueLoad, Load, NodeForceLoad, PressureLoad, TorqueLoad, TractionLoad,
     TwistLoad,

@@ -1,8 +1,8 @@
 //! Motions of hands.
 
+use super::NamedJoints;
 use crate::math::Vec3;
 use crate::text::{At, choice, table, words};
-use std::collections::BTreeMap;
 
 words! {
     /// What to do with joint angles out of range.
@@ -97,7 +97,7 @@ table! {
         /// How far each finger is closed.
         curl: Option<CurlTable>;
         /// Single joints, by the name of the joint or of the bone it carries.
-        joints: BTreeMap<String, JointAngles>;
+        joints: NamedJoints;
     }
 }
 

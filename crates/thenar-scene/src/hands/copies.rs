@@ -2,12 +2,11 @@
 
 use super::{length_of, mirror};
 use crate::format::{
-    BonesWord, Hand, HandKey, KeyframesTable, LimitsWord, MotionTable, Pair, PoseWord, Scene,
-    SkinningWord, WristTable,
+    BonesWord, Hand, HandKey, KeyframesTable, LimitsWord, MotionTable, NamedJoints, Pair, PoseWord,
+    Scene, SkinningWord, WristTable,
 };
 use crate::math::Vec3;
 use crate::text::At;
-use std::collections::BTreeMap;
 use thenar::model::Side;
 
 /// What is left free between an added hand and others that point at it \[m\].
@@ -130,7 +129,7 @@ fn still(wrist: WristTable) -> At<MotionTable> {
         wrist: Some(wrist),
         pose: Some(PoseWord::Rest),
         curl: None,
-        joints: BTreeMap::new(),
+        joints: NamedJoints::default(),
     };
     let table = KeyframesTable { limits: LimitsWord::Clamp, key: vec![key] };
     mirror::unwritten(MotionTable::Keyframes(table), "hand.motion")

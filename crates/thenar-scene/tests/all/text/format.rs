@@ -152,6 +152,37 @@ fn all_scenes_satisfy_the_schema_and_load() {
     }
 }
 
+/// An editor can offer the joints of a hand; those of model files have names of their own.
+#[test]
+fn the_schema_lists_the_joints_of_hands_and_takes_others() {
+    let hand = thenar_rig::default_hand(thenar::model::Side::Right).unwrap();
+    let mut own: Vec<&str> = hand.joints.iter().map(|joint| joint.name.as_str()).collect();
+    own.sort_unstable();
+    let schema: Value = serde_json::from_str(&reference::schema()).unwrap();
+    let of = |part: &str, key: &str| schema["$defs"][part]["properties"][key].clone();
+    let mut examples: Vec<String> =
+        serde_json::from_value(of("HandJoint", "name")["examples"].clone()).unwrap();
+    examples.sort_unstable();
+    assert_eq!(examples, own);
+    let joints = of("HandKey", "joints");
+    let mut known: Vec<&String> = joints["properties"].as_object().unwrap().keys().collect();
+    known.sort_unstable();
+    assert_eq!(known, own);
+    let scene = |joint: &str| {
+        format!(
+            "version = 1\n[[hand]]\nname = \"h\"\n[[hand.joint]]\nname = \"{joint}\"\n\
+             [hand.motion]\nkind = \"keyframes\"\n[[hand.motion.key]]\ntime = 0\n\
+             joints = {{ {joint} = {{ flexion_deg = 5 }} }}\n"
+        )
+    };
+    for joint in ["index-mcp", "thumb-ip", "index-proximal", "claw-2"] {
+        check_text(&scene(joint)).unwrap_or_else(|e| panic!("{e}"));
+        thenar_scene::session::read(&scene(joint), &[]).unwrap_or_else(|e| panic!("{e:?}"));
+    }
+    let wrong = scene("index-mcp").replace("flexion_deg", "flexion");
+    assert!(check_text(&wrong).is_err());
+}
+
 #[test]
 fn the_schema_refuses_what_the_library_refuses() {
     let good = "version = 1\n[[rigid]]\nname = \"a\"\nmass = 1\ninertia = [1, 1, 1]\n";
