@@ -7,7 +7,10 @@ use thenar::model::{Law, Material};
 use thenar_rig::embed::{EmbedOptions, embed, mended_surface};
 use thenar_rig::export::{flesh_cell_fields, surface, tetrahedra, write_whole};
 use thenar_rig::mesh::{Hole, load_mesh};
-use thenar_rig::object::{ImportOptions, SoftModel, Weight, rigid_from_mesh};
+use thenar_rig::object::{
+    ImportOptions, SoftModel, Weight, length_in_words, rigid_from_mesh, size_in_words,
+    unit_question,
+};
 use thenar_rig::{Model, TriMesh};
 use thenar_scene::build::TET_BYTES;
 
@@ -83,42 +86,12 @@ pub fn soft(args: &Args) -> Result<Model, CliError> {
 fn print_extent(args: &Args, mesh: &TriMesh, mass: f64, volume: f64) {
     let [low, high] = mesh.bounds();
     let size = high - low;
-    let [x, y, z] = [size.x, size.y, size.z].map(length);
-    println!("size: {x} x {y} x {z}");
+    println!("size: {}", size_in_words(&size));
     println!("mass: {mass:.6} kg, volume {:.3} ml", volume * 1e6);
-    if let Some(question) = unit_question(size.max(), args.scale.unwrap_or(1.0)) {
-        println!("{question}");
+    let longest = size.max();
+    if let Some(question) = unit_question(longest, args.scale.unwrap_or(1.0), "--scale ") {
+        println!("warning: it is {} long: {question}", length_in_words(longest));
     }
-}
-
-/// A length in the unit in which it reads well.
-fn length(metres: f64) -> String {
-    if metres < 1.0 { format!("{:.2} mm", metres * 1e3) } else { format!("{metres:.3} m") }
-}
-
-/// Longer than this \[m\] nothing is that hands hold, nor the table that it stands on.
-const LONGEST: f64 = 4.0;
-/// Shorter than this \[m\] hands feel nothing: a twentieth of the ridges of a finger.
-const SHORTEST: f64 = 2e-5;
-/// Lengths of things that hands hold \[m\].
-const HANDY: [f64; 2] = [2e-3, 0.8];
-
-/// What to ask of a body so long \[m\] that was read at this scale; none where its length is plausible.
-fn unit_question(longest: f64, scale: f64) -> Option<String> {
-    if (SHORTEST..=LONGEST).contains(&longest) {
-        return None;
-    }
-    let units = [("millimetres", 1e-3), ("centimetres", 1e-2), ("inches", 0.0254)];
-    let fits = |metres: f64| (HANDY[0]..=HANDY[1]).contains(&(longest / scale * metres));
-    let asked = units.into_iter().find(|(_, metres)| fits(*metres));
-    Some(match asked {
-        Some((unit, metres)) => format!(
-            "warning: it is {} long: are these {unit}? Then give --scale {metres}, and it is {} long",
-            length(longest),
-            length(longest / scale * metres)
-        ),
-        None => format!("warning: it is {longest:e} m long: is the scale (--scale {scale}) right?"),
-    })
 }
 
 /// Holes that are told one by one, the largest.
@@ -145,25 +118,4 @@ fn write(folder: &Path, file: &str, text: &str) -> Result<(), CliError> {
     std::fs::create_dir_all(folder)
         .map_err(|e| CliError::Other(format!("cannot make {}: {e}", folder.display())))?;
     Ok(write_whole(&folder.join(file), text.as_bytes())?)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_cube_of_20_mm_read_in_metres_is_asked_about() {
-        let question = unit_question(20.0, 1.0).unwrap();
-        assert!(
-            question.contains("millimetres") && question.contains("--scale 0.001"),
-            "{question}"
-        );
-        assert!(question.contains("20.00 mm"), "{question}");
-        assert_eq!(unit_question(0.02, 1.0), None);
-        assert_eq!(unit_question(0.02, 0.001), None, "what was scaled rightly is let be");
-        // A statue in centimetres as a game has it, scaled by the wrong factor.
-        assert!(unit_question(50.0, 10.0).unwrap().contains("millimetres"));
-        assert!(unit_question(5e4, 1.0).unwrap().contains("is the scale"));
-        assert!(unit_question(1e-6, 1.0).is_some());
-    }
 }

@@ -100,7 +100,7 @@ table! {
     pub struct MeshShape {
         /// Path, relative to the scene file.
         file: At<String>;
-        /// Factor on all coordinates. Default 1.
+        /// Factor on all coordinates, 0.001 for a mesh in mm. Default 1.
         scale: f64 where SCALE = 1.0;
         /// Cells of the distance grid along the longest edge. Default 56.
         grid: u32 where GRID = 56;

@@ -56,11 +56,11 @@ table! {
 
 table! {
     /// A closed triangle mesh from a file (GLB, OBJ, STL, PLY, OFF), embedded in tetrahedra; or a model
-    /// file (`.thenar`) of a soft body, with its own materials.
+    /// file (`.thenar`) of a soft body, with its own materials, such as `thenar build --soft` makes of a mesh with holes.
     pub struct MeshSoftShape {
         /// Path, relative to the scene file.
         file: At<String>;
-        /// Factor on all coordinates. Default 1.
+        /// Factor on all coordinates, 0.001 for a mesh in mm. Default 1.
         scale: f64 where SCALE = 1.0;
         /// Tetrahedra wanted. Default 1000.
         tets: u32 where TETS = 1000;

@@ -31,4 +31,5 @@ pub use opposition::{Base, Opposition, Span};
 pub use order::Order;
 pub use size::{friction, narrowest, pads_middle, pads_middle_at, slip_limit, usual_force, way_to};
 pub use surface::Anchor;
+pub(crate) use surface::bounds;
 pub use trouble::Trouble;

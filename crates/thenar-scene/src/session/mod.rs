@@ -18,6 +18,7 @@ mod source;
 mod summary;
 mod table;
 mod taken_back;
+mod units;
 mod warn;
 mod witness;
 

@@ -24,6 +24,7 @@ impl Session {
                 )
             }));
         }
+        warnings.extend(self.unit_questions());
         warnings.extend(self.grip_warnings());
         warnings
     }

@@ -6,6 +6,7 @@ mod files;
 mod format;
 mod fuzz_scenes;
 mod grips;
+mod meshes;
 mod scenes;
 mod shapes;
 mod tissue;

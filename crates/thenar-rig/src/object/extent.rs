@@ -1,0 +1,84 @@
+//! The size of a body in words, and the unit that its file may be in.
+
+use thenar::Vec3;
+
+/// Longer than this \[m\] nothing is that hands hold, nor the table that it stands on.
+const LONGEST: f64 = 4.0;
+/// Shorter than this \[m\] hands feel nothing: a twentieth of the ridges of a finger.
+const SHORTEST: f64 = 2e-5;
+/// Lengths of things that hands hold \[m\].
+const HANDY: [f64; 2] = [2e-3, 0.8];
+/// Units that meshes come in, and metres in each.
+const UNITS: [(&str, f64); 3] = [("millimetres", 1e-3), ("centimetres", 1e-2), ("inches", 0.0254)];
+
+/// A length \[m\] in the unit in which it reads well.
+pub fn length_in_words(metres: f64) -> String {
+    match metres {
+        1e-5..1.0 => format!("{:.2} mm", metres * 1e3),
+        1.0..1e4 => format!("{metres:.3} m"),
+        _ => format!("{metres:e} m"),
+    }
+}
+
+/// Edge lengths of a box \[m\] in words.
+pub fn size_in_words(size: &Vec3) -> String {
+    let [x, y, z] = [size.x, size.y, size.z].map(length_in_words);
+    format!("{x} x {y} x {z}")
+}
+
+/// A mass \[kg\] in words.
+pub fn mass_in_words(mass: f64) -> String {
+    match mass {
+        1e-3..1e4 => format!("{mass:.3} kg"),
+        _ => format!("{mass:.2e} kg"),
+    }
+}
+
+/// A question about a body so long \[m\] that was read at this scale; `None` where its length is plausible. `key` is what a
+/// user writes before a scale: `--scale `, `scale = `.
+pub fn unit_question(longest: f64, scale: f64, key: &str) -> Option<String> {
+    if (SHORTEST..=LONGEST).contains(&longest) {
+        return None;
+    }
+    let long = |metres: f64| longest / scale * metres;
+    let fits = |(_, metres): &(&str, f64)| (HANDY[0]..=HANDY[1]).contains(&long(*metres));
+    Some(match UNITS.into_iter().find(fits) {
+        Some((unit, metres)) => format!(
+            "are these {unit}? Then give {key}{metres}, and it is {} long",
+            length_in_words(long(metres))
+        ),
+        None => format!("is the scale ({key}{scale}) right?"),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cube_of_20_mm_read_in_metres_is_asked_about() {
+        let asked = |longest, scale| unit_question(longest, scale, "--scale ");
+        let question = asked(20.0, 1.0).unwrap();
+        assert!(
+            question.contains("millimetres") && question.contains("--scale 0.001"),
+            "{question}"
+        );
+        assert!(question.contains("20.00 mm"), "{question}");
+        assert_eq!(asked(0.02, 1.0), None);
+        assert_eq!(asked(0.02, 0.001), None, "what was scaled rightly is let be");
+        // A statue in centimetres as a game has it, scaled by the wrong factor.
+        assert!(asked(50.0, 10.0).unwrap().contains("millimetres"));
+        assert!(asked(5e4, 1.0).unwrap().contains("is the scale (--scale 1)"));
+        assert!(asked(1e-6, 1.0).is_some());
+        let in_scene = unit_question(130.0, 1.0, "scale = ").unwrap();
+        assert!(in_scene.contains("give scale = 0.001, and it is 130.00 mm"), "{in_scene}");
+    }
+
+    #[test]
+    fn lengths_and_masses_read_well() {
+        let words = [1e-6, 5e-5, 0.02, 1.5, 130.0, 5e4].map(length_in_words);
+        assert_eq!(words, ["1e-6 m", "0.05 mm", "20.00 mm", "1.500 m", "130.000 m", "5e4 m"]);
+        assert_eq!(size_in_words(&Vec3::new(0.02, 0.03, 2.0)), "20.00 mm x 30.00 mm x 2.000 m");
+        assert_eq!([0.3, 2.2e9, 0.0].map(mass_in_words), ["0.300 kg", "2.20e9 kg", "0.00e0 kg"]);
+    }
+}

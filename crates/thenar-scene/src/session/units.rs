@@ -1,0 +1,93 @@
+//! Meshes of a scene that may be in another unit than metres.
+
+use super::Session;
+use crate::format::{Shape as Table, SoftShape};
+use crate::grip::bounds;
+use crate::text::At;
+use thenar::Vec3;
+use thenar::model::Motion;
+use thenar::shape::Shape;
+use thenar_rig::object::{mass_in_words, size_in_words, unit_question};
+
+/// A mesh as a scene names it.
+struct Named<'a> {
+    file: &'a At<String>,
+    scale: f64,
+    /// Edge lengths of its box \[m\].
+    size: Vec3,
+}
+
+impl Named<'_> {
+    /// A question about the unit where no body that hands hold is so long; `mass` is the body's \[kg\], 0 of what has
+    /// none.
+    fn question(&self, mass: f64) -> Option<String> {
+        let question = unit_question(self.size.max(), self.scale, "scale = ")?;
+        let weight = match mass > 0.0 {
+            true => format!(" and weighs {}", mass_in_words(mass)),
+            false => String::new(),
+        };
+        let (key, file, size) = (&self.file.key, &self.file.value, size_in_words(&self.size));
+        Some(format!("`{key}`: {file} measures {size}{weight}: {question}"))
+    }
+}
+
+impl Session {
+    /// A question for each mesh that is longer or shorter than what hands hold, with the scale that would make it so.
+    pub(super) fn unit_questions(&self) -> Vec<String> {
+        self.rigid_questions().chain(self.soft_questions()).collect()
+    }
+
+    fn rigid_questions(&self) -> impl Iterator<Item = String> {
+        let rigids = self.scene.rigid.iter().zip(&self.world.desc().rigids);
+        rigids.flat_map(|(table, rigid)| {
+            let mass = if rigid.motion == Motion::Dynamic { rigid.mass } else { 0.0 };
+            let mut meshes = Vec::new();
+            if let (Some(table), Some(shape)) = (&table.shape, &rigid.shape) {
+                add_meshes(&table.value, shape, &mut meshes);
+            }
+            meshes.into_iter().filter_map(move |mesh| mesh.question(mass))
+        })
+    }
+
+    fn soft_questions(&self) -> impl Iterator<Item = String> {
+        // Figures come before.
+        let built = self.built.softs.iter().skip(self.built.figures.len());
+        self.scene.soft.iter().zip(built).filter_map(|(table, built)| {
+            let (file, scale) = match &table.shape.value {
+                SoftShape::Mesh(mesh) if !is_model(&mesh.file) => (&mesh.file, mesh.scale),
+                SoftShape::File(tets) => (&tets.file, tets.scale),
+                _ => return None,
+            };
+            let flesh = &self.world.desc().softs[built.soft as usize].flesh;
+            let mut places = vec![Vec3::zeros(); built.render.vertices.len()];
+            built.render.positions(&flesh.tets, &flesh.nodes, &mut places);
+            let first = *places.first()?;
+            let [low, high] =
+                places.iter().fold([first; 2], |[low, high], p| [low.inf(p), high.sup(p)]);
+            let mass = self.world.node_masses(built.soft).iter().sum();
+            Named { file, scale, size: high - low }.question(mass)
+        })
+    }
+}
+
+/// The meshes of a shape; of a compound, of its parts.
+fn add_meshes<'a>(table: &'a Table, shape: &Shape, found: &mut Vec<Named<'a>>) {
+    match (table, shape) {
+        (Table::Mesh(mesh), Shape::Mesh(_)) if !is_model(&mesh.file) => {
+            let [_, half] = bounds(shape);
+            found.push(Named { file: &mesh.file, scale: mesh.scale, size: half * 2.0 });
+        }
+        (Table::Compound(compound), Shape::Compound(parts)) => {
+            let tables = compound.parts.iter().map(|part| &part.value.shape.value);
+            tables.zip(parts.iter()).for_each(|(table, part)| {
+                add_meshes(table, &part.shape, found);
+            });
+        }
+        _ => {}
+    }
+}
+
+/// True of a built model, which has the size that it was built in.
+fn is_model(file: &At<String>) -> bool {
+    file.value.ends_with(".thenar")
+}

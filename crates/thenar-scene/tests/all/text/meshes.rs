@@ -1,0 +1,121 @@
+//! Goal: an author who puts a mesh file into a scene is asked about its unit, and told how to close it. Method: one tetrahedron
+//! of 130 mm, in files in millimetres and in metres, whole and open, as bodies of all kinds.
+
+use std::fs::write;
+use thenar::model::Side;
+use thenar::{Pose, Vec3};
+use thenar_output::TemporaryFolder;
+use thenar_rig::export::{GlbMesh, Skeleton, VertexSkin, glb};
+use thenar_rig::glb::read_skinned_glb;
+use thenar_rig::hand::asset;
+use thenar_scene::session::Session;
+
+/// A tetrahedron whose longest edges along the axes measure 130; of each face its letter.
+const CORNERS: &str = "v 0 0 0\nv 130 0 0\nv 0 130 0\nv 0 0 130\n";
+const FACES: [&str; 4] = ["f 1 3 2\n", "f 1 2 4\n", "f 1 4 3\n", "f 2 3 4\n"];
+
+const RIGID: &str = "[[rigid]]\nname = \"a\"\nmass = 0.3\nshape = { kind = \"mesh\", file = \"it.obj\", grid = 8 }\n";
+const SOFT: &str =
+    "[[soft]]\nname = \"b\"\nshape = { kind = \"mesh\", file = \"it.obj\", tets = 20 }\n";
+const COMPOUND: &str = "[[rigid]]\nname = \"c\"\nmass = 1\n[rigid.shape]\nkind = \"compound\"\nparts = [\n\
+    { shape = { kind = \"sphere\", radius = 0.01 } },\n\
+    { shape = { kind = \"mesh\", file = \"it.obj\", grid = 8 }, frame = { position = [0, 0.1, 0] } },\n]\n";
+const TETS: &str = "[[soft]]\nname = \"d\"\nshape = { kind = \"tet-file\", file = \"it.toml\" }\n";
+
+/// A folder with the tetrahedron as a mesh of these faces, and as an element.
+fn folder(faces: &[&str]) -> TemporaryFolder {
+    let folder = TemporaryFolder::new("thenar-scene-meshes").unwrap();
+    write(folder.path().join("it.obj"), CORNERS.to_string() + &faces.concat()).unwrap();
+    let tets = "nodes = [[0,0,0],[130,0,0],[0,130,0],[0,0,130]]\ntets = [[0,1,2,3]]\n";
+    write(folder.path().join("it.toml"), tets).unwrap();
+    folder
+}
+
+fn open(folder: &TemporaryFolder, body: &str) -> Result<Session, String> {
+    let text = format!("version = 1\ngravity = [0, 0, 0]\n{body}");
+    Session::from_text(&text, &folder.path().join("s.toml"), &[]).map_err(|e| e.to_string())
+}
+
+/// The questions about units that a scene with this body gets.
+fn asked(folder: &TemporaryFolder, body: &str) -> Vec<String> {
+    let session = open(folder, body).unwrap_or_else(|e| panic!("{e}"));
+    session.warnings().into_iter().filter(|warning| warning.contains("are these")).collect()
+}
+
+#[test]
+fn a_mesh_in_millimetres_is_asked_about_with_the_key_to_write() {
+    let folder = folder(&FACES);
+    let bodies = [
+        (RIGID, "`rigid[0].shape.file`: it.obj", "0.300 kg"),
+        (SOFT, "`soft[0].shape.file`: it.obj", "e8 kg"),
+        (COMPOUND, "`rigid[0].shape.parts[1].shape.file`: it.obj", "1.000 kg"),
+        (TETS, "`soft[0].shape.file`: it.toml", "e8 kg"),
+    ];
+    for (body, place, mass) in bodies {
+        let told = asked(&folder, body);
+        let [told] = &told[..] else { panic!("{body}: {told:?}") };
+        assert!(told.starts_with(place) && told.contains(mass), "{told}");
+        assert!(told.contains("130.000 m x 130.000 m x 130.000 m"), "{told}");
+        assert!(told.contains("are these millimetres?"), "{told}");
+        assert!(told.contains("give scale = 0.001, and it is 130.00 mm long"), "{told}");
+        // What it says mends it.
+        let mended = body.replace(".obj\"", ".obj\", scale = 0.001");
+        let mended = mended.replace(".toml\"", ".toml\", scale = 0.001");
+        assert_eq!(asked(&folder, &mended), [""; 0], "{body}");
+    }
+}
+
+/// Bodies stand in the order of the file, behind those of hands and figures.
+#[test]
+fn each_of_several_bodies_is_asked_about_by_its_own_file() {
+    let folder = folder(&FACES);
+    let fine = SOFT.replace(".obj\"", ".obj\", scale = 0.001").replace("\"b\"", "\"e\"");
+    let figure = "[[figure]]\nname = \"f\"\nmodel = \"gripper\"\nflesh = 0.005\n";
+    let body = format!("{RIGID}{fine}{SOFT}{figure}");
+    let told = asked(&folder, &body);
+    let places: Vec<&str> = told.iter().filter_map(|t| t.split(": ").next()).collect();
+    assert_eq!(places, ["`rigid[0].shape.file`", "`soft[1].shape.file`"]);
+}
+
+#[test]
+fn a_soft_body_of_an_open_mesh_is_refused_with_what_closes_it() {
+    let folder = folder(&FACES[..3]);
+    let error = open(&folder, SOFT).unwrap_err();
+    assert!(error.contains("it.obj") && error.contains("around one hole"), "{error}");
+    assert!(error.contains("`thenar build FILE --soft -o MODEL.thenar` closes it"), "{error}");
+    // A rigid body's inside is found however open its mesh is.
+    open(&folder, RIGID).unwrap();
+}
+
+/// A hand in a scene has a length and no scale.
+#[test]
+fn a_rig_in_millimetres_is_told_the_key_of_scenes() {
+    let folder = folder(&FACES);
+    write(folder.path().join("rig.glb"), hand_in_millimetres()).unwrap();
+    let hand = "[[hand]]\nname = \"h\"\nmodel = \"rig.glb\"\npreset = \"paper\"\ntets = 100\n";
+    let error = open(&folder, hand).unwrap_err();
+    assert!(error.contains("are these millimetres") && error.contains("[[hand]]"), "{error}");
+    let key = error.split("`length = ").nth(1).and_then(|rest| rest.split('`').next()).unwrap();
+    open(&folder, &format!("{hand}length = {key}\n")).unwrap();
+}
+
+/// The built-in right hand as a file in millimetres.
+fn hand_in_millimetres() -> Vec<u8> {
+    let own = read_skinned_glb(asset(Side::Right)).unwrap();
+    let positions: Vec<Vec3> = own.mesh.positions.iter().map(|p| p * 1e3).collect();
+    let place = |pose: &Pose| Pose::new(pose.position * 1e3, pose.rotation);
+    let skeleton = Skeleton {
+        names: own.joints.iter().map(|joint| joint.name.as_str()).collect(),
+        parents: vec![None; own.joints.len()],
+        poses: own.joints.iter().map(|joint| place(&joint.pose)).collect(),
+    };
+    let skin = vec![VertexSkin { bones: [0; 4], weights: [1.0, 0.0, 0.0, 0.0] }; positions.len()];
+    let mesh = GlbMesh {
+        name: "hand",
+        positions: &positions,
+        triangles: &own.mesh.triangles,
+        colour: [0.8; 3],
+        skin: Some(&skin),
+    };
+    glb(&[mesh], Some(&skeleton)).unwrap()
+}
