@@ -83,21 +83,32 @@ pub fn closed_surface(mesh: &TriMesh) -> Result<TriMesh, RigError> {
     Ok(whole)
 }
 
-/// The refusal of an open mesh, with what helps: closing its holes, where that makes a body of it.
+/// A closed mesh whose volume is less than this part of a cube on its diagonal is a sheet: a hand's breadth of paper has 1e-5.
+const SHEET: f64 = 1e-6;
+
+/// The refusal of an open mesh, with how many holes it has.
 fn not_closed(whole: TriMesh, topology: &Topology) -> RigError {
     let open = open_edges("the mesh", topology);
-    let holes = match mended(whole) {
-        Ok((_, holes)) => holes.len(),
-        Err(error) => return error,
-    };
-    let (holes, them) = match holes {
-        1 => ("one hole".into(), "it"),
-        n => (format!("{n} holes"), "them"),
-    };
-    RigError::invalid(format!(
-        "{open}, around {holes}: `thenar build FILE --soft -o MODEL.thenar` closes {them} and writes a model to use in \
-         the mesh's place"
-    ))
+    match mended(whole) {
+        Ok((mesh, _)) if is_sheet(&mesh) => RigError::invalid(format!(
+            "{open}: it is a sheet, which encloses nothing; give it thickness"
+        )),
+        Ok((_, holes)) if holes.len() == 1 => RigError::invalid(format!("{open}, around one hole")),
+        Ok((_, holes)) => RigError::invalid(format!("{open}, around {} holes", holes.len())),
+        Err(error) => error,
+    }
+}
+
+fn is_sheet(mesh: &TriMesh) -> bool {
+    let first = mesh.positions.first().copied().unwrap_or_default();
+    let grown = |[low, high]: [Vec3; 2], p: &Vec3| [low.inf(p), high.sup(p)];
+    let [low, high] = mesh.positions.iter().fold([first; 2], grown);
+    mesh.volume().abs() < SHEET * (high - low).norm().powi(3)
+}
+
+/// True if the holes of a mesh that is not closed can be closed, and it encloses something then.
+pub fn can_be_closed(mesh: &TriMesh) -> bool {
+    mended_surface(mesh).is_ok_and(|(mesh, _)| !is_sheet(&mesh))
 }
 
 /// [`closed_surface`] of a mesh whose holes are closed first, those whose border is a simple loop; and these holes.

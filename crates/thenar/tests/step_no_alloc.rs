@@ -43,6 +43,7 @@ fn steps_allocate_nothing(kind: SolverKind) {
     let carried = &desc.softs[0].coupling.as_ref().unwrap().bindings;
     let both = |n: &u32| carried[*n as usize].weights.iter().all(|w| *w > 0.0);
     let nodes: Vec<u32> = (0..carried.len() as u32).filter(both).collect();
+    assert!(!nodes.is_empty());
     desc.pose_offsets.push(PoseOffsets {
         soft: 0,
         joint: 0,

@@ -89,7 +89,7 @@ fn print_extent(args: &Args, mesh: &TriMesh, mass: f64, volume: f64) {
     println!("size: {}", size_in_words(&size));
     println!("mass: {mass:.6} kg, volume {:.3} ml", volume * 1e6);
     let longest = size.max();
-    if let Some(question) = unit_question(longest, args.scale.unwrap_or(1.0), "--scale ") {
+    if let Some(question) = unit_question(longest, false, args.scale.unwrap_or(1.0), "--scale ") {
         println!("warning: it is {} long: {question}", length_in_words(longest));
     }
 }

@@ -269,8 +269,9 @@ class LiveHand(Hand):
 
         ``object``: a rigid or soft body by name; left out, the one that is nearest to the pads, within 0.12 m. ``kind``:
         ``"pinch"`` (thumb and index finger), ``"tripod"`` (and middle finger), ``"power"`` (thumb and all fingers),
-        ``"lateral"`` (thumb and side of the index finger) or ``"hook"`` (fingers and palm). ``force``: with which the two
-        sides press against each other [N]; left out, twice what keeps the object from slipping under its weight, and more as load asks.
+        ``"lateral"`` (thumb and side of the index finger) or ``"hook"`` (fingers bent around a rigid handle). ``force``: with which
+        the two sides press against each other [N]; left out, twice what keeps the object from slipping under its weight, and more as load
+        asks; of a hook half of its weight.
 
         Returns the body's name. The wrist, at most 30 mm aside, and fingers that take no part go on following script or poses; a hand that
         grips opens first. How it goes on tells :attr:`grip_state`. Raises :class:`thenar.GripError`: no such body, or the

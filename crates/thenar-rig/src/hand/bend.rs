@@ -23,7 +23,7 @@ const STEPS: usize = 3;
 /// Length of the steps to a shape that is looked at itself \[s\]: inertia holds Newton's method on its way. Without it, in steps
 /// of 1 s, a knuckle bent by 86° goes round in circles; in steps of 0.01 to 0.1 s all joints take up to 80, about.
 pub(super) const SHAPE_STEP: f64 = 0.03;
-/// Most of these.
+/// Most steps to a shape.
 const SHAPE_STEPS: usize = 300;
 /// A shape is at rest when no node moves by more than this part of the hand's length in a step, 2 µm of a hand of 190 mm.
 const SETTLED: f64 = 1e-5;
@@ -44,7 +44,7 @@ pub(super) struct Bender<'a> {
 pub(super) type AxisOf = (usize, usize);
 
 impl<'a> Bender<'a> {
-    /// What a shape costs for each tetrahedron, about, as a `Stage` counts: most joints take 20 steps.
+    /// Cost of a shape for each tetrahedron, about, as a `Stage` counts: most joints take 20 steps.
     pub const SHAPE_WORK: usize = 20 * TET_STEP;
 
     /// A hand by itself, without weight, held by its usual springs.

@@ -8,13 +8,13 @@ use thenar::math::Mat3;
 use thenar::model::{Binding, CouplingKind, HandModel, PoseOffsets, Skinning};
 use thenar::{Pose, Quat, Vec3};
 
-/// Widest way between two poses of an axis \[rad\]: 30°. Half-way between poses 45° apart a last finger joint keeps up to half of
-/// what targets lack, as its flesh gives way most in the first degrees.
+/// Widest way between two poses of an axis \[rad\], 30°. Where poses lay 45° apart, half of what targets lacked was left between
+/// the first two of a last finger joint.
 const APART: f64 = std::f64::consts::FRAC_PI_6;
-/// A turn that is not worth a pose \[rad\]: 10°, at which linear blending keeps 99.6 %.
-const SMALL: f64 = 0.17;
+/// A turn that is not worth a pose \[rad\]: a sixth of that.
+const SMALL: f64 = APART / 6.0;
 
-/// What the poses of all joints add to the targets of a hand's flesh, with indices of the hand's own joints and `soft` 0.
+/// Offsets of the targets of a hand's flesh by the poses of all its joints, with indices of the hand's own joints and `soft` 0.
 /// Each axis is bent alone, to both ends of its range.
 ///
 /// # Errors
@@ -28,31 +28,28 @@ pub fn sculpted_offsets(
             "no node of the flesh lies in bone, around which it could come to rest",
         ));
     }
-    let mut bender = Bender::held(hand, CouplingKind::Bone, SHAPE_STEP)?;
-    let turns: Vec<(AxisOf, f64)> =
-        Bender::axes(hand).iter().flat_map(|&axis| turns(&bender, hand, axis)).collect();
-    let work = (Bender::SHAPE_WORK * hand.flesh.tets.len() * turns.len()) as f64;
-    let stage = Stage::new("shapes of bent joints", turns.len(), work, "ask for fewer tetrahedra")?;
     let mut all: Vec<PoseOffsets> =
         (0..hand.joints.len()).map(|j| without_poses(hand, j)).collect();
+    let mut bender = Bender::held(hand, CouplingKind::Bone, SHAPE_STEP)?;
+    let axes = Bender::axes(hand).into_iter().filter(|(j, _)| !all[*j].nodes.is_empty());
+    let turns: Vec<(AxisOf, f64)> = axes.flat_map(|axis| turns(&bender, hand, axis)).collect();
+    let work = (Bender::SHAPE_WORK * hand.flesh.tets.len() * turns.len()) as f64;
+    let stage = Stage::new("shapes of bent joints", turns.len(), work, "ask for fewer tetrahedra")?;
     let mut shapes: Vec<Vec<Vec3>> = vec![Vec::new(); hand.joints.len()];
     for (done, &((j, k), turn)) in turns.iter().enumerate() {
         let (poses, x) = bender.shape((j, k), turn)?;
+        let target = Blend { hand, moves: &moves(hand, &poses), joint: j, skinning };
+        for &node in &all[j].nodes {
+            shapes[j].push(target.offset(node as usize, &x[node as usize])?);
+        }
         all[j].poses.push(turned(hand, &poses, j));
-        let moves = moves(hand, &poses);
-        shapes[j].extend(
-            all[j]
-                .nodes
-                .iter()
-                .map(|&n| offset(hand, n as usize, &x[n as usize], &moves, j, skinning)),
-        );
         stage.at(done + 1)?;
     }
     for (given, shapes) in all.iter_mut().zip(&shapes) {
         let (nodes, poses) = (given.nodes.len(), given.poses.len());
         given.offsets = (0..nodes * poses).map(|i| shapes[i % poses * nodes + i / poses]).collect();
     }
-    all.retain(|given| !given.poses.is_empty() && !given.nodes.is_empty());
+    all.retain(|given| !given.poses.is_empty());
     Ok(all)
 }
 
@@ -93,33 +90,41 @@ fn turned(hand: &HandModel, poses: &[Pose], j: usize) -> Quat {
     parent.inverse() * poses[child].rotation * rest.inverse() * parent
 }
 
-/// The offset at rest, model frame \[m\], that takes a node's target to `x`.
-fn offset(
-    hand: &HandModel,
-    node: usize,
-    x: &Vec3,
-    moves: &[Pose],
-    j: usize,
+/// Skinning of the nodes that one joint's bodies carry.
+struct Blend<'a> {
+    hand: &'a HandModel,
+    moves: &'a [Pose],
+    joint: usize,
     skinning: Skinning,
-) -> Vec3 {
-    let (binding, rest) = (&hand.bindings[node], &hand.flesh.nodes[node]);
-    let [a, b] = binding.bones.map(|bone| &moves[bone as usize]);
-    let [u, v] = binding.weights;
-    let blend = |p: &Vec3| a.point(p) * u + b.point(p) * v;
-    match skinning {
-        Skinning::Linear => {
-            let matrix = |pose: &Pose| *pose.rotation.to_rotation_matrix().matrix();
-            let carried: Mat3 = matrix(a) * u + matrix(b) * v;
-            carried.try_inverse().map_or(Vec3::zeros(), |inverse| inverse * (x - blend(rest)))
-        }
-        Skinning::Joint => {
-            let joint = &hand.joints[j];
-            let centre = (hand.bones[joint.child as usize].pose_MB * joint.pose_CK).position;
-            let sign = 1.0_f64.copysign(a.rotation.coords.dot(&b.rotation.coords));
-            let turn = Quat::new_normalize(
-                (a.rotation.coords * u + b.rotation.coords * (v * sign)).into(),
-            );
-            turn.inverse() * (x - blend(&centre)) - (rest - centre)
+}
+
+impl Blend<'_> {
+    /// The offset at rest, model frame \[m\], that takes a node's target to `x`.
+    fn offset(&self, node: usize, x: &Vec3) -> Result<Vec3, RigError> {
+        let (binding, rest) = (&self.hand.bindings[node], &self.hand.flesh.nodes[node]);
+        let [a, b] = binding.bones.map(|bone| &self.moves[bone as usize]);
+        let [u, v] = binding.weights;
+        let blend = |p: &Vec3| a.point(p) * u + b.point(p) * v;
+        match self.skinning {
+            Skinning::Linear => {
+                let matrix = |pose: &Pose| *pose.rotation.to_rotation_matrix().matrix();
+                let carried: Mat3 = matrix(a) * u + matrix(b) * v;
+                let inverse = carried.try_inverse().ok_or_else(|| {
+                    RigError::invalid(
+                        "linear blending flattens a node where a joint is bent by half a turn",
+                    )
+                })?;
+                Ok(inverse * (x - blend(rest)))
+            }
+            Skinning::Joint => {
+                let joint = &self.hand.joints[self.joint];
+                let centre =
+                    (self.hand.bones[joint.child as usize].pose_MB * joint.pose_CK).position;
+                let sign = 1.0_f64.copysign(a.rotation.coords.dot(&b.rotation.coords));
+                let blended = a.rotation.coords * u + b.rotation.coords * (v * sign);
+                let turn = Quat::new_normalize(blended.into());
+                Ok(turn.inverse() * (x - blend(&centre)) - (rest - centre))
+            }
         }
     }
 }

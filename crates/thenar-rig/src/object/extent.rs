@@ -2,21 +2,25 @@
 
 use thenar::Vec3;
 
-/// Longer than this \[m\] nothing is that hands hold, nor the table that it stands on.
+/// Hands hold nothing longer than this \[m\], and tables are shorter too.
 const LONGEST: f64 = 4.0;
-/// Shorter than this \[m\] hands feel nothing: a twentieth of the ridges of a finger.
-const SHORTEST: f64 = 2e-5;
+/// Nothing that stands still around hands is longer \[m\]: a hall.
+const LONGEST_STILL: f64 = 100.0;
+/// Hands hold nothing shorter than this \[m\]: a grain of sand.
+const SHORTEST: f64 = 1e-3;
 /// Lengths of things that hands hold \[m\].
 const HANDY: [f64; 2] = [2e-3, 0.8];
 /// Units that meshes come in, and metres in each.
-const UNITS: [(&str, f64); 3] = [("millimetres", 1e-3), ("centimetres", 1e-2), ("inches", 0.0254)];
+const UNITS: [(&str, f64); 4] =
+    [("millimetres", 1e-3), ("centimetres", 1e-2), ("inches", 0.0254), ("metres", 1.0)];
 
 /// A length \[m\] in the unit in which it reads well.
 pub fn length_in_words(metres: f64) -> String {
     match metres {
         1e-5..1.0 => format!("{:.2} mm", metres * 1e3),
         1.0..1e4 => format!("{metres:.3} m"),
-        _ => format!("{metres:e} m"),
+        0.0 => "0 mm".into(),
+        _ => format!("{metres:.2e} m"),
     }
 }
 
@@ -34,20 +38,29 @@ pub fn mass_in_words(mass: f64) -> String {
     }
 }
 
-/// A question about a body so long \[m\] that was read at this scale; `None` where its length is plausible. `key` is what a
-/// user writes before a scale: `--scale `, `scale = `.
-pub fn unit_question(longest: f64, scale: f64, key: &str) -> Option<String> {
-    if (SHORTEST..=LONGEST).contains(&longest) {
+/// A question about a body so long \[m\] that was read at this scale; `None` where its length is plausible. What stands
+/// `still` may be a room. `key` is what a user writes before a scale: `--scale `, `scale = `.
+pub fn unit_question(longest: f64, still: bool, scale: f64, key: &str) -> Option<String> {
+    let most = if still { LONGEST_STILL } else { LONGEST };
+    if (SHORTEST..=most).contains(&longest) {
         return None;
     }
     let long = |metres: f64| longest / scale * metres;
-    let fits = |(_, metres): &(&str, f64)| (HANDY[0]..=HANDY[1]).contains(&long(*metres));
-    Some(match UNITS.into_iter().find(fits) {
-        Some((unit, metres)) => format!(
+    let fits = |(_, metres): &&(&str, f64)| (HANDY[0]..=HANDY[1]).contains(&long(*metres));
+    let fitting: Vec<&(&str, f64)> = UNITS.iter().filter(fits).collect();
+    Some(match fitting[..] {
+        [] => format!("is the scale ({key}{scale}) right?"),
+        [(unit, metres)] => format!(
             "are these {unit}? Then give {key}{metres}, and it is {} long",
-            length_in_words(long(metres))
+            length_in_words(long(*metres))
         ),
-        None => format!("is the scale ({key}{scale}) right?"),
+        _ => {
+            let one = |(unit, metres): &&(&str, f64)| {
+                format!("{unit} ({key}{metres}: {} long)", length_in_words(long(*metres)))
+            };
+            let all: Vec<String> = fitting.iter().map(one).collect();
+            format!("are these {}?", all.join(" or "))
+        }
     })
 }
 
@@ -57,27 +70,32 @@ mod tests {
 
     #[test]
     fn a_cube_of_20_mm_read_in_metres_is_asked_about() {
-        let asked = |longest, scale| unit_question(longest, scale, "--scale ");
+        let asked = |longest, scale| unit_question(longest, false, scale, "--scale ");
         let question = asked(20.0, 1.0).unwrap();
         assert!(
-            question.contains("millimetres") && question.contains("--scale 0.001"),
+            question.contains("millimetres (--scale 0.001: 20.00 mm long)")
+                && question.contains("centimetres (--scale 0.01: 200.00 mm long)"),
             "{question}"
         );
-        assert!(question.contains("20.00 mm"), "{question}");
         assert_eq!(asked(0.02, 1.0), None);
         assert_eq!(asked(0.02, 0.001), None, "what was scaled rightly is let be");
         // A statue in centimetres as a game has it, scaled by the wrong factor.
         assert!(asked(50.0, 10.0).unwrap().contains("millimetres"));
         assert!(asked(5e4, 1.0).unwrap().contains("is the scale (--scale 1)"));
-        assert!(asked(1e-6, 1.0).is_some());
-        let in_scene = unit_question(130.0, 1.0, "scale = ").unwrap();
+        // A cup in metres, taken for one in units a thousand times as small.
+        let small = asked(1.3e-4, 1e-3).unwrap();
+        assert!(small.contains("metres (--scale 1: 130.00 mm long)"), "{small}");
+        // A floor of 8 m is no cup; one of 130 m may be.
+        assert!(asked(8.0, 1.0).is_some());
+        assert_eq!(unit_question(8.0, true, 1.0, "scale = "), None);
+        let in_scene = unit_question(130.0, true, 1.0, "scale = ").unwrap();
         assert!(in_scene.contains("give scale = 0.001, and it is 130.00 mm"), "{in_scene}");
     }
 
     #[test]
     fn lengths_and_masses_read_well() {
         let words = [1e-6, 5e-5, 0.02, 1.5, 130.0, 5e4].map(length_in_words);
-        assert_eq!(words, ["1e-6 m", "0.05 mm", "20.00 mm", "1.500 m", "130.000 m", "5e4 m"]);
+        assert_eq!(words, ["1.00e-6 m", "0.05 mm", "20.00 mm", "1.500 m", "130.000 m", "5.00e4 m"]);
         assert_eq!(size_in_words(&Vec3::new(0.02, 0.03, 2.0)), "20.00 mm x 30.00 mm x 2.000 m");
         assert_eq!([0.3, 2.2e9, 0.0].map(mass_in_words), ["0.300 kg", "2.20e9 kg", "0.00e0 kg"]);
     }

@@ -8,10 +8,10 @@ use crate::format::{
     PresetWord, SpringsWord,
 };
 use crate::text::{At, Cx, Fault, Node, Read};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use thenar::math::Vec3;
 use thenar::model::{HandModel, Law, Material, Side};
-use thenar_rig::embed::{EmbedOptions, closed_surface, embed};
+use thenar_rig::embed::{EmbedOptions, can_be_closed, closed_surface, embed};
 use thenar_rig::hand::{HandOptions, Size, Springs, asset, build_hand_file, graded_tets};
 use thenar_rig::mesh::{GridOptions, load_mesh};
 use thenar_rig::object::{
@@ -106,6 +106,9 @@ pub fn soft_mesh(shape: &MeshSoftShape, files: &Files) -> Result<SoftModel, Faul
     let path = path(files, &shape.file);
     let fault = |problem: String| shape.file.fault(format!("{}: {problem}", path.display()));
     if shape.file.value.ends_with(".thenar") {
+        if shape.scale != 1.0 {
+            return Err(fault("a model has its own size: leave `scale` out".into()));
+        }
         return match read_model(&path) {
             Ok(Model::Soft(model)) => Ok(model),
             Ok(_) => Err(fault("the file holds no soft body".into())),
@@ -113,10 +116,32 @@ pub fn soft_mesh(shape: &MeshSoftShape, files: &Files) -> Result<SoftModel, Faul
         };
     }
     let mesh = load_mesh(&path, shape.scale).map_err(|e| shape.file.fault(e.to_string()))?;
-    let mesh = closed_surface(&mesh).map_err(|e| fault(e.to_string()))?;
+    let mesh = match closed_surface(&mesh) {
+        Ok(mesh) => mesh,
+        Err(error) if can_be_closed(&mesh) => {
+            return Err(fault(format!("{error}; {}", closes(shape))));
+        }
+        Err(error) => return Err(fault(error.to_string())),
+    };
     let options = EmbedOptions { tets: shape.tets as usize, ..EmbedOptions::default() };
     let embedded = embed(&mesh, &options, |_| unit()).map_err(|e| fault(e.to_string()))?;
     Ok(SoftModel { name: String::new(), flesh: embedded.flesh, render: embedded.render })
+}
+
+/// What makes a model of a mesh whose holes can be closed, and how the scene takes it.
+fn closes(shape: &MeshSoftShape) -> String {
+    let file = &shape.file.value;
+    let stem = Path::new(file).with_extension("thenar");
+    let model = stem.display();
+    let scale = match shape.scale {
+        1.0 => String::new(),
+        scale => format!(" --scale {scale}"),
+    };
+    format!(
+        "`thenar build {file} --soft{scale} --tets {} -o {model}` closes what is open; then write file = \"{model}\", without \
+         `scale`",
+        shape.tets
+    )
 }
 
 /// The toy car.

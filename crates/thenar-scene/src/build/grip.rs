@@ -55,6 +55,12 @@ fn grips(built: &Built, k: usize, table: &Hand, first: &At<GripTable>) -> Result
             Some(name) => {
                 let body = built.names.body(name)?;
                 grippable(built, k, name, body)?;
+                if matches!((*kind, body), (GripWord::Hook, BodyId::Soft(_))) {
+                    return Err(name.fault(format!(
+                        "\"{}\" is soft: a hook bends around rigid handles",
+                        name.value
+                    )));
+                }
                 Some(body)
             }
             None => None,

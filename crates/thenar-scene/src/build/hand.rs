@@ -164,6 +164,9 @@ fn add(built: &mut Built, hand: &Hand, preset: PresetWord, files: &Files) -> Res
         built.meshes.push(Mesh::new(&model.flesh.nodes, &model.flesh.tets));
         built.node_starts.push(None);
     } else {
+        if hand.pose_offsets {
+            return Err(at("`pose_offsets` move flesh, and `flesh = false` leaves it out".into()));
+        }
         built.world.softs.pop();
         built.world.parts.pop();
         built.world.self_contact.retain(|&soft| soft != handle.soft);

@@ -6,9 +6,9 @@
 
 use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
-use thenar::model::HandModel;
+use thenar::model::{Flesh, HandModel, PoseOffsets, Skinning};
 use thenar_rig::RigError;
-use thenar_rig::hand::{HandOptions, build_hand};
+use thenar_rig::hand::{HandOptions, build_hand, sculpted_offsets};
 
 /// Hands kept: two of a scene, and two of another. One of 12 thousand tetrahedra has a file of some megabytes.
 const KEPT: usize = 4;
@@ -44,6 +44,35 @@ pub fn hand_of(bytes: &[u8], options: &HandOptions) -> Result<HandModel, RigErro
         }
     };
     Ok(HandModel { name: options.name.clone(), ..hand })
+}
+
+/// Offsets that were measured before on the flesh of a hand.
+type Known = (String, Vec<PoseOffsets>);
+
+static OFFSETS: Mutex<VecDeque<Known>> = Mutex::new(VecDeque::new());
+
+/// [`sculpted_offsets`], or what that gave for the same hand before. A hand is known here by all that is written of its
+/// skeleton, its flesh and what binds the two.
+///
+/// # Errors
+/// As there.
+pub fn offsets_of(hand: &HandModel, skinning: Skinning) -> Result<Vec<PoseOffsets>, RigError> {
+    let HandModel { bones, joints, flesh, bindings, bone_nodes, .. } = hand;
+    let Flesh { nodes, tets, materials, relaxation, .. } = flesh;
+    let source = format!(
+        "{:?}",
+        (bones, joints, (nodes, tets, materials, relaxation), bindings, bone_nodes, skinning)
+    );
+    let lock = || OFFSETS.lock().unwrap_or_else(PoisonError::into_inner);
+    let known = lock().iter().find(|(key, _)| *key == source).map(|(_, offsets)| offsets.clone());
+    if let Some(offsets) = known {
+        return Ok(offsets);
+    }
+    let offsets = sculpted_offsets(hand, skinning)?;
+    let mut known = lock();
+    known.truncate(KEPT - 1);
+    known.push_front((source, offsets.clone()));
+    Ok(offsets)
 }
 
 #[cfg(test)]

@@ -1,12 +1,11 @@
-//! What poses of joints add to skinning targets.
+//! Offsets of skinning targets by the pose of joints.
 
-use super::{Built, Mesh, place};
+use super::{Built, Mesh, hand_cache, place};
 use crate::format::{Bind, Hand, Soft};
 use crate::text::{At, Fault};
 use std::collections::BTreeMap;
 use thenar::Quat;
 use thenar::model::{CouplingKind, HandHandle, HandModel, PoseOffsets, Skinning};
-use thenar_rig::hand::sculpted_offsets;
 
 /// Adds the offsets that the binds of soft body number `soft` name. Of several binds of a node the last counts.
 pub fn of_binds(built: &mut Built, table: &Soft, mesh: &Mesh, soft: u32) -> Result<(), Fault> {
@@ -62,7 +61,7 @@ pub fn of_hand(
     coupling: CouplingKind,
     skinning: Skinning,
 ) -> Result<(), Fault> {
-    if !hand.pose_offsets || !hand.flesh {
+    if !hand.pose_offsets {
         return Ok(());
     }
     if coupling == CouplingKind::Bone {
@@ -71,7 +70,7 @@ pub fn of_hand(
              finds its shape by itself",
         ));
     }
-    let sculpted = sculpted_offsets(model, skinning);
+    let sculpted = hand_cache::offsets_of(model, skinning);
     let sculpted = sculpted.map_err(|error| hand.name.fault(format!("`pose_offsets`: {error}")))?;
     built.world.pose_offsets.extend(sculpted.into_iter().map(|given| PoseOffsets {
         soft: handle.soft,

@@ -158,8 +158,9 @@ table! {
         /// Where two bones put the flesh between them: "lbs", linear blend skinning as in the paper, which narrows in a
         /// twist and thins in a bend; "joint", rotations blended about the joint, which does neither. Default "lbs".
         skinning: SkinningWord = SkinningWord::Lbs;
-        /// True: what the pose of each joint adds to the places that `skinning` gives is measured on the hand's own flesh, bent
-        /// around bones that hold it at the bone alone. Needs `coupling = "uniform"`. Default false.
+        /// True adds offsets by the pose of each joint to the places that `skinning` gives, measured on the hand's own flesh, bent
+        /// around bones that hold it at the bone alone. Needs `coupling = "uniform"`; takes a second or more when the scene is
+        /// opened first. Default false.
         pose_offsets: bool = false;
         /// "tetrahedra": each by itself, as in the paper; "patches": those around one long edge share one
         /// evaluation of their law, so that flesh bends and bulges as refined meshes do. Default: patches where flesh

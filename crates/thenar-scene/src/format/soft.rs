@@ -204,8 +204,8 @@ table! {
         stiffness: Option<f64> where SPRING;
         /// Spring of each node [N/m].
         node_stiffness: Option<f64> where SPRING;
-        /// What the pose of the joint between two bones adds to these nodes' places. Between poses it is interpolated, at rest
-        /// it is nothing.
+        /// Offsets of these nodes' places by the pose of the joint between two bones: interpolated between poses, zero at rest.
+        /// Far from all poses they fade.
         pose_offset: Vec<At<PoseOffsetTable>>;
     }
 }

@@ -33,6 +33,8 @@ use thenar_track::reach::{Angles, Chain, FREEDOMS_MAX, Goal, solve};
 
 /// How far before the surface pads gather \[m\]: they clear what they go around, and are there a fifth of a second later.
 const BEFORE: f64 = 12e-3;
+/// Skin of a hook this near to the handle is on it \[m\]: contacts begin there.
+const TOUCHES: f64 = 1e-3;
 /// How fast they go in \[m/s\]. A fingertip of 20 g on its drive of 500 N/m meets what is hard with `v √(k m)` = 0.1 N.
 const CLOSING: f64 = 0.04;
 /// How far behind the surface they look for it \[m\].
@@ -466,7 +468,7 @@ impl GripHand {
             let (Some(chain), Some(_)) = (opposition.chain(pad), kept.anchor) else { continue };
             around_it &= !around.bend(pad, &mut kept.goal, h);
             around_it &= advance(kept, chain, h) < GATHERED;
-            kept.touched = around.way(pad, &kept.angles) < BEFORE;
+            kept.touched = around.way(pad, &kept.angles) < TOUCHES;
         }
         if around_it || memory.since > PATIENCE[0] + PATIENCE[1] {
             self.take_hold(opposition, around.world, hand, &around.palm);
@@ -701,4 +703,4 @@ fn stiffness(opposition: &Opposition, world: &World, hand: &BuiltHand) -> f64 {
 }
 
 /// A finger's lever \[m\].
-const LEVER: f64 = 0.05;
+pub(super) const LEVER: f64 = 0.05;

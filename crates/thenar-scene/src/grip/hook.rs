@@ -11,6 +11,7 @@
 //! that comes on top is no reason to let go: tightening never goes back.
 
 use super::choose::Choice;
+use super::hand::LEVER;
 use super::memory::PadMemory;
 use super::opposition::{Opposition, PADS_MAX};
 use super::size::pads_middle;
@@ -32,15 +33,20 @@ const APPROACH: f64 = 0.2;
 const CLOSING: f64 = 0.04;
 /// Fastest that joints bend \[rad/s\]: as fast as they follow.
 const FASTEST: f64 = 4.0;
-/// A finger's lever \[m\].
-const LEVER: f64 = 0.05;
+/// Shortest lever by which a joint moves skin \[m\]: nearer to its axis any turn counts as this.
+const ARM_MIN: f64 = 1e-4;
 
 /// From the axes of the bones that bend to the skin of the palm's side \[m\].
 pub type Skin = [f64; BENT];
 
-/// A finger's skin; `None` of one that has no three bones to bend.
+/// A finger's skin; `None` of one that has no three bones to bend, the last angle of each joint bending one.
 pub fn skin(hand: &HandModel, chain: &Chain) -> Option<Skin> {
-    if chain.bones.len() <= BENT || chain.freedoms.len() < BENT {
+    let first = chain.freedoms.len().checked_sub(BENT)?;
+    let bends = |(bone, k): (&usize, usize)| {
+        let joint = &hand.joints[chain.freedoms[first + k].joint];
+        joint.child as usize == *bone
+    };
+    if chain.bones.len() <= BENT || !bent(chain).iter().zip(0..).all(bends) {
         return None;
     }
     let mut skin = [0.0; BENT];
@@ -54,11 +60,11 @@ pub fn skin(hand: &HandModel, chain: &Chain) -> Option<Skin> {
 pub struct Around<'a> {
     /// Fingers and their skin.
     pub opposition: &'a Opposition,
-    /// Their hand.
+    /// The hand that has them.
     pub model: &'a HandModel,
     /// Where the object is.
     pub world: &'a World,
-    /// What they bend around.
+    /// The object that they bend around.
     pub object: BodyId,
     /// Pose of the palm, world.
     pub palm: Pose,
@@ -70,7 +76,7 @@ impl Around<'_> {
         let Some(chain) = self.opposition.chain(pad) else { return false };
         let ways = self.ways(pad, chain, goal);
         let first = chain.freedoms.len() - BENT;
-        // A joint that bent beside those before it would close the finger before what it is to go around.
+        // Joints bend one after another: bent together they would close the finger in front of the handle.
         (0..BENT).any(|joint| {
             let [_, high] = chain.freedoms[first + joint].range;
             let by = self.room(&ways, joint, h).min(high - goal[first + joint]).max(0.0);
@@ -101,7 +107,7 @@ impl Around<'_> {
     fn room(&self, ways: &[Ways; BENT], joint: usize, h: f64) -> f64 {
         let moved = ways[joint..].iter().flat_map(|bone| bone.places);
         let rooms = moved.map(|(place, way)| {
-            let arm = (place - ways[joint].from).norm().max(ON_SKIN);
+            let arm = (place - ways[joint].from).norm().max(ARM_MIN);
             let most = ((CLOSING + way / APPROACH) * h).min(way);
             if way < ON_SKIN { 0.0 } else { most / arm }
         });

@@ -99,7 +99,7 @@ impl Opposition {
             _ => Vec::new(),
         };
         if kind == GripKind::Hook && skins.len() < fingers.len() {
-            return Err("a hook needs fingers of three bones".into());
+            return Err("a hook needs fingers whose three joints bend".into());
         }
         let mut opposition = Self { kind, base, fingers, skins, spacing, spans: Vec::new() };
         opposition.span(&(last - first));

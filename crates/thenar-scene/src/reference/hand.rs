@@ -89,9 +89,10 @@ fn grips(out: &mut String) {
     for kind in GripKind::ALL {
         let fingers: Vec<_> = kind.fingers().iter().map(|digit| digit.name()).collect();
         let thumb = if kind.has_thumb() { "presses" } else { "out of the way" };
-        let place = match kind.place() {
-            PadPlace::Tip => "palm's side of the last bone",
-            PadPlace::Side => "thumb's side of the last bone but one",
+        let place = match (kind, kind.place()) {
+            (GripKind::Hook, _) => "palm's side of all bones, bent around the object",
+            (_, PadPlace::Tip) => "palm's side of the last bone",
+            (_, PadPlace::Side) => "thumb's side of the last bone but one",
         };
         let _ = writeln!(out, "| `{}` | {} | {thumb} | {place} |", kind.name(), fingers.join(", "));
     }

@@ -18,10 +18,10 @@ struct Named<'a> {
 }
 
 impl Named<'_> {
-    /// A question about the unit where no body that hands hold is so long; `mass` is the body's \[kg\], 0 of what has
-    /// none.
-    fn question(&self, mass: f64) -> Option<String> {
-        let question = unit_question(self.size.max(), self.scale, "scale = ")?;
+    /// Asks about the unit of a mesh that is too long or too short. `mass` \[kg\] is that of the body that it is; 0 leaves it
+    /// out. What stands `still` may be a room.
+    fn question(&self, mass: f64, still: bool) -> Option<String> {
+        let question = unit_question(self.size.max(), still, self.scale, "scale = ")?;
         let weight = match mass > 0.0 {
             true => format!(" and weighs {}", mass_in_words(mass)),
             false => String::new(),
@@ -40,12 +40,14 @@ impl Session {
     fn rigid_questions(&self) -> impl Iterator<Item = String> {
         let rigids = self.scene.rigid.iter().zip(&self.world.desc().rigids);
         rigids.flat_map(|(table, rigid)| {
-            let mass = if rigid.motion == Motion::Dynamic { rigid.mass } else { 0.0 };
+            let still = rigid.motion != Motion::Dynamic;
+            let whole = matches!(rigid.shape, Some(Shape::Mesh(_)));
+            let mass = if whole && !still { rigid.mass } else { 0.0 };
             let mut meshes = Vec::new();
             if let (Some(table), Some(shape)) = (&table.shape, &rigid.shape) {
                 add_meshes(&table.value, shape, &mut meshes);
             }
-            meshes.into_iter().filter_map(move |mesh| mesh.question(mass))
+            meshes.into_iter().filter_map(move |mesh| mesh.question(mass, still))
         })
     }
 
@@ -65,7 +67,7 @@ impl Session {
             let [low, high] =
                 places.iter().fold([first; 2], |[low, high], p| [low.inf(p), high.sup(p)]);
             let mass = self.world.node_masses(built.soft).iter().sum();
-            Named { file, scale, size: high - low }.question(mass)
+            Named { file, scale, size: high - low }.question(mass, false)
         })
     }
 }

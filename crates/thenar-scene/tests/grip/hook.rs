@@ -23,7 +23,7 @@ struct Bag {
     more: &'static str,
 }
 
-/// A round bar of this radius [m] and 140 mm.
+/// Round bars of 6, 10 and 20 mm radius, 140 mm long.
 const BAR: [&str; 3] = [
     "{ kind = \"capsule\", radius = 0.006, length = 0.14 }",
     "{ kind = \"capsule\", radius = 0.01, length = 0.14 }",
@@ -165,4 +165,13 @@ fn a_bar_is_carried_at_every_step() {
 fn a_hook_presses_with_the_force_asked_for() {
     let held = hold(&mut Bag { more: "force = 5", ..Bag::of(BAR[1], 0.01, 0.1) }.session());
     assert!(held.force > 4.5 && held.most < 6.5 && held.trouble.is_none(), "{held:?}");
+}
+
+/// A bar 25 mm farther from the fingers than they bend around is missed, and the hand says so.
+#[test]
+fn a_hook_that_closes_beside_a_bar_says_so() {
+    let far = Bag { deep: 0.035, more: "force = 2", ..Bag::of(BAR[1], 0.01, 0.3) };
+    let held = hold(&mut far.session());
+    let trouble = held.trouble.as_ref().unwrap_or_else(|| panic!("{held:?}"));
+    assert!(held.lift < 1e-3 && !trouble.is_empty(), "{held:?}");
 }

@@ -123,7 +123,7 @@ pub fn open(text: &str) -> Session {
     Session::from_text(text, Path::new("grip.toml"), &[]).unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 
-/// What became of a grip.
+/// The end of a grip.
 #[derive(Debug)]
 pub struct Held {
     /// Force at the end, and the most there was [N].

@@ -17,7 +17,7 @@ pub struct BoundNode {
     pub offsets: [Vec3; 2],
     /// What the node turns about where the rotations of its two bones are blended.
     pub pivot: Option<Pivot>,
-    /// What the pose of its bones' joint adds to its rest position, if anything.
+    /// Where offsets by the pose of its bones' joint are found, if it has some.
     pub posed: Option<NodeOffset>,
 }
 
@@ -42,8 +42,11 @@ pub fn skin_target(bound: &BoundNode, poses_WB: &[Pose], posed: &Posed<'_>) -> S
         let weight = bound.weights[j];
         if weight != 0.0 {
             let pose = &poses_WB[bound.bones[j] as usize];
-            let offset = bound.posed.as_ref().map_or(Vec3::zeros(), |at| posed.offset(at, j));
-            target.turning.levers[j] = pose.vector(&(bound.offsets[j] + offset)) * weight;
+            let offset = match &bound.posed {
+                None => bound.offsets[j],
+                Some(at) => bound.offsets[j] + posed.offset(at, j),
+            };
+            target.turning.levers[j] = pose.vector(&offset) * weight;
             target.position_W += pose.position * weight + target.turning.levers[j];
         }
     }

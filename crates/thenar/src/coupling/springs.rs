@@ -23,7 +23,7 @@ pub struct CouplingModel {
     pub damping: Vec<f64>,
     /// Joint between the two bones of each, and whether its child is the first of them.
     pub joints: Vec<Option<(u32, bool)>>,
-    /// What poses of joints add to targets.
+    /// Offsets of targets by the pose of joints.
     pub offsets: OffsetModel,
     /// Where the blocks of each lie in the system matrix.
     pub entries: Vec<CouplingEntries>,
@@ -102,7 +102,7 @@ impl CouplingModel {
         self.bound.iter().chain(&self.unbound)
     }
 
-    /// What offsets add where the bones are: for reading; a step has room of its own for it.
+    /// Shares of all offsets where the bones are: for reading; a step has room of its own for them.
     pub fn shares(&self, poses_WB: &[Pose]) -> Vec<Share> {
         let mut shares = Vec::new();
         self.offsets.pose(poses_WB, &mut shares);

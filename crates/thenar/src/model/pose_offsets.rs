@@ -2,7 +2,7 @@
 
 use crate::math::{Quat, Vec3};
 
-/// What one joint's pose adds to the targets of nodes that its two bodies carry: pose-space deformation (Lewis et al.
+/// Offsets of targets by one joint's pose, of nodes that its two bodies carry: pose-space deformation (Lewis et al.
 /// 2000), interpolated smoothly between poses and zero at rest. The joint may be of any kind.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PoseOffsets {

@@ -75,7 +75,7 @@ pub struct ContactReadout {
     part_of_bone: Vec<Option<u32>>,
     /// Last bone of each part.
     tips: Vec<Option<u32>>,
-    /// What poses of joints add to targets.
+    /// Shares of offsets by pose.
     shares: Vec<Share>,
 }
 

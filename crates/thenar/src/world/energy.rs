@@ -100,7 +100,7 @@ impl World {
 
     /// Gives `load` the force \[N\] and the torque about the bone's centre of mass \[N m\] of each
     /// coupling spring on each bone that carries its node, as [`World::coupling_wrench`] sums them.
-    /// `shares` is room for what poses of joints add to targets.
+    /// `shares` is room for those of offsets by pose.
     pub(crate) fn for_each_bone_load(
         &self,
         shares: &mut Vec<Share>,
@@ -128,7 +128,7 @@ impl World {
         })
     }
 
-    /// What offsets add to targets at this state.
+    /// Shares of offsets by pose at this state.
     fn shares(&self) -> Vec<Share> {
         self.model.coupling.shares(&self.state.poses_WB)
     }

@@ -67,7 +67,7 @@ pub enum ModelError {
     },
     /// The pose of a joint is to shift a node that the joint's two bodies do not both carry.
     #[error(
-        "{thing}: node {node} is not carried by both bodies of joint {joint}: its pose shifts only what lies between them"
+        "{thing}: node {node} is not held by springs to both bodies of joint {joint}, whose pose shifts only what lies between them"
     )]
     NotPosed {
         /// Name of the body.

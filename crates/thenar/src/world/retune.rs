@@ -9,7 +9,7 @@ use std::sync::Arc;
 impl World {
     /// Goes on with the parameters of another description of the same bodies: gravity, time step,
     /// solver, masses and inertias, materials, damping, friction, pair rules, drives, joint
-    /// springs and limits, and coupling springs may differ. The state stays, with all that contact
+    /// springs and limits, coupling springs, and offsets by pose, as many as there are, may differ. The state stays, with all that contact
     /// remembers. Gravity acts through the next [`Input`](crate::world::Input).
     /// Allocates.
     ///
@@ -30,7 +30,6 @@ impl World {
             self.state.patch_loads.reserve(patches_max(&self.model));
             self.scratch.before.patch_loads.reserve(patches_max(&self.model));
         }
-        self.scratch.shares.reserve(self.model.coupling.offsets.sample_count());
         self.detector.retune(&desc);
         self.state.scale_impulses(desc.time_step / self.time_step);
         self.time_step = desc.time_step;
@@ -66,6 +65,13 @@ fn same_bodies(old: &WorldDesc, new: &WorldDesc) -> Result<(), ModelError> {
     old.rigids.iter().zip(&new.rigids).try_for_each(|(old, new)| same_rigid(old, new))?;
     old.joints.iter().zip(&new.joints).try_for_each(|(old, new)| same_joint(old, new))?;
     old.softs.iter().zip(&new.softs).try_for_each(|(old, new)| same_soft(old, new))?;
+    let room = |desc: &WorldDesc| -> Vec<_> {
+        let offsets = desc.pose_offsets.iter();
+        offsets
+            .map(|given| (given.soft, given.joint, given.nodes.len(), given.poses.len()))
+            .collect()
+    };
+    world(room(old) == room(new), "how many nodes and poses have offsets")?;
     world(old.patches == new.patches, "which tetrahedra are patches")
 }
 

@@ -226,7 +226,7 @@ pub struct Scratch {
     pub lambda: Vec<Vec6>,
     /// Nodal mass that step 1 sees.
     pub step1_mass: Vec<f64>,
-    /// What poses of joints add to targets.
+    /// Shares of offsets by pose.
     pub shares: Vec<Share>,
     /// Conjugate gradients.
     pub cg: CgWorkspace,

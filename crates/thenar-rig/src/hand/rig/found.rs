@@ -86,7 +86,7 @@ fn said_of(
 ) -> Vec<Said> {
     let of_webxr = |webxr: &String| words::said(webxr, &Thumbs::default());
     let mapped: Vec<Said> = map.keys().map(of_webxr).collect();
-    let layer = words::layer(names, thumbs);
+    let layer = words::layer(names, thumbs, side);
     let of_name = |name: &str| {
         let other = side.is_some_and(|side| words::side(name).is_some_and(|own| own != side));
         let handle = layer.is_some_and(|layer| !words::is_of_layer(name, layer));

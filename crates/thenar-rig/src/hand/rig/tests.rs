@@ -160,9 +160,9 @@ fn rigify_s_metarig_and_its_layers_are_recognised() {
     }
 }
 
-/// A generated rig with everything in it: what deforms is the hand.
+/// A generated rig with everything in it: copies of the drawn bones are the hand, else what deforms.
 #[test]
-fn of_a_generated_rigify_figure_the_bones_that_deform_are_the_hand() {
+fn of_a_generated_rigify_figure_one_layer_is_the_hand() {
     let mut handles: Vec<String> = Vec::new();
     for s in ["L", "R"] {
         for word in
@@ -176,7 +176,7 @@ fn of_a_generated_rigify_figure_the_bones_that_deform_are_the_hand() {
             handles.extend((1..4).map(|k| format!("MCH-{digit}.0{k}_drv.{s}")));
         }
     }
-    for (lower, upper) in [("ORG-", "DEF-"), ("", "ORG-"), ("", "DEF-")] {
+    for (lower, upper) in [("DEF-", "ORG-"), ("", "ORG-"), ("", "DEF-")] {
         let more = [Side::Left, Side::Right].map(|side| rigify(lower, side).names()).concat();
         let others: Vec<&str> =
             handles.iter().chain(more.iter().map(|(name, _)| name)).map(String::as_str).collect();
@@ -189,6 +189,61 @@ fn of_a_generated_rigify_figure_the_bones_that_deform_are_the_hand() {
             tool.check(upper, &found, &joints);
         }
     }
+}
+
+/// Older figures cut the first bones of fingers in two; the first part begins at the joint.
+#[test]
+fn bones_that_rigify_cut_in_two_begin_at_the_first_part() {
+    let cut = |side: Side| {
+        let tool = rigify("DEF-", side);
+        let moving = tool.moving;
+        let name = move |d: usize, k: usize| {
+            format!("{}{}", moving(d, k), if k == 0 { ".01" } else { "" })
+        };
+        Tool { moving: Box::new(name), ..tool }
+    };
+    let seconds: Vec<String> = [Side::Left, Side::Right]
+        .iter()
+        .flat_map(|side| (0..5).map(|d| format!("{}.02", (rigify("DEF-", *side).moving)(d, 0))))
+        .collect();
+    let others: Vec<&str> = seconds.iter().map(String::as_str).collect();
+    for side in [Side::Left, Side::Right] {
+        let names = cut(side).names().into_iter();
+        let names = names.chain(others.iter().map(|n| (n.to_string(), 60))).collect();
+        let joints = joints(names);
+        let found = find(&joints, &NameMap::new(), Some(side)).unwrap_or_else(|e| panic!("{e}"));
+        cut(side).check("cut", &found, &joints);
+    }
+}
+
+/// A prefix of fingers that the wrist does not have makes no handle of the wrist.
+#[test]
+fn a_wrist_beside_prefixed_fingers_is_the_wrist() {
+    for prefix in ["DEF-", "ORG-"] {
+        let tool = |side| Tool { wrist: rigify("", side).wrist, ..rigify(prefix, side) };
+        check(prefix, tool, &["spine", "forearm.R"]);
+    }
+}
+
+/// Metacarpals counted to five beside named digits: the first is the thumb's, whatever its own joints are called.
+#[test]
+fn numbered_metacarpals_go_with_named_digits() {
+    let bones = ["proximal", "intermediate", "distal"];
+    let others = ["metacarpal_1_l", "metacarpal_1_r", "forearm_r"];
+    let named = |side| {
+        let s = letter(side).to_lowercase();
+        let t = s.clone();
+        Tool {
+            wrist: format!("hand_{s}"),
+            moving: Box::new(move |d, k| match d {
+                0 => format!("thumb_0{}_{s}", k + 1),
+                _ => format!("{}_{}_{s}", DIGITS[d], bones[k]),
+            }),
+            metacarpal: Some(Box::new(move |d| format!("metacarpal_{}_{t}", d + 1))),
+            tip: None,
+        }
+    };
+    check("numbered thumb", named, &others);
 }
 
 /// With and without the end nodes that some exports have.

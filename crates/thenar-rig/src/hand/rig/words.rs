@@ -78,17 +78,28 @@ pub(super) fn uncounted<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str
 /// Joints of a hand: a wrist and three of each digit.
 const JOINTS_MIN: usize = 16;
 
-/// First words of names that a control rig has several times, the better first: Rigify's bones that deform, then those
-/// that they follow. All others of such a rig are handles.
-const LAYERS: [&str; 2] = ["def", "org"];
+/// First words of names that a control rig has several times, the better first: Rigify's copies of the bones that were drawn,
+/// one of each, then those that deform, of which older figures have two for one. Others of such a rig may be handles.
+const LAYERS: [&str; 2] = ["org", "def"];
 
-/// The first word of names that stand for a whole hand of a control rig, if this is one.
-pub(super) fn layer(names: &[&str], thumbs: &Thumbs) -> Option<&'static str> {
-    let of_hand = |layer: &str| {
-        let own = names.iter().filter(|name| is_of_layer(name, layer));
-        own.filter(|name| said(name, thumbs) != Said::Nothing).count()
+/// The first word of names that make a whole hand of a control rig, of this side if one is given: a wrist, and three
+/// joints of each digit.
+pub(super) fn layer(names: &[&str], thumbs: &Thumbs, wanted: Option<Side>) -> Option<&'static str> {
+    let is_other = |name: &str| wanted.is_some_and(|w| side(name).is_some_and(|own| own != w));
+    let is_whole = |layer: &&str| {
+        let own = names.iter().filter(|name| is_of_layer(name, layer) && !is_other(name));
+        let own: Vec<Said> = own.map(|name| said(name, thumbs)).collect();
+        let bones = |digit: Digit| {
+            let is = |said: &&Said| match said {
+                Said::Of(of, place) => *of == digit && !matches!(place, Place::Tip | Place::End(_)),
+                _ => false,
+            };
+            own.iter().filter(is).count()
+        };
+        own.iter().any(|said| matches!(said, Said::Wrist(_)))
+            && Digit::FINGERS.iter().all(|digit| bones(*digit) >= 3)
     };
-    LAYERS.into_iter().find(|layer| of_hand(layer) >= JOINTS_MIN)
+    LAYERS.into_iter().find(is_whole)
 }
 
 /// True if a name begins with this word.
@@ -146,10 +157,15 @@ impl Thumbs {
 pub(super) fn said(name: &str, thumbs: &Thumbs) -> Said {
     let words = words(name);
     let has = |word: &str| words.iter().any(|w| w == word);
+    if is_second_part(&words) {
+        return Said::Nothing;
+    }
     let number = words.iter().rev().find_map(|w| w.parse::<u32>().ok());
-    let (digit, number) = match (one_of(&DIGITS, &words), number) {
-        (Some(digit), number) => (Some(digit), number),
-        (None, _) => numbered(&words, thumbs).map_or((None, number), |(d, n)| (Some(d), Some(n))),
+    let number = number_before_side(&words).or(number);
+    let (digit, number, by_number) = match (one_of(&DIGITS, &words), numbered(&words, thumbs)) {
+        (Some(digit), _) => (Some(digit), number, false),
+        (None, Some((digit, number))) => (Some(digit), Some(number), true),
+        (None, None) => (None, number, false),
     };
     let Some(digit) = digit else {
         let elsewhere = ["forearm", "end", "ik", "elbow", "arm", "shoulder", "pole", "prop"];
@@ -165,7 +181,9 @@ pub(super) fn said(name: &str, thumbs: &Thumbs) -> Said {
             _ => Said::Nothing,
         };
     };
-    let bone = one_of(&BONES, &words).or_else(|| {
+    // The first of five numbered metacarpals is the thumb's, before joints that may have numbers themselves.
+    let counted = by_number && digit == Digit::Thumb;
+    let bone = one_of(&BONES, &words).filter(|_| !counted).or_else(|| {
         let last_of_thumb = digit == Digit::Thumb && has("ip");
         // `middle` is a digit before it is a phalanx.
         let middles = words.iter().filter(|w| MIDDLE.contains(&w.as_str())).count();
@@ -180,6 +198,26 @@ pub(super) fn said(name: &str, thumbs: &Thumbs) -> Said {
         bone.map_or(Place::Number(number.unwrap_or(0)), Place::Bone)
     };
     Said::Of(digit, place)
+}
+
+/// Place of a word for the side among these, if a digit and its number stand before it, as in `f_index.02.L`.
+fn side_after_number(words: &[String]) -> Option<usize> {
+    let at = words.iter().rposition(|w| ["l", "r", "left", "right"].contains(&w.as_str()))?;
+    let (number, before) = words[..at].split_last()?;
+    let says =
+        one_of(&DIGITS, before).is_some() || before.iter().any(|w| NUMBERED.contains(&&w[..]));
+    (says && number.parse::<u32>().is_ok()).then_some(at)
+}
+
+/// The number right before the side.
+fn number_before_side(words: &[String]) -> Option<u32> {
+    words[side_after_number(words)? - 1].parse().ok()
+}
+
+/// True of the second part, and others after it, of a bone that older figures of Rigify cut: `DEF-f_index.01.L.02`.
+fn is_second_part(words: &[String]) -> bool {
+    let part = side_after_number(words).and_then(|at| words.get(at + 1)?.parse::<u32>().ok());
+    part.is_some_and(|part| part >= 2)
 }
 
 /// The digit that has a number in the place of a name, and the number of its joint.

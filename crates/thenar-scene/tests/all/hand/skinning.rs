@@ -249,4 +249,5 @@ fn offsets_by_pose_that_cannot_be_are_refused() {
     );
     let hand = "version = 1\ntime_step = 0.01\nduration = 1\n[[hand]]\nname = \"hand\"\npose_offsets = true\n";
     refused(hand, &["pose_offsets", "uniform"]);
+    refused(&format!("{hand}flesh = false\n"), &["pose_offsets", "flesh = false"]);
 }

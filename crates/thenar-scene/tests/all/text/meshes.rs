@@ -1,4 +1,4 @@
-//! Goal: an author who puts a mesh file into a scene is asked about its unit, and told how to close it. Method: one tetrahedron
+//! Goal: an author who puts a mesh file into a scene reads a question about its unit, and how to close it. Method: one tetrahedron
 //! of 130 mm, in files in millimetres and in metres, whole and open, as bodies of all kinds.
 
 use std::fs::write;
@@ -39,7 +39,7 @@ fn open(folder: &TemporaryFolder, body: &str) -> Result<Session, String> {
 /// The questions about units that a scene with this body gets.
 fn asked(folder: &TemporaryFolder, body: &str) -> Vec<String> {
     let session = open(folder, body).unwrap_or_else(|e| panic!("{e}"));
-    session.warnings().into_iter().filter(|warning| warning.contains("are these")).collect()
+    session.warnings().into_iter().filter(|warning| warning.contains(" measures ")).collect()
 }
 
 #[test]
@@ -48,7 +48,7 @@ fn a_mesh_in_millimetres_is_asked_about_with_the_key_to_write() {
     let bodies = [
         (RIGID, "`rigid[0].shape.file`: it.obj", "0.300 kg"),
         (SOFT, "`soft[0].shape.file`: it.obj", "e8 kg"),
-        (COMPOUND, "`rigid[0].shape.parts[1].shape.file`: it.obj", "1.000 kg"),
+        (COMPOUND, "`rigid[0].shape.parts[1].shape.file`: it.obj", "130.000 m: are"),
         (TETS, "`soft[0].shape.file`: it.toml", "e8 kg"),
     ];
     for (body, place, mass) in bodies {
@@ -58,11 +58,22 @@ fn a_mesh_in_millimetres_is_asked_about_with_the_key_to_write() {
         assert!(told.contains("130.000 m x 130.000 m x 130.000 m"), "{told}");
         assert!(told.contains("are these millimetres?"), "{told}");
         assert!(told.contains("give scale = 0.001, and it is 130.00 mm long"), "{told}");
-        // What it says mends it.
+        // The advice works.
         let mended = body.replace(".obj\"", ".obj\", scale = 0.001");
         let mended = mended.replace(".toml\"", ".toml\", scale = 0.001");
         assert_eq!(asked(&folder, &mended), [""; 0], "{body}");
     }
+}
+
+/// A floor of 130 mm cells may be a hall's; what moves may not.
+#[test]
+fn what_stands_still_may_be_a_room() {
+    let folder = folder(&FACES);
+    let hall = RIGID.replace(".obj\"", ".obj\", scale = 0.5");
+    assert_eq!(asked(&folder, &hall).len(), 1);
+    let hall = hall.replace("mass = 0.3", "motion = \"fixed\"");
+    assert_eq!(asked(&folder, &hall), [""; 0]);
+    assert_eq!(asked(&folder, &hall.replace("0.5", "1")).len(), 1);
 }
 
 /// Bodies stand in the order of the file, behind those of hands and figures.
@@ -82,14 +93,24 @@ fn a_soft_body_of_an_open_mesh_is_refused_with_what_closes_it() {
     let folder = folder(&FACES[..3]);
     let error = open(&folder, SOFT).unwrap_err();
     assert!(error.contains("it.obj") && error.contains("around one hole"), "{error}");
-    assert!(error.contains("`thenar build FILE --soft -o MODEL.thenar` closes it"), "{error}");
+    assert!(
+        error.contains("`thenar build it.obj --soft --tets 20 -o it.thenar` closes"),
+        "{error}"
+    );
+    let small = SOFT.replace(".obj\"", ".obj\", scale = 0.001");
+    let error = open(&folder, &small).unwrap_err();
+    assert!(error.contains("--soft --scale 0.001 --tets 20 -o it.thenar"), "{error}");
+    assert!(error.contains("file = \"it.thenar\", without `scale`"), "{error}");
+    let scaled = small.replace("it.obj", "it.thenar");
+    let error = open(&folder, &scaled).unwrap_err();
+    assert!(error.contains("its own size"), "{error}");
     // A rigid body's inside is found however open its mesh is.
     open(&folder, RIGID).unwrap();
 }
 
 /// A hand in a scene has a length and no scale.
 #[test]
-fn a_rig_in_millimetres_is_told_the_key_of_scenes() {
+fn the_error_of_a_rig_in_millimetres_names_the_key_of_scenes() {
     let folder = folder(&FACES);
     write(folder.path().join("rig.glb"), hand_in_millimetres()).unwrap();
     let hand = "[[hand]]\nname = \"h\"\nmodel = \"rig.glb\"\npreset = \"paper\"\ntets = 100\n";

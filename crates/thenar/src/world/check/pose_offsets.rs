@@ -1,8 +1,11 @@
 //! Checks of offsets by pose.
 
-use super::{count, index, number};
+use super::{EXTENT_MAX, count, index, number};
 use crate::model::{PoseOffsets, WorldDesc};
 use crate::world::ModelError;
+
+/// Most poses of a joint, a grid of ten by ten: each takes 72 bytes of every node.
+const POSES_MAX: f64 = 100.0;
 
 /// Returns the first fault found.
 pub fn check(given: &PoseOffsets, desc: &WorldDesc) -> Result<(), ModelError> {
@@ -11,7 +14,9 @@ pub fn check(given: &PoseOffsets, desc: &WorldDesc) -> Result<(), ModelError> {
     let name = &soft.name;
     index(name, "joint of pose offsets", u64::from(given.joint), desc.joints.len())?;
     let poses = given.poses.len();
-    number(name, "number of poses", "at least 1", poses as f64, |n| n >= 1.0)?;
+    number(name, "number of poses", "from 1 to 100", poses as f64, |n| {
+        (1.0..=POSES_MAX).contains(&n)
+    })?;
     count(name, "pose offsets", given.nodes.len() * poses, given.offsets.len())?;
     for node in &given.nodes {
         index(name, "node of pose offsets", u64::from(*node), soft.flesh.nodes.len())?;
@@ -27,7 +32,7 @@ pub fn check(given: &PoseOffsets, desc: &WorldDesc) -> Result<(), ModelError> {
         })?;
     }
     for x in given.offsets.iter().flat_map(|offset| offset.iter()) {
-        number(name, "pose offset [m]", "finite", *x, f64::is_finite)?;
+        number(name, "pose offset", "within 1e4 m", *x, |x| x.abs() <= EXTENT_MAX)?;
     }
     Ok(())
 }

@@ -3,6 +3,7 @@
 mod bad_input;
 mod failing_island;
 mod parts;
+mod pose_offsets;
 mod restore;
 mod retune;
 mod thrash;
