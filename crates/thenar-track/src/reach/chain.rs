@@ -190,7 +190,7 @@ impl Chain {
         }
     }
 
-    /// Which of its bones has the pad.
+    /// Link of the bone that has the pad.
     fn pad_link(&self) -> usize {
         let last = self.bones.len() - 1;
         self.bones.iter().position(|bone| *bone == self.pad.bone).unwrap_or(last)
