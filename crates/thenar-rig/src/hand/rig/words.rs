@@ -277,6 +277,10 @@ mod tests {
             ("index_metacarpal_r", Said::Of(Index, Place::Bone(0))),
             ("middle_01_l", Said::Of(Middle, Place::Number(1))),
             ("DEF-f_index.02.R", Said::Of(Index, Place::Number(2))),
+            ("DEF-f_index.01.L.01", Said::Of(Index, Place::Number(1))),
+            ("DEF-f_index.01.L.02", Said::Nothing),
+            ("Bip01 R Thumb2", Said::Of(Thumb, Place::Number(2))),
+            ("thumb_l_02", Said::Of(Thumb, Place::Number(2))),
             ("palm.01.R", Said::Of(Index, Place::Number(0))),
             ("palm.04.L", Said::Of(Little, Place::Number(0))),
             ("J_Bip_L_Ring2", Said::Of(Ring, Place::Number(2))),
@@ -326,10 +330,10 @@ mod tests {
             read(&["Bip01 R Finger0.001", "Bip01 R Finger42.001"]),
             [Said::Of(Thumb, Place::Number(0)), Said::Of(Little, Place::Number(2))]
         );
-        // The five of anatomy.
+        // The five of anatomy; the thumb's moves.
         assert_eq!(
             read(&["metacarpal_1", "metacarpal_5"]),
-            [Said::Of(Thumb, Place::Bone(0)), Said::Of(Little, Place::Bone(0))]
+            [Said::Of(Thumb, Place::Number(0)), Said::Of(Little, Place::Bone(0))]
         );
         assert_eq!(read(&["metacarpal0", "palm0"]), [Said::Nothing; 2]);
         assert_eq!(read(&["index_metacarpal_5"]), [Said::Of(Index, Place::Bone(0))]);
