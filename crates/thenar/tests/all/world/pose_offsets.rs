@@ -113,6 +113,9 @@ fn a_running_world_takes_other_offsets_but_no_more() {
     assert!(matches!(world.retune(more), Err(ModelError::Changed { .. })));
 }
 
+/// A change that makes offsets senseless, and words of the error.
+type Case<'a> = (&'a dyn Fn(&mut PoseOffsets), &'a str);
+
 #[test]
 fn offsets_that_make_no_sense_are_refused() {
     let refused = |change: &dyn Fn(&mut PoseOffsets)| {
@@ -120,7 +123,7 @@ fn offsets_that_make_no_sense_are_refused() {
         change(&mut desc.pose_offsets[0]);
         World::new(desc).unwrap_err().to_string()
     };
-    let cases: [(&dyn Fn(&mut PoseOffsets), &str); 9] = [
+    let cases: [Case<'_>; 9] = [
         (&|o| o.soft = 7, "deformable body 7"),
         (&|o| o.joint = 9, "joint of pose offsets 9"),
         (&|o| o.joint = 0, "both bodies of joint knuckle"),
