@@ -128,7 +128,7 @@ pub fn soft_mesh(shape: &MeshSoftShape, files: &Files) -> Result<SoftModel, Faul
     Ok(SoftModel { name: String::new(), flesh: embedded.flesh, render: embedded.render })
 }
 
-/// What makes a model of a mesh whose holes can be closed, and how the scene takes it.
+/// The command that makes a model of a mesh whose holes can be closed, and how the scene takes it.
 fn closes(shape: &MeshSoftShape) -> String {
     let file = &shape.file.value;
     let stem = Path::new(file).with_extension("thenar");

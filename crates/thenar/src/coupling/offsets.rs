@@ -37,7 +37,7 @@ struct Driver {
     parent: u32,
     /// Takes the parent's frame to the child's at rest, `R_child⁻¹ R_parent`.
     rest: Quat,
-    /// n.
+    /// Exponent n of the kernel.
     exponent: i32,
     /// How many of the samples are its own; they follow those of the drivers before.
     samples: usize,
@@ -67,9 +67,9 @@ pub struct NodeOffset {
 /// The part that a sample has at a pose, and its slope.
 #[derive(Clone, Copy, Debug)]
 pub struct Share {
-    /// k.
+    /// Value k of the kernel.
     amount: f64,
-    /// γ, world.
+    /// Slope γ of the kernel, world.
     slope_W: Vec3,
 }
 
