@@ -58,6 +58,14 @@ impl Ridge {
         Some(Self { outward, falls: [fall(t[(k + 2) % 3])?, fall(far)?] })
     }
 
+    /// The same edge where only the triangle's own face is one that the other surface can touch: the face across falls straight
+    /// down.
+    pub fn rim(surface: &Surface, triangle: u32, k: usize, x: &[Vec3]) -> Option<Self> {
+        let outward = surface.pseudonormal(triangle, Feature::Face, x);
+        let [fall, _] = Self::of(surface, triangle, k, x)?.falls;
+        Some(Self { falls: [fall, -outward], outward })
+    }
+
     /// How the faces lie to a plane with this outward normal: the sine at which the steeper-falling one falls
     /// away below it, and that at which the steeper-rising one rises above.
     fn fall_and_rise(&self, outward: &Vec3) -> [f64; 2] {

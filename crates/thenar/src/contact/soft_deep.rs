@@ -307,13 +307,16 @@ impl SoftSoft<'_> {
     }
 
     /// Whether places that would leave by a way belong to a seam: some touched before, and vertices are inside, but
-    /// none far.
+    /// none far. Where none is, all touched before: what was put there has ends that saw nothing.
     fn is_seam(&self, places: &[Place], way: &Way, sight: &Sight) -> bool {
         let inside = |p: &Place| p.out.norm() / self.depth(self.facing(p.side)[1]);
         let deepest = places.iter().map(inside).fold(0.0, f64::max);
-        deepest > 0.0
-            && way.relative > SLENDER * deepest
-            && places.iter().any(|p| self.has_touched(p, sight))
+        let mut touched = places.iter().map(|p| self.has_touched(p, sight));
+        if deepest > 0.0 {
+            way.relative > SLENDER * deepest && touched.any(|touched| touched)
+        } else {
+            touched.all(|touched| touched)
+        }
     }
 
     /// Whether a vertex, or an end of an edge, saw the other surface in the step before.

@@ -353,7 +353,8 @@ impl SoftSoft<'_> {
         });
     }
 
-    /// Notes the edges of `s` and `t` that cross; each edge belongs to one triangle.
+    /// Notes the edges of `s` and `t` that cross. Between two bodies each edge belongs to one triangle; of one surface
+    /// two edges are met by those of their faces that may touch: see [`Self::faces`].
     fn cross(&self, pair: [u32; 2], reach: f64, scratch: &mut PairScratch, out: &mut Collector) {
         let mut of_b = None;
         for k in 0..3 {
@@ -370,13 +371,9 @@ impl SoftSoft<'_> {
             for (l, ends_b) in of_b.iter().enumerate() {
                 let Some(ends_b) = ends_b else { continue };
                 let Some(passing) = passing(&ends_a, ends_b, reach) else { continue };
-                if self.is_neighbor(&self.a, pair[0], k, pair[1])
-                    || self.is_neighbor(&self.b, pair[1], l, pair[0])
-                {
-                    continue;
-                }
                 let edges = [(pair[0], k), (pair[1], l)];
-                let Some(found) = self.crossing(&passing, edges) else { continue };
+                let Some(rims) = self.faces(edges) else { continue };
+                let Some(found) = self.crossing(&passing, edges, rims) else { continue };
                 if scratch.crossings.len() < scratch.crossings_max {
                     scratch.crossings.push(Cross { edges, found });
                 } else {
@@ -384,6 +381,28 @@ impl SoftSoft<'_> {
                 }
             }
         }
+    }
+
+    /// For two edges (triangle and number) of A and B, whether the face across each is a neighbour of the other edge, which it
+    /// does not touch; `None` where these two triangles are not to meet, or others of the edges' faces do it for them: of
+    /// all pairs of faces that may touch the one with the lowest indices.
+    fn faces(&self, edges: [(u32, usize); 2]) -> Option<[bool; 2]> {
+        let [(s, k), (t, l)] = edges;
+        if self.apart.is_none() {
+            return Some([false; 2]);
+        }
+        let may_touch_a = |face: u32| !self.is_neighbor(&self.b, t, l, face);
+        let may_touch_b = |face: u32| !self.is_neighbor(&self.a, s, k, face);
+        if !may_touch_a(s) || !may_touch_b(t) {
+            return None;
+        }
+        let across_a = self.a.surface.across(s, k).filter(|&face| may_touch_a(face));
+        let across_b = self.b.surface.across(t, l).filter(|&face| may_touch_b(face));
+        let order = |a: u32, b: u32| (a.min(b), a.max(b));
+        let others = [across_a.map(|a| order(a, t)), across_b.map(|b| order(s, b))];
+        let both = across_a.zip(across_b).map(|(a, b)| order(a, b));
+        let earlier = others.into_iter().chain([both]).flatten().any(|pair| pair < order(s, t));
+        (!earlier).then_some([across_a.is_none(), across_b.is_none()])
     }
 
     /// The ends of an edge that this triangle answers for, unless it is farther than `reach` from
@@ -398,7 +417,7 @@ impl SoftSoft<'_> {
         other: u32,
         reach: f64,
     ) -> Option<[Vec3; 2]> {
-        if !side.surface.owns(t, Feature::Edge(k)) {
+        if self.apart.is_none() && !side.surface.owns(t, Feature::Edge(k)) {
             return None;
         }
         let corners = side.surface.triangles[t as usize];
@@ -414,11 +433,19 @@ impl SoftSoft<'_> {
         [corners[k], corners[(k + 1) % 3]].iter().any(|&v| self.are_neighbors(v, other))
     }
 
-    fn crossing(&self, passing: &Passing, edges: [(u32, usize); 2]) -> Option<Crossing> {
-        let ridge = |side: &SoftSide, (t, k): (u32, usize)| {
-            Ridge::of(side.surface, t, k, side.state.positions)
+    /// The contact of two edges that pass; of a rim only the triangle's own face counts.
+    fn crossing(
+        &self,
+        passing: &Passing,
+        edges: [(u32, usize); 2],
+        rims: [bool; 2],
+    ) -> Option<Crossing> {
+        let ridge = |i: usize| {
+            let (side, (t, k)) = (self.side(i), edges[i]);
+            let ridge = if rims[i] { Ridge::rim } else { Ridge::of };
+            ridge(side.surface, t, k, side.state.positions)
         };
-        let found = crossing(passing, &ridge(&self.a, edges[0])?, &ridge(&self.b, edges[1])?)?;
+        let found = crossing(passing, &ridge(0)?, &ridge(1)?)?;
         let [a, b] = self.points(&Cross { edges, found });
         let slip = a.interpolate(self.a.state.velocities) - b.interpolate(self.b.state.velocities);
         let closing = (-slip.dot(&found.normal)).max(0.0) * self.h;
