@@ -102,12 +102,14 @@ impl Apart {
 
     /// Whether vertex `v` and triangle `t` with these corners are neighbours.
     pub fn are_neighbors(&self, v: u32, t: u32, corners: &[u32; 3]) -> bool {
-        if let Some(&i) = self.regions.of_vertex.get(v as usize)
-            && corners.iter().any(|&w| self.are_joined(i, self.regions.of_vertex[w as usize]))
-        {
-            return true;
-        }
-        self.are_near(v, t)
+        self.are_of_joined_bones(v, corners) || self.are_near(v, t)
+    }
+
+    /// Whether vertex `v` and a corner of a triangle are carried by one bone, or by two joined ones.
+    pub fn are_of_joined_bones(&self, v: u32, corners: &[u32; 3]) -> bool {
+        let of = &self.regions.of_vertex;
+        of.get(v as usize)
+            .is_some_and(|&i| corners.iter().any(|&w| self.are_joined(i, of[w as usize])))
     }
 
     /// Whether vertex `v` and triangle `t` are neighbours without regard to bones.
@@ -126,6 +128,12 @@ impl Apart {
     pub fn touch_never(&self, s: u32, t: u32) -> bool {
         let bit = s.min(t) as usize * self.triangle_count + s.max(t) as usize;
         self.never.get(bit / 64).is_some_and(|bits| bits >> (bit % 64) & 1 == 1)
+    }
+
+    /// Whether the triangles of two groups, named by the bones of their first corners, need no look at each other. A table of
+    /// settled pairs tells better: a triangle's other corners may be of other bones.
+    pub fn are_groups_apart(&self, i: u32, j: u32) -> bool {
+        self.settled.is_empty() && self.are_joined(i, j)
     }
 
     /// Whether all below two tree nodes are neighbours.

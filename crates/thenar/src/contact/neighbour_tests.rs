@@ -221,42 +221,46 @@ fn arms_that_lie_side_by_side_touch() {
     all_touch(&found, slit, |p| p.z > 1.5 && p.z < 2.5 && p.x > 3.5);
 }
 
-/// A wedge of one bone lies across the rim of a slab's flesh that it may touch: beyond it the slab belongs to a bone that
-/// is joined to the wedge's. The wedge's edge is held where it crosses the rim, however the flesh beyond is folded, and
-/// whichever of the triangles come first.
-#[test]
-fn a_rim_holds_an_edge_however_the_flesh_beyond_is_folded() {
-    let (slab, block) = (cube(0.08, 8), cube(0.01, 1));
-    // Of the slab's squares those right of here have corners of the joined bone.
-    let rim = -0.01;
-    let depth = 1e-4;
-    for (fold, slab_first) in
-        [-0.5, -0.2, 0.0, 0.05, 0.2, 0.5, 1.0].into_iter().flat_map(|f| [(f, true), (f, false)])
-    {
-        let [own, joined, other] = [0, 1, 2];
-        let mut points: Vec<(Vec3, u32)> =
-            slab.0.iter().map(|p| (*p, if p.x < -1e-9 { other } else { joined })).collect();
-        let wedge = block.0.iter().map(|p| (*p, own));
-        let mut triangles = Vec::new();
-        let shifted = |by: usize, t: &[u32; 3]| t.map(|v| v + by as u32);
-        if slab_first {
-            triangles.extend(slab.1.iter().copied());
-            triangles.extend(block.1.iter().map(|t| shifted(points.len(), t)));
-            points.extend(wedge);
-        } else {
-            triangles.extend(block.1.iter().copied());
-            triangles.extend(slab.1.iter().map(|t| shifted(block.0.len(), t)));
-            points = wedge.chain(points).collect();
+/// A wedge lies across the rim of a slab's flesh that it may touch: beyond it the slab belongs to a bone that is joined to
+/// the wedge's.
+struct OnRim {
+    /// Slope of the slab beyond the rim.
+    fold: f64,
+    /// Bones of the wedge, of the slab beyond the rim, and before it.
+    bones: [u32; 3],
+    /// The slab's triangles come in reverse order.
+    reversed: bool,
+    /// Corner that each triangle begins with.
+    first_corner: usize,
+}
+
+/// Of the slab's squares those right of here have corners of the joined bone \[m\].
+const RIM: f64 = -0.01;
+/// By so much the wedge's edge lies below the rim \[m\], and so steeply it goes down to the right.
+const BELOW: f64 = 1e-4;
+const DOWN: f64 = 0.1;
+
+impl OnRim {
+    /// What presses.
+    fn pressed(&self) -> Vec<Contact> {
+        let [own, joined, other] = self.bones;
+        let (slab, block) = (cube(0.08, 8), cube(0.01, 1));
+        let of_slab = slab.0.iter().map(|p| (*p, if p.x < -1e-9 { other } else { joined }));
+        let points: Vec<(Vec3, u32)> = of_slab.chain(block.0.iter().map(|p| (*p, own))).collect();
+        let mut triangles = slab.1;
+        if self.reversed {
+            triangles.reverse();
         }
-        let far = |(p, bone): &(Vec3, u32)| if *bone == own { p + Vec3::z() * 0.2 } else { *p };
+        triangles.extend(block.1.iter().map(|t| t.map(|v| v + slab.0.len() as u32)));
+        triangles.iter_mut().for_each(|t| t.rotate_left(self.first_corner));
+        let apart =
+            points.iter().map(|(p, bone)| if *bone == own { p + Vec3::z() * 0.2 } else { *p });
         let mut scene = Scene::new();
-        scene.soft((points.iter().map(far).collect(), triangles));
+        scene.soft((apart.collect(), triangles));
         scene.desc.self_contact.push(0);
+        let bound = |(_, bone): &(Vec3, u32)| Binding { bones: [*bone; 2], weights: [1.0, 0.0] };
         scene.desc.softs[0].coupling = Some(Coupling {
-            bindings: points
-                .iter()
-                .map(|(_, bone)| Binding { bones: [*bone; 2], weights: [1.0, 0.0] })
-                .collect(),
+            bindings: points.iter().map(bound).collect(),
             stiffness: vec![0.0; points.len()],
             damping_time: 0.0,
             skinning: Skinning::Linear,
@@ -266,26 +270,38 @@ fn a_rim_holds_an_edge_however_the_flesh_beyond_is_folded() {
             let far = Pose::translation(10.0 + f64::from(k), 0.0, 0.0);
             scene.rigid(Motion::Prescribed, Shape::Sphere { radius: 0.1 }, far);
         }
-        // The wedge's lower edge goes down to the right, from above the slab to within the flesh that it does not touch.
-        let slope = 0.1_f64;
-        let tilt = Quat::from_axis_angle(&Vec3::z_axis(), -slope.atan());
+        let tilt = Quat::from_axis_angle(&Vec3::z_axis(), -DOWN.atan());
         let on_edge = Quat::from_axis_angle(&Vec3::x_axis(), std::f64::consts::FRAC_PI_4);
         let lowest = -0.005 * 2.0_f64.sqrt();
         for (x, (p, bone)) in scene.surfaces[0].0.iter_mut().zip(&points) {
             *x = if *bone == own {
-                let along = Vec3::new(4.0 * p.x, 0.0, 0.0);
+                let along = Vec3::x() * 4.0 * p.x;
                 let round = on_edge * Vec3::new(0.0, p.y, p.z) - Vec3::y() * lowest;
-                tilt * (along + round) + Vec3::new(rim, 0.04 - depth, 0.003)
+                tilt * (along + round) + Vec3::new(RIM, 0.04 - BELOW, 0.003)
             } else {
-                p + Vec3::y() * fold * (p.x - rim).max(0.0)
+                p + Vec3::y() * self.fold * (p.x - RIM).max(0.0)
             };
         }
-        let found = scene.find(1e-3);
-        let pressed: Vec<_> = found.iter().filter(|c| c.gap < 0.0).collect();
-        let [contact] = pressed[..] else { panic!("fold {fold}, {slab_first}: {pressed:?}") };
-        // Square to both edges, along which the wedge goes down and the rim goes level.
-        let expected = depth / (1.0 + slope * slope).sqrt();
-        assert!((contact.gap + expected).abs() < 1e-9, "fold {fold}: {} m", contact.gap);
-        assert!((contact.position_W.x - rim).abs() < 1e-4, "fold {fold}: {:?}", contact.position_W);
+        scene.find(1e-3).into_iter().filter(|c| c.gap < 0.0).collect()
+    }
+}
+
+/// The wedge's edge is held where it crosses the rim, however the flesh beyond is folded, whichever of the triangles come
+/// first, and of whichever corner they are named by.
+#[test]
+fn a_rim_holds_an_edge_however_the_flesh_beyond_is_folded() {
+    for fold in [-0.5, -0.2, 0.0, 0.05, 0.2, 0.5, 1.0] {
+        for bones in [[0, 1, 2], [2, 1, 0], [1, 0, 2], [1, 2, 0]] {
+            for (reversed, first_corner) in [(false, 0), (true, 0), (false, 1), (true, 2)] {
+                let case = format!("fold {fold}, {bones:?}, {reversed}, {first_corner}");
+                let pressed = OnRim { fold, bones, reversed, first_corner }.pressed();
+                let [contact] = &pressed[..] else { panic!("{case}: {pressed:?}") };
+                // Square to both edges, along which the wedge goes down and the rim is level.
+                let expected = BELOW / (1.0 + DOWN * DOWN).sqrt();
+                assert!((contact.gap + expected).abs() < 1e-9, "{case}: {} m", contact.gap);
+                let place = contact.position_W;
+                assert!((place.x - RIM).abs() < 1e-4, "{case}: {}", place.x);
+            }
+        }
     }
 }

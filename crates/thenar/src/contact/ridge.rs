@@ -48,22 +48,18 @@ impl Ridge {
         let across = surface.across(triangle, k)?;
         let (i, j) = (t[k], t[(k + 1) % 3]);
         let far = surface.triangles[across as usize].into_iter().find(|v| *v != i && *v != j)?;
-        let start = x[i as usize];
-        let along = (x[j as usize] - start).try_normalize(0.0)?;
-        let fall = |v: u32| {
-            let out = x[v as usize] - start;
-            (out - along * out.dot(&along)).try_normalize(AREALESS)
-        };
         let outward = surface.pseudonormal(triangle, Feature::Edge(k), x);
-        Some(Self { outward, falls: [fall(t[(k + 2) % 3])?, fall(far)?] })
+        let falls = [fall([i, j], t[(k + 2) % 3], x)?, fall([i, j], far, x)?];
+        Some(Self { outward, falls })
     }
 
-    /// The same edge where only the triangle's own face is one that the other surface can touch: the face across falls straight
-    /// down.
+    /// The same edge where the other edge may touch the triangle's own face only: the face across falls straight down,
+    /// wherever it is.
     pub fn rim(surface: &Surface, triangle: u32, k: usize, x: &[Vec3]) -> Option<Self> {
+        let t = surface.triangles[triangle as usize];
         let outward = surface.pseudonormal(triangle, Feature::Face, x);
-        let [fall, _] = Self::of(surface, triangle, k, x)?.falls;
-        Some(Self { falls: [fall, -outward], outward })
+        let own = fall([t[k], t[(k + 1) % 3]], t[(k + 2) % 3], x)?;
+        Some(Self { outward, falls: [own, -outward] })
     }
 
     /// How the faces lie to a plane with this outward normal: the sine at which the steeper-falling one falls
@@ -72,6 +68,14 @@ impl Ridge {
         let [one, other] = self.falls.map(|fall| fall.dot(outward));
         [-one.min(other), one.max(other)]
     }
+}
+
+/// The unit vector square to an edge, from its line to a vertex.
+fn fall([i, j]: [u32; 2], to: u32, x: &[Vec3]) -> Option<Vec3> {
+    let start = x[i as usize];
+    let along = (x[j as usize] - start).try_normalize(0.0)?;
+    let out = x[to as usize] - start;
+    (out - along * out.dot(&along)).try_normalize(AREALESS)
 }
 
 /// Where two lines come nearest, within both edges.

@@ -10,9 +10,9 @@ use crate::math::{Quat, Vec3};
 const SIZE: f64 = 0.04;
 
 /// Cubes of so many cells that lie in one place but for a turn and then `off`. Put there, they leave by the length of a
-/// cube; where the vertices outside touched before, they are a seam, and nothing goes farther than they are inside.
+/// cube; where the vertices outside of `touched` cubes did before, they are a seam, and nothing goes farther than they are inside.
 /// The deepest gap \[m\].
-fn deepest(cells: u32, (turn, off): (Quat, Vec3), touched: bool) -> f64 {
+fn deepest(cells: u32, (turn, off): (Quat, Vec3), touched: &[usize]) -> f64 {
     let mut scene = Scene::new();
     let places = [(Quat::identity(), Vec3::zeros()), (turn, off)];
     for (turn, by) in places {
@@ -22,11 +22,12 @@ fn deepest(cells: u32, (turn, off): (Quat, Vec3), touched: bool) -> f64 {
         moved(points, by);
     }
     let (mut detector, mut sides) = (Detector::new(&scene.desc), Sides::default());
-    if touched {
+    if !touched.is_empty() {
         let count = scene.surfaces[0].0.len();
         let (before, mut now) = (Sides::default(), Sides::with_capacity(2 * count));
         let mut sight = Sight { before: &before, now: Some(&mut now) };
-        for (soft, (points, _)) in scene.surfaces.iter().enumerate() {
+        for &soft in touched {
+            let points = &scene.surfaces[soft].0;
             let (turn, by) = places[1 - soft];
             let is_out = |p: &Vec3| (turn.inverse() * (p - by)).amax() > 0.5 * SIZE;
             for (v, p) in points.iter().enumerate().filter(|(_, p)| is_out(p)) {
@@ -49,9 +50,9 @@ fn what_touched_before_is_not_led_through_the_other_along_a_seam() {
         for off in [[7e-4, 6e-4, 5e-4], [9e-4, -6e-4, 8e-4], [1.5e-3, 1.2e-3, 1e-3]] {
             let off = Vec3::from(off);
             let at = (Quat::identity(), off);
-            let put = deepest(cells, at, false);
+            let put = deepest(cells, at, &[]);
             assert!(put < -0.9 * SIZE, "{cells} cells, {off}: put there, {put} m");
-            let seam = deepest(cells, at, true);
+            let seam = deepest(cells, at, &[0, 1]);
             assert!(seam > -3.0 * off.amax(), "{cells} cells, {off}: a seam, {seam} m");
         }
     }
@@ -63,9 +64,13 @@ fn edges_whose_ends_touched_before_are_not_led_through_the_other() {
     for (degrees, up) in [(45.0_f64, 5e-4), (45.0, 2e-3), (40.0, 1e-3), (52.0, 1e-3)] {
         let turn = Quat::from_axis_angle(&Vec3::y_axis(), degrees.to_radians());
         let at = (turn, Vec3::y() * up);
-        let put = deepest(1, at, false);
+        let put = deepest(1, at, &[]);
         assert!(put < -0.5 * SIZE, "{degrees} degrees, {up} m: put there, {put} m");
-        let seam = deepest(1, at, true);
+        let seam = deepest(1, at, &[0, 1]);
         assert!(seam > -2.0 * up, "{degrees} degrees, {up} m: a seam, {seam} m");
+        for one in [0, 1] {
+            let partly = deepest(1, at, &[one]);
+            assert!(partly < -0.5 * SIZE, "{degrees} degrees, {up} m: {one} touched, {partly} m");
+        }
     }
 }

@@ -307,7 +307,7 @@ impl SoftSoft<'_> {
     }
 
     /// Whether places that would leave by a way belong to a seam: some touched before, and vertices are inside, but
-    /// none far. Where none is, all touched before: what was put there has ends that saw nothing.
+    /// none far. A region without a vertex inside is a seam if each of its edges has an end that touched before.
     fn is_seam(&self, places: &[Place], way: &Way, sight: &Sight) -> bool {
         let inside = |p: &Place| p.out.norm() / self.depth(self.facing(p.side)[1]);
         let deepest = places.iter().map(inside).fold(0.0, f64::max);

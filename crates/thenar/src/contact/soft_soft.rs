@@ -141,7 +141,7 @@ impl SoftSoft<'_> {
             }
             Some(apart) => {
                 let settled = |n, m| apart.are_settled(n, m);
-                let joined = |i, j| apart.are_joined(i, j);
+                let joined = |i, j| apart.are_groups_apart(i, j);
                 self.a.surface.tree.pairs_within(reach, joined, settled, |s, t| {
                     if !apart.touch_never(s, t) {
                         self.meet([s, t], reach, sight, scratch, out);
@@ -353,8 +353,8 @@ impl SoftSoft<'_> {
         });
     }
 
-    /// Notes the edges of `s` and `t` that cross. Between two bodies each edge belongs to one triangle; of one surface
-    /// two edges are met by those of their faces that may touch: see [`Self::faces`].
+    /// Notes the edges of `s` and `t` that cross. Between two bodies each edge belongs to one triangle; within one surface the
+    /// lowest pair of the edges' faces that may touch answers for them.
     fn cross(&self, pair: [u32; 2], reach: f64, scratch: &mut PairScratch, out: &mut Collector) {
         let mut of_b = None;
         for k in 0..3 {
@@ -372,7 +372,7 @@ impl SoftSoft<'_> {
                 let Some(ends_b) = ends_b else { continue };
                 let Some(passing) = passing(&ends_a, ends_b, reach) else { continue };
                 let edges = [(pair[0], k), (pair[1], l)];
-                let Some(rims) = self.faces(edges) else { continue };
+                let Some(rims) = self.rims(edges) else { continue };
                 let Some(found) = self.crossing(&passing, edges, rims) else { continue };
                 if scratch.crossings.len() < scratch.crossings_max {
                     scratch.crossings.push(Cross { edges, found });
@@ -383,30 +383,39 @@ impl SoftSoft<'_> {
         }
     }
 
-    /// For two edges (triangle and number) of A and B, whether the face across each is a neighbour of the other edge, which it
-    /// does not touch; `None` where these two triangles are not to meet, or others of the edges' faces do it for them: of
-    /// all pairs of faces that may touch the one with the lowest indices.
-    fn faces(&self, edges: [(u32, usize); 2]) -> Option<[bool; 2]> {
+    /// Which of two edges (triangle and number) of A and B are *rims*: the face across is flesh of a bone joined to that of the
+    /// other edge, which does not touch it. `None` where these two triangles do not answer for the edges.
+    fn rims(&self, edges: [(u32, usize); 2]) -> Option<[bool; 2]> {
         let [(s, k), (t, l)] = edges;
-        if self.apart.is_none() {
-            return Some([false; 2]);
-        }
+        let Some(apart) = self.apart else { return Some([false; 2]) };
         let may_touch_a = |face: u32| !self.is_neighbor(&self.b, t, l, face);
         let may_touch_b = |face: u32| !self.is_neighbor(&self.a, s, k, face);
         if !may_touch_a(s) || !may_touch_b(t) {
             return None;
         }
-        let across_a = self.a.surface.across(s, k).filter(|&face| may_touch_a(face));
-        let across_b = self.b.surface.across(t, l).filter(|&face| may_touch_b(face));
+        let (across_a, across_b) = (self.a.surface.across(s, k), self.b.surface.across(t, l));
+        let (a, b) = (
+            across_a.filter(|&face| may_touch_a(face)),
+            across_b.filter(|&face| may_touch_b(face)),
+        );
         let order = |a: u32, b: u32| (a.min(b), a.max(b));
-        let others = [across_a.map(|a| order(a, t)), across_b.map(|b| order(s, b))];
-        let both = across_a.zip(across_b).map(|(a, b)| order(a, b));
-        let earlier = others.into_iter().chain([both]).flatten().any(|pair| pair < order(s, t));
-        (!earlier).then_some([across_a.is_none(), across_b.is_none()])
+        let others =
+            [a.map(|a| order(a, t)), b.map(|b| order(s, b)), a.zip(b).map(|(a, b)| order(a, b))];
+        if others.into_iter().flatten().any(|pair| pair < order(s, t)) {
+            return None;
+        }
+        let triangles = &self.a.surface.triangles;
+        let is_joined = |(t, k): (u32, usize), face: u32| {
+            let ends = [k, (k + 1) % 3].map(|k| triangles[t as usize][k]);
+            ends.iter().any(|&v| apart.are_of_joined_bones(v, &triangles[face as usize]))
+        };
+        let of_a = across_a.is_some_and(|face| is_joined(edges[1], face));
+        let of_b = across_b.is_some_and(|face| is_joined(edges[0], face));
+        Some([of_a, of_b])
     }
 
-    /// The ends of an edge that this triangle answers for, unless it is farther than `reach` from
-    /// triangle `other` of another side.
+    /// The ends of an edge, unless it is farther than `reach` from triangle `other` of another side, or belongs to
+    /// another triangle of its body.
     #[inline(always)]
     fn edge(
         &self,
