@@ -207,6 +207,16 @@ test("a drag down moves the tracked hand down, no nearer", async () => {
   // Level: less than a tenth of the way down, where the plane of the picture would bring 0.2 of it nearer.
   const level = Math.hypot(after[0]! - before[0]!, after[2]! - before[2]!);
   expect(level).toBeLessThan(0.1 * (before[1]! - after[1]!));
+  // A drag up beside the hand turns the camera, as far down as just above the table.
+  const height = (): Promise<number> => read(page, (t) => t.app.stage.camera.position.y);
+  const [high, ground] = [await height(), { x: 200, y: 600 }];
+  await page.mouse.move(ground.x, ground.y);
+  await page.mouse.down();
+  for (let i = 1; i <= 12; i++) await page.mouse.move(ground.x, ground.y - 25 * i);
+  await page.mouse.up();
+  await expect.poll(height).toBeLessThan(0.5 * high);
+  await page.waitForTimeout(500);
+  expect(await height()).toBeGreaterThan(0.019);
   expect(problems).toEqual([]);
 });
 
@@ -255,6 +265,14 @@ test("a scene is chosen by its picture", async () => {
   await pinch.scrollIntoViewIfNeeded();
   const picture = pinch.locator("img");
   await expect.poll(() => picture.evaluate((img) => (img as HTMLImageElement).naturalWidth), { timeout: 20_000 }).toBe(160);
+  // Rows scroll instead of shrinking: below each picture its caption is whole.
+  const cut = await tiles.getByRole("button").evaluateAll((buttons) =>
+    buttons.filter((button) => {
+      const [tile, picture, caption] = [button, ...button.children].map((part) => part.getBoundingClientRect());
+      return tile!.height < picture!.height + caption!.height || caption!.top < picture!.bottom || caption!.bottom > tile!.bottom;
+    }).length,
+  );
+  expect(cut).toBe(0);
   await pinch.click();
   await until(page, (t) => t.model!.scene === "pinch");
   await expect.poll(() => pinch.getAttribute("aria-pressed"), { timeout: 20_000 }).toBe("true");

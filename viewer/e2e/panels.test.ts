@@ -296,6 +296,11 @@ test("every panel opens by keyboard alone and names its parts", async () => {
         .map((e) => e.outerHTML),
     );
     expect(nameless, `panel ${id}`).toEqual([]);
+    // No figure is cut, however long.
+    const cut = await page.locator(`#panel-${id} input[type="number"]`).evaluateAll((fields) =>
+      (fields as HTMLInputElement[]).filter((e) => e.offsetParent !== null && e.scrollWidth > e.clientWidth).map((e) => e.value),
+    );
+    expect(cut, `panel ${id}`).toEqual([]);
   }
   expect(problems).toEqual([]);
 });

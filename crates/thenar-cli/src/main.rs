@@ -34,6 +34,7 @@ mod soak;
 mod sweep;
 mod touch;
 mod validate;
+mod words;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -129,5 +130,19 @@ mod tests {
     fn the_demo_is_there_and_the_command_line_is_sound() {
         assert!(thenar_scene::session::builtin(DEMO).is_some());
         <Cli as clap::CommandFactory>::command().debug_assert();
+    }
+
+    /// Help shows units as `[s]`: rustdoc's escapes would be shown as they are.
+    #[test]
+    fn no_help_shows_a_backslash() {
+        fn look(command: &mut clap::Command, escaped: &mut Vec<String>) {
+            if command.render_long_help().to_string().contains("\\[") {
+                escaped.push(command.get_name().into());
+            }
+            command.get_subcommands_mut().for_each(|command| look(command, escaped));
+        }
+        let mut escaped = Vec::new();
+        look(&mut <Cli as clap::CommandFactory>::command(), &mut escaped);
+        assert!(escaped.is_empty(), "{escaped:?}");
     }
 }

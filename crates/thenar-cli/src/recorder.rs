@@ -1,6 +1,7 @@
 //! Pictures and movies of a run, taken as it goes.
 
-use std::path::PathBuf;
+use crate::error::CliError;
+use std::path::{Path, PathBuf};
 use thenar_output::Output;
 use thenar_picture::{Camera, EncodeError, Image, Layers, Movie, Quality, camera, draw, write_png};
 use thenar_scene::session::Session;
@@ -11,8 +12,8 @@ pub struct PictureOptions {
     /// Draw the end of the run (or the time given by --at) as a PNG file
     #[arg(long, value_name = "FILE")]
     pub picture: Option<PathBuf>,
-    /// Time of the picture [s]
-    #[arg(long, value_name = "SECONDS", requires = "picture")]
+    /// Time of the picture [s]; an error beyond the end of the run
+    #[arg(long, value_name = "SECONDS", requires = "picture", allow_negative_numbers = true)]
     pub at: Option<f64>,
     /// Draw a PNG file for each frame into this folder
     #[arg(long, value_name = "DIR")]
@@ -29,6 +30,34 @@ pub struct PictureOptions {
     /// Pixels, width x height
     #[arg(long, default_value = "960x640", value_parser = size, value_name = "WxH")]
     pub size: [u32; 2],
+}
+
+impl PictureOptions {
+    /// Refuses what makes no sense, whatever the scene.
+    ///
+    /// # Errors
+    /// A time that is none, or a file name that says another format.
+    pub fn check(&self) -> Result<(), CliError> {
+        if self.at.is_some_and(|at| !(at.is_finite() && at >= 0.0)) {
+            return Err(CliError::Input("--at must be 0 or more".into()));
+        }
+        ends_in_png("--picture", self.picture.as_deref())?;
+        ends_in_png("--movie", self.movie.as_deref())
+    }
+}
+
+/// Refuses a picture's file whose name ends as that of another format does.
+///
+/// # Errors
+/// There is an ending, and not png.
+pub fn ends_in_png(option: &str, file: Option<&Path>) -> Result<(), CliError> {
+    let ending = file.and_then(Path::extension).map(|ending| ending.to_string_lossy());
+    match ending {
+        Some(ending) if !["png", "apng"].contains(&&*ending.to_ascii_lowercase()) => Err(
+            CliError::Input(format!("{option} writes PNG: its file ends in .png, not .{ending}")),
+        ),
+        _ => Ok(()),
+    }
 }
 
 impl Default for PictureOptions {
@@ -166,7 +195,6 @@ mod png_reader;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::Path;
 
     #[test]
     fn sizes_are_read_or_refused_with_what_was_expected() {
@@ -174,6 +202,22 @@ mod tests {
         for wrong in ["960", "0x640", "960x99999", "x", "-1x5"] {
             assert!(size(wrong).expect_err(wrong).contains("WIDTHxHEIGHT"));
         }
+    }
+
+    #[test]
+    fn a_time_that_is_none_and_a_name_of_another_format_are_refused() {
+        let asked = |at, picture: &str| {
+            let picture = Some(PathBuf::from(picture));
+            PictureOptions { picture, at, ..PictureOptions::default() }.check()
+        };
+        for at in [f64::NAN, f64::INFINITY, -0.1] {
+            assert!(asked(Some(at), "a.png").is_err(), "{at}");
+        }
+        for name in ["a.png", "A.PNG", "a", "/dev/stdout"] {
+            assert!(asked(Some(0.0), name).is_ok(), "{name}");
+        }
+        let told = asked(None, "a.jpg").expect_err("another format").to_string();
+        assert!(told.contains("--picture") && told.contains(".png"), "{told}");
     }
 
     /// A red ball that falls on a table, drawn small.

@@ -18,10 +18,10 @@ use thenar_scene::session::Session;
 /// The hand begins where it overlaps nothing. Exit code 1 when a figure misses its limit.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Simulated time \[s\].
+    /// Simulated time [s].
     #[arg(long, default_value_t = 60.0)]
     seconds: f64,
-    /// Time steps to run, one after the other \[s\].
+    /// Time steps to run, one after the other [s].
     #[arg(long = "time-step", value_delimiter = ',', default_values_t = [1.0 / 60.0, 1e-3])]
     time_steps: Vec<f64>,
     /// Seeds of the motion. Of several each must be sound, and all together are judged.

@@ -19,6 +19,11 @@ impl Pen {
         Self { camera: *camera, height, width }
     }
 
+    /// The place of the camera \[m\].
+    pub fn eye(&self) -> Vec3 {
+        self.camera.position
+    }
+
     /// A line as two triangles turned to the eye, pulled a little towards it so that it shows
     /// on the surface it lies on.
     fn line(&self, a: Vec3, b: Vec3, out: &mut Solid) {

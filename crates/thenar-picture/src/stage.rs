@@ -28,6 +28,12 @@ pub struct Stage<'a> {
     pub rigids: Vec<Rigid<'a>>,
 }
 
+/// Pressed flesh sinks into what presses it; its pressure shows in front of as much \[m\].
+const LIFT: f64 = 5e-3;
+
+/// Skin that bears less than this part of the scale is not marked.
+const LOAD_SHOWN: f64 = 0.04;
+
 /// How quantities become lengths and colours.
 #[derive(Clone, Copy, Debug)]
 pub struct Scales {
@@ -136,17 +142,22 @@ impl Stage<'_> {
         let desc = &self.world.desc().softs[soft.index as usize];
         let nodes = self.world.nodes(soft.index);
         let tets = &desc.flesh.tets;
+        let shows_pressure = layers.pressure && soft.hand.is_some();
         let mut material = soft.material;
-        if layers.see_through() {
+        if layers.see_through() || shows_pressure {
             material = Material { opacity: 0.32, casts_shadow: false, ..material };
         }
         if layers.skin && !layers.targets {
             let positions = surface::embedded(soft.render, tets, nodes);
+            if shows_pressure {
+                let eye = pen.eye();
+                scene.meshes.extend(self.loaded_skin(soft, &positions, scales.pressure, eye));
+            }
             let mut mesh = Mesh::new(positions, soft.render.triangles.clone(), material);
             if !layers.pressure && !layers.weights {
                 mesh.sites = soft.hand.and_then(|hand| skin::sites(hand, soft.render));
             }
-            scene.meshes.push(self.tinted(mesh, soft, layers, scales));
+            scene.meshes.push(tinted(mesh, soft, layers));
         }
         if layers.targets {
             let mut targets = nodes.to_vec();
@@ -160,30 +171,30 @@ impl Stage<'_> {
         }
     }
 
-    /// The skin in the colours that the layers ask for.
-    fn tinted(
+    /// The part of the skin that something presses on, in the colours of the pressure up to `most` \[Pa\]: seen from
+    /// both sides, and in front of what it has sunk into. Nothing without pressure.
+    fn loaded_skin(
         &self,
-        mut mesh: Mesh<'static>,
         soft: &Soft,
-        layers: &Layers,
-        scales: &Scales,
-    ) -> Mesh<'static> {
-        let plain =
-            |mesh: &mut Mesh| mesh.material = Material { colour: [1.0; 3], ..Material::skin() };
-        if layers.pressure {
-            let pressure = self.pressure(soft.index, &mesh.positions);
-            let colours: Vec<Rgb> =
-                pressure.iter().map(|p| pressure_colour(p / scales.pressure)).collect();
-            plain(&mut mesh);
-            mesh.coloured(colours)
-        } else if let (true, Some(colours)) = (layers.weights, surface::bone_colours(soft)) {
-            plain(&mut mesh);
-            mesh.coloured(colours)
-        } else if let Some(colours) = &soft.colours {
-            mesh.coloured(colours.clone())
-        } else {
-            mesh
+        positions: &[Vec3],
+        most: f64,
+        eye: Vec3,
+    ) -> Option<Mesh<'static>> {
+        let loads: Vec<f64> =
+            self.pressure(soft.index, positions).iter().map(|p| p / most).collect();
+        let load = |i: u32| loads.get(i as usize).copied().unwrap_or_default();
+        let loaded = |t: &&[u32; 3]| t.iter().any(|&i| load(i) > LOAD_SHOWN);
+        let triangles: Vec<[u32; 3]> =
+            soft.render.triangles.iter().filter(loaded).copied().collect();
+        if triangles.is_empty() {
+            return None;
         }
+        // Along the line of sight, so that nothing moves in the picture.
+        let lifted = |p: &Vec3| p + (eye - p).try_normalize(1e-9).unwrap_or_default() * LIFT;
+        let places: Vec<Vec3> = positions.iter().map(lifted).collect();
+        let colours: Vec<Rgb> = loads.iter().map(|p| pressure_colour(*p)).collect();
+        let mesh = Mesh::new(places, triangles, Material::unlit([1.0; 3])).coloured(colours);
+        Some(Mesh { two_sided: true, ..mesh })
     }
 
     /// Contact pressure \[Pa\] at places on a deformable body: each contact's normal force is
@@ -247,6 +258,21 @@ impl Stage<'_> {
             }
             push_over(solid, hex(0x1a9641), scene);
         }
+    }
+}
+
+/// The skin in the colours that the layers ask for.
+fn tinted(mut mesh: Mesh<'static>, soft: &Soft, layers: &Layers) -> Mesh<'static> {
+    if layers.weights
+        && !layers.pressure
+        && let Some(colours) = surface::bone_colours(soft)
+    {
+        mesh.material = Material { colour: [1.0; 3], ..Material::skin() };
+        mesh.coloured(colours)
+    } else if let Some(colours) = &soft.colours {
+        mesh.coloured(colours.clone())
+    } else {
+        mesh
     }
 }
 

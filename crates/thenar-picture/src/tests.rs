@@ -295,3 +295,59 @@ fn what_was_built_is_drawn() {
     let dark = |image: &Image| image.rgb.chunks(3).filter(|p| p[0] < 60 && p[2] < 140).count();
     assert!(dark(&lines) > 100 + dark(&whole), "{} {}", dark(&lines), dark(&whole));
 }
+
+/// A hand that rests on a table beside a green cube of flesh: its pressure shows, through the hand, and the cube keeps
+/// its colour.
+#[test]
+fn pressure_shows_on_the_hand_alone() {
+    use thenar_scene::session::Session;
+    const SCENE: &str = r#"
+version = 1
+time_step = 0.01
+[camera]
+position = [0.0, 0.45, 0.05]
+target = [0.0, 0.0, 0.0]
+up = [0.0, 0.0, -1.0]
+fov_deg = 35
+[[rigid]]
+name = "table"
+shape = { kind = "plane" }
+motion = "fixed"
+[[hand]]
+name = "hand"
+model = "right"
+preset = "paper"
+tets = 300
+[hand.motion]
+kind = "keyframes"
+key = [
+  { time = 0, pose = "open", wrist = { position = [0, 0.02, 0.06], fingers = [0, -0.1, -1], back = [0, 1, 0] } },
+]
+[[soft]]
+name = "cube"
+colour = [0.1, 0.7, 0.1]
+position = [0.11, 0.02, 0.0]
+shape = { kind = "lattice", size = [0.04, 0.04, 0.04], cells = [1, 1, 1] }
+"#;
+    let mut session =
+        Session::from_text(SCENE, std::path::Path::new("rest.toml"), &[]).expect("a scene");
+    (0..40).for_each(|_| session.step(&mut ()));
+    let eye = crate::camera(&session, 1.5);
+    let picture = |layers: &str| {
+        let layers = layers.parse::<Layers>().expect("layers");
+        draw(&session, &layers, &eye, [240, 160], &plain())
+    };
+    let [bare, pressed] = ["skin", "skin,pressure"].map(picture);
+    // Yellow to violet of the scale is more saturated than skin and wood.
+    let marked = |image: &Image| {
+        let strong = |p: &&[u8]| f64::from(p[0]) > 2.5 * f64::from(p[2]).max(1.0) && p[0] > 150;
+        image.rgb.chunks(3).filter(strong).count()
+    };
+    assert!(marked(&pressed) > marked(&bare) + 20, "{} {}", marked(&pressed), marked(&bare));
+    let green = |image: &Image| {
+        let green = |p: &&[u8]| p[1] > 60 && u32::from(p[1]) > 2 * u32::from(p[0]);
+        image.rgb.chunks(3).filter(green).count()
+    };
+    assert!(green(&bare) > 300, "{}", green(&bare));
+    assert!(green(&bare).abs_diff(green(&pressed)) < 20, "{} {}", green(&bare), green(&pressed));
+}

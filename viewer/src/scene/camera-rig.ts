@@ -16,12 +16,18 @@ const DIRECTIONS: Readonly<Record<Exclude<ViewName, "scene">, readonly [number, 
   close: [-0.7, 0.42, 0.75],
 };
 
+/** A camera is kept so far above the ground, m. */
+const CLEARANCE = 0.02;
+
 /** In view: within this share of the picture, from its middle. */
 const EDGE = 0.85;
 
 export class CameraRig {
   readonly controls: OrbitControls;
   private view: ViewName = "scene";
+  private ground: number | null = null;
+  /** The camera may be below the ground: it was placed there. */
+  private free = true;
 
   constructor(
     readonly camera: PerspectiveCamera,
@@ -58,9 +64,55 @@ export class CameraRig {
       away.multiplyScalar((part * size) / Math.tan((camera.fov * Math.PI) / 360));
     }
     away.multiplyScalar(Math.max(1, Math.min(2.4, FRAMED_FOR / Math.max(0.2, camera.aspect))));
-    camera.position.copy(controls.target).add(away);
+    this.place(away.add(controls.target), controls.target);
+  }
+
+  /** Puts the camera somewhere, below the ground too: turns and shifts keep it above only from above. */
+  place(position: Vector3, target: Vector3): void {
+    const { camera, controls } = this;
+    camera.position.copy(position);
+    controls.target.copy(target);
     camera.updateProjectionMatrix();
+    this.settle();
     controls.update();
+  }
+
+  /** Turns and shifts end above a ground of this height, m; with null they go anywhere. */
+  keepAbove(ground: number | null): void {
+    if (ground === this.ground) return;
+    this.ground = ground;
+    this.settle();
+  }
+
+  /** To be called before each frame. */
+  update(): void {
+    const { camera, controls } = this;
+    controls.update();
+    const least = this.lowest();
+    if (least === null) return;
+    if (camera.position.y >= least) this.free = false;
+    if (this.free) return;
+    const sunk = (this.ground ?? least) - controls.target.y;
+    if (sunk > 0) {
+      controls.target.y += sunk;
+      camera.position.y += sunk;
+    }
+    // At its widest the angle from the vertical leaves the camera just above the ground.
+    const cosine = (least - controls.target.y) / Math.max(controls.getDistance(), 1e-9);
+    controls.maxPolarAngle = Math.acos(Math.min(1, Math.max(-1, cosine)));
+    if (camera.position.y < least) controls.update();
+  }
+
+  /** The lowest height of the camera, if there is one. */
+  private lowest(): number | null {
+    return this.ground === null ? null : this.ground + CLEARANCE;
+  }
+
+  /** Takes the camera's place as meant. */
+  private settle(): void {
+    const least = this.lowest();
+    this.free = least === null || this.camera.position.y < least;
+    this.controls.maxPolarAngle = Math.PI;
   }
 
   /** Steps back until the places are in view, or twice as far. */

@@ -134,7 +134,7 @@ export class Stage {
       before = time;
       for (const hook of this.hooks) hook(time, dt, frame);
       if (!this.renderer.xr.isPresenting) {
-        this.rig.controls.update();
+        this.rig.update();
         if (this.pixels.frame(dt)) this.resize();
       }
       this.render();
@@ -229,6 +229,13 @@ export class Stage {
     this.invalidate();
   }
 
+  /** Puts the camera somewhere, with another field of view if one is given, degrees. */
+  placeCamera(position: readonly [number, number, number], target: readonly [number, number, number], fov: number | null): void {
+    if (fov !== null) this.camera.fov = fov;
+    this.rig.place(new Vector3(...position), new Vector3(...target));
+    this.invalidate();
+  }
+
   /** Where the moving content is, world frame. */
   bounds(): Box3 {
     return this.focus.clone();
@@ -240,6 +247,7 @@ export class Stage {
     this.surroundings.setShadows(on("shadows"));
     this.surroundings.ground.visible =
       on("ground") && (this.model?.rigids.some((rigid) => rigid.kind === "plane") ?? false);
+    this.rig.keepAbove(this.surroundings.ground.visible ? 0 : null);
     this.shared.pressureShown.value = on("pressure") ? 1 : 0;
     this.shared.weightsShown.value = on("weights") ? 1 : 0;
     this.view?.setLayers(this.layers);

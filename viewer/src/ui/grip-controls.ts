@@ -8,7 +8,7 @@ import { group, select } from "./widgets";
 const KINDS: readonly (readonly [GripKind, string])[] = [
   ["pinch", "Pinch: thumb and index finger"],
   ["tripod", "Tripod: thumb, index and middle finger"],
-  ["power", "Power: all fingers and the palm"],
+  ["power", "Power: thumb against the four fingers"],
   ["hook", "Hook: the four fingers"],
   ["lateral", "Lateral: thumb and side of the index finger"],
 ];

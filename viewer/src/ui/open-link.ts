@@ -93,10 +93,5 @@ function place({ stage }: App, { camera }: ViewLink): void {
     stage.setView(camera);
     return;
   }
-  stage.camera.position.set(...camera.position);
-  stage.controls.target.set(...camera.target);
-  if (camera.fov !== null) stage.camera.fov = camera.fov;
-  stage.camera.updateProjectionMatrix();
-  stage.controls.update();
-  stage.invalidate();
+  stage.placeCamera(camera.position, camera.target, camera.fov);
 }

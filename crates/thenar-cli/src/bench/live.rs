@@ -17,7 +17,7 @@ pub struct Args {
     /// Scene, one that comes with the program.
     #[arg(long, default_value = "bread-grasp")]
     scene: String,
-    /// Time steps at which the latency is measured \[s\].
+    /// Time steps at which the latency is measured [s].
     #[arg(long, value_delimiter = ',', default_values_t = [1.0 / 60.0, 0.01, 0.005])]
     time_step: Vec<f64>,
     /// Poses sent for each.

@@ -9,7 +9,7 @@ use thenar_scene::session::{Session, builtin};
 /// The paper's table beside ours, on its bread scene and model sizes.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Time step \[s\]; the paper's ran at the rate of a screen.
+    /// Time step [s]; the paper's ran at the rate of a screen.
     #[arg(long, default_value_t = 1.0 / 60.0)]
     time_step: f64,
     /// Overrides as of `thenar run`.

@@ -19,7 +19,7 @@ pub struct Args {
     /// Tetrahedra of the hand.
     #[arg(long, value_delimiter = ',', default_values_t = [600, 2000, 17_000])]
     tets: Vec<u32>,
-    /// Time step \[s\].
+    /// Time step [s].
     #[arg(long, default_value_t = 1e-3)]
     time_step: f64,
     /// Steps measured of each; the least time of a stage counts.

@@ -3,6 +3,7 @@
 use super::hand::write_boned;
 use super::{Args, Outputs, name};
 use crate::error::CliError;
+use crate::words::counted;
 use thenar::model::JointKind;
 use thenar_rig::Model;
 use thenar_rig::figure::{
@@ -12,10 +13,6 @@ use thenar_scene::build::figure_joints;
 
 /// Builds a figure and prints what it is like.
 pub fn build(args: &Args, outputs: &mut Outputs) -> Result<Model, CliError> {
-    if let Some(length) = args.length {
-        let asked = format!("--length {length} is that of a hand; a figure takes --scale");
-        return Err(CliError::Input(asked));
-    }
     let usual = FigureOptions::default();
     let mut material = usual.material;
     material.young = args.young.unwrap_or(material.young);
@@ -41,10 +38,11 @@ pub fn build(args: &Args, outputs: &mut Outputs) -> Result<Model, CliError> {
 fn print(r: &FigureReport) {
     r.notes.iter().for_each(|note| println!("note: {note}"));
     if r.holes > 0 {
-        println!("closed: {} holes of the skin", r.holes);
+        println!("closed: {} of the skin", counted(r.holes, "hole"));
     }
     if r.left_out > 0 {
-        println!("left out: {} separate pieces of the skin, which only its largest is", r.left_out);
+        let pieces = counted(r.left_out, "separate piece");
+        println!("left out: {pieces} of the skin, which only its largest is");
     }
     let size = (r.bounds[1] - r.bounds[0]) * 1e3;
     println!("size: {:.1} x {:.1} x {:.1} mm, +y up", size.x, size.y, size.z);

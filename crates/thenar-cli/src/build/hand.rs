@@ -1,8 +1,9 @@
 //! Hands.
 
-use super::object::print_holes;
+use super::object::{print_holes, shapes};
 use super::{Args, CouplingArg, Outputs, PresetArg, SideArg, SpringsArg, name, write};
 use crate::error::CliError;
+use crate::words::counted;
 use std::path::Path;
 use thenar::model::{CouplingKind, HandModel, Side};
 use thenar_rig::export::{hand_glb, hand_json, write_hand_vtk};
@@ -139,8 +140,13 @@ fn print(r: &HandReport) {
         "surfaces: {} triangles that touch, {} that are drawn",
         r.collision_triangles, r.render_triangles
     );
-    println!("elements: {:?}", r.quality);
-    println!("in a fist: {:?}", r.fist);
+    println!("elements: {}", shapes(&r.quality));
+    println!(
+        "in a fist: {} inside out with {:.2} % of the volume, smallest volume ratio (det F) {:.3}",
+        counted(r.fist.tets, "element"),
+        100.0 * r.fist.volume_fraction,
+        r.fist.det_min
+    );
     println!("bones against radiographs, scaled by {:.3}:", r.anatomy_scale);
     for bone in &r.bone_lengths {
         println!(

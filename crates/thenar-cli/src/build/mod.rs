@@ -5,6 +5,7 @@ mod hand;
 mod object;
 
 use crate::error::CliError;
+use crate::recorder::ends_in_png;
 use crate::{building, interrupt};
 use std::io::Write;
 use std::path::PathBuf;
@@ -43,7 +44,8 @@ pub struct Args {
     /// with --tets and with --coupling uniform, else as scenes have it.
     #[arg(long, value_enum, value_name = "WORD", requires = "hand")]
     preset: Option<PresetArg>,
-    /// Wanted number of tetrahedra, all of one size. Default of soft bodies: 600; of figures: 1000.
+    /// Hand, figure, soft body: wanted number of tetrahedra, all of one size. Default of soft bodies: 600; of figures:
+    /// 1000.
     #[arg(long, value_name = "N")]
     tets: Option<usize>,
     /// Hand: in the place of --tets, how fine a graded mesh is, from 0.25 to 1.5.
@@ -63,13 +65,13 @@ pub struct Args {
     /// Hand: left or right, where the rig does not say, or has both.
     #[arg(long, value_enum, value_name = "SIDE", requires = "hand")]
     side: Option<SideArg>,
-    /// Young's modulus [Pa].
+    /// Hand, figure, soft body: Young's modulus of the flesh [Pa].
     #[arg(long, value_name = "PA")]
     young: Option<f64>,
-    /// Poisson's ratio.
+    /// Hand, figure, soft body: Poisson's ratio of the flesh.
     #[arg(long)]
     poisson: Option<f64>,
-    /// Density [kg/m³].
+    /// Density, of hands and figures that of the flesh [kg/m³].
     #[arg(long, value_name = "KG/M3", conflicts_with = "mass")]
     density: Option<f64>,
     /// Rigid: mass [kg].
@@ -154,6 +156,8 @@ enum SpringsArg {
 /// # Errors
 /// The mesh or an option is wrong, or an output cannot be written.
 pub fn run(args: &Args) -> Result<(), CliError> {
+    refuse_what_is_for_others(args)?;
+    ends_in_png("--picture", args.picture.as_deref())?;
     // What cannot be written is known before anything is built.
     let mut outputs = Outputs::create(args)?;
     interrupt::listen();
@@ -179,6 +183,23 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     println!("wrote the {kind} to {}", path.display());
     Ok(())
 }
+
+/// Refuses options that would change nothing of what is built.
+fn refuse_what_is_for_others(args: &Args) -> Result<(), CliError> {
+    let given = [
+        ("--length", args.length.is_some(), args.hand, "a hand; all else takes --scale"),
+        ("--tets", args.tets.is_some(), !args.rigid, SOFT_KINDS),
+        ("--young", args.young.is_some(), !args.rigid, SOFT_KINDS),
+        ("--poisson", args.poisson.is_some(), !args.rigid, SOFT_KINDS),
+    ];
+    match given.iter().find(|(_, given, applies, _)| *given && !applies) {
+        Some((option, _, _, whose)) => Err(CliError::Input(format!("{option} is that of {whose}"))),
+        None => Ok(()),
+    }
+}
+
+/// What consists of flesh.
+const SOFT_KINDS: &str = "a hand, a figure or a soft body; a rigid body has no flesh";
 
 /// The files that are asked for.
 struct Outputs {

@@ -2,14 +2,16 @@
 
 use super::{Args, name};
 use crate::error::CliError;
+use crate::words::counted;
 use std::path::Path;
 use thenar::model::{Law, Material};
 use thenar_rig::embed::{EmbedOptions, embed, mended_surface};
 use thenar_rig::export::{flesh_cell_fields, surface, tetrahedra, write_whole};
+use thenar_rig::lattice::Quality;
 use thenar_rig::mesh::{Hole, load_mesh};
 use thenar_rig::object::{
-    ImportOptions, SoftModel, Weight, length_in_words, rigid_from_mesh, size_in_words,
-    unit_question,
+    ImportOptions, Interior, SoftModel, Weight, length_in_words, mass_in_words, rigid_from_mesh,
+    size_in_words, unit_question, volume_in_words,
 };
 use thenar_rig::{Model, TriMesh};
 use thenar_scene::build::TET_BYTES;
@@ -31,11 +33,11 @@ pub fn rigid(args: &Args) -> Result<Model, CliError> {
     let (model, report) = rigid_from_mesh(&name(args), &mesh, weight, &ImportOptions::default())
         .map_err(|e| e.in_file(args.input.display()))?;
     print_extent(args, &mesh, model.mass, report.volume);
-    println!("inside: {:?}", report.interior);
+    println!("inside: {}", inside(report.interior));
     println!(
-        "mesh: {} triangles in {} pieces, {} open edges, {} turned, {} vertices welded",
+        "mesh: {} triangles in {}, {} open edges, {} turned, {} vertices welded",
         report.topology.triangles,
-        report.topology.components,
+        counted(report.topology.components, "piece"),
         report.topology.boundary_edges,
         report.orientation.flipped_triangles,
         report.welded_vertices
@@ -70,7 +72,7 @@ pub fn soft(args: &Args) -> Result<Model, CliError> {
     println!("flesh: {} tetrahedra, {} nodes", body.flesh.tets.len(), body.flesh.nodes.len());
     let volume = body.node_volumes.iter().sum::<f64>();
     print_extent(args, &mesh, volume * material.density, volume);
-    println!("elements: {:?}", body.quality);
+    println!("elements: {}", shapes(&body.quality));
     let bytes = TET_BYTES * body.flesh.tets.len() as u64;
     println!("memory: about {} when simulated", crate::files::size(bytes));
     let model = SoftModel { name: name(args), flesh: body.flesh, render: body.render };
@@ -87,11 +89,34 @@ fn print_extent(args: &Args, mesh: &TriMesh, mass: f64, volume: f64) {
     let [low, high] = mesh.bounds();
     let size = high - low;
     println!("size: {}", size_in_words(&size));
-    println!("mass: {mass:.6} kg, volume {:.3} ml", volume * 1e6);
+    println!("mass: {}, volume {}", mass_in_words(mass), volume_in_words(volume));
     let longest = size.max();
     if let Some(question) = unit_question(longest, false, args.scale.unwrap_or(1.0), "--scale ") {
         println!("warning: it is {} long: {question}", length_in_words(longest));
     }
+}
+
+/// How the inside of a mesh was found, for a person.
+fn inside(interior: Interior) -> String {
+    match interior {
+        Interior::Closed => "of a closed surface, exact".into(),
+        Interior::Winding => {
+            "where the surface winds around a place at least half a time, for it is open or overlaps itself".into()
+        }
+        Interior::Shell(thickness) => {
+            format!("none, so a shell of {} around the surface", length_in_words(thickness))
+        }
+    }
+}
+
+/// The worst shapes of tetrahedra, for a person.
+pub fn shapes(quality: &Quality) -> String {
+    format!(
+        "dihedral angles of {:.1}° to {:.1}°, longest over shortest edge at most {:.2}",
+        quality.dihedral_min.to_degrees(),
+        quality.dihedral_max.to_degrees(),
+        quality.edge_ratio_max
+    )
 }
 
 /// Holes that are told one by one, the largest.

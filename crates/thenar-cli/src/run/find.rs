@@ -3,8 +3,9 @@
 use crate::building::told;
 use crate::error::CliError;
 use std::path::{Path, PathBuf};
+use thenar_scene::format::Scene;
 use thenar_scene::session::{
-    Builtin, Session, StartOverlap, builtin, builtins, live_overrides, read_scene,
+    Builtin, Session, StartOverlap, builtin, builtins, live_overrides, read, read_scene,
 };
 
 /// Where a scene is.
@@ -42,7 +43,19 @@ pub fn find(scene: &Path) -> Result<Found, CliError> {
 /// # Errors
 /// There is no such scene, or it is wrong.
 pub fn open(scene: &Path, overrides: &[String]) -> Result<Session, CliError> {
-    open_with(scene, |_| overrides.to_vec())
+    open_with(scene, |_| overrides.to_vec(), |_| Ok(()))
+}
+
+/// Opens a scene that suits what is asked for: `check` sees it before anything is built.
+///
+/// # Errors
+/// There is no such scene, it is wrong, or it does not pass the check.
+pub fn open_checked(
+    scene: &Path,
+    overrides: &[String],
+    check: impl Fn(&Scene) -> Result<(), CliError>,
+) -> Result<Session, CliError> {
+    open_with(scene, |_| overrides.to_vec(), check)
 }
 
 /// Opens a scene to run live: contact costs no step more than it may.
@@ -50,10 +63,14 @@ pub fn open(scene: &Path, overrides: &[String]) -> Result<Session, CliError> {
 /// # Errors
 /// There is no such scene, or it is wrong.
 pub fn open_live(scene: &Path, overrides: &[String]) -> Result<Session, CliError> {
-    open_with(scene, |text| live_overrides(text, overrides))
+    open_with(scene, |text| live_overrides(text, overrides), |_| Ok(()))
 }
 
-fn open_with(scene: &Path, overrides: impl Fn(&str) -> Vec<String>) -> Result<Session, CliError> {
+fn open_with(
+    scene: &Path,
+    overrides: impl Fn(&str) -> Vec<String>,
+    check: impl Fn(&Scene) -> Result<(), CliError>,
+) -> Result<Session, CliError> {
     let found = find(scene)?;
     let session = told(|| {
         let (text, file) = match found {
@@ -63,7 +80,12 @@ fn open_with(scene: &Path, overrides: impl Fn(&str) -> Vec<String>) -> Result<Se
             }
             Found::Builtin(known) => (known.text.to_string(), beside(known.name)),
         };
-        Ok(Session::from_text(&text, &file, &overrides(&text))?)
+        let overrides = overrides(&text);
+        // What is wrong with the text is told with its place when the session is made.
+        if let Ok(scene) = read(&text, &overrides) {
+            check(&scene)?;
+        }
+        Ok(Session::from_text(&text, &file, &overrides)?)
     })?;
     session.files().values().for_each(|file| thenar_output::protect(file));
     Ok(session)

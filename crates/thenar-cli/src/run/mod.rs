@@ -8,7 +8,7 @@ mod report;
 mod timer;
 mod vtk;
 
-pub use find::{Found, file, find, open, open_live, tell, tell_overlaps};
+pub use find::{Found, file, find, open, open_checked, open_live, tell, tell_overlaps};
 pub use histogram::Histogram;
 pub use report::{report, times};
 pub use timer::{STAGES, StageTimes, StopWatch};
@@ -22,6 +22,7 @@ use grips::GripNews;
 use outputs::Outputs;
 use std::path::PathBuf;
 use std::time::Instant;
+use thenar_scene::format::Scene;
 use thenar_scene::session::{Session, Summary, TakenBack};
 
 /// Run a scene without a window.
@@ -82,7 +83,8 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     if !(args.vtk_interval > 0.0 && args.vtk_interval.is_finite()) {
         return Err(CliError::Input("--vtk-interval must be more than 0".into()));
     }
-    let mut session = open(&args.scene, &args.set)?;
+    args.pictures.check()?;
+    let mut session = open_checked(&args.scene, &args.set, |scene| suits(args, scene))?;
     let steps = steps(&session, args.seconds)?;
     tell(&session);
     let mut outputs = Outputs::create(args, &session, steps)?;
@@ -100,6 +102,21 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     match outcome.interrupted {
         true => Err(CliError::Other("interrupted; the outputs are written up to here".into())),
         false => Ok(TakenBack::judge(outcome.summary.non_finite, outcome.steps)?),
+    }
+}
+
+/// Refuses a scene that has no probes to write, or ends before the moment of the picture.
+fn suits(args: &Args, scene: &Scene) -> Result<(), CliError> {
+    if args.probe.is_some() && scene.probe.is_empty() {
+        return Err(CliError::Input("the scene has no probes to write".into()));
+    }
+    let (step, seconds) = (scene.time_step, args.seconds.unwrap_or(scene.duration));
+    let end = (seconds / step).round().max(1.0) * step;
+    match args.pictures.at {
+        Some(at) if at > end + 0.5 * step => {
+            Err(CliError::Input(format!("--at {at} is beyond the end of the run at {end:.3} s")))
+        }
+        _ => Ok(()),
     }
 }
 

@@ -28,9 +28,6 @@ impl Outputs {
     pub fn create(args: &Args, session: &Session, steps: u64) -> Result<Self, CliError> {
         let table = match &args.probe {
             Some(path) => {
-                if session.columns().is_empty() {
-                    return Err(CliError::Input("the scene has no probes to write".into()));
-                }
                 let lines = path.extension().is_some_and(|e| e == "jsonl");
                 let format = if lines { TableFormat::JsonLines } else { TableFormat::Csv };
                 let draft = Output::create(path)?;

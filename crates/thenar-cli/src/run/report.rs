@@ -3,6 +3,7 @@
 use super::Outcome;
 use super::histogram::Histogram;
 use super::timer::STAGES;
+use crate::words::joules;
 use serde_json::{Map, Value, json};
 use thenar::model::{Digit, SolverKind, SolverSettings};
 use thenar_scene::session::{HandLoad, Session, StartOverlap, Summary};
@@ -137,8 +138,10 @@ pub fn print(session: &Session, outcome: &Outcome) {
     let world = session.world();
     let s = &outcome.summary;
     let simulated = session.steps() as f64 * world.time_step();
-    let title = session.scene().title.as_deref().unwrap_or_default();
-    println!("{}: {title}", session.name());
+    match session.scene().title.as_deref() {
+        Some(title) => println!("{}: {title}", session.name()),
+        None => println!("{}", session.name()),
+    }
     println!(
         "  {:.3} s simulated in {:.3} s ({:.2} x real time), {} steps of {:.3} ms, {} solver",
         simulated,
@@ -177,12 +180,14 @@ pub fn print(session: &Session, outcome: &Outcome) {
         s.inverted_tets_max
     );
     println!(
-        "  energy: {:.6} J at the start, {:.6} J in the end, {:.6} J at most",
-        s.energy_initial.total(),
-        s.energy_final.total(),
-        s.energy_max
+        "  energy: {} at the start, {} in the end, {} at most",
+        joules(s.energy_initial.total()),
+        joules(s.energy_final.total()),
+        joules(s.energy_max)
     );
-    fingers(&s.fingers);
+    let names = session.hands().iter().map(|hand| hand.name.as_str());
+    let peaks: Vec<_> = names.zip(s.hands.iter().copied()).collect();
+    fingers(&peaks).iter().for_each(|line| println!("  {line}"));
     if s.contacts_dropped_max > 0 {
         println!(
             "  up to {} contacts, or pairs of bodies in a crowd, were left out of a step: too many are in one place",
@@ -207,25 +212,32 @@ pub fn print(session: &Session, outcome: &Outcome) {
     println!("  state {:016x}", world.state_hash());
 }
 
-/// A table of the fingers that touched something.
-fn fingers(peaks: &[HandLoad; 5]) {
-    if peaks.iter().all(|peak| peak.normal <= 0.0) {
-        return;
+/// Tables of the fingers that touched something, one for each hand, under its name where there are several.
+fn fingers(hands: &[(&str, [HandLoad; 5])]) -> Vec<String> {
+    let touched = |(_, peaks): &&(&str, [HandLoad; 5])| peaks.iter().any(|peak| peak.normal > 0.0);
+    let mut lines = Vec::new();
+    for (name, peaks) in hands.iter().filter(touched) {
+        if hands.len() > 1 {
+            lines.push(format!("{name}:"));
+        }
+        lines.push(format!(
+            "{:10} {:>11} {:>11} {:>11} {:>13}",
+            "at most", "normal N", "shear N", "area mm²", "mean kPa (*)"
+        ));
+        for (digit, peak) in Digit::FINGERS.iter().zip(peaks).filter(|(_, p)| p.normal > 0.0) {
+            let HandLoad { normal, shear, area, pressure } = peak;
+            lines.push(format!(
+                "{:10} {normal:11.3} {shear:11.3} {:11.1} {:13.2}",
+                digit.name(),
+                area * 1e6,
+                pressure * 1e-3
+            ));
+        }
     }
-    println!(
-        "  {:10} {:>11} {:>11} {:>11} {:>13}",
-        "at most", "normal N", "shear N", "area mm²", "mean kPa (*)"
-    );
-    for (digit, peak) in Digit::FINGERS.iter().zip(peaks).filter(|(_, p)| p.normal > 0.0) {
-        let HandLoad { normal, shear, area, pressure } = peak;
-        println!(
-            "  {:10} {normal:11.3} {shear:11.3} {:11.1} {:13.2}",
-            digit.name(),
-            area * 1e6,
-            pressure * 1e-3
-        );
+    if !lines.is_empty() {
+        lines.push("(*) mean pressure, force over area, when the normal force was largest".into());
     }
-    println!("  (*) mean pressure, force over area, when the normal force was largest");
+    lines
 }
 
 #[cfg(test)]
@@ -242,6 +254,27 @@ mod tests {
             ..SolverSettings::default()
         };
         missed(&summary, 1000, &settings).unwrap_or_default()
+    }
+
+    /// With several hands each has its table, under its name; one that touched nothing has none.
+    #[test]
+    fn forces_are_told_of_each_hand() {
+        let none = [HandLoad::default(); 5];
+        let pressed = |finger: usize, normal: f64| {
+            let mut peaks = none;
+            peaks[finger] = HandLoad { normal, shear: 0.5, area: 4e-5, pressure: 2e4 };
+            peaks
+        };
+        let head = "at most       normal N     shear N    area mm²  mean kPa (*)";
+        let thumb = "thumb            1.500       0.500        40.0         20.00";
+        let index = "index            2.000       0.500        40.0         20.00";
+        let note = "(*) mean pressure, force over area, when the normal force was largest";
+        let [right, left] = [("right", pressed(0, 1.5)), ("left", pressed(1, 2.0))];
+        assert_eq!(fingers(&[right]), [head, thumb, note]);
+        let both = ["right:", head, thumb, "left:", head, index, note];
+        assert_eq!(fingers(&[right, left]), both);
+        assert_eq!(fingers(&[("right", none), left]), ["left:", head, index, note]);
+        assert!(fingers(&[("right", none)]).is_empty());
     }
 
     #[test]

@@ -27,6 +27,7 @@ mod table;
 use crate::error::CliError;
 use crate::interrupt;
 use crate::run::{Found, file, find};
+use crate::words::counted;
 use files::Files;
 use manifest::Manifest;
 use plan::Plan;
@@ -198,12 +199,14 @@ impl Place {
 fn conclude(args: &Args, place: &Place) -> Result<(), CliError> {
     let (cases, failed) = manifest::outcome(&place.figures)?;
     if !args.quiet {
-        println!("{cases} cases in {}, {failed} of them failed", place.results.display());
+        let (cases, results) = (counted(cases, "case"), place.results.display());
+        println!("{cases} in {results}, {failed} of them failed");
     }
     match failed {
         0 => Ok(()),
         _ => Err(CliError::Other(format!(
-            "{failed} of {cases} cases failed; the column `failed` of {} says why",
+            "{failed} of {} failed; the column `failed` of {} says why",
+            counted(cases, "case"),
             place.results.display()
         ))),
     }

@@ -1,6 +1,7 @@
 //! The table of figures, as text and as JSON.
 
 use super::case::{Basis, Case, CaseError, Check, Figure, Outcome};
+use crate::words::counted;
 use serde_json::{Value, json};
 
 /// What became of a case.
@@ -186,14 +187,15 @@ pub fn tally(findings: &[Finding]) -> String {
     };
     let broken = findings.iter().filter(|f| f.figures.is_err()).count();
     format!(
-        "{} cases: {} figures pass, {} fail, {} cannot be met, {} stated; {broken} cases did not run\n\
+        "{}: {} pass, {} fail, {} cannot be met, {} stated; {} did not run\n\
          of those that pass {} rest on theory or an independent computation, {} hold by construction, {} compare \
          the program with itself, {} lie in bands of people, {} in bands that are recalled (R)",
-        findings.len(),
-        count(Outcome::Pass),
+        counted(findings.len(), "case"),
+        counted(count(Outcome::Pass), "figure"),
         count(Outcome::Fail),
         count(Outcome::Cannot),
         count(Outcome::Stated),
+        counted(broken, "case"),
         passed(Basis::Theory),
         passed(Basis::Construction),
         passed(Basis::Itself),

@@ -223,7 +223,7 @@ fn paraview_files_are_written() {
 fn wrong_input_exits_with_2_and_leaves_nothing() {
     let folder = Folder::new("wrong");
     std::fs::write(folder.0.join("s.toml"), "version = 1\ntime_stp = 1\n").unwrap();
-    let cases: [(&[&str], &str); 8] = [
+    let cases: [(&[&str], &str); 13] = [
         (
             &["run", "s.toml", "--report", "r.json"],
             "s.toml:2:1: `time_stp`: unknown key; did you mean `time_step`?",
@@ -238,6 +238,17 @@ fn wrong_input_exits_with_2_and_leaves_nothing() {
         ),
         (&["build", "none.glb", "--hand", "-o", "m.thenar"], "none.glb"),
         (&["build", "s.toml", "--rigid", "-o", "m.thenar"], "s.toml"),
+        (
+            &["build", "s.toml", "--rigid", "--young", "5"],
+            "--young is that of a hand, a figure or a soft",
+        ),
+        (&["build", "s.toml", "--soft", "--length", "5"], "--length is that of a hand"),
+        (&["run", "falling-box", "--picture", "p.jpg"], "its file ends in .png, not .jpg"),
+        (&["run", "falling-box", "--picture", "p.png", "--at", "nan"], "--at must be 0 or more"),
+        (
+            &["run", "falling-box", "--seconds", "0.1", "--picture", "p.png", "--at", "0.2"],
+            "--at 0.2 is beyond the end of the run at 0.100 s",
+        ),
     ];
     for (args, expected) in cases {
         let output = folder.thenar(args);
@@ -247,6 +258,18 @@ fn wrong_input_exits_with_2_and_leaves_nothing() {
     }
     assert_eq!(folder.thenar(&["run"]).status.code(), Some(2));
     assert_eq!(folder.thenar(&["dance"]).status.code(), Some(2));
+}
+
+/// What a scene does not measure is known before its bodies are built: here one could not be.
+#[test]
+fn a_table_of_no_probes_is_refused_before_anything_is_built() {
+    let folder = Folder::new("no-probes");
+    let scene =
+        "version = 1\n[[soft]]\nname = \"s\"\nshape = { kind = \"mesh\", file = \"none.obj\" }\n";
+    std::fs::write(folder.0.join("s.toml"), scene).unwrap();
+    let output = folder.thenar(&["run", "s.toml", "--probe", "p.csv"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(error(&output).contains("no probes to write"), "{}", error(&output));
 }
 
 #[test]
@@ -266,6 +289,12 @@ fn a_mesh_file_becomes_a_model_that_a_scene_uses() {
     for (kind, file) in [("--rigid", "r.thenar"), ("--soft", "s.thenar")] {
         let output = folder.thenar(&["build", "t.obj", kind, "--density", "500", "-o", file]);
         assert!(output.status.success(), "{kind}: {}", error(&output));
+        let told = String::from_utf8(output.stdout).unwrap();
+        assert!(!told.contains('{'), "words, with units: {told}");
+        match kind {
+            "--rigid" => assert!(told.contains("mass: 18.00 g, volume 36.000 ml"), "{told}"),
+            _ => assert!(told.contains("elements: dihedral angles of "), "{told}"),
+        }
     }
     let scene = r#"
         version = 1

@@ -33,8 +33,21 @@ pub fn size_in_words(size: &Vec3) -> String {
 /// A mass \[kg\] in words.
 pub fn mass_in_words(mass: f64) -> String {
     match mass {
-        1e-3..1e4 => format!("{mass:.3} kg"),
+        1e-5..1.0 => format!("{:.2} g", mass * 1e3),
+        1.0..1e4 => format!("{mass:.3} kg"),
+        0.0 => "0 kg".into(),
         _ => format!("{mass:.2e} kg"),
+    }
+}
+
+/// A volume \[m³\] in the unit in which it reads well.
+pub fn volume_in_words(volume: f64) -> String {
+    match volume {
+        1e-9..1e-3 => format!("{:.3} ml", volume * 1e6),
+        1e-3..1.0 => format!("{:.3} l", volume * 1e3),
+        1.0..1e4 => format!("{volume:.3} m³"),
+        0.0 => "0 ml".into(),
+        _ => format!("{volume:.2e} m³"),
     }
 }
 
@@ -93,10 +106,13 @@ mod tests {
     }
 
     #[test]
-    fn lengths_and_masses_read_well() {
+    fn lengths_masses_and_volumes_read_well() {
         let words = [1e-6, 5e-5, 0.02, 1.5, 130.0, 5e4].map(length_in_words);
         assert_eq!(words, ["1.00e-6 m", "0.05 mm", "20.00 mm", "1.500 m", "130.000 m", "5.00e4 m"]);
         assert_eq!(size_in_words(&Vec3::new(0.02, 0.03, 2.0)), "20.00 mm x 30.00 mm x 2.000 m");
-        assert_eq!([0.3, 2.2e9, 0.0].map(mass_in_words), ["0.300 kg", "2.20e9 kg", "0.00e0 kg"]);
+        let words = [0.018, 0.3, 12.5, 2.2e9, 0.0].map(mass_in_words);
+        assert_eq!(words, ["18.00 g", "300.00 g", "12.500 kg", "2.20e9 kg", "0 kg"]);
+        let words = [3.6e-5, 0.002, 8.0, 1.384e5, 0.0].map(volume_in_words);
+        assert_eq!(words, ["36.000 ml", "2.000 l", "8.000 m³", "1.38e5 m³", "0 ml"]);
     }
 }

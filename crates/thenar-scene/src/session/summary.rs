@@ -40,6 +40,8 @@ pub struct Summary {
     pub energy_max: f64,
     /// Peaks of the five fingers, thumb first, over all hands.
     pub fingers: [HandLoad; 5],
+    /// Peaks of the five fingers of each hand.
+    pub hands: Vec<[HandLoad; 5]>,
 }
 
 impl Summary {
@@ -50,6 +52,7 @@ impl Summary {
             energy_initial: energy,
             energy_final: energy,
             energy_max: energy.total(),
+            hands: vec![<[HandLoad; 5]>::default(); session.hands().len()],
             ..Self::default()
         }
     }
@@ -72,10 +75,11 @@ impl Summary {
         self.contact_sweeps_max = self.contact_sweeps_max.max(r.contact_sweeps);
         self.energy_final = session.world().energy(session.input());
         self.energy_max = self.energy_max.max(self.energy_final.total());
-        for hand in 0..session.hands().len() {
+        for (hand, own) in self.hands.iter_mut().enumerate() {
             let [_, fingers @ ..] = session.hand_loads(hand);
-            for (peak, now) in self.fingers.iter_mut().zip(fingers) {
+            for ((peak, own), now) in self.fingers.iter_mut().zip(own).zip(fingers) {
                 peak.grow(&now);
+                own.grow(&now);
             }
         }
     }

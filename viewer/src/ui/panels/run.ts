@@ -101,12 +101,13 @@ export function runPanel(desk: Desk): Panel {
   const facts = () => {
     const trip = connection.clock.roundTrip;
     const latency = connection.latency.median;
+    const fps = fixed(stage.stats.fps, 0);
     const rows: [string, string][] = [
       ["Server", connection.welcome?.server ?? "–"],
       ["Round trip", trip === null ? "–" : `${fixed(1000 * trip, 1)} ms`],
       ["Your pose to picture", latency === null ? "–" : `${fixed(latency, 1)} ms`],
       ["Received", `${bytes(Math.round(connection.throughput.bytesPerSecond))}/s`],
-      ["Drawn", `${fixed(stage.stats.fps, 0)} frames/s, ${fixed(stage.stats.frameCost, 1)} ms of page code each`],
+      ["Drawn", `${fps} ${fps === "1" ? "frame" : "frames"}/s, ${fixed(stage.stats.frameCost, 1)} ms of page code each`],
     ];
     line.replaceChildren(...rows.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]));
   };

@@ -61,10 +61,11 @@ fn an_input_or_another_output_is_never_replaced() {
     let contents = || before.iter().map(|f| std::fs::read(f).unwrap()).collect::<Vec<_>>();
     let old = contents();
     let run = ["run", "s.toml", "-q"];
-    let cases: [(&[&str], &str); 9] = [
+    let cases: [(&[&str], &str); 10] = [
         (&["--report", "s.toml"], "s.toml: it is an input"),
         (&["--probe", "t.obj"], "t.obj: it is an input"),
-        (&["--picture", "./s.toml"], "s.toml: it is an input"),
+        (&["--probe", "./s.toml"], "s.toml: it is an input"),
+        (&["--picture", "./s.toml"], "ends in .png, not .toml"),
         (&["--record", "s.toml"], "s.toml"),
         (&["--report", "x", "--probe", "x"], "x: two outputs"),
         (&["--report", "x", "--picture", "./x"], "x: two outputs"),
