@@ -12,14 +12,16 @@ use std::process::{Command, Stdio};
 fn every_output_writes_through_links_and_keeps_permissions() {
     for command in COMMANDS {
         let folder = stocked("links");
-        let real = folder.0.join("real.csv");
+        let ending = if command.contains(&"--picture") { "png" } else { "csv" };
+        let [real_name, link_name] = ["real", "link"].map(|name| format!("{name}.{ending}"));
+        let [real, link] = [&real_name, &link_name].map(|name| folder.0.join(name));
         fs::write(&real, "old").unwrap();
         fs::set_permissions(&real, Permissions::from_mode(0o640)).unwrap();
-        symlink("real.csv", folder.0.join("link.csv")).unwrap();
+        symlink(&real_name, &link).unwrap();
         let before = names(&folder.0);
-        let output = folder.thenar(&[command, &["link.csv"]].concat());
+        let output = folder.thenar(&[command, &[link_name.as_str()]].concat());
         assert!(output.status.success(), "{command:?}: {}", err(&output));
-        assert!(folder.0.join("link.csv").is_symlink(), "{command:?}");
+        assert!(link.is_symlink(), "{command:?}");
         let written = fs::metadata(&real).unwrap();
         assert!(written.len() > 20 && written.permissions().mode() & 0o777 == 0o640, "{command:?}");
         assert_eq!(names(&folder.0), before, "{command:?}");
