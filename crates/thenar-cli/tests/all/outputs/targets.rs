@@ -12,7 +12,11 @@ use std::process::{Command, Stdio};
 fn every_output_writes_through_links_and_keeps_permissions() {
     for command in COMMANDS {
         let folder = stocked("links");
-        let ending = if command.contains(&"--picture") { "png" } else { "csv" };
+        let ending = if ["--picture", "--movie"].iter().any(|option| command.contains(option)) {
+            "png"
+        } else {
+            "csv"
+        };
         let [real_name, link_name] = ["real", "link"].map(|name| format!("{name}.{ending}"));
         let [real, link] = [&real_name, &link_name].map(|name| folder.0.join(name));
         fs::write(&real, "old").unwrap();

@@ -46,7 +46,7 @@ fn asked(folder: &TemporaryFolder, body: &str) -> Vec<String> {
 fn a_mesh_in_millimetres_is_asked_about_with_the_key_to_write() {
     let folder = folder(&FACES);
     let bodies = [
-        (RIGID, "`rigid[0].shape.file`: it.obj", "0.300 kg"),
+        (RIGID, "`rigid[0].shape.file`: it.obj", "300.00 g"),
         (SOFT, "`soft[0].shape.file`: it.obj", "e8 kg"),
         (COMPOUND, "`rigid[0].shape.parts[1].shape.file`: it.obj", "130.000 m: are"),
         (TETS, "`soft[0].shape.file`: it.toml", "e8 kg"),
