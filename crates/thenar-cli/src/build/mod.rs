@@ -198,7 +198,7 @@ fn refuse_what_is_for_others(args: &Args) -> Result<(), CliError> {
     }
 }
 
-/// What consists of flesh.
+/// The kinds of models that consist of flesh.
 const SOFT_KINDS: &str = "a hand, a figure or a soft body; a rigid body has no flesh";
 
 /// The files that are asked for.

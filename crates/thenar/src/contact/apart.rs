@@ -120,7 +120,7 @@ impl Apart {
 
     /// Whether the flesh of two bones never touches: around one bone, or across one joint, it is
     /// pressed together by bending.
-    pub fn are_joined(&self, i: u32, j: u32) -> bool {
+    fn are_joined(&self, i: u32, j: u32) -> bool {
         self.near.get(i as usize * self.count + j as usize).is_some_and(|near| *near)
     }
 

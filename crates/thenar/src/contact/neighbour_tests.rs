@@ -241,7 +241,7 @@ const BELOW: f64 = 1e-4;
 const DOWN: f64 = 0.1;
 
 impl OnRim {
-    /// What presses.
+    /// The contacts that press.
     fn pressed(&self) -> Vec<Contact> {
         let [own, joined, other] = self.bones;
         let (slab, block) = (cube(0.08, 8), cube(0.01, 1));

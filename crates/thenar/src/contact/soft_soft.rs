@@ -383,8 +383,8 @@ impl SoftSoft<'_> {
         }
     }
 
-    /// Which of two edges (triangle and number) of A and B are *rims*: the face across is flesh of a bone joined to that of the
-    /// other edge, which does not touch it. `None` where these two triangles do not answer for the edges.
+    /// Tells which of two edges (triangle and number) of A and B are *rims*: the face across is flesh of a bone joined to that
+    /// of the other edge, and the two never touch. `None` where these two triangles do not answer for the edges.
     fn rims(&self, edges: [(u32, usize); 2]) -> Option<[bool; 2]> {
         let [(s, k), (t, l)] = edges;
         let Some(apart) = self.apart else { return Some([false; 2]) };
