@@ -10,6 +10,7 @@ mod ticker;
 mod bench;
 mod build;
 mod building;
+mod cache;
 mod chart;
 mod compare;
 mod devices;
@@ -84,6 +85,13 @@ enum Command {
     Validate(validate::Args),
 }
 
+impl Command {
+    /// False where many hands are built once each: they would drive out those that are used again.
+    fn keeps_hands(&self) -> bool {
+        !matches!(self, Self::Sweep(_) | Self::Fit(_) | Self::Bench(_) | Self::Validate(_))
+    }
+}
+
 fn main() -> ExitCode {
     #[cfg(unix)]
     if keeper::is_asked() {
@@ -91,6 +99,9 @@ fn main() -> ExitCode {
     }
     interrupt::hear();
     let cli = Cli::parse();
+    if cli.command.as_ref().is_none_or(Command::keeps_hands) {
+        cache::enable();
+    }
     let done = match cli.command {
         Some(Command::Serve(args)) => serve::run(&args),
         Some(Command::Run(args)) => run::run(&args),

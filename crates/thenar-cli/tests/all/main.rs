@@ -1,6 +1,8 @@
 //! The program as a user runs it, in one binary: `cargo test -p thenar-cli --test all sweep::` runs a part. Apart stand
 //! `devices` and `touch`, which are timed.
 
+#[cfg(unix)]
+mod cache;
 mod command_line;
 mod compare;
 mod inputs;

@@ -30,8 +30,11 @@ pub fn load_mesh(path: impl AsRef<Path>, scale: f64) -> Result<TriMesh, RigError
     })
 }
 
-/// The bytes of a file of sensible size.
-pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, RigError> {
+/// The bytes of a mesh's file.
+///
+/// # Errors
+/// The file cannot be read, or is larger than any mesh is.
+pub fn read_file(path: &Path) -> Result<Vec<u8>, RigError> {
     let failed = |cause| RigError::Read { file: path.display().to_string(), cause };
     thenar_input::read(path, FILE_BYTES_MAX).map_err(|cause| failed(cause.into()))
 }

@@ -12,8 +12,8 @@ use std::path::{Path, PathBuf};
 use thenar::math::Vec3;
 use thenar::model::{HandModel, Law, Material, Side};
 use thenar_rig::embed::{EmbedOptions, can_be_closed, closed_surface, embed};
-use thenar_rig::hand::{HandOptions, Size, Springs, asset, build_hand_file, graded_tets};
-use thenar_rig::mesh::{GridOptions, load_mesh};
+use thenar_rig::hand::{HandOptions, Size, Springs, asset, graded_tets};
+use thenar_rig::mesh::{GridOptions, load_mesh, read_file};
 use thenar_rig::object::{
     Ball, Bread, Car, ImportOptions, RigidModel, SoftModel, SoftOptions, Weight, ball as ball_of,
     bread as bread_of, rigid_from_mesh, soft_from_tets, toy_car,
@@ -205,7 +205,10 @@ pub fn hand(hand: &Hand, preset: PresetWord, files: &Files) -> Result<HandModel,
         "right" => built_in(Side::Right),
         "left" => built_in(Side::Left),
         name if name.ends_with(".glb") => {
-            build_hand_file(&path(), &options(hand, preset)?).map_err(|e| file.fault(e.to_string()))
+            let options = options(hand, preset)?;
+            let built =
+                |bytes: Vec<u8>| hand_of(&bytes, &options).map_err(|e| e.in_file(path().display()));
+            read_file(&path()).and_then(built).map_err(|e| file.fault(e.to_string()))
         }
         name if name.ends_with(".thenar") && tissue::is_layered(hand) => Err(tissue::layer_fault(
             hand,

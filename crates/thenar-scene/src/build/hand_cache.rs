@@ -2,23 +2,24 @@
 //! hands once.
 //!
 //! A hand is known by all that it is made from, the bytes of its mesh and its options, so that no entry can be
-//! stale. The last few are kept.
+//! stale. Those used last are kept here, and in a folder where the program has one (`hand_store`).
 
+use super::hand_store::store;
 use std::collections::VecDeque;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use thenar::model::{Flesh, HandModel, PoseOffsets, Skinning};
 use thenar_rig::RigError;
 use thenar_rig::hand::{HandOptions, build_hand, sculpted_offsets};
 
-/// Hands kept: two of a scene, and two of another. One of 12 thousand tetrahedra has a file of some megabytes.
-const KEPT: usize = 4;
+/// Hands kept: two of each of four scenes. One of 12 thousand tetrahedra has a file of some megabytes.
+const KEPT: usize = 8;
 
 /// The source of a hand.
 #[derive(Clone, PartialEq)]
-struct Source {
-    bytes: Vec<u8>,
+pub(super) struct Source {
+    pub bytes: Vec<u8>,
     /// All options but the name, written out.
-    options: String,
+    pub options: String,
 }
 
 static BUILT: Mutex<VecDeque<(Source, HandModel)>> = Mutex::new(VecDeque::new());
@@ -30,14 +31,14 @@ static BUILT: Mutex<VecDeque<(Source, HandModel)>> = Mutex::new(VecDeque::new())
 pub fn hand_of(bytes: &[u8], options: &HandOptions) -> Result<HandModel, RigError> {
     let nameless = HandOptions { name: String::new(), ..options.clone() };
     let source = Source { bytes: bytes.to_vec(), options: format!("{nameless:?}") };
-    let lock = || BUILT.lock().unwrap_or_else(PoisonError::into_inner);
-    let known = lock().iter().find(|(key, _)| *key == source).map(|(_, hand)| hand.clone());
     // Nobody waits for the lock while a hand is built.
-    let hand = match known {
+    let hand = match recall(&source) {
         Some(hand) => hand,
         None => {
-            let hand = build_hand(bytes, &nameless)?;
-            let mut built = lock();
+            let hand = stored_or_built(&source, &nameless)?;
+            let mut built = built();
+            // Another thread may have built it, too.
+            built.retain(|(key, _)| *key != source);
             built.truncate(KEPT - 1);
             built.push_front((source, hand.clone()));
             hand
@@ -45,6 +46,36 @@ pub fn hand_of(bytes: &[u8], options: &HandOptions) -> Result<HandModel, RigErro
     };
     Ok(HandModel { name: options.name.clone(), ..hand })
 }
+
+fn built() -> MutexGuard<'static, VecDeque<(Source, HandModel)>> {
+    BUILT.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A hand of this process, which then is the one used last.
+fn recall(source: &Source) -> Option<HandModel> {
+    let mut built = built();
+    let at = built.iter().position(|(key, _)| key == source)?;
+    let entry = built.remove(at)?;
+    let hand = entry.1.clone();
+    built.push_front(entry);
+    Some(hand)
+}
+
+/// The hand from the program's folder, or a new one, which goes there.
+fn stored_or_built(source: &Source, options: &HandOptions) -> Result<HandModel, RigError> {
+    let store = store();
+    if let Some(hand) = store.as_ref().and_then(|store| store.read(source)) {
+        return Ok(hand);
+    }
+    let hand = build_hand(&source.bytes, options)?;
+    if let Some(store) = store {
+        store.write(source, &hand);
+    }
+    Ok(hand)
+}
+
+/// Sets of offsets kept, the last ones asked for.
+const OFFSETS_KEPT: usize = 4;
 
 /// Offsets that were measured before on the flesh of a hand.
 type Known = (String, Vec<PoseOffsets>);
@@ -70,7 +101,7 @@ pub fn offsets_of(hand: &HandModel, skinning: Skinning) -> Result<Vec<PoseOffset
     }
     let offsets = sculpted_offsets(hand, skinning)?;
     let mut known = lock();
-    known.truncate(KEPT - 1);
+    known.truncate(OFFSETS_KEPT - 1);
     known.push_front((source, offsets.clone()));
     Ok(offsets)
 }
@@ -97,8 +128,11 @@ mod tests {
         let left = hand_of(asset(Side::Left), &options(60, "a")).unwrap();
         assert_eq!(left.side, Some(Side::Left));
         assert!(hand_of(&bytes[..1000], &options(60, "a")).is_err());
-        for tets in [100, 110, 120, 130] {
+        // What is used stays, however many others are asked for.
+        let source = Source { bytes: bytes.to_vec(), options: format!("{:?}", options(60, "")) };
+        for tets in (0..KEPT).map(|k| 100 + 10 * k) {
             hand_of(bytes, &options(tets, "a")).unwrap();
+            assert!(recall(&source).is_some());
         }
         assert!(BUILT.lock().unwrap().len() <= KEPT);
         let fresh = build_hand(bytes, &options(60, "a")).unwrap();
