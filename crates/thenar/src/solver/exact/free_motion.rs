@@ -58,7 +58,7 @@ impl Exact {
         let mut solved = Solved::default();
         if self.ready == Ready::Jacobi {
             solved = if touches {
-                self.iterate_on(step, self.iterations_worth_a_factor, accuracy, scale)
+                self.iterate_on(step, true, accuracy, scale)
             } else {
                 self.iterate_within_bounds(step, accuracy, scale)
             };
@@ -71,7 +71,7 @@ impl Exact {
             solved = self.iterate_with_factor(step, accuracy, scale);
             solved.iterations += done;
         } else if !solved.converged {
-            solved = self.iterate_on(step, accuracy.iterations_max, accuracy, scale);
+            solved = self.iterate_on(step, false, accuracy, scale);
         }
         let Self { bodies, carried, springs, split, x, .. } = self;
         system(step, bodies, carried, springs, split).velocities(x, v);
@@ -126,7 +126,7 @@ impl Exact {
         pcg::largest_speed(&work.v, bodies.bodies())
     }
 
-    /// With the block diagonal, until it costs more than the factor, and with the right bounds held.
+    /// With the block diagonal, as long as it promises to cost less than the factor, and with the right bounds held.
     fn iterate_within_bounds(
         &mut self,
         step: &StepSystem<'_>,
@@ -142,7 +142,8 @@ impl Exact {
                 jacobi.apply(&system, coarse, r, z);
                 held.project(z);
             };
-            let stop = pcg::Stop { scale, ..accuracy.stop(WINDOW, worth - solved.iterations) };
+            let most = worth - solved.iterations;
+            let stop = pcg::Stop { scale, gives_up: true, ..accuracy.stop(WINDOW, most) };
             let before = solved.iterations;
             solved = pcg::solve(&system, apply, x, stop, work);
             solved.iterations += before;
@@ -190,19 +191,20 @@ impl Exact {
         solved
     }
 
-    /// With the block diagonal and no bounds.
+    /// With the block diagonal and no bounds; where it `gives_up`, as long as it promises to cost less than the factor.
     fn iterate_on(
         &mut self,
         step: &StepSystem<'_>,
-        iterations_max: u32,
+        gives_up: bool,
         accuracy: &Accuracy,
         scale: f64,
     ) -> Solved {
+        let most = accuracy.iterations_max;
+        let most = if gives_up { self.iterations_worth_a_factor.min(most) } else { most };
         let Self { bodies, carried, springs, split, coarse, jacobi, x, work, .. } = self;
         let system = system(step, bodies, carried, springs, split);
         let apply = |r: &Coordinates, z: &mut Coordinates| jacobi.apply(&system, coarse, r, z);
-        let iterations_max = iterations_max.min(accuracy.iterations_max);
-        let stop = pcg::Stop { scale, ..accuracy.stop(WINDOW, iterations_max) };
+        let stop = pcg::Stop { scale, gives_up, ..accuracy.stop(WINDOW, most) };
         pcg::solve(&system, apply, x, stop, work)
     }
 }

@@ -154,7 +154,7 @@ pub struct Accuracy {
 impl Accuracy {
     fn stop(&self, iterations_min: u32, iterations_max: u32) -> Stop {
         let tolerance = self.velocity;
-        Stop { tolerance, iterations_min, iterations_max, scale: 0.0, left: None }
+        Stop { tolerance, iterations_min, iterations_max, scale: 0.0, left: None, gives_up: false }
     }
 }
 

@@ -126,9 +126,13 @@ impl Exact {
         }
         let mut solved = pcg::Solved::default();
         if self.ready != Ready::Direct {
-            solved = self.follow_with_diagonal(step, accuracy);
-            if !solved.converged {
-                self.factor_if_needed(step)?;
+            solved = self.follow_with_diagonal(step, accuracy, true);
+            if !solved.converged && self.factor_if_needed(step).is_err() {
+                // Single precision is not enough for this matrix, and there is nothing else.
+                solved = self.follow_with_diagonal(step, accuracy, false);
+                if !solved.converged {
+                    return Err(Failure::NotPositiveDefinite);
+                }
             }
         }
         if self.ready == Ready::Direct {
@@ -148,14 +152,20 @@ impl Exact {
         delassus.load_more(&system, contacts, work)
     }
 
-    /// With the block diagonal, until it costs more than the factor.
-    fn follow_with_diagonal(&mut self, step: &StepSystem<'_>, accuracy: &Accuracy) -> pcg::Solved {
-        let worth = self.iterations_worth_a_factor.min(accuracy.iterations_max);
+    /// With the block diagonal; where it `gives_up`, as long as it promises to cost less than the factor.
+    fn follow_with_diagonal(
+        &mut self,
+        step: &StepSystem<'_>,
+        accuracy: &Accuracy,
+        gives_up: bool,
+    ) -> pcg::Solved {
+        let most = accuracy.iterations_max;
+        let most = if gives_up { self.iterations_worth_a_factor.min(most) } else { most };
         let Self { bodies, carried, springs, split, coarse, jacobi, x, work, .. } = self;
         let system = system(step, bodies, carried, springs, split);
         let apply = |r: &Coordinates, z: &mut Coordinates| jacobi.apply(&system, coarse, r, z);
         let tolerance = FOLLOWED_TO * accuracy.velocity;
-        let stop = pcg::Stop { tolerance, ..accuracy.stop(WINDOW, worth) };
+        let stop = pcg::Stop { tolerance, gives_up, ..accuracy.stop(WINDOW, most) };
         pcg::solve(&system, apply, x, stop, work)
     }
 

@@ -238,7 +238,7 @@ fn contact_that_misses_the_tolerance_says_so() {
     let (mut missed, mut looks) = (0, 0);
     for (name, desc) in grasps() {
         along(desc, |before, input, dense| {
-            for sweeps in [1, 3, 10, 30] {
+            for sweeps in [1, 2, 3, 10, 30] {
                 // As fine as impulses are found there: see the other test.
                 let asked = if name == "bread, stiff" { 1e-5 } else { 1e-6 };
                 let mut world = exact(before, asked, sweeps);
@@ -260,6 +260,7 @@ fn contact_that_misses_the_tolerance_says_so() {
         });
     }
     // Most of what so few sweeps leave is led on to where it should be.
-    // One look in fifty.
-    assert!(50 * missed > looks, "only {missed} of {looks} missed");
+    // One look in a hundred: of one, three, ten and thirty sweeps 2 in 160 were, once impulses that have to change are followed with
+    // the factor at once.
+    assert!(100 * missed > looks, "only {missed} of {looks} missed");
 }
