@@ -15,7 +15,7 @@ const FINGERS: [&str; 5] = ["thumb", "index", "middle", "ring", "little"];
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// A scene whose first hand is worn, with its motion as the wearer's command.
-    #[arg(default_value = "pinch")]
+    #[arg(default_value = "table-press")]
     scene: PathBuf,
     /// Mass [kg], damping [N s/m] and stiffness [N/m] of each finger at its pad.
     #[arg(long, value_name = "M,B,K", default_value = "0.05,1,50", value_parser = human)]
@@ -149,15 +149,23 @@ fn print(what: &Rehearsal, out: &Outcome) {
         out.largest[0], out.largest[1]
     );
     out.trips.iter().for_each(|trip| println!("stopped at {trip}"));
-    let (still, passive) = (out.is_still(), out.worst().beyond < 1e-3);
-    let verdict = match (out.trips.is_empty(), what.sway) {
+    println!("{}", verdict(out, what.sway.is_some()));
+}
+
+/// The outcome of a rehearsal in a line.
+fn verdict(out: &Outcome, sways: bool) -> &'static str {
+    let passive = out.worst().beyond < 1e-3;
+    match (out.trips.is_empty(), sways) {
         (false, _) => "the guards stopped it",
-        (true, Some(_)) if passive => "passive: no finger is given more than its damper takes up",
-        (true, Some(_)) => "not passive: more than 1 mJ beyond what a damper took up",
-        (true, None) if still => "still: what disturbs it dies out",
-        (true, None) => "not still: more than 20 mN or 0.1 mm rms, or 0.1 mJ a second given",
-    };
-    println!("{verdict}");
+        (true, _) if !out.is_felt() => {
+            "nothing was felt, so this says nothing of touch: where the command stands still, the hand is to press something \
+             (a scene, --until, --press)"
+        }
+        (true, true) if passive => "passive: no finger is given more than its damper takes up",
+        (true, true) => "not passive: more than 1 mJ beyond what a damper took up",
+        (true, false) if out.is_still() => "still: what disturbs it dies out",
+        (true, false) => "not still: more than 20 mN or 0.1 mm rms, or 0.1 mJ a second given",
+    }
 }
 
 /// Gil's rule for a loop of 1 kHz \[N/m\].
@@ -171,6 +179,34 @@ fn rule(grip: f64, delay: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use thenar_link::rehearsal::Felt;
+
+    #[test]
+    fn a_verdict_is_given_on_what_was_felt() {
+        let felt = |mean: f64, rms: f64, beyond: f64| Outcome {
+            fingers: [Felt { mean, rms, beyond, ..Felt::default() }; 5],
+            // Something else was felt on the way.
+            largest: [1.0, 0.0],
+            felt: mean + rms,
+            stiffness: 25.0,
+            delay: 0.03,
+            trips: Vec::new(),
+            live: true,
+        };
+        let begins = |out: Outcome, sways: bool, with: &str| {
+            let said = verdict(&out, sways);
+            assert!(said.starts_with(with), "{said}");
+        };
+        begins(felt(0.3, 1e-3, 0.0), false, "still");
+        begins(felt(0.3, 0.03, 0.0), false, "not still");
+        begins(felt(0.3, 0.03, 0.0), true, "passive");
+        begins(felt(0.3, 0.03, 0.002), true, "not passive");
+        // A phantom of the flesh may be as large in free air.
+        for sways in [false, true] {
+            begins(felt(0.015, 1e-4, 0.0), sways, "nothing was felt");
+        }
+        begins(Outcome { trips: vec!["1.2 s".into()], ..felt(0.0, 0.0, 0.0) }, false, "the guards");
+    }
 
     #[test]
     fn numbers_have_units_or_the_usual_ones() {

@@ -121,6 +121,8 @@ pub struct Outcome {
     pub fingers: [Felt; DIGITS],
     /// Largest force that was sent, and its largest change in a tick \[N\].
     pub largest: [f64; 2],
+    /// Largest force that a finger felt once the command stood still or swayed \[N\].
+    pub felt: f64,
     /// Stiffest that a blocked finger was felt in the end \[N/m\].
     pub stiffness: f64,
     /// Delay from motion to force that the loop reckoned with \[s\].
@@ -136,6 +138,11 @@ impl Outcome {
     pub fn is_still(&self) -> bool {
         let worst = self.worst();
         self.trips.is_empty() && worst.rms < 0.02 && worst.motion_rms < 1e-4 && worst.given < 1e-4
+    }
+
+    /// True when a finger that rests or sways felt more than the flesh of a hand in free air may show by itself, 20 mN.
+    pub fn is_felt(&self) -> bool {
+        self.felt > 0.02
     }
 
     /// The worst of all fingers.
@@ -232,6 +239,7 @@ impl<'a> Run<'a> {
         let out = Outcome {
             fingers: [Felt::default(); DIGITS],
             largest: [0.0; 2],
+            felt: 0.0,
             stiffness: 0.0,
             delay: 0.0,
             trips: Vec::new(),
@@ -318,6 +326,7 @@ impl<'a> Run<'a> {
 
     /// Books what the forces of the last tick did.
     fn account(&mut self, forces: &[f64; DIGITS], moved: &[f64; DIGITS], looked_at: bool) {
+        self.out.felt = forces.iter().copied().fold(self.out.felt, f64::max);
         for (k, felt) in self.out.fingers.iter_mut().enumerate() {
             // Closing is against the force.
             let given = -forces[k] * moved[k];

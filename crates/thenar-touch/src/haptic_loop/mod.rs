@@ -142,7 +142,7 @@ impl HapticLoop {
             .chain(displays.iter().map(|display| display.messenger()))
             .collect();
         let lookouts = Lookouts::of(&trackers, &displays);
-        let (design, too_stiff) = fitted(&settings.design, rate_hz, &displays);
+        let (design, too_stiff) = fitted(&settings, &displays);
         let limits = limits_of(&settings, &displays);
         let bounds = bounds_of(&settings, &displays);
         let (shared, monitored) = share(&settings, trackers, displays, true)?;
