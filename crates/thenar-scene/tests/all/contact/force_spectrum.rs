@@ -1,6 +1,6 @@
 //! Goal: in slow motion the force follows position without flicker. Method: things drawn and rolled at
 //! 20 mm/s over a finger of the default hand, over one of the paper's and over a soft pad, and the finger over the pad,
-//! at 1 ms steps. The part of the
+//! at 1 ms steps once they are pressed. The part of the
 //! net force above 50 Hz (rms over the three components, Hann window, straight trend removed) is below
 //! 0.5 % of the mean force: amplitudes, not their squares. At half the speed the largest change of force
 //! and torque in a step is half.
@@ -10,9 +10,12 @@ use std::fmt::Write as _;
 use std::path::Path;
 use thenar::Vec3;
 use thenar::model::BodyId;
+use thenar::world::{ContactPoint, World};
 use thenar_scene::session::Session;
 
 const H: f64 = 1e-3;
+/// Until a thing is pressed on \[s\]; nothing is measured then.
+const H_BEFORE: f64 = 5e-3;
 /// When a thing has been pressed on, and when it starts to move \[s\].
 const PRESSED: f64 = 0.2;
 const MOVES: f64 = 0.3;
@@ -116,12 +119,11 @@ fn wrenches(case: &Case<'_>, speed: f64) -> Vec<[Vec3; 2]> {
     let world = session.world();
     let thing = world.desc().rigids.iter().position(|r| r.name == "thing").unwrap() as u32;
     let mut found = Vec::new();
-    for k in 1..=(end / H).round() as usize {
-        session.step(&mut ());
+    run(&mut session, end, |time, world| {
         // A few steps on the way, friction has built up.
-        if k as f64 * H > MOVES + 0.15 * way.norm() / speed {
+        if time > MOVES + 0.15 * way.norm() / speed + 0.5 * H {
             let mut wrench = [Vec3::zeros(); 2];
-            for c in session.world().contacts() {
+            for c in world.contacts() {
                 let [a, b] = c.bodies.map(|body| body == BodyId::Rigid(thing));
                 let sign = if a {
                     1.0
@@ -135,7 +137,7 @@ fn wrenches(case: &Case<'_>, speed: f64) -> Vec<[Vec3; 2]> {
             }
             found.push(wrench);
         }
-    }
+    });
     found
 }
 
@@ -169,6 +171,16 @@ pub(super) fn above_50_hz(force: &[Vec3]) -> f64 {
 pub(super) fn largest_change(wrenches: &[[Vec3; 2]]) -> [f64; 2] {
     let change = |k: usize| wrenches.windows(2).map(move |w| (w[1][k] - w[0][k]).norm());
     [0, 1].map(|k| change(k).fold(0.0, f64::max))
+}
+
+/// Steps to the end, long ones until the thing is pressed on; `each` hears the time after each step.
+fn run(session: &mut Session, end: f64, mut each: impl FnMut(f64, &World)) {
+    while session.world().time() < end - 0.5 * H {
+        let pressed = session.world().time() > PRESSED - 0.5 * H;
+        session.world_mut().set_time_step(if pressed { H } else { H_BEFORE });
+        session.step(&mut ());
+        each(session.world().time(), session.world());
+    }
 }
 
 /// Hardly anything above 50 Hz; returns what acted.
@@ -373,16 +385,15 @@ fn finger_on_pad(cells: [u32; 3], way: [f64; 3], depth: f64, friction: f64) -> V
     let mut session = Session::from_text(&text, Path::new("finger.toml"), &[])
         .unwrap_or_else(|e| panic!("{e}\n{text}"));
     let mut found = Vec::new();
-    for k in 1..=(end / H).round() as usize {
-        session.step(&mut ());
-        if k as f64 * H > MOVES + 0.15 * way.norm() / 0.02 {
-            let on_pad = |c: &thenar::world::ContactPoint| match c.bodies[0] {
+    run(&mut session, end, |time, world| {
+        if time > MOVES + 0.15 * way.norm() / 0.02 + 0.5 * H {
+            let on_pad = |c: &ContactPoint| match c.bodies[0] {
                 BodyId::Soft(1) => c.force_W,
                 _ => -c.force_W,
             };
-            found.push(session.world().contacts().iter().map(on_pad).sum());
+            found.push(world.contacts().iter().map(on_pad).sum());
         }
-    }
+    });
     found
 }
 
