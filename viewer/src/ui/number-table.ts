@@ -31,7 +31,7 @@ export class NumberTable {
       ...parts.map(({ label, colour }, p) => {
         const dot = h("i", { class: "dot" });
         dot.style.background = colour;
-        return h("tr", {}, h("th", { scope: "row" }, dot, label), ...this.rows[p]);
+        return h("tr", {}, h("th", { scope: "row", title: label }, dot, label), ...this.rows[p]);
       }),
     );
     this.foot.hidden = !total;
