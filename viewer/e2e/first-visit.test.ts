@@ -236,6 +236,20 @@ test("who watches can take control where it is refused", async () => {
   expect(second.problems).toEqual([]);
 });
 
+test("a link that waits for control says so, until control comes", async () => {
+  const first = await controlling();
+  const second = await open(browser, server.url, { hash: "#scene=pinch" });
+  const toast = second.page.locator(".toast", { hasText: "This link shows pinch" });
+  await toast.waitFor();
+  await first.page.close();
+  await until(second.page, (t) => t.inControl);
+  await toast.waitFor({ state: "detached", timeout: 3000 });
+  await until(second.page, (t) => t.model!.scene === "pinch");
+  await read(second.page, (t) => t.app.connection.send({ type: "scene", name: "bread-grasp" }));
+  await until(second.page, (t) => t.model!.scene === "bread-grasp");
+  expect(second.problems).toEqual([]);
+});
+
 test("a slow line says that the model is loading, with buttons off and no hint", async () => {
   const page = await browser.newPage();
   let release = (): void => undefined;

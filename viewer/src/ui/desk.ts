@@ -23,6 +23,9 @@ export interface Panel {
   shown?(open: boolean): void;
 }
 
+/** The button of messages about control that lacks. */
+export const TAKE_CONTROL = "Take control";
+
 /** Takes control from whoever holds it. */
 export function takeControl(desk: Desk): void {
   if (desk.app.connection.send({ type: "control", take: true })) return;
@@ -34,7 +37,7 @@ export function sayWatching(desk: Desk): void {
   const holder = desk.app.connection.status?.control ?? null;
   const who = holder === null ? "Nobody holds control." : `Viewer ${holder} holds control.`;
   desk.toasts.show(`${who} You are watching.`, "warning", {
-    label: "Take control",
+    label: TAKE_CONTROL,
     act: () => takeControl(desk),
   });
 }

@@ -2,7 +2,7 @@
 
 import type { App } from "../app";
 import { LAYERS } from "../scene/layers";
-import { takeControl, type Desk } from "./desk";
+import { TAKE_CONTROL, takeControl, type Desk } from "./desk";
 import { PauseAt } from "./pause-at";
 import type { ViewLink } from "./view-link";
 
@@ -15,7 +15,7 @@ export function openLink(desk: Desk, link: ViewLink): void {
   // A link that cannot be followed says so on a bare picture, too.
   const told = (message: string) => desk.toasts.show(message, "warning", null, true);
   const toldWatching = (message: string) =>
-    desk.toasts.show(message, "warning", { label: "Take control", act: () => takeControl(desk) }, true);
+    desk.toasts.show(message, "warning", { label: TAKE_CONTROL, act: () => takeControl(desk) }, true);
   if (link.layers !== null) for (const layer of LAYERS) stage.setLayer(layer, link.layers.includes(layer));
   if (link.weights !== null) {
     stage.setWeightBones(link.weights);

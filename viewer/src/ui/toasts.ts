@@ -25,7 +25,7 @@ export class Toasts {
     for (const old of [...this.element.children]) {
       if (old instanceof HTMLElement && old.dataset["text"] === text) old.remove();
     }
-    const toast = h("div", { class: `toast ${tone}${always ? " always" : ""}`, "data-text": text }, h("span", {}, text));
+    const toast = h("div", { class: `toast ${tone}${always ? " always" : ""}`, "data-text": text, "data-action": action?.label ?? "" }, h("span", {}, text));
     if (action !== null) {
       const act = () => {
         toast.remove();
@@ -41,5 +41,12 @@ export class Toasts {
     // A button gives time to decide.
     const stay = action === null ? read : read + 8000;
     setTimeout(() => toast.remove(), stay);
+  }
+
+  /** Takes back what offers this action, where there is nothing to do any more. */
+  withdraw(label: string): void {
+    for (const old of [...this.element.children]) {
+      if (old instanceof HTMLElement && old.dataset["action"] === label) old.remove();
+    }
   }
 }

@@ -6,7 +6,7 @@ import { Posing } from "../input/posing";
 import { PosingKeys } from "../input/posing-keys";
 import { touchCard } from "../touch/card";
 import { banner } from "./banner";
-import { sayRefused, type Desk } from "./desk";
+import { sayRefused, TAKE_CONTROL, type Desk } from "./desk";
 import { h } from "./dom";
 import { acceptDrops } from "./drops";
 import { graspDock } from "./grasp-dock";
@@ -60,6 +60,9 @@ export function mountUi(app: App, root: HTMLElement): Desk {
     label: "Hide or show everything but the picture",
     group: "Page",
     act: () => shell.hideAll((bare = !bare)),
+  });
+  app.connection.on("status", () => {
+    if (app.connection.inControl) desk.toasts.withdraw(TAKE_CONTROL);
   });
   app.connection.on("error", ({ message }) => desk.toasts.show(message, "error"));
   describe(app);
