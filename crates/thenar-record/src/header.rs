@@ -34,7 +34,11 @@ pub struct Build {
 impl Build {
     /// Build of the running program. Reads the program's file, which takes some ten milliseconds.
     pub fn of_this_program() -> Self {
-        std::env::current_exe().and_then(|file| Self::of(&file)).unwrap_or_default()
+        // What runs, even when its file was replaced meanwhile.
+        let running = Path::new("/proc/self/exe");
+        let file =
+            if running.exists() { Ok(running.to_path_buf()) } else { std::env::current_exe() };
+        file.and_then(|file| Self::of(&file)).unwrap_or_default()
     }
 
     fn of(file: &Path) -> std::io::Result<Self> {

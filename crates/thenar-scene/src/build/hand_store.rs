@@ -1,6 +1,6 @@
 //! Hands kept in a folder from one run of a program to the next.
 //!
-//! A file begins with all that its hand was made from: the program that made it, by a hash of its own file, the vector
+//! A file begins with all that its hand was made from: the program that made it, by size and CRC of its own file, the vector
 //! instructions that it ran with, the hash of the mesh's bytes, and the options. Another program, mesh or option finds
 //! another name or another beginning. What is not known is the system's mathematical library, where a program does not hold
 //! its own. What cannot be read, is damaged or cannot be written is as if it were not there: the hand is built.
@@ -8,11 +8,11 @@
 use super::hand_cache::Source;
 use std::fs::{self, File};
 use std::hash::{DefaultHasher, Hasher};
-use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{LazyLock, OnceLock};
 use std::time::{Duration, SystemTime};
 use thenar::model::HandModel;
+use thenar_record::Build;
 use thenar_rig::Model;
 
 /// Hands kept in a folder. One of the default size has a file of less than a megabyte.
@@ -25,48 +25,28 @@ const DRAFT: &str = "part";
 /// Nobody still writes a draft of this age.
 const DAY: Duration = Duration::from_secs(86_400);
 
-/// The folder, and the program's file, which it is known by.
-struct Kept {
-    folder: PathBuf,
-    program: Mutex<Program>,
-}
+static FOLDER: OnceLock<PathBuf> = OnceLock::new();
 
-enum Program {
-    /// Not read yet: it is, when the first hand is wanted.
-    File(File),
-    Hash(u64),
-    Unknown,
-}
-
-static KEPT_IN: OnceLock<Kept> = OnceLock::new();
+/// The running program, by its file: read when the first hand is wanted.
+static PROGRAM: LazyLock<Build> = LazyLock::new(Build::of_this_program);
 
 /// Keeps the hands that scenes build in this folder, for the next run of the program; to be called once, at its start, by a
 /// program that holds all of its code itself. Without it hands are kept in memory alone.
 pub fn keep_hands_in(folder: PathBuf) {
-    // What runs, even when its file is replaced meanwhile.
-    let running = PathBuf::from("/proc/self/exe");
-    let file = if running.exists() { Ok(running) } else { std::env::current_exe() };
-    let file = file.and_then(File::open);
-    let program = Mutex::new(file.map_or(Program::Unknown, Program::File));
     // The first folder stays.
-    let _ = KEPT_IN.set(Kept { folder, program });
+    let _ = FOLDER.set(folder);
 }
 
 /// The store of this program, if it has one.
 pub(super) fn store() -> Option<Store<'static>> {
-    let Kept { folder, program } = KEPT_IN.get()?;
-    let mut program = program.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Program::File(file) = &mut *program {
-        *program = hash_of_file(file).map_or(Program::Unknown, Program::Hash);
-    }
-    let Program::Hash(program) = *program else { return None };
-    Some(Store { folder, program })
+    let folder = FOLDER.get()?;
+    (*PROGRAM != Build::default()).then(|| Store { folder, program: *PROGRAM })
 }
 
 /// A folder of hands, as one program sees it.
 pub(super) struct Store<'a> {
     folder: &'a Path,
-    program: u64,
+    program: Build,
 }
 
 impl Store<'_> {
@@ -102,11 +82,13 @@ impl Store<'_> {
     /// Name and beginning of a hand's file.
     fn entry(&self, source: &Source) -> (PathBuf, String) {
         let Source { bytes, options } = source;
-        let (program, mesh) = (self.program, hash_of(bytes));
+        let (Build { bytes: size, crc32 }, mesh) = (self.program, hash_of(bytes));
         let vectors = thenar::vector_instructions();
         let version = env!("CARGO_PKG_VERSION");
-        let key =
-            format!("{version} {program:016x} {vectors} {mesh:016x} {} {options}\n", bytes.len());
+        let key = format!(
+            "{version} {size} {crc32:08x} {vectors} {mesh:016x} {} {options}\n",
+            bytes.len()
+        );
         let name = format!("{:016x}.{ENDING}", hash_of(key.as_bytes()));
         (self.folder.join(name), key)
     }
@@ -135,17 +117,6 @@ impl Store<'_> {
     }
 }
 
-/// Hash of a file's bytes, read in pieces.
-fn hash_of_file(file: &mut File) -> Option<u64> {
-    let (mut hasher, mut piece) = (DefaultHasher::new(), vec![0; 1 << 20]);
-    loop {
-        match file.read(&mut piece).ok()? {
-            0 => return Some(hasher.finish()),
-            count => hasher.write(&piece[..count]),
-        }
-    }
-}
-
 fn hash_of(bytes: &[u8]) -> u64 {
     let mut hasher = DefaultHasher::new();
     hasher.write(bytes);
@@ -169,8 +140,8 @@ mod tests {
             Self(path)
         }
 
-        fn store(&self, program: u64) -> Store<'_> {
-            Store { folder: &self.0, program }
+        fn store(&self, crc32: u32) -> Store<'_> {
+            Store { folder: &self.0, program: Build { bytes: 1, crc32 } }
         }
 
         fn files(&self) -> Vec<PathBuf> {
@@ -241,22 +212,6 @@ mod tests {
         let store = folder.store(7);
         std::os::unix::fs::symlink("/dev/zero", store.entry(&source("a")).0).unwrap();
         assert!(store.read(&source("a")).is_none());
-    }
-
-    #[test]
-    fn the_hash_of_a_file_is_that_of_its_bytes() {
-        let folder = Folder::new("hash");
-        fs::create_dir_all(&folder.0).unwrap();
-        let path = folder.0.join("program");
-        let mut bytes = vec![7; 3 << 20];
-        let hash = |bytes: &[u8]| {
-            fs::write(&path, bytes).unwrap();
-            hash_of_file(&mut File::open(&path).unwrap()).unwrap()
-        };
-        let before = hash(&bytes);
-        assert_eq!(hash(&bytes), before);
-        bytes[(2 << 20) + 5] = 8;
-        assert_ne!(hash(&bytes), before);
     }
 
     #[test]
