@@ -41,7 +41,9 @@ pub mod kinematics {
 /// differences of energies, probes measure stress by them, and touch resolves contact and couplings by them. Stepping a
 /// world needs none of them.
 pub mod kernels {
-    pub use crate::contact::{Detector, Reach, RigidPlace, Side, Sides, Site, SurfaceState};
+    pub use crate::contact::{
+        Detector, HeldPlace, Reach, RigidPlace, Side, Sides, Site, SurfaceState,
+    };
     pub use crate::coupling::{BoneSystem, EffectiveMass, skin_target};
     pub use crate::flesh::{PAIRS, RestTet, respond, rotation_of, signed_svd};
     pub use crate::skeleton::{

@@ -2,8 +2,9 @@
 
 use super::state::{Bare, BareRef};
 use crate::format::PresetWord;
-use crate::session::{GripsRef, Memory, MemoryRef, ReflexesRef, Session, Source};
+use crate::session::{GripsRef, IfNone, Memory, MemoryRef, ReflexesRef, Session, Source};
 use serde::{Deserialize, Serialize};
+use thenar::kernels::HeldPlace;
 use thenar::world::State;
 
 /// A scene frame, in postcard's encoding: a session begins. Behind it stands the number of the hand that the scene
@@ -136,8 +137,15 @@ impl Keyframe {
                 let rest;
                 (kept.memory.grips, rest) = postcard::take_from_bytes(faded.1).ok()?;
                 if !rest.is_empty() {
-                    kept.memory
-                        .set_reflexes(&postcard::take_from_bytes::<Vec<_>>(rest).ok()?.0[..]);
+                    let (reflexes, rest): (Vec<_>, &[u8]) = postcard::take_from_bytes(rest).ok()?;
+                    kept.memory.set_reflexes(&reflexes);
+                    if kept.memory.grips.iter().all(Option::is_none) {
+                        kept.memory.grips.clear();
+                    }
+                    if !rest.is_empty() {
+                        let places: Vec<HeldPlace> = postcard::take_from_bytes(rest).ok()?.0;
+                        state.sides = state.sides.with_places(places);
+                    }
                 }
             }
         }
@@ -154,7 +162,14 @@ impl Keyframe {
     /// True when a session remembers the same as this, to the bit.
     pub(super) fn remembers_as(&self, session: &Session) -> bool {
         let (mut one, mut other) = (Vec::new(), Vec::new());
-        append(&mut one, &(session.memory(), session.grips_memory(), session.reflexes()));
+        append(
+            &mut one,
+            &(
+                session.memory(),
+                session.grips_memory(IfNone::Nothing),
+                session.reflexes(IfNone::Nothing),
+            ),
+        );
         self.kept.as_ref().is_none_or(|kept| {
             append(&mut other, &kept.memory);
             if !kept.memory.grips.is_empty() {
@@ -178,6 +193,9 @@ pub(super) struct KeyframeRef<'a> {
     grips: GripsRef<'a>,
     /// After that how their grips answer to load.
     reflexes: ReflexesRef<'a>,
+    /// Last where skin is held by round parts; of none nothing is written.
+    #[serde(skip_serializing_if = "<[HeldPlace]>::is_empty")]
+    places: &'a [HeldPlace],
 }
 
 impl<'a> KeyframeRef<'a> {
@@ -185,9 +203,10 @@ impl<'a> KeyframeRef<'a> {
     pub fn of(session: &'a Session, number: u64, start: u64) -> Self {
         let state = session.world().state();
         let memory = session.memory();
-        let (faded, grips) = (&state.faded[..], session.grips_memory());
-        let reflexes = session.reflexes();
-        Self { number, state: state.into(), start, memory, faded, grips, reflexes }
+        let (faded, places) = (&state.faded[..], state.sides.places());
+        let if_none = if places.is_empty() { IfNone::Nothing } else { IfNone::Each };
+        let (grips, reflexes) = (session.grips_memory(if_none), session.reflexes(if_none));
+        Self { number, state: state.into(), start, memory, faded, grips, reflexes, places }
     }
 }
 

@@ -9,6 +9,7 @@ use crate::text::plain;
 use crate::tuning::SettingValue;
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use thenar::kernels::HeldPlace;
 use thenar::world::{State, Target};
 
 /// An input frame, in postcard's encoding: after `number` steps this entered.
@@ -37,6 +38,7 @@ pub enum What {
     Grip { hand: u32, order: Order },
     Release { hand: u32 },
     GripAdapting { hand: u32, order: Order },
+    ResumeHolding { state: Box<Bare>, faded: Vec<[f64; 6]>, places: Vec<HeldPlace> },
 }
 
 /// A borrowed input, to be written: nothing is copied to the heap.
@@ -63,6 +65,7 @@ pub enum WhatRef<'a> {
     Grip { hand: u32, order: &'a Order },
     Release { hand: u32 },
     GripAdapting { hand: u32, order: &'a Order },
+    ResumeHolding { state: BareRef<'a>, faded: &'a [[f64; 6]], places: &'a [HeldPlace] },
 }
 
 /// Hands an entry on in the form in which it is written.
@@ -83,6 +86,10 @@ pub fn with_ref(number: u64, entry: Entry<'_>, then: impl FnOnce(&InputRef<'_>))
             give(WhatRef::Lead { hand: hand as u32, targets: Flattened(targets) });
         }
         Entry::LetGo { hand } => give(WhatRef::LetGo { hand: hand as u32 }),
+        Entry::Resume { state } if !state.sides.places().is_empty() => {
+            let (faded, places) = (&state.faded[..], state.sides.places());
+            give(WhatRef::ResumeHolding { state: state.into(), faded, places });
+        }
         Entry::Resume { state } if state.faded.is_empty() => {
             give(WhatRef::Resume { state: state.into() });
         }
@@ -114,6 +121,7 @@ impl What {
                 | Self::Lead { .. }
                 | Self::Resume { .. }
                 | Self::ResumeRemembering { .. }
+                | Self::ResumeHolding { .. }
         )
     }
 
@@ -143,6 +151,11 @@ impl What {
                 let state = State { faded: faded.clone(), ..state.0.clone() };
                 then(Entry::Resume { state: &state })
             }
+            Self::ResumeHolding { state, faded, places } => {
+                let sides = state.0.sides.clone().with_places(places.clone());
+                let state = State { faded: faded.clone(), sides, ..state.0.clone() };
+                then(Entry::Resume { state: &state })
+            }
             Self::Grip { hand, order } => then(Entry::Grip { hand: *hand as usize, order }),
             Self::GripAdapting { hand, order } => {
                 then(Entry::Grip { hand: *hand as usize, order: &order.adapting(true) })
@@ -168,7 +181,7 @@ impl fmt::Display for What {
             Self::Script { hand } => write!(f, "hand {hand} follows its script"),
             Self::Lead { hand, .. } => write!(f, "targets of hand {hand}"),
             Self::LetGo { hand } => write!(f, "hand {hand} is led no more"),
-            Self::Resume { .. } | Self::ResumeRemembering { .. } => {
+            Self::Resume { .. } | Self::ResumeRemembering { .. } | Self::ResumeHolding { .. } => {
                 write!(f, "the state of another simulation")
             }
             Self::Grip { hand, order } | Self::GripAdapting { hand, order } => {
@@ -232,7 +245,17 @@ mod tests {
         world.set_time(0.1);
         check(Entry::Resume { state: world.state() });
         let faded = vec![[0.1, -0.0, 1e300, 1.0 / 3.0, -7.0, 5e-324]; 3];
-        check(Entry::Resume { state: &State { faded, ..world.state().clone() } });
+        check(Entry::Resume { state: &State { faded: faded.clone(), ..world.state().clone() } });
+        let place = HeldPlace {
+            key: [0, 17, 3, 2],
+            weights: [0.25, 0.75, -0.0],
+            way: [1.0 / 3.0, 5e-324, -1e-9],
+            part: 0.5,
+        };
+        for faded in [Vec::new(), faded] {
+            let sides = world.state().sides.clone().with_places(vec![place; 2]);
+            check(Entry::Resume { state: &State { faded, sides, ..world.state().clone() } });
+        }
         check(Entry::Set { key: "friction", value: &SettingValue::Number(0.25) });
         check(Entry::Set { key: "solver", value: &SettingValue::Choice("two-step".into()) });
     }

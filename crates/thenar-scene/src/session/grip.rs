@@ -209,13 +209,13 @@ impl Session {
     }
 
     /// What grips remember, one for each hand.
-    pub(crate) fn grips_memory(&self) -> GripsRef<'_> {
-        GripsRef(self)
+    pub(crate) fn grips_memory(&self, if_none: IfNone) -> GripsRef<'_> {
+        GripsRef(self, if_none)
     }
 
     /// How they answer to load.
-    pub(crate) fn reflexes(&self) -> ReflexesRef<'_> {
-        ReflexesRef(self)
+    pub(crate) fn reflexes(&self, if_none: IfNone) -> ReflexesRef<'_> {
+        ReflexesRef(self, if_none)
     }
 
     /// True when this can be gone on from.
@@ -338,14 +338,23 @@ impl Session {
     }
 }
 
+/// What is written of a session in which nothing grips.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IfNone {
+    /// Nothing at all, as before hands gripped.
+    Nothing,
+    /// So many times nothing, so that more can come after.
+    Each,
+}
+
 /// What grips remember, where it is.
 #[derive(Clone, Copy, Debug)]
-pub struct GripsRef<'a>(&'a Session);
+pub struct GripsRef<'a>(&'a Session, IfNone);
 
 impl Serialize for GripsRef<'_> {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         // Of a session in which nothing was ever gripped there is nothing to tell: its frames are those of before.
-        if self.0.grips.iter().all(Option::is_none) {
+        if self.1 == IfNone::Nothing && self.0.grips.iter().all(Option::is_none) {
             return to.serialize_unit();
         }
         let grips = self.0.grips.iter();
@@ -355,11 +364,11 @@ impl Serialize for GripsRef<'_> {
 
 /// How grips answer to load, where it is.
 #[derive(Clone, Copy, Debug)]
-pub struct ReflexesRef<'a>(&'a Session);
+pub struct ReflexesRef<'a>(&'a Session, IfNone);
 
 impl Serialize for ReflexesRef<'_> {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        if self.0.grips.iter().all(Option::is_none) {
+        if self.1 == IfNone::Nothing && self.0.grips.iter().all(Option::is_none) {
             return to.serialize_unit();
         }
         let grips = self.0.grips.iter();

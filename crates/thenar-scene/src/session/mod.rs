@@ -24,7 +24,7 @@ mod witness;
 
 pub(crate) use drive::bones;
 pub use figures::{Figure, Figures, NamedFigure};
-pub use grip::{FORCE_MAX, GripError, GripsRef, ReflexesRef};
+pub use grip::{FORCE_MAX, GripError, GripsRef, IfNone, ReflexesRef};
 pub use keep_up::live_overrides;
 pub use library::{Builtin, builtin, builtins};
 pub use loads::{HandLoad, PARTS};

@@ -53,6 +53,7 @@ mod neighbour_tests;
 #[cfg(test)]
 mod pair_tests;
 mod pairs;
+mod places;
 mod ridge;
 mod rigid_body;
 mod rigid_pair;
@@ -73,7 +74,6 @@ mod soft_offer;
 mod soft_pairs;
 mod soft_rigid;
 mod soft_round;
-mod soft_samples;
 mod soft_soft;
 #[cfg(test)]
 mod soft_truth_tests;
@@ -93,6 +93,7 @@ pub use contact_point::{Contact, Found, RigidPlace, Site, SurfacePoint, SurfaceS
 pub(crate) use deepening::Moved;
 pub use detector::Detector;
 pub use distance::Distance;
+pub use places::HeldPlace;
 pub use rigid_pair::Reach;
 pub use shape::{DistanceGrid, MeshShape, Part, Shape};
 pub use sides::{Side, Sides};

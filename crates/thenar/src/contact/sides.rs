@@ -1,6 +1,7 @@
 //! Which side of a body each soft vertex was on.
 
 use crate::contact::approach::Seen;
+use crate::contact::places::{HeldPlace, PlaceKey, Places};
 use crate::math::Vec3;
 use crate::room::Room;
 use std::ops::Range;
@@ -33,6 +34,9 @@ impl Side {
 pub struct Sides {
     /// Sorted by vertex, then body, once the search is over.
     seen: Room<Side>,
+    /// Places that follow round parts. What writes a state down keeps them apart: they came last to it.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(crate) places: Places,
     /// No more are kept; a state that was read back holds what it holds.
     #[cfg_attr(feature = "serde", serde(skip))]
     most: usize,
@@ -41,7 +45,11 @@ pub struct Sides {
 impl Sides {
     /// Room for so many sides.
     pub fn with_capacity(sides: usize) -> Self {
-        Self { seen: Room::with_capacity(sides), most: sides }
+        Self {
+            seen: Room::with_capacity(sides),
+            places: Places { held: Room::with_capacity(sides) },
+            most: sides,
+        }
     }
 
     /// All, in order.
@@ -49,15 +57,28 @@ impl Sides {
         &self.seen
     }
 
+    /// Places that follow round parts, in order.
+    pub fn places(&self) -> &[HeldPlace] {
+        &self.places.held
+    }
+
+    /// These sides with other places.
+    pub fn with_places(self, held: Vec<HeldPlace>) -> Self {
+        Self { places: Places { held: held.into() }, ..self }
+    }
+
     /// Forgets all.
     pub fn clear(&mut self) {
         self.seen.clear();
+        self.places.held.clear();
     }
 
     /// Remembers what `other` does; its own room stays if it is larger.
     pub fn copy_from(&mut self, other: &Self) {
         self.seen.clear();
         self.seen.extend_from_slice(&other.seen);
+        self.places.held.clear();
+        self.places.held.extend_from_slice(&other.places.held);
         self.most = self.most.max(other.most);
     }
 
@@ -80,6 +101,7 @@ impl Sides {
     /// Puts the notes of a search in order.
     pub(crate) fn sort(&mut self) {
         self.seen.sort_unstable_by_key(Side::key);
+        self.places.held.sort_unstable_by_key(|held| held.key);
     }
 }
 
@@ -101,6 +123,26 @@ impl Sight<'_> {
         if let Some(now) = self.now.as_mut().filter(|now| now.seen.len() < now.most) {
             now.seen.push(Side { vertex: vertex as u32, other, normal, place });
         }
+    }
+
+    /// Where a place of a triangle is held whose `nearest` is this. What only looks takes the nearest.
+    pub fn hold(
+        &mut self,
+        key: PlaceKey,
+        nearest: [f64; 3],
+        x: &[Vec3; 3],
+        edge: f64,
+        farther: impl Fn(&[f64; 3]) -> f64,
+    ) -> [f64; 3] {
+        let Some(now) = self.now.as_mut().filter(|now| now.places.held.len() < now.most) else {
+            return nearest;
+        };
+        let held = match self.before.places.recall(&key) {
+            Some(before) => before.follow(nearest, x, edge, farther),
+            None => HeldPlace::new(key, nearest),
+        };
+        now.places.held.push(held);
+        held.weights
     }
 }
 

@@ -10,9 +10,9 @@ use crate::contact::aabb::Aabb;
 use crate::contact::collector::{Collector, feature_key};
 use crate::contact::near::{Arrival, Near};
 use crate::contact::sharp_blocks::Prism;
+use crate::contact::sides::Sight;
 use crate::contact::soft_rigid::{KEY_POINT, SoftRigid, VertexScratch};
 use crate::contact::soft_round::{ROUND_PLACES, Touches, meet_round};
-use crate::contact::soft_samples::{self, meet_samples};
 use crate::contact::triangle::{Closest, ROUNDED_UP, area_vector};
 use crate::contact::{Contact, Site, SurfacePoint};
 use crate::math::Vec3;
@@ -90,6 +90,7 @@ pub(crate) fn depth_max(pair: &SoftRigid) -> f64 {
 /// Adds the contacts of sharp points and of the round part.
 pub(crate) fn find(
     pair: &SoftRigid,
+    sight: &mut Sight,
     vertices: &VertexScratch,
     scratch: &mut FeatureScratch,
     out: &mut Collector,
@@ -111,11 +112,7 @@ pub(crate) fn find(
                 }
                 let mut touches =
                     Touches { kept: &mut scratch.touches, most, dropped: &mut dropped };
-                if let Some(parts) = soft_samples::parts(pair, &near, round) {
-                    meet_samples(pair, &near, r, round, parts, &mut touches);
-                    continue;
-                }
-                meet_round(pair, &near, r, round, &mut touches);
+                meet_round(pair, &near, (r, round), sight, &mut touches);
             }
         }
     }
@@ -269,12 +266,12 @@ fn sharp_that_arrives(pair: &SoftRigid, p: &Vec3, i: u32, t: u32) -> Option<Touc
 
 // Round parts.
 
-/// Room for fixed points, besides.
-const SAMPLES_MAX: usize = 1 << 14;
+/// Room besides, for compounds of many round parts.
+const SPARE: usize = 1 << 14;
 
 /// Contacts of round parts that are kept at most, with a surface of so many triangles.
 fn touches_max(triangles: usize) -> usize {
-    ROUND_PLACES * triangles + SAMPLES_MAX
+    ROUND_PLACES * triangles + SPARE
 }
 
 /// Hands over the contacts of round parts, in the order of the triangles.

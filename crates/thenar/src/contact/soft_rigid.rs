@@ -136,7 +136,7 @@ impl SoftRigid<'_> {
             }
         }
         if has_features && !is_inside && !vertices.near.is_empty() {
-            soft_feature::find(self, vertices, features, out);
+            soft_feature::find(self, sight, vertices, features, out);
         }
     }
 

@@ -9,9 +9,11 @@ use crate::contact::approach::approach;
 use crate::contact::blunt::{blunted, has_edges};
 use crate::contact::features::capsule_axis;
 use crate::contact::near::{Arrival, Near};
+use crate::contact::nearest::point;
+use crate::contact::places::PlaceKey;
+use crate::contact::sides::Sight;
 use crate::contact::soft_feature::Touch;
 use crate::contact::soft_rigid::{KEY_SEGMENT, SoftRigid};
-use crate::contact::soft_samples::PLACES;
 use crate::contact::triangle::{Feature, ROUNDED_UP, closest_on_triangle, segment_parameter};
 use crate::contact::{Distance, Part, Shape};
 use crate::math::Vec3;
@@ -20,11 +22,16 @@ use crate::math::Vec3;
 const NEAREST_ROUNDS: usize = 8;
 /// Places of one triangle at most: three inside, three on each edge.
 pub(crate) const ROUND_PLACES: usize = 12;
+/// Numbers for the places of one part.
+const PLACES: u32 = ROUND_PLACES as u32;
 /// Numbers of the places inside, and of those of one edge: by the ends of what lies along it, and by the nearest.
 const INSIDE: u32 = 3;
 const ON_EDGE: u32 = 3;
 /// The number of the nearest place.
 const NEAREST: u32 = 2;
+
+/// Slopes that differ by less are one.
+const SLOPE_ROUND_OFF: f64 = 1e-9;
 
 /// Where contacts of round parts go.
 pub(crate) struct Touches<'a> {
@@ -51,25 +58,39 @@ type Place = (u32, Feature, [f64; 3]);
 pub(crate) fn meet_round(
     pair: &SoftRigid,
     near: &Near,
-    r: u32,
-    part: &Part,
+    (r, part): (u32, &Part),
+    sight: &mut Sight,
     touches: &mut Touches,
 ) {
     let x = near.x.map(|p| part.pose_SP.inverse_point(&p));
     let line = round_line(&part.shape);
     let mut is_far = true;
-    for_each_place(&part.shape, line.as_ref(), &x, pair.margin, |(place, feature, weights)| {
-        let p: Vec3 = (0..3).map(|k| x[k] * weights[k]).sum();
-        let now = part.shape.distance(&p);
+    for_each_place(&part.shape, line.as_ref(), &x, pair.margin, |(place, feature, nearest)| {
+        let now = part.shape.distance(&point(&x, &nearest));
         if now.value > pair.margin {
             return;
         }
         is_far = false;
-        let is_held = place == NEAREST && has_sharp_rim(&part.shape);
-        if !is_held && pair.surface.owns(near.index, feature) {
-            let now = blunted_on(pair, near, part, (&p, &weights), now);
-            offer(pair, near, (r, part), (place, feature, weights), now, touches);
+        if !pair.surface.owns(near.index, feature) {
+            return;
         }
+        let seen = blunted_on(pair, near, part, (&point(&x, &nearest), &nearest), now);
+        let normal = part.pose_SP.vector(&seen.gradient);
+        if outward(pair, near, feature).dot(&normal) >= 0.0 {
+            return;
+        }
+        let is_sharp = has_edges(&part.shape) && is_on_rim(&now, &seen);
+        if place == NEAREST && has_sharp_rim(&part.shape) && (is_sharp || is_on_end(&now)) {
+            return;
+        }
+        let (weights, seen) = match is_sharp {
+            true => (nearest, seen),
+            false => {
+                let key = [pair.soft, near.index, pair.rigid, r * PLACES + place];
+                follow(pair, near, part, &x, (key, nearest, now), sight)
+            }
+        };
+        offer(pair, near, (r, part), (place, feature, weights), seen, touches);
     });
     if is_far && near.travel > 0.0 {
         match &line {
@@ -77,6 +98,22 @@ pub(crate) fn meet_round(
             None => arrive(pair, near, r, part, &x, touches),
         }
     }
+}
+
+/// Where a place is held whose `nearest` is this, at distance `now`, and what it sees of the part.
+fn follow(
+    pair: &SoftRigid,
+    near: &Near,
+    part: &Part,
+    x: &[Vec3; 3],
+    (key, nearest, now): (PlaceKey, [f64; 3], Distance),
+    sight: &mut Sight,
+) -> ([f64; 3], Distance) {
+    let farther = |w: &[f64; 3]| part.shape.distance(&point(x, w)).value - now.value;
+    let edge = pair.surface.edge_of[near.index as usize];
+    let weights = sight.hold(key, nearest, x, edge, farther);
+    let p = point(x, &weights);
+    (weights, blunted_on(pair, near, part, (&p, &weights), part.shape.distance(&p)))
 }
 
 /// The line about which a shape is round everywhere, and its radius there.
@@ -88,12 +125,22 @@ fn round_line(shape: &Shape) -> Option<([Vec3; 2], f64)> {
     }
 }
 
-/// Whether what is nearest to the inside of a triangle is a point of a sharp rim, or next to one: a straight side,
-/// held at the ends of its axis, and a flat end are as near at their ends. On the rim that place goes `R / t` for each
-/// radian by which a triangle turns that slopes by t: held there alone it rocks for ever. The points of the rim
-/// stay where they are.
+/// Whether what is nearest to the inside of a triangle may be a point of a sharp rim: that place goes `R / t` for each
+/// radian by which a triangle turns that slopes by t, and held there alone it rocks for ever. The points of the rim stay
+/// where they are. A flat end is as near at its rim.
 fn has_sharp_rim(shape: &Shape) -> bool {
     matches!(shape, Shape::Cylinder { .. })
+}
+
+/// Whether what a point at distance `now` has `seen` of a cylinder or a cone, blunted, is a rim or a tip. What presses there
+/// stays there: a tilt moves it nowhere. Sides and ends have one slope against the axis, along y.
+fn is_on_rim(now: &Distance, seen: &Distance) -> bool {
+    (seen.gradient.y - now.gradient.y).abs() > SLOPE_ROUND_OFF
+}
+
+/// Whether this is nearest to an end of a cylinder, along y, and not to its side.
+fn is_on_end(now: &Distance) -> bool {
+    now.gradient.y.abs() > std::f64::consts::FRAC_1_SQRT_2
 }
 
 /// The ends of the axis of a shape that is straight along its side.
@@ -185,7 +232,14 @@ fn arrive_at_line(
     for _ in 0..NEAREST_ROUNDS {
         c = at(&near.closest(&c).point);
     }
-    if let Some(Arrival { weights, normal, gap, .. }) = near.arrival(&c, *radius, pair.margin) {
+    let closest = near.closest(&c);
+    // What is near now is a corner: a contact of its own.
+    if closest.distance_squared.sqrt() <= radius + pair.margin {
+        return;
+    }
+    if let Some(Arrival { weights, normal, gap, .. }) =
+        near.arrival_from(&c, *radius, pair.margin, closest, 1.0)
+    {
         let key = [KEY_SEGMENT | (r * PLACES), near.index];
         touches.offer(Touch { key, triangle: near.index, weights, sharp: None, normal, gap });
     }
@@ -201,7 +255,10 @@ fn arrive(
     touches: &mut Touches,
 ) {
     let weights = part.shape.nearest_on_triangle(x);
-    let p: Vec3 = (0..3).map(|k| x[k] * weights[k]).sum();
+    let p = point(x, &weights);
+    if part.shape.distance(&p).value <= pair.margin {
+        return;
+    }
     let u_P = part.pose_SP.inverse_vector(&near.motion(&weights));
     if let Some(found) = approach(&part.shape, &p, &u_P, 0.0, pair.margin) {
         offer(pair, near, (r, part), (0, Feature::Face, weights), found, touches);
@@ -209,7 +266,7 @@ fn arrive(
 }
 
 /// View of an edge of the part from place `p` of a triangle, in the frame of the part.
-pub(crate) fn blunted_on(
+fn blunted_on(
     pair: &SoftRigid,
     near: &Near,
     part: &Part,
@@ -227,7 +284,7 @@ pub(crate) fn blunted_on(
 }
 
 /// Outward normal of the soft surface, in the shape frame.
-pub(crate) fn outward(pair: &SoftRigid, near: &Near, feature: Feature) -> Vec3 {
+fn outward(pair: &SoftRigid, near: &Near, feature: Feature) -> Vec3 {
     let outward_W = pair.surface.pseudonormal(near.index, feature, pair.state.positions);
     pair.placed.rotation.tr_mul(&outward_W)
 }

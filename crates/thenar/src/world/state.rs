@@ -1,6 +1,6 @@
 //! What changes: the state that a snapshot must hold, and the step's scratch memory.
 
-use crate::contact::{Contact, Sides};
+use crate::contact::{Contact, HeldPlace, Sides};
 use crate::coupling::{BoneSystem, Share};
 use crate::flesh::Faded;
 use crate::math::{Mat6, Pose, Vec3, Vec6};
@@ -144,6 +144,7 @@ impl State {
             && self.patch_loads.iter().all(|(_, load)| load.is_finite())
             && self.faded.as_flattened().iter().all(|faded| faded.is_finite())
             && self.sides.as_slice().iter().all(|side| finite(&side.normal) && finite(&side.place))
+            && self.sides.places().iter().all(HeldPlace::is_finite)
     }
 
     /// A hash of every bit of the state: equal states, equal hashes.
@@ -164,6 +165,10 @@ impl State {
         for side in self.sides.as_slice() {
             hash.word(u64::from(side.vertex) << 32 | u64::from(side.other));
             hash.vectors(&[side.normal, side.place]);
+        }
+        for place in self.sides.places() {
+            place.key.iter().for_each(|k| hash.word(u64::from(*k)));
+            place.numbers().for_each(|x| hash.number(x));
         }
         self.limit_impulses.iter().flatten().for_each(|x| hash.number(*x));
         for (key, load) in &self.patch_loads {

@@ -12,6 +12,7 @@ use thenar::Vec3;
 use thenar::model::BodyId;
 use thenar::world::{ContactPoint, World};
 use thenar_scene::session::Session;
+use thenar_testing::one_in;
 
 const H: f64 = 1e-3;
 /// Until a thing is pressed on \[s\]; nothing is measured then.
@@ -318,6 +319,57 @@ fn a_ball_of_triangles_is_drawn_and_rolls_over_a_fingertip() {
     check_spectrum(&meshed);
     check_spectrum(&Case { name: "ball of triangles rolls", rolls: true, ..meshed });
     std::fs::remove_file(&file).unwrap();
+}
+
+/// Round things: their shape, rotation, and from the centre to the point that touches first \[m\].
+const ROUND: [(&str, &str, &str, f64); 6] = [
+    ("ball of 6 mm", r#"{ kind = "sphere", radius = 0.006 }"#, UPRIGHT, 0.006),
+    ("ball of 20 mm", r#"{ kind = "sphere", radius = 0.02 }"#, UPRIGHT, 0.02),
+    (
+        "pebble",
+        r#"{ kind = "ellipsoid", size = [0.03, 0.012, 0.02] }"#,
+        "{ axis = [0, 1, 0], angle_deg = 20 }",
+        0.006,
+    ),
+    ("egg on its tip", r#"{ kind = "ellipsoid", size = [0.012, 0.03, 0.02] }"#, UPRIGHT, 0.015),
+    (
+        "needle",
+        r#"{ kind = "capsule", radius = 0.003, length = 0.02 }"#,
+        "{ axis = [1, 0, 0], angle_deg = 90 }",
+        0.003,
+    ),
+    (
+        "leaning pill",
+        r#"{ kind = "capsule", radius = 0.005, length = 0.01 }"#,
+        "{ axis = [0, 0, 1], angle_deg = 40 }",
+        0.005 + 0.005 * 0.766_044,
+    ),
+];
+const UPRIGHT: &str = "{ axis = [0, 0, 1], angle = 0 }";
+
+/// Each along and across a fingertip of either hand, with friction and without. A fixed share runs here; all of them:
+/// `THENAR_CASES=all cargo test -p thenar-scene --test all round_things -- --nocapture`.
+#[test]
+fn round_things_are_drawn_over_a_fingertip() {
+    let mut cases = Vec::new();
+    for (name, shape, rotation, reach) in ROUND {
+        for hand in ["touch", "paper"] {
+            for way in [[0.0, 0.0, 0.006], [0.004, 0.0, 0.001]] {
+                for friction in [0.6, 0.0] {
+                    for depth in [0.0015, 0.001] {
+                        let name = format!("{name}, {hand}, {way:?}, {friction}, {depth}");
+                        let over = Some(hand);
+                        let case =
+                            Case { shape, rotation, reach, depth, way, friction, over, ..BALL };
+                        cases.push((name, case));
+                    }
+                }
+            }
+        }
+    }
+    for (name, case) in one_in(11, cases) {
+        check_spectrum(&Case { name: &name, ..case });
+    }
 }
 
 /// A capsule that is slim beside the triangles of the pad, along and across its axis; also without friction, so that
