@@ -71,7 +71,8 @@ pub(crate) fn meet_round(
             return;
         }
         is_far = false;
-        if !pair.surface.owns(near.index, feature) {
+        let is_held = place == NEAREST && has_sharp_rim(&part.shape);
+        if is_held || !pair.surface.owns(near.index, feature) {
             return;
         }
         let seen = blunted_on(pair, near, part, (&point(&x, &nearest), &nearest), now);
@@ -80,9 +81,6 @@ pub(crate) fn meet_round(
             return;
         }
         let is_sharp = has_edges(&part.shape) && is_on_rim(&now, &seen);
-        if place == NEAREST && has_sharp_rim(&part.shape) && (is_sharp || is_on_end(&now)) {
-            return;
-        }
         let (weights, seen) = match is_sharp {
             true => (nearest, seen),
             false => {
@@ -125,9 +123,10 @@ fn round_line(shape: &Shape) -> Option<([Vec3; 2], f64)> {
     }
 }
 
-/// Whether what is nearest to the inside of a triangle may be a point of a sharp rim: that place goes `R / t` for each
-/// radian by which a triangle turns that slopes by t, and held there alone it rocks for ever. The points of the rim stay
-/// where they are. A flat end is as near at its rim.
+/// Whether what is nearest to the inside of a triangle is a point of a sharp rim, or next to one: a straight side,
+/// held at the ends of its axis, and a flat end are as near at their ends. On the rim that place goes `R / t` for each
+/// radian by which a triangle turns that slopes by t: held there alone it rocks for ever. The points of the rim
+/// stay where they are.
 fn has_sharp_rim(shape: &Shape) -> bool {
     matches!(shape, Shape::Cylinder { .. })
 }
@@ -136,11 +135,6 @@ fn has_sharp_rim(shape: &Shape) -> bool {
 /// stays there: a tilt moves it nowhere. Sides and ends have one slope against the axis, along y.
 fn is_on_rim(now: &Distance, seen: &Distance) -> bool {
     (seen.gradient.y - now.gradient.y).abs() > SLOPE_ROUND_OFF
-}
-
-/// Whether this is nearest to an end of a cylinder, along y, and not to its side.
-fn is_on_end(now: &Distance) -> bool {
-    now.gradient.y.abs() > std::f64::consts::FRAC_1_SQRT_2
 }
 
 /// The ends of the axis of a shape that is straight along its side.
