@@ -168,7 +168,7 @@ impl Detector {
         self.bodies[rigid].as_ref().map_or(0.0, |body| body.radius)
     }
 
-    /// Most sides worth keeping: a vertex is rarely near more than four bodies.
+    /// Most sides worth keeping, and most places: a vertex is rarely near more than four bodies.
     pub fn sides_max(&self) -> usize {
         4 * self.surfaces.iter().map(Surface::vertex_count).sum::<usize>()
     }

@@ -1,4 +1,4 @@
-//! Which side of a body each soft vertex was on.
+//! Which side of a body each soft vertex was on, and where places of skin were held.
 
 use crate::contact::approach::Seen;
 use crate::contact::places::{HeldPlace, PlaceKey, Places};
