@@ -6,6 +6,8 @@
 //! time. A place therefore goes a part of the way: less where it turns back, the whole way where it goes on. (One
 //! learning rate per unknown, by the sign of its changes [Jacobs 1988, Riedmiller and Braun 1993].)
 
+use crate::contact::Shape;
+use crate::contact::area::TOUCHING;
 use crate::math::Vec3;
 use crate::room::Room;
 
@@ -20,6 +22,46 @@ const WENT_ON: f64 = 1.2;
 const BEHIND: f64 = 1e-3;
 /// Rounds in which a lag is made short enough.
 const ROUNDS: usize = 4;
+
+/// A part with a radius of so many edges is flat there: the nearest place goes as far for each radian that the
+/// triangle tilts. Under a smaller one a triangle does not rock.
+const FLAT: f64 = 0.5;
+
+/// Places at which a triangle is held by a round part; its corners are contacts of their own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Hold {
+    /// None: the part bulges by less than [`TOUCHING`] between the corners.
+    Corners,
+    /// Those nearest to the part.
+    Nearest,
+    /// Those that follow the nearest.
+    Following,
+}
+
+impl Hold {
+    /// For a triangle whose longest edge is `edge` at rest \[m\]: lengths at rest alone decide.
+    pub fn of(edge: f64, shape: &Shape) -> Self {
+        let [least, greatest] = radii(shape);
+        let is_narrow = matches!(shape, Shape::Cylinder { radius, .. } if *radius < edge);
+        if is_narrow || greatest < FLAT * edge {
+            Self::Nearest
+        } else if edge * edge <= 8.0 * least * TOUCHING {
+            Self::Corners
+        } else {
+            Self::Following
+        }
+    }
+}
+
+/// The least and the greatest radius of curvature \[m\]. Along its axis a capsule is held at both ends of what lies
+/// over a triangle, so that its flatness there does not count.
+fn radii(shape: &Shape) -> [f64; 2] {
+    let least = shape.least_radius();
+    match shape {
+        Shape::Ellipsoid { half } => [least, half.max() * half.max() / half.min()],
+        _ => [least; 2],
+    }
+}
 
 /// Surface, triangle, rigid body, and the number of a place.
 pub type PlaceKey = [u32; 4];
@@ -147,7 +189,7 @@ mod tests {
             for _ in 0..400 {
                 let [_, u, v] = held.weights;
                 let [u, v] = [(u, rest[0]), (v, rest[1])].map(|(p, q)| q - gain * (p - q));
-                let nearest = weights(u.clamp(0.0, 0.5), v.clamp(0.0, 0.5));
+                let nearest = weights(u.clamp(1e-3, 0.49), v.clamp(1e-3, 0.49));
                 // As flat as it gets: only the part of the way holds the place back.
                 held = held.follow(nearest, &X, EDGE, |_| 0.0);
                 off = (at(&held.weights) - at(&weights(rest[0], rest[1]))).norm();
@@ -186,6 +228,23 @@ mod tests {
                 assert!(held.weights.iter().all(|w| (0.0..=1.0).contains(w)));
             }
         }
+    }
+
+    #[test]
+    fn what_is_large_beside_a_triangle_is_followed() {
+        let ball = |radius: f64| Shape::Sphere { radius };
+        assert_eq!(Hold::of(0.016, &ball(0.005)), Hold::Nearest);
+        assert_eq!(Hold::of(0.016, &ball(0.03)), Hold::Following);
+        // An edge of √(8 R · 20 µm), 1.26 mm for 10 mm, bulges by 20 µm.
+        assert_eq!(Hold::of(1.27e-3, &ball(0.01)), Hold::Following);
+        assert_eq!(Hold::of(1.26e-3, &ball(0.01)), Hold::Corners);
+        // A tin narrower than the triangle, and a column.
+        let cylinder = |radius: f64| Shape::Cylinder { radius, half_length: 0.06 };
+        assert_eq!(Hold::of(0.016, &cylinder(0.012)), Hold::Nearest);
+        assert_eq!(Hold::of(0.016, &cylinder(0.06)), Hold::Following);
+        // A pebble rocks about its flat side, of 50 mm, though its tip has 3.2.
+        let pebble = Shape::Ellipsoid { half: Vec3::new(0.02, 0.008, 0.014) };
+        assert_eq!(Hold::of(0.016, &pebble), Hold::Following);
     }
 
     #[test]

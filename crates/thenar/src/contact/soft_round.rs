@@ -10,7 +10,7 @@ use crate::contact::blunt::{blunted, has_edges};
 use crate::contact::features::capsule_axis;
 use crate::contact::near::{Arrival, Near};
 use crate::contact::nearest::point;
-use crate::contact::places::PlaceKey;
+use crate::contact::places::{Hold, PlaceKey};
 use crate::contact::sides::Sight;
 use crate::contact::soft_feature::Touch;
 use crate::contact::soft_rigid::{KEY_SEGMENT, SoftRigid};
@@ -62,6 +62,7 @@ pub(crate) fn meet_round(
     sight: &mut Sight,
     touches: &mut Touches,
 ) {
+    let hold = Hold::of(pair.surface.edge_of[near.index as usize], &part.shape);
     let x = near.x.map(|p| part.pose_SP.inverse_point(&p));
     let line = round_line(&part.shape);
     let mut is_far = true;
@@ -71,6 +72,9 @@ pub(crate) fn meet_round(
             return;
         }
         is_far = false;
+        if hold == Hold::Corners {
+            return;
+        }
         let is_held = place == NEAREST && has_sharp_rim(&part.shape);
         if is_held || !pair.surface.owns(near.index, feature) {
             return;
@@ -81,7 +85,7 @@ pub(crate) fn meet_round(
             return;
         }
         let is_sharp = has_edges(&part.shape) && is_on_rim(&now, &seen);
-        let (weights, seen) = match is_sharp {
+        let (weights, seen) = match hold == Hold::Nearest || is_sharp {
             true => (nearest, seen),
             false => {
                 let key = [pair.soft, near.index, pair.rigid, r * PLACES + place];
