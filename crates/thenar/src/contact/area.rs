@@ -3,8 +3,8 @@
 //! The area of a contact patch is that of the part of the soft surface nearer than [`TOUCHING`] to the
 //! other body, at the end of the step. It is found triangle by triangle: the distance and its gradient
 //! are sampled over a triangle, and the part below the bound is cut out. What is found on a
-//! triangle is shared evenly by the contacts that bear load on it or, where none does, by those that touch it, so that
-//! their sum does not depend on how many there are. During the step an edge or a tip slides away from the points
+//! triangle is shared evenly by the contacts that touch it, so that their sum does not depend on how
+//! many there are; what bears load touches. During the step an edge or a tip slides away from the points
 //! that meet it: where none touches any more, but the triangle does, those near on it share.
 
 use crate::contact::area_between::AtVertices;
@@ -27,33 +27,17 @@ pub(crate) const TOUCHING: f64 = 20e-6;
 /// A corner of less weight has no part in a point.
 pub(super) const LIGHT: f64 = 1e-9;
 
-/// What a contact has to do with a triangle, on whose area it has a claim.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Stake {
-    Bears,
-    Touches,
-    /// Near on a triangle that may touch.
-    IsNear,
-}
-
-impl Stake {
-    const ALL: [Self; 3] = [Self::Bears, Self::Touches, Self::IsNear];
-
-    /// The area of such a contact until it is known.
-    fn to_come(self) -> f64 {
-        -1.0 - f64::from(self as u8)
-    }
-
-    fn of(area: f64) -> Option<Self> {
-        Self::ALL.into_iter().find(|part| part.to_come() == area)
-    }
-}
+/// The area of a contact that touches, until it is known.
+const TO_COME: f64 = -1.0;
+/// The area of a contact near on a triangle that may touch, until it is known.
+const MAY_COME: f64 = -2.0;
 
 /// Work space: per triangle of the largest surface.
 #[derive(Clone, Debug)]
 pub(crate) struct AreaScratch {
-    /// Contacts of each stake on a triangle, and then its area for each of the first that has any \[m²\].
-    count: Vec<[u32; 3]>,
+    /// Contacts that touch a triangle, those that only are near on it, and then its area for each of them \[m²\].
+    count: Vec<u32>,
+    near: Vec<u32>,
     share: Vec<f64>,
     /// Triangles with a count.
     pub touched: Room<u32>,
@@ -65,7 +49,8 @@ impl AreaScratch {
     /// Of the largest surface, and at most so many contacts.
     pub fn with_size(triangles: usize, vertices: usize, contacts: usize) -> Self {
         Self {
-            count: vec![[0; 3]; triangles],
+            count: vec![0; triangles],
+            near: vec![0; triangles],
             share: vec![0.0; triangles],
             touched: Room::with_capacity(triangles),
             at_vertices: AtVertices::with_size(vertices, contacts, triangles),
@@ -75,44 +60,45 @@ impl AreaScratch {
     pub fn clear(&mut self) {
         for t in self.touched.drain(..) {
             let t = t as usize;
-            (self.count[t], self.share[t]) = ([0; 3], 0.0);
+            (self.count[t], self.near[t], self.share[t]) = (0, 0, 0.0);
         }
         self.at_vertices.clear();
     }
 
-    /// Counts a contact on a triangle.
-    pub fn count(&mut self, t: u32, stake: Stake) {
-        let count = &mut self.count[t as usize];
-        if *count == [0; 3] {
+    pub fn touch(&mut self, t: u32) {
+        self.list(t);
+        self.count[t as usize] += 1;
+    }
+
+    pub fn come_near(&mut self, t: u32) {
+        self.list(t);
+        self.near[t as usize] += 1;
+    }
+
+    fn list(&mut self, t: u32) {
+        if self.count[t as usize] + self.near[t as usize] == 0 {
             self.touched.push(t);
         }
-        count[stake as usize] += 1;
     }
 
-    /// Who shares a triangle's area.
-    fn sharers(&self, t: u32) -> Option<Stake> {
-        Stake::ALL.into_iter().find(|part| self.count[t as usize][*part as usize] > 0)
-    }
-
-    /// Shares out a triangle's area.
+    /// Shares a triangle's area, which touches, by the contacts that do or, where none does, by those near on it.
     pub fn share_out(&mut self, t: u32, area: f64) {
-        if let Some(part) = self.sharers(t) {
-            self.share[t as usize] = area / f64::from(self.count[t as usize][part as usize]);
-        }
+        let (touching, near) = (self.count[t as usize], self.near[t as usize]);
+        self.share[t as usize] = area / f64::from(if touching > 0 { touching } else { near });
     }
 
     /// Area of a triangle that touches, by samples. Where they find nothing, a point that touches or bore load stands for the finest
     /// part: so small a patch is not resolved.
     pub fn at_least(&self, skin: &Skin, t: u32, area: f64) -> f64 {
-        if area > 0.0 || self.sharers(t) == Some(Stake::IsNear) {
+        if area > 0.0 || self.count[t as usize] == 0 {
             return area;
         }
         skin.triangle_area(t) / (PARTS_MAX * PARTS_MAX) as f64
     }
 
-    /// What one contact has of a triangle's area \[m²\].
-    pub fn share_of(&self, t: u32, part: Stake) -> f64 {
-        if self.sharers(t) == Some(part) { self.share[t as usize] } else { 0.0 }
+    /// The part of a triangle's area that is one contact's, which touches or only is near.
+    pub fn share_of(&self, t: u32, touches: bool) -> f64 {
+        if touches == (self.count[t as usize] > 0) { self.share[t as usize] } else { 0.0 }
     }
 }
 
@@ -172,14 +158,13 @@ pub(crate) fn with_rigid(
         // No point of a triangle that touches is farther than this.
         let widest = skin.edge_longest(point) + TOUCHING;
         let found = body.shape.distance_within_near(&p, widest, &guess);
-        let part = match found {
-            _ if bears(i) => Stake::Bears,
-            Some(distance) if distance.value <= TOUCHING => Stake::Touches,
-            Some(_) => Stake::IsNear,
-            None => continue,
-        };
-        *area = part.to_come();
-        skin.triangles_of(point, |t| scratch.count(t, part));
+        if bears(i) || found.is_some_and(|distance| distance.value <= TOUCHING) {
+            *area = TO_COME;
+            skin.triangles_of(point, |t| scratch.touch(t));
+        } else if found.is_some() {
+            *area = MAY_COME;
+            skin.triangles_of(point, |t| scratch.come_near(t));
+        }
     }
     let distance = |x_W: &Vec3, known: f64| {
         let near = body.shape.distance_near(&placed.shape_point(x_W), known, &guess);
@@ -194,11 +179,10 @@ pub(crate) fn with_rigid(
         let area = area_below(&x, parts, distance, beyond);
         scratch.share_out(t, scratch.at_least(&skin, t, area));
     }
-    for (contact, area) in of.iter().zip(areas) {
-        let Some(part) = Stake::of(*area) else { continue };
+    for (contact, area) in of.iter().zip(areas).filter(|(_, area)| **area < 0.0) {
         let mut all = 0.0;
         if let Some(point) = soft_point(&contact.a) {
-            skin.triangles_of(point, |t| all += scratch.share_of(t, part));
+            skin.triangles_of(point, |t| all += scratch.share_of(t, *area == TO_COME));
         }
         *area = all;
     }

@@ -3,7 +3,7 @@
 //! A triangle of one surface is held against those of the other that contacts say it meets: whatever is near makes one.
 
 use crate::contact::aabb::Aabb;
-use crate::contact::area::{AreaScratch, LIGHT, Skin, Stake, TOUCHING, soft_point};
+use crate::contact::area::{AreaScratch, LIGHT, Skin, TOUCHING, soft_point};
 use crate::contact::area_samples::{PARTS_MAX, area_below};
 use crate::contact::nearest::longest_edge;
 use crate::contact::triangle::{Closest, Feature, ROUNDED_UP, area_vector, closest_on_triangle};
@@ -97,8 +97,8 @@ pub(crate) fn between_soft(
         for (i, contact) in of.iter().enumerate() {
             for point in points_on(contact, skin.surface.soft) {
                 match touches(i, point) {
-                    Some(true) => skin.triangles_of(point, |t| scratch.count(t, Stake::Touches)),
-                    Some(false) => skin.triangles_of(point, |t| scratch.count(t, Stake::IsNear)),
+                    Some(true) => skin.triangles_of(point, |t| scratch.touch(t)),
+                    Some(false) => skin.triangles_of(point, |t| scratch.come_near(t)),
                     None => {}
                 }
             }
@@ -124,8 +124,7 @@ pub(crate) fn between_soft(
         for (i, (contact, area)) in of.iter().zip(areas.iter_mut()).enumerate() {
             for point in points_on(contact, skin.surface.soft) {
                 if let Some(touches) = touches(i, point) {
-                    let stake = if touches { Stake::Touches } else { Stake::IsNear };
-                    skin.triangles_of(point, |t| *area += scratch.share_of(t, stake));
+                    skin.triangles_of(point, |t| *area += scratch.share_of(t, touches));
                 }
             }
         }
