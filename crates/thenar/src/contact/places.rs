@@ -24,17 +24,17 @@ const BEHIND: f64 = 1e-3;
 const ROUNDS: usize = 4;
 
 /// A part with a radius of so many edges is flat there: the nearest place goes as far for each radian that the
-/// triangle tilts. Under a smaller one a triangle does not rock.
+/// triangle tilts.
 const FLAT: f64 = 0.5;
 
 /// Places at which a triangle is held by a round part; its corners are contacts of their own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Hold {
-    /// None: the part bulges by less than [`TOUCHING`] between the corners.
+    /// No place: the part bulges by less than [`TOUCHING`] between the corners.
     Corners,
-    /// Those nearest to the part.
+    /// Places nearest to the part.
     Nearest,
-    /// Those that follow the nearest.
+    /// Places that follow the nearest.
     Following,
 }
 
@@ -110,7 +110,7 @@ impl HeldPlace {
             && self.weights.iter().zip(nearest).all(on_edge)
     }
 
-    /// All numbers but the key.
+    /// Weights, way and part.
     pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
         self.weights.into_iter().chain(self.way).chain([self.part])
     }
@@ -267,7 +267,7 @@ mod tests {
         assert!((at(&near.weights) - at(&held.weights)).norm() < 1e-8, "{near:?}");
     }
 
-    /// Both ends of an edge bound its places exactly: they stay on it.
+    /// Between two places of an edge the third weight is exactly zero.
     #[test]
     fn a_place_on_an_edge_stays_on_it() {
         let mut held = HeldPlace::new([0; 4], [0.9, 0.1, 0.0]);

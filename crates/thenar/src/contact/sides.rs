@@ -62,7 +62,7 @@ impl Sides {
         &self.places.held
     }
 
-    /// These sides with other places.
+    /// Sides as they are, with other places.
     pub fn with_places(self, held: Vec<HeldPlace>) -> Self {
         Self { places: Places { held: held.into() }, ..self }
     }

@@ -63,6 +63,9 @@ pub(crate) fn meet_round(
     touches: &mut Touches,
 ) {
     let hold = Hold::of(pair.surface.edge_of[near.index as usize], &part.shape);
+    if hold == Hold::Corners {
+        return;
+    }
     let x = near.x.map(|p| part.pose_SP.inverse_point(&p));
     let line = round_line(&part.shape);
     let mut is_far = true;
@@ -72,9 +75,6 @@ pub(crate) fn meet_round(
             return;
         }
         is_far = false;
-        if hold == Hold::Corners {
-            return;
-        }
         let is_held = place == NEAREST && has_sharp_rim(&part.shape);
         if is_held || !pair.surface.owns(near.index, feature) {
             return;

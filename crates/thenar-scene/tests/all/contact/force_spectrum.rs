@@ -347,7 +347,7 @@ const ROUND: [(&str, &str, &str, f64); 6] = [
 ];
 const UPRIGHT: &str = "{ axis = [0, 0, 1], angle = 0 }";
 
-/// Each along and across a fingertip of either hand, with friction and without. A fixed share runs here; all of them:
+/// Draws along and across a fingertip of either hand, with friction and without. A fixed share runs here; all of them:
 /// `THENAR_CASES=all cargo test -p thenar-scene --test all round_things -- --nocapture`.
 #[test]
 fn round_things_are_drawn_over_a_fingertip() {
