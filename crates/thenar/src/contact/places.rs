@@ -27,6 +27,20 @@ const ROUNDS: usize = 4;
 /// triangle tilts.
 const FLAT: f64 = 0.5;
 
+/// Around a place the part bulges by this much where it is held \[m\]: a twentieth of what counts as touching.
+const BULGE: f64 = 0.05 * TOUCHING;
+
+/// How far from a place of a triangle with edges of this length it is held \[m\], in up to three directions; `None` where it
+/// is held alone. At one point friction does not resist a spin about the normal: a ball that two triangles pinch swings
+/// to and fro about the line between them. At three it resists with `μ F` times this distance, and a roll with F
+/// times it, 1 % of the radius of a ball of 40 mm. Where several triangles bear the part, they hold it so. One bears it
+/// alone where what touches, a disc of radius √(2 R [`TOUCHING`]), lies within the circle inscribed in it. In a circle twice
+/// as large, of radius edge/√12, it does at a quarter of all places.
+pub(crate) fn spread(edge: f64, shape: &Shape) -> Option<f64> {
+    let radius = shape.least_radius();
+    (edge * edge > 96.0 * radius * TOUCHING).then(|| (2.0 * radius * BULGE).sqrt())
+}
+
 /// Places at which a triangle is held by a round part; its corners are contacts of their own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Hold {
@@ -245,6 +259,15 @@ mod tests {
         // A pebble rocks about its flat side, of 50 mm, though its tip has 3.2.
         let pebble = Shape::Ellipsoid { half: Vec3::new(0.02, 0.008, 0.014) };
         assert_eq!(Hold::of(0.016, &pebble), Hold::Following);
+    }
+
+    #[test]
+    fn what_lies_within_one_triangle_is_spread() {
+        let ball = Shape::Sphere { radius: 0.02 };
+        // The part that touches is 0.89 mm in radius: twice as wide is the circle in a triangle of 6.2 mm.
+        assert_eq!(spread(6.1e-3, &ball), None);
+        let found = spread(6.3e-3, &ball).unwrap();
+        assert!((found - 0.2e-3).abs() < 1e-9, "{found}");
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::contact::blunt::{blunted, has_edges};
 use crate::contact::features::capsule_axis;
 use crate::contact::near::{Arrival, Near};
 use crate::contact::nearest::point;
-use crate::contact::places::{Hold, PlaceKey};
+use crate::contact::places::{Hold, spread};
 use crate::contact::sides::Sight;
 use crate::contact::soft_feature::Touch;
 use crate::contact::soft_rigid::{KEY_SEGMENT, SoftRigid};
@@ -29,6 +29,11 @@ const INSIDE: u32 = 3;
 const ON_EDGE: u32 = 3;
 /// The number of the nearest place.
 const NEAREST: u32 = 2;
+
+/// Points for which a place may stand.
+const SPREAD: u32 = 3;
+/// Next to a corner a point goes no farther towards it than this part of the way.
+const HALFWAY: f64 = 0.5;
 
 /// Slopes that differ by less are one.
 const SLOPE_ROUND_OFF: f64 = 1e-9;
@@ -62,12 +67,14 @@ pub(crate) fn meet_round(
     sight: &mut Sight,
     touches: &mut Touches,
 ) {
-    let hold = Hold::of(pair.surface.edge_of[near.index as usize], &part.shape);
+    let edge = pair.surface.edge_of[near.index as usize];
+    let hold = Hold::of(edge, &part.shape);
     if hold == Hold::Corners {
         return;
     }
     let x = near.x.map(|p| part.pose_SP.inverse_point(&p));
     let line = round_line(&part.shape);
+    let spread = spread(edge, &part.shape);
     let mut is_far = true;
     for_each_place(&part.shape, line.as_ref(), &x, pair.margin, |(place, feature, nearest)| {
         let now = part.shape.distance(&point(&x, &nearest));
@@ -85,14 +92,18 @@ pub(crate) fn meet_round(
             return;
         }
         let is_sharp = has_edges(&part.shape) && is_on_rim(&now, &seen);
-        let (weights, seen) = match hold == Hold::Nearest || is_sharp {
-            true => (nearest, seen),
-            false => {
-                let key = [pair.soft, near.index, pair.rigid, r * PLACES + place];
-                follow(pair, near, part, &x, (key, nearest, now), sight)
-            }
-        };
-        offer(pair, near, (r, part), (place, feature, weights), seen, touches);
+        if hold == Hold::Nearest || is_sharp {
+            offer(pair, near, (r, part), (SPREAD * place, feature, nearest), seen, touches);
+            return;
+        }
+        let key = [pair.soft, near.index, pair.rigid, r * PLACES + place];
+        let farther = |w: &[f64; 3]| part.shape.distance(&point(&x, w)).value - now.value;
+        let held = sight.hold(key, nearest, &x, edge, farther);
+        for (k, weights) in around(held, &x, spread) {
+            let p = point(&x, &weights);
+            let seen = blunted_on(pair, near, part, (&p, &weights), part.shape.distance(&p));
+            offer(pair, near, (r, part), (SPREAD * place + k, feature, weights), seen, touches);
+        }
     });
     if is_far && near.travel > 0.0 {
         match &line {
@@ -102,20 +113,21 @@ pub(crate) fn meet_round(
     }
 }
 
-/// Where a place is held whose `nearest` is this, at distance `now`, and what it sees of the part.
-fn follow(
-    pair: &SoftRigid,
-    near: &Near,
-    part: &Part,
+/// Numbers and weights of the points that stand for place `held`: so far from it towards each corner of what it
+/// lies on, or the place itself.
+fn around(
+    held: [f64; 3],
     x: &[Vec3; 3],
-    (key, nearest, now): (PlaceKey, [f64; 3], Distance),
-    sight: &mut Sight,
-) -> ([f64; 3], Distance) {
-    let farther = |w: &[f64; 3]| part.shape.distance(&point(x, w)).value - now.value;
-    let edge = pair.surface.edge_of[near.index as usize];
-    let weights = sight.hold(key, nearest, x, edge, farther);
-    let p = point(x, &weights);
-    (weights, blunted_on(pair, near, part, (&p, &weights), part.shape.distance(&p)))
+    spread: Option<f64>,
+) -> impl Iterator<Item = (u32, [f64; 3])> {
+    let p = point(x, &held);
+    (0..3).filter_map(move |k| {
+        let Some(spread) = spread else { return (k == 0).then_some((0, held)) };
+        let share = (spread / (x[k] - p).norm()).min(HALFWAY);
+        let mut weights = held.map(|w| w * (1.0 - share));
+        weights[k] += share;
+        (held[k] > 0.0).then_some((k as u32, weights))
+    })
 }
 
 /// The line about which a shape is round everywhere, and its radius there.
@@ -206,7 +218,7 @@ fn offer(
 ) {
     let normal = part.pose_SP.vector(&found.gradient);
     if outward(pair, near, feature).dot(&normal) < 0.0 {
-        let key = [KEY_SEGMENT | (r * PLACES + place), near.index];
+        let key = [KEY_SEGMENT | (SPREAD * r * PLACES + place), near.index];
         let (triangle, gap) = (near.index, found.value);
         touches.offer(Touch { key, triangle, weights, sharp: None, normal, gap });
     }
@@ -238,7 +250,7 @@ fn arrive_at_line(
     if let Some(Arrival { weights, normal, gap, .. }) =
         near.arrival_from(&c, *radius, pair.margin, closest, 1.0)
     {
-        let key = [KEY_SEGMENT | (r * PLACES), near.index];
+        let key = [KEY_SEGMENT | (SPREAD * r * PLACES), near.index];
         touches.offer(Touch { key, triangle: near.index, weights, sharp: None, normal, gap });
     }
 }
@@ -295,6 +307,32 @@ mod tests {
     use crate::contact::{Contact, Site};
     use crate::math::{Pose, Quat};
     use crate::model::Motion;
+
+    /// Points around a place are equally far from it, and it lies between them; next to a corner they stay within.
+    #[test]
+    fn points_around_a_place_hold_it_between_them() {
+        let x = [Vec3::zeros(), Vec3::x() * 0.01, Vec3::new(0.004, 0.0, 0.009)];
+        let places = [[0.2, 0.5, 0.3], [0.3, 0.0, 0.7], [0.001, 0.998, 0.001]];
+        for held in places {
+            let p = point(&x, &held);
+            let mut back = Vec3::zeros();
+            let (mut sum, mut count) = (0.0, 0);
+            for (k, weights) in around(held, &x, Some(1e-4)) {
+                let (away, to_corner) = (point(&x, &weights) - p, (x[k as usize] - p).norm());
+                assert!((away.norm() - 1e-4_f64.min(0.5 * to_corner)).abs() < 1e-12, "{held:?}");
+                assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-15);
+                assert!(weights.iter().zip(held).all(|(w, h)| *w >= 0.0 && (h > 0.0 || *w == 0.0)));
+                // Σ w_k (x_k - p) = 0, so that these weights, all positive, give the place itself.
+                let weight = held[k as usize] * to_corner / away.norm();
+                back += point(&x, &weights) * weight;
+                (sum, count) = (sum + weight, count + 1);
+            }
+            assert_eq!(count, held.iter().filter(|w| **w > 0.0).count());
+            assert!((back / sum - p).norm() < 1e-12, "{held:?}: {back} {p}");
+        }
+        let alone: Vec<_> = around(places[0], &x, None).collect();
+        assert_eq!(alone, [(0, places[0])]);
+    }
 
     const RADIUS: f64 = 0.012;
     const SLOPE: f64 = 0.1;

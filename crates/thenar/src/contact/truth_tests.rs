@@ -79,23 +79,29 @@ fn to_segment(q: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     (w[0] - along * u[0]).hypot(w[1] - along * u[1])
 }
 
-/// By search among the points of an ellipsoid: all directions first, and then ever nearer to the best.
+/// By search among the points of an ellipsoid, ever nearer to the best: from the direction of p and from the poles on its
+/// side, as deep inside more than one place is nearer than all around it.
 fn to_ellipsoid(p: &Vec3, half: &Vec3) -> f64 {
     let away = |s: &Vec3| (p - half.component_mul(&s.normalize())).norm();
-    let mut best = p.component_div(half).normalize();
-    let mut width = 0.5;
-    while width > 1e-6 {
-        let (a, b) = Quat::rotation_between(&Vec3::y(), &best)
-            .map_or((Vec3::x(), Vec3::z()), |q| (q * Vec3::x(), q * Vec3::z()));
-        let around = (0..64).map(|k| (f64::from(k % 8) - 3.5, f64::from(k / 8) - 3.5));
-        let tried = around.map(|(i, j)| best + (a * i + b * j) * (width / 3.5));
-        let nearest = tried.min_by(|s, t| away(s).total_cmp(&away(t))).expect("64 directions");
-        match away(&nearest) < away(&best) {
-            true => best = nearest.normalize(),
-            false => width *= 0.5,
+    let search = |mut best: Vec3| {
+        let mut width = 0.5;
+        while width > 1e-6 {
+            let (a, b) = Quat::rotation_between(&Vec3::y(), &best)
+                .map_or((Vec3::x(), Vec3::z()), |q| (q * Vec3::x(), q * Vec3::z()));
+            let around = (0..64).map(|k| (f64::from(k % 8) - 3.5, f64::from(k / 8) - 3.5));
+            let tried = around.map(|(i, j)| best + (a * i + b * j) * (width / 3.5));
+            let nearest = tried.min_by(|s, t| away(s).total_cmp(&away(t))).expect("64 directions");
+            match away(&nearest) < away(&best) {
+                true => best = nearest.normalize(),
+                false => width *= 0.5,
+            }
         }
-    }
-    if p.component_div(half).norm() < 1.0 { -away(&best) } else { away(&best) }
+        away(&best)
+    };
+    let poles = [Vec3::x(), Vec3::y(), Vec3::z()].map(|pole| pole * pole.dot(p).signum());
+    let starts = [p.component_div(half).normalize()].into_iter().chain(poles);
+    let least = starts.map(search).fold(f64::INFINITY, f64::min);
+    if p.component_div(half).norm() < 1.0 { -least } else { least }
 }
 
 /// A rod with a ball and a box at its ends.

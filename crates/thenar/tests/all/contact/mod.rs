@@ -14,6 +14,7 @@ mod rigid_rest;
 mod rolling;
 mod self_contact;
 mod soft_flight;
+mod spin;
 mod taxels;
 mod tunnelling;
 mod warm_start;
