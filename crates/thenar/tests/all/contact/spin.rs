@@ -52,8 +52,8 @@ fn twisted(radius: f64, at: [f64; 2], part: f64, h: f64) -> f64 {
     world.rigid_velocity(ball)[1].y / (0.2 * twist / inertia)
 }
 
-/// Inside a triangle, near one of its edges, and inside the next.
-const PLACES: [[f64; 2]; 3] = [[0.027, 0.024], [0.033, 0.035], [0.036, 0.032]];
+/// Where it comes to rest within that time: while it still rolls, points in front bear all, and it turns more easily.
+const PLACES: [[f64; 2]; 3] = [[0.027, 0.024], [0.033, 0.035], [0.024, 0.027]];
 
 /// Half of what friction gives holds it. Of three times that a third is lost: a little less where flesh sinks in so that
 /// two triangles hold the ball, a little more while it rolls.
