@@ -8,6 +8,7 @@
 
 use crate::contact::Shape;
 use crate::contact::area::TOUCHING;
+use crate::contact::blunt::has_edges;
 use crate::math::Vec3;
 use crate::room::Room;
 
@@ -27,18 +28,20 @@ const ROUNDS: usize = 4;
 /// triangle tilts.
 const FLAT: f64 = 0.5;
 
-/// Around a place the part bulges by this much where it is held \[m\]: a twentieth of what counts as touching.
+/// Around a place the part bulges by at most this where it is held \[m\]: a twentieth of what counts as touching.
 const BULGE: f64 = 0.05 * TOUCHING;
 
-/// How far from a place of a triangle with edges of this length it is held \[m\], in up to three directions; `None` where it
-/// is held alone. At one point friction does not resist a spin about the normal: a ball that two triangles pinch swings
-/// to and fro about the line between them. At three it resists with `μ F` times this distance, and a roll with F
-/// times it, 1 % of the radius of a ball of 40 mm. Where several triangles bear the part, they hold it so. One bears it
-/// alone where what touches, a disc of radius √(2 R [`TOUCHING`]), lies within the circle inscribed in it. In a circle 2.5
-/// times as large, of radius edge/√12, it does at a third of all places.
+/// How far from a place that follows, of a triangle whose longest edge is `edge`, it is held \[m\], in up to three
+/// directions; `None` where it is held alone. At one point friction does not resist a spin about the normal: a ball that
+/// two triangles pinch swings to and fro about the line between them. At three it resists with `μ F` times this distance,
+/// and a roll with at most F times it, 1 % of the radius of a ball of 40 mm. Where several triangles bear the part, they hold
+/// it so. One bears it alone where what touches, a disc of radius √(2 R [`TOUCHING`]), lies within the circle
+/// inscribed in it. In a circle 2.5 times as large, of radius edge/√12 in an equilateral triangle, it does at a third of all places.
+/// What has edges is held at several places along its side, and points past an edge would meet its end.
 pub(crate) fn spread(edge: f64, shape: &Shape) -> Option<f64> {
     let radius = shape.least_radius();
-    (edge * edge > 150.0 * radius * TOUCHING).then(|| (2.0 * radius * BULGE).sqrt())
+    let is_alone = !has_edges(shape) && edge * edge > 150.0 * radius * TOUCHING;
+    is_alone.then(|| (2.0 * radius * BULGE).sqrt())
 }
 
 /// Places at which a triangle is held by a round part; its corners are contacts of their own.
@@ -266,6 +269,7 @@ mod tests {
         let ball = Shape::Sphere { radius: 0.02 };
         // The part that touches is 0.89 mm in radius: 2.5 times as wide is the circle in a triangle of 7.7 mm.
         assert_eq!(spread(7.7e-3, &ball), None);
+        assert_eq!(spread(0.02, &Shape::Cylinder { radius: 0.03, half_length: 0.02 }), None);
         let found = spread(7.8e-3, &ball).unwrap();
         assert!((found - 0.2e-3).abs() < 1e-9, "{found}");
     }

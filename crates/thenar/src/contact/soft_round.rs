@@ -113,7 +113,7 @@ pub(crate) fn meet_round(
     }
 }
 
-/// Numbers and weights of the points that stand for place `held`: so far from it towards each corner of what it
+/// Numbers and weights of the points that stand for place `held`: `spread` from it towards each corner of what it
 /// lies on, or the place itself.
 fn around(
     held: [f64; 3],

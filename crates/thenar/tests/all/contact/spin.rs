@@ -1,4 +1,5 @@
-//! Goal: a place of skin whose mesh is coarse beside the touching part of a ball holds it against a spin, as a patch does.
+//! Goal: skin whose triangles are large beside the touching part of a ball, and below twice its radius, holds it against a
+//! spin, as a patch does.
 //! Theory: the ball bulges by 1 µm at three points around the place, `ρ = √(2 R · 1 µm)` from it. Under the load N they give
 //! friction across their arms, a moment `μ N ρ` about the normal.
 
@@ -52,10 +53,10 @@ fn twisted(radius: f64, at: [f64; 2], part: f64, h: f64) -> f64 {
     world.rigid_velocity(ball)[1].y / (0.2 * twist / inertia)
 }
 
-/// Where it comes to rest within that time: while it still rolls, points in front bear all, and it turns more easily.
+/// Places where the ball comes to rest within that time: while it still rolls, points in front bear all, and it turns more easily.
 const PLACES: [[f64; 2]; 3] = [[0.027, 0.024], [0.033, 0.035], [0.024, 0.027]];
 
-/// Half of what friction gives holds it. Of three times that a third is lost: a little less where flesh sinks in so that
+/// Half of what friction gives does not turn the ball. Of three times what friction gives a third is lost: a little less where flesh sinks in so that
 /// two triangles hold the ball, a little more while it rolls.
 #[test]
 fn a_ball_on_one_triangle_is_held_against_a_spin() {
