@@ -2,8 +2,8 @@
 //!
 //! The inside of each triangle and each edge touch a round part where they are nearest to it, and, where
 //! the part is a line of balls or a cylinder, where they are nearest to the ends of its axis: a line along a triangle is
-//! thus held at both ends of what lies over it. Every such place moves continuously with the bodies, and
-//! whether it is there does not depend on the others.
+//! thus held at both ends of what lies over it. On a large triangle points beside the place stand for it (`places`).
+//! Every such place moves continuously with the bodies, and whether it is there does not depend on the others.
 
 use crate::contact::approach::approach;
 use crate::contact::blunt::{blunted, has_edges};
