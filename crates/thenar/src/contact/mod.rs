@@ -68,6 +68,7 @@ mod sharp_blocks;
 mod sides;
 mod smooth;
 mod soft_deep;
+mod soft_edge;
 mod soft_feature;
 mod soft_inside;
 mod soft_offer;

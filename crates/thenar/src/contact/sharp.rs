@@ -1,11 +1,12 @@
-//! The sharp parts of a rigid shape: points spread over its corners and edges.
+//! The sharp parts of a rigid shape: corners, straight edges, and points spread over edges.
 //!
-//! Vertices of a soft surface meet the faces of a shape; what is sharp comes in between them, and is
-//! tried as points against the triangles of the surface. The points are fixed on the shape, so that
-//! none comes or goes while things slide. What is round is kept beside them.
+//! Vertices of a soft surface meet the faces of a shape; what is sharp comes in between them. Corners, and points of
+//! rims, are tried against the triangles of the surface, straight edges against its edges. The points are fixed on the
+//! shape, so that none comes or goes while things slide. What is round is kept beside them.
 
 use crate::contact::features::{corners, edges, rim, rim_points};
 use crate::contact::sharp_blocks::Blocks;
+use crate::contact::soft_edge::{Edge, Edges};
 use crate::contact::soft_inside::{Inner, inner_balls};
 use crate::contact::{Part, Shape};
 use crate::math::{Pose, Vec3};
@@ -13,11 +14,16 @@ use crate::math::{Pose, Vec3};
 /// Points within an edge are at most so many: of a longer one they stand farther apart.
 const WITHIN_EDGE_MAX: usize = 512;
 
-/// Points on sharp corners and edges, and the round parts, in the shape frame.
+/// What of a shape is sharp, and its round parts, in the shape frame.
 #[derive(Clone, Debug)]
 pub(crate) struct Sharp {
+    /// First those at corners and on rims, then those within straight edges.
     pub points: Vec<Vec3>,
+    /// How many of them are at corners and on rims.
+    pub corners: usize,
     pub(super) blocks: Blocks,
+    /// Straight edges that have points within them.
+    pub edges: Edges,
     /// What is smooth and curved, each in its own frame P.
     pub rounds: Vec<Part>,
     /// Balls inside.
@@ -27,8 +33,8 @@ pub(crate) struct Sharp {
 impl Sharp {
     /// Corners and edges of a shape, along edges a point at least every `spacing` \[m\].
     pub fn of(shape: &Shape, spacing: f64) -> Self {
-        let (mut points, mut rounds) = (Vec::new(), Vec::new());
-        collect(shape, &Pose::identity(), spacing, &mut points, &mut rounds);
+        let mut found = Found::default();
+        found.collect(shape, &Pose::identity(), spacing);
         let mut inner = Vec::new();
         match shape {
             Shape::Compound(parts) => parts.iter().for_each(|part| {
@@ -38,58 +44,87 @@ impl Sharp {
             }),
             _ => inner_balls(shape, |ball| inner.push(ball)),
         }
-        Self { blocks: Blocks::new(&points), points, rounds, inner }
+        let Found { mut points, within, edges, rounds } = found;
+        let corners = points.len();
+        points.extend(within);
+        let (blocks, edges) = (Blocks::new(&points), Edges::new(edges));
+        Self { points, corners, blocks, edges, rounds, inner }
     }
 }
 
-fn collect(
-    shape: &Shape,
-    pose_SP: &Pose,
-    spacing: f64,
-    points: &mut Vec<Vec3>,
-    rounds: &mut Vec<Part>,
-) {
-    let first = points.len();
-    match shape {
-        Shape::HalfSpace
-        | Shape::Sphere { .. }
-        | Shape::Capsule { .. }
-        | Shape::Ellipsoid { .. } => {}
-        Shape::Cuboid { half } => {
-            points.extend(corners(half));
-            edges(half).iter().for_each(|edge| spread(edge, spacing, points));
-        }
-        Shape::Mesh(mesh) => {
-            let at = |v: &u32| mesh.points[*v as usize];
-            points
-                .extend(mesh.index.edges.list.iter().flat_map(|edge| edge.vertices.iter().map(at)));
-            for edge in &mesh.index.edges.list {
-                spread(&edge.vertices.map(|v| at(&v)), spacing, points);
+#[derive(Default)]
+struct Found {
+    points: Vec<Vec3>,
+    /// Points within edges.
+    within: Vec<Vec3>,
+    edges: Vec<Edge>,
+    rounds: Vec<Part>,
+}
+
+impl Found {
+    fn collect(&mut self, shape: &Shape, pose_SP: &Pose, spacing: f64) {
+        let first = [self.points.len(), self.within.len()];
+        match shape {
+            Shape::HalfSpace
+            | Shape::Sphere { .. }
+            | Shape::Capsule { .. }
+            | Shape::Ellipsoid { .. } => {}
+            Shape::Cuboid { half } => {
+                self.points.extend(corners(half));
+                for ends in edges(half) {
+                    let normals = faces_beside(&ends);
+                    self.edge(&Edge { ends, normals }, pose_SP, spacing);
+                }
             }
-            points.extend(&mesh.points);
-            thin(points, first, 0.25 * spacing);
-        }
-        Shape::Cylinder { radius, half_length } => {
-            let count = rim_points(*radius, spacing);
-            for y in [-half_length, *half_length] {
-                points.extend(rim(*radius, y, count));
+            Shape::Mesh(mesh) => {
+                for edge in &mesh.index.edges.list {
+                    let ends = edge.vertices.map(|v| mesh.points[v as usize]);
+                    self.points.extend(ends);
+                    self.edge(&Edge { ends, normals: edge.normals }, pose_SP, spacing);
+                }
+                self.points.extend(&mesh.points);
+                thin(&mut self.points, first[0], 0.25 * spacing);
+                thin(&mut self.within, first[1], 0.25 * spacing);
+            }
+            Shape::Cylinder { radius, half_length } => {
+                let count = rim_points(*radius, spacing);
+                for y in [-half_length, *half_length] {
+                    self.points.extend(rim(*radius, y, count));
+                }
+            }
+            Shape::Cone { radius, height } => {
+                self.points.push(Vec3::y() * (0.75 * height));
+                self.points.extend(rim(*radius, -0.25 * height, rim_points(*radius, spacing)));
+            }
+            Shape::Compound(parts) => {
+                for part in parts.iter() {
+                    self.collect(&part.shape, &(*pose_SP * part.pose_SP), spacing);
+                }
+                return;
             }
         }
-        Shape::Cone { radius, height } => {
-            points.push(Vec3::y() * (0.75 * height));
-            points.extend(rim(*radius, -0.25 * height, rim_points(*radius, spacing)));
-        }
-        Shape::Compound(parts) => {
-            for part in parts.iter() {
-                collect(&part.shape, &(*pose_SP * part.pose_SP), spacing, points, rounds);
-            }
-            return;
+        self.points[first[0]..].iter_mut().for_each(|p| *p = pose_SP.point(p));
+        self.within[first[1]..].iter_mut().for_each(|p| *p = pose_SP.point(p));
+        if !matches!(shape, Shape::HalfSpace | Shape::Cuboid { .. } | Shape::Mesh(_)) {
+            self.rounds.push(Part { shape: shape.clone(), pose_SP: *pose_SP });
         }
     }
-    points[first..].iter_mut().for_each(|p| *p = pose_SP.point(p));
-    if !matches!(shape, Shape::HalfSpace | Shape::Cuboid { .. } | Shape::Mesh(_)) {
-        rounds.push(Part { shape: shape.clone(), pose_SP: *pose_SP });
+
+    /// Adds points within an edge, and the edge if there are any: of a shorter one the ends say enough.
+    fn edge(&mut self, edge: &Edge, pose_SP: &Pose, spacing: f64) {
+        let before = self.within.len();
+        spread(&edge.ends, spacing, &mut self.within);
+        if self.within.len() > before {
+            self.edges.push(edge.placed(pose_SP));
+        }
     }
+}
+
+/// Outward normals of the two faces of a cuboid that meet at an edge.
+fn faces_beside(ends: &[Vec3; 2]) -> [Vec3; 2] {
+    let middle = 0.5 * (ends[0] + ends[1]);
+    let along = (ends[1] - ends[0]).iamax();
+    [(along + 1) % 3, (along + 2) % 3].map(|k| Vec3::ith(k, middle[k].signum()))
 }
 
 /// Leaves out points from `first` on that lie within `apart` \[m\] (along each axis, twice that at most)
@@ -126,6 +161,7 @@ mod tests {
         let sharp = Sharp::of(&Shape::Cuboid { half }, 0.004);
         // 8 corners, and on edges of 20, 40 and 60 mm 4, 9 and 14 points within.
         assert_eq!(sharp.points.len(), 8 + 4 * (4 + 9 + 14));
+        assert_eq!(sharp.corners, 8);
         for p in &sharp.points {
             let on = (0..3).filter(|&k| (p[k].abs() - half[k]).abs() < 1e-12).count();
             assert!(on >= 2, "{p} is on no edge");

@@ -17,6 +17,8 @@ pub(crate) struct SmoothNormals {
     /// The piece of corner k of triangle t: `faces[start[3 t + k]..start[3 t + k + 1]]`.
     start: Vec<u32>,
     faces: Vec<u32>,
+    /// Of the edges of each triangle, which are sharp.
+    pub creases: Vec<[bool; 3]>,
 }
 
 impl SmoothNormals {
@@ -30,6 +32,10 @@ impl SmoothNormals {
             let area = area_vector(&triangles[t as usize].map(|v| x[v as usize]));
             area.try_normalize(0.0).unwrap_or_else(Vec3::zeros)
         };
+        let is_sharp = |t: u32, u: u32| normal(t).dot(&normal(u)) < SHARP;
+        let crease = |t: u32, k: usize| across(t, k).is_some_and(|u| is_sharp(t, u));
+        let creases =
+            (0..triangles.len() as u32).map(|t| [0, 1, 2].map(|k| crease(t, k))).collect();
         let (mut start, mut faces) = (vec![0], Vec::new());
         for (t, corners) in (0..).zip(triangles) {
             for &v in corners {
@@ -43,7 +49,7 @@ impl SmoothNormals {
                     // The two edges of u that end at v.
                     for k in [at, (at + 2) % 3] {
                         let Some(w) = across(u, k) else { continue };
-                        if !faces[first..].contains(&w) && normal(u).dot(&normal(w)) >= SHARP {
+                        if !faces[first..].contains(&w) && !is_sharp(u, w) {
                             faces.push(w);
                         }
                     }
@@ -52,7 +58,7 @@ impl SmoothNormals {
                 start.push(faces.len() as u32);
             }
         }
-        Self { start, faces }
+        Self { start, faces, creases }
     }
 
     /// Unit outward normal at the point of triangle `t` with these weights; zero where all faces

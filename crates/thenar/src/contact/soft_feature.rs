@@ -7,13 +7,15 @@
 //! the bodies, and a large ball does not rest on one triangle after another.
 
 use crate::contact::aabb::Aabb;
+use crate::contact::blunt::way_to;
 use crate::contact::collector::{Collector, feature_key};
 use crate::contact::near::{Arrival, Near};
 use crate::contact::sharp_blocks::Prism;
 use crate::contact::sides::Sight;
+use crate::contact::soft_edge::meet_edges;
 use crate::contact::soft_rigid::{KEY_POINT, SoftRigid, VertexScratch};
 use crate::contact::soft_round::{ROUND_PLACES, Touches, meet_round};
-use crate::contact::triangle::{Closest, ROUNDED_UP, area_vector};
+use crate::contact::triangle::{ROUNDED_UP, area_vector};
 use crate::contact::{Contact, Site, SurfacePoint};
 use crate::math::Vec3;
 use std::cell::Cell;
@@ -106,6 +108,8 @@ pub(crate) fn find(
             }
             let near = Near::new(pair, t);
             meet_sharp(pair, &near, scratch);
+            let kept = &mut scratch.touches;
+            meet_edges(pair, &near, &mut Touches { kept, most, dropped: &mut dropped });
             for (r, round) in (0..).zip(&pair.body.sharp.rounds) {
                 if !near.may_touch(round, pair.margin) {
                     continue;
@@ -200,8 +204,13 @@ fn settle_sharp(pair: &SoftRigid, scratch: &mut FeatureScratch, out: &mut Collec
         let i = scratch.met[m];
         let Meet { nearest, arriving } = std::mem::replace(&mut scratch.meets[i as usize], UNMET);
         let p = pair.body.sharp.points[i as usize];
-        let touch = sharp_at_nearest(pair, &p, i, nearest.1)
-            .or_else(|| sharp_that_arrives(pair, &p, i, arriving.1));
+        // Within an edge, what has not got in touches as a part of the edge.
+        let is_corner = (i as usize) < pair.body.sharp.corners;
+        let stands = |touch: &Touch| is_corner || pair.surface.is_deep(-touch.gap);
+        let touch = match sharp_at_nearest(pair, &p, i, nearest.1) {
+            Some(touch) => stands(&touch).then_some(touch),
+            None => sharp_that_arrives(pair, &p, i, arriving.1),
+        };
         touch.iter().for_each(|touch| out.push(contact(pair, touch)));
     }
     scratch.met.clear();
@@ -222,15 +231,13 @@ fn sharp_at_nearest(pair: &SoftRigid, p: &Vec3, i: u32, t: u32) -> Option<Touch>
     let gap = distance.copysign((p - closest.point).dot(&outward));
     let is_outside = !pair.surface.holds_behind(&pair.placed.world_point(p), -gap, x);
     let gap = if is_outside { distance } else { gap };
-    if gap > pair.margin || is_free(pair, &closest, gap) {
+    if gap > pair.margin || is_free(pair, &closest.point, distance, gap) {
         return None;
     }
-    let normal = if is_outside {
-        (closest.point - p) / distance
-    } else {
-        let smooth = to_shape(pair.surface.smooth_normal(t, &closest.weights, x));
-        -if smooth == Vec3::zeros() { outward } else { smooth }
-    };
+    let smooth = to_shape(pair.surface.smooth_normal(t, &closest.weights, x));
+    let outward = if smooth == Vec3::zeros() { outward } else { smooth };
+    let edge = pair.surface.edge_within(t, &closest.weights);
+    let normal = way_to(&(closest.point - p), gap, &outward, edge);
     (normal != Vec3::zeros()).then_some(Touch {
         key: [KEY_POINT, i],
         triangle: t,
@@ -245,11 +252,12 @@ fn sharp_at_nearest(pair: &SoftRigid, p: &Vec3, i: u32, t: u32) -> Option<Touch>
 /// Near the far side of a thin or folded part a point lies inside as well, but the place is free: it
 /// lies outside the shape, not only beside the point (within 45° of the way there). What lies on the surface
 /// to round-off has not come in.
-fn is_free(pair: &SoftRigid, closest: &Closest, gap: f64) -> bool {
-    // A sharp point is on the shape.
-    let most = closest.distance_squared.sqrt() * ROUNDED_UP;
+///
+/// The place lies `distance` from the point, which is on the shape.
+pub(crate) fn is_free(pair: &SoftRigid, place: &Vec3, distance: f64, gap: f64) -> bool {
+    let most = distance * ROUNDED_UP;
     let outside = |depth: f64| {
-        let there = pair.body.shape.distance_near(&closest.point, most, &Cell::new(u32::MAX));
+        let there = pair.body.shape.distance_near(place, most, &Cell::new(u32::MAX));
         there.value > depth
     };
     gap < -ROUND_OFF * pair.surface.edge_mean && outside(-gap * std::f64::consts::FRAC_1_SQRT_2)

@@ -22,6 +22,7 @@ pub(crate) const KEY_SOFT_SOFT: u32 = 5 << 24;
 pub(crate) const KEY_CROSSING: u32 = 6 << 24;
 pub(crate) const KEY_INSIDE: u32 = 7 << 24;
 pub(crate) const KEY_PIERCED: u32 = 8 << 24;
+pub(crate) const KEY_EDGE: u32 = 9 << 24;
 
 /// One surface and one rigid body, in one step.
 pub(crate) struct SoftRigid<'a> {

@@ -92,6 +92,10 @@ pub(crate) fn meet_round(
             return;
         }
         let is_sharp = has_edges(&part.shape) && is_on_rim(&now, &seen);
+        if is_sharp && let Some(seen) = rounded(pair, near, part, feature, &nearest, now) {
+            offer(pair, near, (r, part), (SPREAD * place, feature, nearest), seen, touches);
+            return;
+        }
         if hold == Hold::Nearest || is_sharp {
             offer(pair, near, (r, part), (SPREAD * place, feature, nearest), seen, touches);
             return;
@@ -291,6 +295,26 @@ fn blunted_on(
         part.pose_SP.inverse_vector(&pair.placed.rotation.tr_mul(&outward_W))
     };
     blunted(&part.shape, p, outward, pair.surface.edge_within(near.index, weights), now)
+}
+
+/// View of a rim or a tip from a place of smooth flesh: as the surface lies there, as corners and straight edges
+/// see it. `None` where the surface has an edge of its own.
+fn rounded(
+    pair: &SoftRigid,
+    near: &Near,
+    part: &Part,
+    feature: Feature,
+    weights: &[f64; 3],
+    now: Distance,
+) -> Option<Distance> {
+    if let Feature::Edge(k) = feature
+        && pair.surface.is_crease(near.index, k)
+    {
+        return None;
+    }
+    let smooth_W = pair.surface.smooth_normal(near.index, weights, pair.state.positions);
+    let gradient = -part.pose_SP.inverse_vector(&pair.placed.rotation.tr_mul(&smooth_W));
+    (gradient != Vec3::zeros()).then_some(Distance { gradient, ..now })
 }
 
 /// Outward normal of the soft surface, in the shape frame.

