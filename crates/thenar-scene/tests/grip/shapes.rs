@@ -152,7 +152,8 @@ fn egg() -> String {
     text
 }
 
-/// Two pads carry 2 μ F: a cube of 100 g with μ = 0.5 slips through below F = 0.98 N.
+/// Two pads carry 2 μ F: a cube of 100 g with μ = 0.5 slips through below F = 0.98 N. Its sides face the pads of the default
+/// hand; the paper's has its index finger across the upper edge, and slips off that.
 #[test]
 fn the_slip_limit_is_that_of_statics() {
     let cube = |force: f64| Stage {

@@ -9,8 +9,8 @@
 //! contact before it crosses. Two soft surfaces meet at vertices on
 //! faces and at edges that cross, which is all that flat faces can do; a surface may meet itself, but
 //! for its neighbouring parts. Not guaranteed: that a soft surface and an edge of a rigid body cannot
-//! cut each other between their vertices by less than a fraction of a triangle; that flesh which is
-//! crushed until its surface turns inside out keeps its contacts.
+//! cut each other by a hundredth of an edge, or between points of that edge where they meet at speed; that
+//! flesh which is crushed until its surface turns inside out keeps its contacts.
 
 mod aabb;
 mod along;

@@ -72,15 +72,14 @@ impl Found {
             Shape::Cuboid { half } => {
                 self.points.extend(corners(half));
                 for ends in edges(half) {
-                    let normals = faces_beside(&ends);
-                    self.edge(&Edge { ends, normals }, pose_SP, spacing);
+                    self.edge(ends, faces_beside(&ends), pose_SP, spacing);
                 }
             }
             Shape::Mesh(mesh) => {
                 for edge in &mesh.index.edges.list {
                     let ends = edge.vertices.map(|v| mesh.points[v as usize]);
                     self.points.extend(ends);
-                    self.edge(&Edge { ends, normals: edge.normals }, pose_SP, spacing);
+                    self.edge(ends, edge.normals, pose_SP, spacing);
                 }
                 self.points.extend(&mesh.points);
                 thin(&mut self.points, first[0], 0.25 * spacing);
@@ -110,10 +109,13 @@ impl Found {
         }
     }
 
-    /// Adds points within an edge, and the edge if there are any: of a shorter one the ends say enough.
-    fn edge(&mut self, edge: &Edge, pose_SP: &Pose, spacing: f64) {
+    /// Adds points within an edge between two faces, and the edge if there are any: of a shorter one the ends say enough.
+    fn edge(&mut self, ends: [Vec3; 2], normals: [Vec3; 2], pose_SP: &Pose, spacing: f64) {
+        let Some(edge) = Edge::between(ends, normals) else {
+            return spread(&ends, spacing, &mut self.points);
+        };
         let before = self.within.len();
-        spread(&edge.ends, spacing, &mut self.within);
+        spread(&ends, spacing, &mut self.within);
         if self.within.len() > before {
             self.edges.push(edge.placed(pose_SP));
         }

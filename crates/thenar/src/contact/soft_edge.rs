@@ -22,12 +22,16 @@ use crate::contact::soft_round::Touches;
 use crate::contact::triangle::{Closest, Feature};
 use crate::math::{Pose, Vec3};
 
-/// A straight edge of a rigid shape.
+/// Sine of the angle between faces that count as one.
+const FLAT: f64 = 1e-6;
+/// Square of the sine below which two edges count as parallel: their crossing has lost half of its digits.
+const PARALLEL: f64 = f64::EPSILON;
+
+/// A straight edge of a rigid shape that sticks out between two faces.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Edge {
-    pub ends: [Vec3; 2],
-    /// Outward normals of the faces beside it; twice the same at a border.
-    pub normals: [Vec3; 2],
+    ends: [Vec3; 2],
+    ridge: Ridge,
 }
 
 /// Edges, and a tree over them.
@@ -38,19 +42,27 @@ pub(crate) struct Edges {
 }
 
 impl Edge {
-    /// From the frame of a part to that of the shape.
-    pub fn placed(&self, pose_SP: &Pose) -> Self {
-        Self {
-            ends: self.ends.map(|p| pose_SP.point(&p)),
-            normals: self.normals.map(|n| pose_SP.vector(&n)),
-        }
+    /// `None` where the faces have one direction or opposite ones: the border of a sheet has no two sides.
+    pub fn between(ends: [Vec3; 2], [n, m]: [Vec3; 2]) -> Option<Self> {
+        let fall = |own: Vec3, other: Vec3| (own * own.dot(&other) - other).try_normalize(FLAT);
+        let ridge = Ridge { falls: [fall(n, m)?, fall(m, n)?], outward: n + m };
+        Some(Self { ends, ridge })
     }
 
-    /// How its faces lie; `None` at a border.
-    fn ridge(&self) -> Option<Ridge> {
-        let [n, m] = self.normals;
-        let fall = |own: Vec3, other: Vec3| (own * own.dot(&other) - other).try_normalize(0.0);
-        Some(Ridge { falls: [fall(n, m)?, fall(m, n)?], outward: n + m })
+    /// From the frame of a part to that of the shape.
+    pub fn placed(&self, pose_SP: &Pose) -> Self {
+        let Ridge { falls, outward } = self.ridge;
+        let ridge = Ridge {
+            falls: falls.map(|fall| pose_SP.vector(&fall)),
+            outward: pose_SP.vector(&outward),
+        };
+        Self { ends: self.ends.map(|p| pose_SP.point(&p)), ridge }
+    }
+
+    /// The unit vector that is nearest to `n` among the normals of planes that rest on the edge; others cut a face.
+    fn within_faces(&self, n: Vec3) -> Vec3 {
+        let falls = self.ridge.falls.iter();
+        falls.fold(n, |n, fall| n - fall * fall.dot(&n).max(0.0)).normalize()
     }
 }
 
@@ -64,6 +76,9 @@ impl Edges {
 /// Lets the edges that a triangle answers for touch those of the shape.
 pub(crate) fn meet_edges(pair: &SoftRigid, near: &Near, touches: &mut Touches) {
     let edges = &pair.body.sharp.edges;
+    if edges.list.is_empty() {
+        return;
+    }
     let reach = depth_max(pair);
     for k in (0..3).filter(|&k| pair.surface.owns(near.index, Feature::Edge(k))) {
         let own = SkinEdge { near, k, ends: [near.x[k], near.x[(k + 1) % 3]] };
@@ -109,8 +124,8 @@ impl SkinEdge<'_> {
         if other.1.distance_squared < own.1.distance_squared { other } else { own }
     }
 
-    /// Whether what lies `depth` \[m\] below the edge is nearer to no other triangle around its ends; in contact, where
-    /// nothing has got in, it is.
+    /// Whether what lies `depth` \[m\] below the edge is nearer to no other triangle around its ends. Of what is not deep
+    /// no one asks.
     fn is_way_out(&self, pair: &SoftRigid, q: &Vec3, depth: f64) -> bool {
         let surface = pair.surface;
         let corners = surface.triangles[self.near.index as usize];
@@ -138,9 +153,10 @@ fn on_skin(pair: &SoftRigid, own: &SkinEdge, edge: &Edge, reach: f64) -> Option<
     let (p, q) = (own.point(at), point_of(&edge.ends, along));
     let weights = own.weights(at);
     let outward = to_shape(pair.surface.smooth_normal(own.near.index, &weights, x_W));
-    if outward.dot(&(edge.normals[0] + edge.normals[1])) >= 0.0 {
+    if outward.dot(&edge.ridge.outward) >= 0.0 {
         return None;
     }
+    let outward = -edge.within_faces(-outward);
     let length = pair.surface.edge_within(own.near.index, &weights);
     touch(pair, own, (&p, &q), height, |way, gap| way_to(way, gap, &outward, length))
 }
@@ -150,7 +166,7 @@ fn seen_along(up: &Vec3, a: &[Vec3; 2], b: &[Vec3; 2]) -> Option<([f64; 2], f64)
     let (u, v, w) = (a[1] - a[0], b[1] - b[0], b[0] - a[0]);
     let across = u.cross(&v);
     let area = across.dot(up);
-    if area == 0.0 {
+    if area * area <= PARALLEL * u.norm_squared() * v.norm_squared() {
         return None;
     }
     let at = [w.cross(&v).dot(up) / area, w.cross(&u).dot(up) / area];
@@ -164,7 +180,7 @@ fn on_crease(pair: &SoftRigid, own: &SkinEdge, edge: &Edge, reach: f64) -> Optio
     let ridge_W = Ridge::of(pair.surface, own.near.index, own.k, pair.state.positions)?;
     let to_shape = |v_W: Vec3| pair.placed.rotation.tr_mul(&v_W);
     let ridge = Ridge { falls: ridge_W.falls.map(to_shape), outward: to_shape(ridge_W.outward) };
-    let found = crossing(&passing, &ridge, &edge.ridge()?)?;
+    let found = crossing(&passing, &ridge, &edge.ridge)?;
     let (p, q) = (own.point(found.at[0]), point_of(&edge.ends, found.at[1]));
     touch(pair, own, (&p, &q), found.gap, |_, _| found.normal)
 }

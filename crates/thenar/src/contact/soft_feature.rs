@@ -1,8 +1,9 @@
-//! What of a rigid shape comes between the vertices of a deformable surface: its sharp points, and,
-//! where it is round, its centre line.
+//! What of a rigid shape comes between the vertices of a deformable surface: its sharp points, its straight edges
+//! (`soft_edge`), and, where it is round, its centre line.
 //!
 //! Every contact made here stands for a point of one surface and its true distance to the other, so
-//! none holds what does not meet. A sharp point touches the triangle that is nearest to it. A round
+//! none holds what does not meet. A sharp point touches the triangle that is nearest to it; one within a
+//! straight edge does so when it arrives, or when the edge has got in. A round
 //! part touches *every* triangle near it, each at its own nearest point: contacts then move along with
 //! the bodies, and a large ball does not rest on one triangle after another.
 
@@ -35,7 +36,7 @@ pub(crate) struct FeatureScratch {
     /// Per triangle, the round in which it was last visited.
     visited: Vec<u32>,
     round: u32,
-    /// Of round parts.
+    /// Of edges and round parts.
     touches: Vec<Touch>,
 }
 
@@ -121,7 +122,7 @@ pub(crate) fn find(
         }
     }
     settle_sharp(pair, scratch, out);
-    settle_round(pair, scratch, out);
+    settle_touches(pair, scratch, out);
     out.count_dropped(dropped);
 }
 
@@ -237,7 +238,9 @@ fn sharp_at_nearest(pair: &SoftRigid, p: &Vec3, i: u32, t: u32) -> Option<Touch>
     let smooth = to_shape(pair.surface.smooth_normal(t, &closest.weights, x));
     let outward = if smooth == Vec3::zeros() { outward } else { smooth };
     let edge = pair.surface.edge_within(t, &closest.weights);
-    let normal = way_to(&(closest.point - p), gap, &outward, edge);
+    let way = closest.point - p;
+    // The outer side of a fold looks inward.
+    let normal = if is_outside { way / distance } else { way_to(&way, gap, &outward, edge) };
     (normal != Vec3::zeros()).then_some(Touch {
         key: [KEY_POINT, i],
         triangle: t,
@@ -272,18 +275,20 @@ fn sharp_that_arrives(pair: &SoftRigid, p: &Vec3, i: u32, t: u32) -> Option<Touc
     Some(Touch { key, triangle: t, weights, sharp, normal, gap })
 }
 
-// Round parts.
+// Edges and round parts.
 
-/// Room besides, for compounds of many round parts.
+/// Places of one triangle at which edges cross its own, but for finely ridged shapes: two for each of its edges.
+const CROSSINGS: usize = 6;
+/// Room besides, for compounds of many round parts and such shapes.
 const SPARE: usize = 1 << 14;
 
-/// Contacts of round parts that are kept at most, with a surface of so many triangles.
+/// Contacts of edges and round parts that are kept at most, with a surface of so many triangles.
 fn touches_max(triangles: usize) -> usize {
-    ROUND_PLACES * triangles + SPARE
+    (CROSSINGS + ROUND_PLACES) * triangles + SPARE
 }
 
-/// Hands over the contacts of round parts, in the order of the triangles.
-fn settle_round(pair: &SoftRigid, scratch: &mut FeatureScratch, out: &mut Collector) {
+/// Hands over the contacts of edges and round parts, in the order of the triangles.
+fn settle_touches(pair: &SoftRigid, scratch: &mut FeatureScratch, out: &mut Collector) {
     scratch.touches.sort_unstable_by_key(|touch| (touch.triangle, touch.key));
     scratch.touches.iter().for_each(|touch| out.push(contact(pair, touch)));
 }

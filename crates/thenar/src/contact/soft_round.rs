@@ -92,7 +92,7 @@ pub(crate) fn meet_round(
             return;
         }
         let is_sharp = has_edges(&part.shape) && is_on_rim(&now, &seen);
-        if is_sharp && let Some(seen) = rounded(pair, near, part, feature, &nearest, now) {
+        if is_sharp && let Some(seen) = rounded(pair, near, part, (feature, &nearest), now) {
             offer(pair, near, (r, part), (SPREAD * place, feature, nearest), seen, touches);
             return;
         }
@@ -297,14 +297,14 @@ fn blunted_on(
     blunted(&part.shape, p, outward, pair.surface.edge_within(near.index, weights), now)
 }
 
-/// View of a rim or a tip from a place of smooth flesh: as the surface lies there, as corners and straight edges
-/// see it. `None` where the surface has an edge of its own.
+/// Of a rim or a tip at distance `now` from a place of smooth flesh, what corners and straight edges see: it lies as the
+/// surface lies there. `None` where the surface has an edge of its own. All of it counts from where the blunted direction
+/// begins to turn: passing over to it by degrees, a rim that is drawn over skin is felt to catch.
 fn rounded(
     pair: &SoftRigid,
     near: &Near,
     part: &Part,
-    feature: Feature,
-    weights: &[f64; 3],
+    (feature, weights): (Feature, &[f64; 3]),
     now: Distance,
 ) -> Option<Distance> {
     if let Feature::Edge(k) = feature

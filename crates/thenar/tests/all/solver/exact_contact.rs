@@ -117,7 +117,7 @@ fn a_pressed_finger_agrees_with_the_dense_reference() {
             most = most.max(report.contacts_active);
             check_friction(&world, cone, &case);
             // Three steps of each press. In a few of the others (circular cone, 1e7 N/m⁴,
-            // 1 ms, steps 23, 24 and 59) there is nothing to compare with: neither iteration has
+            // 1 ms, steps 23, 24 and 59, where the reference ends at 5e-7 m/s) there is nothing to compare with: neither iteration has
             // converged when it stops, and the exact solver says so. Sweeps there keep shifting load by some 1e-7
             // m/s each; 128 708 of them, to 1e-8 m/s each, end 1e-3 m/s away from the answer to
             // 1e-7 m/s each.
