@@ -15,7 +15,7 @@ use crate::math::Vec3;
 /// Square of the sine below which two edges count as parallel: the normal of their crossing then has lost half of
 /// its digits. Every other crossing counts, however near to an end, for where one edge hands over to the next on
 /// another body's ridge, a gap between them is a place at which nothing holds.
-const PARALLEL: f64 = f64::EPSILON;
+pub(crate) const PARALLEL: f64 = f64::EPSILON;
 /// A face that reaches less far from its edge has no area, and no direction \[m\]: round-off leaves as much of places
 /// ten kilometres away.
 const AREALESS: f64 = 1e-12;

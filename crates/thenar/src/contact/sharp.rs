@@ -19,7 +19,7 @@ const WITHIN_EDGE_MAX: usize = 512;
 pub(crate) struct Sharp {
     /// First those at corners and on rims, then those within straight edges.
     pub points: Vec<Vec3>,
-    /// How many of them are at corners and on rims.
+    /// Number of points at corners and on rims.
     pub corners: usize,
     pub(super) blocks: Blocks,
     /// Straight edges that have points within them.

@@ -17,7 +17,7 @@ pub(crate) struct SmoothNormals {
     /// The piece of corner k of triangle t: `faces[start[3 t + k]..start[3 t + k + 1]]`.
     start: Vec<u32>,
     faces: Vec<u32>,
-    /// Of the edges of each triangle, which are sharp.
+    /// Sharp edges of each triangle.
     pub creases: Vec<[bool; 3]>,
 }
 

@@ -15,7 +15,7 @@ use crate::contact::aabb::Aabb;
 use crate::contact::blunt::way_to;
 use crate::contact::bvh::Bvh;
 use crate::contact::near::Near;
-use crate::contact::ridge::{Ridge, crossing, passing};
+use crate::contact::ridge::{PARALLEL, Ridge, crossing, passing};
 use crate::contact::soft_feature::{Touch, depth_max, is_free};
 use crate::contact::soft_rigid::{KEY_EDGE, SoftRigid};
 use crate::contact::soft_round::Touches;
@@ -24,8 +24,6 @@ use crate::math::{Pose, Vec3};
 
 /// Sine of the angle between faces that count as one.
 const FLAT: f64 = 1e-6;
-/// Square of the sine below which two edges count as parallel: their crossing has lost half of its digits.
-const PARALLEL: f64 = f64::EPSILON;
 
 /// A straight edge of a rigid shape that sticks out between two faces.
 #[derive(Clone, Copy, Debug)]
@@ -124,8 +122,8 @@ impl SkinEdge<'_> {
         if other.1.distance_squared < own.1.distance_squared { other } else { own }
     }
 
-    /// Whether what lies `depth` \[m\] below the edge is nearer to no other triangle around its ends. Of what is not deep
-    /// no one asks.
+    /// Whether what lies `depth` \[m\] below the edge is nearer to no other triangle around its ends: so is all that
+    /// is not deep.
     fn is_way_out(&self, pair: &SoftRigid, q: &Vec3, depth: f64) -> bool {
         let surface = pair.surface;
         let corners = surface.triangles[self.near.index as usize];
@@ -140,7 +138,7 @@ fn point_of(ends: &[Vec3; 2], at: f64) -> Vec3 {
     ends[0] + (ends[1] - ends[0]) * at
 }
 
-/// Where an edge crosses one within a smooth surface, as seen along the surface's normal there. Unlike the places at which
+/// Contact of an edge with one within a smooth surface, where they cross as seen along the surface's normal there. Unlike the places at which
 /// two lines are nearest, such a place lies over the surface however nearly parallel they are.
 fn on_skin(pair: &SoftRigid, own: &SkinEdge, edge: &Edge, reach: f64) -> Option<Touch> {
     let x_W = pair.state.positions;
@@ -174,7 +172,7 @@ fn seen_along(up: &Vec3, a: &[Vec3; 2], b: &[Vec3; 2]) -> Option<([f64; 2], f64)
     at.iter().all(|s| (0.0..=1.0).contains(s)).then_some((at, height))
 }
 
-/// Where an edge passes one that the surface had at rest.
+/// Contact of an edge with one that the surface had at rest.
 fn on_crease(pair: &SoftRigid, own: &SkinEdge, edge: &Edge, reach: f64) -> Option<Touch> {
     let passing = passing(&own.ends, &edge.ends, reach)?;
     let ridge_W = Ridge::of(pair.surface, own.near.index, own.k, pair.state.positions)?;

@@ -36,7 +36,7 @@ pub(crate) struct FeatureScratch {
     /// Per triangle, the round in which it was last visited.
     visited: Vec<u32>,
     round: u32,
-    /// Of edges and round parts.
+    /// Contacts of edges and round parts.
     touches: Vec<Touch>,
 }
 

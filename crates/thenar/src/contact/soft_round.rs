@@ -299,7 +299,7 @@ fn blunted_on(
 
 /// Of a rim or a tip at distance `now` from a place of smooth flesh, what corners and straight edges see: it lies as the
 /// surface lies there. `None` where the surface has an edge of its own. All of it counts from where the blunted direction
-/// begins to turn: passing over to it by degrees, a rim that is drawn over skin is felt to catch.
+/// begins to turn: passed over to by degrees, it made forces jump more often under rims drawn over skin.
 fn rounded(
     pair: &SoftRigid,
     near: &Near,
