@@ -5,14 +5,16 @@
 //! 0.5 % of the mean force: amplitudes, not their squares. At half the speed the largest change of force
 //! and torque in a step is half.
 
+mod over_fingertips;
+mod soft_pad;
+
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
 use thenar::Vec3;
 use thenar::model::BodyId;
-use thenar::world::{ContactPoint, World};
+use thenar::world::World;
 use thenar_scene::session::Session;
-use thenar_testing::one_in;
 
 const H: f64 = 1e-3;
 /// Until a thing is pressed on \[s\]; nothing is measured then.
@@ -321,134 +323,6 @@ fn a_ball_of_triangles_is_drawn_and_rolls_over_a_fingertip() {
     std::fs::remove_file(&file).unwrap();
 }
 
-/// Round things: their shape, rotation, and from the centre to the point that touches first \[m\].
-const ROUND: [(&str, &str, &str, f64); 6] = [
-    ("ball of 6 mm", r#"{ kind = "sphere", radius = 0.006 }"#, UPRIGHT, 0.006),
-    ("ball of 20 mm", r#"{ kind = "sphere", radius = 0.02 }"#, UPRIGHT, 0.02),
-    (
-        "pebble",
-        r#"{ kind = "ellipsoid", size = [0.03, 0.012, 0.02] }"#,
-        "{ axis = [0, 1, 0], angle_deg = 20 }",
-        0.006,
-    ),
-    ("egg on its tip", r#"{ kind = "ellipsoid", size = [0.012, 0.03, 0.02] }"#, UPRIGHT, 0.015),
-    (
-        "needle",
-        r#"{ kind = "capsule", radius = 0.003, length = 0.02 }"#,
-        "{ axis = [1, 0, 0], angle_deg = 90 }",
-        0.003,
-    ),
-    (
-        "leaning pill",
-        r#"{ kind = "capsule", radius = 0.005, length = 0.01 }"#,
-        "{ axis = [0, 0, 1], angle_deg = 40 }",
-        0.005 + 0.005 * 0.766_044,
-    ),
-];
-const UPRIGHT: &str = "{ axis = [0, 0, 1], angle = 0 }";
-
-/// Draws along and across a fingertip of either hand, with friction and without. A fixed share runs here; all of them:
-/// `THENAR_CASES=all cargo test -p thenar-scene --test all round_things -- --nocapture`.
-#[test]
-fn round_things_are_drawn_over_a_fingertip() {
-    let mut cases = Vec::new();
-    for (name, shape, rotation, reach) in ROUND {
-        for hand in ["touch", "paper"] {
-            for way in [[0.0, 0.0, 0.006], [0.004, 0.0, 0.001]] {
-                for friction in [0.6, 0.0] {
-                    for depth in [0.0015, 0.001] {
-                        let name = format!("{name}, {hand}, {way:?}, {friction}, {depth}");
-                        let over = Some(hand);
-                        let case =
-                            Case { shape, rotation, reach, depth, way, friction, over, ..BALL };
-                        cases.push((name, case));
-                    }
-                }
-            }
-        }
-    }
-    for (name, case) in one_in(11, cases) {
-        check_spectrum(&Case { name: &name, ..case });
-    }
-}
-
-/// Sharp things: their shape, rotation, and from the centre to the point that touches first \[m\].
-const SHARP: [(&str, &str, &str, f64); 9] = [
-    ("cone on its tip", r#"{ kind = "cone", radius = 0.01, height = 0.02 }"#, UPRIGHT, 0.015),
-    (
-        "cone on its rim",
-        r#"{ kind = "cone", radius = 0.01, height = 0.02 }"#,
-        "{ axis = [0, 0, 1], angle_deg = 135 }",
-        0.010_606_6,
-    ),
-    (
-        "plate on its corner",
-        r#"{ kind = "box", size = [0.03, 0.004, 0.03] }"#,
-        "{ axis = [-1, 0, 1], angle_deg = 84.612 }",
-        0.021_307,
-    ),
-    (
-        "cube on its corner",
-        r#"{ kind = "box", size = [0.02, 0.02, 0.02] }"#,
-        "{ axis = [-1, 0, 1], angle_deg = 54.7356 }",
-        0.017_320_5,
-    ),
-    (
-        "box on its edge, along the finger",
-        r#"{ kind = "box", size = [0.02, 0.02, 0.06] }"#,
-        "{ axis = [0, 0, 1], angle_deg = 45 }",
-        0.014_142,
-    ),
-    (
-        "box on its edge, across the finger",
-        r#"{ kind = "box", size = [0.06, 0.02, 0.02] }"#,
-        "{ axis = [1, 0, 0], angle_deg = 45 }",
-        0.014_142,
-    ),
-    (
-        "box on its edge, askew",
-        r#"{ kind = "box", size = [0.015, 0.015, 0.03] }"#,
-        "{ quaternion = [0.04, 0.09657, 0.3806, 0.91881] }",
-        0.011_6,
-    ),
-    (
-        "cylinder on its rim",
-        r#"{ kind = "cylinder", radius = 0.01, length = 0.02 }"#,
-        "{ axis = [0, 0, 1], angle_deg = 45 }",
-        0.014_142_1,
-    ),
-    (
-        "cylinder on its side",
-        r#"{ kind = "cylinder", radius = 0.006, length = 0.03 }"#,
-        "{ axis = [1, 0, 0], angle_deg = 90 }",
-        0.006,
-    ),
-];
-
-/// The same with what has edges and corners, at 10 mm/s: a corner that passes from one flat triangle of the skin to the
-/// next turns its path there, and what that changes falls with the speed. All of them:
-/// `THENAR_CASES=all cargo test -p thenar-scene --test all sharp_things -- --nocapture`.
-#[test]
-fn sharp_things_are_drawn_over_a_fingertip() {
-    let mut cases = Vec::new();
-    for (name, shape, rotation, reach) in SHARP {
-        for over in ["touch", "paper"] {
-            for way in [[0.0, 0.0, 0.004], [0.003, 0.0, 0.001]] {
-                for friction in [0.6, 0.0] {
-                    let name = format!("{name}, {over}, {way:?}, {friction}");
-                    let (over, depth, speed) = (Some(over), 0.0015, 0.01);
-                    let case =
-                        Case { shape, rotation, reach, depth, way, friction, over, speed, ..BALL };
-                    cases.push((name, case));
-                }
-            }
-        }
-    }
-    for (name, case) in one_in(11, cases) {
-        check_spectrum(&Case { name: &name, ..case });
-    }
-}
-
 /// A capsule that is slim beside the triangles of the pad, along and across its axis; also without friction, so that
 /// nothing sticks and slips.
 #[test]
@@ -481,67 +355,4 @@ fn a_corner_is_drawn_over_a_fingertip() {
         ..BALL
     };
     check(&corner);
-}
-
-/// Force on a soft pad while a finger, palm down, is drawn over it. The finger's underside is 18.5 mm below its wrist.
-fn finger_on_pad(cells: [u32; 3], way: [f64; 3], depth: f64, friction: f64) -> Vec<Vec3> {
-    let way = Vec3::from(way);
-    let end = MOVES + way.norm() / 0.02;
-    let key = |time: f64, at: Vec3| {
-        let at = <[f64; 3]>::from(at);
-        format!(
-            "[[hand.motion.key]]\ntime = {time:e}\npose = \"rest\"\n\
-             wrist = {{ position = {at:?}, fingers = [0, 0, -1], back = [0, 1, 0] }}\n"
-        )
-    };
-    let down = Vec3::y() * -depth;
-    let hand = HAND.replace("\"below\"", "\"hand\"").replace("PRESET", "paper");
-    let text = format!(
-        "version = 1\ngravity = [0, 0, 0]\ntime_step = {H}\nduration = {end}\n{hand}\n[hand.motion]\n\
-         kind = \"keyframes\"\n{}{}{}{}\n[[soft]]\nname = \"pad\"\n\
-         shape = {{ kind = \"lattice\", size = [0.06, 0.02, 0.04], cells = {cells:?} }}\n\
-         material = {{ young = 5e4, density = 1000 }}\nstiffness_damping = 0.005\n\
-         position = [{}, {}, {}]\nfixed = [{{ nodes = {{ side = \"y-min\" }} }}]\n\
-         [[pair]]\nbodies = [\"hand\", \"pad\"]\nfriction = {friction}\n",
-        key(0.0, way * -0.5 + Vec3::y() * 2e-3),
-        key(PRESSED, way * -0.5 + down),
-        key(MOVES, way * -0.5 + down),
-        key(end, way * 0.5 + down),
-        FINGERTIP[0],
-        FINGERTIP[1] - 0.01,
-        FINGERTIP[2],
-    );
-    let mut session = Session::from_text(&text, Path::new("finger.toml"), &[])
-        .unwrap_or_else(|e| panic!("{e}\n{text}"));
-    let mut found = Vec::new();
-    run(&mut session, end, |time, world| {
-        if time > MOVES + 0.15 * way.norm() / 0.02 + 0.5 * H {
-            let on_pad = |c: &ContactPoint| match c.bodies[0] {
-                BodyId::Soft(1) => c.force_W,
-                _ => -c.force_W,
-            };
-            found.push(world.contacts().iter().map(on_pad).sum());
-        }
-    });
-    found
-}
-
-/// Soft on soft: vertices, and edges that the other surface is pressed flat against, hand over to each other.
-#[test]
-fn a_finger_is_drawn_over_a_soft_pad() {
-    let cases = [
-        ("across, frictionless", [12, 4, 8], [0.004, 0.0, 0.0], 0.0015, 0.0),
-        ("across", [12, 4, 8], [0.004, 0.0, 0.0], 0.0015, 0.6),
-        ("along, frictionless", [12, 4, 8], [0.0, 0.0, 0.004], 0.0015, 0.0),
-        ("lightly", [12, 4, 8], [0.004, 0.0, 0.0], 0.0006, 0.0),
-        ("coarse pad", [6, 2, 4], [0.004, 0.0, 0.0], 0.0015, 0.3),
-    ];
-    for (name, cells, way, depth, friction) in cases {
-        let force = finger_on_pad(cells, way, depth, friction);
-        let mean = force.iter().map(Vec3::norm).sum::<f64>() / force.len() as f64;
-        let high = above_50_hz(&force);
-        println!("{name}: {mean:.2} N, {:.3} % above 50 Hz", 100.0 * high);
-        assert!(mean > 1.0, "{name}: {mean} N");
-        assert!(high < 5e-3, "{name}: {} % above 50 Hz", 100.0 * high);
-    }
 }
