@@ -21,6 +21,7 @@ use crate::contact::soft_rigid::{KEY_EDGE, SoftRigid};
 use crate::contact::soft_round::Touches;
 use crate::contact::triangle::{Closest, Feature};
 use crate::math::{Pose, Vec3};
+use std::cell::OnceCell;
 
 /// Sine of the angle between faces that count as one.
 const FLAT: f64 = 1e-6;
@@ -79,18 +80,15 @@ pub(crate) fn meet_edges(pair: &SoftRigid, near: &Near, touches: &mut Touches) {
     }
     let reach = depth_max(pair);
     for k in (0..3).filter(|&k| pair.surface.owns(near.index, Feature::Edge(k))) {
-        let own = SkinEdge { near, k, ends: [near.x[k], near.x[(k + 1) % 3]] };
+        let ends = [near.x[k], near.x[(k + 1) % 3]];
+        let own = SkinEdge { near, k, ends, up: OnceCell::new() };
         let is_crease = pair.surface.is_crease(near.index, k);
         edges.tree.overlapping(&Aabb::of_points(&own.ends).inflate(reach), |e| {
-            let edge = &edges.list[e as usize];
             let found = match is_crease {
-                true => on_crease(pair, &own, edge, reach),
-                false => on_skin(pair, &own, edge, reach),
+                true => on_crease(pair, &own, e, reach),
+                false => on_skin(pair, &own, e, reach),
             };
-            if let Some(touch) = found {
-                let key = [KEY_EDGE | e, 3 * near.index + k as u32];
-                touches.offer(Touch { key, ..touch });
-            }
+            found.into_iter().for_each(|touch| touches.offer(touch));
         });
     }
 }
@@ -100,9 +98,17 @@ struct SkinEdge<'a> {
     near: &'a Near,
     k: usize,
     ends: [Vec3; 2],
+    /// The unit normal between its faces, once it is wanted.
+    up: OnceCell<Vec3>,
 }
 
 impl SkinEdge<'_> {
+    fn up(&self, pair: &SoftRigid) -> Vec3 {
+        let feature = Feature::Edge(self.k);
+        let up_W = || pair.surface.pseudonormal(self.near.index, feature, pair.state.positions);
+        *self.up.get_or_init(|| pair.placed.rotation.tr_mul(&up_W()))
+    }
+
     /// Weights of the point at part `at` of the edge.
     fn weights(&self, at: f64) -> [f64; 3] {
         let mut weights = [0.0; 3];
@@ -140,23 +146,23 @@ fn point_of(ends: &[Vec3; 2], at: f64) -> Vec3 {
 
 /// Contact of an edge with one within a smooth surface, where they cross as seen along the surface's normal there. Unlike the places at which
 /// two lines are nearest, such a place lies over the surface however nearly parallel they are.
-fn on_skin(pair: &SoftRigid, own: &SkinEdge, edge: &Edge, reach: f64) -> Option<Touch> {
-    let x_W = pair.state.positions;
-    let to_shape = |normal_W: Vec3| pair.placed.rotation.tr_mul(&normal_W);
-    let up = to_shape(pair.surface.pseudonormal(own.near.index, Feature::Edge(own.k), x_W));
-    let ([at, along], height) = seen_along(&up, &own.ends, &edge.ends)?;
+fn on_skin(pair: &SoftRigid, own: &SkinEdge, e: u32, reach: f64) -> Option<Touch> {
+    let edge = &pair.body.sharp.edges.list[e as usize];
+    let ([at, along], height) = seen_along(&own.up(pair), &own.ends, &edge.ends)?;
     if height.abs() > reach {
         return None;
     }
     let (p, q) = (own.point(at), point_of(&edge.ends, along));
     let weights = own.weights(at);
-    let outward = to_shape(pair.surface.smooth_normal(own.near.index, &weights, x_W));
+    let x = pair.state.positions;
+    let smooth_W = pair.surface.smooth_normal(own.near.index, &weights, x);
+    let outward = pair.placed.rotation.tr_mul(&smooth_W);
     if outward.dot(&edge.ridge.outward) >= 0.0 {
         return None;
     }
     let outward = -edge.within_faces(-outward);
     let length = pair.surface.edge_within(own.near.index, &weights);
-    touch(pair, own, (&p, &q), height, |way, gap| way_to(way, gap, &outward, length))
+    touch(pair, own, e, (&p, &q), height, |way, gap| way_to(way, gap, &outward, length))
 }
 
 /// Parts of `a` and `b` at which the edges cross, and how far b lies above a there, seen along the unit vector `up`.
@@ -173,21 +179,23 @@ fn seen_along(up: &Vec3, a: &[Vec3; 2], b: &[Vec3; 2]) -> Option<([f64; 2], f64)
 }
 
 /// Contact of an edge with one that the surface had at rest.
-fn on_crease(pair: &SoftRigid, own: &SkinEdge, edge: &Edge, reach: f64) -> Option<Touch> {
+fn on_crease(pair: &SoftRigid, own: &SkinEdge, e: u32, reach: f64) -> Option<Touch> {
+    let edge = &pair.body.sharp.edges.list[e as usize];
     let passing = passing(&own.ends, &edge.ends, reach)?;
     let ridge_W = Ridge::of(pair.surface, own.near.index, own.k, pair.state.positions)?;
     let to_shape = |v_W: Vec3| pair.placed.rotation.tr_mul(&v_W);
     let ridge = Ridge { falls: ridge_W.falls.map(to_shape), outward: to_shape(ridge_W.outward) };
     let found = crossing(&passing, &ridge, &edge.ridge)?;
     let (p, q) = (own.point(found.at[0]), point_of(&edge.ends, found.at[1]));
-    touch(pair, own, (&p, &q), found.gap, |_, _| found.normal)
+    touch(pair, own, e, (&p, &q), found.gap, |_, _| found.normal)
 }
 
-/// Place `p` of the surface's edge touches place `q` of the shape, unless that has not come in there: `height` tells by its
+/// Place `p` of the surface's edge touches place `q` on edge `e` of the shape, unless that has not come in there: `height` tells by its
 /// sign on which side of the surface q lies, `normal` gives the direction for a way to the surface and a gap.
 fn touch(
     pair: &SoftRigid,
     own: &SkinEdge,
+    e: u32,
     (p, q): (&Vec3, &Vec3),
     height: f64,
     normal: impl FnOnce(&Vec3, f64) -> Vec3,
@@ -203,7 +211,7 @@ fn touch(
             && pair.surface.holds_behind(&pair.placed.world_point(q), -gap, pair.state.positions)
     };
     (gap >= 0.0 || has_come_in()).then(|| Touch {
-        key: [KEY_EDGE, 0],
+        key: [KEY_EDGE | e, 3 * own.near.index + own.k as u32],
         triangle,
         weights: closest.weights,
         sharp: Some(*q),
