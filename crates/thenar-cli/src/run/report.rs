@@ -5,6 +5,7 @@ use super::histogram::Histogram;
 use super::timer::STAGES;
 use crate::words::joules;
 use serde_json::{Map, Value, json};
+use thenar::World;
 use thenar::model::{Digit, SolverKind, SolverSettings};
 use thenar_scene::session::{HandLoad, Session, StartOverlap, Summary};
 
@@ -185,9 +186,17 @@ pub fn print(session: &Session, outcome: &Outcome) {
         joules(s.energy_final.total()),
         joules(s.energy_max)
     );
-    let names = session.hands().iter().map(|hand| hand.name.as_str());
-    let peaks: Vec<_> = names.zip(s.hands.iter().copied()).collect();
-    fingers(&peaks).iter().for_each(|line| println!("  {line}"));
+    let hands: Vec<_> = session
+        .hands()
+        .iter()
+        .zip(&s.hands)
+        .map(|(hand, peaks)| Hand {
+            name: &hand.name,
+            peaks: *peaks,
+            points: areas_of_points(world, hand.handle.soft),
+        })
+        .collect();
+    fingers(&hands).iter().for_each(|line| println!("  {line}"));
     if s.contacts_dropped_max > 0 {
         println!(
             "  up to {} contacts, or pairs of bodies in a crowd, were left out of a step: too many are in one place",
@@ -212,30 +221,70 @@ pub fn print(session: &Session, outcome: &Outcome) {
     println!("  state {:016x}", world.state_hash());
 }
 
+/// A hand, and the most that pressed on its fingers.
+struct Hand<'a> {
+    name: &'a str,
+    peaks: [HandLoad; 5],
+    /// Area for which a vertex stands where each finger's skin is fine \[m²\].
+    points: [f64; 5],
+}
+
+/// Area for which a vertex stands where each finger's skin is fine \[m²\], a third of the triangles around it: a quarter of the
+/// finger's vertices stand for less. 0 without flesh.
+fn areas_of_points(world: &World, soft: u32) -> [f64; 5] {
+    let Some(body) = world.desc().softs.get(soft as usize) else { return [0.0; 5] };
+    let x = world.collision_vertices(soft);
+    let mut areas = vec![0.0; x.len()];
+    for triangle in &body.flesh.collision.triangles {
+        let [a, b, c] = triangle.map(|v| x[v as usize]);
+        let third = (b - a).cross(&(c - a)).norm() / 6.0;
+        triangle.iter().for_each(|&v| areas[v as usize] += third);
+    }
+    Digit::FINGERS.map(|digit| {
+        let is_on = |v: u32| world.model().part_of(soft, v) == u32::from(digit.part());
+        let own = (0..).zip(&areas).filter(|(v, _)| is_on(*v));
+        let mut own: Vec<f64> = own.map(|(_, area)| *area).collect();
+        own.sort_by(f64::total_cmp);
+        own.get(own.len() / 4).copied().unwrap_or(0.0)
+    })
+}
+
 /// Tables of the fingers that touched something, one for each hand, under its name where there are several.
-fn fingers(hands: &[(&str, [HandLoad; 5])]) -> Vec<String> {
-    let touched = |(_, peaks): &&(&str, [HandLoad; 5])| peaks.iter().any(|peak| peak.normal > 0.0);
-    let mut lines = Vec::new();
-    for (name, peaks) in hands.iter().filter(touched) {
+fn fingers(hands: &[Hand]) -> Vec<String> {
+    let touched = |hand: &&Hand| hand.peaks.iter().any(|peak| peak.normal > 0.0);
+    let (mut lines, mut is_fine) = (Vec::new(), true);
+    for hand in hands.iter().filter(touched) {
         if hands.len() > 1 {
-            lines.push(format!("{name}:"));
+            lines.push(format!("{}:", hand.name));
         }
         lines.push(format!(
             "{:10} {:>11} {:>11} {:>11} {:>13}",
             "at most", "normal N", "shear N", "area mm²", "mean kPa (*)"
         ));
-        for (digit, peak) in Digit::FINGERS.iter().zip(peaks).filter(|(_, p)| p.normal > 0.0) {
+        let all = Digit::FINGERS.iter().zip(&hand.peaks).zip(hand.points);
+        for ((digit, peak), point) in all.filter(|((_, peak), _)| peak.normal > 0.0) {
             let HandLoad { normal, shear, area, pressure } = peak;
+            let is_resolved = *normal >= pressure * point;
+            is_fine &= is_resolved;
+            let pressure = match is_resolved {
+                true => format!("{:.2}", pressure * 1e-3),
+                false => "(**)".into(),
+            };
             lines.push(format!(
-                "{:10} {normal:11.3} {shear:11.3} {:11.1} {:13.2}",
+                "{:10} {normal:11.3} {shear:11.3} {:11.1} {pressure:>13}",
                 digit.name(),
                 area * 1e6,
-                pressure * 1e-3
             ));
         }
     }
     if !lines.is_empty() {
         lines.push("(*) mean pressure, force over area, when the normal force was largest".into());
+    }
+    if !is_fine {
+        lines.push(
+            "(**) on less skin than one vertex of the mesh stands for: its pressure would be the mesh's, not that of flesh"
+                .into(),
+        );
     }
     lines
 }
@@ -256,25 +305,69 @@ mod tests {
         missed(&summary, 1000, &settings).unwrap_or_default()
     }
 
+    fn hand(name: &str, peaks: [HandLoad; 5]) -> Hand<'_> {
+        Hand { name, peaks, points: [4e-6; 5] }
+    }
+
+    /// A hand of which one finger is pressed by `normal` on `area`.
+    fn pressed(finger: usize, normal: f64, area: f64) -> [HandLoad; 5] {
+        let mut peaks = [HandLoad::default(); 5];
+        peaks[finger] = HandLoad { normal, shear: 0.5, area, pressure: normal / area };
+        peaks
+    }
+
+    const HEAD: &str = "at most       normal N     shear N    area mm²  mean kPa (*)";
+    const NOTE: &str = "(*) mean pressure, force over area, when the normal force was largest";
+
     /// With several hands each has its table, under its name; one that touched nothing has none.
     #[test]
     fn forces_are_told_of_each_hand() {
         let none = [HandLoad::default(); 5];
-        let pressed = |finger: usize, normal: f64| {
-            let mut peaks = none;
-            peaks[finger] = HandLoad { normal, shear: 0.5, area: 4e-5, pressure: 2e4 };
-            peaks
+        let thumb = "thumb            1.500       0.500        75.0         20.00";
+        let index = "index            2.000       0.500       100.0         20.00";
+        let right = || hand("right", pressed(0, 1.5, 7.5e-5));
+        let left = || hand("left", pressed(1, 2.0, 1e-4));
+        assert_eq!(fingers(&[right()]), [HEAD, thumb, NOTE]);
+        let both = ["right:", HEAD, thumb, "left:", HEAD, index, NOTE];
+        assert_eq!(fingers(&[right(), left()]), both);
+        assert_eq!(fingers(&[hand("right", none), left()]), ["left:", HEAD, index, NOTE]);
+        assert!(fingers(&[hand("right", none)]).is_empty());
+    }
+
+    /// A vertex stands for 4 mm²: a force on 4.1 has a pressure, one on 0.4 none that means anything.
+    #[test]
+    fn no_pressure_is_told_of_less_than_a_vertex() {
+        let table = |area: f64| fingers(&[hand("right", pressed(1, 0.41, area))]);
+        assert_eq!(
+            table(4.1e-6)[1],
+            "index            0.410       0.500         4.1        100.00"
+        );
+        assert_eq!(table(4.1e-6).len(), 3);
+        let coarse = table(0.4e-6);
+        assert_eq!(coarse[1], "index            0.410       0.500         0.4          (**)");
+        assert!(coarse[3].starts_with("(**) on less skin than one vertex"), "{}", coarse[3]);
+    }
+
+    /// A quarter of the vertices of each finger stand for less.
+    #[test]
+    fn points_stand_for_a_third_of_what_is_around_them() {
+        let text = "version = 1\n[[hand]]\npreset = \"paper\"\nname = \"hand\"\n";
+        let session = Session::from_text(text, std::path::Path::new("hand.toml"), &[]).unwrap();
+        let (world, soft) = (session.world(), session.hands()[0].handle.soft);
+        let x = world.collision_vertices(soft);
+        let triangles = &world.desc().softs[soft as usize].flesh.collision.triangles;
+        let stands_for = |v: &u32| -> f64 {
+            let around =
+                triangles.iter().filter(|t| t.contains(v)).map(|t| t.map(|v| x[v as usize]));
+            around.map(|[a, b, c]| (b - a).cross(&(c - a)).norm() / 6.0).sum()
         };
-        let head = "at most       normal N     shear N    area mm²  mean kPa (*)";
-        let thumb = "thumb            1.500       0.500        40.0         20.00";
-        let index = "index            2.000       0.500        40.0         20.00";
-        let note = "(*) mean pressure, force over area, when the normal force was largest";
-        let [right, left] = [("right", pressed(0, 1.5)), ("left", pressed(1, 2.0))];
-        assert_eq!(fingers(&[right]), [head, thumb, note]);
-        let both = ["right:", head, thumb, "left:", head, index, note];
-        assert_eq!(fingers(&[right, left]), both);
-        assert_eq!(fingers(&[("right", none), left]), ["left:", head, index, note]);
-        assert!(fingers(&[("right", none)]).is_empty());
+        for (digit, told) in Digit::FINGERS.iter().zip(areas_of_points(world, soft)) {
+            let is_on = |v: &u32| world.model().part_of(soft, *v) == u32::from(digit.part());
+            let own: Vec<f64> = (0..x.len() as u32).filter(is_on).map(|v| stands_for(&v)).collect();
+            let less = own.iter().filter(|area| **area < told * (1.0 - 1e-9)).count();
+            assert!(own.len() > 20 && less == own.len() / 4, "{digit:?}: {less} of {}", own.len());
+        }
+        assert_eq!(areas_of_points(world, u32::MAX), [0.0; 5]);
     }
 
     #[test]
