@@ -112,8 +112,10 @@ impl SharedConstraints {
             }
         }
         // What slid or was open sticks, if it does, from where it is now.
-        for (anchor, value) in self.anchors.iter_mut().zip(&self.values) {
-            *anchor += Vec3::new(0.0, value.y, value.z);
+        for i in 0..self.anchors.len() {
+            if self.acts(frame, i) {
+                self.anchors[i] += Vec3::new(0.0, self.values[i].y, self.values[i].z);
+            }
         }
         self.follow(frame, h);
         resolution.active = self.forces.iter().filter(|f| f.x > 0.0).count() as u32;
@@ -160,18 +162,18 @@ impl SharedConstraints {
         self.values.clear();
         for (i, contact) in frame.contacts.iter().enumerate() {
             if !self.acts(frame, i) {
+                // No contact that acts depends on it.
                 self.values.push(Vec3::zeros());
                 continue;
             }
             let lift = Vec3::from_column_slice(&lifted[3 * i..][..3]);
-            let mut d = contact.value + lift - self.anchors[i];
-            for (j, other) in frame.contacts.iter().enumerate() {
-                let change = self.forces[j] - other.force;
-                if change != Vec3::zeros() {
-                    d += frame.block(i, j) * change;
-                }
+            self.values.push(contact.value + lift - self.anchors[i]);
+        }
+        for (j, other) in frame.contacts.iter().enumerate() {
+            let change = self.forces[j] - other.force;
+            if change != Vec3::zeros() {
+                frame.add_response(j, &change, &mut self.values);
             }
-            self.values.push(d);
         }
         self.lifted = lifted;
     }
@@ -183,7 +185,7 @@ impl SharedConstraints {
             if !self.acts(frame, i) {
                 continue;
             }
-            let own = frame.block(i, i);
+            let own = frame.block(i);
             let force = self.forces[i];
             let new = project(Cone::Circular, contact.friction, &own, &self.values[i], &force);
             let change = new - force;
@@ -192,9 +194,7 @@ impl SharedConstraints {
             }
             self.forces[i] = new;
             largest = largest.max(change.amax());
-            for (j, value) in self.values.iter_mut().enumerate() {
-                *value += frame.block(j, i) * change;
-            }
+            frame.add_response(i, &change, &mut self.values);
         }
         largest
     }

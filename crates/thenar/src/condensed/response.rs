@@ -34,6 +34,8 @@ pub struct CondensedContact {
 /// | `lift` | J C | 3m × 6n |
 /// | `delassus` | B = J C Jᵀ + W | 3m × 3m |
 ///
+/// C and W are symmetric, and so is B.
+///
 /// The publisher fills the first three, `contacts`, `springs`, `targets`, for a frame that is not at rest `rest`,
 /// for one with loads `loads`, and calls `prepare`.
 /// `World::condense` knows the last two without J and W, which it leaves empty.
@@ -218,10 +220,24 @@ impl Condensed {
         self.limits.get(i).is_some_and(|limit| *limit)
     }
 
-    /// Own response of contact `i` \[m/N\].
-    pub fn block(&self, i: usize, j: usize) -> Mat3 {
+    /// Adds to the `values` of all contacts \[m\] what a `change` of the force of contact `i` \[N\] moves them by, `B Δf`. B is
+    /// symmetric: its columns are its rows, which lie together.
+    pub fn add_response(&self, i: usize, change: &Vec3, values: &mut [Vec3]) {
         let m = 3 * self.contacts.len();
-        Mat3::from_fn(|r, c| self.delassus[(3 * i + r) * m + 3 * j + c])
+        let (first, others) = self.delassus[3 * i * m..][..3 * m].split_at(m);
+        let (second, third) = others.split_at(m);
+        let values = &mut vectors::flat_mut(values)[..m];
+        dispatch!(Level::new(), _simd => {
+            for k in 0..m {
+                values[k] += first[k] * change.x + second[k] * change.y + third[k] * change.z;
+            }
+        });
+    }
+
+    /// Own response of contact `i` \[m/N\].
+    pub fn block(&self, i: usize) -> Mat3 {
+        let m = 3 * self.contacts.len();
+        Mat3::from_fn(|r, c| self.delassus[(3 * i + r) * m + 3 * i + c])
     }
 
     fn arrays(&mut self) -> [&mut Vec<f64>; 7] {
@@ -268,4 +284,62 @@ fn rows_times(matrix: &[f64], x: &[f64], out: &mut [f64]) {
             *out = vectors::dot(simd, row, x);
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::Random;
+    use nalgebra::{DMatrix, DVector};
+
+    /// What one contact's force moves all values by is its column of `J C Jᵀ + W`.
+    #[test]
+    fn a_force_moves_the_values_of_all_contacts() {
+        let mut random = Random::new(3);
+        for contacts in [1, 2, 5] {
+            let (n, m) = (12, 3 * contacts);
+            let mut any =
+                |rows: usize| DMatrix::from_fn(rows, rows, |_, _| random.range(-1.0, 1.0));
+            let [C, W] = [any(n), any(m)].map(|half| &half * half.transpose());
+            let J = DMatrix::from_fn(m, n, |_, _| random.range(-1.0, 1.0));
+            let mut frame = Condensed::new(2, contacts);
+            let spring = Drive {
+                stiffness: 1.0,
+                damping: 0.0,
+                angular_stiffness: 1.0,
+                angular_damping: 0.0,
+            };
+            frame.springs.resize(2, spring);
+            frame.targets.resize(2, RigidState::at_rest(crate::math::Pose::identity()));
+            let zero = Vec3::zeros();
+            let contact = CondensedContact {
+                frame: Mat3::identity(),
+                value: zero,
+                friction: 0.5,
+                force: zero,
+            };
+            frame.contacts.resize(contacts, contact);
+            // Column by column; of J that is row by row of its transpose.
+            frame.compliance.extend(C.iter());
+            frame.local.extend(W.iter());
+            frame.rows.extend(J.transpose().iter());
+            assert!(frame.prepare());
+            let B = &J * C * J.transpose() + W;
+            for i in 0..contacts {
+                let change = random.vec3(1.0);
+                let mut values = vec![Vec3::x(); contacts];
+                frame.add_response(i, &change, &mut values);
+                let mut force = DVector::zeros(m);
+                force.rows_mut(3 * i, 3).copy_from(&change);
+                let moved = &B * force;
+                for (j, value) in values.iter().enumerate() {
+                    let expected =
+                        Vec3::x() + Vec3::from_iterator(moved.rows(3 * j, 3).iter().copied());
+                    assert!((value - expected).norm() < 1e-12, "{contacts} {i} {j}");
+                }
+                let own = B.fixed_view::<3, 3>(3 * i, 3 * i);
+                assert!((frame.block(i) - own).norm() < 1e-12);
+            }
+        }
+    }
 }

@@ -221,7 +221,7 @@ impl FleshModel {
                 Some((relaxation, place)) => memory::energy(rest, relaxation, &at, &faded[place]),
                 None => at.energy,
             };
-        let F = rest.deformation_gradient(&self.tets[t].map(|n| x[n as usize]));
+        let F = rest.gradient_at(&self.tets[t], x);
         sums.inverted += u32::from(F.determinant() < 0.0);
     }
 }

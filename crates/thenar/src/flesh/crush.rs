@@ -67,8 +67,7 @@ impl FleshModel {
         let each = self.tets[tets.clone()].iter().zip(&self.rest[tets]);
         let crushed = each.filter_map(|(tet, rest)| {
             let F1 = crushed(rest, tet, x1)?;
-            let [F0, F] =
-                [x0, straight].map(|x| rest.deformation_gradient(&tet.map(|n| x[n as usize])));
+            let [F0, F] = [x0, straight].map(|x| rest.gradient_at(tet, x));
             if (F1 - F0).norm_squared() < STILL * STILL {
                 return None;
             }
@@ -101,7 +100,7 @@ fn crushed(rest: &RestTet, tet: &[u32; 4], x: &[Vec3]) -> Option<Mat3> {
     if rest.law != Law::Corotational {
         return None;
     }
-    let F = rest.deformation_gradient(&tet.map(|n| x[n as usize]));
+    let F = rest.gradient_at(tet, x);
     let (J, I) = (F.determinant(), F.norm_squared());
     let is_crushed = 2.0 * J <= CRUSHED * I;
     let is_taut = I > TAUT * TAUT + 2.0 * J.abs() / TAUT || J.abs() > TAUT.powi(3);

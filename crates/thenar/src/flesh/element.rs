@@ -52,10 +52,16 @@ impl RestTet {
     /// Deformation gradient `F = Σ x_a ⊗ g_a`.
     #[inline]
     pub fn deformation_gradient(&self, x: &[Vec3; 4]) -> Mat3 {
-        let g = &self.gradients;
-        (x[1] - x[0]) * g[1].transpose()
-            + (x[2] - x[0]) * g[2].transpose()
-            + (x[3] - x[0]) * g[3].transpose()
+        // Column by column: outer products would call nalgebra's general matrix product.
+        let (g, sides) = (&self.gradients, [x[1] - x[0], x[2] - x[0], x[3] - x[0]]);
+        let column = |k: usize| sides[0] * g[1][k] + sides[1] * g[2][k] + sides[2] * g[3][k];
+        Mat3::from_columns(&[column(0), column(1), column(2)])
+    }
+
+    /// Deformation gradient of the tetrahedron with these nodes, at the positions `x` of all.
+    #[inline]
+    pub fn gradient_at(&self, [i, j, k, l]: &[u32; 4], x: &[Vec3]) -> Mat3 {
+        self.deformation_gradient(&[x[*i as usize], x[*j as usize], x[*k as usize], x[*l as usize]])
     }
 }
 

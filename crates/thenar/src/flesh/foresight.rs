@@ -42,7 +42,7 @@ impl FleshModel {
             if !asked(rest) {
                 return true;
             }
-            let F = [x0, x1].map(|x| rest.deformation_gradient(&tet.map(|n| x[n as usize])));
+            let F = [x0, x1].map(|x| rest.gradient_at(tet, x));
             let remembers = self.memory.of(t).map(|(of, place)| (of, &faded[place]));
             element_foresaw(rest, F, remembers, &mut fading, (tet, x0, x1), h)
         }) && self.patches.foresaw(&self.memory, faded, &tets, x0, x1, &mut fading, h)
@@ -61,8 +61,9 @@ impl FleshModel {
         let mut law = self.patches.surprise(&self.memory, faded, &tets, x, &mut fading, h);
         for t in self.single.iter().flat_map(shared) {
             let (rest, tet) = (&self.rest[t], &self.tets[t]);
-            let F = x.map(|x| rest.deformation_gradient(&tet.map(|n| x[n as usize])));
-            if rest.law == Law::Corotational && is_seen(&F[0], &F[1]) {
+            let [before, after] = [rest.gradient_at(tet, x[0]), rest.gradient_at(tet, x[1])];
+            if rest.law == Law::Corotational && is_seen(&before, &after) {
+                let F = [before, after, rest.gradient_at(tet, x[2])];
                 let remembers = self.memory.of(t).map(|(of, place)| (of, &faded[place]));
                 law += rest.volume * element_surprise(rest, F, remembers, &mut fading, h);
             }

@@ -374,5 +374,5 @@ pub fn energy(rest: &RestTet, relaxation: &Relaxation, at: &Stress, faded: &[Fad
 
 /// The stress of an element at these positions; `living` is that of its law.
 pub fn stress_at(rest: &RestTet, tet: &[u32; 4], x: &[Vec3], living: &Living) -> Stress {
-    stress(rest, &rest.deformation_gradient(&tet.map(|n| x[n as usize])), living)
+    stress(rest, &rest.gradient_at(tet, x), living)
 }

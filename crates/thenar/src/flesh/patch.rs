@@ -243,10 +243,12 @@ impl Patches {
     ) -> f64 {
         let asked = |p: &&Patch| tets.contains(&p.first) && p.mean.law == Law::Corotational;
         let each = self.list.iter().filter(asked).map(|patch| {
-            let F = x.map(|x| self.mean_gradient(patch, x));
-            if !is_seen(&F[0], &F[1]) {
+            let [before, after] =
+                [self.mean_gradient(patch, x[0]), self.mean_gradient(patch, x[1])];
+            if !is_seen(&before, &after) {
                 return 0.0;
             }
+            let F = [before, after, self.mean_gradient(patch, x[2])];
             let remembers = memory.of(patch.first).map(|(of, place)| (of, &faded[place]));
             patch.mean.volume * element_surprise(&patch.mean, F, remembers, fading, h)
         });
@@ -372,8 +374,15 @@ impl Patches {
     fn mean_gradient(&self, patch: &Patch, x: &[Vec3]) -> Mat3 {
         let nodes = &self.nodes[patch.nodes.clone()];
         let x0 = x[nodes[0] as usize];
-        (nodes.iter().zip(&self.gradients[patch.nodes.clone()]))
-            .fold(Mat3::zeros(), |F, (&n, g)| F + (x[n as usize] - x0) * g.transpose())
+        // Column by column, as for an element.
+        let mut columns = [Vec3::zeros(); 3];
+        for (n, g) in nodes.iter().zip(&self.gradients[patch.nodes.clone()]) {
+            let side = x[*n as usize] - x0;
+            for k in 0..3 {
+                columns[k] += side * g[k];
+            }
+        }
+        Mat3::from_columns(&columns)
     }
 
     fn spread_rows(&self, patch: &Patch) -> std::slice::Chunks<'_, f64> {

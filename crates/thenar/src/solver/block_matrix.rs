@@ -68,7 +68,7 @@ impl BlockMatrix {
 
     /// Sets every block to zero.
     pub fn clear(&mut self) {
-        self.blocks.fill([0.0; 9]);
+        bytemuck::fill_zeroes(&mut self.blocks);
     }
 
     /// Adds `m` to the block stored at `entry`.

@@ -161,7 +161,7 @@ impl Coarse {
         }
         self.crossed = true;
         self.fill_skin(system);
-        self.cross.fill(Vec3::zeros());
+        bytemuck::fill_zeroes(&mut self.cross);
         let Self { condensed, cross, cross_start, group_start, group_of_node, .. } = self;
         dispatch!(Level::new(), simd => {
             // C = (B J) Z, bone by bone.

@@ -13,6 +13,13 @@ use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 /// Columns treated together; widths are multiples of 3.
 pub const COLUMNS: usize = 6;
 
+/// True where one register holds a line of [`LANES`] numbers. Where a line takes several, the sums of two lines of six columns
+/// would not stay in registers.
+#[inline(always)]
+pub const fn has_wide_registers<S: Simd>() -> bool {
+    S::f32s::LEN >= LANES
+}
+
 /// The 16 numbers from `at` on.
 #[inline(always)]
 pub fn load<S: Simd>(simd: S, x: &[Scalar], at: usize) -> f32x16<S> {
@@ -104,12 +111,13 @@ fn factor_columns<S: Simd, const N: usize>(
     let (done, rest) = panel.split_at_mut(k0 * stride);
     let block = &mut rest[..N * stride];
     let mut row = line(k0);
-    while row + 2 * LANES <= stride && k0 > 0 {
+    while has_wide_registers::<S>() && row + 2 * LANES <= stride && k0 > 0 {
         subtract(products::<S, 2, N>(simd, done, stride, row, k0), simd, block, stride, row);
         row += 2 * LANES;
     }
-    if row < stride && k0 > 0 {
+    while row < stride && k0 > 0 {
         subtract(products::<S, 1, N>(simd, done, stride, row, k0), simd, block, stride, row);
+        row += LANES;
     }
 
     let Some(pivots) = factor_pivots::<N>(block, stride, k0) else { return false };
@@ -186,7 +194,7 @@ pub fn outer_product<S: Simd>(
 ) {
     let mut column = width;
     // More columns for more registers.
-    while S::f32s::LEN >= LANES && height - column >= 2 * COLUMNS {
+    while has_wide_registers::<S>() && height - column >= 2 * COLUMNS {
         product_columns::<S, { 2 * COLUMNS }>(simd, panel, stride, width, column, update);
         column += 2 * COLUMNS;
     }
@@ -212,7 +220,7 @@ fn product_columns<S: Simd, const N: usize>(
     let update_stride = stride - first;
     let update = &mut update[(column - width) * update_stride..][..N * update_stride];
     let mut row = line(column);
-    while row + 2 * LANES <= stride {
+    while has_wide_registers::<S>() && row + 2 * LANES <= stride {
         let sums = products::<S, 2, N>(simd, panel, stride, row, column);
         for c in 0..N {
             for t in 0..2 {
@@ -221,11 +229,12 @@ fn product_columns<S: Simd, const N: usize>(
         }
         row += 2 * LANES;
     }
-    if row < stride {
+    while row < stride {
         let sums = products::<S, 1, N>(simd, panel, stride, row, column);
         for c in 0..N {
             store(sums[c][0], update, c * update_stride + row - first);
         }
+        row += LANES;
     }
 }
 

@@ -151,8 +151,9 @@ fn pull_of_flesh<S: Simd>(
         let mut sum = f32x16::splat(simd, 0.0);
         for &s in flesh {
             let pivots = factor.symbolic.supernodes[s as usize].pivots();
-            for (row, y) in half.batch(batch)[pivots.clone()].iter().zip(&factor.x[pivots]) {
-                sum = f32x16::from_slice(simd, row).mul_add(f32x16::splat(simd, *y), sum);
+            let (rows, y) = (&half.batch(batch)[pivots.clone()], &factor.x[pivots]);
+            for k in 0..rows.len() {
+                sum = f32x16::from_slice(simd, &rows[k]).mul_add(f32x16::splat(simd, y[k]), sum);
             }
         }
         sum.store_slice(out);
@@ -172,9 +173,9 @@ fn follow_bodies<S: Simd>(
         let u = f32x16::from_slice(simd, values);
         for &s in flesh {
             let pivots = factor.symbolic.supernodes[s as usize].pivots();
-            let rows = &half.batch(batch)[pivots.clone()];
-            for (row, y) in rows.iter().zip(&mut factor.x[pivots]) {
-                *y -= sum(&(f32x16::from_slice(simd, row) * u));
+            let (rows, y) = (&half.batch(batch)[pivots.clone()], &mut factor.x[pivots]);
+            for k in 0..rows.len() {
+                y[k] -= sum(&(f32x16::from_slice(simd, &rows[k]) * u));
             }
         }
     }

@@ -73,7 +73,7 @@ impl Factor {
     }
 
     fn load(&mut self, system: &System<'_>) {
-        self.panels.fill(0.0);
+        bytemuck::fill_zeroes(&mut self.panels);
         for load in &self.symbolic.loads {
             let block = &system.A.blocks[load.entry as usize];
             for c in 0..3 {
@@ -246,23 +246,27 @@ mod tests {
             factor.spread(&mut x);
             let error = x.iter().zip(&want).map(|(x, w)| (x - w).norm()).fold(0.0, f64::max);
             assert!(error < 1e4 * f64::from(Scalar::EPSILON), "{cells:?}: {error}");
-            // Half solves: the product of two columns is that of one with the other's solution.
-            let mut columns = HalfSolves::new(&factor.symbolic, 2);
-            let at = n / 2;
-            for (i, r) in rhs.iter().enumerate() {
-                let rows = columns.node_mut(&factor.symbolic, 0, i);
-                (0..3).for_each(|k| rows[k][5] = r[k] as Scalar);
-            }
-            columns.node_mut(&factor.symbolic, 1, at)[1][3] = 1.0;
-            (0..2).for_each(|batch| columns.half_solve(&factor, batch));
-            let all: Vec<u32> = (0..factor.symbolic.supernodes.len() as u32).collect();
-            let mut product = [[0.0; LANES]; LANES];
-            add_common_product(&factor, (&columns, 0), (&columns, 1), &all, &mut product);
-            let error = f64::from(product[5][3]) - want[at].y;
-            assert!(error.abs() < 1e4 * f64::from(Scalar::EPSILON), "{cells:?}: {error}");
-            assert!(product[4][3] == 0.0 && product[5][2] == 0.0);
+            half_solves_give(&factor, &rhs, &x);
             agree_at_all_levels(factor, &system, &rhs, &x);
         }
+    }
+
+    /// The product of two columns' half solves is that of one column with the other's solution.
+    fn half_solves_give(factor: &Factor, rhs: &[Vec3], solution: &[Vec3]) {
+        let mut columns = HalfSolves::new(&factor.symbolic, 2);
+        let at = rhs.len() / 2;
+        for (i, r) in rhs.iter().enumerate() {
+            let rows = columns.node_mut(&factor.symbolic, 0, i);
+            (0..3).for_each(|k| rows[k][5] = r[k] as Scalar);
+        }
+        columns.node_mut(&factor.symbolic, 1, at)[1][3] = 1.0;
+        (0..2).for_each(|batch| columns.half_solve(factor, batch));
+        let all: Vec<u32> = (0..factor.symbolic.supernodes.len() as u32).collect();
+        let mut product = [[0.0; LANES]; LANES];
+        add_common_product(factor, (&columns, 0), (&columns, 1), &all, &mut product);
+        let error = f64::from(product[5][3]) - solution[at].y;
+        assert!(error.abs() < 1e4 * f64::from(Scalar::EPSILON), "{:?}: {error}", factor.level);
+        assert!(product[4][3] == 0.0 && product[5][2] == 0.0);
     }
 
     /// The vector instructions of this machine and lesser ones find the same within round-off.
@@ -285,6 +289,7 @@ mod tests {
             factor.spread(&mut x);
             let error = x.iter().zip(best).map(|(x, b)| (x - b).norm()).fold(0.0, f64::max);
             assert!(error < 1e4 * f64::from(Scalar::EPSILON), "{level:?}: {error}");
+            half_solves_give(&factor, rhs, best);
         }
     }
 }

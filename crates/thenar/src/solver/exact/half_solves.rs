@@ -5,7 +5,7 @@
 //! never touched, and take no part in products.
 
 use crate::solver::exact::aligned::Aligned;
-use crate::solver::exact::dense::load_lines;
+use crate::solver::exact::dense::{has_wide_registers, load_lines};
 use crate::solver::exact::factor::{Factor, LANES, Lanes, Scalar};
 use crate::solver::exact::symbolic::Symbolic;
 use fearless_simd::{Simd, SimdBase, SimdFloat, dispatch, f32x16};
@@ -46,7 +46,7 @@ impl HalfSolves {
         for (reached, node) in reached.iter_mut().zip(&symbolic.supernodes) {
             if std::mem::take(reached) {
                 let pivots = node.pivots();
-                numbers[first + pivots.start..first + pivots.end].fill([0.0; LANES]);
+                bytemuck::fill_zeroes(&mut numbers[first + pivots.start..first + pivots.end]);
             }
         }
     }
@@ -83,7 +83,7 @@ impl HalfSolves {
 #[inline(always)]
 pub fn add_product<S: Simd>(simd: S, a: &[Lanes], b: &[Lanes], to: &mut [Lanes; LANES]) {
     // What fits into the registers.
-    if S::f32s::LEN >= LANES {
+    if has_wide_registers::<S>() {
         add_columns::<S, 16>(simd, a, b, 0, to);
     } else {
         // A closure in an iterator of the standard library would be compiled without the vector instructions.
@@ -107,8 +107,8 @@ fn add_columns<S: Simd, const N: usize>(
         #[inline(always)]
         |i| first + i,
     );
-    for (a, b) in a.iter().zip(b) {
-        let b = f32x16::from_slice(simd, b);
+    for k in 0..a.len() {
+        let (a, b) = (&a[k], f32x16::from_slice(simd, &b[k]));
         for i in 0..N {
             sums[i] = b.mul_add(f32x16::splat(simd, a[first + i]), sums[i]);
         }

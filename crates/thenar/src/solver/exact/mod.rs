@@ -239,7 +239,7 @@ impl Exact {
         for (i, &split) in self.split.iter().enumerate() {
             let row = A.row(i);
             let here = if i < row0 { row.start..split as usize } else { split as usize..row.end };
-            A.blocks[here].fill([0.0; 9]);
+            bytemuck::fill_zeroes(&mut A.blocks[here]);
         }
     }
 

@@ -1,7 +1,7 @@
 //! Forward and backward substitution with one supernode's panel (see `dense` for its layout): for
 //! one right-hand side, or for `LANES` of them together.
 
-use crate::solver::exact::dense::{COLUMNS, line, load, load_lines, store};
+use crate::solver::exact::dense::{COLUMNS, has_wide_registers, line, load, load_lines, store};
 use crate::solver::exact::factor::{LANES, Lanes, Scalar};
 use crate::solver::exact::symbolic::Supernode;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16};
@@ -93,8 +93,9 @@ fn backward_columns<S: Simd, const N: usize>(
 /// The sum of a register's numbers, always in the same order.
 #[inline(always)]
 pub fn sum<S: Simd>(x: &f32x16<S>) -> Scalar {
-    let x = x.as_slice();
-    let four: [Scalar; 4] = std::array::from_fn(|k| (x[k] + x[k + 4]) + (x[k + 8] + x[k + 12]));
+    let (first, second) = x.simd.split_f32x16(*x);
+    let halves = [x.simd.split_f32x8(first), x.simd.split_f32x8(second)];
+    let four = (halves[0].0 + halves[0].1) + (halves[1].0 + halves[1].1);
     (four[0] + four[2]) + (four[1] + four[3])
 }
 
@@ -128,12 +129,17 @@ pub fn forward_many<S: Simd>(
         }
     }
     let panel = &panel[..width * stride];
-    let mut row = width;
-    // Four nodes at a time keep the arithmetic units busy.
-    let (fours, rest) = rows.as_chunks::<4>();
-    for places in fours {
+    let (mut row, mut rest) = (width, rows);
+    // As many nodes at a time as keep the arithmetic units busy; AVX2 and NEON have registers for the sums of two.
+    while has_wide_registers::<S>()
+        && let Some((places, after)) = rest.split_at_checked(4)
+    {
         reduce_nodes::<S, 12>(simd, panel, stride, row, first, places, x);
-        row += 12;
+        (row, rest) = (row + 12, after);
+    }
+    while let Some((places, after)) = rest.split_at_checked(2) {
+        reduce_nodes::<S, 6>(simd, panel, stride, row, first, places, x);
+        (row, rest) = (row + 6, after);
     }
     for place in rest {
         reduce_nodes::<S, 3>(simd, panel, stride, row, first, std::slice::from_ref(place), x);
@@ -174,9 +180,10 @@ fn reduce<S: Simd, const R: usize>(
     x: &[Lanes],
     mut values: [f32x16<S>; R],
 ) -> [f32x16<S>; R] {
-    for (l, x) in panel.chunks_exact(stride).zip(x) {
-        let y = -f32x16::from_slice(simd, x);
-        let l = &l[row..row + R];
+    // Not `zip`: where its calls are not inlined they lack the vector instructions, and `values` stays in memory for them.
+    for k in 0..panel.len() / stride {
+        let y = -f32x16::from_slice(simd, &x[k]);
+        let l = &panel[k * stride + row..][..R];
         for r in 0..R {
             values[r] = y.mul_add(f32x16::splat(simd, l[r]), values[r]);
         }
