@@ -60,23 +60,38 @@ fn a_floor_is_as_stiff_as_the_drive() {
     }
 }
 
-/// Nothing pulls before a hand is led, and in empty air nothing after; one that is somewhere else says so for one tick.
+/// A hand that nobody leads pulls at nobody; one led 4 mm into the floor pulls with 1.6 N; one that is somewhere else, in empty
+/// air, says so for one tick and soon pulls no more.
 #[test]
 fn a_hand_is_felt_once_it_is_led() {
-    let mut touch = single_rate(0.1);
+    let mut touch = single_rate(RADIUS + 0.002);
     let frame = no_frame();
-    for tick in 1..=300u64 {
-        if tick == 200 {
-            touch.set_out(0);
+    let mut now = 0;
+    let mut tick = |touch: &mut SingleRate, place: Option<[f64; 2]>| {
+        now += MS;
+        if let Some([x, y]) = place {
+            touch.lead(0, RigidState::at_rest(Pose::translation(x, y, 0.0)));
         }
-        if tick > 100 {
-            let x = if tick < 200 { 0.0 } else { 0.5 };
-            touch.lead(0, RigidState::at_rest(Pose::translation(x, 0.1, 0.0)));
-        }
-        touch.tick(tick * MS, &frame);
-        assert_eq!(touch.device_wrenches()[0][0].norm(), 0.0, "{tick}");
-        assert_eq!(touch.jumped(0), tick == 200);
+        touch.tick(now, &frame);
+        (touch.device_wrenches()[0][0].norm(), touch.jumped(0))
+    };
+    for _ in 0..100 {
+        assert_eq!(tick(&mut touch, None), (0.0, false));
     }
+    let mut pressed = 0.0;
+    for _ in 0..1000 {
+        let (force, jumped) = tick(&mut touch, Some([0.0, RADIUS - 0.004]));
+        assert!(!jumped);
+        pressed = force;
+    }
+    assert!((pressed - 1.6).abs() < 1e-3, "{pressed} N");
+    touch.set_out(0);
+    for k in 0..1000 {
+        let (force, jumped) = tick(&mut touch, Some([0.5, 0.1]));
+        assert_eq!(jumped, k == 0);
+        pressed = force;
+    }
+    assert!(pressed < 1e-6, "{pressed} N");
 }
 
 /// The loop around holds either kind by the same handle.

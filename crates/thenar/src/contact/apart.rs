@@ -25,7 +25,7 @@ const TRIANGLES_MAX: usize = 1024;
 const EDGES_THROUGH: f64 = 16.0;
 /// Larger trees have no table of settled pairs, which only spares a search: 2 MB.
 const NODES_MAX: usize = 4096;
-/// The same of pairs of triangles.
+/// The same of pairs of triangles, and of vertices and triangles.
 const TABLED_MAX: usize = 4096;
 /// Parts nearer than this part of an edge at rest overlap already, as in a seam: they would push each other apart
 /// from the first step on. Contacts rest to a hundredth of an edge, and surfaces that were scanned or drawn to lie
@@ -42,8 +42,10 @@ pub(crate) struct Apart {
     /// One bit per pair of tree nodes n ≤ m: no two of their parts may touch.
     nodes: usize,
     settled: Vec<u64>,
-    /// A bit per pair of triangles s ≤ t that never touch.
     triangle_count: usize,
+    /// Bit per vertex v and triangle t that are neighbours, at `v * triangle_count + t`.
+    neighbors: Vec<u64>,
+    /// Bit per pair of triangles s ≤ t that never touch.
     never: Vec<u64>,
     regions: Regions,
     /// Whether two regions are one or joined, row by row, and how many there are.
@@ -95,6 +97,8 @@ impl Apart {
         let pairs = (0..apart.count).flat_map(|i| (0..apart.count).map(move |j| (i, j)));
         apart.near = pairs.map(|(i, j)| regions.are_joined(i as u32, j as u32)).collect();
         apart.regions = regions;
+        apart.triangle_count = surface.triangles.len();
+        apart.tabulate_neighbors(surface, x.len());
         apart.tabulate(surface);
         apart.settle(surface);
         apart
@@ -102,7 +106,10 @@ impl Apart {
 
     /// Whether vertex `v` and triangle `t` with these corners are neighbours.
     pub fn are_neighbors(&self, v: u32, t: u32, corners: &[u32; 3]) -> bool {
-        self.are_of_joined_bones(v, corners) || self.are_near(v, t)
+        if self.neighbors.is_empty() {
+            return self.are_of_joined_bones(v, corners) || self.are_near(v, t);
+        }
+        is_set(&self.neighbors, v as usize * self.triangle_count + t as usize)
     }
 
     /// Whether vertex `v` and a corner of a triangle are carried by one bone, or by two joined ones.
@@ -127,7 +134,7 @@ impl Apart {
     /// Whether no vertex and no edge of two triangles is to touch the other one; false where no table says so.
     pub fn touch_never(&self, s: u32, t: u32) -> bool {
         let bit = s.min(t) as usize * self.triangle_count + s.max(t) as usize;
-        self.never.get(bit / 64).is_some_and(|bits| bits >> (bit % 64) & 1 == 1)
+        !self.never.is_empty() && is_set(&self.never, bit)
     }
 
     /// Whether the triangles of two groups, named by the bones of their first corners, need no look at each other. A table of
@@ -141,8 +148,24 @@ impl Apart {
         if self.settled.is_empty() {
             return false;
         }
-        let bit = n.min(m) * self.nodes + n.max(m);
-        self.settled[bit / 64] >> (bit % 64) & 1 == 1
+        is_set(&self.settled, n.min(m) * self.nodes + n.max(m))
+    }
+
+    /// Fills the bits of vertices and triangles.
+    fn tabulate_neighbors(&mut self, surface: &Surface, vertices: usize) {
+        let count = surface.triangles.len();
+        if count.max(vertices) > TABLED_MAX {
+            return;
+        }
+        let mut neighbors = vec![0; (vertices * count).div_ceil(64)];
+        for v in 0..vertices {
+            for (t, corners) in surface.triangles.iter().enumerate() {
+                let (bit, t) = (v * count + t, t as u32);
+                neighbors[bit / 64] |=
+                    u64::from(self.are_neighbors(v as u32, t, corners)) << (bit % 64);
+            }
+        }
+        self.neighbors = neighbors;
     }
 
     /// Fills the bits of triangles.
@@ -156,7 +179,7 @@ impl Apart {
             let bit = s * count + t;
             never[bit / 64] |= u64::from(self.are_apart(surface, s as u32, t as u32)) << (bit % 64);
         }
-        (self.triangle_count, self.never) = (count, never);
+        self.never = never;
     }
 
     /// Fills the bits from the leaves up; children come after their parents.
@@ -191,6 +214,12 @@ impl Apart {
         of_s.iter().all(|&v| self.are_neighbors(v, t, &of_t))
             && of_t.iter().all(|&v| self.are_neighbors(v, s, &of_s))
     }
+}
+
+/// Tells if a bit of a table is set.
+#[inline]
+fn is_set(table: &[u64], bit: usize) -> bool {
+    table[bit / 64] >> (bit % 64) & 1 == 1
 }
 
 /// Adds the triangles that `v` looks at from behind nearby, and those it already touches.
@@ -292,6 +321,14 @@ mod tests {
 
     /// Neighbours on a surface with these vertices, which no bone carries.
     fn apart(points: &[Vec3], triangles: Vec<[u32; 3]>) -> (Surface, Apart) {
+        apart_on_bones(points, triangles, Regions::default())
+    }
+
+    fn apart_on_bones(
+        points: &[Vec3],
+        triangles: Vec<[u32; 3]>,
+        regions: Regions,
+    ) -> (Surface, Apart) {
         // In a tetrahedron of unit legs, coordinates are weights.
         let weights = |p: &Vec3| [1.0 - p.sum(), p.x, p.y, p.z];
         let vertices = points.iter().map(|p| SurfaceVertex { tet: 0, weights: weights(p) });
@@ -307,8 +344,28 @@ mod tests {
             friction: 0.0,
         };
         let surface = Surface::new(0, &flesh, 0, &[]);
-        let apart = Apart::new(&surface, points, Regions::default());
+        let apart = Apart::new(&surface, points, regions);
         (surface, apart)
+    }
+
+    /// The tables say what is said without them, on a sheet that four bones carry, of which two pairs are joined.
+    #[test]
+    fn tables_tell_what_is_told_without_them() {
+        let (points, triangles) = sheet(12);
+        let bone = |p: &Vec3| (4.0 * p.x).min(3.0) as u32;
+        let of_vertex = points.iter().map(bone).collect();
+        let regions = Regions { of_vertex, joined: vec![[0, 1], [2, 3]] };
+        let (surface, tabled) = apart_on_bones(&points, triangles, regions);
+        let mut told = [0; 4];
+        for v in 0..points.len() as u32 {
+            for (t, corners) in surface.triangles.iter().enumerate() {
+                let of_bones = tabled.are_of_joined_bones(v, corners);
+                let near = tabled.are_near(v, t as u32);
+                assert_eq!(tabled.are_neighbors(v, t as u32, corners), of_bones || near);
+                told[2 * usize::from(of_bones) + usize::from(near)] += 1;
+            }
+        }
+        assert!(told.iter().all(|count| *count > 100), "{told:?}");
     }
 
     /// A sheet of `n` by `n` squares.

@@ -24,6 +24,10 @@ pub(super) struct AtVertices {
     next: Room<u32>,
     /// Vertices with a list.
     listed: Room<u32>,
+    /// Distance of each contact at the end of the step \[m\].
+    gaps: Room<f64>,
+    /// Touch at each point on one side, in the order of `points_on`: true where the contact touches, false where it only is near.
+    touching: Room<Option<bool>>,
     /// Triangles that one of the other surface meets.
     facing: Room<Facing>,
 }
@@ -34,6 +38,8 @@ impl AtVertices {
             first: vec![NONE; vertices],
             next: Room::with_capacity(2 * contacts),
             listed: Room::with_capacity(vertices),
+            gaps: Room::with_capacity(contacts),
+            touching: Room::with_capacity(2 * contacts),
             facing: Room::with_capacity(triangles),
         }
     }
@@ -43,9 +49,12 @@ impl AtVertices {
             self.first[v as usize] = NONE;
         }
         self.next.clear();
+        self.gaps.clear();
+        self.touching.clear();
     }
 
-    fn list(&mut self, skin: &Skin, of: &[Contact]) {
+    fn list(&mut self, skin: &Skin, of: &[Contact], gap: impl Fn(&Contact) -> f64) {
+        self.gaps.extend(of.iter().map(gap));
         self.next.resize(2 * of.len(), NONE);
         for k in 0..self.next.len() as u32 {
             let Some(point) = point(of, k).filter(|p| p.soft == skin.surface.soft) else {
@@ -87,44 +96,48 @@ pub(crate) fn between_soft(
     for (skin, other) in
         [(skins[0], skins[1]), (skins[1], skins[0])].iter().take(2 - usize::from(itself))
     {
-        scratch.at_vertices.list(skin, of);
+        scratch.at_vertices.list(skin, of, &gap);
         // Whether a contact touches at a point, or else is near there.
-        let touches = |i: usize, point: &SurfacePoint| {
-            let gap = gap(&of[i]);
+        let touches = |i: usize, gap: f64, point: &SurfacePoint| {
             let is_near = || gap <= skin.edge_longest(point) + TOUCHING;
             if gap <= TOUCHING || bears(i) { Some(true) } else { is_near().then_some(false) }
         };
         for (i, contact) in of.iter().enumerate() {
+            let gap = scratch.at_vertices.gaps[i];
             for point in points_on(contact, skin.surface.soft) {
-                match touches(i, point) {
+                let touches = touches(i, gap, point);
+                match touches {
                     Some(true) => skin.triangles_of(point, |t| scratch.touch(t)),
                     Some(false) => skin.triangles_of(point, |t| scratch.come_near(t)),
                     None => {}
                 }
+                scratch.at_vertices.touching.push(touches);
             }
         }
         for i in 0..scratch.touched.len() {
             let t = scratch.touched[i];
             let x = skin.corners(t);
-            let depth = face((t, &x), [skin, other], of, &gap, &mut scratch.at_vertices);
+            let depth = face((t, &x), [skin, other], of, &mut scratch.at_vertices);
             let facing = &scratch.at_vertices.facing;
             let parts =
                 (PARTS_OF_EDGE * longest_edge(&x) / other.surface.edge_mean).ceil() as usize;
-            let area = match facing.is_empty() {
+            let farthest = 2.0 * depth + TOUCHING;
+            let area = match facing.iter().all(|f| f.is_beyond(&x, farthest)) {
                 true => 0.0,
                 false => area_below(
                     &x,
                     parts.clamp(1, PARTS_MAX),
-                    |p, _| distance(p, facing, other, 2.0 * depth + TOUCHING),
+                    |p, _| distance(p, facing, other, farthest),
                     |_| false,
                 ),
             };
             scratch.share_out(t, 0.5 * scratch.at_least(skin, t, area));
         }
-        for (i, (contact, area)) in of.iter().zip(areas.iter_mut()).enumerate() {
-            for point in points_on(contact, skin.surface.soft) {
-                if let Some(touches) = touches(i, point) {
-                    skin.triangles_of(point, |t| *area += scratch.share_of(t, touches));
+        let mut touching = scratch.at_vertices.touching.iter();
+        for (contact, area) in of.iter().zip(areas.iter_mut()) {
+            for (point, touches) in points_on(contact, skin.surface.soft).zip(&mut touching) {
+                if let Some(touches) = touches {
+                    skin.triangles_of(point, |t| *area += scratch.share_of(t, *touches));
                 }
             }
         }
@@ -156,6 +169,16 @@ impl Facing {
         let normal = area_vector(&x).try_normalize(0.0).unwrap_or_default();
         Self { triangle, x, normal, middle, radius }
     }
+
+    /// True where the planes of the two tell that all of triangle `y` lies farther from this one than `reach` \[m\].
+    fn is_beyond(&self, y: &[Vec3; 3], reach: f64) -> bool {
+        let normal = area_vector(y).try_normalize(0.0).unwrap_or_default();
+        [(&self.normal, &self.x, y), (&normal, y, &self.x)].iter().any(|(normal, x, y)| {
+            let heights = y.map(|p| normal.dot(&(p - x[0])));
+            let far = reach * ROUNDED_UP;
+            heights.iter().all(|h| *h > far) || heights.iter().all(|h| *h < -far)
+        })
+    }
 }
 
 /// Lists the triangles that contacts say triangle `t` with corners `x` meets, and those beside them, as far as they may be
@@ -164,11 +187,10 @@ fn face(
     (t, x): (u32, &[Vec3; 3]),
     [skin, other]: [&Skin; 2],
     of: &[Contact],
-    gap: &impl Fn(&Contact) -> f64,
     at_vertices: &mut AtVertices,
 ) -> f64 {
     let corners = skin.surface.triangles[t as usize];
-    let AtVertices { first, next, facing, .. } = at_vertices;
+    let AtVertices { first, next, facing, gaps, .. } = at_vertices;
     facing.clear();
     let list = |v: u32| {
         let first = Some(first[v as usize]).filter(|k| *k != NONE);
@@ -179,7 +201,7 @@ fn face(
             point(of, k).is_some_and(|own| vertices(own).all(|v| corners.contains(&v)))
         })
     };
-    let depth = met().map(|k| -gap(&of[k as usize / 2])).fold(0.0, f64::max);
+    let depth = met().map(|k| -gaps[k as usize / 2]).fold(0.0, f64::max);
     let around = Aabb::of_points(x).inflate(TOUCHING + depth);
     let itself = skin.surface.soft == other.surface.soft;
     let mut add = |o: u32| {
@@ -188,7 +210,8 @@ fn face(
             return;
         }
         let corners = other.corners(o);
-        let is_near = Aabb::of_points(&corners).overlaps(&around);
+        let [p, q, r] = &corners;
+        let is_near = Aabb { min: *p, max: *p }.with(q).with(r).overlaps(&around);
         if is_near && facing.iter().all(|f| f.triangle != o) {
             facing.push(Facing::new(o, corners));
         }
@@ -241,5 +264,33 @@ fn signed(p: &Vec3, facing: &[Facing], other: &Skin) -> Distance {
     Distance {
         value: side * near.distance_squared.sqrt(),
         gradient: gradient.or_else(|| out.try_normalize(0.0)).unwrap_or(f.normal),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::triangle::tests::Random;
+
+    /// Planes set no two triangles farther apart than any two of their points are.
+    #[test]
+    fn planes_bound_the_distance_of_triangles() {
+        let (mut random, mut told) = (Random::new(16), 0);
+        let n = 12;
+        for i in 0..500 {
+            let x = [0; 3].map(|_| random.vector(0.005));
+            let y = [0; 3].map(|_| random.vector(0.005) + Vec3::x() * 0.006);
+            let facing = Facing::new(0, x);
+            let places = (0..=n).flat_map(|i| (0..=n - i).map(move |j| [i, j]));
+            let to_x = places.map(|place| {
+                let [u, v] = place.map(|k| f64::from(k) / f64::from(n));
+                closest_on_triangle(&(y[0] + (y[1] - y[0]) * u + (y[2] - y[0]) * v), &x)
+                    .distance_squared
+            });
+            let nearest = to_x.fold(f64::INFINITY, f64::min).sqrt();
+            assert!(!facing.is_beyond(&y, nearest), "{i}: {nearest} m");
+            told += usize::from(facing.is_beyond(&y, 0.5 * nearest));
+        }
+        assert!(told > 250, "{told} of 500");
     }
 }

@@ -187,28 +187,35 @@ const FLAT: f64 = 1e-15;
 fn part_below_all(functions: [[f64; 3]; 3]) -> f64 {
     // By weights of the corners. A cut of what is convex adds one corner; where rounding has bent that, no more than
     // there were.
-    let mut polygon = [[0.0_f64; 3]; 3 << 3];
-    (polygon[0], polygon[1], polygon[2]) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
-    let mut count = 3;
+    let [mut one, mut other] = [[[0.0_f64; 3]; 3 << 3]; 2];
+    let (mut whole, mut cut) = (&mut one, &mut other);
+    (whole[0], whole[1], whole[2]) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
+    let (mut count, mut heights) = (3, [0.0; 3 << 3]);
     for f in functions {
-        let height = |w: &[f64; 3]| w.iter().zip(&f).map(|(w, f)| w * (f - TOUCHING)).sum::<f64>();
-        let (whole, corners) = (polygon, count);
-        count = 0;
-        for (k, from) in whole[..corners].iter().enumerate() {
-            let to = &whole[(k + 1) % corners];
-            let (a, b) = (height(from), height(to));
+        for (height, w) in heights.iter_mut().zip(&whole[..count]) {
+            *height = w.iter().zip(&f).map(|(w, f)| w * (f - TOUCHING)).sum();
+        }
+        if heights[..count].iter().all(|height| *height <= 0.0) {
+            continue;
+        }
+        let mut corners = 0;
+        for (k, from) in whole[..count].iter().enumerate() {
+            let next = (k + 1) % count;
+            let (a, b, to) = (heights[k], heights[next], &whole[next]);
             if a <= 0.0 {
-                polygon[count] = *from;
-                count += 1;
+                cut[corners] = *from;
+                corners += 1;
             }
             if (a <= 0.0) != (b <= 0.0) {
-                polygon[count] = [0, 1, 2].map(|i| from[i] + (to[i] - from[i]) * (a / (a - b)));
-                count += 1;
+                cut[corners] = [0, 1, 2].map(|i| from[i] + (to[i] - from[i]) * (a / (a - b)));
+                corners += 1;
             }
         }
+        count = corners;
+        std::mem::swap(&mut whole, &mut cut);
     }
+    let polygon = &whole[..count];
     let cross = |p: &[f64; 3], q: &[f64; 3]| p[1] * q[2] - p[2] * q[1];
-    let polygon = &polygon[..count];
     (0..count).map(|k| cross(&polygon[k], &polygon[(k + 1) % count])).sum()
 }
 

@@ -193,26 +193,26 @@ impl SoftSoft<'_> {
         usize::from(self.apart.is_none())
     }
 
-    /// Notes where the edges of two triangles pierce the other one.
-    pub(super) fn pierce(&self, [s, t]: [u32; 2], deep: &mut DeepScratch) {
+    /// Notes where the edges of two triangles pierce the other one, over whose plane their corners have these heights
+    /// (`Facet::heights`).
+    pub(super) fn pierce(&self, [s, t]: [u32; 2], heights: &[[f64; 3]; 2], deep: &mut DeepScratch) {
         let [a, b] = [&self.a, &self.b];
-        self.pierce_from((0, a, s), (self.second(), b, t), deep);
-        self.pierce_from((self.second(), b, t), (0, a, s), deep);
+        self.pierce_from((0, a, s), &heights[0], (b, t), deep);
+        self.pierce_from((self.second(), b, t), &heights[1], (a, s), deep);
     }
 
     fn pierce_from(
         &self,
         (side, own, s): (usize, &SoftSide, u32),
-        (_, other, t): (usize, &SoftSide, u32),
+        height: &[f64; 3],
+        (other, t): (&SoftSide, u32),
         deep: &mut DeepScratch,
     ) {
-        let x = other.surface.corners(t, other.state.positions);
-        let area = other.surface.facets[t as usize].area;
-        let p = own.surface.corners(s, own.state.positions);
-        let height = [0, 1, 2].map(|k| area.dot(&(p[k] - x[0])));
         if height.iter().all(|h| *h > 0.0) || height.iter().all(|h| *h <= 0.0) {
             return;
         }
+        let (p, x) = (own.corners(s), other.corners(t));
+        let area = other.surface.facets[t as usize].area;
         let corners = own.surface.triangles[s as usize];
         let entered = -other.surface.entered() * area.norm();
         for k in 0..3 {

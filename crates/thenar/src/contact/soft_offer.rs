@@ -4,16 +4,17 @@ use crate::contact::approach::Seen;
 use crate::contact::near::{Arrival, Near, may_arrive};
 use crate::contact::sides::Sight;
 use crate::contact::soft_soft::{NEVER, SoftSoft, VertexScratch};
+#[cfg(doc)]
+use crate::contact::surface::Facet;
 use crate::contact::triangle::{Closest, ROUNDED_UP, closest_on_triangle};
 
 impl SoftSoft<'_> {
-    /// Keeps triangle `t` if it is the nearest so far to vertex `v` of side `i`, or the first to reach
-    /// it in the step; for a vertex that was in contact, among those that face it.
+    /// Keeps triangle `t`, over whose plane vertex `v` of side `i` has this height ([`Facet::heights`]), if it is the nearest so far
+    /// within reach, or the first to come to the vertex in the step; for a vertex that was in contact, among those that face it.
     pub(super) fn offer(
         &self,
-        i: usize,
-        v: u32,
-        t: u32,
+        (i, v): (usize, u32),
+        (t, height): (u32, f64),
         reach: f64,
         sight: &Sight,
         scratch: &mut VertexScratch,
@@ -24,11 +25,11 @@ impl SoftSoft<'_> {
         let VertexScratch { nearest, arriving, met, .. } = scratch;
         let (best, first) = (&mut nearest[v as usize], &mut arriving[v as usize]);
         // The nearest counts within reach, what comes to touch in this step beyond.
-        let to_box = facet.bounds.distance_squared(p);
+        let away = facet.bounds.distance_squared(p).max(facet.distance_squared_by(height));
         let least = best.map_or(reach * reach, |(_, c)| c.distance_squared.min(reach * reach));
         let comes = self.margin + facet.travel_past(&own.surface.motions[v as usize]);
         let may_come = |squared: f64| squared <= comes * comes * ROUNDED_UP;
-        if to_box > least * ROUNDED_UP && !may_come(to_box) || self.are_neighbors(v, t) {
+        if away > least * ROUNDED_UP && !may_come(away) || self.are_neighbors(v, t) {
             return;
         }
         let x = other.surface.corners(t, other.state.positions);
@@ -40,7 +41,7 @@ impl SoftSoft<'_> {
         let known = best.is_some() || *first != NEVER;
         // Of equally near triangles (a shared edge) the lowest index, whatever the order.
         let nearer = match best {
-            None => true,
+            None => closest.distance_squared <= reach * reach,
             Some((u, c)) => (closest.distance_squared, t) < (c.distance_squared, *u),
         };
         if nearer {

@@ -10,7 +10,7 @@ use crate::contact::ridge::{Crossing, Passing, Ridge, crossing, passing};
 use crate::contact::sides::Sight;
 use crate::contact::soft_deep::{DeepScratch, nearest_on};
 use crate::contact::soft_rigid::{KEY_CROSSING, KEY_SOFT_SOFT};
-use crate::contact::surface::Surface;
+use crate::contact::surface::{Facet, Surface};
 use crate::contact::triangle::{Closest, Feature, ROUNDED_UP, closest_on_triangle};
 use crate::contact::{Contact, Site, SurfacePoint, SurfaceState};
 use crate::math::Vec3;
@@ -38,6 +38,16 @@ pub(crate) struct SoftSide<'a> {
 }
 
 impl SoftSide<'_> {
+    #[inline]
+    fn facet(&self, t: u32) -> &Facet {
+        &self.surface.facets[t as usize]
+    }
+
+    #[inline]
+    pub(super) fn corners(&self, t: u32) -> [Vec3; 3] {
+        self.surface.corners(t, self.state.positions)
+    }
+
     /// Whether the surface that goes on beyond the nearest place of a triangle comes nearer to `p`: where some
     /// triangles are left out (neighbours), the nearest of all others may be at the rim of these, whose inside
     /// says nothing.
@@ -192,26 +202,29 @@ impl SoftSoft<'_> {
         scratch: &mut PairScratch,
         out: &mut Collector,
     ) {
-        let of_s = &self.a.surface.facets[s as usize];
-        let of_t = &self.b.surface.facets[t as usize];
-        let is_near = of_s.bounds.inflate(reach).overlaps(&of_t.bounds);
-        if !is_near {
-            let comes = (self.margin + of_s.travel_past_all(of_t)) * ROUNDED_UP;
-            if !of_s.bounds.inflate(comes).overlaps(&of_t.bounds) {
-                return;
-            }
+        let [of_s, of_t] = [(&self.a, s), (&self.b, t)].map(|(side, t)| side.facet(t));
+        let [x, y] = [(&self.a, s), (&self.b, t)].map(|(side, t)| side.corners(t));
+        let heights = [of_t.heights(&y[0], &x), of_s.heights(&x[0], &y)];
+        let is_within = |reach: f64| {
+            of_s.bounds.inflate(reach).overlaps(&of_t.bounds)
+                && !of_t.is_beyond(&heights[0], reach)
+                && !of_s.is_beyond(&heights[1], reach)
+        };
+        let is_near = is_within(reach);
+        if !is_near && !is_within((self.margin + of_s.travel_past_all(of_t)) * ROUNDED_UP) {
+            return;
         }
         let second = usize::from(self.apart.is_none());
-        for v in self.a.surface.owned_corners(s) {
-            self.offer(0, v, t, reach, sight, &mut scratch.vertices[0]);
+        for (k, v) in self.a.surface.owned_corners(s) {
+            self.offer((0, v), (t, heights[0][k]), reach, sight, &mut scratch.vertices[0]);
         }
-        for v in self.b.surface.owned_corners(t) {
-            self.offer(1, v, s, reach, sight, &mut scratch.vertices[second]);
+        for (k, v) in self.b.surface.owned_corners(t) {
+            self.offer((1, v), (s, heights[1][k]), reach, sight, &mut scratch.vertices[second]);
         }
         if is_near {
-            self.cross([s, t], reach, scratch, out);
+            self.cross([s, t], &heights, reach, scratch, out);
             if of_s.bounds.overlaps(&of_t.bounds) {
-                self.pierce([s, t], &mut scratch.deep);
+                self.pierce([s, t], &heights, &mut scratch.deep);
             }
         }
     }
@@ -355,20 +368,23 @@ impl SoftSoft<'_> {
 
     /// Notes the edges of `s` and `t` that cross. Between two bodies each edge belongs to one triangle; within one surface the
     /// lowest pair of the edges' faces that may touch answers for them.
-    fn cross(&self, pair: [u32; 2], reach: f64, scratch: &mut PairScratch, out: &mut Collector) {
-        let mut of_b = None;
+    fn cross(
+        &self,
+        pair: [u32; 2],
+        heights: &[[f64; 3]; 2],
+        reach: f64,
+        scratch: &mut PairScratch,
+        out: &mut Collector,
+    ) {
+        let of_a = |k: usize| (&self.a, pair[0], k, &heights[0]);
+        let of_b = |k: usize| (&self.b, pair[1], k, &heights[1]);
+        let mut edges_b = None;
         for k in 0..3 {
-            let Some(ends_a) = self.edge(&self.a, pair[0], k, &self.b, pair[1], reach) else {
-                continue;
-            };
-            let of_b = of_b.get_or_insert_with(|| {
-                let mut edges = [None; 3];
-                for (l, edge) in edges.iter_mut().enumerate() {
-                    *edge = self.edge(&self.b, pair[1], l, &self.a, pair[0], reach);
-                }
-                edges
+            let Some(ends_a) = self.edge(of_a(k), self.b.facet(pair[1]), reach) else { continue };
+            let edges_b = edges_b.get_or_insert_with(|| {
+                [0, 1, 2].map(|l| self.edge(of_b(l), self.a.facet(pair[0]), reach))
             });
-            for (l, ends_b) in of_b.iter().enumerate() {
+            for (l, ends_b) in edges_b.iter().enumerate() {
                 let Some(ends_b) = ends_b else { continue };
                 let Some(passing) = passing(&ends_a, ends_b, reach) else { continue };
                 let edges = [(pair[0], k), (pair[1], l)];
@@ -414,26 +430,26 @@ impl SoftSoft<'_> {
         Some([of_a, of_b])
     }
 
-    /// The ends of an edge, unless it is farther than `reach` from triangle `other` of another side, or belongs to
-    /// another triangle of its body.
+    /// The ends of edge `k` of a triangle whose corners have these heights over another one ([`Facet::heights`]), unless it is farther
+    /// than `reach` from that, or belongs to another triangle of its body.
     #[inline(always)]
     fn edge(
         &self,
-        side: &SoftSide,
-        t: u32,
-        k: usize,
-        from: &SoftSide,
-        other: u32,
+        (side, t, k, heights): (&SoftSide, u32, usize, &[f64; 3]),
+        other: &Facet,
         reach: f64,
     ) -> Option<[Vec3; 2]> {
         if self.apart.is_none() && !side.surface.owns(t, Feature::Edge(k)) {
             return None;
         }
+        let (i, j) = (k, (k + 1) % 3);
+        if other.is_beyond(&[heights[i], heights[j]], reach) {
+            return None;
+        }
         let corners = side.surface.triangles[t as usize];
-        let x = side.state.positions;
-        let ends = [x[corners[k] as usize], x[corners[(k + 1) % 3] as usize]];
+        let ends = [i, j].map(|k| side.state.positions[corners[k] as usize]);
         let around = Aabb { min: ends[0], max: ends[0] }.with(&ends[1]);
-        around.inflate(reach).overlaps(&from.surface.facets[other as usize].bounds).then_some(ends)
+        around.inflate(reach).overlaps(&other.bounds).then_some(ends)
     }
 
     /// Whether an edge is a neighbour of triangle `other`.

@@ -4,7 +4,7 @@ use crate::contact::SurfaceState;
 use crate::contact::aabb::Aabb;
 use crate::contact::bvh::Bvh;
 use crate::contact::smooth::SmoothNormals;
-use crate::contact::triangle::{Feature, area_vector, solid_angle};
+use crate::contact::triangle::{Feature, ROUNDED_UP, area_vector, is_flat, solid_angle};
 use crate::math::Vec3;
 use crate::model::Flesh;
 
@@ -22,6 +22,8 @@ pub(crate) struct Facet {
     pub bounds: Aabb,
     /// Area vector \[m²\].
     pub area: Vec3,
+    /// Length of the area vector \[m²\]; without end where rounding decides where that points, so that no plane tells anything.
+    extent: f64,
     /// Mean motion of its corners in the step \[m\].
     motion: Vec3,
     /// The points move by this, but for so much \[m\].
@@ -32,9 +34,11 @@ impl Facet {
     fn new(x: &[Vec3; 3], motions: &[Vec3; 3]) -> Self {
         let motion = (motions[0] + motions[1] + motions[2]) / 3.0;
         let off = motions.iter().map(|u| (u - motion).norm_squared()).fold(0.0, f64::max);
+        let area = area_vector(x);
         Self {
             bounds: Aabb { min: x[0], max: x[0] }.with(&x[1]).with(&x[2]),
-            area: area_vector(x),
+            area,
+            extent: if is_flat(x) { f64::INFINITY } else { area.norm() },
             motion,
             spread: off.sqrt(),
         }
@@ -43,6 +47,28 @@ impl Facet {
     /// How far its points move at most past one that moves by `motion` \[m\].
     pub fn travel_past(&self, motion: &Vec3) -> f64 {
         (self.motion - motion).norm() + self.spread
+    }
+
+    /// Heights of points over the triangle's plane, which goes through `origin`, times its area \[m³\].
+    #[inline]
+    pub fn heights<const N: usize>(&self, origin: &Vec3, points: &[Vec3; N]) -> [f64; N] {
+        points.map(|p| self.area.dot(&(p - origin)))
+    }
+
+    /// Square of the least distance from the triangle of a point with this height, of [`Facet::heights`] \[m²\]; zero for a triangle
+    /// without area.
+    #[inline]
+    pub fn distance_squared_by(&self, height: f64) -> f64 {
+        let distance = height / self.extent;
+        distance * distance
+    }
+
+    /// True where points with these heights, and all between them, lie farther over the plane, or farther under it, than `reach`
+    /// \[m\]; false for a triangle without area.
+    #[inline]
+    pub fn is_beyond<const N: usize>(&self, heights: &[f64; N], reach: f64) -> bool {
+        let far = reach * ROUNDED_UP * self.extent;
+        heights.iter().all(|h| *h > far) || heights.iter().all(|h| *h < -far)
     }
 
     /// The same past any point of another triangle.
@@ -160,10 +186,10 @@ impl Surface {
         });
     }
 
-    /// The corners that this triangle answers for: each vertex has one such triangle.
-    pub fn owned_corners(&self, triangle: u32) -> impl Iterator<Item = u32> {
+    /// The corners (0 to 2) that this triangle answers for, with their vertices: each vertex has one such triangle.
+    pub fn owned_corners(&self, triangle: u32) -> impl Iterator<Item = (usize, u32)> {
         let (corners, owned) = (self.triangles[triangle as usize], self.owned[triangle as usize]);
-        (0..3).filter(move |&k| owned[k]).map(move |k| corners[k])
+        (0..3).filter(move |&k| owned[k]).map(move |k| (k, corners[k]))
     }
 
     /// The triangle across edge `k`, if there is one.
@@ -364,6 +390,32 @@ fn neighbors(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
 mod tests {
     use super::*;
     use crate::contact::tests::{Scene, cube};
+    use crate::contact::triangle::closest_on_triangle;
+    use crate::contact::triangle::tests::Random;
+
+    /// Planes of triangles, of slivers and of such as rounding leaves on a line, set no point and no triangle farther apart than
+    /// they are; of even triangles they tell most.
+    #[test]
+    fn planes_bound_distances_from_below() {
+        let (mut random, mut told) = (Random::new(15), 0);
+        for i in 0..3000 {
+            let (a, b) = (random.vector(0.01), random.vector(0.01));
+            let beside = random.vector([0.01, 1e-8, 1e-16][i % 3]);
+            let x = [a, b, a + (b - a) * random.unit() + beside].map(|p| p + Vec3::repeat(0.7));
+            let facet = Facet::new(&x, &[Vec3::zeros(); 3]);
+            let y = [0; 3].map(|_| x[0] + random.vector(0.004) + Vec3::x() * 0.006);
+            let heights = facet.heights(&x[0], &y);
+            let distances = [0, 1, 2].map(|k| closest_on_triangle(&y[k], &x).distance_squared);
+            for k in 0..3 {
+                let most = distances[k] * ROUNDED_UP + 1e-18;
+                assert!(facet.distance_squared_by(heights[k]) <= most, "{i}: {most}");
+            }
+            let nearest = distances.iter().copied().fold(f64::INFINITY, f64::min).sqrt();
+            assert!(!facet.is_beyond(&heights, nearest), "{i}");
+            told += usize::from(i % 3 == 0 && facet.is_beyond(&heights, 0.5 * nearest));
+        }
+        assert!(told > 200, "{told} of 1000");
+    }
 
     /// Over a cube blown up to a ball, bent everywhere: no jump over edges, nor at vertices.
     #[test]

@@ -36,6 +36,16 @@ pub(crate) fn solid_angle(p: &Vec3, x: &[Vec3; 3]) -> f64 {
     2.0 * a.dot(&b.cross(&c)).atan2(lengths.iter().product::<f64>() + along)
 }
 
+/// Square of the sine between two edges below which a triangle is its edges: its area is then a hundred times what rounding
+/// makes of none.
+const FLAT: f64 = 1e-14;
+
+/// Whether rounding leaves nothing of a triangle's area.
+pub(crate) fn is_flat(x: &[Vec3; 3]) -> bool {
+    let (e1, e2) = (x[1] - x[0], x[2] - x[0]);
+    e1.cross(&e2).norm_squared() <= FLAT * e1.norm_squared() * e2.norm_squared()
+}
+
 /// The point of triangle `x` nearest to `p`. A degenerate triangle is its edges.
 pub(crate) fn closest_on_triangle(p: &Vec3, x: &[Vec3; 3]) -> Closest {
     let (e1, e2, d) = (x[1] - x[0], x[2] - x[0], p - x[0]);
@@ -45,7 +55,8 @@ pub(crate) fn closest_on_triangle(p: &Vec3, x: &[Vec3; 3]) -> Closest {
     // Weights of the foot of the perpendicular, times the squared doubled area.
     let area = a11 * a22 - a12 * a12;
     let (w1, w2) = (a22 * b1 - a12 * b2, a11 * b2 - a12 * b1);
-    if w1 > 0.0 && w2 > 0.0 && w1 + w2 < area && area > 1e-14 * a11 * a22 {
+    let flat = area <= FLAT * a11 * a22;
+    if w1 > 0.0 && w2 > 0.0 && w1 + w2 < area && !flat {
         let (w1, w2) = (w1 / area, w2 / area);
         let point = x[0] + w1 * e1 + w2 * e2;
         return Closest {
@@ -58,7 +69,6 @@ pub(crate) fn closest_on_triangle(p: &Vec3, x: &[Vec3; 3]) -> Closest {
     // Outside, the nearest point is on an edge whose line has the foot on its far side: the edge
     // opposite to a corner without positive weight.
     let weights = [area - w1 - w2, w1, w2];
-    let flat = area <= 1e-14 * a11 * a22;
     let mut best: Option<Closest> = None;
     for k in 0..3 {
         if flat || weights[(k + 2) % 3] <= 0.0 {

@@ -66,9 +66,10 @@ impl FleshModel {
     ) -> f64 {
         let each = self.tets[tets.clone()].iter().zip(&self.rest[tets]);
         let crushed = each.filter_map(|(tet, rest)| {
-            let F1 = crushed(rest, tet, x1)?;
+            let F1 = suspect(rest, tet, x1)?;
             let [F0, F] = [x0, straight].map(|x| rest.gradient_at(tet, x));
-            if (F1 - F0).norm_squared() < STILL * STILL {
+            let is_still = (F1 - F0).norm_squared() < STILL * STILL;
+            if is_still || ![F0, F1].iter().any(is_beyond) {
                 return None;
             }
             let [before, after] = [F0, F1].map(|F| shape(rest, &F));
@@ -92,11 +93,18 @@ pub(super) fn response(rest: &RestTet, tet: &[u32; 4], x: &[Vec3]) -> Option<Res
     crushed(rest, tet, x).map(|F| respond(rest, &F))
 }
 
-/// The deformation gradient of an element that may be crushed or taut. Of positive stretches with the product J and the sum of
-/// squares I the least is at least `2 J / I`. If the largest is above `s_t`, then `I`, at least `σ² + 2 |J| / σ` of it, is
-/// above `s_t² + 2 |J| / s_t` as this grows with σ from the cube root of |J| on; a cube root above `s_t` tells by itself.
+/// The deformation gradient of an element that is crushed or taut.
 #[inline]
 fn crushed(rest: &RestTet, tet: &[u32; 4], x: &[Vec3]) -> Option<Mat3> {
+    suspect(rest, tet, x).filter(is_beyond)
+}
+
+/// The deformation gradient of an element that may be crushed or taut: bounds pass over most that are not. Of positive stretches with the
+/// product J and the sum of squares I the least is at least `2 J / I`. If the largest is above `s_t`, then `I`, at least
+/// `σ² + 2 |J| / σ` of it, is above `s_t² + 2 |J| / s_t` as this grows with σ from the cube root of |J| on; a cube root
+/// above `s_t` tells by itself.
+#[inline]
+fn suspect(rest: &RestTet, tet: &[u32; 4], x: &[Vec3]) -> Option<Mat3> {
     if rest.law != Law::Corotational {
         return None;
     }
@@ -105,6 +113,27 @@ fn crushed(rest: &RestTet, tet: &[u32; 4], x: &[Vec3]) -> Option<Mat3> {
     let is_crushed = 2.0 * J <= CRUSHED * I;
     let is_taut = I > TAUT * TAUT + 2.0 * J.abs() / TAUT || J.abs() > TAUT.powi(3);
     (is_crushed || is_taut).then_some(F)
+}
+
+/// True where a stretch is beyond `s_c` or `s_t`, or as near as rounding: none is where the shape is not inside out, and both
+/// `FᵀF - s_c² I` and `s_t² I - FᵀF` are positive definite.
+fn is_beyond(F: &Mat3) -> bool {
+    let squares = F.tr_mul(F);
+    let above = |s: f64| squares - Mat3::from_diagonal_element(s * s);
+    let is_within = F.determinant() > 0.0
+        && is_positive_definite(&above(CRUSHED * ROUNDED))
+        && is_positive_definite(&-above(TAUT / ROUNDED));
+    !is_within
+}
+
+/// Stretches this near a bound count as beyond it: rounding moves their squares by less. Where two of them are within 1e-8 of a
+/// bound, on either side, rounding decides: they bear 7e-7 E.
+const ROUNDED: f64 = 1.0 + 1e-9;
+
+/// Tells by the leading minors of a symmetric matrix if it is positive definite (Sylvester).
+fn is_positive_definite(m: &Mat3) -> bool {
+    let minor = m[(0, 0)] * m[(1, 1)] - m[(0, 1)] * m[(0, 1)];
+    m[(0, 0)] > 0.0 && minor > 0.0 && m.determinant() > 0.0
 }
 
 /// The stiffness is the whole second derivative less what is negative of it.
@@ -184,29 +213,28 @@ mod tests {
         assert!(felt > 50, "{felt} of 200 shapes were crushed");
     }
 
-    /// Shapes that are passed over have no stretch beyond the bounds, shrunk and blown up ones among them.
+    /// Shapes with a stretch beyond the bounds are looked into, and no others, some of which the cheap test before lets through.
+    /// Shrunk and blown up ones are among them, and such as are inside out.
     #[test]
-    fn no_crushed_or_taut_shape_is_passed_over() {
+    fn crushed_and_taut_shapes_are_looked_into_and_no_others() {
         let (rest, mut random) = (rest(), Random::new(6));
-        let (mut passed, mut caught, mut taut) = (0, 0, 0);
+        let (mut passed, mut spared, mut crushes, mut draws, mut inverted) = (0, 0, 0, 0, 0);
         for k in 0..6000 {
             let scale = [1.0, 0.8, 1.6][k % 3];
             let x = REST.map(|x| (x + random.vec3([0.006, 0.002][k % 2])) * scale);
             let (_, stretches, _) = crate::flesh::signed_svd(&rest.deformation_gradient(&x));
-            match crushed(&rest, &[0, 1, 2, 3], &x) {
-                None => {
-                    let within = stretches[2] >= CRUSHED && stretches[0] <= TAUT;
-                    assert!(within, "{stretches:?}");
-                    passed += 1;
-                }
-                Some(_) => {
-                    caught += usize::from(stretches[2] < CRUSHED);
-                    taut += usize::from(stretches[0] > TAUT);
-                }
-            }
+            let (is_crushed, is_taut) = (stretches[2] < CRUSHED, stretches[0] > TAUT);
+            let is_suspect = suspect(&rest, &[0, 1, 2, 3], &x).is_some();
+            let is_looked_into = crushed(&rest, &[0, 1, 2, 3], &x).is_some();
+            assert_eq!(is_looked_into, is_crushed || is_taut, "{stretches:?}");
+            inverted += usize::from(stretches[2] < 0.0);
+            crushes += usize::from(is_crushed);
+            draws += usize::from(is_taut);
+            spared += usize::from(is_suspect && !is_looked_into);
+            passed += usize::from(!is_suspect);
         }
-        let counts = [passed, caught, taut];
-        assert!(counts.iter().all(|count| *count > 200), "{counts:?} passed, crushed, taut");
+        let counts = [passed, spared, crushes, draws, inverted];
+        assert!(counts.iter().all(|count| *count > 150), "{counts:?}");
         assert!(crushed(&rest, &[0, 1, 2, 3], &REST).is_none());
     }
 

@@ -289,8 +289,11 @@ fn hyperelastic(rest: &RestTet, F: &Mat3) -> Response {
     Linear::elastic(&shape, 1.0).response(rest, &shape, shape.at.energy)
 }
 
-/// The nearest positive semi-definite matrix.
+/// The nearest positive semi-definite matrix to a symmetric one.
 pub fn positive_part(m: &Mat3) -> Mat3 {
+    if m[(0, 1)] == 0.0 && m[(0, 2)] == 0.0 && m[(1, 2)] == 0.0 {
+        return m.map(|x| x.max(0.0));
+    }
     let eigen = m.symmetric_eigen();
     let values = eigen.eigenvalues.map(|x| x.max(0.0));
     eigen.eigenvectors * Mat3::from_diagonal(&values) * eigen.eigenvectors.transpose()

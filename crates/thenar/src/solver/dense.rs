@@ -145,12 +145,7 @@ impl DenseLu {
         for next in ahead.chunks_exact_mut(height) {
             let above: [f64; LANES] = std::array::from_fn(|i| next[start + i]);
             let factor = f64x8::splat(simd, -next[at]);
-            let pairs =
-                next[start..].as_chunks_mut().0.iter_mut().zip(column[start..].as_chunks().0);
-            for (x, l) in pairs {
-                let l = f64x8::load_array_ref(simd, l);
-                *x = l.mul_add(factor, f64x8::load_array_ref(simd, x)).to_array();
-            }
+            add_multiple(simd, &mut next[start..], &column[start..], factor);
             next[start..=at].copy_from_slice(&above[..=at - start]);
         }
         Some(first + pivot)
@@ -171,14 +166,10 @@ impl DenseLu {
         for r in 1..PANEL {
             let (above, below) = self.values.split_at_mut((first + r) * stride);
             let factors: [f64; PANEL] = std::array::from_fn(|q| below[first + q]);
-            let row = below[beyond..stride].as_chunks_mut::<LANES>().0;
             for (q, factor) in factors[..r].iter().enumerate() {
                 let done = &above[(first + q) * stride + beyond..(first + q + 1) * stride];
                 let factor = f64x8::splat(simd, -factor);
-                for (x, y) in row.iter_mut().zip(done.as_chunks::<LANES>().0) {
-                    let y = f64x8::load_array_ref(simd, y);
-                    *x = y.mul_add(factor, f64x8::load_array_ref(simd, x)).to_array();
-                }
+                add_multiple(simd, &mut below[beyond..stride], done, factor);
             }
         }
     }
@@ -220,7 +211,18 @@ impl DenseLu {
     }
 }
 
-/// `rows -= L U` for N rows below a panel; two registers of columns at a time.
+/// `to += factor from`, in whole registers. Indexed on purpose: zipped iterators are not inlined into the vectorised function, and
+/// run without its instructions.
+#[inline(always)]
+fn add_multiple<S: Simd>(simd: S, to: &mut [f64], from: &[f64], factor: f64x8<S>) {
+    let (to, from) = (to.as_chunks_mut::<LANES>().0, from.as_chunks::<LANES>().0);
+    for i in 0..to.len().min(from.len()) {
+        let sum = f64x8::load_array_ref(simd, &to[i]);
+        to[i] = f64x8::load_array_ref(simd, &from[i]).mul_add(factor, sum).to_array();
+    }
+}
+
+/// `rows -= L U` for N rows below a panel: as many columns at a time as keep their sums in registers.
 #[inline(always)]
 fn update_rows<S: Simd, const N: usize>(
     simd: S,
@@ -229,29 +231,50 @@ fn update_rows<S: Simd, const N: usize>(
     stride: usize,
     first: usize,
 ) {
+    if S::f64s::LEN >= LANES {
+        update_columns::<S, N, 2>(simd, panel, rows, stride, first);
+    } else {
+        update_columns::<S, N, 1>(simd, panel, rows, stride, first);
+    }
+}
+
+/// Update of N rows, H registers of columns at a time.
+#[inline(always)]
+fn update_columns<S: Simd, const N: usize, const H: usize>(
+    simd: S,
+    panel: &[f64],
+    rows: &mut [f64],
+    stride: usize,
+    first: usize,
+) {
     let factors: [[f64; PANEL]; N] =
         std::array::from_fn(|r| std::array::from_fn(|q| -rows[r * stride + first + q]));
-    for column in (first + PANEL..stride).step_by(2 * LANES) {
+    let place = |row: usize, column: usize, h: usize| row * stride + column + h * LANES;
+    for column in (first + PANEL..stride).step_by(H * LANES) {
         let load = |from: &[f64], at: usize| f64x8::from_slice(simd, &from[at..at + LANES]);
-        let mut sums = [[simd.splat_f64x8(0.0); 2]; N];
+        let mut sums = [[simd.splat_f64x8(0.0); H]; N];
         for r in 0..N {
-            let at = r * stride + column;
-            sums[r] = [load(rows, at), load(rows, at + LANES)];
+            for h in 0..H {
+                sums[r][h] = load(rows, place(r, column, h));
+            }
         }
         for q in 0..PANEL {
-            let at = q * stride + column;
-            let above = [load(panel, at), load(panel, at + LANES)];
+            let mut above = [simd.splat_f64x8(0.0); H];
+            for h in 0..H {
+                above[h] = load(panel, place(q, column, h));
+            }
             for r in 0..N {
                 let factor = f64x8::splat(simd, factors[r][q]);
-                for half in 0..2 {
-                    sums[r][half] = above[half].mul_add(factor, sums[r][half]);
+                for h in 0..H {
+                    sums[r][h] = above[h].mul_add(factor, sums[r][h]);
                 }
             }
         }
         for r in 0..N {
-            let at = r * stride + column;
-            sums[r][0].store_slice(&mut rows[at..at + LANES]);
-            sums[r][1].store_slice(&mut rows[at + LANES..at + 2 * LANES]);
+            for h in 0..H {
+                let at = place(r, column, h);
+                sums[r][h].store_slice(&mut rows[at..at + LANES]);
+            }
         }
     }
 }

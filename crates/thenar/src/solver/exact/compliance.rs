@@ -86,13 +86,14 @@ impl Compliance {
             let at = (3 * m + a) * self.stride;
             self.numbers[at..at + to.len()].as_chunks::<LANES>().0
         };
-        let rows = row(0).iter().zip(row(1)).zip(row(2));
-        for (to, ((a, b), c)) in to.as_chunks_mut::<LANES>().0.iter_mut().zip(rows) {
-            let (low, high) = to.split_at_mut(LANES / 2);
+        let (rows, to) = ([row(0), row(1), row(2)], to.as_chunks_mut::<LANES>().0);
+        // Indexed on purpose: zipped iterators are not inlined here, and run without vector instructions.
+        for i in 0..to.len() {
+            let (low, high) = to[i].split_at_mut(LANES / 2);
             let mut sums = [f64x8::from_slice(simd, low), f64x8::from_slice(simd, high)];
-            for (w, delta) in [(a, delta.x), (b, delta.y), (c, delta.z)] {
-                let halves = simd.widen_f32x16(f32x16::from_slice(simd, w));
-                let delta = f64x8::splat(simd, delta);
+            for a in 0..3 {
+                let halves = simd.widen_f32x16(f32x16::from_slice(simd, &rows[a][i]));
+                let delta = f64x8::splat(simd, delta[a]);
                 sums[0] = halves.0.mul_add(delta, sums[0]);
                 sums[1] = halves.1.mul_add(delta, sums[1]);
             }
