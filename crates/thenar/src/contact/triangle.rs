@@ -36,11 +36,11 @@ pub(crate) fn solid_angle(p: &Vec3, x: &[Vec3; 3]) -> f64 {
     2.0 * a.dot(&b.cross(&c)).atan2(lengths.iter().product::<f64>() + along)
 }
 
-/// Square of the sine between two edges below which a triangle is its edges: its area is then a hundred times what rounding
-/// makes of none.
+/// Square of the sine between two edges below which a triangle is its edges: a hundred times what rounding makes of the square
+/// of no area.
 const FLAT: f64 = 1e-14;
 
-/// Whether rounding leaves nothing of a triangle's area.
+/// True where rounding decides what a triangle's area is.
 pub(crate) fn is_flat(x: &[Vec3; 3]) -> bool {
     let (e1, e2) = (x[1] - x[0], x[2] - x[0]);
     e1.cross(&e2).norm_squared() <= FLAT * e1.norm_squared() * e2.norm_squared()
