@@ -5,10 +5,12 @@
 //! are sampled over a triangle, and the part below the bound is cut out. What is found on a
 //! triangle is shared evenly by the contacts that touch it, so that their sum does not depend on how
 //! many there are; what bears load touches. During the step an edge or a tip slides away from the points
-//! that meet it: where none touches any more, but the triangle does, those near on it share.
+//! that meet it: where none touches any more, but the triangle does, those near on it share. Between two soft surfaces a
+//! patch has at least the area that its load asks for (`area_least`).
 
 use crate::contact::area_between::AtVertices;
 use crate::contact::area_faces::Faces;
+use crate::contact::area_least::Patches;
 use crate::contact::area_samples::{PARTS_MAX, area_below, parts_for};
 use crate::contact::nearest::longest_edge;
 use crate::contact::rigid_body::{Placed, RigidBody};
@@ -43,6 +45,8 @@ pub(crate) struct AreaScratch {
     pub touched: Room<u32>,
     /// Between soft surfaces, what lies at each vertex.
     pub at_vertices: AtVertices,
+    /// Loads and areas of patches.
+    pub(super) patches: Patches,
 }
 
 impl AreaScratch {
@@ -54,6 +58,7 @@ impl AreaScratch {
             share: vec![0.0; triangles],
             touched: Room::with_capacity(triangles),
             at_vertices: AtVertices::with_size(vertices, contacts, triangles),
+            patches: Patches::with_size(triangles, vertices, contacts),
         }
     }
 

@@ -223,14 +223,15 @@ impl Detector {
     }
 
     /// The area \[m²\] over which each of these contacts touches with bodies where they are now: see
-    /// [`area`]. Zero between rigid bodies, and where surfaces do not touch, unless the contact bore load (`bears`).
+    /// [`area`]. Zero between rigid bodies, and where surfaces do not touch, unless the contact bore load: `force_W` gives each
+    /// contact's force on its first side \[N\].
     pub fn areas(
         &mut self,
         rigids: &[RigidPlace],
         positions: &[Vec3],
         contacts: &[Contact],
         areas: &mut [f64],
-        bears: impl Fn(usize) -> bool,
+        force_W: impl Fn(usize) -> Vec3,
     ) {
         let Self { bodies, surfaces, scratch, .. } = self;
         let skin = |soft: u32| {
@@ -239,7 +240,7 @@ impl Detector {
             Skin { surface, x: &positions[vertices] }
         };
         for run in area::runs(contacts) {
-            let bears = |i: usize| bears(run.start + i);
+            let bears = |i: usize| force_W(run.start + i) != Vec3::zeros();
             let (of, areas) = (&contacts[run.clone()], &mut areas[run.clone()]);
             match (&of[0].a, &of[0].b) {
                 (Site::Soft(a), Site::Rigid { body: i, .. }) => {
@@ -258,10 +259,26 @@ impl Detector {
                     };
                     let skins = [skin(a.soft), skin(b.soft)];
                     between_soft(skins, of, gap, areas, bears, &mut scratch.area);
+                    let skins = if a.soft == b.soft { &skins[..1] } else { &skins };
+                    let load = |i: usize| of[i].normal_W.dot(&force_W(run.start + i));
+                    scratch.area.patches.stand_for(skins, of, areas, load);
                 }
                 (Site::Rigid { .. }, _) => areas.fill(0.0),
             }
         }
+    }
+
+    /// What the load asks for of contacts of the first soft surface with rigid bodies, which keep what is found.
+    #[cfg(test)]
+    pub fn stand_for(
+        &mut self,
+        x: &[Vec3],
+        contacts: &[Contact],
+        areas: &mut [f64],
+        load: impl Fn(usize) -> f64,
+    ) {
+        let skin = Skin { surface: &self.surfaces[0], x };
+        self.scratch.area.patches.stand_for(&[skin], contacts, areas, load);
     }
 
     /// Goes through all pairs or, with `since`, those that may be deeper in each other now.

@@ -19,6 +19,7 @@ mod approach;
 mod area;
 mod area_between;
 mod area_faces;
+mod area_least;
 mod area_samples;
 mod blunt;
 mod bvh;

@@ -91,7 +91,16 @@ impl Scene {
     pub fn areas(&self, contacts: &[Contact]) -> Vec<f64> {
         let positions: Vec<Vec3> = self.surfaces.iter().flat_map(|s| s.0.clone()).collect();
         let mut areas = vec![0.0; contacts.len()];
-        Detector::new(&self.desc).areas(&self.places, &positions, contacts, &mut areas, |_| false);
+        let no_force_W = |_| Vec3::zeros();
+        Detector::new(&self.desc).areas(&self.places, &positions, contacts, &mut areas, no_force_W);
+        areas
+    }
+
+    /// The least areas of contacts of the first soft surface where each bears a normal force \[N\].
+    pub fn areas_under(&self, contacts: &[Contact], load: impl Fn(usize) -> f64) -> Vec<f64> {
+        let mut areas = self.areas(contacts);
+        let x = &self.surfaces[0].0;
+        Detector::new(&self.desc).stand_for(x, contacts, &mut areas, load);
         areas
     }
 

@@ -27,7 +27,8 @@ pub struct PatchContact {
     pub centre_W: Vec3,
     /// Torque on it about the centre of pressure, world \[N m\].
     pub torque_W: Vec3,
-    /// Area of the surface nearer than 20 µm \[m²\]; zero between rigid bodies.
+    /// Area of the surface nearer than 20 µm, between soft surfaces no less than load over peak pressure \[m²\]; zero between rigid
+    /// bodies.
     pub area: f64,
     /// Largest depth of a point, bearing load or not, at the start of the step \[m\].
     pub penetration: f64,

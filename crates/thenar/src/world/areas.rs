@@ -1,6 +1,5 @@
 //! Over what area contacts touch at the end of a step.
 
-use crate::math::Vec3;
 use crate::world::World;
 
 impl World {
@@ -13,8 +12,8 @@ impl World {
         scratch.areas.resize(scratch.contacts.len(), 0.0);
         let found = &scratch.found[..scratch.contacts.len().min(scratch.found.len())];
         let contacts = &scratch.contacts;
-        let bears = |i: usize| contacts[i].force_W != Vec3::zeros();
-        detector.areas(places, &scratch.vertices, found, &mut scratch.areas, bears);
+        let force_W = |i: usize| contacts[i].force_W;
+        detector.areas(places, &scratch.vertices, found, &mut scratch.areas, force_W);
         for (contact, area) in scratch.contacts.iter_mut().zip(&scratch.areas) {
             contact.area = *area;
         }

@@ -3,6 +3,7 @@
 mod force_spectrum;
 mod long_steps;
 mod overlaps;
+mod peaks;
 mod rest_matrix;
 mod resting_hand;
 mod rigid_wrench;
