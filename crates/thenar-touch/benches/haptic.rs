@@ -6,7 +6,8 @@ use thenar::{Mat3, Pose, Quat, Vec3};
 use thenar_touch::safety::{Bank, Limits, Signal};
 use thenar_touch::shared::{Condensed, CondensedContact, SharedConstraints};
 use thenar_touch::{
-    CouplingDesign, HandSettings, HapticHand, Proxies, Proxy, RigidState, SlowToFast, Touch,
+    CouplingDesign, HandSettings, HapticHand, Mode, Proxies, Proxy, RigidState, SlowToFast, Tie,
+    Touch,
 };
 
 fn main() {
@@ -111,6 +112,29 @@ fn shared_constraints(bencher: Bencher, contacts: usize) {
             proxy.pose_WB.position.y = bones[i].pose_WB.position.y + 1e-3 * (0.01 * tick).sin();
         }
         shared.resolve(black_box(&frame), &proxies, 1e-3, 1e-3, 20)
+    });
+}
+
+/// A tick with ten contacts in shared constraints, of bones that a frame has turned by 20 degrees, with and without their joints.
+#[divan::bench(args = [0, 15])]
+fn whole_tick_shared(bencher: Bencher, joints: usize) {
+    let (_, tracked, bones) = hand();
+    let settings = HandSettings { mode: Mode::SharedConstraints, ..HandSettings::default() };
+    let mut hand =
+        HapticHand::new(settings, vec![proxy(); BONES], &bones, 10).expect("the bench's own hand");
+    let [at_parent, at_child] = [Vec3::x() * 0.01, Vec3::x() * -0.01];
+    hand.tie((1..=joints).map(|child| Tie { parent: child - 1, child, at_parent, at_child }));
+    let mut frame = SlowToFast::new(&bones, 10);
+    frame.response = pressed(10, &bones);
+    let mut now = 0;
+    bencher.bench_local(|| {
+        now += 1_000_000;
+        frame.time_ns = now - now % 16_000_000;
+        frame.step = now / 16_000_000;
+        for (i, state) in tracked.iter().enumerate() {
+            hand.lead(i, *state);
+        }
+        hand.tick(now, black_box(&frame))
     });
 }
 

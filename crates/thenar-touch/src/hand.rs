@@ -1,5 +1,6 @@
 //! One tick of the haptic loop for a whole hand: newest samples in, forces on the wearer out.
 
+use crate::arcs::{Arcs, Settled, Tie};
 use crate::empty_air::Held;
 use crate::late_frames::{of_multirate, of_shared_constraints};
 use crate::led_hand::LedHand;
@@ -82,6 +83,7 @@ pub struct HandReport {
 struct Free {
     proxies: Proxies,
     shared: SharedConstraints,
+    settled: Vec<Settled>,
     bones: Vec<RigidState>,
     /// How far contact held each bone when that was last known.
     held: Vec<Option<Held>>,
@@ -111,6 +113,9 @@ pub struct HapticHand {
     periods_when_late: f64,
     /// Simulated bones are carried on for as long as this, slowing down \[s\].
     reach: f64,
+    /// Joints that keep bones on their arcs, and where shared constraints had bones in the last ticks.
+    arcs: Arcs,
+    settled: Vec<Settled>,
     /// Simulated ends of the couplings in this tick.
     bones: Vec<RigidState>,
     /// What this hand does in empty air.
@@ -144,9 +149,12 @@ impl HapticHand {
             proxies.iter_mut().for_each(|proxy| *proxy = proxy.lighter(LIGHT));
         }
         let proxies = Proxies::new(proxies, start)?;
+        let settled: Vec<_> =
+            proxies.states().iter().map(|state| Settled::at(state.pose_WB)).collect();
         let free = Free {
             proxies: proxies.clone(),
             shared: SharedConstraints::in_empty_air(n, contacts_max),
+            settled: settled.clone(),
             bones: proxies.states().to_vec(),
             held: vec![None; n],
         };
@@ -165,6 +173,8 @@ impl HapticHand {
             carried: proxies.states().to_vec(),
             reach: 0.0,
             periods_when_late,
+            arcs: Arcs::new(n),
+            settled,
             bones: proxies.states().to_vec(),
             smooth: Smooth::new(n),
             wrenches: vec![[Vec3::zeros(); 2]; n],
@@ -172,6 +182,12 @@ impl HapticHand {
             proxies,
             ticks: 0,
         })
+    }
+
+    /// Keeps these joints closed where bones turn between two frames, by up to half a radian. A joint whose parent's number is not below its child's
+    /// is passed over, as is one of a bone that the hand lacks; of several to one child the first counts.
+    pub fn tie(&mut self, joints: impl IntoIterator<Item = Tie>) {
+        self.arcs.tie(joints);
     }
 
     /// Shows only these parts of a bone's force and torque to the wearer, 0 to 1.
@@ -182,12 +198,21 @@ impl HapticHand {
     /// The simulated bones now.
     fn place_bones(&mut self, frame: &SlowToFast, age: f64, h: f64) -> Resolution {
         let response = &frame.response;
+        let responded = self.responds;
         self.responds = self.settings.mode == Mode::SharedConstraints && response.is_ready();
         if self.responds {
             if self.shared_step != Some(frame.step) {
                 self.shared.begin(response);
                 self.free.shared.begin(response);
                 self.shared_step = Some(frame.step);
+            }
+            if !responded {
+                let both =
+                    [(&mut self.settled, &self.bones), (&mut self.free.settled, &self.free.bones)];
+                for (settled, bones) in both {
+                    let bones = bones.iter().map(|bone| Settled::at(bone.pose_WB));
+                    settled.iter_mut().zip(bones).for_each(|(settled, bone)| *settled = bone);
+                }
             }
             // Nobody leads a bone that was never tracked: its proxy is where the frame has it.
             for (i, of_frame) in frame.bones.iter().enumerate() {
@@ -197,23 +222,22 @@ impl HapticHand {
                 }
             }
             let (tolerance, sweeps) = (self.settings.force_tolerance, self.settings.sweeps_max);
-            let states = self.proxies.states();
-            let resolution = self.shared.resolve(response, states, h, tolerance, sweeps);
-            let free = &mut self.free;
-            free.shared.resolve(response, free.proxies.states(), h, tolerance, sweeps);
+            let Self { arcs, proxies, shared, settled, bones, free, .. } = self;
+            // Resolved for where the proxies were; their step asks for its end.
+            let states = proxies.states();
+            arcs.bend(frame, states, settled, shared);
+            let resolution = shared.resolve(response, states, h, tolerance, sweeps);
+            arcs.place(frame, (states, shared), h, settled, bones);
+            let Free { proxies, shared, settled, bones: free_bones, held } = free;
+            let states = proxies.states();
+            arcs.bend(frame, states, settled, shared);
+            shared.resolve(response, states, h, tolerance, sweeps);
+            arcs.place(frame, (states, shared), h, settled, free_bones);
             for (i, of_frame) in frame.bones.iter().enumerate() {
-                // Resolved for where the proxies were; their step asks for its end.
-                let at_end = |shared: &SharedConstraints| {
-                    let resolved = shared.bone(i, of_frame);
-                    RigidState { pose_WB: resolved.pose_after(h), ..resolved }
-                };
-                let [bone, free_bone] = if self.hand.is_known(i) {
-                    [at_end(&self.shared), at_end(&free.shared)]
-                } else {
-                    [*of_frame; 2]
-                };
-                (self.bones[i], free.bones[i]) = (bone, free_bone);
-                free.held[i] = Some(Held::between(&bone, &free_bone));
+                if !self.hand.is_known(i) {
+                    (bones[i], free_bones[i]) = (*of_frame, *of_frame);
+                }
+                held[i] = Some(Held::between(&bones[i], &free_bones[i]));
             }
             return resolution;
         }
@@ -333,6 +357,8 @@ impl Touch for HapticHand {
         for i in (0..self.bones.len()).filter(|i| self.hand.has_set_out(*i)) {
             self.proxies.place(i, RigidState::at_rest(self.bones[i].pose_WB));
             self.free.proxies.place(i, RigidState::at_rest(self.free.bones[i].pose_WB));
+            self.settled[i] = Settled::at(self.bones[i].pose_WB);
+            self.free.settled[i] = Settled::at(self.free.bones[i].pose_WB);
         }
         let proxies = self.proxies.step(h, self.hand.states(), &self.bones);
         self.free.proxies.step(h, self.hand.states(), &self.free.bones);

@@ -56,6 +56,7 @@
 //! tracked poses are the targets of the bones' drives, and `drive_reaction` is the force on the
 //! wearer. Both it and [`HapticHand`] are [`Touch`], which is all that the loop around must know.
 
+mod arcs;
 mod clock;
 mod coupling;
 mod delay;
@@ -88,6 +89,7 @@ mod touch;
 pub mod virtual_user;
 mod ways_out;
 
+pub use arcs::Tie;
 pub use clock::now_ns;
 pub use coupling::{CouplingDesign, drive_reaction, series_stiffness};
 pub use delay::{DelayMeter, GRIP, MARGIN};

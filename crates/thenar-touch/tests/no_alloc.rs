@@ -13,7 +13,7 @@ use thenar_touch::safety::{Bank, Limits, Signal, Trip};
 use thenar_touch::shared::CondensedContact;
 use thenar_touch::{
     CouplingDesign, FastToSlow, HandSettings, HapticHand, Mode, RigidState, SingleRate,
-    SingleRateSettings, SlowToFast, Touch, pad_force,
+    SingleRateSettings, SlowToFast, Tie, Touch, pad_force,
 };
 
 #[global_allocator]
@@ -62,6 +62,8 @@ fn a_haptic_tick_allocates_nothing() {
     let proxy = CouplingDesign::default().proxy(0.004, &Mat3::from_diagonal_element(1e-7));
     let settings = HandSettings { mode: Mode::SharedConstraints, ..HandSettings::default() };
     let mut hand = HapticHand::new(settings, vec![proxy; BONES], &start, 40).unwrap();
+    let [at_parent, at_child] = [Vec3::x() * 0.01, Vec3::x() * -0.01];
+    hand.tie((1..BONES).map(|child| Tie { parent: child - 1, child, at_parent, at_child }));
     let mut newest = SlowToFast::new(&start, 40);
     let frames = [5, 40, 0].map(|contacts| {
         let mut frame = SlowToFast::new(&start, 40);

@@ -203,12 +203,13 @@ fn felt_of_what_is_held(scene: &str, mode: LoopMode) -> [f64; 5] {
     sums.map(|sum| sum / count)
 }
 
-/// Each finger is felt alike in single-rate and multirate, within 2 % of what all feel together. In shared constraints the hand in
-/// empty air, which is subtracted, is answered by the frame of the hand that holds something, and its fingers leave their arcs: 3 % on
-/// the loaf, 5.5 % on the car, which holds them off farther.
+/// Each finger is felt alike in all modes, within 1 % of what all feel together on the loaf. On the car, which holds fingers off
+/// farther, multirate is within 2 % of single-rate, and shared constraints within 2.5 %: there the hand in empty air, which is
+/// subtracted, is answered by the frame of the hand that holds something, on the arcs of its joints, but with flesh bent as in that
+/// frame.
 #[test]
 fn modes_agree_on_what_is_held() {
-    for (scene, within) in [(BREAD, 0.03), (CAR, 0.055)] {
+    for (scene, within) in [(BREAD, [0.01; 2]), (CAR, [0.02, 0.025])] {
         let [shared, single, multi] = [LoopMode::Shared, LoopMode::SingleRate, LoopMode::Multirate]
             .map(|mode| {
                 let felt = felt_of_what_is_held(scene, mode);
@@ -217,7 +218,7 @@ fn modes_agree_on_what_is_held() {
             });
         let whole: f64 = single.iter().sum();
         assert!(whole > 1.0, "{whole} N are felt");
-        for (other, within) in [(multi, 0.02), (shared, within)] {
+        for (other, within) in [(multi, within[0]), (shared, within[1])] {
             for (one, right) in other.iter().zip(&single) {
                 assert!((one - right).abs() < within * whole, "{other:?} beside {single:?} N");
             }

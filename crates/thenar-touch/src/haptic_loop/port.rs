@@ -9,9 +9,10 @@ use super::{Core, Shared};
 use crate::safety::LimitError;
 use crate::{
     CouplingDesign, DIGITS, Felt, FeltBounds, FreeHand, HandOutput, HandSettings, HapticHand, Mode,
-    ProxyError, RigidState, SingleRate, SingleRateSettings, SlowToFast, Touch, series_drive,
+    ProxyError, RigidState, SingleRate, SingleRateSettings, SlowToFast, Tie, Touch, series_drive,
     series_stiffness,
 };
+use std::ops::Range;
 use std::sync::{Arc, PoisonError};
 use thenar::model::{Digit, Drive, Side, SolverKind};
 use thenar::readout::ContactReadout;
@@ -242,6 +243,7 @@ impl SimulationPort {
             for (bone, parts) in parts.into_iter().enumerate() {
                 hand.show(bone, parts);
             }
+            hand.tie(ties(world, &range));
             Box::new(hand)
         };
         let (slow, fast) = slots(&frame, single.then(|| (world.state(), simulation.input())));
@@ -387,6 +389,18 @@ const FOLLOW_HZ: f64 = 80.0;
 
 /// Contacts that a condensed frame has room for.
 const CONTACTS_MAX: usize = 64;
+
+/// The joints between these bones that keep their places together.
+fn ties(world: &World, bones: &Range<usize>) -> Vec<Tie> {
+    let within = |body: u32| bones.contains(&(body as usize)).then(|| body as usize - bones.start);
+    let joints = world.desc().joints.iter().filter(|joint| joint.kind.rows() > 0);
+    let ties = joints.filter_map(|joint| {
+        let [parent, child] = [within(joint.parent?)?, within(joint.child)?];
+        let [at_parent, at_child] = [joint.pose_PJ, joint.pose_CK].map(|pose| pose.position);
+        Some(Tie { parent, child, at_parent, at_child })
+    });
+    ties.collect()
+}
 
 /// What each finger of the hand whose flesh is `soft` touches.
 fn fingers(readout: &ContactReadout, soft: u32) -> [FingerContact; DIGITS] {

@@ -24,7 +24,7 @@
 //!
 //! Guaranteed: with unmoved proxies a frame at rest gives its own forces and poses. Not included: the
 //! hand's inertia between two frames, contacts that the frame does not list (it must list what may touch before
-//! the next), and large turns since the frame.
+//! the next), and how flesh answers to large turns since the frame.
 
 mod resolve;
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Contact of one frame, resolved against the proxies of one haptic tick.
 
 use crate::RigidState;
-use crate::shared::Condensed;
+use crate::shared::{Condensed, CondensedContact};
 use thenar::kernels::project;
 use thenar::math::{Pose, Quat, Vec3, rotation_vector};
 use thenar::model::Cone;
@@ -20,12 +20,16 @@ pub struct SharedConstraints {
     /// Wrenches `k δ` on the bones, and what they add to contact values.
     load: Vec<f64>,
     lifted: Vec<f64>,
+    /// How far each bone is off its tangent \[m\], and the torque that turns it besides \[N m\].
+    bent: Vec<[Vec3; 2]>,
     /// Displacements q of the bones, those of the tick before, and their rates.
     moved: Vec<f64>,
     moved_before: Vec<f64>,
     rates: Vec<f64>,
     /// No tick yet since the frame began: displacements cannot be compared.
     fresh: bool,
+    /// Rates are those of the last tick.
+    rated: bool,
 }
 
 /// How well one tick was resolved.
@@ -49,10 +53,12 @@ impl SharedConstraints {
             values: Vec::with_capacity(contacts_max),
             load: vec![0.0; 6 * bones],
             lifted: Vec::with_capacity(3 * contacts_max),
+            bent: vec![[Vec3::zeros(); 2]; bones],
             moved: vec![0.0; 6 * bones],
             moved_before: vec![0.0; 6 * bones],
             rates: vec![0.0; 6 * bones],
             fresh: true,
+            rated: false,
         }
     }
 
@@ -96,6 +102,7 @@ impl SharedConstraints {
         tolerance: f64,
         sweeps_max: u32,
     ) -> Resolution {
+        self.rated = false;
         let begun = self.forces.len() == frame.contacts.len();
         let fits = self.load.len() == 6 * frame.bones() && proxies.len() == frame.bones();
         if !(frame.is_ready() && begun && fits) {
@@ -134,15 +141,46 @@ impl SharedConstraints {
         }
     }
 
+    /// Says what the linear response does not know of a bone that has turned: how far it is off its tangent \[m\], and what turns it
+    /// besides \[N m\], both in the world.
+    pub fn bend(&mut self, bone: usize, off: Vec3, torque: Vec3) {
+        self.bent[bone] = [off, torque];
+    }
+
+    /// Forgets how bones have turned.
+    pub fn straighten(&mut self) {
+        self.bent.fill([Vec3::zeros(); 2]);
+    }
+
+    /// True if contact that acts here bore load in the frame, or anything else from outside did: limits of joints do not count.
+    pub fn bears(&self, frame: &Condensed) -> bool {
+        let bears = |(i, contact): (usize, &CondensedContact)| {
+            !frame.is_limit(i) && contact.force != Vec3::zeros()
+        };
+        let loaded = || frame.loads.iter().any(|load| *load != 0.0);
+        !self.empty_air && (frame.contacts.iter().enumerate().any(bears) || loaded())
+    }
+
+    /// True if velocities are those of the last tick, and not older.
+    pub fn is_rated(&self) -> bool {
+        self.rated
+    }
+
+    #[cfg(test)]
+    pub(crate) fn bent(&self, bone: usize) -> [Vec3; 2] {
+        self.bent[bone]
+    }
+
     /// `k δ`, less the loads in empty air: what the moved proxies pull at the bones. A proxy that is not finite pulls
     /// nothing.
     fn pull(&mut self, frame: &Condensed, proxies: &[RigidState]) {
         for (i, proxy) in proxies.iter().enumerate() {
             let (spring, target) = (&frame.springs[i], &frame.targets[i].pose_WB);
             let wrench = if proxy.is_finite() {
-                let away = proxy.pose_WB.position - target.position;
+                let [off, torque] = self.bent[i];
+                let away = proxy.pose_WB.position - target.position - off;
                 let turn = rotation_vector(&(proxy.pose_WB.rotation * target.rotation.inverse()));
-                [away * spring.stiffness, turn * spring.angular_stiffness]
+                [away * spring.stiffness, turn * spring.angular_stiffness + torque]
             } else {
                 [Vec3::zeros(); 2]
             };
@@ -214,7 +252,8 @@ impl SharedConstraints {
                 }
             }
         }
-        if !self.fresh && h > 0.0 {
+        self.rated = !self.fresh && h > 0.0;
+        if self.rated {
             let ways = self.moved.iter().zip(&self.moved_before);
             self.rates.iter_mut().zip(ways).for_each(|(rate, (q, q0))| *rate = (q - q0) / h);
         }
