@@ -15,8 +15,8 @@
 //! vector between two rotations, the response by the difference of two vectors.
 //!
 //! Each tick finds these at poses that go half of the way to the bones in every tick, and the response takes them as loads. Where that
-//! comes to rest, forces and torques balance on the arcs. It does so up to [`FARTHEST`], beyond which bones count as turned so far: found by trial
-//! on fingers as those of this module's test, some of which do not come to rest beyond it, nor without halving.
+//! comes to rest, forces and torques balance on the arcs. It does so up to [`FARTHEST`], beyond which bones count as turned so far: found
+//! by trial on fingers as those of this module's test, some of which do not come to rest beyond it, nor without halving.
 //!
 //! Not included: axes of joints stay as in the frame, as flesh answers as it did there; and contacts are found on the tangents, from
 //! which bones that something holds go by little within a frame.
@@ -43,7 +43,7 @@ pub struct Tie {
     pub at_child: Vec3,
 }
 
-/// How a bone has turned since its frame.
+/// Turn of a bone since its frame.
 #[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 struct Turn {
     /// Rotation vector, world, no longer than [`FARTHEST`].
@@ -70,7 +70,7 @@ impl Turn {
         Self { by, from, to: Quat::from_scaled_axis(by) * from, part: part * part }
     }
 
-    /// What turning does to this arm, and how far that is from the tangent \[m\].
+    /// Way of this arm's end, and how far that is from the tangent \[m\].
     fn of_arm(&self, arm: &Vec3) -> [Vec3; 2] {
         let was = self.from * arm;
         let way = self.to * arm - was;

@@ -69,7 +69,7 @@ fn bones_that_turn_farther_count_as_turned_by_half_a_radian() {
     }
 }
 
-/// What cannot be used changes nothing: joints of bones that there are not, second ones, a frame or a list of another size, and
+/// Unusable input changes nothing: joints of bones that there are not, second ones, a frame or a list of another size, and
 /// values that are not numbers.
 #[test]
 fn bad_input_bends_nothing() {

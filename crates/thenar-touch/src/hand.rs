@@ -184,8 +184,8 @@ impl HapticHand {
         })
     }
 
-    /// Keeps these joints closed where bones turn between two frames, by up to half a radian. A joint whose parent's number is not below its child's
-    /// is passed over, as is one of a bone that the hand lacks; of several to one child the first counts.
+    /// Keeps these joints closed where bones turn between two frames, by up to half a radian. A joint whose parent's number is not
+    /// below its child's is passed over, as is one of a bone that the hand lacks; of several to one child the first counts.
     pub fn tie(&mut self, joints: impl IntoIterator<Item = Tie>) {
         self.arcs.tie(joints);
     }

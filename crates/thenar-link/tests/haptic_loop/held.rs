@@ -203,7 +203,7 @@ fn felt_of_what_is_held(scene: &str, mode: LoopMode) -> [f64; 5] {
     sums.map(|sum| sum / count)
 }
 
-/// Each finger is felt alike in all modes, within 1 % of what all feel together on the loaf. On the car, which holds fingers off
+/// Fingers are felt alike in all modes, within 1 % of what all feel together on the loaf. On the car, which holds fingers off
 /// farther, multirate is within 2 % of single-rate, and shared constraints within 2.5 %: there the hand in empty air, which is
 /// subtracted, is answered by the frame of the hand that holds something, on the arcs of its joints, but with flesh bent as in that
 /// frame.

@@ -16,7 +16,7 @@ use crate::math::Vec3;
 use crate::room::Room;
 
 const NONE: u32 = u32::MAX;
-/// Of a vertex that hardly faces its load, all of the surface around it counts.
+/// Part of the surface around a vertex that must face its load; where less does, all of it counts.
 const ASKEW: f64 = 1e-6;
 
 /// Work space: per triangle and per vertex of the largest surface, and per contact.
@@ -30,7 +30,7 @@ pub(super) struct Patches {
     /// Normal force at each vertex, its size and its sum \[N\], and the vertices with one.
     pressed: Vec<(f64, Vec3)>,
     vertices: Room<u32>,
-    /// Another contact of its patch for each, itself for one of them.
+    /// For each contact another of its patch, for one of them itself.
     next: Room<u32>,
     /// For that one: load \[N\], area \[m²\] and largest pressure \[Pa\] of the patch.
     patches: Room<[f64; 3]>,

@@ -268,7 +268,7 @@ impl Detector {
         }
     }
 
-    /// What the load asks for of contacts of the first soft surface with rigid bodies, which keep what is found.
+    /// Least areas of contacts of the first soft surface, with rigid bodies too.
     #[cfg(test)]
     pub fn stand_for(
         &mut self,

@@ -4,7 +4,7 @@
 use thenar::readout::ContactReadout;
 use thenar_scene::session::{Session, builtin};
 
-/// Both bodies of a patch have a peak, and the larger one counts.
+/// Peaks of all soft bodies count: each of a patch has one, and its area is that of the larger.
 fn no_mean_is_larger_than_the_peak(scene: &str, until: f64) {
     let text = builtin(scene).expect("a scene").text;
     let mut session = Session::from_text(text, std::path::Path::new(scene), &[])
