@@ -3,9 +3,8 @@
 //! that is not in [`stand`] fails it: whoever adds one adds its stand here, and what is particular to
 //! it in a test of its own, as `lucidgloves.rs` or `streams.rs`.
 
-use crate::conformance::wait;
+use crate::conformance::{free_port, wait};
 use std::collections::HashSet;
-use std::net::UdpSocket;
 use std::path::PathBuf;
 use thenar::Vec3;
 use thenar::model::Side;
@@ -32,10 +31,7 @@ fn simulated(driver: &dyn Driver, is: [bool; 2], bad: &'static [&'static str]) -
     let kind = SIMULATIONS.iter().find(|kind| kind.name == name).expect("a simulated device");
     assert_eq!(kind.driver, name);
     let place = match kind.place {
-        Some(_) => {
-            let free = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
-            free.to_string()
-        }
+        Some(_) => format!("127.0.0.1:{}", free_port()),
         None => {
             let file = format!("thenar-every-{name}-{}", std::process::id());
             std::env::temp_dir().join(file).display().to_string()

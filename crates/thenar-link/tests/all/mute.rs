@@ -2,7 +2,7 @@
 //! nobody up, and is taken up when it answers. Method: real sockets whose other ends are silent first.
 //! (Gloves on serial lines: `tests/conformance`.)
 
-use crate::conformance::wait;
+use crate::conformance::{free_port, wait};
 use std::io::{ErrorKind, Write};
 use std::net::{TcpListener, TcpStream, UdpSocket};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -19,10 +19,6 @@ use thenar_track::live::LivePose;
 use tungstenite::{Message, WebSocket};
 
 const SILENT: &str = "is connected but says nothing: is it switched on";
-
-fn free_port() -> u16 {
-    UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port()
-}
 
 fn hand() -> [Pose; 25] {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/hands.jsonl");

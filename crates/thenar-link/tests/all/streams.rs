@@ -1,6 +1,7 @@
 //! Goal: every device on the network moves the hand, survives noise, is taken up again after a loss
 //! and may come later. Method: simulated twins on real sockets, the same suite for each.
 
+use crate::conformance::free_port;
 use std::io::Write;
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -142,11 +143,6 @@ impl Device {
             std::thread::sleep(Duration::from_micros(300));
         }
     }
-}
-
-/// A port that was free just now.
-fn free_port() -> u16 {
-    UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port()
 }
 
 /// Speaks datagrams, always from the same port of its own: a headset that returns is the same.

@@ -3,7 +3,7 @@
 //! addresses of this computer.
 #![cfg(target_os = "linux")] // elsewhere, loopback has one address
 
-use crate::conformance::wait;
+use crate::conformance::{free_port, wait};
 use socket2::{Domain, Socket, Type};
 use std::io::{ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpStream, UdpSocket};
@@ -16,10 +16,6 @@ use thenar_link::lucidgloves::LucidGlovesTwin;
 use thenar_link::twin::Twin;
 use thenar_link::{HandOutput, Opened, now_ns, pose_stream};
 use thenar_track::live::LivePose;
-
-fn free_port() -> u16 {
-    UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port()
-}
 
 /// Calls the host from 127.0.0.`own`.
 fn call(own: u8, port: u16) -> TcpStream {

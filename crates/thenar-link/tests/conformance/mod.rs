@@ -5,7 +5,9 @@
 
 #![allow(dead_code)] // each test file uses its part
 
+use std::net::{TcpListener, UdpSocket};
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicU16, Ordering};
 use std::time::{Duration, Instant};
 use thenar::model::Side;
 #[cfg(unix)]
@@ -27,6 +29,21 @@ pub fn wait<T>(what: &str, mut f: impl FnMut() -> Option<T>) -> T {
         }
         assert!(start.elapsed() < PATIENCE, "{what} never came");
         std::thread::sleep(Duration::from_micros(300));
+    }
+}
+
+/// A port of this computer that is free. It is none of those that the system hands out by itself, which another test may hold
+/// by the time this one is opened, and none that this process was given before.
+pub fn free_port() -> u16 {
+    static NEXT: AtomicU16 = AtomicU16::new(0);
+    // Below where Linux (32768), macOS and Windows (49152) begin to hand out theirs.
+    let first = 20_000 + (std::process::id() % 100) as u16 * 100;
+    loop {
+        let port = first + NEXT.fetch_add(1, Ordering::Relaxed) % 2_000;
+        let here = ("127.0.0.1", port);
+        if UdpSocket::bind(here).is_ok() && TcpListener::bind(here).is_ok() {
+            return port;
+        }
     }
 }
 
