@@ -9,6 +9,7 @@
 //! ```
 
 use crate::contact::manifold::{Manifold, ManifoldPoint};
+use crate::contact::round_side::{Over, RoundSide};
 use crate::contact::separation::{Separation, TOUCHING, separation};
 use crate::contact::support::{DISC_CORNERS, Face, Solid, inradius};
 use crate::contact::{Shape, cuboid_pair};
@@ -21,7 +22,12 @@ const ALIGNED: f64 = 0.999;
 /// The face of A is preferred to that of B only if so much better aligned (in cosines): of faces that are level to
 /// round-off B's stays.
 const HANDICAP: f64 = 1e-4;
-/// Lines that cross at more than this angle touch at their nearest points alone \[rad\]; up to it, how far they lie
+/// A line and a round side that cross at more than this angle (sine of 45°) are left to their nearest points.
+const ALONG: f64 = std::f64::consts::FRAC_1_SQRT_2;
+/// Where the way to the other shape has turned by more than this (cosine of 45°) from the normal of the pair, it leads to
+/// another side of it.
+const ALIKE: f64 = std::f64::consts::FRAC_1_SQRT_2;
+/// Edges that cross at more than this angle touch at their nearest points alone \[rad\]; up to it, how far they lie
 /// [beside](BESIDE) each other decides. Tests of rigid pairs hold from 0.005 to 0.5.
 const PARALLEL: f64 = 0.05;
 /// Ends of a common length lie above each other but for this part of their gap (a line to which the normal stands askew
@@ -122,7 +128,7 @@ pub(crate) fn find(a: &Solid, b: &Solid, near_enough: f64, margin: f64, manifold
             let m = face_a.normal.unwrap_or(-n);
             flatten(face_b, &face_a.corners()[0], &m, face_a.corners(), true, margin, manifold);
         }
-        Some(face_b) => lines(&face_a, face_b, &n, margin, manifold),
+        Some(face_b) => lines([a, b], [&face_a, face_b], &n, margin, manifold),
     }
     // The nearest points themselves, unless corners are as near on all sides.
     let size = inradius(a.shape).min(inradius(b.shape));
@@ -181,9 +187,12 @@ fn flatten(
     }
 }
 
-/// The line of a face that lies farthest along `n`: an edge of a rectangle, or a face that is one.
+/// The line of a face that lies farthest along `n`: an edge of a rectangle, or a face that is one, as it runs.
 fn straight(face: &Face, n: &Vec3) -> Option<[Vec3; 2]> {
     let corners = face.corners();
+    if let [from, to] = *corners {
+        return (from != to).then_some([from, to]);
+    }
     if corners.len() < 2 || corners.len() > 4 {
         return None;
     }
@@ -192,36 +201,90 @@ fn straight(face: &Face, n: &Vec3) -> Option<[Vec3; 2]> {
     (0..corners.len()).max_by(|i, j| height(i).total_cmp(&height(j))).map(edge)
 }
 
-/// Two nearly parallel lines touch along their common length: its ends.
-fn lines(a: &Face, b: &Face, n: &Vec3, margin: f64, manifold: &mut Manifold) {
-    let (Some([a0, a1]), Some([b0, b1])) = (straight(a, &-n), straight(b, n)) else { return };
-    let (along_a, along_b) = (a1 - a0, b1 - b0);
-    let (square_a, square_b) = (along_a.norm_squared(), along_b.norm_squared());
-    let sine = along_a.cross(&along_b).norm() / (square_a * square_b).sqrt();
-    if sine > PARALLEL {
-        return;
-    }
-    let place = |p: &Vec3| (p - a0).dot(&along_a) / square_a;
-    let (s, t) = (place(&b0), place(&b1));
+/// Two lines that run along each other touch along their common length: its ends.
+fn lines(
+    [a, b]: [&Solid; 2],
+    [face_a, face_b]: [&Face; 2],
+    n: &Vec3,
+    margin: f64,
+    manifold: &mut Manifold,
+) {
+    let (Some(of_a), Some(of_b)) = (straight(face_a, &-n), straight(face_b, n)) else { return };
+    let (of_a, of_b) = (Line::between(of_a), Line::between(of_b));
+    let round = [a, b].map(RoundSide::of);
+    // Of two round sides the thinner one is looked at: from its axis the other is seen as from its surface.
+    let by_a = match &round {
+        [Some(of_a), Some(of_b)] => of_a.thickness() <= of_b.thickness(),
+        [_, of_b] => of_b.is_none(),
+    };
+    let [round_a, round_b] = round;
+    let (round, line, other, other_line, way) =
+        if by_a { (round_a, of_a, b, of_b, *n) } else { (round_b, of_b, a, of_a, -n) };
+    let is_along = line.sine(&other_line) <= if round.is_some() { ALONG } else { PARALLEL };
+    let (s, t) = (line.part(&other_line.at(0.0)), line.part(&other_line.at(1.0)));
     let (low, high) = (s.min(t).max(0.0), s.max(t).min(1.0));
-    if low >= high {
+    if !is_along || low >= high {
         return;
     }
     for (k, s) in [low, high].into_iter().enumerate() {
-        let p = a0 + s * along_a;
-        let q = b0 + ((p - b0).dot(&along_b) / square_b) * along_b;
-        let gap = (p - q).dot(n);
-        // Lines that are not the nearest ones lie beside each other.
-        let beside = ((p - q) - gap * n).norm();
-        let allowed = BESIDE[0] * gap.abs() + BESIDE[1] * square_a.min(square_b).sqrt();
-        if gap <= margin && beside <= allowed {
+        let p = line.at(s);
+        let foot = other_line.at(other_line.part(&p));
+        let over = round.as_ref().and_then(|round| round.over(other, s));
+        let Some(end) = over.or_else(|| above(&p, &foot, &way, line.shorter(&other_line))) else {
+            continue;
+        };
+        let Over { normal_W, on_side_W, gap } = end;
+        if gap <= margin && normal_W.dot(&way) > ALIKE {
             manifold.offer(ManifoldPoint {
                 feature: ENDS | k as u32,
-                position_W: 0.5 * (p + q),
-                normal_W: *n,
+                position_W: on_side_W - 0.5 * gap * normal_W,
+                normal_W: if by_a { normal_W } else { -normal_W },
                 gap,
             });
         }
+    }
+}
+
+/// An edge's point `p` above the point `q` of another, as far as they are not beside each other: lines of this length
+/// that are not the nearest ones are.
+fn above(p: &Vec3, q: &Vec3, n: &Vec3, length: f64) -> Option<Over> {
+    let gap = (p - q).dot(n);
+    let beside = ((p - q) - gap * n).norm();
+    let is_above = beside <= BESIDE[0] * gap.abs() + BESIDE[1] * length;
+    is_above.then_some(Over { normal_W: *n, on_side_W: *p, gap })
+}
+
+/// From one point to another.
+#[derive(Clone, Copy)]
+struct Line {
+    from: Vec3,
+    along: Vec3,
+    square: f64,
+}
+
+impl Line {
+    fn between([from, to]: [Vec3; 2]) -> Self {
+        let along = to - from;
+        Self { from, along, square: along.norm_squared() }
+    }
+
+    /// The point after the part `s`.
+    fn at(&self, s: f64) -> Vec3 {
+        self.from + s * self.along
+    }
+
+    /// The part after which the line is nearest to `p`.
+    fn part(&self, p: &Vec3) -> f64 {
+        (p - self.from).dot(&self.along) / self.square
+    }
+
+    fn sine(&self, other: &Self) -> f64 {
+        self.along.cross(&other.along).norm() / (self.square * other.square).sqrt()
+    }
+
+    /// Length of the shorter of two \[m\].
+    fn shorter(&self, other: &Self) -> f64 {
+        self.square.min(other.square).sqrt()
     }
 }
 

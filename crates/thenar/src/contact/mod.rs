@@ -60,6 +60,7 @@ mod rigid_body;
 mod rigid_pair;
 #[cfg(test)]
 mod rigid_tests;
+mod round_side;
 #[cfg(test)]
 mod seam_tests;
 mod separation;

@@ -12,6 +12,7 @@ mod readout;
 mod response;
 mod rigid_rest;
 mod rolling;
+mod round_stack;
 mod self_contact;
 mod soft_flight;
 mod spin;
