@@ -204,13 +204,28 @@ pub fn flesh(session: &Session, dots: &[Dots], ns: u64) -> Vec<(String, PointClo
         .collect()
 }
 
-/// Where bodies touch, with what is there: force on the first body \[N\], its normal part, gap \[m\].
+/// Where bodies touch, with what is there: force on the first body \[N\], its normal part, gap \[m\], normal towards that body,
+/// area \[m²\] and mean pressure \[Pa\], both 0 between rigid bodies, which touch at points.
 pub fn contacts(session: &Session, ns: u64) -> PointCloud {
-    let names = ["force", "normal_force", "force_x", "force_y", "force_z", "gap"];
+    let names = [
+        "force",
+        "normal_force",
+        "force_x",
+        "force_y",
+        "force_z",
+        "gap",
+        "normal_x",
+        "normal_y",
+        "normal_z",
+        "area",
+        "pressure",
+    ];
     let dots = session.world().contacts().iter().map(|contact| {
-        let f = contact.force_W;
-        let normal = f.dot(&contact.normal_W);
-        (contact.position_W, FORCE, [f.norm(), normal, f.x, f.y, f.z, contact.gap])
+        let (f, n, area) = (contact.force_W, contact.normal_W, contact.area);
+        let normal = f.dot(&n);
+        let pressure = if area > 0.0 { normal / area } else { 0.0 };
+        let values = [f.norm(), normal, f.x, f.y, f.z, contact.gap, n.x, n.y, n.z, area, pressure];
+        (contact.position_W, FORCE, values)
     });
     cloud(ns, WORLD, names, dots)
 }

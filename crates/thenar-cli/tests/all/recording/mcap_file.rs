@@ -111,6 +111,29 @@ fn an_mcap_file_has_the_promised_topics_and_the_physics_in_them() {
     // An arrow and twelve points for each force that is seen.
     let (stride, data) = cloud(&topics["/points/forces"].last().unwrap().1);
     assert_eq!(data.len() / stride, 12 * landed);
+    // Pressure over area is the force along the normal, and the flat face of 50 mm that lies on the table bears it all.
+    let contacts = &topics["/points/contacts"].last().unwrap().1;
+    let (stride, data) = cloud(contacts);
+    let fields = list(contacts, "fields");
+    let value = |point: &[u8], name: &str| {
+        let named =
+            |f: &&DynamicMessage| f.get_field_by_name("name").unwrap().as_str() == Some(name);
+        let field = fields.iter().find(named).unwrap();
+        let at = field.get_field_by_name("offset").unwrap().as_u32().unwrap() as usize;
+        f64::from(f32::from_le_bytes(point[at..at + 4].try_into().unwrap()))
+    };
+    let mut area = 0.0;
+    for point in data.chunks_exact(stride) {
+        let of = |name: &str| value(point, name);
+        let normal = ["normal_x", "normal_y", "normal_z"].map(of);
+        let along: f64 =
+            normal.iter().zip(["x", "y", "z"]).map(|(n, k)| n * of(&format!("force_{k}"))).sum();
+        assert!((normal.iter().map(|n| n * n).sum::<f64>() - 1.0).abs() < 1e-5);
+        assert!((along - of("normal_force")).abs() < 1e-5);
+        assert!((of("pressure") * of("area") - along).abs() < 1e-5 * along.max(1.0));
+        area += of("area");
+    }
+    assert!((area / 0.05_f64.powi(2) - 1.0).abs() < 0.05, "{area} m²");
     // A file that could not be finished leaves nothing.
     let refused = folder.thenar(&["replay", "soft-cube.rec", "--mcap", "no/such/folder.mcap"]);
     assert_ne!(refused.status.code(), Some(0));
