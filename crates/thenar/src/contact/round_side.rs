@@ -9,8 +9,8 @@ use crate::contact::Shape;
 use crate::contact::support::Solid;
 use crate::math::{Vec3, tangents};
 
-/// Where the other shape lies in the same direction (cosine of 1.4 mrad) from the side's axis and from its surface, it is as far as from
-/// the surface; round-off turns the direction from a point that touches an edge or an end by more.
+/// The distance from a point of the side counts where the way from there is that from the axis (cosine of 1.4 mrad): from a point
+/// that touches an edge or an end, round-off turns it by more.
 const SAME_WAY: f64 = 1.0 - 1e-6;
 /// The foot of a point lies on the other shape, and nothing of it is nearer, but for these parts of the gap and of the radius.
 const FOOT: [f64; 2] = [1e-3, 1e-4];

@@ -21,7 +21,7 @@ struct Stack {
     length: f64,
     /// How far each lies along the axes \[m\].
     along: [f64; 3],
-    /// Those below stay where they are.
+    /// The two below stay where they are.
     on_fixed: bool,
     capsules: bool,
 }
