@@ -70,8 +70,7 @@ struct Networked {
 
 impl Networked {
     fn start(name: &str) -> Self {
-        let free = std::net::UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
-        let place = &free.to_string();
+        let place = &format!("127.0.0.1:{}", thenar_testing::free_port());
         let args = ["devices", "simulate", name, "--seconds", "120", "--port", place];
         let mut process = thenar(&[&args[..], &["--still", "0.5"]].concat())
             .stdout(Stdio::piped())

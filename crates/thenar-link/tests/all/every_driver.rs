@@ -3,13 +3,14 @@
 //! that is not in [`stand`] fails it: whoever adds one adds its stand here, and what is particular to
 //! it in a test of its own, as `lucidgloves.rs` or `streams.rs`.
 
-use crate::conformance::{free_port, wait};
+use crate::conformance::{opened_at_a_free_port, wait};
 use std::collections::HashSet;
 use std::path::PathBuf;
 use thenar::Vec3;
 use thenar::model::Side;
 use thenar_link::twin::{SIMULATIONS, Simulation};
 use thenar_link::{Driver, HandOutput, LinkError, Opened, drivers, now_ns};
+use thenar_testing::free_port;
 use thenar_track::live::checked;
 
 /// How a driver is tried.
@@ -140,7 +141,8 @@ fn refuses_what_makes_no_sense(driver: &dyn Driver, stand: &Stand) {
 /// and let go of. Then the same once more.
 fn opens_tells_and_lets_go(driver: &dyn Driver, stand: &Stand) {
     let name = driver.name();
-    let mut opened = driver.open(&stand.address).unwrap_or_else(|e| panic!("{e}"));
+    let open = || opened_at_a_free_port(|| driver.open(&stand.address));
+    let mut opened = open();
     assert_eq!([opened.tracker.is_some(), opened.display.is_some()], stand.is, "{name}");
     if stand.simulated.is_some() {
         // A datagram socket is open without a partner: only some can tell that nobody is there.
@@ -174,7 +176,7 @@ fn opens_tells_and_lets_go(driver: &dyn Driver, stand: &Stand) {
             is_told_of_by_name(name, &mut opened);
         }
         drop((opened, device));
-        opened = driver.open(&stand.address).unwrap_or_else(|e| panic!("{e}"));
+        opened = open();
     }
 }
 

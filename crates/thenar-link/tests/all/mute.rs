@@ -2,7 +2,7 @@
 //! nobody up, and is taken up when it answers. Method: real sockets whose other ends are silent first.
 //! (Gloves on serial lines: `tests/conformance`.)
 
-use crate::conformance::{free_port, wait};
+use crate::conformance::{open_device, wait};
 use std::io::{ErrorKind, Write};
 use std::net::{TcpListener, TcpStream, UdpSocket};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,6 +14,7 @@ use thenar_link::force_device::twin::SimulatedArm;
 use thenar_link::hand_tracking_streamer::{Points, twin};
 use thenar_link::haptic_loop::{ManualLoop, Settings};
 use thenar_link::{HandOutput, Opened, now_ns, pose_stream};
+use thenar_testing::free_port;
 use thenar_track::Recording;
 use thenar_track::live::LivePose;
 use tungstenite::{Message, WebSocket};
@@ -76,7 +77,7 @@ fn mute_trackers_over_datagrams() {
     for (driver, frame) in [("hts", streamer_frame()), ("poses", pose_line().into_bytes())] {
         let port = free_port();
         let address = format!("{driver}:127.0.0.1:{port}");
-        let mut opened = thenar_link::open(&address).unwrap();
+        let mut opened = open_device(&address);
         let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
         a_mute_tracker(&address, &mut opened, || {
             let _ = socket.send_to(&frame, ("127.0.0.1", port));
@@ -87,14 +88,14 @@ fn mute_trackers_over_datagrams() {
 fn mute_trackers_over_streams() {
     let port = free_port();
     let address = format!("hts:tcp:127.0.0.1:{port}");
-    let mut opened = thenar_link::open(&address).unwrap();
+    let mut opened = open_device(&address);
     told(&mut opened, &address, "is not there (nobody has called yet)");
     let mut caller = TcpStream::connect(("127.0.0.1", port)).unwrap();
     a_mute_tracker(&address, &mut opened, || _ = caller.write_all(&streamer_frame()));
 
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = format!("hts:call:{}", listener.local_addr().unwrap());
-    let mut opened = thenar_link::open(&address).unwrap();
+    let mut opened = open_device(&address);
     let mut called = listener.accept().unwrap().0;
     a_mute_tracker(&address, &mut opened, || _ = called.write_all(&streamer_frame()));
 }
@@ -116,7 +117,7 @@ fn greet(listener: &TcpListener) -> WebSocket<TcpStream> {
 fn a_mute_websocket() {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = format!("poses:ws://{}/", listener.local_addr().unwrap());
-    let mut opened = thenar_link::open(&address).unwrap();
+    let mut opened = open_device(&address);
     told(&mut opened, &address, "is not there (the server does not greet)");
     let mut server = greet(&listener);
     a_mute_tracker(&address, &mut opened, || _ = server.send(Message::text(pose_line())));
@@ -125,7 +126,7 @@ fn a_mute_websocket() {
 fn a_mute_player_of_vibrations() {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = format!("bhaptics:{}", listener.local_addr().unwrap());
-    let mut opened = thenar_link::open(&address).unwrap();
+    let mut opened = open_device(&address);
     told(&mut opened, &address, "is not there (the server does not greet)");
     let mut player = greet(&listener);
     // It need not say anything: what is felt arrives all the same.
@@ -145,7 +146,7 @@ fn a_mute_pipe() {
     let _ = std::fs::remove_file(&path);
     assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
     let address = format!("poses:{}", path.display());
-    let mut opened = thenar_link::open(&address).unwrap();
+    let mut opened = open_device(&address);
     let mut writer = std::fs::OpenOptions::new().write(true).open(&path).unwrap();
     a_mute_tracker(&address, &mut opened, || _ = writer.write_all(pose_line().as_bytes()));
     std::fs::remove_file(&path).unwrap();
@@ -155,7 +156,7 @@ fn a_mute_pipe() {
 fn a_mute_bridge_of_tendons() {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = format!("cybergrasp:{}", listener.local_addr().unwrap());
-    let mut opened = thenar_link::open(&address).unwrap();
+    let mut opened = open_device(&address);
     let (mute, _) = listener.accept().unwrap();
     told(&mut opened, &address, SILENT);
     assert!(opened.display.as_mut().unwrap().heard_ns().is_none());
@@ -182,10 +183,9 @@ fn the_loop_lives_beside_mute_devices() {
     let bridge = UdpSocket::bind("127.0.0.1:0").unwrap();
     bridge.set_nonblocking(true).unwrap();
     let address = format!("force-device:desktop@{}", bridge.local_addr().unwrap());
-    let mut arm = thenar_link::open(&address).unwrap();
+    let mut arm = open_device(&address);
     let (tracker, display) = (arm.tracker.take().unwrap(), arm.display.take().unwrap());
-    let (mut of_arm, headset) =
-        (tracker.messenger(), thenar_link::open(&format!("hts:{}", free_port())).unwrap());
+    let (mut of_arm, headset) = (tracker.messenger(), open_device(&format!("hts:{}", free_port())));
     let mut clock = ManualLoop::new(
         &Settings::default(),
         vec![tracker, headset.tracker.unwrap()],
@@ -226,7 +226,7 @@ fn the_loop_lives_beside_mute_devices() {
 fn an_arm_that_is_not_there_is_told_of_once() {
     let port = free_port();
     let address = format!("force-device:desktop@127.0.0.1:{port}");
-    let mut opened = thenar_link::open(&address).unwrap();
+    let mut opened = open_device(&address);
     let mut all = Vec::new();
     let tracker = opened.tracker.as_mut().unwrap();
     wait("its loss", || {

@@ -1,7 +1,7 @@
 //! Goal: every device on the network moves the hand, survives noise, is taken up again after a loss
 //! and may come later. Method: simulated twins on real sockets, the same suite for each.
 
-use crate::conformance::free_port;
+use crate::conformance::open_device;
 use std::io::Write;
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -12,6 +12,7 @@ use thenar::{Pose, Vec3};
 use thenar_link::force_device::twin::SimulatedArm;
 use thenar_link::hand_tracking_streamer::{Points, twin};
 use thenar_link::{DigitOutput, HandOutput, Opened, Tracker, now_ns, pose_stream};
+use thenar_testing::free_port;
 use thenar_track::Recording;
 use thenar_track::live::LivePose;
 use tungstenite::{Message, WebSocket};
@@ -181,7 +182,7 @@ fn the_streamer_conforms_over_udp() {
     let (port, own) = (free_port(), free_port());
     conforms(&Bench {
         side: Side::Left,
-        open: &|| thenar_link::open(&format!("hts:127.0.0.1:{port}")).unwrap(),
+        open: &|| open_device(&format!("hts:127.0.0.1:{port}")),
         plug: &|| Datagrams::to(own, port),
         frame: &streamer_frame,
     });
@@ -192,7 +193,7 @@ fn the_streamer_conforms_where_it_calls_us() {
     let port = free_port();
     conforms(&Bench {
         side: Side::Left,
-        open: &|| thenar_link::open(&format!("hts:tcp:127.0.0.1:{port}")).unwrap(),
+        open: &|| open_device(&format!("hts:tcp:127.0.0.1:{port}")),
         plug: &|| Box::new(wait("a call", || TcpStream::connect(("127.0.0.1", port)).ok())),
         frame: &streamer_frame,
     });
@@ -205,7 +206,7 @@ fn the_streamer_conforms_where_we_call_it() {
     let port = listener.local_addr().unwrap().port();
     conforms(&Bench {
         side: Side::Left,
-        open: &|| thenar_link::open(&format!("hts:call:127.0.0.1:{port}")).unwrap(),
+        open: &|| open_device(&format!("hts:call:127.0.0.1:{port}")),
         plug: &|| {
             // The newest call counts: older ones are those of a device that was closed.
             listener.set_nonblocking(true).unwrap();
@@ -230,7 +231,7 @@ fn pose_streams_conform_over_udp() {
     let (port, own) = (free_port(), free_port());
     conforms(&Bench {
         side: Side::Left,
-        open: &|| thenar_link::open(&format!("poses:{port}")).unwrap(),
+        open: &|| open_device(&format!("poses:{port}")),
         plug: &|| Datagrams::to(own, port),
         frame: &pose_frame,
     });
@@ -254,7 +255,7 @@ fn pose_streams_conform_over_websocket() {
     let port = listener.local_addr().unwrap().port();
     conforms(&Bench {
         side: Side::Left,
-        open: &|| thenar_link::open(&format!("poses:ws://127.0.0.1:{port}/hands?x=1")).unwrap(),
+        open: &|| open_device(&format!("poses:ws://127.0.0.1:{port}/hands?x=1")),
         plug: &|| {
             let socket = wait("a call", || {
                 let (stream, _) = listener.accept().ok()?;
@@ -281,7 +282,7 @@ fn pose_streams_conform_over_a_named_pipe() {
     assert!(made.success());
     conforms(&Bench {
         side: Side::Left,
-        open: &|| thenar_link::open(&format!("poses:{}", path.display())).unwrap(),
+        open: &|| open_device(&format!("poses:{}", path.display())),
         // Opening waits for the reader.
         plug: &|| Box::new(std::fs::OpenOptions::new().write(true).open(&path).unwrap()),
         // A pipe knows no break: what was cut ends with the next line.
@@ -294,8 +295,7 @@ fn pose_streams_conform_over_a_named_pipe() {
 #[test]
 fn a_second_sender_is_not_heard() {
     let port = free_port();
-    let mut device =
-        Device { opened: thenar_link::open(&format!("poses:{port}")).unwrap(), last_ns: 0 };
+    let mut device = Device { opened: open_device(&format!("poses:{port}")), last_ns: 0 };
     let [mut first, mut second] = [free_port(), free_port()].map(|own| Datagrams::to(own, port));
     wait("the first sender", || {
         first.say(&pose_frame(0.1));
@@ -373,7 +373,7 @@ impl Drop for Bridge {
 fn a_haptic_arm_moves_the_hand_and_pushes_until_anything_ends() {
     let port = free_port();
     let arm = Arc::new(Mutex::new(SimulatedArm::new()));
-    let open = || thenar_link::open(&format!("force-device:desktop@127.0.0.1:{port}")).unwrap();
+    let open = || open_device(&format!("force-device:desktop@127.0.0.1:{port}"));
     let mut device = Device { opened: open(), last_ns: 0 };
     assert_eq!(device.opened.display.as_ref().unwrap().limits().rated, 7.9);
     let shown = |opened: &mut Opened| {
@@ -423,7 +423,7 @@ fn a_haptic_arm_moves_the_hand_and_pushes_until_anything_ends() {
 fn gloves_vibrate_through_the_player_and_again_after_it_restarts() {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = listener.local_addr().unwrap().port();
-    let mut opened = thenar_link::open(&format!("bhaptics:127.0.0.1:{port}")).unwrap();
+    let mut opened = open_device(&format!("bhaptics:127.0.0.1:{port}"));
     assert!(opened.tracker.is_none());
     let display = opened.display.as_mut().unwrap();
     let mut touch = HandOutput::released(Side::Right, 0);
@@ -471,12 +471,12 @@ fn gloves_vibrate_through_the_player_and_again_after_it_restarts() {
 fn a_recording_plays_and_goes_wrong_as_planned() {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/hands.jsonl");
     for address in [format!("replay:{file}?loop=yes&speed=20"), format!("poses:{file}")] {
-        let mut opened = thenar_link::open(&address).unwrap();
+        let mut opened = open_device(&address);
         let tracker = opened.tracker.as_mut().unwrap();
         wait("a sample", || tracker.latest(Side::Left)?.pose.clone());
     }
     let address = format!("fault:7:replay:{file}?loop=yes&speed=20");
-    let mut opened = thenar_link::open(&address).unwrap();
+    let mut opened = open_device(&address);
     wait("a sample", || opened.tracker.as_mut().unwrap().latest(Side::Left).map(|_| ()));
     let told = |address: &str| thenar_link::open(address).map(|_| ()).unwrap_err().to_string();
     assert!(told("replay:nowhere.jsonl").starts_with("recording nowhere.jsonl: "));

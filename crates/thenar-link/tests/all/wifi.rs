@@ -3,7 +3,7 @@
 //! addresses of this computer.
 #![cfg(target_os = "linux")] // elsewhere, loopback has one address
 
-use crate::conformance::{free_port, wait};
+use crate::conformance::{open_device, wait};
 use socket2::{Domain, Socket, Type};
 use std::io::{ErrorKind, Read, Write};
 use std::net::{SocketAddr, TcpStream, UdpSocket};
@@ -15,6 +15,7 @@ use thenar::{Pose, Vec3};
 use thenar_link::lucidgloves::LucidGlovesTwin;
 use thenar_link::twin::Twin;
 use thenar_link::{HandOutput, Opened, now_ns, pose_stream};
+use thenar_testing::free_port;
 use thenar_track::live::LivePose;
 
 /// Calls the host from 127.0.0.`own`.
@@ -113,7 +114,7 @@ fn stops(opened: &mut Opened, glove: &Glove) {
 fn a_glove_calls_moves_the_hand_is_stopped_and_returns() {
     let port = free_port();
     let address = format!("lucidgloves:wifi:{port}");
-    let mut opened = thenar_link::open(&address).unwrap();
+    let mut opened = open_device(&address);
     told(&mut opened, "is not there (nobody has called yet)");
     let glove = Glove::switch_on(1, port, 0.5, u64::MAX);
     follows(&mut opened, 0.5);
@@ -144,7 +145,7 @@ fn a_glove_calls_moves_the_hand_is_stopped_and_returns() {
 #[test]
 fn strangers_do_not_take_a_gloves_place() {
     let port = free_port();
-    let mut opened = thenar_link::open(&format!("lucidgloves:wifi:{port}")).unwrap();
+    let mut opened = open_device(&format!("lucidgloves:wifi:{port}"));
     // Somebody calls and says nothing: that is no glove's place.
     let _idle = call(3, port);
     told(&mut opened, "is connected");
@@ -163,7 +164,7 @@ fn strangers_do_not_take_a_gloves_place() {
 
     let port = free_port();
     let address = format!("lucidgloves:wifi:{port}?from=127.0.0.2");
-    let mut opened = thenar_link::open(&address).unwrap();
+    let mut opened = open_device(&address);
     let _stranger = Glove::switch_on(1, port, 1.0, u64::MAX);
     let message = told(&mut opened, "is not there (others than 127.0.0.2 have called");
     assert!(message.starts_with("lucidgloves:wifi:"), "{message}");
@@ -175,7 +176,7 @@ fn strangers_do_not_take_a_gloves_place() {
 #[test]
 fn a_mute_glove_is_told_of() {
     let port = free_port();
-    let mut opened = thenar_link::open(&format!("lucidgloves:wifi:{port}")).unwrap();
+    let mut opened = open_device(&format!("lucidgloves:wifi:{port}"));
     let mut glove = call(1, port);
     told(&mut opened, "is connected but says nothing: is it switched on");
     glove.write_all(LucidGlovesTwin::new(false, false).line().as_bytes()).unwrap();
@@ -192,7 +193,7 @@ fn a_wrist_that_is_tracked_carries_the_glove() {
     let text = format!("wrist.position = [0.5, 0.0, 0.0]\nwrist.tracker = \"poses:{wrists}\"\n");
     std::fs::write(&profile, text).unwrap();
     let address = format!("lucidgloves:wifi:{port}?profile={}", profile.display());
-    let mut opened = thenar_link::open(&address).unwrap();
+    let mut opened = open_device(&address);
     std::fs::remove_file(&profile).unwrap();
     let _glove = Glove::switch_on(1, port, 0.5, u64::MAX);
     let socket = UdpSocket::bind("127.0.0.1:0").unwrap();

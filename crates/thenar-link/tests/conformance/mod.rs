@@ -5,20 +5,21 @@
 
 #![allow(dead_code)] // each test file uses its part
 
-use std::net::{TcpListener, UdpSocket};
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicU16, Ordering};
 use std::time::{Duration, Instant};
 use thenar::model::Side;
 #[cfg(unix)]
 use thenar_link::twin::PtyTwin;
 use thenar_link::twin::Twin;
-use thenar_link::{Driver, ForceDisplay, HandOutput, Tracker, now_ns};
+use thenar_link::{Driver, ForceDisplay, HandOutput, LinkError, Opened, Tracker, now_ns};
 use thenar_track::ANGLES;
 use thenar_track::live::LivePose;
 
 /// Longest that anything may take on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(30);
+
+/// Longest that a program takes from its start to its own code, on a busy machine.
+const COPIES_LIVE: Duration = Duration::from_secs(2);
 
 /// Calls until it gives something.
 pub fn wait<T>(what: &str, mut f: impl FnMut() -> Option<T>) -> T {
@@ -32,17 +33,24 @@ pub fn wait<T>(what: &str, mut f: impl FnMut() -> Option<T>) -> T {
     }
 }
 
-/// A port of this computer that is free. It is none of those that the system hands out by itself, which another test may hold
-/// by the time this one is opened, and none that this process was given before.
-pub fn free_port() -> u16 {
-    static NEXT: AtomicU16 = AtomicU16::new(0);
-    // Below where Linux (32768), macOS and Windows (49152) begin to hand out theirs.
-    let first = 20_000 + (std::process::id() % 100) as u16 * 100;
+/// Device at this address.
+pub fn open_device(address: &str) -> Opened {
+    opened_at_a_free_port(|| thenar_link::open(address))
+}
+
+/// Opens a device, and tries again while its port is busy: a program that another test starts holds copies of all sockets
+/// until its own code runs, even of one just closed. That takes milliseconds; a device that keeps its port for longer has
+/// not let go of it.
+pub fn opened_at_a_free_port(open: impl Fn() -> Result<Opened, LinkError>) -> Opened {
+    let start = Instant::now();
     loop {
-        let port = first + NEXT.fetch_add(1, Ordering::Relaxed) % 2_000;
-        let here = ("127.0.0.1", port);
-        if UdpSocket::bind(here).is_ok() && TcpListener::bind(here).is_ok() {
-            return port;
+        match open() {
+            Err(LinkError::Open { cause, .. })
+                if cause.contains("in use") && start.elapsed() < COPIES_LIVE =>
+            {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            other => return other.unwrap_or_else(|error| panic!("{error}")),
         }
     }
 }

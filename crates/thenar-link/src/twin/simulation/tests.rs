@@ -3,7 +3,6 @@
 
 use super::*;
 use crate::{HandOutput, Rendering, now_ns};
-use std::net::UdpSocket;
 use std::time::{Duration, Instant};
 use thenar::Vec3;
 use thenar::model::Side;
@@ -41,8 +40,7 @@ fn opens_moves_and_is_felt(kind: &Kind) {
     let place = match kind.place {
         Some(default) => {
             assert!(default.parse::<std::net::SocketAddr>().is_ok(), "{default}");
-            let free = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
-            free.to_string()
+            format!("127.0.0.1:{}", thenar_testing::free_port())
         }
         None => {
             let file = format!("thenar-simulate-{name}-{}", std::process::id());
