@@ -8,7 +8,7 @@
 //! T registers of rows times N columns stays in registers while the depth is run through.
 
 use crate::solver::exact::factor::{LANES, Lanes, Scalar};
-use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
+use fearless_simd::{Simd, SimdBase, SimdFloat, f32x4, f32x8, f32x16};
 
 /// Columns treated together; widths are multiples of 3.
 pub const COLUMNS: usize = 6;
@@ -238,13 +238,23 @@ fn product_columns<S: Simd, const N: usize>(
     }
 }
 
-/// `to -= from` for the first `length` numbers; both slices must go on for a register more.
+/// `to -= from`, as many numbers as `from` has. Nothing beyond them is written: a load that overlaps a recent store only in
+/// part has to wait until that store reaches the cache.
 #[inline(always)]
-pub fn take_off<S: Simd>(simd: S, from: &[Scalar], to: &mut [Scalar], length: usize) {
-    let lanes = f32x16::from_fn(simd, |lane| lane as Scalar);
-    for at in (0..length).step_by(LANES) {
-        let kept = load(simd, to, at);
-        let within = lanes.simd_lt(f32x16::splat(simd, (length - at) as Scalar));
-        store(within.select(kept - load(simd, from, at), kept), to, at);
+pub fn take_off<S: Simd>(simd: S, from: &[Scalar], to: &mut [Scalar]) {
+    let to = &mut to[..from.len()];
+    let (from8, from) = from.as_chunks::<8>();
+    let (to8, to) = to.as_chunks_mut::<8>();
+    for k in 0..from8.len() {
+        let left = f32x8::from_slice(simd, &to8[k]) - f32x8::from_slice(simd, &from8[k]);
+        left.store_slice(&mut to8[k]);
+    }
+    let (from4, from) = from.as_chunks::<4>();
+    let (to4, to) = to.as_chunks_mut::<4>();
+    if let (Some(from), Some(to)) = (from4.first(), to4.first_mut()) {
+        (f32x4::from_slice(simd, to) - f32x4::from_slice(simd, from)).store_slice(to);
+    }
+    for k in 0..from.len() {
+        to[k] -= from[k];
     }
 }

@@ -41,8 +41,8 @@ impl Factor {
         let column = symbolic.supernodes.iter().map(Supernode::stride).max().unwrap_or(0);
         Self {
             level: Level::new(),
-            panels: Aligned::new(symbolic.size + LANES),
-            update: Aligned::new(update + LANES),
+            panels: Aligned::new(symbolic.size),
+            update: Aligned::new(update),
             x: vec![0.0; n],
             column: Aligned::new(column),
             symbolic,
@@ -73,13 +73,17 @@ impl Factor {
     }
 
     fn load(&mut self, system: &System<'_>) {
-        bytemuck::fill_zeroes(&mut self.panels);
-        for load in &self.symbolic.loads {
-            let block = &system.A.blocks[load.entry as usize];
-            for c in 0..3 {
-                let at = load.place as usize + c * load.stride as usize;
-                for r in 0..3 {
-                    self.panels[at + r] = block[3 * c + r] as Scalar;
+        for node in &self.symbolic.supernodes {
+            let panel = &mut self.panels[node.panel()];
+            bytemuck::fill_zeroes(panel);
+            let stride = node.stride();
+            for load in &self.symbolic.loads[node.loads[0]..node.loads[1]] {
+                let block = &system.A.blocks[load.entry as usize];
+                for c in 0..3 {
+                    let column = &mut panel[load.place as usize + c * stride..][..3];
+                    for r in 0..3 {
+                        column[r] = block[3 * c + r] as Scalar;
+                    }
                 }
             }
         }
@@ -100,16 +104,15 @@ impl Factor {
             let target = self.symbolic.supernodes[segment.target as usize];
             let panel = &mut self.panels[target.panel().start..];
             let runs = &self.symbolic.runs[segment.runs[0]..segment.runs[1]];
-            for columns in runs {
+            for (r, columns) in runs.iter().enumerate() {
                 for column in columns.rows().take_while(|&column| column < 3 * segment.end) {
-                    let from = &self.update[column * stride + offset..];
-                    let at = (columns.place + column - columns.row) * target.stride();
-                    let to = &mut panel[at..];
-                    for run in runs.iter().filter(|run| run.rows().end > column) {
-                        // The lower triangle only.
-                        let above = column.saturating_sub(run.row);
-                        let (from, to) = (&from[run.row + above..], &mut to[run.place + above..]);
-                        dense::take_off(simd, from, to, run.length - above);
+                    let from = &self.update[column * stride + offset..][..3 * node.below];
+                    let place = columns.place + column - columns.row;
+                    let to = &mut panel[place * target.stride()..][..target.stride()];
+                    // The lower triangle only.
+                    dense::take_off(simd, &from[column..columns.rows().end], &mut to[place..]);
+                    for run in &runs[r + 1..] {
+                        dense::take_off(simd, &from[run.rows()], &mut to[run.place..]);
                     }
                 }
             }
@@ -215,10 +218,10 @@ mod tests {
             let numbers = pairs.iter().map(|&(a, b)| (a as u32, b as u32));
             let mut A = BlockMatrix::with_pattern(n, numbers);
             for &(a, b) in &pairs {
-                let direction = random.vec3(1.0);
-                let block = direction * direction.transpose();
-                for (i, j, sign) in [(a, a, 1.0), (b, b, 1.0), (a, b, -1.0), (b, a, -1.0)] {
-                    A.add(A.entry(i as u32, j as u32), &(block * sign));
+                // Blocks between two nodes that are not symmetric: read transposed they would be others.
+                let ends = [(a, random.vec3(1.0)), (b, -random.vec3(1.0))];
+                for ((i, u), (j, v)) in ends.iter().flat_map(|e| ends.iter().map(move |f| (e, f))) {
+                    A.add(A.entry(*i as u32, *j as u32), &(u * v.transpose()));
                 }
             }
             (0..n).for_each(|a| A.add_scalar(A.diagonal[a], 0.05));

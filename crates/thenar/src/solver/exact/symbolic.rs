@@ -38,6 +38,8 @@ pub struct Supernode {
     pub parent: Option<u32>,
     /// Its segments in `Symbolic::segments`.
     pub segments: [usize; 2],
+    /// Loads of the pivots' columns: a range of `Symbolic::loads`.
+    pub loads: [usize; 2],
 }
 
 impl Supernode {
@@ -107,15 +109,13 @@ impl Run {
     }
 }
 
-/// Where one block of the matrix goes.
+/// Place of one block of the matrix in a panel.
 #[derive(Clone, Copy, Debug)]
 pub struct Load {
     /// Entry in the matrix.
     pub entry: u32,
-    /// Upper left number in the panels.
+    /// Upper left number in the supernode's panel.
     pub place: u32,
-    /// From column to column there.
-    pub stride: u32,
 }
 
 /// The structure of the factor.
@@ -178,6 +178,7 @@ impl Symbolic {
                 panel: symbolic.size,
                 parent: None,
                 segments: [0; 2],
+                loads: [0; 2],
             };
             symbolic.supernode_of[*start..end].fill(s as u32);
             symbolic.rows.extend(rows);
@@ -242,10 +243,13 @@ impl Symbolic {
         for (place, &node) in order.iter().enumerate() {
             let s = self.supernode_of[place] as usize;
             let (stride, first, panel) = {
-                let node = &self.supernodes[s];
+                let node = &mut self.supernodes[s];
+                if place == node.first {
+                    node.loads[0] = self.loads.len();
+                }
                 (node.stride(), node.first, node.panel)
             };
-            let column = panel + 3 * (place - first) * stride;
+            let column = 3 * (place - first) * stride;
             for k in a.row(row0 + node as usize) {
                 // Row `node` of A holds the transposes of the blocks below the diagonal in column
                 // `node`; those blocks themselves are read, wherever they are stored.
@@ -256,14 +260,14 @@ impl Symbolic {
                 }
                 let at = column + 3 * self.row_in(s, below);
                 if other == node as usize {
-                    self.diagonals[other] = (at as u32, stride as u32);
+                    self.diagonals[other] = ((panel + at) as u32, stride as u32);
                 }
                 self.loads.push(Load {
                     entry: a.entry((row0 + other) as u32, (row0 + node as usize) as u32),
                     place: at as u32,
-                    stride: stride as u32,
                 });
             }
+            self.supernodes[s].loads[1] = self.loads.len();
         }
     }
 }

@@ -26,10 +26,9 @@ fn matrix(random: &mut Random, positions: &[Vec3]) -> BlockMatrix {
     numbers.extend((0..BODIES as u32).map(|b| (2 * b + 1, 2 * b)));
     let mut A = BlockMatrix::with_pattern(row0 + NODES, numbers.iter().copied());
     for &(i, j) in &numbers[..pairs.len()] {
-        let direction = random.vec3(1.0);
-        let block = direction * direction.transpose();
-        for (i, j, sign) in [(i, i, 1.0), (j, j, 1.0), (i, j, -1.0), (j, i, -1.0)] {
-            A.add(A.entry(i, j), &(block * sign));
+        let ends = [(i, random.vec3(1.0)), (j, -random.vec3(1.0))];
+        for ((i, u), (j, v)) in ends.iter().flat_map(|e| ends.iter().map(move |f| (e, f))) {
+            A.add(A.entry(*i, *j), &(u * v.transpose()));
         }
     }
     for i in 0..row0 + NODES {
