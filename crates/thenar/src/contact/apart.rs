@@ -1,6 +1,7 @@
 //! Which parts of one surface never touch each other: neighbours.
 
 use crate::contact::aabb::Aabb;
+use crate::contact::bit_table::BitTable;
 use crate::contact::bvh::Bvh;
 use crate::contact::surface::Surface;
 use crate::contact::triangle::closest_on_triangle;
@@ -23,7 +24,7 @@ const TRIANGLES_MAX: usize = 1024;
 /// Through the body, neighbours lie within so many edges of the vertex itself: where these are much shorter than the
 /// mean, the mean would reach over ever more triangles. In even meshes the mean is less. What is left out may touch.
 const EDGES_THROUGH: f64 = 16.0;
-/// Larger trees have no table of settled pairs, which only spares a search: 2 MB.
+/// Larger trees have no table of settled pairs, which only spares a search: at most 2 MB.
 const NODES_MAX: usize = 4096;
 /// The same of pairs of triangles, and of vertices and triangles.
 const TABLED_MAX: usize = 4096;
@@ -39,14 +40,12 @@ pub(crate) struct Apart {
     /// Neighbours of vertex v: `triangles[start[v]..start[v + 1]]`, sorted.
     start: Vec<u32>,
     triangles: Vec<u32>,
-    /// One bit per pair of tree nodes n ≤ m: no two of their parts may touch.
-    nodes: usize,
-    settled: Vec<u64>,
-    triangle_count: usize,
-    /// Bit per vertex v and triangle t that are neighbours, at `v * triangle_count + t`.
-    neighbors: Vec<u64>,
-    /// Bit per pair of triangles s ≤ t that never touch.
-    never: Vec<u64>,
+    /// Pairs of tree nodes no two parts of which may touch.
+    settled: BitTable,
+    /// Vertices and triangles that are neighbours.
+    neighbors: BitTable,
+    /// Pairs of triangles that never touch.
+    never: BitTable,
     regions: Regions,
     /// Whether two regions are one or joined, row by row, and how many there are.
     near: Vec<bool>,
@@ -97,9 +96,7 @@ impl Apart {
         let pairs = (0..apart.count).flat_map(|i| (0..apart.count).map(move |j| (i, j)));
         apart.near = pairs.map(|(i, j)| regions.are_joined(i as u32, j as u32)).collect();
         apart.regions = regions;
-        apart.triangle_count = surface.triangles.len();
-        apart.tabulate_neighbors(surface, x.len());
-        apart.tabulate(surface);
+        apart.tabulate(surface, x.len());
         apart.settle(surface);
         apart
     }
@@ -109,7 +106,7 @@ impl Apart {
         if self.neighbors.is_empty() {
             return self.are_of_joined_bones(v, corners) || self.are_near(v, t);
         }
-        is_set(&self.neighbors, v as usize * self.triangle_count + t as usize)
+        self.neighbors.is_set(v, t)
     }
 
     /// Whether vertex `v` and a corner of a triangle are carried by one bone, or by two joined ones.
@@ -133,8 +130,7 @@ impl Apart {
 
     /// Whether no vertex and no edge of two triangles is to touch the other one; false where no table says so.
     pub fn touch_never(&self, s: u32, t: u32) -> bool {
-        let bit = s.min(t) as usize * self.triangle_count + s.max(t) as usize;
-        !self.never.is_empty() && is_set(&self.never, bit)
+        !self.never.is_empty() && self.never.is_set(s, t)
     }
 
     /// Whether the triangles of two groups, named by the bones of their first corners, need no look at each other. A table of
@@ -148,38 +144,34 @@ impl Apart {
         if self.settled.is_empty() {
             return false;
         }
-        is_set(&self.settled, n.min(m) * self.nodes + n.max(m))
+        self.settled.is_set(n as u32, m as u32)
     }
 
-    /// Fills the bits of vertices and triangles.
-    fn tabulate_neighbors(&mut self, surface: &Surface, vertices: usize) {
+    /// Fills the tables of vertices and triangles, and of triangles.
+    fn tabulate(&mut self, surface: &Surface, vertices: usize) {
         let count = surface.triangles.len();
         if count.max(vertices) > TABLED_MAX {
             return;
         }
-        let mut neighbors = vec![0; (vertices * count).div_ceil(64)];
-        for v in 0..vertices {
-            for (t, corners) in surface.triangles.iter().enumerate() {
-                let (bit, t) = (v * count + t, t as u32);
-                neighbors[bit / 64] |=
-                    u64::from(self.are_neighbors(v as u32, t, corners)) << (bit % 64);
-            }
+        // Triangles in the order of the tree; vertices in that of the first triangle around them.
+        let mut of_triangle = vec![0; count];
+        let mut ordered = 0;
+        surface.tree.in_order(|t| {
+            of_triangle[t as usize] = ordered;
+            ordered += 1;
+        });
+        let first = |v: &u32| surface.around(*v).iter().map(|&t| of_triangle[t as usize]).min();
+        let mut by_place: Vec<u32> = (0..vertices as u32).collect();
+        by_place.sort_by_key(first);
+        let mut of_vertex = vec![0; vertices];
+        for (place, v) in by_place.into_iter().enumerate() {
+            of_vertex[v as usize] = place as u16;
         }
-        self.neighbors = neighbors;
-    }
-
-    /// Fills the bits of triangles.
-    fn tabulate(&mut self, surface: &Surface) {
-        let count = surface.triangles.len();
-        if count > TABLED_MAX {
-            return;
-        }
-        let mut never = vec![0; (count * count).div_ceil(64)];
-        for (s, t) in (0..count).flat_map(|s| (s..count).map(move |t| (s, t))) {
-            let bit = s * count + t;
-            never[bit / 64] |= u64::from(self.are_apart(surface, s as u32, t as u32)) << (bit % 64);
-        }
-        self.never = never;
+        self.neighbors = BitTable::new(of_vertex, of_triangle.clone(), |v, t| {
+            self.are_neighbors(v as u32, t as u32, &surface.triangles[t])
+        });
+        self.never =
+            BitTable::symmetric(of_triangle, |s, t| self.are_apart(surface, s as u32, t as u32));
     }
 
     /// Fills the bits from the leaves up; children come after their parents.
@@ -188,24 +180,30 @@ impl Apart {
         if tree.node_count() > NODES_MAX {
             return;
         }
-        self.nodes = tree.node_count();
-        self.settled = vec![0; (self.nodes * self.nodes).div_ceil(64)];
-        for n in (0..self.nodes).rev() {
-            for m in (n..self.nodes).rev() {
+        let nodes = tree.node_count();
+        let mut known = vec![false; nodes * nodes];
+        for n in (0..nodes).rev() {
+            for m in (n..nodes).rev() {
+                let is_known = |i: usize, j: usize| known[i * nodes + j];
                 let settled = match (tree.children(n), tree.children(m)) {
                     (Err(items), Err(others)) => {
-                        items.iter().all(|&s| others.iter().all(|&t| self.are_apart(surface, s, t)))
+                        let never = |s, t| match self.never.is_empty() {
+                            true => self.are_apart(surface, s, t),
+                            false => self.touch_never(s, t),
+                        };
+                        items.iter().all(|&s| others.iter().all(|&t| never(s, t)))
                     }
                     (Ok([l, r]), _) if n == m => {
-                        [(l, l), (l, r), (r, r)].iter().all(|&(i, j)| self.are_settled(i, j))
+                        [(l, l), (l, r), (r, r)].iter().all(|&(i, j)| is_known(i, j))
                     }
-                    (Ok(halves), _) => halves.iter().all(|&i| self.are_settled(i, m)),
-                    (_, Ok(halves)) => halves.iter().all(|&j| self.are_settled(n, j)),
+                    (Ok(halves), _) => halves.iter().all(|&i| is_known(i, m)),
+                    (_, Ok(halves)) => halves.iter().all(|&j| is_known(n, j)),
                 };
-                let bit = n * self.nodes + m;
-                self.settled[bit / 64] |= u64::from(settled) << (bit % 64);
+                (known[n * nodes + m], known[m * nodes + n]) = (settled, settled);
             }
         }
+        let places: Vec<u16> = (0..nodes as u16).collect();
+        self.settled = BitTable::new(places.clone(), places, |n, m| known[n * nodes + m]);
     }
 
     fn are_apart(&self, surface: &Surface, s: u32, t: u32) -> bool {
@@ -214,12 +212,6 @@ impl Apart {
         of_s.iter().all(|&v| self.are_neighbors(v, t, &of_t))
             && of_t.iter().all(|&v| self.are_neighbors(v, s, &of_s))
     }
-}
-
-/// Tells if a bit of a table is set.
-#[inline]
-fn is_set(table: &[u64], bit: usize) -> bool {
-    table[bit / 64] >> (bit % 64) & 1 == 1
 }
 
 /// Adds the triangles that `v` looks at from behind nearby, and those it already touches.
@@ -366,6 +358,29 @@ mod tests {
             }
         }
         assert!(told.iter().all(|count| *count > 100), "{told:?}");
+
+        let triangles = 0..surface.triangles.len() as u32;
+        let never = |s: u32, t: u32| tabled.are_apart(&surface, s, t);
+        for (s, t) in triangles.clone().flat_map(|s| triangles.clone().map(move |t| (s, t))) {
+            assert_eq!(tabled.touch_never(s, t), never(s, t), "{s} {t}");
+        }
+        let tree = &surface.tree;
+        let below: Vec<Vec<u32>> = (0..tree.node_count()).map(|n| below(tree, n)).collect();
+        let mut settled = 0;
+        for (n, m) in (0..below.len()).flat_map(|n| (0..below.len()).map(move |m| (n, m))) {
+            let all = below[n].iter().all(|&s| below[m].iter().all(|&t| never(s, t)));
+            assert_eq!(tabled.are_settled(n, m), all, "{n} {m}");
+            settled += u32::from(all);
+        }
+        assert!(settled > 100, "{settled}");
+    }
+
+    /// The triangles below a node.
+    fn below(tree: &Bvh, node: usize) -> Vec<u32> {
+        match tree.children(node) {
+            Err(items) => items.to_vec(),
+            Ok(halves) => halves.into_iter().flat_map(|half| below(tree, half)).collect(),
+        }
     }
 
     /// A sheet of `n` by `n` squares.

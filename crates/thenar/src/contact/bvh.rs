@@ -10,6 +10,8 @@ use std::ops::Range;
 const LEAF_ITEMS_MAX: usize = 4;
 /// Median splits halve the items, so 2³² items need no more than this.
 const STACK: usize = 64;
+/// Room for pairs of nodes that wait: each level of either tree leaves at most two.
+const WAITING: usize = 4 * STACK;
 
 /// A leaf holds `items[first..first + count]`; an inner node (`count` 0) the children `first`
 /// and `first + 1`, always later in the list than itself.
@@ -118,6 +120,11 @@ impl Bvh {
         std::mem::replace(&mut self.items, in_order)
     }
 
+    /// Calls `visit` for every item, leaf by leaf.
+    pub fn in_order(&self, visit: impl FnMut(u32)) {
+        self.items.iter().copied().for_each(visit);
+    }
+
     /// The number of nodes.
     pub fn node_count(&self) -> usize {
         self.nodes.len()
@@ -136,7 +143,8 @@ impl Bvh {
 
     /// Calls `visit` for every item of A with every item of B whose boxes come within `reach`.
     pub fn pairs(a: &Self, b: &Self, reach: f64, mut visit: impl FnMut(u32, u32)) {
-        walk(a, b, (0, 0), reach, |_, _| false, &mut visit);
+        let mut stack = [(0, 0); WAITING];
+        walk((a, b), (0, 0), reach, |_, _| false, &mut stack, &mut visit);
     }
 
     /// The same for each two items of this tree, once; two groups for which `apart` holds and pairs
@@ -148,9 +156,10 @@ impl Bvh {
         skip: impl Fn(usize, usize) -> bool,
         mut visit: impl FnMut(u32, u32),
     ) {
+        let mut stack = [(0, 0); WAITING];
         for (k, &(g, n)) in self.roots.iter().enumerate() {
             for &(_, m) in self.roots[k..].iter().filter(|(h, _)| !apart(g, *h)) {
-                walk(self, self, (n, m), reach, &skip, &mut visit);
+                walk((self, self), (n, m), reach, &skip, &mut stack, &mut visit);
             }
         }
     }
@@ -298,26 +307,26 @@ fn boundary(items: &[u32], start: usize, end: usize, group_of: impl Fn(u32) -> u
 
 /// Goes down from two nodes at once, always into the larger of two boxes.
 fn walk(
-    a: &Bvh,
-    b: &Bvh,
+    (a, b): (&Bvh, &Bvh),
     from: (u32, u32),
     reach: f64,
     skip: impl Fn(usize, usize) -> bool,
+    stack: &mut [(u32, u32); WAITING],
     visit: &mut impl FnMut(u32, u32),
 ) {
     if a.nodes.is_empty() || b.nodes.is_empty() {
         return;
     }
-    // Each level of either tree leaves at most two pairs waiting.
     let same = std::ptr::eq(a, b);
-    let mut stack = [from; 4 * STACK];
+    stack[0] = from;
     let mut top = 1;
     while top > 0 {
         top -= 1;
         let (n, m) = (stack[top].0 as usize, stack[top].1 as usize);
         let (of_a, of_b) = (&a.nodes[n], &b.nodes[m]);
         let itself = same && n == m;
-        if skip(n, m) || (!itself && !of_a.aabb.inflate(reach).overlaps(&of_b.aabb)) {
+        // Boxes first: to skip, the caller looks into a table, which costs more.
+        if (!itself && !of_a.aabb.inflate(reach).overlaps(&of_b.aabb)) || skip(n, m) {
             continue;
         }
         let size =
@@ -339,17 +348,15 @@ fn walk(
                 }
             }
             (Ok([l, r]), _) if itself => {
-                [(l, r), (r, r), (l, l)]
-                    .iter()
-                    .for_each(|&(i, j)| push(&mut stack, &mut top, i, j));
+                [(l, r), (r, r), (l, l)].iter().for_each(|&(i, j)| push(stack, &mut top, i, j));
             }
             (Ok(halves), Err(_)) => {
-                halves.iter().for_each(|&i| push(&mut stack, &mut top, i, m));
+                halves.iter().for_each(|&i| push(stack, &mut top, i, m));
             }
             (Ok(halves), Ok(_)) if size(of_a) >= size(of_b) => {
-                halves.iter().for_each(|&i| push(&mut stack, &mut top, i, m));
+                halves.iter().for_each(|&i| push(stack, &mut top, i, m));
             }
-            (_, Ok(halves)) => halves.iter().for_each(|&j| push(&mut stack, &mut top, n, j)),
+            (_, Ok(halves)) => halves.iter().for_each(|&j| push(stack, &mut top, n, j)),
         }
     }
 }

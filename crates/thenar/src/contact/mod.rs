@@ -21,6 +21,7 @@ mod area_between;
 mod area_faces;
 mod area_least;
 mod area_samples;
+mod bit_table;
 mod blunt;
 mod bvh;
 mod collector;
