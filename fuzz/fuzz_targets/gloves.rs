@@ -1,7 +1,7 @@
 #![no_main]
 use std::sync::{Arc, LazyLock};
-use thenar::Vec3;
-use thenar::model::Side;
+use thenar_core::Vec3;
+use thenar_core::model::Side;
 use thenar_link::bhaptics::Bhaptics;
 use thenar_link::cyberglove::{self, Classic, Third};
 use thenar_link::cybergrasp::CyberGrasp;

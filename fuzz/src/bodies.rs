@@ -4,11 +4,11 @@
 //! with damaged copies of good files. Each returns whether a body was made and stepped; a panic, a state that
 //! is not finite or an endless loop is what they look for. Bodies are coarse, so that one takes milliseconds.
 
-use thenar::model::{
+use thenar_core::model::{
     HandModel, HandPlacement, Law, Material, Motion, RigidDesc, Side, Skinning, SoftDesc, WorldDesc,
 };
-use thenar::shape::Shape;
-use thenar::{Mat3, Pose, Quat, Vec3, World};
+use thenar_core::shape::Shape;
+use thenar_core::{Mat3, Pose, Quat, Vec3, World};
 use thenar_rig::embed::{EmbedOptions, embed};
 use thenar_rig::export::{GlbMesh, Skeleton, VertexSkin, glb};
 use thenar_rig::hand::asset;
@@ -140,7 +140,7 @@ fn placement() -> HandPlacement {
     HandPlacement {
         name: "hand".into(),
         pose_WM: Pose::identity(),
-        coupling: thenar::model::CouplingKind::Uniform,
+        coupling: thenar_core::model::CouplingKind::Uniform,
         coupling_stiffness: 2e9,
         coupling_damping_time: 0.01,
         skinning: Skinning::Linear,

@@ -4,8 +4,8 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use thenar::Vec3;
-use thenar::model::Side;
+use thenar_core::Vec3;
+use thenar_core::model::Side;
 use thenar_link::cyberglove::{self, Classic, ClassicTwin, Third, ThirdTwin};
 use thenar_link::cybergrasp::{self, CyberGrasp};
 use thenar_link::force_device::wire::State;
@@ -63,7 +63,7 @@ pub fn plays(driver: usize, text: &[u8], file: &Path) -> Result<(), LinkError> {
             arm.limits().check().unwrap();
             arm.torque_limits().iter().for_each(|limits| limits.check().unwrap());
             let setup = profile.setup().expect("a profile that was read stands somewhere");
-            let pose = thenar::Pose::translation(0.1, -0.1, 0.05);
+            let pose = thenar_core::Pose::translation(0.1, -0.1, 0.05);
             let state = State { seq: 1, time_ns: 1, pose, velocity: Vec3::zeros(), buttons: 1 };
             speaks(&mut ForceDevice::new(setup), &state.write());
         }

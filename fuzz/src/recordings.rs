@@ -4,8 +4,8 @@
 
 use std::path::Path;
 use std::sync::OnceLock;
-use thenar::Pose;
-use thenar::model::Side;
+use thenar_core::Pose;
+use thenar_core::model::Side;
 use thenar_record::{Header, Kind, Recorder};
 use thenar_rig::hand::{HandOptions, asset, build_hand};
 use thenar_rig::{Model, write_model};

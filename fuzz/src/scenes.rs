@@ -3,8 +3,8 @@
 //! The fuzz target `session` and `crates/thenar-scene/tests/all/text/fuzz_scenes.rs` run this code.
 
 use std::path::Path;
-use thenar::Pose;
-use thenar::model::HandModel;
+use thenar_core::Pose;
+use thenar_core::model::HandModel;
 use thenar_scene::SceneError;
 use thenar_scene::build::wanted_bytes;
 use thenar_scene::motion::{

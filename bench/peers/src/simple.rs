@@ -2,8 +2,8 @@
 //! so that Thenar's Python package has the very hand that jobs have.
 
 use std::collections::BTreeMap;
-use thenar::Vec3;
-use thenar::model::{
+use thenar_core::Vec3;
+use thenar_core::model::{
     AngleLimit, Binding, Digit, EmbeddedSurface, HandModel, JointKind, Law, Material, SurfaceVertex,
 };
 

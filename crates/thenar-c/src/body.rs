@@ -104,7 +104,7 @@ unsafe fn of_rigid<const N: usize>(
     world: *const World,
     rigid: usize,
     (name, out, room): (&str, *mut f64, usize),
-    read: impl FnOnce(&thenar::World, u32) -> [f64; N],
+    read: impl FnOnce(&thenar_core::World, u32) -> [f64; N],
 ) -> Status {
     guard(|| {
         // SAFETY: the caller's word.

@@ -4,9 +4,9 @@
 use crate::boundary::{Status, guard};
 use crate::pointer;
 use crate::running::World;
-use thenar::model::BodyId;
-use thenar::readout::PartContact;
-use thenar::world::ContactPoint;
+use thenar_core::model::BodyId;
+use thenar_core::readout::PartContact;
+use thenar_core::world::ContactPoint;
 use thenar_scene::session::HandLoad;
 
 /// A contact point of the last step, near or touching.

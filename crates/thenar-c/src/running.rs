@@ -3,7 +3,7 @@
 use crate::boundary::{Refusal, Status};
 use std::ffi::CString;
 use std::sync::{Mutex, TryLockError};
-use thenar::readout::ContactReadout;
+use thenar_core::readout::ContactReadout;
 use thenar_scene::session::{Session, Source};
 
 /// A running scene. Its inside is nobody's but its functions'.

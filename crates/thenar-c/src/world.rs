@@ -5,7 +5,7 @@ use crate::boundary::{Refusal, Status, guard};
 use crate::pointer;
 use crate::running::World;
 use std::ffi::c_char;
-use thenar::world::StepReport;
+use thenar_core::world::StepReport;
 use thenar_scene::recording::{go_on_from, snapshot};
 use thenar_scene::tuning::SettingValue;
 

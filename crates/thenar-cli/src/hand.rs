@@ -2,7 +2,7 @@
 
 use crate::error::CliError;
 use std::path::Path;
-use thenar::model::{HandModel, Side};
+use thenar_core::model::{HandModel, Side};
 use thenar_rig::{Model, default_hand, read_model};
 use thenar_scene::reference::hand_tables;
 

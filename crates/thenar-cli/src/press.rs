@@ -1,8 +1,8 @@
 //! A flat plate that presses on the pad of a finger: where it stands when it touches, and the changes of a scene
 //! that move it. Shared by validation and by fits.
 
-use thenar::Vec3;
-use thenar::model::Digit;
+use thenar_core::Vec3;
+use thenar_core::model::Digit;
 use thenar_scene::session::Session;
 
 /// Length of the hand for which the plate's size is given \[m\].
@@ -38,7 +38,7 @@ impl Plate {
         let first = pad.map(|(x, _)| x).min_by(|a, b| way.dot(a).total_cmp(&way.dot(b)))?;
         let size = SIZE.map(|edge| edge * hand.model.length / LENGTH);
         let touch = first - way * (0.5 * size[1]);
-        let about = thenar::Quat::from_axis_angle(&Vec3::x_axis(), angle_deg.to_radians());
+        let about = thenar_core::Quat::from_axis_angle(&Vec3::x_axis(), angle_deg.to_radians());
         let q = (pose_WB.rotation * about).coords;
         let changes = vec![
             format!("rigid.{name}.shape.size={size:?}"),

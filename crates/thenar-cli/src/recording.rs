@@ -39,7 +39,7 @@ pub fn header(time_of: TimeOf) -> Header {
     Header {
         program: concat!("thenar ", env!("CARGO_PKG_VERSION")).into(),
         build: Build::of_this_program(),
-        vectors: thenar::vector_instructions(),
+        vectors: thenar_core::vector_instructions(),
         system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
         created_unix_ns: u64::try_from(since_1970.as_nanos()).unwrap_or(0),
         simulated_time: time_of == TimeOf::Simulation,

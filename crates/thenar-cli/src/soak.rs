@@ -9,8 +9,8 @@ use crate::build::PresetArg;
 use crate::interrupt;
 use judge::{Figure, quality, soundness};
 use std::process::ExitCode;
-use thenar::model::BodyId;
-use thenar::world::{Failure, StepReport};
+use thenar_core::model::BodyId;
+use thenar_core::world::{Failure, StepReport};
 use thenar_scene::session::Session;
 
 /// Thrashes a hand at random against a table, a car and a loaf of bread, and judges how well contact and joints hold.

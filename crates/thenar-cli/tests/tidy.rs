@@ -260,7 +260,7 @@ fn the_readme_names_one_command_to_run_and_one_to_test() {
 /// The core is pure: no files, clocks, threads or printing in it.
 #[test]
 fn the_core_does_no_input_or_output() {
-    let mut folders = vec![root().join("crates/thenar/src")];
+    let mut folders = vec![root().join("crates/thenar-core/src")];
     let mut files = 0;
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(&folder).unwrap().flatten() {

@@ -9,7 +9,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
-use thenar::Vec3;
+use thenar_core::Vec3;
 use thenar_link::force_device::twin::SimulatedArm;
 use thenar_link::lucidgloves::LucidGlovesTwin;
 use thenar_link::now_ns;

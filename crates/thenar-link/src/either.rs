@@ -9,7 +9,7 @@
 use crate::{Driver, Found, HandSample, LinkError, Lookout, Messenger, Opened, Tracker, now_ns};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::{Arc, Mutex, PoisonError};
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_touch::TrackerTiming;
 use thenar_track::live::checked;
 use thenar_track::tracker_clock::{ClockNews, TrackerClock};
@@ -257,7 +257,7 @@ mod tests {
     use super::*;
     use std::cell::Cell;
     use std::sync::{Arc, Mutex};
-    use thenar::Pose;
+    use thenar_core::Pose;
     use thenar_track::ANGLES;
     use thenar_track::live::LivePose;
 

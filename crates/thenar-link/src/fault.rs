@@ -2,8 +2,8 @@
 
 use crate::{Driver, Found, HandSample, LinkError, Lookout, Opened, Tracker};
 use std::f64::consts::PI;
-use thenar::model::Side;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::model::Side;
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_touch::TrackerTiming;
 use thenar_track::live::LivePose;
 

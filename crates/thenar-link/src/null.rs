@@ -6,8 +6,8 @@ use crate::{
 };
 use std::io;
 use std::time::Duration;
-use thenar::Pose;
-use thenar::model::Side;
+use thenar_core::Pose;
+use thenar_core::model::Side;
 use thenar_touch::LoopProfile;
 use thenar_touch::safety::Limits;
 use thenar_track::ANGLES;
@@ -120,7 +120,7 @@ impl Protocol for NullProtocol {
 mod tests {
     use crate::now_ns;
     use std::time::{Duration, Instant};
-    use thenar::model::Side;
+    use thenar_core::model::Side;
 
     #[test]
     fn the_null_hand_holds_still_and_feels_nothing() {

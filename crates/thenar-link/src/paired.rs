@@ -2,8 +2,8 @@
 
 use crate::profile::{Address, Wrist, profile_name};
 use crate::{HandSample, LinkError, Lookout, Messenger, Opened, Tracker, nesting, now_ns};
-use thenar::Pose;
-use thenar::model::Side;
+use thenar_core::Pose;
+use thenar_core::model::Side;
 use thenar_input::quoted;
 use thenar_touch::TrackerTiming;
 use thenar_track::live::LivePose;

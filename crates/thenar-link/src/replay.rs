@@ -6,7 +6,7 @@ use crate::{Driver, Found, HandSample, LinkError, Opened, Tracker, now_ns};
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::sync::Arc;
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_track::RECORDING_BYTES_MAX;
 use thenar_track::live::LivePose;
 

@@ -2,8 +2,8 @@
 
 use crate::{Event, HandOutput, Protocol};
 use std::path::Path;
-use thenar::Pose;
-use thenar::model::Side;
+use thenar_core::Pose;
+use thenar_core::model::Side;
 use thenar_track::Recording;
 
 /// Hands at rest, of several shapes (tests/data).

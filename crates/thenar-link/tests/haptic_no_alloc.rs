@@ -3,7 +3,7 @@
 //! losses, arming, forces, a trip, and frames with and without a condensed response.
 
 use std::path::Path;
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_link::haptic_loop::{LoopMode, ManualLoop, Settings, page_tracker};
 use thenar_scene::session::Session;
 use thenar_testing::allocations;

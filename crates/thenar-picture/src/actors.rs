@@ -3,7 +3,7 @@
 use super::colour::Rgb;
 use super::scene3d::Material;
 use std::ops::Range;
-use thenar::model::{EmbeddedSurface, HandModel};
+use thenar_core::model::{EmbeddedSurface, HandModel};
 use thenar_rig::TriMesh;
 use thenar_rig::object::Paint;
 

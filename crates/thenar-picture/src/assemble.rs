@@ -6,7 +6,7 @@ use super::normals;
 use super::scene3d::{Material, Mesh, Scene3d};
 use super::skin::Site;
 use std::ops::Range;
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// Vertices and triangles of a scene. A vertex belongs to one mesh.
 #[derive(Default)]

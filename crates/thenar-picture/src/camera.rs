@@ -1,7 +1,7 @@
 //! The eye: a pinhole camera.
 
 use super::V;
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// Nothing nearer than this part of the viewing distance is drawn.
 const NEAR: f64 = 0.02;

@@ -3,7 +3,7 @@
 use super::camera::Camera;
 use super::scene3d::{Material, Mesh};
 use super::shapes::{Solid, cylinder, sphere, spindle};
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// Draws lines of constant width on the screen for one camera.
 pub struct Pen {

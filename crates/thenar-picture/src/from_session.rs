@@ -3,7 +3,7 @@
 use super::actors::{Hand, Rigid, Soft};
 use super::colour::{Rgb, from_srgb_triple};
 use super::{Camera, Image, Layers, Material, Quality, Scales, Stage, render};
-use thenar::Vec3;
+use thenar_core::Vec3;
 use thenar_rig::object::crust;
 use thenar_scene::build::{BuiltHand, SoftBuild};
 use thenar_scene::format::SoftShape;

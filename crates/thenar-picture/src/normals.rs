@@ -1,6 +1,6 @@
 //! Vertex normals from triangles.
 
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// Twice the area of a triangle times its unit normal; zero where an index is out of range.
 fn area_normal(positions: &[Vec3], triangle: &[u32; 3]) -> Vec3 {

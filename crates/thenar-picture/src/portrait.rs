@@ -8,9 +8,9 @@ use super::{
     Backdrop, Camera, Ground, Hand, Image, Layers, Material, Pattern, Quality, Scales, Soft, Stage,
     render,
 };
-use thenar::model::{CouplingKind, Flesh, HandModel, HandPlacement, Skinning, WorldDesc};
-use thenar::world::ModelError;
-use thenar::{Pose, Vec3, World};
+use thenar_core::model::{CouplingKind, Flesh, HandModel, HandPlacement, Skinning, WorldDesc};
+use thenar_core::world::ModelError;
+use thenar_core::{Pose, Vec3, World};
 use thenar_rig::{Model, TriMesh};
 
 /// Draws a model: a hand or a figure in its rest pose, seen from above its back, or an object.

@@ -3,7 +3,7 @@
 use super::colour::{Rgb, hex};
 use super::skin::Site;
 use std::borrow::Cow;
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// How a surface looks.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -51,12 +51,12 @@ pub(super) struct GroundPlane {
 
 impl GroundPlane {
     /// `None` when the eye lies below it.
-    pub(super) fn new(ground: &Ground, origin: thenar::Vec3, view: &View) -> Option<Self> {
+    pub(super) fn new(ground: &Ground, origin: thenar_core::Vec3, view: &View) -> Option<Self> {
         let normal = ground.normal.try_normalize(1e-12)?;
         let axes = if normal.y.abs() > 0.99 {
-            [thenar::Vec3::x(), thenar::Vec3::z()]
+            [thenar_core::Vec3::x(), thenar_core::Vec3::z()]
         } else {
-            let (a, b) = thenar::math::tangents(&normal);
+            let (a, b) = thenar_core::math::tangents(&normal);
             [a, b]
         };
         let plane =

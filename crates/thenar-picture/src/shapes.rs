@@ -2,8 +2,8 @@
 
 use super::scene3d::{Material, Mesh};
 use std::f64::consts::{PI, TAU};
-use thenar::shape::Shape;
-use thenar::{Pose, Vec3};
+use thenar_core::shape::Shape;
+use thenar_core::{Pose, Vec3};
 
 /// Vertices and outward triangles.
 #[derive(Clone, Debug, Default)]
@@ -40,7 +40,7 @@ impl Solid {
 /// the bottom up. Closed by its first and last ring, of radius 0.
 fn revolve(origin: Vec3, axis: Vec3, rings: &[[f64; 2]], sides: usize) -> Solid {
     let axis = axis.try_normalize(1e-12).unwrap_or_else(Vec3::y);
-    let (e1, e2) = thenar::math::tangents(&axis);
+    let (e1, e2) = thenar_core::math::tangents(&axis);
     let mut solid = Solid::default();
     let mut first = Vec::with_capacity(rings.len());
     for [height, radius] in rings {

@@ -3,8 +3,8 @@
 use super::V;
 use super::normals::smooth;
 use super::surface::embedded;
-use thenar::Vec3;
-use thenar::model::{Bone, Digit, EmbeddedSurface, HandModel};
+use thenar_core::Vec3;
+use thenar_core::model::{Bone, Digit, EmbeddedSurface, HandModel};
 use thenar_rig::export::vertex_skin;
 
 /// Where on a hand a vertex of its skin is.

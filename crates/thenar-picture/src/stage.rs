@@ -9,10 +9,10 @@ use super::shapes::Solid;
 use super::skin;
 use super::surface::{self, Nodes};
 use super::{Camera, Layers};
-use thenar::model::BodyId;
-use thenar::shape::Shape;
-use thenar::world::{ContactPoint, Input};
-use thenar::{Vec3, World};
+use thenar_core::model::BodyId;
+use thenar_core::shape::Shape;
+use thenar_core::world::{ContactPoint, Input};
+use thenar_core::{Vec3, World};
 
 /// A world, and how its bodies look.
 pub struct Stage<'a> {

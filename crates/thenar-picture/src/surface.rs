@@ -2,8 +2,8 @@
 
 use super::actors::Soft;
 use super::colour::{Rgb, hex};
-use thenar::model::{EmbeddedSurface, HandModel};
-use thenar::{Pose, Vec3};
+use thenar_core::model::{EmbeddedSurface, HandModel};
+use thenar_core::{Pose, Vec3};
 
 /// Node positions \[m\].
 pub type Nodes = Vec<Vec3>;
@@ -19,7 +19,7 @@ pub fn embedded(surface: &EmbeddedSurface, tets: &[[u32; 4]], nodes: &[Vec3]) ->
 pub fn skinned(hand: &HandModel, poses: &[Pose]) -> Nodes {
     let change: Vec<Pose> =
         hand.bones.iter().zip(poses).map(|(bone, pose)| *pose * bone.pose_MB.inverse()).collect();
-    let one = |(node, binding): (&Vec3, &thenar::model::Binding)| -> Vec3 {
+    let one = |(node, binding): (&Vec3, &thenar_core::model::Binding)| -> Vec3 {
         (0..2).map(|k| change[binding.bones[k] as usize].point(node) * binding.weights[k]).sum()
     };
     hand.flesh.nodes.iter().zip(&hand.bindings).map(one).collect()

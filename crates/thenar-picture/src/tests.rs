@@ -6,7 +6,7 @@ use super::scene3d::{Light, Mesh, Scene3d};
 use super::shapes::{Solid, cuboid, sphere};
 use super::*;
 use std::f64::consts::{FRAC_PI_4, PI};
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 fn camera(position: Vec3) -> Camera {
     Camera { position, target: Vec3::zeros(), up: Vec3::y(), fov_y: FRAC_PI_4 }
@@ -73,9 +73,9 @@ fn the_nearer_mesh_hides_the_farther_whatever_the_order() {
 
 #[test]
 fn a_translucent_mesh_mixes_with_what_lies_behind_in_the_given_part() {
-    let wall = cuboid(&thenar::Pose::identity(), Vec3::new(0.5, 0.5, 0.01), 1)
+    let wall = cuboid(&thenar_core::Pose::identity(), Vec3::new(0.5, 0.5, 0.01), 1)
         .mesh(Material::unlit([0.4, 0.0, 0.0]));
-    let veil = cuboid(&thenar::Pose::translation(0.0, 0.0, 0.2), Vec3::new(0.5, 0.5, 0.01), 1)
+    let veil = cuboid(&thenar_core::Pose::translation(0.0, 0.0, 0.2), Vec3::new(0.5, 0.5, 0.01), 1)
         .mesh(Material { opacity: 0.25, ..Material::unlit([0.0, 0.4, 0.0]) });
     let scene = Scene3d { meshes: vec![veil, wall], ..Scene3d::default() };
     let image = render(&scene, &camera(Vec3::new(0.0, 0.0, 2.0)), 64, 64, &plain());
@@ -270,7 +270,7 @@ mod files {
 /// A rigid box is red and a soft one blue; with its flesh the soft one shows lines.
 #[test]
 fn what_was_built_is_drawn() {
-    use thenar::model::{Law, Material as Tissue};
+    use thenar_core::model::{Law, Material as Tissue};
     use thenar_rig::embed::{EmbedOptions, embed};
     use thenar_rig::object::{ImportOptions, SoftModel, Weight, rigid_from_mesh};
     use thenar_rig::{Model, mesh::shapes};

@@ -4,7 +4,7 @@ use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use serde_json::{Value, json};
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_scene::build::BuiltHand;
 use thenar_scene::session::Session;
 
@@ -12,7 +12,7 @@ use thenar_scene::session::Session;
 pub fn json(session: &Session) -> String {
     let desc = session.world().desc();
     let rigids: Vec<&str> = desc.rigids.iter().map(|rigid| &rigid.name[..]).collect();
-    let soft = |(i, soft): (u32, &thenar::model::SoftDesc)| {
+    let soft = |(i, soft): (u32, &thenar_core::model::SoftDesc)| {
         json!({
             "name": soft.name,
             "nodes": session.world().node_range(i).len(),

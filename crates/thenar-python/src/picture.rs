@@ -3,7 +3,7 @@
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use std::path::PathBuf;
-use thenar::Vec3;
+use thenar_core::Vec3;
 use thenar_output::Output;
 use thenar_picture::{Camera, EncodeError, Image, Layers, Quality, camera, draw, write_png};
 use thenar_scene::session::Session;

@@ -3,10 +3,10 @@
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use thenar::model::BodyId;
-use thenar::readout::{ContactReadout, PartContact};
-use thenar::world::ContactPoint;
-use thenar::{Vec3, World};
+use thenar_core::model::BodyId;
+use thenar_core::readout::{ContactReadout, PartContact};
+use thenar_core::world::ContactPoint;
+use thenar_core::{Vec3, World};
 use thenar_scene::flat::flat_pose;
 use thenar_scene::session::{HandLoad, Session};
 

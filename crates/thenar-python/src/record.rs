@@ -23,7 +23,7 @@ fn header() -> Header {
     Header {
         program: concat!("thenar ", env!("CARGO_PKG_VERSION"), " for Python").into(),
         build: Build::default(),
-        vectors: thenar::vector_instructions(),
+        vectors: thenar_core::vector_instructions(),
         system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
         created_unix_ns: u64::try_from(since_1970.as_nanos()).unwrap_or(0),
         simulated_time: true,

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, TryLockError};
-use thenar::readout::ContactReadout;
+use thenar_core::readout::ContactReadout;
 use thenar_scene::recording::{Event, Replay};
 
 /// A recording being made again.

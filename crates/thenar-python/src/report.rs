@@ -1,7 +1,7 @@
 //! The report of a step.
 
 use pyo3::prelude::*;
-use thenar::world;
+use thenar_core::world;
 
 /// The report of one step of a world.
 #[pyclass(frozen, get_all, module = "thenar")]

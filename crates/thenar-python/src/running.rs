@@ -5,7 +5,7 @@ use crate::record::Writing;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::time::{Duration, Instant};
-use thenar::readout::ContactReadout;
+use thenar_core::readout::ContactReadout;
 use thenar_scene::recording::snapshot;
 use thenar_scene::session::{Session, Source};
 

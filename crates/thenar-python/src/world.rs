@@ -15,7 +15,7 @@ use pyo3::types::PyBytes;
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 use std::time::Duration;
-use thenar::world::Target;
+use thenar_core::world::Target;
 use thenar_picture::Image;
 use thenar_scene::flat::{pose, target};
 use thenar_scene::grip::GripKind;

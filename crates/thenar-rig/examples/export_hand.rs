@@ -3,7 +3,7 @@
 //! `cargo run --release -p thenar-rig --example export_hand -- OUT_DIR`
 
 use std::path::PathBuf;
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_rig::RigError;
 use thenar_rig::export::{write_hand_glb, write_hand_vtk};
 

@@ -6,8 +6,8 @@ use crate::object::SoftModel;
 use crate::size::sensible_size;
 use crate::work::phase;
 use crate::{RigError, TriMesh};
-use thenar::model::{EmbeddedSurface, Flesh, Material};
-use thenar::{Quat, Vec3};
+use thenar_core::model::{EmbeddedSurface, Flesh, Material};
+use thenar_core::{Quat, Vec3};
 
 /// Options of [`embed`].
 #[derive(Clone, Copy, Debug)]

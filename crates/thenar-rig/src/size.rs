@@ -1,7 +1,7 @@
 //! How large a body may be, and how far from the origin of its file.
 
 use crate::RigError;
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// Smallest and largest admissible longest side of a body \[m\].
 pub(crate) const SIZE_RANGE: [f64; 2] = [1e-4, 1e3];

@@ -5,8 +5,8 @@
 //! could follow several digits (the webs), the nearest takes it, with a weight that fades towards
 //! the place where another takes over.
 
-use thenar::Vec3;
-use thenar::model::Binding;
+use thenar_core::Vec3;
+use thenar_core::model::Binding;
 
 /// Three moving bones in a row, hanging on a root bone.
 #[derive(Clone, Debug)]

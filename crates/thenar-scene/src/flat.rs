@@ -1,8 +1,8 @@
 //! Poses and targets as lists of numbers, with all their bits: how recordings keep them.
 
 use serde::{Serialize, Serializer};
-use thenar::world::Target;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::world::Target;
+use thenar_core::{Pose, Quat, Vec3};
 
 /// Pose, velocity \[m/s\] and angular velocity \[rad/s\], world.
 pub type FlatTarget = [f64; 13];

@@ -6,7 +6,7 @@ mod remove;
 
 use crate::format::{Hand, Scene};
 use copies::{default_hand, holding_still};
-use thenar::model::Side;
+use thenar_core::model::Side;
 
 /// The hands that a scene is to have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

@@ -5,7 +5,7 @@
 //! the same for editors.
 
 mod math {
-    pub use thenar::math::*;
+    pub use thenar_core::math::*;
 }
 
 pub mod build;

@@ -5,8 +5,8 @@
 
 use crate::math::Vec3;
 use std::f64::consts::PI;
-use thenar::model::{Bone, Digit, HandModel};
-use thenar::readout::{TaxelPlace, TaxelSkin};
+use thenar_core::model::{Bone, Digit, HandModel};
+use thenar_core::readout::{TaxelPlace, TaxelSkin};
 
 /// Taxels on one bone, in rows and columns.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 //! steps of a hand that a script moves, that poses move, that is lost, and that returns.
 
 use std::path::Path;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_scene::live::LivePose;
 use thenar_scene::session::{Session, builtin};
 use thenar_testing::allocations;

@@ -2,7 +2,7 @@
 //! included. Method: a global allocator that counts by thread.
 
 use std::path::Path;
-use thenar::{Pose, Vec3};
+use thenar_core::{Pose, Vec3};
 use thenar_record::{Field, Header, Recorder};
 use thenar_scene::live::LivePose;
 use thenar_scene::recording::{SessionTape, TimeOf};

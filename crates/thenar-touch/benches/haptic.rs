@@ -2,7 +2,7 @@
 //! `cargo bench -p thenar-touch --bench haptic`.
 
 use divan::{Bencher, black_box};
-use thenar::{Mat3, Pose, Quat, Vec3};
+use thenar_core::{Mat3, Pose, Quat, Vec3};
 use thenar_touch::safety::{Bank, Limits, Signal};
 use thenar_touch::shared::{Condensed, CondensedContact, SharedConstraints};
 use thenar_touch::{

@@ -23,9 +23,9 @@
 
 use crate::shared::SharedConstraints;
 use crate::{RigidState, SlowToFast};
-use thenar::math::rotation_vector;
-use thenar::model::Drive;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::math::rotation_vector;
+use thenar_core::model::Drive;
+use thenar_core::{Pose, Quat, Vec3};
 
 /// Turn beyond which a bone's arc counts as ended \[rad\].
 const FARTHEST: f64 = 0.5;

@@ -5,8 +5,8 @@ use super::*;
 use crate::shared::CondensedContact;
 use crate::testing::Random;
 use nalgebra::{DMatrix, DVector};
-use thenar::Mat3;
-use thenar::model::Drive;
+use thenar_core::Mat3;
+use thenar_core::model::Drive;
 
 fn drive(stiffness: f64, angular_stiffness: f64) -> Drive {
     Drive { stiffness, damping: 0.0, angular_stiffness, angular_damping: 0.0 }

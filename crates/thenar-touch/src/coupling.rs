@@ -1,9 +1,9 @@
 //! How stiff and how damped the two couplings of a proxy are.
 
 use crate::{Proxy, RigidState};
-use thenar::kernels::drive_force;
-use thenar::math::{Mat3, Vec3};
-use thenar::model::{Drive, HandModel};
+use thenar_core::kernels::drive_force;
+use thenar_core::math::{Mat3, Vec3};
+use thenar_core::model::{Drive, HandModel};
 
 /// What is chosen about a proxy's couplings; the rest follows from the bone's mass and inertia.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -120,7 +120,7 @@ pub fn series_stiffness(a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use thenar::math::{Pose, Quat};
+    use thenar_core::math::{Pose, Quat};
 
     /// The textbook ratio c / (2 √(m K)), for both kinds of motion.
     #[test]

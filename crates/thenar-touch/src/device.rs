@@ -2,7 +2,7 @@
 
 use crate::safety::Limits;
 use crate::{HandOutput, HandSample, LoopProfile, Rendering, TrackerTiming};
-use thenar::model::Side;
+use thenar_core::model::Side;
 
 /// Asks a device what there is to tell a person, without having the device in hand.
 pub type Messenger = Box<dyn FnMut() -> Vec<String> + Send>;

@@ -1,7 +1,7 @@
 //! From the wrench of a distal proxy's device coupling to what a device can show. Pure functions,
 //! and one small latch for movement stops. Safety comes after.
 
-use thenar::math::{Pose, Vec3};
+use thenar_core::math::{Pose, Vec3};
 
 /// Out of the skin of a finger pad, in the bone's frame B: WebXR axes have the back of the hand at
 /// +y.
@@ -75,7 +75,7 @@ impl StopLatch {
 mod tests {
     use super::*;
     use crate::testing::Random;
-    use thenar::math::Quat;
+    use thenar_core::math::Quat;
 
     /// A hand palm down: the table pushes up, into the pad, whatever the shear.
     #[test]

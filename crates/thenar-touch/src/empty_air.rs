@@ -18,8 +18,8 @@
 
 use crate::RigidState;
 use std::ops::Range;
-use thenar::math::{Pose, Quat, Vec3, rotation_vector};
-use thenar::world::{Alone, Input, ModelError, State, Target, World};
+use thenar_core::math::{Pose, Quat, Vec3, rotation_vector};
+use thenar_core::world::{Alone, Input, ModelError, State, Target, World};
 
 /// A hand of a world, in empty air.
 #[derive(Clone, Debug)]
@@ -100,7 +100,7 @@ impl Held {
 #[cfg(test)]
 mod tests {
     use crate::{CouplingDesign, HandSettings, HapticHand, RigidState, SlowToFast, Touch};
-    use thenar::math::{Mat3, Pose, Vec3};
+    use thenar_core::math::{Mat3, Pose, Vec3};
 
     /// Contact holds a bone 5 mm off for some frames, which tell of the hand in empty air; then frames come that do not:
     /// nothing of that contact is left, and all that the coupling bears is felt, nothing for a bone where its hand is.

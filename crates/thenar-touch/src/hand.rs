@@ -10,8 +10,8 @@ use crate::{
     BLEND, DelayMeter, FastToSlow, Prediction, Proxies, Proxy, ProxyError, ProxyReport, RigidState,
     SlowToFast, Touch, hold_then_fade, seconds_between,
 };
-use thenar::math::{Vec3, rotation_vector};
-use thenar::world::StepReport;
+use thenar_core::math::{Vec3, rotation_vector};
+use thenar_core::world::StepReport;
 
 /// What stands in for the simulated bones between two frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

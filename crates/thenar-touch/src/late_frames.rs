@@ -50,7 +50,7 @@ mod tests {
         CouplingDesign, FastToSlow, HandSettings, HapticHand, RigidState, SlowToFast, Touch,
     };
     use std::collections::VecDeque;
-    use thenar::math::{Mat3, Pose, Vec3};
+    use thenar_core::math::{Mat3, Pose, Vec3};
 
     const MS: u64 = 1_000_000;
 

@@ -86,7 +86,7 @@ impl LedHand {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use thenar::{Pose, Vec3};
+    use thenar_core::{Pose, Vec3};
 
     /// What is led is taken to the bit, in the very tick; what is led no more stands still there.
     #[test]

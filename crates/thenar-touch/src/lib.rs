@@ -17,8 +17,8 @@
 //! use thenar_touch::{
 //!     CouplingDesign, FastToSlow, HandSettings, HapticHand, Pad, RigidState, SlowToFast, Touch,
 //! };
-//! use thenar::model::Digit;
-//! use thenar::{Mat3, Pose, Vec3};
+//! use thenar_core::model::Digit;
+//! use thenar_core::{Mat3, Pose, Vec3};
 //!
 //! // Build: one bone here; `CouplingDesign::hand` and `Pad::of_hand` do it for a hand model.
 //! let start = [RigidState::at_rest(Pose::identity())];
@@ -83,7 +83,7 @@ mod smooth;
 mod stability;
 #[cfg(test)]
 #[allow(dead_code)] // the core's tests use all of it
-#[path = "../../thenar/src/testing.rs"]
+#[path = "../../thenar-core/src/testing.rs"]
 mod testing;
 mod touch;
 pub mod virtual_user;
@@ -109,12 +109,12 @@ pub use proxies::{Proxies, Proxy, ProxyError, ProxyReport};
 pub use single_rate::{SingleRate, SingleRateSettings, series_drive};
 pub use smooth::BLEND;
 pub use stability::{CouplingRule, CouplingWarning, LoopProfile};
-pub use thenar::condensed::{RigidState, SlowToFast};
+pub use thenar_core::condensed::{RigidState, SlowToFast};
 pub use thenar_track::{HandSample, Observation, TrackerTiming};
 pub use touch::Touch;
 pub use ways_out::lock_soon;
 
 #[cfg(test)]
 mod math {
-    pub use thenar::math::{Quat, Vec3};
+    pub use thenar_core::math::{Quat, Vec3};
 }

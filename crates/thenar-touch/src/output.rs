@@ -1,8 +1,8 @@
 //! Outputs of force displays: everything that any of them can render, per finger.
 
 use crate::safety::Limits;
-use thenar::Vec3;
-use thenar::model::Side;
+use thenar_core::Vec3;
+use thenar_core::model::Side;
 
 /// Fingers of a hand, thumb first.
 pub const DIGITS: usize = 5;

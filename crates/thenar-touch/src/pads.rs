@@ -1,8 +1,8 @@
 //! The finger pads: where a hand's forces are shown, and how they move.
 
 use crate::{PAD_NORMAL_B, Touch, pad_force};
-use thenar::math::{Pose, Vec3};
-use thenar::model::{Digit, HandModel};
+use thenar_core::math::{Pose, Vec3};
+use thenar_core::model::{Digit, HandModel};
 
 /// One finger pad and how it moved since it was last read.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -74,8 +74,8 @@ impl Pad {
 mod tests {
     use super::*;
     use crate::{CouplingDesign, HandSettings, HapticHand, RigidState, SlowToFast};
-    use thenar::math::{Mat3, Quat};
-    use thenar::model::{Bone, CouplingKind, EmbeddedSurface, Flesh};
+    use thenar_core::math::{Mat3, Quat};
+    use thenar_core::model::{Bone, CouplingKind, EmbeddedSurface, Flesh};
 
     /// A palm and two fingers of two bones, in the order of a model.
     fn hand() -> HandModel {

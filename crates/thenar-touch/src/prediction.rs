@@ -70,7 +70,7 @@ pub fn seconds_between(from_ns: u64, to_ns: u64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use thenar::math::{Pose, Quat, Vec3};
+    use thenar_core::math::{Pose, Quat, Vec3};
 
     const FRAMES: Prediction = Prediction::SIMULATION;
 

@@ -18,8 +18,8 @@
 //! direction of turn at exactly half a turn, where both are equally short.
 
 use crate::RigidState;
-use thenar::math::{Mat3, Quat, Vec3, rotation_vector, skew};
-use thenar::model::Drive;
+use thenar_core::math::{Mat3, Quat, Vec3, rotation_vector, skew};
+use thenar_core::model::Drive;
 
 /// One proxy bone: constant.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -91,7 +91,7 @@ impl Proxies {
         for (index, proxy) in proxies.iter().enumerate() {
             check(index, proxy)?;
         }
-        let origin = RigidState::at_rest(thenar::Pose::identity());
+        let origin = RigidState::at_rest(thenar_core::Pose::identity());
         let state = |i: usize| start.get(i).copied().unwrap_or(origin);
         Ok(Self {
             states: (0..proxies.len()).map(state).collect(),
@@ -147,7 +147,7 @@ impl Proxies {
             if !stepped.is_sensible() {
                 report.restarted += 1;
                 let near = tracked.or(bone).filter(|end| is_sensible(end));
-                let pose = near.map_or(thenar::Pose::identity(), |end| end.pose_WB);
+                let pose = near.map_or(thenar_core::Pose::identity(), |end| end.pose_WB);
                 stepped = Stepped::at_rest(RigidState::at_rest(pose));
             }
             self.states[i] = stepped.state;
@@ -160,7 +160,7 @@ impl Proxies {
     /// Kinetic energy and that of both springs \[J\].
     pub fn energy(&self, tracked: &[RigidState], bones: &[RigidState]) -> f64 {
         let spring = |drive: &Drive, state: &RigidState, end: &RigidState| {
-            thenar::kernels::drive_energy(drive, &end.target(), &state.pose_WB)
+            thenar_core::kernels::drive_energy(drive, &end.target(), &state.pose_WB)
         };
         let each = self.proxies.iter().zip(&self.states).zip(tracked.iter().zip(bones));
         each.map(|((proxy, state), (tracked, bone))| {
@@ -246,7 +246,7 @@ impl Proxy {
         let spin_B = solve3(&angular, &(momentum_B + (loads[0][1] + loads[1][1]) * h));
 
         let turn = Quat::from_scaled_axis(spin_B * h);
-        let pose_WB = thenar::Pose::new(
+        let pose_WB = thenar_core::Pose::new(
             state.pose_WB.position + velocity_W * h,
             Quat::new_normalize((rotation * turn).into_inner()),
         );

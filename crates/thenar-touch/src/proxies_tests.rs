@@ -4,9 +4,9 @@
 use crate::testing::Random;
 use crate::{CouplingDesign, series_stiffness};
 use crate::{Proxies, Proxy, ProxyError, RigidState};
-use thenar::Pose;
-use thenar::math::{Mat3, Quat, Vec3, rotation_vector};
-use thenar::model::Drive;
+use thenar_core::Pose;
+use thenar_core::math::{Mat3, Quat, Vec3, rotation_vector};
+use thenar_core::model::Drive;
 
 fn finger_bone() -> Proxy {
     let inertia = Mat3::from_diagonal(&Vec3::new(3e-7, 3e-8, 3.1e-7));
@@ -128,7 +128,7 @@ fn a_free_proxy_tumbles() {
     for _ in 0..20_000 {
         proxies.step(h, &[at(0.0)], &[at(0.0)]);
         (rotation, omega) =
-            thenar::kernels::turn_freely(&rotation, &omega, &inertia_B, &inverse, h);
+            thenar_core::kernels::turn_freely(&rotation, &omega, &inertia_B, &inverse, h);
     }
     let got = proxies.states()[0];
     assert!((omega - spin).norm() > 10.0, "it must tumble: {omega}");

@@ -11,9 +11,9 @@ use crate::{
     series_stiffness,
 };
 use std::ops::Range;
-use thenar::math::Vec3;
-use thenar::model::Drive;
-use thenar::world::{Input, ModelError, StepReport, World};
+use thenar_core::math::Vec3;
+use thenar_core::model::Drive;
+use thenar_core::world::{Input, ModelError, StepReport, World};
 
 /// How a simulation within the tick is stepped.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,7 +6,7 @@
 //! than `J h/τ` in a tick of h. A force that goes on evenly is not held up. Frames of every tick have nothing between
 //! them to be smooth.
 
-use thenar::math::Vec3;
+use thenar_core::math::Vec3;
 
 /// Time constant in which a frame's correction is let in \[s\]: a seventh of it in the first millisecond, of the
 /// paper's scenes' largest, 0.3 N where a car is touched, less than 0.05 N. The correction, and nothing else, is

@@ -12,7 +12,7 @@
 //! The first and the last guarantee that nothing the wearer does makes the display active. The
 //! second says when it oscillates by itself.
 
-use thenar::model::Drive;
+use thenar_core::model::Drive;
 
 /// What matters of a device and its loop on one axis.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -1,8 +1,8 @@
 //! One interface to the three modes of touch: what the loop around ticks, whatever is inside.
 
 use crate::{FastToSlow, HandReport, HapticHand, LedHand, RigidState, SlowToFast};
-use thenar::math::Vec3;
-use thenar::world::{Input, World};
+use thenar_core::math::Vec3;
+use thenar_core::world::{Input, World};
 
 /// A hand at the device's rate: [`HapticHand`](crate::HapticHand) beside a slower
 /// simulation, or [`SingleRate`](crate::SingleRate) with the simulation within.

@@ -1,13 +1,13 @@
 //! Goal: a haptic tick allocates nothing. Method: a global allocator that counts, around ticks of a
 //! hand of 16 bones with new frames, contacts, guards and a trip; around frames that a world publishes.
 
-#[path = "../../thenar/tests/common/mod.rs"]
+#[path = "../../thenar-core/tests/common/mod.rs"]
 mod common;
 
 use common::{body, finger};
-use thenar::model::Motion;
-use thenar::shape::Shape;
-use thenar::{Mat3, Pose, Vec3, World};
+use thenar_core::model::Motion;
+use thenar_core::shape::Shape;
+use thenar_core::{Mat3, Pose, Vec3, World};
 use thenar_testing::allocations;
 use thenar_touch::safety::{Bank, Limits, Signal, Trip};
 use thenar_touch::shared::CondensedContact;

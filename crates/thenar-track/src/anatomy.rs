@@ -1,7 +1,7 @@
 //! Which joint bends which finger which way.
 
-use thenar::Vec3;
-use thenar::model::{Digit, HandModel, JointKind};
+use thenar_core::Vec3;
+use thenar_core::model::{Digit, HandModel, JointKind};
 
 /// What a joint is to a hand.
 #[derive(Clone, Debug, PartialEq)]

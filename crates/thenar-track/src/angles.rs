@@ -5,7 +5,7 @@
 use super::anatomy::{Anatomy, JointRole};
 use super::articulation::Articulation;
 use std::f64::consts::PI;
-use thenar::model::{Digit, HandModel};
+use thenar_core::model::{Digit, HandModel};
 
 /// How many angles a hand has: four for each digit.
 pub const ANGLES: usize = 20;

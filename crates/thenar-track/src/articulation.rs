@@ -1,10 +1,10 @@
 //! A hand's skeleton as a motion sees it: wrist and joint angles in, bone targets out.
 
 use crate::FitError;
-use thenar::kinematics::Tree;
-use thenar::model::HandModel;
-use thenar::world::Target;
-use thenar::{Pose, Vec3};
+use thenar_core::kinematics::Tree;
+use thenar_core::model::HandModel;
+use thenar_core::world::Target;
+use thenar_core::{Pose, Vec3};
 
 /// Turns the wrist's pose and the joint angles into targets of all bones. The wrist is the frame
 /// of the root bone's tracked joint (WebXR: -z towards the fingers, +y out of the back).

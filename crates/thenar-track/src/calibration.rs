@@ -2,8 +2,8 @@
 
 use super::recording::mirrored;
 use super::retarget::tracked_index;
-use thenar::model::HandModel;
-use thenar::{Mat3, Pose, Quat, Vec3};
+use thenar_core::model::HandModel;
+use thenar_core::{Mat3, Pose, Quat, Vec3};
 
 /// A tracked hand is larger than ours by a factor within these, or it is none.
 pub(crate) const RATIOS: std::ops::RangeInclusive<f64> = 0.3..=3.0;

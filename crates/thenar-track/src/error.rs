@@ -1,6 +1,6 @@
 //! What keeps a tracked hand from moving ours.
 
-use thenar::kinematics::TreeError;
+use thenar_core::kinematics::TreeError;
 
 /// Why a hand cannot be moved by what was tracked.
 #[derive(Debug, thiserror::Error)]

@@ -7,8 +7,8 @@
 //! inputs, hence never overshoots, never leaves the inputs' range and never exceeds the limiter's
 //! speed. It follows a ramp 2/ω seconds late.
 
-use thenar::math::skew;
-use thenar::{Mat3, Quat, Vec3};
+use thenar_core::math::skew;
+use thenar_core::{Mat3, Quat, Vec3};
 
 /// Distance from the input and its rate after `dt`, for a critically damped filter at natural
 /// frequency `omega` \[rad/s\] whose input stands still.

@@ -1,10 +1,10 @@
 //! A small skeleton of a right hand for tests: 16 bones, straight fingers along -z, the back up.
 
-use thenar::model::{
+use thenar_core::model::{
     AngleLimit, Axis, Bone, CouplingKind, Digit, EmbeddedSurface, Flesh, HandModel, JointDesc,
     JointKind, Side,
 };
-use thenar::{Mat3, Pose, Quat, Vec3};
+use thenar_core::{Mat3, Pose, Quat, Vec3};
 
 /// Finger, its WebXR name, its knuckle in the wrist frame \[m\], and the lengths of its bones.
 const FINGERS: [(Digit, &str, [f64; 3], [f64; 3]); 5] = [

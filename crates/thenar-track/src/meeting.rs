@@ -21,8 +21,8 @@ use crate::reach::{ALONG, Angles, Chain, FREEDOMS_MAX, PadPlace, Reached};
 use crate::recording::TRACKED_JOINTS;
 use crate::retarget::tracked_index;
 use nalgebra::{SMatrix, SVector};
-use thenar::model::{Digit, HandModel};
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::model::{Digit, HandModel};
+use thenar_core::{Pose, Quat, Vec3};
 
 /// How far pads that meet press into each other \[m\]: usual drives hold the tip of a bent digit with some 330 N/m, and
 /// give 1.5 N for 4.5 mm on either side.

@@ -12,9 +12,9 @@
 //! the targets alone, so that they neither damp nor drive anything by themselves, and end where the joints' ranges end.
 
 use crate::{Articulation, FitError};
-use thenar::Pose;
-use thenar::model::HandModel;
-use thenar::world::Target;
+use thenar_core::Pose;
+use thenar_core::model::HandModel;
+use thenar_core::world::Target;
 
 /// Torques about the joints of one hand.
 #[derive(Clone, Debug)]
@@ -83,10 +83,10 @@ impl Muscles {
 mod tests {
     use super::Muscles;
     use crate::{Articulation, fixture};
-    use thenar::model::HandModel;
-    use thenar::random::Random;
-    use thenar::world::Target;
-    use thenar::{Pose, Vec3};
+    use thenar_core::model::HandModel;
+    use thenar_core::random::Random;
+    use thenar_core::world::Target;
+    use thenar_core::{Pose, Vec3};
 
     fn targets_at(hand: &HandModel, angles: &[[f64; 2]]) -> Vec<Option<Target>> {
         let mut poses = vec![Pose::identity(); hand.bones.len()];

@@ -18,9 +18,9 @@ use super::recording::{Recording, TrackedSample};
 use super::retarget::Retarget;
 use crate::FitError;
 use desc::Settings;
-use thenar::model::{HandModel, Side};
-use thenar::world::Target;
-use thenar::{Pose, Quat};
+use thenar_core::model::{HandModel, Side};
+use thenar_core::world::Target;
+use thenar_core::{Pose, Quat};
 
 mod desc;
 

@@ -13,8 +13,8 @@ use super::calibration::{BoneLengths, Knuckles};
 use super::meeting::Meeting;
 use super::recording::{TRACKED_JOINTS, TrackedSample, mirrored};
 use crate::FitError;
-use thenar::model::{Bone, HandModel};
-use thenar::{Pose, Quat};
+use thenar_core::model::{Bone, HandModel};
+use thenar_core::{Pose, Quat};
 
 /// Samples looked at for calibration, evenly over the recording.
 const CALIBRATION_SAMPLES: usize = 500;

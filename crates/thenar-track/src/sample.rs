@@ -1,7 +1,7 @@
 //! What trackers tell.
 
 use crate::live::LivePose;
-use thenar::model::Side;
+use thenar_core::model::Side;
 
 /// One hand at an instant.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

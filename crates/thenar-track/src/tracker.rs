@@ -3,9 +3,9 @@
 use super::recording::{Recording, TRACKED_JOINTS, mirrored};
 use std::fmt::Write;
 use std::path::Path;
-use thenar::kinematics::Tree;
-use thenar::model::{HandModel, Side};
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::kinematics::Tree;
+use thenar_core::model::{HandModel, Side};
+use thenar_core::{Pose, Quat, Vec3};
 
 /// What the watched hand does, and what the tracker does to it.
 pub struct Tracker<'a> {

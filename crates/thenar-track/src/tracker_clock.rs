@@ -9,7 +9,7 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use thenar::model::Side;
+use thenar_core::model::Side;
 
 /// A time that is no older than this is one of our clock \[ns\].
 const BELIEVED: i128 = 250_000_000;

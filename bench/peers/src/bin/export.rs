@@ -3,7 +3,7 @@
 
 use std::path::Path;
 use std::process::ExitCode;
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_peers::simple::simplified;
 use thenar_rig::export::write_hand_json;
 use thenar_rig::{Model, RigError, write_model};

@@ -2,14 +2,14 @@
 
 use cpu_time::ThreadTime;
 use std::process::ExitCode;
-use thenar::shape::Shape;
-use thenar::model::{
+use thenar_core::shape::Shape;
+use thenar_core::model::{
     Axis, Binding, BodyId, Coupling, Drive, EmbeddedSurface, FixedNode, Flesh, JointDesc,
     JointKind, Law, Material, Motion, RigidDesc, Skinning, SoftDesc, SolverKind, SurfaceVertex,
     WorldDesc,
 };
-use thenar::world::{Input, Target};
-use thenar::{Mat3, Pose, Quat, Vec3, World};
+use thenar_core::world::{Input, Target};
+use thenar_core::{Mat3, Pose, Quat, Vec3, World};
 use thenar_peers::job::{self, Kind, PoseRow};
 use thenar_peers::outcome::Frame;
 use thenar_peers::{Job, Outcome, drive};

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
-use thenar::world::Stage;
+use thenar_core::world::Stage;
 use thenar_output::Output;
 use thenar_scene::session::Session;
 

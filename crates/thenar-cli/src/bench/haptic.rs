@@ -3,8 +3,8 @@
 use super::samples::Samples;
 use std::hint::black_box;
 use std::time::Instant;
-use thenar::model::Side;
-use thenar::{Mat3, Pose, Quat, Vec3};
+use thenar_core::model::Side;
+use thenar_core::{Mat3, Pose, Quat, Vec3};
 use thenar_link::haptic_loop::{ManualLoop, Settings, page_tracker};
 use thenar_link::now_ns;
 use thenar_scene::live::LivePose;

@@ -3,7 +3,7 @@
 use super::memory::resident_mb;
 use super::samples::{Samples, Stopwatch};
 use std::path::Path;
-use thenar::world::Stage;
+use thenar_core::world::Stage;
 use thenar_scene::session::{Session, builtin};
 
 /// The paper's table beside ours, on its bread scene and model sizes.

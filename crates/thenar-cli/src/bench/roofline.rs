@@ -9,8 +9,8 @@ use super::goals::Table;
 use super::machine::Peaks;
 use super::works::{SOLVERS, Wanted, free};
 use std::time::Instant;
-use thenar::Vec3;
-use thenar::world::{Stage, StageTimer};
+use thenar_core::Vec3;
+use thenar_core::world::{Stage, StageTimer};
 use thenar_scene::session::Session;
 
 /// Floor and measured time of each stage, with the machine's peaks measured in the same run.

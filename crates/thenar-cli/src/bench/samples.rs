@@ -1,7 +1,7 @@
 //! Times of each stage of each step.
 
 use std::time::Instant;
-use thenar::world::{Stage, StageTimer};
+use thenar_core::world::{Stage, StageTimer};
 use thenar_scene::session::Session;
 
 /// Samples of one quantity; of a stage's duration \[µs\], one for each step.

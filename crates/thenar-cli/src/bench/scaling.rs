@@ -3,7 +3,7 @@
 use super::memory::resident_mb;
 use super::samples::Stopwatch;
 use std::path::Path;
-use thenar::world::Stage;
+use thenar_core::world::Stage;
 use thenar_scene::session::Session;
 
 /// Cost over 600 to 17 000 tetrahedra and 0 to 100 contacts, with resident memory.

@@ -1,7 +1,7 @@
 //! The states that the goals are measured at, as sessions of scenes that come with the program.
 
 use std::path::Path;
-use thenar::model::SolverKind;
+use thenar_core::model::SolverKind;
 use thenar_scene::session::{Session, builtin};
 
 /// Both solvers, with the names that scenes give them.

@@ -4,7 +4,7 @@ use super::hand::write_boned;
 use super::{Args, Outputs, name};
 use crate::error::CliError;
 use crate::words::counted;
-use thenar::model::JointKind;
+use thenar_core::model::JointKind;
 use thenar_rig::Model;
 use thenar_rig::figure::{
     FigureOptions, FigureReport, build_figure_file, usual_coupling_stiffness,

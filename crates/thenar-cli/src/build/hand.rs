@@ -5,7 +5,7 @@ use super::{Args, CouplingArg, Outputs, PresetArg, SideArg, SpringsArg, name, wr
 use crate::error::CliError;
 use crate::words::counted;
 use std::path::Path;
-use thenar::model::{CouplingKind, HandModel, Side};
+use thenar_core::model::{CouplingKind, HandModel, Side};
 use thenar_rig::export::{hand_glb, hand_json, write_hand_vtk};
 use thenar_rig::hand::{
     HandOptions, JointStiffness, NameMap, RigReading, Size, Springs, asset, build_hand_with_report,

@@ -4,7 +4,7 @@ use super::{Args, name};
 use crate::error::CliError;
 use crate::words::counted;
 use std::path::Path;
-use thenar::model::{Law, Material};
+use thenar_core::model::{Law, Material};
 use thenar_rig::embed::{EmbedOptions, embed, mended_surface};
 use thenar_rig::export::{flesh_cell_fields, surface, tetrahedra, write_whole};
 use thenar_rig::lattice::Quality;

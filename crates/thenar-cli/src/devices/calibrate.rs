@@ -5,7 +5,7 @@ use crate::error::CliError;
 use std::io::{BufRead, Write};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_link::Tracker;
 use thenar_link::profile::{Address, save, user_file};
 use thenar_scene::live::LivePose;

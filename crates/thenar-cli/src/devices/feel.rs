@@ -6,8 +6,8 @@ use crate::error::CliError;
 use crate::interrupt;
 use std::io::{BufRead, Write};
 use std::time::{Duration, Instant};
-use thenar::Vec3;
-use thenar::model::Side;
+use thenar_core::Vec3;
+use thenar_core::model::Side;
 use thenar_link::{DIGITS, ForceDisplay, HandOutput, Rendering, Tracker, now_ns};
 use thenar_touch::safety::{Guard, Limits, Signal, Status, Trip};
 

@@ -10,7 +10,7 @@ use crate::error::CliError;
 use crate::interrupt;
 use session::Session;
 use std::path::{Path, PathBuf};
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_link::latency::{
     Doubt, KEY_DELAY, KEY_DELAY_SPREAD, Lag, Measured, Part, lag, possible, stillness, taps,
 };

@@ -1,7 +1,7 @@
 //! How fast fingers open and a hand moves, out of what a tracker tells: for the guards of a first force.
 
-use thenar::model::Side;
-use thenar::{Pose, Vec3};
+use thenar_core::model::Side;
+use thenar_core::{Pose, Vec3};
 use thenar_link::{DIGITS, HandSample};
 use thenar_scene::live::LivePose;
 use thenar_scene::motion::ANGLES;

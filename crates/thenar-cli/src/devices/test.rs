@@ -5,7 +5,7 @@ use crate::error::CliError;
 use crate::interrupt;
 use std::io::Write;
 use std::time::{Duration, Instant};
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_link::wearer::{Wearer, worn};
 use thenar_link::{HandSample, Tracker, now_ns};
 use thenar_scene::live::LivePose;

@@ -11,8 +11,8 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use thenar::Vec3;
-use thenar::model::{BodyId, Digit, Motion};
+use thenar_core::Vec3;
+use thenar_core::model::{BodyId, Digit, Motion};
 use thenar_scene::format::Probe;
 use thenar_scene::session::Session;
 

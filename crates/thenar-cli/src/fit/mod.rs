@@ -18,7 +18,7 @@ use least_squares::{Minimum, Trial, Trouble, minimise};
 use report::{Told, digits};
 use std::io::Write;
 use std::path::PathBuf;
-use thenar::model::Digit;
+use thenar_core::model::Digit;
 use thenar_output::Output;
 use unknowns::{OFFSET, Unknown};
 

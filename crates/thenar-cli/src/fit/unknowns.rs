@@ -1,7 +1,7 @@
 //! What is fitted: names of parameters, the keys of the scene that they stand for, and where each starts.
 
 use super::assess::{Parameter, Scale};
-use thenar::model::Law;
+use thenar_core::model::Law;
 use thenar_scene::session::Session;
 
 /// The parameter that moves the zero of depth.

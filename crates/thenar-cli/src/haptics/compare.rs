@@ -6,7 +6,7 @@ use crate::error::CliError;
 use crate::run::open_live;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use thenar::Vec3;
+use thenar_core::Vec3;
 use thenar_link::haptic_loop::LoopMode;
 use thenar_link::rehearsal::{Comparison, Study};
 use thenar_output::Output;

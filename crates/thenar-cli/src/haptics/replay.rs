@@ -30,7 +30,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         incident.program,
         incident.instructions,
         env!("CARGO_PKG_VERSION"),
-        thenar::vector_instructions()
+        thenar_core::vector_instructions()
     );
     let made = replay(&incident).map_err(|e| wrong(&e))?;
     let seconds = made

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use thenar::model::Digit;
+use thenar_core::model::Digit;
 use thenar_output::Output;
 use thenar_record::ChannelInfo;
 use thenar_scene::recording::{Event, Replay};

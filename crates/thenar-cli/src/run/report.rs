@@ -5,8 +5,8 @@ use super::histogram::Histogram;
 use super::timer::STAGES;
 use crate::words::joules;
 use serde_json::{Map, Value, json};
-use thenar::World;
-use thenar::model::{Digit, SolverKind, SolverSettings};
+use thenar_core::World;
+use thenar_core::model::{Digit, SolverKind, SolverSettings};
 use thenar_scene::session::{HandLoad, Session, StartOverlap, Summary};
 
 /// Version of the report. 2: each finger's mean pressure, and what overlaps at the start. 3: contacts

@@ -2,7 +2,7 @@
 
 use super::histogram::Histogram;
 use std::time::Instant;
-use thenar::world::{Stage, StageTimer};
+use thenar_core::world::{Stage, StageTimer};
 
 /// The stages in the order of a step, with their names in reports.
 pub const STAGES: [(Stage, &str); 5] = [

@@ -2,10 +2,10 @@
 
 use crate::error::CliError;
 use std::path::Path;
-use thenar::model::EmbeddedSurface;
-use thenar::readout::{ContactReadout, VertexContact};
-use thenar::shape::Shape;
-use thenar::{Pose, Vec3};
+use thenar_core::model::EmbeddedSurface;
+use thenar_core::readout::{ContactReadout, VertexContact};
+use thenar_core::shape::Shape;
+use thenar_core::{Pose, Vec3};
 use thenar_rig::export::{Field, Series, flesh_cell_fields, lines, surface, tetrahedra};
 use thenar_scene::session::Session;
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
-use thenar::model::BodyId;
+use thenar_core::model::BodyId;
 use thenar_scene::session::{Random, Session, StartOverlap};
 
 /// Half the width of the pen that keeps everything within reach, and its height \[m\].

@@ -1,7 +1,7 @@
 //! What a session of touch amounted to, for a person.
 
 use super::Beside;
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_link::haptic_loop::{Histogram, Status};
 
 /// One line on how things stand.

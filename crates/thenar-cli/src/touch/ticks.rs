@@ -1,7 +1,7 @@
 //! Ticks of the haptic loop, into a recording.
 
 use crate::recording::Recording;
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_link::haptic_loop::{TickRecord, Watcher};
 use thenar_link::{DIGITS, now_ns};
 use thenar_record::{Channel, Field};

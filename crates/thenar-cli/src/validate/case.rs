@@ -1,7 +1,7 @@
 //! What a validation case is, and what it finds.
 
 use super::run::Solver;
-use thenar::world::Failure;
+use thenar_core::world::Failure;
 
 /// Text of a scene, embedded in the program.
 #[derive(Clone, Copy, Debug)]

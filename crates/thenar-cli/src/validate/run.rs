@@ -2,8 +2,8 @@
 
 use super::case::{CaseError, SceneText};
 use std::path::Path;
-use thenar::World;
-use thenar::world::{ContactPoint, Input};
+use thenar_core::World;
+use thenar_core::world::{ContactPoint, Input};
 use thenar_scene::session::Session;
 
 /// The solver that cases run with.

@@ -12,7 +12,7 @@ pub use driver::BhapticsDriver;
 use crate::{DIGITS, DigitOutput, Event, HandOutput, Protocol};
 use serde::Deserialize;
 use std::fmt::Write;
-use thenar::model::Side;
+use thenar_core::model::Side;
 
 /// TCP port of the player, on this computer.
 pub const PORT: u16 = 15881;

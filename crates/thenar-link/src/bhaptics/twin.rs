@@ -2,7 +2,7 @@
 
 use crate::DIGITS;
 use serde::Deserialize;
-use thenar::model::Side;
+use thenar_core::model::Side;
 
 /// What it says of itself when a host has called: a pair of gloves.
 pub const STATUS: &str = r#"{"ConnectedPositions":["GloveL","GloveR"]}"#;

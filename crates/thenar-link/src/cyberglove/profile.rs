@@ -4,8 +4,8 @@ use super::sensors::{self, NAMES, SENSORS};
 use crate::profile::{Check, Hand, Link, Tracking, Wrist};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use thenar::Pose;
-use thenar::model::Side;
+use thenar_core::Pose;
+use thenar_core::model::Side;
 use thenar_track::ANGLES;
 
 /// What is shipped for CyberGlove I and II.

@@ -1,6 +1,6 @@
 //! The sensors of a CyberGlove and what they say of a hand.
 
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_track::ANGLES;
 
 /// Sensors of the larger gloves.

@@ -20,7 +20,7 @@ use crate::transport::{StreamTransport, host_and_port, tcp};
 use crate::worker::{Device, DisplayTraits};
 use crate::{DIGITS, Driver, Event, Found, HandOutput, LinkError, Opened, Protocol, Rendering};
 use serde::{Deserialize, Serialize};
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_touch::{CYBERGRASP_FORCE_MAX, tendon_pull};
 
 /// What is shipped.

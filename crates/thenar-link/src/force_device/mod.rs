@@ -13,8 +13,8 @@ pub mod wire;
 pub use driver::{ForceDeviceDriver, PORT};
 
 use crate::{Event, HandOutput, HandSample, Protocol};
-use thenar::model::Side;
-use thenar::{Pose, Vec3};
+use thenar_core::model::Side;
+use thenar_core::{Pose, Vec3};
 use thenar_track::ANGLES;
 use thenar_track::live::LivePose;
 use thenar_track::source_clock::SourceClock;

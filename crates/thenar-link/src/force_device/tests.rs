@@ -3,7 +3,7 @@
 use super::twin::SimulatedArm;
 use super::*;
 use crate::testing::{Mutator, collect, tick};
-use thenar::Quat;
+use thenar_core::Quat;
 
 const MS: u64 = 1_000_000;
 

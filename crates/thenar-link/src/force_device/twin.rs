@@ -1,7 +1,7 @@
 //! A simulated arm: a handle of some mass that a wearer holds, and the bridge's watchdog.
 
 use super::wire::{Command, State, WireError};
-use thenar::{Pose, Vec3};
+use thenar_core::{Pose, Vec3};
 
 /// Without a command for so long the arm is let go \[ns\].
 pub const WATCHDOG_NS: u64 = 20_000_000;

@@ -11,7 +11,7 @@
 //! ```
 
 use crate::joints::{in_reach, rotation};
-use thenar::{Pose, Vec3};
+use thenar_core::{Pose, Vec3};
 
 /// Length of a command.
 pub const COMMAND_BYTES: usize = 36;

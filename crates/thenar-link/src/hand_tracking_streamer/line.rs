@@ -1,8 +1,8 @@
 //! One line of the streamer.
 
 use crate::joints::{POINTS, in_reach, rotation};
-use thenar::model::Side;
-use thenar::{Pose, Vec3};
+use thenar_core::model::Side;
+use thenar_core::{Pose, Vec3};
 
 /// A line, in WebXR's axes.
 #[derive(Clone, Debug, PartialEq)]

@@ -15,7 +15,7 @@ pub use line::{Body, Line};
 use crate::joints::{POINTS, rebuild};
 use crate::lines::{Lines, Shown};
 use crate::{Event, HandSample, Protocol};
-use thenar::{Pose, Vec3};
+use thenar_core::{Pose, Vec3};
 use thenar_track::source_clock::SourceClock;
 
 /// UDP port that the app sends to.

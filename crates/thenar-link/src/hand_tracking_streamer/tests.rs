@@ -3,7 +3,7 @@
 use super::*;
 use crate::joints::WEBXR_OF_POINT;
 use crate::testing::{Mutator, collect, hands};
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_track::live::LivePose;
 
 const MS: u64 = 1_000_000;

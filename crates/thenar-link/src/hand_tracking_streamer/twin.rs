@@ -3,8 +3,8 @@
 use super::Points;
 use crate::joints::WEBXR_OF_POINT;
 use std::fmt::Write;
-use thenar::model::Side;
-use thenar::{Pose, Vec3};
+use thenar_core::model::Side;
+use thenar_core::{Pose, Vec3};
 
 /// The two lines of one frame of a hand. Numbers of frame and time are left out where `None`.
 pub fn lines(

@@ -8,7 +8,7 @@ pub use tables::{
     OPENXR_JOINTS, POINTS, WEBXR_OF_POINT, webxr_of_apple, webxr_of_mediapipe, webxr_of_openxr,
 };
 
-use thenar::{Quat, Vec3};
+use thenar_core::{Quat, Vec3};
 
 /// Nothing tracked is farther from the origin \[m\]; the simulation takes no more.
 pub const REACH: f64 = 10.0;

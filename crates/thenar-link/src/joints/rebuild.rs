@@ -11,8 +11,8 @@
 //! metacarpals by 1.3 mm (`tests.rs` beside this file).
 
 use super::{POINTS, WEBXR_OF_POINT, in_reach};
-use thenar::model::Side;
-use thenar::{Mat3, Pose, Quat, Vec3};
+use thenar_core::model::Side;
+use thenar_core::{Mat3, Pose, Quat, Vec3};
 use thenar_track::live::LivePose;
 
 /// Axes of the fingers' hinges in the palm's frame of a right hand, thumb first. A left hand's are

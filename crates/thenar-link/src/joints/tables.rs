@@ -1,7 +1,7 @@
 //! Which joint of another order is which of ours. Ours is that of WebXR Hand Input
 //! ([`TRACKED_JOINTS`](thenar_track::TRACKED_JOINTS)).
 
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// Points of hands without metacarpals of the four fingers: Hand Tracking Streamer, MediaPipe.
 pub const POINTS: usize = 21;

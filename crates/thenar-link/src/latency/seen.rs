@@ -1,8 +1,8 @@
 //! What a tracker told, sample by sample.
 
 use crate::{HandSample, Tracker};
-use thenar::Vec3;
-use thenar::model::Side;
+use thenar_core::Vec3;
+use thenar_core::model::Side;
 use thenar_touch::DIGITS;
 use thenar_track::ANGLES;
 use thenar_track::live::LivePose;
@@ -142,7 +142,7 @@ impl Trace {
 mod tests {
     use super::*;
     use crate::twin::hand::joints;
-    use thenar::Pose;
+    use thenar_core::Pose;
 
     /// A hand of 25 joints that curls by a known angle is bent by it, about whatever the wrist is.
     #[test]
@@ -150,7 +150,7 @@ mod tests {
         for side in [Side::Left, Side::Right] {
             let wrist = Pose::new(
                 Vec3::new(0.1, 1.0, 0.2),
-                thenar::Quat::from_scaled_axis(Vec3::new(0.3, -1.0, 0.5)),
+                thenar_core::Quat::from_scaled_axis(Vec3::new(0.3, -1.0, 0.5)),
             );
             let pose =
                 LivePose::Joints { joints: joints(side, wrist, [0.5; 5]), radii: [0.01; 25] };

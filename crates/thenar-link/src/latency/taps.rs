@@ -102,7 +102,7 @@ fn stop(seen: &[Seen], finger: usize) -> Option<f64> {
 mod tests {
     use super::super::trial::{Chance, Fake, Moment};
     use super::*;
-    use thenar::Vec3;
+    use thenar_core::Vec3;
 
     /// Keys on an uneven beat: when each is down.
     fn beat(count: usize) -> Vec<f64> {

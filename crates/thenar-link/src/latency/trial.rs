@@ -1,7 +1,7 @@
 //! Trackers whose delay, rate and noise are known, for tests.
 
 use super::{Seen, Trace};
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// Where a hand is at an instant.
 #[derive(Clone, Copy, Debug, Default)]

@@ -3,7 +3,7 @@
 use super::encoding::State;
 use crate::profile::{Check, DigitAngles, Display, Hand, Link, Tracking, Wrist};
 use serde::{Deserialize, Serialize};
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_touch::servo_stop;
 use thenar_track::ANGLES;
 

@@ -14,7 +14,7 @@ use super::profile::Profile;
 use crate::lines::Lines;
 use crate::{Event, HandOutput, HandSample, Protocol};
 use std::sync::Arc;
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_track::live::LivePose;
 
 /// Longest line of any firmware seen is 75 bytes; per-joint curls may double that.

@@ -6,7 +6,7 @@ use crate::profile::{Address, load};
 use crate::twin::Twin;
 use crate::{Event, HandOutput, Protocol};
 use std::sync::Arc;
-use thenar::model::Side;
+use thenar_core::model::Side;
 
 /// Between two looks at the line \[ns\].
 const STEP_NS: u64 = 250_000;

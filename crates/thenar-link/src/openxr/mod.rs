@@ -14,8 +14,8 @@ use crate::{Driver, Event, Found, HandSample, LinkError, Opened, Protocol, Trans
 use std::io;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
-use thenar::model::Side;
-use thenar::{Pose, Vec3};
+use thenar_core::model::Side;
+use thenar_core::{Pose, Vec3};
 use thenar_track::live::LivePose;
 
 /// Shipped profile.

@@ -6,7 +6,7 @@ use std::cell::Cell;
 use std::collections::VecDeque;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::{Arc, Mutex};
-use thenar::{Quat, Vec3};
+use thenar_core::{Quat, Vec3};
 use thenar_track::ANGLES;
 
 const SIDE: Side = Side::Right;

@@ -6,8 +6,8 @@ use crate::joints::{
 };
 use serde::Deserialize;
 use std::fmt::Write;
-use thenar::model::Side;
-use thenar::{Pose, Vec3};
+use thenar_core::model::Side;
+use thenar_core::{Pose, Vec3};
 use thenar_input::plain;
 use thenar_track::TRACKED_JOINTS;
 use thenar_track::live::LivePose;

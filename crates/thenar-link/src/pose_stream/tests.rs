@@ -4,8 +4,8 @@
 use super::*;
 use crate::joints::WEBXR_OF_POINT;
 use crate::testing::{Mutator, collect, hands};
-use thenar::Pose;
-use thenar::model::Side;
+use thenar_core::Pose;
+use thenar_core::model::Side;
 use thenar_track::live::{LivePose, checked};
 
 const MS: u64 = 1_000_000;

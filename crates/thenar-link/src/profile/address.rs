@@ -3,7 +3,7 @@
 use crate::LinkError;
 use std::net::IpAddr;
 use std::path::PathBuf;
-use thenar::model::Side;
+use thenar_core::model::Side;
 
 /// A parsed address.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -4,7 +4,7 @@ use super::{Address, Check, Tracking, load};
 use crate::LinkError;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_touch::TrackerTiming;
 
 /// Shipped profile of poses from the page.

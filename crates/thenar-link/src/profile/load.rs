@@ -4,7 +4,7 @@ use super::Address;
 use crate::LinkError;
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_input::{InputError, brief, read_text};
 use thenar_output::write_whole;
 use toml::{Table, Value};

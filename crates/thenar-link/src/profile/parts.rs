@@ -2,8 +2,8 @@
 
 use crate::joints::in_reach;
 use serde::{Deserialize, Serialize};
-use thenar::model::Side;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::model::Side;
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_touch::safety::Limits;
 use thenar_touch::{LoopProfile, TrackerTiming};
 

@@ -4,7 +4,7 @@ use crate::worker::Door;
 use crate::{ForceDisplay, HandOutput, HandSample, Rendering, Tracker};
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_touch::safety::Limits;
 use thenar_touch::{LoopProfile, TrackerTiming};
 

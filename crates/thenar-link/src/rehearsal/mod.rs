@@ -29,7 +29,7 @@ use crate::haptic_loop::{LoopError, LoopMode, PortError, Settings};
 use crate::{DIGITS, HandSample};
 use glove::{Ends, LateTracker};
 use std::ops::RangeInclusive;
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_scene::session::{Random, Session};
 use thenar_touch::TrackerTiming;
 use thenar_touch::safety::{Limits, Status};

@@ -4,7 +4,7 @@ use super::led::{Led, scripted};
 use super::{BEFORE, RehearsalError, check_all, check_tracker};
 use crate::haptic_loop::{LoopMode, Settings};
 use std::f64::consts::TAU;
-use thenar::{Pose, Vec3};
+use thenar_core::{Pose, Vec3};
 use thenar_scene::session::Session;
 use thenar_touch::{CouplingDesign, TrackerTiming};
 use thenar_track::live::LivePose;

@@ -1,8 +1,8 @@
 //! A hand of 25 joints that opens and closes: what a simulated tracker sees.
 
 use std::f64::consts::FRAC_PI_2;
-use thenar::model::Side;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::model::Side;
+use thenar_core::{Pose, Quat, Vec3};
 
 /// Where the first joint of each digit is, in a right wrist's frame (-z towards the fingers, +y out of the
 /// back of the hand), and the lengths of the bones from there to the tip \[m\]. Fingers begin at their

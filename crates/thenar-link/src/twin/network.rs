@@ -13,8 +13,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
-use thenar::model::Side;
-use thenar::{Pose, Vec3};
+use thenar_core::model::Side;
+use thenar_core::{Pose, Vec3};
 use thenar_track::live::LivePose;
 use tungstenite::{Message, WebSocket};
 

@@ -2,7 +2,7 @@
 
 use super::{Comfort, Wearer};
 use crate::{ForceDisplay, HandOutput, Lookout, Messenger, Rendering};
-use thenar::Vec3;
+use thenar_core::Vec3;
 use thenar_touch::LoopProfile;
 use thenar_touch::safety::Limits;
 
@@ -119,7 +119,7 @@ fn at_most(v: Vec3, most: f64) -> Vec3 {
 mod tests {
     use super::*;
     use std::sync::{Arc, Mutex};
-    use thenar::model::Side;
+    use thenar_core::model::Side;
     use thenar_touch::DIGITS;
     use thenar_touch::safety::Guard;
 

@@ -8,8 +8,8 @@
 
 use super::handles::slot;
 use crate::{DigitOutput, HandOutput};
-use thenar::Vec3;
-use thenar::model::Side;
+use thenar_core::Vec3;
+use thenar_core::model::Side;
 use thenar_touch::safety::Limits;
 
 /// A hand that has asked for nothing for so long leaves a device of one hand to the other \[ns\]: longer than a grasp

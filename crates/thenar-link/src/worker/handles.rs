@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_touch::safety::Limits;
 use thenar_touch::{LoopProfile, TrackerTiming};
 use triple_buffer::{Input, Output};

@@ -34,7 +34,7 @@ use std::io;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, Weak};
 use std::time::{Duration, Instant};
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_touch::safety::Limits;
 use thenar_touch::{LoopProfile, TrackerTiming, lock_soon};
 use triple_buffer::triple_buffer;

@@ -12,7 +12,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_touch::safety::Limits;
 use thenar_track::live::checked;
 use triple_buffer::{Input, Output};

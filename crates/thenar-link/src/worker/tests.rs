@@ -3,8 +3,8 @@
 use super::*;
 use crate::{Event, ForceDisplay, HandOutput, HandSample, Tracker, now_ns};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use thenar::Pose;
-use thenar::Vec3;
+use thenar_core::Pose;
+use thenar_core::Vec3;
 use thenar_track::ANGLES;
 use thenar_track::live::LivePose;
 

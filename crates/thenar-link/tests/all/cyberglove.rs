@@ -3,7 +3,7 @@
 #![cfg(unix)]
 
 use crate::conformance::{self, Bench, wait};
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_link::cyberglove::{ClassicTwin, CyberGlove3Driver, CyberGloveDriver, ThirdTwin};
 use thenar_link::twin::Twin;
 use thenar_track::ANGLES;

@@ -7,7 +7,7 @@ use crate::conformance::wait;
 use std::net::TcpListener;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_link::cybergrasp::{CyberGraspDriver, SimulatedUnit, serve_unit};
 use thenar_link::{Driver, ForceDisplay, HandOutput, now_ns};
 

@@ -6,8 +6,8 @@
 use crate::conformance::{opened_at_a_free_port, wait};
 use std::collections::HashSet;
 use std::path::PathBuf;
-use thenar::Vec3;
-use thenar::model::Side;
+use thenar_core::Vec3;
+use thenar_core::model::Side;
 use thenar_link::twin::{SIMULATIONS, Simulation};
 use thenar_link::{Driver, HandOutput, LinkError, Opened, drivers, now_ns};
 use thenar_testing::free_port;

@@ -4,7 +4,7 @@
 
 use crate::conformance::{self, Bench, wait};
 use std::time::{Duration, Instant};
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_link::lucidgloves::{LucidGlovesDriver, LucidGlovesTwin};
 use thenar_link::twin::Twin;
 use thenar_track::ANGLES;

@@ -7,8 +7,8 @@ use std::io::{ErrorKind, Write};
 use std::net::{TcpListener, TcpStream, UdpSocket};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
-use thenar::Pose;
-use thenar::model::Side;
+use thenar_core::Pose;
+use thenar_core::model::Side;
 use thenar_link::cybergrasp::{SimulatedUnit, serve_unit};
 use thenar_link::force_device::twin::SimulatedArm;
 use thenar_link::hand_tracking_streamer::{Points, twin};
@@ -202,7 +202,7 @@ fn the_loop_lives_beside_mute_devices() {
         let mut buffer = [0; 2000];
         while let Ok((length, from)) = bridge.recv_from(&mut buffer) {
             simulated.receive(now_ns(), &buffer[..length]).unwrap();
-            assert_eq!(simulated.force(now_ns()), thenar::Vec3::zeros());
+            assert_eq!(simulated.force(now_ns()), thenar_core::Vec3::zeros());
             host.set(Some(from));
         }
     };

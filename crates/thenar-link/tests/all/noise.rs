@@ -15,8 +15,8 @@ macro_rules! fuzz_target {
 }
 
 use std::sync::Arc;
-use thenar::Pose;
-use thenar::model::Side;
+use thenar_core::Pose;
+use thenar_core::model::Side;
 use thenar_link::cyberglove::{self, Classic, ClassicTwin, Third, ThirdTwin};
 use thenar_link::cybergrasp::CyberGrasp;
 use thenar_link::force_device::{self, ForceDevice};

@@ -7,7 +7,7 @@
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
-use thenar::model::Side;
+use thenar_core::model::Side;
 #[cfg(unix)]
 use thenar_link::twin::PtyTwin;
 use thenar_link::twin::Twin;

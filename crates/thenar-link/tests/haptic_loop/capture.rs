@@ -4,8 +4,8 @@
 use crate::rig::{MS, devices, limits, session};
 use std::path::Path;
 use std::sync::{Arc, Mutex};
-use thenar::model::Side;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::model::Side;
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_link::haptic_loop::{LoopMode, ManualLoop, Settings};
 use thenar_link::{HandOutput, HandSample, Rendering, Tracker};
 use thenar_scene::session::Random;

@@ -2,7 +2,7 @@
 //! the default hand holds a loaf, forces by the rule; one fault after the other, with nothing but time between them.
 
 use crate::held::{Watched, holding};
-use thenar::{Pose, Vec3};
+use thenar_core::{Pose, Vec3};
 use thenar_track::live::LivePose;
 
 /// Forces are back to within a tenth this long after a fault \[ms\]: 0.2 s without a pause, a ramp of half a second, and 0.1 s for what

@@ -2,7 +2,7 @@
 //! not at all. Method: a hand that presses, held still but for the drift.
 
 use crate::rig::{MS, PRESS, Rig, blocked};
-use thenar::{Pose, Vec3};
+use thenar_core::{Pose, Vec3};
 use thenar_link::Rendering;
 use thenar_link::haptic_loop::{LoopMode, Settings};
 use thenar_scene::session::Random;

@@ -3,7 +3,7 @@
 
 use crate::rig::{MS, Rig, limits};
 use std::f64::consts::FRAC_PI_2;
-use thenar::{Pose, Vec3};
+use thenar_core::{Pose, Vec3};
 use thenar_link::Rendering;
 use thenar_link::haptic_loop::{LoopMode, Settings};
 use thenar_scene::tuning::SettingValue;

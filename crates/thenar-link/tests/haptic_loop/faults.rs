@@ -1,7 +1,7 @@
 //! Faults put in: poses that are NaN, that teleport, that stop coming; devices that fall silent.
 
 use crate::rig::{MS, PRESS, Rig, blocked, check_outputs, limits};
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_link::Rendering;
 use thenar_link::haptic_loop::{LoopMode, Settings};
 use thenar_scene::session::Random;

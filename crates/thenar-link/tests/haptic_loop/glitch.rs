@@ -2,7 +2,7 @@
 //! lost or its own is repeated. Method: a finger pressed still on couplings that no rule softens; half a newton at most.
 
 use crate::rig::{PRESS, Rig, blocked};
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_link::Rendering;
 use thenar_track::live::LivePose;
 

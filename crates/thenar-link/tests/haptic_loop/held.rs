@@ -4,7 +4,7 @@
 //! modes are compared, a loaf and a car, seen in each tick.
 
 use crate::rig::{MS, Rig, limits};
-use thenar::world::Target;
+use thenar_core::world::Target;
 use thenar_link::Rendering;
 use thenar_link::haptic_loop::{LoopMode, Settings};
 use thenar_scene::motion::HandMotion;

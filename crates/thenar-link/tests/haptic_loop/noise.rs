@@ -3,7 +3,7 @@
 
 use crate::rig::Rig;
 use std::f64::consts::TAU;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_link::Rendering;
 use thenar_link::haptic_loop::{LoopMode, Settings};
 use thenar_scene::session::Random;

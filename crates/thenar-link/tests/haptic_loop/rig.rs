@@ -2,8 +2,8 @@
 
 use std::path::Path;
 use std::sync::{Arc, Mutex};
-use thenar::Pose;
-use thenar::model::Side;
+use thenar_core::Pose;
+use thenar_core::model::Side;
 use thenar_link::haptic_loop::{LoopMode, ManualLoop, Settings, SimulationPort};
 use thenar_link::{ForceDisplay, HandOutput, HandSample, Rendering, Tracker};
 use thenar_scene::session::Session;

@@ -2,7 +2,7 @@
 //! it; the loop on a made-up clock, a hand that is held.
 
 use crate::rig::{MS, PRESS, Rig, Wearer, blocked, check_outputs, devices};
-use thenar::{Pose, Vec3};
+use thenar_core::{Pose, Vec3};
 use thenar_link::haptic_loop::ManualLoop;
 use thenar_link::{HandOutput, Rendering};
 use thenar_track::live::LivePose;

@@ -44,14 +44,15 @@ fn a_blocked_finger_is_felt_as_the_springs_in_series() {
     let (tip, blocked) = rig.clock.core(|core| {
         let touch = core.hands()[0].touch();
         let hand = &rig.session.hands()[0].model;
-        let bone = hand.bones.iter().rposition(|b| b.digit == thenar::model::Digit::Index).unwrap();
+        let bone =
+            hand.bones.iter().rposition(|b| b.digit == thenar_core::model::Digit::Index).unwrap();
         (touch.tracked()[bone].pose_WB, touch.bones()[bone].pose_WB)
     });
     let drive = rig.session.world().desc().drives[7].unwrap();
     let device = Settings::default().design.device_stiffness;
     let series = thenar_touch::series_stiffness(device, drive.stiffness);
     let way = blocked.position - tip.position;
-    let want = series * way.dot(&tip.vector(&thenar::Vec3::y()));
+    let want = series * way.dot(&tip.vector(&thenar_core::Vec3::y()));
     let got = rig.index_force();
     assert!((got - want).abs() < 0.02 * want, "{got} N, springs in series {want} N");
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-use thenar::Pose;
+use thenar_core::Pose;
 use thenar_link::haptic_loop::{HapticLoop, Remote, Settings, State};
 use thenar_link::{Rendering, now_ns};
 use thenar_touch::safety::Limits;

@@ -2,7 +2,7 @@
 //! wearer's handle of one turn, seen at 90 Hz, in closed loop with an arm that turns it; the simulated hand is held.
 
 use crate::rig::{Rig, blocked};
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_link::Rendering;
 use thenar_link::haptic_loop::Settings;
 use thenar_touch::{CouplingDesign, GRIP};

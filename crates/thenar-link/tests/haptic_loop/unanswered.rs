@@ -4,8 +4,8 @@
 use crate::rig::{MS, Rig, session};
 use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
-use thenar::World;
-use thenar::world::{Input, State, Target};
+use thenar_core::World;
+use thenar_core::world::{Input, State, Target};
 use thenar_link::Rendering;
 use thenar_link::haptic_loop::{LoopMode, Settings, SimulatedHand, Simulation};
 use thenar_scene::session::Session;
@@ -92,7 +92,7 @@ fn felt(scene: &str, unanswered: Range<u64>, ms: u64) -> Vec<f64> {
         if k >= 1200 {
             let couplings = |core: &mut thenar_link::haptic_loop::Core| {
                 let wrenches = core.hands()[0].touch().device_wrenches().to_vec();
-                wrenches.iter().map(|[force, _]| *force).sum::<thenar::Vec3>().norm()
+                wrenches.iter().map(|[force, _]| *force).sum::<thenar_core::Vec3>().norm()
             };
             all.push(rig.clock.core(couplings));
         }

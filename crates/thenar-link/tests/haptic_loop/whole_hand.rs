@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 use std::path::Path;
-use thenar::Vec3;
+use thenar_core::Vec3;
 use thenar_link::haptic_loop::{LoopMode, Settings};
 use thenar_link::rehearsal::{Comparison, Led, Study, moved, scripted};
 use thenar_scene::session::Session;

@@ -1,7 +1,7 @@
 //! A display of one point: force and torque, each behind its guard, and no weight of the hand.
 
 use crate::rig::{MS, Rig, SCENE, blocked, limits, torque_limits};
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_link::haptic_loop::{LoopMode, Settings};
 use thenar_link::{HandOutput, Rendering};
 use thenar_scene::session::Random;

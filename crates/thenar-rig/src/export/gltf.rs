@@ -2,7 +2,7 @@
 
 use crate::RigError;
 use serde_json::{Value, json};
-use thenar::{Pose, Vec3};
+use thenar_core::{Pose, Vec3};
 
 /// The bones that carry a vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,8 +6,8 @@ use super::vtk::{self, Field};
 use super::write_whole;
 use crate::RigError;
 use std::path::Path;
-use thenar::Vec3;
-use thenar::model::{EmbeddedSurface, HandModel};
+use thenar_core::Vec3;
+use thenar_core::model::{EmbeddedSurface, HandModel};
 
 /// A GLB file of the hand at rest: its render surface, skinned by its bones.
 ///
@@ -79,7 +79,8 @@ pub(super) fn check(hand: &HandModel) -> Result<(), RigError> {
     let inside = |surface: &EmbeddedSurface| {
         surface.vertices.iter().all(|v| (v.tet as usize) < hand.flesh.tets.len())
     };
-    let bound = |b: &thenar::model::Binding| b.bones.iter().all(|&bone| (bone as usize) < bones);
+    let bound =
+        |b: &thenar_core::model::Binding| b.bones.iter().all(|&bone| (bone as usize) < bones);
     let fault = if !hand.flesh.tets.iter().all(known) {
         "a tetrahedron names a node that does not exist"
     } else if !inside(&hand.render) || !inside(&hand.flesh.collision) {
@@ -106,7 +107,7 @@ fn weight_fields(hand: &HandModel) -> Vec<Field> {
         Field::scalar("node volume [m3]", hand.node_volumes.clone()),
     ];
     for (j, bone) in hand.bones.iter().enumerate() {
-        let weight = |b: &thenar::model::Binding| -> f64 {
+        let weight = |b: &thenar_core::model::Binding| -> f64 {
             (0..2)
                 .filter(|&k| b.bones[k] == j as u32)
                 .map(|k| b.weights[k])
@@ -137,11 +138,11 @@ fn skin_file(
 }
 
 fn bones_file(hand: &HandModel) -> Result<String, RigError> {
-    let ends = |b: &thenar::model::Bone| b.ends_B.map(|p| b.pose_MB.point(&p));
+    let ends = |b: &thenar_core::model::Bone| b.ends_B.map(|p| b.pose_MB.point(&p));
     let points: Vec<Vec3> = hand.bones.iter().flat_map(ends).collect();
     let count = hand.bones.len() as u32;
     let segments: Vec<[u32; 2]> = (0..count).map(|i| [2 * i, 2 * i + 1]).collect();
-    let real = |name: &str, f: fn(&thenar::model::Bone) -> f64| {
+    let real = |name: &str, f: fn(&thenar_core::model::Bone) -> f64| {
         Field::scalar(name, hand.bones.iter().map(f).collect())
     };
     let fields = [

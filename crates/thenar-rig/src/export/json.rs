@@ -9,8 +9,8 @@ use super::write_whole;
 use crate::RigError;
 use serde_json::{Value, json};
 use std::path::Path;
-use thenar::model::{Bone, EmbeddedSurface, Flesh, HandModel, JointDesc};
-use thenar::{Mat3, Pose, Vec3};
+use thenar_core::model::{Bone, EmbeddedSurface, Flesh, HandModel, JointDesc};
+use thenar_core::{Mat3, Pose, Vec3};
 
 /// The hand as JSON: `bones`, `joints`, `flesh` (nodes, tetrahedra, materials, bindings to bones)
 /// and the surface that touches.

@@ -1,7 +1,7 @@
 //! Bone weights of surface vertices, from those of the flesh around them.
 
 use super::gltf::VertexSkin;
-use thenar::model::{Binding, EmbeddedSurface};
+use thenar_core::model::{Binding, EmbeddedSurface};
 
 /// The bone with the larger weight, and its weight.
 pub fn dominant_bone(binding: &Binding) -> (u32, f64) {
@@ -16,7 +16,7 @@ pub fn vertex_skin(
     tets: &[[u32; 4]],
     bindings: &[Binding],
 ) -> Vec<VertexSkin> {
-    let one = |vertex: &thenar::model::SurfaceVertex| {
+    let one = |vertex: &thenar_core::model::SurfaceVertex| {
         let mut sums: Vec<(u32, f64)> = Vec::with_capacity(8);
         for (node, w) in tets[vertex.tet as usize].iter().zip(vertex.weights) {
             let binding = &bindings[*node as usize];
@@ -48,7 +48,7 @@ fn largest_four(mut sums: Vec<(u32, f64)>) -> VertexSkin {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use thenar::model::SurfaceVertex;
+    use thenar_core::model::SurfaceVertex;
 
     #[test]
     fn a_vertex_takes_the_mean_of_its_nodes() {

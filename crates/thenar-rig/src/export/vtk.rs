@@ -5,8 +5,8 @@
 use super::base64;
 use crate::RigError;
 use std::fmt::Write;
-use thenar::Vec3;
-use thenar::model::Flesh;
+use thenar_core::Vec3;
+use thenar_core::model::Flesh;
 
 /// The numbers of a field.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,7 +55,7 @@ impl Field {
 
 /// Young's modulus, Poisson's ratio, density and law of each tetrahedron.
 pub fn flesh_cell_fields(flesh: &Flesh) -> Vec<Field> {
-    let real = |name: &str, f: fn(&thenar::model::Material) -> f64| {
+    let real = |name: &str, f: fn(&thenar_core::model::Material) -> f64| {
         Field::scalar(name, flesh.materials.iter().map(f).collect())
     };
     vec![

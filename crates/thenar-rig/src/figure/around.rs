@@ -11,7 +11,7 @@ use super::solid;
 use crate::work::Stage;
 use crate::{RigError, TriMesh};
 use std::collections::HashMap;
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// Spacing of the grid over the thickness: four points across flesh and back.
 const SPACING: f64 = 0.5;
@@ -200,8 +200,8 @@ fn smooth_minimum(a: f64, b: f64, width: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::embed::check_closed;
-    use thenar::Pose;
-    use thenar::shape::Shape;
+    use thenar_core::Pose;
+    use thenar_core::shape::Shape;
 
     fn ball(radius: f64, x: f64) -> PlanSolid {
         let pose_MS = Pose::translation(x, 0.0, 0.0);

@@ -4,8 +4,8 @@ use super::plan::{Plan, PlanSkin};
 use crate::mesh::Bvh;
 use crate::weights::pair;
 use std::collections::BTreeMap;
-use thenar::Vec3;
-use thenar::model::Binding;
+use thenar_core::Vec3;
+use thenar_core::model::Binding;
 
 /// Bindings of nodes, and what of the file's weights they could not keep.
 pub struct Bound {
@@ -99,9 +99,9 @@ fn by_distance(plan: &Plan, p: &Vec3, thickness: f64) -> Binding {
 mod tests {
     use super::*;
     use crate::figure::plan::{PlanBone, PlanJoint, PlanSolid};
-    use thenar::Pose;
-    use thenar::model::{Axis, JointKind};
-    use thenar::shape::Shape;
+    use thenar_core::Pose;
+    use thenar_core::model::{Axis, JointKind};
+    use thenar_core::shape::Shape;
 
     /// Three balls in a row along x, 0.1 m apart; the last two hang on the one before.
     fn row() -> Plan {

@@ -14,10 +14,10 @@ use crate::mesh::{Bvh, decimate, subdivide_to};
 use crate::size::sensible_size;
 use crate::work::phase;
 use crate::{RigError, model_file};
-use thenar::model::{
+use thenar_core::model::{
     Bone, BoneSolid, CouplingKind, Digit, Flesh, HandModel, JointDesc, JointKind, Material,
 };
-use thenar::{Mat3, Pose, Quat, Vec3};
+use thenar_core::{Mat3, Pose, Quat, Vec3};
 
 /// More bones are refused: each node is held against each bone.
 const BONES_MAX: usize = 1000;

@@ -15,10 +15,10 @@ use crate::RigError;
 use merge::Bone;
 use nalgebra::Rotation3;
 use settle::settle;
-use thenar::math::tangents;
-use thenar::model::{Axis, JointKind};
-use thenar::shape::Shape;
-use thenar::{Mat3, Pose, Quat, Vec3};
+use thenar_core::math::tangents;
+use thenar_core::model::{Axis, JointKind};
+use thenar_core::shape::Shape;
+use thenar_core::{Mat3, Pose, Quat, Vec3};
 use thenar_input::quoted;
 
 /// Farthest admissible coordinate of a figure \[m\].

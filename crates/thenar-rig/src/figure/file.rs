@@ -4,7 +4,7 @@ use super::{FigureOptions, FigureReport, Plan, build_figure, read_glb_plan, read
 use crate::RigError;
 use crate::mesh::read_file;
 use std::path::Path;
-use thenar::model::HandModel;
+use thenar_core::model::HandModel;
 
 /// The kind of a file that holds a tree of bones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,8 +5,8 @@ use super::plan::{Plan, PlanBone, PlanJoint, PlanSkin};
 use crate::RigError;
 use crate::glb::{SkinnedMesh, read_skinned_glb};
 use std::collections::{HashMap, HashSet};
-use thenar::Pose;
-use thenar::model::{Axis, JointKind};
+use thenar_core::Pose;
+use thenar_core::model::{Axis, JointKind};
 
 /// The plan of the first skinned mesh of a GLB file.
 ///

@@ -5,9 +5,9 @@ use super::solid;
 use crate::RigError;
 use crate::hand::in_bone::{held, shares};
 use crate::lattice::Lattice;
-use thenar::Vec3;
-use thenar::model::{Bone, BoneNode};
-use thenar::shape::Shape;
+use thenar_core::Vec3;
+use thenar_core::model::{Bone, BoneNode};
+use thenar_core::shape::Shape;
 
 /// The nodes in bone, ascending.
 ///

@@ -4,9 +4,9 @@ use super::options::JointChange;
 use super::plan::{Plan, PlanJoint};
 use crate::RigError;
 use nalgebra::{Matrix3, Rotation3};
-use thenar::math::tangents;
-use thenar::model::{Axis, HandModel, JointDesc, JointKind};
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::math::tangents;
+use thenar_core::model::{Axis, HandModel, JointDesc, JointKind};
+use thenar_core::{Pose, Quat, Vec3};
 
 /// Changes joints of a figure that is not built yet, one change after the other.
 ///

@@ -2,8 +2,8 @@
 
 use crate::RigError;
 use crate::error::positive;
-use thenar::Vec3;
-use thenar::model::{AngleLimit, JointKind, Law, Material};
+use thenar_core::Vec3;
+use thenar_core::model::{AngleLimit, JointKind, Law, Material};
 
 /// How a figure is built.
 #[derive(Clone, Debug, PartialEq)]

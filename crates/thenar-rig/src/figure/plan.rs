@@ -1,9 +1,9 @@
 //! What a file says of a figure, before it has flesh.
 
 use crate::TriMesh;
-use thenar::model::{Axis, JointKind};
-use thenar::shape::Shape;
-use thenar::{Mat3, Pose, Vec3};
+use thenar_core::model::{Axis, JointKind};
+use thenar_core::shape::Shape;
+use thenar_core::{Mat3, Pose, Vec3};
 
 /// A tree of bones with typed joints, at rest in the figure's frame M: +y is up, lengths are in metres.
 #[derive(Clone, Debug)]

@@ -2,8 +2,8 @@
 
 use super::plan::Plan;
 use super::skin::Skin;
-use thenar::Vec3;
-use thenar::model::{HandModel, JointKind};
+use thenar_core::Vec3;
+use thenar_core::model::{HandModel, JointKind};
 
 /// A built figure in numbers.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -30,7 +30,7 @@ pub struct FigureReport {
 
 impl FigureReport {
     pub(super) fn new(plan: &Plan, figure: &HandModel, skin: &Skin, lost_weight: f64) -> Self {
-        let joint = |j: &thenar::model::JointDesc| {
+        let joint = |j: &thenar_core::model::JointDesc| {
             let parent =
                 j.parent.map_or_else(String::new, |p| figure.bones[p as usize].name.clone());
             (j.name.clone(), j.kind, parent)

@@ -6,7 +6,7 @@ use crate::RigError;
 use crate::TriMesh;
 use crate::embed::check_closed;
 use crate::mesh::{Hole, Topology, close_holes, components, weld};
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// Vertices closer than this part of the mesh's size are one.
 const WELD: f64 = 1e-6;

@@ -10,8 +10,8 @@ use super::solid;
 use crate::RigError;
 use crate::mesh::Bvh;
 use nalgebra::{Matrix3, Rotation3};
-use thenar::shape::Shape;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::shape::Shape;
+use thenar_core::{Pose, Quat, Vec3};
 
 /// Half the width of a bone over the distance from its middle to the skin: between that of a phalanx (0.45) and of a
 /// metacarpal (0.36).

@@ -3,8 +3,8 @@
 use crate::mesh::{MassProperties, shapes};
 use crate::{RigError, TriMesh};
 use std::sync::Arc;
-use thenar::shape::{MeshShape, Part, Shape};
-use thenar::{Mat3, Pose, Quat, Vec3};
+use thenar_core::shape::{MeshShape, Part, Shape};
+use thenar_core::{Mat3, Pose, Quat, Vec3};
 
 use super::plan::PlanSolid;
 

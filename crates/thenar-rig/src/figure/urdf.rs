@@ -14,7 +14,7 @@ use crate::RigError;
 use joint::Joint;
 use std::collections::BTreeSet;
 use std::path::Path;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::{Pose, Quat, Vec3};
 use tree::Tree;
 
 /// Reads the links and joints of a URDF text as bones. Meshes are looked for beside the file, which lies in `folder`.

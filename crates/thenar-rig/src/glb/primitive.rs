@@ -6,7 +6,7 @@ use crate::{RigError, TriMesh};
 use gltf::accessor::Dimensions;
 use gltf::mesh::{Mode, Semantic};
 use nalgebra::{Matrix4, Point3};
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// Reads triangles (also strips and fans), moved by `placement`. Points and lines give none.
 pub(super) fn read(

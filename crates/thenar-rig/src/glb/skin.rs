@@ -7,7 +7,7 @@ use gltf::accessor::Dimensions;
 use gltf::mesh::Semantic;
 use nalgebra::{Matrix3, Matrix4, Rotation3};
 use std::collections::HashMap;
-use thenar::{Pose, Quat};
+use thenar_core::{Pose, Quat};
 
 /// A joint of a rig.
 #[derive(Clone, Debug)]

@@ -2,7 +2,7 @@
 
 use super::{HandOptions, build_hand};
 use crate::RigError;
-use thenar::model::{HandModel, Side};
+use thenar_core::model::{HandModel, Side};
 
 /// The WebXR generic hand (MIT licence, see `assets/hands`).
 const RIGHT: &[u8] = include_bytes!("../../../../assets/hands/right.glb");

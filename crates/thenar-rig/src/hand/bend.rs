@@ -7,13 +7,13 @@ use super::passive::beyond;
 use crate::RigError;
 use crate::work::Stage;
 use nalgebra::DMatrix;
-use thenar::kinematics::Tree;
-use thenar::model::{
+use thenar_core::kinematics::Tree;
+use thenar_core::model::{
     CouplingKind, ElementPatches, HandModel, HandPlacement, JointKind, Motion, Skinning, WorldDesc,
     patches,
 };
-use thenar::world::{Input, State};
-use thenar::{Pose, Vec3, World};
+use thenar_core::world::{Input, State};
+use thenar_core::{Pose, Vec3, World};
 
 /// Length of the steps by which flesh comes to rest \[s\]: a hundred periods of a finger's slowest vibration, so that inertia
 /// is a ten-thousandth of what elasticity is.

@@ -6,8 +6,8 @@
 use super::digits::DigitRig;
 use super::names;
 use crate::mesh::Bvh;
-use thenar::model::{Bone, Digit};
-use thenar::{Mat3, Pose, Quat, Vec3};
+use thenar_core::model::{Bone, Digit};
+use thenar_core::{Mat3, Pose, Quat, Vec3};
 
 /// Density of a whole fresh bone, cortical shell and trabecular core together \[kg/m³\].
 pub(crate) const BONE_DENSITY: f64 = 1900.0;

@@ -20,8 +20,8 @@ use crate::mesh::{
 use crate::work::{Stage, phase};
 use crate::{RigError, TriMesh, model_file};
 use std::path::Path;
-use thenar::Vec3;
-use thenar::model::{
+use thenar_core::Vec3;
+use thenar_core::model::{
     Binding, Bone, BoneSolid, Digit, Flesh, HandModel, HandRegion, Material, Side,
 };
 
@@ -93,7 +93,7 @@ fn made(bytes: &[u8], options: &HandOptions) -> Result<Made, RigError> {
             Lattice::graded(&smooth, grading, |p| grading::edge(p, &digits, length, grading))?
         }
         None => {
-            let rotation = thenar::Quat::identity();
+            let rotation = thenar_core::Quat::identity();
             Lattice::new(&smooth, &LatticeOptions { tets: options.tets, rotation })?
         }
     };

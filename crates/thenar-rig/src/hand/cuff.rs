@@ -2,8 +2,8 @@
 
 use crate::TriMesh;
 use std::f64::consts::TAU;
-use thenar::Vec3;
-use thenar::model::{Digit, HandModel};
+use thenar_core::Vec3;
+use thenar_core::model::{Digit, HandModel};
 
 /// Directions around the wrist.
 const AROUND: usize = 64;
@@ -118,7 +118,7 @@ fn outline(points: impl Iterator<Item = [f64; 2]>) -> [f64; AROUND] {
 mod tests {
     use super::*;
     use crate::hand::uniform_hand;
-    use thenar::model::Side;
+    use thenar_core::model::Side;
 
     /// The shipped hands wear one, faces outwards, the left the mirror of the right, as wide as a wrist and as long as it says.
     #[test]

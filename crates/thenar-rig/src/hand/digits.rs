@@ -8,8 +8,8 @@ use super::names;
 use super::rig::Posed;
 use crate::RigError;
 use crate::mesh::Bvh;
-use thenar::model::{Digit, Side};
-use thenar::{Pose, Vec3};
+use thenar_core::model::{Digit, Side};
+use thenar_core::{Pose, Vec3};
 
 /// One digit at rest in the model frame M.
 #[derive(Clone, Debug)]

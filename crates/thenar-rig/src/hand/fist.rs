@@ -2,9 +2,9 @@
 
 use crate::RigError;
 use crate::lattice::tet;
-use thenar::kinematics::Tree;
-use thenar::model::{Binding, Bone, Digit, HandModel, JointKind};
-use thenar::{Pose, Vec3};
+use thenar_core::kinematics::Tree;
+use thenar_core::model::{Binding, Bone, Digit, HandModel, JointKind};
+use thenar_core::{Pose, Vec3};
 
 /// Elements turned inside out.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]

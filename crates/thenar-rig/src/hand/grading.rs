@@ -5,7 +5,7 @@ use super::digits::DigitRig;
 use super::regions;
 use crate::RigError;
 use crate::lattice::{Grading, Lattice};
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// Edge of the coarsest cubes at detail 1, relative to the length of the hand: 16 mm of 190.
 const COARSE: f64 = 1.0 / 12.0;

@@ -20,9 +20,9 @@
 use crate::lattice::{Lattice, tet};
 use crate::weights::pair;
 use std::collections::BTreeMap;
-use thenar::model::{Binding, Bone, BoneNode, BoneSolid, Digit, JointDesc, JointKind};
-use thenar::shape::{Part, Shape};
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::model::{Binding, Bone, BoneNode, BoneSolid, Digit, JointDesc, JointKind};
+use thenar_core::shape::{Part, Shape};
+use thenar_core::{Pose, Quat, Vec3};
 
 /// Volume of each bone that a node stands for \[m³\].
 pub(crate) type Shares = BTreeMap<u32, f64>;

@@ -17,8 +17,8 @@
 use super::digits::DigitRig;
 use super::names;
 use nalgebra::{Matrix3, Rotation3};
-use thenar::model::{AngleLimit, Axis, Bone, Digit, JointDesc, JointKind, Side};
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::model::{AngleLimit, Axis, Bone, Digit, JointDesc, JointKind, Side};
+use thenar_core::{Pose, Quat, Vec3};
 
 /// Passive behaviour of one axis, for a hand of 190 mm.
 #[derive(Clone, Copy)]

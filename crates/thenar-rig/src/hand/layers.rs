@@ -6,7 +6,7 @@ use crate::RigError;
 use crate::lattice::Lattice;
 use crate::mesh::Bvh;
 use crate::work::Stage;
-use thenar::model::{HandRegion, Law, Material};
+use thenar_core::model::{HandRegion, Law, Material};
 
 /// Flesh between two depths under the skin.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,8 +7,8 @@
 use super::digits::DigitRig;
 use super::{regions, weights};
 use crate::lattice::Lattice;
-use thenar::Vec3;
-use thenar::model::Digit;
+use thenar_core::Vec3;
+use thenar_core::model::Digit;
 
 /// A place lies in a web as much as its distance from the nearest digit's bones comes near that from the next digit's. All
 /// flesh outside bone does: on a hand of 190 mm bones are 5 to 6 mm thick, in radius, and lie 20 mm apart.

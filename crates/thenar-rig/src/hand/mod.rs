@@ -1,4 +1,4 @@
-//! Hands: from a skinned mesh to a [`HandModel`](thenar::model::HandModel).
+//! Hands: from a skinned mesh to a [`HandModel`](thenar_core::model::HandModel).
 
 mod asset;
 mod bend;

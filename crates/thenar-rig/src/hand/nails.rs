@@ -9,7 +9,7 @@ use super::sides::Sides;
 use crate::lattice::{Lattice, tet};
 use crate::mesh::Bvh;
 use std::collections::BTreeMap;
-use thenar::model::{Binding, Bone, BoneNode, Digit, HandRegion};
+use thenar_core::model::{Binding, Bone, BoneNode, Digit, HandRegion};
 
 /// Depth of a nail and its bed under the skin, relative to the hand's length: what the last bones leave on the back
 /// (`solids`), 2.5 mm of 190.

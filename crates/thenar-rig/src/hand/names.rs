@@ -1,7 +1,7 @@
 //! Names of the tracked joints and of the bones.
 
 use std::collections::BTreeMap;
-use thenar::model::Digit;
+use thenar_core::model::Digit;
 
 /// From WebXR joint names to the names a rig uses; what is not listed keeps its WebXR name.
 pub type NameMap = BTreeMap<String, String>;

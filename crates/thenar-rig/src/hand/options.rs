@@ -3,7 +3,7 @@
 use super::layers::{self, Layer};
 use super::names::NameMap;
 use crate::RigError;
-use thenar::model::{CouplingKind, Law, Material, Side};
+use thenar_core::model::{CouplingKind, Law, Material, Side};
 
 /// How large a hand is built.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -17,8 +17,8 @@
 use super::bend::{AxisOf, Bender};
 use crate::RigError;
 use nalgebra::DMatrix;
-use thenar::Vec3;
-use thenar::model::{Bone, Digit, HandModel, JointDesc, JointKind};
+use thenar_core::Vec3;
+use thenar_core::model::{Bone, Digit, HandModel, JointDesc, JointKind};
 
 /// Length for which figures are given \[m\].
 const LENGTH: f64 = 0.19;

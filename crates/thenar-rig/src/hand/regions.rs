@@ -6,8 +6,8 @@
 
 use super::digits::DigitRig;
 use crate::lattice::Lattice;
-use thenar::Vec3;
-use thenar::model::Digit;
+use thenar_core::Vec3;
+use thenar_core::model::Digit;
 
 /// Digit of every inside point of the lattice. No two linked points belong to different fingers.
 pub(super) fn digits_of_samples(lattice: &Lattice, digits: &[DigitRig]) -> Vec<Digit> {

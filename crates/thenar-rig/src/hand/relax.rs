@@ -9,7 +9,7 @@ use super::fist::{inverted, pose};
 use crate::RigError;
 use crate::weights::pair;
 use crate::work::Stage;
-use thenar::model::{Binding, Digit, HandModel};
+use thenar_core::model::{Binding, Digit, HandModel};
 
 /// Rounds of evening out; most elements that can be saved are after a dozen.
 const ROUNDS: usize = 24;

@@ -8,7 +8,7 @@ use super::solids::Covered;
 use crate::lattice::{Quality, tet};
 use crate::mesh::{Hole, Topology};
 use crate::{RigError, TriMesh};
-use thenar::model::{Digit, HandModel};
+use thenar_core::model::{Digit, HandModel};
 
 /// How a rig was read.
 #[derive(Clone, Debug, serde::Serialize)]

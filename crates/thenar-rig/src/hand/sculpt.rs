@@ -4,9 +4,9 @@
 use super::bend::{AxisOf, Bender, SHAPE_STEP, moves};
 use crate::RigError;
 use crate::work::Stage;
-use thenar::math::Mat3;
-use thenar::model::{Binding, CouplingKind, HandModel, PoseOffsets, Skinning};
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::math::Mat3;
+use thenar_core::model::{Binding, CouplingKind, HandModel, PoseOffsets, Skinning};
+use thenar_core::{Pose, Quat, Vec3};
 
 /// Widest way between two poses of an axis \[rad\], 30°. Where poses lay 45° apart, half of what targets lacked was left between
 /// the first two of a last finger joint.

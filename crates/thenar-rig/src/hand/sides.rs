@@ -3,8 +3,8 @@
 use super::digits::{DigitRig, leave};
 use super::regions::{bone_distance, digit_distance, palm_rays, segment_point};
 use crate::mesh::Bvh;
-use thenar::Vec3;
-use thenar::model::HandRegion;
+use thenar_core::Vec3;
+use thenar_core::model::HandRegion;
 
 /// Width of a nail over that of its digit, and of a nail as long as it is wide: those of eleven thumbs 24 mm wide
 /// measured 170 mm², 13 mm each way (pilot study, Int. J. Exerc. Sci. Conf. Proc. 8(5), 15; abstract).

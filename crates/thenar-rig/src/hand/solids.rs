@@ -12,9 +12,9 @@ use crate::RigError;
 use crate::mesh::Bvh;
 use crate::work::Stage;
 use std::sync::Arc;
-use thenar::model::{Bone, BoneSolid};
-use thenar::shape::{Part, Shape};
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::model::{Bone, BoneSolid};
+use thenar_core::shape::{Part, Shape};
+use thenar_core::{Pose, Quat, Vec3};
 
 /// Places along a capsule's axis, and along each edge of a box, where the flesh is measured: at most
 /// 3 mm apart on a hand of 190 mm.

@@ -3,8 +3,8 @@
 use super::digits::DigitRig;
 use super::regions;
 use crate::weights::{Chain, bind, pair};
-use thenar::Vec3;
-use thenar::model::{Binding, Digit};
+use thenar_core::Vec3;
+use thenar_core::model::{Binding, Digit};
 
 /// Half width of the first joint's ramp, relative to the length of the first moving bone.
 const FIRST: f64 = 0.56;

@@ -12,7 +12,7 @@
 //!
 //! Few lattices come nearer to regular tetrahedra (Labelle & Shewchuk 2007, section 2).
 
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// A lattice point in units of half the cube edge: all coordinates even (a cube's corner) or all
 /// odd (a cube's centre).

@@ -1,7 +1,7 @@
 //! The tetrahedra that a lattice is made of, before the body cuts it.
 
 use super::bcc::{self, Point, TetKey};
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// Tetrahedra that fill space: how one is found, and what it is.
 pub(super) trait Cells {

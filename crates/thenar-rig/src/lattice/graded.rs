@@ -19,7 +19,7 @@
 use super::bcc::{Point, TetKey};
 use super::cells::Cells;
 use super::octree::{Octant, Octree};
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// The octree's tetrahedra.
 pub(super) struct Graded {

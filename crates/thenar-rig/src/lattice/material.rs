@@ -1,8 +1,8 @@
 //! Materials of partly filled elements.
 
 use super::{Lattice, tet};
-use thenar::Vec3;
-use thenar::model::{Law, Material};
+use thenar_core::Vec3;
+use thenar_core::model::{Law, Material};
 
 /// Smallest filled fraction by which a material is scaled: softer elements would only make the
 /// system ill-conditioned.

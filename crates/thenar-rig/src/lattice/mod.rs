@@ -35,7 +35,7 @@ use octree::Octree;
 use pieces::Pieces;
 use samples::Samples;
 use support::SUPPORT_MIN;
-use thenar::{Quat, Vec3};
+use thenar_core::{Quat, Vec3};
 
 /// How fine and how turned.
 #[derive(Clone, Copy, Debug)]

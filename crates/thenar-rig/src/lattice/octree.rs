@@ -4,7 +4,7 @@
 //! transition tetrahedra of `graded` need (Labelle & Shewchuk 2007, section 3).
 
 use crate::RigError;
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// Cubes that the finest level may have: a byte of memory each, about.
 const CUBES_MAX: f64 = 1e8;

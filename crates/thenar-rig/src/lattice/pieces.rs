@@ -10,7 +10,7 @@ use super::bcc::{Point, TetKey};
 use super::cells::Cells;
 use super::samples::Samples;
 use super::union_find::UnionFind;
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// The lattice cut into pieces.
 pub(super) struct Pieces {

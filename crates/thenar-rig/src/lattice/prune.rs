@@ -5,7 +5,7 @@ use super::samples::Samples;
 use super::support::leave_out_unsupported;
 use super::union_find::UnionFind;
 use crate::RigError;
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// Removes pieces filled less than `fill_min`, those that hang on by less than a face, and those around nodes with less than
 /// `support_min` of the stiffness of their neighbours (`support`), and gives their points to the nearest piece that

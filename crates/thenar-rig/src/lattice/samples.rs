@@ -6,7 +6,7 @@
 
 use crate::work::Stage;
 use crate::{RigError, TriMesh};
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// Grid points inside a surface.
 pub(super) struct Samples {

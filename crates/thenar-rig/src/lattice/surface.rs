@@ -2,8 +2,8 @@
 
 use super::{Lattice, tet};
 use crate::{RigError, TriMesh};
-use thenar::Vec3;
-use thenar::model::{EmbeddedSurface, SurfaceVertex};
+use thenar_core::Vec3;
+use thenar_core::model::{EmbeddedSurface, SurfaceVertex};
 
 /// How far to look for inside points, in grid steps, nearest first.
 const REACHES: [i64; 4] = [1, 2, 4, 8];

@@ -1,6 +1,6 @@
 //! Measures of one tetrahedron.
 
-use thenar::{Mat3, Vec3};
+use thenar_core::{Mat3, Vec3};
 
 /// Corner positions.
 pub type Corners = [Vec3; 4];

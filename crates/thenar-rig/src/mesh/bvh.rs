@@ -3,7 +3,7 @@
 use super::closest::{Closest, closest_on_triangle};
 use super::winding::{AngleSum, Cluster};
 use crate::TriMesh;
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 const LEAF_TRIANGLES: usize = 4;
 

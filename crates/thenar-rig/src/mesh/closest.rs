@@ -1,6 +1,6 @@
 //! The point of a triangle nearest to a given point.
 
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// Where on a triangle a point lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

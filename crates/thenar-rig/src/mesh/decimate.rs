@@ -11,7 +11,7 @@ use crate::work::{STAGE_MAX, Stage};
 use crate::{RigError, TriMesh};
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// Weight of the walls that hold open boundaries, against the area of the triangles there.
 const BOUNDARY_WEIGHT: f64 = 10.0;

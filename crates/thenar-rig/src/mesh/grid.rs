@@ -5,8 +5,8 @@ use super::mass::{MassProperties, Moments};
 use crate::mesh::Bvh;
 use crate::work::{STAGE_MAX, Stage};
 use crate::{RigError, TriMesh};
-use thenar::Vec3;
-use thenar::shape::DistanceGrid;
+use thenar_core::Vec3;
+use thenar_core::shape::DistanceGrid;
 
 /// How fine a distance grid is.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -1,7 +1,7 @@
 //! Holes of a surface, closed.
 
 use crate::TriMesh;
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// A hole that was closed.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]

@@ -1,7 +1,7 @@
 //! Mass, centre and inertia of bodies bounded by meshes.
 
 use crate::{RigError, TriMesh};
-use thenar::{Mat3, Vec3};
+use thenar_core::{Mat3, Vec3};
 
 /// Mass properties of a body, in the frame of its mesh.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -113,7 +113,7 @@ impl Moments {
 mod tests {
     use super::*;
     use crate::mesh::shapes;
-    use thenar::{Pose, Quat};
+    use thenar_core::{Pose, Quat};
 
     fn close(a: &Mat3, b: &Mat3, tolerance: f64) {
         assert!((a - b).norm() < tolerance * b.norm(), "{a} {b}");

@@ -42,7 +42,7 @@ pub(crate) use topology::{components, find, join};
 pub use weld::{Welded, weld};
 
 use crate::RigError;
-use thenar::{Pose, Vec3};
+use thenar_core::{Pose, Vec3};
 
 /// Largest admissible coordinate \[m\]; keeps every product of coordinates finite.
 const COORDINATE_MAX: f64 = 1e6;

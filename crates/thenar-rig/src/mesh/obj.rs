@@ -2,7 +2,7 @@
 
 use super::polygon::{check_corners, cut};
 use crate::{RigError, TriMesh};
-use thenar::Vec3;
+use thenar_core::Vec3;
 use thenar_input::quoted;
 
 /// Reads the triangles of an OBJ file. Polygons are cut into fans, those of

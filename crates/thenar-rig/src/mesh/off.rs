@@ -3,7 +3,7 @@
 use super::polygon::{check_corners, cut};
 use crate::{RigError, TriMesh};
 use std::str::SplitAsciiWhitespace;
-use thenar::Vec3;
+use thenar_core::Vec3;
 use thenar_input::quoted;
 
 /// Reads the triangles of an ASCII OFF file, also of its forms with colours or normals (`COFF`, `NOFF`, `CNOFF`).

@@ -2,7 +2,7 @@
 
 use super::polygon::{check_corners, cut};
 use crate::{RigError, TriMesh};
-use thenar::Vec3;
+use thenar_core::Vec3;
 use thenar_input::quoted;
 
 /// Reads the triangles of a PLY file of any of its three encodings. Polygons are cut; triangle strips are refused.

@@ -1,6 +1,6 @@
 //! Squared distances to planes, summed (Garland & Heckbert 1997).
 
-use thenar::{Mat3, Vec3};
+use thenar_core::{Mat3, Vec3};
 
 /// A direction whose stiffness is below this part of the largest counts as free.
 const FLAT: f64 = 1e-3;

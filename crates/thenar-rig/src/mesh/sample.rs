@@ -106,7 +106,7 @@ fn split_triangle(
 mod tests {
     use super::*;
     use crate::mesh::{Topology, shapes};
-    use thenar::Vec3;
+    use thenar_core::Vec3;
 
     #[test]
     fn a_box_gets_points_on_its_faces_and_stays_a_box() {

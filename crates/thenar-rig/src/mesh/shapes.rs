@@ -2,7 +2,7 @@
 
 use crate::TriMesh;
 use std::f64::consts::{FRAC_PI_2, PI};
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// A cuboid with these half edge lengths \[m\]: 8 vertices, 12 triangles.
 pub fn cuboid(half: &Vec3) -> TriMesh {

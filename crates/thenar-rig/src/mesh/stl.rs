@@ -2,7 +2,7 @@
 
 use super::weld;
 use crate::{RigError, TriMesh};
-use thenar::Vec3;
+use thenar_core::Vec3;
 use thenar_input::quoted;
 
 const HEADER_BYTES: usize = 84;

@@ -10,7 +10,7 @@
 use super::edges::Edges;
 use crate::work::phase;
 use crate::{RigError, TriMesh};
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// Rounds of progressive interpolation.
 const ROUNDS: usize = 20;

@@ -2,7 +2,7 @@
 
 use crate::TriMesh;
 use std::collections::HashMap;
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// A welded mesh.
 #[derive(Clone, Debug)]

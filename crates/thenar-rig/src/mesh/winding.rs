@@ -1,6 +1,6 @@
 //! Solid angles: how much of the sky a triangle, or a far cluster of them, covers.
 
-use thenar::{Mat3, Vec3};
+use thenar_core::{Mat3, Vec3};
 
 /// Signed solid angle of a triangle seen from `p` \[sr\], positive when its back is seen
 /// (so that a closed outward-facing mesh sums to 4π inside). Van Oosterom & Strackee 1983.

@@ -4,12 +4,12 @@ use crate::RigError;
 use crate::lattice::tet;
 use crate::object::{RigidModel, SoftModel};
 use crate::size::{bounds, sensible_size};
-use thenar::model::{
+use thenar_core::model::{
     Binding, Bone, BoneNode, BoneSolid, CouplingKind, EmbeddedSurface, Flesh, HandModel, JointDesc,
     JointKind, Law, OGDEN_ALPHA,
 };
-use thenar::shape::Shape;
-use thenar::{Mat3, Pose, Vec3};
+use thenar_core::shape::Shape;
+use thenar_core::{Mat3, Pose, Vec3};
 
 type Check = Result<(), RigError>;
 

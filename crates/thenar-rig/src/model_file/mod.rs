@@ -28,7 +28,7 @@ use crate::export::write_whole;
 use crate::object::{RigidModel, SoftModel};
 use container::Kind;
 use std::path::Path;
-use thenar::model::HandModel;
+use thenar_core::model::HandModel;
 
 /// A built body.
 #[derive(Clone, Debug)]

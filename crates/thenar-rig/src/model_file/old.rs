@@ -2,8 +2,8 @@
 
 use crate::object::SoftModel;
 use serde::Deserialize;
-use thenar::Vec3;
-use thenar::model::{
+use thenar_core::Vec3;
+use thenar_core::model::{
     Binding, Bone, BoneSolid, CouplingKind, Digit, EmbeddedSurface, FixedNode, Flesh, HandModel,
     JointDesc, Material, Side,
 };

@@ -5,7 +5,7 @@
 use super::*;
 use crate::hand::{HandOptions, asset, build_hand};
 use crate::object::{Bread, Car, bread, toy_car};
-use thenar::model::{
+use thenar_core::model::{
     Binding, BoneNode, CouplingKind, EmbeddedSurface, HandRegion, Law, Relaxation, Side,
     SurfaceVertex,
 };

@@ -1,6 +1,6 @@
 //! The boundary of a set of tetrahedra.
 
-use thenar::model::{EmbeddedSurface, SurfaceVertex};
+use thenar_core::model::{EmbeddedSurface, SurfaceVertex};
 
 /// Faces of a positively oriented tetrahedron, counter-clockwise from outside.
 pub(crate) const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];

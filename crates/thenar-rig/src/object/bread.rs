@@ -4,8 +4,8 @@ use super::lattice_box::{Cubes, lattice_tets};
 use super::soft::{SoftModel, SoftOptions, SoftReport, soft_from_tets};
 use crate::RigError;
 use crate::error::positive;
-use thenar::Vec3;
-use thenar::model::{EmbeddedSurface, Law, Material, SurfaceVertex};
+use thenar_core::Vec3;
+use thenar_core::model::{EmbeddedSurface, Law, Material, SurfaceVertex};
 
 /// A loaf, lying along x, its bottom on y = 0, centred in x and z.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

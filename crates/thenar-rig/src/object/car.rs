@@ -8,7 +8,7 @@ use crate::error::positive;
 use crate::mesh::shapes;
 use crate::{RigError, TriMesh};
 use std::f64::consts::{FRAC_PI_2, PI};
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::{Pose, Quat, Vec3};
 
 /// A toy car.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -195,7 +195,7 @@ fn loft(rings: &[Vec<Vec3>]) -> TriMesh {
 mod tests {
     use super::*;
     use crate::mesh::{MassProperties, Topology};
-    use thenar::shape::Shape;
+    use thenar_core::shape::Shape;
 
     #[test]
     fn the_car_is_of_closed_parts_and_stands_on_its_wheels() {

@@ -1,8 +1,8 @@
 //! The colour of bread.
 
 use crate::TriMesh;
-use thenar::Vec3;
-use thenar::model::EmbeddedSurface;
+use thenar_core::Vec3;
+use thenar_core::model::EmbeddedSurface;
 
 /// What baking makes of a loaf's colour at each vertex of its surface, from the rest shape: brown on
 /// top, golden at the sides, pale below, a little uneven. Factors on linear red, green and blue.

@@ -1,6 +1,6 @@
 //! The size of a body in words, and the unit that its file may be in.
 
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// Hands hold nothing longer than this \[m\], and tables are shorter too.
 const LONGEST: f64 = 4.0;

@@ -24,8 +24,8 @@ use crate::size::sensible_size;
 use crate::work::phase;
 use crate::{RigError, TriMesh};
 use std::sync::Arc;
-use thenar::shape::{DistanceGrid, MeshShape, Shape};
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::shape::{DistanceGrid, MeshShape, Shape};
+use thenar_core::{Pose, Quat, Vec3};
 
 /// What decides the mass of a body.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

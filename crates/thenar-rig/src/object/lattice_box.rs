@@ -3,8 +3,8 @@
 use super::soft::{SoftModel, SoftOptions, soft_from_tets};
 use crate::RigError;
 use crate::error::positive;
-use thenar::Vec3;
-use thenar::model::Material;
+use thenar_core::Vec3;
+use thenar_core::model::Material;
 
 /// How each lattice cell is cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

@@ -6,8 +6,8 @@ use crate::error::positive;
 use crate::mesh::shapes;
 use crate::{RigError, TriMesh};
 use std::f64::consts::PI;
-use thenar::shape::Shape;
-use thenar::{Mat3, Pose, Vec3};
+use thenar_core::shape::Shape;
+use thenar_core::{Mat3, Pose, Vec3};
 
 const FRICTION: f64 = 0.5;
 

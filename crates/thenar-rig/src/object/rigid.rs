@@ -1,9 +1,9 @@
 //! A rigid body ready to be put into a world.
 
 use crate::TriMesh;
-use thenar::model::{Motion, RigidDesc};
-use thenar::shape::Shape;
-use thenar::{Mat3, Pose, Vec3};
+use thenar_core::model::{Motion, RigidDesc};
+use thenar_core::shape::Shape;
+use thenar_core::{Mat3, Pose, Vec3};
 
 /// A rigid body in its frame B: origin at the centre of mass, axes those of the mesh frame M it
 /// was made from.

@@ -6,8 +6,8 @@ use crate::error::positive;
 use crate::lattice::Quality;
 use crate::mesh::{find, join};
 use crate::size::{bounds, sensible_size};
-use thenar::Vec3;
-use thenar::model::{EmbeddedSurface, Flesh, Material};
+use thenar_core::Vec3;
+use thenar_core::model::{EmbeddedSurface, Flesh, Material};
 
 /// A deformable body in its model frame.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]

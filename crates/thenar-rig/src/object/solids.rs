@@ -4,8 +4,8 @@ use super::soft::{SoftModel, SoftOptions, soft_from_tets, volume};
 use crate::RigError;
 use crate::error::positive;
 use crate::mesh::shapes;
-use thenar::Vec3;
-use thenar::model::Material;
+use thenar_core::Vec3;
+use thenar_core::model::Material;
 
 /// A ball, centred at the origin, in layers of prisms between spheres of triangles.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -5,8 +5,8 @@
 use crate::damage::Random;
 use std::cell::RefCell;
 use std::rc::Rc;
-use thenar::Vec3;
-use thenar::model::{Law, Material, Side};
+use thenar_core::Vec3;
+use thenar_core::model::{Law, Material, Side};
 use thenar_rig::embed::{EmbedOptions, embed};
 use thenar_rig::export::{GlbMesh, Skeleton, VertexSkin, glb};
 use thenar_rig::hand::asset;

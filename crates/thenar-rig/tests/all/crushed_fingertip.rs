@@ -4,9 +4,9 @@
 //! bone is thick, the finger's readout shows the load, and no energy comes from nowhere.
 
 use crate::press::{FRICTION_BELOW, Press};
-use thenar::model::{BodyId, Digit};
-use thenar::readout::ContactReadout;
-use thenar::world::ContactPoint;
+use thenar_core::model::{BodyId, Digit};
+use thenar_core::readout::ContactReadout;
+use thenar_core::world::ContactPoint;
 
 /// What crushes the tip \[N\].
 const CRUSHING: f64 = 200.0;

@@ -1,8 +1,8 @@
 //! Goal: any closed mesh becomes a soft body of its own mass and shape. Method: bodies whose
 //! volume and mass distribution are known in closed form.
 
-use thenar::Vec3;
-use thenar::model::{Law, Material};
+use thenar_core::Vec3;
+use thenar_core::model::{Law, Material};
 use thenar_rig::TriMesh;
 use thenar_rig::embed::{EmbedOptions, Embedded, embed};
 use thenar_rig::lattice::tet;

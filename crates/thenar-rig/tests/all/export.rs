@@ -1,8 +1,8 @@
 //! Exported files, read back by readers that know nothing of the writer.
 
 use std::path::PathBuf;
-use thenar::model::{HandModel, Side};
-use thenar::{Pose, Vec3};
+use thenar_core::model::{HandModel, Side};
+use thenar_core::{Pose, Vec3};
 use thenar_rig::export::{
     Field, GlbMesh, Series, Skeleton, VertexSkin, glb, hand_glb, surface, write_hand_vtk,
 };
@@ -23,7 +23,7 @@ fn walk(node: &gltf::Node, parent: Pose, found: &mut Vec<(String, Pose)>) {
     let (t, r, s) = node.transform().decomposed();
     assert_eq!(s, [1.0; 3]);
     let q = nalgebra::Quaternion::new(r[3], r[0], r[1], r[2]).cast::<f64>();
-    let local = Pose::new(Vec3::from(t.map(f64::from)), thenar::Quat::from_quaternion(q));
+    let local = Pose::new(Vec3::from(t.map(f64::from)), thenar_core::Quat::from_quaternion(q));
     let pose = parent * local;
     found.push((node.name().unwrap_or_default().to_owned(), pose));
     for child in node.children() {

@@ -2,8 +2,8 @@
 //! same body. Method: read it with a reader that knows nothing of the writer, and integrate.
 
 use serde_json::Value;
-use thenar::Vec3;
-use thenar::model::Side;
+use thenar_core::Vec3;
+use thenar_core::model::Side;
 use thenar_rig::export::hand_json;
 use thenar_rig::hand::HandOptions;
 use thenar_rig::uniform_hand;

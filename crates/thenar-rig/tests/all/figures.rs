@@ -2,8 +2,8 @@
 //! Method: the files themselves, read by formula; a skinned mesh written by the program and read back.
 
 use std::path::{Path, PathBuf};
-use thenar::Vec3;
-use thenar::model::{AngleLimit, HandModel, JointKind};
+use thenar_core::Vec3;
+use thenar_core::model::{AngleLimit, HandModel, JointKind};
 use thenar_rig::RigError;
 use thenar_rig::export::hand_glb;
 use thenar_rig::figure::{
@@ -24,7 +24,7 @@ fn kinds(figure: &HandModel, kind: JointKind) -> usize {
     figure.joints.iter().filter(|joint| joint.kind == kind).count()
 }
 
-fn joint<'a>(figure: &'a HandModel, name: &str) -> &'a thenar::model::JointDesc {
+fn joint<'a>(figure: &'a HandModel, name: &str) -> &'a thenar_core::model::JointDesc {
     figure.joints.iter().find(|joint| joint.name == name).unwrap_or_else(|| panic!("{name}"))
 }
 
@@ -57,11 +57,11 @@ fn a_gripper_of_urdf_is_a_figure() {
 /// Positive angles close the fingers: tips come nearer to the axis.
 #[test]
 fn the_gripper_closes_by_positive_angles() {
-    use thenar::kinematics::Tree;
+    use thenar_core::kinematics::Tree;
     let (gripper, _) = built("gripper.urdf", 5e-3);
     let tree = Tree::of_hand(&gripper).unwrap();
     let tips = |angle: f64| {
-        let mut poses = vec![thenar::Pose::identity(); gripper.bones.len()];
+        let mut poses = vec![thenar_core::Pose::identity(); gripper.bones.len()];
         let angles = vec![[angle, 0.0]; gripper.joints.len()];
         tree.forward(&gripper.bones[0].pose_MB, &angles, &mut poses);
         let radius = |b: usize| {
@@ -132,12 +132,12 @@ fn a_figure_goes_through_gltf_and_back() {
             .iter()
             .find(|b| b.name == bone.name)
             .unwrap_or_else(|| panic!("{}", bone.name));
-        let parent = |figure: &HandModel, b: &thenar::model::Bone| {
+        let parent = |figure: &HandModel, b: &thenar_core::model::Bone| {
             b.parent.map(|p| figure.bones[p as usize].name.clone())
         };
         assert_eq!(parent(&back, same), parent(&body, bone));
         // Joints are where they were, not in the middle of bones.
-        let at = |b: &thenar::model::Bone| (b.pose_MB * b.pose_BT).position;
+        let at = |b: &thenar_core::model::Bone| (b.pose_MB * b.pose_BT).position;
         assert!((at(same) - at(bone)).norm() < 1e-6, "{}", bone.name);
     }
     assert_eq!((kinds(&back, JointKind::Hinge), kinds(&back, JointKind::Ball)), (2, 18));

@@ -8,7 +8,7 @@ use crate::bodies;
 use crate::damage::{Random, ascii_stl, damaged, glb, obj};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::OnceLock;
-use thenar::Vec3;
+use thenar_core::Vec3;
 use thenar_rig::hand::asset;
 use thenar_rig::mesh::{shapes, write_stl};
 use thenar_rig::{Model, RigError, TriMesh};
@@ -116,7 +116,7 @@ fn hands_endure() {
 /// Triangles without extent, vertices all at one place, all in one plane, all on a line.
 #[test]
 fn a_hand_without_a_surface_is_refused() {
-    for glb in [hand(), asset(thenar::model::Side::Left)] {
+    for glb in [hand(), asset(thenar_core::model::Side::Left)] {
         let (indices, length) = view(glb, "indices");
         let refused = |bytes: &[u8]| bodies::hand(bytes).unwrap_err().to_string();
         let error = refused(&with(glb, indices, &vec![0; length]));

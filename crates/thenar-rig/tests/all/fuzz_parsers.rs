@@ -9,8 +9,8 @@ use crate::bodies::sealed;
 use crate::damage::{Random, ascii_stl, damaged, glb, obj};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
-use thenar::Vec3;
-use thenar::model::EmbeddedSurface;
+use thenar_core::Vec3;
+use thenar_core::model::EmbeddedSurface;
 use thenar_rig::glb::{read_glb, read_skinned_glb};
 use thenar_rig::mesh::{read_obj, read_off, read_ply, read_stl, shapes, write_stl};
 use thenar_rig::{Model, RigError};
@@ -110,7 +110,7 @@ fn glb_endures() {
 #[test]
 fn the_model_file_endures() {
     // A real hand without its drawn surface, which is most of the file.
-    let mut hand = thenar_rig::uniform_hand(thenar::model::Side::Right, 600).unwrap();
+    let mut hand = thenar_rig::uniform_hand(thenar_core::model::Side::Right, 600).unwrap();
     hand.render = EmbeddedSurface::default();
     let bytes = Model::Hand(hand).to_bytes().unwrap();
     endures("model", 300, std::slice::from_ref(&bytes), Model::from_bytes);

@@ -3,8 +3,8 @@
 //! and palm are; shapes have the angles that geometry gives them.
 
 use std::sync::OnceLock;
-use thenar::Vec3;
-use thenar::model::{Digit, HandModel, Side};
+use thenar_core::Vec3;
+use thenar_core::model::{Digit, HandModel, Side};
 use thenar_rig::HandReport;
 use thenar_rig::hand::{HandOptions, Size, asset, build_hand, build_hand_with_report, graded_tets};
 

@@ -3,10 +3,10 @@
 
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
-use thenar::kinematics::Tree;
-use thenar::model::{Digit, HandModel, JointKind, Side};
-use thenar::shape::Shape;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::kinematics::Tree;
+use thenar_core::model::{Digit, HandModel, JointKind, Side};
+use thenar_core::shape::Shape;
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_rig::hand::{
     HandOptions, HandReport, Size, asset, build_hand, build_hand_with_report, default_hand,
     uniform_hand,

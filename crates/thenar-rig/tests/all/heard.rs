@@ -5,7 +5,7 @@
 use std::cell::{Cell, RefCell};
 use std::f64::consts::TAU;
 use std::rc::Rc;
-use thenar::Vec3;
+use thenar_core::Vec3;
 use thenar_rig::embed::closed_surface;
 use thenar_rig::mesh::{GridOptions, decimate, shapes};
 use thenar_rig::object::{ImportOptions, Weight, rigid_from_mesh};

@@ -1,9 +1,9 @@
 //! Goal: the nodes that stand for bone hold each bone where it lies, whatever the mesh. Method: the volumes that
 //! they stand for are compared with the solids' own; barycentric weights keep the centre of mass.
 
-use thenar::Vec3;
-use thenar::model::{HandModel, Side};
-use thenar::shape::Shape;
+use thenar_core::Vec3;
+use thenar_core::model::{HandModel, Side};
+use thenar_core::shape::Shape;
 use thenar_rig::HandReport;
 use thenar_rig::hand::{HandOptions, Size, asset, build_hand_with_report};
 
@@ -82,7 +82,7 @@ fn what_lies_between_bone_and_skin_is_free() {
     let mut held = vec![false; hand.flesh.nodes.len()];
     hand.bone_nodes.iter().for_each(|n| held[n.node as usize] = true);
     let skin = &hand.flesh.collision.vertices;
-    let free = |v: &thenar::model::SurfaceVertex| {
+    let free = |v: &thenar_core::model::SurfaceVertex| {
         hand.flesh.tets[v.tet as usize].iter().all(|&n| !held[n as usize])
     };
     let share = skin.iter().filter(|v| free(v)).count() as f64 / skin.len() as f64;

@@ -2,7 +2,7 @@
 //! have. Method: hands of both kinds of coupling are built with both kinds of springs, and their reports compared with
 //! what was asked for and with each other.
 
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_rig::hand::{
     HandOptions, JointStiffness, Size, Springs, asset, build_hand, build_hand_with_report,
     joint_stiffness,

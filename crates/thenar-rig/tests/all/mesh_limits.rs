@@ -3,8 +3,8 @@
 
 use crate::damage;
 use serde_json::{Value, json};
-use thenar::Vec3;
-use thenar::model::{Law, Material};
+use thenar_core::Vec3;
+use thenar_core::model::{Law, Material};
 use thenar_rig::TriMesh;
 use thenar_rig::embed::{EmbedOptions, embed};
 use thenar_rig::glb::{read_glb, read_skinned_glb};

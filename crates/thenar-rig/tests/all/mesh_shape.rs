@@ -2,7 +2,7 @@
 //! against what geometry says of spheres, boxes and tori.
 
 use std::f64::consts::PI;
-use thenar::Vec3;
+use thenar_core::Vec3;
 use thenar_rig::TriMesh;
 use thenar_rig::mesh::{
     Bvh, Topology, decimate, decimate_within, shapes, subdivide, subdivide_to, weld,

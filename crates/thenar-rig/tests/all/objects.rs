@@ -1,10 +1,10 @@
 //! Rigid and deformable objects: counts, volumes and masses from theory; meshes of every quality.
 
 use std::f64::consts::PI;
-use thenar::Vec3;
-use thenar::model::{Law, Material, Motion};
-use thenar::shape::Shape;
-use thenar::{Pose, Quat};
+use thenar_core::Vec3;
+use thenar_core::model::{Law, Material, Motion};
+use thenar_core::shape::Shape;
+use thenar_core::{Pose, Quat};
 use thenar_rig::TriMesh;
 use thenar_rig::mesh::shapes;
 use thenar_rig::object::*;

@@ -1,8 +1,8 @@
 //! Goal: pads, nails, palm and back of a hand lie where they should. Method: the directions and areas of their skin in
 //! the frames of their bones, in both hands and at another size.
 
-use thenar::Vec3;
-use thenar::model::{CouplingKind, Digit, HandModel, HandRegion, Side};
+use thenar_core::Vec3;
+use thenar_core::model::{CouplingKind, Digit, HandModel, HandRegion, Side};
 use thenar_rig::hand::{HandOptions, Size, asset, build_hand};
 
 fn hand(side: Side, length: f64) -> HandModel {

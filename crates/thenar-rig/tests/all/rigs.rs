@@ -2,8 +2,8 @@
 //! unit, of either side, open at the wrist. Method: the shipped hands' meshes and joint places are written as such rigs;
 //! what is built has the bones of the shipped hand, or what the rig leaves out is where anatomy has it.
 
-use thenar::model::{HandModel, Side};
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::model::{HandModel, Side};
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_rig::RigError;
 use thenar_rig::export::{GlbMesh, Skeleton, VertexSkin, glb};
 use thenar_rig::glb::{SkinnedMesh, read_skinned_glb};

@@ -2,8 +2,8 @@
 //! known volume loses caps; what is closed has the volume between the planes of the cuts, whatever the file.
 
 use std::f64::consts::TAU;
-use thenar::Vec3;
-use thenar::model::{Law, Material};
+use thenar_core::Vec3;
+use thenar_core::model::{Law, Material};
 use thenar_rig::TriMesh;
 use thenar_rig::embed::{EmbedOptions, can_be_closed, closed_surface, embed, mended_surface};
 use thenar_rig::mesh::{load_mesh, shapes, write_stl};

@@ -2,12 +2,12 @@
 //! poses that the offsets know, and at others between them; flesh held at the bone alone is brought to rest there by small
 //! steps of a world of its own, and compared with the targets of a hand that is held everywhere.
 
-use thenar::kinematics::Tree;
-use thenar::model::{
+use thenar_core::kinematics::Tree;
+use thenar_core::model::{
     CouplingKind, ElementPatches, HandModel, HandPlacement, Motion, PoseOffsets, Side, Skinning,
     WorldDesc, patches,
 };
-use thenar::{Pose, Vec3, World};
+use thenar_core::{Pose, Vec3, World};
 use thenar_rig::hand::{sculpted_offsets, uniform_hand};
 
 /// The hand held still by such a coupling, without weight.

@@ -2,8 +2,8 @@
 //! as elsewhere, is compared with that of the nodes around it, and its displacement under the loads that skin brings to it
 //! with theirs.
 
-use thenar::Vec3;
-use thenar::model::{HandModel, Side};
+use thenar_core::Vec3;
+use thenar_core::model::{HandModel, Side};
 use thenar_rig::hand::{HandOptions, Size, Springs, asset, build_hand};
 use thenar_rig::lattice::tet;
 

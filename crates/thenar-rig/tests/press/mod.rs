@@ -2,13 +2,13 @@
 //! upper one down.
 #![allow(dead_code)]
 
-use thenar::model::{
+use thenar_core::model::{
     BodyId, CouplingKind, Digit, Drive, HandPlacement, Motion, PairRule, RigidDesc, Side,
 };
-use thenar::model::{HandModel, Skinning, WorldDesc};
-use thenar::shape::Shape;
-use thenar::world::{Input, StepReport, Target};
-use thenar::{Mat3, Pose, Quat, Vec3, World};
+use thenar_core::model::{HandModel, Skinning, WorldDesc};
+use thenar_core::shape::Shape;
+use thenar_core::world::{Input, StepReport, Target};
+use thenar_core::{Mat3, Pose, Quat, Vec3, World};
 use thenar_rig::hand::uniform_hand;
 
 /// Half the edges of a plate \[m\]: wider than the tip, and clear of the other fingers.

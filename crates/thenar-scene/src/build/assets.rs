@@ -9,8 +9,8 @@ use crate::format::{
 };
 use crate::text::{At, Cx, Fault, Node, Read};
 use std::path::{Path, PathBuf};
-use thenar::math::Vec3;
-use thenar::model::{HandModel, Law, Material, Side};
+use thenar_core::math::Vec3;
+use thenar_core::model::{HandModel, Law, Material, Side};
 use thenar_rig::embed::{EmbedOptions, can_be_closed, closed_surface, embed};
 use thenar_rig::hand::{HandOptions, Size, Springs, asset, graded_tets};
 use thenar_rig::mesh::{GridOptions, load_mesh, read_file};

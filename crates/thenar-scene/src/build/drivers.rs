@@ -4,7 +4,7 @@ use super::{Built, place};
 use crate::format::{DriveTable, InterpolationWord, MotionWord, Rigid, Scene};
 use crate::math::{Pose, Vec3};
 use crate::text::Fault;
-use thenar::model::Drive;
+use thenar_core::model::Drive;
 
 /// What a driver does with the pose it gives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,7 +63,7 @@ impl Track {
         let still = [Vec3::zeros(); 2];
         match self {
             Self::Constant { start, velocity } => {
-                let turn = thenar::Quat::from_scaled_axis(velocity[1] * t);
+                let turn = thenar_core::Quat::from_scaled_axis(velocity[1] * t);
                 let pose = Pose::new(start.position + velocity[0] * t, turn * start.rotation);
                 (pose, *velocity)
             }
@@ -94,7 +94,7 @@ fn between(
     let (way, rate) = ease(interpolation, (t - t0) / span, span);
     let step = b.position - a.position;
     let turn = (b.rotation * a.rotation.inverse()).scaled_axis();
-    let rotation = thenar::Quat::from_scaled_axis(turn * way) * a.rotation;
+    let rotation = thenar_core::Quat::from_scaled_axis(turn * way) * a.rotation;
     (Pose::new(a.position + step * way, rotation), [step * rate, turn * rate])
 }
 
@@ -169,7 +169,7 @@ fn track(rigid: &Rigid, follow: Follow, start: &Pose, pose_MB: &Pose) -> Result<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use thenar::Quat;
+    use thenar_core::Quat;
 
     #[test]
     fn velocity_is_the_derivative_of_the_pose() {
@@ -183,7 +183,7 @@ mod tests {
             for t in [0.6, 0.9, 1.2, 1.45] {
                 let (_, [v, w]) = track.at(t);
                 let e = 1e-6;
-                let [v_fd, w_fd] = thenar::kinematics::velocity_between(
+                let [v_fd, w_fd] = thenar_core::kinematics::velocity_between(
                     &track.at(t - e).0,
                     &track.at(t + e).0,
                     2.0 * e,

@@ -11,8 +11,8 @@ use crate::format::{BonesWord, Figure, FigureJoint, FigureJointsFile, FigureKey,
 use crate::math::{Pose, Quat, Vec3};
 use crate::text::{At, Fault, Node, SceneError, nearest, parse};
 use std::path::Path;
-use thenar::kinematics::{Tree, joint_rotation};
-use thenar::model::{
+use thenar_core::kinematics::{Tree, joint_rotation};
+use thenar_core::model::{
     AngleLimit, CouplingKind, HandHandle, HandModel, HandPlacement, JointDesc, JointKind, Motion,
 };
 use thenar_rig::figure::{

@@ -4,8 +4,8 @@ use super::Built;
 use crate::format::{GripTable, GripWord, Hand, Scene};
 use crate::grip::{GripHand, GripKind, Order, usual_force};
 use crate::text::{At, Fault};
-use thenar::model::BodyId;
-use thenar::shape::Shape;
+use thenar_core::model::BodyId;
+use thenar_core::shape::Shape;
 
 /// With which pads press against each other where a scene does not say \[N\].
 const EACH_OTHER: f64 = 1.0;

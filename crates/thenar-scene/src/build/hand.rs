@@ -10,8 +10,8 @@ use crate::format::{BonesWord, CouplingWord, ElementsWord, Hand, HandMaterial, P
 use crate::math::{Pose, Vec3};
 use crate::motion::{ANGLES, AngleRange, Articulation, HandMotion, hand_angles};
 use crate::text::Fault;
-use thenar::World;
-use thenar::model::{CouplingKind, Drive, Flesh, HandHandle, HandModel, HandPlacement};
+use thenar_core::World;
+use thenar_core::model::{CouplingKind, Drive, Flesh, HandHandle, HandModel, HandPlacement};
 use thenar_track::Muscles;
 
 /// Palm drive when the scene gives none: the root follows the tracker closely.
@@ -226,7 +226,7 @@ pub(super) fn soften(
     layered: bool,
 ) -> Result<(), Fault> {
     let Some(t) = table else { return Ok(()) };
-    let largest = |f: fn(&thenar::model::Material) -> f64| {
+    let largest = |f: fn(&thenar_core::model::Material) -> f64| {
         flesh.materials.iter().map(f).fold(f64::MIN_POSITIVE, f64::max)
     };
     let named = t.tissue.as_ref().map(|tissue| tissue::named(tissue.value));

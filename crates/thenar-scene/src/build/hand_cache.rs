@@ -7,7 +7,7 @@
 use super::hand_store::store;
 use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use thenar::model::{Flesh, HandModel, PoseOffsets, Skinning};
+use thenar_core::model::{Flesh, HandModel, PoseOffsets, Skinning};
 use thenar_rig::RigError;
 use thenar_rig::hand::{HandOptions, build_hand, sculpted_offsets};
 
@@ -109,7 +109,7 @@ pub fn offsets_of(hand: &HandModel, skinning: Skinning) -> Result<Vec<PoseOffset
 #[cfg(test)]
 mod tests {
     use super::*;
-    use thenar::model::Side;
+    use thenar_core::model::Side;
     use thenar_rig::hand::asset;
 
     fn options(tets: usize, name: &str) -> HandOptions {

@@ -5,7 +5,7 @@ use crate::format::{HandAxis, HandJoint, HandJointsFile, JointName};
 use crate::motion::{Anatomy, Articulation};
 use crate::text::{At, Fault, Node, SceneError, parse};
 use std::path::Path;
-use thenar::model::{AngleLimit, Axis, HandModel};
+use thenar_core::model::{AngleLimit, Axis, HandModel};
 
 /// Largest file of joints \[bytes\].
 const BYTES_MAX: u64 = 1 << 20;

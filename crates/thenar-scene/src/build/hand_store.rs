@@ -11,7 +11,7 @@ use std::hash::{DefaultHasher, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::{LazyLock, OnceLock};
 use std::time::{Duration, SystemTime};
-use thenar::model::HandModel;
+use thenar_core::model::HandModel;
 use thenar_record::Build;
 use thenar_rig::Model;
 
@@ -83,7 +83,7 @@ impl Store<'_> {
     fn entry(&self, source: &Source) -> (PathBuf, String) {
         let Source { bytes, options } = source;
         let (Build { bytes: size, crc32 }, mesh) = (self.program, hash_of(bytes));
-        let vectors = thenar::vector_instructions();
+        let vectors = thenar_core::vector_instructions();
         let version = env!("CARGO_PKG_VERSION");
         let key = format!(
             "{version} {size} {crc32:08x} {vectors} {mesh:016x} {} {options}\n",
@@ -127,7 +127,7 @@ fn hash_of(bytes: &[u8]) -> u64 {
 mod tests {
     use super::*;
     use std::time::Duration;
-    use thenar::model::Side;
+    use thenar_core::model::Side;
     use thenar_rig::hand::{HandOptions, asset, build_hand};
 
     struct Folder(PathBuf);

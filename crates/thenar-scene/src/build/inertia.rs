@@ -3,7 +3,7 @@
 use crate::math::{Mat3, Vec3};
 use crate::text::{At, Fault};
 use std::f64::consts::PI;
-use thenar::shape::Shape;
+use thenar_core::shape::Shape;
 
 /// Volume \[m³\] and inertia about the centre at density 1 \[m⁵\] of a primitive in its frame S,
 /// its centre of mass at the origin; `None` for shapes that are no primitive.

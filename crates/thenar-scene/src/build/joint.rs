@@ -4,8 +4,8 @@ use super::{Built, place};
 use crate::format::{Joint, JointWord, Scene};
 use crate::math::{Pose, Quat, Vec3};
 use crate::text::{At, Fault};
-use thenar::kinematics::{joint_rotation, joint_spin};
-use thenar::model::{AngleLimit, Axis, JointDesc, JointKind};
+use thenar_core::kinematics::{joint_rotation, joint_spin};
+use thenar_core::model::{AngleLimit, Axis, JointDesc, JointKind};
 
 /// A joint that places its child.
 struct Link {
@@ -99,7 +99,7 @@ fn world_frame(joint: &Joint, pose_WC: &Pose) -> Result<Pose, Fault> {
     let rotation = match (joint.kind, &joint.axis, &joint.axes) {
         (JointWord::Hinge, Some(axis), None) => {
             let x = unit(&axis.value, &|p| axis.fault(p))?;
-            let (y, z) = thenar::math::tangents(&x);
+            let (y, z) = thenar_core::math::tangents(&x);
             place::from_axes(x, y, z)
         }
         (JointWord::Universal, None, Some(axes)) => {

@@ -1,8 +1,8 @@
 //! Memory that a scene's bodies take, told and bounded before they are built.
 
 use crate::text::Fault;
-use thenar::model::Relaxation;
-use thenar::shape::Shape;
+use thenar_core::model::Relaxation;
+use thenar_core::shape::Shape;
 
 /// Memory of a tetrahedron while it is simulated, with its share of nodes, matrices and surface \[bytes\]: balls of
 /// 20 000 to 450 000 tetrahedra take 1200 to 1510 with the exact solver.

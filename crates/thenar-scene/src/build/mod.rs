@@ -48,7 +48,7 @@ use crate::format::Scene;
 use crate::grip::GripHand;
 use crate::math::Vec3;
 use crate::text::Fault;
-use thenar::model::WorldDesc;
+use thenar_core::model::WorldDesc;
 
 /// A scene made ready: all names resolved, all files read.
 #[derive(Debug)]

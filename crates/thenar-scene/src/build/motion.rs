@@ -13,7 +13,7 @@ use crate::motion::{
 };
 use crate::text::{At, Fault};
 use std::collections::BTreeMap;
-use thenar::model::{Digit, HandModel, Side};
+use thenar_core::model::{Digit, HandModel, Side};
 
 /// Largest keyframe file \[bytes\].
 const KEYFRAMES_BYTES_MAX: u64 = 4 << 20;

@@ -4,10 +4,10 @@ use super::Track;
 use super::drivers::ease;
 use crate::format::InterpolationWord;
 use crate::math::{Quat, Vec3};
-use thenar::World;
-use thenar::kinematics::stretch;
-use thenar::model::{Axis, JointDesc, JointKind};
-use thenar::world::{Input, JointTarget};
+use thenar_core::World;
+use thenar_core::kinematics::stretch;
+use thenar_core::model::{Axis, JointDesc, JointKind};
+use thenar_core::world::{Input, JointTarget};
 
 /// What leads one joint.
 #[derive(Clone, Debug)]

@@ -2,7 +2,7 @@
 
 use crate::text::{At, Fault, nearest};
 use std::collections::BTreeMap;
-use thenar::model::BodyId;
+use thenar_core::model::BodyId;
 
 /// What each name in a scene stands for.
 #[derive(Clone, Debug, Default)]

@@ -3,7 +3,7 @@
 use super::Built;
 use crate::format::{PairFriction, Scene};
 use crate::text::{At, Fault};
-use thenar::model::{BodyId, FrictionTable, PairRule};
+use thenar_core::model::{BodyId, FrictionTable, PairRule};
 
 /// Adds all pairs.
 pub fn add_all(built: &mut Built, scene: &Scene) -> Result<(), Fault> {

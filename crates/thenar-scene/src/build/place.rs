@@ -3,7 +3,7 @@
 use crate::format::{Placement, Rotation};
 use crate::math::{Mat3, Pose, Quat, Vec3};
 use crate::text::{At, Fault};
-use thenar::math::Mat3 as M3;
+use thenar_core::math::Mat3 as M3;
 
 /// The rotation that a table describes; none when there is no table.
 pub fn rotation(table: Option<&At<Rotation>>) -> Result<Quat, Fault> {

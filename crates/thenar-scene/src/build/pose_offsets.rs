@@ -4,8 +4,8 @@ use super::{Built, Mesh, hand_cache, place};
 use crate::format::{Bind, Hand, Soft};
 use crate::text::{At, Fault};
 use std::collections::BTreeMap;
-use thenar::Quat;
-use thenar::model::{CouplingKind, HandHandle, HandModel, PoseOffsets, Skinning};
+use thenar_core::Quat;
+use thenar_core::model::{CouplingKind, HandHandle, HandModel, PoseOffsets, Skinning};
 
 /// Adds the offsets that the binds of soft body number `soft` name. Of several binds of a node the last counts.
 pub fn of_binds(built: &mut Built, table: &Soft, mesh: &Mesh, soft: u32) -> Result<(), Fault> {

@@ -5,8 +5,8 @@ use super::{Built, Files, inertia, place};
 use crate::format::{MotionWord, Rigid, Scene, Shape as Table};
 use crate::math::{Mat3, Pose, Vec3};
 use crate::text::Fault;
-use thenar::model::{Motion, RigidDesc};
-use thenar::shape::Shape;
+use thenar_core::model::{Motion, RigidDesc};
+use thenar_core::shape::Shape;
 use thenar_rig::TriMesh;
 use thenar_rig::object::{Car, Paint, Weight};
 

@@ -6,7 +6,7 @@ use crate::format::{CompoundPart, CompoundShape, Shape as Table};
 use crate::math::{Mat3, Pose, Quat, Vec3};
 use crate::text::{At, Fault};
 use std::sync::Arc;
-use thenar::shape::{Part, Shape};
+use thenar_core::shape::{Part, Shape};
 use thenar_rig::TriMesh;
 use thenar_rig::object::{Paint, Weight};
 

@@ -9,7 +9,7 @@ use crate::format::{
 use crate::math::{Mat3, Pose, Vec3};
 use crate::text::{At, Fault};
 use std::collections::BTreeMap;
-use thenar::model::{
+use thenar_core::model::{
     Binding, Coupling, EmbeddedSurface, FixedNode, Flesh, Law, Material, Relaxation, Skinning,
     SoftDesc, WorldDesc,
 };

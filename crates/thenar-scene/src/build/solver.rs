@@ -1,7 +1,7 @@
 //! Solver settings.
 
 use crate::format::{ConeWord, FleshWord, JointLimitsWord, SolverTable, SolverWord};
-use thenar::model::{Cone, FleshInStep1, Limits, SolverKind, SolverSettings};
+use thenar_core::model::{Cone, FleshInStep1, Limits, SolverKind, SolverSettings};
 
 /// The library's defaults with the table's changes.
 pub fn settings(table: Option<&SolverTable>) -> SolverSettings {

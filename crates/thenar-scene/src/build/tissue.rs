@@ -6,7 +6,7 @@ use crate::format::{
     TissueWord,
 };
 use crate::text::{At, Fault};
-use thenar::model::{
+use thenar_core::model::{
     EmbeddedSurface, Flesh, HandModel, HandRegion, Law, Material, Sheet, Skin, facets,
 };
 use thenar_rig::hand::{HandOptions, Layer};

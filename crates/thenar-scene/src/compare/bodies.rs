@@ -1,7 +1,7 @@
 //! What of a scene is compared.
 
 use crate::session::Session;
-use thenar::{Pose, Vec3, World};
+use thenar_core::{Pose, Vec3, World};
 
 /// A body that is neither bone nor the flesh of bones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -23,8 +23,8 @@ pub use summary::{ObjectSummary, PartSummary, Peak, SideSummary, Summary};
 
 use crate::session::{Column, Session};
 use divergence::Watch;
-use thenar::model::{FleshInStep1, Limits, SolverKind, SolverSettings};
-use thenar::world::StageTimer;
+use thenar_core::model::{FleshInStep1, Limits, SolverKind, SolverSettings};
+use thenar_core::world::StageTimer;
 
 /// Index of the two-step scheme wherever both are listed.
 pub const TWO_STEP: usize = 0;

@@ -9,8 +9,8 @@ use crate::SceneError;
 use crate::format::Scene;
 use crate::session::Session;
 use std::path::Path;
-use thenar::World;
-use thenar::model::SolverKind;
+use thenar_core::World;
+use thenar_core::model::SolverKind;
 
 /// The schemes that a sweep measures.
 pub const SCHEMES: [(Scheme, &str); 3] = [

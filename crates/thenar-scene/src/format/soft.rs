@@ -3,7 +3,7 @@
 use super::{Rotation, Selector, SkinTable, SkinningWord, TissueWord};
 use crate::math::Vec3;
 use crate::text::{At, Cx, Defs, Fault, Node, Read, choice, table, words};
-use thenar::model::TERMS_MAX;
+use thenar_core::model::TERMS_MAX;
 
 words! {
     /// How a lattice cell is cut into tetrahedra.

@@ -2,7 +2,7 @@
 
 use super::LawWord;
 use crate::text::{At, table, words};
-use thenar::model::Sheet;
+use thenar_core::model::Sheet;
 
 words! {
     /// Materials of tissue as published; their marks of certainty are in `docs/theory.md`.

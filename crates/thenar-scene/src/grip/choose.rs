@@ -10,8 +10,8 @@ use super::opposition::{Opposition, PADS_MAX, Span};
 use super::size::{middle, pads_middle};
 use super::surface::{Anchor, Sample, nearest, sample, through};
 use super::trouble::Trouble;
-use thenar::model::{BodyId, Motion};
-use thenar::{Pose, Vec3, World};
+use thenar_core::model::{BodyId, Motion};
+use thenar_core::{Pose, Vec3, World};
 use thenar_track::reach::{Angles, Chain, Goal, solve};
 
 /// Surface is looked at within this of the middle of the pads \[m\]: a finger's length.

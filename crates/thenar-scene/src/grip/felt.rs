@@ -1,9 +1,9 @@
 //! What the digits of a hand feel of an object.
 
 use crate::build::BuiltHand;
-use thenar::model::{BodyId, Digit};
-use thenar::world::ContactPoint;
-use thenar::{Vec3, World};
+use thenar_core::model::{BodyId, Digit};
+use thenar_core::world::ContactPoint;
+use thenar_core::{Vec3, World};
 
 /// Sum of the normal forces between an object, or where there is none other digits of the hand, and each digit (palm, thumb,
 /// index, middle, ring, little), on skin and on bones where flesh is crushed, in the last step \[N\].

@@ -26,9 +26,9 @@ use crate::live::{Law, follow};
 use crate::motion::Articulation;
 use std::f64::consts::TAU;
 use std::ops::Range;
-use thenar::model::Digit;
-use thenar::world::Target;
-use thenar::{Pose, Vec3, World};
+use thenar_core::model::Digit;
+use thenar_core::world::Target;
+use thenar_core::{Pose, Vec3, World};
 use thenar_track::reach::{Angles, Chain, FREEDOMS_MAX, Goal, solve};
 
 /// How far before the surface pads gather \[m\]: they clear what they go around, and are there a fifth of a second later.

@@ -17,8 +17,8 @@ use super::opposition::{Opposition, PADS_MAX};
 use super::size::pads_middle;
 use super::surface::{clearance, nearest};
 use super::trouble::Trouble;
-use thenar::model::{BodyId, HandModel};
-use thenar::{Pose, Vec3, World};
+use thenar_core::model::{BodyId, HandModel};
+use thenar_core::{Pose, Vec3, World};
 use thenar_track::reach::{Angles, Chain, palmar_pad};
 
 /// Bones of a finger that bend, and joints that bend them: from the knuckle on, the last of its chain.

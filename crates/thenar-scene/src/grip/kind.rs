@@ -1,7 +1,7 @@
 //! The kinds of grip: which pads take part, and where on the digits they are.
 
 use serde::{Deserialize, Serialize};
-use thenar::model::Digit;
+use thenar_core::model::Digit;
 use thenar_track::reach::PadPlace;
 
 /// How an object is gripped.

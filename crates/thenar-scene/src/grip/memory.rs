@@ -5,7 +5,7 @@ use super::order::Order;
 use super::surface::Anchor;
 use super::trouble::Trouble;
 use serde::{Deserialize, Serialize};
-use thenar::{Vec3, World};
+use thenar_core::{Vec3, World};
 use thenar_track::reach::{Angles, FREEDOMS_MAX};
 
 /// What a grip is doing.

@@ -8,9 +8,9 @@
 
 use super::hook::{Skin, skin};
 use super::kind::GripKind;
-use thenar::Vec3;
-use thenar::model::{Digit, HandModel};
-use thenar::readout::TaxelSkin;
+use thenar_core::Vec3;
+use thenar_core::model::{Digit, HandModel};
+use thenar_core::readout::TaxelSkin;
 use thenar_track::reach::{Angles, Chain, FREEDOMS_MAX, Goal, PadPlace, solve};
 
 /// Widths are this far apart \[m\].

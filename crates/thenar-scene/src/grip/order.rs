@@ -2,8 +2,8 @@
 
 use super::kind::GripKind;
 use serde::{Deserialize, Serialize};
-use thenar::World;
-use thenar::model::BodyId;
+use thenar_core::World;
+use thenar_core::model::BodyId;
 
 /// One grip, with its object by index.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -3,9 +3,9 @@
 use super::kind::GripKind;
 use super::surface::{nearest, sample, through};
 use crate::math::Vec3;
-use thenar::model::{BodyId, PairRule, WorldDesc};
-use thenar::shape::Shape;
-use thenar::{Pose, World};
+use thenar_core::model::{BodyId, PairRule, WorldDesc};
+use thenar_core::shape::Shape;
+use thenar_core::{Pose, World};
 
 /// Grip force over the slip limit where a scene does not say. People hold dry things with 1.2 to 2 times what they need
 /// [Johansson and Westling 1984]; pads that do not face each other straight need the more.
@@ -67,7 +67,7 @@ fn mass(desc: &WorldDesc, object: BodyId) -> f64 {
         BodyId::Rigid(i) => desc.rigids[i as usize].mass,
         BodyId::Soft(i) => {
             let soft = &desc.softs[i as usize].flesh;
-            let of = |(tet, material): (&[u32; 4], &thenar::model::Material)| {
+            let of = |(tet, material): (&[u32; 4], &thenar_core::model::Material)| {
                 let [a, b, c, d] = tet.map(|n| soft.nodes[n as usize]);
                 (b - a).cross(&(c - a)).dot(&(d - a)).abs() / 6.0 * material.density
             };

@@ -1,9 +1,9 @@
 //! The surface of what is gripped, whatever it is: samples of it, the way through it, places that move with it.
 
 use serde::{Deserialize, Serialize};
-use thenar::model::BodyId;
-use thenar::shape::Shape;
-use thenar::{Pose, Vec3, World};
+use thenar_core::model::BodyId;
+use thenar_core::shape::Shape;
+use thenar_core::{Pose, Vec3, World};
 
 /// Most samples of a surface.
 pub const SAMPLES_MAX: usize = 700;

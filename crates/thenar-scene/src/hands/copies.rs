@@ -7,7 +7,7 @@ use crate::format::{
 };
 use crate::math::Vec3;
 use crate::text::At;
-use thenar::model::Side;
+use thenar_core::model::Side;
 
 /// What is left free between an added hand and others that point at it \[m\].
 const CLEAR: f64 = 0.05;

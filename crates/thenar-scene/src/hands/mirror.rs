@@ -3,7 +3,7 @@
 use crate::format::{Camera, Hand, MotionTable, Rotation, SideOfHandWord, WristTable};
 use crate::math::Vec3;
 use crate::text::{At, Place};
-use thenar::model::Side;
+use thenar_core::model::Side;
 
 /// A value that no file holds.
 pub fn unwritten<T>(value: T, key: &str) -> At<T> {

@@ -4,9 +4,9 @@
 //! palm. The thumb lies across the middle phalanges of index and middle finger. Angles may be beyond a joint's range by a
 //! sixth: a fist is squeezed, and the joint's end holds.
 
-use thenar::model::{Digit, HandModel};
-use thenar::readout::TaxelSkin;
-use thenar::{Pose, Vec3};
+use thenar_core::model::{Digit, HandModel};
+use thenar_core::readout::TaxelSkin;
+use thenar_core::{Pose, Vec3};
 use thenar_track::reach::{Chain, Goal, Pad, PadPlace, solve};
 use thenar_track::{Anatomy, Articulation};
 

@@ -1,6 +1,6 @@
 //! Smooth curves through keys, twice continuously differentiable.
 
-use thenar::{Quat, Vec3};
+use thenar_core::{Quat, Vec3};
 
 /// One number over time.
 ///

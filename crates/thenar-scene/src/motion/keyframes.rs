@@ -23,9 +23,9 @@ pub use desc::{JointKey, Key, KeyframesDesc, LimitPolicy, WristKey};
 use super::error::MotionError;
 use super::interpolate::{RotationTrack, ScalarTrack, VectorTrack};
 use compile::{check_times, joint_tracks, wrist_tracks};
-use thenar::model::HandModel;
-use thenar::world::Target;
-use thenar::{Pose, Vec3};
+use thenar_core::model::HandModel;
+use thenar_core::world::Target;
+use thenar_core::{Pose, Vec3};
 use thenar_track::{Anatomy, Articulation};
 
 /// A keyframed motion made ready for one hand.

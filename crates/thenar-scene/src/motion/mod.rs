@@ -29,8 +29,8 @@ pub use thenar_track::{
     Retarget, TRACKED_JOINTS, TrackedSample, Tracking, hand_angles, mirrored, size_ratio,
 };
 
-use thenar::Pose;
-use thenar::world::Target;
+use thenar_core::Pose;
+use thenar_core::world::Target;
 
 /// A motion made ready for one hand.
 #[derive(Clone, Debug)]

@@ -2,7 +2,7 @@
 
 use crate::grip::{GripKind, Opposition};
 use serde::{Deserialize, Serialize};
-use thenar::model::{Digit, HandModel};
+use thenar_core::model::{Digit, HandModel};
 
 /// A named shape of the whole hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

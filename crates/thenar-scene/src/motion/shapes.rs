@@ -3,7 +3,7 @@
 use super::fist::fist;
 use super::preset::{Preset, Shape, THUMB_ASIDE};
 use std::cell::OnceCell;
-use thenar::model::{Digit, HandModel};
+use thenar_core::model::{Digit, HandModel};
 use thenar_track::{ANGLES, Anatomy, Articulation, hand_angles};
 
 /// The named shapes of a hand. Those that follow from the hand itself are found when they are first asked for.

@@ -4,8 +4,8 @@ use super::state::{Bare, BareRef};
 use crate::format::PresetWord;
 use crate::session::{GripsRef, IfNone, Memory, MemoryRef, ReflexesRef, Session, Source};
 use serde::{Deserialize, Serialize};
-use thenar::kernels::HeldPlace;
-use thenar::world::State;
+use thenar_core::kernels::HeldPlace;
+use thenar_core::world::State;
 
 /// A scene frame, in postcard's encoding: a session begins. Behind it stands the number of the hand that the scene
 /// means where it does not say, a byte; [`SceneStart::read`] takes both.

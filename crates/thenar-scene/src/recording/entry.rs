@@ -9,8 +9,8 @@ use crate::text::plain;
 use crate::tuning::SettingValue;
 use serde::{Deserialize, Serialize};
 use std::fmt;
-use thenar::kernels::HeldPlace;
-use thenar::world::{State, Target};
+use thenar_core::kernels::HeldPlace;
+use thenar_core::world::{State, Target};
 
 /// An input frame, in postcard's encoding: after `number` steps this entered.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -198,7 +198,7 @@ impl fmt::Display for What {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use thenar::{Pose, Quat, Vec3};
+    use thenar_core::{Pose, Quat, Vec3};
 
     /// An entry goes through the file's form and back with all its bits.
     #[track_caller]
@@ -227,7 +227,7 @@ mod tests {
         check(Entry::Lost { hand: 3 });
         check(Entry::Script { hand: 0 });
         check(Entry::Restart);
-        let ball = thenar::model::BodyId::Rigid(3);
+        let ball = thenar_core::model::BodyId::Rigid(3);
         let order =
             Order::new(Some(ball), crate::grip::GripKind::Tripod, 1.0 / 3.0, 0.1, Some(2.5));
         check(Entry::Grip { hand: 1, order: &order });
@@ -241,7 +241,7 @@ mod tests {
         let targets: [Target; 16] = std::array::from_fn(target);
         check(Entry::Lead { hand: 1, targets: &targets });
         check(Entry::LetGo { hand: 1 });
-        let mut world = thenar::World::new(thenar::model::WorldDesc::default()).unwrap();
+        let mut world = thenar_core::World::new(thenar_core::model::WorldDesc::default()).unwrap();
         world.set_time(0.1);
         check(Entry::Resume { state: world.state() });
         let faded = vec![[0.1, -0.0, 1e300, 1.0 / 3.0, -7.0, 5e-324]; 3];

@@ -2,9 +2,9 @@
 //! remembers and where skin is held beside it.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use thenar::kernels::Sides;
-use thenar::world::State;
-use thenar::{Pose, Vec3};
+use thenar_core::kernels::Sides;
+use thenar_core::world::State;
+use thenar_core::{Pose, Vec3};
 
 /// All of a state but what tissue remembers, while it is written.
 #[derive(Clone, Copy, Debug, Serialize)]

@@ -1,8 +1,8 @@
 //! Whether a replay gave what was recorded, and if not, why.
 
 use std::fmt;
-use thenar::Vec3;
-use thenar::world::State;
+use thenar_core::Vec3;
+use thenar_core::world::State;
 use thenar_record::{Build, Damage, Gap, Header};
 
 /// The first step that gave something else.

@@ -5,7 +5,7 @@ use crate::motion::{
     ANGLES, Anatomy, Articulation, MotionError, Preset, TRACKED_JOINTS, hand_angles,
 };
 use std::fmt::Write;
-use thenar::model::{Digit, HandModel};
+use thenar_core::model::{Digit, HandModel};
 use thenar_track::reach::PadPlace;
 
 /// Tables of the bones, joints, angles, poses, grips and tracked joints of `hand`, in Markdown; `name` says in prose

@@ -3,12 +3,12 @@
 use crate::build::{Built, BuiltHand, Follow};
 use crate::live::{LiveError, LiveHand};
 use std::ops::Range;
-use thenar::World;
-use thenar::condensed::SlowToFast;
-use thenar::kinematics::velocity_between;
-use thenar::math::Vec3;
-use thenar::model::{Flesh, RigidDesc};
-use thenar::world::{Input, Target};
+use thenar_core::World;
+use thenar_core::condensed::SlowToFast;
+use thenar_core::kinematics::velocity_between;
+use thenar_core::math::Vec3;
+use thenar_core::model::{Flesh, RigidDesc};
+use thenar_core::world::{Input, Target};
 
 /// Fills targets and prescribed velocities for a step that ends at time `t` \[s\].
 pub fn fill(

@@ -3,9 +3,9 @@
 use super::Session;
 use crate::live::{LiveError, LiveHand};
 use std::ops::Range;
-use thenar::World;
-use thenar::condensed::SlowToFast;
-use thenar::world::{Input, State, Target};
+use thenar_core::World;
+use thenar_core::condensed::SlowToFast;
+use thenar_core::world::{Input, State, Target};
 use thenar_touch::haptic_loop::{SimulatedHand, Simulation};
 
 impl Simulation for Session {

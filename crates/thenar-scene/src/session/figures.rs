@@ -1,8 +1,8 @@
 //! What a whole run amounts to, as one row of a table.
 
 use super::{Session, Summary};
-use thenar::model::Digit;
-use thenar::world::Energy;
+use thenar_core::model::Digit;
+use thenar_core::world::Energy;
 
 /// A cell of the row.
 #[derive(Clone, Debug, PartialEq)]

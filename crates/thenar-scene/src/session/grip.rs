@@ -8,7 +8,7 @@ use crate::grip::{
 };
 use crate::live::Mover;
 use serde::{Serialize, Serializer};
-use thenar::model::{BodyId, Motion};
+use thenar_core::model::{BodyId, Motion};
 
 /// An object is under the hand when its surface is this near to the middle of the pads \[m\]: a finger's length.
 const UNDER: f64 = 0.12;

@@ -3,8 +3,8 @@
 use super::{Entry, Session, drive};
 use crate::live::{LiveError, LiveHand, LivePose, Mover};
 use crate::tuning::{Setting, SettingError, SettingValue};
-use thenar::model::Side;
-use thenar::world::{StepReport, Target};
+use thenar_core::model::Side;
+use thenar_core::world::{StepReport, Target};
 
 impl Session {
     /// Moves hand `hand` by a pose that the client took at `time` \[s\] by its own clock. The

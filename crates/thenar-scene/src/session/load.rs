@@ -1,9 +1,9 @@
 //! What loads add to the input of a step.
 
 use crate::build::{ActiveLoad, LoadKind};
-use thenar::World;
-use thenar::math::Vec3;
-use thenar::world::Input;
+use thenar_core::World;
+use thenar_core::math::Vec3;
+use thenar_core::world::Input;
 
 /// Fills forces and torques with those at time `t` \[s\].
 pub fn fill(input: &mut Input, loads: &[ActiveLoad], world: &World, t: f64) {

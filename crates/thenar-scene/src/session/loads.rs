@@ -2,9 +2,9 @@
 
 use crate::build::BuiltHand;
 use crate::grip::digit_touched;
-use thenar::Vec3;
-use thenar::model::Digit;
-use thenar::world::ContactPoint;
+use thenar_core::Vec3;
+use thenar_core::model::Digit;
+use thenar_core::world::ContactPoint;
 
 /// What presses on one part of a hand, or the most that did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -7,7 +7,7 @@ use crate::grip::{GripMemory, Reflex};
 use crate::live::{LiveMemory, LiveMemoryRef};
 use crate::tuning::SettingValue;
 use serde::{Deserialize, Serialize, Serializer};
-use thenar::world::{State, StepReport, Target};
+use thenar_core::world::{State, StepReport, Target};
 
 /// What a session remembers, apart from it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -36,7 +36,7 @@ pub use source::Source;
 pub use summary::Summary;
 pub use table::{TableFormat, TableWriter};
 pub use taken_back::TakenBack;
-pub use thenar::random::{Random, random_at};
+pub use thenar_core::random::{Random, random_at};
 pub use witness::{Entry, Witness};
 
 use crate::build::{Built, BuiltHand, Mesh, RigidLook, SoftBuild};
@@ -48,9 +48,9 @@ use crate::tuning::Tuning;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::PathBuf;
-use thenar::condensed::SlowToFast;
-use thenar::world::{Input, StageTimer, StepReport, Target};
-use thenar::{Pose, World};
+use thenar_core::condensed::SlowToFast;
+use thenar_core::world::{Input, StageTimer, StepReport, Target};
+use thenar_core::{Pose, World};
 
 /// A scene that can be stepped.
 #[derive(Debug)]

@@ -8,9 +8,9 @@ use crate::live::{LiveError, LiveHand};
 use crate::text::{Fault, Node, Override, SceneError, apply_override, parse};
 use crate::tuning::{HandPart, Tuning};
 use std::path::Path;
-use thenar::model::CouplingKind;
-use thenar::world::StepReport;
-use thenar::{Vec3, World};
+use thenar_core::model::CouplingKind;
+use thenar_core::world::StepReport;
+use thenar_core::{Vec3, World};
 
 /// Largest scene file \[bytes\].
 const SCENE_BYTES_MAX: u64 = 8 << 20;

@@ -3,8 +3,8 @@
 use super::{PARTS, Session};
 use crate::math::Vec3;
 use std::fmt;
-use thenar::model::BodyId;
-use thenar::world::Overlap;
+use thenar_core::model::BodyId;
+use thenar_core::world::Overlap;
 
 /// Two bodies that a scene starts inside each other.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +30,7 @@ impl fmt::Display for StartOverlap {
 
 impl Session {
     /// The pairs of bodies that overlapped when the session was opened, the deepest first; see
-    /// [`thenar::World::overlaps`].
+    /// [`thenar_core::World::overlaps`].
     pub fn start_overlaps(&self) -> &[StartOverlap] {
         &self.start_overlaps
     }

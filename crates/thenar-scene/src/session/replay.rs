@@ -2,7 +2,7 @@
 
 use super::{Entry, Session, drive, load};
 use crate::live::LiveError;
-use thenar::world::State;
+use thenar_core::world::State;
 
 impl Session {
     /// Lets something enter that entered another session from the same source.

@@ -1,14 +1,14 @@
 //! The extremes of a run.
 
 use super::{HandLoad, Session};
-use thenar::world::Energy;
+use thenar_core::world::Energy;
 
 /// Extremes since the start of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Summary {
     /// Most contact constraints in one step.
     pub contacts_max: u32,
-    /// Most contacts left out in one step: see [`StepReport::contacts_dropped`](thenar::world::StepReport).
+    /// Most contacts left out in one step: see [`StepReport::contacts_dropped`](thenar_core::world::StepReport).
     pub contacts_dropped_max: u32,
     /// Largest distance between the two sides of a joint \[m\].
     pub joint_gap_max: f64,
@@ -20,7 +20,7 @@ pub struct Summary {
     pub non_finite: u64,
     /// Steps that the chosen solver could not make, and that were made safely instead.
     pub fell_back: u64,
-    /// Steps that were made in parts: see [`StepReport::parts`](thenar::world::StepReport).
+    /// Steps that were made in parts: see [`StepReport::parts`](thenar_core::world::StepReport).
     pub divided: u64,
     /// Steps whose contact missed the accuracy asked for.
     pub contact_unconverged: u64,

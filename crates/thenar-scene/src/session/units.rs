@@ -4,9 +4,9 @@ use super::Session;
 use crate::format::{Shape as Table, SoftShape};
 use crate::grip::bounds;
 use crate::text::At;
-use thenar::Vec3;
-use thenar::model::Motion;
-use thenar::shape::Shape;
+use thenar_core::Vec3;
+use thenar_core::model::Motion;
+use thenar_core::shape::Shape;
 use thenar_rig::object::{mass_in_words, size_in_words, unit_question};
 
 /// A mesh as a scene names it.

@@ -3,7 +3,7 @@
 use super::Session;
 use crate::build::is_papers_by_solver;
 use crate::format::Hand;
-use thenar::model::SolverKind;
+use thenar_core::model::SolverKind;
 
 /// The two-step scheme gains energy with springs in bone at steps longer than this \[s\].
 const TWO_STEP_IN_BONE_MAX: f64 = 1e-3;

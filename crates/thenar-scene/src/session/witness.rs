@@ -5,7 +5,7 @@ use crate::grip::Order;
 use crate::live::LivePose;
 use crate::tuning::SettingValue;
 use std::fmt::Debug;
-use thenar::world::{State, Target};
+use thenar_core::world::{State, Target};
 
 /// What enters a session from outside. The same entries before the same steps of a session from the
 /// same source give the same bits.

@@ -1,8 +1,8 @@
 //! Bounds of numbers, with words for messages.
 
 use crate::session::FORCE_MAX;
-use thenar::model::OGDEN_ALPHA;
-use thenar::world::GRAVITY_MAX;
+use thenar_core::model::OGDEN_ALPHA;
+use thenar_core::world::GRAVITY_MAX;
 use thenar_input::plain;
 use thenar_rig::hand::{DETAILS, LENGTHS};
 

@@ -1,8 +1,10 @@
 //! What settings do to a description.
 
 use std::ops::Range;
-use thenar::Vec3;
-use thenar::model::{Cone, FleshInStep1, Material, Motion, SolverKind, SolverSettings, WorldDesc};
+use thenar_core::Vec3;
+use thenar_core::model::{
+    Cone, FleshInStep1, Material, Motion, SolverKind, SolverSettings, WorldDesc,
+};
 
 /// Step 1 with flesh that yields.
 pub const TWO_STEP: &str = "two-step";

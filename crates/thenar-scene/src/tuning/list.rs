@@ -4,7 +4,7 @@ use super::apply::{self, Parts};
 use super::{Range, Scale, Setting, SettingError, SettingValue};
 use crate::text::plain;
 use SettingValue::{Choice, Number};
-use thenar::model::{Cone, SolverKind, WorldDesc};
+use thenar_core::model::{Cone, SolverKind, WorldDesc};
 use thenar_input::quoted;
 
 /// Unknowns up to which the dense reference solver is offered.

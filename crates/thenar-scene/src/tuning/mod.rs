@@ -9,7 +9,7 @@ mod list;
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use thenar::model::WorldDesc;
+use thenar_core::model::WorldDesc;
 use thenar_input::quoted;
 
 /// A value of a setting.

@@ -2,7 +2,7 @@
 //! Method: the shipped scenes, run whole; a free body thrashed by its own motors; scenes in which something is wrong.
 
 use std::path::Path;
-use thenar::Vec3;
+use thenar_core::Vec3;
 use thenar_scene::session::{Session, builtin};
 
 fn shipped(name: &str, overrides: &[&str]) -> Session {

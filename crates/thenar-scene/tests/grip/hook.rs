@@ -1,8 +1,8 @@
 //! Four fingers bent around a handle carry it by their shape: friction and force do not decide.
 
 use crate::stage::{Held, hold, open};
-use thenar::Vec3;
-use thenar::model::Digit;
+use thenar_core::Vec3;
+use thenar_core::model::Digit;
 use thenar_scene::session::Session;
 
 /// A handle in a rack before the fingers of a hand that points down, as one takes a bag.

@@ -1,7 +1,7 @@
 //! A key between the thumb's pad and the side of the bent index finger.
 
 use crate::stage::{Held, hold, open};
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_scene::grip::{GripHand, GripKind, pads_middle_at};
 use thenar_scene::session::Session;
 

@@ -1,7 +1,7 @@
 //! A hand above a thing on a peg, as a scene: it grips, lifts by 100 mm, and holds.
 
 use std::path::Path;
-use thenar::Vec3;
+use thenar_core::Vec3;
 use thenar_scene::grip::{GripHand, GripKind, pads_middle_at};
 use thenar_scene::session::Session;
 

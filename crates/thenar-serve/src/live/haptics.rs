@@ -6,7 +6,7 @@ use crate::protocol::{PoseBody, PoseMessage, text};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_link::haptic_loop::{PagePoses, Remote, SimulationPort};
 use thenar_link::now_ns;
 use thenar_scene::live::LivePose;

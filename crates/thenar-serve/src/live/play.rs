@@ -3,7 +3,7 @@
 use super::haptics::Haptics;
 use crate::protocol::{PoseBody, PoseMessage, flags};
 use std::time::{Duration, Instant};
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_scene::grip::{GripKind, Trouble};
 use thenar_scene::live::{LivePose, Mover};
 use thenar_scene::session::{Session, Witness};
@@ -233,7 +233,7 @@ fn side_name(side: Side) -> &'static str {
 mod tests {
     use super::*;
     use std::path::Path;
-    use thenar::Pose;
+    use thenar_core::Pose;
 
     /// Two right hands, of which the first perhaps follows poses and the second does not.
     fn play(first_driven: bool) -> Play {

@@ -1,6 +1,6 @@
 //! The arrays behind the JSON of a model message.
 
-use thenar::{Pose, Vec3};
+use thenar_core::{Pose, Vec3};
 
 /// Where an array lies, as the JSON says it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]

@@ -2,7 +2,7 @@
 
 use super::TEXT_BYTES_MAX;
 use serde::{Deserialize, Serialize};
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_input::brief;
 use thenar_scene::grip::GripKind;
 use thenar_scene::hands::Hands;

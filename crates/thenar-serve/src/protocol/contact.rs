@@ -1,9 +1,9 @@
 //! Contacts in a snapshot.
 
 use super::snapshot::Bytes;
-use thenar::Vec3;
-use thenar::model::BodyId;
-use thenar::world::ContactPoint;
+use thenar_core::Vec3;
+use thenar_core::model::BodyId;
+use thenar_core::world::ContactPoint;
 
 /// Contacts in one snapshot; the flag [`super::flags::CONTACTS_LEFT_OUT`] says that there were more.
 pub const CONTACTS_MAX: usize = 512;

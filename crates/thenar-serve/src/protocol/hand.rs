@@ -4,8 +4,8 @@ use super::arrays::{Array, Arrays, seven};
 use super::rigid::{Mesh, drawn};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use thenar::Pose;
-use thenar::model::{HandModel, JointKind, Side};
+use thenar_core::Pose;
+use thenar_core::model::{HandModel, JointKind, Side};
 use thenar_rig::hand::cuff;
 use thenar_scene::build::BuiltHand;
 use thenar_scene::motion::{
@@ -62,7 +62,7 @@ pub struct Angle {
 /// Describes a hand whose first bone is number `target_start` among a snapshot's targets.
 pub fn hand(built: &BuiltHand, target_start: usize, arrays: &mut Arrays) -> Hand {
     let model = &built.model;
-    let bone = |bone: &thenar::model::Bone| Bone {
+    let bone = |bone: &thenar_core::model::Bone| Bone {
         name: bone.name.clone(),
         parent: bone.parent,
         digit: bone.digit.name(),

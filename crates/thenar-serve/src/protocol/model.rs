@@ -112,7 +112,7 @@ fn describe<'a>(session: &'a Session, scene: &'a str, arrays: &mut Arrays) -> Js
             hand
         })
         .collect();
-    let triple = |v: &thenar::Vec3| [v.x, v.y, v.z];
+    let triple = |v: &thenar_core::Vec3| [v.x, v.y, v.z];
     Json {
         scene,
         title: file.title.as_deref().unwrap_or(scene),

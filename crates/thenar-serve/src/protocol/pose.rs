@@ -1,8 +1,8 @@
 //! Pose messages, strictly read: what does not fit the protocol is refused, never repaired.
 
 use super::{VERSION, kind};
-use thenar::model::Side;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::model::Side;
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_scene::text::plain;
 
 /// Length of a message with 25 joints.

@@ -2,9 +2,9 @@
 
 use super::arrays::{Array, Arrays, seven};
 use serde::Serialize;
-use thenar::model::{Motion, RigidDesc};
-use thenar::shape::{Part, Shape};
-use thenar::{Mat3, Pose, Vec3};
+use thenar_core::model::{Motion, RigidDesc};
+use thenar_core::shape::{Part, Shape};
+use thenar_core::{Mat3, Pose, Vec3};
 use thenar_rig::TriMesh;
 use thenar_rig::object::Paint;
 use thenar_scene::build::RigidLook;

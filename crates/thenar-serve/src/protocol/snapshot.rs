@@ -2,8 +2,8 @@
 
 use super::contact::{self, CONTACTS_MAX};
 use super::{VERSION, kind};
-use thenar::world::Energy;
-use thenar::{Pose, Vec3};
+use thenar_core::world::Energy;
+use thenar_core::{Pose, Vec3};
 use thenar_scene::session::Session;
 
 /// Flags of a snapshot.

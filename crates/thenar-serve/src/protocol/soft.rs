@@ -2,8 +2,8 @@
 
 use super::arrays::{Array, Arrays};
 use serde::Serialize;
-use thenar::World;
-use thenar::model::{EmbeddedSurface, Flesh};
+use thenar_core::World;
+use thenar_core::model::{EmbeddedSurface, Flesh};
 use thenar_rig::object::crust;
 use thenar_scene::build::SoftBuild;
 use thenar_scene::format::SoftShape;

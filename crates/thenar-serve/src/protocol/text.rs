@@ -3,7 +3,7 @@
 use super::VERSION;
 use crate::hub::{ClientId, SceneName};
 use serde_json::json;
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_link::Rendering;
 use thenar_link::haptic_loop::{STATEMENT, Status};
 

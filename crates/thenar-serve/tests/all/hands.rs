@@ -5,7 +5,7 @@ use crate::decoder::{Model, Snapshot};
 use crate::visitor::{Visitor, pose, seven, start};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_serve::live::{Live, Options, SceneSource};
 
 const SCRIPT: u16 = 16;

@@ -2,7 +2,7 @@
 //! protocol's bounds, or refused. Method: messages written from `docs/protocol.md`, whole and then
 //! cut, stretched, spliced and with bits flipped at random (the seed is printed).
 
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_scene::grip::GripKind;
 use thenar_scene::hands::Hands;
 use thenar_scene::session::Random;
@@ -56,8 +56,8 @@ fn joints_are_read_as_written() {
     let PoseBody::Joints { poses, radii } = message.body else { panic!("joints") };
     for k in 0..25 {
         let (x, turn) = (k as f64 / 100.0, k as f64 / 10.0);
-        assert!((poses[k].position - thenar::Vec3::new(x, 1.0, -x / 2.0)).norm() < 1e-6);
-        let own = thenar::Quat::from_axis_angle(&thenar::Vec3::y_axis(), turn);
+        assert!((poses[k].position - thenar_core::Vec3::new(x, 1.0, -x / 2.0)).norm() < 1e-6);
+        let own = thenar_core::Quat::from_axis_angle(&thenar_core::Vec3::y_axis(), turn);
         assert!(poses[k].rotation.angle_to(&own) < 1e-6);
         assert!((radii[k] - (k + 1) as f64 * 1e-3).abs() < 1e-8);
     }
@@ -70,7 +70,7 @@ fn angles_and_lost_are_read_as_written() {
     let message = PoseMessage::read(&bytes).unwrap();
     assert_eq!((message.side, message.number), (Side::Left, 6));
     let PoseBody::Angles { wrist, angles } = message.body else { panic!("angles") };
-    assert!((wrist.position - thenar::Vec3::new(0.1, 0.2, 0.3)).norm() < 1e-7);
+    assert!((wrist.position - thenar_core::Vec3::new(0.1, 0.2, 0.3)).norm() < 1e-7);
     let q = wrist.rotation.coords;
     assert!((q.x - 0.6).abs() < 1e-7 && (q.z - 0.8).abs() < 1e-7 && q.w.abs() < 1e-7);
     (0..20).for_each(|k| assert!((angles[k] - k as f64 / 20.0).abs() < 1e-7));
@@ -149,7 +149,7 @@ fn damaged_poses_are_refused_or_within_bounds() {
         };
         taken += 1;
         assert!(message.number > 0 && message.clock.is_finite(), "seed {seed}");
-        let pose_fits = |pose: &thenar::Pose| {
+        let pose_fits = |pose: &thenar_core::Pose| {
             pose.position.norm() <= 10.0
                 && pose.is_finite()
                 && (pose.rotation.norm() - 1.0).abs() < 1e-12

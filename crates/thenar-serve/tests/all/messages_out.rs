@@ -3,8 +3,8 @@
 
 use crate::decoder::{Model, Snapshot};
 use std::path::Path;
-use thenar::Vec3;
-use thenar::model::BodyId;
+use thenar_core::Vec3;
+use thenar_core::model::BodyId;
 use thenar_scene::session::{Session, builtin, builtins};
 use thenar_serve::protocol::{Pace, Snapshots, model};
 
@@ -110,7 +110,7 @@ fn skinning_from_the_sent_weights_gives_the_targets() {
         let mut target = Vec3::zeros();
         for k in 0..2 {
             let [x, y, z, a, b, c, d] = snapshot.rigids[bones[n][k] as usize];
-            let turn = thenar::Quat::new_normalize(nalgebra::Quaternion::new(d, a, b, c));
+            let turn = thenar_core::Quat::new_normalize(nalgebra::Quaternion::new(d, a, b, c));
             let offset = Vec3::from_row_slice(&offsets[n][3 * k..3 * k + 3]);
             target += (Vec3::new(x, y, z) + turn * offset) * weights[n][k];
         }

@@ -5,7 +5,7 @@
 use crate::visitor::Visitor;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
-use thenar::{Pose, Vec3};
+use thenar_core::{Pose, Vec3};
 use thenar_record::{Header, Recorder};
 use thenar_scene::live::LivePose;
 use thenar_scene::recording::{SessionTape, TimeOf};

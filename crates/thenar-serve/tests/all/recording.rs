@@ -6,7 +6,7 @@ use crate::visitor::Visitor;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
-use thenar::{Pose, Vec3};
+use thenar_core::{Pose, Vec3};
 use thenar_record::{Header, Recorder};
 use thenar_scene::recording::{Event, Replay, SessionTape, TimeOf};
 use thenar_serve::live::{Live, Options, SceneSource};

@@ -5,7 +5,7 @@
 use crate::decoder::{Model, Snapshot};
 use serde_json::Value;
 use std::time::{Duration, Instant};
-use thenar::{Pose, Vec3};
+use thenar_core::{Pose, Vec3};
 use thenar_serve::hub::{ClientId, Event, Hub, Note, Refused};
 use thenar_serve::live::{Live, Options, SceneSource};
 
@@ -128,7 +128,7 @@ impl Visitor {
 
 /// A pose as it travels.
 pub fn pose([x, y, z, a, b, c, d]: [f64; 7]) -> Pose {
-    let turn = thenar::Quat::new_normalize(nalgebra::Quaternion::new(d, a, b, c));
+    let turn = thenar_core::Quat::new_normalize(nalgebra::Quaternion::new(d, a, b, c));
     Pose::new(Vec3::new(x, y, z), turn)
 }
 

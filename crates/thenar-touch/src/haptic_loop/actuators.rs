@@ -152,7 +152,7 @@ impl Actuators {
                         energy,
                     };
                 }
-                [output.force_W, output.torque_W] = sent.map(thenar::Vec3::from);
+                [output.force_W, output.torque_W] = sent.map(thenar_core::Vec3::from);
             }
             Guards::Fingers(bank) => {
                 let readings = *hand.readings();

@@ -4,7 +4,7 @@ use super::histogram::Histogram;
 use crate::Rendering;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use thenar::model::Side;
+use thenar_core::model::Side;
 
 /// What arming a device means; shown to the user who does it.
 pub const STATEMENT: &str = "Research use only. This program and its safety limits are certified \

@@ -3,7 +3,7 @@
 
 use crate::{DIGITS, FastToSlow, RigidState, SlowToFast};
 use serde::{Deserialize, Serialize};
-use thenar::world::{self, State, Target};
+use thenar_core::world::{self, State, Target};
 use triple_buffer::{Input, Output, triple_buffer};
 
 /// What a finger touches, as of a simulation frame.

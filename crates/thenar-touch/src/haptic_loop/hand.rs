@@ -11,10 +11,10 @@ use crate::{
     TrackerTiming, seconds_between,
 };
 use held::{Held, Newest};
-use thenar::math::rotation_vector;
-use thenar::model::{Digit, HandModel, Side};
-use thenar::world::Target;
-use thenar::{Pose, Vec3};
+use thenar_core::math::rotation_vector;
+use thenar_core::model::{Digit, HandModel, Side};
+use thenar_core::world::Target;
+use thenar_core::{Pose, Vec3};
 use thenar_track::live::{LiveHand, Mover, STALE, checked};
 
 /// After a longer gap between samples a hand begins afresh, and so it does after such a gap between ticks \[s\].

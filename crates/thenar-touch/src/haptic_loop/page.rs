@@ -3,7 +3,7 @@
 use crate::{HandSample, Tracker, TrackerTiming, now_ns};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_track::live::LivePose;
 use triple_buffer::{Input, Output, triple_buffer};
 

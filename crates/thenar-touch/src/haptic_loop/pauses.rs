@@ -3,7 +3,7 @@
 use super::record::TickRecord;
 use crate::safety::{Pause, Status};
 use std::mem::{Discriminant, discriminant};
-use thenar::model::Side;
+use thenar_core::model::Side;
 
 /// Least time between two reports of one kind of pause \[ns\].
 const AGAIN_NS: u64 = 1_000_000_000;

@@ -14,9 +14,9 @@ use crate::{
 };
 use std::ops::Range;
 use std::sync::{Arc, PoisonError};
-use thenar::model::{Digit, Drive, Side, SolverKind};
-use thenar::readout::ContactReadout;
-use thenar::world::{ModelError, World};
+use thenar_core::model::{Digit, Drive, Side, SolverKind};
+use thenar_core::readout::ContactReadout;
+use thenar_core::world::{ModelError, World};
 use thenar_track::live::LiveError;
 
 /// How touch joins the tracked hand and the simulation.

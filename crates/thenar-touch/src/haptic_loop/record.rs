@@ -4,7 +4,7 @@ use super::actuators::Axis;
 use crate::DIGITS;
 use crate::safety::Status;
 use serde::{Deserialize, Serialize};
-use thenar::model::Side;
+use thenar_core::model::Side;
 
 /// One tick of one hand and one display.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]

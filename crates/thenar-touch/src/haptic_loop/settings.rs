@@ -4,7 +4,7 @@ use super::{Ability, LoopMode, Watcher};
 use crate::safety::Limits;
 use crate::{CouplingDesign, FeltBounds, ForceDisplay, GRIP, LoopProfile, MARGIN, Rendering};
 use std::path::PathBuf;
-use thenar::model::Drive;
+use thenar_core::model::Drive;
 use thenar_track::live::OBSERVATION;
 
 /// How the loop runs.

@@ -2,9 +2,9 @@
 
 use crate::SlowToFast;
 use std::ops::Range;
-use thenar::World;
-use thenar::model::HandModel;
-use thenar::world::{Input, State, Target};
+use thenar_core::World;
+use thenar_core::model::HandModel;
+use thenar_core::world::{Input, State, Target};
 use thenar_track::live::{LiveError, LiveHand};
 
 /// One of its hands.

@@ -21,7 +21,7 @@ pub(super) fn felt_turn(bounds: FeltBounds, proxy: &Proxy, part: f64) -> Felt {
 mod tests {
     use super::*;
     use crate::{CouplingDesign, GRIP, LoopProfile, MARGIN, Observation, TrackerTiming};
-    use thenar::math::Mat3;
+    use thenar_core::math::Mat3;
 
     /// Bones that are soft to push and stiff to turn, and the other way round: turning is cut by what a pinch damps, within 80
     /// and 100 % of Gil's rule, or not at all.

@@ -6,7 +6,7 @@ use crate::{HandOutput, now_ns};
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, TryLockError};
 use std::time::Duration;
-use thenar::model::Side;
+use thenar_core::model::Side;
 
 /// A loop that has not ticked for so long is taken over \[ns\].
 pub const PATIENCE_NS: u64 = 20_000_000;

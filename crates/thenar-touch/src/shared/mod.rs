@@ -33,4 +33,4 @@ mod slow_tests;
 mod tests;
 
 pub use resolve::{Resolution, SharedConstraints};
-pub use thenar::condensed::{Condensed, CondensedContact};
+pub use thenar_core::condensed::{Condensed, CondensedContact};

@@ -2,9 +2,9 @@
 
 use crate::RigidState;
 use crate::shared::{Condensed, CondensedContact};
-use thenar::kernels::project;
-use thenar::math::{Pose, Quat, Vec3, rotation_vector};
-use thenar::model::Cone;
+use thenar_core::kernels::project;
+use thenar_core::math::{Pose, Quat, Vec3, rotation_vector};
+use thenar_core::model::Cone;
 
 /// Contact forces, where contacts stick, and how far the bones have moved since the frame.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]

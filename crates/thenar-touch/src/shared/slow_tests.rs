@@ -2,8 +2,8 @@
 //! bones are not yet where they come to rest.
 
 use crate::{CouplingDesign, HandSettings, HapticHand, Mode, Proxy, RigidState, SlowToFast, Touch};
-use thenar::math::{Mat3, Pose};
-use thenar::model::Drive;
+use thenar_core::math::{Mat3, Pose};
+use thenar_core::model::Drive;
 
 const MS: u64 = 1_000_000;
 /// Simulated time per frame \[s\], and its real time \[ms\]: half of real time.

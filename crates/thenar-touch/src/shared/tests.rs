@@ -6,8 +6,8 @@ use super::*;
 use crate::RigidState;
 use crate::testing::Random;
 use nalgebra::{DMatrix, DVector};
-use thenar::math::{Mat3, Pose, Quat, Vec3, tangents};
-use thenar::model::Drive;
+use thenar_core::math::{Mat3, Pose, Quat, Vec3, tangents};
+use thenar_core::model::Drive;
 
 const BONES: usize = 2;
 const NODES: usize = 6;

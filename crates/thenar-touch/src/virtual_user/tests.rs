@@ -5,7 +5,7 @@
 use super::*;
 use crate::testing::Random;
 use crate::{CouplingDesign, Proxies};
-use thenar::math::Mat3;
+use thenar_core::math::Mat3;
 
 const DEVICE: Device = Device {
     mass: 0.1,

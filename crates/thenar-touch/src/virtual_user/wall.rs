@@ -2,8 +2,8 @@
 
 use crate::virtual_user::{Device, VirtualUser};
 use crate::{Proxies, Proxy, RigidState};
-use thenar::math::{Mat3, Pose, Vec3};
-use thenar::model::Drive;
+use thenar_core::math::{Mat3, Pose, Vec3};
+use thenar_core::model::Drive;
 
 /// A virtual user pushed into a bone that cannot move: a wall that pulls as well as it pushes.
 #[derive(Clone, Copy, Debug, PartialEq)]

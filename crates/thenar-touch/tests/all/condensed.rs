@@ -4,11 +4,11 @@
 //! that it would.
 
 use crate::common::{body, finger};
-use thenar::math::rotation_vector;
-use thenar::model::{AngleLimit, Drive, Motion, SolverKind};
-use thenar::shape::Shape;
-use thenar::world::Input;
-use thenar::{Pose, Quat, Vec3, World};
+use thenar_core::math::rotation_vector;
+use thenar_core::model::{AngleLimit, Drive, Motion, SolverKind};
+use thenar_core::shape::Shape;
+use thenar_core::world::Input;
+use thenar_core::{Pose, Quat, Vec3, World};
 use thenar_touch::shared::SharedConstraints;
 use thenar_touch::{RigidState, SlowToFast};
 

@@ -3,11 +3,11 @@
 //! prediction for a moved proxy against the full step of the world, and against closed forms.
 
 use crate::common::{bar, body, boundary};
-use thenar::math::rotation_vector;
-use thenar::model::{Drive, FixedNode, Law, Material, Motion, SoftDesc, WorldDesc};
-use thenar::shape::Shape;
-use thenar::world::Input;
-use thenar::{Pose, Vec3, World};
+use thenar_core::math::rotation_vector;
+use thenar_core::model::{Drive, FixedNode, Law, Material, Motion, SoftDesc, WorldDesc};
+use thenar_core::shape::Shape;
+use thenar_core::world::Input;
+use thenar_core::{Pose, Vec3, World};
 use thenar_touch::shared::SharedConstraints;
 use thenar_touch::{RigidState, SlowToFast};
 
@@ -65,7 +65,7 @@ impl Bench {
     /// Force of all that touches a body, on it \[N\].
     fn force_on(&self, bone: u32) -> Vec3 {
         let each = self.world.contacts().iter().map(|contact| {
-            let [a, b] = contact.bodies.map(|body| body == thenar::model::BodyId::Rigid(bone));
+            let [a, b] = contact.bodies.map(|body| body == thenar_core::model::BodyId::Rigid(bone));
             contact.force_W * (f64::from(u8::from(a)) - f64::from(u8::from(b)))
         });
         each.sum()

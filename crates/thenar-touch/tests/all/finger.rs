@@ -3,9 +3,9 @@
 //! seeded hostile states and frames.
 
 use crate::common::{body, finger, random};
-use thenar::model::{Digit, Motion};
-use thenar::shape::Shape;
-use thenar::{Mat3, Pose, Quat, Vec3, World};
+use thenar_core::model::{Digit, Motion};
+use thenar_core::shape::Shape;
+use thenar_core::{Mat3, Pose, Quat, Vec3, World};
 use thenar_touch::safety::{Guard, Limits, Signal, Status};
 use thenar_touch::{
     CouplingDesign, FastToSlow, HandSettings, HapticHand, Mode, Pad, Proxy, RigidState, SlowToFast,

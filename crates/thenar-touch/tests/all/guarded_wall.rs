@@ -2,8 +2,8 @@
 //! virtual user before a wall 1.5 times as stiff as stability allows (validation E1), with and
 //! without a guard between force and motor.
 
-use thenar::model::Drive;
-use thenar::{Mat3, Pose};
+use thenar_core::model::Drive;
+use thenar_core::{Mat3, Pose};
 use thenar_touch::safety::{Guard, Limits, Signal, Status};
 use thenar_touch::virtual_user::{Device, VirtualUser, Wall};
 use thenar_touch::{Proxies, Proxy, RigidState};

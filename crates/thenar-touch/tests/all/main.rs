@@ -1,6 +1,6 @@
 //! What the haptic loop without its thread promises, on worlds of the core's tests, in one binary.
 
-#[path = "../../../thenar/tests/common/mod.rs"]
+#[path = "../../../thenar-core/tests/common/mod.rs"]
 mod common;
 mod condensed;
 mod condensed_objects;

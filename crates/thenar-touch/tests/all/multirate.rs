@@ -3,9 +3,9 @@
 //! 100 Hz, in both modes of exchange; a stalled simulation.
 
 use crate::common::body;
-use thenar::model::{Motion, WorldDesc};
-use thenar::shape::Shape;
-use thenar::{Mat3, Pose, Vec3, World};
+use thenar_core::model::{Motion, WorldDesc};
+use thenar_core::shape::Shape;
+use thenar_core::{Mat3, Pose, Vec3, World};
 use thenar_touch::shared::CondensedContact;
 use thenar_touch::virtual_user::{Device, VirtualUser};
 use thenar_touch::{

@@ -2,9 +2,9 @@
 //! Method: a ball led onto a floor at 1 kHz, an uneven clock, a hand that is somewhere else.
 
 use crate::common::body;
-use thenar::model::{Digit, Motion, WorldDesc};
-use thenar::shape::Shape;
-use thenar::{Mat3, Pose, Vec3, World};
+use thenar_core::model::{Digit, Motion, WorldDesc};
+use thenar_core::shape::Shape;
+use thenar_core::{Mat3, Pose, Vec3, World};
 use thenar_touch::{
     CouplingDesign, FastToSlow, HapticHand, Pad, RigidState, SingleRate, SingleRateSettings,
     SlowToFast, Touch, series_drive,

@@ -2,7 +2,7 @@
 
 use super::LivePose;
 use crate::TRACKED_JOINTS;
-use thenar::Pose;
+use thenar_core::Pose;
 use thenar_input::plain;
 
 /// Farthest place \[m\].

@@ -1,6 +1,6 @@
 //! Samples that no motion explains: a tracker's glitch, or a start that was not foreseen. The next sample tells which.
 
-use thenar::Pose;
+use thenar_core::Pose;
 
 /// How far a sample may be from what was expected, what the fastest start adds, and the most of that: place \[m, m/s², m\],
 /// turns of the wrist, angles of joints \[rad, rad/s², rad\]. Noise of trackers reaches 1 cm and 5 degrees. A reach that is
@@ -103,7 +103,7 @@ impl Doubt {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use thenar::{Quat, Vec3};
+    use thenar_core::{Quat, Vec3};
 
     const GAP: f64 = 1.0 / 90.0;
 

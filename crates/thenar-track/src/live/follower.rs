@@ -6,7 +6,7 @@
 
 use super::observer::{Linear, bounded};
 use crate::filter::{left_jacobian, left_jacobian_inverse, relax};
-use thenar::{Quat, Vec3};
+use thenar_core::{Quat, Vec3};
 
 /// How the goal is followed.
 #[derive(Clone, Copy, Debug)]

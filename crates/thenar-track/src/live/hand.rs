@@ -11,9 +11,9 @@ use super::{JOINT_RATE_MAX, LiveError, LivePose, Mover, OPENING, SPEED_MAX, SPIN
 use crate::calibration::RATIOS;
 use crate::{ANGLES, AngleRange, Articulation, BoneLengths, Knuckles, Retarget, hand_angles};
 use std::f64::consts::TAU;
-use thenar::model::HandModel;
-use thenar::world::Target;
-use thenar::{Pose, Quat};
+use thenar_core::model::HandModel;
+use thenar_core::world::Target;
+use thenar_core::{Pose, Quat};
 
 /// A pose is carried forward by so much at most \[s\].
 const AHEAD_MAX: f64 = 0.025;

@@ -6,7 +6,7 @@ use super::observer::{Observed, ObservedRotation};
 use super::stance::Stance;
 use super::{LiveError, LiveHand};
 use serde::{Deserialize, Serialize};
-use thenar::{Quat, Vec3};
+use thenar_core::{Quat, Vec3};
 
 /// Poses that refine the calibration.
 pub const CALIBRATION: usize = 90;

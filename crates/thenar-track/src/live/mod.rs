@@ -40,7 +40,7 @@ pub use memory::{LiveMemory, LiveMemoryRef};
 
 use crate::ANGLES;
 use crate::Observation;
-use thenar::Pose;
+use thenar_core::Pose;
 
 /// Fastest wrist \[m/s\].
 pub const SPEED_MAX: f64 = 4.0;

@@ -17,7 +17,7 @@
 //! above 40 Hz, 44 ms late at the worst sway. With its gain kept and 80 ms of memory it leaves 0.40 mm and 10 µm, 59 ms late.)
 
 use serde::{Deserialize, Serialize};
-use thenar::{Quat, Vec3};
+use thenar_core::{Quat, Vec3};
 
 /// Time in which a sample loses its weight: least and most \[s\].
 const MEMORY: [f64; 2] = [0.0139, 0.05];
@@ -232,7 +232,7 @@ impl ObservedRotation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use thenar::random::Random;
+    use thenar_core::random::Random;
 
     const GAP: f64 = 1.0 / 90.0;
 

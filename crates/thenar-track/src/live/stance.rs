@@ -2,8 +2,8 @@
 
 use crate::Articulation;
 use serde::{Deserialize, Serialize};
-use thenar::world::Target;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::world::Target;
+use thenar_core::{Pose, Quat, Vec3};
 
 /// Wrist and joint angles with their velocities.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -9,9 +9,9 @@ use super::{LiveError, LiveHand, LivePose, Mover, OPENING, SPEED_MAX, SPIN_MAX};
 use crate::fixture;
 use crate::tracker::Tracker;
 use crate::{Articulation, TRACKED_JOINTS};
-use thenar::model::HandModel;
-use thenar::world::Target;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::model::HandModel;
+use thenar_core::world::Target;
+use thenar_core::{Pose, Quat, Vec3};
 
 /// Steps of 200 Hz, poses at 90 Hz.
 const H: f64 = 5e-3;

@@ -4,8 +4,8 @@ use crate::reach::{Angles, Chain, Goal, PadPlace, Reached, solve};
 use crate::recording::mirrored;
 use crate::tracker::Tracker;
 use crate::{Articulation, Retarget};
-use thenar::model::{Digit, HandModel};
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::model::{Digit, HandModel};
+use thenar_core::{Pose, Quat, Vec3};
 
 const OPPOSED: [Digit; 2] = [Digit::Thumb, Digit::Index];
 

@@ -1,9 +1,9 @@
 //! One digit as a chain of joints from the palm to a pad, and where the pad is.
 
-use thenar::kinematics::Tree;
-use thenar::model::{Digit, HandModel, JointDesc, JointKind};
-use thenar::readout::TaxelSkin;
-use thenar::{Pose, Vec3};
+use thenar_core::kinematics::Tree;
+use thenar_core::model::{Digit, HandModel, JointDesc, JointKind};
+use thenar_core::readout::TaxelSkin;
+use thenar_core::{Pose, Vec3};
 
 /// Most freedoms of a chain: a thumb with a metacarpal of its own has five, a finger with one six.
 pub const FREEDOMS_MAX: usize = 6;

@@ -14,8 +14,8 @@
 use super::chain::{Angles, Chain, FREEDOMS_MAX, Reached};
 use nalgebra::{SMatrix, SVector};
 use std::f64::consts::PI;
-use thenar::Vec3;
-use thenar::math::tangents;
+use thenar_core::Vec3;
+use thenar_core::math::tangents;
 
 /// Weight of the normal's turn \[m/rad\]: half a radian away bends the place by 0.1 mm at an arm of 60 mm.
 const TURN: f64 = 0.004;
@@ -138,8 +138,8 @@ mod tests {
     use super::*;
     use crate::fixture;
     use crate::reach::PadPlace;
-    use thenar::model::Digit;
-    use thenar::random::Random;
+    use thenar_core::model::Digit;
+    use thenar_core::random::Random;
 
     /// Places that digits reach at angles drawn from their ranges are reached from ease, but for what ease and turn bend.
     #[test]

@@ -4,8 +4,8 @@ use crate::FitError;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{PI, TAU};
 use std::path::PathBuf;
-use thenar::model::Side;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::model::Side;
+use thenar_core::{Pose, Quat, Vec3};
 
 /// A recording that drives a hand, and how.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -7,8 +7,8 @@ use crate::fixture::{hand, scaled};
 use crate::retarget::size_ratio;
 use crate::tracker::Tracker;
 use std::path::Path;
-use thenar::Vec3;
-use thenar::kinematics::velocity_between;
+use thenar_core::Vec3;
+use thenar_core::kinematics::velocity_between;
 
 /// All fingers closing and opening, the wrist on a tilted circle.
 fn wave(time: f64) -> (Pose, Vec<[f64; 2]>) {

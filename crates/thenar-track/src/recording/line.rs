@@ -3,8 +3,8 @@
 use super::{TRACKED_JOINTS, TrackedSample};
 use crate::live::RADIUS_MAX;
 use serde::Deserialize;
-use thenar::model::Side;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::model::Side;
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_input::{brief, quoted};
 
 /// Where in a line each joint of [`TRACKED_JOINTS`] stands.

@@ -117,7 +117,7 @@ fn no_number_breaks_it() {
 /// The shortest way takes 3 ms, others up to tens of milliseconds more (exponential, 4 ms on the mean), one in twenty is
 /// lost, and at 200 s all are for two seconds.
 fn sent(seed: u64) -> Vec<(u64, u64)> {
-    let mut random = thenar::random::Random::new(seed);
+    let mut random = thenar_core::random::Random::new(seed);
     let mut even = || 0.5 * (random.symmetric() + 1.0);
     let mut samples = Vec::new();
     for k in 0..54_000u64 {

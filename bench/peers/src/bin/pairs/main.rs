@@ -8,7 +8,7 @@ mod truth;
 
 use cpu_time::ThreadTime;
 use placements::{Kind, Placement, kinds};
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// Surfaces nearer than this are in contact, in every engine \[m\].
 const MARGIN: f64 = 1e-3;

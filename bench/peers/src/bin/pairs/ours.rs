@@ -4,9 +4,9 @@ use crate::placements::{Kind, Placement};
 use crate::{Engine, MARGIN, Touch};
 use std::cell::RefCell;
 use std::rc::Rc;
-use thenar::kernels::{Detector, Reach, RigidPlace, Sides, SurfaceState};
-use thenar::model::{Motion, RigidDesc, WorldDesc};
-use thenar::{Mat3, Pose, Vec3};
+use thenar_core::kernels::{Detector, Reach, RigidPlace, Sides, SurfaceState};
+use thenar_core::model::{Motion, RigidDesc, WorldDesc};
+use thenar_core::{Mat3, Pose, Vec3};
 
 /// The detector's contacts have no public name: two closures share them.
 pub struct Ours {

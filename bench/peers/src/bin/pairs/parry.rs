@@ -6,8 +6,8 @@ macro_rules! engine {
         pub mod $module {
             use crate::placements::{Kind, Placement};
             use crate::{Engine, MARGIN, Touch};
-            use thenar::Vec3;
-            use thenar::shape::Shape;
+            use thenar_core::Vec3;
+            use thenar_core::shape::Shape;
             use $parry::math::{Pose, Rotation, Vector};
             use $parry::query::{
                 ContactManifold, ContactManifoldsWorkspace, DefaultQueryDispatcher,
@@ -34,12 +34,12 @@ macro_rules! engine {
             impl Parry {
                 pub fn new(kind: &Kind, placements: &[Placement]) -> Self {
                     let [middle_a, middle_b] = [0, 1].map(|i| middle(&kind.shapes[i]));
-                    let of = |pose: &thenar::Pose, up: f64| {
+                    let of = |pose: &thenar_core::Pose, up: f64| {
                         let p = pose.point(&(Vec3::y() * up));
                         let q = pose.rotation.coords.map(|x| x as $real);
                         Pose::from_parts(vector(&p), Rotation::from_xyzw(q.x, q.y, q.z, q.w))
                     };
-                    let both = |[a, b]: &[thenar::Pose; 2]| [of(a, middle_a), of(b, middle_b)];
+                    let both = |[a, b]: &[thenar_core::Pose; 2]| [of(a, middle_a), of(b, middle_b)];
                     let poses: Vec<_> =
                         placements.iter().map(|p| [0, 1].map(|k| both(&p.poses[k]))).collect();
                     Self {

@@ -3,8 +3,8 @@
 use crate::truth;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
-use thenar::shape::{MeshShape, Shape};
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::shape::{MeshShape, Shape};
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_rig::TriMesh;
 use thenar_rig::mesh::{Bvh, GridOptions, Inside, distance_grid};
 

@@ -3,8 +3,8 @@
 //! searched densely and then refined by ever smaller random steps, which shares no method with any engine.
 
 use crate::placements::{Kind, Random};
-use thenar::shape::Shape;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::shape::Shape;
+use thenar_core::{Pose, Quat, Vec3};
 
 /// Directions of a dense search, and of one for placing.
 const DENSE: usize = 800;

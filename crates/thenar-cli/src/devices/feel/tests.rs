@@ -4,7 +4,7 @@
 use super::fake::{Display, MS};
 use super::*;
 use std::sync::{Arc, Mutex};
-use thenar::Pose;
+use thenar_core::Pose;
 use thenar_link::HandSample;
 use thenar_scene::live::LivePose;
 use thenar_scene::motion::ANGLES;

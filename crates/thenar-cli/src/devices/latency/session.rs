@@ -4,7 +4,7 @@ use crate::devices::keys::{AnyKey, Key, Keys};
 use crate::error::CliError;
 use crate::interrupt;
 use std::time::{Duration, Instant};
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_link::latency::Trace;
 use thenar_link::{Tracker, now_ns};
 

@@ -5,8 +5,8 @@ use super::picture::{ARROW, BONE, FORCE, FORCE_MIN, GROUND, WORLD, colour_of, co
 use foxglove::messages::packed_element_field::NumericType;
 use foxglove::messages::{PackedElementField, PointCloud};
 use std::f64::consts::{PI, TAU};
-use thenar::shape::Shape;
-use thenar::{Pose, Vec3};
+use thenar_core::shape::Shape;
+use thenar_core::{Pose, Vec3};
 use thenar_scene::session::Session;
 
 /// About the distance between neighbouring points \[m\].
@@ -168,8 +168,9 @@ pub fn objects(session: &Session, ns: u64) -> Vec<(String, PointCloud)> {
         for (bone, b) in hand.model.bones.iter().zip(hand.handle.bones.clone()) {
             let [from, to] = bone.ends_B;
             let axis = to - from;
-            let turn = thenar::Quat::rotation_between(&Vec3::y(), &axis);
-            let pose = Pose::new((from + to) / 2.0, turn.unwrap_or_else(thenar::Quat::identity));
+            let turn = thenar_core::Quat::rotation_between(&Vec3::y(), &axis);
+            let pose =
+                Pose::new((from + to) / 2.0, turn.unwrap_or_else(thenar_core::Quat::identity));
             let points = capsule(bone.radius, 0.5 * axis.norm());
             all[b as usize].extend(points.map(|p| (pose.point(&p), BONE, [])));
         }

@@ -4,7 +4,7 @@ use foxglove::messages::{
     Color, FrameTransform, Log, Point3, Pose as Placed, Quaternion, SceneEntity,
     SceneEntityDeletion, Timestamp, Vector3, log::Level, scene_entity_deletion,
 };
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::{Pose, Quat, Vec3};
 
 /// A moment \[ns since 1970\]; until 2106, as Foxglove counts.
 pub fn time(ns: u64) -> Timestamp {

@@ -5,9 +5,9 @@ use foxglove::messages::{
     ArrowPrimitive, Color, CubePrimitive, CylinderPrimitive, FrameTransforms, SceneEntity,
     SceneUpdate, SpherePrimitive, Timestamp, TriangleListPrimitive,
 };
-use thenar::model::RigidDesc;
-use thenar::shape::Shape;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::model::RigidDesc;
+use thenar_core::shape::Shape;
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_scene::session::Session;
 
 /// The frame of simulations, +y up, and one around it with +z up, as Foxglove has it.

@@ -2,7 +2,7 @@
 
 use crate::validate::case::{CaseError, Check, Figure, SceneText, scene};
 use crate::validate::run::{Series, Solver, step_words};
-use thenar::{Quat, Vec3};
+use thenar_core::{Quat, Vec3};
 
 const AXIS_FLIP: SceneText = scene!("a06-axis-flip");
 const HEAVY_TOP: SceneText = scene!("a07-heavy-top");
@@ -134,7 +134,7 @@ pub fn symmetric_body(solver: Solver) -> Result<Vec<Figure>, CaseError> {
         .record(2.0, &[&POSE_AND_SPIN[..], &MOMENTUM[3..]].concat())?;
     let in_body: Vec<f64> = body_spin(&series).iter().map(|w| w.y.atan2(w.x)).collect();
     let l = Vec3::from_fn(|k, _| series.columns[7 + k][0]).normalize();
-    let (across, along) = thenar::math::tangents(&l);
+    let (across, along) = thenar_core::math::tangents(&l);
     let azimuth = |i: usize| {
         let row: Vec<f64> = series.columns.iter().map(|c| c[i]).collect();
         let axis = rotation(&row) * Vec3::z();

@@ -4,8 +4,8 @@
 use super::{PATCH, RIGID_MOTION};
 use crate::validate::case::{Basis, CaseError, Check, Figure};
 use crate::validate::run::Solver;
-use thenar::kernels::{RestTet, respond};
-use thenar::{Quat, Vec3};
+use thenar_core::kernels::{RestTet, respond};
+use thenar_core::{Quat, Vec3};
 use thenar_scene::session::{Random, Session};
 
 /// Random rigid motions.

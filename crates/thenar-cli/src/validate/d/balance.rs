@@ -3,7 +3,7 @@
 use super::HAND;
 use crate::validate::case::{Basis, CaseError, Check, Figure};
 use crate::validate::run::Solver;
-use thenar::{Pose, Quat, Vec3, World};
+use thenar_core::{Pose, Quat, Vec3, World};
 use thenar_scene::session::Random;
 
 /// Net force and net torque about the origin of all coupling springs and dampers, relative to the

@@ -5,9 +5,9 @@ use super::differences::Rows::{Coordinates, OneKind};
 use super::differences::{Matrix, coordinates, differences, mismatch, scatter_bones};
 use crate::validate::case::{CaseError, Check, Figure};
 use crate::validate::run::Solver;
-use thenar::kernels::{BlockMatrix, BoneSystem, EffectiveMass, skin_target};
-use thenar::model::FleshInStep1;
-use thenar::{Mat3, Quat, Vec3, World};
+use thenar_core::kernels::{BlockMatrix, BoneSystem, EffectiveMass, skin_target};
+use thenar_core::model::FleshInStep1;
+use thenar_core::{Mat3, Quat, Vec3, World};
 use thenar_scene::session::Random;
 
 /// States tried for each figure.

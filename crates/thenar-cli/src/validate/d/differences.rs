@@ -6,7 +6,7 @@
 use super::{coupled, jointed};
 use crate::validate::case::{Basis, CaseError, Figure};
 use crate::validate::run::Solver;
-use thenar::{Pose, Quat, Vec3, World};
+use thenar_core::{Pose, Quat, Vec3, World};
 use thenar_scene::session::Random;
 
 /// Everything of D6.

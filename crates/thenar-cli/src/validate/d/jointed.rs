@@ -5,10 +5,10 @@ use super::differences::Rows::OneKind;
 use super::differences::{Matrix, coordinates, differences, mismatch, scatter_bones};
 use crate::validate::case::{CaseError, Check, Figure};
 use crate::validate::run::Solver;
-use thenar::kernels::{JointFrames, axis_states, joint_block, spring_torque};
-use thenar::kinematics::Tree;
-use thenar::model::Limits;
-use thenar::{Pose, Vec3, World};
+use thenar_core::kernels::{JointFrames, axis_states, joint_block, spring_torque};
+use thenar_core::kinematics::Tree;
+use thenar_core::model::Limits;
+use thenar_core::{Pose, Vec3, World};
 use thenar_scene::session::Random;
 
 const STATES: usize = 10;

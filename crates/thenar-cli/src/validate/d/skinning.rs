@@ -3,7 +3,7 @@
 use super::{HAND, balance, coupled};
 use crate::validate::case::{Basis, CaseError, Check, Figure, SceneText, scene};
 use crate::validate::run::Solver;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_scene::session::Random;
 
 const TWIST: SceneText = scene!("d03-twist");

@@ -3,8 +3,8 @@
 use super::{FINGER, HAND};
 use crate::validate::case::{Basis, CaseError, Check, Figure, SceneText};
 use crate::validate::run::{Run, Solver};
-use thenar::model::{FleshInStep1, SolverKind};
-use thenar::{Vec3, World};
+use thenar_core::model::{FleshInStep1, SolverKind};
+use thenar_core::{Vec3, World};
 
 /// What one step of the two-step scheme does differently.
 #[derive(Clone, Copy, Default)]

@@ -3,7 +3,7 @@
 use super::refused;
 use crate::validate::case::{Basis, CaseError, Check, Figure};
 use crate::validate::run::Solver;
-use thenar::{Mat3, Pose};
+use thenar_core::{Mat3, Pose};
 use thenar_touch::{
     CouplingDesign, HandSettings, HapticHand, RigidState, SlowToFast, Touch, series_stiffness,
 };

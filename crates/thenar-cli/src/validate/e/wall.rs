@@ -3,7 +3,7 @@
 use super::{DEVICE, refused, setup};
 use crate::validate::case::{CaseError, Check, Figure};
 use crate::validate::run::Solver;
-use thenar::Mat3;
+use thenar_core::Mat3;
 use thenar_touch::CouplingDesign;
 use thenar_touch::virtual_user::{
     Device, Wall, forced_wall, passive_onset, predicted_onset, stability_onset,

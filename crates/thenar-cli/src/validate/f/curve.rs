@@ -6,8 +6,8 @@ use crate::validate::case::CaseError;
 use crate::validate::run::{Run, Solver};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-use thenar::Vec3;
-use thenar::model::Digit;
+use thenar_core::Vec3;
+use thenar_core::model::Digit;
 
 /// Speed of the press \[m/s\].
 pub const RATE: f64 = 5e-3;

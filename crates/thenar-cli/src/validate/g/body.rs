@@ -3,8 +3,8 @@
 use super::{HANDS, still};
 use crate::validate::case::{Basis, CaseError, Check, Figure};
 use crate::validate::run::Solver;
-use thenar::model::HandModel;
-use thenar::{Mat3, Vec3};
+use thenar_core::model::HandModel;
+use thenar_core::{Mat3, Vec3};
 
 /// Mean and standard deviation \[mm\] of 66 radiographs (Buryanov and Kotiuk 2010), by bone. The metacarpals of the
 /// fingers are one bone with the palm here, and not among them.

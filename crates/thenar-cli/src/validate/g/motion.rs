@@ -3,7 +3,7 @@
 use super::{HANDS, still};
 use crate::validate::case::{Basis, CaseError, Check, Figure};
 use crate::validate::run::Solver;
-use thenar::model::JointKind;
+use thenar_core::model::JointKind;
 
 /// Limits of the flexion of a joint \[degrees\], of one that bends about two axes also of the other.
 fn limits(run: &mut crate::validate::run::Run, name: &str) -> Result<[[f64; 2]; 2], CaseError> {

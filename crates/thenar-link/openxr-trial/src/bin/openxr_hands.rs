@@ -5,7 +5,7 @@
 use std::io::Read;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
-use thenar::model::Side;
+use thenar_core::model::Side;
 use thenar_link::{HandSample, Tracker};
 use thenar_scene::live::LivePose;
 

@@ -4,8 +4,8 @@
 use super::*;
 use crate::{HandOutput, Rendering, now_ns};
 use std::time::{Duration, Instant};
-use thenar::Vec3;
-use thenar::model::Side;
+use thenar_core::Vec3;
+use thenar_core::model::Side;
 use thenar_track::live::LivePose;
 
 /// A number that changes as the hand closes.

@@ -3,8 +3,8 @@
 use super::super::plan::PlanJoint;
 use super::settle::SettledJoint;
 use super::{frame_of, frame_of_x, listed};
-use thenar::model::{Axis, JointKind};
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::model::{Axis, JointKind};
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_input::quoted;
 
 /// Hinges meet within this part of the figure's size, and at right angles within this angle \[rad\]; what is less is

@@ -2,8 +2,8 @@
 
 use super::super::plan::PlanMass;
 use std::f64::consts::PI;
-use thenar::shape::Shape;
-use thenar::{Mat3, Pose, Vec3};
+use thenar_core::shape::Shape;
+use thenar_core::{Mat3, Pose, Vec3};
 
 /// Mass, centre and inertia about the centre, in some frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -131,7 +131,7 @@ fn rod(radius: f64, half_length: f64) -> (f64, Vec3) {
 mod tests {
     use super::*;
     use crate::object::{Weight, rigid_box, rigid_capsule, rigid_sphere};
-    use thenar::Quat;
+    use thenar_core::Quat;
 
     #[test]
     fn masses_are_those_of_objects_of_the_same_shape() {

@@ -5,7 +5,7 @@ use super::combine::combine;
 use super::listed;
 use super::settle::{Settled, SettledJoint};
 use crate::RigError;
-use thenar::model::JointKind;
+use thenar_core::model::JointKind;
 use thenar_input::quoted;
 
 /// A link that moves by itself.

@@ -6,8 +6,8 @@ use crate::mesh::load_mesh;
 use crate::object::{ImportOptions, Weight, rigid_from_mesh};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use thenar::shape::Shape;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::shape::Shape;
+use thenar_core::{Pose, Quat, Vec3};
 
 /// What is done to the vertices of a mesh file: moved, turned, then multiplied.
 #[derive(Clone, Copy, Debug)]

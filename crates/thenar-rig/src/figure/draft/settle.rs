@@ -3,9 +3,9 @@
 use super::{Link, LinkJoint, LinkMass, LinkSolid, upright};
 use crate::size::bounds;
 use nalgebra::UnitVector3;
-use thenar::model::{AngleLimit, Axis, JointKind};
-use thenar::shape::Shape;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::model::{AngleLimit, Axis, JointKind};
+use thenar_core::shape::Shape;
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_input::quoted;
 
 /// A link in M; what stands in L before stands in M here.

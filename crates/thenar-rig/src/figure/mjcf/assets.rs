@@ -7,7 +7,7 @@ use super::settings::Settings;
 use super::{Element, RigError};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use thenar::{Quat, Vec3};
+use thenar_core::{Quat, Vec3};
 use thenar_input::quoted;
 
 /// `<mesh>` elements by name.

@@ -8,7 +8,7 @@ use super::settings::FromGeoms;
 use super::world::{Place, check_known, inside};
 use super::{Context, RigError};
 use std::collections::BTreeSet;
-use thenar::{Mat3, Pose, Vec3};
+use thenar_core::{Mat3, Pose, Vec3};
 use thenar_input::quoted;
 
 /// A body with what belongs to it, as elements.

@@ -5,8 +5,8 @@ use super::classes::Styled;
 use super::place::{pose_of_styled, z_to};
 use super::world::Place;
 use super::{Context, RigError};
-use thenar::shape::Shape;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::shape::Shape;
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_input::quoted;
 
 /// Density of what gives none \[kg/m³\].

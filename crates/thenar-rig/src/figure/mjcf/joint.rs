@@ -4,8 +4,8 @@ use super::super::draft::{LinkJoint, unit};
 use super::classes::Styled;
 use super::world::Place;
 use super::{Context, RigError};
-use thenar::Vec3;
-use thenar::model::{AngleLimit, Axis, JointKind};
+use thenar_core::Vec3;
+use thenar_core::model::{AngleLimit, Axis, JointKind};
 use thenar_input::quoted;
 
 /// How a joint moves.

@@ -6,7 +6,7 @@ use super::classes::Styled;
 use super::settings::Settings;
 use super::{Element, RigError};
 use nalgebra::{Quaternion, UnitVector3};
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::{Pose, Quat, Vec3};
 
 /// Shorter vectors have no direction.
 const SHORT: f64 = 1e-10;

@@ -2,7 +2,7 @@
 
 use super::{Element, RigError};
 use std::path::{Path, PathBuf};
-use thenar::Vec3;
+use thenar_core::Vec3;
 
 /// When masses come from geoms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,9 +3,9 @@ mod errors;
 use super::super::plan::PlanBone;
 use super::*;
 use std::f64::consts::PI;
-use thenar::model::JointKind;
-use thenar::shape::Shape;
-use thenar::{Mat3, Pose, Vec3};
+use thenar_core::model::JointKind;
+use thenar_core::shape::Shape;
+use thenar_core::{Mat3, Pose, Vec3};
 
 const BALL: &str = "<geom size='0.1'/>";
 

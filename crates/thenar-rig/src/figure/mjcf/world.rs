@@ -5,7 +5,7 @@ use super::classes::Classes;
 use super::place::pose_of;
 use super::settings::Settings;
 use super::{Element, RigError};
-use thenar::Pose;
+use thenar_core::Pose;
 
 /// An element of the tree of bodies, with what surrounds it.
 #[derive(Clone, Copy)]

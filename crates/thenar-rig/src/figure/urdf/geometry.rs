@@ -3,8 +3,8 @@
 use super::super::draft::{LinkSolid, MeshChange, Meshes, y_to_z};
 use super::{Element, RigError, origin};
 use std::path::{Path, PathBuf};
-use thenar::shape::Shape;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::shape::Shape;
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_input::quoted;
 
 /// Folders above the file's own in which meshes of packages are looked for.

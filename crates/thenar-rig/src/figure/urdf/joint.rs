@@ -2,8 +2,8 @@
 
 use super::super::draft::{Link, LinkJoint, unit};
 use super::{Element, RigError, origin};
-use thenar::Vec3;
-use thenar::model::{AngleLimit, Axis, JointKind};
+use thenar_core::Vec3;
+use thenar_core::model::{AngleLimit, Axis, JointKind};
 use thenar_input::quoted;
 
 /// How a joint moves.

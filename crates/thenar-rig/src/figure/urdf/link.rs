@@ -3,7 +3,7 @@
 use super::super::draft::{Body, Link, LinkMass, Meshes, is_inertia};
 use super::{Element, RigError, geometry, origin};
 use std::path::Path;
-use thenar::{Mat3, Pose, Vec3};
+use thenar_core::{Mat3, Pose, Vec3};
 use thenar_input::quoted;
 
 /// A link, yet without parent and joint.

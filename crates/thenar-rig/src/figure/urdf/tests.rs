@@ -1,8 +1,8 @@
 use super::super::plan::PlanBone;
 use super::*;
-use thenar::Mat3;
-use thenar::model::JointKind;
-use thenar::shape::Shape;
+use thenar_core::Mat3;
+use thenar_core::model::JointKind;
+use thenar_core::shape::Shape;
 
 const BALL: &str = "<collision><geometry><sphere radius='0.1'/></geometry></collision>";
 const MASS: &str = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>";

@@ -2,7 +2,7 @@ use super::*;
 use crate::hand::build::{Rigged, build_hand, rigged};
 use crate::hand::{Springs, asset, grading};
 use crate::mesh::subdivide_to;
-use thenar::model::Side;
+use thenar_core::model::Side;
 
 fn layer(region: Option<HandRegion>, depth: [f64; 2], young: f64, poisson: f64) -> Layer {
     Layer { region, depth, young: Some(young), poisson: Some(poisson), law: None }
@@ -43,7 +43,7 @@ fn an_element_has_the_mean_of_its_layers() {
         .max(options.collision_triangles)
         .max(grading::triangles(skin.area(), &grading));
     let smooth = subdivide_to(&skin, triangles).unwrap().mesh;
-    let edge = |p: &thenar::Vec3| grading::edge(p, &digits, length, &grading);
+    let edge = |p: &thenar_core::Vec3| grading::edge(p, &digits, length, &grading);
     let lattice = Lattice::graded(&smooth, &grading, edge).unwrap();
     assert_eq!(lattice.nodes, hand.flesh.nodes);
     let (body, sides) = (Bvh::new(&smooth), Sides::new(&digits, &Bvh::new(&skin)));

@@ -4,7 +4,7 @@ use super::words::{self, Place, Said, Thumbs};
 use crate::RigError;
 use crate::glb::RigJoint;
 use crate::hand::names::{self, NameMap};
-use thenar::model::{Digit, Side};
+use thenar_core::model::{Digit, Side};
 use thenar_input::quoted;
 
 /// The joints of one digit, as indices into the rig's.

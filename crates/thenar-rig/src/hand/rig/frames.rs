@@ -6,8 +6,8 @@
 use super::found::Found;
 use crate::RigError;
 use crate::glb::RigJoint;
-use thenar::model::Side;
-use thenar::{Mat3, Pose, Quat, Vec3};
+use thenar_core::model::Side;
+use thenar_core::{Mat3, Pose, Quat, Vec3};
 
 /// A joint's -z may be off the line to the next joint by this (cosine of 45°).
 const ALONG_MIN: f64 = 0.707;

@@ -6,8 +6,8 @@ use crate::glb::RigJoint;
 use crate::hand::digits::leave;
 use crate::hand::names;
 use crate::mesh::Bvh;
-use thenar::model::Digit;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::model::Digit;
+use thenar_core::{Pose, Quat, Vec3};
 
 /// Where a metacarpal begins that a rig lacks: parts of the knuckle's place in the wrist's frame, aside and along, of
 /// index to little finger. Those of the WebXR generic hand.

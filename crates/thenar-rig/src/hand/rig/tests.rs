@@ -5,8 +5,8 @@
 use super::{Found, find};
 use crate::glb::RigJoint;
 use crate::hand::names::NameMap;
-use thenar::model::Side;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::model::Side;
+use thenar_core::{Pose, Quat, Vec3};
 
 /// A name, and the distance of its joint from the wrist, in hundredths of a hand's length.
 type Named = (String, u32);

@@ -4,7 +4,7 @@
 //! joints of WebXR and OpenXR, Oculus hands, VRM 0 and 1, Unity's humanoid, Mixamo, Unreal, MakeHuman's default and game
 //! rigs, Rigify, VRoid, Daz and 3ds Max bipeds.
 
-use thenar::model::{Digit, Side};
+use thenar_core::model::{Digit, Side};
 
 /// What a name says of a joint's place in its digit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

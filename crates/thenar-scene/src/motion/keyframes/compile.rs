@@ -5,8 +5,8 @@ use crate::motion::error::MotionError;
 use crate::motion::interpolate::{RotationTrack, ScalarTrack, VectorTrack};
 use crate::motion::preset::Preset;
 use crate::motion::shapes::Shapes;
-use thenar::model::{Digit, HandModel};
-use thenar::{Mat3, Pose, Quat, Vec3};
+use thenar_core::model::{Digit, HandModel};
+use thenar_core::{Mat3, Pose, Quat, Vec3};
 use thenar_track::{Anatomy, Articulation, JointRole};
 
 /// Part of the way to a fist after which the thumb, aside until then, comes over the fingers.

@@ -5,7 +5,7 @@ use crate::motion::preset::Preset;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
-use thenar::model::Digit;
+use thenar_core::model::Digit;
 
 /// A keyframed motion as written in a file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -5,7 +5,7 @@ use crate::motion::fixture::hand;
 use crate::motion::mutate::Mutator;
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
-use thenar::kinematics::velocity_between;
+use thenar_core::kinematics::velocity_between;
 
 const MOTION: &str = r#"
 [[key]]

@@ -1,9 +1,9 @@
 //! Rigid bodies, joints, energies, momentum.
 
 use crate::math::Vec3;
-use thenar::World;
-use thenar::model::BodyId;
-use thenar::world::{Input, StepReport};
+use thenar_core::World;
+use thenar_core::model::BodyId;
+use thenar_core::world::{Input, StepReport};
 
 pub fn pose(world: &World, i: u32, out: &mut Vec<f64>) {
     let pose = world.rigid_pose(i);

@@ -2,8 +2,8 @@
 
 use super::NodeSet;
 use crate::math::{Mat3, Vec3};
-use thenar::World;
-use thenar::kernels::{RestTet, respond, signed_svd};
+use thenar_core::World;
+use thenar_core::kernels::{RestTet, respond, signed_svd};
 
 /// One element whose stress is measured.
 #[derive(Debug)]
@@ -32,7 +32,7 @@ pub fn rotation(world: &World, set: &NodeSet) -> Vec3 {
         .sum();
     let (U, _, V) = signed_svd(&moment);
     let R = nalgebra::Rotation3::from_matrix_unchecked(U * V.transpose());
-    thenar::Quat::from_rotation_matrix(&R).scaled_axis()
+    thenar_core::Quat::from_rotation_matrix(&R).scaled_axis()
 }
 
 /// First Piola-Kirchhoff stress \[Pa\] of an element, from its forces: `Σ f_a ⊗ X_a = -V P`.

@@ -9,10 +9,10 @@ use crate::build::Built;
 use crate::format::VertexWord;
 use crate::math::Vec3;
 use crate::session::loads::hand_loads;
-use thenar::World;
-use thenar::model::BodyId;
-use thenar::readout::ContactReadout;
-use thenar::world::{Input, StepReport};
+use thenar_core::World;
+use thenar_core::model::BodyId;
+use thenar_core::readout::ContactReadout;
+use thenar_core::world::{Input, StepReport};
 
 /// One column of the probe table.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -10,10 +10,10 @@ use crate::format::{
 use crate::math::Vec3;
 use crate::session::HandLoad;
 use crate::text::{At, Fault};
-use thenar::World;
-use thenar::kernels::RestTet;
-use thenar::model::{BodyId, Digit};
-use thenar::readout::ContactReadout;
+use thenar_core::World;
+use thenar_core::kernels::RestTet;
+use thenar_core::model::{BodyId, Digit};
+use thenar_core::readout::ContactReadout;
 
 /// Names of components and their unit.
 type Parts = Vec<(String, &'static str)>;
@@ -235,7 +235,7 @@ fn momentum(p: &ProbeMomentum, built: &Built) -> Result<Measure, Fault> {
     };
     let moves = |body: &BodyId| match body {
         BodyId::Rigid(i) => {
-            built.world.rigids[*i as usize].motion == thenar::model::Motion::Dynamic
+            built.world.rigids[*i as usize].motion == thenar_core::model::Motion::Dynamic
         }
         BodyId::Soft(_) => true,
     };

@@ -2,9 +2,9 @@
 
 use crate::format::VertexWord;
 use crate::math::Vec3;
-use thenar::World;
-use thenar::model::BodyId;
-use thenar::readout::{ContactReadout, PartContact, PatchContact};
+use thenar_core::World;
+use thenar_core::model::BodyId;
+use thenar_core::readout::{ContactReadout, PartContact, PatchContact};
 
 /// All of the contact of two bodies.
 pub fn between(patch: &PatchContact, out: &mut Vec<f64>) {

@@ -1,7 +1,7 @@
 //! Goal: what is told of soft bodies that touch agrees with itself: no finger bears its load on less skin than the peak pressure says.
 //! Method: a grasp and a fist that ship, step by step; means of the read-out of loads beside peaks of vertices.
 
-use thenar::readout::ContactReadout;
+use thenar_core::readout::ContactReadout;
 use thenar_scene::session::{Session, builtin};
 
 /// Peaks of all soft bodies count: each of a patch has one, and its area is that of the larger.

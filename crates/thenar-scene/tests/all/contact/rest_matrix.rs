@@ -11,8 +11,8 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
-use thenar::model::BodyId;
-use thenar::world::ContactPoint;
+use thenar_core::model::BodyId;
+use thenar_core::world::ContactPoint;
 use thenar_scene::session::Session;
 
 /// A shape, half its height in the pose in which it rests, its mass \[kg\], and whether it rolls.

@@ -7,8 +7,8 @@
 use super::force_spectrum::{above_50_hz, largest_change};
 use std::fmt::Write as _;
 use std::path::Path;
-use thenar::Vec3;
-use thenar::model::BodyId;
+use thenar_core::Vec3;
+use thenar_core::model::BodyId;
 use thenar_rig::mesh::shapes;
 use thenar_scene::session::Session;
 use thenar_testing::one_in;

@@ -2,9 +2,9 @@
 //! other flesh is asked of winding numbers, which know nothing of contact.
 
 use std::path::Path;
-use thenar::Vec3;
-use thenar::model::Digit;
-use thenar::world::ContactPoint;
+use thenar_core::Vec3;
+use thenar_core::model::Digit;
+use thenar_core::world::ContactPoint;
 use thenar_scene::session::Session;
 
 fn load(name: &str, changes: &[&str]) -> Session {

@@ -4,8 +4,8 @@
 //! was pulled off its bones comes back without a gain of energy.
 
 use std::path::Path;
-use thenar::Vec3;
-use thenar::model::CouplingKind;
+use thenar_core::Vec3;
+use thenar_core::model::CouplingKind;
 use thenar_scene::session::Session;
 
 /// Length of the shipped hand, wrist to middle fingertip \[m\].
@@ -182,7 +182,7 @@ fn a_model_without_nodes_in_bone_is_refused_by_name() {
     let folder = std::env::temp_dir().join(format!("thenar-bone-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let options = thenar_rig::HandOptions { tets: 60, ..thenar_rig::HandOptions::paper() };
-    let bytes = thenar_rig::hand::asset(thenar::model::Side::Right);
+    let bytes = thenar_rig::hand::asset(thenar_core::model::Side::Right);
     let mut hand = thenar_rig::build_hand(bytes, &options).unwrap();
     hand.bone_nodes.clear();
     let file = folder.join("old.thenar");

@@ -4,9 +4,9 @@
 //! is computed here.
 
 use std::path::Path;
-use thenar::Vec3;
-use thenar::model::BodyId;
-use thenar::shape::Shape;
+use thenar_core::Vec3;
+use thenar_core::model::BodyId;
+use thenar_core::shape::Shape;
 use thenar_scene::session::Session;
 
 fn load(hand: &str) -> Session {

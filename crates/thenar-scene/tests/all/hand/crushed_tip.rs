@@ -4,10 +4,10 @@
 //! load, no element stays inverted and the tip is as thick afterwards as before.
 
 use std::path::Path;
-use thenar::model::{BodyId, Digit};
-use thenar::readout::ContactReadout;
-use thenar::shape::Shape;
-use thenar::world::ContactPoint;
+use thenar_core::model::{BodyId, Digit};
+use thenar_core::readout::ContactReadout;
+use thenar_core::shape::Shape;
+use thenar_core::world::ContactPoint;
 use thenar_scene::session::Session;
 
 /// What crushes the tip \[N\].

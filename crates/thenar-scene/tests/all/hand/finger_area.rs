@@ -4,9 +4,9 @@
 //! in a pinch, that the load asks for at the peak pressure.
 
 use std::path::Path;
-use thenar::Vec3;
-use thenar::model::Digit;
-use thenar::readout::{ContactReadout, PatchContact};
+use thenar_core::Vec3;
+use thenar_core::model::Digit;
+use thenar_core::readout::{ContactReadout, PatchContact};
 use thenar_scene::session::Session;
 
 /// What is nearer touches \[m\]: the definition of the read-out.

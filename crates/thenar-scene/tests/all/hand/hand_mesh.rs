@@ -2,7 +2,7 @@
 //! Method: the models of scenes with and without the keys are compared.
 
 use std::path::Path;
-use thenar::model::{CouplingKind, Side};
+use thenar_core::model::{CouplingKind, Side};
 use thenar_scene::build::BuiltHand;
 use thenar_scene::session::Session;
 

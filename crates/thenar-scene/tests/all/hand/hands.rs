@@ -2,8 +2,8 @@
 //! choice in turn is built and stepped, in every scene; the mirrored scripts do what the scenes' own do.
 
 use std::path::Path;
-use thenar::Vec3;
-use thenar::model::Side;
+use thenar_core::Vec3;
+use thenar_core::model::Side;
 use thenar_scene::format::{Hand, Scene};
 use thenar_scene::hands::{Hands, with_hands};
 use thenar_scene::session::{Session, builtin, builtins, read};

@@ -2,7 +2,7 @@
 //! say otherwise where they want to. Method: a torque on one knuckle after the other, drives off, and the angle at rest; a finger that is bent by a torque and let go; tables of joints, read back from the world.
 
 use std::path::Path;
-use thenar::model::{AngleLimit, Side};
+use thenar_core::model::{AngleLimit, Side};
 use thenar_rig::hand::{HandOptions, asset, build_hand_with_report};
 use thenar_scene::session::Session;
 

@@ -2,7 +2,7 @@
 //! reason. Method: hands and soft bodies opened from text, their descriptions and errors looked at.
 
 use std::path::Path;
-use thenar::model::{Skin, WorldDesc};
+use thenar_core::model::{Skin, WorldDesc};
 use thenar_scene::session::Session;
 
 fn open(body: &str) -> Result<Session, String> {
@@ -25,7 +25,7 @@ fn area(skin: &Skin, sheet: u32) -> f64 {
 /// Area of the surface that touches.
 fn surface(world: &WorldDesc) -> f64 {
     let flesh = &world.softs[0].flesh;
-    let mut x = vec![thenar::Vec3::zeros(); flesh.collision.vertices.len()];
+    let mut x = vec![thenar_core::Vec3::zeros(); flesh.collision.vertices.len()];
     flesh.collision.positions(&flesh.tets, &flesh.nodes, &mut x);
     let of = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|v| x[v as usize]);
@@ -97,7 +97,7 @@ fn tissues_have_names() {
     let block = "[[soft]]\nname = \"block\"\nshape = { kind = \"lattice\", size = [0.02, 0.02, 0.02], cells = [2, 2, 2] }\n";
     let soft = world(&format!("{block}material = {{ tissue = \"tendon\", poisson = 0.4 }}"));
     let material = soft.softs[0].flesh.materials[0];
-    assert_eq!(material.law, thenar::model::Law::Ogden { alpha: 8.5 });
+    assert_eq!(material.law, thenar_core::model::Law::Ogden { alpha: 8.5 });
     assert_eq!((material.young, material.poisson), (2.0 * 1.48 * 35.3e3, 0.4));
     let skinned =
         world(&format!("{block}contact = false\nskin = {{ thickness = 0.001, young = 1e5 }}"));

@@ -1,8 +1,8 @@
 //! The same bits: whatever enters, from wherever a replay begins.
 
 use super::stage::*;
-use thenar::kernels::Sides;
-use thenar::{Pose, Vec3};
+use thenar_core::kernels::Sides;
+use thenar_core::{Pose, Vec3};
 use thenar_record::{Header, Kind, Recorder};
 use thenar_scene::recording::{Index, Replay};
 use thenar_scene::session::Session;

@@ -1,7 +1,7 @@
 //! A replay that gives something else says so, and is put right.
 
 use super::stage::*;
-use thenar::{Pose, Vec3};
+use thenar_core::{Pose, Vec3};
 use thenar_record::Header;
 use thenar_scene::recording::Replay;
 

@@ -3,9 +3,9 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
-use thenar::Pose;
-use thenar::model::{HandModel, Side};
-use thenar::world::Target;
+use thenar_core::Pose;
+use thenar_core::model::{HandModel, Side};
+use thenar_core::world::Target;
 use thenar_record::{Header, Recorder};
 use thenar_rig::hand::{HandOptions, asset, build_hand};
 use thenar_rig::{Model, write_model};

@@ -2,8 +2,8 @@
 //! the scene starts over. Method: shipped scenes, poses made from known wrists, and a real capture.
 
 use std::path::Path;
-use thenar::model::Side;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::model::Side;
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_scene::live::{LiveError, LivePose, Mover};
 use thenar_scene::motion::{ANGLES, Recording, size_ratio};
 use thenar_scene::session::{HandLoad, Session, Summary, builtin};

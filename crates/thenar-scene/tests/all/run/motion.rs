@@ -2,9 +2,9 @@
 //! capture is followed closely. Method: forward kinematics of the built hands against geometry.
 
 use std::path::Path;
-use thenar::model::{Digit, HandModel, Side};
-use thenar::world::Target;
-use thenar::{Pose, Vec3};
+use thenar_core::model::{Digit, HandModel, Side};
+use thenar_core::world::Target;
+use thenar_core::{Pose, Vec3};
 use thenar_rig::hand::uniform_hand;
 use thenar_scene::format::MotionTable;
 use thenar_scene::motion::{

@@ -2,8 +2,8 @@
 //! theory, as scene files.
 
 use std::path::Path;
-use thenar::model::BodyId;
-use thenar::{Pose, Quat};
+use thenar_core::model::BodyId;
+use thenar_core::{Pose, Quat};
 use thenar_scene::build::BuiltHand;
 use thenar_scene::session::Session;
 
@@ -440,7 +440,7 @@ fn mean_pressure_times_area_is_the_load() {
 /// Every solver setting arrives in the world.
 #[test]
 fn solver_settings_arrive() {
-    use thenar::model::{Cone, FleshInStep1, Limits, SolverKind, SolverSettings};
+    use thenar_core::model::{Cone, FleshInStep1, Limits, SolverKind, SolverSettings};
     let given = "[solver]
         kind = \"monolithic\"
         cone = \"linearised\"
@@ -504,7 +504,7 @@ fn a_knuckle_holds_five_newton_metres() {
             joint = \"hand/index-mcp\""
         ));
         run(&mut session);
-        let joint = |j: &&thenar::model::JointDesc| j.name == "hand/index-mcp";
+        let joint = |j: &&thenar_core::model::JointDesc| j.name == "hand/index-mcp";
         let limit = session.world().desc().joints.iter().find(joint).unwrap().axes[1].limit;
         let limit = limit.unwrap();
         let bound = if torque > 0.0 { limit.max } else { limit.min };

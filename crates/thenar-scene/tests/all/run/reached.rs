@@ -2,10 +2,10 @@
 //! must press pad on pad; fingers are bent in free air, and ours must be as bent.
 
 use std::path::Path;
-use thenar::kinematics::Tree;
-use thenar::model::{Digit, HandModel, Side};
-use thenar::world::Target;
-use thenar::{Pose, Vec3};
+use thenar_core::kinematics::Tree;
+use thenar_core::model::{Digit, HandModel, Side};
+use thenar_core::world::Target;
+use thenar_core::{Pose, Vec3};
 use thenar_rig::hand::default_hand;
 use thenar_scene::grip::{GripKind, Opposition};
 use thenar_scene::live::LivePose;

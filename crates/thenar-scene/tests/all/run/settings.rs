@@ -2,7 +2,7 @@
 //! formulas, before and after a change; every setting of every shipped scene at both its ends.
 
 use std::path::Path;
-use thenar::Vec3;
+use thenar_core::Vec3;
 use thenar_scene::session::{Session, builtin, builtins};
 use thenar_scene::tuning::{Range, Scale, Setting, SettingError, SettingValue};
 
@@ -263,12 +263,12 @@ fn choices_change_the_solver() {
     let Range::Choices { choices } = get(&session, "solver").range else { panic!("no choices") };
     assert_eq!(choices, ["exact", "two-step", "two-step, frozen flesh (paper)"]);
     choose(&mut session, "solver", choices[2]);
-    use thenar::model::{Cone, FleshInStep1};
+    use thenar_core::model::{Cone, FleshInStep1};
     let solver = session.world().desc().solver;
     assert_eq!((solver.step1_flesh, solver.close_joints), (FleshInStep1::Frozen, false));
     // The scene's own tolerances stay.
     let scene = papers("bread-grasp").world().desc().solver;
-    let budget = |s: thenar::model::SolverSettings| (s.cg_tolerance, s.contact_sweeps_max);
+    let budget = |s: thenar_core::model::SolverSettings| (s.cg_tolerance, s.contact_sweeps_max);
     assert_eq!(budget(solver), budget(scene));
     choose(&mut session, "solver", "two-step");
     choose(&mut session, "cone", "linearised");

@@ -2,7 +2,7 @@
 //! included, and from nothing else. Method: hashes step by step; bytes of other scenes, cut and changed.
 
 use std::path::Path;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::{Pose, Quat, Vec3};
 use thenar_scene::live::LivePose;
 use thenar_scene::motion::ANGLES;
 use thenar_scene::recording::{SnapshotError, go_on_from, snapshot};

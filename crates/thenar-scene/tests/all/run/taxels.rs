@@ -2,9 +2,9 @@
 //! the skin at rest seen from its bones; grasps and presses, against sums over contact points worked out here.
 
 use std::path::Path;
-use thenar::Vec3;
-use thenar::model::{BodyId, Digit, HandModel, Side};
-use thenar::readout::{TaxelPlace, TaxelReadout};
+use thenar_core::Vec3;
+use thenar_core::model::{BodyId, Digit, HandModel, Side};
+use thenar_core::readout::{TaxelPlace, TaxelReadout};
 use thenar_scene::session::{Session, builtin};
 use thenar_scene::taxels::{Layout, layout, on_bone};
 

@@ -117,7 +117,7 @@ fn fingers_and_palm_bear_what_the_plate_does() {
         [[hand]]
         preset = \"paper\"
         name = \"hand\"";
-    let lowest = |x: &[thenar::Vec3]| x.iter().map(|x| x.y).fold(f64::INFINITY, f64::min);
+    let lowest = |x: &[thenar_core::Vec3]| x.iter().map(|x| x.y).fold(f64::INFINITY, f64::min);
     let height = lowest(load(hand).world().collision_vertices(0)) + 0.0015;
     let probes: String = fingers
         .iter()

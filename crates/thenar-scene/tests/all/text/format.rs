@@ -37,7 +37,7 @@ fn the_reference_is_up_to_date() {
 /// Names and ranges of a hand are those of the default right hand and of the program's own enums.
 #[test]
 fn the_reference_of_hands_is_up_to_date() {
-    let hand = thenar_rig::default_hand(thenar::model::Side::Right).unwrap();
+    let hand = thenar_rig::default_hand(thenar_core::model::Side::Right).unwrap();
     let tables = reference::hand_tables(&hand, "the default right hand").unwrap();
     let text = std::fs::read_to_string(root().join("docs/hand.md")).unwrap();
     let (head, _) = text.split_once("\n## Names and ranges\n").expect("`Names and ranges`");
@@ -155,7 +155,7 @@ fn all_scenes_satisfy_the_schema_and_load() {
 /// An editor can offer the joints of a hand; those of model files have names of their own.
 #[test]
 fn the_schema_lists_the_joints_of_hands_and_takes_others() {
-    let hand = thenar_rig::default_hand(thenar::model::Side::Right).unwrap();
+    let hand = thenar_rig::default_hand(thenar_core::model::Side::Right).unwrap();
     let mut own: Vec<&str> = hand.joints.iter().map(|joint| joint.name.as_str()).collect();
     own.sort_unstable();
     let schema: Value = serde_json::from_str(&reference::schema()).unwrap();
@@ -231,7 +231,7 @@ fn documented_solver_defaults_are_the_library_s() {
         let text = keys[key]["description"].as_str().unwrap();
         text.rsplit("Default ").next().unwrap().trim_end_matches('.').parse().unwrap()
     };
-    let s = thenar::model::SolverSettings::default();
+    let s = thenar_core::model::SolverSettings::default();
     assert_eq!(stated("cg_tolerance"), s.cg_tolerance);
     assert_eq!(stated("cg_iterations_max"), f64::from(s.cg_iterations_max));
     assert_eq!(stated("contact_tolerance"), s.contact_tolerance);

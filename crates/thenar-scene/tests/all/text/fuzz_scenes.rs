@@ -4,7 +4,7 @@
 use crate::damage::{Random, damaged};
 use crate::scenes;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use thenar::model::{HandModel, Side};
+use thenar_core::model::{HandModel, Side};
 
 /// Small scenes with most of what a scene can hold.
 const SCENES: [&str; 4] = [

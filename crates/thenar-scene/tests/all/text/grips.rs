@@ -3,8 +3,8 @@
 
 use std::ops::Range;
 use std::path::Path;
-use thenar::Vec3;
-use thenar::model::{BodyId, Digit};
+use thenar_core::Vec3;
+use thenar_core::model::{BodyId, Digit};
 use thenar_scene::session::{Session, builtin};
 
 const G: f64 = 9.81;

@@ -2,8 +2,8 @@
 //! of 130 mm, in files in millimetres and in metres, whole and open, as bodies of all kinds.
 
 use std::fs::write;
-use thenar::model::Side;
-use thenar::{Pose, Vec3};
+use thenar_core::model::Side;
+use thenar_core::{Pose, Vec3};
 use thenar_output::TemporaryFolder;
 use thenar_rig::export::{GlbMesh, Skeleton, VertexSkin, glb};
 use thenar_rig::glb::read_skinned_glb;

@@ -2,8 +2,8 @@
 //! forces and places are checked against weights and geometry.
 
 use std::path::Path;
-use thenar::Vec3;
-use thenar::model::BodyId;
+use thenar_core::Vec3;
+use thenar_core::model::BodyId;
 use thenar_scene::session::{Session, builtin, read};
 
 const G: f64 = 9.81;

@@ -3,8 +3,8 @@
 
 use std::f64::consts::PI;
 use std::path::Path;
-use thenar::Vec3;
-use thenar::shape::Shape;
+use thenar_core::Vec3;
+use thenar_core::shape::Shape;
 use thenar_scene::session::Session;
 
 const SCENE: &str = r#"

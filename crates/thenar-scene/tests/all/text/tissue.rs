@@ -1,7 +1,7 @@
 //! Goal: scenes give tissue the laws that they say. Method: small scenes, and what is built from them.
 
 use std::path::Path;
-use thenar::model::{Law, Relaxation};
+use thenar_core::model::{Law, Relaxation};
 use thenar_scene::session::Session;
 
 fn open(text: &str) -> Session {

@@ -109,7 +109,7 @@ impl Newest {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use thenar::{Pose, Quat, Vec3};
+    use thenar_core::{Pose, Quat, Vec3};
 
     const MS: u64 = 1_000_000;
 

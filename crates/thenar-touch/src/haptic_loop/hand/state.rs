@@ -5,9 +5,9 @@ use super::held::{Held, Newest};
 use crate::haptic_loop::exchange::FastEnds;
 use crate::{DIGITS, Felt, HandReport, HapticHand, Pad};
 use serde::{Deserialize, Serialize};
-use thenar::Pose;
-use thenar::model::Side;
-use thenar::world::Target;
+use thenar_core::Pose;
+use thenar_core::model::Side;
+use thenar_core::world::Target;
 use thenar_track::live::LiveHand;
 
 /// All that the next tick depends on besides what enters it; borrowed, to be written without a copy.

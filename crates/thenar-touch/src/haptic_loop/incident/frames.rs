@@ -95,7 +95,7 @@ mod tests {
     use super::*;
     use crate::haptic_loop::FingerContact;
     use crate::{RigidState, SlowToFast};
-    use thenar::Pose;
+    use thenar_core::Pose;
 
     fn frame(step: u64, bones: usize) -> Frame {
         let bones = vec![RigidState::at_rest(Pose::translation(step as f64, 0.0, 0.0)); bones];

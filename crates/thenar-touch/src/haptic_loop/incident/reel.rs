@@ -121,7 +121,7 @@ impl Reel {
         Some(Incident {
             reason: reason.into(),
             program: env!("CARGO_PKG_VERSION").into(),
-            instructions: thenar::vector_instructions(),
+            instructions: thenar_core::vector_instructions(),
             displays: displays.to_vec(),
             state: self.states.get(states)?.clone(),
             inputs,
@@ -153,7 +153,7 @@ mod tests {
     use super::*;
     use crate::testing::Random;
     use crate::{HandSample, TrackerTiming};
-    use thenar::model::Side;
+    use thenar_core::model::Side;
 
     /// Ticks this far apart make a state every few of them \[ns\].
     const TICK_NS: u64 = 130_000_000;

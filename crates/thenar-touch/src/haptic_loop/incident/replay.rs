@@ -8,7 +8,7 @@ use crate::{HandSample, Tracker, TrackerTiming};
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use thenar::model::Side;
+use thenar_core::model::Side;
 use triple_buffer::Input as Slot;
 
 /// Records that a tick may make: hands times displays.

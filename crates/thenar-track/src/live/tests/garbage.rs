@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::live::JOINT_RATE_MAX;
-use thenar::random::Random;
+use thenar_core::random::Random;
 
 /// One run of 6 s with everything a bad tracker can do; returns all targets, and whether the
 /// scene started over before.

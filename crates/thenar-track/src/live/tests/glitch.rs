@@ -4,8 +4,8 @@
 use super::Rig;
 use crate::ANGLES;
 use crate::live::LivePose;
-use thenar::random::Random;
-use thenar::{Pose, Quat, Vec3};
+use thenar_core::random::Random;
+use thenar_core::{Pose, Quat, Vec3};
 
 /// Ticks of the loop \[s\].
 const TICK: f64 = 1e-3;

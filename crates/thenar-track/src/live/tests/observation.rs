@@ -7,8 +7,8 @@ use crate::TrackerTiming;
 use crate::live::{LivePose, OBSERVATION};
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
-use thenar::Pose;
-use thenar::random::Random;
+use thenar_core::Pose;
+use thenar_core::random::Random;
 
 /// `-Im G(ω)/ω` \[s\] at `hz`, by Fourier's sums over the last 3 s of 5.
 fn taken(timing: &TrackerTiming, hz: f64) -> f64 {

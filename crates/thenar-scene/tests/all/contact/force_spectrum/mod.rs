@@ -11,9 +11,9 @@ mod soft_pad;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::path::Path;
-use thenar::Vec3;
-use thenar::model::BodyId;
-use thenar::world::World;
+use thenar_core::Vec3;
+use thenar_core::model::BodyId;
+use thenar_core::world::World;
 use thenar_scene::session::Session;
 
 const H: f64 = 1e-3;

@@ -2,9 +2,9 @@
 
 use super::{FINGERTIP, H, HAND, MOVES, PRESSED, above_50_hz, run};
 use std::path::Path;
-use thenar::Vec3;
-use thenar::model::BodyId;
-use thenar::world::ContactPoint;
+use thenar_core::Vec3;
+use thenar_core::model::BodyId;
+use thenar_core::world::ContactPoint;
 use thenar_scene::session::Session;
 
 /// Force on a soft pad while a finger, palm down, is drawn over it. The finger's underside is 18.5 mm below its wrist.
