@@ -24,8 +24,3 @@ pub mod tuning;
 
 pub use text::SceneError;
 pub use thenar_track::live;
-
-/// The samples in the README, run as tests of documentation.
-#[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
-struct Readme;

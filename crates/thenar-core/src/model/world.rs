@@ -49,6 +49,18 @@ pub struct Drive {
     pub angular_damping: f64,
 }
 
+impl Drive {
+    /// Usual drive of a palm, which follows its tracker closely.
+    pub const fn palm() -> Self {
+        Self { stiffness: 1000.0, damping: 10.0, angular_stiffness: 10.0, angular_damping: 0.1 }
+    }
+
+    /// Usual drive of every other bone of a hand.
+    pub const fn bone() -> Self {
+        Self { stiffness: 200.0, damping: 1.0, angular_stiffness: 0.3, angular_damping: 0.003 }
+    }
+}
+
 /// How friction is resolved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cone {

@@ -14,13 +14,6 @@ use thenar_core::World;
 use thenar_core::model::{CouplingKind, Drive, Flesh, HandHandle, HandModel, HandPlacement};
 use thenar_track::Muscles;
 
-/// Palm drive when the scene gives none: the root follows the tracker closely.
-const PALM_DRIVE: Drive =
-    Drive { stiffness: 1000.0, damping: 10.0, angular_stiffness: 10.0, angular_damping: 0.1 };
-/// Drive of other bones when the scene gives none.
-const BONE_DRIVE: Drive =
-    Drive { stiffness: 200.0, damping: 1.0, angular_stiffness: 0.3, angular_damping: 0.003 };
-
 /// A hand in the world.
 #[derive(Clone, Debug)]
 pub struct BuiltHand {
@@ -141,8 +134,8 @@ fn add(built: &mut Built, hand: &Hand, preset: PresetWord, files: &Files) -> Res
         coupling_stiffness,
         coupling_damping_time: hand.coupling_damping_time,
         skinning: skinning(hand.skinning),
-        root_drive: drive(hand.palm_drive.as_ref(), PALM_DRIVE),
-        bone_drive: drive(hand.bone_drive.as_ref(), BONE_DRIVE),
+        root_drive: drive(hand.palm_drive.as_ref(), Drive::palm()),
+        bone_drive: drive(hand.bone_drive.as_ref(), Drive::bone()),
         // A skeleton touches nothing.
         solid_bones: hand.flesh && hand.bones == BonesWord::Solid,
         nails: tissue::has_nails(hand),

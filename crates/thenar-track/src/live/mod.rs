@@ -81,6 +81,13 @@ pub enum LivePose {
     },
 }
 
+impl LivePose {
+    /// A flat hand: all angles zero, and the wrist's frame there in the world.
+    pub fn flat(wrist: Pose) -> Self {
+        Self::Angles { wrist, angles: [0.0; ANGLES] }
+    }
+}
+
 /// What moves a hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mover {

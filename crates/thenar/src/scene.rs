@@ -1,0 +1,135 @@
+//! Scenes in the making.
+
+use crate::Simulation;
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
+use thenar_core::Vec3;
+use thenar_scene::SceneError;
+use thenar_scene::session::{Session, builtin, builtins, read_scene};
+use toml::{Table, Value};
+
+/// Time step of a scene made in code \[s\].
+const TIME_STEP: f64 = 5e-3;
+
+/// What a scene takes: [`Hand`](crate::Hand), [`Rigid`](crate::Rigid) and [`Soft`](crate::Soft).
+pub trait Part: Sealed {
+    /// Handle by which a simulation is asked about it.
+    type Id;
+
+    #[doc(hidden)]
+    fn id(place: usize) -> Self::Id;
+}
+
+/// What a part is in a scene file.
+pub trait Sealed {
+    /// The list that it belongs to.
+    const KEY: &'static str;
+    /// Its name when it is given none, before the number.
+    fn usual_name(&self) -> &str;
+    /// Its keys.
+    fn into_table(self) -> Table;
+}
+
+/// Hands, objects and settings, from which a [`Simulation`] is built. Whatever is wrong with them is said by [`Scene::build`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    text: String,
+    /// Names the scene in messages; paths in it start at its folder.
+    file: PathBuf,
+    overrides: Vec<String>,
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Scene {
+    /// An empty scene: gravity along -y, steps of 5 ms. Relative paths start at the working directory.
+    pub fn new() -> Self {
+        Self::from_toml(&format!("version = 1\ntime_step = {TIME_STEP:?}\n"))
+    }
+
+    /// A scene as it stands in a scene file. Relative paths start at the working directory.
+    pub fn from_toml(text: &str) -> Self {
+        Self { text: text.to_owned(), file: "scene.toml".into(), overrides: Vec::new() }
+    }
+
+    /// A scene file. Relative paths in it start at its folder.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn from_file(file: impl AsRef<Path>) -> Result<Self, SceneError> {
+        let file = file.as_ref();
+        Ok(Self { text: read_scene(file)?, file: file.into(), overrides: Vec::new() })
+    }
+
+    /// A scene that comes with the program, such as `bread-grasp`; `thenar scenes` lists them.
+    ///
+    /// # Errors
+    /// No scene has this name.
+    pub fn named(name: &str) -> Result<Self, SceneError> {
+        let unknown = || {
+            let known: Vec<&str> = builtins().iter().map(|scene| scene.name).collect();
+            SceneError::Unknown { name: name.into(), known: known.join(", ") }
+        };
+        let scene = builtin(name).ok_or_else(unknown)?;
+        let file = PathBuf::from(format!("{name}.toml"));
+        Ok(Self { text: scene.text.into(), file, overrides: Vec::new() })
+    }
+
+    /// Adds a hand or an object, and returns the handle by which the simulation knows it.
+    pub fn add<P: Part>(&mut self, part: P) -> P::Id {
+        let place = self.count(P::KEY);
+        let usual = format!("{}-{}", part.usual_name(), place + 1);
+        let mut table = Table::new();
+        // The name is what a reader looks for first.
+        let mut keys = part.into_table();
+        let name = keys.remove("name").unwrap_or(Value::String(usual));
+        table.insert("name".into(), name);
+        table.extend(keys);
+        let list = Value::Array(vec![Value::Table(table)]);
+        let whole: Table = [(P::KEY.to_owned(), list)].into_iter().collect();
+        self.text.push('\n');
+        self.text.push_str(&whole.to_string());
+        P::id(place)
+    }
+
+    /// Parts of this list in the text; none where the text cannot be read, which `build` will say.
+    fn count(&self, key: &str) -> usize {
+        let table = self.text.parse::<Table>().unwrap_or_default();
+        table.get(key).and_then(Value::as_array).map_or(0, Vec::len)
+    }
+
+    /// Sets the time step \[s\].
+    pub fn time_step(&mut self, h: f64) -> &mut Self {
+        self.set("time_step", format!("{h:?}"))
+    }
+
+    /// Sets gravity, world \[m/s²\].
+    pub fn gravity(&mut self, gravity: impl Into<Vec3>) -> &mut Self {
+        let [x, y, z] = gravity.into().into();
+        self.set("gravity", format!("[{x:?}, {y:?}, {z:?}]"))
+    }
+
+    /// Sets any key of the scene, with a value as it stands in a scene file: `("solver.cone", "linearised")`,
+    /// `("rigid.0.mass", 2.5)`; a step into a list is a number or a name.
+    pub fn set(&mut self, key: &str, value: impl Display) -> &mut Self {
+        self.overrides.push(format!("{key}={value}"));
+        self
+    }
+
+    /// The scene as a scene file, without what [`Scene::set`] and its likes have changed since.
+    pub fn to_toml(&self) -> &str {
+        &self.text
+    }
+
+    /// Builds all bodies, ready to be stepped. A hand that comes with the program takes a second the first time.
+    ///
+    /// # Errors
+    /// Something in the scene is wrong: says what, and where.
+    pub fn build(&self) -> Result<Simulation, SceneError> {
+        Session::from_text(&self.text, &self.file, &self.overrides).map(Simulation::new)
+    }
+}

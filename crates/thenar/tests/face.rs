@@ -1,0 +1,227 @@
+//! The crate that programs add, as a program uses it.
+
+use thenar::{
+    Body, Coupling, Drive, Grip, GripKind, Hand, HandPose, Pose, Quat, Rigid, Scene, Soft, Twist,
+    Vec3,
+};
+
+/// The paper's hand high over a plane, a steel ball of 50 g on it, and a soft block beside.
+fn scene() -> Scene {
+    let mut scene = Scene::new();
+    scene.add(Rigid::plane().named("table").friction(0.6));
+    scene.add(Rigid::sphere(0.02).named("ball").at([0.1, 0.02, 0.0]).mass(0.05));
+    scene.add(Soft::block([0.03, 0.02, 0.03], [3, 2, 3]).at([-0.1, 0.0101, 0.0]).young(4e4));
+    scene.add(Hand::right().paper().at([0.0, 0.3, 0.0]));
+    scene
+}
+
+#[test]
+fn a_scene_in_code_is_the_scene_of_its_text() {
+    let text = r#"
+        version = 1
+        time_step = 0.005
+
+        [[rigid]]
+        name = "table"
+        shape = { kind = "plane" }
+        motion = "fixed"
+        friction = 0.6
+
+        [[rigid]]
+        name = "ball"
+        shape = { kind = "sphere", radius = 0.02 }
+        position = [0.1, 0.02, 0.0]
+        mass = 0.05
+
+        [[soft]]
+        name = "lattice-1"
+        shape = { kind = "lattice", size = [0.03, 0.02, 0.03], cells = [3, 2, 3] }
+        position = [-0.1, 0.0101, 0.0]
+        material = { young = 4e4 }
+
+        [[hand]]
+        name = "hand-1"
+        model = "right"
+        preset = "paper"
+        position = [0.0, 0.3, 0.0]
+    "#;
+    let made = scene();
+    let mut hashes = Vec::new();
+    for scene in [made.clone(), Scene::from_toml(made.to_toml()), Scene::from_toml(text)] {
+        let mut sim = scene.build().unwrap();
+        sim.run(0.1);
+        assert_eq!(sim.time().to_bits(), (0..20).fold(0.0, |t, _| t + 0.005_f64).to_bits());
+        hashes.push(sim.state_hash());
+    }
+    assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{hashes:x?}");
+    let mut other = made;
+    other.set("hand.0.position", "[0.0, 0.31, 0.0]").time_step(0.01).gravity([0.0, -1.62, 0.0]);
+    let mut sim = other.build().unwrap();
+    assert_eq!(sim.time_step(), 0.01);
+    // A tenth of a second of free fall from rest: v = g t, within what the solver leaves (1e-5 m/s).
+    let ball = sim.rigid_named("ball").unwrap();
+    sim.rigid_mut(ball).place(Pose::translation(0.1, 0.5, 0.0), Twist::default());
+    sim.run(0.1);
+    let velocity = sim.rigid(ball).velocity().linear;
+    assert!((velocity - Vec3::new(0.0, -0.162, 0.0)).norm() < 1e-5, "{velocity} m/s");
+}
+
+/// Weight is borne by the contacts: statics.
+#[test]
+fn a_ball_that_rests_is_borne_by_its_table() {
+    let mut sim = scene().build().unwrap();
+    let report = sim.run(0.5);
+    assert!(!report.contact_unconverged && !report.non_finite);
+    let (table, ball) = (sim.rigid_named("table").unwrap(), sim.rigid_named("ball").unwrap());
+    let (weight, of_ball) = (0.05 * 9.81, sim.rigid(ball));
+    assert_eq!(of_ball.mass(), 0.05);
+    let wrench = of_ball.contact_wrench();
+    assert!((wrench.force.y - weight).abs() < 1e-3 * weight, "{wrench:?}");
+    assert!(wrench.torque.norm() < 1e-3 * weight * 0.02, "{wrench:?}");
+    assert!(of_ball.velocity().linear.norm() < 1e-4);
+    let between =
+        |a: Body, b: Body| sim.contacts().filter(move |c| c.bodies == [a, b] || c.bodies == [b, a]);
+    let pressed: f64 = between(table.into(), ball.into()).map(|c| c.normal_force()).sum();
+    assert!((pressed - weight).abs() < 1e-3 * weight, "{pressed} N");
+    // So is the block, by pressure on an area.
+    let block = sim.soft_named("lattice-1").unwrap();
+    let weight = sim.soft(block).mass() * 9.81;
+    assert!((sim.soft(block).mass() - 1000.0 * 0.03 * 0.02 * 0.03).abs() < 1e-9);
+    let borne: f64 = between(table.into(), block.into()).map(|c| c.pressure() * c.area).sum();
+    assert!((borne - weight).abs() < 1e-3 * weight, "{borne} N of {weight} N");
+    let [low, high] = [f64::min, f64::max].map(|of| {
+        sim.soft(block).vertices().iter().map(|x| x.y).fold(sim.soft(block).centre().y, of)
+    });
+    assert!(low > -1e-4 && high < 0.0202, "from {low} m to {high} m");
+}
+
+#[test]
+fn a_hand_follows_poses_and_feels_what_it_presses() {
+    let mut sim = scene().build().unwrap();
+    let hand = sim.hand_named("hand-1").unwrap();
+    assert_eq!(sim.hands().collect::<Vec<_>>(), [hand]);
+    let bones: Vec<_> = sim.hand(hand).bones().map(|(name, ..)| name).collect();
+    assert_eq!((bones.len(), bones[0]), (16, "palm"));
+    assert!(
+        sim.hand(hand)
+            .triangles()
+            .iter()
+            .flatten()
+            .all(|&v| { (v as usize) < sim.hand(hand).vertices().len() })
+    );
+    for _ in 0..400 {
+        let height = (0.3 - 0.2 * sim.time()).max(0.02);
+        let pose = HandPose::flat(Pose::translation(0.0, height, 0.0));
+        sim.hand_mut(hand).follow(&pose).unwrap();
+        sim.step();
+    }
+    let wrist = sim.hand(hand).wrist();
+    assert!((wrist.position.y - 0.02).abs() < 0.02 && wrist.rotation.angle() < 0.2, "{wrist:?}");
+    let felt: f64 = sim.loads(hand).iter().map(|load| load.normal).sum();
+    let of_hand = |body: &Body| body.hand() == Some(hand);
+    let pressed: f64 = sim
+        .contacts()
+        .map(|c| c.normal_force() * c.bodies.iter().filter(|body| of_hand(body)).count() as f64)
+        .sum();
+    assert!(felt > 1.0 && (felt - pressed).abs() < 1e-9 * felt, "{felt} N of {pressed} N");
+    assert!(sim.loads(hand).iter().any(|load| load.area > 1e-5 && load.pressure > 0.0));
+    let bad = HandPose::flat(Pose::translation(f64::NAN, 0.0, 0.0));
+    let before = sim.state_hash();
+    assert!(sim.hand_mut(hand).follow(&bad).is_err());
+    assert_eq!(sim.state_hash(), before);
+}
+
+#[test]
+fn a_state_goes_on_with_the_same_bits_and_enters_no_other_scene() {
+    let mut sim = scene().build().unwrap();
+    let hand = sim.hand_named("hand-1").unwrap();
+    let pose = HandPose::flat(Pose::translation(0.0, 0.28, 0.0));
+    sim.hand_mut(hand).follow(&pose).unwrap();
+    sim.run(0.05);
+    let state = sim.state();
+    let run = |sim: &mut thenar::Simulation| {
+        sim.hand_mut(hand).follow(&pose).unwrap();
+        sim.run(0.05);
+        sim.state_hash()
+    };
+    let first = run(&mut sim);
+    sim.set_state(&state).unwrap();
+    assert_eq!(run(&mut sim), first);
+    let mut twin = scene().build().unwrap();
+    twin.set_state(&state).unwrap();
+    assert_eq!(run(&mut twin), first);
+    let mut other = scene();
+    other.set("rigid.ball.mass", 0.06);
+    let mut other = other.build().unwrap();
+    let before = other.state_hash();
+    assert!(other.set_state(&state).is_err() && other.set_state(&state[..9]).is_err());
+    assert_eq!(other.state_hash(), before);
+    sim.restart();
+    assert_eq!((sim.time(), sim.report().contacts), (0.0, 0));
+}
+
+#[test]
+fn what_is_wrong_is_said_with_its_key() {
+    let mut scene = Scene::new();
+    scene.add(Rigid::sphere(-0.02));
+    let said = scene.build().unwrap_err().to_string();
+    assert!(said.contains("rigid[0].shape.radius") && said.contains("-0.02"), "{said}");
+    let mut scene = Scene::new();
+    scene.add(Rigid::plane().named("table"));
+    scene.add(Rigid::sphere(0.02).named("table"));
+    let said = scene.build().unwrap_err().to_string();
+    assert!(said.contains("rigid[1].name") && said.contains("table"), "{said}");
+    let mut scene = Scene::new();
+    scene.add(Rigid::sphere(0.02).set("colour", "[2, 0, 0]"));
+    assert!(scene.build().unwrap_err().to_string().contains("rigid[0].colour"));
+    let said = Scene::named("bred-grasp").unwrap_err().to_string();
+    assert!(said.contains("bred-grasp") && said.contains("bread-grasp"), "{said}");
+    let said = Scene::from_file("no/such.toml").unwrap_err().to_string();
+    assert!(said.contains("no/such.toml"), "{said}");
+    let mut sim = self::scene().build().unwrap();
+    let hand = sim.hand_named("hand-1").unwrap();
+    let own = Body::Skin(hand, thenar::Digit::Palm);
+    let said = sim.hand_mut(hand).grip(own, GripKind::Pinch, None).unwrap_err().to_string();
+    assert!(said.contains("hand-1") && said.contains("cannot be gripped"), "{said}");
+    assert!(sim.set("friction", -1.0).is_err() && sim.set("friction", 0.4).is_ok());
+}
+
+/// Every builder's keys are read: a key that is not there is refused, so that a scene of all of them opens.
+#[test]
+fn all_builders_write_what_scenes_read() {
+    let turn = Quat::from_euler_angles(0.1, 0.2, 0.3);
+    let up = |y: f64| Pose::new(Vec3::new(0.0, y, 0.0), turn);
+    let shapes = [
+        Rigid::cuboid([0.02, 0.03, 0.04]),
+        Rigid::capsule(0.01, 0.03),
+        Rigid::cylinder(0.01, 0.03).density(500.0),
+        Rigid::ellipsoid([0.02, 0.03, 0.04]),
+        Rigid::cone(0.02, 0.03).mass(0.2),
+        Rigid::car(),
+        Rigid::compound([(Rigid::sphere(0.01), up(0.0)), (Rigid::capsule(0.005, 0.04), up(0.02))]),
+    ];
+    let mut scene = Scene::new();
+    for (k, shape) in shapes.into_iter().enumerate() {
+        let at = [0.2 * k as f64, 1.0, 0.0];
+        let thrown = Twist { linear: Vec3::x(), angular: Vec3::y() };
+        scene.add(shape.at(at).turned(turn).thrown(thrown));
+    }
+    scene.add(Rigid::sphere(0.02).moved([(0.0, up(2.0)), (1.0, up(2.1))]));
+    scene.add(Rigid::sphere(0.02).pulled(Drive::palm(), [(0.0, up(3.0)), (1.0, up(3.1))]));
+    scene.add(Soft::bread().named("loaf").at([0.0, 0.5, 0.0]).turned(turn).density(300.0));
+    scene.add(Soft::ball(0.02).at([0.5, 0.5, 0.0]).poisson(0.45).friction(0.8));
+    let grip = Grip::of("loaf", GripKind::Power).at(0.5).until(1.0).force(3.0);
+    let hand = Hand::left().paper().named("left").at([0.0, -1.0, 0.0]).turned(turn);
+    let hand = hand.length(0.18).coupling(Coupling::uniform()).friction(0.7).grip(grip);
+    let hand = scene.add(hand.drives(Drive::palm(), Drive::bone()).set("self_contact", false));
+    let mut sim = scene.build().unwrap();
+    assert_eq!((sim.rigids().count(), sim.softs().count(), sim.hands().count()), (9, 2, 1));
+    assert_eq!((sim.hand(hand).name(), sim.hand(hand).side()), ("left", Some(thenar::Side::Left)));
+    sim.run(0.01);
+    // Scripted at minimum jerk, its velocity is zero at the start: hardly moved after a hundredth of the way.
+    let moved = sim.rigid_named("sphere-8").unwrap();
+    assert!((sim.rigid(moved).pose().position.y - 2.0).abs() < 1e-5);
+    let wrist = sim.hand(hand).wrist().position;
+    let reach = sim.hand(hand).vertices().iter().map(|x| (x - wrist).norm()).fold(0.0, f64::max);
+    assert!((reach - 0.18).abs() < 0.03, "{reach} m long");
+}
