@@ -9,8 +9,8 @@ pub(super) const OFFERED_MAX: usize = 64;
 const KEPT: usize = 32;
 /// Points delivered are at most this many: the deepest, and those farthest apart.
 pub(crate) const DELIVERED_MAX: usize = 12;
-/// Of points higher than the deepest by more than this part of how far apart they lie, the lower go
-/// first: a body can only stand on the lower ones. So far a body tilts (0.6°) before it stands on a higher one.
+/// Height over the deepest point, in parts of how far apart points lie, past which the lower points go first: a body
+/// can only stand on those. A body tilts by this much (0.6°) before it stands on a higher one.
 const LEVEL: f64 = 1e-2;
 /// Points that differ by no more than this part of their reach are as good as each other, and the one offered first is taken:
 /// a body that comes to rest trembles by less, and its points must not change for that. What is left out for it lies

@@ -172,7 +172,7 @@ fn cross(a: (&MeshEdge, [Vec3; 2]), b: (&MeshEdge, [Vec3; 2])) -> Option<(Vec3, 
     fits.then(|| (a.1[0] + s * da, b.1[0] + t * db, n))
 }
 
-/// Whether a normal lies between those of the faces beside an edge.
+/// True when a normal lies between the normals of the faces beside an edge.
 fn in_cone(n: &Vec3, edge: &MeshEdge, along: &Vec3) -> bool {
     let [n1, n2] = edge.normals;
     if n1 == n2 {

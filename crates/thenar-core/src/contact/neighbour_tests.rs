@@ -234,7 +234,7 @@ struct OnRim {
     first_corner: usize,
 }
 
-/// Of the slab's squares those right of here have corners of the joined bone \[m\].
+/// Place right of which the slab's squares have corners of the joined bone \[m\].
 const RIM: f64 = -0.01;
 /// By so much the wedge's edge lies below the rim \[m\], and so steeply it goes down to the right.
 const BELOW: f64 = 1e-4;

@@ -117,7 +117,8 @@ impl HeldPlace {
         Self { key, weights, way: [0.0; 3], part: START }
     }
 
-    /// Whether it lies where `nearest` does, inside or on that edge. A state that was read back may hold anything.
+    /// True when the held place lies where `nearest` does, inside or on that edge. A state that was read back may
+    /// hold anything.
     fn is_like(&self, nearest: &[f64; 3]) -> bool {
         let sum: f64 = self.weights.iter().sum();
         let within = |w: &f64| (0.0..=1.0).contains(w);

@@ -34,7 +34,7 @@ pub(crate) struct SoftRigid<'a> {
     pub state: SurfaceState<'a>,
     /// No vertex travels farther than this in the step \[m\].
     pub travel: f64,
-    /// Whether the body may be inside the surface; its tree is then up to date.
+    /// True when the body may be inside the surface; the surface's tree is then up to date.
     pub may_be_inside: bool,
     /// Index of the rigid body.
     pub rigid: u32,

@@ -18,7 +18,7 @@ use crate::solver::{BlockDiagonal, BlockMatrix, ContactRows, Convergence};
 pub struct AnticipationSettings {
     /// Stop when a sweep changes x by less than this part of x (energy norm).
     pub tolerance: f64,
-    /// and at the latest after so many sweeps.
+    /// Most sweeps of one solve.
     pub sweeps_max: u32,
     /// Passes over the contacts within one sweep.
     pub inner_passes: u32,
@@ -30,12 +30,12 @@ pub struct AnticipationSettings {
 /// another surface never touch it. A solution is accepted only after a sweep that looked at all.
 const FULL_PASS_EVERY: u32 = 4;
 
-/// Which contacts a pass visits.
+/// Contacts that a pass visits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Who {
     /// Every contact.
     All,
-    /// Those with an impulse.
+    /// Only contacts with an impulse.
     Pressing,
 }
 

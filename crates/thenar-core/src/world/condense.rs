@@ -201,7 +201,7 @@ impl Rest<'_> {
     }
 }
 
-/// Whether a place is on one of these bones or on their flesh.
+/// True when a place is on one of these bones or on their flesh.
 fn is_on(desc: &WorldDesc, bones: &Range<usize>, site: &Site) -> bool {
     match site {
         Site::Rigid { body, .. } => bones.contains(&(*body as usize)),

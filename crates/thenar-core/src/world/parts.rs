@@ -105,7 +105,7 @@ impl Parts {
 }
 
 impl World {
-    /// Whether contact carried the part just made through. Looks for overlaps, and reports them, only where
+    /// True when contact carried the part just made through. Looks for overlaps, and reports them, only where
     /// something was near and has moved far enough to make one.
     pub(super) fn was_carried(&mut self, report: &mut StepReport) -> bool {
         if report.non_finite {

@@ -30,7 +30,7 @@ pub fn speed_max(settings: &SolverSettings, lift: f64) -> f64 {
     (0.5 * GRAVITY * lift * margin(settings)).sqrt()
 }
 
-/// Whether a deformable body overlaps itself here.
+/// True when a contact is between two parts of one deformable body, which overlaps itself there.
 fn is_fold(contact: &Contact) -> bool {
     matches!([&contact.a, &contact.b], [Site::Soft(a), Site::Soft(b)] if a.soft == b.soft)
 }

@@ -36,7 +36,7 @@ impl Solver {
         }
     }
 
-    /// Whether contact spent all of that.
+    /// True when contact has spent the multiply-adds that [`Solver::begin_step`] allowed it.
     pub fn was_cut_short(&self) -> bool {
         matches!(self, Self::Exact(exact) if exact.was_cut_short())
     }
@@ -120,7 +120,7 @@ pub trait Scheme {
         Ok(())
     }
 
-    /// Whether this scheme undoes overlaps. A step that is made safely does not: what that adds is not
+    /// True when this scheme undoes overlaps. A step that is made safely does not: what that adds is not
     /// known to bring in no energy.
     fn pushes_out(&self) -> bool {
         true

@@ -61,7 +61,7 @@ impl Compliance {
         &self.numbers[at..at + LANES]
     }
 
-    /// Of one batch, to be filled.
+    /// One row's numbers in the columns of one batch, to be filled.
     #[inline(always)]
     pub fn lanes_mut(&mut self, row: usize, batch: usize) -> &mut [Scalar] {
         let at = row * self.stride + batch * LANES;

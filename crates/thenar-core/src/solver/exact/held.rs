@@ -44,7 +44,7 @@ pub struct Held {
     /// All bounds of this step.
     pub bounds: Room<Bound>,
     freedoms: usize,
-    /// Those that are held.
+    /// Bounds that are held, by their places in `bounds`.
     members: Room<u32>,
     /// A and H: a row of all freedoms for each of them.
     rows: Vec<f64>,

@@ -44,7 +44,7 @@ struct Quotient {
     elements_of: Vec<Vec<u32>>,
     /// Nodes of each element.
     met: Vec<Vec<u32>>,
-    /// Of each element, how many of its nodes are not in the newest.
+    /// Number of nodes of each element that are not in the newest.
     outside: Vec<usize>,
     /// When a node was last met.
     seen: Vec<u32>,

@@ -28,7 +28,7 @@ use std::ops::Range;
 pub struct Columns {
     /// How many of them G holds already.
     built: usize,
-    /// Y_E.
+    /// Half solves Y_E of the handles.
     half: HalfSolves,
     /// All supernodes.
     flesh: Vec<u32>,

@@ -33,7 +33,7 @@ pub enum Handle {
 pub struct Term {
     /// The handle's column.
     pub column: u32,
-    /// Of each row.
+    /// Weight of the handle in each row.
     pub weights: [Scalar; 3],
 }
 

@@ -146,12 +146,12 @@ impl Delassus {
         left
     }
 
-    /// Whether it is the turn of convex problems.
+    /// True when it is the turn of convex problems.
     fn walks(&self) -> bool {
         self.failed % KINDS == KINDS - 1 && self.may_walk()
     }
 
-    /// Whether convex problems may still be tried in this step.
+    /// True when convex problems may still be tried in this step.
     pub(super) fn may_walk(&self) -> bool {
         self.walked < WALKS_MAX && self.members.list().len() <= MEMBERS_MAX
     }
