@@ -319,7 +319,7 @@ enum ThenarStatus thenar_hand_loads(const struct ThenarWorld *world,
  `time`: when the pose was taken, by any clock [s]. Angles out of range are brought to its end.
 
  # Safety
- `world` is NULL or a live handle; `wrist` and `angles` are NULL or of so many numbers.
+ `world` is NULL or a live handle; `wrist` and `angles` are NULL or of as many numbers as their counts say.
  */
 enum ThenarStatus thenar_hand_follow_angles(const struct ThenarWorld *world,
                                             size_t hand,
@@ -334,7 +334,7 @@ enum ThenarStatus thenar_hand_follow_angles(const struct ThenarWorld *world,
  follows angles. `radii`: 25 of them [m], or NULL and 0.
 
  # Safety
- `world` is NULL or a live handle; `joints` and `radii` are NULL or of so many numbers.
+ `world` is NULL or a live handle; `joints` and `radii` are NULL or of as many numbers as their counts say.
  */
 enum ThenarStatus thenar_hand_follow_joints(const struct ThenarWorld *world,
                                             size_t hand,

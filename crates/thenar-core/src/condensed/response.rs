@@ -82,7 +82,7 @@ impl Clone for Condensed {
 }
 
 impl Condensed {
-    /// Nothing published yet, with room for so many contacts.
+    /// Nothing published yet, with room for `contacts_max` contacts.
     pub fn new(bones: usize, contacts_max: usize) -> Self {
         let (n, m) = (6 * bones, 3 * contacts_max);
         Self {

@@ -16,13 +16,14 @@ const ALONG: f64 = 2.0;
 /// Or, through the body, they lie within this many. A part no thicker than its triangles are long is pressed flat
 /// before its two sides meet; of a thicker one they are more than their own flesh apart.
 const THROUGH: f64 = 1.0;
-/// At most so many vertices along the surface are neighbours, the nearest, and so many triangles of all of them:
-/// tables then grow with the surface and not with its square, however uneven its edges. Even meshes have some
+/// Largest number of vertices along the surface that are neighbours, the nearest ones, and of triangles around all of
+/// them: tables then grow with the surface and not with its square, however uneven its edges. Even meshes have some
 /// twenty and forty.
 const ALONG_MAX: usize = 128;
 const TRIANGLES_MAX: usize = 1024;
-/// Through the body, neighbours lie within so many edges of the vertex itself: where these are much shorter than the
-/// mean, the mean would reach over ever more triangles. In even meshes the mean is less. What is left out may touch.
+/// Through the body, neighbours lie within this many edges of the vertex itself: where these are much shorter than
+/// the mean, the mean would reach over ever more triangles. In even meshes the mean is less. What is left out may
+/// touch.
 const EDGES_THROUGH: f64 = 16.0;
 /// Larger trees have no table of settled pairs, which only spares a search: at most 2 MB.
 const NODES_MAX: usize = 4096;

@@ -111,7 +111,8 @@ mod tests {
     use crate::contact::triangle::tests::Random;
     use std::sync::Arc;
 
-    /// Triangles about faces, edges and corners of a cube: what is told to be beyond is, and most of what is.
+    /// Triangles about faces, edges and corners of a cube: those found to be beyond are, and most of those beyond are
+    /// found.
     #[test]
     fn what_is_beyond_is_outside_and_does_not_touch() {
         let (points, triangles) = cube(0.04, 3);

@@ -17,7 +17,7 @@ const LEVEL: f64 = 1e-2;
 /// deeper by no more than 4 µm under a cup that is 40 mm wide.
 const EQUAL: f64 = 1e-4;
 
-/// Ways in which a body may tilt: with so many each corner of a rectangle comes first in one.
+/// Ways in which a body may tilt: with six, each corner of a rectangle comes first in one.
 const TILTS: usize = 6;
 /// How far it tilts \[rad\]: a small angle, which weighs a gap of 1 mm like 2 cm to the side, the usual margin like the
 /// size of what a hand holds. Of points that are level it chooses the same at any angle.
@@ -99,7 +99,7 @@ impl Manifold {
         self.leave(0, DELIVERED_MAX);
     }
 
-    /// Leaves so many of the points from `first` on.
+    /// Leaves `count` of the points from `first` on.
     fn leave(&mut self, first: usize, count: usize) {
         if self.points.len() - first > count {
             choose(&mut self.points[first..], count);

@@ -11,7 +11,8 @@ use crate::contact::mesh_index::{Edges, MeshEdge};
 use crate::contact::mesh_pair::{CROSSING, FROM_B, Pair, SHALLOW};
 use crate::math::Vec3;
 
-/// Crossings are told up to so many times as deep as the shallowest: that much too deep, if the shallowest is the way out.
+/// Crossings are offered up to this many times as deep as the shallowest: that much too deep, if the shallowest is
+/// the way out.
 const AS_DEEP: f64 = 1.2;
 
 /// Axes of the twelve edges of a cuboid.

@@ -24,7 +24,7 @@ const BEHIND: f64 = 1e-3;
 /// Rounds in which a lag is made short enough.
 const ROUNDS: usize = 4;
 
-/// A part with a radius of so many edges is flat there: the nearest place goes as far for each radian that the
+/// A part with a radius of this many edges is flat there: the nearest place goes as far for each radian that the
 /// triangle tilts.
 const FLAT: f64 = 0.5;
 

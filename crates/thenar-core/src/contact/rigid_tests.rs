@@ -316,8 +316,8 @@ fn fast_rigid_bodies_are_announced() {
     }
 }
 
-/// A capsule thrown at a plate, standing as it likes: both its ends are told, each with its height over the
-/// plate, at a lever through the middle of its ball; else the one not told is turned through.
+/// A capsule thrown at a plate, standing as it likes: both its ends are announced, each with its height over the
+/// plate, at a lever through the middle of its ball; an end left out would turn through the plate.
 #[test]
 fn both_ends_of_a_thrown_capsule_are_announced() {
     let mut random = Random::new(31);

@@ -141,7 +141,7 @@ pub(super) struct DeepScratch {
 }
 
 impl DeepScratch {
-    /// For surfaces of up to so many vertices and triangles.
+    /// Room for surfaces of up to this many vertices and triangles.
     pub fn with_size(vertices: usize, triangles: usize) -> Self {
         let most = 2 * vertices + triangles;
         Self {

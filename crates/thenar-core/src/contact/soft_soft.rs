@@ -109,7 +109,7 @@ struct Cross {
 }
 
 impl PairScratch {
-    /// For surfaces of up to so many vertices and triangles.
+    /// Room for surfaces of up to this many vertices and triangles.
     pub fn with_size(vertices: usize, triangles: usize) -> Self {
         let one = || VertexScratch {
             nearest: vec![None; vertices],

@@ -19,8 +19,8 @@ use crate::math::Vec3;
 /// Another way is taken than it came in by only if that is shorter by this factor: ways of about
 /// one length do not alternate. Out of a flat face the way is longer by as much where it stands at 60° to its normal.
 pub(super) const KEPT: f64 = 2.0;
-/// So many places, evenly of all by depth, offer their nearest way out. Each offer asks all places for their depth
-/// along it: the work grows with the region, and not with its square.
+/// Number of places, taken evenly by depth from all, that offer their nearest way out. Each offer asks all places for
+/// their depth along it: the work grows with the region, and not with its square.
 const OFFERED: usize = 32;
 
 /// Normals are of one way out if they are parallel so far (cosine, less rounding).

@@ -62,7 +62,7 @@ impl MemoryModel {
         }
     }
 
-    /// Lays the terms of so many elements out.
+    /// Lays out the terms of `tets` elements.
     pub fn arrange(&mut self, tets: usize) {
         self.start.clear();
         if self.relaxation.is_empty() {

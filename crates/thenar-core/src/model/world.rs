@@ -109,9 +109,9 @@ pub struct SolverSettings {
     pub contact_tolerance: f64,
     /// Most outer sweeps of constraint anticipation.
     pub contact_sweeps_max: u32,
-    /// The exact solver spends at most so many multiply-adds of a step on the law of contact, then makes the last sweeps
-    /// and reports what is left; no bound when `None`. A bound keeps a step's cost from growing where contact is hard:
-    /// see [`StepReport::contact_cut_short`](crate::world::StepReport::contact_cut_short).
+    /// Most multiply-adds of a step that the exact solver spends on the law of contact; it then makes the last sweeps
+    /// and reports what is left. No bound when `None`. A bound keeps a step's cost from growing where contact is
+    /// hard: see [`StepReport::contact_cut_short`](crate::world::StepReport::contact_cut_short).
     pub contact_work_max: Option<u64>,
     /// Projected Gauss-Seidel passes over the contacts within one outer sweep.
     pub contact_inner_passes: u32,
@@ -123,10 +123,10 @@ pub struct SolverSettings {
     /// does not foresee, as other contacts make it: a millimetre is 6 cm/s at 60 steps a second. A wider one costs
     /// constraints that bear nothing.
     pub contact_margin: f64,
-    /// A step that contact does not carry through (an overlap grows in it by half the margin, or it is off by
-    /// a hundred tolerances) is made in halves, and these again, so many times at most: see `World::step`. By default
-    /// the shortest part of a step at 60 Hz is half a millisecond: jammed hands obey the law of contact in steps
-    /// of 1 ms, and miss it by up to a metre per second in parts of 2 ms.
+    /// A step that contact does not carry through (an overlap grows in it by half the margin, or it is off by a
+    /// hundred tolerances) is made in halves, and these again, at most this many times: see `World::step`. By default
+    /// the shortest part of a step at 60 Hz is half a millisecond: jammed hands obey the law of contact in steps of
+    /// 1 ms, and miss it by up to a metre per second in parts of 2 ms.
     pub step_halvings_max: u32,
 }
 

@@ -26,8 +26,8 @@ pub struct AnticipationSettings {
     pub cone: Cone,
 }
 
-/// Contacts that do not press are looked at in every so many sweeps only: most points near
-/// another surface never touch it. A solution is accepted only after a sweep that looked at all.
+/// Sweeps from one look at contacts that do not press to the next: most points near another surface never touch it. A
+/// solution is accepted only after a sweep that looked at all.
 const FULL_PASS_EVERY: u32 = 4;
 
 /// Contacts that a pass visits.
@@ -53,7 +53,7 @@ pub struct Anticipation {
 }
 
 impl Anticipation {
-    /// Room for so many bodies and nodes.
+    /// Room for this many bodies and nodes.
     pub fn new(rigids: usize, nodes: usize) -> Self {
         let rows = 2 * rigids + nodes;
         Self {

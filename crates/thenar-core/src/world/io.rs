@@ -239,8 +239,8 @@ pub struct StepReport {
     pub contacts: u32,
     /// Contact constraints that carry force.
     pub contacts_active: u32,
-    /// Contacts left out because there were more than the world has room for (the deepest were kept), and
-    /// pairs of rigid bodies not looked at because so many are in one place.
+    /// Contacts left out because there were more than the world has room for (the deepest were kept), and pairs of
+    /// rigid bodies not looked at because too many are in one place.
     pub contacts_dropped: u32,
     /// Joint limits that bear load (0 where limits are springs).
     pub limits_active: u32,

@@ -16,8 +16,8 @@ const LIFT: f64 = 0.1;
 const FOLD_LIFT: f64 = 1.0;
 /// Standard gravity \[m/s²\], also where there is none.
 const GRAVITY: f64 = 9.80665;
-/// Gaps and overlaps that the default tolerance of velocities makes in so many steps are its doing: such overlaps are
-/// not worth a solve.
+/// Gaps and overlaps that the default tolerance of velocities makes in this many steps are its doing: such overlaps
+/// are not worth a solve.
 const STEPS_OF_TOLERANCE: f64 = 4.0;
 /// The part of such an overlap that is left when one is undone: a body is not moved by more at once than the
 /// tolerance may move it.

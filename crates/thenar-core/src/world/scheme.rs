@@ -20,7 +20,7 @@ pub enum Solver {
 }
 
 impl Solver {
-    /// The solver of this kind for a world that may find so many contacts.
+    /// The solver of this kind for a world that may find `contacts_max` contacts.
     pub fn new(kind: SolverKind, desc: &WorldDesc, model: &Model, contacts_max: usize) -> Self {
         match kind {
             SolverKind::Exact => Self::Exact(Box::new(exact::build(desc, model, contacts_max))),
@@ -29,7 +29,7 @@ impl Solver {
         }
     }
 
-    /// Starts a step in which contact may cost so many multiply-adds.
+    /// Starts a step in which contact may cost this many multiply-adds; no bound when `None`.
     pub fn begin_step(&mut self, contact_work_max: Option<u64>) {
         if let Self::Exact(exact) = self {
             exact.begin_step(contact_work_max);

@@ -249,7 +249,7 @@ pub struct Scratch {
     pub contacts: Room<ContactPoint>,
     /// Areas of the contacts reported \[m²\].
     pub areas: Room<f64>,
-    /// Contacts and limits that touch is told of, by weight.
+    /// Contacts and limits that touch reads, by weight.
     pub chosen: Room<u32>,
     /// Length of the step, or of that part of it, that contacts and limits are of \[s\].
     pub part_length: f64,

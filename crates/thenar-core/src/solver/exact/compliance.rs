@@ -14,7 +14,7 @@ pub struct Compliance {
 }
 
 impl Compliance {
-    /// Room for so many batches of rows and columns.
+    /// Room for `batches` batches of rows and columns.
     pub fn new(batches: usize) -> Self {
         // An odd number of cache lines: numbers below each other do not fall into the same few sets.
         let stride = (batches | 1) * LANES;

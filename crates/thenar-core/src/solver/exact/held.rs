@@ -56,7 +56,7 @@ pub struct Held {
 }
 
 impl Held {
-    /// Room for so many bounds.
+    /// Room for `bounds` bounds.
     pub fn new(bounds: usize, freedoms: usize) -> Self {
         // Of the two bounds of an axis one is held at a time.
         let most = bounds.div_ceil(2);

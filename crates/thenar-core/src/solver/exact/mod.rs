@@ -117,12 +117,12 @@ pub struct Exact {
     left: Option<f64>,
     /// True when springs bind all flesh to bones, so that few iterations of the block diagonal are enough.
     all_is_bound: bool,
-    /// So many iterations of the block diagonal cost what the factor does.
+    /// Number of iterations of the block diagonal that cost what the factor does.
     iterations_worth_a_factor: u32,
     x: Coordinates,
     held: Held,
     delassus: Delassus,
-    /// One column of what touch is told.
+    /// One column of the response that touch reads.
     pulled: Room<f64>,
     work: pcg::Workspace,
 }
@@ -223,7 +223,7 @@ impl Exact {
         }
     }
 
-    /// Starts a step that may spend so many multiply-adds on the law of contact.
+    /// Starts a step that may spend this many multiply-adds on the law of contact; no bound when `None`.
     pub fn begin_step(&mut self, contact_work_max: Option<u64>) {
         self.delassus.allow(contact_work_max);
     }

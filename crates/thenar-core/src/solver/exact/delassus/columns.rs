@@ -43,7 +43,7 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// Room for so many batches.
+    /// Room for `batches` batches.
     pub fn new(batches: usize, system: &Direct, freedoms: usize) -> Self {
         let symbolic = &system.factor.symbolic;
         let groups = system.flesh_of_group.len();

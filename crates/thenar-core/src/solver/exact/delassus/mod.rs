@@ -127,7 +127,7 @@ impl Delassus {
         }
     }
 
-    /// Starts a step that may cost so many multiply-adds.
+    /// Starts a step that may cost this many multiply-adds; no bound when `None`.
     pub fn allow(&mut self, work_max: Option<u64>) {
         self.work = Work::within(work_max);
     }

@@ -38,7 +38,7 @@ pub struct Turns {
 }
 
 impl Turns {
-    /// Room for so many members.
+    /// Room for this many members.
     pub fn new(capacity: usize) -> Self {
         let most = HELD_MAX.min(capacity);
         Self {
