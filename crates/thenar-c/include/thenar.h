@@ -10,7 +10,7 @@
 #define THENAR_ABI_VERSION 1
 
 /*
- What came of a call.
+ Outcome of a call.
  */
 typedef enum ThenarStatus {
   /*
@@ -99,7 +99,7 @@ typedef struct ThenarContact {
 } ThenarContact;
 
 /*
- What presses on a part of a hand.
+ Load that presses on a part of a hand.
  */
 typedef struct ThenarLoad {
   /*
@@ -179,8 +179,8 @@ extern "C" {
 #endif // __cplusplus
 
 /*
- How many rigid bodies (hands' bones are some), deformable bodies (hands' flesh is some) and hands there are. What is
- not wanted is NULL.
+ Numbers of rigid bodies (hands' bones are some), deformable bodies (hands' flesh is some) and hands. Pass NULL for
+ what is not wanted.
 
  # Safety
  `world` is NULL or a live handle; the others are NULL or have room for a number.
@@ -319,7 +319,7 @@ enum ThenarStatus thenar_hand_loads(const struct ThenarWorld *world,
  `time`: when the pose was taken, by any clock [s]. Angles out of range are brought to its end.
 
  # Safety
- `world` is NULL or a live handle; `wrist` and `angles` are NULL or of so many numbers.
+ `world` is NULL or a live handle; `wrist` and `angles` are NULL or of as many numbers as their counts say.
  */
 enum ThenarStatus thenar_hand_follow_angles(const struct ThenarWorld *world,
                                             size_t hand,
@@ -334,7 +334,7 @@ enum ThenarStatus thenar_hand_follow_angles(const struct ThenarWorld *world,
  follows angles. `radii`: 25 of them [m], or NULL and 0.
 
  # Safety
- `world` is NULL or a live handle; `joints` and `radii` are NULL or of so many numbers.
+ `world` is NULL or a live handle; `joints` and `radii` are NULL or of as many numbers as their counts say.
  */
 enum ThenarStatus thenar_hand_follow_joints(const struct ThenarWorld *world,
                                             size_t hand,

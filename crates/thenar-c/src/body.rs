@@ -8,8 +8,8 @@ use std::borrow::Cow;
 use std::ffi::c_char;
 use thenar_scene::flat::flat_pose;
 
-/// How many rigid bodies (hands' bones are some), deformable bodies (hands' flesh is some) and hands there are. What is
-/// not wanted is NULL.
+/// Numbers of rigid bodies (hands' bones are some), deformable bodies (hands' flesh is some) and hands. Pass NULL for
+/// what is not wanted.
 ///
 /// # Safety
 /// `world` is NULL or a live handle; the others are NULL or have room for a number.

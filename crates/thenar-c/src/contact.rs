@@ -35,7 +35,7 @@ pub struct Contact {
     pub slips: bool,
 }
 
-/// What presses on a part of a hand.
+/// Load that presses on a part of a hand.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct Load {

@@ -21,7 +21,7 @@ fn follow(running: &mut Running, hand: usize, time: f64, pose: &LivePose) -> Res
 /// `time`: when the pose was taken, by any clock [s]. Angles out of range are brought to its end.
 ///
 /// # Safety
-/// `world` is NULL or a live handle; `wrist` and `angles` are NULL or of so many numbers.
+/// `world` is NULL or a live handle; `wrist` and `angles` are NULL or of as many numbers as their counts say.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn thenar_hand_follow_angles(
     world: *const World,
@@ -55,7 +55,7 @@ pub unsafe extern "C" fn thenar_hand_follow_angles(
 /// follows angles. `radii`: 25 of them [m], or NULL and 0.
 ///
 /// # Safety
-/// `world` is NULL or a live handle; `joints` and `radii` are NULL or of so many numbers.
+/// `world` is NULL or a live handle; `joints` and `radii` are NULL or of as many numbers as their counts say.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn thenar_hand_follow_joints(
     world: *const World,

@@ -73,7 +73,7 @@ impl Running {
         &self.readout
     }
 
-    /// The index of a thing of which there are so many.
+    /// The index of a thing of which there are `count`.
     ///
     /// # Errors
     /// There are fewer.

@@ -6,7 +6,7 @@ use pyo3::exceptions::PyValueError;
 /// Rows of `N` numbers.
 ///
 /// # Errors
-/// The bytes are not so many whole rows.
+/// The bytes are not a whole number of rows.
 pub fn rows<const N: usize>(bytes: &[u8]) -> PyResult<Vec<[f64; N]>> {
     let (numbers, rest) = bytes.as_chunks::<8>();
     let numbers: Vec<f64> = numbers.iter().map(|bytes| f64::from_ne_bytes(*bytes)).collect();

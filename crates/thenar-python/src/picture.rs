@@ -15,7 +15,7 @@ const SIZE_MAX: u32 = 8192;
 /// as many such worlds run side by side.
 const QUICK: Quality = Quality { samples: 4, shadow_map: 256, ambient_directions: 0, threads: 1 };
 
-/// What a picture shows, and from where.
+/// Content of a picture, and the eye that sees it.
 pub struct Wanted {
     size: [u32; 2],
     layers: Layers,
@@ -24,7 +24,7 @@ pub struct Wanted {
 }
 
 impl Wanted {
-    /// What is wanted, checked. `camera`: place of the eye, place looked at \[m\] and field of view \[deg\].
+    /// Checks what is wanted. `camera`: place of the eye, place looked at \[m\] and field of view \[deg\].
     ///
     /// # Errors
     /// The size is none, there is no such layer, or the camera sees nothing.

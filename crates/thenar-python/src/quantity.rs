@@ -70,7 +70,7 @@ impl Quantity {
         matches!(self, Self::VertexForces | Self::VertexPressures | Self::Loads)
     }
 
-    /// How many things it may be asked of.
+    /// Number of things that the quantity may be asked of.
     fn count(self, session: &Session) -> usize {
         let desc = session.world().desc();
         match self {

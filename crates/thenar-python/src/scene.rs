@@ -36,13 +36,13 @@ impl Scene {
 }
 
 impl Scene {
-    /// What its sessions are made from.
+    /// Source that the scene's sessions are made from.
     pub fn source(&self) -> &Source {
         &self.source
     }
 }
 
-/// Names of the scenes that come along.
+/// Names of the bundled scenes.
 #[pyfunction]
 pub fn scene_names() -> Vec<&'static str> {
     builtins().iter().map(|scene| scene.name).collect()

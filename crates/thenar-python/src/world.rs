@@ -161,7 +161,7 @@ impl World {
         })
     }
 
-    /// Taxels of a shipped layout on a hand: patches of so many rows and columns.
+    /// Taxels of a shipped layout on a hand: patches of `rows` rows and `columns` columns.
     fn taxels_of(
         &self,
         hand: usize,

@@ -26,8 +26,8 @@ pub struct DelayMeter {
 const FORGETS: f64 = 0.55;
 /// What is worse weighs at least so much: four in a row come to three quarters of what they are.
 const AT_ONCE: f64 = 0.3;
-/// Samples farther apart are not of one motion \[s\]. Frames are, and no longer ones are told apart: what is felt behind
-/// them is next to nothing.
+/// Samples farther apart are not of one motion \[s\]. Frames are, but longer pauses count as this one: what is felt
+/// behind them is next to nothing.
 const PAUSE: f64 = 0.2;
 
 impl DelayMeter {
@@ -103,8 +103,9 @@ mod tests {
         assert!((behind.delay - delay).abs() < 1e-15);
     }
 
-    /// Frames that go from 100 to 25 and to 4 Hz, a period old, are told within half a second, or four of them, those of 4 Hz
-    /// as the latest that are told apart; from the start as well. A tracker's pauses are passed over.
+    /// Frames that go from 100 to 25 and to 4 Hz, a period old, are noticed within half a second, or four of them,
+    /// those of 4 Hz as the latest that the meter knows apart; from the start as well. A tracker's pauses are passed
+    /// over.
     #[test]
     fn frames_that_become_late_are_told_soon() {
         for from in [100_u64, 25, 4] {

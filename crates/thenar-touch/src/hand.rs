@@ -34,7 +34,7 @@ pub struct HandSettings {
     pub step_max: f64,
     /// Contact forces are resolved to this \[N\] ...
     pub force_tolerance: f64,
-    /// ... or for so many sweeps.
+    /// ... or for this many sweeps.
     pub sweeps_max: u32,
 }
 

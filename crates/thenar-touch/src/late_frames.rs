@@ -5,7 +5,7 @@
 //! thing in each mode; each is derived for a hand that moves at a speed v against a bone that cannot move.
 //!
 //! **Multirate.** Contact is felt with frames only: of two equal hands, one is held by contact and one is not, and
-//! how far they are from each other is told by frames. The free one's bone is where its proxy was when the frame's
+//! frames say how far they are from each other. The free one's bone is where its proxy was when the frame's
 //! inputs were taken, and draws the proxy back by its coupling k_s. With k_h to the wearer and `r = k_h/(k_h + k_s)`
 //! the proxy goes at r v within a frame and leaps at its end, so that inputs taken then, which is the worst time, are
 //! behind the mean by another `(1 - r) P/2`. The coupling's damper c_s, whose bone stands still between frames, draws

@@ -159,7 +159,7 @@ mod tests {
         }
     }
 
-    /// A sample that is told again and again is never fresh, whatever clock it is of; nor are late ones
+    /// A sample that is reported again and again is never fresh, whatever clock it is of; nor are late ones
     /// that come in a burst.
     #[test]
     fn what_is_old_stays_old() {

@@ -30,7 +30,7 @@ impl Clone for SlowToFast {
 }
 
 impl SlowToFast {
-    /// A frame of bones at rest, with room for so many contacts.
+    /// A frame of bones at rest, with room for `contacts_max` contacts.
     pub fn new(bones: &[RigidState], contacts_max: usize) -> Self {
         Self {
             time_ns: 0,

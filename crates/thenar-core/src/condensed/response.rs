@@ -12,8 +12,8 @@ use fearless_simd::{Level, dispatch};
 pub struct CondensedContact {
     /// Rows: normal (away from the obstacle), first and second tangent, world.
     pub frame: Mat3,
-    /// Its value d₀ \[m\]: gap along the normal, negative when penetrating, and how far it has slid
-    /// since the frame, once all has come to rest under the frame's forces and unmoved proxies.
+    /// Contact value d₀ \[m\]: gap along the normal, negative when penetrating, then the slide along the tangents
+    /// since the frame, once all has come to rest under the frame's forces with the proxies unmoved.
     pub value: Vec3,
     /// Friction coefficient.
     pub friction: f64,
@@ -53,19 +53,21 @@ pub struct Condensed {
     pub rest: Vec<f64>,
     /// Wrenches on the bones from outside that are no contact and no weight, 6n; none when left empty.
     pub loads: Vec<f64>,
-    /// C.
+    /// Compliance C, 6n × 6n: motions of the bones \[m\] and \[rad\] by wrenches on bones \[N\] and \[N m\],
+    /// couplings to the proxies included.
     pub compliance: Vec<f64>,
     /// Contacts that touch or may touch before the next frame.
     pub contacts: Vec<CondensedContact>,
-    /// Which of them are limits of joints: the hand's own, there in empty air as well. None when left empty.
+    /// Marks the contacts that are limits of joints: the hand's own, there in empty air as well. When empty, no
+    /// contact is one.
     pub limits: Vec<bool>,
-    /// J.
+    /// Jacobian J, 3m × 6n: contact values (normal, tangents) \[m\] by motions of the bones \[m\] and \[rad\].
     pub rows: Vec<f64>,
-    /// W.
+    /// Local response W, 3m × 3m: contact values \[m\] by contact forces \[N\], bones held.
     pub local: Vec<f64>,
-    /// J C.
+    /// Product J C, 3m × 6n.
     pub lift: Vec<f64>,
-    /// B.
+    /// Contact compliance B = J C Jᵀ + W, 3m × 3m \[m/N\].
     pub delassus: Vec<f64>,
     ready: bool,
 }
@@ -80,7 +82,7 @@ impl Clone for Condensed {
 }
 
 impl Condensed {
-    /// Nothing published yet, with room for so many contacts.
+    /// Nothing published yet, with room for `contacts_max` contacts.
     pub fn new(bones: usize, contacts_max: usize) -> Self {
         let (n, m) = (6 * bones, 3 * contacts_max);
         Self {
@@ -215,7 +217,7 @@ impl Condensed {
         }
     }
 
-    /// Whether contact `i` is the limit of a joint.
+    /// True when contact `i` is the limit of a joint.
     pub fn is_limit(&self, i: usize) -> bool {
         self.limits.get(i).is_some_and(|limit| *limit)
     }

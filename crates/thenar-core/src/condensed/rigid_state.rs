@@ -7,7 +7,7 @@ use crate::world::{Target, World};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RigidState {
-    /// Pose.
+    /// Pose of the bone frame B in the world.
     pub pose_WB: Pose,
     /// Velocity of the origin, world \[m/s\].
     pub velocity_W: Vec3,

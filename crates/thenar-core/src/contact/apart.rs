@@ -16,17 +16,19 @@ const ALONG: f64 = 2.0;
 /// Or, through the body, they lie within this many. A part no thicker than its triangles are long is pressed flat
 /// before its two sides meet; of a thicker one they are more than their own flesh apart.
 const THROUGH: f64 = 1.0;
-/// At most so many vertices along the surface are neighbours, the nearest, and so many triangles of all of them:
-/// tables then grow with the surface and not with its square, however uneven its edges. Even meshes have some
+/// Largest number of vertices along the surface that are neighbours, the nearest ones, and of triangles around all of
+/// them: tables then grow with the surface and not with its square, however uneven its edges. Even meshes have some
 /// twenty and forty.
 const ALONG_MAX: usize = 128;
 const TRIANGLES_MAX: usize = 1024;
-/// Through the body, neighbours lie within so many edges of the vertex itself: where these are much shorter than the
-/// mean, the mean would reach over ever more triangles. In even meshes the mean is less. What is left out may touch.
+/// Through the body, neighbours lie within this many edges of the vertex itself: where these are much shorter than
+/// the mean, the mean would reach over ever more triangles. In even meshes the mean is less. What is left out may
+/// touch.
 const EDGES_THROUGH: f64 = 16.0;
 /// Larger trees have no table of settled pairs, which only spares a search: at most 2 MB.
 const NODES_MAX: usize = 4096;
-/// The same of pairs of triangles, and of vertices and triangles.
+/// Surfaces with more triangles or vertices have no table of pairs of triangles, nor of vertices and triangles, which
+/// likewise only spare a search: at most 2 MB each.
 const TABLED_MAX: usize = 4096;
 /// Parts nearer than this part of an edge at rest overlap already, as in a seam: they would push each other apart
 /// from the first step on. Contacts rest to a hundredth of an edge, and surfaces that were scanned or drawn to lie
@@ -47,7 +49,7 @@ pub(crate) struct Apart {
     /// Pairs of triangles that never touch.
     never: BitTable,
     regions: Regions,
-    /// Whether two regions are one or joined, row by row, and how many there are.
+    /// Table of regions that are one or joined: true for such pairs, row by row of `count`.
     near: Vec<bool>,
     count: usize,
 }
@@ -101,7 +103,7 @@ impl Apart {
         apart
     }
 
-    /// Whether vertex `v` and triangle `t` with these corners are neighbours.
+    /// True when vertex `v` and triangle `t` with these corners are neighbours.
     pub fn are_neighbors(&self, v: u32, t: u32, corners: &[u32; 3]) -> bool {
         if self.neighbors.is_empty() {
             return self.are_of_joined_bones(v, corners) || self.are_near(v, t);
@@ -109,37 +111,38 @@ impl Apart {
         self.neighbors.is_set(v, t)
     }
 
-    /// Whether vertex `v` and a corner of a triangle are carried by one bone, or by two joined ones.
+    /// True when vertex `v` and a corner of a triangle are carried by one bone, or by two joined ones.
     pub fn are_of_joined_bones(&self, v: u32, corners: &[u32; 3]) -> bool {
         let of = &self.regions.of_vertex;
         of.get(v as usize)
             .is_some_and(|&i| corners.iter().any(|&w| self.are_joined(i, of[w as usize])))
     }
 
-    /// Whether vertex `v` and triangle `t` are neighbours without regard to bones.
+    /// True when vertex `v` and triangle `t` are neighbours without regard to bones.
     pub fn are_near(&self, v: u32, t: u32) -> bool {
         let range = self.start[v as usize] as usize..self.start[v as usize + 1] as usize;
         self.triangles[range].binary_search(&t).is_ok()
     }
 
-    /// Whether the flesh of two bones never touches: around one bone, or across one joint, it is
+    /// True when the flesh of two bones never touches: around one bone, or across one joint, it is
     /// pressed together by bending.
     fn are_joined(&self, i: u32, j: u32) -> bool {
         self.near.get(i as usize * self.count + j as usize).is_some_and(|near| *near)
     }
 
-    /// Whether no vertex and no edge of two triangles is to touch the other one; false where no table says so.
+    /// True when no vertex and no edge of two triangles is to touch the other one; false where no table says so.
     pub fn touch_never(&self, s: u32, t: u32) -> bool {
         !self.never.is_empty() && self.never.is_set(s, t)
     }
 
-    /// Whether the triangles of two groups, named by the bones of their first corners, need no look at each other. A table of
-    /// settled pairs tells better: a triangle's other corners may be of other bones.
+    /// True when the triangles of two groups, named by the bones of their first corners, need not be compared. False
+    /// where there is a table of settled pairs, which decides better: a triangle's other corners may be of other
+    /// bones.
     pub fn are_groups_apart(&self, i: u32, j: u32) -> bool {
         self.settled.is_empty() && self.are_joined(i, j)
     }
 
-    /// Whether all below two tree nodes are neighbours.
+    /// True when all items below two tree nodes are neighbours.
     pub fn are_settled(&self, n: usize, m: usize) -> bool {
         if self.settled.is_empty() {
             return false;

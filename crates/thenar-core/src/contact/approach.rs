@@ -51,7 +51,7 @@ pub(crate) fn approach(
     approach_from(shape, p, shape.distance(p), u, radius, margin)
 }
 
-/// The same of a centre whose distance `now` is known.
+/// Gap and normal that [`approach`] finds, for a centre whose distance `now` is known.
 pub(crate) fn approach_from(
     shape: &Shape,
     p: &Vec3,
@@ -159,7 +159,8 @@ fn entry(shape: &Shape, p: &Vec3, u: &Vec3, depth: f64) -> Option<Seen> {
     Some(Seen { normal: arrival.gradient, place: from })
 }
 
-/// Whether the segment between two points lies so deep inside the shape somewhere, to what a step of the search tells.
+/// True when the segment between two points lies `depth` \[m\] inside the shape somewhere, as far as the steps of the
+/// search tell.
 fn lies_as_deep(shape: &Shape, from: &Vec3, to: &Vec3, depth: f64) -> bool {
     let way = to - from;
     let length = way.norm();
@@ -184,7 +185,7 @@ fn way_out(shape: &Shape, p: &Vec3, normal: &Vec3) -> Option<Distance> {
     way_back(shape, p, normal).map(|(out, _)| out)
 }
 
-/// The same, and how much of that way lies inside the shape \[m\].
+/// Depth of `p` along `normal` like [`way_out`], and how much of that way lies inside the shape \[m\].
 fn way_back(shape: &Shape, p: &Vec3, normal: &Vec3) -> Option<(Distance, f64)> {
     let (mut way, mut before, mut deepest) = (0.0, 0.0, 0.0_f64);
     for _ in 0..TRACE_STEPS_MAX {

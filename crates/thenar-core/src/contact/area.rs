@@ -50,7 +50,7 @@ pub(crate) struct AreaScratch {
 }
 
 impl AreaScratch {
-    /// Of the largest surface, and at most so many contacts.
+    /// Room for the largest surface, with these counts of triangles and vertices, and for at most this many contacts.
     pub fn with_size(triangles: usize, vertices: usize, contacts: usize) -> Self {
         Self {
             count: vec![0; triangles],

@@ -20,7 +20,7 @@ const NONE: u32 = u32::MAX;
 #[derive(Clone, Debug)]
 pub(super) struct AtVertices {
     first: Vec<u32>,
-    /// Of each point: twice the number of its contact, and one more on side B.
+    /// Next point in the list of each point. A point's number is twice that of its contact, and one more on side B.
     next: Room<u32>,
     /// Vertices with a list.
     listed: Room<u32>,

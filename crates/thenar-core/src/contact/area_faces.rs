@@ -9,7 +9,8 @@ use crate::contact::area::TOUCHING;
 use crate::math::Vec3;
 use std::cell::Cell;
 
-/// Of more faces than this it is sooner told by distances: up to 153 places of a triangle ask each of them.
+/// Most faces that are kept: with more of them, distances decide sooner, as up to 153 places of a triangle ask each
+/// face.
 const FACES_MAX: usize = 64;
 /// Places as far as [`TOUCHING`] but for rounding are not told.
 const FARTHER: f64 = TOUCHING * (1.0 + 1e-6);
@@ -79,8 +80,9 @@ impl Faces {
         (0..3).max_by(|&i, &j| least(i).total_cmp(&least(j))).unwrap_or(0)
     }
 
-    /// Whether the triangle between places with these weights of corners 1 and 2 is outside, farther than [`TOUCHING`]
-    /// from all faces: the way there from the place outside, over the same side of all planes, goes through none.
+    /// True when the triangle between three places, given by their weights of corners 1 and 2, is outside, farther
+    /// than [`TOUCHING`] from all faces: the way there from the place outside, over the same side of all planes, goes
+    /// through none.
     pub fn are_beyond(&self, places: [[f64; 2]; 3]) -> bool {
         let [start, one, two] = self.x;
         self.faces[..self.count].iter().all(|Face { heights: [a, b, c], bounds }| {
@@ -95,7 +97,7 @@ impl Faces {
     }
 }
 
-/// Whether three points lie farther than [`TOUCHING`] from a plane, all on one side of it.
+/// True when three points lie farther than [`TOUCHING`] from a plane, all on one side of it.
 fn is_apart(heights: &[f64; 3]) -> bool {
     heights.iter().all(|h| *h > FARTHER) || heights.iter().all(|h| *h < -FARTHER)
 }
@@ -109,7 +111,8 @@ mod tests {
     use crate::contact::triangle::tests::Random;
     use std::sync::Arc;
 
-    /// Triangles about faces, edges and corners of a cube: what is told to be beyond is, and most of what is.
+    /// Triangles about faces, edges and corners of a cube: those found to be beyond are, and most of those beyond are
+    /// found.
     #[test]
     fn what_is_beyond_is_outside_and_does_not_touch() {
         let (points, triangles) = cube(0.04, 3);

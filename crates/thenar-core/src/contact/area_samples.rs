@@ -23,7 +23,7 @@ struct Sample {
     value: f64,
     low: f64,
     high: f64,
-    /// Of the distance, where that was looked into.
+    /// Gradient of the distance, where that was looked into.
     gradient: Option<Vec3>,
 }
 
@@ -67,7 +67,7 @@ impl Sample {
         Self::exact(distance(high.max(-low)))
     }
 
-    /// Whether a bound says that all within a part's width lies on its side of [`TOUCHING`].
+    /// True when a bound says that all within a part's width lies on one side of [`TOUCHING`].
     fn is_clear(&self) -> bool {
         self.gradient.is_none() && self.value < f64::INFINITY
     }
@@ -359,7 +359,7 @@ mod tests {
         }
     }
 
-    /// Of a distance that does not bend, whichever way it leans, the tangent planes are one but for rounding.
+    /// Tangent planes of a distance that does not bend are one but for rounding, whichever way it leans.
     #[test]
     fn planes_that_are_one_cut_like_it() {
         let mut random = Random::new(5);

@@ -76,7 +76,7 @@ pub(crate) fn way_to(way: &Vec3, gap: f64, outward: &Vec3, edge: f64) -> Vec3 {
     (way - outward * radius).try_normalize(0.0).unwrap_or(-outward)
 }
 
-/// Whether a shape has edges that point outward.
+/// True when a shape has edges that point outward.
 pub(crate) fn has_edges(shape: &Shape) -> bool {
     match shape {
         Shape::Sphere { .. }

@@ -46,7 +46,7 @@ impl Bvh {
         Self::build_grouped(boxes, |_| 0)
     }
 
-    /// The same with the items of each group under a node of their own.
+    /// Builds over these boxes like [`Bvh::build`], with the items of each group under a node of their own.
     pub fn build_grouped(boxes: &[Aabb], group_of: impl Fn(u32) -> u32) -> Self {
         let items = (0..boxes.len() as u32).collect();
         let mut tree = Self { items, boxes: boxes.to_vec(), ..Self::default() };
@@ -147,8 +147,8 @@ impl Bvh {
         walk((a, b), (0, 0), reach, |_, _| false, &mut stack, &mut visit);
     }
 
-    /// The same for each two items of this tree, once; two groups for which `apart` holds and pairs
-    /// of nodes for which `skip` holds are left out.
+    /// Calls `visit` once for every two items of this tree whose boxes come within `reach`; two groups for which
+    /// `apart` holds and pairs of nodes for which `skip` holds are left out.
     pub fn pairs_within(
         &self,
         reach: f64,
@@ -267,7 +267,8 @@ impl Bvh {
         self.overlapping_near(query, |_| true, visit);
     }
 
-    /// The same, but for items below nodes around whose box nothing is near.
+    /// Calls `visit` for every item whose box meets `query`, but for items below nodes around whose box nothing is
+    /// near.
     pub fn overlapping_near(
         &self,
         query: &Aabb,

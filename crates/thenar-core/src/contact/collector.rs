@@ -23,12 +23,12 @@ pub(crate) struct Known<'a> {
 }
 
 impl Known<'_> {
-    /// Of a deformable body.
+    /// Depth that a deformable body is known to have in others \[m\]; zero where nothing is known.
     pub fn of_soft(&self, soft: u32) -> f64 {
         self.softs.get(soft as usize).copied().unwrap_or(0.0)
     }
 
-    /// Of a rigid body.
+    /// Depth that a rigid body is known to have in others \[m\]; zero where nothing is known.
     pub fn of_rigid(&self, rigid: u32) -> f64 {
         self.rigids.get(rigid as usize).copied().unwrap_or(0.0)
     }

@@ -18,7 +18,7 @@ pub(crate) struct Allowance {
 }
 
 impl Allowance {
-    /// For a search among so many bodies.
+    /// Room for a search among `bodies` bodies.
     pub fn new(bodies: usize) -> Self {
         Self { all: PAIRS_PER_BODY * bodies, of_body: 0 }
     }

@@ -16,9 +16,10 @@ use crate::math::{Mat3, Vec3};
 /// A later face is taken only if the boxes are farther apart along it by this part of the least half-length: of faces
 /// that are level to round-off the first stays, and the gap told is too small by no more.
 const FACE_HANDICAP: f64 = 1e-6;
-/// The same of two edges, which make one point where faces make up to eight. Boxes that are level but for a small tilt
-/// so stand on faces; the overlap told is too great by no more than this part. Tests hold with 1e-6, too; with 0.1
-/// boxes no longer part the shortest way.
+/// An axis across two edges is taken only if the boxes are farther apart along it by this part of the least
+/// half-length: edges make one point where faces make up to eight. Boxes that are level but for a small tilt so stand
+/// on faces; the overlap found is too great by no more than this part. Tests hold with 1e-6, too; with 0.1 boxes no
+/// longer part the shortest way.
 const EDGE_HANDICAP: f64 = 1e-2;
 /// Edges at less than this (sine) to each other have no axis of their own: across parallel edges boxes are rectangles,
 /// which their faces separate, and the gap is missed by less than this part of an edge.

@@ -34,9 +34,9 @@ pub(super) struct RigidMove {
     /// Turns and moves what is at p now back to where it was: `turn p + offset`.
     turn: Mat3,
     offset: Vec3,
-    /// Of the centre of mass \[m\].
+    /// Way of the centre of mass \[m\].
     way: Vec3,
-    /// Most that turning adds to that \[m\].
+    /// Most that turning adds to the way of the centre of mass \[m\].
     sweep: f64,
 }
 
@@ -77,9 +77,9 @@ struct Cluster {
     node: usize,
     /// Part of the list of vertices.
     vertices: Range<usize>,
-    /// Around them,
+    /// Box around the vertices.
     bounds: Aabb,
-    /// and around the ways that they went.
+    /// Box around the ways that the vertices went.
     ways: Aabb,
 }
 
@@ -156,12 +156,13 @@ pub(super) struct Since<'a> {
 }
 
 impl Since<'_> {
-    /// Whether two rigid bodies have moved past each other by more than the slack.
+    /// True when two rigid bodies have moved past each other by more than the slack.
     pub fn have_passed(&self, i: u32, j: u32) -> bool {
         self.rigids[i as usize].past(&self.rigids[j as usize]) > self.known.slack
     }
 
-    /// The same of a surface, with all vertices where they are, where it is near to a rigid body.
+    /// True when a vertex of a surface that is near to a rigid body, and that body, have moved past each other by
+    /// more than the slack. `positions` are those of all vertices.
     pub fn may_deepen_in(
         &self,
         surface: &Surface,
@@ -183,7 +184,8 @@ impl Since<'_> {
         })
     }
 
-    /// The same of two surfaces, or of one with itself.
+    /// True when two surfaces, or two parts of one, have moved past each other by more than the slack where they are
+    /// near to each other.
     pub fn may_deepen(&self, sides: [(&Surface, &Clusters); 2], apart: Option<&Apart>) -> bool {
         let known = &self.known;
         let [a, b] = sides.map(|(surface, _)| known.of_soft(surface.soft));

@@ -474,7 +474,7 @@ impl Detector {
 }
 
 impl Scratch {
-    /// With room for so many contacts.
+    /// Builds a detector with room for `contacts` contacts.
     fn new(bodies: &[Option<RigidBody>], surfaces: &[Surface], contacts: usize) -> Self {
         let vertices = surfaces.iter().map(Surface::vertex_count).max().unwrap_or(0);
         let all = surfaces.iter().map(Surface::vertex_count).sum();

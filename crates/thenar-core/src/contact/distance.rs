@@ -35,8 +35,8 @@ impl Shape {
         }
     }
 
-    /// The same where the surface is nearer than `reach` \[m\] or `p_S` is inside, otherwise
-    /// `None`. Of a mesh this takes a fraction of the time far from it.
+    /// Signed distance from `p_S`, a point in the shape frame, where the surface is nearer than `reach` \[m\] or
+    /// `p_S` is inside, otherwise `None`. Of a mesh this takes a fraction of the time far from it.
     #[inline]
     pub fn distance_within(&self, p_S: &Vec3, reach: f64) -> Option<Distance> {
         match self {
@@ -45,7 +45,7 @@ impl Shape {
         }
     }
 
-    /// Whether this is a mesh whose distance changes nowhere by more than the way.
+    /// True for a mesh whose distance changes nowhere by more than the point moves.
     pub(crate) fn is_solid_mesh(&self) -> bool {
         matches!(self, Self::Mesh(mesh) if mesh.index.is_solid)
     }

@@ -4,7 +4,8 @@ use crate::contact::DistanceGrid;
 use crate::math::Vec3;
 
 impl DistanceGrid {
-    /// Whether there are as many values as the sizes say, and a spacing.
+    /// True when there are as many values as the sizes say, at least two along each axis, and a spacing that is
+    /// finite and positive.
     pub(crate) fn is_sound(&self) -> bool {
         let count = self.dims.iter().try_fold(1_usize, |n, &d| n.checked_mul(d as usize));
         count == Some(self.values.len())
@@ -43,7 +44,7 @@ impl DistanceGrid {
         self.origin + self.cell * Vec3::from_fn(|k, _| at[k] as f64)
     }
 
-    /// Whether the trilinear interpolant is negative at `p`; beyond the grid nothing is inside.
+    /// True when the trilinear interpolant is negative at `p`; beyond the grid nothing is inside.
     pub(crate) fn is_inside(&self, p: &Vec3) -> bool {
         let scaled = (p - self.origin) / self.cell;
         let top = |k: usize| f64::from(self.dims[k]) - 1.0;

@@ -34,7 +34,7 @@ impl Groups {
         }
     }
 
-    /// The same as [`Groups::find`]; ways up become half as long.
+    /// Finds what [`Groups::find`] does, and makes the ways up half as long.
     fn shorten(&mut self, mut i: u32) -> u32 {
         while self.parent[i as usize] != i {
             let up = self.parent[self.parent[i as usize] as usize];

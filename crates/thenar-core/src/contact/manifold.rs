@@ -9,15 +9,15 @@ pub(super) const OFFERED_MAX: usize = 64;
 const KEPT: usize = 32;
 /// Points delivered are at most this many: the deepest, and those farthest apart.
 pub(crate) const DELIVERED_MAX: usize = 12;
-/// Of points higher than the deepest by more than this part of how far apart they lie, the lower go
-/// first: a body can only stand on the lower ones. So far a body tilts (0.6°) before it stands on a higher one.
+/// Height over the deepest point, in parts of how far apart points lie, past which the lower points go first: a body
+/// can only stand on those. A body tilts by this much (0.6°) before it stands on a higher one.
 const LEVEL: f64 = 1e-2;
 /// Points that differ by no more than this part of their reach are as good as each other, and the one offered first is taken:
 /// a body that comes to rest trembles by less, and its points must not change for that. What is left out for it lies
 /// deeper by no more than 4 µm under a cup that is 40 mm wide.
 const EQUAL: f64 = 1e-4;
 
-/// Ways in which a body may tilt: with so many each corner of a rectangle comes first in one.
+/// Ways in which a body may tilt: with six, each corner of a rectangle comes first in one.
 const TILTS: usize = 6;
 /// How far it tilts \[rad\]: a small angle, which weighs a gap of 1 mm like 2 cm to the side, the usual margin like the
 /// size of what a hand holds. Of points that are level it chooses the same at any angle.
@@ -99,7 +99,7 @@ impl Manifold {
         self.leave(0, DELIVERED_MAX);
     }
 
-    /// Leaves so many of the points from `first` on.
+    /// Leaves `count` of the points from `first` on.
     fn leave(&mut self, first: usize, count: usize) {
         if self.points.len() - first > count {
             choose(&mut self.points[first..], count);

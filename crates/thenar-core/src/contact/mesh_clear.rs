@@ -8,8 +8,8 @@ use std::cell::Cell;
 /// Most places of a line of balls at which its clearance is looked for.
 const PROBES_MAX: usize = 16;
 
-/// Whether a ball, or a line of balls, stays farther from a mesh than anything of it could touch in this step: seen from
-/// some places along the line, as a distance changes by no more than the way.
+/// True when a ball, or a line of balls, stays farther from a mesh than anything of it could touch in this step: seen
+/// from some places along the line, as a distance changes by no more than the way.
 pub(super) fn is_clear(pair: &Pair, mesh: &MeshShape) -> bool {
     let (radius, half) = match pair.a.shape {
         Shape::Sphere { radius } => (*radius, 0.0),

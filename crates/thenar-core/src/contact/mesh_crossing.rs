@@ -11,7 +11,8 @@ use crate::contact::mesh_index::{Edges, MeshEdge};
 use crate::contact::mesh_pair::{CROSSING, FROM_B, Pair, SHALLOW};
 use crate::math::Vec3;
 
-/// Crossings are told up to so many times as deep as the shallowest: that much too deep, if the shallowest is the way out.
+/// Crossings are offered up to this many times as deep as the shallowest: that much too deep, if the shallowest is
+/// the way out.
 const AS_DEEP: f64 = 1.2;
 
 /// Axes of the twelve edges of a cuboid.
@@ -172,7 +173,7 @@ fn cross(a: (&MeshEdge, [Vec3; 2]), b: (&MeshEdge, [Vec3; 2])) -> Option<(Vec3, 
     fits.then(|| (a.1[0] + s * da, b.1[0] + t * db, n))
 }
 
-/// Whether a normal lies between those of the faces beside an edge.
+/// True when a normal lies between the normals of the faces beside an edge.
 fn in_cone(n: &Vec3, edge: &MeshEdge, along: &Vec3) -> bool {
     let [n1, n2] = edge.normals;
     if n1 == n2 {

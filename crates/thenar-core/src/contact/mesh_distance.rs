@@ -16,13 +16,15 @@ impl MeshShape {
         self.search(p, f64::INFINITY, f64::INFINITY).map_or(FARTHEST, |(distance, _)| distance)
     }
 
-    /// The same within `reach` of the surface, or inside it.
+    /// Signed distance from `p` (frame of the mesh) within `reach` of the surface \[m\], or inside it, otherwise
+    /// `None`.
     pub(crate) fn distance_within(&self, p: &Vec3, reach: f64) -> Option<Distance> {
         let (found, _) = self.search(p, reach, f64::INFINITY)?;
         Some(found).filter(|d| d.value < reach)
     }
 
-    /// The same, soonest found if near item `guess`, which becomes the one that it is found by.
+    /// Signed distance like [`MeshShape::distance_within`], soonest found if near item `guess`, which becomes the
+    /// item that it is found by.
     pub(crate) fn distance_within_near(
         &self,
         p: &Vec3,

@@ -36,7 +36,7 @@ pub(crate) struct MeshIndex {
     vertex_normals: Vec<Vec3>,
     /// The pieces: number, box and node of each.
     pub(super) pieces: Vec<(u32, Aabb, u32)>,
-    /// Whether each piece is closed.
+    /// True for each piece that is closed.
     pub(super) closed: Vec<bool>,
     /// Edges whose faces differ in direction by more than `SHARP`.
     pub edges: Edges,
@@ -47,7 +47,7 @@ pub(crate) struct MeshIndex {
     pub vertex_tree: Bvh,
     /// Half the thickness of a shell, zero for a solid \[m\].
     pub rounding: f64,
-    /// Whether all pieces are closed, or all are shells: where one is open, sides may change in free air.
+    /// True when all pieces are closed, or all are shells: where one is open, sides may change in free air.
     pub(super) is_solid: bool,
     /// Longest side of the box around the mesh \[m\].
     pub(super) size: f64,
@@ -454,7 +454,7 @@ mod tests {
         }
     }
 
-    /// Of a box without its lid the grid says what is inside.
+    /// The grid says what is inside a box without its lid.
     #[test]
     fn an_open_mesh_has_the_inside_of_its_grid() {
         let (points, mut triangles) = cube(0.05, 4);

@@ -13,9 +13,9 @@ pub(super) const SAME: f64 = 1e-4;
 pub(super) const STANDING: f64 = 0.045;
 
 impl Pair<'_> {
-    /// Whether mesh B, which holds the surface point `q_W`, is nearest there to what lies off it by
-    /// `gap` (or at least a little) along `n_W`: whether `n_W` leans by no more than `lean` \[rad\] from one of its
-    /// normals, to round-off.
+    /// True when mesh B, which holds the surface point `q_W`, is nearest there to what lies off it by `gap` \[m\] (or
+    /// at least a little) along `n_W`: when `n_W` leans by no more than `lean` \[rad\] from one of the mesh's normals
+    /// there, to round-off.
     pub fn is_normal(&self, q_W: &Vec3, gap: f64, n_W: &Vec3, lean: f64) -> bool {
         self.seen_off(q_W, gap, n_W).is_within(lean)
     }

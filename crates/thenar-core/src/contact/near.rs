@@ -54,7 +54,7 @@ impl Near {
         now.with(&(a + self.u[0])).with(&(b + self.u[1])).with(&(c + self.u[2]))
     }
 
-    /// Whether any point of the triangle can come within `margin` of a convex part in this step.
+    /// True when any point of the triangle can come within `margin` \[m\] of a convex part in this step.
     pub fn may_touch(&self, part: &Part, margin: f64) -> bool {
         let x = self.x.map(|p| part.pose_SP.inverse_point(&p));
         part.shape.least_over(&x) <= margin + self.travel
@@ -77,7 +77,8 @@ impl Near {
         self.arrival_from(c, radius, margin, self.closest(c), 1.0)
     }
 
-    /// The same with the place nearest now known, if it comes no later than after the part `latest` of the step.
+    /// Follows the triangle like [`Near::arrival`], with the place nearest now known; `None` if it comes later than
+    /// after the part `latest` of the step.
     pub fn arrival_from(
         &self,
         c: &Vec3,
@@ -111,8 +112,9 @@ impl Near {
     }
 }
 
-/// Whether a triangle whose corners move by `motion` past `c` may come within `reach` of it: all of it lies beyond the
-/// plane through its nearest place, square to the way there, which comes no faster than the fastest corner.
+/// True when a triangle whose corners move by `motion` past `c` may come within `reach` \[m\] of it: all of the
+/// triangle lies beyond the plane through its nearest place, square to the way there, which comes no faster than the
+/// fastest corner.
 pub(crate) fn may_arrive(
     c: &Vec3,
     nearest: &Closest,

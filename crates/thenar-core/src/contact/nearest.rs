@@ -55,7 +55,8 @@ impl Shape {
         value + along[0].min(along[1]).min(along[2])
     }
 
-    /// The same for the segment from `a` to `b`.
+    /// No point of the segment from `a` to `b` is nearer to a convex shape than this \[m\], as in
+    /// [`Shape::least_over`].
     pub(crate) fn least_along(&self, a: &Vec3, b: &Vec3) -> f64 {
         let Distance { value, gradient } = self.distance(&(0.5 * (a + b)));
         value - 0.5 * gradient.dot(&(b - a)).abs()
@@ -393,7 +394,8 @@ mod tests {
         }
     }
 
-    /// Of round shapes the nearest point is exact: in the triangle the distance has no slope, on its border none inwards.
+    /// Nearest points of round shapes are exact: in the triangle the distance has no slope, on its border none
+    /// inwards.
     #[test]
     fn sharpened_points_of_round_shapes_are_exact() {
         let mut random = Random::new(15);

@@ -48,8 +48,8 @@ fn outside(is_filled: impl Fn([i32; 3]) -> bool, size: [i32; 3]) -> (Vec<Vec3>, 
     (points, triangles)
 }
 
-/// Two arms of two by two edges along x, z up to 2 and from 3, on a foot below x = 0. The slit between them
-/// is so many edges wide.
+/// Two arms of two by two edges along x, z up to 2 and from 3, on a foot below x = 0. The slit between them is `slit`
+/// edges wide.
 fn fork(slit: f64) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let is_filled = |[x, y, z]: [i32; 3]| {
         let within = (0..ARM + 2).contains(&x) && (0..2).contains(&y) && (0..5).contains(&z);
@@ -234,7 +234,7 @@ struct OnRim {
     first_corner: usize,
 }
 
-/// Of the slab's squares those right of here have corners of the joined bone \[m\].
+/// Place right of which the slab's squares have corners of the joined bone \[m\].
 const RIM: f64 = -0.01;
 /// By so much the wedge's edge lies below the rim \[m\], and so steeply it goes down to the right.
 const BELOW: f64 = 1e-4;

@@ -196,7 +196,7 @@ fn gaps_are_the_distances_of_the_surfaces() {
     }
 }
 
-/// The same where they overlap.
+/// Shapes that overlap are as deep in each other as their points of contact say.
 #[test]
 fn overlaps_are_the_depths_of_the_points() {
     let mut random = Random::new(41);

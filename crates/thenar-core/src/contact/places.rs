@@ -24,7 +24,7 @@ const BEHIND: f64 = 1e-3;
 /// Rounds in which a lag is made short enough.
 const ROUNDS: usize = 4;
 
-/// A part with a radius of so many edges is flat there: the nearest place goes as far for each radian that the
+/// A part with a radius of this many edges is flat there: the nearest place goes as far for each radian that the
 /// triangle tilts.
 const FLAT: f64 = 0.5;
 
@@ -117,7 +117,8 @@ impl HeldPlace {
         Self { key, weights, way: [0.0; 3], part: START }
     }
 
-    /// Whether it lies where `nearest` does, inside or on that edge. A state that was read back may hold anything.
+    /// True when the held place lies where `nearest` does, inside or on that edge. A state that was read back may
+    /// hold anything.
     fn is_like(&self, nearest: &[f64; 3]) -> bool {
         let sum: f64 = self.weights.iter().sum();
         let within = |w: &f64| (0.0..=1.0).contains(w);

@@ -53,8 +53,8 @@ impl Ridge {
         Some(Self { outward, falls })
     }
 
-    /// The same edge where the other edge may touch the triangle's own face only: the face across falls straight down,
-    /// wherever it is.
+    /// Edge `k` of a triangle where the other edge may touch the triangle's own face only: the face across falls
+    /// straight down, wherever it is.
     pub fn rim(surface: &Surface, triangle: u32, k: usize, x: &[Vec3]) -> Option<Self> {
         let t = surface.triangles[triangle as usize];
         let outward = surface.pseudonormal(triangle, Feature::Face, x);

@@ -34,7 +34,7 @@ fn mesh_cube(half: f64) -> Shape {
     Shape::Mesh(Arc::new(MeshShape::new(points, triangles, grid)))
 }
 
-/// The same gap and normal everywhere, and this many points.
+/// Asserts `count` contacts, all with this gap \[m\] and this normal, world.
 fn check(contacts: &[Contact], count: usize, gap: f64, normal: Vec3, tolerance: f64) {
     assert_eq!(contacts.len(), count, "{contacts:#?}");
     for c in contacts {
@@ -316,8 +316,8 @@ fn fast_rigid_bodies_are_announced() {
     }
 }
 
-/// A capsule thrown at a plate, standing as it likes: both its ends are told, each with its height over the
-/// plate, at a lever through the middle of its ball; else the one not told is turned through.
+/// A capsule thrown at a plate, standing as it likes: both its ends are announced, each with its height over the
+/// plate, at a lever through the middle of its ball; an end left out would turn through the plate.
 #[test]
 fn both_ends_of_a_thrown_capsule_are_announced() {
     let mut random = Random::new(31);
@@ -347,7 +347,7 @@ fn both_ends_of_a_thrown_capsule_are_announced() {
     }
 }
 
-/// Which body is listed first changes only the direction.
+/// Swapping which body is listed first changes only the direction.
 #[test]
 fn swapping_the_bodies_turns_the_normal() {
     let shapes = [

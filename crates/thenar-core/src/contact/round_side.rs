@@ -120,8 +120,8 @@ mod tests {
         Solid { shape, rotation: turn.to_rotation_matrix().into_inner(), origin }
     }
 
-    /// The point lies on the side, as far from the other shape as is told, and no point of its circle is nearer by more than
-    /// a few degrees between the two make.
+    /// The point lies on the side, as far from the other shape as the distance found, and no point of its circle is
+    /// nearer by more than a few degrees between the two make.
     #[test]
     fn no_point_of_the_circle_is_nearer() {
         let sides = [

@@ -9,9 +9,9 @@ use crate::math::{Quat, Vec3};
 /// Edge of the cubes \[m\].
 const SIZE: f64 = 0.04;
 
-/// Cubes of so many cells that lie in one place but for a turn and then `off`. Put there, they leave by the length of a
-/// cube; where the vertices outside of `touched` cubes did before, they are a seam, and nothing goes farther than they are inside.
-/// The deepest gap \[m\].
+/// Cubes of `cells` cells that lie in one place but for a turn and then `off`. Put there, they leave by the length of
+/// a cube; where the vertices outside of `touched` cubes did before, they are a seam, and nothing goes farther than
+/// they are inside. The deepest gap \[m\].
 fn deepest(cells: u32, (turn, off): (Quat, Vec3), touched: &[usize]) -> f64 {
     let mut scene = Scene::new();
     let places = [(Quat::identity(), Vec3::zeros()), (turn, off)];

@@ -103,8 +103,8 @@ fn past_faces(a: &Solid, b: &Solid, found: Separation, size: f64) -> Separation 
     best
 }
 
-/// The same pair with A moved out along the rough normal until they are just apart, where the nearest
-/// points are exact, and back again.
+/// Separation of a pair, found where A is moved out along the rough normal until the two are just apart, as nearest
+/// points are exact there, and moved back again.
 fn drawn_apart(a: &Solid, b: &Solid, rough: &Separation, size: f64) -> Option<Separation> {
     let rounds = [rounding(a.shape), rounding(b.shape)];
     let way = (2.0 * TOUCHING * size - rough.gap) * rough.normal;

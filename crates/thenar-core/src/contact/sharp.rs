@@ -11,7 +11,7 @@ use crate::contact::soft_inside::{Inner, inner_balls};
 use crate::contact::{Part, Shape};
 use crate::math::{Pose, Vec3};
 
-/// Points within an edge are at most so many: of a longer one they stand farther apart.
+/// Most points within an edge: on a longer one they stand farther apart.
 const WITHIN_EDGE_MAX: usize = 512;
 
 /// What of a shape is sharp, and its round parts, in the shape frame.

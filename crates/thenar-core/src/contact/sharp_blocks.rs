@@ -46,16 +46,17 @@ impl Blocks {
 /// The space over and under a triangle: all beyond it is farther from the triangle than from the planes that bound it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Prism {
-    /// A place and a unit normal of the triangle's plane,
+    /// Place and unit normal of the triangle's plane.
     base: Vec3,
     normal: Vec3,
-    /// and, outward, of the planes through its edges.
+    /// Places and outward unit normals of the planes through the triangle's edges.
     sides: [(Vec3, Vec3); 3],
     /// Distances in the plane below this are taken for rounding \[m\].
     rounding: f64,
 }
 
-/// Of a triangle's lengths: far more than round-off of coordinates of some thousand edges, and nothing beside a gap.
+/// Rounding of distances, in parts of a triangle's lengths: far more than round-off of coordinates of some thousand
+/// edges, and nothing beside a gap.
 const ROUNDING: f64 = 1e-9;
 
 impl Prism {
@@ -70,8 +71,8 @@ impl Prism {
         Self { base: x[0], normal: *normal, sides: [side(0), side(1), side(2)], rounding }
     }
 
-    /// Whether the triangle may come within `margin` of `p` when its corners move by `motions`: it stays behind each of
-    /// these planes, moved as far as the corner that goes farthest that way.
+    /// True when the triangle may come within `margin` \[m\] of `p` when its corners move by `motions` \[m\]: it
+    /// stays behind each plane of the prism, moved as far as the corner that goes farthest that way.
     pub fn may_come(&self, p: &Vec3, motions: &[Vec3; 3], margin: f64) -> bool {
         let goes = |n: &Vec3| motions.iter().map(|u| n.dot(u)).fold(0.0, f64::max);
         let height = self.normal.dot(&(p - self.base));

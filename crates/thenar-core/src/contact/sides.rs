@@ -43,7 +43,7 @@ pub struct Sides {
 }
 
 impl Sides {
-    /// Room for so many sides.
+    /// Room for `sides` sides.
     pub fn with_capacity(sides: usize) -> Self {
         Self {
             seen: Room::with_capacity(sides),

@@ -75,7 +75,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Whether it has come in through its nearest face.
+    /// True when the vertex has come in through its nearest face.
     fn is_opposed(&self) -> bool {
         let least = OPPOSED * self.inward.norm() * self.out.norm();
         self.vertex != NONE && self.inward.dot(&self.out) > least
@@ -99,9 +99,9 @@ struct Region {
 #[derive(Clone, Debug, Default)]
 struct Flood {
     queue: Room<u32>,
-    /// Per vertex, whether it was in the queue,
+    /// Marks the vertices that have been in the queue.
     queued: Vec<bool>,
-    /// and whether it is inside.
+    /// Marks the vertices that are inside.
     inside: Vec<bool>,
 }
 
@@ -141,7 +141,7 @@ pub(super) struct DeepScratch {
 }
 
 impl DeepScratch {
-    /// For surfaces of up to so many vertices and triangles.
+    /// Room for surfaces of up to this many vertices and triangles.
     pub fn with_size(vertices: usize, triangles: usize) -> Self {
         let most = 2 * vertices + triangles;
         Self {
@@ -155,12 +155,12 @@ impl DeepScratch {
         }
     }
 
-    /// Whether an entangled region leads out vertex `v` of a side.
+    /// True when an entangled region leads out vertex `v` of side `i`.
     pub fn leads(&self, i: usize, v: u32, surface: &Surface) -> bool {
         self.floods[i].inside[v as usize] && self.is_deep(i, surface.around(v)[0])
     }
 
-    /// Whether a triangle of a side belongs to a region that is led out as one.
+    /// True when triangle `t` of side `i` belongs to a region that is led out as one.
     pub fn is_deep(&self, i: usize, t: u32) -> bool {
         if self.regions.is_empty() {
             return false;
@@ -275,8 +275,8 @@ impl SoftSoft<'_> {
         }
     }
 
-    /// Of one surface, what lies inside a fold of its own part is nearest to a face that nothing cuts:
-    /// that is no way back.
+    /// Keeps, of one surface in itself, the places whose nearest face is cut: what lies inside a fold of its own part
+    /// is nearest to a face that nothing cuts, and that is no way back.
     fn keep_entangled(&self, deep: &mut DeepScratch) {
         let DeepScratch { floods: [flood, _], pierces, places, .. } = deep;
         let entered = |t: u32| {
@@ -306,7 +306,7 @@ impl SoftSoft<'_> {
         Region { root, start: range.start, end: range.end, way, pressed, deep }
     }
 
-    /// Whether places that would leave by a way belong to a seam: some touched before, and vertices are inside, but
+    /// True when places that would leave by a way belong to a seam: some touched before, and vertices are inside, but
     /// none far. A region without a vertex inside is a seam if each of its edges has an end that touched before.
     fn is_seam(&self, places: &[Place], way: &Way, sight: &Sight) -> bool {
         let inside = |p: &Place| p.out.norm() / self.depth(self.facing(p.side)[1]);
@@ -319,7 +319,7 @@ impl SoftSoft<'_> {
         }
     }
 
-    /// Whether a vertex, or an end of an edge, saw the other surface in the step before.
+    /// True when a vertex, or an end of an edge, saw the other surface in the step before.
     fn has_touched(&self, place: &Place, sight: &Sight) -> bool {
         let [own, other] = self.facing(place.side);
         let corners = own.surface.triangles[place.triangle as usize];

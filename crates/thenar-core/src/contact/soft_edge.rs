@@ -128,8 +128,8 @@ impl SkinEdge<'_> {
         if other.1.distance_squared < own.1.distance_squared { other } else { own }
     }
 
-    /// Whether what lies `depth` \[m\] below the edge is nearer to no other triangle around its ends: so is all that
-    /// is not deep.
+    /// True when a point `depth` \[m\] below the edge is nearer to no other triangle around its ends: so is every
+    /// point that is not deep.
     fn is_way_out(&self, pair: &SoftRigid, q: &Vec3, depth: f64) -> bool {
         let surface = pair.surface;
         let corners = surface.triangles[self.near.index as usize];
@@ -276,8 +276,8 @@ mod tests {
         }
     }
 
-    /// Of an edge between the corners of a large triangle nothing but its ends and its crossings touches, and each
-    /// crossing is as deep as it is there.
+    /// Only the ends and the crossings of an edge between the corners of a large triangle touch, and each crossing is
+    /// as deep as the edge is there.
     #[test]
     fn crossings_are_as_deep_as_the_edge_lies() {
         let wedge = Shape::Cuboid { half: Vec3::new(0.03, 0.004, 0.004) };

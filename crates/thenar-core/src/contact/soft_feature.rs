@@ -282,7 +282,7 @@ const CROSSINGS: usize = 6;
 /// Room besides, for compounds of many round parts and such shapes.
 const SPARE: usize = 1 << 14;
 
-/// Contacts of edges and round parts that are kept at most, with a surface of so many triangles.
+/// Most contacts of edges and round parts that are kept, with a surface of this many triangles.
 fn touches_max(triangles: usize) -> usize {
     (CROSSINGS + ROUND_PLACES) * triangles + SPARE
 }

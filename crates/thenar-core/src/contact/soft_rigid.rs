@@ -34,7 +34,7 @@ pub(crate) struct SoftRigid<'a> {
     pub state: SurfaceState<'a>,
     /// No vertex travels farther than this in the step \[m\].
     pub travel: f64,
-    /// Whether the body may be inside the surface; its tree is then up to date.
+    /// True when the body may be inside the surface; the surface's tree is then up to date.
     pub may_be_inside: bool,
     /// Index of the rigid body.
     pub rigid: u32,
@@ -96,8 +96,8 @@ impl Guess {
     }
 }
 
-/// Vertices out of reach are looked for so many times as far, if they stay there for so many steps: less far is soon
-/// looked for again, and farther costs more. What is found does not depend on this.
+/// Distance at which vertices out of reach are looked for, in parts of the reach, where they stay there for some
+/// steps: less far is soon looked for again, and farther costs more. What is found does not depend on this.
 const BEYOND: f64 = 1.5;
 /// Steps for which a vertex out of reach is not looked for again: a search farther out, once in eight steps, costs each
 /// of them an eighth.
@@ -106,7 +106,7 @@ const KEPT: f64 = 8.0;
 const TO_CORNER: f64 = 0.77;
 
 impl VertexScratch {
-    /// For surfaces of up to so many vertices, `all` together.
+    /// Room for surfaces of up to this many vertices, `all` together.
     pub fn with_size(vertices: usize, all: usize) -> Self {
         Self { near: Room::with_capacity(vertices), guesses: vec![Guess::none(); all] }
     }

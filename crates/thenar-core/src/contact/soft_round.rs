@@ -143,7 +143,7 @@ fn round_line(shape: &Shape) -> Option<([Vec3; 2], f64)> {
     }
 }
 
-/// Whether what is nearest to the inside of a triangle is a point of a sharp rim, or next to one: a straight side,
+/// True when what is nearest to the inside of a triangle is a point of a sharp rim, or next to one: a straight side,
 /// held at the ends of its axis, and a flat end are as near at their ends. On the rim that place goes `R / t` for each
 /// radian by which a triangle turns that slopes by t: held there alone it rocks for ever. The points of the rim
 /// stay where they are.
@@ -151,8 +151,8 @@ fn has_sharp_rim(shape: &Shape) -> bool {
     matches!(shape, Shape::Cylinder { .. })
 }
 
-/// Whether what a point at distance `now` has `seen` of a cylinder or a cone, blunted, is a rim or a tip. What presses there
-/// stays there: a tilt moves it nowhere. Sides and ends have one slope against the axis, along y.
+/// True when what a point at distance `now` has `seen` of a cylinder or a cone, blunted, is a rim or a tip. What
+/// presses there stays there: a tilt moves it nowhere. Sides and ends have one slope against the axis, along y.
 fn is_on_rim(now: &Distance, seen: &Distance) -> bool {
     (seen.gradient.y - now.gradient.y).abs() > SLOPE_ROUND_OFF
 }
@@ -297,9 +297,10 @@ fn blunted_on(
     blunted(&part.shape, p, outward, pair.surface.edge_within(near.index, weights), now)
 }
 
-/// Of a rim or a tip at distance `now` from a place of smooth flesh, what corners and straight edges see: it lies as the
-/// surface lies there. `None` where the surface has an edge of its own. All of it counts from where the blunted direction
-/// begins to turn: passed over to by degrees, it made forces jump more often under rims drawn over skin.
+/// Distance that corners and straight edges see of a rim or a tip at distance `now` from a place of smooth flesh: its
+/// normal is that of the surface there. `None` where the surface has an edge of its own. All of it counts from where
+/// the blunted direction begins to turn: passed over to by degrees, it made forces jump more often under rims drawn
+/// over skin.
 fn rounded(
     pair: &SoftRigid,
     near: &Near,

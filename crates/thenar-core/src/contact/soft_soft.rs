@@ -48,7 +48,7 @@ impl SoftSide<'_> {
         self.surface.corners(t, self.state.positions)
     }
 
-    /// Whether the surface that goes on beyond the nearest place of a triangle comes nearer to `p`: where some
+    /// True when the surface that goes on beyond the nearest place of a triangle comes nearer to `p`: where some
     /// triangles are left out (neighbours), the nearest of all others may be at the rim of these, whose inside
     /// says nothing.
     fn goes_on_nearer(&self, p: &Vec3, t: u32, nearest: &Closest) -> bool {
@@ -91,11 +91,11 @@ pub(crate) struct PairScratch {
 
 #[derive(Clone, Debug)]
 pub(super) struct VertexScratch {
-    /// Per vertex the nearest triangle of the other side,
+    /// Nearest triangle of the other side, for each vertex.
     pub nearest: Vec<Option<(u32, Closest)>>,
-    /// and the one that arrives first, with the part of the step until then.
+    /// Part of the step until a triangle arrives first, and that triangle, for each vertex.
     pub arriving: Vec<(f64, u32)>,
-    /// The vertices that have either.
+    /// Vertices that have a nearest or an arriving triangle.
     pub met: Room<u32>,
     /// Per vertex the triangle it touches, or `NONE`.
     touched: Vec<u32>,
@@ -109,7 +109,7 @@ struct Cross {
 }
 
 impl PairScratch {
-    /// For surfaces of up to so many vertices and triangles.
+    /// Room for surfaces of up to this many vertices and triangles.
     pub fn with_size(vertices: usize, triangles: usize) -> Self {
         let one = || VertexScratch {
             nearest: vec![None; vertices],
@@ -130,7 +130,7 @@ impl PairScratch {
 pub(super) const NEVER: (f64, u32) = (f64::INFINITY, NONE);
 
 impl VertexScratch {
-    /// Whether a vertex is in contact.
+    /// True when vertex `v` is in contact.
     pub fn touches(&self, v: u32) -> bool {
         self.touched[v as usize] != NONE
     }
@@ -309,9 +309,9 @@ impl SoftSoft<'_> {
         true
     }
 
-    /// Whether a vertex at `p`, so far behind its nearest place of the other side, is in it. A shallow one is; a deep one
-    /// is by winding number, as the outer side of a surface that is folded inside out looks inward. Of one surface it must not be
-    /// nearest to the rim of its neighbours.
+    /// True when a vertex at `p`, `depth` \[m\] behind its nearest place of the other side, is in it. A shallow one
+    /// is; a deep one is by winding number, as the outer side of a surface that is folded inside out looks inward.
+    /// Within one surface, it must not be nearest to the rim of its neighbours.
     pub(super) fn has_got_in(
         &self,
         other: &SoftSide,
@@ -452,7 +452,7 @@ impl SoftSoft<'_> {
         around.inflate(reach).overlaps(&other.bounds).then_some(ends)
     }
 
-    /// Whether an edge is a neighbour of triangle `other`.
+    /// True when an edge is a neighbour of triangle `other`.
     pub(super) fn is_neighbor(&self, side: &SoftSide, t: u32, k: usize, other: u32) -> bool {
         let corners = side.surface.triangles[t as usize];
         [corners[k], corners[(k + 1) % 3]].iter().any(|&v| self.are_neighbors(v, other))

@@ -58,8 +58,8 @@ fn edge_up(at: f64, turn: Quat) -> (Mesh, impl Fn(&Vec3) -> Vec3) {
     ((points, triangles), back)
 }
 
-/// Two cubes whose edges cross, one over the other and turned about all axes: the crossing is told with
-/// the distance that the edges were given, and every contact beside it is as far as it says.
+/// Two cubes whose edges cross, one over the other and turned about all axes: the crossing is found with the distance
+/// that the edges were given, and every contact beside it is as far as it says.
 #[test]
 fn gaps_of_edges_that_cross_are_their_distances() {
     let mut random = Random::new(21);

@@ -19,13 +19,13 @@ use crate::math::Vec3;
 /// Another way is taken than it came in by only if that is shorter by this factor: ways of about
 /// one length do not alternate. Out of a flat face the way is longer by as much where it stands at 60° to its normal.
 pub(super) const KEPT: f64 = 2.0;
-/// So many places, evenly of all by depth, offer their nearest way out. Each offer asks all places for their depth
-/// along it: the work grows with the region, and not with its square.
+/// Number of places, taken evenly by depth from all, that offer their nearest way out. Each offer asks all places for
+/// their depth along it: the work grows with the region, and not with its square.
 const OFFERED: usize = 32;
 
 /// Normals are of one way out if they are parallel so far (cosine, less rounding).
 const PARALLEL: f64 = 1.0 - 1e-9;
-/// Of a sum of area vectors.
+/// Round-off of a sum of area vectors, in parts of their lengths.
 const ROUNDING: f64 = 1e-12;
 
 /// How a region leaves.
@@ -97,7 +97,7 @@ impl SoftSoft<'_> {
         self.seen(places, sight).sum()
     }
 
-    /// Whether a region was put where it is: its vertices have seen nothing of the other surface, or most
+    /// True when a region was put where it is: its vertices have seen nothing of the other surface, or most
     /// of them were on one way out. What came in by itself saw the other surface bend around it.
     pub(super) fn was_put(&self, places: &[Place], sight: &Sight) -> bool {
         let Some(first) = self.seen(places, sight).next() else { return true };
@@ -156,7 +156,7 @@ impl SoftSoft<'_> {
         best.filter(|best| best.triangle != place.through)
     }
 
-    /// Whether a vertex of a surface that touches itself is inside another part of it: beyond its own
+    /// True when a vertex of a surface that touches itself is inside another part of it: beyond its own
     /// triangles, a ray out of it leaves once more than it enters (winding number).
     pub(super) fn is_wound(&self, v: u32) -> bool {
         let side = &self.a;

@@ -71,7 +71,7 @@ impl Facet {
         heights.iter().all(|h| *h > far) || heights.iter().all(|h| *h < -far)
     }
 
-    /// The same past any point of another triangle.
+    /// How far its points move at most past any point of another triangle \[m\].
     pub fn travel_past_all(&self, other: &Self) -> f64 {
         self.travel_past(&other.motion) + other.spread
     }
@@ -89,11 +89,11 @@ pub(crate) struct Surface {
     around_start: Vec<u32>,
     around: Vec<u32>,
     pub tree: Bvh,
-    /// The triangles as of the last [`Surface::refit`],
+    /// Triangles as of the last [`Surface::refit`].
     pub facets: Vec<Facet>,
-    /// motions of the vertices in the step \[m\],
+    /// Motions of the vertices in the step \[m\].
     pub motions: Vec<Vec3>,
-    /// and where these end, seen from the frame of the tree \[m\].
+    /// Places of the vertices at the end of the step, seen from the frame of the tree \[m\].
     ends: Vec<Vec3>,
     /// For each triangle, which of its corners it answers for.
     owned: Vec<[bool; 3]>,
@@ -212,19 +212,19 @@ impl Surface {
         of_corners(&self.triangles[triangle as usize], x)
     }
 
-    /// Whether a point is inside by the surface's winding number, which no fold changes.
+    /// True when a point is inside by the surface's winding number, which no fold changes.
     pub fn winds_around(&self, p: &Vec3, x: &[Vec3]) -> bool {
         let angles = (0..self.triangles.len() as u32).map(|t| solid_angle(p, &self.corners(t, x)));
         angles.sum::<f64>() > std::f64::consts::TAU
     }
 
-    /// Whether a point that lies behind its nearest place by `depth` \[m\] is inside. A shallow one is; a deep one is by
-    /// winding number, as the outer side of a surface that is folded inside out looks inward.
+    /// True when a point that lies behind its nearest place by `depth` \[m\] is inside. A shallow one is; a deep one
+    /// is by winding number, as the outer side of a surface that is folded inside out looks inward.
     pub fn holds_behind(&self, p: &Vec3, depth: f64, x: &[Vec3]) -> bool {
         !self.is_deep(depth) || self.winds_around(p, x)
     }
 
-    /// Whether what lies behind the surface by this much \[m\] has got in.
+    /// True when what lies `depth` \[m\] behind the surface has got in.
     pub fn is_deep(&self, depth: f64) -> bool {
         depth > self.entered()
     }
@@ -247,8 +247,8 @@ impl Surface {
         if whole > 0.0 { sum / whole } else { Vec3::zeros() }
     }
 
-    /// The same at a point of a triangle, interpolated between its corners: no jump where a point goes on from a
-    /// face to an edge or a vertex.
+    /// Mean of the unit normals at a point of a triangle, interpolated between its corners: no jump where a point
+    /// goes on from a face to an edge or a vertex.
     pub fn mean_normal(&self, triangle: u32, weights: &[f64; 3], x: &[Vec3]) -> Vec3 {
         let corners = self.triangles[triangle as usize].into_iter().zip(weights);
         corners.filter(|(_, w)| **w != 0.0).map(|(v, w)| self.mean_normal_at(v, x) * *w).sum()
@@ -259,7 +259,7 @@ impl Surface {
         self.edge_mean.min(self.edge_around[vertex as usize])
     }
 
-    /// The same at a point of a triangle, interpolated like [`Surface::mean_normal`].
+    /// Length of the edges at a point of a triangle \[m\], interpolated like [`Surface::mean_normal`].
     pub fn edge_within(&self, triangle: u32, weights: &[f64; 3]) -> f64 {
         let corners = self.triangles[triangle as usize].into_iter().zip(weights);
         corners.map(|(v, w)| self.edge_at(v) * w).sum()
@@ -291,7 +291,7 @@ impl Surface {
         self.smooth.at(triangle, weights, &self.triangles, x)
     }
 
-    /// Whether the surface has a sharp edge of its own there: where it was bent at rest.
+    /// True when edge `k` of a triangle is a sharp edge of the surface's own: where it was bent at rest.
     pub fn is_crease(&self, triangle: u32, k: usize) -> bool {
         self.smooth.creases[triangle as usize][k]
     }

@@ -45,7 +45,7 @@ impl<'a> Mover<'a> {
         Solid { shape: &self.side.body.shape, rotation, origin }
     }
 
-    /// Whether a contact with `other` at `p_W` has the lever of this one: of the body that is met by the
+    /// True when a contact with `other` at `p_W` has the lever of this body: that of the body that is met by the
     /// other, or moves faster.
     pub fn has_lever(&self, other: &Mover, p_W: &Vec3) -> bool {
         let speed = |m: &Mover| m.side.placed.velocity_at(p_W).norm();
@@ -87,13 +87,13 @@ impl<'a> Mover<'a> {
         }
     }
 
-    /// Whether turning leads points of the body off their tangent by as much as a meeting in the step.
+    /// True when turning leads points of the body off their tangent by as much as a meeting in the step.
     pub fn leaves_tangent(&self, reach: Reach) -> bool {
         let angle = self.side.placed.angular_velocity.norm() * reach.h;
         0.5 * angle * angle * self.side.body.radius > MEETING * reach.margin
     }
 
-    /// The same of a body that is led.
+    /// True for a body that is led and whose turning leads points off their tangent, as in [`Mover::leaves_tangent`].
     pub fn is_turned_fast(&self, reach: Reach) -> bool {
         !self.side.body.dynamic && self.leaves_tangent(reach)
     }

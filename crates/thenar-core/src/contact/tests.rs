@@ -441,7 +441,7 @@ pub(super) fn mixed_scene() -> Scene {
     scene
 }
 
-/// The same scene turned and carried ten metres away gives the same contacts.
+/// Contacts stay the same when their scene is turned and carried ten metres away.
 #[test]
 fn contacts_do_not_depend_on_the_frame() {
     let scene = mixed_scene();

@@ -16,7 +16,7 @@ use crate::math::Vec3;
 
 /// Most advances of one end. Where they end early, the end is not followed: the body is held where it meets the other.
 const ADVANCES_MAX: usize = 64;
-/// Ways are followed for so many steps: an end that is as far from the centre of mass as the one that is
+/// Ways are followed for this many steps: an end that is as far from the centre of mass as the one that is
 /// stopped is whipped to at most twice its speed (`2 v` less what the centre of mass loses).
 const FOLLOWED: f64 = 2.0;
 /// Constraints along lines nearer to each other than this part of the inradius, and turned by less than it \[rad\], are

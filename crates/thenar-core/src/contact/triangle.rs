@@ -2,7 +2,7 @@
 
 use crate::math::Vec3;
 
-/// Which part of a triangle a point lies on.
+/// Part of a triangle that a point lies on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Feature {
     /// Corner 0, 1 or 2.
@@ -127,7 +127,7 @@ pub(crate) fn cut_by_ray(p: &Vec3, d: &Vec3, x: &[Vec3; 3]) -> Option<(f64, [f64
     weights.iter().all(|w| *w >= -ROUNDING).then_some((at, weights))
 }
 
-/// Of weights in a triangle: some thousand units in the last place.
+/// Round-off of weights in a triangle: some thousand units in the last place.
 const ROUNDING: f64 = 1e-12;
 
 #[cfg(test)]

@@ -54,7 +54,7 @@ pub struct BoneSystem {
 }
 
 impl BoneSystem {
-    /// Room for so many bodies and joints.
+    /// Room for this many bodies and joints.
     pub fn new(rigids: usize, joints: usize) -> Self {
         Self {
             diagonal: vec![Mat6::zeros(); rigids],

@@ -34,11 +34,11 @@ pub struct FleshModel {
     pub membranes: Membranes,
     /// Memory of the elements' stress; of a patch, its first tetrahedron for all.
     pub memory: MemoryModel,
-    /// Whether elements are there whose steps are looked at (`foresight`).
+    /// True when there are elements whose steps are looked at (`foresight`).
     pub(crate) asks_foresight: bool,
-    /// The others' tetrahedra, as [`FleshModel::arrange`] leaves them.
+    /// Tetrahedra of bodies without patches, as [`FleshModel::arrange`] leaves them.
     pub(super) single: Vec<Range<usize>>,
-    /// The same by eights, and the first of each eight.
+    /// Tetrahedra of bodies without patches by eights, each with the number of its first.
     lanes: Vec<(usize, RestLanes)>,
 }
 

@@ -141,12 +141,12 @@ pub struct Linear {
     pub stress: Mat3,
     /// Stiffness of the diagonal of `G = Uᵀ dF V` \[Pa\].
     pub stretch: Mat3,
-    /// Of each pair of axes, against `G_ij²` and against `G_ij G_ji` \[Pa\].
+    /// Stiffness of each pair of axes, against `G_ij²` and against `G_ij G_ji` \[Pa\].
     pub pairs: [[[f64; 2]; 3]; 3],
 }
 
 impl Linear {
-    /// Of an elastic law of which this part, from 0 to 1, is left.
+    /// Stress and stiffness of an elastic law of which the share `part`, from 0 to 1, is left.
     pub fn elastic(of: &Principal, part: f64) -> Self {
         let mut pairs = [[[0.0; 2]; 3]; 3];
         for (i, j) in [(0, 1), (0, 2), (1, 2)] {

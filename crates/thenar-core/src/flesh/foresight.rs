@@ -72,7 +72,7 @@ impl FleshModel {
     }
 }
 
-/// Whether a step changed an element enough to be looked at.
+/// True when a step changed an element enough to be looked at.
 pub(super) fn is_seen(F0: &Mat3, F1: &Mat3) -> bool {
     (F1 - F0).norm_squared() >= CHANGE_SEEN * CHANGE_SEEN
 }
@@ -112,13 +112,13 @@ fn warped_surprise(rest: &RestTet, F: [Mat3; 2], foreseen: &Mat3) -> f64 {
     after - before - along(&strain[0], &change) - along(&change, &change)
 }
 
-/// Whether the law is one that is asked.
+/// True when the law of an element is one of those that [`FleshModel::foresaw`] asks element by element.
 pub fn asked(rest: &RestTet) -> bool {
     matches!(rest.law, Law::StableNeoHookean | Law::Ogden { .. })
 }
 
-/// The same of one element or patch, whose deformation gradient goes from the first to the second; with what it
-/// remembers, and its nodes and their positions before and after.
+/// `FleshModel::foresaw` of one element or patch, whose deformation gradient goes from the first to the second; with
+/// what it remembers, and its nodes and their positions \[m\] before and after.
 pub(super) fn element_foresaw(
     rest: &RestTet,
     F: [Mat3; 2],

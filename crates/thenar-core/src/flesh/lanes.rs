@@ -25,7 +25,7 @@ pub struct RestLanes {
     pub count: usize,
     /// How they are evaluated.
     pub kind: Kind,
-    /// Their nodes.
+    /// Nodes of each element.
     pub tets: [[u32; 4]; LANES],
     /// Gradients of the barycentric coordinates of nodes 1 to 3 \[1/m\], node by node.
     gradients: [[f64; LANES]; 9],

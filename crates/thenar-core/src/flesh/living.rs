@@ -37,7 +37,7 @@ impl Living {
     /// Every shape.
     pub const ANY: Self = Self { end: f64::INFINITY };
 
-    /// Of a law. Ogden's ends where its powers do, if that is earlier.
+    /// Shapes in which the stress of a law fades. Those of Ogden's law end where its powers do, if that is earlier.
     pub fn of(law: Law) -> Self {
         let longest = match law {
             Law::Corotational => return Self::ANY,
@@ -50,7 +50,7 @@ impl Living {
         Self { end: energy(shortest).max(energy(longest)) }
     }
 
-    /// Whether stress fades in this shape, at a shear modulus μ \[Pa\].
+    /// True when stress fades in this shape, at a shear modulus μ \[Pa\].
     pub fn holds(&self, mu: f64, shape: &Principal) -> bool {
         self.end == f64::INFINITY
             || (shape.at.energy <= self.end * mu && shape.s[2] > 0.0 && shape.is_convex())
@@ -68,7 +68,7 @@ impl Living {
 }
 
 impl Principal {
-    /// Whether ψ is convex in S here: its second derivative is positive along the axes and against turns of them.
+    /// True when ψ is convex in S here: its second derivative is positive along the axes and against turns of them.
     fn is_convex(&self) -> bool {
         let H = &self.at.hessian;
         let minor = H[(0, 0)] * H[(1, 1)] - H[(0, 1)] * H[(1, 0)];

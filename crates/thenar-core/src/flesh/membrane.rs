@@ -57,25 +57,25 @@ struct RestPiece {
 /// w in its own terms.
 #[derive(Clone, Copy, Debug)]
 struct SheetLaw {
-    /// E t \[N/m\].
+    /// Stiffness E t \[N/m\].
     stiffness: f64,
     poisson: f64,
-    /// e₀.
+    /// Strain e₀ that makes the tension at rest.
     prestrain: f64,
-    /// τ \[N/m\].
+    /// Tension τ up to which the sheet can be pressed together \[N/m\].
     wrinkles: f64,
 }
 
 /// w and its derivatives in the principal stretches.
 #[derive(Clone, Copy, Debug)]
 struct Tension {
-    /// \[J/m²\].
+    /// Energy w per rest area \[J/m²\].
     energy: f64,
-    /// \[N/m\].
+    /// First derivatives `[w₁, w₂]` \[N/m\].
     stress: [f64; 2],
-    /// `[w₁₁, w₂₂, w₁₂]` \[N/m\].
+    /// Second derivatives `[w₁₁, w₂₂, w₁₂]` \[N/m\].
     stretch: [f64; 3],
-    /// `(w₁ − w₂)/(s₁ − s₂)` \[N/m\].
+    /// Stiffness against shear, `(w₁ − w₂)/(s₁ − s₂)` \[N/m\].
     shear: f64,
 }
 
@@ -258,7 +258,7 @@ impl Stretched {
 }
 
 impl Membranes {
-    /// Whether nothing has skin.
+    /// True when nothing has skin.
     pub fn is_empty(&self) -> bool {
         self.pieces.is_empty()
     }

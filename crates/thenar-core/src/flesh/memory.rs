@@ -47,7 +47,7 @@ pub type Faded = [f64; 6];
 /// The elements that have memory, and its places in the state.
 #[derive(Clone, Debug, Default)]
 pub struct MemoryModel {
-    /// Of each element; empty when none has memory.
+    /// Relaxation of each element; empty when none has memory.
     relaxation: Vec<Relaxation>,
     /// Where the terms of each element begin, and where the last end.
     start: Vec<u32>,
@@ -62,7 +62,7 @@ impl MemoryModel {
         }
     }
 
-    /// Lays the terms of so many elements out.
+    /// Lays out the terms of `tets` elements.
     pub fn arrange(&mut self, tets: usize) {
         self.start.clear();
         if self.relaxation.is_empty() {
@@ -82,7 +82,7 @@ impl MemoryModel {
         self.start.last().map_or(0, |end| *end as usize)
     }
 
-    /// Whether nothing has memory.
+    /// True when nothing has memory.
     pub fn is_empty(&self) -> bool {
         self.relaxation.is_empty()
     }
@@ -99,7 +99,7 @@ impl MemoryModel {
         at(tets.start)..at(tets.end)
     }
 
-    /// Whether one of these elements has memory.
+    /// True when one of these elements has memory.
     pub fn any(&self, tets: Range<usize>) -> bool {
         !self.is_empty() && self.start[tets.start] < self.start[tets.end]
     }
@@ -143,9 +143,9 @@ pub struct Fading {
     pub kept: f64,
     /// Part of the elastic stiffness that the step feels.
     pub tangent: f64,
-    /// Of each term: the part of p that stays.
+    /// Part of p that stays, for each term.
     pub stays: [f64; TERMS_MAX],
-    /// The parts of T₀ and T₁ that are added to it.
+    /// Parts of T₀ and T₁ that are added to p, for each term.
     adds: [[f64; 2]; TERMS_MAX],
 }
 
@@ -174,12 +174,12 @@ impl Fading {
         fading
     }
 
-    /// Of nothing, for steps of length `h` \[s\].
+    /// Fading of nothing, for steps of length `h` \[s\].
     pub fn none(h: f64) -> Self {
         Self::new(&Relaxation::NONE, Law::Corotational, h)
     }
 
-    /// The same of another relaxation or law, computed anew only where it is another.
+    /// Fading of another relaxation or law, computed anew only where it is another.
     pub fn of(&mut self, relaxation: &Relaxation, law: Law, h: f64) -> &Self {
         if self.of != *relaxation || self.law != law {
             *self = Self::new(relaxation, law, h);
@@ -260,7 +260,7 @@ pub fn respond(
 pub struct Increment<'a> {
     /// Stress and stiffness at its beginning.
     pub linear: Linear,
-    /// T₀.
+    /// Elastic stress T₀ at the beginning of the step \[Pa\].
     biot: Mat3,
     /// Stress that is left of T₀ whatever the end, less what has faded: `M = (kept - tangent) T₀ - Σ dᵢ pᵢ`.
     held: Mat3,
@@ -327,7 +327,7 @@ fn remembering(shape: &Principal, fading: &Fading, left: &Mat3) -> Linear {
     }
 }
 
-/// The same in any other shape: those of the energy `ψ - Σ gᵢ f(ψ)`.
+/// Stress and stiffness in a shape that is not living: those of the energy `ψ - Σ gᵢ f(ψ)`.
 fn all_faded(shape: &Principal, fading: &Fading, mu: f64) -> Linear {
     let [_, share, bend] = fading.living.share(mu, shape.at.energy);
     let part = 1.0 - fading.weight * share;

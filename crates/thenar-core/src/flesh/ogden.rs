@@ -42,7 +42,7 @@ pub fn power(x: f64, alpha: f64, end: f64) -> Jet {
     [value + (slope + 0.5 * curvature * past) * past, slope_past.copysign(x), curvature]
 }
 
-/// g.
+/// Factor g of the change of volume, with its derivatives in J; `a` is α/3.
 pub fn volume_factor(J: f64, a: f64) -> Jet {
     let value = (a * (1.0 - J.max(0.0))).exp();
     let past = a * J.min(0.0);

@@ -370,7 +370,7 @@ impl Patches {
         }
     }
 
-    /// F̄.
+    /// Mean deformation gradient F̄ of a patch.
     fn mean_gradient(&self, patch: &Patch, x: &[Vec3]) -> Mat3 {
         let nodes = &self.nodes[patch.nodes.clone()];
         let x0 = x[nodes[0] as usize];

@@ -11,11 +11,11 @@ pub const STRETCH_MIN: f64 = 0.05;
 /// ψ \[J/m³\], ∂ψ/∂σ \[Pa\], ∂²ψ/∂σ² \[Pa\].
 #[derive(Clone, Copy, Debug)]
 pub struct Density {
-    /// Energy per rest volume.
+    /// Energy per rest volume \[J/m³\].
     pub energy: f64,
-    /// Principal first Piola stresses.
+    /// Principal first Piola stresses \[Pa\].
     pub stress: [f64; 3],
-    /// Their derivatives.
+    /// Derivatives of the principal stresses in the principal stretches \[Pa\].
     pub hessian: Mat3,
 }
 

@@ -57,7 +57,7 @@ pub struct Material {
 pub struct FixedNode {
     /// Node index.
     pub node: u32,
-    /// Which of x, y, z are held.
+    /// World axes x, y, z along which the node is held.
     pub axes: [bool; 3],
 }
 

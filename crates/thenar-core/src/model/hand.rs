@@ -49,7 +49,7 @@ impl Digit {
     pub const FINGERS: [Self; 5] =
         [Self::Thumb, Self::Index, Self::Middle, Self::Ring, Self::Little];
 
-    /// Its number among the parts of a hand (`BodyParts`): the palm 0, the fingers from 1.
+    /// Number of the digit among the parts of a hand (`BodyParts`): the palm 0, the fingers from 1.
     pub fn part(self) -> u8 {
         self as u8
     }

@@ -100,7 +100,7 @@ impl<'a> Grouping<'a> {
         }
     }
 
-    /// Whether the tetrahedra around one of its long edges are as many as around that of a lattice.
+    /// True when around one of the tetrahedron's long edges there are as many tetrahedra as around that of a lattice.
     fn is_inside(&self, t: u32) -> bool {
         self.axes[t as usize].iter().any(|&axis| self.free_around(axis).count() >= 4)
     }

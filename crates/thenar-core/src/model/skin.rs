@@ -57,9 +57,9 @@ const MERGED_COS: f64 = 0.966;
 /// A triangle is cut so fine that its parts are no longer than this, relative to the cube root of the volume of the
 /// tetrahedra at its corners (whose edges are about 2.2 times that root).
 const PART: f64 = 0.7;
-/// Each edge is cut into so many parts at most.
+/// Most parts that an edge is cut into.
 const PARTS_MAX: usize = 16;
-/// A walk through the mesh that has not ended after so many tetrahedra ends where it is.
+/// Most tetrahedra of a walk through the mesh: one that has not ended by then ends where it is.
 const WALK_MAX: usize = 200;
 
 /// Lays a surface into the tetrahedra that it passes through. Skin moves with flesh, so that its stretch at a place is that

@@ -73,13 +73,13 @@ pub enum Cone {
 /// What step 1 of the two-step scheme assumes of the flesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FleshInStep1 {
-    /// It does not move, as in the paper (Eq. 10). Diverges when the coupling is stiff.
+    /// Flesh does not move, as in the paper (Eq. 10). Diverges when the coupling is stiff.
     Frozen,
-    /// It yields by its own inertia. Stable at couplings far stiffer than with frozen flesh.
+    /// Flesh yields by its own inertia. Stable at couplings far stiffer than with frozen flesh.
     Lumped,
 }
 
-/// Which solver steps the world.
+/// Solver that steps the world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolverKind {
     /// Eq. 9 with its joint rows and contacts, to a velocity tolerance: joints in minimal coordinates,
@@ -104,7 +104,7 @@ pub enum Limits {
 /// Parameters of the solvers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolverSettings {
-    /// Which solver.
+    /// Solver that steps the world.
     pub kind: SolverKind,
     /// The exact solver's velocity error, estimated \[m/s\].
     pub velocity_tolerance: f64,
@@ -115,15 +115,15 @@ pub struct SolverSettings {
     pub close_joints: bool,
     /// Conjugate gradients stop when the residual has fallen to this part of the right-hand side.
     pub cg_tolerance: f64,
-    /// and at the latest after so many iterations.
+    /// Most iterations of the conjugate gradients.
     pub cg_iterations_max: u32,
     /// Constraint anticipation stops at this relative residual.
     pub contact_tolerance: f64,
-    /// and at the latest after so many outer sweeps.
+    /// Most outer sweeps of constraint anticipation.
     pub contact_sweeps_max: u32,
-    /// The exact solver spends at most so many multiply-adds of a step on the law of contact, then makes the last sweeps
-    /// and reports what is left; no bound when `None`. A bound keeps a step's cost from growing where contact is hard:
-    /// see [`StepReport::contact_cut_short`](crate::world::StepReport::contact_cut_short).
+    /// Most multiply-adds of a step that the exact solver spends on the law of contact; it then makes the last sweeps
+    /// and reports what is left. No bound when `None`. A bound keeps a step's cost from growing where contact is
+    /// hard: see [`StepReport::contact_cut_short`](crate::world::StepReport::contact_cut_short).
     pub contact_work_max: Option<u64>,
     /// Projected Gauss-Seidel passes over the contacts within one outer sweep.
     pub contact_inner_passes: u32,
@@ -135,10 +135,10 @@ pub struct SolverSettings {
     /// does not foresee, as other contacts make it: a millimetre is 6 cm/s at 60 steps a second. A wider one costs
     /// constraints that bear nothing.
     pub contact_margin: f64,
-    /// A step that contact does not carry through (an overlap grows in it by half the margin, or it is off by
-    /// a hundred tolerances) is made in halves, and these again, so many times at most: see `World::step`. By default
-    /// the shortest part of a step at 60 Hz is half a millisecond: jammed hands obey the law of contact in steps
-    /// of 1 ms, and miss it by up to a metre per second in parts of 2 ms.
+    /// A step that contact does not carry through (an overlap grows in it by half the margin, or it is off by a
+    /// hundred tolerances) is made in halves, and these again, at most this many times: see `World::step`. By default
+    /// the shortest part of a step at 60 Hz is half a millisecond: jammed hands obey the law of contact in steps of
+    /// 1 ms, and miss it by up to a metre per second in parts of 2 ms.
     pub step_halvings_max: u32,
 }
 
@@ -264,11 +264,11 @@ pub struct HandPlacement {
 /// Where a hand ended up in the world.
 #[derive(Clone, Debug)]
 pub struct HandHandle {
-    /// Its bones among the rigid bodies.
+    /// Bones of the hand among the rigid bodies.
     pub bones: Range<u32>,
-    /// Its joints.
+    /// Joints of the hand among the world's joints.
     pub joints: Range<u32>,
-    /// Its flesh among the deformable bodies.
+    /// Flesh of the hand among the deformable bodies.
     pub soft: u32,
 }
 

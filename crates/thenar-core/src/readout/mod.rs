@@ -44,7 +44,7 @@ pub enum SlipState {
     Open,
     /// Friction holds.
     Stick,
-    /// It slides, or friction gives all it can; of several points, those that bear most of the load.
+    /// The contact slides, or friction gives all it can; of several points, those count that bear most of the load.
     Slip,
 }
 

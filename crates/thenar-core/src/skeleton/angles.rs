@@ -141,7 +141,7 @@ fn closest_on_circle(angle: f64, limit: &Option<AngleLimit>) -> f64 {
     if wrap(angle - l.min).abs() <= wrap(angle - l.max).abs() { l.min } else { l.max }
 }
 
-/// The same angle in (-π, π].
+/// Turns an angle by whole turns into (-π, π] \[rad\].
 fn wrap(angle: f64) -> f64 {
     let turned = angle - TAU * (angle / TAU).round();
     if turned <= -PI { turned + TAU } else { turned }

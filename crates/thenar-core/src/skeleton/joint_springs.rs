@@ -94,8 +94,8 @@ fn past_limit(axis: &Axis, angle: f64) -> f64 {
     }
 }
 
-/// The same angle by whole turns, as near as can be to the middle of the range: past π an angle
-/// goes on from -π, while the range may not.
+/// Angle turned by whole turns as near as can be to the middle of the range \[rad\]: past π an angle goes on from -π,
+/// while the range may not.
 pub fn turned_towards(limit: &AngleLimit, angle: f64) -> f64 {
     let middle = 0.5 * (limit.min + limit.max);
     angle + TAU * ((middle - angle) / TAU).round()

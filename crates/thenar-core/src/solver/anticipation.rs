@@ -18,7 +18,7 @@ use crate::solver::{BlockDiagonal, BlockMatrix, ContactRows, Convergence};
 pub struct AnticipationSettings {
     /// Stop when a sweep changes x by less than this part of x (energy norm).
     pub tolerance: f64,
-    /// and at the latest after so many sweeps.
+    /// Most sweeps of one solve.
     pub sweeps_max: u32,
     /// Passes over the contacts within one sweep.
     pub inner_passes: u32,
@@ -26,16 +26,16 @@ pub struct AnticipationSettings {
     pub cone: Cone,
 }
 
-/// Contacts that do not press are looked at in every so many sweeps only: most points near
-/// another surface never touch it. A solution is accepted only after a sweep that looked at all.
+/// Sweeps from one look at contacts that do not press to the next: most points near another surface never touch it. A
+/// solution is accepted only after a sweep that looked at all.
 const FULL_PASS_EVERY: u32 = 4;
 
-/// Which contacts a pass visits.
+/// Contacts that a pass visits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Who {
     /// Every contact.
     All,
-    /// Those with an impulse.
+    /// Only contacts with an impulse.
     Pressing,
 }
 
@@ -53,7 +53,7 @@ pub struct Anticipation {
 }
 
 impl Anticipation {
-    /// Room for so many bodies and nodes.
+    /// Room for this many bodies and nodes.
     pub fn new(rigids: usize, nodes: usize) -> Self {
         let rows = 2 * rigids + nodes;
         Self {

@@ -108,7 +108,7 @@ impl BlockMatrix {
         self.part_times(self.row_start[i]..self.row_start[i + 1], x)
     }
 
-    /// These entries of one row, times x.
+    /// Product of these entries of one row with x.
     #[inline]
     pub fn part_times(&self, entries: std::ops::Range<u32>, x: &[Vec3]) -> Vec3 {
         let row = entries.start as usize..entries.end as usize;
@@ -124,7 +124,7 @@ impl BlockMatrix {
         Vec3::from(y)
     }
 
-    /// The same in the first three of four lanes.
+    /// Product of these entries of one row with x, in the first three of four lanes.
     #[inline(always)]
     pub fn part_times_lanes<S: Simd>(
         &self,

@@ -43,7 +43,7 @@ const RIM_STEPS: usize = 30;
 /// Responses are rounded to single precision: a pivot below ten times that, of the trace, may be none.
 pub(super) const PIVOT_LEAST: f64 = 10.0 * f32::EPSILON as f64;
 
-/// Whether a symmetric response is positive definite beyond its round-off, by elimination with the largest
+/// True when a symmetric response is positive definite beyond its round-off, by elimination with the largest
 /// pivot first.
 fn is_definite(W: &Mat3) -> bool {
     let least = PIVOT_LEAST * W.trace();
@@ -65,7 +65,7 @@ fn is_definite(W: &Mat3) -> bool {
     true
 }
 
-/// Whether neither side can move along the normal.
+/// True when neither side can move along the normal.
 pub(super) fn is_immovable(W: &Mat3) -> bool {
     W.m11.is_nan() || W.m11 <= IMMOVABLE * W.trace()
 }
@@ -115,11 +115,11 @@ pub fn project(cone: Cone, friction: f64, W: &Mat3, d: &Vec3, lambda: &Vec3) -> 
 pub struct Response {
     /// The response, symmetric \[1/kg\].
     pub W: Mat3,
-    /// Its inverse, where it has one.
+    /// Inverse of the response \[kg\], where there is one.
     pub inverse: Option<Mat3>,
     /// Surely positive definite.
     definite: bool,
-    /// Eigenvalues of its tangential part, the larger first.
+    /// Eigenvalues of the tangential part of the response \[1/kg\], the larger first.
     high: f64,
     low: f64,
     /// Direction of the larger one.
@@ -166,7 +166,7 @@ impl Response {
         found.unwrap_or_else(|| self.alternated(friction, b, start))
     }
 
-    /// Whether more than one impulse may obey the law: friction all to one side would lift the contact off by
+    /// True when more than one impulse may obey the law: friction all to one side would lift the contact off by
     /// itself, `μ |W_tn| ≥ W_nn` (in a plane the law is then a complementarity problem without a P-matrix; Painlevé
     /// 1895). Levers as long belong to what is jammed.
     fn is_ambiguous(&self, friction: f64) -> bool {
@@ -285,7 +285,7 @@ impl ContactRow {
     }
 }
 
-/// Whether friction gives all it can to a contact that presses, so that it slides (or is about to).
+/// True when friction gives all it can to a contact that presses, so that it slides (or is about to).
 pub fn is_on_rim(cone: Cone, friction: f64, lambda: &Vec3) -> bool {
     let rim = friction * lambda.x * (1.0 - RIM);
     lambda.x > 0.0

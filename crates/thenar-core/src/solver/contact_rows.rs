@@ -52,7 +52,7 @@ pub struct ContactRows {
 }
 
 impl ContactRows {
-    /// Room for so many contacts.
+    /// Room for this many bodies and contacts.
     pub fn with_capacity(rigids: usize, contacts: usize) -> Self {
         Self {
             rows: Room::with_capacity(contacts),

@@ -14,7 +14,7 @@ pub struct BlockDiagonal {
 }
 
 impl BlockDiagonal {
-    /// Room for so many bodies and nodes.
+    /// Room for this many bodies and nodes.
     pub fn new(rigids: usize, nodes: usize) -> Self {
         Self { rigid: vec![Mat6::identity(); rigids], node: vec![Mat3::identity(); nodes] }
     }

@@ -13,17 +13,17 @@ pub struct Islands {
     rigids: usize,
     /// What is tied for good: a number for each block row, [`NONE`] for bodies that do not move.
     tied: Vec<u32>,
-    /// Of each number, another of the same island, or itself.
+    /// Leader of each number: another of the same island, or itself.
     leader: Vec<u32>,
-    /// Of each number: it has a contact or a limit that may bear load.
+    /// True for each number with a contact or a limit that may bear load.
     touched: Vec<bool>,
-    /// Of each number: it has nodes.
+    /// True for each number with nodes.
     fleshy: Vec<bool>,
-    /// Of each number: it stays where it is in this step.
+    /// True for each number that stays where it is in this step.
     held: Vec<bool>,
-    /// Of each number: what [`Islands::add`] was told.
+    /// Sums of what [`Islands::add`] was given, for each number.
     sums: Vec<[f64; 2]>,
-    /// Of each number: the part of its velocities that is kept.
+    /// Part of its velocities that is kept, for each number.
     shares: Vec<f64>,
 }
 

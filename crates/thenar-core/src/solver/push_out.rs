@@ -24,9 +24,9 @@ const YIELD: f64 = 0.1;
 /// What a contact asks of the pseudo-velocity, along its normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wish {
-    /// So fast its overlap should go; where it is open, [`Wish::least`] \[m/s\].
+    /// Velocity at which the overlap should go \[m/s\]; where the contact is open, [`Wish::least`].
     pub wanted: f64,
-    /// It must not close faster, in any case; not above zero \[m/s\].
+    /// Least velocity, below which the contact would close too fast in any case; not above zero \[m/s\].
     pub least: f64,
 }
 

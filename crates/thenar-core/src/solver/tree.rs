@@ -5,7 +5,7 @@
 pub struct Link {
     /// The bone.
     pub bone: usize,
-    /// Its joint; `None` at the root of a tree that floats.
+    /// Joint of the bone; `None` at the root of a tree that floats.
     pub joint: Option<usize>,
     /// The bone on the other side, when that one moves.
     pub parent: Option<usize>,

@@ -18,14 +18,14 @@ pub struct Turning {
 /// T: what bones that turn apart add.
 #[derive(Clone, Copy, Debug)]
 pub enum Apart {
-    /// Of blended rotations, `κ rᵀ − (κ·r) 1`.
+    /// Matrix T of blended rotations, `κ rᵀ − (κ·r) 1` \[m\].
     Blended {
         /// κ, along the axis by which the bones are turned to each other, world.
         axis: Vec3,
         /// r, from the joint to the target, world \[m\].
         arm: Vec3,
     },
-    /// Of a target that the bones' pose shifts: any matrix \[m\].
+    /// Matrix T of a target that the bones' pose shifts: any \[m\].
     Posed(Mat3),
 }
 

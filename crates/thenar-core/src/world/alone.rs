@@ -9,12 +9,13 @@ use std::ops::Range;
 #[derive(Clone, Debug)]
 pub struct Alone {
     world: World,
-    /// Its bones among the rigid bodies of the whole world.
+    /// Bones of the hand among the rigid bodies of the whole world.
     bones: Range<usize>,
-    /// Its joints among the whole world's.
+    /// Joints of the hand among the whole world's joints.
     joints: Vec<usize>,
-    /// Its nodes and what its flesh remembers, likewise, body after body.
+    /// Nodes of the hand among the whole world's nodes, body after body.
     nodes: Vec<Range<usize>>,
+    /// Places in the whole world's state of what the hand's flesh remembers, body after body.
     faded: Vec<Range<usize>>,
 }
 
@@ -91,7 +92,7 @@ impl World {
         (desc, bones, joints, softs)
     }
 
-    /// Whether one of these bones, or the flesh on them, bore force of contact in the last step.
+    /// True when one of these bones, or the flesh on them, bore force of contact in the last step.
     pub fn is_touched(&self, bones: Range<u32>) -> bool {
         let of_hand = |body: &BodyId| match body {
             BodyId::Rigid(b) => bones.contains(b),
@@ -102,7 +103,7 @@ impl World {
     }
 }
 
-/// Whether flesh hangs on some of these bones.
+/// True when flesh hangs on some of these bones.
 fn hangs_on(soft: &SoftDesc, within: &impl Fn(u32) -> bool) -> bool {
     let binding = soft.coupling.as_ref().and_then(|coupling| coupling.bindings.first());
     binding.is_some_and(|binding| within(binding.bones[0]))
@@ -183,7 +184,7 @@ impl Alone {
         self.world.step(input, &mut ())
     }
 
-    /// Its world: bones from 0.
+    /// World of the hand alone, with bones numbered from 0.
     pub fn world(&self) -> &World {
         &self.world
     }

@@ -118,8 +118,8 @@ struct Rest<'a> {
 }
 
 impl Rest<'_> {
-    /// Lists the contacts and joint limits of the last step by what they matter, at most so many:
-    /// those that bear force, then the nearest.
+    /// Lists the contacts and joint limits of the last step by what they matter, at most `most`: those that bear
+    /// force, then the nearest.
     fn choose(&mut self, most: usize) {
         let Self { desc, state, scratch, part, .. } = self;
         scratch.chosen.clear();
@@ -201,7 +201,7 @@ impl Rest<'_> {
     }
 }
 
-/// Whether a place is on one of these bones or on their flesh.
+/// True when a place is on one of these bones or on their flesh.
 fn is_on(desc: &WorldDesc, bones: &Range<usize>, site: &Site) -> bool {
     match site {
         Site::Rigid { body, .. } => bones.contains(&(*body as usize)),

@@ -11,7 +11,7 @@ use crate::world::scheme::Scheme;
 use crate::world::state::{Scratch, State};
 use crate::world::{limits, response};
 
-/// The solver of a model that may find so many contacts.
+/// The solver of a model that may find `contacts_max` contacts.
 pub fn build(desc: &WorldDesc, model: &Model, contacts_max: usize) -> Exact {
     let places = desc.softs.iter();
     let positions: Vec<Vec3> =

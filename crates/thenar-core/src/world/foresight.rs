@@ -10,7 +10,7 @@ use crate::world::{StepReport, World};
 const CUTS_MAX: u32 = 30;
 
 impl World {
-    /// Whether linearised forces foresaw what the part just made did to flesh.
+    /// True when linearised forces foresaw what the part just made did to flesh.
     pub(super) fn flesh_was_foreseen(&self, part: Part, report: &StepReport) -> bool {
         let Self { model, state, scratch, .. } = self;
         if report.non_finite {
@@ -20,8 +20,8 @@ impl World {
         model.flesh.foresaw(all, &scratch.before.x, &state.x, &state.faded, part.h)
     }
 
-    /// Whether the part just made brought no energy into corotational flesh. From `v₀` to `v₁` an implicit step takes out
-    /// `½ |v₁ - v₀|²_M`, beside what elements tell of themselves.
+    /// True when the part just made brought no energy into corotational flesh. From `v₀` to `v₁` an implicit step
+    /// takes out `½ |v₁ - v₀|²_M`, beside what elements tell of themselves.
     pub(super) fn flesh_gained_nothing(&mut self, part: Part, report: &StepReport) -> bool {
         let Self { model, state, scratch, .. } = self;
         let row0 = 2 * model.rigids.len();

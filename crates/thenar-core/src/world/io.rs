@@ -10,9 +10,10 @@ use crate::solver::Failure;
 pub struct Target {
     /// Wanted pose of the bone frame (at its centre of mass) in the world at the end of the step.
     pub pose_WB: Pose,
-    /// Velocity of this pose, world \[m/s\]: a step made in parts leads the drive to where the target was by it.
+    /// Velocity of the wanted pose, world \[m/s\], by which a step made in parts leads the drive to where the target
+    /// was.
     pub velocity_W: Vec3,
-    /// Its angular velocity, world \[rad/s\].
+    /// Angular velocity of the wanted pose, world \[rad/s\].
     pub angular_velocity_W: Vec3,
 }
 
@@ -43,7 +44,7 @@ pub struct JointTarget {
     pub angles: [f64; 2],
     /// Rates of these angles \[rad/s\].
     pub rates: [f64; 2],
-    /// Of a ball joint: rotation of the child's joint frame K in the parent's J at the end of the step.
+    /// Rotation of the child's joint frame K in the parent's J at the end of the step, of a ball joint.
     pub rotation_JK: Quat,
     /// Angular velocity of that rotation, in J \[rad/s\].
     pub spin_J: Vec3,
@@ -174,12 +175,12 @@ pub struct ContactPoint {
     pub area: f64,
     /// Coulomb coefficient in this step.
     pub friction: f64,
-    /// It bears load and friction gives all it can: the point slides, or is about to.
+    /// True when the point bears load and friction gives all it can: it slides, or is about to.
     pub slips: bool,
 }
 
 impl ContactPoint {
-    /// Whether one of the bodies is deformable there: the point has an area and a pressure. Bones are rigid.
+    /// True when one of the bodies is deformable there: the point has an area and a pressure. Bones are rigid.
     pub fn touches_skin(&self) -> bool {
         self.bodies.iter().any(|body| matches!(body, BodyId::Soft(_)))
     }
@@ -188,22 +189,22 @@ impl ContactPoint {
 /// Energies \[J\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
-    /// Of motion, rigid and deformable.
+    /// Energy of motion, rigid and deformable \[J\].
     pub kinetic: f64,
-    /// Of weight, zero at the world's origin.
+    /// Energy of weight, zero at the world's origin \[J\].
     pub gravity: f64,
-    /// Of flesh deformation.
+    /// Energy of flesh deformation \[J\].
     pub elastic: f64,
-    /// Of the springs between flesh and bones.
+    /// Energy of the springs between flesh and bones \[J\].
     pub coupling: f64,
-    /// Of joint springs and limits.
+    /// Energy of joint springs and limits \[J\].
     pub joint: f64,
-    /// Of the drives.
+    /// Energy of the drives \[J\].
     pub drive: f64,
 }
 
 impl Energy {
-    /// Sum of all.
+    /// Sum of all energies \[J\].
     pub fn total(&self) -> f64 {
         self.kinetic + self.gravity + self.elastic + self.coupling + self.joint + self.drive
     }
@@ -226,20 +227,20 @@ pub struct StepReport {
     pub parts: u32,
     /// Outer sweeps of the contact solver.
     pub contact_sweeps: u32,
-    /// Relative residual they reached; with the exact solver the estimated velocity error that
+    /// Relative residual that the sweeps reached; with the exact solver the estimated velocity error that
     /// contact leaves \[m/s\]: how far sweeps have moved a contact where they do not settle.
     pub contact_residual: f64,
-    /// They stopped at their limit of sweeps (or rounds) short of the accuracy asked for.
+    /// True when sweeps (or rounds) stopped at their limit short of the accuracy asked for.
     pub contact_unconverged: bool,
     /// Sweeps ended because `SolverSettings::contact_work_max` was spent; `contact_residual` estimates what that cost, mostly
     /// far too high.
     pub contact_cut_short: bool,
     /// Contact constraints, near or touching.
     pub contacts: u32,
-    /// Of these, carrying force.
+    /// Contact constraints that carry force.
     pub contacts_active: u32,
-    /// Contacts left out because there were more than the world has room for (the deepest were kept), and
-    /// pairs of rigid bodies not looked at because so many are in one place.
+    /// Contacts left out because there were more than the world has room for (the deepest were kept), and pairs of
+    /// rigid bodies not looked at because too many are in one place.
     pub contacts_dropped: u32,
     /// Joint limits that bear load (0 where limits are springs).
     pub limits_active: u32,

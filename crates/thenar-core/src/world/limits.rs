@@ -38,7 +38,7 @@ pub fn kind(settings: &SolverSettings) -> Limits {
     if by_rows(settings) { Limits::Rows } else { Limits::Springs }
 }
 
-/// Whether limits are kept by rows; if not, springs act.
+/// True when limits are kept by rows; if not, springs act.
 pub fn by_rows(settings: &SolverSettings) -> bool {
     settings.limits == Limits::Rows && settings.kind != SolverKind::TwoStep
 }

@@ -21,7 +21,7 @@ pub struct RigidModel {
     pub mass: f64,
     /// Inertia in B \[kg m²\].
     pub inertia: Mat3,
-    /// Its inverse.
+    /// Inverse of the inertia, in B \[1/(kg m²)\].
     pub inverse_inertia: Mat3,
 }
 
@@ -50,9 +50,9 @@ pub struct Model {
     pub rigids: Vec<RigidModel>,
     /// Joints of the world.
     pub joints: Vec<JointDesc>,
-    /// The order in which they place bodies.
+    /// Order in which the joints place bodies.
     pub tree: JointTree,
-    /// Their places in the matrix.
+    /// Places of the joints' blocks in the system matrix.
     pub joint_entries: Vec<JointEntries>,
     /// Flesh of all deformable bodies.
     pub flesh: FleshModel,
@@ -150,7 +150,7 @@ impl Model {
         self.parts[soft as usize].get(vertex as usize).map_or(0, |part| u32::from(*part))
     }
 
-    /// Whether what touches `found` touches `asked`: that body, or a bone inside it.
+    /// True when what touches `found` touches `asked`: that body, or a bone inside it.
     pub fn is_in(&self, found: BodyId, asked: BodyId) -> bool {
         match (found, asked) {
             (BodyId::Rigid(bone), BodyId::Soft(soft)) => {
@@ -160,7 +160,7 @@ impl Model {
         }
     }
 
-    /// Whether there is flesh, and springs bind every node of it to bones.
+    /// True when there is flesh, and springs bind every node of it to bones.
     pub fn all_is_bound(&self) -> bool {
         !self.flesh.mass.is_empty() && self.coupling.bound.len() == self.flesh.mass.len()
     }

@@ -84,7 +84,7 @@ impl World {
 }
 
 impl Overlap {
-    /// The same for these bodies in either order.
+    /// Pair of the bodies, one and the same in either order.
     fn pair(&self) -> [(bool, u32); 2] {
         let mut pair = self.bodies.map(|body| match body {
             BodyId::Rigid(i) => (false, i),

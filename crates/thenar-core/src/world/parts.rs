@@ -16,11 +16,12 @@ use crate::world::{StepReport, World, push_out};
 /// Half of what a step looks ahead for: overlaps that grow by more than this part of the contact margin were not
 /// foreseen. Those that were there before no halving mends.
 const UNFORESEEN: f64 = 0.5;
-/// An error of so many tolerances is no rounding of the answer: at the default tolerance 1 mm/s, which in the longest
-/// usual step of 16.7 ms moves a point by a sixtieth of the contact margin.
+/// An error of this many tolerances is no rounding of the answer: at the default tolerance 1 mm/s, which in the
+/// longest usual step of 16.7 ms moves a point by a sixtieth of the contact margin.
 const MISS: f64 = 100.0;
 
-/// Contact that looks again looks so many margins far at most, two fingers' widths: beyond, all of a hand would be met.
+/// Farthest that contact looks when it looks again, in margins: two fingers' widths; beyond, all of a hand would be
+/// met.
 const REACH_MAX: f64 = 32.0;
 
 /// Most halvings for the sake of elements that are asked one by one. Each part may let in as much energy as the motion
@@ -105,7 +106,7 @@ impl Parts {
 }
 
 impl World {
-    /// Whether contact carried the part just made through. Looks for overlaps, and reports them, only where
+    /// True when contact carried the part just made through. Looks for overlaps, and reports them, only where
     /// something was near and has moved far enough to make one.
     pub(super) fn was_carried(&mut self, report: &mut StepReport) -> bool {
         if report.non_finite {

@@ -16,8 +16,8 @@ const LIFT: f64 = 0.1;
 const FOLD_LIFT: f64 = 1.0;
 /// Standard gravity \[m/s²\], also where there is none.
 const GRAVITY: f64 = 9.80665;
-/// Gaps and overlaps that the default tolerance of velocities makes in so many steps are its doing: such overlaps are
-/// not worth a solve.
+/// Gaps and overlaps that the default tolerance of velocities makes in this many steps are its doing: such overlaps
+/// are not worth a solve.
 const STEPS_OF_TOLERANCE: f64 = 4.0;
 /// The part of such an overlap that is left when one is undone: a body is not moved by more at once than the
 /// tolerance may move it.
@@ -30,7 +30,7 @@ pub fn speed_max(settings: &SolverSettings, lift: f64) -> f64 {
     (0.5 * GRAVITY * lift * margin(settings)).sqrt()
 }
 
-/// Whether a deformable body overlaps itself here.
+/// True when a contact is between two parts of one deformable body, which overlaps itself there.
 fn is_fold(contact: &Contact) -> bool {
     matches!([&contact.a, &contact.b], [Site::Soft(a), Site::Soft(b)] if a.soft == b.soft)
 }

@@ -20,7 +20,7 @@ pub enum Solver {
 }
 
 impl Solver {
-    /// The solver of this kind for a world that may find so many contacts.
+    /// The solver of this kind for a world that may find `contacts_max` contacts.
     pub fn new(kind: SolverKind, desc: &WorldDesc, model: &Model, contacts_max: usize) -> Self {
         match kind {
             SolverKind::Exact => Self::Exact(Box::new(exact::build(desc, model, contacts_max))),
@@ -29,14 +29,14 @@ impl Solver {
         }
     }
 
-    /// Starts a step in which contact may cost so many multiply-adds.
+    /// Starts a step in which contact may cost this many multiply-adds; no bound when `None`.
     pub fn begin_step(&mut self, contact_work_max: Option<u64>) {
         if let Self::Exact(exact) = self {
             exact.begin_step(contact_work_max);
         }
     }
 
-    /// Whether contact spent all of that.
+    /// True when contact has spent the multiply-adds that [`Solver::begin_step`] allowed it.
     pub fn was_cut_short(&self) -> bool {
         matches!(self, Self::Exact(exact) if exact.was_cut_short())
     }
@@ -120,7 +120,7 @@ pub trait Scheme {
         Ok(())
     }
 
-    /// Whether this scheme undoes overlaps. A step that is made safely does not: what that adds is not
+    /// True when this scheme undoes overlaps. A step that is made safely does not: what that adds is not
     /// known to bring in no energy.
     fn pushes_out(&self) -> bool {
         true

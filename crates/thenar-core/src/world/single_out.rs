@@ -59,7 +59,7 @@ impl World {
         }
     }
 
-    /// Puts at rest what is held.
+    /// Brings the islands that are held to rest.
     pub(super) fn rest_what_is_held(&mut self) {
         let Self { state, scratch, .. } = self;
         scratch.islands.still(&mut state.v);

@@ -8,7 +8,7 @@ use crate::world::World;
 /// Joint corrections larger than this times what is needed grow from step to step: an error e
 /// becomes `(1 - γ) e`.
 const OVER_CORRECTION_MAX: f64 = 2.0;
-/// The same when joints are closed once more at the end of a step: the soft finger of
+/// Bound like [`OVER_CORRECTION_MAX`], when joints are closed once more at the end of a step: the soft finger of
 /// `tests/all/skeleton/coupled_finger.rs` was stable up to 117 and diverged from 207 on.
 const OVER_CORRECTION_CLOSED_MAX: f64 = 50.0;
 

@@ -118,7 +118,7 @@ impl State {
         self.patch_loads.clone_from(&other.patch_loads);
     }
 
-    /// Whether a step can go on from this state.
+    /// Checks that a step can go on from this state.
     ///
     /// # Errors
     /// The state is not sound.
@@ -201,21 +201,21 @@ pub fn is_sound_pose(pose: &Pose) -> bool {
 pub struct Scratch {
     /// The system matrix A.
     pub A: BlockMatrix,
-    /// Its blocks between bones and flesh may hold numbers.
+    /// True when the blocks of A between bones and flesh may hold numbers.
     pub coupled: bool,
-    /// Its right-hand side.
+    /// Right-hand side b of the system.
     pub b: Vec<Vec3>,
     /// Bones' part of `b`, without the joint impulses of step 1.
     pub b_kept: Vec<Vec3>,
-    /// Its inverted block diagonal.
+    /// Inverse D of the block diagonal of A.
     pub D: BlockDiagonal,
     /// The bones' system of step 1.
     pub bones: BoneSystem,
-    /// Its diagonal, kept while a solve overwrites it.
+    /// Diagonal of the bones' system, kept while a solve overwrites it.
     pub S_kept: Vec<Mat6>,
     /// Linearised joints.
     pub joints: Vec<JointBlock>,
-    /// Their measured axes.
+    /// Measured axes of the joints.
     pub axes: Vec<[Option<AxisState>; 2]>,
     /// What prescribed bodies contribute to their rates.
     pub known: Vec<Vec6>,
@@ -241,21 +241,21 @@ pub struct Scratch {
     pub found: Room<Contact>,
     /// The sides seen with them.
     pub sides: Sides,
-    /// Their rows.
+    /// Rows of the contacts found.
     pub rows: ContactRows,
     /// Contact solver.
     pub anticipation: Anticipation,
     /// Contacts as reported.
     pub contacts: Room<ContactPoint>,
-    /// Their areas \[m²\].
+    /// Areas of the contacts reported \[m²\].
     pub areas: Room<f64>,
-    /// Contacts and limits that touch is told of, by weight.
+    /// Contacts and limits that touch reads, by weight.
     pub chosen: Room<u32>,
     /// Length of the step, or of that part of it, that contacts and limits are of \[s\].
     pub part_length: f64,
     /// How deep each rigid, then each deformable body was in others when the part began \[m\].
     pub depths: Vec<f64>,
-    /// Their gaps at the end of the step \[m\]; before, those of all rows at its start.
+    /// Gaps of the contacts reported at the end of the step \[m\]; before, those of all rows at its start.
     pub gaps: Room<f64>,
     /// What all rows ask of the pseudo-velocity that undoes overlaps.
     pub wishes: Room<Wish>,

@@ -43,7 +43,7 @@ pub struct Options {
     pub watcher: Option<Watcher>,
     /// Devices to feel it with.
     pub haptics: Option<Haptics>,
-    /// Is told all that enters the session, and of every scene that takes its place.
+    /// Receives all that enters the session, and every scene that takes its place.
     pub witness: Option<Box<dyn Witness>>,
 }
 

@@ -24,7 +24,7 @@ pub struct Signal<const N: usize> {
     pub enabled: bool,
 }
 
-/// A clock that stands still for so many ticks is broken.
+/// Ticks for which a clock may stand still before it is broken.
 const STUCK_TICKS: u32 = 100;
 
 /// Part of the damping that is left where velocities are seen late: a late damper is stable against a hand of more

@@ -37,7 +37,7 @@ pub struct Limits {
     pub gap_max: f64,
     /// Engaging waits until the wanted force is below this \[N\] ...
     pub engage_force: f64,
-    /// ... for so many ticks.
+    /// ... for this many ticks.
     pub engage_ticks: u32,
     /// Then force grows to its full size over this time \[s\].
     pub ramp: f64,

@@ -27,7 +27,7 @@ pub enum Way {
 pub struct Memory {
     /// Size of the tracked hand over ours, of the first poses: [`CALIBRATION`] of them.
     pub ratios: Vec<f64>,
-    /// So many of these are known.
+    /// Number of these that are known.
     pub calibrated: usize,
     /// What moves the hand.
     pub way: Way,

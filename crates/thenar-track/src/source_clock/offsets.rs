@@ -8,7 +8,7 @@
 const EACH: u64 = 500_000_000;
 /// Number of these: 20 s, over which a way that is uncertain by 1 ms tells the rate within 1e-4.
 const KEPT: usize = 40;
-/// The rate is told from differences that span so much \[ns\]; before, the clocks are taken to run alike.
+/// The rate is found from differences that span so much \[ns\]; before, the clocks are taken to run alike.
 const SPAN: u64 = 2_000_000_000;
 /// Largest difference of two clocks' rates. Quartz keeps within 2e-4; clocks that are being corrected run off by 5e-4
 /// (the limit of `adjtime` and NTP), and 1e-3 was asked for.
@@ -35,7 +35,7 @@ pub struct Offsets {
     /// The line: where it was at a time, and its slope.
     line: Seen,
     rate: f64,
-    /// The offset that is told, which follows the line without a step.
+    /// Offset that is reported, which follows the line without a step.
     told: Seen,
 }
 

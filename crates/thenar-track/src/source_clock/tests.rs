@@ -68,7 +68,7 @@ fn a_small_step_back_for_good_is_followed_after_a_second() {
     }
 }
 
-/// However long the same is repeated, it gets no fresher, and it is told; two hands of one frame
+/// However long the same is repeated, it gets no fresher, and that is reported; two hands of one frame
 /// have the same time and are no trouble.
 #[test]
 fn a_clock_that_stands_still_makes_nothing_fresh() {

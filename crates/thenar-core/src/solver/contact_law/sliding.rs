@@ -85,7 +85,7 @@ impl Sliding {
         self.normal + self.friction * (self.w[0] * e[0] + self.w[1] * e[1])
     }
 
-    /// Whether a root obeys the law: the impulse pushes, and friction along e opposes what slides.
+    /// True when a root obeys the law: the impulse pushes, and friction along e opposes what slides.
     fn obeys(&self, e: [f64; 2]) -> bool {
         let delta = self.denominator(e);
         let [t11, t12, t22] = self.tangents;

@@ -160,7 +160,7 @@ fn round_off_makes_no_response_definite() {
     }
 }
 
-/// Of several impulses that obey the law a visit leaves the one that is there, and so does what follows: visits that
+/// A visit leaves the impulse that is there, of several that obey the law, and so does what follows: visits that
 /// always took the one that sticks went from it to sliding and back where something else, a limit, gave way.
 #[test]
 fn what_obeys_the_law_is_left_as_it_is() {

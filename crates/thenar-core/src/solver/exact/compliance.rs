@@ -14,7 +14,7 @@ pub struct Compliance {
 }
 
 impl Compliance {
-    /// Room for so many batches of rows and columns.
+    /// Room for `batches` batches of rows and columns.
     pub fn new(batches: usize) -> Self {
         // An odd number of cache lines: numbers below each other do not fall into the same few sets.
         let stride = (batches | 1) * LANES;
@@ -61,7 +61,7 @@ impl Compliance {
         &self.numbers[at..at + LANES]
     }
 
-    /// Of one batch, to be filled.
+    /// One row's numbers in the columns of one batch, to be filled.
     #[inline(always)]
     pub fn lanes_mut(&mut self, row: usize, batch: usize) -> &mut [Scalar] {
         let at = row * self.stride + batch * LANES;

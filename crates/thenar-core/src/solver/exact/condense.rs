@@ -32,9 +32,9 @@ pub struct Condensed {
     /// Jacobian J of the contacts.
     J: Vec<[Lane; 3]>,
     slots: Vec<Slot>,
-    /// Which block of the matrix times which block of J.
+    /// Products to form: a block of the matrix times a block of J.
     terms: Vec<[u32; 2]>,
-    /// Which block of J, transposed, times the slot goes to which pair.
+    /// Products to add up: a block of J, transposed, times the slot, and the pair that it goes to.
     targets: Vec<[u32; 2]>,
     /// Pairs of bones.
     pairs: Vec<[u32; 2]>,

@@ -10,7 +10,7 @@
 pub const SAFETY: f64 = 4.0;
 /// Sweeps that the estimate looks back on.
 const WINDOW: usize = 16;
-/// Until there are so many, changes are not trusted to shrink faster than this.
+/// Changes are not trusted to shrink faster than this until the window is full of rates.
 const RATE_START: f64 = 0.96;
 /// Nor slower than this, lest round-off, which does not shrink, counts.
 const RATE_MAX: f64 = 0.9999;

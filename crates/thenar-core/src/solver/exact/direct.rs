@@ -17,7 +17,7 @@ use std::ops::Range;
 /// Factor and Schur complements.
 #[derive(Clone, Debug)]
 pub struct Direct {
-    /// K_ww.
+    /// Factor of the flesh's block K_ww.
     pub factor: Factor,
     /// Y: column d of a batch k belongs to freedom `LANES k + d` of the row's group.
     pub half: HalfSolves,

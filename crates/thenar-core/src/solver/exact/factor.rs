@@ -19,7 +19,7 @@ pub type Lanes = [Scalar; LANES];
 /// The factor, and work space to compute it and solve with it.
 #[derive(Clone, Debug)]
 pub struct Factor {
-    /// Its structure.
+    /// Structure of the factor.
     pub symbolic: Symbolic,
     /// The vector instructions that this machine has.
     pub level: Level,

@@ -10,7 +10,8 @@ use crate::solver::{Failure, JointBlock};
 const REVISIONS_MAX: u32 = 6;
 /// Fewest iterations with the block diagonal.
 pub(super) const WINDOW: u32 = 4;
-/// Up to so many tolerances of speed a world is taken to rest. Where that is wrong some iterations are lost, not the result.
+/// Speed, in tolerances, up to which a world is taken to rest. Where that is wrong some iterations are lost, not the
+/// result.
 const AT_REST: f64 = 100.0;
 
 /// How the step before ended.

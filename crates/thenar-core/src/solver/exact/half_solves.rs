@@ -22,7 +22,7 @@ pub struct HalfSolves {
 }
 
 impl HalfSolves {
-    /// Room for so many batches.
+    /// Room for `batches` batches.
     pub fn new(symbolic: &Symbolic, batches: usize) -> Self {
         let (rows, supernodes) = (3 * symbolic.place_of_node.len(), symbolic.supernodes.len());
         Self {

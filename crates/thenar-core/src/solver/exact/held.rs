@@ -44,7 +44,7 @@ pub struct Held {
     /// All bounds of this step.
     pub bounds: Room<Bound>,
     freedoms: usize,
-    /// Those that are held.
+    /// Bounds that are held, by their places in `bounds`.
     members: Room<u32>,
     /// A and H: a row of all freedoms for each of them.
     rows: Vec<f64>,
@@ -56,7 +56,7 @@ pub struct Held {
 }
 
 impl Held {
-    /// Room for so many bounds.
+    /// Room for `bounds` bounds.
     pub fn new(bounds: usize, freedoms: usize) -> Self {
         // Of the two bounds of an axis one is held at a time.
         let most = bounds.div_ceil(2);

@@ -16,7 +16,7 @@ pub struct BlockJacobi {
 }
 
 impl BlockJacobi {
-    /// Room for so many nodes.
+    /// Room for `nodes` nodes.
     pub fn new(coarse: &Coarse, nodes: usize) -> Self {
         Self { bodies: vec![0.0; coarse.blocks.len()], nodes: vec![[0.0; 9]; nodes] }
     }

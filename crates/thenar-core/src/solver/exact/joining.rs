@@ -23,7 +23,7 @@ pub struct Joining {
 }
 
 impl Joining {
-    /// Room for so many contacts on so many nodes.
+    /// Room for this many contacts on this many nodes.
     pub fn new(contacts: usize, nodes: usize) -> Self {
         Self { waiting: Room::with_capacity(contacts), taken: vec![0; nodes], round: 0 }
     }

@@ -21,7 +21,7 @@ const LEVER: f64 = 0.05;
 /// Rows shorter than this part of what the longest was added up from depend on others.
 const DEPENDENT: f64 = 1e-6;
 
-/// Which freedoms move each body, and how.
+/// Freedoms that move each body, and how.
 #[derive(Clone, Debug, Default)]
 pub struct Columns {
     /// Where each body's columns begin; one more at the end.
@@ -62,7 +62,7 @@ impl Columns {
 pub struct Cut {
     /// Number of the joint.
     pub joint: usize,
-    /// Its bodies, moving or not.
+    /// Bodies of the joint, moving or not.
     pub ends: (Option<u32>, u32),
 }
 
@@ -80,7 +80,7 @@ struct Closed {
     /// Rows of Q found so far, and how many.
     basis: Vec<f64>,
     rank: usize,
-    /// u_0.
+    /// Freedoms u_0 that the rows ask for.
     shift: Vec<f64>,
     /// The multiple of `Qᵀ Q` added: the largest diagonal entry of `Zᵀ diag(A) Z`.
     size: f64,

@@ -44,7 +44,7 @@ struct Quotient {
     elements_of: Vec<Vec<u32>>,
     /// Nodes of each element.
     met: Vec<Vec<u32>>,
-    /// Of each element, how many of its nodes are not in the newest.
+    /// Number of nodes of each element that are not in the newest.
     outside: Vec<usize>,
     /// When a node was last met.
     seen: Vec<u32>,
@@ -52,7 +52,7 @@ struct Quotient {
 }
 
 impl Quotient {
-    /// Makes an element of the nodes that meet once `pivot` is gone; the elements that told of them go with it.
+    /// Makes an element of the nodes that meet once `pivot` is gone; the elements that held them go with it.
     fn eliminate(&mut self, pivot: u32) {
         let p = pivot as usize;
         let elements = std::mem::take(&mut self.elements_of[p]);
@@ -78,8 +78,8 @@ impl Quotient {
         self.count_outside(pivot);
     }
 
-    /// For each element that shares a node with that of `pivot`, how many of its nodes do not; those that have none
-    /// are told by it and go.
+    /// Counts, for each element that shares a node with that of `pivot`, its nodes that do not; elements with none
+    /// add nothing to the newest one and go.
     fn count_outside(&mut self, pivot: u32) {
         let met = std::mem::take(&mut self.met[pivot as usize]);
         let mut older: Vec<u32> = Vec::new();

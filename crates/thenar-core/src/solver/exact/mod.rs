@@ -67,7 +67,7 @@ use symbolic::Symbolic;
 /// What the solver is built from.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan<'a> {
-    /// Which bodies move by themselves.
+    /// True for each body that moves by itself.
     pub moves: &'a [bool],
     /// Parent and child of each joint.
     pub ends: &'a [(Option<u32>, u32)],
@@ -75,7 +75,7 @@ pub struct Plan<'a> {
     pub rows: &'a [usize],
     /// Carried nodes, with their springs, weights and levers still unset.
     pub carried: &'a [Carried],
-    /// Whether springs bind every node to bones.
+    /// True when springs bind every node to bones.
     pub all_is_bound: bool,
     /// Deformable body of each node.
     pub soft_of_node: &'a [u32],
@@ -91,7 +91,7 @@ pub struct Plan<'a> {
 
 /// Most contacts that may press in one step; W takes 36 bytes times their square.
 pub const PRESSING_MAX: usize = 512;
-/// Which preconditioner the next solves use.
+/// Preconditioner that the next solves use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Ready {
     Nothing,
@@ -115,14 +115,14 @@ pub struct Exact {
     kept: bool,
     /// The largest part of an error's energy that an iteration with the factor of this step has left.
     left: Option<f64>,
-    /// Whether springs bind all flesh to bones, so that few iterations of the block diagonal are enough.
+    /// True when springs bind all flesh to bones, so that few iterations of the block diagonal are enough.
     all_is_bound: bool,
-    /// So many iterations of the block diagonal cost what the factor does.
+    /// Number of iterations of the block diagonal that cost what the factor does.
     iterations_worth_a_factor: u32,
     x: Coordinates,
     held: Held,
     delassus: Delassus,
-    /// One column of what touch is told.
+    /// One column of the response that touch reads.
     pulled: Room<f64>,
     work: pcg::Workspace,
 }
@@ -132,7 +132,7 @@ pub struct Exact {
 pub struct StepSystem<'a> {
     /// Eq. 9's matrix without the coupling springs.
     pub A: &'a BlockMatrix,
-    /// Its right-hand side, likewise.
+    /// Right-hand side of Eq. 9, likewise without the coupling springs.
     pub b: &'a [Vec3],
     /// Components given from outside, per block row.
     pub known: &'a [[bool; 3]],
@@ -223,12 +223,12 @@ impl Exact {
         }
     }
 
-    /// Starts a step that may spend so many multiply-adds on the law of contact.
+    /// Starts a step that may spend this many multiply-adds on the law of contact; no bound when `None`.
     pub fn begin_step(&mut self, contact_work_max: Option<u64>) {
         self.delassus.allow(contact_work_max);
     }
 
-    /// Whether these are spent.
+    /// True when the step has spent the multiply-adds that [`Exact::begin_step`] allowed it.
     pub fn was_cut_short(&self) -> bool {
         self.delassus.is_spent()
     }

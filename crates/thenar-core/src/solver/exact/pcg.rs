@@ -27,15 +27,16 @@ const RATE_MAX: f64 = 0.95;
 const RATE_MIN: f64 = 1e-9;
 /// Round-off: part of the largest speed beyond which no accuracy is asked for.
 const ROUND_OFF: f64 = 1e-13;
-/// An iteration is trusted to leave no more than so many times the energy that others did.
+/// An iteration is trusted to leave at most this many times the energy that others did.
 const LEFT_SAFETY: f64 = 100.0;
 /// From this share of its iterations on, a solve that may give up looks at what is left. Errors rise at first.
 const LOOKS_FROM: f64 = 0.4;
-/// Gives up where more than so many times the share of its iterations is left of the way, in decades of the error. In eight runs of
-/// the default and the paper's hand, free, in a fist and a pinch, at 5 to 20 ms, 57 of 1448 solves that would have met the tolerance in
-/// time are given up, and 1335 that would not have take half of their iterations.
+/// Gives up where more than this many times the share of its iterations is left of the way, in decades of the error.
+/// In eight runs of the default and the paper's hand, free, in a fist and a pinch, at 5 to 20 ms, 57 of 1448 solves
+/// that would have met the tolerance in time are given up, and 1335 that would not have take half of their
+/// iterations.
 const WAY_LEFT: f64 = 1.2;
-/// Without a new least residual for so many iterations there is nothing more to gain.
+/// Iterations without a new least residual after which there is nothing more to gain.
 const PATIENCE: u32 = 30;
 
 /// How well a system was solved.
@@ -68,7 +69,7 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// Room for so many unknowns.
+    /// Room for this many unknowns.
     pub fn new(freedoms: usize, bodies: usize, nodes: usize) -> Self {
         let zeros = Coordinates::new(freedoms, nodes);
         let rows = vec![Vec3::zeros(); 2 * bodies + nodes];
@@ -227,8 +228,8 @@ mod tests {
         }
     }
 
-    /// Iterations after which a solve is given up whose error falls from 10⁻² by so many decades in each, after a tenth of
-    /// the iterations in which it does not.
+    /// Iterations after which a solve is given up whose error falls from 10⁻² by `decades` decades in each, after a
+    /// tenth of the iterations in which it does not.
     fn given_up(stop: &Stop, decades: f64) -> Option<u32> {
         let rises = stop.iterations_max / 10;
         (1..=stop.iterations_max).find(|&k| {

@@ -33,7 +33,7 @@ struct Member {
     own: Range<usize>,
     /// Directions of the own rotations.
     axes: [Vec3; 3],
-    /// ω_c.
+    /// Angular velocity ω_c with which the joint removes its error \[rad/s\].
     turn: Vec3,
 }
 
@@ -46,7 +46,7 @@ pub struct Reduction {
     tree: Columns,
     /// Z with the loops closed, when there are any.
     loops: Option<Loops>,
-    /// Its columns, each with two zeros after it.
+    /// Columns of Z, the loops closed when there are any, each with two zeros after it.
     lanes: Vec<[f64; 8]>,
     /// z of each body.
     offsets: Vec<Vec6>,

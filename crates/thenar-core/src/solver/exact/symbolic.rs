@@ -36,7 +36,7 @@ pub struct Supernode {
     panel: usize,
     /// The supernode of its first row below.
     pub parent: Option<u32>,
-    /// Its segments in `Symbolic::segments`.
+    /// Segments of the supernode in `Symbolic::segments`.
     pub segments: [usize; 2],
     /// Loads of the pivots' columns: a range of `Symbolic::loads`.
     pub loads: [usize; 2],
@@ -58,7 +58,7 @@ impl Supernode {
         dense::stride(self.height())
     }
 
-    /// Its pivots among all unknowns, in elimination order.
+    /// Pivots of the supernode among all unknowns, in elimination order.
     pub fn pivots(&self) -> Range<usize> {
         3 * self.first..3 * self.first + self.width()
     }
@@ -96,14 +96,14 @@ pub struct Segment {
 pub struct Run {
     /// First row, counted from the first below the pivots.
     pub row: usize,
-    /// Its row in the later supernode's panel.
+    /// First row in the later supernode's panel.
     pub place: usize,
-    /// How many.
+    /// Number of rows.
     pub length: usize,
 }
 
 impl Run {
-    /// Its rows, counted from the first below the pivots.
+    /// Rows of the run, counted from the first below the pivots.
     pub fn rows(&self) -> Range<usize> {
         self.row..self.row + self.length
     }

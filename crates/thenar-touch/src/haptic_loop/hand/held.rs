@@ -7,7 +7,7 @@
 use serde::{Deserialize, Serialize};
 use thenar_track::live::LivePose;
 
-/// A hand that was not seen for so long is told of again, before it would count as lost
+/// Time without a sample after which a hand is reported again, before it would count as lost
 /// ([`STALE`](thenar_track::live::STALE)) \[ns\].
 const AGAIN_NS: u64 = 85_000_000;
 /// A sample of a hand that moved is in doubt: it is borne out so soon after, before it would count as lost as well \[ns\].
@@ -27,7 +27,7 @@ const FAR: [f64; 2] = [0.05, 0.5];
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Held {
     pose: LivePose,
-    /// When it was measured, and when it came; both go on with each time it is told again \[ns\].
+    /// When it was measured, and when it came; both go on with each time it is reported again \[ns\].
     time_ns: u64,
     came_ns: u64,
     /// When it came first \[ns\].

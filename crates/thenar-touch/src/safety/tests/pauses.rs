@@ -18,7 +18,7 @@ fn pulling(limits: Limits, now: &mut u64) -> Guard<1> {
     guard
 }
 
-/// What is sent in so many milliseconds under a wish of 5 N, while `poor` spoils what comes in.
+/// Forces that are sent in this many milliseconds under a wish of 5 N, while `poor` spoils what comes in.
 fn forces(
     guard: &mut Guard<1>,
     now: &mut u64,

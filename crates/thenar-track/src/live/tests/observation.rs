@@ -15,8 +15,8 @@ fn taken(timing: &TrackerTiming, hz: f64) -> f64 {
     swayed(timing, hz, 0.01, 5000)[0]
 }
 
-/// Figures of a sway of `size` \[m\] by so many milliseconds but the first 2000, the delay by its phase \[s\], and how noisy
-/// it is seen meanwhile.
+/// Figures of a sway of `size` \[m\] from 2000 milliseconds on up to `end`: the delay by its phase \[s\], and how
+/// noisy it is seen meanwhile.
 fn swayed(timing: &TrackerTiming, hz: f64, size: f64, end: u32) -> [f64; 3] {
     let mut rig = Rig::new();
     let mut random = Random::new(5);
@@ -69,8 +69,9 @@ fn observation_takes_what_the_rule_says() {
     assert!(most_over < 9e-3, "the rule is {most_over} s beyond what is taken");
 }
 
-/// White noise, and a sway at 2 Hz that is as large: the delay that is told is the one measured by its phase, within a
-/// fifth. A hand that is seen without noise, though it stands still and its samples are round-off, is told to be quiet.
+/// White noise, and a sway at 2 Hz that is as large: the delay that is reported is the one measured by its phase,
+/// within a fifth. A hand that is seen without noise, though it stands still and its samples are round-off, is
+/// reported to be quiet.
 #[test]
 fn noise_is_as_late_as_is_told() {
     for rate in [60.0, 90.0, 120.0] {

@@ -44,7 +44,7 @@ pub struct Anderson {
 }
 
 impl Anderson {
-    /// Room for so many numbers a sweep.
+    /// Room for this many numbers a sweep.
     pub fn new(numbers: usize) -> Self {
         let room = vec![0.0; KEPT * numbers];
         Self {

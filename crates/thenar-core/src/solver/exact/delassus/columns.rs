@@ -28,7 +28,7 @@ use std::ops::Range;
 pub struct Columns {
     /// How many of them G holds already.
     built: usize,
-    /// Y_E.
+    /// Half solves Y_E of the handles.
     half: HalfSolves,
     /// All supernodes.
     flesh: Vec<u32>,
@@ -43,7 +43,7 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// Room for so many batches.
+    /// Room for `batches` batches.
     pub fn new(batches: usize, system: &Direct, freedoms: usize) -> Self {
         let symbolic = &system.factor.symbolic;
         let groups = system.flesh_of_group.len();

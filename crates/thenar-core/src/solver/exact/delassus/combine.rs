@@ -14,7 +14,7 @@ pub struct Combine {
 }
 
 impl Combine {
-    /// Room for so many batches of handles.
+    /// Room for `batches` batches of handles.
     pub fn new(batches: usize) -> Self {
         Self { answers: Aligned::new(batches * LANES * LANES) }
     }

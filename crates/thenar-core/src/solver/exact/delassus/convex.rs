@@ -61,7 +61,7 @@ impl Clone for Convex {
 }
 
 impl Convex {
-    /// Room for so many members.
+    /// Room for this many members.
     pub fn new(capacity: usize) -> Self {
         let most = MEMBERS_MAX.min(capacity);
         let each = || Vec::with_capacity(most);
@@ -241,7 +241,7 @@ mod tests {
             Self::without(0)
         }
 
-        /// So many first rows and columns of W are zero.
+        /// Leaves the first `rows` rows and columns of W zero.
         fn without(rows: usize) -> Self {
             let (members, W_lower) = STEP.split_at(MEMBERS * 64);
             let mut contacts = ContactRows::with_capacity(0, MEMBERS);

@@ -33,7 +33,7 @@ pub enum Handle {
 pub struct Term {
     /// The handle's column.
     pub column: u32,
-    /// Of each row.
+    /// Weight of the handle in each row.
     pub weights: [Scalar; 3],
 }
 
@@ -52,7 +52,7 @@ pub struct Handles {
 }
 
 impl Handles {
-    /// Room for `members` contacts on so many nodes and bodies.
+    /// Room for `members` contacts on this many nodes and bodies.
     pub fn new(members: usize, nodes: usize, bodies: usize) -> Self {
         let mut start = Room::with_capacity(members + 1);
         start.push(0);

@@ -69,10 +69,11 @@ pub struct Delassus {
     /// Impulses of the members before a sweep, and what it changed.
     x: Vec<f64>,
     f: Vec<f64>,
-    /// Of every contact: an impulse, and the true `J Δv` less its target there, from which W goes on.
+    /// Impulse of every contact at which `measured` is known.
     applied: Vec<Vec3>,
+    /// True `J Δv` less its target of every contact at the impulse `applied`, from which W goes on.
     measured: Vec<Vec3>,
-    /// The latter before the first sweep of the step, and the most that sweeps have moved a contact
+    /// Values of `measured` before the first sweep of the step, and the most that sweeps have moved a contact
     /// from there \[m/s\].
     first: Vec<Vec3>,
     moved: f64,
@@ -126,12 +127,12 @@ impl Delassus {
         }
     }
 
-    /// Starts a step that may cost so many multiply-adds.
+    /// Starts a step that may cost this many multiply-adds; no bound when `None`.
     pub fn allow(&mut self, work_max: Option<u64>) {
         self.work = Work::within(work_max);
     }
 
-    /// Whether the step has cost what it may.
+    /// True when the step has cost what it may.
     pub fn is_spent(&self) -> bool {
         self.work.is_spent()
     }

@@ -38,7 +38,7 @@ const STEPS_MAX: u32 = 60;
 /// it changes shrinks as its square near the root, and hardly at all where the root is on another piece. How much
 /// of it was made says nothing: at the root round-off hides whether the law comes nearer.
 const CLOSE: f64 = 0.1;
-/// So many such steps in a row end an attempt: after the first, a sweep may still find a contact on another
+/// Steps of this kind in a row that end an attempt: after the first, a sweep may still find a contact on another
 /// piece.
 const CALM: u32 = 2;
 /// Parts of a step, tried until one brings the law nearer.
@@ -51,8 +51,8 @@ const ACROSS: [f64; 2] = [0.5, 0.015625];
 /// in a step at most.
 const KINDS: u32 = 3;
 const WALKS_MAX: u32 = 2;
-/// Newton's method is tried after so many problems, for so many steps: a walk of n contacts costs as much as `1900 + 48 n`
-/// sweeps, no more than the sweeps and steps that ran out before.
+/// Numbers of convex problems after which Newton's method is tried, and steps that it may then make: a walk of n
+/// contacts costs as much as `1900 + 48 n` sweeps, no more than the sweeps and steps that ran out before.
 const TRIED_AFTER: [u32; 4] = [8, 16, 32, 64];
 const TRIAL_STEPS: u32 = 12;
 /// A part of a step must bring the law nearer by so much of itself (Armijo).
@@ -83,7 +83,7 @@ impl Clone for Newton {
 }
 
 impl Newton {
-    /// Room for so many members.
+    /// Room for this many members.
     pub fn new(capacity: usize) -> Self {
         let most = PRESSING_MAX.min(capacity);
         Self {
@@ -146,12 +146,12 @@ impl Delassus {
         left
     }
 
-    /// Whether it is the turn of convex problems.
+    /// True when it is the turn of convex problems.
     fn walks(&self) -> bool {
         self.failed % KINDS == KINDS - 1 && self.may_walk()
     }
 
-    /// Whether convex problems may still be tried in this step.
+    /// True when convex problems may still be tried in this step.
     pub(super) fn may_walk(&self) -> bool {
         self.walked < WALKS_MAX && self.members.list().len() <= MEMBERS_MAX
     }

@@ -16,15 +16,15 @@ use fearless_simd::{Simd, dispatch};
 
 /// The last sweeps are plain: what they leave is not thrown off by a combination.
 const LAST: u32 = 8;
-/// What mixing expects is believed when so many sweeps agree: the first ones know few directions.
+/// What mixing expects is believed when this many sweeps agree: the first ones know few directions.
 const LOOKS: usize = 5;
-/// Steps of Newton's method cost at most so many times what the sweeps do that run out otherwise. With one time
+/// Steps of Newton's method cost at most this many times what the sweeps do that run out otherwise. With one time
 /// 11 of 162 steps of `bread-grasp` missed the tolerance, with four 1 does, and the slowest of a hundred takes a fifth
 /// less time: where steps end before the sweeps do, sweeps are made no longer.
 const NEWTON_SHARE: u32 = 4;
 /// Times that Newton's method may fail before what mixing expects is believed all the same.
 const ATTEMPTS: u32 = 3;
-/// What all further sweeps change is taken to be so many times what mixing expects: twice the factor for
+/// What all further sweeps change is taken to be this many times what mixing expects: twice the factor for
 /// bodies that move more than their contacts, as the history knows only some directions.
 const EXPECTED_SAFETY: f64 = 2.0 * SAFETY;
 /// Velocities that W tells are known to this part of what a contact does to its own: W is of single precision.

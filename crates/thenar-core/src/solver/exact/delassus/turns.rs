@@ -28,8 +28,9 @@ pub struct Turns {
     held: Room<u32>,
     /// How many members there were when these were held; none where W is another one now.
     prepared: usize,
-    /// Whether each member is held, and its response.
+    /// Marks the members that are held.
     is_held: Vec<bool>,
+    /// Response of each member while limits give way.
     own: Vec<Response>,
     /// Cholesky factor of W_LL, and what is solved with it.
     gram: Vec<f64>,
@@ -37,7 +38,7 @@ pub struct Turns {
 }
 
 impl Turns {
-    /// Room for so many members.
+    /// Room for this many members.
     pub fn new(capacity: usize) -> Self {
         let most = HELD_MAX.min(capacity);
         Self {
@@ -148,7 +149,7 @@ impl Turns {
         small_cholesky::backward(&self.gram[..k * k], k, &mut self.values[..k]);
     }
 
-    /// Whether a member follows the others.
+    /// True when member `m` is held and follows the others.
     pub fn holds(&self, m: usize) -> bool {
         self.is_held[m]
     }

@@ -52,7 +52,7 @@ pub fn of_convex_factor(n: usize) -> u64 {
     27 * (n * n * n) as u64 / 6
 }
 
-/// A convex problem for n contacts: two triangles of the factor at each of so many alternations.
+/// A convex problem for n contacts: two triangles of the factor at each alternation.
 pub fn of_convex_problem(n: usize, alternations: usize) -> u64 {
     9 * (n * n * alternations) as u64
 }
