@@ -12,7 +12,7 @@ fn read(file: &str) -> String {
 
 /// Words in backquotes that name a file or folder of the tree.
 fn paths(text: &str) -> Vec<&str> {
-    let starts = ["crates/", "scenes", "assets", "docs"];
+    let starts = ["crates/", "docs"];
     text.split('`').skip(1).step_by(2).filter(|w| starts.iter().any(|s| w.starts_with(s))).collect()
 }
 
@@ -310,6 +310,9 @@ fn the_core_does_no_input_or_output() {
                 folders.push(path);
                 continue;
             }
+            if path.extension().is_none_or(|ending| ending != "rs") {
+                continue; // data of a test
+            }
             files += 1;
             let text = std::fs::read_to_string(&path).unwrap();
             let code = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
@@ -320,4 +323,98 @@ fn the_core_does_no_input_or_output() {
         }
     }
     assert!(files > 30);
+}
+
+/// Crates that are published: those whose manifest does not say otherwise.
+fn published() -> Vec<String> {
+    let folders = std::fs::read_dir(root().join("crates")).unwrap().flatten();
+    let names = folders.map(|entry| entry.file_name().into_string().unwrap());
+    let goes_out = |name: &String| {
+        let manifest = read(&format!("crates/{name}/Cargo.toml"));
+        !manifest.lines().any(|line| line == "publish = false")
+    };
+    names.filter(goes_out).collect()
+}
+
+/// Arguments of what names files in a source: macros that build them in, and paths of modules. Each with its place in the
+/// text.
+fn named_files(text: &str) -> Vec<(usize, &str)> {
+    let mut found = Vec::new();
+    for start in ["include_str!(", "include_bytes!(", "include!(", "include_dir!("] {
+        for (at, _) in text.match_indices(start) {
+            let rest = &text[at + start.len()..];
+            let mut open = 1;
+            let end = rest.find(|c| {
+                open += i32::from(c == '(') - i32::from(c == ')');
+                open == 0
+            });
+            found.push((at, &rest[..end.unwrap_or(rest.len())]));
+        }
+    }
+    let paths = text.match_indices("#[path = ").map(|(at, _)| (at, text[at..].lines().next()));
+    found.extend(paths.map(|(at, line)| (at, line.unwrap_or_default())));
+    found
+}
+
+/// True if a package of the crate at `folder` holds what `argument` names in `file`. Names that a macro inserts are left out.
+fn is_packaged(folder: &str, file: &str, argument: &str) -> bool {
+    if argument.contains("OUT_DIR") {
+        return true; // made by the crate's build script
+    }
+    let literals = argument.split('"').skip(1).step_by(2);
+    let name: String = literals.filter(|word| *word != "CARGO_MANIFEST_DIR").collect();
+    let own = argument.contains("CARGO_MANIFEST_DIR");
+    let base = if own { folder } else { file.rsplit_once('/').unwrap().0 };
+    let mut path: Vec<&str> = base.split('/').collect();
+    for part in name.split('/') {
+        match part {
+            "" | "." => {}
+            ".." => drop(path.pop()),
+            part => path.push(part),
+        }
+    }
+    let inside = path.join("/");
+    let inside = inside.strip_prefix(folder).and_then(|rest| rest.strip_prefix('/'));
+    inside.is_some_and(|rest| !rest.starts_with("tests/"))
+}
+
+#[test]
+fn what_a_package_holds_is_seen_from_its_names() {
+    let holds = |argument| is_packaged("crates/a", "crates/a/src/b/c.rs", argument);
+    assert!(holds("\"d.txt\"") && holds("\"../../data/d.txt\"") && holds("\"$OUT_DIR/page\""));
+    assert!(holds("concat!(env!(\"CARGO_MANIFEST_DIR\"), \"/data/\", $name, \".txt\")"));
+    assert!(!holds("\"../../../data/d.txt\"") && !holds("\"../../../ab/d.txt\""));
+    assert!(!holds("concat!(\"../../../../data/\", $name, \".txt\")"));
+    assert!(!holds("concat!(env!(\"CARGO_MANIFEST_DIR\"), \"/../b/d.txt\")"));
+    assert!(!holds("\"../../tests/d.txt\""), "packages hold no tests");
+}
+
+/// A package is built where nothing of the tree is beside it.
+#[test]
+fn published_crates_build_in_only_files_of_their_own() {
+    let (mut seen, mut wrong) = (0, Vec::new());
+    for name in published() {
+        let folder = format!("crates/{name}");
+        for file in files(&folder, ".rs") {
+            if !["/src/", "/build/"].iter().any(|part| file[folder.len()..].starts_with(part)) {
+                continue;
+            }
+            let text = read(&file);
+            for (at, argument) in named_files(&text) {
+                seen += 1;
+                // With the attributes right above it: documentation and modules of tests are no part of the library.
+                let line = text[..at].lines().count();
+                let above = text.lines().take(line).collect::<Vec<_>>();
+                let attributes = above.iter().rev().take_while(|l| l.trim().starts_with('#'));
+                let tried = attributes
+                    .chain(above.last())
+                    .any(|line| line.contains("doctest") || line.trim() == "#[cfg(test)]");
+                if !tried && !is_packaged(&folder, &file, argument) {
+                    wrong.push(format!("{file}:{line}: {argument}"));
+                }
+            }
+        }
+    }
+    assert!(seen > 20, "{seen} files are built in");
+    assert!(wrong.is_empty(), "in no package:\n{}", wrong.join("\n"));
 }

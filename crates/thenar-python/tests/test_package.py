@@ -32,7 +32,7 @@ def test_the_wheel_has_its_types_and_its_licences() -> None:
     names = {str(file).replace("\\", "/") for file in importlib.metadata.files("thenar") or []}
     assert {"thenar/py.typed", "thenar/_thenar.pyi", "thenar/gym/scenes/turn.toml"} <= names
     licences = {name.partition("/licenses/")[2] for name in names}
-    assert {"LICENSE-MIT", "LICENSE-APACHE", "NOTICE", "assets/hands/LICENSE.md"} <= licences
+    assert {"LICENSE-MIT", "LICENSE-APACHE", "NOTICE", "crates/thenar-rig/assets/hands/LICENSE.md"} <= licences
     about = importlib.metadata.metadata("thenar")
     assert about["License-Expression"] == "MIT OR Apache-2.0" and about["Requires-Python"] == ">=3.10"
 
@@ -53,8 +53,9 @@ def test_the_sources_have_all_that_is_built_into_the_package(tmp_path: pathlib.P
             assert (file.parent / name).is_file(), f"{file} wants {name}"
             built_in += 1
     assert built_in >= 2
-    scenes = {path.name for path in (ROOT / "scenes").glob("*.toml")}
-    assert {path.name for path in (tmp_path / top / "scenes").glob("*.toml")} == scenes
+    folder = "crates/thenar-scene/scenes"
+    scenes = {path.name for path in (ROOT / folder).glob("*.toml")}
+    assert scenes and {path.name for path in (tmp_path / top / folder).glob("*.toml")} == scenes
     # The lock file goes along, so that the same versions are built, and pip gets past what it does first.
     assert (tmp_path / top / "Cargo.lock").read_bytes() == (ROOT / "Cargo.lock").read_bytes()
     first = [maturin, "pep517", "write-dist-info", "--interpreter", sys.executable, "--metadata-directory", str(tmp_path)]

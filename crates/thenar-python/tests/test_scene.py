@@ -10,17 +10,19 @@ import pytest
 import thenar
 from conftest import ROOT
 
+SCENES = ROOT / "crates/thenar-scene/scenes"
+
 
 def test_the_scenes_that_come_along_are_those_of_the_tree() -> None:
-    files = {path.stem for path in (ROOT / "scenes").glob("*.toml")}
+    files = {path.stem for path in SCENES.glob("*.toml")}
     assert set(thenar.scene_names()) == files
     scene = thenar.Scene.named("bread-grasp")
-    assert scene.text == (ROOT / "scenes/bread-grasp.toml").read_text()
+    assert scene.text == (SCENES / "bread-grasp.toml").read_text()
     assert scene.title and scene.duration > 0 and scene.time_step == scene.world().time_step
 
 
 def test_text_file_and_name_give_the_same_world() -> None:
-    path = ROOT / "scenes/falling-box.toml"
+    path = SCENES / "falling-box.toml"
     scenes = [
         thenar.Scene.named("falling-box"),
         thenar.Scene.from_file(path),
@@ -99,7 +101,7 @@ def test_errors_have_the_words_of_the_program(program: pathlib.Path, tmp_path: p
     scene = tmp_path / "wrong.toml"
     scene.write_text('version = 1\ntime_stp = 0.001\n[[rigid]]\nname = "a"\n')
     absent = tmp_path / "absent.toml"
-    pinch = ROOT / "scenes/pinch.toml"
+    pinch = SCENES / "pinch.toml"
     wanted: list[tuple[Callable[[], thenar.Scene], list[str]]] = [
         (lambda: thenar.Scene.from_file(scene), ["run", str(scene)]),
         (lambda: thenar.Scene.from_file(absent), ["run", str(absent)]),

@@ -9,10 +9,10 @@
 
 import { DIGIT_JOINTS, jointDistance, jointRadius, type HandJoints } from "./joints";
 
-/** Wrist to the skin of the middle fingertip of the model at scale 1 (assets/hands), m. */
+/** Wrist to the skin of the middle fingertip of the model at scale 1 (crates/thenar-rig/assets/hands), m. */
 export const MODEL_LENGTH = 0.1893;
 /** Wrist to first knuckle and on along the bones to the skin of the tip, thumb first, m; measured
- * on the meshes of assets/hands. WebXR's tips are at the skin too. */
+ * on the meshes of crates/thenar-rig/assets/hands. WebXR's tips are at the skin too. */
 const MODEL_CHAINS = [0.1399, 0.1836, 0.19, 0.1788, 0.1586];
 /** Half the width of the mesh across the joints after the first knuckle, per digit, m. */
 const MODEL_WIDTHS = [

@@ -5,7 +5,7 @@ import { fileURLToPath } from "node:url";
 import { expect, it } from "vitest";
 import { sceneName, WITHOUT_HAND } from "../../src/ui/scene-menu";
 
-const folder = fileURLToPath(new URL("../../../scenes/", import.meta.url));
+const folder = fileURLToPath(new URL("../../../crates/thenar-scene/scenes/", import.meta.url));
 
 it("knows which built-in scenes have no hand to lead", () => {
   const files = readdirSync(folder).filter((name) => name.endsWith(".toml"));

@@ -7,7 +7,7 @@ import { MOMENTS } from "../../e2e/support/moments";
 import { inOrder, pictureOf } from "../../src/ui/scene-tiles";
 
 const folder = (path: string) => fileURLToPath(new URL(path, import.meta.url));
-const scenes = readdirSync(folder("../../../scenes/"))
+const scenes = readdirSync(folder("../../../crates/thenar-scene/scenes/"))
   .filter((name) => name.endsWith(".toml"))
   .map((name) => name.replace(".toml", ""))
   .sort();

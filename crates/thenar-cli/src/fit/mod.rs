@@ -23,7 +23,7 @@ use thenar_output::Output;
 use unknowns::{OFFSET, Unknown};
 
 /// The built-in press: a flat plate on the pad of a finger of the hand for touch.
-const PRESS: &str = include_str!("../../../../scenes/validation/f01-press.toml");
+const PRESS: &str = include_str!("../../scenes/validation/f01-press.toml");
 const PRESS_FILE: &str = "scenes/validation/f01-press.toml";
 
 /// Find moduli from force and depth measured on a finger, with their uncertainty.

@@ -14,8 +14,7 @@ use thenar_scene::session::Session;
 use thenar_touch::{CouplingDesign, TrackerTiming};
 
 /// Fingertips of a hand of about 600 tetrahedra over a table.
-const SCENE: &str =
-    include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/validation/e09-press.toml"));
+const SCENE: &str = include_str!("../../scenes/validation/e09-press.toml");
 
 /// The three modes of touch on one motion: stiffness, delay and energy.
 #[derive(Debug, clap::Args)]

@@ -3,7 +3,7 @@
 use super::rehearse::human;
 use crate::chart::{Axis, Dash, Line, Panel, page};
 use crate::error::CliError;
-use crate::run::open_live;
+use crate::run::{known, open_live};
 use crate::touch::ModeWord;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -12,9 +12,8 @@ use thenar_output::Output;
 use thenar_scene::session::Session;
 use thenar_touch::{GRIP, TrackerTiming};
 
-/// A hand of about 200 tetrahedra that lies down on a table and presses.
-const SCENE: &str =
-    include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/table-press.toml"));
+/// The built-in scene in which a hand lies down on a table and presses.
+const SCENE: &str = "table-press";
 /// When it lies there \[s\].
 const UNTIL: f64 = 1.2;
 
@@ -106,7 +105,7 @@ fn onset(args: &Args, rate: f64, delay_ms: f64) -> Result<Onset, CliError> {
         None => {
             let small = ["hand.hand.preset=paper", "hand.hand.tets=200"].map(str::to_owned);
             let set = [&small[..], &args.set].concat();
-            Ok(Session::from_text(SCENE, Path::new("table-press.toml"), &set)?)
+            Ok(Session::from_text(known(SCENE)?.text, Path::new("table-press.toml"), &set)?)
         }
     };
     rehearsal(args, rate, delay_ms).onset(|| open().map_err(Failed::Open)).map_err(CliError::from)

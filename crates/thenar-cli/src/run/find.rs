@@ -30,8 +30,15 @@ pub fn find(scene: &Path) -> Result<Found, CliError> {
     if beside.is_file() {
         return Ok(Found::File(beside));
     }
-    let name = scene.to_string_lossy();
-    builtin(&name).map(Found::Builtin).ok_or_else(|| {
+    known(&scene.to_string_lossy()).map(Found::Builtin)
+}
+
+/// The built-in scene of this name, whatever files are here.
+///
+/// # Errors
+/// There is no such built-in scene.
+pub fn known(name: &str) -> Result<&'static Builtin, CliError> {
+    builtin(name).ok_or_else(|| {
         let known: Vec<_> = builtins().iter().map(|s| s.name).collect();
         let known = known.join(", ");
         thenar_scene::SceneError::Unknown { name: name.into(), known }.into()

@@ -19,7 +19,7 @@ macro_rules! scene {
             name: $name,
             text: include_str!(concat!(
                 env!("CARGO_MANIFEST_DIR"),
-                "/../../scenes/validation/",
+                "/scenes/validation/",
                 $name,
                 ".toml"
             )),

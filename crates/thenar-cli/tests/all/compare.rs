@@ -36,7 +36,7 @@ fn said(bytes: &[u8]) -> String {
 }
 
 fn finger() -> String {
-    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/validation");
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/validation");
     scenes.join("d05-finger.toml").display().to_string()
 }
 

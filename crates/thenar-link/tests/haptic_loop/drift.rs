@@ -10,7 +10,7 @@ use thenar_track::live::{LivePose, Mover};
 use thenar_track::source_clock::SourceClock;
 
 /// Fingers on a table, of the paper's hand, which is quick.
-const TABLE: &str = include_str!("../../../../scenes/table-press.toml");
+const TABLE: &str = include_str!("../../../thenar-scene/scenes/table-press.toml");
 
 /// The tracker drifts by 1 mm/s for 5 s, up, down and sideways: the force moves by no more than the stiffness that is felt
 /// times the way, and a hundredth of a newton that a hand at rest is allowed to waver by.

@@ -10,7 +10,7 @@ use thenar_link::Rendering;
 use thenar_link::haptic_loop::{LoopMode, Settings};
 use thenar_track::live::LivePose;
 
-const SCENE: &str = include_str!("../../../../scenes/free-motion.toml");
+const SCENE: &str = include_str!("../../../thenar-scene/scenes/free-motion.toml");
 /// Still or up to 0.1 m/s, and up to 1 m/s \[N\].
 const MOST: [f64; 2] = [0.02, 0.05];
 

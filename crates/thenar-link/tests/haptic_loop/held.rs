@@ -10,8 +10,8 @@ use thenar_link::haptic_loop::{LoopMode, Settings};
 use thenar_scene::motion::HandMotion;
 use thenar_track::live::{LiveHand, LivePose};
 
-const BREAD: &str = include_str!("../../../../scenes/bread-grasp.toml");
-const CAR: &str = include_str!("../../../../scenes/car-grasp.toml");
+const BREAD: &str = include_str!("../../../thenar-scene/scenes/bread-grasp.toml");
+const CAR: &str = include_str!("../../../thenar-scene/scenes/car-grasp.toml");
 /// The scene's hand rests, closes and holds \[ms\].
 const RESTS: u64 = 1000;
 const HOLDS: u64 = RESTS + 2100;

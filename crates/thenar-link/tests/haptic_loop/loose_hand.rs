@@ -7,9 +7,9 @@ use thenar_link::rehearsal::{Human, Outcome, Rehearsal};
 use thenar_testing::one_in;
 use thenar_touch::TrackerTiming;
 
-const BREAD: &str = include_str!("../../../../scenes/bread-grasp.toml");
-const CAR: &str = include_str!("../../../../scenes/car-grasp.toml");
-const TABLE: &str = include_str!("../../../../scenes/table-press.toml");
+const BREAD: &str = include_str!("../../../thenar-scene/scenes/bread-grasp.toml");
+const CAR: &str = include_str!("../../../thenar-scene/scenes/car-grasp.toml");
+const TABLE: &str = include_str!("../../../thenar-scene/scenes/table-press.toml");
 
 /// The time at which the scene's hand presses, a hand, and a tracker's rate \[Hz\] and delay \[s\].
 fn held(until: f64, mbk: [f64; 3], [rate, latency]: [f64; 2]) -> Rehearsal {

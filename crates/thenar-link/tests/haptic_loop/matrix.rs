@@ -13,9 +13,9 @@ use thenar_touch::TrackerTiming;
 
 /// With the time at which the hand holds or presses.
 const SCENES: [(&str, &str, f64); 3] = [
-    ("table", include_str!("../../../../scenes/table-press.toml"), 1.2),
-    ("bread", include_str!("../../../../scenes/bread-grasp.toml"), 2.1),
-    ("car", include_str!("../../../../scenes/car-grasp.toml"), 2.1),
+    ("table", include_str!("../../../thenar-scene/scenes/table-press.toml"), 1.2),
+    ("bread", include_str!("../../../thenar-scene/scenes/bread-grasp.toml"), 2.1),
+    ("car", include_str!("../../../thenar-scene/scenes/car-grasp.toml"), 2.1),
 ];
 const MODES: [LoopMode; 3] = [LoopMode::Shared, LoopMode::Multirate, LoopMode::SingleRate];
 /// Mass \[kg\], damping \[N s/m\], stiffness \[N/m\].

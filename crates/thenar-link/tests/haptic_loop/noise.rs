@@ -10,7 +10,7 @@ use thenar_scene::session::Random;
 use thenar_track::live::LivePose;
 
 /// Fingers on a table, of the paper's hand, which is quick.
-const TABLE: &str = include_str!("../../../../scenes/table-press.toml");
+const TABLE: &str = include_str!("../../../thenar-scene/scenes/table-press.toml");
 /// What is looked at \[ms\].
 const WINDOW: usize = 4000;
 

@@ -7,7 +7,7 @@ use thenar_link::rehearsal::{Human, Rehearsal};
 use thenar_scene::session::Session;
 use thenar_touch::TrackerTiming;
 
-const TABLE: &str = include_str!("../../../../scenes/table-press.toml");
+const TABLE: &str = include_str!("../../../thenar-scene/scenes/table-press.toml");
 
 /// A millimetre of noise, observed for up to 50 ms, 39 ms late: the rule knows, and leaves 16 to 22 N/m behind a tracker
 /// without latency and 8 to 10 N/m behind one of 50 ms. Stirred by the force of noise, K times half a millimetre or so, a

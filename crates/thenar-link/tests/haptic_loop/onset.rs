@@ -7,7 +7,7 @@ use thenar_link::rehearsal::{Human, Rehearsal, RehearsalError};
 use thenar_scene::session::Session;
 use thenar_touch::{GRIP, MARGIN, TrackerTiming};
 
-const TABLE: &str = include_str!("../../../../scenes/table-press.toml");
+const TABLE: &str = include_str!("../../../thenar-scene/scenes/table-press.toml");
 
 #[test]
 fn the_rule_stays_below_the_onset_of_humming() {

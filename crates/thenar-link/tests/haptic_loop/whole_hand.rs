@@ -10,7 +10,7 @@ use thenar_scene::session::Session;
 use thenar_touch::{BLEND, CouplingDesign, GRIP, TrackerTiming};
 
 /// Fingertips a few millimetres above a table.
-const OVER_A_TABLE: &str = include_str!("../../../../scenes/validation/e09-press.toml");
+const OVER_A_TABLE: &str = include_str!("../../../thenar-cli/scenes/validation/e09-press.toml");
 /// An arm that is seen in each tick.
 const AT_ONCE: TrackerTiming = TrackerTiming { rate: 1000.0, latency: 0.0, noise: 0.0 };
 /// Before anything is asked of a hand: it sets out and comes to rest \[ms\].

@@ -4,9 +4,9 @@ use super::{Plan, read_glb_plan, read_mjcf, read_urdf};
 use crate::RigError;
 use std::path::Path;
 
-const GRIPPER: &str = include_str!("../../../../assets/figures/gripper.urdf");
-const FOREARM: &str = include_str!("../../../../assets/figures/forearm.xml");
-const BODY: &[u8] = include_bytes!("../../../../assets/figures/body.glb");
+const GRIPPER: &str = include_str!("../../assets/figures/gripper.urdf");
+const FOREARM: &str = include_str!("../../assets/figures/forearm.xml");
+const BODY: &[u8] = include_bytes!("../../assets/figures/body.glb");
 
 /// Names of the figures that come with the program.
 pub const SHIPPED: [&str; 3] = ["gripper", "forearm", "body"];

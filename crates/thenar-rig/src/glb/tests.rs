@@ -3,7 +3,7 @@
 
 use super::*;
 
-const RIGHT: &[u8] = include_bytes!("../../../../assets/hands/right.glb");
+const RIGHT: &[u8] = include_bytes!("../../assets/hands/right.glb");
 
 #[test]
 fn the_shipped_hand_reads() {

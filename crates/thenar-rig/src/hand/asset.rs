@@ -5,8 +5,8 @@ use crate::RigError;
 use thenar_core::model::{HandModel, Side};
 
 /// The WebXR generic hand (MIT licence, see `assets/hands`).
-const RIGHT: &[u8] = include_bytes!("../../../../assets/hands/right.glb");
-const LEFT: &[u8] = include_bytes!("../../../../assets/hands/left.glb");
+const RIGHT: &[u8] = include_bytes!("../../assets/hands/right.glb");
+const LEFT: &[u8] = include_bytes!("../../assets/hands/left.glb");
 
 /// The bytes of the shipped GLB file of this side.
 pub fn asset(side: Side) -> &'static [u8] {

@@ -12,7 +12,7 @@ use thenar_rig::figure::{
 };
 
 fn asset(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/figures").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/figures").join(name)
 }
 
 fn built(name: &str, thickness: f64) -> (HandModel, FigureReport) {

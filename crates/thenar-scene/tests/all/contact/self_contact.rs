@@ -8,7 +8,7 @@ use thenar_core::world::ContactPoint;
 use thenar_scene::session::Session;
 
 fn load(name: &str, changes: &[&str]) -> Session {
-    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     let changes: Vec<String> = changes.iter().map(|s| s.to_string()).collect();
     Session::load(&scenes.join(name).with_extension("toml"), &changes).unwrap()
 }

@@ -4,7 +4,7 @@
 use std::path::Path;
 use thenar_scene::session::Session;
 
-const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes");
+const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes");
 
 /// An index pad, its bones held, and a plate tilted by 30° that comes up to it at 5 mm/s along its normal.
 fn press(side: &str, seconds: f64) -> Session {

@@ -27,7 +27,7 @@ fn text(text: &str) -> Session {
 
 /// The finger of validation D5: two bones in flesh, bent by a torque at their hinge.
 fn finger(stiffness: f64, h: f64) -> Session {
-    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/validation");
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../thenar-cli/scenes/validation");
     let bind = (0..3).map(|i| format!("soft.flesh.bind.{i}.stiffness={stiffness:e}"));
     let set: Vec<String> = bind.chain([format!("time_step={h}")]).collect();
     Session::load(&scenes.join("d05-finger.toml"), &set).unwrap_or_else(|e| panic!("{e}"))

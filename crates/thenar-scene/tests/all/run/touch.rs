@@ -252,7 +252,7 @@ fn skin_on_a_material_drags_by_its_load() {
 
 /// The shipped scene of a block drawn over a plane, under this load \[N\].
 fn drag(friction: &str, load: f64) -> Session {
-    let text = include_str!("../../../../../scenes/validation/f04-drag.toml");
+    let text = include_str!("../../../../thenar-cli/scenes/validation/f04-drag.toml");
     let changes = [
         format!("pair.0.friction={friction}"),
         format!("rigid.block.mass={}", load / 10.0),

@@ -23,7 +23,7 @@ fn run_to(session: &mut Session, time: f64) {
     }
 }
 
-const PENDULUM: &str = include_str!("../../../../../scenes/finger-pendulum.toml");
+const PENDULUM: &str = include_str!("../../../scenes/finger-pendulum.toml");
 
 #[test]
 fn a_horizontal_finger_starts_horizontal() {

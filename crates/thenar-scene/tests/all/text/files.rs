@@ -57,7 +57,7 @@ fn the_files_that_a_scene_names_are_those_that_are_read() {
     put("tets.toml", "nodes = [[0,0,0],[0.1,0,0],[0,0.1,0],[0,0,0.1]]\ntets = [[0,1,2,3]]\n");
     put("keys.toml", "[[key]]\ntime = 0\npose = \"rest\"\n");
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let hand = root.join("assets/hands/right.glb").display().to_string();
+    let hand = root.join("crates/thenar-rig/assets/hands/right.glb").display().to_string();
     let recorded = root.join("crates/thenar-link/tests/data/hands.jsonl").display().to_string();
     let text = SCENE.replace("HAND", &hand).replace("RECORDED", &recorded);
 

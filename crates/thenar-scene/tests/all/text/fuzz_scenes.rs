@@ -8,9 +8,9 @@ use thenar_core::model::{HandModel, Side};
 
 /// Small scenes with most of what a scene can hold.
 const SCENES: [&str; 4] = [
-    include_str!("../../../../../scenes/falling-box.toml"),
-    include_str!("../../../../../scenes/finger-pendulum.toml"),
-    include_str!("../../../../../scenes/validation/b01-patch.toml"),
+    include_str!("../../../scenes/falling-box.toml"),
+    include_str!("../../../scenes/finger-pendulum.toml"),
+    include_str!("../../../../thenar-cli/scenes/validation/b01-patch.toml"),
     r#"version = 1
 duration = 0.01
 time_step = 0.002

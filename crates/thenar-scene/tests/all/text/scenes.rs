@@ -9,7 +9,7 @@ use thenar_scene::session::{Session, builtin, read};
 const G: f64 = 9.81;
 
 fn load(name: &str) -> Session {
-    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     let file = scenes.join(name).with_extension("toml");
     Session::load(&file, &[]).unwrap_or_else(|error| panic!("{error}"))
 }

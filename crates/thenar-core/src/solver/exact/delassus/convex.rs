@@ -226,7 +226,7 @@ mod tests {
     /// and seven limits of joints. Of each member whether it is a limit (1 or 0), its friction, its impulse \[N s\] and the
     /// velocity there less the target \[m/s\], as doubles; then the lower triangle of W \[1/kg\], row by row, as floats.
     /// Numbers are little-endian.
-    const STEP: &[u8] = include_bytes!("../../../../tests/data/jammed-hand.bin");
+    const STEP: &[u8] = include_bytes!("jammed-hand.bin");
     const MEMBERS: usize = 46;
     const ROWS: usize = (3 * MEMBERS).next_multiple_of(LANES);
 
