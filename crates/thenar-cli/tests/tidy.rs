@@ -61,7 +61,8 @@ fn files(folder: &str, ending: &str) -> Vec<String> {
         for entry in std::fs::read_dir(root().join(&folder)).unwrap().flatten() {
             let name = entry.file_name().into_string().unwrap();
             let path = if folder.is_empty() { name.clone() } else { format!("{folder}/{name}") };
-            if entry.path().is_dir() && !skipped.contains(&name.as_str()) {
+            // Links lead to what is found elsewhere.
+            if entry.file_type().unwrap().is_dir() && !skipped.contains(&name.as_str()) {
                 folders.push(path);
             } else if name.ends_with(ending) {
                 found.push(path);
