@@ -100,6 +100,25 @@ impl<'a> HandRef<'a> {
         })
     }
 
+    /// A pose with the wrist's frame there in the world, whose fingers are bent from rest so that the middle of each named one's pad
+    /// comes to its place \[m\], and how far the worst of them ends from it \[m\]. Inverse kinematics on this hand, to be
+    /// [followed](HandMut::follow); contact and flesh do the rest.
+    ///
+    /// # Errors
+    /// Poses cannot move this hand.
+    pub fn reaching(
+        &self,
+        wrist: Pose,
+        tips: &[(Digit, Vec3)],
+    ) -> Result<(HandPose, f64), LiveError> {
+        let mut places = [None; 5];
+        for (digit, place) in tips.iter().filter(|(digit, _)| *digit != Digit::Palm) {
+            places[usize::from(digit.part()) - 1] = Some(*place);
+        }
+        let (pose, misses) = self.session.reaching(self.hand, wrist, &places)?;
+        Ok((pose, misses.into_iter().fold(0.0, f64::max)))
+    }
+
     /// What moves it: its script, poses, or nothing since poses were lost.
     pub fn mover(&self) -> Mover {
         self.session.mover(self.hand)

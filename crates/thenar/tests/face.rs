@@ -225,3 +225,38 @@ fn all_builders_write_what_scenes_read() {
     let reach = sim.hand(hand).vertices().iter().map(|x| (x - wrist).norm()).fold(0.0, f64::max);
     assert!((reach - 0.18).abs() < 0.03, "{reach} m long");
 }
+
+/// Inverse kinematics, live: the index finger's pad comes down on a ball that stands beside the others, and presses it.
+#[test]
+fn a_fingertip_goes_where_it_is_wanted() {
+    let mut scene = Scene::new();
+    scene.add(Rigid::plane());
+    let ball = Rigid::sphere(0.015).at([-0.02, 0.1, -0.13]).fixed();
+    let ball = scene.add(ball);
+    let hand = scene.add(Hand::right().paper().at([0.0, 0.5, 0.0]));
+    let mut sim = scene.build().unwrap();
+    let wrist = Pose::translation(0.0, 0.16, 0.0);
+    let reach = |sim: &thenar::Simulation, place: Vec3| {
+        sim.hand(hand).reaching(wrist, &[(thenar::Digit::Index, place)]).unwrap()
+    };
+    let (pose, miss) = reach(&sim, Vec3::new(-0.02, 0.11, -0.13));
+    assert!(miss < 1e-3, "{miss} m off");
+    for _ in 0..400 {
+        sim.hand_mut(hand).follow(&pose).unwrap();
+        sim.step();
+    }
+    let loads = sim.loads(hand);
+    let index = loads.iter().find(|load| load.digit == thenar::Digit::Index).unwrap();
+    assert!(index.normal > 0.1, "{loads:?}");
+    let on_ball = |c: &thenar::Contact| c.bodies.contains(&ball.into()) && c.normal_force() > 0.0;
+    for contact in sim.contacts().filter(on_ball) {
+        let digits = contact.bodies.map(|body| match body {
+            Body::Skin(_, digit) | Body::Bone(_, digit) => digit,
+            _ => thenar::Digit::Index,
+        });
+        assert_eq!(digits, [thenar::Digit::Index; 2], "{contact:?}");
+    }
+    // Beyond the finger's length it ends as far off as told.
+    let (_, miss) = reach(&sim, Vec3::new(0.0, 0.16, -0.5));
+    assert!(miss > 0.2 && miss < 0.45, "{miss} m off");
+}

@@ -4,7 +4,7 @@ use super::Files;
 use super::assets;
 use crate::format::{
     CurlTable, HandKey, JointAngles, KeyframesTable, LimitsWord, MotionTable, PoseWord,
-    RecordedTable, SideOfHandWord, WristTable,
+    RecordedTable, SideOfHandWord, TipsTable, WristTable,
 };
 use crate::math::Pose;
 use crate::motion::{
@@ -99,7 +99,14 @@ fn key(k: &HandKey) -> Key {
         pose: k.pose.map(preset),
         curl: k.curl.as_ref().map(curl).unwrap_or_default(),
         joints: k.joints.0.iter().map(|(name, j)| (name.clone(), joint(j))).collect(),
+        tips: k.tips.as_ref().map(tips).unwrap_or_default(),
     }
+}
+
+fn tips(t: &TipsTable) -> BTreeMap<Digit, [f64; 3]> {
+    let fingers = [t.thumb, t.index, t.middle, t.ring, t.little];
+    let places = Digit::FINGERS.into_iter().zip(fingers);
+    places.filter_map(|(digit, place)| place.map(|place| (digit, place.into()))).collect()
 }
 
 fn wrist(w: &WristTable) -> WristKey {

@@ -39,7 +39,7 @@ pub use load::{
 };
 pub use motion::{
     CurlTable, HandKey, JointAngles, KeyframesTable, LimitsWord, MotionFileTable, MotionTable,
-    PoseWord, RecordedTable, SideOfHandWord, WristTable,
+    PoseWord, RecordedTable, SideOfHandWord, TipsTable, WristTable,
 };
 pub use pose::{DriveTable, InterpolationWord, Keyframe, Placement, Rotation};
 pub use probe::{

@@ -76,6 +76,22 @@ table! {
 }
 
 table! {
+    /// Places of fingertips, world: the middle of each pad's skin.
+    pub struct TipsTable {
+        /// Place of the thumb's pad [m].
+        thumb: Option<Vec3> where PLACE;
+        /// Place of the index finger's pad [m].
+        index: Option<Vec3> where PLACE;
+        /// Place of the middle finger's pad [m].
+        middle: Option<Vec3> where PLACE;
+        /// Place of the ring finger's pad [m].
+        ring: Option<Vec3> where PLACE;
+        /// Place of the little finger's pad [m].
+        little: Option<Vec3> where PLACE;
+    }
+}
+
+table! {
     /// Angles of one joint.
     pub struct JointAngles {
         /// Flexion [degrees], positive when the hand closes.
@@ -98,6 +114,10 @@ table! {
         curl: Option<CurlTable>;
         /// Single joints, by the name of the joint or of the bone it carries.
         joints: NamedJoints;
+        /// Where fingertips are at that time, with the wrist where it is then: digits bend, near to the shape that the keys above give
+        /// them, until the middle of each pad is there. Between keys their joints turn evenly. A place that is out of reach is an
+        /// angle out of range: see `limits`.
+        tips: Option<TipsTable>;
     }
 }
 

@@ -130,6 +130,7 @@ fn still(wrist: WristTable) -> At<MotionTable> {
         pose: Some(PoseWord::Rest),
         curl: None,
         joints: NamedJoints::default(),
+        tips: None,
     };
     let table = KeyframesTable { limits: LimitsWord::Clamp, key: vec![key] };
     mirror::unwritten(MotionTable::Keyframes(table), "hand.motion")

@@ -1,6 +1,6 @@
 //! A hand reflected in the plane x = 0.
 
-use crate::format::{Camera, Hand, MotionTable, Rotation, SideOfHandWord, WristTable};
+use crate::format::{Camera, Hand, MotionTable, Rotation, SideOfHandWord, TipsTable, WristTable};
 use crate::math::Vec3;
 use crate::text::{At, Place};
 use thenar_core::model::Side;
@@ -26,6 +26,7 @@ pub fn hand(hand: &mut Hand, side: Side) {
     let from_file = match hand.motion.as_mut().map(|motion| &mut motion.value) {
         Some(MotionTable::Keyframes(keys)) => {
             keys.key.iter_mut().filter_map(|key| key.wrist.as_mut()).for_each(wrist);
+            keys.key.iter_mut().filter_map(|key| key.tips.as_mut()).for_each(tips);
             // The other side's joints may have slightly other limits.
             keys.limits = crate::format::LimitsWord::Clamp;
             false
@@ -65,6 +66,12 @@ pub fn wrist(wrist: &mut WristTable) {
     if let Some([_, y, z, _]) = &mut wrist.rotation {
         (*y, *z) = (-*y, -*z);
     }
+}
+
+/// Mirrors places of fingertips.
+fn tips(tips: &mut TipsTable) {
+    let TipsTable { thumb, index, middle, ring, little } = tips;
+    [thumb, index, middle, ring, little].into_iter().flatten().for_each(|place| place.x = -place.x);
 }
 
 /// Mirrors a rotation: turns about y and z change their sense, turns about x keep it.

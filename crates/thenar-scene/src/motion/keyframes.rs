@@ -10,9 +10,13 @@
 //! time = 0.8
 //! curl = { index = 0.6, thumb = 0.3 }         # 0 open .. 1 fist, per finger
 //! joints = { index-proximal = { flexion_deg = 40, spread_deg = 5 } }
+//!
+//! [[key]]
+//! time = 1.5
+//! tips = { index = [0.02, 0.0, -0.1] }        # m, world: where the middle of its pad is
 //! ```
 //!
-//! Within a key, `pose` is refined by `curl`, and that by `joints`. What a key does not name keeps
+//! Within a key, `pose` is refined by `curl`, that by `joints`, and that by `tips`. What a key does not name keeps
 //! moving between the keys that do name it.
 
 mod compile;
@@ -55,7 +59,8 @@ impl Keyframes {
         let duration = check_times(&desc.key)?;
         let home = articulation.wrist_at_rest(pose_WM);
         let (position, rotation) = wrist_tracks(&desc.key, &home)?;
-        let (joints, warnings) = joint_tracks(desc, hand, &articulation, &anatomy)?;
+        let wrist = |time| Pose::new(position.at(time)[0], rotation.at(time).0);
+        let (joints, warnings) = joint_tracks(desc, hand, &articulation, &anatomy, &wrist)?;
         let still = vec![[0.0; 2]; joints.len()];
         Ok(Self {
             articulation,

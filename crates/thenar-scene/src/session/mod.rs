@@ -42,7 +42,7 @@ pub use witness::{Entry, Witness};
 use crate::build::{Built, BuiltHand, Mesh, RigidLook, SoftBuild};
 use crate::format::{Camera, Scene};
 use crate::grip::GripHand;
-use crate::live::{LiveError, LiveHand};
+use crate::live::{LiveError, LiveHand, LivePose};
 use crate::motion::AngleRange;
 use crate::tuning::Tuning;
 use std::collections::BTreeMap;
@@ -50,7 +50,8 @@ use std::ops::Range;
 use std::path::PathBuf;
 use thenar_core::condensed::SlowToFast;
 use thenar_core::world::{Input, StageTimer, StepReport, Target};
-use thenar_core::{Pose, World};
+use thenar_core::{Pose, Vec3, World};
+use thenar_track::reach::Fingertips;
 
 /// A scene that can be stepped.
 #[derive(Debug)]
@@ -206,6 +207,30 @@ impl Session {
             range.sense * angles[range.axis]
         };
         hand.angles().map(|range| range.map_or(f64::NAN, angle))
+    }
+
+    /// A pose of a hand with its wrist's frame there in the world, digits bent from rest so that the middle of each one's pad
+    /// comes to its place (thumb first, world \[m\]), and how far each ends from it \[m\]: infinity for a digit that the
+    /// hand lacks, zero for one without a place. For [`Session::live_pose`].
+    ///
+    /// # Errors
+    /// There is no such hand, or poses cannot move it.
+    pub fn reaching(
+        &self,
+        hand: usize,
+        wrist: Pose,
+        places_W: &[Option<Vec3>; 5],
+    ) -> Result<(LivePose, [f64; 5]), LiveError> {
+        let count = self.live.len();
+        let live = self.live.get(hand).ok_or(LiveError::NoHand { hand, count })?;
+        live.as_ref().map_err(LiveError::clone)?;
+        let model = &self.built.hands[hand].model;
+        let tips = Fingertips::new(model).map_err(|e| LiveError::Unfit {
+            hand: self.built.hands[hand].name.clone(),
+            cause: e.to_string(),
+        })?;
+        let (angles, misses) = tips.angles(model, &wrist, places_W);
+        Ok((LivePose::Angles { wrist, angles }, misses))
     }
 
     /// What presses on the palm, thumb, index, middle, ring and little finger of a hand; zero for

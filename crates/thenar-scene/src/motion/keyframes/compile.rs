@@ -7,10 +7,14 @@ use crate::motion::preset::Preset;
 use crate::motion::shapes::Shapes;
 use thenar_core::model::{Digit, HandModel};
 use thenar_core::{Mat3, Pose, Quat, Vec3};
+use thenar_track::reach::Fingertips;
 use thenar_track::{Anatomy, Articulation, JointRole};
 
 /// Part of the way to a fist after which the thumb, aside until then, comes over the fingers.
 const THUMB_LAST: f64 = 0.75;
+
+/// A pad that ends farther from its place is short of it \[m\]: as far as skin gives way under a light touch.
+const SHORT: f64 = 1e-3;
 
 fn bad_key(k: usize, key: &Key, cause: String) -> MotionError {
     MotionError::Key { number: k + 1, time: key.time, cause }
@@ -92,11 +96,15 @@ pub fn joint_tracks(
     hand: &HandModel,
     articulation: &Articulation,
     anatomy: &Anatomy,
+    wrist: &dyn Fn(f64) -> Pose,
 ) -> Result<(Vec<[ScalarTrack; 2]>, Vec<String>), MotionError> {
     let shapes = Shapes::new(hand, articulation, anatomy);
     let mut compiler = Compiler::new(desc.limits, articulation, anatomy, shapes);
+    if desc.key.iter().any(|key| !key.tips.is_empty()) {
+        compiler.tips = Some(Fingertips::new(hand)?);
+    }
     for (k, key) in desc.key.iter().enumerate() {
-        compiler.add(key).map_err(|cause| bad_key(k, key, cause))?;
+        compiler.add(key, &wrist(key.time)).map_err(|cause| bad_key(k, key, cause))?;
     }
     Ok(compiler.finish())
 }
@@ -107,6 +115,8 @@ struct Compiler<'a> {
     articulation: &'a Articulation,
     anatomy: &'a Anatomy,
     shapes: Shapes<'a>,
+    /// Present where a key gives places of fingertips.
+    tips: Option<Fingertips>,
     knots: Vec<[Vec<(f64, f64)>; 2]>,
     /// Shape with the thumb over bent fingers that the last key with a shape made.
     thumb_over: Option<Preset>,
@@ -126,13 +136,14 @@ impl<'a> Compiler<'a> {
             articulation,
             anatomy,
             shapes,
+            tips: None,
             knots,
             thumb_over: None,
             warnings: Vec::new(),
         }
     }
 
-    fn add(&mut self, key: &Key) -> Result<(), String> {
+    fn add(&mut self, key: &Key, wrist: &Pose) -> Result<(), String> {
         let mut wanted = vec![[None; 2]; self.knots.len()];
         for (j, role) in self.anatomy.roles.iter().enumerate() {
             if let Some(preset) = key.pose {
@@ -150,10 +161,56 @@ impl<'a> Compiler<'a> {
         for (name, joint) in &key.joints {
             self.joint(name, joint, key.time, &mut wanted)?;
         }
+        self.reach(key, wrist, &mut wanted)?;
         self.thumb_aside(key, &wanted);
         for (knots, wanted) in self.knots.iter_mut().zip(wanted) {
             for (knots, wanted) in knots.iter_mut().zip(wanted) {
                 knots.extend(wanted.map(|angle| (key.time, angle)));
+            }
+        }
+        Ok(())
+    }
+
+    /// Bends digits so that their pads are where the key wants them.
+    fn reach(
+        &mut self,
+        key: &Key,
+        wrist: &Pose,
+        wanted: &mut [[Option<f64>; 2]],
+    ) -> Result<(), String> {
+        let Some(tips) = self.tips.as_ref().filter(|_| !key.tips.is_empty()) else { return Ok(()) };
+        let places = Digit::FINGERS.map(|digit| key.tips.get(&digit).map(|x| Vec3::from(*x)));
+        if let Some(place) = places.iter().flatten().find(|x| !x.iter().all(|x| x.abs() <= 1e3)) {
+            return Err(format!("tips: {:?} is not within 1 km", place.as_slice()));
+        }
+        // From the shape of this key, and at rest where it gives none.
+        let rest = &self.articulation.rest_angles;
+        let shape = wanted.iter().zip(rest);
+        let mut angles: Vec<[f64; 2]> =
+            shape.map(|(wanted, rest)| [0, 1].map(|k| wanted[k].unwrap_or(rest[k]))).collect();
+        let misses = tips.bend(wrist, &places, &mut angles);
+        for (digit, miss) in Digit::FINGERS.into_iter().zip(misses) {
+            if !key.tips.contains_key(&digit) {
+                continue;
+            }
+            if miss == f64::INFINITY {
+                return Err(format!("tips: the hand has no {} that can be led", digit.name()));
+            }
+            for j in self.anatomy.joints_of(digit) {
+                wanted[j] = angles[j].map(Some);
+            }
+            if miss > SHORT {
+                let text = format!(
+                    "tips: the {}'s pad ends {:.0} mm from its place: out of reach of the wrist there",
+                    digit.name(),
+                    1e3 * miss
+                );
+                match self.policy {
+                    LimitPolicy::Error => return Err(text),
+                    LimitPolicy::Clamp => {
+                        self.warnings.push(format!("time {} s: {text}", key.time));
+                    }
+                }
             }
         }
         Ok(())
@@ -164,7 +221,9 @@ impl<'a> Compiler<'a> {
     fn thumb_aside(&mut self, key: &Key, wanted: &[[Option<f64>; 2]]) {
         let thumb: Vec<usize> = self.anatomy.joints_of(Digit::Thumb).collect();
         let mut named = key.joints.keys().filter_map(|name| self.anatomy.find(name));
-        let own = key.curl.contains_key(&Digit::Thumb) || named.any(|j| thumb.contains(&j));
+        let own = key.curl.contains_key(&Digit::Thumb)
+            || key.tips.contains_key(&Digit::Thumb)
+            || named.any(|j| thumb.contains(&j));
         if !own && key.pose.is_none() {
             return;
         }

@@ -49,6 +49,9 @@ pub struct Key {
     /// Single joints, by the name of the joint or of the bone it carries.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub joints: BTreeMap<String, JointKey>,
+    /// Where the middle of each finger's pad is, world \[m\].
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub tips: BTreeMap<Digit, [f64; 3]>,
 }
 
 /// Where the wrist's frame is in the world. Its -z axis points to the fingers, +y out of the back

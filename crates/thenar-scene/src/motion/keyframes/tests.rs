@@ -248,3 +248,47 @@ fn a_thumb_goes_aside_where_fingers_pass() {
     let mut own = motion(&text("joints = { thumb-proximal = { flexion_deg = 30 } }"), false);
     assert!(thumb(&mut own, 0.75) > 15.0 && (thumb(&mut own, 2.5) - 30.0).abs() < 1e-6);
 }
+
+/// Pads are where a key wants them at its time, wherever the wrist has gone; what is out of reach is refused, or told.
+#[test]
+fn fingertips_come_to_their_places() {
+    let text = |place: &str| {
+        format!(
+            "[[key]]\ntime = 0.0\npose = \"rest\"\n\
+             wrist = {{ position = [0.1, 0.2, 0.3], fingers = [0, 0, -1], back = [0, 1, 0] }}\n\
+             [[key]]\ntime = 0.5\nwrist = {{ position = [0.1, 0.1, 0.3] }}\n\
+             tips = {{ index = {place} }}\n"
+        )
+    };
+    // Below the knuckle, which is 25 mm aside of the wrist's middle and 90 mm before it.
+    let place = Vec3::new(0.07, 0.05, 0.18);
+    for flip in [false, true] {
+        let hand = hand(flip);
+        let desc = desc(&text("[0.07, 0.05, 0.18]"));
+        let mut motion = Keyframes::new(&desc, &hand, &Pose::identity()).unwrap();
+        assert!(motion.warnings().is_empty(), "{:?}", motion.warnings());
+        let chain = thenar_track::reach::Chain::new(
+            &hand,
+            thenar_core::model::Digit::Index,
+            thenar_track::reach::PadPlace::Tip,
+        )
+        .unwrap();
+        let tip = sample(&mut motion, 0.5)[chain.pad.bone].pose_WB;
+        let pad = tip.point(&(chain.pad.centre_B + chain.pad.normal_B * chain.pad.radius));
+        assert!((pad - place).norm() < 1e-3, "{pad} m");
+        // Others stay at rest.
+        let (start, end) = (sample(&mut motion, 0.0), sample(&mut motion, 0.5));
+        let relative =
+            |bones: &[Target], bone: usize| bones[0].pose_WB.inverse() * bones[bone].pose_WB;
+        let other =
+            hand.bones.iter().rposition(|b| b.digit == thenar_core::model::Digit::Ring).unwrap();
+        let moved = relative(&start, other).position - relative(&end, other).position;
+        assert!(moved.norm() < 1e-12, "{moved} m");
+    }
+    fails(&text("[0.07, 0.05, -0.4]"), "the index's pad ends");
+    fails(&text("[0.07, 1e9, -0.4]"), "is not within 1 km");
+    fails(&text("[0.07, 0.05]"), "3");
+    let clamped = format!("limits = \"clamp\"\n{}", text("[0.07, 0.05, -0.4]"));
+    let motion = motion(&clamped, false);
+    assert!(motion.warnings().iter().any(|w| w.contains("the index's pad ends")));
+}
