@@ -207,6 +207,9 @@ test("scenes without a hand show what presses on their bodies", { timeout: 240_0
   await shown.getByText("This scene has no hand. What presses on each body:").waitFor();
   expect(await shown.locator(".hand-diagram, tfoot").evaluateAll((parts) => parts.map((part) => part.checkVisibility()))).toEqual([false, false]);
   expect(await shown.locator(".legend span").allTextContents()).toEqual(["gripper", "ball"]);
+  // What is not said in the language of newcomers explains itself.
+  const rounds = shown.locator(".facts dt", { hasText: "Solver rounds" });
+  expect(await rounds.getAttribute("title")).toContain("went over all contacts");
   // The ball lies on the table, and is then gripped: something always presses on it.
   const ball = shown.locator(".numbers tbody tr", { hasText: "ball" }).locator("td").first();
   await expect.poll(async () => Number(await ball.textContent()), { timeout: 60_000 }).toBeGreaterThan(0.1);

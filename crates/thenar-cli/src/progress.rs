@@ -12,12 +12,40 @@ const FIRST_LINE: Duration = Duration::from_secs(1);
 
 /// Tells how much of a work is done.
 pub struct Meter {
-    /// The bar says which step it is.
-    names_steps: bool,
+    unit: Unit,
     bar: Option<ProgressBar>,
     /// Work done and steps made, for the lines that a ticker prints: one step may take long.
     now: Arc<[AtomicU64; 2]>,
     _lines: Option<Ticker>,
+}
+
+/// Units of work. A file's bytes say nothing of its number of steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Unit {
+    Steps,
+    Cases,
+    Bytes,
+}
+
+impl Unit {
+    /// Template of the bar.
+    fn bar(self) -> &'static str {
+        match self {
+            Self::Steps => "{bar:40} {percent:>3} %  step {pos} of {len}  {per_sec}  {eta} left",
+            Self::Cases => "{bar:40} {percent:>3} %  case {pos} of {len}  {eta} left",
+            Self::Bytes => "{bar:40} {percent:>3} %  {msg}",
+        }
+    }
+
+    /// Line of work where no bar can be.
+    fn line(self, done: u64, steps: u64, total: u64) -> String {
+        let share = share(done, total);
+        match self {
+            Self::Steps => format!("step {steps} of {total}: {share:.0} %"),
+            Self::Cases => format!("{done} of {total} cases: {share:.0} %"),
+            Self::Bytes => format!("step {steps}: {share:.0} %"),
+        }
+    }
 }
 
 struct Lines {
@@ -40,45 +68,39 @@ impl Lines {
 impl Meter {
     /// Meter of a number of steps.
     pub fn of_steps(total: u64, quiet: bool) -> Self {
-        let style = "{bar:40} {percent:>3} %  step {pos} of {len}  {per_sec}  {eta} left";
-        Self::new(total, style, quiet)
+        Self::new(total, Unit::Steps, quiet)
     }
 
     /// Meter of a number of cases.
     pub fn of_cases(total: u64, quiet: bool) -> Self {
-        Self::new(total, "{bar:40} {percent:>3} %  case {pos} of {len}  {eta} left", quiet)
+        Self::new(total, Unit::Cases, quiet)
     }
 
     /// Meter of a file, by its bytes, from which steps are made.
     pub fn of_bytes(total: u64, quiet: bool) -> Self {
-        Self::new(total, "{bar:40} {percent:>3} %  {msg}", quiet)
+        Self::new(total, Unit::Bytes, quiet)
     }
 
-    fn new(total: u64, style: &str, quiet: bool) -> Self {
+    fn new(total: u64, unit: Unit, quiet: bool) -> Self {
         let terminal = std::io::stderr().is_terminal();
         let bar = || {
-            let style = ProgressStyle::with_template(style);
+            let style = ProgressStyle::with_template(unit.bar());
             ProgressBar::new(total)
                 .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         };
         let now = Arc::new([AtomicU64::new(0), AtomicU64::new(0)]);
         let shared = Arc::clone(&now);
-        let counts_cases = style.contains("case ");
         let lines = || {
             let mut lines = Lines { begun: Instant::now(), due: FIRST_LINE };
             Ticker::new(move || {
                 if lines.are_due(lines.begun.elapsed()) {
                     let [done, steps] = [0, 1].map(|i| shared[i].load(Relaxed));
-                    let share = share(done, total);
-                    match counts_cases {
-                        true => eprintln!("{done} of {total} cases: {share:.0} %"),
-                        false => eprintln!("step {steps}: {share:.0} %"),
-                    }
+                    eprintln!("{}", unit.line(done, steps, total));
                 }
             })
         };
         Self {
-            names_steps: style.contains("{msg}"),
+            unit,
             bar: (terminal && !quiet).then(bar),
             now,
             _lines: (!terminal && !quiet).then(lines),
@@ -89,7 +111,7 @@ impl Meter {
     pub fn at(&self, done: u64, steps: u64) {
         if let Some(bar) = &self.bar {
             bar.set_position(done);
-            if self.names_steps {
+            if self.unit == Unit::Bytes {
                 bar.set_message(format!("step {steps}"));
             }
         }
@@ -144,5 +166,14 @@ mod tests {
             [share(0, 0), share(1, 4), share(9, 4), share(4, 4)],
             [100.0, 25.0, 100.0, 100.0]
         );
+    }
+
+    /// A file's bytes are known, 63 of 100 here, and not how many steps they hold.
+    #[test]
+    fn lines_name_the_whole_where_it_is_known() {
+        let line = |unit: Unit, done, steps, total| unit.line(done, steps, total);
+        assert_eq!(line(Unit::Steps, 113, 113, 180), "step 113 of 180: 63 %");
+        assert_eq!(line(Unit::Cases, 3, 0, 12), "3 of 12 cases: 25 %");
+        assert_eq!(line(Unit::Bytes, 63, 113, 100), "step 113: 63 %");
     }
 }

@@ -5,6 +5,8 @@ mod judge;
 mod scene;
 mod sweep;
 
+pub use judge::{DEEP, JOINT_GAP_MAX, MISS_MAX};
+
 use crate::build::PresetArg;
 use crate::interrupt;
 use judge::{Figure, quality, soundness};

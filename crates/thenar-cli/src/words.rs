@@ -17,6 +17,19 @@ pub fn joules(energy: f64) -> String {
     }
 }
 
+/// A number to two digits, without an exponent: `0.04`, `2`, `130`.
+pub fn short(x: f64) -> String {
+    if x == 0.0 || !x.is_finite() {
+        return format!("{x}");
+    }
+    let places = (1.0 - x.abs().log10().floor()).clamp(0.0, 12.0) as usize;
+    let text = format!("{x:.places$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').into(),
+        false => text,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -30,5 +43,11 @@ mod tests {
     fn no_energy_has_no_sign() {
         let words = [-0.0, -4e-7, -6e-7, 0.25].map(joules);
         assert_eq!(words, ["0.000000 J", "0.000000 J", "-0.000001 J", "0.250000 J"]);
+    }
+
+    #[test]
+    fn short_numbers_have_two_digits_and_no_exponent() {
+        let words = [0.0, 0.01, 1.234e-5, 0.995, 2.0, 16.66, 130.4, -0.25].map(short);
+        assert_eq!(words, ["0", "0.01", "0.000012", "0.99", "2", "17", "130", "-0.25"]);
     }
 }

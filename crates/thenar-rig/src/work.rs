@@ -20,6 +20,8 @@ pub struct Progress {
     pub work: f64,
     /// Part of it that is done, 0 to 1.
     pub done: f64,
+    /// Number of steps that the whole stage is expected to have; 0 where nobody counts them.
+    pub steps: usize,
 }
 
 type Slot = Box<dyn FnMut(Progress) -> bool>;
@@ -50,7 +52,13 @@ pub fn watched<T>(watch: impl FnMut(Progress) -> bool + 'static, work: impl FnOn
 /// # Errors
 /// [`RigError::Stopped`] when it is not to go on.
 pub(crate) fn phase(name: &'static str) -> Result<(), RigError> {
-    Stage { name, cure: "", work: 0.0, steps: 1, every: 1 }.tell(0)
+    let progress = Progress { stage: name, work: 0.0, done: 0.0, steps: 0 };
+    if heard(progress) { Ok(()) } else { Err(RigError::Stopped) }
+}
+
+/// Says how far a stage is; false when it is not to go on.
+fn heard(progress: Progress) -> bool {
+    WATCH.with(|slot| slot.borrow_mut().as_mut().is_none_or(|watch| watch(progress)))
 }
 
 /// One stage of a builder.
@@ -126,9 +134,9 @@ impl Stage {
     /// As [`Stage::at`].
     pub fn tell(&self, step: usize) -> Result<(), RigError> {
         let done = if self.steps > 0 { step as f64 / self.steps as f64 } else { 1.0 };
-        let progress = Progress { stage: self.name, work: self.work, done: done.min(1.0) };
-        let go_on = WATCH.with(|slot| slot.borrow_mut().as_mut().is_none_or(|w| w(progress)));
-        if go_on { Ok(()) } else { Err(RigError::Stopped) }
+        let Self { name: stage, work, steps, .. } = *self;
+        let progress = Progress { stage, work, done: done.min(1.0), steps };
+        if heard(progress) { Ok(()) } else { Err(RigError::Stopped) }
     }
 }
 
@@ -143,19 +151,23 @@ mod tests {
         let notes = Rc::clone(&heard);
         let result = watched(
             move |progress| {
-                notes.borrow_mut().push(progress.done);
+                notes.borrow_mut().push((progress.done, progress.steps));
                 progress.done < 0.5
             },
             || {
+                phase("thinking")?;
                 let stage = Stage::new("counting", 10, 10.0, "count less")?;
                 (1..=10).try_for_each(|step| stage.at(step))
             },
         );
         assert!(matches!(result, Err(RigError::Stopped)));
-        assert_eq!(*heard.borrow(), [0.0, 0.1, 0.2, 0.3, 0.4, 0.5]);
+        // Nobody counts the steps of the first.
+        let of_ten = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5].map(|done| (done, 10));
+        assert_eq!(heard.borrow()[0], (0.0, 0));
+        assert_eq!(heard.borrow()[1..], of_ten);
         // Nobody watches any more.
         assert!(Stage::new("counting", 0, 0.0, "").is_ok());
-        assert_eq!(heard.borrow().len(), 6);
+        assert_eq!(heard.borrow().len(), 7);
     }
 
     #[test]

@@ -66,7 +66,7 @@ pub fn run(args: &Args) -> Result<(), String> {
     if works.is_empty() {
         return Err(format!("`{}` measures none of these works", args.program.display()));
     }
-    let head = ["whole step", "this ms", "that ms", "this/that", "from", "to", "least/least"];
+    let head = ["whole step", "this [ms]", "that [ms]", "this/that", "from", "to", "least/least"];
     let mut table = Table::new(args.markdown, &head);
     for (name, pairs) in &mut works {
         let ms = |samples: &mut Samples| format!("{:.3}", samples.quantile(0.5));

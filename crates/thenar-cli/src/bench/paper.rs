@@ -2,6 +2,7 @@
 
 use super::memory::resident_mb;
 use super::samples::{Samples, Stopwatch};
+use crate::words::counted;
 use std::path::Path;
 use thenar_core::world::Stage;
 use thenar_scene::session::{Session, builtin};
@@ -80,10 +81,10 @@ pub fn run(args: &Args) -> Result<(), String> {
     for (run, name) in runs.iter().zip(["two-step", "exact"]) {
         println!(
             "{name}: conjugate gradients {:.1} iterations, contact {:.1} sweeps a step on average; \
-             {} steps fell back",
+             {} fell back",
             run.mean(run.cg),
             run.mean(run.sweeps),
-            run.fell_back
+            counted(run.fell_back, "step")
         );
     }
     let memory = resident_mb().map_or("unknown".into(), |mb| format!("{mb:.1} MB"));

@@ -49,7 +49,7 @@ pub fn run(args: &Args) -> Result<(), String> {
         let counts = counts(&wanted, args.steps)?;
         let mut table = Table::new(
             args.markdown,
-            &["free hand", "kflop", "kB", "floor us", "measured us", "measured/floor"],
+            &["free hand", "kflop", "kB", "floor [us]", "measured [us]", "measured/floor"],
         );
         for count in &counts {
             let floor = (count.flops / (peaks.f64_gflops * 1e9))

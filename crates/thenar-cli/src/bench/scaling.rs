@@ -32,19 +32,19 @@ pub fn run(args: &Args) -> Result<(), String> {
         args.steps
     );
     println!(
-        "{:>7} {:>7} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>8} {:>7} {:>8}",
+        "{:>7} {:>7} {:>9} {:>10} {:>10} {:>11} {:>12} {:>10} {:>9} {:>9} {:>7} {:>11}",
         "tets",
         "nodes",
         "contacts",
-        "skel us",
-        "flesh us",
-        "detect us",
-        "contact us",
-        "whole us",
-        "p99 us",
-        "cg",
+        "bones [us]",
+        "flesh [us]",
+        "detect [us]",
+        "contact [us]",
+        "whole [us]",
+        "p99 [us]",
+        "CG rounds",
         "sweeps",
-        "MB"
+        "memory [MB]"
     );
     for &tets in &args.tets {
         for &depth in &args.depth_mm {
@@ -83,7 +83,7 @@ fn row(args: &Args, tets: u32, depth_mm: f64) -> Result<(), String> {
     let [skeleton, flesh, detect, contact] =
         [Stage::Skeleton, Stage::Flesh, Stage::Detect, Stage::Contact].map(&mut stage);
     println!(
-        "{:>7} {:>7} {:>9.1} {:>9.0} {:>9.0} {:>9.0} {:>10.0} {:>9.0} {:>9.0} {:>8.1} {:>7.1} {:>8}",
+        "{:>7} {:>7} {:>9.1} {:>10.0} {:>10.0} {:>11.0} {:>12.0} {:>10.0} {:>9.0} {:>9.1} {:>7.1} {:>11}",
         model.flesh.tets.len(),
         model.flesh.mass.len(),
         contacts as f64 / n,

@@ -3,7 +3,7 @@
 use super::hand::write_boned;
 use super::{Args, Outputs, name};
 use crate::error::CliError;
-use crate::words::counted;
+use crate::words::{counted, short};
 use thenar_core::model::JointKind;
 use thenar_rig::Model;
 use thenar_rig::figure::{
@@ -30,7 +30,11 @@ pub fn build(args: &Args, outputs: &mut Outputs) -> Result<Model, CliError> {
     };
     let (figure, report) = build_figure_file(&args.input, &options)?;
     print(&report);
-    println!("coupling: {:.2e} N/m⁴ where a scene does not say", usual_coupling_stiffness(&figure));
+    let stiffness = usual_coupling_stiffness(&figure);
+    println!(
+        "coupling: {stiffness:.2e} N/m⁴ where a scene does not say, {} N/mm for each cubic centimetre of bone",
+        short(1e-9 * stiffness)
+    );
     write_boned(args, outputs, &figure)?;
     Ok(Model::Hand(figure))
 }

@@ -180,21 +180,24 @@ fn print_joints(joints: &[JointStiffness]) {
         "joints [N m/rad]: total with all others free = flesh + spring (flesh with all others held):"
     );
     for joint in joints {
-        let [low, high] = joint.range_deg.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+        let range = match joint.range_deg {
+            Some([low, high]) => format!("{low:4.0} to {high:3.0}°"),
+            None => format!("{:12}", "no limits"),
+        };
         let people = match (joint.band, joint.met()) {
             (Some([low, high]), Some(true)) => format!("people {low:.3} to {high:.3}"),
             (Some([low, high]), _) => format!("NOT as people's {low:.3} to {high:.3}"),
             _ => format!("{:.3} wanted, not measured in people", joint.wanted),
         };
         println!(
-            "  {:11} {:9} {low:4.0} to {high:3.0}°, {:.4} = {:.4} + {:.4} ({:.4}), damper {:.2e} N m s/rad; {people}",
+            "  {:11} {:9} {range}, {:.4} = {:.4} + {:.4} ({:.4}), damper {:.3} mN m s/rad; {people}",
             joint.joint,
             joint.axis,
             joint.total,
             joint.flesh,
             joint.spring,
             joint.flesh_held,
-            joint.damping
+            joint.damping * 1e3
         );
     }
 }

@@ -172,7 +172,10 @@ pub fn run(args: &Args) -> Result<(), CliError> {
             .map_err(|e| CliError::Input(e.to_string()))?;
         write_png(output, &image)?;
     }
-    let Some(path) = &args.output else { return Ok(()) };
+    let Some(path) = &args.output else {
+        println!("note: {}", not_kept(args));
+        return Ok(());
+    };
     write(outputs.model, &model.to_bytes().map_err(|e| e.in_file(path.display()))?)?;
     let kind = match model {
         Model::Hand(_) if args.figure => "figure",
@@ -182,6 +185,15 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     };
     println!("wrote the {kind} to {}", path.display());
     Ok(())
+}
+
+/// Words for a model that no file was asked for; other files than the model's may have been written.
+fn not_kept(args: &Args) -> &'static str {
+    let others = [&args.vtk, &args.picture, &args.glb, &args.json];
+    match others.iter().any(|file| file.is_some()) {
+        true => "no model written; add -o FILE to keep it",
+        false => "nothing written; add -o FILE to keep it",
+    }
 }
 
 /// Refuses options that would change nothing of what is built.

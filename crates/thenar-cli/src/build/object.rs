@@ -35,7 +35,7 @@ pub fn rigid(args: &Args) -> Result<Model, CliError> {
     print_extent(args, &mesh, model.mass, report.volume);
     println!("inside: {}", inside(report.interior));
     println!(
-        "mesh: {} triangles in {}, {} open edges, {} turned, {} vertices welded",
+        "mesh: {} triangles in {}, {} open edges, {} triangles turned, {} vertices welded",
         report.topology.triangles,
         counted(report.topology.components, "piece"),
         report.topology.boundary_edges,

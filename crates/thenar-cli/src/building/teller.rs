@@ -15,8 +15,8 @@ const PACE: Duration = Duration::from_millis(900);
 /// Tells of one stage after the other.
 pub(super) struct Teller {
     now: Progress,
-    /// When the stage began.
-    since: Instant,
+    /// When the first stage began.
+    begun: Instant,
     /// When something was told last.
     last: Instant,
     terminal: bool,
@@ -25,8 +25,8 @@ pub(super) struct Teller {
 
 impl Teller {
     pub fn new(terminal: bool, now: Instant) -> Self {
-        let nothing = Progress { stage: "building", work: 0.0, done: 0.0 };
-        Self { now: nothing, since: now, last: now, terminal, bar: None }
+        let nothing = Progress { stage: "building", work: 0.0, done: 0.0, steps: 0 };
+        Self { now: nothing, begun: now, last: now, terminal, bar: None }
     }
 
     /// Takes note of how far the work is, and tells of it when a line is due.
@@ -52,7 +52,6 @@ impl Teller {
         let begins = progress.stage != self.now.stage || again;
         self.now = *progress;
         if begins {
-            self.since = now;
             self.clear();
             let seconds = progress.work * COMPARISON;
             if seconds > SHORT {
@@ -68,12 +67,19 @@ impl Teller {
             return None;
         }
         self.last = now;
-        let Progress { stage, work, done } = self.now;
-        let seconds = now.saturating_duration_since(self.since).as_secs_f64();
-        Some(match work {
+        let Progress { stage, work, done, steps } = self.now;
+        let percent = done * 100.0;
+        Some(match (work, steps) {
             // Nobody knows how much there is to do.
-            0.0 => format!("{stage}: {seconds:.0} s so far"),
-            _ => format!("{stage}: {:.0} %", done * 100.0),
+            (0.0, _) => {
+                let seconds = now.saturating_duration_since(self.begun).as_secs_f64();
+                format!("{stage}: building for {seconds:.0} s so far")
+            }
+            (_, 0 | 1) => format!("{stage}: {percent:.0} %"),
+            _ => {
+                let step = (done * steps as f64).round();
+                format!("{stage}: step {step} of {steps}: {percent:.0} %")
+            }
         })
     }
 
@@ -110,7 +116,7 @@ mod tests {
     use super::*;
 
     fn at(work: f64, done: f64) -> Progress {
-        Progress { stage: "laying", work, done }
+        Progress { stage: "laying", work, done, steps: 0 }
     }
 
     /// Lines told in a number of tenths of a second, and in which of them.
@@ -129,9 +135,30 @@ mod tests {
     #[test]
     fn work_that_says_nothing_more_is_told_of_every_second() {
         let told = told(30, |tenth| (tenth == 0).then_some(at(0.0, 0.0)));
+        let expected = [(9, 1), (18, 2), (27, 3)]
+            .map(|(tenth, s)| (tenth, format!("laying: building for {s} s so far")));
+        assert_eq!(told, expected);
+    }
+
+    /// Stages of half a second, each of which would always be 0 s old, are part of one work that lasts.
+    #[test]
+    fn work_that_nobody_measures_is_as_old_as_all_of_it() {
+        let stages = ["reading", "welding"];
+        let stage = |tenth: u64| Progress { stage: stages[tenth as usize / 5 % 2], ..at(0.0, 0.0) };
+        let told = told(20, |tenth| (tenth % 5 == 0).then(|| stage(tenth)));
         let expected =
-            [(9, "laying: 1 s so far"), (18, "laying: 2 s so far"), (27, "laying: 3 s so far")];
+            [(9, "welding: building for 1 s so far"), (18, "welding: building for 2 s so far")];
         assert_eq!(told, expected.map(|(tenth, line)| (tenth, line.to_owned())));
+    }
+
+    #[test]
+    fn steps_are_counted_where_there_are_several() {
+        for (steps, line) in
+            [(20, "laying: step 12 of 20: 60 %"), (1, "laying: 60 %"), (0, "laying: 60 %")]
+        {
+            let told = told(10, |tenth| (tenth == 0).then_some(Progress { steps, ..at(1.0, 0.6) }));
+            assert_eq!(told, [(9, line.to_owned())]);
+        }
     }
 
     /// 2e8 comparisons of 15 ns each are 3 s.

@@ -67,7 +67,7 @@ pub struct Args {
 /// was interrupted.
 pub fn run(args: &Args) -> Result<(), CliError> {
     if args.seconds.is_some_and(|s| !(f64::MIN_POSITIVE..=1e9).contains(&s)) {
-        return Err(CliError::Input("--seconds must be more than 0 and at most 1e9".into()));
+        return Err(CliError::Input("--seconds must be more than 0 s and at most 1e9 s".into()));
     }
     if args.sweep.sweep {
         return sweep::run(args);

@@ -6,6 +6,7 @@ mod histogram;
 mod outputs;
 mod report;
 mod timer;
+mod verdict;
 mod vtk;
 
 pub use find::{Found, file, find, known, open, open_checked, open_live, tell, tell_overlaps};
@@ -81,7 +82,7 @@ pub struct Outcome {
 pub fn run(args: &Args) -> Result<(), CliError> {
     seconds_make_sense(args.seconds)?;
     if !(args.vtk_interval > 0.0 && args.vtk_interval.is_finite()) {
-        return Err(CliError::Input("--vtk-interval must be more than 0".into()));
+        return Err(CliError::Input("--vtk-interval must be more than 0 s".into()));
     }
     args.pictures.check()?;
     let mut session = open_checked(&args.scene, &args.set, |scene| suits(args, scene))?;
@@ -114,7 +115,7 @@ fn suits(args: &Args, scene: &Scene) -> Result<(), CliError> {
     let end = (seconds / step).round().max(1.0) * step;
     match args.pictures.at {
         Some(at) if at > end + 0.5 * step => {
-            Err(CliError::Input(format!("--at {at} is beyond the end of the run at {end:.3} s")))
+            Err(CliError::Input(format!("--at {at} s is beyond the end of the run at {end:.3} s")))
         }
         _ => Ok(()),
     }
@@ -123,7 +124,7 @@ fn suits(args: &Args, scene: &Scene) -> Result<(), CliError> {
 fn seconds_make_sense(seconds: Option<f64>) -> Result<(), CliError> {
     match seconds {
         Some(s) if !(s > 0.0 && s <= 1e9) => {
-            Err(CliError::Input("--seconds must be more than 0 and at most 1e9".into()))
+            Err(CliError::Input("--seconds must be more than 0 s and at most 1e9 s".into()))
         }
         _ => Ok(()),
     }

@@ -3,15 +3,17 @@
 use super::Outcome;
 use super::histogram::Histogram;
 use super::timer::STAGES;
-use crate::words::joules;
+use super::verdict::{Evidence, Verdict};
+use crate::words::{counted, joules};
 use serde_json::{Map, Value, json};
 use thenar_core::World;
-use thenar_core::model::{Digit, SolverKind, SolverSettings};
-use thenar_scene::session::{HandLoad, Session, StartOverlap, Summary};
+use thenar_core::model::{Digit, SolverKind};
+use thenar_scene::session::{HandLoad, Session, StartOverlap};
 
 /// Version of the report. 2: each finger's mean pressure, and what overlaps at the start. 3: contacts
-/// left out. 4: steps made in parts. What an earlier version gave is there under the same keys.
-const REPORT_VERSION: u32 = 4;
+/// left out. 4: steps made in parts. 5: which figures to trust, and why. What an earlier version gave is there under the
+/// same keys.
+const REPORT_VERSION: u32 = 5;
 
 /// The report as JSON. Units are part of the keys: `_s`, `_us`, `_m`, `_j`, `_n`, `_m2`, `_pa`.
 pub fn report(session: &Session, outcome: &Outcome) -> Value {
@@ -64,6 +66,7 @@ pub fn report(session: &Session, outcome: &Outcome) -> Value {
         },
         "fingers": fingers,
         "start_overlaps": session.start_overlaps().iter().map(overlap).collect::<Vec<_>>(),
+        "trust": verdict(session, outcome).json(),
         "state_hash": format!("{:016x}", world.state_hash()),
         "version": env!("CARGO_PKG_VERSION"),
     })
@@ -100,38 +103,16 @@ fn tets(session: &Session) -> usize {
     session.world().desc().softs.iter().map(|s| s.flesh.tets.len()).sum()
 }
 
-/// An error below this \[m/s\] moves a point by less than 17 µm in the longest usual step of 16.7 ms, which is a
-/// fiftieth of the contact margin.
-const MATTERS: f64 = 1e-3;
-/// As many of the steps may be off by more and leave the run's mean forces right to as much.
-const OFTEN: f64 = 0.01;
-
-/// Says in plain words whether steps that missed the contact accuracy matter, if any did.
-fn missed(s: &Summary, steps: u64, settings: &SolverSettings) -> Option<String> {
-    if s.contact_unconverged == 0 {
-        return None;
-    }
-    let worst = s.contact_residual_max;
-    let share = s.contact_unconverged as f64 / steps.max(1) as f64;
-    let exact = settings.kind == SolverKind::Exact;
-    let (tolerance, unit) = if exact {
-        (settings.velocity_tolerance, " m/s")
-    } else {
-        (settings.contact_tolerance, "")
-    };
-    let judged = if exact && worst <= MATTERS {
-        "too little to matter"
-    } else if share <= OFTEN {
-        "forces of these few steps may be wrong, the others are as accurate as asked"
-    } else {
-        "this matters, do not trust forces and slip of this run; a shorter time_step helps, or more \
-         contact_sweeps_max"
-    };
-    Some(format!(
-        "contact missed its accuracy of {tolerance:.0e}{unit} in {} of {steps} steps, by {worst:.1e}{unit} \
-         at most: {judged}",
-        s.contact_unconverged
-    ))
+/// Judges the run by its figures.
+fn verdict(session: &Session, outcome: &Outcome) -> Verdict {
+    Verdict::new(&Evidence {
+        steps: outcome.steps,
+        summary: &outcome.summary,
+        settings: &session.world().desc().solver,
+        tets: tets(session),
+        inverted: session.report().inverted_tets,
+        overlaps: session.start_overlaps(),
+    })
 }
 
 /// Prints the figures for a person.
@@ -152,30 +133,21 @@ pub fn print(session: &Session, outcome: &Outcome) {
         world.time_step() * 1e3,
         solver_name(world.desc().solver.kind),
     );
+    let bodies: String = match world.desc().rigids.len() {
+        1 => "1 rigid body".into(),
+        count => format!("{count} rigid bodies"),
+    };
     println!(
-        "  {} rigid bodies, {} joints, {} tetrahedra, {} nodes",
-        world.desc().rigids.len(),
-        world.desc().joints.len(),
+        "  {}, {}, {} tetrahedra, {} nodes",
+        bodies,
+        counted(world.desc().joints.len() as u64, "joint"),
         tets(session),
         world.state().x.len()
     );
-    println!("  {:10} {:>11} {:>11} {:>11}", "stage", "median us", "p99 us", "max us");
-    let line = |name: &str, h: &Histogram| {
-        let us = |seconds: f64| seconds * 1e6;
-        println!(
-            "  {name:10} {:11.1} {:11.1} {:11.1}",
-            us(h.quantile(0.5)),
-            us(h.quantile(0.99)),
-            us(h.max())
-        );
-    };
-    for ((_, name), histogram) in STAGES.iter().zip(&outcome.times.stages) {
-        line(name, histogram);
-    }
-    line("whole step", &outcome.times.total);
+    stages(outcome);
     println!(
-        "  at most: {} contacts, {:.4} mm joint gap, {:.4} mm penetration, {} inverted tetrahedra",
-        s.contacts_max,
+        "  at most: {}, {:.4} mm joint gap, {:.4} mm penetration, {} inverted tetrahedra",
+        counted(s.contacts_max, "contact"),
         s.joint_gap_max * 1e3,
         s.penetration_max * 1e3,
         s.inverted_tets_max
@@ -197,28 +169,38 @@ pub fn print(session: &Session, outcome: &Outcome) {
         })
         .collect();
     fingers(&hands).iter().for_each(|line| println!("  {line}"));
-    if s.contacts_dropped_max > 0 {
+    if s.contact_cut_short > 0 {
         println!(
-            "  up to {} contacts, or pairs of bodies in a crowd, were left out of a step: too many are in one place",
-            s.contacts_dropped_max
+            "  contact was cut short by contact_work_max in {}",
+            counted(s.contact_cut_short, "step")
         );
     }
-    if s.fell_back > 0 {
-        println!("  {} steps did not converge and were made safely instead", s.fell_back);
-    }
-    if s.contact_cut_short > 0 {
-        println!("  {} steps had contact cut short by contact_work_max", s.contact_cut_short);
-    }
     if s.divided > 0 {
-        println!("  {} steps were made in parts: contact changed too much within them", s.divided);
-    }
-    if let Some(missed) = missed(s, session.steps(), &world.desc().solver) {
-        println!("  {missed}");
-    }
-    if s.non_finite > 0 {
-        println!("  {} steps gave numbers that are not finite and were taken back", s.non_finite);
+        println!(
+            "  made in parts, as contact changed too much within them: {}",
+            counted(s.divided, "step")
+        );
     }
     println!("  state {:016x}", world.state_hash());
+    println!("  {}", verdict(session, outcome).line());
+}
+
+/// Prints the time of each stage of a step.
+fn stages(outcome: &Outcome) {
+    println!("  {:10} {:>11} {:>11} {:>11}", "stage", "median [us]", "p99 [us]", "max [us]");
+    let line = |name: &str, h: &Histogram| {
+        let us = |seconds: f64| seconds * 1e6;
+        println!(
+            "  {name:10} {:11.1} {:11.1} {:11.1}",
+            us(h.quantile(0.5)),
+            us(h.quantile(0.99)),
+            us(h.max())
+        );
+    };
+    for ((_, name), histogram) in STAGES.iter().zip(&outcome.times.stages) {
+        line(name, histogram);
+    }
+    line("whole step", &outcome.times.total);
 }
 
 /// A hand, and the most that pressed on its fingers.
@@ -258,8 +240,8 @@ fn fingers(hands: &[Hand]) -> Vec<String> {
             lines.push(format!("{}:", hand.name));
         }
         lines.push(format!(
-            "{:10} {:>11} {:>11} {:>11} {:>13}",
-            "at most", "normal N", "shear N", "area mm²", "mean kPa (*)"
+            "{:10} {:>11} {:>11} {:>11} {:>14}",
+            "at most", "normal [N]", "shear [N]", "area [mm²]", "mean [kPa] (*)"
         ));
         let all = Digit::FINGERS.iter().zip(&hand.peaks).zip(hand.points);
         for ((digit, peak), point) in all.filter(|((_, peak), _)| peak.normal > 0.0) {
@@ -271,7 +253,7 @@ fn fingers(hands: &[Hand]) -> Vec<String> {
                 false => "(**)".into(),
             };
             lines.push(format!(
-                "{:10} {normal:11.3} {shear:11.3} {:11.1} {pressure:>13}",
+                "{:10} {normal:11.3} {shear:11.3} {:11.1} {pressure:>14}",
                 digit.name(),
                 area * 1e6,
             ));
@@ -293,18 +275,6 @@ fn fingers(hands: &[Hand]) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// What is said of so many of 1000 steps that missed their accuracy, by `worst` at most.
-    fn said(contact_unconverged: u64, contact_residual_max: f64, kind: SolverKind) -> String {
-        let summary = Summary { contact_unconverged, contact_residual_max, ..Summary::default() };
-        let settings = SolverSettings {
-            kind,
-            velocity_tolerance: 1e-5,
-            contact_tolerance: 1e-4,
-            ..SolverSettings::default()
-        };
-        missed(&summary, 1000, &settings).unwrap_or_default()
-    }
-
     fn hand(name: &str, peaks: [HandLoad; 5]) -> Hand<'_> {
         Hand { name, peaks, points: [4e-6; 5] }
     }
@@ -316,15 +286,15 @@ mod tests {
         peaks
     }
 
-    const HEAD: &str = "at most       normal N     shear N    area mm²  mean kPa (*)";
+    const HEAD: &str = "at most     normal [N]   shear [N]  area [mm²] mean [kPa] (*)";
     const NOTE: &str = "(*) mean pressure, force over area, when the normal force was largest";
 
     /// With several hands each has its table, under its name; one that touched nothing has none.
     #[test]
     fn forces_are_told_of_each_hand() {
         let none = [HandLoad::default(); 5];
-        let thumb = "thumb            1.500       0.500        75.0         20.00";
-        let index = "index            2.000       0.500       100.0         20.00";
+        let thumb = "thumb            1.500       0.500        75.0          20.00";
+        let index = "index            2.000       0.500       100.0          20.00";
         let right = || hand("right", pressed(0, 1.5, 7.5e-5));
         let left = || hand("left", pressed(1, 2.0, 1e-4));
         assert_eq!(fingers(&[right()]), [HEAD, thumb, NOTE]);
@@ -340,11 +310,11 @@ mod tests {
         let table = |area: f64| fingers(&[hand("right", pressed(1, 0.41, area))]);
         assert_eq!(
             table(4.1e-6)[1],
-            "index            0.410       0.500         4.1        100.00"
+            "index            0.410       0.500         4.1         100.00"
         );
         assert_eq!(table(4.1e-6).len(), 3);
         let coarse = table(0.4e-6);
-        assert_eq!(coarse[1], "index            0.410       0.500         0.4          (**)");
+        assert_eq!(coarse[1], "index            0.410       0.500         0.4           (**)");
         assert!(coarse[3].starts_with("(**) on less skin than one vertex"), "{}", coarse[3]);
     }
 
@@ -368,47 +338,5 @@ mod tests {
             assert!(own.len() > 20 && less == own.len() / 4, "{digit:?}: {less} of {}", own.len());
         }
         assert_eq!(areas_of_points(world, u32::MAX), [0.0; 5]);
-    }
-
-    #[test]
-    fn nothing_is_said_where_no_step_missed() {
-        assert_eq!(said(0, 0.0, SolverKind::Exact), "");
-        assert_eq!(said(0, 1e-6, SolverKind::TwoStep), "");
-    }
-
-    /// Below 1 mm/s an error moves nothing by what anyone sees, however many steps have it.
-    #[test]
-    fn small_misses_are_said_not_to_matter() {
-        assert_eq!(
-            said(700, 4e-5, SolverKind::Exact),
-            "contact missed its accuracy of 1e-5 m/s in 700 of 1000 steps, by 4.0e-5 m/s at most: too \
-             little to matter"
-        );
-    }
-
-    #[test]
-    fn few_large_misses_are_said_to_spoil_only_themselves() {
-        assert_eq!(
-            said(10, 0.02, SolverKind::Exact),
-            "contact missed its accuracy of 1e-5 m/s in 10 of 1000 steps, by 2.0e-2 m/s at most: forces of \
-             these few steps may be wrong, the others are as accurate as asked"
-        );
-    }
-
-    /// The paper's solver measures a part of the change, not a speed: small numbers mean nothing there.
-    #[test]
-    fn many_large_misses_are_said_to_matter() {
-        let advice = "this matters, do not trust forces and slip of this run; a shorter time_step helps, or \
-                      more contact_sweeps_max";
-        let of = |kind, accuracy: &str, by: &str, worst| {
-            assert_eq!(
-                said(11, worst, kind),
-                format!(
-                    "contact missed its accuracy of {accuracy} in 11 of 1000 steps, by {by} at most: {advice}"
-                )
-            );
-        };
-        of(SolverKind::Exact, "1e-5 m/s", "2.0e-3 m/s", 2e-3);
-        of(SolverKind::TwoStep, "1e-4", "5.0e-4", 5e-4);
     }
 }

@@ -114,7 +114,7 @@ impl Scene {
 /// What was asked for makes no sense, a file cannot be written, the sweep was interrupted, or cases failed.
 pub fn run(args: &Args) -> Result<(), CliError> {
     if args.seconds.is_some_and(|s| !(s > 0.0 && s <= 1e9)) {
-        return Err(CliError::Input("--seconds must be more than 0 and at most 1e9".into()));
+        return Err(CliError::Input("--seconds must be more than 0 s and at most 1e9 s".into()));
     }
     let mut scene = Scene::read(&args.scene)?;
     let (plan, files) = Plan::make(args, &scene)?;

@@ -57,7 +57,7 @@ pub struct Beside {
 pub fn run(args: &Args) -> Result<(), CliError> {
     let sound = |s: f64| s > 0.0 && s <= 1e9;
     if args.seconds.is_some_and(|s| !sound(s)) {
-        return Err(CliError::Input("--seconds must be more than 0 and at most 1e9".into()));
+        return Err(CliError::Input("--seconds must be more than 0 s and at most 1e9 s".into()));
     }
     if args.devices.devices.is_empty() {
         let advice = "no --device is given; `thenar devices` lists what there is";

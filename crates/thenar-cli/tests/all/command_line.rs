@@ -90,7 +90,7 @@ fn a_run_reports_every_promised_figure() {
     for key in ["scene", "solver", "state_hash"] {
         assert!(report[key].is_string(), "{key}");
     }
-    assert_eq!(report["report_version"], 4);
+    assert_eq!(report["report_version"], 5);
     assert_eq!(report["scene"], "soft-cube");
     assert_eq!(report["steps"], 150);
     assert_eq!(report["tets"], 320);
@@ -247,7 +247,7 @@ fn wrong_input_exits_with_2_and_leaves_nothing() {
         (&["run", "falling-box", "--picture", "p.png", "--at", "nan"], "--at must be 0 or more"),
         (
             &["run", "falling-box", "--seconds", "0.1", "--picture", "p.png", "--at", "0.2"],
-            "--at 0.2 is beyond the end of the run at 0.100 s",
+            "--at 0.2 s is beyond the end of the run at 0.100 s",
         ),
     ];
     for (args, expected) in cases {

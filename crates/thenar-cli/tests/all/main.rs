@@ -6,6 +6,7 @@ mod cache;
 mod command_line;
 mod compare;
 mod inputs;
+mod last_line;
 mod outputs;
 mod recording;
 mod stage;

@@ -127,8 +127,9 @@ pub const ALL: &[Known] = &[
     Known {
         key: "coupling_stiffness",
         label: "Flesh on bone",
-        help: "Springs between flesh and bones, per volume of the flesh that they hold. Soft springs \
-               let flesh slide around the bones, stiff ones glue it to them.",
+        help: "Springs between flesh and bones, per volume of what they hold. Soft springs let \
+               flesh slide around the bones, stiff ones glue it to them. At 1e9 N/m⁴ each cubic \
+               centimetre is pulled back by 1 N for every millimetre that it is off its place.",
         group: "Hand",
         unit: "N/m⁴",
         range: Some((1e7, 1e13, Scale::Log)),

@@ -5,7 +5,6 @@ import { BodyLoads } from "../body-loads";
 import { Chart } from "../chart";
 import type { Desk, Panel } from "../desk";
 import { h, setText } from "../dom";
-import { fixed, significant } from "../format";
 import { HandDiagram } from "../hand-diagram";
 import { ICONS } from "../icons";
 import { NumberTable } from "../number-table";
@@ -21,8 +20,9 @@ import {
   type Quantity,
 } from "../quantities";
 import { RollingSeries } from "../series";
+import { STEP_FACTS } from "../step-facts";
 import { select } from "../widgets";
-import { FLAG, PER_HAND, type SceneModel } from "../../protocol/types";
+import { PER_HAND, type SceneModel } from "../../protocol/types";
 
 /** Of the plot, s, and samples of it: 5 s at 400 steps per second. */
 const SPAN = 5;
@@ -78,7 +78,13 @@ export function forcesPanel(desk: Desk): Panel {
   });
   which.element.hidden = true;
   const table = new NumberTable();
-  const facts = h("dl", { class: "facts" });
+  // Made once, so that an explanation stays while figures change under it.
+  const cells = STEP_FACTS.map((fact) => ({ fact, value: h("dd", { title: fact.help }) }));
+  const facts = h(
+    "dl",
+    { class: "facts" },
+    ...cells.flatMap(({ fact, value }) => [h("dt", { title: fact.help }, fact.name), value]),
+  );
 
   const write = () => {
     const { snapshot } = feed;
@@ -91,15 +97,7 @@ export function forcesPanel(desk: Desk): Panel {
       bodies.sums(snapshot, row);
       table.write(row, null);
     }
-    const leftOut = (snapshot.flags & FLAG.contactsLeftOut) !== 0 ? " and more" : "";
-    const rows: [string, string][] = [
-      ["Step", `${fixed(snapshot.stepCost, 1)} of ${fixed(snapshot.stepBudget, 1)} ms`],
-      ["Contacts", `${snapshot.contacts.count}${leftOut}`],
-      ["Solver sweeps", String(snapshot.sweeps)],
-      ["Deepest penetration", `${significant(1e3 * snapshot.penetration, 2)} mm`],
-      ["Largest joint gap", `${significant(1e3 * snapshot.jointGap, 2)} mm`],
-    ];
-    facts.replaceChildren(...rows.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]));
+    for (const { fact, value } of cells) setText(value, fact.value(snapshot));
   };
 
   /** Rows, curves and choices of a scene. */

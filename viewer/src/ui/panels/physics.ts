@@ -152,6 +152,7 @@ function rangeRow(key: string, send: (key: string, value: number) => void): Row 
       // Pure numbers have the unit 1.
       const unitText = next.unit === "1" ? "" : unitWords(next.unit);
       setText(unit, unitText);
+      unit.title = next.help;
       field.setAttribute("aria-label", unitText === "" ? next.label : `${next.label}, ${unitText}`);
       field.min = String(next.min);
       field.max = String(next.max);
