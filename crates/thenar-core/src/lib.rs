@@ -8,6 +8,7 @@ pub mod condensed;
 mod contact;
 mod coupling;
 mod flesh;
+pub mod histogram;
 pub mod math;
 pub mod model;
 mod processor;

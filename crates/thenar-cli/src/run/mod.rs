@@ -2,14 +2,12 @@
 
 mod find;
 mod grips;
-mod histogram;
 mod outputs;
 mod report;
 mod timer;
 mod vtk;
 
 pub use find::{Found, file, find, open, open_checked, open_live, tell, tell_overlaps};
-pub use histogram::Histogram;
 pub use report::{report, times};
 pub use timer::{STAGES, StageTimes, StopWatch};
 
