@@ -11,6 +11,8 @@ mod flesh;
 pub mod histogram;
 pub mod math;
 pub mod model;
+#[cfg(test)]
+mod noise;
 mod processor;
 pub mod random;
 pub mod readout;

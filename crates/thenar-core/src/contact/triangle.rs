@@ -131,37 +131,15 @@ pub(crate) fn cut_by_ray(p: &Vec3, d: &Vec3, x: &[Vec3; 3]) -> Option<(f64, [f64
 const ROUNDING: f64 = 1e-12;
 
 #[cfg(test)]
-pub(crate) mod tests {
+mod tests {
     use super::*;
-
-    /// A small seeded generator (64-bit linear congruential, upper bits).
-    pub struct Random(u64);
-
-    impl Random {
-        pub fn new(seed: u64) -> Self {
-            Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
-        }
-
-        /// Uniform in [0, 1).
-        pub fn unit(&mut self) -> f64 {
-            self.0 = self
-                .0
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 11) as f64 / (1u64 << 53) as f64
-        }
-
-        /// Uniform in the cube ±`reach`.
-        pub fn vector(&mut self, reach: f64) -> Vec3 {
-            Vec3::from_fn(|_, _| reach * (2.0 * self.unit() - 1.0))
-        }
-    }
+    use crate::noise::Noise;
 
     /// Brute force over a fine barycentric lattice bounds the true distance from above by the
     /// lattice spacing.
     #[test]
     fn nearest_point_beats_brute_force() {
-        let mut random = Random::new(42);
+        let mut random = Noise::seeded(42);
         let n = 60;
         for _ in 0..300 {
             let x = [random.vector(1.0), random.vector(1.0), random.vector(1.0)];
