@@ -40,12 +40,38 @@ pub(crate) fn solid_angle(p: &Vec3, x: &[Vec3; 3]) -> f64 {
 /// of no area.
 const FLAT: f64 = 1e-14;
 
-/// True where rounding decides what a triangle's area is.
-pub(crate) fn is_flat(x: &[Vec3; 3]) -> bool {
+/// Area vector of a triangle \[m²\], and whether rounding decides what it is.
+pub(crate) fn area_or_flat(x: &[Vec3; 3]) -> (Vec3, bool) {
     let (e1, e2) = (x[1] - x[0], x[2] - x[0]);
-    e1.cross(&e2).norm_squared() <= FLAT * e1.norm_squared() * e2.norm_squared()
+    let across = e1.cross(&e2);
+    let flat = across.norm_squared() <= FLAT * e1.norm_squared() * e2.norm_squared();
+    (0.5 * across, flat)
 }
 
+/// True where points of these heights over a plane all lie farther than `far` on one side of it.
+#[inline]
+pub(crate) fn are_beyond<const N: usize>(heights: &[f64; N], far: f64) -> bool {
+    heights.iter().all(|h| *h > far) || heights.iter().all(|h| *h < -far)
+}
+
+/// Part of the surface around a vertex that must face its load; where less does, all of it counts.
+const ASKEW: f64 = 1e-6;
+
+/// Surface that a vertex pushed along `push_W` stands for \[m²\]: a third of the `triangles` around it, as seen along the
+/// push; of all where none faces it.
+pub(crate) fn stands_for(triangles: impl Iterator<Item = [Vec3; 3]>, push_W: &Vec3) -> f64 {
+    let (mut seen, mut whole) = (0.0, 0.0);
+    for x in triangles {
+        let area_W = area_vector(&x);
+        seen += (-push_W.dot(&area_W)).max(0.0);
+        whole += area_W.norm();
+    }
+    (if seen > ASKEW * whole { seen } else { whole }) / 3.0
+}
+
+// `thenar_rig::mesh::closest_on_triangle` answers the same question by cross products, which still tell the faces of needles in
+// meshes from files, and gives built models their bits. Here dot products do, which cost less: contact asks in each step, of
+// each vertex and each triangle near it, and a needle counts as its edges.
 /// The point of triangle `x` nearest to `p`. A degenerate triangle is its edges.
 pub(crate) fn closest_on_triangle(p: &Vec3, x: &[Vec3; 3]) -> Closest {
     let (e1, e2, d) = (x[1] - x[0], x[2] - x[0], p - x[0]);
