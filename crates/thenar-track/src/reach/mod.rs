@@ -2,6 +2,8 @@
 
 mod chain;
 mod solve;
+mod within;
 
 pub use chain::{ALONG, Angles, Chain, FREEDOMS_MAX, Freedom, Pad, PadPlace, Reached, palmar_pad};
 pub use solve::{Goal, solve};
+pub(crate) use within::step_within;
