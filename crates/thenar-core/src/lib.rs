@@ -8,8 +8,11 @@ pub mod condensed;
 mod contact;
 mod coupling;
 mod flesh;
+pub mod histogram;
 pub mod math;
 pub mod model;
+#[cfg(test)]
+mod noise;
 mod processor;
 pub mod random;
 pub mod readout;

@@ -14,7 +14,7 @@ fn mix(mut z: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// From -1 to 1, evenly.
+/// Numbers from -1 to 1, evenly.
 fn to_symmetric(bits: u64) -> f64 {
     (bits >> 11) as f64 / (1u64 << 52) as f64 - 1.0
 }
@@ -25,10 +25,25 @@ impl Random {
         Self { state: mix(seed.wrapping_add(GOLDEN)) }
     }
 
+    /// The next 64 bits.
+    pub fn bits(&mut self) -> u64 {
+        self.state = self.state.wrapping_add(GOLDEN);
+        mix(self.state)
+    }
+
     /// The next number, from -1 to 1.
     pub fn symmetric(&mut self) -> f64 {
-        self.state = self.state.wrapping_add(GOLDEN);
-        to_symmetric(mix(self.state))
+        to_symmetric(self.bits())
+    }
+
+    /// The next number, from 0 to 1.
+    pub fn unit(&mut self) -> f64 {
+        0.5 * (self.symmetric() + 1.0)
+    }
+
+    /// The next whole number below `n`; 0 if `n` is 0.
+    pub fn below(&mut self, n: usize) -> usize {
+        (self.bits() >> 33) as usize % n.max(1)
     }
 }
 
@@ -56,5 +71,22 @@ mod tests {
             assert!(neighbours.abs() < 0.02, "{neighbours}");
         }
         assert_ne!(random_at([1, 2, 3, 4]), random_at([1, 2, 4, 3]));
+    }
+
+    #[test]
+    fn parts_and_whole_numbers_are_even_too() {
+        let mut random = Random::new(3);
+        let mut counts = [0; 7];
+        let mut sum = 0.0;
+        for _ in 0..70_000 {
+            counts[random.below(7)] += 1;
+            let part = random.unit();
+            assert!((0.0..1.0).contains(&part));
+            sum += part;
+        }
+        // Five standard deviations: of a count √(n p (1 - p)) = 93, of a mean √(1 / 12 n) = 0.0011.
+        assert!(counts.iter().all(|n| (*n as i32 - 10_000).abs() < 465), "{counts:?}");
+        assert!((sum / 7e4 - 0.5).abs() < 0.0055, "{sum}");
+        assert_eq!((random.below(1), random.below(0)), (0, 0));
     }
 }

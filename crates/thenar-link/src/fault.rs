@@ -3,6 +3,7 @@
 use crate::{Driver, Found, HandSample, LinkError, Lookout, Opened, Tracker};
 use std::f64::consts::PI;
 use thenar_core::model::Side;
+use thenar_core::random::Random;
 use thenar_core::{Pose, Quat, Vec3};
 use thenar_touch::TrackerTiming;
 use thenar_track::live::LivePose;
@@ -40,11 +41,8 @@ pub struct Planned {
 /// Faults of these kinds in turn, at random times and for random whiles: 20 ms to 600 ms each, 0.3 s
 /// to 1.5 s apart. The same seed gives the same plan.
 pub fn plan(seed: u64, duration_ns: u64) -> Vec<Planned> {
-    let mut state = seed;
-    let mut random = || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (state >> 11) as f64 / (1u64 << 53) as f64
-    };
+    let mut random = Random::new(seed);
+    let mut random = || random.unit();
     let (mut plan, mut at, mut turn) = (Vec::new(), 0, (random() * 7.0) as usize);
     while plan.len() < 100_000 {
         at += 300_000_000 + (random() * 1.2e9) as u64;

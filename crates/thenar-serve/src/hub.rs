@@ -237,7 +237,28 @@ impl Desk {
         }
     }
 
+    /// Shows a status, if it is another than the last.
+    pub fn show_status(&self, text: String) {
+        self.status.send_if_modified(|last| {
+            let changed = *last != text;
+            if changed {
+                *last = text;
+            }
+            changed
+        });
+    }
+
     /// Remarks something to a client.
+    pub fn tell(&self, client: ClientId, text: String) {
+        self.note(Note { client, text, refusal: false });
+    }
+
+    /// Refuses what a client sent.
+    pub fn refuse(&self, client: ClientId, reason: &str) {
+        self.note(Note { client, text: text::error(reason), refusal: true });
+    }
+
+    /// Hands a remark to the client that it is for.
     pub fn note(&self, note: Note) {
         // Nobody listening is fine: the client has left.
         let _ = self.notes.send(note);

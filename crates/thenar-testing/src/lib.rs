@@ -1,8 +1,15 @@
-//! Tools that tests of several crates share: an allocator that counts, a fixed share of many cases, and ports.
+//! Tools that tests of several crates share: an allocator that counts, repeatable damage, a fixed share of many cases,
+//! ports and pipes.
 
 pub mod allocations;
+mod mutator;
+#[cfg(unix)]
+mod pipe;
 mod ports;
 mod share;
 
+pub use mutator::Mutator;
+#[cfg(unix)]
+pub use pipe::make_pipe;
 pub use ports::free_port;
 pub use share::{cases_wanted, one_in};

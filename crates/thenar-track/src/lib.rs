@@ -29,8 +29,6 @@ pub mod tracker_clock;
 #[cfg(test)]
 mod fixture;
 #[cfg(test)]
-mod mutate;
-#[cfg(test)]
 mod tracker;
 
 pub use anatomy::{Anatomy, JointRole};

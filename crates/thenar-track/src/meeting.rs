@@ -17,7 +17,7 @@
 //! face each other are left alone: a thumb on the back of a finger pinches nothing.
 
 use crate::calibration::{BoneLengths, RATIOS};
-use crate::reach::{ALONG, Angles, Chain, FREEDOMS_MAX, PadPlace, Reached};
+use crate::reach::{ALONG, Angles, Chain, FREEDOMS_MAX, PadPlace, Reached, step_within};
 use crate::recording::TRACKED_JOINTS;
 use crate::retarget::tracked_index;
 use nalgebra::{SMatrix, SVector};
@@ -193,32 +193,19 @@ impl Meeting {
                 right[i] -= pair.weight * (moved_i.dot(&apart) + turn);
             }
         }
-        // Freedoms that push against the ends of their ranges are held, until none does.
+        let Some(step) = step_within(matrix, right, |i, step| {
+            let (d, k) = (i / FREEDOMS_MAX, i % FREEDOMS_MAX);
+            let freedom = self.tips.get(d).and_then(|tip| tip.chain.freedoms.get(k));
+            freedom.is_some_and(|freedom| freedom.ends(at[d][k], step))
+        }) else {
+            return false;
+        };
         let freedoms = || {
             let tips = self.tips.iter().enumerate();
             tips.flat_map(|(d, tip)| {
                 tip.chain.freedoms.iter().enumerate().map(move |(k, freedom)| (d, k, freedom.range))
             })
         };
-        let mut step;
-        loop {
-            let Some(factor) = matrix.cholesky() else { return false };
-            step = factor.solve(&right);
-            let mut more = false;
-            for (d, k, [low, high]) in freedoms() {
-                let i = d * FREEDOMS_MAX + k;
-                let outwards =
-                    (step[i] > 0.0 && at[d][k] >= high) || (step[i] < 0.0 && at[d][k] <= low);
-                if outwards {
-                    matrix.row_mut(i).fill(0.0);
-                    matrix.column_mut(i).fill(0.0);
-                    (matrix[(i, i)], right[i], more) = (1.0, 0.0, true);
-                }
-            }
-            if !more {
-                break;
-            }
-        }
         // The whole step, or so much of it that the sum falls.
         let now = self.lack(stage, pairs, start, at);
         let mut scale = (ROUND_MAX / step.amax().max(ROUND_MAX)).min(1.0);

@@ -2,6 +2,7 @@
 
 use super::names;
 use crate::run::{STAGES, StopWatch};
+use thenar_core::histogram::Histogram;
 use thenar_scene::compare::{Comparison, EXACT, Mode, Object, Peak, SIDES, TWO_STEP};
 use thenar_scene::session::PARTS;
 
@@ -106,8 +107,9 @@ pub fn summary(of: &Comparison, paper: bool, watches: &[StopWatch; 2]) {
     }
     println!("\n  {:14} {:>25} {:>25}", "median / p99 [us]", a, b);
     let [two, exact] = [TWO_STEP, EXACT].map(|side| &watches[side].times);
-    let cell = |h: &crate::run::Histogram| {
-        format!("{:11.1} / {:11.1}", h.quantile(0.5) * 1e6, h.quantile(0.99) * 1e6)
+    let cell = |h: &Histogram| {
+        let [median, p99] = [0.5, 0.99].map(|q| h.quantile(q) as f64 * 1e-3);
+        format!("{median:11.1} / {p99:11.1}")
     };
     for (k, (_, stage)) in STAGES.iter().enumerate() {
         println!("  {stage:17} {:>25} {:>25}", cell(&two.stages[k]), cell(&exact.stages[k]));

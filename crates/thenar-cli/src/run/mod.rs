@@ -2,7 +2,6 @@
 
 mod find;
 mod grips;
-mod histogram;
 mod outputs;
 mod report;
 mod timer;
@@ -10,7 +9,6 @@ mod verdict;
 mod vtk;
 
 pub use find::{Found, file, find, known, open, open_checked, open_live, tell, tell_overlaps};
-pub use histogram::Histogram;
 pub use report::{report, times};
 pub use timer::{STAGES, StageTimes, StopWatch};
 

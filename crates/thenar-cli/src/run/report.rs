@@ -1,12 +1,12 @@
 //! Figures of a run: as JSON with stable keys, and as a table.
 
 use super::Outcome;
-use super::histogram::Histogram;
 use super::timer::STAGES;
 use super::verdict::{Evidence, Verdict};
 use crate::words::{counted, joules};
 use serde_json::{Map, Value, json};
 use thenar_core::World;
+use thenar_core::histogram::Histogram;
 use thenar_core::model::{Digit, SolverKind};
 use thenar_scene::session::{HandLoad, Session, StartOverlap};
 
@@ -83,7 +83,7 @@ fn overlap(overlap: &StartOverlap) -> Value {
 
 /// Median, p99 and longest of durations.
 pub fn times(histogram: &Histogram) -> Value {
-    let us = |seconds: f64| (seconds * 1e9).round() / 1e3;
+    let us = |ns: u64| ns as f64 / 1e3;
     json!({
         "median_us": us(histogram.quantile(0.5)),
         "p99_us": us(histogram.quantile(0.99)),
@@ -189,7 +189,7 @@ pub fn print(session: &Session, outcome: &Outcome) {
 fn stages(outcome: &Outcome) {
     println!("  {:10} {:>11} {:>11} {:>11}", "stage", "median [us]", "p99 [us]", "max [us]");
     let line = |name: &str, h: &Histogram| {
-        let us = |seconds: f64| seconds * 1e6;
+        let us = |ns: u64| ns as f64 * 1e-3;
         println!(
             "  {name:10} {:11.1} {:11.1} {:11.1}",
             us(h.quantile(0.5)),

@@ -1,7 +1,7 @@
 //! How long the stages of a step take.
 
-use super::histogram::Histogram;
 use std::time::Instant;
+use thenar_core::histogram::Histogram;
 use thenar_core::world::{Stage, StageTimer};
 
 /// The stages in the order of a step, with their names in reports.

@@ -4,17 +4,9 @@ mod bodies;
 mod chains;
 mod landing;
 
-use super::case::{Basis, Case, CaseError, Check, Figure, SceneText, scene};
+use super::case::{Basis, Case, CaseError, Check, Figure, SceneText, case, scene};
 use super::run::{Solver, order, step_words};
 use std::f64::consts::{FRAC_PI_2, TAU};
-
-const fn case(
-    id: &'static str,
-    title: &'static str,
-    measure: fn(Solver) -> Result<Vec<Figure>, CaseError>,
-) -> Case {
-    Case { id, title, full: false, measure }
-}
 
 /// The cases.
 pub const CASES: &[Case] = &[

@@ -7,8 +7,7 @@ mod rest;
 mod slip;
 mod tangential;
 
-use super::case::{Case, CaseError, Figure, SceneText, scene};
-use super::run::Solver;
+use super::case::{Case, CaseError, SceneText, case, scene};
 
 const HERTZ: SceneText = scene!("c01-hertz");
 const LAYER: SceneText = scene!("c02-layer");
@@ -27,32 +26,24 @@ const TORSION: SceneText = scene!("c12-torsion");
 /// Gravity of the scenes \[m/s²\].
 const G: f64 = 9.81;
 
-const fn case(
-    id: &'static str,
-    title: &'static str,
-    full: bool,
-    measure: fn(Solver) -> Result<Vec<Figure>, CaseError>,
-) -> Case {
-    Case { id, title, full, measure }
-}
-
 /// The cases.
 pub const CASES: &[Case] = &[
-    case("C1", "Hertz: sphere on a half space, 0.5 mm", false, indentation::hertz),
-    case("C1F", "Hertz at three depths, and the exponent", true, indentation::hertz_depths),
-    case("C2", "sphere on a layer bonded to bone", true, indentation::layer),
-    case("C3", "ball of flesh around a bone on a plate, 0.4 mm", false, indentation::finger_pad),
-    case("C3F", "the same at 0.2 and 0.8 mm", true, indentation::finger_pad_depths),
-    case("C4", "block on an incline", false, incline::incline),
-    case("C5", "friction in 16 directions", false, slip::isotropy),
-    case("C6", "stack of five boxes", false, rest::stack),
-    case("C7", "sliding to rest", false, slip::sliding),
-    case("C8", "pinch hold", false, rest::pinch),
-    case("C8F", "the same of a heavier object", true, rest::pinch_heavy),
-    case("C9", "action and reaction", false, balance::balance),
-    case("C10", "tipping before slipping", false, incline::tipping),
-    case("C11", "Cattaneo and Mindlin: a pressed ball dragged aside", true, tangential::mindlin),
-    case("C12", "a pressed ball turned about the normal", true, tangential::torsion),
+    case("C1", "Hertz: sphere on a half space, 0.5 mm", indentation::hertz),
+    case("C1F", "Hertz at three depths, and the exponent", indentation::hertz_depths).only_full(),
+    case("C2", "sphere on a layer bonded to bone", indentation::layer).only_full(),
+    case("C3", "ball of flesh around a bone on a plate, 0.4 mm", indentation::finger_pad),
+    case("C3F", "the same at 0.2 and 0.8 mm", indentation::finger_pad_depths).only_full(),
+    case("C4", "block on an incline", incline::incline),
+    case("C5", "friction in 16 directions", slip::isotropy),
+    case("C6", "stack of five boxes", rest::stack),
+    case("C7", "sliding to rest", slip::sliding),
+    case("C8", "pinch hold", rest::pinch),
+    case("C8F", "the same of a heavier object", rest::pinch_heavy).only_full(),
+    case("C9", "action and reaction", balance::balance),
+    case("C10", "tipping before slipping", incline::tipping),
+    case("C11", "Cattaneo and Mindlin: a pressed ball dragged aside", tangential::mindlin)
+        .only_full(),
+    case("C12", "a pressed ball turned about the normal", tangential::torsion).only_full(),
 ];
 
 /// The value between `low` (where `holds` is true) and `high` (where it is false) at which

@@ -41,6 +41,22 @@ pub struct Case {
     pub measure: fn(Solver) -> Result<Vec<Figure>, CaseError>,
 }
 
+/// A case of the default run.
+pub const fn case(
+    id: &'static str,
+    title: &'static str,
+    measure: fn(Solver) -> Result<Vec<Figure>, CaseError>,
+) -> Case {
+    Case { id, title, full: false, measure }
+}
+
+impl Case {
+    /// The case, as one that is too slow for the default run.
+    pub const fn only_full(self) -> Self {
+        Self { full: true, ..self }
+    }
+}
+
 /// Why a case could not be run.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum CaseError {

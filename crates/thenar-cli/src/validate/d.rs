@@ -7,16 +7,7 @@ mod jointed;
 mod skinning;
 mod splitting;
 
-use super::case::{Case, CaseError, Figure, SceneText, scene};
-use super::run::Solver;
-
-const fn case(
-    id: &'static str,
-    title: &'static str,
-    measure: fn(Solver) -> Result<Vec<Figure>, CaseError>,
-) -> Case {
-    Case { id, title, full: false, measure }
-}
+use super::case::{Case, SceneText, case, scene};
 
 /// The cases.
 pub const CASES: &[Case] = &[

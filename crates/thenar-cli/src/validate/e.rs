@@ -5,18 +5,9 @@ mod device;
 mod two_stage;
 mod wall;
 
-use super::case::{Case, CaseError, Figure};
-use super::run::Solver;
+use super::case::{Case, CaseError, case};
 use thenar_touch::ProxyError;
 use thenar_touch::virtual_user::Device;
-
-const fn case(
-    id: &'static str,
-    title: &'static str,
-    measure: fn(Solver) -> Result<Vec<Figure>, CaseError>,
-) -> Case {
-    Case { id, title, full: false, measure }
-}
 
 /// The cases.
 pub const CASES: &[Case] = &[

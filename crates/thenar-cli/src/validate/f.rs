@@ -7,8 +7,7 @@ mod knuckle;
 mod press;
 mod tap;
 
-use super::case::{Case, CaseError, Figure, SceneText, scene};
-use super::run::Solver;
+use super::case::{Case, SceneText, case, scene};
 pub use curve::pressed;
 pub use friction::tables;
 pub use press::plate;
@@ -35,24 +34,15 @@ pub const OWN: Hand = Hand { name: "right, 190 mm", changes: &[] };
 pub const SMALL: Hand =
     Hand { name: "left, 170 mm", changes: &["hand.hand.length=0.17", "hand.hand.model=left"] };
 
-const fn case(
-    id: &'static str,
-    title: &'static str,
-    full: bool,
-    measure: fn(Solver) -> Result<Vec<Figure>, CaseError>,
-) -> Case {
-    Case { id, title, full, measure }
-}
-
 /// The cases.
 pub const CASES: &[Case] = &[
-    case("F1", "an index pad on a plate at 5 mm/s: force over depth", false, press::depth),
-    case("F1H", "the same after 10 s of hold", true, press::held),
-    case("F2", "a pad held still relaxes; pressed fast it stiffens", true, press::relaxation),
-    case("F3", "area of contact over force", false, press::area),
-    case("F4", "friction of skin falls with load", false, friction::means),
-    case("F5", "moduli", false, press::moduli),
-    case("F6", "the knuckle after 10 s of hold", true, knuckle::stiffness),
-    case("F7", "the first touch is Hertz's, more is stiffer", false, press::first_touch),
-    case("F8", "a fingertip under 50 N", false, press::crushed),
+    case("F1", "an index pad on a plate at 5 mm/s: force over depth", press::depth),
+    case("F1H", "the same after 10 s of hold", press::held).only_full(),
+    case("F2", "a pad held still relaxes; pressed fast it stiffens", press::relaxation).only_full(),
+    case("F3", "area of contact over force", press::area),
+    case("F4", "friction of skin falls with load", friction::means),
+    case("F5", "moduli", press::moduli),
+    case("F6", "the knuckle after 10 s of hold", knuckle::stiffness).only_full(),
+    case("F7", "the first touch is Hertz's, more is stiffer", press::first_touch),
+    case("F8", "a fingertip under 50 N", press::crushed),
 ];

@@ -3,17 +3,9 @@
 mod body;
 mod motion;
 
-use super::case::{Case, CaseError, Figure};
+use super::case::{Case, CaseError, case};
 use super::f::{Hand, KNUCKLE, OWN, SMALL};
 use super::run::{Run, Solver};
-
-const fn case(
-    id: &'static str,
-    title: &'static str,
-    measure: fn(Solver) -> Result<Vec<Figure>, CaseError>,
-) -> Case {
-    Case { id, title, full: false, measure }
-}
 
 /// The cases.
 pub const CASES: &[Case] = &[

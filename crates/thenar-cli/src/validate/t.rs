@@ -3,22 +3,13 @@
 mod laws;
 mod memory;
 
-use super::case::{Case, CaseError, Figure, SceneText, scene};
+use super::case::{Case, SceneText, case, scene};
 use super::f;
-use super::run::Solver;
 
 const LAYERS: SceneText = scene!("t01-layers");
 const UNIAXIAL: SceneText = scene!("b06-uniaxial");
 const RELAXATION: SceneText = scene!("t05-relaxation");
 const HALF_SINE: SceneText = scene!("t05-half-sine");
-
-const fn case(
-    id: &'static str,
-    title: &'static str,
-    measure: fn(Solver) -> Result<Vec<Figure>, CaseError>,
-) -> Case {
-    Case { id, title, full: false, measure }
-}
 
 /// The cases.
 pub const CASES: &[Case] = &[

@@ -33,8 +33,7 @@ impl Folder {
             std::fs::create_dir_all(self.0.join(kind)).unwrap();
             self.0.join(kind).join(name)
         });
-        let made = Command::new("mkfifo").arg(&places[0]).status().unwrap();
-        assert!(made.success());
+        thenar_testing::make_pipe(&places[0]);
         std::os::unix::fs::symlink("/dev/zero", &places[1]).unwrap();
         std::fs::create_dir_all(&places[2]).unwrap();
         places.to_vec()
@@ -147,7 +146,7 @@ fn a_pipe_with_a_silent_writer_is_refused_as_well() {
     let folder = Folder::new("writer");
     for name in ["m.obj", "m.stl", "h.glb", "m.thenar", "s.toml", "r.rec", "t.toml", "p.jsonl"] {
         let path = folder.0.join(name);
-        assert!(Command::new("mkfifo").arg(&path).status().unwrap().success());
+        thenar_testing::make_pipe(&path);
         // Opened for both, which does not wait for anybody.
         let writer = std::fs::OpenOptions::new().read(true).write(true).open(&path).unwrap();
         let body = match name {

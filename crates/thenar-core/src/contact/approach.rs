@@ -207,6 +207,7 @@ fn way_back(shape: &Shape, p: &Vec3, normal: &Vec3) -> Option<(Distance, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::noise::Noise;
 
     const PLATE: Shape = Shape::Cuboid { half: Vec3::new(0.1, 0.001, 0.1) };
 
@@ -245,18 +246,14 @@ mod tests {
             Shape::Sphere { radius: 0.1 },
             Shape::Cuboid { half: Vec3::new(0.3, 0.002, 0.2) },
         ];
-        let mut seed = 7_u64;
-        let mut any = || {
-            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        };
+        let mut noise = Noise(7);
         let mut arrived = 0;
         for i in 0..50_000 {
             let shape = &shapes[i % 5];
             // Large ones are flown past farther in a step.
             let size = if i % 5 < 3 { 0.04 } else { 0.2 };
-            let p = size * Vec3::new(any(), any(), any());
-            let u = 1.25 * size * Vec3::new(any(), any(), any());
+            let p = noise.vector(size);
+            let u = noise.vector(1.25 * size);
             if shape.distance(&p).value <= 1e-3 {
                 continue;
             }

@@ -6,7 +6,9 @@ use crate::contact::aabb::Aabb;
 use crate::contact::area::{AreaScratch, LIGHT, Skin, TOUCHING, soft_point};
 use crate::contact::area_samples::{PARTS_MAX, area_below};
 use crate::contact::nearest::longest_edge;
-use crate::contact::triangle::{Closest, Feature, ROUNDED_UP, area_vector, closest_on_triangle};
+use crate::contact::triangle::{
+    Closest, Feature, ROUNDED_UP, are_beyond, area_vector, closest_on_triangle,
+};
 use crate::contact::{Contact, Distance, SurfacePoint};
 use crate::math::Vec3;
 use crate::room::Room;
@@ -174,9 +176,7 @@ impl Facing {
     fn is_beyond(&self, y: &[Vec3; 3], reach: f64) -> bool {
         let normal = area_vector(y).try_normalize(0.0).unwrap_or_default();
         [(&self.normal, &self.x, y), (&normal, y, &self.x)].iter().any(|(normal, x, y)| {
-            let heights = y.map(|p| normal.dot(&(p - x[0])));
-            let far = reach * ROUNDED_UP;
-            heights.iter().all(|h| *h > far) || heights.iter().all(|h| *h < -far)
+            are_beyond(&y.map(|p| normal.dot(&(p - x[0]))), reach * ROUNDED_UP)
         })
     }
 }
@@ -270,12 +270,12 @@ fn signed(p: &Vec3, facing: &[Facing], other: &Skin) -> Distance {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::triangle::tests::Random;
+    use crate::noise::Noise;
 
     /// Planes set no two triangles farther apart than any two of their points are.
     #[test]
     fn planes_bound_the_distance_of_triangles() {
-        let (mut random, mut told) = (Random::new(16), 0);
+        let (mut random, mut told) = (Noise::seeded(16), 0);
         let n = 12;
         for i in 0..500 {
             let x = [0; 3].map(|_| random.vector(0.005));

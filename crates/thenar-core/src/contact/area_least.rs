@@ -10,14 +10,12 @@
 //! [`TOUCHING`]: crate::contact::area::TOUCHING
 
 use crate::contact::area::{LIGHT, Skin, soft_point};
-use crate::contact::triangle::area_vector;
+use crate::contact::triangle::stands_for;
 use crate::contact::{Contact, SurfacePoint};
 use crate::math::Vec3;
 use crate::room::Room;
 
 const NONE: u32 = u32::MAX;
-/// Part of the surface around a vertex that must face its load; where less does, all of it counts.
-const ASKEW: f64 = 1e-6;
 
 /// Work space: per triangle and per vertex of the largest surface, and per contact.
 #[derive(Clone, Debug)]
@@ -126,7 +124,8 @@ impl Patches {
             for (_, point) in points_on(contact, skin) {
                 for (v, _) in corners(point) {
                     let (size, sum) = self.pressed[v as usize];
-                    let area = stands_for(skin, v, &sum.try_normalize(0.0).unwrap_or_default());
+                    let around = skin.surface.around(v).iter().map(|&t| skin.corners(t));
+                    let area = stands_for(around, &sum.try_normalize(0.0).unwrap_or_default());
                     if area > 0.0 {
                         let peak = &mut self.patches[of_patch][2];
                         *peak = peak.max(size / area);
@@ -161,17 +160,6 @@ fn points_on<'a>(
 
 fn corners(point: &SurfacePoint) -> impl Iterator<Item = (u32, f64)> {
     point.vertices.into_iter().zip(point.weights).filter(|(_, weight)| *weight > LIGHT)
-}
-
-/// A third of the triangles around a vertex, as seen along `push_W`; of all where none faces it.
-fn stands_for(skin: &Skin, vertex: u32, push_W: &Vec3) -> f64 {
-    let (mut seen, mut whole) = (0.0, 0.0);
-    for &t in skin.surface.around(vertex) {
-        let area_W = area_vector(&skin.corners(t));
-        seen += (-push_W.dot(&area_W)).max(0.0);
-        whole += area_W.norm();
-    }
-    (if seen > ASKEW * whole { seen } else { whole }) / 3.0
 }
 
 #[cfg(test)]

@@ -241,7 +241,7 @@ fn part_below(gaps: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::triangle::tests::Random;
+    use crate::noise::Noise;
     use std::cell::Cell;
 
     #[test]
@@ -282,7 +282,7 @@ mod tests {
     /// As many parts are found below as by all samples, of which a third need not be looked into.
     #[test]
     fn bounds_tell_what_samples_would() {
-        let (mut random, mut all_asked) = (Random::new(6), 0);
+        let (mut random, mut all_asked) = (Noise::seeded(6), 0);
         for i in 0..300 {
             let x = [0; 3].map(|_| random.vector(0.01));
             let radius = 0.002 + 0.05 * random.unit();
@@ -326,7 +326,7 @@ mod tests {
     /// sides, as they open.
     #[test]
     fn edges_touch_strips() {
-        let mut random = Random::new(11);
+        let mut random = Noise::seeded(11);
         let x =
             [Vec3::new(-2e-3, 0.0, -1e-3), Vec3::new(0.0, 0.0, 2e-3), Vec3::new(2e-3, 0.0, -1e-3)];
         let area = area_vector(&x).norm();
@@ -362,7 +362,7 @@ mod tests {
     /// Tangent planes of a distance that does not bend are one but for rounding, whichever way it leans.
     #[test]
     fn planes_that_are_one_cut_like_it() {
-        let mut random = Random::new(5);
+        let mut random = Noise::seeded(5);
         for i in 0..300_000 {
             let x = [0; 3].map(|_| random.vector(2e-3) + Vec3::new(0.3, -0.2, 0.5));
             let gradient = random.vector(1.0).normalize();
@@ -382,7 +382,7 @@ mod tests {
     /// Where two flat pieces meet in a hollow the nearer one counts.
     #[test]
     fn hollows_touch_where_either_side_does() {
-        let mut random = Random::new(12);
+        let mut random = Noise::seeded(12);
         let x = [Vec3::zeros(), Vec3::new(4e-4, 0.0, 0.0), Vec3::new(1e-4, 3e-4, 0.0)];
         for i in 0..2000 {
             let steep = (0.1 + 0.4 * random.unit()) * Vec3::x();

@@ -9,6 +9,7 @@
 //! ```
 
 use crate::contact::manifold::{Manifold, ManifoldPoint};
+use crate::contact::polygon::{Corner, Polygon};
 use crate::contact::round_side::{Over, RoundSide};
 use crate::contact::separation::{Separation, TOUCHING, separation};
 use crate::contact::support::{DISC_CORNERS, Face, Solid, inradius};
@@ -157,7 +158,7 @@ fn flatten(
     if corners.len() < 2 {
         return;
     }
-    let mut polygon = Polygon::new(corners);
+    let mut polygon = polygon(corners);
     let middle = sides.iter().sum::<Vec3>() / sides.len().max(1) as f64;
     for (k, from) in sides.iter().enumerate() {
         let to = sides[(k + 1) % sides.len()];
@@ -172,9 +173,9 @@ fn flatten(
     let (normal_W, flag) = if by_a { (-n, 1 << 15) } else { (*n, 0) };
     if let Some((end, tip)) = incident.tip {
         let is_end = |c: &&mut Corner| c.id == end as u32;
-        polygon.corners[..polygon.count].iter_mut().filter(is_end).for_each(|c| c.p = tip);
+        polygon.corners_mut().iter_mut().filter(is_end).for_each(|c| c.p = tip);
     }
-    for corner in &polygon.corners[..polygon.count] {
+    for corner in polygon.corners() {
         let gap = n.dot(&(corner.p - p));
         if gap <= margin {
             manifold.offer(ManifoldPoint {
@@ -288,63 +289,15 @@ impl Line {
     }
 }
 
-/// A corner of the clipped face. `edge` names the line to the next corner: 0 on an edge of the
-/// incident face, 64 on a side of the reference face.
-#[derive(Clone, Copy, Default)]
-struct Corner {
-    p: Vec3,
-    id: u32,
-    edge: u32,
-}
+/// A face clipped by the sides of another: each side adds at most one corner to a convex polygon.
+type Clipped = Polygon<{ 2 * DISC_CORNERS }, 64>;
 
-/// Each side adds at most one corner to a convex polygon.
-const CORNERS_MAX: usize = 2 * DISC_CORNERS;
-
-struct Polygon {
-    corners: [Corner; CORNERS_MAX],
-    count: usize,
-    /// Corners nearer than this are one: a segment is cut on its way there and back \[m\].
-    same: f64,
-}
-
-impl Polygon {
-    /// A polygon, or a segment taken there and back.
-    fn new(points: &[Vec3]) -> Self {
-        let same = ON_SIDE * points.iter().map(|p| (p - points[0]).norm()).fold(0.0, f64::max);
-        let mut polygon = Self { corners: [Corner::default(); CORNERS_MAX], count: 0, same };
-        for (k, p) in points.iter().enumerate() {
-            polygon.push(Corner { p: *p, id: k as u32, edge: k as u32 });
-        }
-        polygon
+/// A polygon, or a segment taken there and back.
+fn polygon(points: &[Vec3]) -> Clipped {
+    let size = points.iter().map(|p| (p - points[0]).norm()).fold(0.0, f64::max);
+    let mut polygon = Clipped::empty(Some(ON_SIDE * size));
+    for (k, p) in points.iter().enumerate() {
+        polygon.push(Corner { p: *p, id: k as u32, edge: k as u32 });
     }
-
-    fn push(&mut self, corner: Corner) {
-        let near = |c: &Corner| (c.p - corner.p).norm() <= self.same;
-        let same = self.corners[..self.count].iter().any(near);
-        if self.count < CORNERS_MAX && !same {
-            self.corners[self.count] = corner;
-            self.count += 1;
-        }
-    }
-
-    /// Keeps the part with `n · p ≤ offset`; corners within `tolerance` of the side stay.
-    fn clip(&self, n: &Vec3, offset: f64, side: u32, tolerance: f64) -> Self {
-        let mut out = Self { corners: [Corner::default(); CORNERS_MAX], count: 0, same: self.same };
-        for i in 0..self.count {
-            let (from, to) = (self.corners[i], self.corners[(i + 1) % self.count]);
-            let (d0, d1) = (n.dot(&from.p) - offset, n.dot(&to.p) - offset);
-            let (in0, in1) = (d0 <= tolerance, d1 <= tolerance);
-            if in0 {
-                let leaves_on_side = !in1 && d0 > -tolerance;
-                out.push(if leaves_on_side { Corner { edge: 64 + side, ..from } } else { from });
-            }
-            let on_side = if in0 { d0 > -tolerance } else { d1 > -tolerance };
-            if in0 != in1 && !on_side {
-                let p = from.p + (to.p - from.p) * (d0 / (d0 - d1));
-                let edge = if in0 { 64 + side } else { from.edge };
-                out.push(Corner { p, id: 128 + side * 128 + from.edge, edge });
-            }
-        }
-        out
-    }
+    polygon
 }

@@ -10,6 +10,7 @@
 
 use crate::contact::Shape;
 use crate::contact::manifold::{Manifold, ManifoldPoint};
+use crate::contact::polygon::{Corner, Polygon};
 use crate::contact::support::Solid;
 use crate::math::{Mat3, Vec3};
 
@@ -133,51 +134,8 @@ fn choose_axis(a: &Box3, b: &Box3, margin: f64) -> Option<Candidate> {
     best
 }
 
-/// A corner of the clipped face. `edge` names the line to the next corner: 0-3 an edge of the
-/// incident face, 4-7 a side of the reference face.
-#[derive(Clone, Copy, Default)]
-struct Corner {
-    p: Vec3,
-    id: u32,
-    edge: u32,
-}
-
 /// A quadrilateral clipped by four sides has at most eight corners.
-struct Polygon {
-    corners: [Corner; 12],
-    count: usize,
-}
-
-impl Polygon {
-    fn push(&mut self, corner: Corner) {
-        if self.count < self.corners.len() {
-            self.corners[self.count] = corner;
-            self.count += 1;
-        }
-    }
-
-    /// Keeps the part with `n · p ≤ offset`; corners within `tolerance` of the side stay.
-    fn clip(&self, n: &Vec3, offset: f64, side: u32, tolerance: f64) -> Self {
-        let mut out = Self { corners: [Corner::default(); 12], count: 0 };
-        for i in 0..self.count {
-            let (from, to) = (self.corners[i], self.corners[(i + 1) % self.count]);
-            let (d0, d1) = (n.dot(&from.p) - offset, n.dot(&to.p) - offset);
-            let (in0, in1) = (d0 <= tolerance, d1 <= tolerance);
-            if in0 {
-                // When the boundary leaves here through a corner on the side, it follows it.
-                let leaves_on_side = !in1 && d0 > -tolerance;
-                out.push(if leaves_on_side { Corner { edge: 4 + side, ..from } } else { from });
-            }
-            let on_side = if in0 { d0 > -tolerance } else { d1 > -tolerance };
-            if in0 != in1 && !on_side {
-                let p = from.p + (to.p - from.p) * (d0 / (d0 - d1));
-                let edge = if in0 { 4 + side } else { from.edge };
-                out.push(Corner { p, id: 8 + side * 8 + from.edge, edge });
-            }
-        }
-        out
-    }
-}
+type Clipped = Polygon<12, 4>;
 
 /// Face `k` of `reference`, whose outward normal is `n`, against the facing side of `incident`.
 fn clip_faces(
@@ -202,7 +160,7 @@ fn clip_faces(
     let towards_a = if reference_is_b { *n } else { -n };
     let faces = (face_code(k, reference.axis(k).dot(n)) * 6 + face_code(face, sign)) * 2
         + u32::from(reference_is_b);
-    for corner in &polygon.corners[..polygon.count] {
+    for corner in polygon.corners() {
         let gap = n.dot(&corner.p) - face_offset;
         manifold.offer(ManifoldPoint {
             feature: 1 << 16 | faces << 7 | corner.id,
@@ -218,9 +176,9 @@ fn face_code(axis: usize, sign: f64) -> u32 {
 }
 
 /// The four corners of a face in circular order.
-fn incident_face(b: &Box3, face: usize, sign: f64) -> Polygon {
+fn incident_face(b: &Box3, face: usize, sign: f64) -> Clipped {
     let (j, k) = ((face + 1) % 3, (face + 2) % 3);
-    let mut polygon = Polygon { corners: [Corner::default(); 12], count: 0 };
+    let mut polygon = Clipped::empty(None);
     for (edge, (sj, sk)) in
         [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].into_iter().enumerate()
     {

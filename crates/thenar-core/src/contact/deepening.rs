@@ -207,10 +207,10 @@ impl Since<'_> {
 mod tests {
     use super::*;
     use crate::contact::tests::{Scene, boxed, cube, moved};
-    use crate::contact::triangle::tests::Random;
     use crate::contact::{Detector, Found, Sides, SurfaceState};
     use crate::math::Quat;
     use crate::model::Motion;
+    use crate::noise::Noise;
 
     const SLACK: f64 = 5e-4;
 
@@ -246,7 +246,7 @@ mod tests {
     /// that are often fewer.
     #[test]
     fn what_has_got_deeper_is_looked_at() {
-        let (mut random, mut deeper, mut fewer) = (Random::new(3), 0, 0);
+        let (mut random, mut deeper, mut fewer) = (Noise::seeded(3), 0, 0);
         let before = scene();
         assert_eq!(search(&before, None).penetration, 0.0);
         for i in 0..300 {

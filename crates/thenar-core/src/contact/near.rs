@@ -131,12 +131,12 @@ pub(crate) fn may_arrive(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::triangle::tests::Random;
+    use crate::noise::Noise;
 
     /// Whatever comes near is let through; what flies away, or past at a distance, mostly not.
     #[test]
     fn what_comes_within_reach_may_arrive() {
-        let mut random = Random::new(5);
+        let mut random = Noise::seeded(5);
         let (reach, mut near, mut passed) = (2e-3, 0, 0);
         for _ in 0..20_000 {
             let (at, way) = (random.vector(0.02), random.vector(0.03));
@@ -165,15 +165,11 @@ mod tests {
     /// says that it is inside.
     #[test]
     fn no_triangle_outside_is_told_to_be_inside() {
-        let mut seed = 7_u64;
-        let mut any = || {
-            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        };
+        let mut noise = Noise(7);
         let (radius, margin) = (0.01, 1e-3);
         let mut arrived = 0;
         for _ in 0..30_000 {
-            let mut vector = |size: f64| size * Vec3::new(any(), any(), any());
+            let mut vector = |size: f64| noise.vector(size);
             let (at, way) = (vector(0.04), vector(0.05));
             let corners = [0; 3].map(|_| at + vector(0.006));
             let near = Near::moving(0, corners, [0; 3].map(|_| way + vector(0.01)));

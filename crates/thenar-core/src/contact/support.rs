@@ -193,7 +193,7 @@ impl Solid<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::triangle::tests::Random;
+    use crate::noise::Noise;
 
     /// No surface point is farther along a direction, and the face holds points as far.
     #[test]
@@ -206,7 +206,7 @@ mod tests {
             Shape::Cone { radius: 0.02, height: 0.03 },
             Shape::Ellipsoid { half: Vec3::new(0.01, 0.02, 0.03) },
         ];
-        let mut random = Random::new(6);
+        let mut random = Noise::seeded(6);
         for shape in &shapes {
             for _ in 0..200 {
                 let d = random.vector(1.0).normalize();

@@ -4,7 +4,9 @@ use crate::contact::SurfaceState;
 use crate::contact::aabb::Aabb;
 use crate::contact::bvh::Bvh;
 use crate::contact::smooth::SmoothNormals;
-use crate::contact::triangle::{Feature, ROUNDED_UP, area_vector, is_flat, solid_angle};
+use crate::contact::triangle::{
+    Feature, ROUNDED_UP, are_beyond, area_or_flat, area_vector, solid_angle,
+};
 use crate::math::Vec3;
 use crate::model::Flesh;
 
@@ -34,11 +36,11 @@ impl Facet {
     fn new(x: &[Vec3; 3], motions: &[Vec3; 3]) -> Self {
         let motion = (motions[0] + motions[1] + motions[2]) / 3.0;
         let off = motions.iter().map(|u| (u - motion).norm_squared()).fold(0.0, f64::max);
-        let area = area_vector(x);
+        let (area, flat) = area_or_flat(x);
         Self {
             bounds: Aabb { min: x[0], max: x[0] }.with(&x[1]).with(&x[2]),
             area,
-            extent: if is_flat(x) { f64::INFINITY } else { area.norm() },
+            extent: if flat { f64::INFINITY } else { area.norm() },
             motion,
             spread: off.sqrt(),
         }
@@ -67,8 +69,7 @@ impl Facet {
     /// \[m\]; false for a triangle without area.
     #[inline]
     pub fn is_beyond<const N: usize>(&self, heights: &[f64; N], reach: f64) -> bool {
-        let far = reach * ROUNDED_UP * self.extent;
-        heights.iter().all(|h| *h > far) || heights.iter().all(|h| *h < -far)
+        are_beyond(heights, reach * ROUNDED_UP * self.extent)
     }
 
     /// How far its points move at most past any point of another triangle \[m\].
@@ -391,13 +392,13 @@ mod tests {
     use super::*;
     use crate::contact::tests::{Scene, cube};
     use crate::contact::triangle::closest_on_triangle;
-    use crate::contact::triangle::tests::Random;
+    use crate::noise::Noise;
 
     /// Planes of triangles, of slivers and of such as rounding leaves on a line, set no point and no triangle farther apart than
     /// they are; of even triangles they tell most.
     #[test]
     fn planes_bound_distances_from_below() {
-        let (mut random, mut told) = (Random::new(15), 0);
+        let (mut random, mut told) = (Noise::seeded(15), 0);
         for i in 0..3000 {
             let (a, b) = (random.vector(0.01), random.vector(0.01));
             let beside = random.vector([0.01, 1e-8, 1e-16][i % 3]);

@@ -40,12 +40,38 @@ pub(crate) fn solid_angle(p: &Vec3, x: &[Vec3; 3]) -> f64 {
 /// of no area.
 const FLAT: f64 = 1e-14;
 
-/// True where rounding decides what a triangle's area is.
-pub(crate) fn is_flat(x: &[Vec3; 3]) -> bool {
+/// Area vector of a triangle \[m²\], and whether rounding decides what it is.
+pub(crate) fn area_or_flat(x: &[Vec3; 3]) -> (Vec3, bool) {
     let (e1, e2) = (x[1] - x[0], x[2] - x[0]);
-    e1.cross(&e2).norm_squared() <= FLAT * e1.norm_squared() * e2.norm_squared()
+    let across = e1.cross(&e2);
+    let flat = across.norm_squared() <= FLAT * e1.norm_squared() * e2.norm_squared();
+    (0.5 * across, flat)
 }
 
+/// True where points of these heights over a plane all lie farther than `far` on one side of it.
+#[inline]
+pub(crate) fn are_beyond<const N: usize>(heights: &[f64; N], far: f64) -> bool {
+    heights.iter().all(|h| *h > far) || heights.iter().all(|h| *h < -far)
+}
+
+/// Part of the surface around a vertex that must face its load; where less does, all of it counts.
+const ASKEW: f64 = 1e-6;
+
+/// Surface that a vertex pushed along `push_W` stands for \[m²\]: a third of the `triangles` around it, as seen along the
+/// push; of all where none faces it.
+pub(crate) fn stands_for(triangles: impl Iterator<Item = [Vec3; 3]>, push_W: &Vec3) -> f64 {
+    let (mut seen, mut whole) = (0.0, 0.0);
+    for x in triangles {
+        let area_W = area_vector(&x);
+        seen += (-push_W.dot(&area_W)).max(0.0);
+        whole += area_W.norm();
+    }
+    (if seen > ASKEW * whole { seen } else { whole }) / 3.0
+}
+
+// `thenar_rig::mesh::closest_on_triangle` answers the same question by cross products, which still tell the faces of needles in
+// meshes from files, and gives built models their bits. Here dot products do, which cost less: contact asks in each step, of
+// each vertex and each triangle near it, and a needle counts as its edges.
 /// The point of triangle `x` nearest to `p`. A degenerate triangle is its edges.
 pub(crate) fn closest_on_triangle(p: &Vec3, x: &[Vec3; 3]) -> Closest {
     let (e1, e2, d) = (x[1] - x[0], x[2] - x[0], p - x[0]);
@@ -131,37 +157,15 @@ pub(crate) fn cut_by_ray(p: &Vec3, d: &Vec3, x: &[Vec3; 3]) -> Option<(f64, [f64
 const ROUNDING: f64 = 1e-12;
 
 #[cfg(test)]
-pub(crate) mod tests {
+mod tests {
     use super::*;
-
-    /// A small seeded generator (64-bit linear congruential, upper bits).
-    pub struct Random(u64);
-
-    impl Random {
-        pub fn new(seed: u64) -> Self {
-            Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
-        }
-
-        /// Uniform in [0, 1).
-        pub fn unit(&mut self) -> f64 {
-            self.0 = self
-                .0
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 11) as f64 / (1u64 << 53) as f64
-        }
-
-        /// Uniform in the cube ±`reach`.
-        pub fn vector(&mut self, reach: f64) -> Vec3 {
-            Vec3::from_fn(|_, _| reach * (2.0 * self.unit() - 1.0))
-        }
-    }
+    use crate::noise::Noise;
 
     /// Brute force over a fine barycentric lattice bounds the true distance from above by the
     /// lattice spacing.
     #[test]
     fn nearest_point_beats_brute_force() {
-        let mut random = Random::new(42);
+        let mut random = Noise::seeded(42);
         let n = 60;
         for _ in 0..300 {
             let x = [random.vector(1.0), random.vector(1.0), random.vector(1.0)];

@@ -25,7 +25,7 @@ mod taxel;
 mod vertex;
 
 pub use part::PartContact;
-pub use patch::PatchContact;
+pub use patch::{PatchContact, PatchSum};
 pub use taxel::{TaxelContact, TaxelError, TaxelPlace, TaxelReadout, TaxelSkin};
 pub use vertex::VertexContact;
 
@@ -142,7 +142,7 @@ impl ContactReadout {
     }
 
     fn select(&mut self, world: &World, of: BodyId, with: Option<BodyId>) -> PatchContact {
-        let mut sum = patch::Sum::default();
+        let mut sum = PatchSum::default();
         self.surfaces.begin_peak();
         for (contact, point) in world.contact_sites() {
             let mut counted = false;

@@ -4,7 +4,7 @@ use crate::World;
 use crate::math::Vec3;
 use crate::model::BodyId;
 use crate::readout::ContactReadout;
-use crate::readout::patch::{PatchContact, Sum};
+use crate::readout::patch::{PatchContact, PatchSum};
 use crate::world::ContactPoint;
 
 /// What a finger feels, and what reaches its bones through the flesh.
@@ -33,7 +33,7 @@ pub(super) fn read(readout: &mut ContactReadout, world: &World) {
     for (range, soft) in part_ranges.iter().zip(0..) {
         // Points are few; they are gone through once for each part.
         for (index, part) in parts[range.clone()].iter_mut().enumerate() {
-            let mut sum = Sum::default();
+            let mut sum = PatchSum::default();
             for point in world.contacts() {
                 for side in 0..2 {
                     if part_touched(world, point, side) == Some((soft, index as u32)) {

@@ -63,13 +63,13 @@ impl PatchContact {
 
 /// A patch being summed up.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Sum {
+pub struct PatchSum {
     patch: PatchContact,
     /// Torque about the world's origin.
     torque_W: Vec3,
 }
 
-impl Sum {
+impl PatchSum {
     /// Adds a point, of which this is side 0 (A) or 1 (B).
     pub fn add(&mut self, point: &ContactPoint, side: usize) {
         let sign = if side == 0 { 1.0 } else { -1.0 };
@@ -133,7 +133,7 @@ mod tests {
             slips: false,
         };
         for body in 0..2 {
-            let mut sum = Sum::default();
+            let mut sum = PatchSum::default();
             [side(1.0, 1e-5), side(-1.0, 2e-5)].iter().for_each(|point| sum.add(point, body));
             let patch = sum.finish(0.0);
             assert_eq!((patch.normal, patch.skin_normal, patch.shear_sum), (6.0, 6.0, 4.0));
@@ -141,7 +141,7 @@ mod tests {
             assert_eq!((patch.force_W, patch.shear_W), (Vec3::zeros(), Vec3::zeros()));
             assert!((patch.pressure_mean() - 6.0 / 3e-5).abs() < 1e-6);
         }
-        assert_eq!(Sum::default().finish(0.0).pressure_mean(), 0.0);
+        assert_eq!(PatchSum::default().finish(0.0).pressure_mean(), 0.0);
     }
 
     /// A bone that bears 20 N beside skin that bears 3 N adds to the forces, and nothing to the pressure.
@@ -159,7 +159,7 @@ mod tests {
             friction: 1.0,
             slips: false,
         };
-        let mut sum = Sum::default();
+        let mut sum = PatchSum::default();
         sum.add(&point(BodyId::Soft(0), 3.0, 1e-5), 0);
         // Skin beside the load touches as well.
         sum.add(&point(BodyId::Soft(0), 0.0, 2e-5), 0);

@@ -1,7 +1,7 @@
 //! Contact per vertex of deformable surfaces.
 
 use crate::World;
-use crate::contact::Site;
+use crate::contact::{Site, stands_for};
 use crate::math::Vec3;
 use crate::readout::SlipState;
 use crate::world::ContactPoint;
@@ -157,14 +157,9 @@ impl Surfaces {
     /// of them where none faces it.
     fn area(&self, world: &World, v: usize, push_W: &Vec3) -> f64 {
         let x = world.all_collision_vertices();
-        let (mut seen, mut whole) = (0.0, 0.0);
-        for t in &self.around[self.first[v] as usize..self.first[v + 1] as usize] {
-            let [a, b, c] = self.triangles[*t as usize].map(|i| x[i as usize]);
-            let area_W = (b - a).cross(&(c - a)) * 0.5;
-            seen += (-push_W.dot(&area_W)).max(0.0);
-            whole += area_W.norm();
-        }
-        (if seen > 1e-6 * whole { seen } else { whole }) / 3.0
+        let around = &self.around[self.first[v] as usize..self.first[v + 1] as usize];
+        let corners = |t: &u32| self.triangles[*t as usize].map(|i| x[i as usize]);
+        stands_for(around.iter().map(corners), push_W)
     }
 }
 

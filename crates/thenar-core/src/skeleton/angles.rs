@@ -150,7 +150,7 @@ fn wrap(angle: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::skeleton::noise::Noise;
+    use crate::noise::Noise;
 
     fn limit(min: f64, max: f64) -> Option<AngleLimit> {
         Some(AngleLimit { min, max })

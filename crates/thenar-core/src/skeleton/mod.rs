@@ -6,8 +6,6 @@ mod free_body;
 mod joint_rows;
 mod joint_springs;
 mod kinematics;
-#[cfg(test)]
-mod noise;
 
 pub use angles::{closest_angles, joint_angles, joint_rotation, joint_spin, turn_joint};
 pub use drives::{drive_energy, drive_force, linearise_drive};

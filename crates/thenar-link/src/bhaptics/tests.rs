@@ -1,7 +1,8 @@
 //! Goal: gloves vibrate with what the pads feel, ten times a second at most, and stop.
 
 use super::*;
-use crate::testing::{Mutator, collect, tick};
+use crate::testing::{collect, tick};
+use thenar_testing::Mutator;
 
 const MS: u64 = 1_000_000;
 

@@ -2,8 +2,9 @@
 
 use super::twin::SimulatedArm;
 use super::*;
-use crate::testing::{Mutator, collect, tick};
+use crate::testing::{collect, tick};
 use thenar_core::Quat;
+use thenar_testing::Mutator;
 
 const MS: u64 = 1_000_000;
 

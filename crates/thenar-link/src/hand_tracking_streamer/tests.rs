@@ -2,8 +2,9 @@
 
 use super::*;
 use crate::joints::WEBXR_OF_POINT;
-use crate::testing::{Mutator, collect, hands};
+use crate::testing::{collect, hands};
 use thenar_core::model::Side;
+use thenar_testing::Mutator;
 use thenar_track::live::LivePose;
 
 const MS: u64 = 1_000_000;

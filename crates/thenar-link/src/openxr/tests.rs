@@ -1,8 +1,9 @@
 //! Goal: what a runtime tells becomes hands. Method: a runtime that says what a test wants.
 
 use super::*;
-use crate::testing::{Mutator, collect, hands};
+use crate::testing::{collect, hands};
 use std::collections::VecDeque;
+use thenar_testing::Mutator;
 
 /// Answers, one after the other; then the session has ended.
 struct Mock(VecDeque<Option<Hands>>);

@@ -3,9 +3,10 @@
 
 use super::*;
 use crate::joints::WEBXR_OF_POINT;
-use crate::testing::{Mutator, collect, hands};
+use crate::testing::{collect, hands};
 use thenar_core::Pose;
 use thenar_core::model::Side;
+use thenar_testing::Mutator;
 use thenar_track::live::{LivePose, checked};
 
 const MS: u64 = 1_000_000;

@@ -186,6 +186,7 @@ pub fn save(file: &Path, keys: Table) -> Result<(), LinkError> {
 mod tests {
     use super::*;
     use crate::lucidgloves::{Profile, SHIPPED};
+    use thenar_core::random::Random;
 
     fn read(text: &str) -> Result<Profile, String> {
         let file = std::env::temp_dir().join(format!(
@@ -241,11 +242,8 @@ mod tests {
     /// line that names the file and repeats no more than some of it.
     #[test]
     fn damaged_profiles_are_read_or_refused() {
-        let mut state = 0x5eed_u64;
-        let mut below = |n: usize| {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 33) as usize % n
-        };
+        let mut random = Random::new(0x5eed);
+        let mut below = |n: usize| random.below(n);
         let numbers = ["0", "-1", "1e300", "nan", "inf", "1e-300", "4294967296", "\"a\"", "[]"];
         let (mut good, mut refused) = (0, 0);
         for round in 0..600 {

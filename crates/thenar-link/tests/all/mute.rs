@@ -143,8 +143,7 @@ fn a_mute_player_of_vibrations() {
 #[cfg(unix)]
 fn a_mute_pipe() {
     let path = std::env::temp_dir().join(format!("thenar-mute-{}", std::process::id()));
-    let _ = std::fs::remove_file(&path);
-    assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+    thenar_testing::make_pipe(&path);
     let address = format!("poses:{}", path.display());
     let mut opened = open_device(&address);
     let mut writer = std::fs::OpenOptions::new().write(true).open(&path).unwrap();

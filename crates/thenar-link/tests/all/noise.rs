@@ -17,6 +17,7 @@ macro_rules! fuzz_target {
 use std::sync::Arc;
 use thenar_core::Pose;
 use thenar_core::model::Side;
+use thenar_core::random::Random;
 use thenar_link::cyberglove::{self, Classic, ClassicTwin, Third, ThirdTwin};
 use thenar_link::cybergrasp::CyberGrasp;
 use thenar_link::force_device::{self, ForceDevice};
@@ -383,11 +384,8 @@ fn the_fuzz_target_survives_seeded_damage() {
             other => panic!("{other} has no number in the target"),
         }
     }
-    let mut seed = 0x7007_u64;
-    let mut random = move |below: usize| {
-        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (seed >> 33) as usize % below
-    };
+    let mut random = Random::new(0x7007);
+    let mut random = move |below: usize| random.below(below);
     for (which, good) in streams {
         for round in 0..200 {
             let mut bytes = vec![which, random(256) as u8];

@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 use thenar_core::model::Side;
+use thenar_core::random::Random;
 use thenar_core::{Pose, Vec3};
 use thenar_link::force_device::twin::SimulatedArm;
 use thenar_link::hand_tracking_streamer::{Points, twin};
@@ -75,17 +76,13 @@ fn conforms(bench: &Bench) {
     assert!(device.tracker().heard_ns().is_some_and(|ns| ns <= now_ns()));
 
     // Noise of all kinds, and halves of frames, in the midst of it.
-    let mut seed = 77u64;
-    let mut random = || {
-        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (seed >> 33) as usize
-    };
+    let mut random = Random::new(77);
     for round in 0..30 {
-        let length = 1 + random() % 1200;
-        let mut noise: Vec<u8> = (0..length).map(|_| random() as u8).collect();
+        let length = 1 + random.below(1200);
+        let mut noise: Vec<u8> = (0..length).map(|_| random.bits() as u8).collect();
         if round % 2 == 0 {
             let good = (bench.frame)(0.7);
-            noise = good[..random() % good.len()].to_vec();
+            noise = good[..random.below(good.len())].to_vec();
         }
         wire.say(&noise);
         wire.say(b"\n");
@@ -277,9 +274,7 @@ impl Wire for std::fs::File {
 #[test]
 fn pose_streams_conform_over_a_named_pipe() {
     let path = std::env::temp_dir().join(format!("thenar-poses-{}", std::process::id()));
-    let _ = std::fs::remove_file(&path);
-    let made = std::process::Command::new("mkfifo").arg(&path).status().unwrap();
-    assert!(made.success());
+    thenar_testing::make_pipe(&path);
     conforms(&Bench {
         side: Side::Left,
         open: &|| open_device(&format!("poses:{}", path.display())),

@@ -2,6 +2,7 @@
 //! cut and altered.
 
 use super::*;
+use thenar_core::random::Random;
 
 const RIGHT: &[u8] = include_bytes!("../../assets/hands/right.glb");
 
@@ -32,17 +33,15 @@ fn every_truncation_is_an_error() {
 
 #[test]
 fn altered_bytes_never_panic() {
-    // Pseudo-random positions and values (Knuth's LCG), mostly in the JSON chunk.
-    let mut seed = 1_u64;
-    let mut next = || {
-        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (seed >> 33) as usize
-    };
+    // Random places and values, mostly in the JSON chunk.
+    let mut random = Random::new(1);
     for _ in 0..400 {
         let mut bytes = RIGHT.to_vec();
-        for _ in 0..1 + next() % 4 {
-            let at = next() % if next() % 4 == 0 { bytes.len() } else { 9000 };
-            bytes[at] = if next() % 2 == 0 { b'0' + (next() % 10) as u8 } else { next() as u8 };
+        for _ in 0..=random.below(4) {
+            let most = if random.below(4) == 0 { bytes.len() } else { 9000 };
+            let at = random.below(most);
+            let digit = b'0' + random.below(10) as u8;
+            bytes[at] = if random.below(2) == 0 { digit } else { random.bits() as u8 };
         }
         let _ = read_skinned_glb(&bytes);
         let _ = read_glb(&bytes);

@@ -122,22 +122,14 @@ impl Cluster {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Seeded numbers in -1..1.
-    fn noise() -> impl FnMut() -> f64 {
-        let mut state = 7_u64;
-        move || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        }
-    }
+    use thenar_core::random::Random;
 
     #[test]
     fn the_product_of_phases_is_the_sum_of_angles() {
-        let mut next = noise();
+        let mut random = Random::new(7);
         for count in [1, 2, 3, 10, 100, 3000] {
             for scale in [1e-4, 1.0, 1e3] {
-                let mut point = || Vec3::from_fn(|_, _| next() * scale);
+                let mut point = || Vec3::from_fn(|_, _| random.symmetric() * scale);
                 let p = point() * 0.3;
                 let mut triangles: Vec<[Vec3; 3]> =
                     (0..count).map(|_| [point(), point(), point()]).collect();

@@ -284,6 +284,7 @@ fn assemble(
 mod tests {
     use super::*;
     use crate::mesh::shapes;
+    use thenar_core::random::Random;
 
     /// A scan without its bottom, as most are: the rest is touched where it is, and the hole is
     /// closed where its border lies flat.
@@ -346,13 +347,9 @@ mod tests {
     #[test]
     fn a_thicket_is_refused_with_its_cost() {
         let mut thicket = TriMesh::default();
-        let mut state = 1_u64;
-        let mut next = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
+        let mut random = Random::new(1);
         for t in 0..100_000 {
-            thicket.positions.extend((0..3).map(|_| Vec3::from_fn(|_, _| next())));
+            thicket.positions.extend((0..3).map(|_| Vec3::from_fn(|_, _| random.unit())));
             thicket.triangles.push([3 * t, 3 * t + 1, 3 * t + 2]);
         }
         let options = ImportOptions::default();

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use std::sync::OnceLock;
 use thenar_core::kinematics::Tree;
 use thenar_core::model::{Digit, HandModel, JointKind, Side};
+use thenar_core::random::Random;
 use thenar_core::shape::Shape;
 use thenar_core::{Pose, Quat, Vec3};
 use thenar_rig::hand::{
@@ -38,13 +39,10 @@ fn corners(hand: &HandModel, t: usize) -> [Vec3; 4] {
     hand.flesh.tets[t].map(|n| hand.flesh.nodes[n as usize])
 }
 
-/// Pseudo-random numbers in -1..1 (Knuth's LCG).
+/// Numbers from -1 to 1.
 fn noise(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
+    let mut random = Random::new(seed);
+    move || random.symmetric()
 }
 
 #[test]

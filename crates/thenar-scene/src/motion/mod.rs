@@ -15,9 +15,6 @@ mod shapes;
 #[allow(dead_code)] // the tests of tracking use all of it
 #[path = "../../../thenar-track/src/fixture.rs"]
 pub(crate) mod fixture;
-#[cfg(test)]
-#[path = "../../../thenar-track/src/mutate.rs"]
-mod mutate;
 
 pub use error::MotionError;
 pub use keyframes::{JointKey, Key, Keyframes, KeyframesDesc, LimitPolicy, WristKey};

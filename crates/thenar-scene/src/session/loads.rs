@@ -2,8 +2,8 @@
 
 use crate::build::BuiltHand;
 use crate::grip::digit_touched;
-use thenar_core::Vec3;
 use thenar_core::model::Digit;
+use thenar_core::readout::PatchSum;
 use thenar_core::world::ContactPoint;
 
 /// What presses on one part of a hand, or the most that did.
@@ -47,23 +47,22 @@ pub const PARTS: [Digit; 6] =
 
 /// What presses on each part (see [`PARTS`]) of a hand: on its skin, and on bones where flesh is crushed.
 pub fn hand_loads(contacts: &[ContactPoint], hand: &BuiltHand) -> [HandLoad; 6] {
-    let mut sums = [(HandLoad::default(), Vec3::zeros(), 0.0); 6];
+    let mut sums = [PatchSum::default(); 6];
     for contact in contacts {
         for side in 0..2 {
             let digit = digit_touched(contact, side, hand);
             let part = PARTS.iter().position(|part| Some(*part) == digit);
             let Some(part) = part else { continue };
-            let normal = contact.force_W.dot(&contact.normal_W);
-            let sign = if side == 0 { 1.0 } else { -1.0 };
-            let (load, shear_W, on_skin) = &mut sums[part];
-            load.normal += normal;
-            load.area += contact.area;
-            *shear_W += (contact.force_W - contact.normal_W * normal) * sign;
-            *on_skin += if contact.touches_skin() { normal } else { 0.0 };
+            sums[part].add(contact, side);
         }
     }
-    sums.map(|(load, shear_W, on_skin)| {
-        let pressure = if load.area > 0.0 { on_skin / load.area } else { 0.0 };
-        HandLoad { shear: shear_W.norm(), pressure, ..load }
+    sums.map(|sum| {
+        let patch = sum.finish(0.0);
+        HandLoad {
+            normal: patch.normal,
+            shear: patch.shear_W.norm(),
+            area: patch.area,
+            pressure: patch.pressure_mean(),
+        }
     })
 }

@@ -51,7 +51,7 @@ impl Loop {
             Some((Wish { client, .. }, Err(problem))) => {
                 self.changed = true;
                 if let Some(client) = client {
-                    self.tell(client, text::error(&problem));
+                    self.desk.tell(client, text::error(&problem));
                 }
                 if self.play.is_none() {
                     self.problem = Some(problem);

@@ -20,22 +20,22 @@ impl Loop {
             return;
         }
         match Command::read(message) {
-            Err(reason) => self.refuse(client, &reason),
+            Err(reason) => self.desk.refuse(client, &reason),
             Ok(Command::Ping { t }) => {
-                self.tell(client, text::pong(t, self.started.elapsed().as_secs_f64()));
+                self.desk.tell(client, text::pong(t, self.started.elapsed().as_secs_f64()));
             }
             // It has acted already, where it came in; but an `arm` from before it may have waited
             // until now.
             Ok(Command::Stop {}) => match &self.devices {
                 Some(devices) => devices.stop(),
-                None => self.refuse(client, NO_DEVICES),
+                None => self.desk.refuse(client, NO_DEVICES),
             },
             // Heeded where it came in.
             Ok(Command::Hold {}) => {}
             Ok(Command::Control { take }) => self.pass_control(client, take),
             Ok(command) if self.may(client) => {
                 if let Err(reason) = self.act(client, command) {
-                    self.refuse(client, &reason);
+                    self.desk.refuse(client, &reason);
                 }
             }
             Ok(_) => {}
@@ -49,13 +49,13 @@ impl Loop {
         }
         let message = match PoseMessage::read(message) {
             Ok(message) => message,
-            Err(reason) => return self.refuse(client, &reason.to_string()),
+            Err(reason) => return self.desk.refuse(client, &reason.to_string()),
         };
         // Each hand by itself: where messages wait, one hand's may overtake the other's.
         let last = &mut self.pose_numbers[message.side as usize];
         if message.number <= *last {
             let reason = format!("pose message {} after {last}: numbers rise", message.number);
-            return self.refuse(client, &reason);
+            return self.desk.refuse(client, &reason);
         }
         *last = message.number;
         if let Some(haptics) = &mut self.haptics {
@@ -68,7 +68,7 @@ impl Loop {
             let now = Instant::now();
             if self.scolded.is_none_or(|last| now - last > SCOLD_EVERY) {
                 self.scolded = Some(now);
-                self.tell(client, text::error(&reason));
+                self.desk.tell(client, text::error(&reason));
             }
         }
     }
@@ -77,7 +77,7 @@ impl Loop {
     /// that they had lost it.
     fn may(&self, client: ClientId) -> bool {
         self.control.may(client, Instant::now()).unwrap_or_else(|reason| {
-            self.refuse(client, &reason);
+            self.desk.refuse(client, &reason);
             false
         })
     }
@@ -94,7 +94,7 @@ impl Loop {
         }
         self.hands_off();
         if let Some(before) = before.filter(|before| *before != client) {
-            self.tell(before, text::error(&format!("viewer {} has taken control", client.0)));
+            self.desk.tell(before, text::error(&format!("viewer {} has taken control", client.0)));
         }
     }
 
@@ -110,7 +110,7 @@ impl Loop {
             }
             Command::Step {} if self.paused => self.step(),
             Command::Step {} => {
-                self.tell(client, text::error("pause first, then go step by step"));
+                self.desk.tell(client, text::error("pause first, then go step by step"));
             }
             Command::Reset {} => {
                 if let Some(play) = &mut self.play {
@@ -119,7 +119,7 @@ impl Loop {
                 self.show();
             }
             Command::Seek { .. } => {
-                self.tell(client, text::error("only a recording has places to go to"));
+                self.desk.tell(client, text::error("only a recording has places to go to"));
             }
             Command::Speed { value } => {
                 self.speed = value;
@@ -135,7 +135,7 @@ impl Loop {
                 let Some(play) = &mut self.play else { return Ok(()) };
                 // Nothing under the hand is no offence.
                 if let Err(reason) = play.grip(side, object.as_deref(), kind, force) {
-                    self.tell(client, text::error(&reason));
+                    self.desk.tell(client, text::error(&reason));
                 }
             }
             Command::Release { side } => {
@@ -174,7 +174,7 @@ impl Loop {
         for (client, key, value) in std::mem::take(&mut self.to_set) {
             let Some(play) = &mut self.play else { return };
             match play.set(&key, &value) {
-                Err(reason) => self.refuse(client, &reason),
+                Err(reason) => self.desk.refuse(client, &reason),
                 Ok(()) => {
                     self.set.retain(|(known, _)| *known != key);
                     self.set.push((key, value));

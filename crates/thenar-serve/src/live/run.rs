@@ -10,7 +10,7 @@ use super::publish::Publisher;
 use super::source::{Ready, Recipe};
 use super::status::Status;
 use crate::dead_man::DeadMan;
-use crate::hub::{ClientId, Desk, Event, Note};
+use crate::hub::{ClientId, Desk, Event};
 use crate::protocol::{Pace, flags, text};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -197,7 +197,7 @@ impl Loop {
         }
         self.cost = begun.elapsed();
         if let (Some(news), Some(holder)) = (play.grip_news(), self.control.holder()) {
-            self.tell(holder, text::error(&news));
+            self.desk.tell(holder, text::error(&news));
         }
         let Some(play) = &mut self.play else { return };
         if let Some(watcher) = &mut self.watcher {
@@ -264,23 +264,6 @@ impl Loop {
             settings: self.play.as_ref().map_or(Vec::new(), |play| play.session().settings()),
             recording: None,
         };
-        let text = status.text();
-        self.desk.status.send_if_modified(|last| {
-            let changed = *last != text;
-            if changed {
-                *last = text;
-            }
-            changed
-        });
-    }
-
-    /// Remarks something to a client.
-    pub(super) fn tell(&self, client: ClientId, text: String) {
-        self.desk.note(Note { client, text, refusal: false });
-    }
-
-    /// Refuses what a client sent.
-    pub(super) fn refuse(&self, client: ClientId, reason: &str) {
-        self.desk.note(Note { client, text: text::error(reason), refusal: true });
+        self.desk.show_status(status.text());
     }
 }

@@ -20,16 +20,16 @@ impl Loop {
         }
         let now = Instant::now();
         match Command::read(message) {
-            Err(reason) => self.refuse(client, &reason),
+            Err(reason) => self.desk.refuse(client, &reason),
             Ok(Command::Ping { t }) => {
-                self.tell(client, text::pong(t, self.started.elapsed().as_secs_f64()));
+                self.desk.tell(client, text::pong(t, self.started.elapsed().as_secs_f64()));
             }
             Ok(Command::Control { take: true }) => {
                 let before = self.control.holder().filter(|before| *before != client);
                 self.control.take(client, now);
                 if let Some(before) = before {
                     let reason = format!("viewer {} has taken control", client.0);
-                    self.tell(before, text::error(&reason));
+                    self.desk.tell(before, text::error(&reason));
                 }
             }
             Ok(Command::Control { take: false }) => self.control.give_up(client, now),
@@ -38,7 +38,7 @@ impl Loop {
             Ok(command) => match self.control.may(client, now) {
                 Ok(true) => self.act(client, command),
                 Ok(false) => {}
-                Err(reason) => self.refuse(client, &reason),
+                Err(reason) => self.desk.refuse(client, &reason),
             },
         }
     }
@@ -48,7 +48,7 @@ impl Loop {
         let now = Instant::now();
         if self.scolded.is_none_or(|last| now - last > SCOLD_EVERY) {
             self.scolded = Some(now);
-            self.tell(client, text::error(RECORDED));
+            self.desk.tell(client, text::error(RECORDED));
         }
     }
 
@@ -65,7 +65,7 @@ impl Loop {
                 }
             }
             Command::Step {} => {
-                self.tell(client, text::error("pause first, then go step by step"));
+                self.desk.tell(client, text::error("pause first, then go step by step"));
             }
             Command::Reset {} => self.seek(0.0),
             Command::Seek { time } => self.seek(time),
@@ -76,7 +76,7 @@ impl Loop {
             // The page says so whenever somebody lets go of the hand.
             Command::Script {} => {}
             // Not worth being sent away for.
-            _ => self.tell(client, text::error(RECORDED)),
+            _ => self.desk.tell(client, text::error(RECORDED)),
         }
     }
 }

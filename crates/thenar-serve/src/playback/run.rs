@@ -3,12 +3,12 @@
 use super::PlaybackError;
 use super::deck::Deck;
 use super::rhythm::Rhythm;
-use crate::hub::{ClientId, Desk, Event, Note};
+use crate::hub::{Desk, Event};
 use crate::live::control::Control;
 use crate::live::play::mover_flags;
 use crate::live::publish::Publisher;
 use crate::live::status::{Recorded, Status};
-use crate::protocol::{self, Pace, flags, text};
+use crate::protocol::{self, Pace, flags};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use thenar_scene::hands::Hands;
@@ -32,7 +32,7 @@ const SLOW: f64 = 0.95;
 
 /// All that the thread holds.
 pub struct Loop {
-    desk: Desk,
+    pub(super) desk: Desk,
     pub(super) control: Control,
     pub(super) deck: Deck,
     file: String,
@@ -260,23 +260,6 @@ impl Loop {
                 end: self.deck.end(),
             }),
         };
-        let text = status.text();
-        self.desk.status.send_if_modified(|last| {
-            let changed = *last != text;
-            if changed {
-                *last = text;
-            }
-            changed
-        });
-    }
-
-    /// Remarks something to a client.
-    pub(super) fn tell(&self, client: ClientId, text: String) {
-        self.desk.note(Note { client, text, refusal: false });
-    }
-
-    /// Refuses what a client sent.
-    pub(super) fn refuse(&self, client: ClientId, reason: &str) {
-        self.desk.note(Note { client, text: text::error(reason), refusal: true });
+        self.desk.show_status(status.text());
     }
 }

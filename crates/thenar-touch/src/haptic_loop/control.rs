@@ -1,9 +1,9 @@
 //! Requests to the loop, from any thread and at any time, and its answers.
 
-use super::histogram::Histogram;
 use crate::Rendering;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use thenar_core::histogram::Histogram;
 use thenar_core::model::Side;
 
 /// What arming a device means; shown to the user who does it.

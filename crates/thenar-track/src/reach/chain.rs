@@ -40,6 +40,14 @@ pub struct Freedom {
     link: usize,
 }
 
+impl Freedom {
+    /// True where a turn by `way` from `angle` goes on beyond an end of the range \[rad\].
+    pub fn ends(&self, angle: f64, way: f64) -> bool {
+        let [low, high] = self.range;
+        (angle >= high && way > 0.0) || (angle <= low && way < 0.0)
+    }
+}
+
 /// A patch of skin that grips: round about a point on the axis of its bone, so that what it touches is as far from there
 /// however the finger is turned.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -12,6 +12,7 @@
 //! beside the place bends it by a fraction of a millimetre, which a loop around this takes away where it matters.
 
 use super::chain::{Angles, Chain, FREEDOMS_MAX, Reached};
+use super::within::step_within;
 use nalgebra::{SMatrix, SVector};
 use std::f64::consts::PI;
 use thenar_core::Vec3;
@@ -68,46 +69,25 @@ fn round(chain: &Chain, ease: &Angles, angles: &mut Angles, goal: &Goal) -> f64 
         right[i] = move_i.dot(&miss) + TURN * TURN * turn_i.dot(&turn) + EASE * EASE * unease;
         matrix[(i, i)] += DAMPING * DAMPING + EASE * EASE;
     }
-    // Freedoms that push against the ends of their ranges are held, one after the other.
-    let mut held = [false; FREEDOMS_MAX];
-    for _ in 0..n {
-        let mut free = matrix;
-        let mut wanted = right;
-        for i in (0..n).filter(|&i| held[i]) {
-            free.row_mut(i).fill(0.0);
-            free.column_mut(i).fill(0.0);
-            (free[(i, i)], wanted[i]) = (1.0, 0.0);
-        }
-        let Some(factor) = free.cholesky() else { return 0.0 };
-        let step = factor.solve(&wanted);
-        let mut more = false;
+    let Some(step) = step_within(matrix, right, |i, step| {
+        chain.freedoms.get(i).is_some_and(|freedom| freedom.ends(angles[i], step))
+    }) else {
+        return 0.0;
+    };
+    let largest = (0..n).map(|i| step[i].abs()).fold(0.0, f64::max);
+    let mut scale = (ROUND_MAX / largest.max(1e-300)).min(1.0);
+    let now = lack(ease, angles, &reached, goal);
+    for _ in 0..TRIALS {
+        let mut trial = *angles;
         for i in 0..n {
             let [low, high] = chain.freedoms[i].range;
-            let ends = (angles[i] >= high && step[i] > 0.0) || (angles[i] <= low && step[i] < 0.0);
-            if ends && !held[i] {
-                (held[i], more) = (true, true);
-            }
+            trial[i] = (angles[i] + step[i] * scale).clamp(low.min(angles[i]), high.max(angles[i]));
         }
-        if more {
-            continue;
+        if lack(ease, &trial, &chain.reach(&trial), goal) < now {
+            *angles = trial;
+            return largest * scale;
         }
-        let largest = (0..n).map(|i| step[i].abs()).fold(0.0, f64::max);
-        let mut scale = (ROUND_MAX / largest.max(1e-300)).min(1.0);
-        let now = lack(ease, angles, &reached, goal);
-        for _ in 0..TRIALS {
-            let mut trial = *angles;
-            for i in 0..n {
-                let [low, high] = chain.freedoms[i].range;
-                trial[i] =
-                    (angles[i] + step[i] * scale).clamp(low.min(angles[i]), high.max(angles[i]));
-            }
-            if lack(ease, &trial, &chain.reach(&trial), goal) < now {
-                *angles = trial;
-                return largest * scale;
-            }
-            scale *= 0.5;
-        }
-        return 0.0;
+        scale *= 0.5;
     }
     0.0
 }

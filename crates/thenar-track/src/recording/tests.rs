@@ -2,9 +2,9 @@
 
 use super::*;
 use crate::fixture::hand;
-use crate::mutate::Mutator;
 use crate::tracker::Tracker;
 use crate::{Recorded, RecordedDesc};
+use thenar_testing::Mutator;
 
 fn text() -> String {
     let hand = hand(false);

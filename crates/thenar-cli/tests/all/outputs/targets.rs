@@ -137,7 +137,7 @@ fn nobody_has_to_read_what_is_printed() {
 #[test]
 fn a_recording_is_a_plain_file() {
     let folder = Folder::new("pipe-recording");
-    assert!(Command::new("mkfifo").arg(folder.0.join("pipe")).status().unwrap().success());
+    thenar_testing::make_pipe(&folder.0.join("pipe"));
     for name in ["pipe", "/dev/zero", "."] {
         let output = folder.thenar(&["replay", name]);
         assert_eq!(output.status.code(), Some(2), "{name}");

@@ -55,17 +55,7 @@ fn insert(nearest: &mut [(u32, f64)], new: (u32, f64)) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// A seeded generator (PCG-like), uniform in [-1, 1).
-    fn random(seed: &mut u64) -> f64 {
-        *seed =
-            seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (*seed >> 33) as f64 / f64::from(1_u32 << 31) * 2.0 - 1.0
-    }
-
-    fn vector(seed: &mut u64) -> Vec3 {
-        Vec3::from_fn(|_, _| random(seed))
-    }
+    use crate::noise::Noise;
 
     fn weights(place: &Vec3, taxels: &[(u32, Vec3)]) -> Vec<f64> {
         let mut out = [(0, 0.0); SHARED];
@@ -77,11 +67,11 @@ mod tests {
 
     #[test]
     fn shares_sum_to_one_wherever_taxels_are() {
-        let mut seed = 11;
+        let mut noise = Noise(11);
         for count in 1..40_u32 {
-            let taxels: Vec<_> = (0..count).map(|k| (k, vector(&mut seed))).collect();
+            let taxels: Vec<_> = (0..count).map(|k| (k, noise.vector(1.0))).collect();
             for _ in 0..50 {
-                let shares = weights(&vector(&mut seed), &taxels);
+                let shares = weights(&noise.vector(1.0), &taxels);
                 assert!(
                     (shares.iter().sum::<f64>() - 1.0).abs() < 1e-15
                         && shares.iter().all(|w| *w >= 0.0)
@@ -122,10 +112,10 @@ mod tests {
 
     #[test]
     fn shares_are_continuous_where_neighbours_change() {
-        let mut seed = 5;
-        let taxels: Vec<_> = (0..30).map(|k| (k, vector(&mut seed))).collect();
+        let mut noise = Noise(5);
+        let taxels: Vec<_> = (0..30).map(|k| (k, noise.vector(1.0))).collect();
         let step = Vec3::new(1e-7, 0.5e-7, -1e-7);
-        let mut place = vector(&mut seed);
+        let mut place = noise.vector(1.0);
         let mut before = weights(&place, &taxels);
         for k in 0..20_000 {
             // In strides, and a small step after each.

@@ -3,7 +3,7 @@
 use super::*;
 use crate::math::Quat;
 use crate::model::Axis;
-use crate::skeleton::noise::Noise;
+use crate::noise::Noise;
 use std::f64::consts::FRAC_PI_2;
 
 fn joint(kind: JointKind, parent: u32, child: u32, pose_PJ: Pose, pose_CK: Pose) -> JointDesc {

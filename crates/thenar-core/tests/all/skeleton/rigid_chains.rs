@@ -1,23 +1,9 @@
 //! Goal: rigid bodies and joints move as theory says (validation A). Method: worlds built in code,
 //! stepped with nothing but gravity, against the figures computed there by two other codes.
 
-use thenar_core::model::{Axis, JointDesc, JointKind, Motion, RigidDesc, WorldDesc};
-use thenar_core::{Mat3, Pose, Quat, Vec3, World};
-
-fn body(name: &str, mass: f64, inertia: [f64; 3], position: Vec3) -> RigidDesc {
-    RigidDesc {
-        name: name.into(),
-        motion: Motion::Dynamic,
-        mass,
-        inertia: Mat3::from_diagonal(&inertia.into()),
-        pose_WB: Pose::new(position, Quat::identity()),
-        velocity_W: Vec3::zeros(),
-        angular_velocity_W: Vec3::zeros(),
-        shape: None,
-        pose_BS: Pose::identity(),
-        friction: 0.5,
-    }
-}
+use crate::common::{body, random};
+use thenar_core::model::{Axis, JointDesc, JointKind, WorldDesc};
+use thenar_core::{Pose, Quat, Vec3, World};
 
 /// Turns a joint frame so that its x (the hinge axis) points along world z.
 fn hinge_about_z(position: Vec3) -> Pose {
@@ -147,13 +133,9 @@ fn internal_torques_conserve_momentum() {
     let mut input = world.input();
     let [p0, l0] = world.momentum();
     let mut seed = 12345_u64;
-    let mut random = || {
-        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (seed >> 33) as f64 / f64::from(1u32 << 31) * 2.0 - 1.0
-    };
     for _ in 0..10_000 {
         for torque in &mut input.joint_torques {
-            *torque = [2e-4 * random(), 2e-4 * random()];
+            *torque = [2e-4 * random(&mut seed), 2e-4 * random(&mut seed)];
         }
         let report = world.step(&input, &mut ());
         assert!(!report.non_finite);

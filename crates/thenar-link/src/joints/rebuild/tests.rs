@@ -3,6 +3,7 @@
 
 use super::*;
 use std::path::Path;
+use thenar_core::random::Random;
 use thenar_track::{Recording, TrackedSample};
 
 /// What was lost on the way: worst and mean angle of finger bones, of thumb bones and of the
@@ -143,11 +144,8 @@ fn what_is_no_hand_is_refused() {
 /// Fingers without length and points on each other leave frames that are rotations.
 #[test]
 fn frames_are_rotations_whatever_the_points() {
-    let mut seed = 7u64;
-    let mut random = || {
-        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-    };
+    let mut random = Random::new(7);
+    let mut random = || 0.5 * random.symmetric();
     let points = WEBXR_OF_POINT.map(|joint| hands().hand(Side::Left)[0].joints[joint].position);
     let mut made = 0;
     for round in 0..2000 {

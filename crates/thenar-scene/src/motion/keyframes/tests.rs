@@ -2,10 +2,10 @@
 
 use super::*;
 use crate::motion::fixture::hand;
-use crate::motion::mutate::Mutator;
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 use thenar_core::kinematics::velocity_between;
+use thenar_testing::Mutator;
 
 const MOTION: &str = r#"
 [[key]]

@@ -1,6 +1,7 @@
 //! Files that are wrong.
 
 use super::*;
+use thenar_core::random::Random;
 
 fn error(text: &str) -> String {
     read_mjcf(text, Path::new(".")).unwrap_err().to_string()
@@ -112,16 +113,12 @@ fn damaged_files_are_no_reason_to_panic() {
     for end in 0..text.len() {
         assert!(read_mjcf(&text[..end], Path::new(".")).is_err());
     }
-    let mut state = 7_u64;
-    let mut next = |below: usize| {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (state >> 33) as usize % below
-    };
+    let mut random = Random::new(7);
     for _ in 0..4000 {
         let mut bytes = text.clone().into_bytes();
-        for _ in 0..1 + next(3) {
-            let at = next(bytes.len());
-            bytes[at] = b"0123456789.-e<>'/ abcdefghijklmnop"[next(34)];
+        for _ in 0..=random.below(3) {
+            let at = random.below(bytes.len());
+            bytes[at] = b"0123456789.-e<>'/ abcdefghijklmnop"[random.below(34)];
         }
         let _ = read_mjcf(&String::from_utf8_lossy(&bytes), Path::new("."));
     }
