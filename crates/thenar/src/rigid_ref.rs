@@ -27,7 +27,7 @@ impl<'a> RigidRef<'a> {
         self.world.rigid_pose(self.body)
     }
 
-    /// Velocity.
+    /// Velocity of the centre of mass, and angular velocity.
     pub fn velocity(&self) -> Twist {
         self.world.rigid_velocity(self.body).into()
     }

@@ -24,9 +24,9 @@ pub trait Part: Sealed {
 pub trait Sealed {
     /// The list that it belongs to.
     const KEY: &'static str;
-    /// Its name when it is given none, before the number.
+    /// Name of a part that is given none, before its number.
     fn usual_name(&self) -> &str;
-    /// Its keys.
+    /// Keys of the part.
     fn into_table(self) -> Table;
 }
 
