@@ -7,22 +7,18 @@
 mod terminal;
 mod ticker;
 
-mod bench;
 mod build;
 mod building;
 mod cache;
 mod chart;
-mod compare;
 mod devices;
 mod error;
 mod files;
-mod fit;
 mod hand;
-mod haptics;
 mod interrupt;
 mod keeper;
+mod lab;
 mod page;
-mod press;
 mod progress;
 mod record;
 mod recorder;
@@ -31,13 +27,12 @@ mod replay;
 mod run;
 mod scenes;
 mod serve;
-mod soak;
 mod sweep;
 mod touch;
-mod validate;
 mod words;
 
 use clap::{Parser, Subcommand};
+use lab::{bench, compare, fit, haptics, soak, validate};
 use std::process::ExitCode;
 
 /// Simulates a soft hand: a jointed skeleton inside deformable flesh, in frictional contact.

@@ -1,6 +1,6 @@
 //! Judgement of a run: which of its figures are to be trusted, and why.
 
-use crate::soak::{DEEP, JOINT_GAP_MAX, MISS_MAX};
+use crate::lab::soak::{DEEP, JOINT_GAP_MAX, MISS_MAX};
 use crate::words::{counted, short};
 use serde_json::{Value, json};
 use thenar_core::model::{SolverKind, SolverSettings};
