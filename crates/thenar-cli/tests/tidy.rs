@@ -110,6 +110,24 @@ fn links_between_documents_lead_somewhere() {
     }
 }
 
+/// What the badges say is what the manifests ask for.
+#[test]
+fn badges_are_true() {
+    let (readme, cargo, python) = (read("README.md"), read("Cargo.toml"), read("pyproject.toml"));
+    let value = |text: &str, key: &str| {
+        let line = text.lines().find_map(|line| line.strip_prefix(key)).unwrap_or_default();
+        line.trim_matches([' ', '=', '"', '>']).to_owned()
+    };
+    let (rust, needed) = (value(&cargo, "rust-version"), value(&python, "requires-python"));
+    assert!(!rust.is_empty() && readme.contains(&format!("badge/rust-{rust}%2B")), "{rust}");
+    assert!(
+        !needed.is_empty() && readme.contains(&format!("badge/python-{needed}%2B")),
+        "{needed}"
+    );
+    let licence = value(&cargo, "license").replace('-', "--").replace(" OR ", "%20or%20");
+    assert!(readme.contains(&format!("badge/licence-{licence}")), "{licence}");
+}
+
 /// Longest line of prose in a document, in characters. Rows of tables are as long as they are.
 const COLUMNS_MAX: usize = 150;
 
