@@ -15,6 +15,7 @@ use pyo3::types::PyBytes;
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 use std::time::Duration;
+use thenar_core::Vec3;
 use thenar_core::world::Target;
 use thenar_picture::Image;
 use thenar_scene::flat::{pose, target};
@@ -262,6 +263,28 @@ impl World {
         self.follow(hand, &LivePose::Angles { wrist: pose(&wrist), angles }, time)
     }
 
+    /// Twenty angles with which a hand's pads come to places (thumb first; a place that is not finite is none), with the
+    /// wrist there, and how far each pad ends from its place [m].
+    fn reaching<'py>(
+        &self,
+        py: Python<'py>,
+        hand: usize,
+        wrist: &[u8],
+        tips: &[u8],
+    ) -> PyResult<(Bound<'py, PyBytes>, [f64; 5])> {
+        let [wrist] = table::<1, 7>(wrist)?;
+        let tips = table::<5, 3>(tips)?.map(|tip| Some(Vec3::from(tip)).filter(is_finite));
+        self.with(|running| {
+            let found = running.session.reaching(hand, pose(&wrist), &tips);
+            let (found, misses) = found.map_err(|e| error::pose(&e))?;
+            let LivePose::Angles { angles, .. } = found else {
+                return Err(error::PoseError::new_err("digits were bent by no angles"));
+            };
+            let bytes: Vec<u8> = angles.iter().flat_map(|angle| angle.to_le_bytes()).collect();
+            Ok((PyBytes::new(py, &bytes), misses))
+        })
+    }
+
     /// The hand is not tracked any more.
     fn lose(&self, hand: usize) -> PyResult<()> {
         self.with(|running| {
@@ -399,6 +422,10 @@ impl World {
             running.session.live_pose(hand, time, pose).map_err(|e| error::pose(&e))
         })
     }
+}
+
+fn is_finite(v: &Vec3) -> bool {
+    v.iter().all(|x| x.is_finite())
 }
 
 /// A setting's value: a number or a word.

@@ -56,6 +56,24 @@ def test_a_tracked_hand_is_part_of_the_state() -> None:
     assert move(range(10, 20)) == expected
 
 
+def test_fingertips_come_to_places() -> None:
+    world = thenar.Scene.named("free-motion", set=PAPER).world()
+    hand = world.hands[0]
+    wrist = np.array([0.0, 0.3, 0.0, 0.0, 0.0, 0.0, 1.0])
+    angles, miss = hand.reaching(wrist, {"index": [-0.02, 0.26, -0.13], "middle": [0.0, 0.26, -0.13]})
+    assert angles.shape == (20,) and miss < 1e-3
+    rest = np.array([angle.rest for angle in hand.angle_ranges if angle is not None])
+    assert np.allclose(angles[[12, 14, 15]], rest[[12, 14, 15]]) and (angles[[4, 6, 7]] != rest[[4, 6, 7]]).all()
+    hand.follow_angles(wrist, angles)
+    _, far = hand.reaching(wrist, {"index": [0.0, 0.3, -0.9]})
+    assert 0.5 < far < 0.9
+    for wrong, words in [({"toe": [0, 0, 0]}, "no finger is named 'toe'"), ({"index": [0, 0, np.nan]}, "not finite")]:
+        with pytest.raises(ValueError, match=words):
+            hand.reaching(wrist, wrong)
+    with pytest.raises(thenar.PoseError):
+        hand.reaching(np.full(7, np.nan), {})
+
+
 def test_states_that_do_not_fit_change_nothing() -> None:
     world = thenar.Scene.named("falling-box").world()
     world.step(5)

@@ -216,6 +216,27 @@ class LiveHand(Hand):
         wanted[lacking] = 0.0
         self._native.follow_angles(self._index, pose.tobytes(), wanted.tobytes(), time)
 
+    def reaching(
+        self, wrist: npt.ArrayLike, tips: Mapping[str, npt.ArrayLike]
+    ) -> tuple[npt.NDArray[np.float64], float]:
+        """Finds the angles with which fingertips come to places, by inverse kinematics on this hand.
+
+        ``wrist``: ``(7,)``, as :attr:`wrist`. ``tips``: where the middle of each pad is wanted, by finger
+        (``"thumb"`` to ``"little"``), ``(3,)`` each, world [m]. Returns ``(20,)`` angles [rad] for :meth:`follow_angles`, and how far
+        the worst pad ends from its place [m]. Other fingers are at rest.
+        """
+        pose = numbers("wrist", wrist, (7,))
+        fingers = ("thumb", "index", "middle", "ring", "little")
+        places = np.full((5, 3), np.nan)
+        for finger, place in tips.items():
+            if finger not in fingers:
+                raise ValueError(f"no finger is named {finger!r}; there are {', '.join(fingers)}")
+            places[fingers.index(finger)] = numbers(f"tips[{finger!r}]", place, (3,))
+            if not np.isfinite(places[fingers.index(finger)]).all():
+                raise ValueError(f"tips[{finger!r}]: not finite")
+        angles, misses = self._native.reaching(self._index, pose.tobytes(), places.tobytes())
+        return np.frombuffer(angles, dtype="<f8").copy(), max(misses)
+
     def taxels(
         self,
         layout: str | Mapping[str, npt.ArrayLike] = "fingertips",

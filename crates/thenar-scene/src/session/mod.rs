@@ -42,7 +42,7 @@ pub use witness::{Entry, Witness};
 use crate::build::{Built, BuiltHand, Mesh, RigidLook, SoftBuild};
 use crate::format::{Camera, Scene};
 use crate::grip::GripHand;
-use crate::live::{LiveError, LiveHand, LivePose};
+use crate::live::{LiveError, LiveHand, LivePose, checked};
 use crate::motion::AngleRange;
 use crate::tuning::Tuning;
 use std::collections::BTreeMap;
@@ -214,7 +214,7 @@ impl Session {
     /// hand lacks, zero for one without a place. For [`Session::live_pose`].
     ///
     /// # Errors
-    /// There is no such hand, or poses cannot move it.
+    /// There is no such hand, poses cannot move it, or wrist or places are not finite or far away.
     pub fn reaching(
         &self,
         hand: usize,
@@ -224,6 +224,12 @@ impl Session {
         let count = self.live.len();
         let live = self.live.get(hand).ok_or(LiveError::NoHand { hand, count })?;
         live.as_ref().map_err(LiveError::clone)?;
+        let LivePose::Angles { wrist, .. } = checked(0.0, &LivePose::flat(wrist))? else {
+            return Err(LiveError::NotFinite { what: "the wrist" });
+        };
+        if !places_W.iter().flatten().all(|place| place.iter().all(|x| x.is_finite())) {
+            return Err(LiveError::NotFinite { what: "a fingertip's place" });
+        }
         let model = &self.built.hands[hand].model;
         let tips = Fingertips::new(model).map_err(|e| LiveError::Unfit {
             hand: self.built.hands[hand].name.clone(),
