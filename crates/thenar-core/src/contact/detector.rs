@@ -155,6 +155,9 @@ impl Detector {
         now: &mut Sides,
         out: &mut Vec<Contact>,
     ) -> Found {
+        debug_assert_eq!(rigids.len(), self.bodies.len(), "places, rigid bodies");
+        debug_assert_eq!(surfaces.positions.len(), surfaces.velocities.len(), "places, velocities");
+        debug_assert!(reach.h >= 0.0 && reach.h.is_finite(), "a look ahead by {} s", reach.h);
         now.clear();
         let mut collector = Collector::into(out, self.capacity);
         let mut sight = Sight { before, now: Some(now) };

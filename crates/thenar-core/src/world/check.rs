@@ -4,8 +4,9 @@ use crate::contact::{MeshShape, Part, Shape};
 use crate::math::Mat3;
 use crate::model::{
     BodyId, BodyParts, ElementPatches, FrictionTable, JointDesc, Law, Motion, OGDEN_ALPHA,
-    PATCH_TETS_MAX, RigidDesc, SoftDesc, WorldDesc,
+    PATCH_TETS_MAX, RigidDesc, SoftDesc, SolverSettings, WorldDesc,
 };
+use crate::world::state::is_turn;
 use crate::world::{HALVINGS_MAX, ModelError, freedoms};
 
 mod pose_offsets;
@@ -36,7 +37,7 @@ pub fn check(desc: &WorldDesc) -> Result<(), ModelError> {
             got: desc.drives.len(),
         });
     }
-    settings(desc)?;
+    settings(&desc.solver)?;
     for rigid in &desc.rigids {
         check_rigid(rigid)?;
     }
@@ -141,8 +142,8 @@ fn check_patches(patches: &ElementPatches, desc: &WorldDesc) -> Result<(), Model
     Ok(())
 }
 
-fn settings(desc: &WorldDesc) -> Result<(), ModelError> {
-    let s = &desc.solver;
+/// Returns the first setting of the solvers that is out of range.
+pub fn settings(s: &SolverSettings) -> Result<(), ModelError> {
     for (what, value) in
         [("cg_tolerance", s.cg_tolerance), ("contact_tolerance", s.contact_tolerance)]
     {
@@ -172,6 +173,11 @@ fn check_rigid(rigid: &RigidDesc) -> Result<(), ModelError> {
     let all = all.chain(rigid.pose_BS.rotation.coords.iter());
     for x in all.chain(rigid.velocity_W.iter()).chain(rigid.angular_velocity_W.iter()) {
         number(name, "pose or velocity", "finite", *x, f64::is_finite)?;
+    }
+    for (what, pose) in
+        [("rotation's length", &rigid.pose_WB), ("shape's rotation's length", &rigid.pose_BS)]
+    {
+        number(name, what, "1", pose.rotation.coords.norm(), |_| is_turn(&pose.rotation))?;
     }
     not_negative(name, "friction", rigid.friction)?;
     if let Some(shape) = &rigid.shape {

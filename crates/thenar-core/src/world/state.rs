@@ -3,7 +3,7 @@
 use crate::contact::{Contact, HeldPlace, Sides};
 use crate::coupling::{BoneSystem, Share};
 use crate::flesh::Faded;
-use crate::math::{Mat6, Pose, Vec3, Vec6};
+use crate::math::{Mat6, Pose, Quat, Vec3, Vec6};
 use crate::model::WorldDesc;
 use crate::room::Room;
 use crate::skeleton::AxisState;
@@ -21,6 +21,10 @@ use crate::world::{ContactPoint, Model};
 /// numbers within them stay finite, so that a step can always go on from such a state.
 const POSITION_MAX: f64 = 1e9;
 const SPEED_MAX: f64 = 1e9;
+
+/// Lengths of rotations are off by less than this. Steps make them of length one to a few roundings, 1e-14; the rest
+/// is for what descriptions and files bring along.
+pub const ROTATION_OFF: f64 = 1e-9;
 
 /// The state at one instant.
 #[derive(Clone, Debug)]
@@ -83,19 +87,30 @@ impl State {
         let row0 = 2 * model.rigids.len();
         for (node, axes) in &model.held {
             for axis in 0..3 {
-                if axes[axis] {
-                    self.v[row0 + *node as usize][axis] = 0.0;
+                let v = &mut self.v[row0 + *node as usize][axis];
+                if axes[axis] && *v != 0.0 {
+                    *v = 0.0;
                 }
             }
         }
     }
 
+    /// Puts in order what is searched and at rest what is held: a state that was read back may say otherwise.
+    pub(super) fn tidy(&mut self, model: &Model) {
+        self.hold(model);
+        self.impulses.sort_unstable_by_key(|(key, _)| *key);
+        self.patch_loads.sort_unstable_by_key(|(key, _)| *key);
+    }
+
     /// What contact and limits remember of the last step is of its length: for one that is `ratio`
-    /// times as long the same forces give so much more.
+    /// times as long the same forces give so much more. What is no number then is forgotten.
     pub fn scale_impulses(&mut self, ratio: f64) {
-        self.impulses.iter_mut().for_each(|(_, impulse)| *impulse *= ratio);
-        self.limit_impulses.as_flattened_mut().iter_mut().for_each(|impulse| *impulse *= ratio);
-        self.contact_change.iter_mut().for_each(|change| *change *= ratio);
+        let scaled = |x: f64| if (x * ratio).is_finite() { x * ratio } else { 0.0 };
+        for (_, impulse) in &mut self.impulses {
+            *impulse = impulse.map(scaled);
+        }
+        self.limit_impulses.as_flattened_mut().iter_mut().for_each(|x| *x = scaled(*x));
+        self.contact_change.iter_mut().for_each(|change| *change = change.map(scaled));
     }
 
     /// Becomes a copy of another state of the same world.
@@ -188,6 +203,11 @@ pub fn is_sound_position(x: &Vec3) -> bool {
 /// True for a velocity \[m/s or rad/s\] that a step can go on from.
 pub fn is_sound_velocity(v: &Vec3) -> bool {
     v.iter().all(|v| v.abs() <= SPEED_MAX)
+}
+
+/// True for a rotation of length one.
+pub fn is_turn(rotation: &Quat) -> bool {
+    (rotation.coords.norm() - 1.0).abs() <= ROTATION_OFF
 }
 
 /// True for a pose that a step can go on from.
