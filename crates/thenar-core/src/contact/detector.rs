@@ -156,7 +156,9 @@ impl Detector {
         out: &mut Vec<Contact>,
     ) -> Found {
         debug_assert_eq!(rigids.len(), self.bodies.len(), "places, rigid bodies");
-        debug_assert_eq!(surfaces.positions.len(), surfaces.velocities.len(), "places, velocities");
+        let vertices = self.surfaces.iter().map(Surface::vertex_count).sum();
+        let given = [surfaces.positions.len(), surfaces.velocities.len()];
+        debug_assert_eq!(given, [vertices; 2], "places and velocities, vertices of surfaces");
         debug_assert!(reach.h >= 0.0 && reach.h.is_finite(), "a look ahead by {} s", reach.h);
         now.clear();
         let mut collector = Collector::into(out, self.capacity);

@@ -154,7 +154,7 @@ impl BlockMatrix {
     /// column moves to the right-hand side, so that the matrix stays symmetric positive definite.
     pub fn hold(&mut self, i: usize, axis: usize, value: f64, rhs: &mut [Vec3]) {
         debug_assert_eq!(rhs.len(), self.rows(), "right-hand sides, block rows");
-        debug_assert!(value.is_finite(), "row {i} is held at {value}");
+        debug_assert!(i < self.rows() && axis < 3, "axis {axis} of row {i} of {}", self.rows());
         for k in self.row(i) {
             let j = self.columns[k];
             let transposed = self.entry(j, i as u32) as usize;

@@ -1,12 +1,11 @@
 //! Checks of a description before anything is built from it.
 
 use crate::contact::{MeshShape, Part, Shape};
-use crate::math::Mat3;
+use crate::math::{Mat3, to_turn};
 use crate::model::{
     BodyId, BodyParts, ElementPatches, FrictionTable, JointDesc, Law, Motion, OGDEN_ALPHA,
     PATCH_TETS_MAX, RigidDesc, SoftDesc, SolverSettings, WorldDesc,
 };
-use crate::world::state::is_turn;
 use crate::world::{HALVINGS_MAX, ModelError, freedoms};
 
 mod pose_offsets;
@@ -174,11 +173,9 @@ fn check_rigid(rigid: &RigidDesc) -> Result<(), ModelError> {
     for x in all.chain(rigid.velocity_W.iter()).chain(rigid.angular_velocity_W.iter()) {
         number(name, "pose or velocity", "finite", *x, f64::is_finite)?;
     }
-    for (what, pose) in
-        [("rotation's length", &rigid.pose_WB), ("shape's rotation's length", &rigid.pose_BS)]
-    {
-        number(name, what, "1", pose.rotation.coords.norm(), |_| is_turn(&pose.rotation))?;
-    }
+    let length = rigid.pose_WB.rotation.coords.norm();
+    let turns = |_| to_turn(&rigid.pose_WB.rotation).is_some();
+    number(name, "rotation's length", "1", length, turns)?;
     not_negative(name, "friction", rigid.friction)?;
     if let Some(shape) = &rigid.shape {
         check_shape(name, shape)?;

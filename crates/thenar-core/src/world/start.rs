@@ -1,8 +1,8 @@
 //! Start states other than rest.
 
 use crate::contact::Sides;
-use crate::math::{Pose, Vec3};
-use crate::world::state::{is_sound_pose, is_sound_position, is_sound_velocity, is_turn};
+use crate::math::{Pose, Vec3, to_turn};
+use crate::world::state::{is_sound_pose, is_sound_position, is_sound_velocity};
 use crate::world::{State, World};
 
 impl World {
@@ -19,8 +19,8 @@ impl World {
 
     /// Goes back (or on) to a state of this world, kept by cloning [`World::state`]: with the same
     /// inputs it steps from there with the same bits. Returns false, and stays as it is, when the
-    /// state is of a world with other bodies, has a number that is not finite, a rotation whose length is not 1, or a
-    /// patch that is pulled.
+    /// state is of a world with other bodies, has a number that is not finite, a rotation of no length, or a patch that
+    /// is pulled.
     pub fn restore(&mut self, state: &State) -> bool {
         if !self.fits(state) {
             return false;
@@ -42,7 +42,7 @@ impl World {
             && own.limit_impulses.len() == state.limit_impulses.len()
             && own.faded.len() == state.faded.len();
         same && state.is_finite()
-            && state.poses_WB.iter().all(|pose| is_turn(&pose.rotation))
+            && state.poses_WB.iter().all(|pose| to_turn(&pose.rotation).is_some())
             && state.patch_loads.iter().all(|(_, load)| *load >= 0.0)
     }
 
@@ -54,15 +54,15 @@ impl World {
     }
 
     /// Places a rigid body, with linear \[m/s\] and angular \[rad/s\] velocity. Ignored when a number
-    /// is not finite or beyond 1e9, or the rotation's length is not 1. The flesh around a bone stays where it is.
+    /// is not finite or beyond 1e9, or the rotation has no length. The flesh around a bone stays where it is.
     ///
     /// # Panics
     /// When there is no rigid body `i`.
     pub fn set_rigid_state(&mut self, i: u32, pose_WB: Pose, velocity_W: [Vec3; 2]) {
-        let placed = is_sound_pose(&pose_WB) && is_turn(&pose_WB.rotation);
-        if placed && velocity_W.iter().all(is_sound_velocity) {
+        let Some(rotation) = to_turn(&pose_WB.rotation) else { return };
+        if velocity_W.iter().all(is_sound_velocity) && is_sound_pose(&pose_WB) {
             let i = i as usize;
-            self.state.poses_WB[i] = pose_WB;
+            self.state.poses_WB[i] = Pose { rotation, ..pose_WB };
             self.state.v[2 * i..2 * i + 2].copy_from_slice(&velocity_W);
             self.state.sides.clear();
         }

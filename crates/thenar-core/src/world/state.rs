@@ -3,7 +3,7 @@
 use crate::contact::{Contact, HeldPlace, Sides};
 use crate::coupling::{BoneSystem, Share};
 use crate::flesh::Faded;
-use crate::math::{Mat6, Pose, Quat, Vec3, Vec6};
+use crate::math::{Mat6, Pose, Vec3, Vec6, to_turn};
 use crate::model::WorldDesc;
 use crate::room::Room;
 use crate::skeleton::AxisState;
@@ -21,10 +21,6 @@ use crate::world::{ContactPoint, Model};
 /// numbers within them stay finite, so that a step can always go on from such a state.
 const POSITION_MAX: f64 = 1e9;
 const SPEED_MAX: f64 = 1e9;
-
-/// Lengths of rotations are off by less than this. Steps make them of length one to a few roundings, 1e-14; the rest
-/// is for what descriptions and files bring along.
-pub const ROTATION_OFF: f64 = 1e-9;
 
 /// The state at one instant.
 #[derive(Clone, Debug)]
@@ -79,6 +75,7 @@ impl State {
             faded: vec![Faded::default(); model.flesh.memory.len()],
         };
         state.hold(model);
+        state.turn_rightly();
         state
     }
 
@@ -95,9 +92,17 @@ impl State {
         }
     }
 
+    /// Makes rotations of what is one but for its length.
+    fn turn_rightly(&mut self) {
+        for pose in &mut self.poses_WB {
+            pose.rotation = to_turn(&pose.rotation).unwrap_or(pose.rotation);
+        }
+    }
+
     /// Puts in order what is searched and at rest what is held: a state that was read back may say otherwise.
     pub(super) fn tidy(&mut self, model: &Model) {
         self.hold(model);
+        self.turn_rightly();
         self.impulses.sort_unstable_by_key(|(key, _)| *key);
         self.patch_loads.sort_unstable_by_key(|(key, _)| *key);
     }
@@ -203,11 +208,6 @@ pub fn is_sound_position(x: &Vec3) -> bool {
 /// True for a velocity \[m/s or rad/s\] that a step can go on from.
 pub fn is_sound_velocity(v: &Vec3) -> bool {
     v.iter().all(|v| v.abs() <= SPEED_MAX)
-}
-
-/// True for a rotation of length one.
-pub fn is_turn(rotation: &Quat) -> bool {
-    (rotation.coords.norm() - 1.0).abs() <= ROTATION_OFF
 }
 
 /// True for a pose that a step can go on from.

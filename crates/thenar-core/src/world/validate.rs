@@ -7,20 +7,20 @@
 //! Steps that fail are no exception: what is not finite is taken back before anyone can look, and an answer of contact
 //! that did not converge still lies in the cones of friction.
 
-use crate::math::{Pose, Quat, Vec3};
+use crate::math::{Pose, Quat, ROTATION_OFF, Vec3, is_turn};
 use crate::model::{BodyId, Cone};
 use crate::solver::ContactRow;
 use crate::world::limits;
 use crate::world::model::Model;
 use crate::world::parts::Part;
-use crate::world::state::{ROTATION_OFF, State, is_sound_position, is_sound_velocity, is_turn};
+use crate::world::state::{State, is_sound_position, is_sound_velocity};
 use crate::world::{ContactPoint, Input, StepReport, World};
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Lengths of normals are off by so much at most. They are of length one to some roundings (2e-16 each) where they
-/// arise, and then turned from a shape's frame to its body's and to the world's: by a rotation of length 1 + δ a
+/// arise, and then turned from a part's frame to its shape's, its body's and the world's: by a rotation of length 1 + δ a
 /// vector gets 1 + 2 δ as long, with δ up to [`ROTATION_OFF`].
-const NORMAL_OFF: f64 = 5.0 * ROTATION_OFF;
+const NORMAL_OFF: f64 = 7.0 * ROTATION_OFF;
 
 /// Parts of a force by which it may leave its cone. Both tangents of a contact are made of its normal, and are off by as
 /// much as that is, so that each of three components may be by its own part; the solvers themselves keep to the cones

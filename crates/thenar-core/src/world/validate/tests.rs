@@ -159,12 +159,23 @@ fn restored_states_are_valid_or_refused() {
         spoil(&mut bad);
         assert!(!world.restore(&bad));
     }
-    let mut bad = good.clone();
-    bad.poses_WB[CUBE].rotation = doubled;
-    assert!(!world.restore(&bad));
-    let pose_WB = Pose::new(Vec3::zeros(), doubled);
-    world.set_rigid_state(CUBE as u32, pose_WB, [Vec3::zeros(); 2]);
-    assert_eq!(world.state().hash(), good.hash());
+    let place = good.poses_WB[CUBE].position;
+    for none in [0.0, f64::NAN, f64::INFINITY] {
+        let rotation = Quat::new_unchecked(doubled.into_inner() * none);
+        let mut bad = good.clone();
+        bad.poses_WB[CUBE].rotation = rotation;
+        assert!(!world.restore(&bad));
+        world.set_rigid_state(CUBE as u32, Pose::new(place, rotation), [Vec3::zeros(); 2]);
+        assert_eq!(world.state().hash(), good.hash());
+    }
+    // A rotation of another length turns as far.
+    let mut long = good.clone();
+    long.poses_WB[CUBE].rotation = doubled;
+    assert!(world.restore(&long));
+    assert_eq!(world.validate(), Ok(()));
+    assert!(world.rigid_pose(CUBE as u32).rotation.angle_to(&doubled) < 1e-7);
+    world.set_rigid_state(CUBE as u32, Pose::new(place, doubled), [Vec3::zeros(); 2]);
+    assert_eq!(world.validate(), Ok(()));
 
     let mut tidied = good.clone();
     tidied.impulses.reverse();
