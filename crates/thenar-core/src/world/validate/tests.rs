@@ -200,58 +200,59 @@ fn assert_each_is_found(broken: &[Broken]) {
     }
 }
 
+const OF_STATES: &[Broken] = &[
+    ("world 0: time step must be", |w| w.time_step = 0.0),
+    ("world 0: time [s] must be finite, got inf", |w| w.state.time = f64::INFINITY),
+    ("poses of rigid bodies: 2 entries, expected 3", |w| w.state.poses_WB.truncate(2)),
+    ("positions of nodes: 3 entries, expected 4", |w| w.state.x.truncate(3)),
+    ("velocities: 9 entries, expected 10", |w| w.state.v.truncate(9)),
+    ("velocities by contact: 11 entries, expected 10", |w| {
+        w.state.contact_change.push(Vec3::zeros());
+    }),
+    ("impulses of joint limits: 0 entries, expected 1", |w| w.state.limit_impulses.clear()),
+    ("faded stresses: 0 entries, expected 1", |w| w.state.faded.clear()),
+    ("rigid body 1: position [m] must be finite and within 1e9, got NaN", |w| {
+        w.state.poses_WB[CUBE].position.y = f64::NAN;
+    }),
+    ("rigid body 2: length of the rotation must be 1, got 2", |w| {
+        w.state.poses_WB[ARM].rotation = Quat::new_unchecked(Quat::identity().into_inner() * 2.0);
+    }),
+    ("node 2: position [m] must be finite and within 1e9, got 2000000000", |w| {
+        w.state.x[2].z = -2e9;
+    }),
+    ("block row 3: velocity [m/s, rad/s] must be", |w| w.state.v[3].x = f64::INFINITY),
+    ("block row 4: velocity by contact [m/s] must be finite, got NaN", |w| {
+        w.state.contact_change[4].y = f64::NAN;
+    }),
+    ("remembered contact 0: impulse [N s] must be finite", |w| {
+        w.state.impulses[0].1.z = f64::INFINITY;
+    }),
+    ("joint 0: impulse of limits [N m s] must be finite", |w| {
+        w.state.limit_impulses[0][1] = f64::NAN;
+    }),
+    ("patch 0: load [N] must be finite and not negative, got -1", |w| {
+        w.state.patch_loads[0].1 = -1.0;
+    }),
+    ("element with memory 0: faded stress must be finite", |w| {
+        w.state.faded[0][3] = f64::NAN;
+    }),
+    ("held place 0: weights must be finite", |w| {
+        let held = HeldPlace::new([0; 4], [f64::NAN, 0.5, 0.5]);
+        w.state.sides = w.state.sides.clone().with_places(vec![held]);
+    }),
+    ("held node 0: speed along held axes [m/s] must be 0, got 0.1", |w| {
+        w.state.v[6 + HELD].x = 0.1;
+    }),
+    ("impulses of contacts: not in order", |w| w.state.impulses.reverse()),
+    ("loads of patches: not in order", |w| {
+        let (key, load) = w.state.patch_loads[0];
+        w.state.patch_loads.insert(0, (key.map(|k| k + 1), load));
+    }),
+];
+
 #[test]
 fn what_is_wrong_with_a_state_is_named() {
-    assert_each_is_found(&[
-        ("world 0: time step must be", |w| w.time_step = 0.0),
-        ("world 0: time [s] must be finite, got inf", |w| w.state.time = f64::INFINITY),
-        ("poses of rigid bodies: 2 entries, expected 3", |w| w.state.poses_WB.truncate(2)),
-        ("positions of nodes: 3 entries, expected 4", |w| w.state.x.truncate(3)),
-        ("velocities: 9 entries, expected 10", |w| w.state.v.truncate(9)),
-        ("velocities by contact: 11 entries, expected 10", |w| {
-            w.state.contact_change.push(Vec3::zeros());
-        }),
-        ("impulses of joint limits: 0 entries, expected 1", |w| w.state.limit_impulses.clear()),
-        ("faded stresses: 0 entries, expected 1", |w| w.state.faded.clear()),
-        ("rigid body 1: position [m] must be finite and within 1e9, got NaN", |w| {
-            w.state.poses_WB[CUBE].position.y = f64::NAN;
-        }),
-        ("rigid body 2: length of the rotation must be 1, got 2", |w| {
-            w.state.poses_WB[ARM].rotation =
-                Quat::new_unchecked(Quat::identity().into_inner() * 2.0);
-        }),
-        ("node 2: position [m] must be finite and within 1e9, got 2000000000", |w| {
-            w.state.x[2].z = -2e9;
-        }),
-        ("block row 3: velocity [m/s, rad/s] must be", |w| w.state.v[3].x = f64::INFINITY),
-        ("block row 4: velocity by contact [m/s] must be finite, got NaN", |w| {
-            w.state.contact_change[4].y = f64::NAN;
-        }),
-        ("remembered contact 0: impulse [N s] must be finite", |w| {
-            w.state.impulses[0].1.z = f64::INFINITY;
-        }),
-        ("joint 0: impulse of limits [N m s] must be finite", |w| {
-            w.state.limit_impulses[0][1] = f64::NAN;
-        }),
-        ("patch 0: load [N] must be finite and not negative, got -1", |w| {
-            w.state.patch_loads[0].1 = -1.0;
-        }),
-        ("element with memory 0: faded stress must be finite", |w| {
-            w.state.faded[0][3] = f64::NAN;
-        }),
-        ("held place 0: weights must be finite", |w| {
-            let held = HeldPlace::new([0; 4], [f64::NAN, 0.5, 0.5]);
-            w.state.sides = w.state.sides.clone().with_places(vec![held]);
-        }),
-        ("held node 0: speed along held axes [m/s] must be 0, got 0.1", |w| {
-            w.state.v[6 + HELD].x = 0.1;
-        }),
-        ("impulses of contacts: not in order", |w| w.state.impulses.reverse()),
-        ("loads of patches: not in order", |w| {
-            let (key, load) = w.state.patch_loads[0];
-            w.state.patch_loads.insert(0, (key.map(|k| k + 1), load));
-        }),
-    ]);
+    assert_each_is_found(OF_STATES);
 }
 
 /// The first contact of the cube.
@@ -268,48 +269,50 @@ fn of_flesh(world: &mut World) -> &mut ContactPoint {
     &mut contacts[0]
 }
 
+const OF_CONTACTS: &[Broken] = &[
+    ("sites of contacts:", |w| {
+        w.scratch.found.pop();
+    }),
+    ("rows of contacts and limits:", |w| {
+        w.scratch.rows.rows.pop();
+    }),
+    ("contact 0: position [m] must be finite", |w| of_flesh(w).position_W.x = f64::NAN),
+    ("contact 0: length of the normal must be 1, got 1.0001", |w| {
+        of_flesh(w).normal_W *= 1.0001;
+    }),
+    ("contact 0: gap [m] must be finite", |w| of_flesh(w).gap = f64::NEG_INFINITY),
+    ("contact 0: slip [m/s] must be finite", |w| of_flesh(w).slip_W.y = f64::NAN),
+    ("contact 0: force [N] must be finite", |w| of_flesh(w).force_W.y = f64::NAN),
+    ("contact 0: area [m²] must be finite and not negative, got -1", |w| {
+        of_flesh(w).area = -1.0;
+    }),
+    ("contact 0: friction coefficient must be", |w| of_flesh(w).friction = -0.5),
+    ("contact 0: normal force [N] must be not negative", |w| {
+        let contact = of_flesh(w);
+        contact.force_W = contact.normal_W * -1.0;
+    }),
+    ("contact 0: deformable body must be one of the world's, got 7", |w| {
+        let soft = |body: &&mut BodyId| matches!(body, BodyId::Soft(_));
+        *of_flesh(w).bodies.iter_mut().find(soft).unwrap() = BodyId::Soft(7);
+    }),
+    ("contact 0: vertex must be one of its body's surface, got 4", |w| {
+        *of_flesh(w).vertices.iter_mut().flatten().next().unwrap() = 4;
+    }),
+    ("contact 0: vertex must be none on a rigid body", |w| of_flesh(w).vertices = [Some(0); 2]),
+    ("contact 0: body without a vertex must be rigid", |w| of_flesh(w).vertices = [None; 2]),
+    ("contact 0: force on B must be opposite", |w| {
+        let [held, _] = &mut w.scratch.rows.rows[0].rigids;
+        held.as_mut().unwrap().2 *= 1.001;
+    }),
+    ("limit 0: joint must be one of the world's, got 5", |w| w.scratch.limits[0].joint = 5),
+    ("limit 1: impulse away from its bound [N s] must be", |w| {
+        w.scratch.rows.rows.last_mut().unwrap().lambda.x = -1e-9;
+    }),
+];
+
 #[test]
 fn what_is_wrong_with_contacts_and_limits_is_named() {
-    assert_each_is_found(&[
-        ("sites of contacts:", |w| {
-            w.scratch.found.pop();
-        }),
-        ("rows of contacts and limits:", |w| {
-            w.scratch.rows.rows.pop();
-        }),
-        ("contact 0: position [m] must be finite", |w| of_flesh(w).position_W.x = f64::NAN),
-        ("contact 0: length of the normal must be 1, got 1.0001", |w| {
-            of_flesh(w).normal_W *= 1.0001;
-        }),
-        ("contact 0: gap [m] must be finite", |w| of_flesh(w).gap = f64::NEG_INFINITY),
-        ("contact 0: slip [m/s] must be finite", |w| of_flesh(w).slip_W.y = f64::NAN),
-        ("contact 0: force [N] must be finite", |w| of_flesh(w).force_W.y = f64::NAN),
-        ("contact 0: area [m²] must be finite and not negative, got -1", |w| {
-            of_flesh(w).area = -1.0;
-        }),
-        ("contact 0: friction coefficient must be", |w| of_flesh(w).friction = -0.5),
-        ("contact 0: normal force [N] must be not negative", |w| {
-            let contact = of_flesh(w);
-            contact.force_W = contact.normal_W * -1.0;
-        }),
-        ("contact 0: deformable body must be one of the world's, got 7", |w| {
-            let soft = |body: &&mut BodyId| matches!(body, BodyId::Soft(_));
-            *of_flesh(w).bodies.iter_mut().find(soft).unwrap() = BodyId::Soft(7);
-        }),
-        ("contact 0: vertex must be one of its body's surface, got 4", |w| {
-            *of_flesh(w).vertices.iter_mut().flatten().next().unwrap() = 4;
-        }),
-        ("contact 0: vertex must be none on a rigid body", |w| of_flesh(w).vertices = [Some(0); 2]),
-        ("contact 0: body without a vertex must be rigid", |w| of_flesh(w).vertices = [None; 2]),
-        ("contact 0: force on B must be opposite", |w| {
-            let [held, _] = &mut w.scratch.rows.rows[0].rigids;
-            held.as_mut().unwrap().2 *= 1.001;
-        }),
-        ("limit 0: joint must be one of the world's, got 5", |w| w.scratch.limits[0].joint = 5),
-        ("limit 1: impulse away from its bound [N s] must be", |w| {
-            w.scratch.rows.rows.last_mut().unwrap().lambda.x = -1e-9;
-        }),
-    ]);
+    assert_each_is_found(OF_CONTACTS);
     // Whatever its number.
     let mut world = resting(SolverKind::Exact, Cone::Circular);
     let contact = of_cube(&mut world);
