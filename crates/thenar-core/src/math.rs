@@ -79,6 +79,24 @@ impl std::ops::Mul for Pose {
     }
 }
 
+/// Lengths of rotations are off by less than this. Steps make them of length one to a few roundings, 1e-14; the rest
+/// is for what descriptions and files bring along.
+pub(crate) const ROTATION_OFF: f64 = 1e-9;
+
+/// True for a rotation of length one.
+pub(crate) fn is_turn(rotation: &Quat) -> bool {
+    (rotation.coords.norm() - 1.0).abs() <= ROTATION_OFF
+}
+
+/// A rotation as it is where its length is one, brought to that where it is another; `None` for what says nothing of a
+/// direction.
+pub(crate) fn to_turn(rotation: &Quat) -> Option<Quat> {
+    if is_turn(rotation) {
+        return Some(*rotation);
+    }
+    Some(Quat::new_normalize(rotation.into_inner())).filter(is_turn)
+}
+
 /// The matrix of the cross product: `skew(a) * b = a × b`.
 pub fn skew(a: &Vec3) -> Mat3 {
     Mat3::new(0.0, -a.z, a.y, a.z, 0.0, -a.x, -a.y, a.x, 0.0)

@@ -156,6 +156,11 @@ impl Detector {
         now: &mut Sides,
         out: &mut Vec<Contact>,
     ) -> Found {
+        debug_assert_eq!(rigids.len(), self.bodies.len(), "places, rigid bodies");
+        let vertices = self.surfaces.iter().map(Surface::vertex_count).sum();
+        let given = [surfaces.positions.len(), surfaces.velocities.len()];
+        debug_assert_eq!(given, [vertices; 2], "places and velocities, vertices of surfaces");
+        debug_assert!(reach.h >= 0.0 && reach.h.is_finite(), "a look ahead by {} s", reach.h);
         now.clear();
         let mut collector = Collector::into(out, self.capacity);
         let mut sight = Sight { before, now: Some(now) };

@@ -124,6 +124,10 @@ impl CouplingModel {
         bones: &mut BoneSystem,
     ) {
         let row0 = 2 * poses_WB.len();
+        debug_assert_eq!([b.len(), A.rows()], [row0 + x.len(); 2], "rows of b and A, unknowns");
+        debug_assert_eq!(v.len(), x.len(), "velocities of nodes, nodes");
+        debug_assert_eq!(self.stiffness.len(), self.bound.len(), "springs, bound nodes");
+        debug_assert!(h > 0.0 && h.is_finite(), "a time step of {h} s");
         for (i, bound) in self.bound.iter().enumerate() {
             let target = skin_target(bound, poses_WB, posed);
             let s = h * h * self.stiffness[i] + h * self.damping[i];

@@ -64,6 +64,14 @@ impl FleshModel {
         A: &mut BlockMatrix,
         b: &mut [Vec3],
     ) -> Tally {
+        debug_assert_eq!([x.len(), v.len()], [self.mass.len(); 2], "places and rates, of nodes");
+        debug_assert_eq!(
+            b.len(),
+            row0 + self.mass.len(),
+            "right-hand sides, rows to the last node"
+        );
+        debug_assert_eq!(faded.len(), self.memory.len(), "faded stresses, elements with memory");
+        debug_assert!(h > 0.0 && h.is_finite(), "a time step of {h} s");
         for (n, &mass) in self.mass.iter().enumerate() {
             A.add_scalar(A.diagonal[row0 + n], mass * (1.0 + h * self.mass_damping[n]));
             b[row0 + n] += v[n] * mass;
@@ -102,6 +110,8 @@ impl FleshModel {
 
     /// Moves what elements remember over a step of length `h` \[s\] from positions `x0` to `x1`.
     pub fn relax(&self, x0: &[Vec3], x1: &[Vec3], h: f64, faded: &mut [Faded]) {
+        debug_assert_eq!([x0.len(), x1.len()], [self.mass.len(); 2], "places at either end, nodes");
+        debug_assert_eq!(faded.len(), self.memory.len(), "faded stresses, elements with memory");
         if self.memory.is_empty() {
             return;
         }

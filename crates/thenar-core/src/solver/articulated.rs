@@ -99,6 +99,10 @@ impl Articulated {
         v: &mut [Vec6],
         lambda: &mut [Vec6],
     ) -> bool {
+        debug_assert_eq!(joints.len(), self.ends.len(), "blocks of joints, joints planned for");
+        debug_assert_eq!(c.len(), joints.len(), "right-hand sides of joints, joints");
+        debug_assert_eq!(r.len(), S_diagonal.len(), "right-hand sides of bodies, bodies");
+        debug_assert_eq!(v.len(), S_diagonal.len(), "velocities of bodies, bodies");
         if self.dense.is_some() {
             return self.solve_dense(S_diagonal, S_edge, joints, r, c, v, lambda);
         }

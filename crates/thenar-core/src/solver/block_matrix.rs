@@ -143,6 +143,8 @@ impl BlockMatrix {
 
     /// `y = A x`.
     pub fn times(&self, x: &[Vec3], y: &mut [Vec3]) {
+        debug_assert_eq!(x.len(), self.rows(), "vectors to multiply, block rows");
+        debug_assert_eq!(y.len(), self.rows(), "vectors of a product, block rows");
         for (i, y) in y.iter_mut().enumerate() {
             *y = self.row_times(i, x);
         }
@@ -151,6 +153,8 @@ impl BlockMatrix {
     /// Makes unknown `3 i + axis` a given number `value`: its row becomes the identity and its
     /// column moves to the right-hand side, so that the matrix stays symmetric positive definite.
     pub fn hold(&mut self, i: usize, axis: usize, value: f64, rhs: &mut [Vec3]) {
+        debug_assert_eq!(rhs.len(), self.rows(), "right-hand sides, block rows");
+        debug_assert!(i < self.rows() && axis < 3, "axis {axis} of row {i} of {}", self.rows());
         for k in self.row(i) {
             let j = self.columns[k];
             let transposed = self.entry(j, i as u32) as usize;

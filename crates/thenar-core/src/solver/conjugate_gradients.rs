@@ -33,6 +33,10 @@ pub fn conjugate_gradients(
     iterations_max: u32,
     work: &mut CgWorkspace,
 ) -> Convergence {
+    debug_assert_eq!(b.len(), a.rows(), "right-hand sides, block rows");
+    debug_assert_eq!(x.len(), a.rows(), "unknowns, block rows");
+    debug_assert_eq!(work.r.len(), a.rows(), "rows of room, block rows");
+    debug_assert!(tolerance > 0.0, "a tolerance of {tolerance}, not above 0");
     let CgWorkspace { r, z, p, q } = work;
     d.times(b, z);
     let b_norm2 = dot(b, z);
@@ -77,6 +81,8 @@ pub fn weigh_energy(
     work: &mut CgWorkspace,
     islands: &mut Islands,
 ) {
+    debug_assert_eq!(v.len(), a.rows(), "velocities, block rows");
+    debug_assert_eq!(known.len(), a.rows(), "rows that are known or not, block rows");
     let CgWorkspace { z: x, p, q, .. } = work;
     for (x, (v, known)) in x.iter_mut().zip(v.iter().zip(known)) {
         *x = Vec3::from_fn(|k, _| if known[k] { 0.0 } else { v[k] });

@@ -78,6 +78,7 @@ pub(super) fn is_immovable(W: &Mat3) -> bool {
 /// short of Coulomb's by up to 1 - cos 45° and never exceeds it), and where it lies on
 /// the rim, sliding opposes it. Where neither side can move, the impulse is zero.
 pub fn project(cone: Cone, friction: f64, W: &Mat3, d: &Vec3, lambda: &Vec3) -> Vec3 {
+    debug_assert!(friction >= 0.0, "a friction coefficient of {friction}, below 0");
     let least = IMMOVABLE * W.trace();
     if is_immovable(W) {
         return Vec3::zeros();
@@ -143,6 +144,7 @@ impl Response {
     /// sliding and back at each visit kept a joint at its limit from coming to rest. Where the response is
     /// not positive definite, a sliding contact comes nearer with each visit.
     pub fn impulse(&self, cone: Cone, friction: f64, b: &Vec3, start: &Vec3) -> Vec3 {
+        debug_assert!(friction >= 0.0, "a friction coefficient of {friction}, below 0");
         let W = &self.W;
         let ambiguous = cone == Cone::Circular && start.x > 0.0 && self.is_ambiguous(friction);
         if is_immovable(W) || b.x >= 0.0 && !ambiguous {

@@ -17,6 +17,8 @@ impl Monolithic {
     /// singular.
     pub fn new(A: &BlockMatrix, J: &[Vec<f64>]) -> Option<Self> {
         let unknowns = 3 * A.rows();
+        J.iter()
+            .for_each(|row| debug_assert_eq!(row.len(), unknowns, "numbers of a row, unknowns"));
         let mut lu = DenseLu::new(unknowns + J.len());
         for i in 0..A.rows() {
             for k in A.row(i) {
@@ -40,6 +42,12 @@ impl Monolithic {
 
     /// Velocities and joint impulses for this right-hand side.
     pub fn solve(&self, b: &[Vec3], c: &[f64]) -> (Vec<Vec3>, Vec<f64>) {
+        debug_assert_eq!(3 * b.len(), self.unknowns, "numbers on the right-hand side, unknowns");
+        debug_assert_eq!(
+            c.len(),
+            self.lu.size() - self.unknowns,
+            "rates of joints, rows of joints"
+        );
         let mut x: Vec<f64> = b.iter().flat_map(|b| [b.x, b.y, b.z]).collect();
         x.extend_from_slice(c);
         self.lu.solve(&mut x);
@@ -59,6 +67,8 @@ impl Monolithic {
         tolerance: f64,
     ) -> (Vec<Vec3>, Convergence) {
         let rows = self.unknowns / 3;
+        debug_assert_eq!(known.len(), rows, "rows that are known or not, block rows");
+        debug_assert!(tolerance > 0.0, "a tolerance of {tolerance}, not above 0");
         let joints = vec![0.0; self.lu.size() - self.unknowns];
         let columns: Vec<[Vec<Vec3>; 3]> = contacts
             .rows

@@ -1,10 +1,10 @@
 //! Checks of a description before anything is built from it.
 
 use crate::contact::{MeshShape, Part, Shape};
-use crate::math::Mat3;
+use crate::math::{Mat3, to_turn};
 use crate::model::{
     BodyId, BodyParts, ElementPatches, FrictionTable, JointDesc, Law, Motion, OGDEN_ALPHA,
-    PATCH_TETS_MAX, RigidDesc, SoftDesc, WorldDesc,
+    PATCH_TETS_MAX, RigidDesc, SoftDesc, SolverSettings, WorldDesc,
 };
 use crate::world::{HALVINGS_MAX, ModelError, freedoms};
 
@@ -36,7 +36,7 @@ pub fn check(desc: &WorldDesc) -> Result<(), ModelError> {
             got: desc.drives.len(),
         });
     }
-    settings(desc)?;
+    settings(&desc.solver)?;
     for rigid in &desc.rigids {
         check_rigid(rigid)?;
     }
@@ -141,8 +141,8 @@ fn check_patches(patches: &ElementPatches, desc: &WorldDesc) -> Result<(), Model
     Ok(())
 }
 
-fn settings(desc: &WorldDesc) -> Result<(), ModelError> {
-    let s = &desc.solver;
+/// Returns the first setting of the solvers that is out of range.
+pub fn settings(s: &SolverSettings) -> Result<(), ModelError> {
     for (what, value) in
         [("cg_tolerance", s.cg_tolerance), ("contact_tolerance", s.contact_tolerance)]
     {
@@ -173,6 +173,9 @@ fn check_rigid(rigid: &RigidDesc) -> Result<(), ModelError> {
     for x in all.chain(rigid.velocity_W.iter()).chain(rigid.angular_velocity_W.iter()) {
         number(name, "pose or velocity", "finite", *x, f64::is_finite)?;
     }
+    let length = rigid.pose_WB.rotation.coords.norm();
+    let turns = |_| to_turn(&rigid.pose_WB.rotation).is_some();
+    number(name, "rotation's length", "1", length, turns)?;
     not_negative(name, "friction", rigid.friction)?;
     if let Some(shape) = &rigid.shape {
         check_shape(name, shape)?;

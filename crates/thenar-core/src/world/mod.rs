@@ -34,6 +34,7 @@ mod start;
 mod state;
 mod step;
 mod two_step;
+mod validate;
 
 pub use crate::room::Room;
 pub use crate::solver::Failure;
@@ -45,6 +46,7 @@ pub use model::Model;
 pub use overlap::Overlap;
 pub use parts::HALVINGS_MAX;
 pub use state::State;
+pub use validate::Invalid;
 
 use crate::contact::{Contact, Detector, RigidPlace, Sides};
 use crate::coupling::skin_target;
@@ -133,6 +135,7 @@ impl World {
             if !foreseen && !done.non_finite {
                 self.cut_flesh_short(part);
             }
+            debug_assert_eq!(self.validate_led(part, input, &done), Ok(()), "a part of a step");
             std::mem::swap(&mut self.state.sides, &mut self.scratch.sides);
             if !done.taken_back {
                 let Self { model, state, scratch, .. } = self;
@@ -153,6 +156,7 @@ impl World {
         self.embed();
         self.measure_areas();
         timer.begin(None);
+        debug_assert_eq!(self.validate_step(), Ok(()), "a step: {report:?}");
         report
     }
 
@@ -253,10 +257,12 @@ impl World {
         self.prepare_solver();
     }
 
-    /// Changes all solver settings.
+    /// Changes all solver settings; ignored when one is out of range.
     pub fn set_solver_settings(&mut self, settings: SolverSettings) {
-        self.desc.solver = settings;
-        self.prepare_solver();
+        if check::settings(&settings).is_ok() {
+            self.desc.solver = settings;
+            self.prepare_solver();
+        }
     }
 
     /// What the world was built from.

@@ -1,7 +1,7 @@
 //! Start states other than rest.
 
 use crate::contact::Sides;
-use crate::math::{Pose, Vec3};
+use crate::math::{Pose, Vec3, to_turn};
 use crate::world::state::{is_sound_pose, is_sound_position, is_sound_velocity};
 use crate::world::{State, World};
 
@@ -19,12 +19,14 @@ impl World {
 
     /// Goes back (or on) to a state of this world, kept by cloning [`World::state`]: with the same
     /// inputs it steps from there with the same bits. Returns false, and stays as it is, when the
-    /// state is of a world with other bodies or has a number that is not finite.
+    /// state is of a world with other bodies, has a number that is not finite, a rotation of no length, or a patch that
+    /// is pulled.
     pub fn restore(&mut self, state: &State) -> bool {
         if !self.fits(state) {
             return false;
         }
         self.state.copy_from(state);
+        self.state.tidy(&self.model);
         self.scratch.forget_contacts();
         self.embed();
         true
@@ -40,6 +42,8 @@ impl World {
             && own.limit_impulses.len() == state.limit_impulses.len()
             && own.faded.len() == state.faded.len();
         same && state.is_finite()
+            && state.poses_WB.iter().all(|pose| to_turn(&pose.rotation).is_some())
+            && state.patch_loads.iter().all(|(_, load)| *load >= 0.0)
     }
 
     /// Sets the time \[s\]; nothing moves. Ignored when it is not finite.
@@ -50,14 +54,15 @@ impl World {
     }
 
     /// Places a rigid body, with linear \[m/s\] and angular \[rad/s\] velocity. Ignored when a number
-    /// is not finite or beyond 1e9. The flesh around a bone stays where it is.
+    /// is not finite or beyond 1e9, or the rotation has no length. The flesh around a bone stays where it is.
     ///
     /// # Panics
     /// When there is no rigid body `i`.
     pub fn set_rigid_state(&mut self, i: u32, pose_WB: Pose, velocity_W: [Vec3; 2]) {
+        let Some(rotation) = to_turn(&pose_WB.rotation) else { return };
         if velocity_W.iter().all(is_sound_velocity) && is_sound_pose(&pose_WB) {
             let i = i as usize;
-            self.state.poses_WB[i] = pose_WB;
+            self.state.poses_WB[i] = Pose { rotation, ..pose_WB };
             self.state.v[2 * i..2 * i + 2].copy_from_slice(&velocity_W);
             self.state.sides.clear();
         }

@@ -3,7 +3,7 @@
 use crate::contact::{Contact, HeldPlace, Sides};
 use crate::coupling::{BoneSystem, Share};
 use crate::flesh::Faded;
-use crate::math::{Mat6, Pose, Vec3, Vec6};
+use crate::math::{Mat6, Pose, Vec3, Vec6, to_turn};
 use crate::model::WorldDesc;
 use crate::room::Room;
 use crate::skeleton::AxisState;
@@ -75,6 +75,7 @@ impl State {
             faded: vec![Faded::default(); model.flesh.memory.len()],
         };
         state.hold(model);
+        state.turn_rightly();
         state
     }
 
@@ -83,19 +84,38 @@ impl State {
         let row0 = 2 * model.rigids.len();
         for (node, axes) in &model.held {
             for axis in 0..3 {
-                if axes[axis] {
-                    self.v[row0 + *node as usize][axis] = 0.0;
+                let v = &mut self.v[row0 + *node as usize][axis];
+                if axes[axis] && *v != 0.0 {
+                    *v = 0.0;
                 }
             }
         }
     }
 
+    /// Makes rotations of what is one but for its length.
+    fn turn_rightly(&mut self) {
+        for pose in &mut self.poses_WB {
+            pose.rotation = to_turn(&pose.rotation).unwrap_or(pose.rotation);
+        }
+    }
+
+    /// Puts in order what is searched and at rest what is held: a state that was read back may say otherwise.
+    pub(super) fn tidy(&mut self, model: &Model) {
+        self.hold(model);
+        self.turn_rightly();
+        self.impulses.sort_unstable_by_key(|(key, _)| *key);
+        self.patch_loads.sort_unstable_by_key(|(key, _)| *key);
+    }
+
     /// What contact and limits remember of the last step is of its length: for one that is `ratio`
-    /// times as long the same forces give so much more.
+    /// times as long the same forces give so much more. What is no number then is forgotten.
     pub fn scale_impulses(&mut self, ratio: f64) {
-        self.impulses.iter_mut().for_each(|(_, impulse)| *impulse *= ratio);
-        self.limit_impulses.as_flattened_mut().iter_mut().for_each(|impulse| *impulse *= ratio);
-        self.contact_change.iter_mut().for_each(|change| *change *= ratio);
+        let scaled = |x: f64| if (x * ratio).is_finite() { x * ratio } else { 0.0 };
+        for (_, impulse) in &mut self.impulses {
+            *impulse = impulse.map(scaled);
+        }
+        self.limit_impulses.as_flattened_mut().iter_mut().for_each(|x| *x = scaled(*x));
+        self.contact_change.iter_mut().for_each(|change| *change = change.map(scaled));
     }
 
     /// Becomes a copy of another state of the same world.

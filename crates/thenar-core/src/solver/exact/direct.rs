@@ -55,6 +55,7 @@ impl Direct {
 
     /// Factors; false when the matrix is not positive definite in the factor's precision.
     pub fn refresh(&mut self, system: &System<'_>, coarse: &Coarse) -> bool {
+        debug_assert_eq!(self.schur.len(), coarse.blocks.len(), "numbers of S, of K_uu");
         if !self.factor.refresh(system) {
             return false;
         }
@@ -97,6 +98,8 @@ impl Direct {
         r: &Coordinates,
         z: &mut Coordinates,
     ) {
+        debug_assert_eq!(r.u.len(), z.u.len(), "freedoms asked, freedoms answered");
+        debug_assert_eq!(r.w.len(), z.w.len(), "nodes asked, nodes answered");
         self.factor.gather(&r.w);
         self.factor.forward();
         z.u.copy_from_slice(&r.u);

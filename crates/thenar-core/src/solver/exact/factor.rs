@@ -51,6 +51,9 @@ impl Factor {
 
     /// Factors the matrix; false when a pivot is not positive.
     pub fn refresh(&mut self, system: &System<'_>) -> bool {
+        let nodes = self.symbolic.place_of_node.len();
+        debug_assert_eq!(system.springs.len(), nodes, "springs, nodes planned for");
+        debug_assert_eq!(system.A.rows(), 2 * system.bodies.bodies() + nodes, "block rows");
         self.load(system);
         dispatch!(self.level, simd => self.factor(simd))
     }
@@ -121,6 +124,7 @@ impl Factor {
 
     /// Brings a right-hand side per node into elimination order.
     pub fn gather(&mut self, w: &[Vec3]) {
+        debug_assert_eq!(w.len(), self.symbolic.place_of_node.len(), "nodes, planned for");
         for (w, place) in w.iter().zip(&self.symbolic.place_of_node) {
             for k in 0..3 {
                 self.x[3 * *place as usize + k] = w[k] as Scalar;

@@ -52,6 +52,9 @@ impl Exact {
         accuracy: &Accuracy,
         v: &mut [Vec3],
     ) -> Result<Solved, Failure> {
+        debug_assert_eq!(v.len(), step.A.rows(), "velocities, block rows");
+        debug_assert!(h > 0.0 && h.is_finite(), "a time step of {h} s");
+        debug_assert!(accuracy.velocity > 0.0, "an accuracy of {} m/s", accuracy.velocity);
         let touches = before != Before::Free;
         let looks = self.all_is_bound && before == Before::Rested;
         self.prepare(step, joints, (v, h), touches && !looks)?;

@@ -235,6 +235,7 @@ impl Exact {
 
     /// Sets to zero the blocks of A between two bodies and between two nodes.
     pub fn clear(&self, A: &mut BlockMatrix) {
+        debug_assert_eq!(A.rows(), self.split.len(), "block rows of A, rows planned for");
         let row0 = 2 * self.bodies.bodies();
         for (i, &split) in self.split.iter().enumerate() {
             let row = A.row(i);
@@ -263,6 +264,8 @@ impl Exact {
         joints: &[JointBlock],
         still: &[Vec3],
     ) -> Option<&Reduction> {
+        debug_assert_eq!(still.len(), 2 * self.bodies.bodies(), "velocities, rows of bodies");
+        debug_assert_eq!(A.rows(), self.split.len(), "block rows of A, rows planned for");
         let closed = self.bodies.refresh(A, joints, still, 1.0);
         closed.then_some(&self.bodies)
     }
@@ -273,6 +276,7 @@ impl Exact {
     /// the balance of energy of a backward Euler step: contacts and errors can take energy out,
     /// not bring it in.
     pub fn calm(&mut self, step: &StepSystem<'_>, islands: &mut Islands, v: &mut [Vec3]) {
+        debug_assert_eq!(v.len(), step.A.rows(), "velocities, block rows");
         let Self { bodies, carried, springs, split, coarse, jacobi, x, work, .. } = self;
         let system = system(step, bodies, carried, springs, split);
         system.coordinates(v, x, &mut work.v);
@@ -320,5 +324,8 @@ fn system<'a>(
     springs: &'a [f64],
     split: &'a [u32],
 ) -> System<'a> {
+    debug_assert_eq!(step.A.rows(), split.len(), "block rows of A, rows planned for");
+    debug_assert_eq!(step.b.len(), split.len(), "right-hand sides, rows planned for");
+    debug_assert_eq!(step.known.len(), split.len(), "rows known or not, rows planned for");
     System { A: step.A, split, bodies, carried, known: step.known, springs }
 }

@@ -120,6 +120,9 @@ pub fn solve(
     stop: Stop,
     work: &mut Workspace,
 ) -> Solved {
+    debug_assert_eq!(x.u.len(), work.r.u.len(), "freedoms of bodies, of their residual");
+    debug_assert_eq!(x.w.len(), work.r.w.len(), "nodes, of their residual");
+    debug_assert!(stop.tolerance > 0.0, "a tolerance of {} m/s, not above 0", stop.tolerance);
     let Workspace { r, z, p, q, v, f } = work;
     precondition(r, z);
     p.copy_from(z);

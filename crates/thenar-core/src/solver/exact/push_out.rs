@@ -24,6 +24,8 @@ impl Exact {
         accuracy: &Accuracy,
         push: &mut [Vec3],
     ) -> Result<(), Failure> {
+        debug_assert_eq!(wishes.len(), contacts.rows.len(), "wishes, rows");
+        debug_assert_eq!(push.len(), step.A.rows(), "pseudo-velocities, block rows");
         if std::mem::take(&mut self.kept) {
             // Those that press are in W first, as after other steps.
             self.factor_if_needed(step)?;

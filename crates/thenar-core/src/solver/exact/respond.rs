@@ -38,6 +38,9 @@ impl Exact {
         accuracy: &Accuracy,
         change: &mut [Vec3],
     ) -> Result<Convergence, Failure> {
+        debug_assert_eq!(change.len(), step.A.rows(), "changes of velocity, block rows");
+        debug_assert_eq!(contacts.rigids, self.bodies.bodies(), "bodies of rows, of the solver");
+        debug_assert!(accuracy.velocity > 0.0, "an accuracy of {} m/s", accuracy.velocity);
         self.kept = false;
         if contacts.rows.iter().all(|row| is_kept(row, accuracy.velocity)) {
             self.delassus.leave();
