@@ -10,4 +10,5 @@ mod hands;
 mod joints;
 mod layers;
 mod skinning;
+mod tips;
 mod touch_hand;
