@@ -32,7 +32,7 @@ impl Soft {
         Self::of("ball", [("radius", radius.into())])
     }
 
-    /// Block with these edge lengths \[m\], centred on its frame, of so many cells along x, y and z.
+    /// Block with these edge lengths \[m\], centred on its frame, with a number of cells along x, y and z.
     pub fn block(size: impl Into<Vec3>, cells: [u32; 3]) -> Self {
         let cells = cells.iter().map(|n| Value::from(i64::from(*n))).collect();
         Self::of("lattice", [("size", vector(&size.into())), ("cells", Value::Array(cells))])

@@ -99,7 +99,7 @@ impl State {
         }
     }
 
-    /// Puts in order what is searched and at rest what is held: a state that was read back may say otherwise.
+    /// Sorts lists that are searched, and stops held nodes along their axes: a state that was read back may say otherwise.
     pub(super) fn tidy(&mut self, model: &Model) {
         self.hold(model);
         self.turn_rightly();
