@@ -63,6 +63,11 @@ fn grips(built: &Built, k: usize, table: &Hand, first: &At<GripTable>) -> Result
                 }
                 Some(body)
             }
+            None if *kind == GripWord::Hook => {
+                return Err(grip.fault(
+                    "a hook bends around an `object`, and none is named; pads press against each other in the other kinds",
+                ));
+            }
             None => None,
         };
         let kind = of_word(*kind);

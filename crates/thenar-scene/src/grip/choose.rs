@@ -6,9 +6,10 @@
 //! line passes the middle of the object, and by how long a lever weight turns it about the line. The best few are reached for
 //! by inverse kinematics, with the palm where it is or a little aside, and the one that is reached best is taken.
 
+use super::crowd::crowded;
 use super::opposition::{Opposition, PADS_MAX, Span};
 use super::size::{middle, pads_middle};
-use super::surface::{Anchor, Sample, nearest, sample, through};
+use super::surface::{Anchor, Sample, clearance, nearest, sample, through};
 use super::trouble::Trouble;
 use thenar_core::model::{BodyId, Motion};
 use thenar_core::{Pose, Vec3, World};
@@ -24,6 +25,8 @@ const TRIED: usize = 16;
 const ROUNDS: usize = 30;
 /// What a line at right angles to the pads' own counts as \[m\].
 const TILT: f64 = 0.06;
+/// What a line that is neither level nor upright counts as \[m\].
+const SLOPE: f64 = 0.1;
 /// What a second normal at right angles to the line counts as \[m\].
 const SLANT: f64 = 0.06;
 /// A second normal farther off the line than 45° holds nothing \[cosine\].
@@ -53,6 +56,14 @@ const LEVER_MAX: f64 = 0.5 * SHIFT_MAX;
 const ASIDE: f64 = 0.5;
 /// A pad that ends farther than this from its place is out of reach \[m\]: what fingers that close do not make up.
 pub const REACH: f64 = 0.012;
+/// What the way counts that a bone before a pad lacks: it keeps the pad off its place.
+const CROWD: f64 = 4.0 * MISS;
+/// What such a bone lacks at least for the palm to go aside \[m\].
+const CROWD_MIN: f64 = 0.5e-3;
+/// A pad needs so much room before its place \[m\]: half of a pad's thickness.
+const ROOM: f64 = 4e-3;
+/// Object wider than this part of what pads span: where one ends out of reach, that is why.
+const WIDE: f64 = 0.85;
 /// A finger beside another has a place of its own where the surface goes on: no farther off than this, as part of the
 /// distance of fingers, with a normal within 60° of the line's.
 const BESIDE: f64 = 0.6;
@@ -131,10 +142,14 @@ pub fn choose(
             continue;
         }
         let width = (fingers.point - base.point).norm();
+        if [base, &fingers].iter().any(|place| is_covered(world, object, place)) {
+            continue;
+        }
         narrowest = narrowest.min(width);
         if width <= opening {
             let cost = rank(&base.point, &fingers, &way, opposition.at(width), palm, &centre)
-                + LEVER * lever(&(centre - base.point), &down, &way).powi(2);
+                + LEVER * lever(&(centre - base.point), &down, &way).powi(2)
+                + SLOPE * SLOPE * slope(&down, &way);
             let slips = fingers.normal.dot(&way) < least;
             let cost = if slips { cost + SLIPS } else { cost };
             keep(best, Pair { base: *base, fingers, cost });
@@ -187,6 +202,23 @@ fn lever(arm: &Vec3, down: &Vec3, way: &Vec3) -> f64 {
     (arm - way * arm.dot(way)).cross(down).norm().min(LEVER_MAX)
 }
 
+/// True where what stands fast leaves no room for skin: below what lies on a table.
+fn is_covered(world: &World, object: BodyId, place: &Sample) -> bool {
+    let skin = place.point + place.normal * ROOM;
+    let rigids = world.desc().rigids.iter().enumerate();
+    let fast =
+        rigids.filter(|(_, rigid)| rigid.motion == Motion::Prescribed && rigid.shape.is_some());
+    fast.map(|(i, _)| BodyId::Rigid(i as u32))
+        .any(|body| body != object && clearance(world, body, &skin) < 0.0)
+}
+
+/// How far a line is from level and from upright, 1/4 at half way: what a round thing's weight lacks on one side there, it
+/// has too much on the other.
+fn slope(down: &Vec3, way: &Vec3) -> f64 {
+    let steep = way.dot(down).powi(2);
+    steep * (1.0 - steep)
+}
+
 /// Keeps the pair if it is among the best.
 fn keep(best: &mut Vec<Pair>, pair: Pair) {
     let place = best.partition_point(|other| other.cost <= pair.cost);
@@ -205,22 +237,23 @@ fn reach_for(
     palm: &Pose,
     pair: &Pair,
 ) -> (f64, Choice) {
-    let (mut least, mut choice, mut lack_P) = reach_from(opposition, world, object, palm, pair);
+    let (mut least, mut choice, mut lacks_P) = reach_from(opposition, world, object, palm, pair);
     let mut shift_P = Vec3::zeros();
     let gravity = world.desc().gravity;
     let down_P = palm.inverse_vector(&gravity.try_normalize(1e-9).unwrap_or_else(Vec3::zeros));
     for _ in 0..SHIFTS {
         // A palm that is one of the two sides is where it is.
-        if lack_P.norm() < SHIFT_MIN || !opposition.kind.has_thumb() {
+        let enough = lacks_P[0].norm() < SHIFT_MIN && lacks_P[1].norm() < CROWD_MIN;
+        if enough || !opposition.kind.has_thumb() {
             break;
         }
-        shift_P += lack_P;
+        shift_P += lacks_P[0] + lacks_P[1];
         shift_P -= down_P * (shift_P.dot(&down_P) - DOWN_MAX).max(0.0);
         shift_P *= (SHIFT_MAX / shift_P.norm().max(1e-9)).min(1.0);
         let beside = Pose::new(palm.point(&shift_P), palm.rotation);
-        let (cost, mut tried, lack) = reach_from(opposition, world, object, &beside, pair);
+        let (cost, mut tried, lacks) = reach_from(opposition, world, object, &beside, pair);
         let cost = cost + SHIFT * shift_P.norm_squared();
-        lack_P = lack;
+        lacks_P = lacks;
         if cost < least {
             tried.shift_P = shift_P;
             (least, choice) = (cost, tried);
@@ -229,21 +262,22 @@ fn reach_for(
     (least, choice)
 }
 
-/// Reaches for a pair from a place of the palm: cost \[m²\], choice, and what pads lack in the mean, in the palm's frame \[m\].
+/// Reaches for a pair from a place of the palm: cost \[m²\], choice, and in the palm's frame what pads lack in the mean and
+/// what bones before them lack at most \[m\].
 fn reach_from(
     opposition: &Opposition,
     world: &World,
     object: BodyId,
     palm: &Pose,
     pair: &Pair,
-) -> (f64, Choice, Vec3) {
+) -> (f64, Choice, [Vec3; 2]) {
     let width = (pair.fingers.point - pair.base.point).norm();
     let span = opposition.at(width);
     let places = side_by_side(opposition, world, object, pair, &palm.vector(&span.across));
     let mut choice = Choice { angles: span.angles, ..Choice::none() };
     let mut cost = pair.cost;
     let mut worst: Option<(usize, f64)> = None;
-    let (mut lack_P, mut count) = (Vec3::zeros(), 0.0);
+    let (mut lack_P, mut count, mut crowd_P) = (Vec3::zeros(), 0.0, Vec3::zeros());
     for pad in 0..opposition.pads() {
         let place = match pad {
             0 => Some(pair.base),
@@ -256,14 +290,23 @@ fn reach_from(
         let miss = miss_P.norm();
         cost += MISS * miss * miss;
         (lack_P, count) = (lack_P + miss_P, count + 1.0);
+        if let Some(links) = pad.checked_sub(1).and_then(|finger| opposition.links.get(finger)) {
+            let way_P = crowded(links, chain, &choice.angles[pad], palm, (world, object));
+            cost += CROWD * way_P.norm_squared();
+            crowd_P = if way_P.norm() > crowd_P.norm() { way_P } else { crowd_P };
+        }
         if worst.is_none_or(|(_, most)| miss > most) {
             worst = Some((pad, miss));
         }
     }
-    choice.trouble = worst
-        .filter(|(_, miss)| *miss > REACH)
-        .map(|(pad, miss)| Trouble::OutOfReach { pad: pad as u8, miss });
-    (cost, choice, lack_P / f64::max(count, 1.0))
+    choice.trouble = worst.filter(|(_, miss)| *miss > REACH).map(|(pad, miss)| {
+        let (pad, opening) = (pad as u8, opposition.opening());
+        match width > WIDE * opening {
+            true => Trouble::Wide { width, opening, pad, miss },
+            false => Trouble::OutOfReach { pad, miss },
+        }
+    });
+    (cost, choice, [lack_P / f64::max(count, 1.0), crowd_P])
 }
 
 /// Places of the fingers beside each other, as the hand has them or turned about the line, so that most find one.

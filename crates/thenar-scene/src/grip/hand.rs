@@ -12,14 +12,15 @@
 //! weight presses on one side.
 
 use super::choose::{Choice, Scratch, choose, each_other};
-use super::felt::{felt, friction_used};
+use super::felt::{Against, felt, friction_used};
 use super::hook::Around;
 use super::kind::GripKind;
 use super::memory::{GripMemory, PadMemory, Phase, Reflex};
 use super::opposition::{Base, Opposition};
 use super::order::Order;
 use super::size::friction;
-use super::squeeze::{RANGE, further, push, slope, wanted};
+use super::squeeze::{FURTHER_MAX, further, least_share, push, slope, wanted};
+use super::swing::{backs_off, swung};
 use super::trouble::Trouble;
 use crate::build::BuiltHand;
 use crate::live::{Law, follow};
@@ -32,7 +33,7 @@ use thenar_core::{Pose, Vec3, World};
 use thenar_track::reach::{Angles, Chain, FREEDOMS_MAX, Goal, solve};
 
 /// How far before the surface pads gather \[m\]: they clear what they go around, and are there a fifth of a second later.
-const BEFORE: f64 = 12e-3;
+pub(super) const BEFORE: f64 = 12e-3;
 /// Skin of a hook this near to the handle is on it \[m\]: contacts begin there.
 const TOUCHES: f64 = 1e-3;
 /// How fast they go in \[m/s\]. A fingertip of 20 g on its drive of 500 N/m meets what is hard with `v √(k m)` = 0.1 N.
@@ -57,13 +58,8 @@ const TOUCH: (f64, f64) = (0.05, 0.1);
 const SMOOTHING: f64 = 0.01;
 /// Time in which fingers open \[s\].
 const OPENING: f64 = 0.5;
-/// A force is lacking when after so long \[s\] so much of it is not there.
-const LACKING: (f64, f64) = (2.0, 0.1);
 /// Time over which the use of friction is smoothed \[s\]: some steps at the usual ones.
 const LOAD_SMOOTHING: f64 = 0.03;
-/// An object that was pressed with the first part of what is wanted, and after that for so long \[s\] with less than the
-/// last part, is gone.
-const LOST: (f64, f64, f64) = (0.5, 0.2, 0.05);
 /// Rounds of inverse kinematics in a step.
 const ROUNDS: usize = 3;
 
@@ -229,13 +225,14 @@ impl GripHand {
         if self.memory.phase == Phase::Idle {
             return;
         }
-        self.memory.felt = felt(world, hand, order.object());
+        let against = order.object().map_or(Against::OtherSide(order.kind), Against::Object);
+        self.memory.felt = felt(world, hand, against);
         let Some(opposition) = self.oppositions[order.kind as usize].as_deref() else { return };
         let used = |pads: Range<usize>| {
             let mut own = [false; 6];
             let chains = pads.filter_map(|pad| opposition.chain(pad));
             chains.for_each(|chain| own[part(chain.digit)] = true);
-            friction_used(world, hand, order.object(), own)
+            friction_used(world, hand, against, own)
         };
         let used = used(0..1).max(used(1..opposition.pads()));
         let blend = 1.0 - (-world.time_step() / LOAD_SMOOTHING).exp();
@@ -432,15 +429,25 @@ impl GripHand {
             }
             let bone = hand.handle.bones.start + chain.pad.bone as u32;
             let pad_P = palm.inverse_point(&world.rigid_pose(bone).point(&chain.pad.centre_B));
-            let goal = place_P + normal_P * (chain.pad.radius + before);
+            let place = Goal { centre: place_P + normal_P * chain.pad.radius, normal: -normal_P };
+            let swings = pad > 0 && before > 0.0 && !backs_off(chain, &place);
+            let goal = match swings {
+                true => chain.reach(&swung(chain, &place, before)).centre,
+                false => place.centre + normal_P * before,
+            };
             let miss = goal - pad_P;
             if closing {
                 let lead = kept.lead_P + miss * (LEAD.0 * h).min(1.0);
                 let size = lead.norm();
                 kept.lead_P = if size > LEAD.1 { lead * (LEAD.1 / size) } else { lead };
             }
-            let goal = Goal { centre: goal + kept.lead_P, normal: -normal_P };
-            solve(chain, &chain.ease(), &mut kept.goal, &goal, ROUNDS);
+            if swings {
+                let place = Goal { centre: place.centre + kept.lead_P, ..place };
+                kept.goal = swung(chain, &place, before);
+            } else {
+                let goal = Goal { centre: goal + kept.lead_P, ..place };
+                solve(chain, &chain.ease(), &mut kept.goal, &goal, ROUNDS);
+            }
             gathered &= advance(kept, chain, h) < GATHERED;
             if closing && felt > touch {
                 kept.touched = true;
@@ -504,33 +511,7 @@ impl GripHand {
             Base::Thumb(_) => along.and_then(|way| way.try_normalize(1e-4)).unwrap_or(ready),
         };
         (memory.phase, memory.since, memory.depth) = (Phase::Holding, 0.0, 0.0);
-        // What was foreseen to be out of reach may have been met all the same.
-        let foreseen = memory.trouble.filter(|t| !matches!(t, Trouble::OutOfReach { .. }));
-        self.memory.trouble = foreseen.or(self.untouched(opposition, world, hand));
-    }
-
-    /// What is amiss where pads have met nothing.
-    fn untouched(
-        &self,
-        opposition: &Opposition,
-        world: &World,
-        hand: &BuiltHand,
-    ) -> Option<Trouble> {
-        let part = |pad: &usize| self.memory.pads[*pad].anchor.is_some();
-        let mut pads = (0..opposition.pads()).filter(part);
-        if !pads.clone().any(|pad| self.memory.pads[pad].touched) {
-            return Some(Trouble::Missed);
-        }
-        if opposition.kind == GripKind::Hook {
-            return None;
-        }
-        let short = pads.find(|pad| !self.memory.pads[*pad].touched)?;
-        let chain = opposition.chain(short)?;
-        let bone = hand.handle.bones.start + chain.pad.bone as u32;
-        let centre = world.rigid_pose(bone).point(&chain.pad.centre_B);
-        let (place, _) = self.memory.pads[short].anchor?.now(world);
-        let miss = ((place - centre).norm() - chain.pad.radius).max(0.0);
-        Some(Trouble::OutOfReach { pad: short as u8, miss })
+        self.memory.trouble = self.met(opposition, world, hand);
     }
 
     /// Pads press with the force that was asked for.
@@ -566,18 +547,26 @@ impl GripHand {
             return self.tell_weak(order);
         }
         let fingers = (1..opposition.pads()).filter(|pad| memory.pads[*pad].anchor.is_some());
-        let share = 1.0 / fingers.count().max(1) as f64;
+        let count = fingers.count().max(1);
+        let (share, least) = (1.0 / count as f64, least_share(count));
         let shares =
             order.object().is_some() && opposition.kind.has_thumb() && memory.reflex.gone == 0.0;
+        let palm = world.rigid_pose(hand.handle.bones.start);
         for pad in 0..opposition.pads() {
             let kept = &mut memory.pads[pad];
-            let (Some(chain), Some(_)) = (opposition.chain(pad), kept.anchor) else { continue };
+            let (Some(chain), Some(anchor)) = (opposition.chain(pad), kept.anchor) else {
+                continue;
+            };
             let inwards = if pad == 0 { memory.axis_P } else { memory.axis_P * -share };
             let mut centre = kept.point_P + inwards * memory.depth;
             if pad > 0 && shares && memory.reflex.held {
                 let (felt, mean) = (memory.felt[part(chain.digit)], share * memory.force);
+                let place = anchor.now(world).0;
+                let short = kept.point_P - palm.inverse_point(&place);
+                let short = short.dot(&kept.normal_P) - chain.pad.radius;
+                let most = FURTHER_MAX + short.clamp(0.0, BEFORE);
                 let more = &mut memory.reflex.further[pad];
-                *more = further(*more, felt, mean, met, h);
+                *more = further(*more, felt, (mean, least), (met, most), h);
                 centre -= kept.normal_P * *more;
             }
             solve(
@@ -590,30 +579,6 @@ impl GripHand {
             turn_to(kept, h);
         }
         self.tell_weak(order);
-    }
-
-    /// Tells when pads are as far in as they go and bear less than was asked for.
-    fn tell_weak(&mut self, order: &Order) {
-        let memory = &mut self.memory;
-        let lacking = order.force - memory.force > LACKING.1 * order.force;
-        if memory.since > LACKING.0 && lacking && memory.depth >= RANGE[1] {
-            memory.trouble.get_or_insert(Trouble::Weak { felt: memory.force });
-        }
-    }
-
-    /// True when an object that was held is gone: fingers then stay as they are, and press again when they meet it.
-    fn is_lost(&mut self, order: &Order, h: f64) -> bool {
-        let GripMemory { reflex, force, trouble, .. } = &mut self.memory;
-        reflex.held |= *force > LOST.0 * reflex.wanted;
-        let is_felt = *force > LOST.2 * reflex.wanted;
-        reflex.gone = if reflex.held && !is_felt { reflex.gone + h } else { 0.0 };
-        let lost = reflex.gone > LOST.1 && order.object().is_some();
-        if lost {
-            *trouble = Some(Trouble::Lost { wanted: reflex.wanted });
-        } else if is_felt && matches!(trouble, Some(Trouble::Lost { .. })) {
-            *trouble = None;
-        }
-        lost
     }
 
     /// Force of the two sides against each other in the last step \[N\].

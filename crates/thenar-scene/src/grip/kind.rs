@@ -50,6 +50,13 @@ impl GripKind {
         }
     }
 
+    /// True if digits are on opposite sides of a grip of this kind: thumb and finger, or of a hook palm and finger.
+    pub fn opposes(self, one: Digit, other: Digit) -> bool {
+        let base = if self.has_thumb() { Digit::Thumb } else { Digit::Palm };
+        let is_pair = |a: Digit, b: Digit| a == base && self.fingers().contains(&b);
+        is_pair(one, other) || is_pair(other, one)
+    }
+
     /// True if the thumb takes part.
     pub fn has_thumb(self) -> bool {
         self != Self::Hook

@@ -11,6 +11,7 @@
 //! milliseconds, for the search of places.
 
 mod choose;
+mod crowd;
 mod felt;
 mod hand;
 mod hook;
@@ -18,9 +19,11 @@ mod kind;
 mod memory;
 mod opposition;
 mod order;
+mod reasons;
 mod size;
 mod squeeze;
 mod surface;
+mod swing;
 mod trouble;
 
 pub(crate) use felt::digit_touched;

@@ -6,6 +6,7 @@
 //!               ------> axis
 //! ```
 
+use super::crowd::{Link, links};
 use super::hook::{Skin, skin};
 use super::kind::GripKind;
 use thenar_core::Vec3;
@@ -49,6 +50,8 @@ pub struct Opposition {
     pub fingers: Vec<Chain>,
     /// Skin of the fingers of a hook, in their order.
     pub skins: Vec<Skin>,
+    /// Bones before the pads of fingers that hold with their pads alone, in their order; none in grips of the whole hand.
+    pub links: Vec<Vec<Link>>,
     /// Distance of neighbouring fingers \[m\].
     pub spacing: f64,
     /// How pads stand, by rising width; at least one.
@@ -101,7 +104,14 @@ impl Opposition {
         if kind == GripKind::Hook && skins.len() < fingers.len() {
             return Err("a hook needs fingers whose three joints bend".into());
         }
-        let mut opposition = Self { kind, base, fingers, skins, spacing, spans: Vec::new() };
+        let links = match kind {
+            GripKind::Pinch | GripKind::Tripod => {
+                fingers.iter().map(|chain| links(hand, chain)).collect()
+            }
+            _ => Vec::new(),
+        };
+        let spans = Vec::new();
+        let mut opposition = Self { kind, base, fingers, skins, links, spacing, spans };
         opposition.span(&(last - first));
         match opposition.spans.is_empty() {
             true => Err(format!("the pads of a {} do not meet on this hand", kind.name())),

@@ -10,6 +10,9 @@ use thenar_core::{Pose, World};
 /// Grip force over the slip limit where a scene does not say. People hold dry things with 1.2 to 2 times what they need
 /// [Johansson and Westling 1984]; pads that do not face each other straight need the more.
 const MARGIN: f64 = 2.0;
+/// Margin of two fingers beside each other on a thing that may be round: they press at a slant to the thumb, and do not
+/// bear the same.
+const MARGIN_ASLANT: f64 = 2.5;
 /// Least force that is held where a scene does not say \[N\].
 const FORCE_MIN: f64 = 0.3;
 
@@ -45,14 +48,19 @@ pub fn way_to(world: &World, object: BodyId, point: &Vec3) -> Option<f64> {
     nearest(world, object, point).map(|place| (place.point - point).norm())
 }
 
-/// Force that holds an object against its weight with `MARGIN` \[N\]; in a hook no friction holds it, and half of the weight
+/// Force that holds an object against its weight with the margin of its kind \[N\]; in a hook no friction holds it, and half of the weight
 /// is what there is when it hangs. `flesh` is the hand's.
 pub fn usual_force(desc: &WorldDesc, flesh: u32, object: BodyId, kind: GripKind) -> f64 {
     let force = match kind.has_thumb() {
-        true => MARGIN * slip_limit(desc, flesh, object),
+        true => margin(kind) * slip_limit(desc, flesh, object),
         false => 0.5 * mass(desc, object) * desc.gravity.norm(),
     };
     force.max(FORCE_MIN)
+}
+
+/// Grip force over the slip limit with which a kind begins.
+fn margin(kind: GripKind) -> f64 {
+    if kind == GripKind::Tripod { MARGIN_ASLANT } else { MARGIN }
 }
 
 /// Least force between two sides that keeps an object from slipping under its weight, `m g / (2 μ)` \[N\]. `flesh` is the

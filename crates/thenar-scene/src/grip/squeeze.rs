@@ -66,23 +66,39 @@ pub fn wanted(before: f64, foreseen: f64, force: f64, used: f64, h: f64) -> f64 
 
 /// A finger is pushed in until it bears this part of the mean of the fingers.
 const LEAST_SHARE: f64 = 1.0 / 3.0;
-/// How much farther than the others one is pushed at most \[m\]: half as thick as a finger is.
-const FURTHER_MAX: f64 = 8e-3;
+/// Least part of the mean of two fingers: where one of them lets go, a thing turns about the line from the thumb to the other.
+const LEAST_SHARE_OF_TWO: f64 = 0.6;
+
+/// Part of the mean that each of `count` fingers is to bear at least.
+pub fn least_share(count: usize) -> f64 {
+    if count == 2 { LEAST_SHARE_OF_TWO } else { LEAST_SHARE }
+}
+
+/// How much farther than the others one is pushed at most, once it is where it was to touch \[m\]: half as thick as a finger
+/// is.
+pub const FURTHER_MAX: f64 = 8e-3;
 /// Below this part of its least share a finger touches nothing yet.
 const TOUCHES: f64 = 0.1;
 
-/// How much farther than the others a finger is pushed in after a step of `h` \[s\], when it bears `felt`, all together
-/// bear `mean` each \[N\] and meet a [`slope`], of which one finger's is a part; less again when it bears more than that.
+/// How much farther than the others a finger is pushed in after a step of `h` \[s\], `most` \[m\] at most, when it bears
+/// `felt`, all together bear `mean` each \[N\], of which it is to bear the part `least`, and meet a [`slope`], of which one
+/// finger's is a part; less again when it bears more than the mean.
 /// One that bears its share is left alone: were each finger to have a force of its own, an object would wander that its
 /// weight presses on one side.
-pub fn further(before: f64, felt: f64, mean: f64, slope: f64, h: f64) -> f64 {
-    let share = LEAST_SHARE * mean;
+pub fn further(
+    before: f64,
+    felt: f64,
+    (mean, least): (f64, f64),
+    (slope, most): (f64, f64),
+    h: f64,
+) -> f64 {
+    let share = least * mean;
     let lacks = (share - felt).max(0.0) + (mean - felt).min(0.0);
     let rate = match felt < TOUCHES * share {
         true => SPEED,
         false => speed_for(lacks, slope, h),
     };
-    (before + rate.clamp(-SPEED, SPEED) * h).clamp(0.0, FURTHER_MAX)
+    (before + rate.clamp(-SPEED, SPEED) * h).clamp(0.0, most)
 }
 
 #[cfg(test)]
@@ -111,16 +127,17 @@ mod tests {
             let (mut way, mut felt) = (0.0, 0.0);
             for _ in 0..(3.0 / h) as usize {
                 let now = 400.0 * f64::max(way - 0.005, 0.0);
-                way = further(way, felt, 1.5, 1000.0, h);
+                way = further(way, felt, (1.5, LEAST_SHARE), (1000.0, FURTHER_MAX), h);
                 felt = now;
             }
             assert!((felt - 0.5).abs() < 0.05, "{h}: {felt} N");
         }
-        assert_eq!(further(0.003, 0.6, 1.5, 1000.0, 0.01), 0.003);
+        assert_eq!(further(0.003, 0.6, (1.5, LEAST_SHARE), (1000.0, FURTHER_MAX), 0.01), 0.003);
         // It goes back where it bears more than the others, no farther than they are.
-        assert!(further(0.003, 2.5, 1.5, 1000.0, 0.01) < 0.003);
-        assert_eq!(further(1e-6, 2.5, 1.5, 1000.0, 0.01), 0.0);
-        let nothing = (0..1000).fold(0.0, |way, _| further(way, 0.0, 1.5, 1000.0, 0.01));
+        assert!(further(0.003, 2.5, (1.5, LEAST_SHARE), (1000.0, FURTHER_MAX), 0.01) < 0.003);
+        assert_eq!(further(1e-6, 2.5, (1.5, LEAST_SHARE), (1000.0, FURTHER_MAX), 0.01), 0.0);
+        let nothing = (0..1000)
+            .fold(0.0, |way, _| further(way, 0.0, (1.5, LEAST_SHARE), (1000.0, FURTHER_MAX), 0.01));
         assert_eq!(nothing, FURTHER_MAX);
     }
 

@@ -49,6 +49,17 @@ pub enum Trouble {
         /// Force that was wanted last.
         wanted: f64,
     },
+    /// The object is nearly as wide as the pads open, and from where the hand is one of them does not get around it.
+    Wide {
+        /// Width of the object where pads go.
+        width: f64,
+        /// What the pads span.
+        opening: f64,
+        /// Number of the pad: the base 0, the fingers from 1.
+        pad: u8,
+        /// How far it ends from its place.
+        miss: f64,
+    },
 }
 
 impl Trouble {
@@ -57,6 +68,11 @@ impl Trouble {
         let kind = opposition.kind.name();
         let [base, fingers] = opposition.sides();
         let mm = |x: f64| (x * 1e3).round();
+        let newtons = |x: f64| (x * 100.0).round() / 100.0;
+        let digit = |pad: u8| match opposition.chain(usize::from(pad)) {
+            Some(chain) => chain.digit.name(),
+            None => "palm",
+        };
         match self {
             Self::TooLarge { width, opening } => format!(
                 "{kind}: `{object}` of {} mm across does not fit between {base} and {fingers}, which open to {} mm",
@@ -71,18 +87,25 @@ impl Trouble {
                 "{kind}: `{object}` is {} mm from where {base} and {fingers} close: too far for the fingers, move the wrist",
                 mm(*distance)
             ),
-            Self::OutOfReach { pad, miss } => {
-                let pad = match opposition.chain(usize::from(*pad)) {
-                    Some(chain) => chain.digit.name(),
-                    None => "palm",
-                };
-                format!("{kind}: the {pad} ends {} mm short of its place on `{object}`", mm(*miss))
-            }
+            Self::OutOfReach { pad, miss } => format!(
+                "{kind}: the {} ends {} mm short of its place on `{object}`",
+                digit(*pad),
+                mm(*miss)
+            ),
+            Self::Wide { width, opening, pad, miss } => format!(
+                "{kind}: `{object}` of {} mm across is too large from here: {base} and {fingers} open to {} mm, and the {} ends {} mm short of its place",
+                mm(*width),
+                mm(*opening),
+                digit(*pad),
+                mm(*miss)
+            ),
             Self::Weak { felt } => format!(
-                "{kind}: `{object}` is held with {felt:.2} N instead of {force} N: the fingers' drives give no more"
+                "{kind}: `{object}` is held with {felt:.2} N instead of {} N: the fingers' drives give no more",
+                newtons(force)
             ),
             Self::Slippery { needed, friction } => format!(
-                "{kind}: `{object}` slips out: its weight needs more than {needed:.2} N at a friction of {friction:.2}, and {force} N are asked"
+                "{kind}: `{object}` slips out: its weight needs more than {needed:.2} N at a friction of {friction:.2}, and {} N are asked",
+                newtons(force)
             ),
             Self::Lost { wanted } => format!(
                 "{kind}: `{object}` slipped out of {base} and {fingers}, which were to press with {wanted:.2} N"

@@ -39,6 +39,11 @@ fn nonsense_is_refused_with_its_reason() {
     assert!(said.contains("`driven = false` grips nothing"), "{said}");
     let said = error("name = \"hand\"", "name = \"hand\"\nflesh = false");
     assert!(said.contains("touches nothing"), "{said}");
+    let text = ball().text().replacen("kind = \"pinch\"", "kind = \"hook\"", 1);
+    let text = text.replacen("object = \"thing\"\n", "", 1);
+    let said =
+        Session::from_text(&text, Path::new("grip.toml"), &[]).map(|_| ()).unwrap_err().to_string();
+    assert!(said.contains("a hook bends around an `object`"), "{said}");
     let plane = "name = \"floor\"\nmotion = \"fixed\"\nshape = { kind = \"plane\" }\n[[rigid]]\nname = \"peg\"";
     let text = ball().text().replacen("name = \"peg\"", plane, 1);
     let text = text.replacen("object = \"thing\"", "object = \"floor\"", 1);
@@ -73,6 +78,46 @@ fn what_slips_out_is_told_when_the_scene_is_opened() {
         "{said}"
     );
     assert_eq!(told(0.32), None);
+}
+
+/// What the grip of a stage complained of until `end` [s], each kind of complaint once.
+fn complaints(stage: &Stage, adapts: bool, end: f64) -> Vec<String> {
+    let text = stage.text();
+    let text = if adapts { text.replace(&format!("force = {}\n", stage.force), "") } else { text };
+    let mut session = open(&text);
+    let mut said: Vec<String> = Vec::new();
+    while session.world().time() < end {
+        session.step(&mut ());
+        said.extend(session.grip_trouble(0).filter(|now| said.last() != Some(now)));
+    }
+    said
+}
+
+/// A friction of 0.02 × that of skin holds nothing round: it is gone before it is pressed, which is no lack of strength.
+#[test]
+fn a_ball_that_squirts_out_is_told_as_such() {
+    let stage = Stage { friction: 0.02, ..Stage::ball("touch", GripKind::Pinch, 2.0, 1e-2) };
+    let said = complaints(&stage, true, 4.5);
+    let last = said.last().expect("a complaint");
+    assert!(last.contains("`thing` slipped out of thumb and index"), "{said:?}");
+    assert!(!said.iter().any(|said| said.contains("drives")), "{said:?}");
+    // Numbers are as long as they are worth.
+    let long = said.iter().flat_map(|said| said.split(' ')).filter(|word| word.contains('.'));
+    assert!(long.clone().all(|word| word.len() < 7), "{said:?}");
+}
+
+/// A box of 200 by 50 by 200 mm lies on a table: its 50 mm are between top and table, where no finger gets to, and 200 mm
+/// are more than the pads of any hand open to.
+#[test]
+fn a_box_that_lies_on_its_flat_side_is_too_large() {
+    let object = "[[rigid]]\nname = \"table\"\nshape = { kind = \"plane\" }\nmotion = \"fixed\"\n\
+                  position = [0, -0.025, 0]\n\
+                  [[rigid]]\nshape = { kind = \"box\", size = [0.2, 0.05, 0.2] }\nmass = 0.3";
+    let size = [0.05, 0.05];
+    let stage = Stage { object: object.into(), size, drop: 0.06, ..ball() };
+    let said = complaints(&stage, false, 1.5);
+    let first = said.first().expect("a complaint");
+    assert!(first.contains("`thing` of 200 mm across does not fit between"), "{said:?}");
 }
 
 #[test]

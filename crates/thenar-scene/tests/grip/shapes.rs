@@ -1,6 +1,7 @@
 //! What is gripped is lifted and held, whatever its shape, at every step, by both hands.
 
 use crate::stage::{Stage, hold, middle, open};
+use thenar_core::model::{BodyId, Digit};
 use thenar_scene::grip::{GripKind, Phase};
 use thenar_scene::session::Session;
 
@@ -56,6 +57,92 @@ fn a_larger_ball_does_not_swing_between_two_triangles() {
 fn three_fingers_and_all_fingers_hold_a_ball() {
     check(&Stage::ball("paper", GripKind::Tripod, 3.0, 5e-3), ROCKING);
     check(&Stage::large_ball("paper", 4.0, 5e-3), ROCKING);
+}
+
+/// Without a force, a tripod of the default hand begins with 2.5 times `m g / (2 μ)`, and rises to four times that at most. All
+/// three digits bear a part of it, and friction carries the weight.
+#[test]
+fn the_hand_for_touch_holds_balls_in_a_tripod_without_a_force() {
+    for (radius, mass, h) in [(0.015, 0.03, 1e-2), (0.02, 0.05, 1.0 / 60.0), (0.03, 0.15, 1e-2)] {
+        let ball = Stage::ball("touch", GripKind::Tripod, 1.0, h);
+        let object =
+            format!("[[rigid]]\nshape = {{ kind = \"sphere\", radius = {radius} }}\nmass = {mass}");
+        let stage = Stage { object, size: [2.0 * radius; 2], ..ball };
+        let mut session = open(&stage.text().replace("force = 1\n", ""));
+        let held = hold(&mut session);
+        let begins = 2.5 * mass * 9.81 / (2.0 * 0.8);
+        let what = format!("{radius} m: {held:?}, begins with {begins} N");
+        assert!(held.force > 0.9 * begins && held.most < 4.4 * begins, "{what}");
+        assert!((held.lift - 0.1).abs() < 8e-3 && held.slip < ROCKING, "{what}");
+        assert_eq!(held.trouble, None, "{what}");
+        let borne = borne(&session);
+        let least = [Digit::Thumb, Digit::Index, Digit::Middle]
+            .map(|digit| borne[usize::from(digit.part())])
+            .into_iter()
+            .fold(f64::INFINITY, f64::min);
+        assert!(least > 0.1 * held.force, "{what}: {borne:?}");
+    }
+}
+
+/// Sum of the normal forces of each digit on what is no part of the hand [N].
+fn borne(session: &Session) -> [f64; 6] {
+    let (hand, mut borne) = (&session.hands()[0], [0.0; 6]);
+    let own = |body: BodyId| match body {
+        BodyId::Rigid(i) => hand.handle.bones.contains(&i),
+        BodyId::Soft(i) => hand.flesh() == Some(i),
+    };
+    for contact in session.world().contacts() {
+        for side in 0..2 {
+            if !own(contact.bodies[side]) || own(contact.bodies[1 - side]) {
+                continue;
+            }
+            let digit = match contact.bodies[side] {
+                BodyId::Soft(_) => {
+                    contact.vertices[side].map(|v| hand.model.collision_digits[v as usize])
+                }
+                BodyId::Rigid(i) => {
+                    Some(hand.model.bones[(i - hand.handle.bones.start) as usize].digit)
+                }
+            };
+            if let Some(digit) = digit {
+                borne[usize::from(digit.part())] += contact.force_W.dot(&contact.normal_W);
+            }
+        }
+    }
+    borne
+}
+
+/// Where nothing is between them, thumb and fingers press against each other with the force asked for: fingers that touch
+/// beside each other do not count.
+#[test]
+fn thumb_and_fingers_press_against_each_other_without_an_object() {
+    for (kind, force) in [("pinch", 1.0), ("tripod", 1.0), ("power", 1.0)] {
+        let text = format!(
+            "version = 1\ntime_step = 0.01\nduration = 3\n[[hand]]\nname = \"hand\"\n\
+             [[hand.grip]]\nkind = \"{kind}\"\nforce = {force}\nat = 0.1\n\
+             [hand.motion]\nkind = \"keyframes\"\n[[hand.motion.key]]\ntime = 0\npose = \"rest\"\n\
+             wrist = {{ position = [0, 0, 0], fingers = [0, 0, -1], back = [0, 1, 0] }}\n"
+        );
+        let mut session = open(&text);
+        for _ in 0..session.steps_wanted() {
+            session.step(&mut ());
+        }
+        let (hand, mut pressed) = (&session.hands()[0], 0.0);
+        for contact in session.world().contacts() {
+            let digits = [0, 1].map(|side| match contact.bodies[side] {
+                BodyId::Soft(_) => {
+                    contact.vertices[side].map(|v| hand.model.collision_digits[v as usize])
+                }
+                BodyId::Rigid(_) => None,
+            });
+            let thumbs = digits.iter().filter(|digit| **digit == Some(Digit::Thumb)).count();
+            if thumbs == 1 {
+                pressed += contact.force_W.dot(&contact.normal_W);
+            }
+        }
+        assert!((pressed / force - 1.0).abs() < 0.15, "{kind}: {pressed} N");
+        assert_eq!(session.grip_trouble(0), None, "{kind}");
+    }
 }
 
 #[test]
