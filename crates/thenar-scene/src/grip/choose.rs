@@ -7,6 +7,7 @@
 //! by inverse kinematics, with the palm where it is or a little aside, and the one that is reached best is taken.
 
 use super::crowd::crowded;
+use super::kind::GripKind;
 use super::opposition::{Opposition, PADS_MAX, Span};
 use super::size::{middle, pads_middle};
 use super::surface::{Anchor, Sample, clearance, nearest, sample, through};
@@ -134,6 +135,8 @@ pub fn choose(
     let down = gravity.try_normalize(1e-9).filter(|_| falls).unwrap_or_else(Vec3::zeros);
     // Two pads hold what lies between them when the line from one to the other is within both cones of friction.
     let least = 1.0 / (1.0 + friction * friction).sqrt();
+    // Two fingers beside each other do not bear alike on a slope; one turns with what it holds.
+    let aslant = if opposition.kind == GripKind::Tripod { SLOPE * SLOPE } else { 0.0 };
     let mut narrowest = f64::INFINITY;
     for base in samples.iter() {
         let way = -base.normal;
@@ -149,7 +152,7 @@ pub fn choose(
         if width <= opening {
             let cost = rank(&base.point, &fingers, &way, opposition.at(width), palm, &centre)
                 + LEVER * lever(&(centre - base.point), &down, &way).powi(2)
-                + SLOPE * SLOPE * slope(&down, &way);
+                + aslant * slope(&down, &way);
             let slips = fingers.normal.dot(&way) < least;
             let cost = if slips { cost + SLIPS } else { cost };
             keep(best, Pair { base: *base, fingers, cost });

@@ -430,7 +430,10 @@ impl GripHand {
             let bone = hand.handle.bones.start + chain.pad.bone as u32;
             let pad_P = palm.inverse_point(&world.rigid_pose(bone).point(&chain.pad.centre_B));
             let place = Goal { centre: place_P + normal_P * chain.pad.radius, normal: -normal_P };
-            let swings = pad > 0 && before > 0.0 && !backs_off(chain, &place);
+            let swings = !opposition.links.is_empty()
+                && pad > 0
+                && before > 0.0
+                && !backs_off(chain, &place);
             let goal = match swings {
                 true => chain.reach(&swung(chain, &place, before)).centre,
                 false => place.centre + normal_P * before,

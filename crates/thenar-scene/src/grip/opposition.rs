@@ -50,7 +50,7 @@ pub struct Opposition {
     pub fingers: Vec<Chain>,
     /// Skin of the fingers of a hook, in their order.
     pub skins: Vec<Skin>,
-    /// Bones before the pads of fingers that hold with their pads alone, in their order; none in grips of the whole hand.
+    /// Bones before the pads of a tripod, in the order of its fingers; none in the other kinds.
     pub links: Vec<Vec<Link>>,
     /// Distance of neighbouring fingers \[m\].
     pub spacing: f64,
@@ -105,9 +105,7 @@ impl Opposition {
             return Err("a hook needs fingers whose three joints bend".into());
         }
         let links = match kind {
-            GripKind::Pinch | GripKind::Tripod => {
-                fingers.iter().map(|chain| links(hand, chain)).collect()
-            }
+            GripKind::Tripod => fingers.iter().map(|chain| links(hand, chain)).collect(),
             _ => Vec::new(),
         };
         let spans = Vec::new();

@@ -73,7 +73,9 @@ impl GripHand {
         if !pads.clone().any(|pad| self.memory.pads[pad].touched) {
             return Some(Trouble::Missed);
         }
-        if opposition.kind == GripKind::Hook {
+        // A hook has no places, and fingers that the thumb does not meet have none to be short of.
+        let has_object = self.memory.order.is_some_and(|order| order.object().is_some());
+        if opposition.kind == GripKind::Hook || !has_object {
             return None;
         }
         let short = pads.find(|pad| !self.memory.pads[*pad].touched)?;
