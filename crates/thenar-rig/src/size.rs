@@ -37,3 +37,8 @@ pub(crate) fn bounds<'a>(points: impl IntoIterator<Item = &'a Vec3>) -> [Vec3; 2
     let none = [Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)];
     points.into_iter().fold(none, |[min, max], p| [min.inf(p), max.sup(p)])
 }
+
+/// A place \[m\] in words.
+pub(crate) fn place_in_words(p: &Vec3) -> String {
+    format!("({:.4}, {:.4}, {:.4})", p.x, p.y, p.z)
+}

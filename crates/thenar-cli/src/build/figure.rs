@@ -26,6 +26,7 @@ pub fn build(args: &Args, outputs: &mut Outputs) -> Result<Model, CliError> {
         tets: args.tets.unwrap_or(usual.tets),
         material,
         joints: joints.map_err(|e| CliError::Input(e.to_string()))?,
+        meshes: args.mesh.clone(),
         ..usual
     };
     let (figure, report) = build_figure_file(&args.input, &options)?;
@@ -46,7 +47,7 @@ fn print(r: &FigureReport) {
     }
     if r.left_out > 0 {
         let pieces = counted(r.left_out, "separate piece");
-        println!("left out: {pieces} of the skin, which only its largest is");
+        println!("left out: {pieces} of the skin, of which the body is the largest");
     }
     let size = (r.bounds[1] - r.bounds[0]) * 1e3;
     println!("size: {:.1} x {:.1} x {:.1} mm, +y up", size.x, size.y, size.z);

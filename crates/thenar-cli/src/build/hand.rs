@@ -7,10 +7,12 @@ use crate::words::counted;
 use std::path::Path;
 use thenar_core::model::{CouplingKind, HandModel, Side};
 use thenar_rig::export::{hand_glb, hand_json, write_hand_vtk};
+use thenar_rig::glb::SkinnedPart;
 use thenar_rig::hand::{
     HandOptions, JointStiffness, NameMap, RigReading, Size, Springs, asset, build_hand_with_report,
     joint_stiffness,
 };
+use thenar_rig::object::size_in_words;
 use thenar_rig::{HandReport, Model};
 use thenar_scene::build::change_by_file;
 
@@ -24,7 +26,7 @@ pub fn build(args: &Args, outputs: &mut Outputs) -> Result<Model, CliError> {
     let bytes = match args.input.to_str() {
         Some("left") => asset(Side::Left).to_vec(),
         Some("right") => asset(Side::Right).to_vec(),
-        _ => read(&args.input, MESH_BYTES_MAX)?,
+        _ => mesh_bytes(&args.input)?,
     };
     let (mut hand, report) = build_hand_with_report(&bytes, &options)
         .map_err(|e| CliError::from(e.in_file(args.input.display())))?;
@@ -69,10 +71,7 @@ fn options(args: &Args) -> Result<HandOptions, CliError> {
     material.density = args.density.unwrap_or(material.density);
     Ok(HandOptions {
         name: name(args),
-        side: args.side.map(|side| match side {
-            SideArg::Left => Side::Left,
-            SideArg::Right => Side::Right,
-        }),
+        side: args.side.map(SideArg::side),
         size: size(args),
         tets: args.tets.unwrap_or(usual.tets),
         detail: if args.tets.is_some() { None } else { args.detail.or(usual.detail) },
@@ -86,6 +85,7 @@ fn options(args: &Args) -> Result<HandOptions, CliError> {
             Some(SpringsArg::Rest) => Springs::Rest,
             None => usual.springs,
         },
+        meshes: args.mesh.clone(),
         name_map: args.joint_names.as_deref().map_or(Ok(NameMap::new()), names)?,
         ..usual
     })
@@ -99,10 +99,16 @@ fn size(args: &Args) -> Size {
     }
 }
 
-fn names(path: &Path) -> Result<NameMap, CliError> {
+/// A file of joint names.
+pub fn names(path: &Path) -> Result<NameMap, CliError> {
     let text = String::from_utf8(read(path, NAMES_BYTES_MAX)?)
         .map_err(|_| CliError::Input(format!("{}: not text", path.display())))?;
     toml::from_str(&text).map_err(|e| CliError::Input(format!("{}: {e}", path.display())))
+}
+
+/// The bytes of a mesh's file.
+pub fn mesh_bytes(path: &Path) -> Result<Vec<u8>, CliError> {
+    read(path, MESH_BYTES_MAX)
 }
 
 fn read(path: &Path, bytes_max: u64) -> Result<Vec<u8>, CliError> {
@@ -112,6 +118,7 @@ fn read(path: &Path, bytes_max: u64) -> Result<Vec<u8>, CliError> {
 
 /// How the rig was read, where that was not as it says itself.
 fn print_reading(rig: &RigReading) {
+    print_meshes(&rig.meshes);
     if let Some(unit) = rig.unit {
         println!(
             "unit: taken for {unit} (--scale {}); --scale or --length says otherwise",
@@ -128,6 +135,19 @@ fn print_reading(rig: &RigReading) {
         println!("turned over: the triangles of the skin, which faced inward");
     }
     print_holes(&rig.holes);
+}
+
+/// Prints which of several skinned meshes the hand is, and which are left out.
+fn print_meshes(meshes: &[SkinnedPart]) {
+    if meshes.len() < 2 {
+        return;
+    }
+    for (what, chosen) in [("mesh", true), ("left out", false)] {
+        for part in meshes.iter().filter(|part| part.chosen == chosen) {
+            let name = thenar_input::visible(&part.name);
+            println!("{what}: {name}, {}", size_in_words(&part.size));
+        }
+    }
 }
 
 fn print(r: &HandReport) {

@@ -4,11 +4,14 @@ mod figure;
 mod hand;
 mod object;
 
+pub use hand::{mesh_bytes, names};
+
 use crate::error::CliError;
 use crate::recorder::ends_in_png;
 use crate::{building, interrupt};
 use std::io::Write;
 use std::path::PathBuf;
+use thenar_core::model::Side;
 use thenar_output::{Output, protect};
 use thenar_picture::{Layers, Quality, portrait, write_png};
 use thenar_rig::Model;
@@ -30,6 +33,10 @@ pub struct Args {
     /// Figure: thickness of the flesh around bones that come without a skin (URDF, MJCF) [m].
     #[arg(long, value_name = "M", requires = "figure")]
     flesh: Option<f64>,
+    /// Hand, figure: name of the skinned mesh that is the body, where a file has several, such as eyes and clothes; given
+    /// again, they are joined. Default: the mesh that encloses most.
+    #[arg(long, value_name = "NAME", requires = "boned")]
+    mesh: Vec<String>,
     /// Build a rigid body; the mesh may be open or of many parts.
     #[arg(long)]
     rigid: bool,
@@ -126,11 +133,21 @@ impl PresetArg {
 
 /// Left or right.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum SideArg {
+pub enum SideArg {
     /// A left hand.
     Left,
     /// A right hand.
     Right,
+}
+
+impl SideArg {
+    /// As models have it.
+    pub fn side(self) -> Side {
+        match self {
+            Self::Left => Side::Left,
+            Self::Right => Side::Right,
+        }
+    }
 }
 
 /// What the springs between flesh and bones hold.

@@ -10,8 +10,8 @@ use thenar_rig::export::{flesh_cell_fields, surface, tetrahedra, write_whole};
 use thenar_rig::lattice::Quality;
 use thenar_rig::mesh::{Hole, load_mesh};
 use thenar_rig::object::{
-    ImportOptions, Interior, SoftModel, Weight, length_in_words, mass_in_words, rigid_from_mesh,
-    size_in_words, unit_question, volume_in_words,
+    Extent, ImportOptions, Interior, SoftModel, Weight, length_in_words, mass_in_words,
+    rigid_from_mesh, size_in_words, unit_question, volume_in_words,
 };
 use thenar_rig::{Model, TriMesh};
 use thenar_scene::build::TET_BYTES;
@@ -91,8 +91,12 @@ fn print_extent(args: &Args, mesh: &TriMesh, mass: f64, volume: f64) {
     println!("size: {}", size_in_words(&size));
     println!("mass: {}, volume {}", mass_in_words(mass), volume_in_words(volume));
     let longest = size.max();
-    if let Some(question) = unit_question(longest, false, args.scale.unwrap_or(1.0), "--scale ") {
-        println!("warning: it is {} long: {question}", length_in_words(longest));
+    let body = Extent { longest, mass, still: false };
+    if let Some(question) = unit_question(&body, args.scale.unwrap_or(1.0), "--scale ") {
+        let [long, weight] = [length_in_words(longest), mass_in_words(mass)];
+        println!(
+            "warning: it is {long} long and weighs {weight}, if it is to be moved: {question}"
+        );
     }
 }
 

@@ -8,7 +8,7 @@ use super::report::FigureReport;
 use super::skin::skin;
 use super::skin_bones::give_solids;
 use super::{joints, solid};
-use crate::hand::bones::BONE_DENSITY;
+use crate::hand::bones::{BONE_DENSITY, nearest};
 use crate::lattice::{Lattice, LatticeOptions};
 use crate::mesh::{Bvh, decimate, subdivide_to};
 use crate::size::sensible_size;
@@ -64,6 +64,9 @@ pub fn build_figure(
     let collision = decimate(&fine, options.collision_triangles)?;
     let material = material(&lattice, &bones, options);
     let [low, high] = skin.mesh.bounds();
+    let near = |p: &Vec3| nearest(&bones, p);
+    let [touching, drawn] =
+        [lattice.embed_near(&collision, near)?, lattice.embed_near(&fine, near)?];
     let figure = HandModel {
         name: options.name.clone(),
         side: None,
@@ -76,12 +79,12 @@ pub fn build_figure(
             mass_damping: options.mass_damping,
             stiffness_damping: options.stiffness_damping,
             fixed: Vec::new(),
-            collision: lattice.embed(&collision)?,
+            collision: touching,
             friction: options.friction,
         },
         bindings,
         node_volumes: lattice.node_volumes(),
-        render: lattice.embed(&fine)?,
+        render: drawn,
         collision_digits: vec![Digit::Palm; collision.positions.len()],
         length: (high - low).norm(),
         bone_nodes: bone_nodes(&lattice, &plan, &bones)?,

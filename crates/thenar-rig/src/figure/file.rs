@@ -1,6 +1,7 @@
 //! Figures from files, by their ending.
 
-use super::{FigureOptions, FigureReport, Plan, build_figure, read_glb_plan, read_mjcf, read_urdf};
+use super::glb::read_glb_plan_of;
+use super::{FigureOptions, FigureReport, Plan, build_figure, read_mjcf, read_urdf};
 use crate::RigError;
 use crate::mesh::read_file;
 use std::path::Path;
@@ -36,6 +37,14 @@ pub fn is_figure(path: &Path) -> bool {
 /// # Errors
 /// When the file cannot be read, is of no such kind, or is not well-formed; names the file.
 pub fn read_plan(path: &Path) -> Result<Plan, RigError> {
+    read_plan_of(path, &[])
+}
+
+/// [`read_plan`] of the skinned meshes of these names; without names, of the one that encloses most.
+///
+/// # Errors
+/// As there; also when meshes are named of a file that has no skin, or that has none of that name.
+pub fn read_plan_of(path: &Path, meshes: &[String]) -> Result<Plan, RigError> {
     let Some(kind) = kind(path) else {
         return Err(RigError::invalid(format!(
             "{}: expected a .glb, .vrm, .urdf, .xml or .mjcf file",
@@ -44,7 +53,10 @@ pub fn read_plan(path: &Path) -> Result<Plan, RigError> {
     };
     let bytes = read_file(path)?;
     let plan = match kind {
-        Kind::Skinned => read_glb_plan(&bytes),
+        Kind::Skinned => read_glb_plan_of(&bytes, meshes),
+        _ if !meshes.is_empty() => Err(RigError::invalid(
+            "only skinned meshes (GLB, VRM) have meshes to choose from: leave their names out",
+        )),
         Kind::Urdf | Kind::Xml => described(&bytes, kind, path),
     };
     plan.map_err(|e| e.in_file(path.display()))
@@ -67,5 +79,6 @@ pub fn build_figure_file(
     path: &Path,
     options: &FigureOptions,
 ) -> Result<(HandModel, FigureReport), RigError> {
-    build_figure(read_plan(path)?, options).map_err(|e| e.in_file(path.display()))
+    build_figure(read_plan_of(path, &options.meshes)?, options)
+        .map_err(|e| e.in_file(path.display()))
 }

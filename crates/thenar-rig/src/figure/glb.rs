@@ -3,18 +3,28 @@
 
 use super::plan::{Plan, PlanBone, PlanJoint, PlanSkin};
 use crate::RigError;
-use crate::glb::{SkinnedMesh, read_skinned_glb};
+use crate::glb::{SkinnedMesh, SkinnedPart, read_skinned_glb_of};
+use crate::object::size_in_words;
 use std::collections::{HashMap, HashSet};
 use thenar_core::Pose;
 use thenar_core::model::{Axis, JointKind};
+use thenar_input::quoted;
 
-/// The plan of the first skinned mesh of a GLB file.
+/// The plan of the skinned mesh of a GLB file that encloses most.
 ///
 /// # Errors
 /// When the file is damaged or holds no skinned mesh, or its joints are no single tree.
 pub fn read_glb_plan(bytes: &[u8]) -> Result<Plan, RigError> {
-    let rig = read_skinned_glb(bytes)?;
-    let mut notes = Vec::new();
+    read_glb_plan_of(bytes, &[])
+}
+
+/// The plan of the skinned meshes of these names in a GLB file; without names, of the one that encloses most.
+///
+/// # Errors
+/// As [`read_glb_plan`]; also when a name is none of the file's, or meshes hang on skeletons without common joints.
+pub fn read_glb_plan_of(bytes: &[u8], names: &[String]) -> Result<Plan, RigError> {
+    let rig = read_skinned_glb_of(bytes, names)?;
+    let mut notes = told(&rig.parts, names);
     let carrying = carrying(&rig);
     let (kept, dropped): (Vec<usize>, Vec<usize>) =
         (0..rig.joints.len()).partition(|&j| carrying[j]);
@@ -31,8 +41,32 @@ pub fn read_glb_plan(bytes: &[u8]) -> Result<Plan, RigError> {
     });
     let bones = unique(bones.collect());
     let influences = rig.influences.iter().map(|four| four.map(|(j, w)| (new[j as usize], w)));
-    let skin = PlanSkin { influences: influences.collect(), mesh: rig.mesh };
+    let skin = PlanSkin {
+        influences: influences.collect(),
+        mesh: rig.mesh,
+        joined: rig.parts.iter().filter(|part| part.chosen).count() > 1,
+    };
     Ok(Plan { name: String::new(), bones, skin: Some(skin), notes })
+}
+
+/// Sentences on which meshes the body is of, and which are left out; none where the file has one.
+fn told(parts: &[SkinnedPart], names: &[String]) -> Vec<String> {
+    if parts.len() < 2 {
+        return Vec::new();
+    }
+    let listed = |chosen: bool| {
+        let of = parts.iter().filter(move |part| part.chosen == chosen);
+        let each = of.map(|part| format!("{} ({})", quoted(&part.name), size_in_words(&part.size)));
+        each.collect::<Vec<_>>().join(", ")
+    };
+    let why = if names.is_empty() { ", the mesh that encloses most" } else { "" };
+    let mut notes = vec![format!("body: {}{why}", listed(true))];
+    if parts.iter().any(|part| !part.chosen) {
+        let other = "`--mesh NAME` names another, given again it joins several";
+        let help = if names.is_empty() { format!("; {other}") } else { String::new() };
+        notes.push(format!("meshes left out: {}{help}", listed(false)));
+    }
+    notes
 }
 
 fn bone(name: &str, pose_ML: Pose, parent: Option<u32>) -> PlanBone {

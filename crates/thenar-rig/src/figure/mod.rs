@@ -21,8 +21,8 @@ mod urdf;
 mod xml;
 
 pub use build::{build_figure, usual_coupling_stiffness};
-pub use file::{build_figure_file, is_figure, read_plan};
-pub use glb::read_glb_plan;
+pub use file::{build_figure_file, is_figure, read_plan, read_plan_of};
+pub use glb::{read_glb_plan, read_glb_plan_of};
 pub use joints::{change_joints, change_plan};
 pub use mjcf::read_mjcf;
 pub use options::{FigureOptions, JointChange};

@@ -30,6 +30,8 @@ pub struct FigureOptions {
     pub render_triangles: usize,
     /// Changes to joints, one after the other.
     pub joints: Vec<JointChange>,
+    /// Names of the skinned meshes that are the body, where a file is read; none: the one that encloses most.
+    pub meshes: Vec<String>,
 }
 
 impl Default for FigureOptions {
@@ -53,6 +55,7 @@ impl Default for FigureOptions {
             collision_triangles: 1500,
             render_triangles: 12_000,
             joints: Vec::new(),
+            meshes: Vec::new(),
         }
     }
 }

@@ -76,4 +76,6 @@ pub struct PlanSkin {
     pub mesh: TriMesh,
     /// Per vertex: bones and their weights, of sum 1.
     pub influences: Vec<[(u32, f64); 4]>,
+    /// True if it is of several meshes, which may be open where they cross: the body is what they enclose together.
+    pub joined: bool,
 }

@@ -9,9 +9,12 @@ use super::plan::{Plan, PlanSkin, PlanSolid};
 use super::solid;
 use crate::RigError;
 use crate::mesh::Bvh;
+use crate::object::length_in_words;
+use crate::size::place_in_words;
 use nalgebra::{Matrix3, Rotation3};
 use thenar_core::shape::Shape;
 use thenar_core::{Pose, Quat, Vec3};
+use thenar_input::quoted;
 
 /// Half the width of a bone over the distance from its middle to the skin: between that of a phalanx (0.45) and of a
 /// metacarpal (0.36).
@@ -41,14 +44,23 @@ pub fn give_solids(plan: &mut Plan, ends: &[[Vec3; 2]], surface: &Bvh) -> Result
         let boxed = boxed.and_then(|inside| inside.grown(surface));
         let solids = boxed.map_or_else(|| long(plan, b, ends[b], surface), |solid| vec![solid]);
         if solids.iter().map(|s| radius(&s.shape)).any(|r| r.is_nan() || r <= 0.0) {
-            return Err(RigError::invalid(format!(
-                "bone \"{}\" has no geometry and lies on or outside the skin: give it geometry, or leave its joint out",
-                plan.bones[b].name
-            )));
+            return Err(bare(&plan.bones[b].name, &from, &end, surface));
         }
         plan.bones[b].solids = solids;
     }
     Ok(())
+}
+
+/// A bone that no skin surrounds, and what helps.
+fn bare(name: &str, from: &Vec3, to: &Vec3, surface: &Bvh) -> RigError {
+    RigError::invalid(format!(
+        "bone {} has no geometry and lies on or outside the skin, from {} to {} m, in the mean by {}: name the meshes that \
+         are around it (`--mesh`), close the skin there, or take the weights of its joint away",
+        quoted(name),
+        place_in_words(from),
+        place_in_words(to),
+        length_in_words((-depth(surface, from, to)).max(0.0)),
+    ))
 }
 
 /// Capsules from a bone's joint to each child's, or to its end.
@@ -164,7 +176,7 @@ mod tests {
     fn skin(half: Vec3) -> PlanSkin {
         let mesh = shapes::cuboid(&half);
         let influences = vec![[(0, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)]; mesh.positions.len()];
-        PlanSkin { mesh, influences }
+        PlanSkin { mesh, influences, joined: false }
     }
 
     #[test]

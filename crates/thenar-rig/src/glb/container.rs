@@ -16,14 +16,11 @@ impl Container {
         let invalid = |e| RigError::invalid(format!("not a valid GLB file: {e}"));
         // The validation itself indexes accessors by the attributes, so these come first.
         let mut parsed = gltf::Gltf::from_slice_without_validation(bytes).map_err(invalid)?;
-        let json = parsed.document.into_json();
+        let mut json = parsed.document.into_json();
+        check_extensions(&json.extensions_required)?;
         check_attributes(&json)?;
+        forget_looks(&mut json);
         parsed.document = gltf::Document::from_json(json).map_err(invalid)?;
-        if let Some(name) = parsed.extensions_required().next() {
-            return Err(RigError::invalid(format!(
-                "the file requires the glTF extension {name}, which is not supported"
-            )));
-        }
         let file = Self { document: parsed.document, blob: parsed.blob.unwrap_or_default() };
         file.check_buffers()?;
         Ok(file)
@@ -49,6 +46,49 @@ impl Container {
         }
         Ok(())
     }
+}
+
+/// Extensions that pack vertices, which `gltf-transform dequantize` unpacks.
+const PACKING: [&str; 4] = [
+    "EXT_meshopt_compression",
+    "KHR_meshopt_compression",
+    "KHR_mesh_quantization",
+    "KHR_draco_mesh_compression",
+];
+
+/// True of extensions about looks alone, which are not read.
+fn is_of_looks(extension: &str) -> bool {
+    ["_texture_", "_materials_", "_lights_"].iter().any(|part| extension.contains(part))
+}
+
+/// Errs in one line on extensions that change what a mesh is.
+fn check_extensions(required: &[String]) -> Result<(), RigError> {
+    let needed = required.iter().map(String::as_str).filter(|name| !is_of_looks(name));
+    let (packing, others): (Vec<&str>, Vec<&str>) = needed.partition(|name| PACKING.contains(name));
+    let help = if others.is_empty() {
+        "which packs its vertices and is not read; write it without, such as by `gltf-transform dequantize \
+         in.glb out.glb`, or by Blender's export without compression"
+    } else {
+        "which is not read; export it without"
+    };
+    let all = [packing, others].concat();
+    if all.is_empty() {
+        return Ok(());
+    }
+    Err(RigError::invalid(format!(
+        "the file requires the glTF extension {}, {help}",
+        all.join(", ")
+    )))
+}
+
+/// Takes out materials and textures, so that nothing about looks stands in the way of a mesh.
+fn forget_looks(json: &mut gltf::json::Root) {
+    json.extensions_required.clear();
+    json.materials.clear();
+    json.textures.clear();
+    json.images.clear();
+    json.samplers.clear();
+    json.meshes.iter_mut().flat_map(|mesh| &mut mesh.primitives).for_each(|p| p.material = None);
 }
 
 /// Checks that the attributes of meshes name accessors that exist.

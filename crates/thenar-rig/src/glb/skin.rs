@@ -1,13 +1,16 @@
 //! Skinned meshes.
 
+use super::choice::{self, SkinnedPart, Source};
 use super::container::Container;
+use super::skeleton::{Placed, Skeleton};
 use super::{accessor, primitive, tree};
+use crate::size::place_in_words;
 use crate::{RigError, TriMesh};
 use gltf::accessor::Dimensions;
 use gltf::mesh::Semantic;
 use nalgebra::{Matrix3, Matrix4, Rotation3};
-use std::collections::HashMap;
-use thenar_core::{Pose, Quat};
+use thenar_core::{Pose, Quat, Vec3};
+use thenar_input::quoted;
 
 /// A joint of a rig.
 #[derive(Clone, Debug)]
@@ -20,83 +23,88 @@ pub struct RigJoint {
     pub parent: Option<u32>,
 }
 
-/// A mesh bound to joints, in its rest shape.
+/// A mesh bound to joints, in its rest shape; perhaps of several meshes of a file.
 #[derive(Clone, Debug)]
 pub struct SkinnedMesh {
     /// Surface, as stored (seams not welded).
     pub mesh: TriMesh,
-    /// Joints of the skin.
+    /// Joints of the skins.
     pub joints: Vec<RigJoint>,
     /// Per vertex: joints and their weights, of sum 1.
     pub influences: Vec<[(u32, f64); 4]>,
+    /// The skinned meshes of the file, with those that this one is of marked.
+    pub parts: Vec<SkinnedPart>,
 }
 
-pub(super) fn read(file: &Container) -> Result<SkinnedMesh, RigError> {
+/// Every node of the scene with its matrix to the world.
+pub(super) type Nodes<'a> = [(gltf::Node<'a>, Matrix4<f64>)];
+
+pub(super) fn read(file: &Container, names: &[String]) -> Result<SkinnedMesh, RigError> {
     let nodes = tree::world_matrices(&file.document)?;
-    let (node, skin) = nodes
-        .iter()
-        .find_map(|(node, _)| Some((node, node.skin()?)))
-        .ok_or_else(|| RigError::invalid("the file holds no skinned mesh"))?;
-    let source =
-        node.mesh().ok_or_else(|| RigError::invalid("the node that names a skin has no mesh"))?;
-    let joints = joints(file, &skin, &nodes)?;
-
-    let mut mesh = TriMesh::default();
-    let mut influences = Vec::new();
-    for part in source.primitives() {
-        let piece = primitive::read(file, &part, &Matrix4::identity())?;
-        influences.extend(read_influences(file, &part, piece.positions.len(), joints.len())?);
-        mesh.append(&piece);
-        mesh.check_count()?;
+    let sources = choice::sources(&nodes)?;
+    let parts = choice::choose(file, &nodes, &sources, names)?;
+    let mut skeleton = Skeleton::default();
+    let mut body = Body::default();
+    let mut left: Vec<&Source> =
+        sources.iter().zip(&parts).filter(|(_, part)| part.chosen).map(|(s, _)| s).collect();
+    // One that shares no joint with the first may share some with a later one.
+    while !left.is_empty() {
+        let mut apart = Vec::new();
+        let before = left.len();
+        for source in left {
+            match skeleton.add(file, &source.skin, &nodes)? {
+                Some(placed) => body.add(file, source, &placed)?,
+                None => apart.push(source),
+            }
+        }
+        if let (true, Some(first)) = (apart.len() == before, apart.first()) {
+            return Err(RigError::invalid(format!(
+                "mesh {} has no joint in common with the others that are to be joined: leave it out, or bind all to one \
+                 skeleton",
+                quoted(&first.name)
+            )));
+        }
+        left = apart;
     }
-    mesh.check()?;
-    Ok(SkinnedMesh { mesh, joints, influences })
+    body.mesh.check()?;
+    let joints = skeleton.joints(&nodes)?;
+    Ok(SkinnedMesh { mesh: body.mesh, joints, influences: body.influences, parts })
 }
 
-/// Joint rest poses: the inverse of the bind matrices, or else the nodes' own transforms.
-fn joints(
-    file: &Container,
-    skin: &gltf::Skin<'_>,
-    nodes: &[(gltf::Node<'_>, Matrix4<f64>)],
-) -> Result<Vec<RigJoint>, RigError> {
-    let binds = skin
-        .inverse_bind_matrices()
-        .map(|a| accessor::open(file, &a, Dimensions::Mat4, "inverse bind matrices"))
-        .transpose()?;
-    let parents = parents(skin, nodes);
-    skin.joints()
-        .enumerate()
-        .map(|(i, node)| {
-            let name = node.name().map_or_else(|| format!("joint {i}"), str::to_owned);
-            let rest = match &binds {
-                Some(binds) => Matrix4::from_column_slice(&binds.floats::<16>(i)?).try_inverse(),
-                None => nodes.iter().find(|(n, _)| n.index() == node.index()).map(|(_, w)| *w),
-            };
-            let pose = rest.as_ref().and_then(rigid_part).ok_or_else(|| {
-                RigError::invalid(format!("joint {name}: its rest transform is not a placement"))
-            })?;
-            Ok(RigJoint { name, pose, parent: parents.get(i).copied().flatten() })
-        })
-        .collect()
+/// Surface and weights of the meshes so far.
+#[derive(Default)]
+struct Body {
+    mesh: TriMesh,
+    influences: Vec<[(u32, f64); 4]>,
 }
 
-/// The nearest joint of the skin above each of its joints. `nodes` is a tree.
-fn parents(skin: &gltf::Skin<'_>, nodes: &[(gltf::Node<'_>, Matrix4<f64>)]) -> Vec<Option<u32>> {
-    let above: HashMap<usize, usize> = nodes
-        .iter()
-        .flat_map(|(node, _)| node.children().map(|child| (child.index(), node.index())))
-        .collect();
-    let joints: HashMap<usize, u32> =
-        skin.joints().enumerate().map(|(i, node)| (node.index(), i as u32)).collect();
-    let nearest = |node: gltf::Node<'_>| {
-        let up = std::iter::successors(above.get(&node.index()), |i| above.get(i));
-        up.take(nodes.len()).find_map(|i| joints.get(i).copied())
-    };
-    skin.joints().map(nearest).collect()
+impl Body {
+    fn add(&mut self, file: &Container, from: &Source<'_>, at: &Placed) -> Result<(), RigError> {
+        for part in from.mesh.primitives() {
+            let mut piece = primitive::read(file, &part, &Matrix4::identity())?;
+            let own = read_influences(file, &part, &piece.positions, at.len())
+                .map_err(|e| RigError::invalid(format!("mesh {}: {e}", quoted(&from.name))))?;
+            if !at.stays() {
+                let places = piece.positions.iter_mut().zip(&own);
+                places.for_each(|(p, four)| *p = carried(p, four, at));
+            }
+            self.influences.extend(own.iter().map(|four| four.map(|(j, w)| (at.joint(j), w))));
+            self.mesh.append(&piece);
+            self.mesh.check_count()?;
+        }
+        Ok(())
+    }
+}
+
+/// A vertex where the skeleton rests.
+fn carried(p: &Vec3, four: &[(u32, f64); 4], at: &Placed) -> Vec3 {
+    let moved =
+        |j: u32| at.by(j).map_or(*p, |by| by.transform_point(&nalgebra::Point3::from(*p)).coords);
+    four.iter().filter(|(_, w)| *w > 0.0).map(|&(j, w)| moved(j) * w).sum()
 }
 
 /// The placement nearest to a matrix; none if it is singular, mirrors or is not finite.
-fn rigid_part(matrix: &Matrix4<f64>) -> Option<Pose> {
+pub(super) fn rigid_part(matrix: &Matrix4<f64>) -> Option<Pose> {
     let linear: Matrix3<f64> = matrix.fixed_view::<3, 3>(0, 0).into();
     let axes: Vec<_> = (0..3).map(|c| linear.column(c).try_normalize(1e-12)).collect();
     let [Some(x), Some(y), Some(z)] = axes[..] else { return None };
@@ -116,9 +124,10 @@ fn rigid_part(matrix: &Matrix4<f64>) -> Option<Pose> {
 fn read_influences(
     file: &Container,
     part: &gltf::Primitive<'_>,
-    vertices: usize,
+    positions: &[Vec3],
     joints: usize,
 ) -> Result<Vec<[(u32, f64); 4]>, RigError> {
+    let vertices = positions.len();
     let get = |semantic: Semantic, name: &str| {
         let accessor = part
             .get(&semantic)
@@ -134,20 +143,35 @@ fn read_influences(
     };
     let indices = get(Semantic::Joints(0), "JOINTS_0")?;
     let weights = get(Semantic::Weights(0), "WEIGHTS_0")?;
-    (0..vertices)
-        .map(|i| {
-            let (j, w) = (indices.integers::<4>(i)?, weights.floats::<4>(i)?);
-            let sum: f64 = w.iter().sum();
-            if w.iter().any(|&w| w < 0.0) || sum < 1e-6 {
-                return Err(RigError::invalid(format!("vertex {i} has no valid skin weights")));
-            }
-            if let Some(j) = j.iter().zip(&w).find(|&(&j, &w)| w > 0.0 && j as usize >= joints) {
-                return Err(RigError::invalid(format!(
-                    "vertex {i} is bound to joint {}, but there are only {joints}",
-                    j.0
-                )));
-            }
-            Ok(std::array::from_fn(|k| (j[k].min(joints.saturating_sub(1) as u32), w[k] / sum)))
-        })
-        .collect()
+    let four = |i: usize| -> Result<[f64; 4], RigError> { weights.floats::<4>(i) };
+    let valid = |w: &[f64; 4]| w.iter().all(|&w| w >= 0.0) && w.iter().sum::<f64>() >= 1e-6;
+    let mut influences = Vec::with_capacity(vertices);
+    for (i, p) in positions.iter().enumerate() {
+        let (j, w) = (indices.integers::<4>(i)?, four(i)?);
+        if !valid(&w) {
+            let more = (i + 1..vertices).filter(|&i| four(i).is_ok_and(|w| !valid(&w))).count();
+            return Err(unweighted(i, p, &w, more));
+        }
+        if let Some(j) = j.iter().zip(&w).find(|&(&j, &w)| w > 0.0 && j as usize >= joints) {
+            return Err(RigError::invalid(format!(
+                "vertex {i} at {} is bound to joint {}, but there are only {joints}: bind it anew",
+                place_in_words(p),
+                j.0
+            )));
+        }
+        let sum: f64 = w.iter().sum();
+        let last = joints.saturating_sub(1) as u32;
+        influences.push(std::array::from_fn(|k| (j[k].min(last), w[k] / sum)));
+    }
+    Ok(influences)
+}
+
+/// A vertex that no joint carries, and how many more there are.
+fn unweighted(i: usize, p: &Vec3, w: &[f64; 4], more: usize) -> RigError {
+    let more = if more > 0 { format!(" (nor have {more} more)") } else { String::new() };
+    RigError::invalid(format!(
+        "vertex {i} at {} has no valid skin weights{more}, but {w:?}: bind it to a joint where the rig was made (in \
+         Blender: Weights, Normalize All, or Assign Automatic From Bones), or leave its mesh out",
+        place_in_words(p)
+    ))
 }

@@ -8,6 +8,7 @@ use super::names;
 use crate::mesh::Bvh;
 use thenar_core::model::{Bone, Digit};
 use thenar_core::{Mat3, Pose, Quat, Vec3};
+use thenar_input::quoted;
 
 /// Density of a whole fresh bone, cortical shell and trabecular core together \[kg/m³\].
 pub(crate) const BONE_DENSITY: f64 = 1900.0;
@@ -70,6 +71,18 @@ impl Mass {
             .sum();
         Self { mass, centre, inertia }
     }
+}
+
+/// The bone nearest to a place in M, for errors.
+pub(crate) fn nearest(bones: &[Bone], p: &Vec3) -> Option<String> {
+    let far = |bone: &Bone| {
+        let [a, b] = bone.ends_B.map(|end| bone.pose_MB.point(&end));
+        let along = b - a;
+        let part = (p - a).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
+        (a + along * part.clamp(0.0, 1.0) - p).norm()
+    };
+    let near = bones.iter().min_by(|a, b| far(a).total_cmp(&far(b)))?;
+    Some(format!("bone {}", quoted(&near.name)))
 }
 
 /// All bones in order: the palm, then three per digit from the thumb on.

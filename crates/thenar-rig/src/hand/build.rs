@@ -75,9 +75,9 @@ struct Made {
 fn made(bytes: &[u8], options: &HandOptions) -> Result<Made, RigError> {
     options.check()?;
     phase("reading the hand")?;
-    let rig = glb::read_skinned_glb(bytes)?;
+    let rig = glb::read_skinned_glb_of(bytes, &options.meshes)?;
     let Rigged { skin, digits, side, length, reading } = rigged(&rig, options)?;
-    check_closed("the hand's surface", &skin)?;
+    check_closed(&surface_in_words(&options.meshes), &skin)?;
     let surface = Bvh::new(&skin);
     let bones = bones::bones(&digits, &surface, length);
     let joints = joints::joints(&digits, &bones, side, length);
@@ -100,11 +100,12 @@ fn made(bytes: &[u8], options: &HandOptions) -> Result<Made, RigError> {
     phase("binding the flesh to the bones")?;
     let bindings = bindings(&lattice, &digits);
 
+    let near = |p: &Vec3| bones::nearest(&bones, p);
     let collision_mesh = match &grading {
         Some(_) => {
             // An edge may be no longer than those of the elements under its ends.
             let edges = grading::element_edges(&lattice);
-            let under = lattice.embed(&smooth)?;
+            let under = lattice.embed_near(&smooth, near)?;
             let limits = under.vertices.iter().map(|v| edges[v.tet as usize]).collect();
             decimate_within(&smooth, options.collision_triangles, limits)?
         }
@@ -126,13 +127,14 @@ fn made(bytes: &[u8], options: &HandOptions) -> Result<Made, RigError> {
         mass_damping: options.mass_damping,
         stiffness_damping: options.stiffness_damping,
         fixed: Vec::new(),
-        collision: lattice.embed(&collision_mesh)?,
+        collision: lattice.embed_near(&collision_mesh, near)?,
         friction: options.friction,
     };
     phase("binding the skin to the flesh")?;
     let solids: Vec<BoneSolid> = covered.iter().map(|covered| covered.solid.clone()).collect();
     let bone_nodes = in_bone::bone_nodes(&lattice, &bones, &joints, &solids);
     let nail_nodes = nails::nail_nodes(&lattice, &bones, &sides, &body, length);
+    let render = lattice.embed_near(&decimate(&smooth, options.render_triangles)?, near)?;
     let mut hand = HandModel {
         name: options.name.clone(),
         side: Some(side),
@@ -140,7 +142,7 @@ fn made(bytes: &[u8], options: &HandOptions) -> Result<Made, RigError> {
         flesh,
         bindings,
         node_volumes: lattice.node_volumes(),
-        render: lattice.embed(&decimate(&smooth, options.render_triangles)?)?,
+        render,
         collision_digits,
         length,
         bone_nodes,
@@ -155,6 +157,18 @@ fn made(bytes: &[u8], options: &HandOptions) -> Result<Made, RigError> {
     // A rig of strange proportions can still lead to a bone without length or mass.
     model_file::check_hand(&hand)?;
     Ok(Made { hand, skin, digits, covered, reading })
+}
+
+/// A hand's surface, for errors about it.
+fn surface_in_words(meshes: &[String]) -> String {
+    if meshes.len() < 2 {
+        return "the hand's surface".into();
+    }
+    let names: Vec<&str> = meshes.iter().map(String::as_str).collect();
+    format!(
+        "the hand's surface (meshes {}, of a hand joined only where they have the vertices of their borders in common)",
+        names.join(", ")
+    )
 }
 
 /// Region of each triangle.
@@ -271,6 +285,7 @@ fn at_scale(
         made: posed.made(),
         inside_out,
         holes,
+        meshes: rig.parts.clone(),
     };
     Ok(Rigged { skin, digits, side, length, reading })
 }

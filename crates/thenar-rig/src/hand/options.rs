@@ -66,6 +66,8 @@ pub struct HandOptions {
     pub render_triangles: usize,
     /// Names of the rig's joints where they differ from WebXR's.
     pub name_map: NameMap,
+    /// Names of the skinned meshes that are the hand; none: the one that encloses most.
+    pub meshes: Vec<String>,
 }
 
 /// How fine the hand for touch is. An index pad pressed on a plate at 30° sinks by 1.4 mm at 1 N with cubes of 6.7 mm there.
@@ -120,6 +122,7 @@ impl HandOptions {
             collision_triangles: 1441,
             render_triangles: 23_640,
             name_map: NameMap::new(),
+            meshes: Vec::new(),
         }
     }
 }

@@ -5,6 +5,7 @@ use super::fist::{Inversions, fist};
 use super::in_bone;
 use super::passive::JointStiffness;
 use super::solids::Covered;
+use crate::glb::SkinnedPart;
 use crate::lattice::{Quality, tet};
 use crate::mesh::{Hole, Topology};
 use crate::{RigError, TriMesh};
@@ -25,6 +26,8 @@ pub struct RigReading {
     pub inside_out: bool,
     /// Holes of the skin that were closed, the largest first.
     pub holes: Vec<Hole>,
+    /// The skinned meshes of the file, with those that are the hand marked.
+    pub meshes: Vec<SkinnedPart>,
 }
 
 /// Figures of a built hand.

@@ -10,11 +10,14 @@
 use super::digits::DigitRig;
 use crate::RigError;
 use crate::mesh::Bvh;
+use crate::object::length_in_words;
+use crate::size::place_in_words;
 use crate::work::Stage;
 use std::sync::Arc;
 use thenar_core::model::{Bone, BoneSolid};
 use thenar_core::shape::{Part, Shape};
 use thenar_core::{Pose, Quat, Vec3};
+use thenar_input::quoted;
 
 /// Places along a capsule's axis, and along each edge of a box, where the flesh is measured: at most
 /// 3 mm apart on a hand of 190 mm.
@@ -150,11 +153,28 @@ fn sides(
     Ok(sums.map(|sum| sum / places.len() as f64 - half_thickness))
 }
 
+/// Errs unless a bone can be as thick as this \[m\] inside the skin, over whose axis there is at least so much of it \[m\].
+fn covered_by_skin(bone: &Bone, radius: f64, least: f64) -> Result<(), RigError> {
+    if radius > 0.0 && radius.is_finite() {
+        return Ok(());
+    }
+    let [from, to] = bone.ends_B.map(|end| place_in_words(&bone.pose_MB.point(&end)));
+    Err(RigError::invalid(format!(
+        "bone {} lies outside the hand's skin, from {from} to {to} m, by {}: joints and mesh do not fit. Is it the mesh of \
+         one hand, cut off at the wrist (`--mesh` names another; a whole figure is built by `--figure`), and are these \
+         its joints (`thenar hand --list FILE` shows them, `--joint-names` names others)?",
+        quoted(&bone.name),
+        length_in_words((-least).max(0.0))
+    )))
+}
+
 /// The capsule between a bone's ends.
 fn capsule(bone: &Bone, skin: &mut Skin) -> Result<Covered, RigError> {
     let axis = Axis::of(bone);
     let places = axis.places(bone, &Vec3::zeros());
-    let radius = bone.radius.min(0.5 * least_depth(&places, skin)?);
+    let least = least_depth(&places, skin)?;
+    let radius = bone.radius.min(0.5 * least);
+    covered_by_skin(bone, radius, least)?;
     let shape = Shape::Capsule { radius, half_length: axis.half_length };
     covered(bone, BoneSolid { shape, pose_BS: axis.pose_BS }, &places, radius, skin)
 }
@@ -166,7 +186,9 @@ fn flat(bone: &Bone, nail: f64, skin: &mut Skin) -> Result<Covered, RigError> {
     let aside = Vec3::x() * (radius * (LAST_WIDTH - 1.0));
     let mut places = axis.places(bone, &aside);
     places.extend(axis.places(bone, &-aside));
-    let radius = radius.min(0.5 * least_depth(&places, skin)?);
+    let least = least_depth(&places, skin)?;
+    let radius = radius.min(0.5 * least);
+    covered_by_skin(bone, radius, least)?;
     let raised = rise(bone, &places, radius + nail.max(radius), skin)?;
     let raised_M = bone.pose_MB.vector(&Vec3::y()) * raised;
     places.iter_mut().for_each(|place| *place += raised_M);
@@ -256,6 +278,7 @@ fn rise(bone: &Bone, axis: &[Vec3], left: f64, skin: &mut Skin) -> Result<f64, R
 
 /// The box around the four metacarpals, in the plane that runs between them.
 fn palm(bone: &Bone, digits: &[DigitRig], skin: &mut Skin) -> Result<Covered, RigError> {
+    covered_by_skin(bone, bone.radius, bone.radius)?;
     let rays: Vec<[Vec3; 2]> =
         digits[1..].iter().map(|rig| [rig.base, rig.joints[0].position]).collect();
     let center = rays.iter().map(|[a, b]| (a + b) / 2.0).sum::<Vec3>() / rays.len() as f64;

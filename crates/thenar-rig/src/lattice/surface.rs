@@ -1,6 +1,7 @@
 //! Binding a surface to the tetrahedra around it.
 
 use super::{Lattice, tet};
+use crate::size::place_in_words;
 use crate::{RigError, TriMesh};
 use thenar_core::Vec3;
 use thenar_core::model::{EmbeddedSurface, SurfaceVertex};
@@ -15,17 +16,25 @@ impl Lattice {
     /// # Errors
     /// When a vertex is far from the body.
     pub fn embed(&self, surface: &TriMesh) -> Result<EmbeddedSurface, RigError> {
+        self.embed_near(surface, |_| None)
+    }
+
+    /// [`Lattice::embed`]; `near` names what lies next to a place, for the error.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn embed_near(
+        &self,
+        surface: &TriMesh,
+        near: impl Fn(&Vec3) -> Option<String>,
+    ) -> Result<EmbeddedSurface, RigError> {
         let normals = surface.normals();
         let vertices = surface
             .positions
             .iter()
             .zip(&normals)
             .enumerate()
-            .map(|(i, (p, normal))| {
-                self.embed_point(p, normal).ok_or_else(|| {
-                    RigError::invalid(format!("surface vertex {i} lies far from the body"))
-                })
-            })
+            .map(|(i, (p, normal))| self.embed_point(p, normal).ok_or_else(|| far(i, p, near(p))))
             .collect::<Result<_, _>>()?;
         Ok(EmbeddedSurface { vertices, triangles: surface.triangles.clone() })
     }
@@ -58,6 +67,42 @@ impl Lattice {
     }
 }
 
+/// A vertex with no inside behind it, and what helps.
+fn far(i: usize, p: &Vec3, near: Option<String>) -> RigError {
+    let near = near.map_or_else(String::new, |what| format!(", near {what}"));
+    RigError::invalid(format!(
+        "the surface has no flesh behind it at {} m{near} (vertex {i}): it is folded, a spike or a sheet there; mend \
+         it in a program for meshes, or ask for more tetrahedra (`--tets` or `--detail`)",
+        place_in_words(p)
+    ))
+}
+
 fn smallest(vertex: &SurfaceVertex) -> f64 {
     vertex.weights.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::LatticeOptions;
+    use crate::mesh::shapes;
+    use thenar_core::Quat;
+
+    #[test]
+    fn a_vertex_without_flesh_behind_it_is_told_with_its_place_and_what_lies_there() {
+        let mesh = shapes::sphere(0.1, 6);
+        let options = LatticeOptions { tets: 100, rotation: Quat::identity() };
+        let lattice = Lattice::new(&mesh, &options).unwrap();
+        // Turned inside out, a ball has no inside behind any vertex.
+        let mut turned = mesh.clone();
+        turned.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        let near = |p: &Vec3| Some(format!("bone {:.3}", p.norm()));
+        let error = lattice.embed_near(&turned, near).err().map(|e| e.to_string()).unwrap();
+        let p = mesh.positions[0];
+        let place = format!("({:.4}, {:.4}, {:.4}) m, near bone 0.100 (vertex 0)", p.x, p.y, p.z);
+        for part in [&place[..], "--tets"] {
+            assert!(error.contains(part), "{error}");
+        }
+        assert!(lattice.embed(&mesh).is_ok());
+    }
 }

@@ -6,6 +6,7 @@ mod decimate;
 mod edges;
 mod grid;
 mod holes;
+pub(crate) mod level;
 mod load;
 mod mass;
 mod nesting;

@@ -52,7 +52,7 @@ pub(crate) fn hand(hand: &HandModel) -> Check {
     ensure(hand.collision_digits.len() == vertices, || {
         format!("{vertices} collision vertices need as many digits")
     })?;
-    check_solids(&hand.solids, hand.bones.len())?;
+    check_solids(&hand.solids, &hand.bones)?;
     let (axes, bending) = (hand.axes().count(), hand.bending.len());
     ensure(bending == 0 || bending == axes * axes, || {
         format!(
@@ -213,14 +213,15 @@ fn check_bone(i: usize, bone: &Bone) -> Check {
     })
 }
 
-fn check_solids(solids: &[BoneSolid], bones: usize) -> Check {
-    ensure(solids.is_empty() || solids.len() == bones, || {
-        format!("{} solids for {bones} bones", solids.len())
+fn check_solids(solids: &[BoneSolid], bones: &[Bone]) -> Check {
+    ensure(solids.is_empty() || solids.len() == bones.len(), || {
+        format!("{} solids for {} bones", solids.len(), bones.len())
     })?;
-    solids.iter().try_for_each(|solid| {
+    solids.iter().zip(bones).enumerate().try_for_each(|(i, (solid, bone))| {
+        let what = || format!("bone {i} ({})", bone.name);
         let valid = placement(&solid.pose_BS) && solid.shape != Shape::HalfSpace;
-        ensure(valid, || "the solid of a bone is not placed in it".into())?;
-        shape(&solid.shape)
+        ensure(valid, || format!("{}: its solid is not placed in it", what()))?;
+        shape(&solid.shape).map_err(|e| RigError::invalid(format!("{}: {e}", what())))
     })
 }
 

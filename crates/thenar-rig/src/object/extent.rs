@@ -6,13 +6,21 @@ use thenar_core::Vec3;
 const LONGEST: f64 = 4.0;
 /// Nothing that stands still around hands is longer \[m\]: a hall.
 const LONGEST_STILL: f64 = 100.0;
+/// Hands neither lift nor push what is heavier than this \[kg\]: over a floor with friction 0.2 it takes
+/// 390 N, half the weight of a person of 80 kg. A choice, not measured.
+const HEAVIEST: f64 = 200.0;
 /// Hands hold nothing shorter than this \[m\]: a grain of sand.
 const SHORTEST: f64 = 1e-3;
 /// Lengths of things that hands hold \[m\].
 const HANDY: [f64; 2] = [2e-3, 0.8];
 /// Units that meshes come in, and metres in each.
-const UNITS: [(&str, f64); 4] =
-    [("millimetres", 1e-3), ("centimetres", 1e-2), ("inches", 0.0254), ("metres", 1.0)];
+const UNITS: [(&str, f64); 5] = [
+    ("millimetres", 1e-3),
+    ("centimetres", 1e-2),
+    ("inches", 0.0254),
+    ("feet", 0.3048),
+    ("metres", 1.0),
+];
 
 /// A length \[m\] in the unit in which it reads well.
 pub fn length_in_words(metres: f64) -> String {
@@ -51,13 +59,34 @@ pub fn volume_in_words(volume: f64) -> String {
     }
 }
 
-/// A question about a body so long \[m\] that was read at this scale; `None` where its length is plausible. What stands
-/// `still` may be a room. `key` is what a user writes before a scale: `--scale `, `scale = `.
-pub fn unit_question(longest: f64, still: bool, scale: f64, key: &str) -> Option<String> {
-    let most = if still { LONGEST_STILL } else { LONGEST };
-    if (SHORTEST..=most).contains(&longest) {
+/// A body as it was read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// Longest side \[m\].
+    pub longest: f64,
+    /// Mass \[kg\]; 0 where it is not known, or does not count since no hand is to move it.
+    pub mass: f64,
+    /// True of what stands still, which may be a room.
+    pub still: bool,
+}
+
+impl Extent {
+    /// True if hands may have to do with such a body: it is neither a speck nor a house, and what moves and is longer than
+    /// what hands hold weighs no more than they can push.
+    fn is_plausible(&self) -> bool {
+        let most = if self.still { LONGEST_STILL } else { LONGEST };
+        let heavy = !self.still && self.longest > HANDY[1] && self.mass > HEAVIEST;
+        (SHORTEST..=most).contains(&self.longest) && !heavy
+    }
+}
+
+/// A question about a body that was read at this scale; `None` where its size and mass are plausible. `key` is what a
+/// user writes before a scale: `--scale `, `scale = `.
+pub fn unit_question(body: &Extent, scale: f64, key: &str) -> Option<String> {
+    if body.is_plausible() {
         return None;
     }
+    let longest = body.longest;
     let long = |metres: f64| longest / scale * metres;
     let fits = |(_, metres): &&(&str, f64)| (HANDY[0]..=HANDY[1]).contains(&long(*metres));
     let fitting: Vec<&(&str, f64)> = UNITS.iter().filter(fits).collect();
@@ -83,7 +112,8 @@ mod tests {
 
     #[test]
     fn a_cube_of_20_mm_read_in_metres_is_asked_about() {
-        let asked = |longest, scale| unit_question(longest, false, scale, "--scale ");
+        let body = |longest, still| Extent { longest, mass: 0.0, still };
+        let asked = |longest, scale| unit_question(&body(longest, false), scale, "--scale ");
         let question = asked(20.0, 1.0).unwrap();
         assert!(
             question.contains("millimetres (--scale 0.001: 20.00 mm long)")
@@ -100,9 +130,26 @@ mod tests {
         assert!(small.contains("metres (--scale 1: 130.00 mm long)"), "{small}");
         // A floor of 8 m is no cup; one of 130 m may be.
         assert!(asked(8.0, 1.0).is_some());
-        assert_eq!(unit_question(8.0, true, 1.0, "scale = "), None);
-        let in_scene = unit_question(130.0, true, 1.0, "scale = ").unwrap();
+        assert_eq!(unit_question(&body(8.0, true), 1.0, "scale = "), None);
+        let in_scene = unit_question(&body(130.0, true), 1.0, "scale = ").unwrap();
         assert!(in_scene.contains("give scale = 0.001, and it is 130.00 mm"), "{in_scene}");
+    }
+
+    /// A tool of 60 mm in inches, read in metres, and a sack of 40 kg that is as long as a hand can hold.
+    #[test]
+    fn what_no_hand_moves_is_asked_about() {
+        let asked =
+            |longest, mass, still| unit_question(&Extent { longest, mass, still }, 1.0, "--scale ");
+        let question = asked(2.36, 6.7e3, false).unwrap();
+        assert!(question.contains("inches (--scale 0.0254: 59.94 mm long)"), "{question}");
+        assert!(question.contains("feet (--scale 0.3048: 719.33 mm long)"), "{question}");
+        assert_eq!(asked(2.36, 6.7e3, true), None, "a shelf that stands still");
+        assert_eq!(asked(2.36, 6.7, false), None, "a long pole");
+        assert_eq!(asked(1.0, 40.0, false), None);
+        assert_eq!(asked(1.0, 199.0, false), None);
+        assert!(asked(1.0, 201.0, false).is_some());
+        // As long as what hands hold: whatever it weighs, its unit is right.
+        assert_eq!(asked(0.3, 210.0, false), None, "a ball of lead");
     }
 
     #[test]

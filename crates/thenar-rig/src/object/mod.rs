@@ -16,7 +16,9 @@ pub use boundary::boundary_surface;
 pub use bread::{Bread, bread};
 pub use car::{Car, toy_car};
 pub use crust::crust;
-pub use extent::{length_in_words, mass_in_words, size_in_words, unit_question, volume_in_words};
+pub use extent::{
+    Extent, length_in_words, mass_in_words, size_in_words, unit_question, volume_in_words,
+};
 pub use import::{ImportOptions, Interior, MeshReport, Weight, rigid_from_mesh};
 pub use lattice_box::{Cubes, graded, graded_block, lattice_box};
 pub use primitive::{rigid_box, rigid_capsule, rigid_sphere, static_plane};

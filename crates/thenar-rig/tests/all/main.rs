@@ -26,4 +26,5 @@ mod regions;
 mod rigs;
 mod scans;
 mod sculpted;
+mod skinned_meshes;
 mod support;

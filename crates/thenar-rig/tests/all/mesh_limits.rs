@@ -12,7 +12,7 @@ use thenar_rig::mesh::{read_obj, shapes};
 use thenar_rig::object::{SoftOptions, Weight, rigid_from_mesh, soft_from_tets};
 
 /// The GLB with its text changed.
-fn changed(glb: &[u8], change: impl FnOnce(&mut Value)) -> Vec<u8> {
+pub fn changed(glb: &[u8], change: impl FnOnce(&mut Value)) -> Vec<u8> {
     let word = |at: usize| u32::from_le_bytes(glb[at..at + 4].try_into().unwrap()) as usize;
     let mut json: Value = serde_json::from_slice(&glb[20..20 + word(12)]).unwrap();
     change(&mut json);

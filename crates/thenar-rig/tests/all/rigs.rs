@@ -7,7 +7,9 @@ use thenar_core::{Pose, Quat, Vec3};
 use thenar_rig::RigError;
 use thenar_rig::export::{GlbMesh, Skeleton, VertexSkin, glb};
 use thenar_rig::glb::{SkinnedMesh, read_skinned_glb};
-use thenar_rig::hand::{HandOptions, HandReport, Size, asset, build_hand_with_report};
+use thenar_rig::hand::{
+    HandOptions, HandReport, RigListing, Size, asset, build_hand_with_report, rig_listing,
+};
 
 /// A rig as some tool would write it.
 struct Foreign {
@@ -330,6 +332,65 @@ fn what_is_no_hand_is_told_with_the_joints_and_what_helps() {
     rig.names.iter_mut().for_each(|(_, webxr)| *webxr = "wrist".into());
     let error = rig.build(paper()).unwrap_err().to_string();
     assert!(error.contains("span no palm"), "{error}");
+}
+
+/// A mesh far from the joints is no hand: a whole figure, say.
+#[test]
+fn a_mesh_away_from_its_joints_is_told_by_the_bone() {
+    let mut rig = Foreign::new(Side::Right, sixteen("hand_r", |d, k| format!("{d}_0{}_r", k + 1)));
+    let far = Pose::translation(0.0, 0.5, 0.0);
+    rig.source.mesh = thenar_rig::mesh::shapes::sphere(0.1, 8).transformed(&far);
+    let told = |rig: &Foreign, parts: &[&str]| {
+        let error = rig.build(paper()).unwrap_err().to_string();
+        for part in parts.iter().chain(&["thenar hand --list", "--mesh"]) {
+            assert!(error.contains(part), "{error}: no {part}");
+        }
+    };
+    told(&rig, &["\"middle_03_r\", the last joint of the middle, at ("]);
+    for digit in ["thumb", "index", "middle", "ring", "pinky"] {
+        let finger = if digit == "thumb" { "" } else { "-finger" };
+        rig.names.push((format!("{digit}_tip_r"), format!("{digit}{finger}-tip")));
+    }
+    told(&rig, &["bone \"", "outside the hand's skin, from ("]);
+}
+
+/// The joints of a rig with their meanings; what is missing, with what may be it; and both sides.
+#[test]
+fn a_rig_is_listed_for_a_name_map() {
+    let mut names = sixteen("hand_r", |d, k| format!("{d}_0{}_r", k + 1));
+    names.retain(|(own, _)| own != "ring_02_r");
+    names.push(("Bone_a".into(), "wrist".into()));
+    let list = |names: &[(String, String)], map: &[(&str, &str)], side| {
+        let rig = Foreign::new(Side::Right, names.to_vec());
+        let map = map.iter().map(|(a, b)| (a.to_string(), b.to_string())).collect();
+        rig_listing(&rig.bytes(), &map, &[], side).unwrap()
+    };
+    let listing = list(&names, &[], None);
+    assert_eq!((listing.side, listing.both_sides), (Some(Side::Right), false));
+    assert_eq!(listing.joints.len(), 25);
+    let joint = |listing: &RigListing, name: &str| {
+        listing.joints.iter().find(|joint| joint.name == name).unwrap().clone()
+    };
+    let own = |name: &str| joint(&listing, name).own;
+    assert_eq!(own("wrist").as_deref(), Some("hand_r"));
+    assert_eq!(own("thumb-metacarpal").as_deref(), Some("thumb_01_r"));
+    assert_eq!(own("index-finger-phalanx-distal").as_deref(), Some("index_03_r"));
+    let tip = joint(&listing, "index-finger-tip");
+    assert!(tip.own.is_none() && !tip.needed);
+    let lost = joint(&listing, "ring-finger-phalanx-intermediate");
+    assert!(lost.own.is_none() && lost.needed);
+    assert_eq!(lost.like, ["ring_01_r", "ring_03_r"]);
+    assert_eq!(listing.others, ["ring_01_r", "ring_03_r", "Bone_a"]);
+    // As the map says it, nothing is missing.
+    let whole = list(&names, &[("ring-finger-phalanx-intermediate", "Bone_a")], None);
+    assert!(whole.joints.iter().all(|joint| joint.own.is_some() || !joint.needed), "{whole:?}");
+    assert!(whole.others.is_empty(), "{:?}", whole.others);
+    let left = sixteen("hand_l", |d, k| format!("{d}_0{}_l", k + 1));
+    let both: Vec<_> = names.iter().chain(&left).cloned().collect();
+    let listing = list(&both, &[], Some(Side::Left));
+    assert!(listing.both_sides && listing.side == Some(Side::Left));
+    assert_eq!(joint(&listing, "wrist").own.as_deref(), Some("hand_l"));
+    assert_eq!(list(&both, &[], None).side, Some(Side::Right));
 }
 
 /// A map of those joints alone whose names say nothing, beside numbers, words and WebXR's own names.

@@ -199,6 +199,12 @@ pub fn hand(hand: &Hand, preset: PresetWord, files: &Files) -> Result<HandModel,
             other => hand.name.fault(other.to_string()),
         })
     };
+    let is_rig = hand.model.as_ref().is_some_and(|file| file.value.ends_with(".glb"));
+    if let (Some(names), false) = (&hand.joint_names, is_rig) {
+        return Err(names.fault(
+            "only a rig has joints to be named: give `model` a .glb file, or leave `joint_names` out",
+        ));
+    }
     let Some(file) = &hand.model else { return built_in(Side::Right) };
     let path = || path(files, file);
     match file.value.as_str() {
@@ -236,6 +242,7 @@ fn options(hand: &Hand, preset: PresetWord) -> Result<HandOptions, Fault> {
             Some(SpringsWord::Rest) => Springs::Rest,
             None => usual.springs,
         },
+        name_map: hand.joint_names.as_ref().map(|names| names.value.clone()).unwrap_or_default(),
         ..usual
     };
     tissue::layered(hand, options)

@@ -6,6 +6,7 @@ use super::{
 };
 use crate::math::Vec3;
 use crate::text::{At, table, words};
+use std::collections::BTreeMap;
 
 table! {
     /// Changes to the flesh of a hand; what is left out stays as the model has it.
@@ -127,6 +128,9 @@ table! {
         /// "right" or "left" for the built-in hands, or the path of a `.thenar` or `.glb` file,
         /// relative to the scene file. Default "right".
         model: Option<At<String>>;
+        /// Names of a rig's joints by those of the 25 tracked joints, such as `index-finger-phalanx-proximal = "bone_12"`,
+        /// where the names of a `.glb` file do not say which joint is which; `thenar hand --list FILE.glb` prints such a table.
+        joint_names: Option<At<BTreeMap<String, String>>>;
         /// Where the values of `tets`, `detail`, `coupling` and `springs` come from that are not given, when the model is built
         /// from a mesh. Default "touch"; "paper" where the scene says what is about the paper's hand: `tets`,
         /// `coupling = "uniform"`, `coupling_stiffness` without `coupling`, or a `solver.kind` other than "exact".

@@ -50,6 +50,7 @@ pub fn default_hand(scene: &Scene, side: Side) -> Hand {
     Hand {
         name: free_name(scene, side),
         model: Some(mirror::model(side)),
+        joint_names: None,
         preset: None,
         tets: None,
         detail: None,

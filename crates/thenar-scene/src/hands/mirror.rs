@@ -19,6 +19,7 @@ pub fn model(side: Side) -> At<String> {
 /// out: the hand holds its start pose.
 pub fn hand(hand: &mut Hand, side: Side) {
     hand.model = Some(model(side));
+    hand.joint_names = None;
     hand.position.x = -hand.position.x;
     if let Some(turn) = &mut hand.rotation {
         rotation(&mut turn.value);

@@ -7,7 +7,7 @@ use crate::text::At;
 use thenar_core::Vec3;
 use thenar_core::model::Motion;
 use thenar_core::shape::Shape;
-use thenar_rig::object::{mass_in_words, size_in_words, unit_question};
+use thenar_rig::object::{Extent, mass_in_words, size_in_words, unit_question};
 
 /// A mesh as a scene names it.
 struct Named<'a> {
@@ -18,10 +18,12 @@ struct Named<'a> {
 }
 
 impl Named<'_> {
-    /// Asks about the unit of a mesh that is too long or too short. `mass` \[kg\] is that of the body that it is; 0 leaves it
-    /// out. What stands `still` may be a room.
-    fn question(&self, mass: f64, still: bool) -> Option<String> {
-        let question = unit_question(self.size.max(), still, self.scale, "scale = ")?;
+    /// Asks about the unit of a mesh that is too long or too short, or heavier than what hands move where there are any.
+    /// `mass` \[kg\] is that of the body that it is; 0 leaves it out. What stands `still` may be a room.
+    fn question(&self, mass: f64, still: bool, hands: bool) -> Option<String> {
+        let counted = if hands { mass } else { 0.0 };
+        let body = Extent { longest: self.size.max(), mass: counted, still };
+        let question = unit_question(&body, self.scale, "scale = ")?;
         let weight = match mass > 0.0 {
             true => format!(" and weighs {}", mass_in_words(mass)),
             false => String::new(),
@@ -32,14 +34,15 @@ impl Named<'_> {
 }
 
 impl Session {
-    /// A question for each mesh that is longer or shorter than what hands hold, with the scale that would make it so.
+    /// A question for each mesh that is longer or shorter than what hands hold, or heavier than what they move, with the scale that would make it so.
     pub(super) fn unit_questions(&self) -> Vec<String> {
         self.rigid_questions().chain(self.soft_questions()).collect()
     }
 
     fn rigid_questions(&self) -> impl Iterator<Item = String> {
+        let hands = !self.scene.hand.is_empty();
         let rigids = self.scene.rigid.iter().zip(&self.world.desc().rigids);
-        rigids.flat_map(|(table, rigid)| {
+        rigids.flat_map(move |(table, rigid)| {
             let still = rigid.motion != Motion::Dynamic;
             let whole = matches!(rigid.shape, Some(Shape::Mesh(_)));
             let mass = if whole && !still { rigid.mass } else { 0.0 };
@@ -47,14 +50,15 @@ impl Session {
             if let (Some(table), Some(shape)) = (&table.shape, &rigid.shape) {
                 add_meshes(&table.value, shape, &mut meshes);
             }
-            meshes.into_iter().filter_map(move |mesh| mesh.question(mass, still))
+            meshes.into_iter().filter_map(move |mesh| mesh.question(mass, still, hands))
         })
     }
 
     fn soft_questions(&self) -> impl Iterator<Item = String> {
         // Figures come before.
+        let hands = !self.scene.hand.is_empty();
         let built = self.built.softs.iter().skip(self.built.figures.len());
-        self.scene.soft.iter().zip(built).filter_map(|(table, built)| {
+        self.scene.soft.iter().zip(built).filter_map(move |(table, built)| {
             let (file, scale) = match &table.shape.value {
                 SoftShape::Mesh(mesh) if !is_model(&mesh.file) => (&mesh.file, mesh.scale),
                 SoftShape::File(tets) => (&tets.file, tets.scale),
@@ -67,7 +71,7 @@ impl Session {
             let [low, high] =
                 places.iter().fold([first; 2], |[low, high], p| [low.inf(p), high.sup(p)]);
             let mass = self.world.node_masses(built.soft).iter().sum();
-            Named { file, scale, size: high - low }.question(mass, false)
+            Named { file, scale, size: high - low }.question(mass, false, hands)
         })
     }
 }

@@ -32,6 +32,17 @@ pub(in crate::hand) struct Found {
 /// wrist to the last. A metacarpal begins a third of the way to the knuckle, which lies halfway to the tip.
 const METACARPAL_REACH: f64 = 0.33;
 
+/// A hand as names tell it, digit by digit.
+pub(in crate::hand) struct Told {
+    pub wrist: Result<usize, RigError>,
+    /// Digits, thumb first.
+    pub digits: [Result<Chain, RigError>; 5],
+    /// The joints that say that they are of each digit.
+    pub of_digit: [Vec<usize>; 5],
+    /// The side that names say.
+    pub side: Option<Side>,
+}
+
 /// Finds the joints of a hand.
 ///
 /// # Errors
@@ -41,6 +52,21 @@ pub(in crate::hand) fn find(
     map: &NameMap,
     side: Option<Side>,
 ) -> Result<Found, RigError> {
+    let Told { wrist, digits, side, .. } = told(joints, map, side)?;
+    let wrist = wrist?;
+    let [a, b, c, d, e] = digits;
+    Ok(Found { wrist, digits: [a?, b?, c?, d?, e?], side })
+}
+
+/// Finds what there is of a hand, and says what is not.
+///
+/// # Errors
+/// The map names what is not there, or names contradict the side or say both.
+pub(in crate::hand) fn told(
+    joints: &[RigJoint],
+    map: &NameMap,
+    side: Option<Side>,
+) -> Result<Told, RigError> {
     check_map(joints, map)?;
     let exact = |webxr: &str| {
         let name = map.get(webxr).map_or(webxr, String::as_str);
@@ -62,18 +88,31 @@ pub(in crate::hand) fn find(
             joints,
             "the rig has no joint `wrist`, and none whose name says wrist, hand or palm".into(),
         )
-    })?;
-    let mut digits = [None; 5];
-    for (k, &digit) in Digit::FINGERS.iter().enumerate() {
-        let chain = match by_names(digit, exact) {
-            Some(chain) => chain,
-            None => by_words(digit, &said, joints, wrist)?,
-        };
-        digits[k] = Some(chain);
-    }
-    let digits =
-        digits.map(|chain| chain.unwrap_or(Chain { metacarpal: None, moving: [0; 3], tip: None }));
-    Ok(Found { wrist, digits, side })
+    });
+    // Without a wrist what is found is for reading alone.
+    let from = *wrist.as_ref().unwrap_or(&0);
+    let chain = |digit: Digit| match by_names(digit, exact) {
+        Some(chain) => Ok(chain),
+        None => by_words(digit, &said, joints, from),
+    };
+    let of = |digit: Digit| {
+        let is = |k: &usize| matches!(said[*k], Said::Of(own, _) if own == digit);
+        (0..joints.len()).filter(is).collect()
+    };
+    let digits = Digit::FINGERS.map(chain);
+    Ok(Told { wrist, digits, of_digit: Digit::FINGERS.map(of), side })
+}
+
+/// The sides that the names of a hand's joints say: left, right.
+pub(in crate::hand) fn sides_said(joints: &[RigJoint]) -> [bool; 2] {
+    let names = words::uncounted(joints.iter().map(|j| j.name.as_str()));
+    sides_of(&names, &Thumbs::of(&names))
+}
+
+fn sides_of(names: &[&str], thumbs: &Thumbs) -> [bool; 2] {
+    let of_hand = names.iter().filter(|name| words::said(name, thumbs) != Said::Nothing);
+    let sides: Vec<Side> = of_hand.filter_map(|name| words::side(name)).collect();
+    [Side::Left, Side::Right].map(|side| sides.contains(&side))
 }
 
 /// Meanings of all joints, by the map or by their names.
@@ -252,10 +291,8 @@ fn one_side(
     thumbs: &Thumbs,
     asked: Option<Side>,
 ) -> Result<Option<Side>, RigError> {
-    let of_hand = names.iter().filter(|name| words::said(name, thumbs) != Said::Nothing);
-    let sides: Vec<Side> = of_hand.filter_map(|name| words::side(name)).collect();
-    let has = |side| sides.contains(&side);
-    let told = match (has(Side::Left), has(Side::Right)) {
+    let [left, right] = sides_of(names, thumbs);
+    let told = match (left, right) {
         (true, true) if asked.is_none() => {
             let all: Vec<usize> = (0..joints.len()).collect();
             return Err(RigError::invalid(format!(

@@ -2,6 +2,7 @@
 
 mod found;
 mod frames;
+mod list;
 mod posed;
 #[cfg(test)]
 mod tests;
@@ -9,4 +10,5 @@ mod words;
 
 pub(super) use found::{Found, find};
 pub(super) use frames::Frames;
+pub use list::{ListedJoint, RigListing, rig_listing};
 pub(super) use posed::Posed;

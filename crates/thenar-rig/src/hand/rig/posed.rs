@@ -6,8 +6,10 @@ use crate::glb::RigJoint;
 use crate::hand::digits::leave;
 use crate::hand::names;
 use crate::mesh::Bvh;
+use crate::size::place_in_words;
 use thenar_core::model::Digit;
 use thenar_core::{Pose, Quat, Vec3};
+use thenar_input::quoted;
 
 /// Where a metacarpal begins that a rig lacks: parts of the knuckle's place in the wrist's frame, aside and along, of
 /// index to little finger. Those of the WebXR generic hand.
@@ -53,7 +55,8 @@ impl<'a> Posed<'a> {
         let [a, b, c] = chain.moving.map(own);
         let tip = chain.tip.map_or_else(|| self.made_tip(&b, &c, surface), own);
         let places = [a.position, b.position, c.position, tip.position];
-        apart(digit, &places)?;
+        let [first, second, third] = chain.moving.map(Some);
+        self.apart(digit, &[first, second, third, chain.tip], &places)?;
         let rotations = self.frames.moving(
             digit == Digit::Thumb,
             &places,
@@ -70,7 +73,8 @@ impl<'a> Posed<'a> {
                 },
                 own,
             );
-            apart(digit, &[base.position, a.position])?;
+            let first = [chain.metacarpal, Some(chain.moving[0])];
+            self.apart(digit, &first, &[base.position, a.position])?;
             poses.insert(0, base);
         }
         Ok(poses)
@@ -97,15 +101,31 @@ impl<'a> Posed<'a> {
         };
         Digit::FINGERS.iter().flat_map(of).collect()
     }
-}
 
-/// Errs if two joints in a row lie at the same place, or nearly.
-fn apart(digit: Digit, places: &[Vec3]) -> Result<(), RigError> {
-    let far = places.iter().map(|p| p.norm()).fold(0.0, f64::max);
-    let near = |pair: &[Vec3]| (pair[1] - pair[0]).norm() < 1e-3 * far;
-    if places.windows(2).any(near) {
+    /// Errs if two joints of a digit in a row lie at the same place, or nearly; one that was made is none of the rig's.
+    fn apart(
+        &self,
+        digit: Digit,
+        joints: &[Option<usize>],
+        places: &[Vec3],
+    ) -> Result<(), RigError> {
+        let far = places.iter().map(|p| p.norm()).fold(0.0, f64::max);
+        let near = |pair: &[Vec3]| (pair[1] - pair[0]).norm() < 1e-3 * far;
+        let Some(k) = places.windows(2).position(near) else { return Ok(()) };
         let digit = digit.name();
-        return Err(RigError::invalid(format!("two joints of the {digit} lie at the same place")));
+        let first = joints[k].unwrap_or(self.found.wrist);
+        let place = place_in_words(&self.joints[first].pose.position);
+        let name = quoted(&self.joints[first].name);
+        Err(RigError::invalid(match joints[k + 1] {
+            Some(next) => format!(
+                "joints {name} and {} of the {digit} lie at the same place, {place} m: say which are its joints \
+                 (`--joint-names`; `thenar hand --list FILE` shows them)",
+                quoted(&self.joints[next].name)
+            ),
+            None => format!(
+                "the skin is not around {name}, the last joint of the {digit}, at {place} m: is it the mesh of one hand \
+                 (`--mesh` names another), and are these its joints (`thenar hand --list FILE` shows them)?"
+            ),
+        }))
     }
-    Ok(())
 }

@@ -120,13 +120,62 @@ fn the_error_of_a_rig_in_millimetres_names_the_key_of_scenes() {
     open(&folder, &format!("{hand}length = {key}\n")).unwrap();
 }
 
+/// A rig whose joints have numbers for names is built by the scene's table of names, which no other model takes.
+#[test]
+fn a_scene_names_the_joints_of_a_rig() {
+    let folder = folder(&FACES);
+    let names: Vec<String> = (0..25).map(|k| format!("n{k}")).collect();
+    write(folder.path().join("rig.glb"), rig(1.0, Some(&names))).unwrap();
+    let hand = "[[hand]]\nname = \"h\"\nmodel = \"rig.glb\"\npreset = \"paper\"\ntets = 100\n";
+    let error = open(&folder, hand).unwrap_err();
+    assert!(error.contains("no joint `wrist`"), "{error}");
+    let own = read_skinned_glb(asset(Side::Right)).unwrap();
+    let lines =
+        own.joints.iter().zip(&names).map(|(joint, name)| format!("{} = \"{name}\"\n", joint.name));
+    let table = format!("[hand.joint_names]\n{}", lines.collect::<String>());
+    open(&folder, &format!("{hand}{table}")).unwrap();
+    let error = open(&folder, &format!("[[hand]]\nname = \"h\"\n{table}")).unwrap_err();
+    assert!(error.contains("joint_names") && error.contains(".glb"), "{error}");
+    let error = open(&folder, &format!("{hand}[hand.joint_names]\nwrist = \"n99\"\n")).unwrap_err();
+    assert!(error.contains("no joint \"n99\""), "{error}");
+}
+
+/// A block of 2.36 in, read in metres, is asked about where a hand is to move it, and not where it stands still.
+#[test]
+fn a_block_of_tonnes_is_asked_about_where_hands_are() {
+    let folder = folder(&FACES);
+    let corners = "v 0 0 0\nv 2.36 0 0\nv 0 2.36 0\nv 0 0 2.36\n";
+    write(folder.path().join("it.obj"), corners.to_string() + &FACES.concat()).unwrap();
+    let hand = "[[hand]]\nname = \"h\"\npreset = \"paper\"\ntets = 100\nposition = [0, 5, 0]\n";
+    let block = RIGID.replace("mass = 0.3", "density = 3000");
+    let both = format!("{block}{hand}");
+    let told = asked(&folder, &both);
+    let [told] = &told[..] else { panic!("{told:?}") };
+    // A sixth of the cube, 2.19 m³.
+    assert!(
+        told.contains("weighs 6572") && told.contains("inches (scale = 0.0254: 59.94 mm"),
+        "{told}"
+    );
+    assert!(asked(&folder, &block).is_empty(), "no hand is there");
+    let still = both.replace("density = 3000", "motion = \"fixed\"");
+    assert!(asked(&folder, &still).is_empty());
+}
+
 /// The built-in right hand as a file in millimetres.
 fn hand_in_millimetres() -> Vec<u8> {
+    rig(1e3, None)
+}
+
+/// The built-in right hand as a file at this scale, with its joints' own names or others.
+fn rig(scale: f64, names: Option<&[String]>) -> Vec<u8> {
     let own = read_skinned_glb(asset(Side::Right)).unwrap();
-    let positions: Vec<Vec3> = own.mesh.positions.iter().map(|p| p * 1e3).collect();
-    let place = |pose: &Pose| Pose::new(pose.position * 1e3, pose.rotation);
+    let positions: Vec<Vec3> = own.mesh.positions.iter().map(|p| p * scale).collect();
+    let place = |pose: &Pose| Pose::new(pose.position * scale, pose.rotation);
     let skeleton = Skeleton {
-        names: own.joints.iter().map(|joint| joint.name.as_str()).collect(),
+        names: match names {
+            Some(names) => names.iter().map(String::as_str).collect(),
+            None => own.joints.iter().map(|joint| joint.name.as_str()).collect(),
+        },
         parents: vec![None; own.joints.len()],
         poses: own.joints.iter().map(|joint| place(&joint.pose)).collect(),
     };
