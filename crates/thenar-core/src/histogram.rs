@@ -47,7 +47,9 @@ impl Histogram {
         for (i, n) in self.bins.iter().enumerate() {
             sum += n;
             if sum >= rank {
-                return (end(i)).min(self.max);
+                // Beyond the last bin's end there is no bound but the largest.
+                let last = i + 1 == self.bins.len();
+                return if last { self.max } else { end(i).min(self.max) };
             }
         }
         self.max
@@ -104,6 +106,6 @@ mod tests {
         }
         assert_eq!((histogram.quantile(1.0), histogram.max()), (1_000_000, 1_000_000));
         histogram.add(u64::MAX);
-        assert_eq!(histogram.max(), u64::MAX);
+        assert_eq!((histogram.quantile(1.0), histogram.max()), (u64::MAX, u64::MAX));
     }
 }

@@ -42,8 +42,9 @@ impl Coupling {
     /// Writes the keys of a hand.
     pub(crate) fn put(&self, hand: &mut Entry) {
         hand.put("coupling", if self.uniform { "uniform" } else { "bone" });
-        if let Some(stiffness) = self.stiffness {
-            hand.put("coupling_stiffness", stiffness);
+        match self.stiffness {
+            Some(stiffness) => hand.put("coupling_stiffness", stiffness),
+            None => hand.take("coupling_stiffness"),
         }
         hand.put("coupling_damping_time", self.damping_time);
     }

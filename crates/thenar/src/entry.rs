@@ -59,7 +59,7 @@ fn put_text(table: &mut Table, key: &str, text: &str) {
 }
 
 /// A value as it stands in a scene file; what is no TOML value is text.
-fn value_of(text: &str) -> Value {
+pub(crate) fn value_of(text: &str) -> Value {
     let parsed = format!("value = {text}").parse::<Table>();
     let only = |mut table: Table| table.remove("value").filter(|_| table.is_empty());
     parsed.ok().and_then(only).unwrap_or_else(|| Value::from(text))

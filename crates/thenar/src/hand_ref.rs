@@ -104,16 +104,23 @@ impl<'a> HandRef<'a> {
     /// comes to its place \[m\], and how far the worst of them ends from it \[m\]. Inverse kinematics on this hand, to be
     /// [followed](HandMut::follow); contact and flesh do the rest.
     ///
+    /// Pads are found on the skin the first time.
+    ///
     /// # Errors
-    /// Poses cannot move this hand.
+    /// Poses cannot move this hand, the palm is named, or wrist or places are not finite or the wrist is far away.
     pub fn reaching(
         &self,
         wrist: Pose,
         tips: &[(Digit, Vec3)],
     ) -> Result<(HandPose, f64), LiveError> {
         let mut places = [None; 5];
-        for (digit, place) in tips.iter().filter(|(digit, _)| *digit != Digit::Palm) {
-            places[usize::from(digit.part()) - 1] = Some(*place);
+        for (digit, place) in tips {
+            let finger = Digit::FINGERS.iter().position(|finger| finger == digit);
+            let Some(finger) = finger else {
+                let cause = "the palm is no fingertip".into();
+                return Err(LiveError::Unfit { hand: self.name().to_owned(), cause });
+            };
+            places[finger] = Some(*place);
         }
         let (pose, misses) = self.session.reaching(self.hand, wrist, &places)?;
         Ok((pose, misses.into_iter().fold(0.0, f64::max)))

@@ -116,6 +116,22 @@ impl Rigid {
         self
     }
 
+    /// Goes over to another way of moving: keys of the one before would be refused beside those of this one.
+    fn moves(mut self, motion: &str) -> Self {
+        for key in ["keyframes", "drive", "velocity", "angular_velocity"] {
+            self.entry.take(key);
+        }
+        self.entry.put("motion", motion);
+        if motion == "dynamic" {
+            if !self.entry.0.contains_key("mass") && self.kind != "car" {
+                self.entry.put("density", DENSITY);
+            }
+        } else {
+            self.entry.take("density");
+        }
+        self
+    }
+
     /// Start velocity.
     pub fn thrown(mut self, velocity: Twist) -> Self {
         self.entry.put("velocity", vector(&velocity.linear));
@@ -144,34 +160,33 @@ impl Rigid {
     }
 
     /// Holds still, whatever touches it.
-    pub fn fixed(mut self) -> Self {
-        self.entry.put("motion", "fixed");
-        self.entry.take("density");
-        self
+    pub fn fixed(self) -> Self {
+        self.moves("fixed")
     }
 
     /// Moves through these poses at these times \[s\], whatever touches it, smoothly.
-    pub fn moved(mut self, keyframes: impl IntoIterator<Item = (f64, Pose)>) -> Self {
-        self.entry.put("motion", "scripted");
-        self.entry.take("density");
-        self.entry.put("keyframes", keyframe_tables(keyframes));
-        self
+    pub fn moved(self, keyframes: impl IntoIterator<Item = (f64, Pose)>) -> Self {
+        let mut moved = self.moves("scripted");
+        moved.entry.put("keyframes", keyframe_tables(keyframes));
+        moved
     }
 
     /// Pulled by a spring to these poses at these times \[s\]; to its start pose, if there are none.
-    pub fn pulled(
-        mut self,
-        drive: Drive,
-        keyframes: impl IntoIterator<Item = (f64, Pose)>,
-    ) -> Self {
-        self.entry.put("drive", drive::table(&drive));
-        self.entry.put("keyframes", keyframe_tables(keyframes));
-        self
+    pub fn pulled(self, drive: Drive, keyframes: impl IntoIterator<Item = (f64, Pose)>) -> Self {
+        let mut pulled = self.moves("dynamic");
+        pulled.entry.put("drive", drive::table(&drive));
+        pulled.entry.put("keyframes", keyframe_tables(keyframes));
+        pulled
     }
 
     /// Any key of `[[rigid]]` in a scene file, with a value as it stands there, e.g. `("colour", "[1.0, 0.5, 0.0]")`; dotted
     /// keys reach into tables.
     pub fn set(mut self, key: &str, value: impl Display) -> Self {
+        match key {
+            "mass" => self.entry.take("density"),
+            "density" => self.entry.take("mass"),
+            _ => {}
+        }
         self.entry.put_text(key, &value.to_string());
         self
     }

@@ -1,6 +1,7 @@
 //! Scenes in the making.
 
 use crate::Simulation;
+use crate::entry::value_of;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use thenar_core::Vec3;
@@ -79,27 +80,24 @@ impl Scene {
         Ok(Self { text: scene.text.into(), file, overrides: Vec::new() })
     }
 
-    /// Adds a hand or an object, and returns the handle by which the simulation knows it.
+    /// Adds a hand or an object, and returns the handle by which the simulation knows it. What has no name gets one that is free. In a
+    /// scene from a file, lists stand as `[[rigid]]`; to one that is written in line (`rigid = [...]`) nothing can be added, which
+    /// [`Scene::build`] says.
     pub fn add<P: Part>(&mut self, part: P) -> P::Id {
-        let place = self.count(P::KEY);
-        let usual = format!("{}-{}", part.usual_name(), place + 1);
-        let mut table = Table::new();
-        // The name is what a reader looks for first.
+        // Text that cannot be read has no parts; `build` says what is wrong with it.
+        let whole = self.text.parse::<Table>().unwrap_or_default();
+        let place = whole.get(P::KEY).and_then(Value::as_array).map_or(0, Vec::len);
+        let usual = free_name(&whole, part.usual_name(), place + 1);
         let mut keys = part.into_table();
+        let mut table = Table::new();
         let name = keys.remove("name").unwrap_or(Value::String(usual));
         table.insert("name".into(), name);
         table.extend(keys);
         let list = Value::Array(vec![Value::Table(table)]);
-        let whole: Table = [(P::KEY.to_owned(), list)].into_iter().collect();
+        let added: Table = [(P::KEY.to_owned(), list)].into_iter().collect();
         self.text.push('\n');
-        self.text.push_str(&whole.to_string());
+        self.text.push_str(&added.to_string());
         P::id(place)
-    }
-
-    /// Parts of this list in the text; none where the text cannot be read, which `build` will say.
-    fn count(&self, key: &str) -> usize {
-        let table = self.text.parse::<Table>().unwrap_or_default();
-        table.get(key).and_then(Value::as_array).map_or(0, Vec::len)
     }
 
     /// Sets the time step \[s\].
@@ -120,9 +118,20 @@ impl Scene {
         self
     }
 
-    /// The scene as a scene file, without what [`Scene::set`] and its likes have changed since.
-    pub fn to_toml(&self) -> &str {
-        &self.text
+    /// The scene as a scene file, which gives the same simulation. Comments of a file that was opened stay unless [`Scene::set`] or its
+    /// likes have changed something.
+    pub fn to_toml(&self) -> String {
+        let Ok(mut whole) = self.text.parse::<Table>().map(Value::Table) else {
+            return self.text.clone();
+        };
+        if self.overrides.is_empty() {
+            return self.text.clone();
+        }
+        for (key, value) in self.overrides.iter().filter_map(|given| given.split_once('=')) {
+            let steps: Vec<&str> = key.split('.').map(str::trim).collect();
+            assign(&mut whole, &steps, value_of(value.trim()));
+        }
+        whole.as_table().map(ToString::to_string).unwrap_or_default()
     }
 
     /// Builds all bodies, ready to be stepped. A hand that comes with the program takes a second the first time.
@@ -131,5 +140,36 @@ impl Scene {
     /// Something in the scene is wrong: says what, and where.
     pub fn build(&self) -> Result<Simulation, SceneError> {
         Session::from_text(&self.text, &self.file, &self.overrides).map(Simulation::new)
+    }
+}
+
+/// A name of this kind that no body of the scene has.
+fn free_name(whole: &Table, kind: &str, from: usize) -> String {
+    let parts = ["hand", "rigid", "soft", "figure", "joint"].into_iter();
+    let parts = parts.filter_map(|list| whole.get(list)?.as_array()).flatten();
+    let taken: Vec<&str> = parts.filter_map(|part| part.get("name")?.as_str()).collect();
+    let mut names = (from..).map(|number| format!("{kind}-{number}"));
+    names.find(|name| !taken.contains(&name.as_str())).unwrap_or_default()
+}
+
+/// Writes a value into a scene; a step into a list is a number or the name of an element.
+fn assign(at: &mut Value, steps: &[&str], value: Value) {
+    let Some((step, rest)) = steps.split_first() else {
+        *at = value;
+        return;
+    };
+    match at {
+        Value::Table(table) => {
+            let inner = table.entry(*step).or_insert_with(|| Value::Table(Table::new()));
+            assign(inner, rest, value);
+        }
+        Value::Array(list) => {
+            let named = |part: &Value| part.get("name").and_then(Value::as_str) == Some(step);
+            let place = step.parse().ok().or_else(|| list.iter().position(named));
+            if let Some(part) = place.and_then(|k: usize| list.get_mut(k)) {
+                assign(part, rest, value);
+            }
+        }
+        _ => {}
     }
 }

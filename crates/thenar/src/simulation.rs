@@ -30,7 +30,8 @@ impl Simulation {
         let desc = session.world().desc();
         let index = |name: &String| desc.rigids.iter().position(|rigid| rigid.name == *name);
         let scene = session.scene();
-        let rigids = scene.rigid.iter().map(|r| index(&r.name.value).unwrap_or(0) as u32);
+        let rigids =
+            scene.rigid.iter().map(|r| index(&r.name.value).map_or(u32::MAX, |i| i as u32));
         let rigids = rigids.collect();
         let softs = session.softs().iter().map(|soft| soft.soft).collect();
         let hash = session.world().state_hash();
@@ -235,14 +236,19 @@ impl Simulation {
     pub(crate) fn name_of(&self, body: Body) -> Option<&str> {
         let desc = self.session.world().desc();
         match body {
-            Body::Rigid(id) => Some(&desc.rigids[self.rigids[id.0] as usize].name),
-            Body::Soft(id) => Some(&desc.softs[self.softs[id.0] as usize].name),
+            Body::Rigid(id) => Some(&desc.rigids.get(*self.rigids.get(id.0)? as usize)?.name),
+            Body::Soft(id) => Some(&desc.softs.get(*self.softs.get(id.0)? as usize)?.name),
             _ => None,
         }
     }
 
     /// The session below, of `thenar-scene`: probes, recordings, the world.
-    pub fn session(&mut self) -> &mut Session {
+    pub fn session(&self) -> &Session {
+        &self.session
+    }
+
+    /// The same, to be changed.
+    pub fn session_mut(&mut self) -> &mut Session {
         &mut self.session
     }
 }

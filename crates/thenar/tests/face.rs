@@ -47,7 +47,7 @@ fn a_scene_in_code_is_the_scene_of_its_text() {
     "#;
     let made = scene();
     let mut hashes = Vec::new();
-    for scene in [made.clone(), Scene::from_toml(made.to_toml()), Scene::from_toml(text)] {
+    for scene in [made.clone(), Scene::from_toml(&made.to_toml()), Scene::from_toml(text)] {
         let mut sim = scene.build().unwrap();
         sim.run(0.1);
         assert_eq!(sim.time().to_bits(), (0..20).fold(0.0, |t, _| t + 0.005_f64).to_bits());
@@ -58,6 +58,9 @@ fn a_scene_in_code_is_the_scene_of_its_text() {
     other.set("hand.0.position", "[0.0, 0.31, 0.0]").time_step(0.01).gravity([0.0, -1.62, 0.0]);
     let mut sim = other.build().unwrap();
     assert_eq!(sim.time_step(), 0.01);
+    let mut twin = Scene::from_toml(&other.to_toml()).build().unwrap();
+    assert_eq!((twin.run(0.02), twin.state_hash()), (sim.run(0.02), sim.state_hash()));
+    sim.restart();
     // A tenth of a second of free fall from rest: v = g t, within what the solver leaves (1e-5 m/s).
     let ball = sim.rigid_named("ball").unwrap();
     sim.rigid_mut(ball).place(Pose::translation(0.1, 0.5, 0.0), Twist::default());
@@ -184,6 +187,41 @@ fn what_is_wrong_is_said_with_its_key() {
     let said = sim.hand_mut(hand).grip(own, GripKind::Pinch, None).unwrap_err().to_string();
     assert!(said.contains("hand-1") && said.contains("cannot be gripped"), "{said}");
     assert!(sim.set("friction", -1.0).is_err() && sim.set("friction", 0.4).is_ok());
+}
+
+/// What has no name gets a free one, and a way of moving leaves nothing behind of the one before.
+#[test]
+fn parts_go_together_in_any_order() {
+    let mut scene = Scene::new();
+    let named = scene.add(Rigid::sphere(0.01).named("sphere-2").at([0.0, 1.0, 0.0]));
+    let other = scene.add(Rigid::sphere(0.01).at([0.1, 1.0, 0.0]).set("mass", 0.02));
+    let soft = scene.add(Soft::ball(0.02).named("sphere-3").at([0.2, 1.0, 0.0]));
+    let still = || Rigid::sphere(0.01).thrown(Twist::linear(Vec3::x()));
+    let up = [(0.0, Pose::translation(0.4, 1.0, 0.0))];
+    let parts = [
+        still().fixed().at([0.3, 1.0, 0.0]),
+        still().moved(up).fixed().at([0.4, 1.0, 0.0]),
+        still().pulled(Drive::palm(), up).moved(up),
+        still().fixed().pulled(Drive::palm(), up).at([0.5, 1.0, 0.0]),
+    ];
+    let parts = parts.map(|part| scene.add(part));
+    scene.add(
+        Hand::left().paper().coupling(Coupling { stiffness: Some(3e9), ..Coupling::uniform() }),
+    );
+    let sim = scene.build().unwrap();
+    assert_eq!(sim.rigid(named).name(), "sphere-2");
+    assert_eq!((sim.rigid(other).name(), sim.rigid(other).mass()), ("sphere-4", 0.02));
+    assert_eq!(sim.soft(soft).name(), "sphere-3");
+    let water = 1000.0 * 4.0 / 3.0 * std::f64::consts::PI * 1e-6;
+    assert!((sim.rigid(parts[3]).mass() - water).abs() < 1e-9);
+    // A handle of another scene, which has more, grips nothing here.
+    let mut more = Scene::new();
+    let foreign = (0..20).map(|_| more.add(Rigid::sphere(0.01))).last().unwrap();
+    let mut sim = sim;
+    let hand = sim.hands().next().unwrap();
+    assert!(sim.hand_mut(hand).grip(foreign, GripKind::Pinch, None).is_err());
+    let palm = [(thenar::Digit::Palm, Vec3::zeros())];
+    assert!(sim.hand(hand).reaching(Pose::identity(), &palm).is_err());
 }
 
 /// Every builder's keys are read: a key that is not there is refused, so that a scene of all of them opens.

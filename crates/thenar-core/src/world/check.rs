@@ -1,12 +1,13 @@
 //! Checks of a description before anything is built from it.
 
 use crate::contact::{MeshShape, Part, Shape};
-use crate::math::{Mat3, to_turn};
+use crate::math::{Mat3, Quat, is_turn, to_turn};
 use crate::model::{
     BodyId, BodyParts, ElementPatches, FrictionTable, JointDesc, Law, Motion, OGDEN_ALPHA,
     PATCH_TETS_MAX, RigidDesc, SoftDesc, SolverSettings, WorldDesc,
 };
 use crate::world::{HALVINGS_MAX, ModelError, freedoms};
+use std::sync::Arc;
 
 mod pose_offsets;
 mod skin;
@@ -17,14 +18,38 @@ pub const GRAVITY_MAX: f64 = 1e4;
 /// The largest coordinate or size accepted \[m\].
 const EXTENT_MAX: f64 = 1e4;
 
+/// Shortest time step \[s\]: a part of 1e-9 of a shock that is over in a millisecond. Forces are impulses over it, which stay
+/// finite.
+const TIME_STEP_MIN: f64 = 1e-12;
+
 /// True for a time step that can be used \[s\].
 pub fn is_time_step(h: f64) -> bool {
-    h > 0.0 && h <= 10.0
+    (TIME_STEP_MIN..=10.0).contains(&h)
+}
+
+/// Brings rotations of another length to one: those of files in single precision are off by 1e-7, and normals would be by
+/// twice as much. One without a length stays, and is refused by [`check`].
+pub fn turn_rightly(desc: &mut WorldDesc) {
+    let right = |rotation: &mut Quat| *rotation = to_turn(rotation).unwrap_or(*rotation);
+    for rigid in &mut desc.rigids {
+        right(&mut rigid.pose_WB.rotation);
+        right(&mut rigid.pose_BS.rotation);
+        if let Some(Shape::Compound(parts)) = &mut rigid.shape
+            && !parts.iter().all(|part| is_turn(&part.pose_SP.rotation))
+        {
+            let parts = Arc::make_mut(parts);
+            parts.iter_mut().for_each(|part| right(&mut part.pose_SP.rotation));
+        }
+    }
+    for joint in &mut desc.joints {
+        right(&mut joint.pose_PJ.rotation);
+        right(&mut joint.pose_CK.rotation);
+    }
 }
 
 /// Returns the first fault found.
 pub fn check(desc: &WorldDesc) -> Result<(), ModelError> {
-    number("world", "time step", "positive and at most 10 s", desc.time_step, is_time_step)?;
+    number("world", "time step", "from 1e-12 to 10 s", desc.time_step, is_time_step)?;
     for x in desc.gravity.iter() {
         number("world", "gravity", "finite and below 1e4 m/s²", *x, |x| x.abs() < GRAVITY_MAX)?;
     }
@@ -173,9 +198,8 @@ fn check_rigid(rigid: &RigidDesc) -> Result<(), ModelError> {
     for x in all.chain(rigid.velocity_W.iter()).chain(rigid.angular_velocity_W.iter()) {
         number(name, "pose or velocity", "finite", *x, f64::is_finite)?;
     }
-    let length = rigid.pose_WB.rotation.coords.norm();
-    let turns = |_| to_turn(&rigid.pose_WB.rotation).is_some();
-    number(name, "rotation's length", "1", length, turns)?;
+    turns(name, &rigid.pose_WB.rotation)?;
+    turns(name, &rigid.pose_BS.rotation)?;
     not_negative(name, "friction", rigid.friction)?;
     if let Some(shape) = &rigid.shape {
         check_shape(name, shape)?;
@@ -193,6 +217,11 @@ fn check_rigid(rigid: &RigidDesc) -> Result<(), ModelError> {
         return Err(ModelError::MovingPlane { thing: name.clone() });
     }
     Ok(())
+}
+
+fn turns(name: &str, rotation: &Quat) -> Result<(), ModelError> {
+    let is_one = |_| to_turn(rotation).is_some();
+    number(name, "rotation's length", "not 0", rotation.coords.norm(), is_one)
 }
 
 fn smallest_eigenvalue(m: &Mat3) -> f64 {
@@ -238,6 +267,7 @@ fn check_compound(name: &str, parts: &[Part]) -> Result<(), ModelError> {
         )?;
         let finite = if part.pose_SP.is_finite() { 0.0 } else { f64::NAN };
         number(name, "place of a part", "finite", finite, f64::is_finite)?;
+        turns(name, &part.pose_SP.rotation)?;
         check_shape(name, &part.shape)?;
     }
     Ok(())
@@ -283,6 +313,7 @@ fn check_joint(joint: &JointDesc, desc: &WorldDesc) -> Result<(), ModelError> {
             if pose.is_finite() { 0.0 } else { f64::NAN },
             f64::is_finite,
         )?;
+        turns(name, &pose.rotation)?;
     }
     not_negative(name, "limit stiffness", joint.limit_stiffness)?;
     not_negative(name, "limit damping", joint.limit_damping)?;

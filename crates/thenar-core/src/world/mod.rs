@@ -76,7 +76,8 @@ pub struct World {
 
 impl World {
     /// Checks and compiles a description.
-    pub fn new(desc: WorldDesc) -> Result<Self, ModelError> {
+    pub fn new(mut desc: WorldDesc) -> Result<Self, ModelError> {
+        check::turn_rightly(&mut desc);
         let model = Model::new(&desc)?;
         let detector = Detector::new(&desc);
         let mut state = State::new(&desc, &model);
@@ -243,7 +244,7 @@ impl World {
         self.time_step
     }
 
-    /// Changes the time step \[s\]; ignored unless positive and at most 10 s.
+    /// Changes the time step \[s\]; ignored unless from 1e-12 to 10 s.
     pub fn set_time_step(&mut self, h: f64) {
         if is_time_step(h) {
             self.state.scale_impulses(h / self.time_step);

@@ -2,6 +2,7 @@
 
 use crate::contact::Shape;
 use crate::model::{JointDesc, RigidDesc, SoftDesc, WorldDesc};
+use crate::world::check::turn_rightly;
 use crate::world::friction::patches_max;
 use crate::world::{Model, ModelError, World};
 use std::sync::Arc;
@@ -16,7 +17,8 @@ impl World {
     /// # Errors
     /// The description is wrong, or bodies, shapes, meshes, bindings or joints differ. The world
     /// is as it was then.
-    pub fn retune(&mut self, desc: WorldDesc) -> Result<(), ModelError> {
+    pub fn retune(&mut self, mut desc: WorldDesc) -> Result<(), ModelError> {
+        turn_rightly(&mut desc);
         same_bodies(&self.desc, &desc)?;
         let model = Model::new(&desc)?;
         let old = std::mem::replace(&mut self.model, model);

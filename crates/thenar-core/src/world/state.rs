@@ -103,8 +103,13 @@ impl State {
     pub(super) fn tidy(&mut self, model: &Model) {
         self.hold(model);
         self.turn_rightly();
-        self.impulses.sort_unstable_by_key(|(key, _)| *key);
-        self.patch_loads.sort_unstable_by_key(|(key, _)| *key);
+        // What is in order stays as it is, to the bit.
+        if !self.impulses.is_sorted_by_key(|(key, _)| *key) {
+            self.impulses.sort_by_key(|(key, _)| *key);
+        }
+        if !self.patch_loads.is_sorted_by_key(|(key, _)| *key) {
+            self.patch_loads.sort_by_key(|(key, _)| *key);
+        }
     }
 
     /// What contact and limits remember of the last step is of its length: for one that is `ratio`

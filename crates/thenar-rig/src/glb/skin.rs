@@ -170,7 +170,7 @@ fn read_influences(
 fn unweighted(i: usize, p: &Vec3, w: &[f64; 4], more: usize) -> RigError {
     let more = if more > 0 { format!(" (nor have {more} more)") } else { String::new() };
     RigError::invalid(format!(
-        "vertex {i} at {} has no valid skin weights{more}, but {w:?}: bind it to a joint where the rig was made (in \
+        "vertex {i} at {} has no valid skin weights{more}, but {w:.3?}: bind it to a joint where the rig was made (in \
          Blender: Weights, Normalize All, or Assign Automatic From Bones), or leave its mesh out",
         place_in_words(p)
     ))

@@ -68,7 +68,12 @@ impl Trouble {
         let kind = opposition.kind.name();
         let [base, fingers] = opposition.sides();
         let mm = |x: f64| (x * 1e3).round();
-        let newtons = |x: f64| (x * 100.0).round() / 100.0;
+        // To a hundredth, and what is less to two digits.
+        let newtons = |x: f64| {
+            let unit = 10f64.powf(x.abs().max(1e-9).log10().floor() - 1.0).min(0.01);
+            let decimals = (-unit.log10()).round().max(0.0) as usize;
+            format!("{x:.decimals$}").parse::<f64>().unwrap_or(x)
+        };
         let digit = |pad: u8| match opposition.chain(usize::from(pad)) {
             Some(chain) => chain.digit.name(),
             None => "palm",

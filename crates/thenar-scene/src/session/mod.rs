@@ -48,6 +48,7 @@ use crate::tuning::Tuning;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::PathBuf;
+use std::sync::OnceLock;
 use thenar_core::condensed::SlowToFast;
 use thenar_core::world::{Input, StageTimer, StepReport, Target};
 use thenar_core::{Pose, Vec3, World};
@@ -68,6 +69,8 @@ pub struct Session {
     led: Vec<Option<Vec<Target>>>,
     /// One per hand: what it grips; `None` for a hand that was never asked to.
     grips: Vec<Option<Box<GripHand>>>,
+    /// One per hand: its digits as chains, once a fingertip was wanted somewhere.
+    fingertips: Vec<OnceLock<Box<Fingertips>>>,
     tuning: Tuning,
     report: StepReport,
     start_overlaps: Vec<StartOverlap>,
@@ -214,7 +217,7 @@ impl Session {
     /// hand lacks, zero for one without a place. For [`Session::live_pose`].
     ///
     /// # Errors
-    /// There is no such hand, poses cannot move it, or wrist or places are not finite or far away.
+    /// There is no such hand, poses cannot move it, wrist or places are not finite, or the wrist is far away.
     pub fn reaching(
         &self,
         hand: usize,
@@ -231,10 +234,17 @@ impl Session {
             return Err(LiveError::NotFinite { what: "a fingertip's place" });
         }
         let model = &self.built.hands[hand].model;
-        let tips = Fingertips::new(model).map_err(|e| LiveError::Unfit {
-            hand: self.built.hands[hand].name.clone(),
-            cause: e.to_string(),
-        })?;
+        let made = &self.fingertips[hand];
+        let tips = match made.get() {
+            Some(tips) => tips,
+            None => {
+                let tips = Fingertips::new(model).map_err(|e| {
+                    let hand = self.built.hands[hand].name.clone();
+                    LiveError::Unfit { hand, cause: e.to_string() }
+                })?;
+                made.get_or_init(|| Box::new(tips))
+            }
+        };
         let (angles, misses) = tips.angles(model, &wrist, places_W);
         Ok((LivePose::Angles { wrist, angles }, misses))
     }

@@ -8,6 +8,7 @@ use crate::live::{LiveError, LiveHand};
 use crate::text::{Fault, Node, Override, SceneError, apply_override, parse};
 use crate::tuning::{HandPart, Tuning};
 use std::path::Path;
+use std::sync::OnceLock;
 use thenar_core::model::CouplingKind;
 use thenar_core::world::StepReport;
 use thenar_core::{Vec3, World};
@@ -92,6 +93,7 @@ impl Session {
         let tuning = Tuning::new(built.world.clone(), parts);
         let live = built.hands.iter().map(live_hand).collect();
         let led = vec![None; built.hands.len()];
+        let fingertips = built.hands.iter().map(|_| OnceLock::new()).collect();
         let grips = std::mem::take(&mut built.grips);
         let stem = file.file_stem().unwrap_or(file.as_os_str());
         let mut session = Self {
@@ -104,6 +106,7 @@ impl Session {
             live,
             led,
             grips,
+            fingertips,
             tuning,
             report: StepReport::default(),
             start_overlaps: Vec::new(),

@@ -1,5 +1,5 @@
 use super::*;
-use crate::contact::{Contact, HeldPlace, Shape, Site};
+use crate::contact::{self, Contact, HeldPlace, Shape, Site};
 use crate::math::Mat3;
 use crate::model::{
     AngleLimit, Axis, EmbeddedSurface, FixedNode, Flesh, FrictionTable, JointDesc, JointKind, Law,
@@ -97,6 +97,52 @@ fn resting(kind: SolverKind, cone: Cone) -> World {
         world.step(&input, &mut ());
     });
     world
+}
+
+/// Rotations in single precision, and others of any length but none, are brought to length one wherever a description has
+/// them: what touches then has unit normals, and the world steps as with the true ones.
+#[test]
+fn rotations_of_another_length_are_brought_to_one() {
+    let turn = Quat::from_axis_angle(&Vec3::y_axis(), 0.3);
+    let of_length = |length: f64| Quat::new_unchecked(turn.into_inner() * length);
+    let world = |length: f64| {
+        let at = |y: f64| Pose::new(Vec3::new(0.0, y, 0.0), of_length(length));
+        let mut desc = WorldDesc { time_step: 2e-3, ..WorldDesc::default() };
+        let mut floor = body("floor", Motion::Prescribed, 0.0, 0.0, Some(Shape::HalfSpace));
+        floor.pose_BS = at(0.0);
+        desc.add_rigid(floor);
+        let part =
+            contact::Part { shape: Shape::Cuboid { half: Vec3::repeat(0.01) }, pose_SP: at(0.0) };
+        let compound = Shape::Compound(std::sync::Arc::new(vec![part]));
+        let mut cube = body("cube", Motion::Dynamic, 0.2, 0.01, Some(compound));
+        (cube.pose_BS, cube.pose_WB) = (at(0.0), at(0.01));
+        desc.add_rigid(cube);
+        desc.add_rigid(body("arm", Motion::Dynamic, 0.55, 0.2, None));
+        desc.joints.push(JointDesc {
+            name: "hinge".into(),
+            kind: JointKind::Hinge,
+            parent: None,
+            child: ARM as u32,
+            pose_PJ: Pose::new(Vec3::new(0.5, 0.2, 0.0), of_length(length)),
+            pose_CK: Pose::new(Vec3::x() * -0.05, of_length(length)),
+            axes: [Axis::default(); 2],
+            limit_stiffness: 0.0,
+            limit_damping: 0.0,
+        });
+        World::new(desc)
+    };
+    let states = [1.0, 1.0 + 1e-7, 2.0, 1e-3].map(|length| {
+        let mut world = world(length).unwrap();
+        let input = world.input();
+        (0..50).for_each(|_| _ = world.step(&input, &mut ()));
+        assert!(world.contacts().iter().any(|c| c.force_W.y > 0.0), "{length}");
+        world.rigid_pose(CUBE as u32)
+    });
+    for pose in &states[1..] {
+        assert!((pose.position - states[0].position).norm() < 1e-9, "{pose:?}");
+        assert!(pose.rotation.angle_to(&states[0].rotation) < 1e-7, "{pose:?}");
+    }
+    assert!(world(0.0).is_err());
 }
 
 #[test]

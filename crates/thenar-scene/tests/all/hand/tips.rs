@@ -15,9 +15,9 @@ const PLACES: [[f64; 3]; 5] = [
     [0.020, 0.250, -0.130],
     [0.035, 0.260, -0.115],
 ];
-/// How far drives let a fingertip lag that nothing touches [m]: half of what its skin gives way under 1 N. The paper's
+/// How far drives let a fingertip lag that nothing touches [m]: as far as its skin gives way under 1 N. The paper's
 /// drives have no muscles beside them.
-const LAG: [(&str, f64); 2] = [("touch", 1e-3), ("paper", 3e-3)];
+const LAG: [(&str, f64); 2] = [("touch", 2e-3), ("paper", 4e-3)];
 
 fn scene(preset: &str) -> String {
     let [thumb, index, middle, ring, little] = PLACES;
