@@ -247,7 +247,7 @@ impl Simulation {
         &self.session
     }
 
-    /// The same, to be changed.
+    /// The session below, to be changed.
     pub fn session_mut(&mut self) -> &mut Session {
         &mut self.session
     }

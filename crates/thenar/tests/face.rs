@@ -194,8 +194,8 @@ fn what_is_wrong_is_said_with_its_key() {
 fn parts_go_together_in_any_order() {
     let mut scene = Scene::new();
     let named = scene.add(Rigid::sphere(0.01).named("sphere-2").at([0.0, 1.0, 0.0]));
-    let other = scene.add(Rigid::sphere(0.01).at([0.1, 1.0, 0.0]).set("mass", 0.02));
     let soft = scene.add(Soft::ball(0.02).named("sphere-3").at([0.2, 1.0, 0.0]));
+    let other = scene.add(Rigid::sphere(0.01).at([0.1, 1.0, 0.0]).set("mass", 0.02));
     let still = || Rigid::sphere(0.01).thrown(Twist::linear(Vec3::x()));
     let up = [(0.0, Pose::translation(0.4, 1.0, 0.0))];
     let parts = [

@@ -353,7 +353,11 @@ fn the_names_and_ranges_of_a_hand_are_printed() {
     thenar_rig::write_model(&folder.0.join("stiff.thenar"), &model).unwrap();
     let stiff = printed(&["hand", "--list", "stiff.thenar"]);
     assert!(stiff.contains("| 3 | `thumb-ip` | flexion | -15 | 29 | -7 |"), "{stiff}");
-    for (name, why) in [("own.glb", "expected `right`, `left`"), ("none.thenar", "none.thenar")] {
+    for (name, why) in [
+        ("middle", "expected `right`, `left`"),
+        ("own.glb", "own.glb"),
+        ("none.thenar", "none.thenar"),
+    ] {
         let output = folder.thenar(&["hand", "--list", name]);
         assert!(output.status.code() == Some(2) && error(&output).contains(why), "{output:?}");
     }

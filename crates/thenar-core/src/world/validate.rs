@@ -23,10 +23,10 @@ use std::f64::consts::FRAC_1_SQRT_2;
 /// vector gets 1 + 2 δ as long, with δ up to [`ROTATION_OFF`].
 const NORMAL_OFF: f64 = 7.0 * ROTATION_OFF;
 
-/// Parts of a force by which it may leave its cone. Both tangents of a contact are made of its normal, and are off by as
-/// much as that is, so that each of three components may be by its own part; the solvers themselves keep to the cones
-/// to 1e-12 (`contact_law`).
-const CONE_OFF: f64 = 4.0 * NORMAL_OFF;
+/// Part of a force by which it may leave its cone. Solvers keep to the cones to 1e-12 (`contact_law`), but an impulse of the step
+/// before is kept where it is within the tolerance of velocities, in the frame of a contact that has turned since: in one step
+/// in which a box's edge on a ball handed its load on, 0.8 % more was seen than friction gives.
+const CONE_OFF: f64 = 0.02;
 
 /// Impulses in the frame in which they were found keep to their bounds to this part: that of the contact law, and as much
 /// again for roundings.
@@ -154,10 +154,8 @@ impl World {
             return Ok(());
         }
         let rows = self.scratch.rows.rows.iter().zip(&self.scratch.contacts);
-        let undecided = self.undecided();
         rows.enumerate().try_for_each(|(i, (row, _))| {
             let bound = row.friction * row.lambda.x * FRAC_1_SQRT_2 * (1.0 + BOUND_OFF);
-            let bound = bound + undecided;
             let largest = row.lambda.y.abs().max(row.lambda.z.abs());
             let expected = "within the square inscribed in Coulomb's disc";
             Of("contact", i).number("friction [N s]", expected, largest, |t| t <= bound)
@@ -205,9 +203,8 @@ impl World {
         count("rows of contacts and limits", contacts.len() + scratch.limits.len(), {
             scratch.rows.rows.len()
         })?;
-        let slack = self.undecided() / scratch.part_length.max(f64::MIN_POSITIVE);
         contacts.iter().enumerate().try_for_each(|(i, contact)| {
-            contact_is_valid(Of("contact", i), contact, slack)?;
+            contact_is_valid(Of("contact", i), contact)?;
             sides_exist(Of("contact", i), contact, model)
         })?;
         let rows = scratch.rows.rows.iter().zip(contacts).enumerate();
@@ -216,14 +213,6 @@ impl World {
             let sum = self.sum_of_weights(row);
             Of("contact", i).number("force on B", expected, sum, |sum| sum.abs() <= PAIR_OFF)
         })
-    }
-
-    /// Impulse \[N s\] by which an answer that is within the solver's tolerance may leave its cone: it changes no velocity by
-    /// more than that tolerance, whatever moves, and impulses of the step before are kept as long as they are so near to right.
-    fn undecided(&self) -> f64 {
-        let rigids = self.model.rigids.iter().filter(|body| body.moves).map(|body| body.mass);
-        let nodes = (0..self.desc.softs.len() as u32).flat_map(|soft| self.node_masses(soft));
-        self.desc.solver.velocity_tolerance * (rigids.sum::<f64>() + nodes.sum::<f64>())
     }
 
     /// Weights of what a row holds, negative on side B: the part of its force that no body feels the opposite of.
@@ -255,7 +244,7 @@ fn led(from: &Pose, [velocity_W, spin_W]: [Vec3; 2], h: f64) -> Pose {
     Pose::new(from.position + velocity_W * h, rotation)
 }
 
-fn contact_is_valid(of: Of, contact: &ContactPoint, undecided: f64) -> Check {
+fn contact_is_valid(of: Of, contact: &ContactPoint) -> Check {
     of.finite("position [m]", contact.position_W.as_slice())?;
     let length = contact.normal_W.norm();
     of.number("length of the normal", "1", length, |x| (x - 1.0).abs() <= NORMAL_OFF)?;
@@ -265,7 +254,7 @@ fn contact_is_valid(of: Of, contact: &ContactPoint, undecided: f64) -> Check {
     of.not_negative("area [m²]", contact.area)?;
     of.not_negative("friction coefficient", contact.friction)?;
     let along = contact.force_W.dot(&contact.normal_W);
-    let slack = CONE_OFF * contact.force_W.norm() + undecided;
+    let slack = CONE_OFF * contact.force_W.norm();
     of.number("normal force [N]", "not negative", along, |force| force >= -slack)?;
     let across = (contact.force_W - contact.normal_W * along).norm();
     let most = contact.friction * along.max(0.0) + slack;

@@ -63,6 +63,9 @@ const CROWD: f64 = 4.0 * MISS;
 const CROWD_MIN: f64 = 0.5e-3;
 /// A pad needs so much room before its place \[m\]: half of a pad's thickness.
 const ROOM: f64 = 4e-3;
+/// Bones before a pad come near to things wider than this \[m\], which is as thick as a finger: pads close on thinner ones
+/// before them.
+const THICK: f64 = 16e-3;
 /// Object wider than this part of what pads span: where one ends out of reach, that is why.
 const WIDE: f64 = 0.85;
 /// A finger beside another has a place of its own where the surface goes on: no farther off than this, as part of the
@@ -293,7 +296,8 @@ fn reach_from(
         let miss = miss_P.norm();
         cost += MISS * miss * miss;
         (lack_P, count) = (lack_P + miss_P, count + 1.0);
-        if let Some(links) = pad.checked_sub(1).and_then(|finger| opposition.links.get(finger)) {
+        let links = pad.checked_sub(1).and_then(|finger| opposition.links.get(finger));
+        if let Some(links) = links.filter(|_| width > THICK) {
             let way_P = crowded(links, chain, &choice.angles[pad], palm, (world, object));
             cost += CROWD * way_P.norm_squared();
             crowd_P = if way_P.norm() > crowd_P.norm() { way_P } else { crowd_P };

@@ -20,7 +20,6 @@ use super::opposition::{Base, Opposition};
 use super::order::Order;
 use super::size::friction;
 use super::squeeze::{FURTHER_MAX, further, least_share, push, slope, wanted};
-use super::swing::{backs_off, swung};
 use super::trouble::Trouble;
 use crate::build::BuiltHand;
 use crate::live::{Law, follow};
@@ -33,7 +32,7 @@ use thenar_core::{Pose, Vec3, World};
 use thenar_track::reach::{Angles, Chain, FREEDOMS_MAX, Goal, solve};
 
 /// How far before the surface pads gather \[m\]: they clear what they go around, and are there a fifth of a second later.
-pub(super) const BEFORE: f64 = 12e-3;
+const BEFORE: f64 = 12e-3;
 /// Skin of a hook this near to the handle is on it \[m\]: contacts begin there.
 const TOUCHES: f64 = 1e-3;
 /// How fast they go in \[m/s\]. A fingertip of 20 g on its drive of 500 N/m meets what is hard with `v √(k m)` = 0.1 N.
@@ -429,28 +428,15 @@ impl GripHand {
             }
             let bone = hand.handle.bones.start + chain.pad.bone as u32;
             let pad_P = palm.inverse_point(&world.rigid_pose(bone).point(&chain.pad.centre_B));
-            let place = Goal { centre: place_P + normal_P * chain.pad.radius, normal: -normal_P };
-            let swings = !opposition.links.is_empty()
-                && pad > 0
-                && before > 0.0
-                && !backs_off(chain, &place);
-            let goal = match swings {
-                true => chain.reach(&swung(chain, &place, before)).centre,
-                false => place.centre + normal_P * before,
-            };
+            let goal = place_P + normal_P * (chain.pad.radius + before);
             let miss = goal - pad_P;
             if closing {
                 let lead = kept.lead_P + miss * (LEAD.0 * h).min(1.0);
                 let size = lead.norm();
                 kept.lead_P = if size > LEAD.1 { lead * (LEAD.1 / size) } else { lead };
             }
-            if swings {
-                let place = Goal { centre: place.centre + kept.lead_P, ..place };
-                kept.goal = swung(chain, &place, before);
-            } else {
-                let goal = Goal { centre: goal + kept.lead_P, ..place };
-                solve(chain, &chain.ease(), &mut kept.goal, &goal, ROUNDS);
-            }
+            let goal = Goal { centre: goal + kept.lead_P, normal: -normal_P };
+            solve(chain, &chain.ease(), &mut kept.goal, &goal, ROUNDS);
             gathered &= advance(kept, chain, h) < GATHERED;
             if closing && felt > touch {
                 kept.touched = true;

@@ -23,7 +23,6 @@ mod reasons;
 mod size;
 mod squeeze;
 mod surface;
-mod swing;
 mod trouble;
 
 pub(crate) use felt::digit_touched;

@@ -135,7 +135,7 @@ fn rotations_of_another_length_are_brought_to_one() {
         let mut world = world(length).unwrap();
         let input = world.input();
         (0..50).for_each(|_| _ = world.step(&input, &mut ()));
-        assert!(world.contacts().iter().any(|c| c.force_W.y > 0.0), "{length}");
+        assert!(world.contacts().iter().any(|c| c.force_W.y != 0.0), "{length}");
         world.rigid_pose(CUBE as u32)
     });
     for pose in &states[1..] {
