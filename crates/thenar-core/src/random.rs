@@ -76,7 +76,7 @@ mod tests {
     #[test]
     fn parts_and_whole_numbers_are_even_too() {
         let mut random = Random::new(3);
-        let mut counts = [0; 7];
+        let mut counts = [0_i32; 7];
         let mut sum = 0.0;
         for _ in 0..70_000 {
             counts[random.below(7)] += 1;
@@ -85,7 +85,7 @@ mod tests {
             sum += part;
         }
         // Five standard deviations: of a count √(n p (1 - p)) = 93, of a mean √(1 / 12 n) = 0.0011.
-        assert!(counts.iter().all(|n| (*n as i32 - 10_000).abs() < 465), "{counts:?}");
+        assert!(counts.iter().all(|n| (*n - 10_000).abs() < 465), "{counts:?}");
         assert!((sum / 7e4 - 0.5).abs() < 0.0055, "{sum}");
         assert_eq!((random.below(1), random.below(0)), (0, 0));
     }
