@@ -1,5 +1,5 @@
 use super::*;
-use crate::contact::{self, Contact, HeldPlace, Shape, Site};
+use crate::contact::{self, HeldPlace, Shape};
 use crate::math::Mat3;
 use crate::model::{
     AngleLimit, Axis, Cone, EmbeddedSurface, FixedNode, Flesh, FrictionTable, JointDesc, JointKind,
