@@ -8,7 +8,7 @@
 //!
 //! The cone of friction is not asked for. An impulse of the step before is kept while it is within the tolerance of
 //! velocities, also in the frame of a contact that has turned since: for one step, in which a rigid edge hands its load
-//! on, it may lie outside by a tenth.
+//! on, it may lie outside.
 
 use crate::math::{Pose, Quat, ROTATION_OFF, Vec3, is_turn};
 use crate::model::BodyId;
