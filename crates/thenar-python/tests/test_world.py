@@ -67,7 +67,11 @@ def test_fingertips_come_to_places() -> None:
     hand.follow_angles(wrist, angles)
     _, far = hand.reaching(wrist, {"index": [0.0, 0.3, -0.9]})
     assert 0.5 < far < 0.9
-    for wrong, words in [({"toe": [0, 0, 0]}, "no finger is named 'toe'"), ({"index": [0, 0, np.nan]}, "not finite")]:
+    wrongs: list[tuple[dict[str, list[float]], str]] = [
+        ({"toe": [0.0, 0.0, 0.0]}, "no finger is named 'toe'"),
+        ({"index": [0.0, 0.0, float("nan")]}, "not finite"),
+    ]
+    for wrong, words in wrongs:
         with pytest.raises(ValueError, match=words):
             hand.reaching(wrist, wrong)
     with pytest.raises(thenar.PoseError):
