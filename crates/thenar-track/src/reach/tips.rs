@@ -97,7 +97,7 @@ fn bring(chain: &Chain, ease: &Angles, start: Angles, place: &Vec3) -> (f64, Ang
             best = (miss.norm(), angles);
         }
         // Ease bends a pad off its place; a little beyond it makes up for that.
-        wanted = (wanted + miss).cap_to(place, chain.pad.radius);
+        wanted = place + (wanted + miss - place).cap_magnitude(chain.pad.radius);
     }
     best
 }
@@ -110,17 +110,6 @@ fn part_of_range(chain: &Chain, part: f64) -> Angles {
         *angle = low + part * (high - low);
     }
     angles
-}
-
-/// A place kept near to another.
-trait Near {
-    fn cap_to(self, other: &Self, most: f64) -> Self;
-}
-
-impl Near for Vec3 {
-    fn cap_to(self, other: &Self, most: f64) -> Self {
-        other + (self - other).cap_magnitude(most)
-    }
 }
 
 #[cfg(test)]
