@@ -37,8 +37,9 @@ const RIM: f64 = 1e-6;
 const BEYOND: f64 = 1e-12;
 /// Alternations between normal and tangential part within one visit of a sliding contact.
 const ALTERNATIONS: usize = 4;
-/// Bisections and Newton steps that find the impulse on the rim of the friction disc.
+/// Bisections and Newton steps that find the impulse on the rim of the friction disc, to this part of its radius.
 const RIM_STEPS: usize = 30;
+const ON_RIM: f64 = 1e-13;
 
 /// Responses are rounded to single precision: a pivot below ten times that, of the trace, may be none.
 pub(super) const PIVOT_LEAST: f64 = 10.0 * f32::EPSILON as f64;
@@ -134,7 +135,9 @@ impl Response {
         let (mean, half) = (0.5 * (W.m22 + W.m33), 0.5 * (W.m22 - W.m33));
         let spread = half.hypot(W.m23);
         let (sin, cos) = (0.5 * W.m23.atan2(half)).sin_cos();
-        let (high, low) = (mean + spread, (mean - spread).max(0.0));
+        // Below its round-off a response may be any or none. One of that size gives a contact that hardly moves
+        // across the other direction an impulse in proportion; none at all would turn friction by round-off.
+        let (high, low) = (mean + spread, (mean - spread).max(PIVOT_LEAST * (mean + spread)));
         Self { W: *W, inverse: W.try_inverse(), definite: is_definite(W), high, low, cos, sin }
     }
 
@@ -214,27 +217,34 @@ impl Response {
         // In the axes of W.
         let Self { high, low, cos, sin, .. } = *self;
         let (p, q) = (c[0] * cos + c[1] * sin, c[1] * cos - c[0] * sin);
-        let back = |p: f64, q: f64| [p * cos - q * sin, p * sin + q * cos];
-        if low > 0.0 && (p / high).powi(2) + (q / low).powi(2) <= radius * radius {
-            return back(-p / high, -q / low);
+        let at = |s: f64| [-p / (high + s), -q / (low + s)];
+        let length_of = |t: [f64; 2]| (t[0] * t[0] + t[1] * t[1]).sqrt();
+        let mut t = at(0.0);
+        if low > 0.0 && length_of(t) <= radius {
+            return [t[0] * cos - t[1] * sin, t[0] * sin + t[1] * cos];
         }
         // On the rim: (W + s) t = -c. The length of t falls with s, and s lies between these.
-        let (mut least, mut most) =
-            ((size / radius - high).max(0.0), (size / radius - low).max(0.0));
-        let mut s = most;
+        let mut least = (p.abs() / radius - high).max(q.abs() / radius - low).max(0.0);
+        let mut most = size / radius - low;
+        let mut s = least;
         for _ in 0..RIM_STEPS {
-            let (a, b) = (p / (high + s), q / (low + s));
-            let length = (a * a + b * b).sqrt();
-            if (length - radius).abs() <= 1e-13 * radius {
+            t = at(s);
+            let length = length_of(t);
+            if (length - radius).abs() <= ON_RIM * radius {
                 break;
             }
             *(if length > radius { &mut least } else { &mut most }) = s;
-            // Newton on 1/|t| - 1/radius, which is nearly a straight line.
-            let slope = (a * a / (high + s) + b * b / (low + s)) / length.powi(3);
+            // Newton on 1/|t| - 1/radius, which is nearly a straight line, and bends so that from below each step ends
+            // below.
+            let slope = (t[0] * t[0] / (high + s) + t[1] * t[1] / (low + s)) / length.powi(3);
             let next = s - (1.0 / length - 1.0 / radius) / slope;
             s = if next > least && next < most { next } else { 0.5 * (least + most) };
         }
-        back(-p / (high + s), -q / (low + s))
+        // Wherever the steps end, friction stays within the disc.
+        let length = length_of(t);
+        let scale = if length > radius { radius / length } else { 1.0 };
+        let t = t.map(|t| scale * t);
+        [t[0] * cos - t[1] * sin, t[0] * sin + t[1] * cos]
     }
 }
 

@@ -157,7 +157,7 @@ impl World {
         self.embed();
         self.measure_areas();
         timer.begin(None);
-        debug_assert_eq!(self.validate(), Ok(()), "a step: {report:?}");
+        debug_assert_eq!(self.validate_step(), Ok(()), "a step: {report:?}");
         report
     }
 

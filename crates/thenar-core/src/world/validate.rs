@@ -2,16 +2,13 @@
 //!
 //! Box2D calls as much world validation. [`World::validate`] may be asked at any time; each step asks by
 //! itself where debug assertions are on, so that every test of every crate does. What only a step can know (that led bodies
-//! went where they were led, and that held nodes stayed) is asked there alone.
+//! went where they were led, that held nodes stayed, and by which cone of friction contact was solved) is asked there alone.
 //!
-//! Steps that fail are no exception: what is not finite is taken back before anyone can look.
-//!
-//! The cone of friction is not asked for. An impulse of the step before is kept while it is within the tolerance of
-//! velocities, also in the frame of a contact that has turned since: for one step, in which a rigid edge hands its load
-//! on, it may lie outside.
+//! Steps that fail are no exception: what is not finite is taken back before anyone can look, and an answer of contact
+//! that did not converge still lies in the cones of friction.
 
 use crate::math::{Pose, Quat, ROTATION_OFF, Vec3, is_turn};
-use crate::model::BodyId;
+use crate::model::{BodyId, Cone};
 use crate::solver::ContactRow;
 use crate::world::check::is_time_step;
 use crate::world::limits;
@@ -19,14 +16,20 @@ use crate::world::model::Model;
 use crate::world::parts::Part;
 use crate::world::state::{State, is_sound_position, is_sound_velocity};
 use crate::world::{ContactPoint, Input, StepReport, World};
+use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Lengths of normals are off by so much at most. They are of length one to some roundings (2e-16 each) where they
 /// arise, and then turned from a part's frame to its shape's, its body's and the world's: by a rotation of length 1 + δ a
 /// vector gets 1 + 2 δ as long, with δ up to [`ROTATION_OFF`].
 const NORMAL_OFF: f64 = 7.0 * ROTATION_OFF;
 
-/// Part of a force by which it may pull: the normal is off by as much, and so is each tangent, which is made of it.
-const FORCE_OFF: f64 = 4.0 * NORMAL_OFF;
+/// Part of a force by which it may leave its cone, to which solvers keep to 1e-12 (`contact_law`): the normal is off by as
+/// much, and so is each tangent, which is made of it.
+const CONE_OFF: f64 = 4.0 * NORMAL_OFF;
+
+/// Impulses in the frame in which they were found keep to their bounds to this part: that of the contact law, and as much
+/// again for roundings.
+const BOUND_OFF: f64 = 2e-12;
 
 /// Weights of a contact's two sides may differ by so much in sum: those of a surface's vertices may be off by
 /// 1e-6 in a description, on either side, and there are up to 24 roundings.
@@ -126,7 +129,8 @@ fn finite<'a>(
 impl World {
     /// Looks whether everything holds that must hold of a world between steps: the state has the lengths of its model and
     /// finite numbers within 1e9, rotations are rotations, held nodes rest along their axes, and what memory is searched is in order;
-    /// contacts of the last step point somewhere, push, have an area and put on one body what they take from the other; limits push away from their bounds. One pass, which allocates
+    /// contacts of the last step point somewhere, push, keep within Coulomb's cone (the linearised one lies within it),
+    /// have an area and put on one body what they take from the other; limits push away from their bounds. One pass, which allocates
     /// nothing.
     ///
     /// # Errors
@@ -137,6 +141,24 @@ impl World {
         self.state.validate(&self.model)?;
         self.contacts_are_valid()?;
         self.limits_are_valid()
+    }
+
+    /// Asks as [`World::validate`] does, and whether contact was solved with the cone of the settings.
+    ///
+    /// # Errors
+    /// The first thing that does not hold.
+    pub(super) fn validate_step(&self) -> Result<(), Invalid> {
+        self.validate()?;
+        if self.desc.solver.cone == Cone::Circular {
+            return Ok(());
+        }
+        let rows = self.scratch.rows.rows.iter().zip(&self.scratch.contacts);
+        rows.enumerate().try_for_each(|(i, (row, _))| {
+            let bound = row.friction * row.lambda.x * FRAC_1_SQRT_2 * (1.0 + BOUND_OFF);
+            let largest = row.lambda.y.abs().max(row.lambda.z.abs());
+            let expected = "within the square inscribed in Coulomb's disc";
+            Of("contact", i).number("friction [N s]", expected, largest, |t| t <= bound)
+        })
     }
 
     /// Looks whether a part of a step has put led bodies where they were led, and left held nodes where they were held.
@@ -231,8 +253,11 @@ fn contact_is_valid(of: Of, contact: &ContactPoint) -> Check {
     of.not_negative("area [m²]", contact.area)?;
     of.not_negative("friction coefficient", contact.friction)?;
     let along = contact.force_W.dot(&contact.normal_W);
-    let slack = FORCE_OFF * contact.force_W.norm();
-    of.number("normal force [N]", "not negative", along, |force| force >= -slack)
+    let slack = CONE_OFF * contact.force_W.norm();
+    of.number("normal force [N]", "not negative", along, |force| force >= -slack)?;
+    let across = (contact.force_W - contact.normal_W * along).norm();
+    let most = contact.friction * along.max(0.0) + slack;
+    of.number("tangential force [N]", "within the cone of friction", across, |force| force <= most)
 }
 
 /// Bodies and vertices of a contact are some of the model's.

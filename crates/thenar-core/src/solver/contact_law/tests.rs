@@ -95,6 +95,40 @@ fn the_disc_minimum_is_least() {
     }
 }
 
+/// A hinged body answers a pull along one direction only. Whatever little slides across it, from nothing to round-off
+/// to much, friction stays in its disc, and no other point of the disc has less energy, but for what round-off of the
+/// response makes.
+#[test]
+fn what_moves_along_one_line_keeps_friction_in_the_disc() {
+    let mut random = Random::new(37);
+    let (mut stick, mut slide) = (0, 0);
+    for case in 0..20_000 {
+        let (sin, cos) = random.range(0.0, std::f64::consts::PI).sin_cos();
+        let other = if case % 2 == 0 { 0.0 } else { 10f64.powf(random.range(-20.0, -2.0)) };
+        let mut W = Mat3::identity();
+        W.m22 = cos * cos + other * sin * sin;
+        W.m33 = sin * sin + other * cos * cos;
+        W.m23 = (1.0 - other) * sin * cos;
+        W.m32 = W.m23;
+        let W = W.map(|w| f64::from(w as f32));
+        let along = random.range(-2.0, 2.0);
+        let across = if case % 5 == 0 { 0.0 } else { 10f64.powf(random.range(-20.0, 1.0)) };
+        let c = [along * cos - across * sin, along * sin + across * cos];
+        let pull =
+            |t: [f64; 2]| [W.m22 * t[0] + W.m23 * t[1] + c[0], W.m32 * t[0] + W.m33 * t[1] + c[1]];
+        let t = Response::new(&W).in_disc(c, 1.0);
+        let length = t[0].hypot(t[1]);
+        let told = format!("case {case}: ({along}, {across}), {other}: {t:?}");
+        assert!(length <= 1.0 + 1e-12, "{told}");
+        // The energy is convex: no point of the disc lies downhill.
+        let g = pull(t);
+        let downhill = g[0].hypot(g[1]) + g[0] * t[0] + g[1] * t[1];
+        assert!(downhill <= 4.0 * PIVOT_LEAST, "{downhill} {told}");
+        *(if length < 1.0 - 1e-9 { &mut stick } else { &mut slide }) += 1;
+    }
+    assert!(stick > 2000 && slide > 5000, "{stick} {slide}");
+}
+
 /// The response of a point of a free rigid body of 1 kg, far out: half the radii of gyration are short.
 fn lever(random: &mut Random) -> Mat3 {
     let turn = *random.rotation(3.1).to_rotation_matrix().matrix();

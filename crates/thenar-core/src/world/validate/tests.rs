@@ -1,5 +1,5 @@
 use super::*;
-use crate::contact::{self, HeldPlace, Shape};
+use crate::contact::{self, Contact, HeldPlace, Shape, Site};
 use crate::math::Mat3;
 use crate::model::{
     AngleLimit, Axis, Cone, EmbeddedSurface, FixedNode, Flesh, FrictionTable, JointDesc, JointKind,
@@ -150,7 +150,7 @@ fn a_world_at_rest_is_valid_by_every_solver_and_after_every_change() {
         for cone in [Cone::Circular, Cone::Linearised] {
             let mut world = resting(kind, cone);
             let case = format!("{kind:?}, {cone:?}");
-            assert_eq!(world.validate(), Ok(()), "{case}");
+            assert_eq!(world.validate_step(), Ok(()), "{case}");
             let touches = |soft: bool| {
                 let of = |c: &&ContactPoint| c.touches_skin() == soft && c.force_W.y != 0.0;
                 world.contacts().iter().filter(of).count()
@@ -358,6 +358,12 @@ const OF_CONTACTS: &[Broken] = &[
 #[test]
 fn what_is_wrong_with_contacts_and_limits_is_named() {
     assert_each_is_found(OF_CONTACTS);
+    // Whatever its number.
+    let mut world = resting(SolverKind::Exact, Cone::Circular);
+    let contact = of_cube(&mut world);
+    contact.force_W.x += 0.6 * contact.force_W.y.abs();
+    let said = world.validate().unwrap_err().to_string();
+    assert!(said.contains("tangential force [N] must be within the cone of friction"), "{said}");
     let mut world = resting(SolverKind::Exact, Cone::Circular);
     of_cube(&mut world).bodies = [BodyId::Rigid(CUBE as u32); 2];
     let said = world.validate().unwrap_err().to_string();
@@ -366,6 +372,22 @@ fn what_is_wrong_with_contacts_and_limits_is_named() {
     of_cube(&mut world).bodies = [BodyId::Rigid(FLOOR as u32), BodyId::Rigid(3)];
     let said = world.validate().unwrap_err().to_string();
     assert!(said.ends_with("rigid body must be one of the world's, got 3"), "{said}");
+}
+
+/// Friction in the corner of the disc is allowed there, and beyond the square that is inscribed in it.
+#[test]
+fn the_square_is_asked_of_steps_with_the_linearised_cone() {
+    let mut world = resting(SolverKind::Exact, Cone::Linearised);
+    assert_eq!(world.validate_step(), Ok(()));
+    let flesh = |contact: &Contact| matches!(contact.a, Site::Soft(_));
+    let i = world.scratch.found.iter().position(flesh).unwrap();
+    let row = &mut world.scratch.rows.rows[i];
+    row.lambda.y = row.friction * row.lambda.x * 0.9;
+    assert!(row.lambda.x > 0.0);
+    let said = world.validate_step().unwrap_err().to_string();
+    assert!(said.contains("within the square inscribed in Coulomb's disc"), "{said}");
+    world.desc.solver.cone = Cone::Circular;
+    assert_eq!(world.validate_step(), Ok(()));
 }
 
 #[test]
