@@ -161,6 +161,94 @@ test("a headset's hands are tracked, followed, and feel the loaf", { timeout: 24
   await page.close();
 });
 
+/** Moves a controller's handle to a point of the simulated world, m, thumb up and fingers ahead. */
+async function hold(page: Page, side: Side, x: number, y: number, z: number): Promise<void> {
+  await page.evaluate(
+    async ([side, x, y, z]) => (await window.thenar.emulate!()).grip(side, x, y, z),
+    [side, x, y, z] as const,
+  );
+}
+
+async function press(page: Page, button: "trigger" | "squeeze", value: number): Promise<void> {
+  await page.evaluate(
+    async ([button, value]) => (await window.thenar.emulate!()).press("right", button, value),
+    [button, value] as const,
+  );
+}
+
+/** Where the simulated right palm is, and how far each fingertip is from it, thumb first, m. */
+async function reach(page: Page): Promise<{ palm: number[]; digits: number[] }> {
+  return read(page, (t) => {
+    const model = t.model!;
+    const hand = model.hands.find((candidate) => candidate.side === "right")!;
+    const at = (bone: number): number[] => {
+      const start = 7 * (hand.bone_start + bone);
+      return Array.from(t.snapshot!.rigids.subarray(start, start + 3));
+    };
+    const palm = at(0);
+    const digits = ["thumb", "index", "middle", "ring", "little"].map((digit) => {
+      const last = hand.bones.reduce((found, bone, i) => (bone.digit === digit ? i : found), -1);
+      return Math.hypot(...at(last).map((x, k) => x - palm[k]!));
+    });
+    return { palm, digits };
+  });
+}
+
+test("controllers lead the hands, and their buttons close them", { timeout: 240_000 }, async () => {
+  const { page, problems } = await open(browser, server.url);
+  await until(page, (t) => t.inControl);
+  await page.evaluate(async () => {
+    const emulator = await window.thenar.emulate!();
+    emulator.hold(true);
+    await window.thenar.app.inputs.start("xr");
+  });
+  await until(page, (t) => t.tracking!.report.tracked.length === 2);
+  await until(page, (t) => t.app.connection.status?.hands === "both" && t.app.connection.status?.loading === null && t.model?.hands.length === 2, 120);
+  await hold(page, "left", -0.25, 0.3, 0.15);
+  await hold(page, "right", 0.15, 0.3, 0.15);
+  await until(page, (t) => (t.snapshot!.flags & 32) !== 0);
+  // The middle of the palm comes to the handle: within half a palm's length and its thickness.
+  const away = async (): Promise<number> => {
+    const { palm } = await reach(page);
+    return Math.hypot(palm[0]! - 0.15, palm[1]! - 0.3, palm[2]! - 0.15);
+  };
+  await expect.poll(away, { timeout: 60_000 }).toBeLessThan(0.06);
+  await page.waitForTimeout(1500);
+  const straight = await reach(page);
+
+  // The trigger bends the index finger, and leaves the middle one.
+  const digit = async (k: number): Promise<number> => (await reach(page)).digits[k]!;
+  await press(page, "trigger", 1);
+  await expect.poll(() => digit(1), { timeout: 60_000 }).toBeLessThan(straight.digits[1]! - 0.015);
+  expect(await digit(2)).toBeGreaterThan(straight.digits[2]! - 0.008);
+  await press(page, "squeeze", 1);
+  await expect.poll(() => digit(2), { timeout: 60_000 }).toBeLessThan(straight.digits[2]! - 0.015);
+  await press(page, "trigger", 0);
+  await press(page, "squeeze", 0);
+  await expect.poll(() => digit(1), { timeout: 60_000 }).toBeGreaterThan(straight.digits[1]! - 0.005);
+
+  // Lowered onto the loaf the hand presses, and is felt.
+  await expect
+    .poll(
+      async () => {
+        const [x, top, z] = await loaf(page);
+        await hold(page, "right", x, top, z + 0.03);
+        return onLoaf(page);
+      },
+      { timeout: 60_000, interval: 150 },
+    )
+    .toBeGreaterThan(0.1);
+
+  // Laid down, they make way for bare hands.
+  await page.evaluate(async () => (await window.thenar.emulate!()).hold(false));
+  await place(page, "right", 0.15, 0.25, 0.15);
+  await until(page, (t) => t.tracking!.report.lengths.right !== null && t.tracking!.report.tracked.length === 2, 60);
+  await page.evaluate(() => window.thenar.app.inputs.stop());
+  await until(page, (t) => !t.tracking!.report.running && t.app.connection.status?.hands === "scene" && t.app.connection.status?.loading === null, 120);
+  expect(problems).toEqual([]);
+  await page.close();
+});
+
 test("a recording brings its hands and plays them", { timeout: 240_000 }, async () => {
   const { page, problems } = await open(browser, server.url);
   await until(page, (t) => t.inControl);

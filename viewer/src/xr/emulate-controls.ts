@@ -1,4 +1,4 @@
-// Mouse and keys for the hands of an emulated headset.
+// Mouse and keys for the hands and controllers of an emulated headset.
 
 import { Quaternion, Vector3 } from "three";
 import type { Side } from "../protocol/types";
@@ -13,7 +13,7 @@ const PER_KEY = 0.01;
 const TURN_PER_PIXEL = 0.006;
 
 const HELP =
-  "Drag: hand left, right, up, down. Wheel: to and fro. Shift-drag: turn. Space: pinch. Tab: other hand. Arrows, Page up and down: small steps. Esc: leave.";
+  "Drag: hand left, right, up, down. Wheel: to and fro. Shift-drag: turn. Space: pinch, or trigger and grip button. C: hands or controllers. Tab: other hand. Arrows, Page up and down: small steps. Esc: leave.";
 
 const STEPS: Readonly<Record<string, readonly [number, number, number]>> = {
   ArrowLeft: [-PER_KEY, 0, 0],
@@ -61,7 +61,7 @@ export class EmulatorControls {
   }
 
   private shift(x: number, y: number, z: number): void {
-    const { position } = this.emulator.hand(this.side);
+    const { position } = this.emulator.moved(this.side);
     position.set(position.x + x, position.y + y, position.z + z);
   }
 
@@ -72,7 +72,7 @@ export class EmulatorControls {
       this.shift(PER_PIXEL * x, -PER_PIXEL * y, 0);
       return;
     }
-    const { quaternion: q } = this.emulator.hand(this.side);
+    const { quaternion: q } = this.emulator.moved(this.side);
     const turned = new Quaternion()
       .setFromAxisAngle(new Vector3(0, 1, 0), -TURN_PER_PIXEL * x)
       .multiply(new Quaternion().setFromAxisAngle(new Vector3(1, 0, 0), -TURN_PER_PIXEL * y))
@@ -84,7 +84,8 @@ export class EmulatorControls {
   private key(event: KeyboardEvent, leave: () => void): void {
     const step = STEPS[event.key];
     if (step !== undefined) this.shift(...step);
-    else if (event.key === " ") this.emulator.pinch(this.side, 1);
+    else if (event.key === " ") this.close(1);
+    else if (event.key === "c") this.emulator.hold(!this.emulator.holds);
     else if (event.key === "Tab") this.change();
     else if (event.key === "Escape") leave();
     else return;
@@ -94,7 +95,16 @@ export class EmulatorControls {
   }
 
   private keyUp(event: KeyboardEvent): void {
-    if (event.key === " ") this.emulator.pinch(this.side, 0);
+    if (event.key === " ") this.close(0);
+  }
+
+  private close(amount: number): void {
+    if (!this.emulator.holds) {
+      this.emulator.pinch(this.side, amount);
+      return;
+    }
+    this.emulator.press(this.side, "trigger", amount);
+    this.emulator.press(this.side, "squeeze", amount);
   }
 
   private change(): void {

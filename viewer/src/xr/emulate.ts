@@ -1,8 +1,8 @@
 // A headset without a headset: IWER, loaded when asked for, in place of the browser's own WebXR.
-// Mouse and keys move its hands; tests move them by script.
+// Mouse and keys move its hands or controllers; tests move them by script.
 
 import type { XRDevice } from "iwer";
-import { Quaternion, Vector3 } from "three";
+import { Matrix4, Quaternion, Vector3 } from "three";
 import type { App } from "../app";
 import type { Side } from "../protocol/types";
 import { SIDES } from "../tracking/outlet";
@@ -13,8 +13,12 @@ const PINCH_FROM_RAY = new Vector3(0, -0.023, -0.01);
 /** Where the head is, m, and how far it looks down, rad: seated, eyes on the table. */
 const EYES = new Vector3(0, 1.2, 0);
 const LOOK_DOWN = 0.5;
+/** Turns a grip space so that the hand around it has its thumb up and its fingers ahead. */
+const THUMB_UP = new Quaternion().setFromAxisAngle(new Vector3(1, 0, 0), Math.PI / 2);
 
 type HandInput = NonNullable<XRDevice["hands"][Side]>;
+type ControllerInput = NonNullable<XRDevice["controllers"][Side]>;
+export type Button = "trigger" | "squeeze";
 
 export class Emulator {
   readonly device: XRDevice;
@@ -24,6 +28,8 @@ export class Emulator {
 
   private constructor(
     device: XRDevice,
+    /** Grip of each controller in its ray's frame, by which IWER places it. */
+    private readonly grips: Record<Side, Matrix4>,
     private readonly app: App,
   ) {
     this.device = device;
@@ -32,13 +38,16 @@ export class Emulator {
 
   static async install(app: App): Promise<Emulator> {
     const iwer = await import("iwer");
-    const device = new iwer.XRDevice(iwer.metaQuest3);
+    const headset = iwer.metaQuest3;
+    const device = new iwer.XRDevice(headset);
     // Chromium has a WebXR of its own even without a headset: it is replaced.
     device.installRuntime({ forceInstall: true });
     device.primaryInputMode = "hand";
     device.position.set(EYES.x, EYES.y, EYES.z);
     device.quaternion.set(-Math.sin(LOOK_DOWN / 2), 0, 0, Math.cos(LOOK_DOWN / 2));
-    const emulator = new Emulator(device, app);
+    const layout = headset.controllerConfig?.layout;
+    const grip = (side: Side) => new Matrix4().fromArray(layout?.[side]?.gripOffsetMatrix ?? new Matrix4().elements);
+    const emulator = new Emulator(device, { left: grip("left"), right: grip("right") }, app);
     emulator.restHands();
     return emulator;
   }
@@ -49,6 +58,26 @@ export class Emulator {
     return hand;
   }
 
+  controller(side: Side): ControllerInput {
+    const controller = this.device.controllers[side];
+    if (controller === undefined) throw new Error(`The emulated headset has no ${side} controller.`);
+    return controller;
+  }
+
+  /** Controllers are in the hands, or lie aside. */
+  hold(controllers: boolean): void {
+    this.device.primaryInputMode = controllers ? "controller" : "hand";
+  }
+
+  get holds(): boolean {
+    return this.device.primaryInputMode === "controller";
+  }
+
+  /** What is moved on this side. */
+  moved(side: Side): HandInput | ControllerInput {
+    return this.holds ? this.controller(side) : this.hand(side);
+  }
+
   /** Both hands before the chest, as IWER's space has them. */
   restHands(): void {
     for (const side of SIDES) {
@@ -56,6 +85,9 @@ export class Emulator {
       hand.position.set(side === "left" ? -0.18 : 0.18, EYES.y - 0.3, -0.3);
       hand.quaternion.set(0, 0, 0, 1);
       this.pinch(side, 0);
+      const controller = this.controller(side);
+      controller.position.set(side === "left" ? -0.18 : 0.18, EYES.y - 0.3, -0.3);
+      controller.quaternion.set(0, 0, 0, 1);
     }
   }
 
@@ -67,6 +99,23 @@ export class Emulator {
     const hand = this.hand(side);
     hand.position.set(ray.x, ray.y, ray.z);
     hand.quaternion.set(turn.x, turn.y, turn.z, turn.w);
+  }
+
+  /** Puts a controller's handle at a point of the simulated world, m, its thumb side up and fingers ahead. */
+  grip(side: Side, x: number, y: number, z: number): void {
+    const { world } = this.app.stage;
+    const turn = new Quaternion().copy(world.quaternion).multiply(THUMB_UP);
+    const controller = this.controller(side);
+    const at = new Vector3(x, y, z).applyQuaternion(world.quaternion).add(world.position);
+    const grip = new Matrix4().compose(at, turn, new Vector3(1, 1, 1));
+    grip.multiply(this.grips[side].clone().invert()).decompose(at, turn, new Vector3());
+    controller.position.set(at.x, at.y, at.z);
+    controller.quaternion.set(turn.x, turn.y, turn.z, turn.w);
+  }
+
+  /** Presses a controller's button, 0 to 1. */
+  press(side: Side, which: Button, value: number): void {
+    this.controller(side).updateButtonValue(which, value);
   }
 
   /** 0 relaxed to 1 thumb on index. */

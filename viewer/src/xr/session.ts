@@ -1,13 +1,15 @@
-// One XR session: the world stands before the visitor, the visitor's hands go to the server, forces
+// One XR session: the world stands before the visitor, the visitor's hands or controllers move those of the scene, forces
 // come back as colour, numbers and vibration. Made when a session begins, ended with it.
 
 import { Vector3, type PerspectiveCamera } from "three";
 import type { App } from "../app";
 import type { Side } from "../protocol/types";
 import type { LayerName } from "../scene/layers";
+import { wristNumbers } from "../input/hand-pose";
 import { HandsRequest, PoseOutlet, SIDES } from "../tracking/outlet";
 import { identity, inverse, type Rigid } from "../tracking/rigid";
 import { placeWorld } from "./anchor";
+import { XrControllers } from "./controllers";
 import { digitForces, totalForce } from "./forces";
 import { Haptics } from "./haptics";
 import { XrHands } from "./hands";
@@ -29,6 +31,7 @@ interface Desk {
 
 export class XrLive {
   readonly hands = new XrHands();
+  readonly controllers = new XrControllers();
   readonly sizing = new Sizing();
   frames = 0;
   /** Of the newest frame, s. */
@@ -72,6 +75,12 @@ export class XrLive {
   /** Sides of the hands that move. */
   led(): readonly Side[] {
     return this.outlet.led();
+  }
+
+  /** Sides of the hands or controllers that are seen. */
+  seen(): readonly Side[] {
+    const { hands, controllers, time } = this;
+    return SIDES.filter((side) => !hands.lost(side, time) || !controllers.lost(side, time));
   }
 
   /** The scene comes before the visitor again at the next frame. */
@@ -119,7 +128,9 @@ export class XrLive {
     this.frames += 1;
     this.time = time;
     if (this.toWorld === null && !this.placeWorld(frame, space)) return;
-    this.hands.read(frame, space, this.toWorld ?? identity(), time);
+    const toWorld = this.toWorld ?? identity();
+    this.hands.read(frame, space, toWorld, time);
+    this.controllers.read(frame, space, toWorld, time);
     this.send(time);
     this.feedBack(time);
   }
@@ -144,12 +155,22 @@ export class XrLive {
       if (joints !== null) {
         this.sizing.add(side, joints, time);
         this.outlet.joints(side, joints);
-      } else if (this.hands.lost(side, time)) {
+      } else if (this.controllers.fresh(side)) {
+        this.sizing.hold(side, time);
+        this.sendHeld(side, time);
+      } else if (this.hands.lost(side, time) && this.controllers.lost(side, time)) {
         this.outlet.lost(side);
       }
     }
     const wanted = this.sizing.wanted(time);
     if (wanted !== null) this.request.ask(wanted);
+  }
+
+  private sendHeld(side: Side, time: number): void {
+    const hand = this.app.connection.model?.hands.find((candidate) => candidate.side === side);
+    if (hand === undefined) return;
+    const pose = this.controllers.pose(side, hand, time);
+    this.outlet.angles(side, wristNumbers(pose), pose.angles);
   }
 
   private feedBack(time: number): void {
@@ -175,18 +196,22 @@ export class XrLive {
     if (this.recentreGesture.update(this.hands.fresh("left"), this.centre, force("left") > 0, time)) {
       this.recentre();
     }
+    if (this.controllers.pressed()) this.recentre();
     const speed = snapshot?.speed ?? null;
     const data = { forces: { left: forces("left"), right: forces("right") }, speed };
-    this.panel.draw({ ...data, advice: this.advice(seen.length) }, time);
+    this.panel.draw({ ...data, advice: this.advice(seen.length > 0) }, time);
   }
 
-  private advice(seen: number): string {
+  private advice(bare: boolean): string {
     const { connection } = this.app;
     if (connection.state !== "open") return "The server does not answer. Waiting for it.";
     if (!connection.inControl) return "Somebody else holds control.";
     if (connection.status?.loading) return "Building hands of your size.";
     if (this.recentreGesture.progress > 0.2) return "Hold on: the scene comes before you.";
-    if (seen === 0) return "Put the controllers down and show your hands.";
+    if (!bare && SIDES.some((side) => this.controllers.fresh(side))) {
+      return "Trigger: index finger. Grip button: the other fingers. Stick: the scene comes before you.";
+    }
+    if (!bare) return "Show your hands, or take the controllers.";
     return "Touch what lies before you.";
   }
 }

@@ -1,4 +1,5 @@
-// When to ask for which hands: both as soon as both are measured, one if the other stays away.
+// When to ask for which hands: both as soon as both are known, one if the other stays away. A hand that is seen is
+// measured; one that holds a controller is as long as the model's.
 
 import type { Side } from "../protocol/types";
 import type { HandJoints } from "../tracking/joints";
@@ -13,15 +14,23 @@ export class Sizing {
     left: new SizeMedian(),
     right: new SizeMedian(),
   };
-  private readonly found: Partial<Record<Side, HandSize>> = {};
+  /** Null: as the model is, until it is measured. */
+  private readonly found: Partial<Record<Side, HandSize | null>> = {};
   private since: number | null = null;
 
   add(side: Side, joints: HandJoints, time: number): void {
-    if (this.found[side] !== undefined) return;
+    if (this.found[side]) return;
     this.medians[side].add(joints, time);
     const size = this.medians[side].get();
     if (size === null) return;
     this.found[side] = size;
+    this.since ??= time;
+  }
+
+  /** A controller is held on this side. */
+  hold(side: Side, time: number): void {
+    if (this.found[side] !== undefined) return;
+    this.found[side] = null;
     this.since ??= time;
   }
 

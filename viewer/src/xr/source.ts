@@ -1,4 +1,4 @@
-// Input source: a headset that tracks hands, through WebXR.
+// Input source: a headset that tracks hands or controllers, through WebXR.
 
 import type { App } from "../app";
 import { InputSourceBase } from "../input/source";
@@ -20,7 +20,7 @@ const WORDS: Readonly<Record<Mode, Words>> = {
   "immersive-vr": {
     id: "xr",
     label: "Enter XR",
-    help: "Headset with hand tracking: the scene stands on a table before you, at true scale, and both of your hands reach in.",
+    help: "Headset: the scene stands on a table before you, at true scale, and both of your hands reach in, bare or with controllers.",
   },
   "immersive-ar": {
     id: "xr-ar",
@@ -93,7 +93,7 @@ export class XrSource extends InputSourceBase {
     this.recentreButton.hidden = false;
     const enabled = session.enabledFeatures;
     const hands = enabled === undefined || enabled.includes("hand-tracking");
-    this.set("on", hands ? "" : "The headset does not let the page track hands.");
+    this.set("on", hands ? "" : "The headset does not let the page track hands: take the controllers.");
   }
 
   stop(): void {
@@ -144,7 +144,7 @@ export class XrSource extends InputSourceBase {
     return {
       running: live !== null,
       frames: live?.frames ?? 0,
-      tracked: SIDES.filter((side) => live !== null && !live.hands.lost(side, live.time)),
+      tracked: live?.seen() ?? [],
       lengths: Object.fromEntries(
         SIDES.map((side) => [side, live?.sizing.size(side)?.length ?? null] as const),
       ),
@@ -164,7 +164,7 @@ export class EmulatedSource extends XrSource {
     super(app, "immersive-vr", {
       id: "xr-emulated",
       label: "Emulate a headset",
-      help: "Tries out XR without a headset: mouse and keys move two tracked hands that can pinch.",
+      help: "Tries out XR without a headset: mouse and keys move two tracked hands that can pinch, or two controllers.",
     });
   }
 
