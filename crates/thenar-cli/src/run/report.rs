@@ -11,9 +11,9 @@ use thenar_core::model::{Digit, SolverKind};
 use thenar_scene::session::{HandLoad, Session, StartOverlap};
 
 /// Version of the report. 2: each finger's mean pressure, and what overlaps at the start. 3: contacts
-/// left out. 4: steps made in parts. 5: which figures to trust, and why. What an earlier version gave is there under the
-/// same keys.
-const REPORT_VERSION: u32 = 5;
+/// left out. 4: steps made in parts. 5: which figures to trust, and why. 6: how long tetrahedra were inside out. What an
+/// earlier version gave is there under the same keys.
+const REPORT_VERSION: u32 = 6;
 
 /// The report as JSON. Units are part of the keys: `_s`, `_us`, `_m`, `_j`, `_n`, `_m2`, `_pa`.
 pub fn report(session: &Session, outcome: &Outcome) -> Value {
@@ -53,6 +53,7 @@ pub fn report(session: &Session, outcome: &Outcome) -> Value {
         "max_joint_gap_m": s.joint_gap_max,
         "max_penetration_m": s.penetration_max,
         "inverted_tets_max": s.inverted_tets_max,
+        "inverted_longest_s": s.inverted_longest as f64 * world.time_step(),
         "non_finite": s.non_finite,
         "fell_back": s.fell_back,
         "divided": s.divided,
@@ -107,6 +108,7 @@ fn tets(session: &Session) -> usize {
 fn verdict(session: &Session, outcome: &Outcome) -> Verdict {
     Verdict::new(&Evidence {
         steps: outcome.steps,
+        time_step: session.world().time_step(),
         summary: &outcome.summary,
         settings: &session.world().desc().solver,
         tets: tets(session),

@@ -68,6 +68,7 @@ fn a_run_reports_every_promised_figure() {
         "/max_joint_gap_m",
         "/max_penetration_m",
         "/inverted_tets_max",
+        "/inverted_longest_s",
         "/non_finite",
         "/energy_j/initial",
         "/energy_j/final",
@@ -90,7 +91,7 @@ fn a_run_reports_every_promised_figure() {
     for key in ["scene", "solver", "state_hash"] {
         assert!(report[key].is_string(), "{key}");
     }
-    assert_eq!(report["report_version"], 5);
+    assert_eq!(report["report_version"], 6);
     assert_eq!(report["scene"], "soft-cube");
     assert_eq!(report["steps"], 150);
     assert_eq!(report["tets"], 320);
