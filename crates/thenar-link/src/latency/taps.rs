@@ -100,14 +100,15 @@ fn stop(seen: &[Seen], finger: usize) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::trial::{Chance, Fake, Moment};
+    use super::super::trial::{Fake, Moment};
     use super::*;
     use thenar_core::Vec3;
+    use thenar_core::random::Random;
 
     /// Keys on an uneven beat: when each is down.
     fn beat(count: usize) -> Vec<f64> {
-        let mut chance = Chance::new(5);
-        (0..count).map(|k| 1.0 + k as f64 + 0.2 * chance.part()).collect()
+        let mut random = Random::new(5);
+        (0..count).map(|k| 1.0 + k as f64 + 0.2 * random.unit()).collect()
     }
 
     /// The index finger comes down by 30 mm within 80 ms, ever faster, stops dead, stays for 90 ms and rises in 120 ms.

@@ -132,7 +132,7 @@ fn numbers_that_are_none_are_refused() {
     }
     let mut good = vec![0; HAND_BYTES];
     write(&mut good, 0, Some(&told(Side::Left)));
-    let (mut mutator, mut protocol) = (Mutator(2), OpenXrHands::default());
+    let (mut mutator, mut protocol) = (Mutator::new(2), OpenXrHands::default());
     let mut refused = 0;
     for _ in 0..3000 {
         for event in collect(&mut protocol, 1, &[&mutator.damage(&good)]) {
