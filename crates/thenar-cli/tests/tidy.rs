@@ -411,6 +411,21 @@ fn what_a_package_holds_is_seen_from_its_names() {
     assert!(!holds("\"../../tests/d.txt\""), "packages hold no tests");
 }
 
+/// Who takes one package has its licences: links to the texts of the whole, which become files when it is packaged.
+#[test]
+fn published_crates_bring_their_licences() {
+    for name in published() {
+        for text in ["LICENSE-MIT", "LICENSE-APACHE"] {
+            let inside = format!("crates/{name}/{text}");
+            assert!(root().join(&inside).exists(), "{inside} is missing");
+            assert_eq!(read(&inside), read(text), "{inside}");
+            let manifest = read(&format!("crates/{name}/Cargo.toml"));
+            let listed = manifest.lines().find(|line| line.starts_with("include = "));
+            assert!(listed.is_none_or(|list| list.contains("\"/LICENSE-*\"")), "{name}: {listed:?}");
+        }
+    }
+}
+
 /// A package is built where nothing of the tree is beside it.
 #[test]
 fn published_crates_build_in_only_files_of_their_own() {
