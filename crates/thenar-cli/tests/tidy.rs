@@ -358,6 +358,20 @@ fn published() -> Vec<String> {
     names.filter(goes_out).collect()
 }
 
+/// No draft of a release is made of packages from which the program does not build.
+#[test]
+fn a_release_waits_for_its_packages() {
+    let text = read(".github/workflows/release.yml");
+    let jobs = text.split_once("\njobs:\n").unwrap().1;
+    let job = |name: &str| {
+        let rest = jobs.split_once(&format!("  {name}:\n")).unwrap().1;
+        rest.lines().take_while(|line| line.is_empty() || line.starts_with("    ")).collect()
+    };
+    let (packages, draft): (Vec<&str>, Vec<&str>) = (job("packages"), job("draft"));
+    assert!(packages.iter().any(|line| line.trim() == "run: .ci/package verify"), "{packages:?}");
+    assert!(draft.contains(&"    needs: [build, packages]"), "{draft:?}");
+}
+
 /// Arguments of what names files in a source: macros that build them in, and paths of modules. Each with its place in the
 /// text.
 fn named_files(text: &str) -> Vec<(usize, &str)> {
@@ -421,7 +435,10 @@ fn published_crates_bring_their_licences() {
             assert_eq!(read(&inside), read(text), "{inside}");
             let manifest = read(&format!("crates/{name}/Cargo.toml"));
             let listed = manifest.lines().find(|line| line.starts_with("include = "));
-            assert!(listed.is_none_or(|list| list.contains("\"/LICENSE-*\"")), "{name}: {listed:?}");
+            assert!(
+                listed.is_none_or(|list| list.contains("\"/LICENSE-*\"")),
+                "{name}: {listed:?}"
+            );
         }
     }
 }
