@@ -1,5 +1,8 @@
 //! Goal: what the documents claim about the tree is so. Method: read them and look.
 
+#[path = "tidy/commits.rs"]
+mod commits;
+
 use std::path::{Path, PathBuf};
 
 fn root() -> PathBuf {
