@@ -167,7 +167,7 @@ pub fn print(session: &Session, outcome: &Outcome) {
         .map(|(hand, peaks)| Hand {
             name: &hand.name,
             peaks: *peaks,
-            points: areas_of_points(world, hand.handle.soft),
+            points: areas_of_points(world, hand.flesh()),
         })
         .collect();
     fingers(&hands).iter().for_each(|line| println!("  {line}"));
@@ -215,8 +215,9 @@ struct Hand<'a> {
 
 /// Area for which a vertex stands where each finger's skin is fine \[m²\], a third of the triangles around it: a quarter of the
 /// finger's vertices stand for less. 0 without flesh.
-fn areas_of_points(world: &World, soft: u32) -> [f64; 5] {
-    let Some(body) = world.desc().softs.get(soft as usize) else { return [0.0; 5] };
+fn areas_of_points(world: &World, soft: Option<u32>) -> [f64; 5] {
+    let Some(soft) = soft else { return [0.0; 5] };
+    let body = &world.desc().softs[soft as usize];
     let x = world.collision_vertices(soft);
     let mut areas = vec![0.0; x.len()];
     for triangle in &body.flesh.collision.triangles {
@@ -325,7 +326,7 @@ mod tests {
     fn points_stand_for_a_third_of_what_is_around_them() {
         let text = "version = 1\n[[hand]]\npreset = \"paper\"\nname = \"hand\"\n";
         let session = Session::from_text(text, std::path::Path::new("hand.toml"), &[]).unwrap();
-        let (world, soft) = (session.world(), session.hands()[0].handle.soft);
+        let (world, soft) = (session.world(), session.hands()[0].flesh().unwrap());
         let x = world.collision_vertices(soft);
         let triangles = &world.desc().softs[soft as usize].flesh.collision.triangles;
         let stands_for = |v: &u32| -> f64 {
@@ -333,12 +334,12 @@ mod tests {
                 triangles.iter().filter(|t| t.contains(v)).map(|t| t.map(|v| x[v as usize]));
             around.map(|[a, b, c]| (b - a).cross(&(c - a)).norm() / 6.0).sum()
         };
-        for (digit, told) in Digit::FINGERS.iter().zip(areas_of_points(world, soft)) {
+        for (digit, told) in Digit::FINGERS.iter().zip(areas_of_points(world, Some(soft))) {
             let is_on = |v: &u32| world.model().part_of(soft, *v) == u32::from(digit.part());
             let own: Vec<f64> = (0..x.len() as u32).filter(is_on).map(|v| stands_for(&v)).collect();
             let less = own.iter().filter(|area| **area < told * (1.0 - 1e-9)).count();
             assert!(own.len() > 20 && less == own.len() / 4, "{digit:?}: {less} of {}", own.len());
         }
-        assert_eq!(areas_of_points(world, u32::MAX), [0.0; 5]);
+        assert_eq!(areas_of_points(world, None), [0.0; 5]);
     }
 }
