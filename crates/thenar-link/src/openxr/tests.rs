@@ -96,7 +96,7 @@ fn a_session_that_does_not_run_is_silent() {
     assert_eq!(left, [Some(true), None, Some(false), None, Some(true), None]);
 }
 
-/// A message is told, and what comes after it is read.
+/// A message is reported, and what comes after it is read.
 #[test]
 fn notes_are_told() {
     struct Noting(Option<&'static str>);
