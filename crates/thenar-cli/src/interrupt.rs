@@ -26,7 +26,7 @@ pub fn hear() {
     stop_on_panic();
 }
 
-/// A file that may grow no further (`ulimit -f`) is a full disk: whoever writes is told. The system would end the
+/// A file that may grow no further (`ulimit -f`) is a full disk: whoever writes gets an error. The system would end the
 /// program, and drafts would stay. Programs that this one starts are ended as usual.
 #[cfg(unix)]
 fn outgrow() -> std::io::Result<()> {

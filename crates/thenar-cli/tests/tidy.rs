@@ -1,5 +1,8 @@
 //! Goal: what the documents claim about the tree is so. Method: read them and look.
 
+#[path = "tidy/commits.rs"]
+mod commits;
+
 use std::path::{Path, PathBuf};
 
 fn root() -> PathBuf {
@@ -180,7 +183,7 @@ fn documents_avoid_what_reads_as_translated() {
 }
 
 /// Crates whose comments of documentation still have such turns.
-const TRANSLATED_STILL: [&str; 4] = ["thenar-cli/", "thenar-link/", "thenar-rig/", "thenar-scene/"];
+const TRANSLATED_STILL: [&str; 2] = ["thenar-rig/", "thenar-scene/"];
 
 #[test]
 fn comments_of_documentation_avoid_what_reads_as_translated() {
@@ -358,6 +361,20 @@ fn published() -> Vec<String> {
     names.filter(goes_out).collect()
 }
 
+/// No draft of a release is made of packages from which the program does not build.
+#[test]
+fn a_release_waits_for_its_packages() {
+    let text = read(".github/workflows/release.yml");
+    let jobs = text.split_once("\njobs:\n").unwrap().1;
+    let job = |name: &str| {
+        let rest = jobs.split_once(&format!("  {name}:\n")).unwrap().1;
+        rest.lines().take_while(|line| line.is_empty() || line.starts_with("    ")).collect()
+    };
+    let (packages, draft): (Vec<&str>, Vec<&str>) = (job("packages"), job("draft"));
+    assert!(packages.iter().any(|line| line.trim() == "run: .ci/package verify"), "{packages:?}");
+    assert!(draft.contains(&"    needs: [build, packages]"), "{draft:?}");
+}
+
 /// Arguments of what names files in a source: macros that build them in, and paths of modules. Each with its place in the
 /// text.
 fn named_files(text: &str) -> Vec<(usize, &str)> {
@@ -409,6 +426,24 @@ fn what_a_package_holds_is_seen_from_its_names() {
     assert!(!holds("concat!(\"../../../../data/\", $name, \".txt\")"));
     assert!(!holds("concat!(env!(\"CARGO_MANIFEST_DIR\"), \"/../b/d.txt\")"));
     assert!(!holds("\"../../tests/d.txt\""), "packages hold no tests");
+}
+
+/// Who takes one package has its licences: links to the texts of the whole, which become files when it is packaged.
+#[test]
+fn published_crates_bring_their_licences() {
+    for name in published() {
+        for text in ["LICENSE-MIT", "LICENSE-APACHE"] {
+            let inside = format!("crates/{name}/{text}");
+            assert!(root().join(&inside).exists(), "{inside} is missing");
+            assert_eq!(read(&inside), read(text), "{inside}");
+            let manifest = read(&format!("crates/{name}/Cargo.toml"));
+            let listed = manifest.lines().find(|line| line.starts_with("include = "));
+            assert!(
+                listed.is_none_or(|list| list.contains("\"/LICENSE-*\"")),
+                "{name}: {listed:?}"
+            );
+        }
+    }
 }
 
 /// A package is built where nothing of the tree is beside it.

@@ -1,14 +1,20 @@
 //! Text and bytes damaged at random, for tests of what reads them.
 
+use thenar_core::random::Random;
+
 /// Repeatable damage, from a seed on.
 #[derive(Clone, Debug)]
-pub struct Mutator(pub u64);
+pub struct Mutator(Random);
 
 impl Mutator {
+    /// The damage of a seed.
+    pub fn new(seed: u64) -> Self {
+        Self(Random::new(seed))
+    }
+
     /// A number below `n`; 0 if `n` is 0.
     pub fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 33) as usize % n.max(1)
+        self.0.below(n)
     }
 
     /// A copy with other digits, or with bytes or stretches changed, dropped, doubled or cut.
@@ -52,7 +58,7 @@ mod tests {
     fn damage_is_repeatable_and_takes_many_forms() {
         let good = b"{\"time\": 1.25, \"wrist\": [0.1, 0.2, 0.3]}";
         let copies = |seed: u64| -> Vec<_> {
-            let mut mutator = Mutator(seed);
+            let mut mutator = Mutator::new(seed);
             (0..500).map(|_| mutator.damage(good)).collect()
         };
         let some = copies(1);
@@ -63,6 +69,6 @@ mod tests {
         let [longer, shorter] = [Ordering::Greater, Ordering::Less]
             .map(|wanted| some.iter().filter(|copy| copy.len().cmp(&good.len()) == wanted).count());
         assert!(longer > 20 && shorter > 20, "{longer} {shorter}");
-        assert_eq!(Mutator(1).damage(b"").len(), 0);
+        assert_eq!(Mutator::new(1).damage(b"").len(), 0);
     }
 }

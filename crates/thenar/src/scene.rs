@@ -2,6 +2,7 @@
 
 use crate::Simulation;
 use crate::entry::value_of;
+use std::collections::BTreeSet;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use thenar_core::Vec3;
@@ -32,12 +33,33 @@ pub trait Sealed {
 }
 
 /// Hands, objects and settings, from which a [`Simulation`] is built. Whatever is wrong with them is said by [`Scene::build`].
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Scene {
+    /// As it was opened, without what was added since.
     text: String,
+    added: Vec<Added>,
     /// Names the scene in messages; paths in it start at its folder.
     file: PathBuf,
     overrides: Vec<String>,
+}
+
+/// A part that was added. Parts without a name get theirs when the scene is written, after all names that were given.
+#[derive(Clone, Debug)]
+struct Added {
+    /// The list that it belongs to, and its place there.
+    list: &'static str,
+    place: usize,
+    /// What a name that no one gave begins with.
+    usual: String,
+    keys: Table,
+}
+
+/// Scenes are the same that are written the same.
+impl PartialEq for Scene {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.file, &self.overrides) == (&other.file, &other.overrides)
+            && self.written() == other.written()
+    }
 }
 
 impl Default for Scene {
@@ -54,7 +76,7 @@ impl Scene {
 
     /// A scene as it stands in a scene file. Relative paths start at the working directory.
     pub fn from_toml(text: &str) -> Self {
-        Self { text: text.to_owned(), file: "scene.toml".into(), overrides: Vec::new() }
+        Self::opened(text.to_owned(), "scene.toml".into())
     }
 
     /// A scene file. Relative paths in it start at its folder.
@@ -63,7 +85,7 @@ impl Scene {
     /// The file cannot be read.
     pub fn from_file(file: impl AsRef<Path>) -> Result<Self, SceneError> {
         let file = file.as_ref();
-        Ok(Self { text: read_scene(file)?, file: file.into(), overrides: Vec::new() })
+        Ok(Self::opened(read_scene(file)?, file.into()))
     }
 
     /// A scene that comes with the program, such as `bread-grasp`; `thenar scenes` lists them.
@@ -76,27 +98,24 @@ impl Scene {
             SceneError::Unknown { name: name.into(), known: known.join(", ") }
         };
         let scene = builtin(name).ok_or_else(unknown)?;
-        let file = PathBuf::from(format!("{name}.toml"));
-        Ok(Self { text: scene.text.into(), file, overrides: Vec::new() })
+        Ok(Self::opened(scene.text.into(), format!("{name}.toml").into()))
     }
 
-    /// Adds a hand or an object, and returns the handle by which the simulation knows it. What has no name gets one that is free. In a
-    /// scene from a file, lists stand as `[[rigid]]`; to one that is written in line (`rigid = [...]`) nothing can be added, which
-    /// [`Scene::build`] says.
+    fn opened(text: String, file: PathBuf) -> Self {
+        Self { text, added: Vec::new(), file, overrides: Vec::new() }
+    }
+
+    /// Adds a hand or an object, and returns the handle by which the simulation knows it. What has no name gets one that is free when
+    /// the scene is built: `sphere-2` for the second rigid body of a scene, or the next number if any part, added before or after,
+    /// was given this name. In a scene from a file, lists stand as `[[rigid]]`; to one that is written in line (`rigid = [...]`)
+    /// nothing can be added, which [`Scene::build`] says.
     pub fn add<P: Part>(&mut self, part: P) -> P::Id {
         // Text that cannot be read has no parts; `build` says what is wrong with it.
-        let whole = self.text.parse::<Table>().unwrap_or_default();
-        let place = whole.get(P::KEY).and_then(Value::as_array).map_or(0, Vec::len);
-        let usual = free_name(&whole, part.usual_name(), place + 1);
-        let mut keys = part.into_table();
-        let mut table = Table::new();
-        let name = keys.remove("name").unwrap_or(Value::String(usual));
-        table.insert("name".into(), name);
-        table.extend(keys);
-        let list = Value::Array(vec![Value::Table(table)]);
-        let added: Table = [(P::KEY.to_owned(), list)].into_iter().collect();
-        self.text.push('\n');
-        self.text.push_str(&added.to_string());
+        let opened = self.text.parse::<Table>().unwrap_or_default();
+        let before = opened.get(P::KEY).and_then(Value::as_array).map_or(0, Vec::len);
+        let place = before + self.added.iter().filter(|added| added.list == P::KEY).count();
+        let usual = part.usual_name().to_owned();
+        self.added.push(Added { list: P::KEY, place, usual, keys: part.into_table() });
         P::id(place)
     }
 
@@ -121,15 +140,15 @@ impl Scene {
     /// The scene as a scene file, which gives the same simulation. Comments of a file that was opened stay unless [`Scene::set`] or its
     /// likes have changed something.
     pub fn to_toml(&self) -> String {
-        let Ok(mut whole) = self.text.parse::<Table>().map(Value::Table) else {
-            return self.text.clone();
+        let text = self.written();
+        let Ok(mut whole) = text.parse::<Table>().map(Value::Table) else {
+            return text;
         };
         if self.overrides.is_empty() {
-            return self.text.clone();
+            return text;
         }
-        for (key, value) in self.overrides.iter().filter_map(|given| given.split_once('=')) {
-            let steps: Vec<&str> = key.split('.').map(str::trim).collect();
-            assign(&mut whole, &steps, value_of(value.trim()));
+        for (steps, value) in self.changes() {
+            assign(&mut whole, &steps, value);
         }
         whole.as_table().map(ToString::to_string).unwrap_or_default()
     }
@@ -139,17 +158,54 @@ impl Scene {
     /// # Errors
     /// Something in the scene is wrong: says what, and where.
     pub fn build(&self) -> Result<Simulation, SceneError> {
-        Session::from_text(&self.text, &self.file, &self.overrides).map(Simulation::new)
+        Session::from_text(&self.written(), &self.file, &self.overrides).map(Simulation::new)
+    }
+
+    /// What [`Scene::set`] changes: the steps to each key, and its value.
+    fn changes(&self) -> impl Iterator<Item = (Vec<&str>, Value)> {
+        let given = self.overrides.iter().filter_map(|given| given.split_once('='));
+        given.map(|(key, value)| (key.split('.').map(str::trim).collect(), value_of(value.trim())))
+    }
+
+    /// The scene before [`Scene::set`] and its likes change it: as it was opened, and then what was added, with its names.
+    fn written(&self) -> String {
+        let mut text = self.text.clone();
+        let mut taken = self.given_names();
+        for added in &self.added {
+            let mut keys = added.keys.clone();
+            let name = keys.remove("name").unwrap_or_else(|| {
+                let free = free_name(&taken, &added.usual, added.place + 1);
+                taken.insert(free.clone());
+                Value::String(free)
+            });
+            let mut table = Table::new();
+            table.insert("name".into(), name);
+            table.extend(keys);
+            let list = Value::Array(vec![Value::Table(table)]);
+            let part: Table = [(added.list.to_owned(), list)].into_iter().collect();
+            text.push('\n');
+            text.push_str(&part.to_string());
+        }
+        text
+    }
+
+    /// Names that bodies and joints of the scene were given.
+    fn given_names(&self) -> BTreeSet<String> {
+        let opened = self.text.parse::<Table>().unwrap_or_default();
+        let lists = ["hand", "rigid", "soft", "figure", "joint"].into_iter();
+        let opened = lists.filter_map(|list| opened.get(list)?.as_array()).flatten();
+        let opened = opened.filter_map(|part| part.get("name").cloned());
+        let added = self.added.iter().filter_map(|added| added.keys.get("name").cloned());
+        let changed = self.changes().filter(|(steps, _)| steps.last() == Some(&"name"));
+        let all = opened.chain(added).chain(changed.map(|(_, value)| value));
+        all.filter_map(|name| name.as_str().map(str::to_owned)).collect()
     }
 }
 
-/// A name of this kind that no body of the scene has.
-fn free_name(whole: &Table, kind: &str, from: usize) -> String {
-    let parts = ["hand", "rigid", "soft", "figure", "joint"].into_iter();
-    let parts = parts.filter_map(|list| whole.get(list)?.as_array()).flatten();
-    let taken: Vec<&str> = parts.filter_map(|part| part.get("name")?.as_str()).collect();
+/// A name of this kind that is not taken, with the first number from `from` that makes it so.
+fn free_name(taken: &BTreeSet<String>, kind: &str, from: usize) -> String {
     let mut names = (from..).map(|number| format!("{kind}-{number}"));
-    names.find(|name| !taken.contains(&name.as_str())).unwrap_or_default()
+    names.find(|name| !taken.contains(name)).unwrap_or_default()
 }
 
 /// Writes a value into a scene; a step into a list is a number or the name of an element.

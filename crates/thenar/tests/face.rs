@@ -224,6 +224,30 @@ fn parts_go_together_in_any_order() {
     assert!(sim.hand(hand).reaching(Pose::identity(), &palm).is_err());
 }
 
+/// Names that are given go first, wherever in the order, and by whatever way: a part's own, or a change of the scene.
+#[test]
+fn names_that_no_one_gave_make_room_for_those_that_were_given() {
+    let ball = |k: usize| Rigid::sphere(0.01).at([0.1 * k as f64, 1.0, 0.0]);
+    let mut scene = Scene::new();
+    let first = scene.add(ball(0));
+    let second = scene.add(ball(1));
+    let named = scene.add(ball(2).named("sphere-1"));
+    let soft = scene.add(Soft::ball(0.02).named("sphere-4").at([0.0, 2.0, 0.0]));
+    let changed = scene.add(ball(3).named("other"));
+    scene.set("rigid.other.name", "sphere-3").set("rigid.sphere-1.mass", 0.02);
+    let sim = scene.build().unwrap();
+    // The first would be sphere-1, then sphere-2, which the second gets no more; 3 and 4 are given.
+    let names = [first, second, named, changed].map(|ball| sim.rigid(ball).name().to_owned());
+    assert_eq!(names, ["sphere-2", "sphere-5", "sphere-1", "sphere-3"]);
+    assert_eq!((sim.soft(soft).name(), sim.rigid(named).mass()), ("sphere-4", 0.02));
+    // The text has the names of the simulation.
+    let twin = Scene::from_toml(&scene.to_toml()).build().unwrap();
+    assert_eq!(twin.state_hash(), sim.state_hash());
+    assert!(twin.rigids().map(|ball| twin.rigid(ball).name()).eq(names.iter().map(String::as_str)));
+    assert_eq!(Scene::from_toml(&self::scene().to_toml()), self::scene());
+    assert_ne!(scene, self::scene());
+}
+
 /// Every builder's keys are read: a key that is not there is refused, so that a scene of all of them opens.
 #[test]
 fn all_builders_write_what_scenes_read() {

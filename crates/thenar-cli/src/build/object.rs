@@ -123,7 +123,7 @@ pub fn shapes(quality: &Quality) -> String {
     )
 }
 
-/// Holes that are told one by one, the largest.
+/// Most holes that are listed one by one, the largest first.
 const HOLES_TOLD_MAX: usize = 5;
 
 /// Holes that were closed, the largest first.

@@ -198,7 +198,7 @@ fn are_kept(figures: &[Figure]) -> bool {
     figures.iter().all(|figure| figure.kept)
 }
 
-/// Prints the soak of a seed, for so many seconds at a step \[s\]; true when all figures keep to their limits.
+/// Prints the soak of a seed, with its length and its step \[s\]; true when all figures keep to their limits.
 fn print((seconds, h, seed): (f64, f64, u32), e: &Extremes, figures: &[Figure]) -> bool {
     let passed = are_kept(figures);
     println!(

@@ -68,7 +68,7 @@ struct Every {
 }
 
 impl Every {
-    /// So many moments per second at most; `None` for all.
+    /// Most moments per second; `None` for all.
     fn at_most(rate: Option<f64>) -> Self {
         Self { period: rate.map_or(0.0, |rate| 1.0 / rate), next: None }
     }

@@ -11,9 +11,9 @@ use thenar_core::model::{Digit, SolverKind};
 use thenar_scene::session::{HandLoad, Session, StartOverlap};
 
 /// Version of the report. 2: each finger's mean pressure, and what overlaps at the start. 3: contacts
-/// left out. 4: steps made in parts. 5: which figures to trust, and why. What an earlier version gave is there under the
-/// same keys.
-const REPORT_VERSION: u32 = 5;
+/// left out. 4: steps made in parts. 5: which figures to trust, and why. 6: how long tetrahedra were inside out. What an
+/// earlier version gave is there under the same keys.
+const REPORT_VERSION: u32 = 6;
 
 /// The report as JSON. Units are part of the keys: `_s`, `_us`, `_m`, `_j`, `_n`, `_m2`, `_pa`.
 pub fn report(session: &Session, outcome: &Outcome) -> Value {
@@ -53,6 +53,7 @@ pub fn report(session: &Session, outcome: &Outcome) -> Value {
         "max_joint_gap_m": s.joint_gap_max,
         "max_penetration_m": s.penetration_max,
         "inverted_tets_max": s.inverted_tets_max,
+        "inverted_longest_s": s.inverted_longest as f64 * world.time_step(),
         "non_finite": s.non_finite,
         "fell_back": s.fell_back,
         "divided": s.divided,
@@ -107,6 +108,7 @@ fn tets(session: &Session) -> usize {
 fn verdict(session: &Session, outcome: &Outcome) -> Verdict {
     Verdict::new(&Evidence {
         steps: outcome.steps,
+        time_step: session.world().time_step(),
         summary: &outcome.summary,
         settings: &session.world().desc().solver,
         tets: tets(session),
@@ -165,7 +167,7 @@ pub fn print(session: &Session, outcome: &Outcome) {
         .map(|(hand, peaks)| Hand {
             name: &hand.name,
             peaks: *peaks,
-            points: areas_of_points(world, hand.handle.soft),
+            points: areas_of_points(world, hand.flesh()),
         })
         .collect();
     fingers(&hands).iter().for_each(|line| println!("  {line}"));
@@ -213,8 +215,9 @@ struct Hand<'a> {
 
 /// Area for which a vertex stands where each finger's skin is fine \[m²\], a third of the triangles around it: a quarter of the
 /// finger's vertices stand for less. 0 without flesh.
-fn areas_of_points(world: &World, soft: u32) -> [f64; 5] {
-    let Some(body) = world.desc().softs.get(soft as usize) else { return [0.0; 5] };
+fn areas_of_points(world: &World, soft: Option<u32>) -> [f64; 5] {
+    let Some(soft) = soft else { return [0.0; 5] };
+    let body = &world.desc().softs[soft as usize];
     let x = world.collision_vertices(soft);
     let mut areas = vec![0.0; x.len()];
     for triangle in &body.flesh.collision.triangles {
@@ -323,7 +326,7 @@ mod tests {
     fn points_stand_for_a_third_of_what_is_around_them() {
         let text = "version = 1\n[[hand]]\npreset = \"paper\"\nname = \"hand\"\n";
         let session = Session::from_text(text, std::path::Path::new("hand.toml"), &[]).unwrap();
-        let (world, soft) = (session.world(), session.hands()[0].handle.soft);
+        let (world, soft) = (session.world(), session.hands()[0].flesh().unwrap());
         let x = world.collision_vertices(soft);
         let triangles = &world.desc().softs[soft as usize].flesh.collision.triangles;
         let stands_for = |v: &u32| -> f64 {
@@ -331,12 +334,12 @@ mod tests {
                 triangles.iter().filter(|t| t.contains(v)).map(|t| t.map(|v| x[v as usize]));
             around.map(|[a, b, c]| (b - a).cross(&(c - a)).norm() / 6.0).sum()
         };
-        for (digit, told) in Digit::FINGERS.iter().zip(areas_of_points(world, soft)) {
+        for (digit, told) in Digit::FINGERS.iter().zip(areas_of_points(world, Some(soft))) {
             let is_on = |v: &u32| world.model().part_of(soft, *v) == u32::from(digit.part());
             let own: Vec<f64> = (0..x.len() as u32).filter(is_on).map(|v| stands_for(&v)).collect();
             let less = own.iter().filter(|area| **area < told * (1.0 - 1e-9)).count();
             assert!(own.len() > 20 && less == own.len() / 4, "{digit:?}: {less} of {}", own.len());
         }
-        assert_eq!(areas_of_points(world, u32::MAX), [0.0; 5]);
+        assert_eq!(areas_of_points(world, None), [0.0; 5]);
     }
 }

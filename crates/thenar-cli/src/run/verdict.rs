@@ -8,12 +8,16 @@ use thenar_scene::session::{StartOverlap, Summary, TakenBack};
 
 /// At most this share of the steps may be off by more and leave the run's mean forces right to as much.
 const OFTEN: f64 = 0.01;
+/// Tetrahedra that are inside out for this long are no swing through a shape that they leave again \[s\].
+const INVERTED_TIME_MAX: f64 = 0.1;
 
 /// Facts that a run is judged by.
 #[derive(Clone, Copy, Debug)]
 pub struct Evidence<'a> {
     /// Steps that were made.
     pub steps: u64,
+    /// Time that a step simulates \[s\].
+    pub time_step: f64,
     /// Extremes of the whole run.
     pub summary: &'a Summary,
     /// Accuracy that was asked for.
@@ -107,8 +111,11 @@ impl Verdict {
 /// Good things to say of a run that nothing is said against.
 fn went_well(e: &Evidence) -> Vec<String> {
     let steps = counted(e.steps, "step");
+    let shapes = (e.summary.inverted_tets_max > 0)
+        .then(|| format!("{}, too short to matter", inverted_before(e)));
     if e.summary.contacts_max == 0 {
-        return vec![format!("nothing touched in {steps}, and none of them went wrong")];
+        let went = format!("nothing touched in {steps}, and none of them went wrong");
+        return [went].into_iter().chain(shapes).collect();
     }
     let contact = match e.summary.contact_unconverged {
         0 => format!("contact met its accuracy in all {steps}"),
@@ -120,7 +127,7 @@ fn went_well(e: &Evidence) -> Vec<String> {
         true => format!("nothing was deeper than {:.3} mm", microns * 1e-3),
         false => "nothing was inside anything else".into(),
     };
-    vec![contact, depth]
+    [contact, depth].into_iter().chain(shapes).collect()
 }
 
 /// Steps that were taken back let no time pass: everything is late by that.
@@ -218,12 +225,30 @@ fn apart(e: &Evidence) -> Option<Doubt> {
     })
 }
 
+/// Flesh that stays inside out, in the end or for long before.
 fn inverted(e: &Evidence) -> Option<Doubt> {
+    // Steps that last as long as the limit, but for rounding, reach it.
+    let long = inverted_time(e) >= INVERTED_TIME_MAX * (1.0 - 1e-9);
     let verb = if e.inverted == 1 { "is" } else { "are" };
-    (e.inverted > 0).then(|| {
-        let of = format!("{} of {} tetrahedra", e.inverted, e.tets);
-        (Figures::Shapes, format!("{of} {verb} inside out at the end"))
-    })
+    let reason = match (long, e.inverted) {
+        (false, 0) => return None,
+        (false, now) => format!("{now} of {} tetrahedra {verb} inside out at the end", e.tets),
+        (true, 0) => inverted_before(e),
+        (true, now) => format!("{}, and {now} {verb} so at the end", inverted_before(e)),
+    };
+    Some((Figures::Shapes, reason))
+}
+
+/// Most tetrahedra that were inside out at once, and the longest time that some were.
+fn inverted_before(e: &Evidence) -> String {
+    let (most, time) = (e.summary.inverted_tets_max, inverted_time(e));
+    let verb = if most == 1 { "was" } else { "were" };
+    format!("up to {most} of {} tetrahedra {verb} inside out, for up to {time:.3} s", e.tets)
+}
+
+/// Longest time without a break that some tetrahedron was inside out \[s\].
+fn inverted_time(e: &Evidence) -> f64 {
+    e.summary.inverted_longest as f64 * e.time_step
 }
 
 fn of_steps(count: u64, e: &Evidence) -> String {
@@ -247,8 +272,8 @@ mod tests {
             contact_tolerance: 1e-4,
             ..SolverSettings::default()
         };
-        let (settings, steps, tets) = (&settings, 1000, 600);
-        Verdict::new(&Evidence { steps, summary, settings, tets, inverted, overlaps })
+        let (settings, steps, time_step, tets) = (&settings, 1000, 0.01, 600);
+        Verdict::new(&Evidence { steps, time_step, summary, settings, tets, inverted, overlaps })
     }
 
     fn line(summary: Summary) -> String {
@@ -353,6 +378,35 @@ mod tests {
             of(&with(), SolverKind::Exact, &[], 3).line(),
             "trust: shapes are doubtful: 3 of 600 tetrahedra are inside out at the end"
         );
+    }
+
+    /// In steps of 10 ms, nine are 0.09 s and ten the limit of 0.1 s.
+    #[test]
+    fn flesh_that_was_inside_out_for_long_is_doubted_whatever_the_end() {
+        let with = |inverted_longest, inverted_tets_max, end| {
+            let summary = Summary { inverted_longest, inverted_tets_max, ..touching() };
+            of(&summary, SolverKind::Exact, &[], end).line()
+        };
+        let short = with(9, 7, 0);
+        let said =
+            "; up to 7 of 600 tetrahedra were inside out, for up to 0.090 s, too short to matter";
+        assert!(short.starts_with("trust: yes: ") && short.ends_with(said), "{short}");
+        let begin = "trust: shapes are doubtful: up to";
+        let long = format!("{begin} 7 of 600 tetrahedra were inside out, for up to 0.100 s");
+        assert_eq!(with(10, 7, 0), long);
+        assert_eq!(with(10, 7, 3), format!("{long}, and 3 are so at the end"));
+        assert_eq!(
+            with(250, 1, 0),
+            format!("{begin} 1 of 600 tetrahedra was inside out, for up to 2.500 s")
+        );
+        assert_eq!(
+            with(2, 7, 1),
+            "trust: shapes are doubtful: 1 of 600 tetrahedra is inside out at the end"
+        );
+        let alone = Summary { inverted_longest: 1, inverted_tets_max: 2, ..Summary::default() };
+        let said =
+            "up to 2 of 600 tetrahedra were inside out, for up to 0.010 s, too short to matter";
+        assert_eq!(line(alone), format!("{}; {said}", line(Summary::default())));
     }
 
     /// The limits are those of a soak: what reaches 1 mm counts, and what stays below does not.

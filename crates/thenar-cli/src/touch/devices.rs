@@ -124,7 +124,7 @@ impl DeviceOptions {
     }
 }
 
-/// The display as its wearer wants it; what that is, is told.
+/// The display as its wearer wants it; prints the wearer's choice.
 fn dressed(
     display: Box<dyn ForceDisplay>,
     address: &str,

@@ -1,60 +1,17 @@
 //! Goal: the program keeps its promises to scripts: exit codes, report keys, table headers, whole
 //! files or none. Method: it is run as a user runs it.
 
+use crate::stage::{Folder, err, out};
 use serde_json::Value;
-use std::io::{BufRead, BufReader, Read, Write};
-use std::net::TcpStream;
-use std::path::PathBuf;
-use std::process::{Child, Command, Output, Stdio};
-
-/// An empty folder of its own for each test.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("thenar-line-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn files(&self) -> Vec<String> {
-        let mut names: Vec<String> = std::fs::read_dir(&self.0)
-            .unwrap()
-            .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
-            .collect();
-        names.sort();
-        names
-    }
-
-    fn read(&self, file: &str) -> String {
-        std::fs::read_to_string(self.0.join(file)).unwrap()
-    }
-
-    fn thenar(&self, args: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_thenar")).args(args).current_dir(&self.0).output().unwrap()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
-/// The error output, without the progress that only slow machines tell.
-fn error(output: &Output) -> String {
-    let text = String::from_utf8_lossy(&output.stderr);
-    text.split_inclusive('\n').filter(|line| !line.ends_with(" s so far\n")).collect()
-}
 
 #[test]
 fn a_run_reports_every_promised_figure() {
     let folder = Folder::new("report");
     let args = ["run", "soft-cube", "--seconds", "0.3", "--report", "r.json", "--quiet"];
     let output = folder.thenar(&args);
-    assert!(output.status.success(), "{}", error(&output));
+    assert!(output.status.success(), "{}", err(&output));
     assert!(output.stdout.is_empty(), "quiet");
-    let report: Value = serde_json::from_str(&folder.read("r.json")).unwrap();
+    let report: Value = serde_json::from_str(&folder.text("r.json")).unwrap();
     let mut numbers: Vec<String> = [
         "/dt_s",
         "/steps",
@@ -68,6 +25,7 @@ fn a_run_reports_every_promised_figure() {
         "/max_joint_gap_m",
         "/max_penetration_m",
         "/inverted_tets_max",
+        "/inverted_longest_s",
         "/non_finite",
         "/energy_j/initial",
         "/energy_j/final",
@@ -90,7 +48,7 @@ fn a_run_reports_every_promised_figure() {
     for key in ["scene", "solver", "state_hash"] {
         assert!(report[key].is_string(), "{key}");
     }
-    assert_eq!(report["report_version"], 5);
+    assert_eq!(report["report_version"], 6);
     assert_eq!(report["scene"], "soft-cube");
     assert_eq!(report["steps"], 150);
     assert_eq!(report["tets"], 320);
@@ -109,10 +67,10 @@ fn the_same_run_gives_the_same_state() {
     for file in ["a.json", "b.json"] {
         let output =
             folder.thenar(&["run", "falling-box", "--seconds", "0.2", "-q", "--report", file]);
-        assert!(output.status.success(), "{}", error(&output));
+        assert!(output.status.success(), "{}", err(&output));
     }
     let hash = |file: &str| {
-        serde_json::from_str::<Value>(&folder.read(file)).unwrap()["state_hash"].clone()
+        serde_json::from_str::<Value>(&folder.text(file)).unwrap()["state_hash"].clone()
     };
     assert_eq!(hash("a.json"), hash("b.json"));
 }
@@ -124,14 +82,14 @@ fn tables_have_headers_with_units_and_a_row_for_the_start() {
         let args = ["run", "finger-pendulum", "--seconds", "0.001", "-q", "--probe", file];
         assert!(folder.thenar(&args).status.success());
     }
-    let csv = folder.read("t.csv");
+    let csv = folder.text("t.csv");
     let lines: Vec<&str> = csv.lines().collect();
     assert!(lines[0].starts_with("time [s],tip.x [m],tip.y [m],tip.z [m],knuckle.angle0 [rad]"));
     assert_eq!(lines.len(), 1 + 11);
     let first: Vec<f64> = lines[1].split(',').map(|x| x.parse().unwrap()).collect();
     assert_eq!(first[0], 0.0);
     assert!((first[1] - 0.095).abs() < 1e-12, "{first:?}");
-    let jsonl = folder.read("t.jsonl");
+    let jsonl = folder.text("t.jsonl");
     let rows: Vec<Value> = jsonl.lines().map(|l| serde_json::from_str(l).unwrap()).collect();
     assert_eq!(rows[0]["version"], 2);
     assert_eq!(rows[0]["units"]["tip.x"], "m");
@@ -158,28 +116,28 @@ fn what_overlaps_at_the_start_is_told_by_run_and_record() {
     let record: &[&str] = &["record", "s.toml", "--seconds", "0.01", "-q", "-o", "s.rec"];
     for args in [run, record] {
         let output = folder.thenar(args);
-        let told = error(&output);
+        let told = err(&output);
         assert!(output.status.success(), "{told}");
         let lines: Vec<&str> = told.lines().filter(|line| line.contains("overlap")).collect();
         assert_eq!(lines.len(), 1, "{told}");
         assert!(lines[0].starts_with("warning: ") && lines[0].contains("3.000 mm"), "{told}");
         assert!(lines[0].contains("ball") && lines[0].contains("table"), "{told}");
     }
-    let report: Value = serde_json::from_str(&folder.read("r.json")).unwrap();
+    let report: Value = serde_json::from_str(&folder.text("r.json")).unwrap();
     let overlap = &report["start_overlaps"][0];
     assert!((overlap["depth_m"].as_f64().unwrap() - 0.003).abs() < 1e-9, "{overlap}");
     assert_eq!(overlap["bodies"].as_array().unwrap().len(), 2);
     assert_eq!(overlap["place_m"].as_array().unwrap().len(), 3);
     let apart =
         ["run", "s.toml", "--seconds", "0.01", "-q", "--set", "rigid.ball.position=[0,0.02,0]"];
-    assert_eq!(error(&folder.thenar(&apart)), "");
+    assert_eq!(err(&folder.thenar(&apart)), "");
 }
 
 #[test]
 fn a_soak_prints_each_figure_with_its_limit() {
     let folder = Folder::new("soak");
     let args = ["soak", "--seconds", "0.2", "--time-step", "0.005"];
-    let judged = String::from_utf8(folder.thenar(&args).stdout).unwrap();
+    let judged = out(&folder.thenar(&args));
     let figures = [
         ("steps taken back", "at most 0"),
         ("largest energy", "under 1000"),
@@ -196,12 +154,12 @@ fn a_soak_prints_each_figure_with_its_limit() {
     }
     let lax = folder.thenar(&[&args[..], &["--judge", "false"]].concat());
     assert!(lax.status.success());
-    assert!(!String::from_utf8(lax.stdout).unwrap().contains("largest joint gap"));
+    assert!(!out(&lax).contains("largest joint gap"));
     // A table that nobody can be above of: a plane at the lid's height.
     let low = ["soak", "--seconds", "0.1", "--set", "rigid.table.position=[0,0.5,0]"];
     let output = folder.thenar(&low);
     assert_eq!(output.status.code(), Some(2));
-    assert!(error(&output).contains("no start without overlap"), "{}", error(&output));
+    assert!(err(&output).contains("no start without overlap"), "{}", err(&output));
 }
 
 #[test]
@@ -210,18 +168,18 @@ fn paraview_files_are_written() {
     let args =
         ["run", "soft-cube", "--seconds", "0.1", "-q", "--vtk", "out", "--vtk-interval", "0.05"];
     let output = folder.thenar(&args);
-    assert!(output.status.success(), "{}", error(&output));
-    let list = folder.read("out/soft-cube.pvd");
+    assert!(output.status.success(), "{}", err(&output));
+    let list = folder.text("out/soft-cube.pvd");
     for moment in ["timestep=\"0\"", "000002.vtu"] {
         assert!(list.contains(moment), "{list}");
     }
-    assert!(folder.read("out/soft-cube-cube-flesh-000001.vtu").contains("<VTKFile"));
-    assert!(folder.read("out/soft-cube-cube-contact-000001.vtp").contains("pressure [Pa]"));
+    assert!(folder.text("out/soft-cube-cube-flesh-000001.vtu").contains("<VTKFile"));
+    assert!(folder.text("out/soft-cube-cube-contact-000001.vtp").contains("pressure [Pa]"));
 }
 
 #[test]
 fn wrong_input_exits_with_2_and_leaves_nothing() {
-    let folder = Folder::new("wrong");
+    let folder = Folder::new("wrong-input");
     std::fs::write(folder.0.join("s.toml"), "version = 1\ntime_stp = 1\n").unwrap();
     let cases: [(&[&str], &str); 13] = [
         (
@@ -252,8 +210,8 @@ fn wrong_input_exits_with_2_and_leaves_nothing() {
     ];
     for (args, expected) in cases {
         let output = folder.thenar(args);
-        assert_eq!(output.status.code(), Some(2), "{args:?}: {}", error(&output));
-        assert!(error(&output).contains(expected), "{args:?}: {}", error(&output));
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {}", err(&output));
+        assert!(err(&output).contains(expected), "{args:?}: {}", err(&output));
         assert_eq!(folder.files(), ["s.toml"], "{args:?}");
     }
     assert_eq!(folder.thenar(&["run"]).status.code(), Some(2));
@@ -269,7 +227,7 @@ fn a_table_of_no_probes_is_refused_before_anything_is_built() {
     std::fs::write(folder.0.join("s.toml"), scene).unwrap();
     let output = folder.thenar(&["run", "s.toml", "--probe", "p.csv"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(error(&output).contains("no probes to write"), "{}", error(&output));
+    assert!(err(&output).contains("no probes to write"), "{}", err(&output));
 }
 
 #[test]
@@ -277,7 +235,7 @@ fn an_output_that_cannot_be_written_exits_with_1() {
     let folder = Folder::new("output");
     let output = folder.thenar(&["run", "falling-box", "--probe", "no/such/folder/p.csv"]);
     assert_eq!(output.status.code(), Some(1));
-    assert!(error(&output).contains("no/such/folder/p.csv"), "{}", error(&output));
+    assert!(err(&output).contains("no/such/folder/p.csv"), "{}", err(&output));
 }
 
 #[test]
@@ -288,8 +246,8 @@ fn a_mesh_file_becomes_a_model_that_a_scene_uses() {
     std::fs::write(folder.0.join("t.obj"), obj).unwrap();
     for (kind, file) in [("--rigid", "r.thenar"), ("--soft", "s.thenar")] {
         let output = folder.thenar(&["build", "t.obj", kind, "--density", "500", "-o", file]);
-        assert!(output.status.success(), "{kind}: {}", error(&output));
-        let told = String::from_utf8(output.stdout).unwrap();
+        assert!(output.status.success(), "{kind}: {}", err(&output));
+        let told = out(&output);
         assert!(!told.contains('{'), "words, with units: {told}");
         match kind {
             "--rigid" => assert!(told.contains("mass: 18.00 g, volume 36.000 ml"), "{told}"),
@@ -318,8 +276,8 @@ fn a_mesh_file_becomes_a_model_that_a_scene_uses() {
     "#;
     std::fs::write(folder.0.join("scene.toml"), scene).unwrap();
     let output = folder.thenar(&["run", "scene.toml", "-q", "--probe", "p.csv"]);
-    assert!(output.status.success(), "{}", error(&output));
-    let table = folder.read("p.csv");
+    assert!(output.status.success(), "{}", err(&output));
+    let table = folder.text("p.csv");
     let last: Vec<f64> =
         table.lines().last().unwrap().split(',').map(|x| x.parse().unwrap()).collect();
     // 36 ml at 500 kg/m³ are 18 g: 0.18 N give 10 m/s², after 10 ms 0.1 m/s.
@@ -332,8 +290,8 @@ fn the_names_and_ranges_of_a_hand_are_printed() {
     let folder = Folder::new("hand-list");
     let printed = |args: &[&str]| {
         let output = folder.thenar(args);
-        assert!(output.status.success(), "{}", error(&output));
-        String::from_utf8(output.stdout).unwrap()
+        assert!(output.status.success(), "{}", err(&output));
+        out(&output)
     };
     let document = include_str!("../../../../docs/hand.md");
     let (_, tables) = document.split_once("## Names and ranges\n\n").unwrap();
@@ -359,7 +317,7 @@ fn the_names_and_ranges_of_a_hand_are_printed() {
         ("none.thenar", "none.thenar"),
     ] {
         let output = folder.thenar(&["hand", "--list", name]);
-        assert!(output.status.code() == Some(2) && error(&output).contains(why), "{output:?}");
+        assert!(output.status.code() == Some(2) && err(&output).contains(why), "{output:?}");
     }
 }
 
@@ -367,17 +325,14 @@ fn the_names_and_ranges_of_a_hand_are_printed() {
 #[test]
 fn ctrl_c_ends_a_run_with_whole_files() {
     let folder = Folder::new("interrupt");
-    let mut child = Command::new(env!("CARGO_BIN_EXE_thenar"))
-        .args(["run", "falling-box", "--seconds", "100000", "-q", "--report", "r.json"])
-        .current_dir(&folder.0)
-        .spawn()
-        .unwrap();
+    let args = ["run", "falling-box", "--seconds", "100000", "-q", "--report", "r.json"];
+    let mut child = folder.command(&args).spawn().unwrap();
     std::thread::sleep(std::time::Duration::from_millis(500));
     let id = child.id().to_string();
-    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    assert!(std::process::Command::new("kill").args(["-INT", &id]).status().unwrap().success());
     let status = child.wait().unwrap();
     assert_eq!(status.code(), Some(1));
-    let report: Value = serde_json::from_str(&folder.read("r.json")).unwrap();
+    let report: Value = serde_json::from_str(&folder.text("r.json")).unwrap();
     assert_eq!(report["interrupted"], true);
     assert!(report["steps"].as_u64().unwrap() > 0);
     assert_eq!(folder.files(), ["r.json"]);
@@ -387,11 +342,11 @@ fn ctrl_c_ends_a_run_with_whole_files() {
 fn validation_prints_a_table_and_writes_it_whole() {
     let folder = Folder::new("validate");
     let output = folder.thenar(&["validate", "--case", "a1", "--case", "A9", "--json", "t.json"]);
-    assert!(output.status.success(), "{}", error(&output));
-    let table = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success(), "{}", err(&output));
+    let table = out(&output);
     let place = |text: &str| table.find(text).unwrap_or_else(|| panic!("{text}:\n{table}"));
     assert!(place("expected") < place("A1 ") && place("A1 ") < place("A9 "), "{table}");
-    let json: Value = serde_json::from_str(&folder.read("t.json")).unwrap();
+    let json: Value = serde_json::from_str(&folder.text("t.json")).unwrap();
     let fall = &json["cases"][0]["figures"][0];
     assert!((fall["got"].as_f64().unwrap() + 1.2287025).abs() < 1e-9, "{fall}");
     assert_eq!((&fall["result"], &fall["tolerance"]), (&"pass".into(), &"1e-9".into()));
@@ -403,104 +358,6 @@ fn an_unknown_validation_case_is_bad_usage() {
     let folder = Folder::new("validate-unknown");
     let output = folder.thenar(&["validate", "--case", "Z9", "--json", "t.json"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(error(&output).contains("no case `Z9`; there are A1, A2"), "{}", error(&output));
+    assert!(err(&output).contains("no case `Z9`; there are A1, A2"), "{}", err(&output));
     assert!(folder.files().is_empty());
-}
-
-/// A server that is killed where a test fails.
-struct Served {
-    child: Child,
-    out: BufReader<std::process::ChildStdout>,
-    /// `127.0.0.1:PORT`
-    host: String,
-}
-
-impl Served {
-    /// Starts one and reads its address from what it prints.
-    fn start(folder: &Folder, args: &[&str]) -> Self {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_thenar"))
-            .args(args)
-            .current_dir(&folder.0)
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut out = BufReader::new(child.stdout.take().unwrap());
-        let mut line = String::new();
-        while !line.trim().starts_with("http://") {
-            line.clear();
-            assert!(out.read_line(&mut line).unwrap() > 0, "it ended without an address");
-        }
-        let host = line.trim().trim_start_matches("http://").trim_end_matches('/').to_owned();
-        Self { child, out, host }
-    }
-
-    fn get(&self, path: &str) -> String {
-        let mut stream = TcpStream::connect(&self.host).unwrap();
-        let host = &self.host;
-        write!(stream, "GET {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n").unwrap();
-        let mut reply = Vec::new();
-        stream.read_to_end(&mut reply).unwrap();
-        String::from_utf8_lossy(&reply).into_owned()
-    }
-
-    /// Ctrl-C, and the exit code that follows.
-    fn interrupt(mut self) -> Option<i32> {
-        let id = self.child.id().to_string();
-        assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
-        let mut rest = String::new();
-        self.out.read_to_string(&mut rest).unwrap();
-        self.child.wait().unwrap().code()
-    }
-}
-
-impl Drop for Served {
-    fn drop(&mut self) {
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
-
-#[cfg(unix)]
-#[test]
-fn alone_it_serves_a_page_until_ctrl_c_and_frees_the_port() {
-    let folder = Folder::new("bare");
-    let served = Served::start(&folder, &[]);
-    let reply = served.get("/");
-    assert!(reply.starts_with("HTTP/1.1 200 OK"), "{reply}");
-    assert!(reply.contains("<title>Thenar"), "{reply}");
-    let host = served.host.clone();
-    assert_eq!(served.interrupt(), Some(0));
-    let again = std::net::TcpListener::bind(&host);
-    assert!(again.is_ok(), "{host}: {again:?}");
-    assert!(folder.files().is_empty());
-}
-
-#[cfg(unix)]
-#[test]
-fn a_port_that_was_asked_for_is_had_or_refused() {
-    let folder = Folder::new("port");
-    let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
-    let port = taken.local_addr().unwrap().port().to_string();
-    let output = folder.thenar(&["serve", "soft-cube", "--port", &port]);
-    assert_eq!(output.status.code(), Some(2));
-    let expected = format!("port {port} is in use");
-    assert!(error(&output).contains(&expected), "{}", error(&output));
-    drop(taken);
-    let served = Served::start(&folder, &["serve", "soft-cube", "--port", &port, "--no-open"]);
-    assert_eq!(served.host, format!("127.0.0.1:{port}"));
-    assert_eq!(served.interrupt(), Some(0));
-}
-
-#[test]
-fn a_scene_that_cannot_be_served_exits_with_2() {
-    let folder = Folder::new("serve-wrong");
-    for (args, expected) in [
-        (&["serve", "none"][..], "no scene `none`"),
-        (&["serve", "soft-cube", "--set", "gravty=1"], "gravty"),
-        (&["serve", "soft-cube", "--time-step", "0"], "time_step"),
-    ] {
-        let output = folder.thenar(args);
-        assert_eq!(output.status.code(), Some(2), "{args:?}: {}", error(&output));
-        assert!(error(&output).contains(expected), "{args:?}: {}", error(&output));
-    }
 }

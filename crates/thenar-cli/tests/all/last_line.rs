@@ -60,6 +60,51 @@ fn an_overlap_at_the_start_makes_forces_doubtful() {
     assert_eq!(line, format!("trust: forces are doubtful: {}", said.join("; ")));
 }
 
+/// A cube of 50 mm and 20 kPa under a force for 0.3 s. At no thickness it resists with 432 times its modulus: 8.6 MPa, or
+/// 21.6 kN on its face of 25 cm². With 20 kN it comes to rest above that, and swings through it for two steps or so;
+/// with 40 kN it stays inside out until the force ends, and comes right after that.
+#[test]
+fn flesh_inside_out_in_the_middle_of_a_run_makes_shapes_doubtful() {
+    let folder = Folder::new("inverted");
+    let pressed = |force: f64| {
+        let scene = format!(
+            "version = 1
+            time_step = 0.01
+            gravity = [0, 0, 0]
+            [[soft]]
+            name = \"cube\"
+            shape = {{ kind = \"lattice\", size = [0.05, 0.05, 0.05], cells = [1, 1, 1], split = \"five\" }}
+            material = {{ young = 20e3, poisson = 0.0, density = 1000 }}
+            stiffness_damping = 0.02
+            [[soft.fixed]]
+            nodes = {{ side = \"y-min\" }}
+            [[soft.fixed]]
+            nodes = {{ side = \"y-max\" }}
+            axes = \"xz\"
+            [[load]]
+            kind = \"traction\"
+            body = \"cube\"
+            faces = {{ side = \"y-max\" }}
+            total = [0, {}, 0]
+            profile = {{ kind = \"constant\", until = 0.3 }}",
+            -force
+        );
+        std::fs::write(folder.0.join("s.toml"), scene).unwrap();
+        let output = folder.thenar(&["run", "s.toml", "--seconds", "0.8", "--report", "r.json"]);
+        assert!(output.status.success(), "{}", err(&output));
+        let report: Value = serde_json::from_str(&folder.text("r.json")).unwrap();
+        let longest = report["inverted_longest_s"].as_f64().unwrap();
+        (out(&output).lines().last().unwrap().trim().to_owned(), longest, report["trust"].clone())
+    };
+    let (line, longest, trust) = pressed(40e3);
+    let said = "trust: shapes are doubtful: up to 5 of 5 tetrahedra were inside out, for up to ";
+    assert_eq!(line, format!("{said}{longest:.3} s"));
+    assert!((0.25..0.7).contains(&longest), "{longest} s");
+    assert_eq!(trust["doubtful"], serde_json::json!(["shapes"]));
+    let (line, longest, _) = pressed(20e3);
+    assert!(line.starts_with("trust: yes: ") && longest < 0.05, "{line}, {longest} s");
+}
+
 #[test]
 fn a_model_that_is_not_kept_is_said_to_be_lost() {
     let folder = Folder::new("kept");

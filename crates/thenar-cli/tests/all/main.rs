@@ -9,5 +9,6 @@ mod inputs;
 mod last_line;
 mod outputs;
 mod recording;
+mod serving;
 mod stage;
 mod sweep;

@@ -25,6 +25,15 @@ impl Folder {
         self.command(args).output().unwrap()
     }
 
+    /// Names of what is in it, in order.
+    pub fn files(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(&self.0).unwrap();
+        let names = entries.map(|e| e.unwrap().file_name().to_string_lossy().into_owned());
+        let mut names: Vec<String> = names.collect();
+        names.sort();
+        names
+    }
+
     pub fn text(&self, file: &str) -> String {
         std::fs::read_to_string(self.0.join(file)).unwrap()
     }

@@ -258,12 +258,15 @@ impl World {
         self.prepare_solver();
     }
 
-    /// Changes all solver settings; ignored when one is out of range.
-    pub fn set_solver_settings(&mut self, settings: SolverSettings) {
-        if check::settings(&settings).is_ok() {
-            self.desc.solver = settings;
-            self.prepare_solver();
-        }
+    /// Changes all solver settings.
+    ///
+    /// # Errors
+    /// A setting is out of range: all stay as they were.
+    pub fn set_solver_settings(&mut self, settings: SolverSettings) -> Result<(), ModelError> {
+        check::settings(&settings)?;
+        self.desc.solver = settings;
+        self.prepare_solver();
+        Ok(())
     }
 
     /// What the world was built from.

@@ -1,4 +1,4 @@
-//! What the runtime knows: one instance, its session, and what is to be told of them.
+//! What the runtime knows: one instance, its session, and the events that wait to be reported.
 
 use crate::script::{Script, log};
 use openxr_sys::{Result as XrResult, SessionState};

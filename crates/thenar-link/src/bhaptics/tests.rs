@@ -135,7 +135,7 @@ fn the_players_gloves_are_told_once() {
 #[test]
 fn damaged_statuses_do_no_harm() {
     let good = br#"{"RegisteredKeys":[],"ActiveKeys":["x"],"ConnectedDeviceCount":1,"ConnectedPositions":["GloveL"],"Status":{"GloveL":[0,0,0,0,0,0]}}"#;
-    let (mut mutator, mut player) = (Mutator(9), Bhaptics::default());
+    let (mut mutator, mut player) = (Mutator::new(9), Bhaptics::default());
     let (mut alive, mut refused) = (0, 0);
     for _ in 0..5000 {
         for event in collect(&mut player, MS, &[&mutator.damage(good)]) {

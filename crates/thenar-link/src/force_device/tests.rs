@@ -180,7 +180,7 @@ fn losses_are_told() {
 /// Damaged datagrams give states that are finite and near, or refusals; good ones still count.
 #[test]
 fn damaged_datagrams_do_no_harm() {
-    let (mut mutator, mut arm) = (Mutator(3), SimulatedArm::new());
+    let (mut mutator, mut arm) = (Mutator::new(3), SimulatedArm::new());
     let mut device = ForceDevice::new(setup());
     let (mut read, mut refused) = (0, 0);
     for k in 0..20_000u64 {

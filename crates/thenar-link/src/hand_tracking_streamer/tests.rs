@@ -104,7 +104,7 @@ fn samples_have_the_time_of_the_headset() {
 /// is a hand within reach.
 #[test]
 fn damaged_streams_do_no_harm() {
-    let mut mutator = Mutator(11);
+    let mut mutator = Mutator::new(11);
     let (mut hands_seen, mut refused) = (0, 0);
     let good = twin::lines(Side::Left, &hand(), Points::Local, Some((3, 4)));
     for round in 0..3000 {

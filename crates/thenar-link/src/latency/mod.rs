@@ -37,7 +37,7 @@ pub struct Measured {
 /// A mean that is less certain than this is none \[s\]: behind 20 ms it changes what is felt by a quarter.
 pub const ERROR_MAX: f64 = 0.005;
 
-/// Two halves of a session differ by more than so many standard errors of their difference ...
+/// Two halves of a session differ by more than this number of standard errors of their difference ...
 const HALVES_ERRORS: f64 = 4.0;
 /// ... and by more than this \[s\]: something changed meanwhile.
 const HALVES_APART: f64 = 0.005;

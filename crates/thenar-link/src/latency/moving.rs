@@ -3,11 +3,11 @@
 use super::{Part, Seen};
 use nalgebra::{Matrix3, Vector3};
 
-/// Between the times at which speeds are told \[s\].
+/// Time from one speed to the next \[s\].
 pub const STEP: f64 = 0.002;
 /// A parabola is laid through what is this near, before and after \[s\] ...
 const REACH: f64 = 0.06;
-/// ... or through so many samples before and after, of a slow tracker.
+/// ... or, of a slow tracker, through this number of samples before and after.
 const REACH_SAMPLES: f64 = 2.5;
 
 /// How far a parabola reaches for trackers of these rates \[s\].

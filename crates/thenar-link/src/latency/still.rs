@@ -2,7 +2,7 @@
 
 use super::{Doubt, Seen};
 
-/// The noise is told from slow drift within windows of this length \[s\]: what is slower than some 2 Hz is the person.
+/// Noise is what remains without drift within windows of this length \[s\]: motion slower than some 2 Hz is the person's.
 const WINDOW: f64 = 0.5;
 /// Windows that are needed.
 const WINDOWS: usize = 4;

@@ -8,11 +8,11 @@ pub const KEY_DELAY: f64 = 0.03;
 /// How far that may be off either way, where nobody measured it \[s\].
 pub const KEY_DELAY_SPREAD: f64 = 0.015;
 
-/// A tap is looked for from so long before its key is told \[s\] ...
+/// A tap is looked for from this long before its key is reported \[s\] ...
 const BEFORE: f64 = 0.15;
-/// ... to so long after it \[s\].
+/// ... to this long after it \[s\].
 const AFTER: f64 = 0.5;
-/// Speeds are told over no less than this \[s\]: 10 mm/s of noise in a glove of 0.1 mm.
+/// Speeds are taken over no less than this \[s\]: 10 mm/s of noise in a glove of 0.1 mm.
 const SPAN: f64 = 0.008;
 /// A finger that comes down more slowly does not tap \[m/s\].
 const SLOW: f64 = 0.1;
@@ -27,8 +27,8 @@ const TAPS: usize = 10;
 /// What lies further from the median, in median distances from it, is another motion; normal deviates do once in 7000.
 const STRAY: f64 = 5.7;
 
-/// By how much the stop of `finger` is seen after its key is told, on average over these keys \[s\]. The tracker's delay is
-/// this and the key's own ([`KEY_DELAY`]).
+/// Mean time from the report of a key to the stop of `finger` as the tracker sees it, over these keys \[s\]. The tracker's
+/// delay is this and the key's own ([`KEY_DELAY`]).
 ///
 /// # Errors
 /// There are too few taps, or they contradict each other.
@@ -100,14 +100,15 @@ fn stop(seen: &[Seen], finger: usize) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::trial::{Chance, Fake, Moment};
+    use super::super::trial::{Fake, Moment};
     use super::*;
     use thenar_core::Vec3;
+    use thenar_core::random::Random;
 
     /// Keys on an uneven beat: when each is down.
     fn beat(count: usize) -> Vec<f64> {
-        let mut chance = Chance::new(5);
-        (0..count).map(|k| 1.0 + k as f64 + 0.2 * chance.part()).collect()
+        let mut random = Random::new(5);
+        (0..count).map(|k| 1.0 + k as f64 + 0.2 * random.unit()).collect()
     }
 
     /// The index finger comes down by 30 mm within 80 ms, ever faster, stops dead, stays for 90 ms and rises in 120 ms.

@@ -2,6 +2,7 @@
 
 use super::{Seen, Trace};
 use thenar_core::Vec3;
+use thenar_core::random::Random;
 
 /// Where a hand is at an instant.
 #[derive(Clone, Copy, Debug, Default)]
@@ -33,43 +34,27 @@ pub struct Fake {
     pub jitter: f64,
 }
 
-/// A seeded sequence of numbers.
-pub struct Chance(u64);
-
-impl Chance {
-    pub fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
-    }
-
-    /// Between 0 and 1.
-    pub fn part(&mut self) -> f64 {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// Nearly normal: mean 0, standard deviation 1.
-    pub fn normal(&mut self) -> f64 {
-        (0..12).map(|_| self.part()).sum::<f64>() - 6.0
-    }
+/// A number that is nearly normal: mean 0, standard deviation 1.
+fn normal(random: &mut Random) -> f64 {
+    (0..12).map(|_| random.unit()).sum::<f64>() - 6.0
 }
 
 impl Fake {
     /// What it tells of a motion from 0 on.
     pub fn watch(&self, seed: u64, seconds: f64, motion: &dyn Fn(f64) -> Moment) -> Trace {
-        let mut chance = Chance::new(seed);
+        let mut random = Random::new(seed);
         let mut trace = Trace::default();
         // It began at some time of its own.
-        let phase = chance.part();
+        let phase = random.unit();
         for k in 0..(seconds * self.rate) as u64 {
             let at = (k as f64 + phase) / self.rate;
-            let arrived = at + self.latency + self.jitter * (2.0 * chance.part() - 1.0);
-            if chance.part() < self.lost || trace.seen.last().is_some_and(|s| s.arrived >= arrived)
+            let arrived = at + self.latency + self.jitter * random.symmetric();
+            if random.unit() < self.lost || trace.seen.last().is_some_and(|s| s.arrived >= arrived)
             {
                 continue;
             }
             let Moment { flexion, wrist, tips } = motion(at);
-            let mut off = |lever: f64| self.noise / lever * chance.normal();
+            let mut off = |lever: f64| self.noise / lever * normal(&mut random);
             let flexion = flexion.map(|angle| angle + off(0.1));
             let mut place = |p: Vec3| p + Vec3::new(off(1.0), off(1.0), off(1.0));
             trace.seen.push(Seen {

@@ -23,7 +23,7 @@ const LINE_MAX: usize = 300;
 const NUDGE_NS: u64 = 50_000_000;
 /// A glove that has lines to read speaks again within this time without an answer \[ns\].
 const HOLD_NS: u64 = 20_000_000;
-/// So many lines may lie before a glove when it speaks again, besides those that it was nudged with:
+/// Most lines that may lie before a glove when it speaks again, besides those that it was nudged with:
 /// far more than its port holds.
 const UNREAD_MAX: u32 = 64;
 /// Number of nudges after which a silent glove is asked to start its stream.
@@ -44,8 +44,8 @@ pub struct LucidGloves {
     ahead: u32,
     /// Lines may lie in front of the glove: answers are held back.
     draining: bool,
-    /// So many lines at most. A glove that has spoken as often waits for no answers: not every
-    /// firmware does.
+    /// Most lines that may lie before the glove. One that has spoken as often waits for no answers: not
+    /// every firmware does.
     unread: u32,
     /// When the answer held back is due \[ns\].
     held_ns: Option<u64>,

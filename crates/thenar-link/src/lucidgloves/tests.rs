@@ -148,8 +148,8 @@ fn a_release_is_sent_at_once() {
     assert_eq!(sent, b"A0B0C0D0E0\n");
 }
 
-/// Firmware without force feedback of its own, or with another reading of lines, never waits: it is
-/// told of stops all the same.
+/// Firmware without force feedback of its own, or with another reading of lines, never waits: it gets
+/// stops all the same.
 #[test]
 fn a_glove_that_waits_for_no_answer_is_told_of_stops() {
     let mut talk = Talk::new();

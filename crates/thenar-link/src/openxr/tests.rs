@@ -96,7 +96,7 @@ fn a_session_that_does_not_run_is_silent() {
     assert_eq!(left, [Some(true), None, Some(false), None, Some(true), None]);
 }
 
-/// A message is told, and what comes after it is read.
+/// A message is reported, and what comes after it is read.
 #[test]
 fn notes_are_told() {
     struct Noting(Option<&'static str>);
@@ -132,7 +132,7 @@ fn numbers_that_are_none_are_refused() {
     }
     let mut good = vec![0; HAND_BYTES];
     write(&mut good, 0, Some(&told(Side::Left)));
-    let (mut mutator, mut protocol) = (Mutator(2), OpenXrHands::default());
+    let (mut mutator, mut protocol) = (Mutator::new(2), OpenXrHands::default());
     let mut refused = 0;
     for _ in 0..3000 {
         for event in collect(&mut protocol, 1, &[&mutator.damage(&good)]) {

@@ -92,8 +92,8 @@ fn fingers_are_where_the_wrist_is() {
 
 /// The glove's clock, the tracker's or both jump by a day, for two seconds or for good, forward (which is
 /// seen at once) or back (which is believed after half a second): until then the hand is as old as
-/// that time says, and from then on as fresh as it is. Every fourth sample is told twice. Each jump is
-/// told, and of each clock.
+/// that time says, and from then on as fresh as it is. Every fourth sample comes twice. Each jump of
+/// each clock is reported.
 #[test]
 fn clocks_that_jump_are_followed_and_times_never_step_back() {
     const DAY_NS: i64 = 86_400_000_000_000;

@@ -174,7 +174,7 @@ fn what_is_wrong_is_named() {
 /// the next good line is understood.
 #[test]
 fn damaged_streams_do_no_harm() {
-    let mut mutator = Mutator(5);
+    let mut mutator = Mutator::new(5);
     let good = write(Side::Left, 0.0, Some(&pose(Side::Left)));
     let (mut read, mut refused) = (0, 0);
     for round in 0..3000u64 {

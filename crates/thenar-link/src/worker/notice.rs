@@ -112,7 +112,7 @@ pub struct Others {
 }
 
 impl Others {
-    /// So many more were refused.
+    /// Adds how often others were refused since the last call, and reports it when that is due.
     pub fn look(&mut self, now_ns: u64, refused: u64, shared: &Shared) {
         self.refused += refused;
         let due = self.told_ns.is_none_or(|at| now_ns.saturating_sub(at) >= OTHERS_EVERY_NS);

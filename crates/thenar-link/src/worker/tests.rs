@@ -14,7 +14,7 @@ const PATIENCE: Duration = Duration::from_secs(20);
 /// What the device says; dropping it is unplugging.
 type Plug = Sender<Vec<u8>>;
 
-/// What the device will say, and who hears what it is told.
+/// What the device will say, and who hears what is sent to it.
 type Socket = (Receiver<Vec<u8>>, Sender<Vec<u8>>);
 
 /// A device whose cable a test holds.
@@ -76,7 +76,7 @@ impl Transport for Cable {
     }
 }
 
-/// Each byte is a sample of the right hand, whose wrist is so many centimetres to the right, at
+/// Each byte is a sample of the right hand, whose wrist is that number of centimetres to the right, at
 /// once; 255 is not a number, 254 a panic, 253 a sample from the past.
 struct Bytewise;
 
@@ -171,7 +171,7 @@ fn the_newest_sample_is_seen_once() {
     }
 }
 
-/// Neither a sample from the past nor one that is not a number reaches a caller; the latter is told.
+/// Neither a sample from the past nor one that is not a number reaches a caller; the latter is reported.
 #[test]
 fn what_makes_no_sense_is_kept_back() {
     let (bench, opened) = Bench::open();

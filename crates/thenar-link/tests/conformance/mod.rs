@@ -8,6 +8,7 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 use thenar_core::model::Side;
+use thenar_core::random::Random;
 #[cfg(unix)]
 use thenar_link::twin::PtyTwin;
 use thenar_link::twin::Twin;
@@ -321,12 +322,12 @@ fn a_device_that_answers_nothing_is_told_of<T: Twin + 'static>(bench: &Bench<T>)
 fn a_device_at_another_speed_is_told_of<T: Twin + 'static>(bench: &Bench<T>) {
     bench.twin.hush(true);
     let mut device = bench.open();
-    let (mut seed, mut bytes) = (0x0bad_5eed_u64, 0);
+    let (mut random, mut bytes) = (Random::new(0x0bad_5eed), 0);
     device.told_by_name_while(bench, "is connected but says nothing that makes sense", || {
-        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         // Long runs of bits become few values, the rest is anything.
-        let byte = if seed >> 63 == 0 { [0x00, 0xe0, 0xfe, 0x80, 0xff][bytes % 5] } else { 0xff };
-        bench.twin.add_noise(&[byte, (seed >> 33) as u8]);
+        let few = random.below(2) == 0;
+        let byte = if few { [0x00, 0xe0, 0xfe, 0x80, 0xff][bytes % 5] } else { 0xff };
+        bench.twin.add_noise(&[byte, random.bits() as u8]);
         bytes += 2;
     });
     assert!(bytes > 20 && device.tracker.latest(Side::Right).is_none(), "no pose of {bytes} bytes");

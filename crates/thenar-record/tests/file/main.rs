@@ -9,6 +9,7 @@ use thenar_record::{
     Build, Channel, ChannelInfo, Damage, Fault, Field, Gap, Header, Kind, OpenError, Record,
     RecordError, Recorder, Weight, open,
 };
+use thenar_testing::Mutator;
 
 /// A file of its own for each test.
 struct Place(PathBuf);
@@ -361,11 +362,8 @@ fn havoc_never_makes_it_panic_or_invent_a_frame() {
     write(&place.0);
     let whole = std::fs::read(&place.0).unwrap();
     let (frames, ..) = content(&place.0).unwrap();
-    let mut seed = 0x5eed_u64;
-    let mut random = |n: usize| {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 33) as usize % n
-    };
+    let mut mutator = Mutator::new(0x5eed);
+    let mut random = |n: usize| mutator.below(n);
     for round in 0..2000 {
         let mut bytes = whole.clone();
         for _ in 0..=random(4) {

@@ -10,9 +10,21 @@ use crate::format::{BonesWord, CouplingWord, ElementsWord, Hand, HandMaterial, P
 use crate::math::{Pose, Vec3};
 use crate::motion::{ANGLES, AngleRange, Articulation, HandMotion, hand_angles};
 use crate::text::Fault;
+use std::ops::Range;
 use thenar_core::World;
-use thenar_core::model::{CouplingKind, Drive, Flesh, HandHandle, HandModel, HandPlacement};
+use thenar_core::model::{CouplingKind, Drive, Flesh, HandModel, HandPlacement};
 use thenar_track::Muscles;
+
+/// Where a hand's parts are in the world.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct HandParts {
+    /// Bones of the hand among the rigid bodies.
+    pub bones: Range<u32>,
+    /// Joints of the hand among the world's joints.
+    pub joints: Range<u32>,
+    /// Flesh of the hand among the deformable bodies, if it has any.
+    pub soft: Option<u32>,
+}
 
 /// A hand in the world.
 #[derive(Clone, Debug)]
@@ -21,8 +33,8 @@ pub struct BuiltHand {
     pub name: String,
     /// The model it was made from.
     pub model: HandModel,
-    /// Where its parts are. `soft` is `u32::MAX` for a hand without flesh.
-    pub handle: HandHandle,
+    /// Where its parts are.
+    pub handle: HandParts,
     /// What it follows; `None` lets it hold its start pose, or go.
     pub motion: Option<HandMotion>,
     /// True if the bones have drives.
@@ -79,7 +91,7 @@ impl BuiltHand {
 
     /// The index of its flesh among the deformable bodies, if it has any.
     pub fn flesh(&self) -> Option<u32> {
-        Some(self.handle.soft).filter(|s| *s != u32::MAX)
+        self.handle.soft
     }
 }
 
@@ -140,7 +152,7 @@ fn add(built: &mut Built, hand: &Hand, preset: PresetWord, files: &Files) -> Res
         solid_bones: hand.flesh && hand.bones == BonesWord::Solid,
         nails: tissue::has_nails(hand),
     };
-    let mut handle = built.world.add_hand(&model, &placement);
+    let handle = built.world.add_hand(&model, &placement);
     if !hand.self_contact {
         built.world.self_contact.retain(|&soft| soft != handle.soft);
     }
@@ -163,7 +175,6 @@ fn add(built: &mut Built, hand: &Hand, preset: PresetWord, files: &Files) -> Res
         built.world.softs.pop();
         built.world.parts.pop();
         built.world.self_contact.retain(|&soft| soft != handle.soft);
-        handle.soft = u32::MAX;
     }
     for i in handle.bones.clone() {
         let name = built.world.rigids[i as usize].name.clone();
@@ -186,7 +197,11 @@ fn add(built: &mut Built, hand: &Hand, preset: PresetWord, files: &Files) -> Res
     built.hands.push(BuiltHand {
         name: hand.name.value.clone(),
         model,
-        handle,
+        handle: HandParts {
+            bones: handle.bones,
+            joints: handle.joints,
+            soft: hand.flesh.then_some(handle.soft),
+        },
         motion: motion.filter(|_| hand.driven),
         driven: hand.driven,
         coupling,

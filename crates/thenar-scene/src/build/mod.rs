@@ -32,7 +32,7 @@ mod tissue;
 pub use drivers::{Driver, Follow, Track};
 pub use figure::{BuiltFigure, figure_joints};
 pub use files::Files;
-pub use hand::BuiltHand;
+pub use hand::{BuiltHand, HandParts};
 pub use hand_joints::change_by_file;
 pub use hand_store::keep_hands_in;
 pub use load::{ActiveLoad, Factor, LoadKind};

@@ -24,7 +24,7 @@ pub use summary::{ObjectSummary, PartSummary, Peak, SideSummary, Summary};
 use crate::session::{Column, Session};
 use divergence::Watch;
 use thenar_core::model::{FleshInStep1, Limits, SolverKind, SolverSettings};
-use thenar_core::world::StageTimer;
+use thenar_core::world::{ModelError, StageTimer};
 
 /// Index of the two-step scheme wherever both are listed.
 pub const TWO_STEP: usize = 0;
@@ -70,11 +70,14 @@ impl Scheme {
 }
 
 /// Why two solvers cannot be compared on a scene.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CompareError {
     /// Nothing moves by forces.
     #[error("nothing in this scene moves by forces, so there is nothing to compare")]
     NothingMoves,
+    /// A solver does not take the settings that it would be compared with.
+    #[error("the settings to compare with are refused: {0}")]
+    Settings(#[from] ModelError),
 }
 
 /// Two sessions of one scene that are stepped together.
@@ -95,7 +98,7 @@ impl Comparison {
     /// Compares on a scene that was opened twice, the same way.
     ///
     /// # Errors
-    /// Nothing in the scene moves by forces.
+    /// Nothing in the scene moves by forces, or a solver refuses its settings.
     pub fn new(
         mut sessions: [Session; 2],
         mode: Mode,
@@ -112,7 +115,7 @@ impl Comparison {
             if mode == Mode::SingleSteps {
                 tighten(&mut settings);
             }
-            session.world_mut().set_solver_settings(settings);
+            session.world_mut().set_solver_settings(settings)?;
         }
         let bodies = Bodies::of(&sessions[EXACT]);
         if bodies.bones.is_empty() && bodies.objects.is_empty() {

@@ -118,6 +118,7 @@ fn extremes(s: &Summary, session: &Session) -> Vec<NamedFigure> {
         number("max_joint_gap", "m", s.joint_gap_max),
         number("max_penetration", "m", s.penetration_max),
         count("inverted_tets_max", s.inverted_tets_max.into()),
+        number("inverted_longest", "s", s.inverted_longest as f64 * world.time_step()),
         count("non_finite", s.non_finite),
         count("fell_back", s.fell_back),
         count("divided", s.divided),

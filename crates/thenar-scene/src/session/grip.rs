@@ -72,13 +72,11 @@ impl Session {
             Some(name) => Some(self.named_object(hand, name)?),
             None => None,
         };
-        self.ready_to_grip(hand, kind)?;
+        let flesh = self.ready_to_grip(hand, kind)?;
         let body = match body {
             Some(body) => body,
             None => self.under(hand, kind)?,
         };
-        let built = &self.built.hands[hand];
-        let flesh = built.flesh().unwrap_or(u32::MAX);
         let adapts = force.is_none() && kind.has_thumb();
         let force = force.unwrap_or_else(|| usual_force(self.world.desc(), flesh, body, kind));
         if !(force > 0.0 && force <= FORCE_MAX) {
@@ -250,8 +248,8 @@ impl Session {
         }
     }
 
-    /// Makes a hand ready for a kind of grip.
-    fn ready_to_grip(&mut self, hand: usize, kind: GripKind) -> Result<(), GripError> {
+    /// Makes a hand ready for a kind of grip, and returns the index of its flesh.
+    fn ready_to_grip(&mut self, hand: usize, kind: GripKind) -> Result<u32, GripError> {
         let count = self.built.hands.len();
         let Some(built) = self.built.hands.get(hand) else {
             return Err(GripError::NoHand { hand, count });
@@ -260,17 +258,17 @@ impl Session {
         if !built.driven {
             return Err(unfit("the scene says `driven = false`".into()));
         }
-        if built.flesh().is_none() {
+        let Some(flesh) = built.flesh() else {
             return Err(unfit("it has no flesh, and touches nothing".into()));
-        }
+        };
         let place = &mut self.grips[hand];
         if place.is_none() {
             *place = Some(Box::new(GripHand::new(built).map_err(unfit)?));
         }
-        match place {
-            Some(gripping) => gripping.learn(built, kind).map_err(unfit),
-            None => Ok(()),
+        if let Some(gripping) = place {
+            gripping.learn(built, kind).map_err(unfit)?;
         }
+        Ok(flesh)
     }
 
     fn body_name(&self, body: BodyId) -> &str {

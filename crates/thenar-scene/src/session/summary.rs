@@ -16,6 +16,10 @@ pub struct Summary {
     pub penetration_max: f64,
     /// Most elements with negative volume in one step.
     pub inverted_tets_max: u32,
+    /// Most steps in a row after each of which some element had negative volume.
+    pub inverted_longest: u64,
+    /// Steps in a row of this kind that the last one ended; 0 if it had none.
+    pub inverted_now: u64,
     /// Steps that produced a number that is not finite and were taken back.
     pub non_finite: u64,
     /// Steps that the chosen solver could not make, and that were made safely instead.
@@ -64,7 +68,7 @@ impl Summary {
         self.contacts_dropped_max = self.contacts_dropped_max.max(r.contacts_dropped);
         self.joint_gap_max = self.joint_gap_max.max(r.joint_gap_max);
         self.penetration_max = self.penetration_max.max(r.penetration_max);
-        self.inverted_tets_max = self.inverted_tets_max.max(r.inverted_tets);
+        self.take_inverted(r.inverted_tets);
         self.non_finite += u64::from(r.non_finite);
         self.fell_back += u64::from(r.fell_back);
         self.divided += u64::from(r.parts > 1);
@@ -82,5 +86,28 @@ impl Summary {
                 own.grow(&now);
             }
         }
+    }
+
+    /// Takes in how many elements have negative volume after a step.
+    fn take_inverted(&mut self, count: u32) {
+        self.inverted_tets_max = self.inverted_tets_max.max(count);
+        self.inverted_now = if count == 0 { 0 } else { self.inverted_now + 1 };
+        self.inverted_longest = self.inverted_longest.max(self.inverted_now);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One step, then three with a break after them, then two that go on.
+    #[test]
+    fn the_longest_series_of_inverted_steps_is_kept() {
+        let mut summary = Summary::default();
+        for count in [0, 4, 0, 1, 7, 2, 0, 3, 3] {
+            summary.take_inverted(count);
+        }
+        assert_eq!(summary.inverted_tets_max, 7);
+        assert_eq!((summary.inverted_longest, summary.inverted_now), (3, 2));
     }
 }

@@ -112,7 +112,7 @@ fn mirroring_keeps_the_bone_axis_and_the_back() {
 #[test]
 fn damaged_files_are_read_or_refused_but_never_harm() {
     let (good, hand) = (text(), hand(false));
-    let mut mutator = Mutator(5);
+    let mut mutator = Mutator::new(5);
     let (mut read_well, mut refused) = (0, 0);
     for _ in 0..3000 {
         let Ok(recording) = read(&mutator.damage(good.as_bytes())) else {

@@ -44,7 +44,7 @@ pub struct Raise {
 }
 
 impl Raise {
-    /// To `most` \[N\] in steps of so many seconds, after the guard's ramp \[s\].
+    /// A raise to `most` \[N\] in steps of `step` \[s\], after the guard's ramp \[s\].
     pub fn new(axis: usize, most: f64, step: f64, ramp: f64) -> Self {
         Self { axis, most, step, ramp }
     }

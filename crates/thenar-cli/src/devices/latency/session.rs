@@ -119,7 +119,7 @@ impl Session {
         Ok(())
     }
 
-    /// Watches until so many keys were pressed, and tells when they were \[s\].
+    /// Watches until `count` keys were pressed, and returns when they were \[s\].
     ///
     /// # Errors
     /// The program is to end. An input that ends, or a person who does, leaves fewer keys.

@@ -113,7 +113,7 @@ fn counts(wanted: &Wanted, steps: u32) -> Result<Vec<Count>, String> {
     settings.velocity_tolerance *= 1e-2;
     settings.step_halvings_max = 0;
     settings.cg_iterations_max = settings.cg_iterations_max.max(1000);
-    session.world_mut().set_solver_settings(settings);
+    session.world_mut().set_solver_settings(settings).map_err(|e| e.to_string())?;
     let (accurate, _) = stages(&mut session, steps);
     let (most_n, most_time) = accurate
         .iter()

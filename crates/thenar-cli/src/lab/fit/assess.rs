@@ -276,7 +276,7 @@ mod tests {
         );
     }
 
-    /// Two parameters with the same effect: neither is told, and a third is.
+    /// Two parameters with the same effect: neither is known, and a third is.
     #[test]
     fn parameters_that_go_together_are_not_told_apart() {
         let x = [1.0, 2.0, 3.0, 4.0, 5.0];

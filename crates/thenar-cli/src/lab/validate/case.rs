@@ -81,6 +81,9 @@ pub enum CaseError {
         /// Cause of the failure.
         failure: Failure,
     },
+    /// A world refuses the solver's settings.
+    #[error("the solver's settings are refused: {0}")]
+    Settings(#[from] thenar_core::world::ModelError),
     /// A quantity could not be found in what was measured.
     #[error("{0}")]
     Missing(String),

@@ -104,7 +104,7 @@ fn a_range_says_which_turn_is_meant() {
         let mut world = door(JointKind::Hinge, [axis, Axis::default()], [0.2, 0.0], 1e-3);
         let mut settings = world.desc().solver;
         settings.limits = limits;
-        world.set_solver_settings(settings);
+        world.set_solver_settings(settings).unwrap();
         let input = world.input();
         for _ in 0..3000 {
             world.step(&input, &mut ());
@@ -125,7 +125,7 @@ fn a_limit_s_spring_is_damped() {
         let mut world = door(JointKind::Hinge, [axis, Axis::default()], [0.5, 0.0], h);
         let mut settings = world.desc().solver;
         (settings.kind, settings.limits) = (kind, Limits::Springs);
-        world.set_solver_settings(settings);
+        world.set_solver_settings(settings).unwrap();
         world.set_rigid_state(0, world.rigid_pose(0), [Vec3::zeros(), Vec3::x()]);
         let input = world.input();
         let (inertia, k, c) = (0.01, 4.0, 0.05);

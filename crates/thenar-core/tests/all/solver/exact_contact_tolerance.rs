@@ -142,7 +142,7 @@ fn exact(world: &World, tolerance: f64, sweeps_max: u32) -> World {
     settings.contact_sweeps_max = sweeps_max;
     // A miss is to be seen, not mended.
     settings.step_halvings_max = 0;
-    world.set_solver_settings(settings);
+    world.set_solver_settings(settings).unwrap();
     world
 }
 

@@ -203,7 +203,7 @@ fn the_tolerance_is_honoured() {
                     let mut settings = world.desc().solver;
                     settings.kind = SolverKind::Exact;
                     settings.velocity_tolerance = tolerance;
-                    world.set_solver_settings(settings);
+                    world.set_solver_settings(settings).unwrap();
                     let report = world.step(&input, &mut ());
                     let error = difference(&world, &dense);
                     let case = format!("{name}, kappa {kappa:.0e}, h {h}, asked {tolerance:.0e}");
@@ -227,7 +227,7 @@ fn joints_hold_at_any_tolerance() {
             let mut settings = world.desc().solver;
             settings.kind = SolverKind::Exact;
             settings.velocity_tolerance = tolerance;
-            world.set_solver_settings(settings);
+            world.set_solver_settings(settings).unwrap();
             for _ in 0..(0.1 / h) as usize {
                 assert!(!world.step(&input, &mut ()).fell_back);
             }

@@ -5,7 +5,7 @@ use crate::common::{FLESH, bar, body, finger};
 use std::sync::Arc;
 use thenar_core::model::{
     Axis, BodyId, Cone, Drive, FixedNode, JointDesc, JointKind, Motion, PairRule, SoftDesc,
-    SolverKind, WorldDesc,
+    SolverKind, SolverSettings, WorldDesc,
 };
 use thenar_core::shape::{DistanceGrid, MeshShape, Shape};
 use thenar_core::world::{Input, Target};
@@ -270,6 +270,37 @@ fn the_time_step_can_change_while_it_runs() {
         let speed = world.node_velocities(0).iter().map(|v| v.norm()).fold(0.0, f64::max);
         assert!(speed < 0.1, "a step of {h} s must not kick: {speed} m/s");
     }
+}
+
+/// A refusal names the setting and its value, and leaves all of them, and the world, as they were.
+#[test]
+fn solver_settings_out_of_range_are_refused_by_name() {
+    let (mut world, _) = scene();
+    let (good, hash) = (world.desc().solver, world.state_hash());
+    let other = |good: SolverSettings| SolverSettings { kind: SolverKind::TwoStep, ..good };
+    for (bad, said) in [
+        (
+            SolverSettings { velocity_tolerance: 0.0, ..other(good) },
+            "solver: velocity_tolerance must be positive [m/s], got 0",
+        ),
+        (
+            SolverSettings { cg_tolerance: 1.0, ..other(good) },
+            "solver: cg_tolerance must be positive and below 1, got 1",
+        ),
+        (
+            SolverSettings { contact_sweeps_max: 0, ..other(good) },
+            "solver: contact_sweeps_max must be at least 1, got 0",
+        ),
+        (
+            SolverSettings { step_halvings_max: 11, ..other(good) },
+            "solver: step_halvings_max must be at most 10, got 11",
+        ),
+    ] {
+        assert_eq!(world.set_solver_settings(bad).unwrap_err().to_string(), said);
+        assert_eq!((world.desc().solver, world.state_hash()), (good, hash), "{said}");
+    }
+    assert_eq!(world.set_solver_settings(other(good)), Ok(()));
+    assert_eq!(world.desc().solver.kind, SolverKind::TwoStep);
 }
 
 #[test]

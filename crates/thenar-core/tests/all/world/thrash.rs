@@ -133,7 +133,7 @@ fn steps_that_fail_one_after_the_other_stay_calm() {
         let good = world.desc().solver;
         let bad = SolverSettings { velocity_tolerance: 1e-9, cg_iterations_max: 1, ..good };
         let (mut seed, mut seen) = (3, Extremes::default());
-        world.set_solver_settings(bad);
+        world.set_solver_settings(bad).unwrap();
         for i in 0..200 {
             if i % 8 == 0 {
                 thrash(&mut input, &home, &mut seed);
@@ -148,7 +148,7 @@ fn steps_that_fail_one_after_the_other_stay_calm() {
             seen.energy < energy_max(kappa, 5e4) && seen.gap < 0.03,
             "kappa {kappa:.0e}, h {h}: {seen:?}"
         );
-        world.set_solver_settings(good);
+        world.set_solver_settings(good).unwrap();
         let report = world.step(&input, &mut ());
         assert!(report.failure.is_none() && !report.fell_back, "h {h}: {report:?}");
     }

@@ -7,7 +7,7 @@ use crate::session::{known, violation};
 use openxr_sys as xr;
 use xr::{Result as XrResult, SessionState};
 
-/// Told of hands this far from now is an error of the caller's \[ns\].
+/// Largest time from now at which a caller may ask for hands \[ns\].
 const NEAR_NS: i64 = 1_000_000_000;
 
 pub(super) unsafe extern "system" fn create_tracker(

@@ -172,7 +172,7 @@ fn what_is_wrong_is_named() {
 
 #[test]
 fn damaged_files_are_read_or_refused_but_never_harm() {
-    let mut mutator = Mutator(7);
+    let mut mutator = Mutator::new(7);
     let (mut made, mut refused) = (0, 0);
     for _ in 0..3000 {
         let text = String::from_utf8_lossy(&mutator.damage(MOTION.as_bytes())).into_owned();

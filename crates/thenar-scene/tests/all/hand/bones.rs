@@ -45,7 +45,11 @@ fn bones_are_solid_unless_the_scene_says_otherwise() {
     assert_eq!(bones_with_shape(&load("bones = \"solid\"")), 16);
     assert_eq!(bones_with_shape(&load("bones = \"none\"")), 0);
     // A skeleton without flesh touches nothing.
-    assert_eq!(bones_with_shape(&load("flesh = false")), 0);
+    let skeleton = load("flesh = false");
+    assert_eq!(bones_with_shape(&skeleton), 0);
+    assert_eq!((skeleton.hands()[0].flesh(), skeleton.world().desc().softs.len()), (None, 0));
+    let flesh = load("").hands()[0].flesh().expect("flesh");
+    assert_eq!(load("").world().desc().softs[flesh as usize].name, "hand");
 }
 
 #[test]
@@ -60,7 +64,7 @@ fn what_bones_bear_counts_for_the_hand() {
         for body in contact.bodies {
             let normal = contact.force_W.dot(&contact.normal_W);
             match body {
-                BodyId::Soft(soft) if soft == hand.handle.soft => on_flesh += normal,
+                BodyId::Soft(soft) if Some(soft) == hand.flesh() => on_flesh += normal,
                 BodyId::Rigid(b) if hand.handle.bones.contains(&b) => on_bones += normal,
                 _ => {}
             }

@@ -53,7 +53,8 @@ pub fn coupling(solver: Solver, skinning: &str) -> Result<Vec<Figure>, CaseError
         let mut run = solver.open(&HAND, &[given, skinning.clone()])?;
         let setup = run.setup();
         let session = run.session();
-        let soft = session.hands()[0].handle.soft;
+        let flesh = session.hands()[0].flesh();
+        let soft = flesh.ok_or_else(|| CaseError::Missing("the hand has no flesh".into()))?;
         let start = session.world().clone();
         let (mut random, mut worst) = (Random::new(4), [0.0_f64; 2]);
         for _ in 0..10 {

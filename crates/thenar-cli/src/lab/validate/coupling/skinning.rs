@@ -51,7 +51,9 @@ fn moved_as_one(solver: Solver, skinning: &str) -> Result<Vec<Figure>, CaseError
     run.to(0.3)?;
     let setup = run.setup();
     let session = run.session();
-    let (bones, soft) = (session.hands()[0].handle.bones.clone(), session.hands()[0].handle.soft);
+    let hand = &session.hands()[0];
+    let flesh = hand.flesh().ok_or_else(|| CaseError::Missing("the hand has no flesh".into()));
+    let (bones, soft) = (hand.handle.bones.clone(), flesh?);
     let world = session.world_mut();
     let mut before = world.nodes(soft).to_vec();
     let mut after = before.clone();

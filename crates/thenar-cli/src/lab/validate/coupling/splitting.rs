@@ -53,15 +53,15 @@ const EXACT: Scheme = Scheme {
 };
 
 /// One step of `h` from where `start` is.
-fn stepped(start: &Run, scheme: &Scheme, h: f64) -> World {
+fn stepped(start: &Run, scheme: &Scheme, h: f64) -> Result<World, CaseError> {
     let mut world = start.world().clone();
     let mut settings = world.desc().solver;
     (settings.kind, settings.step1_flesh) = (scheme.kind, scheme.flesh);
     settings.close_joints = scheme.close_joints;
-    world.set_solver_settings(settings);
+    world.set_solver_settings(settings)?;
     world.set_time_step(h);
     world.step(start.input(), &mut ());
-    world
+    Ok(world)
 }
 
 fn difference(two_step: &World, exact: &World) -> Difference {
@@ -98,9 +98,9 @@ fn compare(solver: Solver, setting: &Setting, kappa: f64) -> Result<Vec<Figure>,
     start.to(setting.time)?;
     let mut found = [[Difference::default(); 3]; SCHEMES.len()];
     for (i, h) in STEPS.into_iter().enumerate() {
-        let exact = stepped(&start, &EXACT, h);
+        let exact = stepped(&start, &EXACT, h)?;
         for (found, scheme) in found.iter_mut().zip(&SCHEMES) {
-            found[i] = difference(&stepped(&start, scheme, h), &exact);
+            found[i] = difference(&stepped(&start, scheme, h)?, &exact);
         }
     }
     let mut figures = Vec::new();
