@@ -5,7 +5,7 @@
 
 use crate::contact::MeshShape;
 use crate::contact::aabb::Aabb;
-use crate::contact::features::edges as cuboid_edges;
+use crate::contact::edge::{self, Crossed, Edge, FOLLOWED};
 use crate::contact::manifold::Manifold;
 use crate::contact::mesh_index::{Edges, MeshEdge};
 use crate::contact::mesh_pair::{CROSSING, FROM_B, Pair, SHALLOW};
@@ -15,19 +15,10 @@ use crate::math::Vec3;
 /// the way out.
 const AS_DEEP: f64 = 1.2;
 
-/// Axes of the twelve edges of a cuboid.
-const AXES: [usize; 12] = [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2];
-
 /// Adds the crossings of the twelve edges of cuboid A with edges of mesh B.
 pub(super) fn of_cuboid(pair: &Pair, half: &Vec3, mesh: &MeshShape, manifold: &mut Manifold) {
     offer_crossings(pair, manifold, |found| {
-        for (i, (ends, axis)) in cuboid_edges(half).into_iter().zip(AXES).enumerate() {
-            let out =
-                Vec3::from_fn(|k, _| if k == axis { 0.0 } else { 1.0_f64.copysign(ends[0][k]) });
-            let mut normals = [Vec3::zeros(); 2];
-            for (slot, k) in [(axis + 1) % 3, (axis + 2) % 3].into_iter().enumerate() {
-                normals[slot][k] = out[k];
-            }
+        for (i, Edge { ends, normals }) in edge::of_cuboid(half).into_iter().enumerate() {
             let edge = Crosses { i: i as u32, ends, normals, rounding: 0.0 };
             crossing(pair, &edge, mesh, &mesh.index.edges, found);
             crossing(pair, &edge, mesh, &mesh.index.bends, found);
@@ -98,7 +89,8 @@ fn sharp_on(
     let rotation = pair.a.rotation.transpose() * pair.b.rotation;
     let around = pair.movers[1].piece.bounds.moved(&rotation, &pair.a.shape_point(&pair.b.origin));
     let sharp = &mesh.index.edges;
-    sharp.tree.overlapping(&around.inflate(pair.reach.margin), |i| {
+    let ahead = if pair.travel > pair.reach.margin { FOLLOWED * pair.travel } else { 0.0 };
+    sharp.tree.overlapping(&around.inflate(pair.reach.margin + ahead), |i| {
         let MeshEdge { vertices, normals } = sharp.list[i as usize];
         let ends = vertices.map(|v| mesh.points[v as usize]);
         let edge = Crosses { i, ends, normals, rounding: mesh.index.rounding };
@@ -114,7 +106,7 @@ struct Crosses {
     rounding: f64,
 }
 
-/// One edge of A and those of mesh B that it crosses.
+/// One edge of A and those of mesh B that it crosses, or comes to on its way.
 fn crossing(
     pair: &Pair,
     edge: &Crosses,
@@ -123,25 +115,34 @@ fn crossing(
     found: &mut dyn FnMut(Crossing),
 ) {
     let turn = pair.b.rotation.transpose() * pair.a.rotation;
-    let ends = edge.ends.map(|p| pair.b.shape_point(&pair.a.world_point(&p)));
-    let edge_a = MeshEdge { vertices: [0; 2], normals: edge.normals.map(|n| turn * n) };
+    let at_W = edge.ends.map(|p| pair.a.world_point(&p));
+    let ends = at_W.map(|p_W| pair.b.shape_point(&p_W));
+    let edge_a = Edge { ends, normals: edge.normals.map(|n| turn * n) };
     let roundings = [edge.rounding, mesh.index.rounding];
-    let near = Aabb::of_points(&ends).inflate(pair.reach.margin + roundings[0] + roundings[1]);
-    others.tree.overlapping(&near, |j| {
-        let edge_b = &others.list[j as usize];
-        let ends_b = edge_b.vertices.map(|v| mesh.points[v as usize]);
-        let Some((p, q, n)) = cross((&edge_a, ends), (edge_b, ends_b)) else { return };
-        let gap = (p - q).dot(&n) - roundings[0] - roundings[1];
-        if gap <= pair.reach.margin {
-            let middle = 0.5 * (p + q + (roundings[1] - roundings[0]) * n);
-            found(Crossing {
-                feature: CROSSING | crossing_name(edge.i, others.first + j),
-                position_W: pair.b.world_point(&middle),
-                normal_W: pair.b.rotation * n,
-                gap,
-                shallow: SHALLOW * (ends[1] - ends[0]).norm().min((ends_b[1] - ends_b[0]).norm()),
-            });
-        }
+    let margin = pair.reach.margin;
+    let ways = (pair.travel > margin).then(|| at_W.map(|p_W| pair.way(&p_W)));
+    let swept = ways.map(|ways| [0, 1].map(|k| ends[k] + FOLLOWED * ways[k]));
+    let mut near = Aabb::of_points(&ends);
+    if let Some(swept) = &swept {
+        near = near.union(&Aabb::of_points(swept));
+    }
+    others.tree.overlapping(&near.inflate(margin + roundings[0] + roundings[1]), |j| {
+        let MeshEdge { vertices, normals } = others.list[j as usize];
+        let edge_b = Edge { ends: vertices.map(|v| mesh.points[v as usize]), normals };
+        let within = |c: &Crossed| c.gap() - roundings[0] - roundings[1] <= margin;
+        let comes = || ways.and_then(|ways| edge_a.arrival(&ways, &edge_b));
+        let Some(c) = edge_a.cross(&edge_b).filter(within).or_else(comes) else { return };
+        let gap = c.gap() - roundings[0] - roundings[1];
+        // From the edge of A: its lever is known however far off the other is now.
+        let middle = c.p - (roundings[0] + 0.5 * gap) * c.n;
+        let lengths = [&edge_a, &edge_b].map(|e| (e.ends[1] - e.ends[0]).norm());
+        found(Crossing {
+            feature: CROSSING | crossing_name(edge.i, others.first + j),
+            position_W: pair.b.world_point(&middle),
+            normal_W: pair.b.rotation * c.n,
+            gap,
+            shallow: SHALLOW * lengths[0].min(lengths[1]),
+        });
     });
 }
 
@@ -149,40 +150,4 @@ fn crossing(
 /// the force of one.
 fn crossing_name(i: u32, j: u32) -> u32 {
     (i.wrapping_mul(0x9E37_79B1) ^ j.wrapping_mul(0x85EB_CA6B).rotate_left(13)) >> 4
-}
-
-/// The nearest points of two edges' lines if both lie within the edges, and the normal from B to A
-/// if it is outward of both.
-fn cross(a: (&MeshEdge, [Vec3; 2]), b: (&MeshEdge, [Vec3; 2])) -> Option<(Vec3, Vec3, Vec3)> {
-    let (da, db) = (a.1[1] - a.1[0], b.1[1] - b.1[0]);
-    let normal = da.cross(&db);
-    let square = normal.norm_squared();
-    if square <= 1e-6 * da.norm_squared() * db.norm_squared() {
-        return None;
-    }
-    let between = b.1[0] - a.1[0];
-    let s = between.cross(&db).dot(&normal) / square;
-    let t = between.cross(&da).dot(&normal) / square;
-    let inside = |x: f64| x > 1e-9 && x < 1.0 - 1e-9;
-    if !inside(s) || !inside(t) {
-        return None;
-    }
-    let n = normal / square.sqrt();
-    let n = n * 1.0_f64.copysign(n.dot(&(b.0.normals[0] + b.0.normals[1])));
-    let fits = in_cone(&n, b.0, &db) && in_cone(&-n, a.0, &da);
-    fits.then(|| (a.1[0] + s * da, b.1[0] + t * db, n))
-}
-
-/// True when a normal lies between the normals of the faces beside an edge.
-fn in_cone(n: &Vec3, edge: &MeshEdge, along: &Vec3) -> bool {
-    let [n1, n2] = edge.normals;
-    if n1 == n2 {
-        return true;
-    }
-    // From the edge into each face.
-    let into = |own: &Vec3, other: &Vec3| {
-        let t = along.cross(own).normalize();
-        t * -1.0_f64.copysign(t.dot(other))
-    };
-    n.dot(&into(&n1, &n2)) < 1e-6 && n.dot(&into(&n2, &n1)) < 1e-6
 }

@@ -190,10 +190,15 @@ impl<'a> Pair<'a> {
         let p = self.b.shape_point(p_W);
         let limit = radius + self.reach.margin + self.travel;
         let now = self.b.shape.distance_within(&p, limit)?;
-        let [a, b] = self.movers.map(|m| m.side.placed.velocity_at(p_W));
-        let u = self.b.rotation.tr_mul(&(a - b)) * self.reach.h;
-        let found = approach_from(self.b.shape, &p, now, &u, radius, self.reach.margin)?;
+        let way = self.way(p_W);
+        let found = approach_from(self.b.shape, &p, now, &way, radius, self.reach.margin)?;
         Some(Distance { gradient: self.b.rotation * found.gradient, ..found })
+    }
+
+    /// The way of a point of A in the step if it goes straight on, seen from B, in B's frame \[m\].
+    pub fn way(&self, p_W: &Vec3) -> Vec3 {
+        let [a, b] = self.movers.map(|m| m.side.placed.velocity_at(p_W));
+        self.b.rotation.tr_mul(&(a - b)) * self.reach.h
     }
 
     /// A ball whose surface is A's.

@@ -34,6 +34,7 @@ mod deepening;
 mod depth_tests;
 mod detector;
 mod distance;
+mod edge;
 mod ellipsoid;
 #[cfg(test)]
 mod fast_tests;

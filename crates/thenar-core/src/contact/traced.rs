@@ -2,12 +2,14 @@
 //!
 //! Where two bodies meet first one of them may be stopped, and turns its other ends through within the
 //! same step. So each corner, end or rim of a body that is fast is followed to where it arrives at the
-//! other (conservative advancement, Mirtich, 1996); the contact is the tangent plane there.
+//! other (conservative advancement, Mirtich, 1996); the contact is the tangent plane there. Edges of boxes are followed
+//! to where they cross others': of thin boxes that meet across each other no corner arrives.
 
 use crate::contact::Shape;
+use crate::contact::edge::{self, Edge, FOLLOWED};
 use crate::contact::features::corners;
 use crate::contact::manifold::{Manifold, ManifoldPoint};
-use crate::contact::mesh_pair::mesh_of;
+use crate::contact::mesh_pair::{Pair, mesh_of};
 use crate::contact::rigid_body::Piece;
 use crate::contact::rigid_pair::{Reach, RigidSide, reversed};
 use crate::contact::support::inradius;
@@ -16,9 +18,6 @@ use crate::math::Vec3;
 
 /// Most advances of one end. Where they end early, the end is not followed: the body is held where it meets the other.
 const ADVANCES_MAX: usize = 64;
-/// Ways are followed for this many steps: an end that is as far from the centre of mass as the one that is
-/// stopped is whipped to at most twice its speed (`2 v` less what the centre of mass loses).
-const FOLLOWED: f64 = 2.0;
 /// Constraints along lines nearer to each other than this part of the inradius, and turned by less than it \[rad\], are
 /// one: two would hold the same end twice.
 const SAME: f64 = 1e-4;
@@ -29,6 +28,8 @@ const ON_BALL: f64 = 0.05;
 /// Features: the side that has the point, its piece and its number.
 const TRACED: u32 = 6 << 16;
 const OF_B: u32 = 1 << 15;
+/// Of edges that cross: 7 bits name the pieces, 8 the edges.
+const EDGES: u32 = 1 << 14;
 
 /// Adds the points of A and of B that arrive at the other, of bodies that meet (so that `manifold` has
 /// points) and are fast.
@@ -45,6 +46,45 @@ pub(crate) fn find(a: RigidSide, b: RigidSide, reach: Reach, manifold: &mut Mani
     }
     points_of(a, &whole_b, reach, &-normal_W, TRACED, manifold);
     reversed(manifold, |m| points_of(b, &whole_a, reach, &normal_W, TRACED | OF_B, m));
+    for (i, piece_a) in a.body.pieces.iter().enumerate() {
+        for (j, piece_b) in b.body.pieces.iter().enumerate() {
+            let movers = [Mover { side: a, piece: piece_a }, Mover { side: b, piece: piece_b }];
+            let pieces = (i as u32) << 24 | (j as u32) << 20;
+            edges(&movers, reach, TRACED | EDGES | pieces, manifold);
+        }
+    }
+}
+
+/// The edges of box A that arrive at edges of box B.
+fn edges([a, b]: &[Mover; 2], reach: Reach, flag: u32, manifold: &mut Manifold) {
+    let (Shape::Cuboid { half: half_a }, Shape::Cuboid { half: half_b }) =
+        (&a.piece.shape, &b.piece.shape)
+    else {
+        return;
+    };
+    let pair = Pair::new(a, b, reach);
+    let turn = pair.b.rotation.tr_mul(&pair.a.rotation);
+    let others = edge::of_cuboid(half_b);
+    for (i, own) in edge::of_cuboid(half_a).into_iter().enumerate() {
+        let ends_W = own.ends.map(|p| pair.a.world_point(&p));
+        let ways = ends_W.map(|p_W| pair.way(&p_W));
+        let ends = ends_W.map(|p_W| pair.b.shape_point(&p_W));
+        let own = Edge { ends, normals: own.normals.map(|n| turn * n) };
+        for (j, other) in others.iter().enumerate() {
+            let Some(met) = own.arrival(&ways, other) else { continue };
+            let there = b.at(met.when, reach.h).world_point(&met.q);
+            let is_buried =
+                |m: &Mover| m.whole_at(met.when, reach.h).distance(&there).value < -reach.margin;
+            if is_buried(a) || is_buried(b) {
+                continue;
+            }
+            let (gap, normal_W) = (met.gap(), pair.b.rotation * met.n);
+            let position_W = pair.b.world_point(&(met.p - 0.5 * gap * met.n));
+            let feature = flag | (i * 12 + j) as u32;
+            let point = ManifoldPoint { feature, position_W, normal_W, gap };
+            offer(point, SAME * inradius(&a.piece.shape), manifold);
+        }
+    }
 }
 
 /// The points of all pieces of A that arrive at B, which lies towards `towards_W`.
