@@ -8,6 +8,11 @@ use crate::math::Vec3;
 /// at most twice its speed (`2 v` less what the centre of mass loses).
 pub(super) const FOLLOWED: f64 = 2.0;
 
+/// Where edges meet on their ways, normals may lean so far (sine, 45°) out of the cone of either: a body that is stopped at
+/// one edge turns the others level within the step, as a tilted plate that falls on another does. Edges that leave each
+/// other have normals that point the other way.
+const TURNING: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
 /// A sharp edge: its ends, and the outward normals of the faces beside it (twice the same at a border).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Edge {
@@ -50,15 +55,17 @@ impl Edge {
         self.ends[1] - self.ends[0]
     }
 
-    /// The nearest points of both lines if they lie within the edges, and the normal if it is outward of both.
-    pub fn cross(&self, b: &Self) -> Option<Crossed> {
-        let (s, t, n) = self.place(b)?;
+    /// The nearest points of both lines if they lie within the edges, and the normal if it is outward of both, of bodies
+    /// that turn by `turn` \[rad\] against each other in the step.
+    pub fn cross(&self, b: &Self, turn: f64) -> Option<Crossed> {
+        let (s, t, n) = self.place(b, (STANDING + FOLLOWED * turn).min(TURNING))?;
         let at = |edge: &Self, t: f64| edge.ends[0] + t * edge.along();
         Some(Crossed { when: 0.0, p: at(self, s), q: at(b, t), n })
     }
 
-    /// The parts of both edges at which their lines are nearest, and the normal from B.
-    fn place(&self, b: &Self) -> Option<(f64, f64, Vec3)> {
+    /// The parts of both edges at which their lines are nearest, and the normal from B, which may lean out of the cone of
+    /// normals of either by `lean` (sine).
+    fn place(&self, b: &Self, lean: f64) -> Option<(f64, f64, Vec3)> {
         let (da, db) = (self.along(), b.along());
         let normal = da.cross(&db);
         let square = normal.norm_squared();
@@ -74,13 +81,13 @@ impl Edge {
         }
         let n = normal / square.sqrt();
         let n = n * 1.0_f64.copysign(n.dot(&(b.normals[0] + b.normals[1])));
-        (b.looks(&n) && self.looks(&-n)).then_some((s, t, n))
+        (b.looks(&n, lean) && self.looks(&-n, lean)).then_some((s, t, n))
     }
 
-    /// True when a normal lies between those of the faces beside the edge, or no farther out than what stands on a face
-    /// may lean. There the other edge is nearest to the face, by a thousandth less than to this edge: of two plates laid
-    /// across each other all four crossings count before they are level, not the lowest alone.
-    fn looks(&self, n: &Vec3) -> bool {
+    /// True when a normal lies between those of the faces beside the edge, or no farther out than `lean` (sine). By what
+    /// stands on a face may lean, the other edge is nearest to the face, by a thousandth less than to this edge: of two
+    /// plates laid across each other all four crossings count before they are level, not the lowest alone.
+    fn looks(&self, n: &Vec3, lean: f64) -> bool {
         let [n1, n2] = self.normals;
         if n1 == n2 {
             return true;
@@ -90,7 +97,7 @@ impl Edge {
             let t = self.along().cross(own).normalize();
             t * -1.0_f64.copysign(t.dot(other))
         };
-        n.dot(&into(&n1, &n2)) < STANDING && n.dot(&into(&n2, &n1)) < STANDING
+        n.dot(&into(&n1, &n2)) < lean && n.dot(&into(&n2, &n1)) < lean
     }
 
     /// The points of both edges that meet first within [`FOLLOWED`] steps, where they are now, if the ends of this edge
@@ -113,7 +120,7 @@ impl Edge {
                 return None;
             }
             let there = [0, 1].map(|k| self.ends[k] + when * ways[k]);
-            let (s, t, n) = Self { ends: there, ..*self }.place(b)?;
+            let (s, t, n) = Self { ends: there, ..*self }.place(b, TURNING)?;
             let way = ways[0] + s * bends;
             let met = Crossed { when, p: self.ends[0] + s * da, q: b.ends[0] + t * db, n };
             (way.dot(&n) < 0.0 && met.gap() > 0.0).then_some(met)

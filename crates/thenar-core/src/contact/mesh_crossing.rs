@@ -119,6 +119,8 @@ fn crossing(
     let ends = at_W.map(|p_W| pair.b.shape_point(&p_W));
     let edge_a = Edge { ends, normals: edge.normals.map(|n| turn * n) };
     let roundings = [edge.rounding, mesh.index.rounding];
+    let [spin_a, spin_b] = pair.movers.map(|m| m.side.placed.angular_velocity);
+    let turns = pair.reach.h * (spin_a - spin_b).norm();
     let margin = pair.reach.margin;
     let ways = (pair.travel > margin).then(|| at_W.map(|p_W| pair.way(&p_W)));
     let swept = ways.map(|ways| [0, 1].map(|k| ends[k] + FOLLOWED * ways[k]));
@@ -131,7 +133,7 @@ fn crossing(
         let edge_b = Edge { ends: vertices.map(|v| mesh.points[v as usize]), normals };
         let within = |c: &Crossed| c.gap() - roundings[0] - roundings[1] <= margin;
         let comes = || ways.and_then(|ways| edge_a.arrival(&ways, &edge_b));
-        let Some(c) = edge_a.cross(&edge_b).filter(within).or_else(comes) else { return };
+        let Some(c) = edge_a.cross(&edge_b, turns).filter(within).or_else(comes) else { return };
         let gap = c.gap() - roundings[0] - roundings[1];
         // From the edge of A: its lever is known however far off the other is now.
         let middle = c.p - (roundings[0] + 0.5 * gap) * c.n;

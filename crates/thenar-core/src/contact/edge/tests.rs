@@ -24,14 +24,14 @@ fn turned(edge: &Edge, about: Vec3, turn: Vec3) -> Edge {
 fn edges_cross_where_their_lines_are_nearest() {
     for height in [0.3, 1e-4, -1e-3] {
         let (above, below) = crossing(height);
-        let met = above.cross(&below).unwrap();
+        let met = above.cross(&below, 0.0).unwrap();
         assert!((met.gap() - height).abs() < 1e-15 && (met.n - Vec3::y()).norm() < 1e-15);
-        let other = below.cross(&above).unwrap();
+        let other = below.cross(&above, 0.0).unwrap();
         assert!((other.gap() - height).abs() < 1e-15 && (other.n + Vec3::y()).norm() < 1e-15);
     }
     let (mut above, below) = crossing(0.1);
     above.ends = above.ends.map(|p| p + Vec3::x() * 1.01);
-    assert!(above.cross(&below).is_none(), "beyond the end");
+    assert!(above.cross(&below, 0.0).is_none(), "beyond the end");
 }
 
 /// Between two edges that lie level but for a small tilt the gap is that to the face beside the edge, to a thousandth;
@@ -44,8 +44,12 @@ fn what_leans_a_little_from_the_cone_of_normals_still_crosses() {
             let leaning = turned(&above, Vec3::y() * 1e-3, axis * angle);
             // The other way the normal leans towards the side of the edge, where it is one of its own.
             let towards_side = if axis == Vec3::x() { angle > 0.0 } else { angle < 0.0 };
-            let met = leaning.cross(&below);
+            let met = leaning.cross(&below, 0.0);
             assert_eq!(met.is_some(), counts || towards_side, "{axis} {angle}");
+            assert!(
+                leaning.cross(&below, 0.01).is_some(),
+                "as level within the step: {axis} {angle}"
+            );
             if let Some(met) = met {
                 assert!((met.gap() - 1e-3).abs() <= 1e-6, "{axis} {angle}: {}", met.gap());
             }
@@ -67,7 +71,7 @@ fn an_edge_arrives_where_a_walk_finds_it() {
         let height = |s: f64| {
             let ends = [0, 1].map(|k| above.ends[k] + s * ways[k]);
             let there = Edge { ends, ..above };
-            there.cross(&below).map(|c| c.gap())
+            there.cross(&below, 0.0).map(|c| c.gap())
         };
         let passes = |k: usize| {
             let [before, after] = [k, k + 1].map(|k| height(FOLLOWED * k as f64 / WALK as f64));
