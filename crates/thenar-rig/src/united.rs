@@ -16,7 +16,7 @@ const CELLS: u32 = 200;
 /// Values of the grid at most.
 const VALUES_MAX: usize = 5_000_000;
 
-/// What several meshes enclose together.
+/// Body that several meshes enclose together.
 pub(crate) struct United {
     /// Closed surface of one piece, its outside out.
     pub mesh: TriMesh,

@@ -80,7 +80,8 @@ fn law(mimic: &Mimic) -> String {
             1 => format!("{} x", short(c.abs())),
             _ => format!("{} x^{power}", short(c.abs())),
         };
-        words += &match (words.is_empty(), sign) {
+        let first = words.is_empty();
+        words += &match (first, sign) {
             (true, "+") => term,
             (true, _) => format!("-{term}"),
             (false, _) => format!(" {sign} {term}"),

@@ -51,7 +51,7 @@ pub(super) fn polynomial(law: &[f64; MIMIC_TERMS], x: f64) -> (f64, f64) {
     law.iter().rev().fold((0.0, 0.0), step)
 }
 
-/// True when a mimic follows itself, through others or not, or an axis follows twice.
+/// The first mimic that follows itself, through others or not, or whose axis follows another already.
 pub(crate) fn tangled(mimics: &[Mimic]) -> Option<Mimic> {
     let above = |end: (u32, u8)| mimics.iter().find(|mimic| mimic.ends()[1] == end);
     let circles = |mimic: &&Mimic| {

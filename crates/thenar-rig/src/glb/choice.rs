@@ -57,7 +57,7 @@ pub(super) fn sources<'a>(nodes: &Nodes<'a>) -> Result<Vec<Source<'a>>, RigError
 }
 
 /// Lists the skinned meshes, those that are the body marked: those of these names, or the one of greatest volume; of equals
-/// the first. One that is damaged is told and does not count, unless it is named or all are.
+/// the first. One that is damaged is reported and does not count, unless it is named or all are.
 pub(super) fn choose(
     file: &Container,
     nodes: &Nodes<'_>,

@@ -28,7 +28,7 @@ pub struct RigReading {
     pub holes: Vec<Hole>,
     /// The skinned meshes of the file, with those that are the hand marked.
     pub meshes: Vec<SkinnedPart>,
-    /// How several meshes became one surface; `None` where there is one, or they fit together.
+    /// Way in which several meshes became one surface; `None` where there is one, or they fit together.
     pub joined: Option<JoinedMeshes>,
 }
 

@@ -95,7 +95,7 @@ fn files_are_written_whole_and_name_themselves_in_errors() {
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
-/// What follows what is kept in a kind of file of its own, which other readers take for the same figure without it.
+/// Mimics are kept in a kind of file of its own, which other readers take for the same figure without them.
 #[test]
 fn a_figure_keeps_its_mimics() {
     use crate::figure::Mimic;

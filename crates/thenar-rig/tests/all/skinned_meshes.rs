@@ -111,7 +111,7 @@ fn meshes_are_taken_by_name() {
     assert!(error.contains("\"skirt\"; it has \"eye\", \"hair\", \"body\""), "{error}");
 }
 
-/// An eye whose triangles name vertices that are not there is no reason to refuse the body; who names it is told its damage.
+/// An eye whose triangles name vertices that are not there is no reason to refuse the body; naming it gives its damage.
 #[test]
 fn a_damaged_mesh_beside_the_body_is_told() {
     let damaged = |of: &[usize]| {

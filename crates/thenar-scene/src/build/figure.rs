@@ -145,7 +145,7 @@ fn made(figure: &Figure, files: &Files) -> Result<(HandModel, Vec<Mimic>), Fault
     build_figure(plan, &options).map(|(model, report)| (model, report.mimics)).map_err(wrong)
 }
 
-/// What the figure's file says, or one that comes with the program.
+/// Plan of the figure's file, or of one that comes with the program.
 fn plan(figure: &Figure, files: &Files) -> Result<Plan, Fault> {
     let wrong = |e: RigError| figure.model.fault(e.to_string());
     let name = &figure.model.value;

@@ -1,4 +1,4 @@
-//! Which motors a figure has.
+//! Motors of a figure.
 
 use super::figure::BuiltFigure;
 use super::motor::{Course, Motor};
@@ -117,7 +117,7 @@ fn laws_from(mimics: &[Mimic], leader: (u32, u8)) -> Vec<Vec<Mimic>> {
     found
 }
 
-/// Where keys lead a joint; without any it stays where its spring is relaxed.
+/// Course on which keys lead a joint; without any it stays where its spring is relaxed.
 fn course(kind: JointKind, keys: &[(f64, Vec<f64>)], rest: [f64; 2], figure: &Figure) -> Course {
     let interpolation = figure.interpolation;
     let at = |angles: &[f64], k: usize| angles.get(k).copied().unwrap_or(0.0);

@@ -10,7 +10,7 @@ use thenar_rig::figure::Mimic;
 /// Spring of the link between a joint and one that mimics it, over that of the motor, both at the leader.
 ///
 /// A load τ on one of two joints parts them by τ/(k/2 + 2 x k) for the factor x: 0.12 of what the motor gives way.
-/// Each side knows the other's angle as it was when the step began, so that the link also damps the motion of both like a
+/// Either side knows the other's angle as it was when the step began, so that the link also damps the motion of both like a
 /// damper of x k h: stiffer links slow the train down.
 const LINK: f64 = 4.0;
 /// Laws less steep than this hold their joint where they say and hardly lead it.
@@ -21,7 +21,7 @@ const LOOKS: u32 = 64;
 /// One motor and what it moves: a joint's axis, and axes that mimic it.
 #[derive(Clone, Debug)]
 pub struct Train {
-    /// What leads the first joint; its largest torque is that of all.
+    /// Motor of the first joint; its largest torque is that of all.
     motor: Motor,
     /// Axes that it moves, the leader's first.
     members: Vec<Member>,
@@ -42,14 +42,14 @@ struct Member {
     steepest: f64,
 }
 
-/// Where an axis is and how fast it turns.
+/// Angle and rate of an axis.
 #[derive(Clone, Copy)]
 struct Seen {
     angle: f64,
     rate: f64,
 }
 
-/// Where the motor leads an axis.
+/// Angle and rate to which the motor leads an axis.
 #[derive(Clone, Copy)]
 struct Goal {
     angle: f64,
@@ -86,7 +86,7 @@ impl Member {
         Goal { angle, rate: slope * leader.rate }
     }
 
-    /// How far the axis is past this angle \[rad\].
+    /// Angle by which the axis is past this one \[rad\].
     fn past(&self, world: &World, angle: f64, seen: f64) -> f64 {
         stretch(&Axis { rest_angle: angle, ..*self.desc(world) }, seen)
     }
@@ -124,7 +124,7 @@ impl Train {
         train
     }
 
-    /// All of the spring that a member has \[N m/rad\].
+    /// Whole spring of a member \[N m/rad\].
     fn spring(&self, member: usize) -> f64 {
         let links = if member == 0 { self.members.len() - 1 } else { 1 };
         self.members[member].here(self.share[0] + links as f64 * self.link)
@@ -213,7 +213,7 @@ struct Pull {
     stiffness: f64,
     /// Stiffness times where it is relaxed \[N m\].
     moment: f64,
-    /// Where the first spring is relaxed \[rad\].
+    /// Angle at which the first spring is relaxed \[rad\].
     first: f64,
 }
 
@@ -232,7 +232,7 @@ impl Pull {
         self.moment += stiffness * angle + torque;
     }
 
-    /// Where all are relaxed together, and their part of the joint's own spring.
+    /// Angle at which they are relaxed together, and their part of the joint's own spring.
     fn at(&self, whole: f64) -> (f64, f64) {
         match self.stiffness > 0.0 {
             true => (self.moment / self.stiffness, (self.stiffness / whole).min(1.0)),

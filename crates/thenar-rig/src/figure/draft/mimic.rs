@@ -1,4 +1,4 @@
-//! What follows what, once links have become bones.
+//! Joints that follow others, once links have become bones.
 
 use super::super::mimic::{MIMIC_TERMS, Mimic, has_axis, polynomial, tangled};
 use super::merge::Bone;

@@ -142,7 +142,7 @@ fn a_scene_names_the_joints_of_a_rig() {
     assert!(error.contains("no joint \"n99\""), "{error}");
 }
 
-/// Of a rig of a hand and a cube that encloses more, the hand is taken by its name; names that the file lacks are told with those
+/// A hand beside a cube that encloses more is taken by its name; names that the file lacks are reported with those
 /// that it has.
 #[test]
 fn a_scene_names_the_mesh_of_a_rig() {
