@@ -14,6 +14,7 @@ pub mod mesh;
 pub mod model_file;
 pub mod object;
 mod size;
+mod united;
 pub mod weights;
 pub mod work;
 

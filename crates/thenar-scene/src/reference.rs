@@ -1,8 +1,10 @@
 //! The JSON Schema of the format, its reference in Markdown from the same declarations, and the names of a hand.
 
 mod hand;
+mod motion;
 
 pub use hand::hand_tables;
+pub use motion::motion_schema;
 
 use crate::format::Scene;
 use crate::text::schema_document;
@@ -17,28 +19,30 @@ pub fn schema() -> String {
 
 /// Tables of all keys, in Markdown.
 pub fn keys() -> String {
-    let document = schema_document::<Scene>("");
     let mut out = String::new();
+    describe(&mut out, &schema_document::<Scene>(""), ("Scene", "The file"), "###");
+    out
+}
+
+/// Tables of a part of a schema under this title, and of all parts that it leads to; `level` stands before headings.
+fn describe(out: &mut String, document: &Value, (part, title): (&str, &str), level: &str) {
     let mut done: Vec<String> = Vec::new();
-    let mut waiting: Vec<(String, String)> = vec![("Scene".into(), "The file".into())];
+    let mut waiting: Vec<(String, String)> = vec![(part.into(), title.into())];
     while let Some((part, title)) = waiting.pop() {
         if done.contains(&part) {
             continue;
         }
         let table = &document["$defs"][part.as_str()];
-        let _ = writeln!(out, "### {title}\n\n{}\n", text(table, "description"));
+        let _ = writeln!(out, "{level} {title}\n\n{}\n", text(table, "description"));
         let mut found: Vec<(String, String)> = Vec::new();
         match table["oneOf"].as_array() {
-            Some(variants) => {
-                variants.iter().for_each(|v| describe_variant(&mut out, v, &mut found))
-            }
-            None => describe_keys(&mut out, table, &mut found),
+            Some(variants) => variants.iter().for_each(|v| describe_variant(out, v, &mut found)),
+            None => describe_keys(out, table, &mut found),
         }
         found.reverse();
         waiting.extend(found);
         done.push(part);
     }
-    out
 }
 
 fn text<'a>(schema: &'a Value, key: &str) -> &'a str {
@@ -81,8 +85,8 @@ fn kind(schema: &Value, found: &mut Vec<(String, String)>) -> String {
         return format!("[{title}](#{})", title.to_lowercase().replace(' ', "-"));
     }
     if let Some(words) = schema["enum"].as_array() {
-        let words: Vec<_> = words.iter().filter_map(Value::as_str).collect();
-        return format!("`\"{}\"`", words.join("\"`, `\""));
+        let words: Vec<_> = words.iter().map(|word| format!("`{word}`")).collect();
+        return words.join(", ");
     }
     if let Some(ways) = schema["oneOf"].as_array() {
         return ways.iter().map(|way| kind(way, found)).collect::<Vec<_>>().join(" or ");

@@ -7,12 +7,12 @@ use crate::words::{counted, short};
 use thenar_core::model::JointKind;
 use thenar_rig::Model;
 use thenar_rig::figure::{
-    FigureOptions, FigureReport, build_figure_file, usual_coupling_stiffness,
+    FigureOptions, FigureReport, Mimic, build_figure_file, usual_coupling_stiffness,
 };
 use thenar_scene::build::figure_joints;
 
 /// Builds a figure and prints what it is like.
-pub fn build(args: &Args, outputs: &mut Outputs) -> Result<Model, CliError> {
+pub fn build(args: &Args, outputs: &mut Outputs) -> Result<(Model, Vec<Mimic>), CliError> {
     let usual = FigureOptions::default();
     let mut material = usual.material;
     material.young = args.young.unwrap_or(material.young);
@@ -37,7 +37,7 @@ pub fn build(args: &Args, outputs: &mut Outputs) -> Result<Model, CliError> {
         short(1e-9 * stiffness)
     );
     write_boned(args, outputs, &figure)?;
-    Ok(Model::Hand(figure))
+    Ok((Model::Hand(figure), report.mimics))
 }
 
 fn print(r: &FigureReport) {
@@ -63,6 +63,31 @@ fn print(r: &FigureReport) {
     for (joint, kind, parent) in &r.joints {
         println!("  {joint:24} {:9} on {parent}", word(*kind));
     }
+    for mimic in &r.mimics {
+        let [leader, follower] = mimic.ends().map(|(joint, _)| &r.joints[joint as usize].0);
+        println!("mimic: {follower} follows {leader} by {}", law(mimic));
+    }
+}
+
+/// The law of a mimic, as `0.1 rad - 0.5 x` for the leader's angle x.
+fn law(mimic: &Mimic) -> String {
+    let mut words = String::new();
+    for (power, c) in mimic.law.iter().enumerate().filter(|(_, c)| **c != 0.0) {
+        let sign = if *c < 0.0 { "-" } else { "+" };
+        let term = match power {
+            0 => format!("{} rad", short(c.abs())),
+            1 if c.abs() == 1.0 => "x".to_owned(),
+            1 => format!("{} x", short(c.abs())),
+            _ => format!("{} x^{power}", short(c.abs())),
+        };
+        let first = words.is_empty();
+        words += &match (first, sign) {
+            (true, "+") => term,
+            (true, _) => format!("-{term}"),
+            (false, _) => format!(" {sign} {term}"),
+        };
+    }
+    if words.is_empty() { "0 rad".to_owned() } else { words }
 }
 
 fn word(kind: JointKind) -> &'static str {

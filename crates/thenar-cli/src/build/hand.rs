@@ -9,8 +9,8 @@ use thenar_core::model::{CouplingKind, HandModel, Side};
 use thenar_rig::export::{hand_glb, hand_json, write_hand_vtk};
 use thenar_rig::glb::SkinnedPart;
 use thenar_rig::hand::{
-    HandOptions, JointStiffness, NameMap, RigReading, Size, Springs, asset, build_hand_with_report,
-    joint_stiffness,
+    HandOptions, JoinedMeshes, JointStiffness, NameMap, RigReading, Size, Springs, asset,
+    build_hand_with_report, joint_stiffness,
 };
 use thenar_rig::object::size_in_words;
 use thenar_rig::{HandReport, Model};
@@ -119,6 +119,12 @@ fn read(path: &Path, bytes_max: u64) -> Result<Vec<u8>, CliError> {
 /// How the rig was read, where that was not as it says itself.
 fn print_reading(rig: &RigReading) {
     print_meshes(&rig.meshes);
+    if let Some(JoinedMeshes { cell, left_out }) = rig.joined {
+        println!("joined: what the meshes enclose together, on a grid of {:.1} mm", cell * 1e3);
+        if left_out > 0 {
+            println!("left out: {} of that", counted(left_out, "separate piece"));
+        }
+    }
     if let Some(unit) = rig.unit {
         println!(
             "unit: taken for {unit} (--scale {}); --scale or --length says otherwise",
@@ -145,7 +151,10 @@ fn print_meshes(meshes: &[SkinnedPart]) {
     for (what, chosen) in [("mesh", true), ("left out", false)] {
         for part in meshes.iter().filter(|part| part.chosen == chosen) {
             let name = thenar_input::visible(&part.name);
-            println!("{what}: {name}, {}", size_in_words(&part.size));
+            match &part.damage {
+                Some(damage) => println!("{what}: {name}, which is damaged: {damage}"),
+                None => println!("{what}: {name}, {}", size_in_words(&part.size)),
+            }
         }
     }
 }

@@ -15,6 +15,7 @@ use thenar_core::model::Side;
 use thenar_output::{Output, protect};
 use thenar_picture::{Layers, Quality, portrait, write_png};
 use thenar_rig::Model;
+use thenar_rig::model_file::figure_bytes;
 
 /// Build a simulation-ready model from a mesh.
 #[derive(Debug, clap::Args)]
@@ -178,11 +179,12 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     // What cannot be written is known before anything is built.
     let mut outputs = Outputs::create(args)?;
     interrupt::listen();
-    let model = building::told(|| match (args.hand, args.figure, args.rigid) {
-        (true, ..) => hand::build(args, &mut outputs),
+    let alone = |model| (model, Vec::new());
+    let (model, mimics) = building::told(|| match (args.hand, args.figure, args.rigid) {
+        (true, ..) => hand::build(args, &mut outputs).map(alone),
         (_, true, _) => figure::build(args, &mut outputs),
-        (.., true) => object::rigid(args),
-        _ => object::soft(args),
+        (.., true) => object::rigid(args).map(alone),
+        _ => object::soft(args).map(alone),
     })?;
     if let Some(output) = outputs.picture.take() {
         let image = portrait(&model, &args.layers, [960, 640], &Quality::still())
@@ -193,7 +195,11 @@ pub fn run(args: &Args) -> Result<(), CliError> {
         println!("note: {}", not_kept(args));
         return Ok(());
     };
-    write(outputs.model, &model.to_bytes().map_err(|e| e.in_file(path.display()))?)?;
+    let bytes = match &model {
+        Model::Hand(figure) => figure_bytes(figure, &mimics),
+        other => other.to_bytes(),
+    };
+    write(outputs.model, &bytes.map_err(|e| e.in_file(path.display()))?)?;
     let kind = match model {
         Model::Hand(_) if args.figure => "figure",
         Model::Hand(_) => "hand",

@@ -122,7 +122,13 @@ mod tests {
                 solids: vec![PlanSolid { shape: Shape::Sphere { radius: 0.03 }, pose_MS: pose_ML }],
             }
         };
-        Plan { name: String::new(), bones: (0..3).map(bone).collect(), skin: None, notes: vec![] }
+        Plan {
+            name: String::new(),
+            bones: (0..3).map(bone).collect(),
+            skin: None,
+            mimics: vec![],
+            notes: vec![],
+        }
     }
 
     #[test]

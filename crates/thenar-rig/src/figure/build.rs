@@ -2,6 +2,7 @@
 
 use super::bind::{Bound, bind};
 use super::in_solid::bone_nodes;
+use super::mimic::Mimic;
 use super::options::FigureOptions;
 use super::plan::{Plan, PlanBone};
 use super::report::FigureReport;
@@ -18,6 +19,7 @@ use thenar_core::model::{
     Bone, BoneSolid, CouplingKind, Digit, Flesh, HandModel, JointDesc, JointKind, Material,
 };
 use thenar_core::{Mat3, Pose, Quat, Vec3};
+use thenar_input::quoted;
 
 /// More bones are refused: each node is held against each bone.
 const BONES_MAX: usize = 1000;
@@ -96,8 +98,21 @@ pub fn build_figure(
         bending: Vec::new(),
     };
     model_file::check_hand(&figure)?;
-    let report = FigureReport::new(&plan, &figure, &skin, lost);
+    let mimics = kept_mimics(&mut plan, &figure);
+    let report = FigureReport { mimics, ..FigureReport::new(&plan, &figure, &skin, lost) };
     Ok((figure, report))
+}
+
+/// The mimics whose axes are left by changes to joints; tells of the others.
+fn kept_mimics(plan: &mut Plan, figure: &HandModel) -> Vec<Mimic> {
+    let (kept, lost): (Vec<Mimic>, Vec<Mimic>) =
+        plan.mimics.iter().partition(|mimic| mimic.fits(figure));
+    let name = |joint: u32| quoted(&figure.joints[joint as usize].name);
+    plan.notes.extend(lost.iter().map(|mimic| {
+        let [follower, leader] = [mimic.joint, mimic.leader].map(name);
+        format!("joint {follower} does not follow {leader}: their kinds were changed")
+    }));
+    kept
 }
 
 /// Springs between flesh and bones, per volume of bone \[N/m⁴\], when a scene gives none.

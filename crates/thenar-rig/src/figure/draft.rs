@@ -5,10 +5,12 @@ mod combine;
 mod mass;
 mod merge;
 mod mesh;
+mod mimic;
 mod settle;
 
 pub(super) use mass::{Body, LinkMass, is_inertia, of_shape};
 pub(super) use mesh::{MeshChange, Meshes};
+pub(super) use mimic::Follows;
 
 use super::plan::{Plan, PlanBone, PlanSolid};
 use crate::RigError;
@@ -37,6 +39,8 @@ pub(super) struct Draft {
     pub noun: &'static str,
     /// All links.
     pub links: Vec<Link>,
+    /// Joints that follow others.
+    pub follows: Vec<Follows>,
     /// What was changed or passed over.
     pub notes: Vec<String>,
 }
@@ -154,14 +158,16 @@ impl Draft {
     /// # Errors
     /// Names the link or the joint that cannot be simulated.
     pub fn finish(self) -> Result<Plan, RigError> {
-        let Self { name, noun, links, mut notes } = self;
+        let Self { name, noun, links, follows, mut notes } = self;
         let settled = settle(links, &mut notes);
         let size = settle::size(&settled);
         let bones = merge::bones(settled, noun, size, &mut notes)?;
         for bone in &bones {
             check(bone, noun)?;
         }
-        Ok(Plan { name, bones: bones.into_iter().map(plan_bone).collect(), skin: None, notes })
+        let mimics = mimic::resolve(&follows, &bones, &mut notes)?;
+        let bones = bones.into_iter().map(plan_bone).collect();
+        Ok(Plan { name, bones, skin: None, mimics, notes })
     }
 }
 

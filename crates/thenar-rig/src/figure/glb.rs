@@ -46,7 +46,7 @@ pub fn read_glb_plan_of(bytes: &[u8], names: &[String]) -> Result<Plan, RigError
         mesh: rig.mesh,
         joined: rig.parts.iter().filter(|part| part.chosen).count() > 1,
     };
-    Ok(Plan { name: String::new(), bones, skin: Some(skin), notes })
+    Ok(Plan { name: String::new(), bones, skin: Some(skin), mimics: Vec::new(), notes })
 }
 
 /// Sentences on which meshes the body is of, and which are left out; none where the file has one.
@@ -66,6 +66,10 @@ fn told(parts: &[SkinnedPart], names: &[String]) -> Vec<String> {
         let help = if names.is_empty() { format!("; {other}") } else { String::new() };
         notes.push(format!("meshes left out: {}{help}", listed(false)));
     }
+    notes.extend(parts.iter().filter_map(|part| {
+        let (name, damage) = (quoted(&part.name), part.damage.as_ref()?);
+        Some(format!("mesh {name} is damaged and cannot be the body: {damage}"))
+    }));
     notes
 }
 

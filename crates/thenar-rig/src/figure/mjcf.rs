@@ -1,8 +1,10 @@
-//! MJCF (the format of MuJoCo), without what moves a figure: motors, tendons and constraints are set in scenes.
+//! MJCF (the format of MuJoCo), without what moves a figure: motors are set in scenes; of constraints, those by which
+//! joints follow others are read.
 
 mod assets;
 mod body;
 mod classes;
+mod equality;
 mod geom;
 mod joint;
 mod place;
@@ -22,8 +24,17 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Sections that say nothing of a figure's bones, or are read.
-const SILENT: [&str; 8] =
-    ["compiler", "default", "asset", "worldbody", "option", "size", "visual", "statistic"];
+const SILENT: [&str; 9] = [
+    "compiler",
+    "default",
+    "asset",
+    "worldbody",
+    "option",
+    "size",
+    "visual",
+    "statistic",
+    "equality",
+];
 
 /// What reading needs of the file besides the bodies.
 struct Context<'a> {
@@ -66,9 +77,10 @@ pub fn read_mjcf(text: &str, folder: &Path) -> Result<Plan, RigError> {
     let links = body::read(&world.figure, &mut context)?;
     let mut notes = world.notes;
     notes.extend(sections(root));
+    let follows = equality::read(root, &links, &mut notes)?;
     notes.extend(context.notes.told());
     let name = root.get("model").map_or(String::new(), |name| name.value.to_owned());
-    Draft { name, noun: "body", links, notes }.finish()
+    Draft { name, noun: "body", links, follows, notes }.finish()
 }
 
 /// Errs when the file is of another format, or is not whole.

@@ -1,5 +1,6 @@
 //! What a file says of a figure, before it has flesh.
 
+use super::mimic::Mimic;
 use crate::TriMesh;
 use thenar_core::model::{Axis, JointKind};
 use thenar_core::shape::Shape;
@@ -14,6 +15,8 @@ pub struct Plan {
     pub bones: Vec<PlanBone>,
     /// The skin, where the file has one; otherwise flesh is laid around the bones' solids.
     pub skin: Option<PlanSkin>,
+    /// Joints that follow others; joint i carries bone i + 1.
+    pub mimics: Vec<Mimic>,
     /// What was changed or passed over, one sentence each, for whoever builds the figure.
     pub notes: Vec<String>,
 }

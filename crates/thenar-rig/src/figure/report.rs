@@ -1,5 +1,6 @@
 //! What there is to know about a built figure.
 
+use super::mimic::Mimic;
 use super::plan::Plan;
 use super::skin::Skin;
 use thenar_core::Vec3;
@@ -12,6 +13,8 @@ pub struct FigureReport {
     pub bones: usize,
     /// Name, kind and parent bone of each joint.
     pub joints: Vec<(String, JointKind, String)>,
+    /// Joints that follow others.
+    pub mimics: Vec<Mimic>,
     /// Smallest and largest coordinates of its surface in M \[m\].
     pub bounds: [Vec3; 2],
     /// Mass of bones and of flesh \[kg\].
@@ -42,6 +45,7 @@ impl FigureReport {
         Self {
             bones: figure.bones.len(),
             joints: figure.joints.iter().map(joint).collect(),
+            mimics: Vec::new(),
             bounds: skin.mesh.bounds(),
             masses: [figure.bones.iter().map(|b| b.mass).sum(), of_flesh.sum()],
             elements: [flesh.nodes.len(), flesh.tets.len()],

@@ -49,7 +49,7 @@ pub fn read_urdf(text: &str, folder: &Path) -> Result<Plan, RigError> {
     }
     notes.extend(tree.dropped_root()?);
     let name = robot.get("name").map_or(String::new(), |name| name.value.to_owned());
-    Draft { name, noun: "link", links, notes }.finish()
+    Draft { name, noun: "link", links, follows: tree.mimics()?, notes }.finish()
 }
 
 /// Errs when the outermost element is that of another format.
@@ -82,16 +82,6 @@ fn notes(robot: Element<'_>, tree: &Tree<'_>) -> Vec<String> {
         };
         tree.joints.iter().any(|joint| says(&joint))
     };
-    let mimics: Vec<&str> = tree
-        .joints
-        .iter()
-        .filter(|joint| joint.element.child("mimic").is_some())
-        .map(|joint| joint.name)
-        .collect();
-    if !mimics.is_empty() {
-        let names = listed(mimics.iter().copied());
-        notes.push(format!("joints that mimic another do not follow it by themselves: {names}"));
-    }
     if told("limit", &["effort", "velocity"]) {
         notes
             .push("limits of effort and velocity are passed over: motors are set in scenes".into());

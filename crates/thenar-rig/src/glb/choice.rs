@@ -24,6 +24,8 @@ pub struct SkinnedPart {
     pub size: Vec3,
     /// Volume of its pieces, each closed at its own middle, in the world as the file poses it \[m³\].
     pub volume: f64,
+    /// Cause for which it cannot be read, if it is damaged; size and volume are 0 then.
+    pub damage: Option<String>,
 }
 
 /// A skinned mesh as it stands in a file.
@@ -55,7 +57,7 @@ pub(super) fn sources<'a>(nodes: &Nodes<'a>) -> Result<Vec<Source<'a>>, RigError
 }
 
 /// Lists the skinned meshes, those that are the body marked: those of these names, or the one of greatest volume; of equals
-/// the first.
+/// the first. One that is damaged is reported and does not count, unless it is named or all are.
 pub(super) fn choose(
     file: &Container,
     nodes: &Nodes<'_>,
@@ -65,8 +67,16 @@ pub(super) fn choose(
     let mut all = TriMesh::default();
     let mut parts = Vec::with_capacity(sources.len());
     let mut growth = HashMap::new();
+    let mut first_error = None;
     for source in sources {
-        let mesh = whole(file, &source.mesh)?;
+        let (mesh, damage) = match whole(file, &source.mesh)? {
+            Ok(mesh) => (mesh, None),
+            Err(error) => {
+                let damage = error.to_string();
+                first_error.get_or_insert(error);
+                (TriMesh::default(), Some(damage))
+            }
+        };
         all.append(&mesh);
         all.check_count()?;
         let [low, high] = mesh.bounds();
@@ -79,19 +89,24 @@ pub(super) fn choose(
             chosen: false,
             size: if empty { Vec3::zeros() } else { high - low },
             volume: volume(&mesh) * *grown,
+            damage,
         });
     }
+    if let (Some(error), true) = (first_error, parts.iter().all(|part| part.damage.is_some())) {
+        return Err(error);
+    }
     if names.is_empty() {
-        let most = (0..parts.len()).reduce(|a, b| match parts[b].volume > parts[a].volume {
-            true => b,
-            false => a,
-        });
+        let sound = (0..parts.len()).filter(|&k| parts[k].damage.is_none());
+        let most = sound.reduce(|a, b| if parts[b].volume > parts[a].volume { b } else { a });
         most.into_iter().for_each(|k| parts[k].chosen = true);
         return Ok(parts);
     }
     for name in names {
         let mut found = false;
         for part in parts.iter_mut().filter(|part| part.name == *name) {
+            if let Some(damage) = &part.damage {
+                return Err(RigError::invalid(format!("mesh {}: {damage}", quoted(name))));
+            }
             (part.chosen, found) = (true, true);
         }
         if !found {
@@ -110,14 +125,20 @@ pub(super) fn listed(parts: &[SkinnedPart]) -> String {
     parts.iter().map(|part| quoted(&part.name).to_string()).collect::<Vec<_>>().join(", ")
 }
 
-/// The triangles of a mesh, where they stand in the file.
-fn whole(file: &Container, source: &gltf::Mesh<'_>) -> Result<TriMesh, RigError> {
+/// The triangles of a mesh, where they stand in the file, or its damage.
+///
+/// # Errors
+/// The mesh is too large, whichever it is.
+fn whole(file: &Container, source: &gltf::Mesh<'_>) -> Result<Result<TriMesh, RigError>, RigError> {
     let mut mesh = TriMesh::default();
     for part in source.primitives() {
-        mesh.append(&primitive::read(file, &part, &Matrix4::identity())?);
+        match primitive::read(file, &part, &Matrix4::identity()) {
+            Ok(piece) => mesh.append(&piece),
+            Err(damage) => return Ok(Err(damage)),
+        }
         mesh.check_count()?;
     }
-    Ok(mesh)
+    Ok(Ok(mesh))
 }
 
 /// Vertices closer than this part of the mesh's size are one.

@@ -59,5 +59,15 @@ pub fn read_skinned_glb_of(bytes: &[u8], names: &[String]) -> Result<SkinnedMesh
     skin::read(&Container::new(bytes)?, names)
 }
 
+/// Names of the skinned meshes of a file, in its order.
+///
+/// # Errors
+/// When the bytes are not a well-formed GLB 2.0 file, or no mesh is bound to a skin.
+pub fn skinned_names(bytes: &[u8]) -> Result<Vec<String>, RigError> {
+    let file = Container::new(bytes)?;
+    let nodes = tree::world_matrices(&file.document)?;
+    Ok(choice::sources(&nodes)?.into_iter().map(|source| source.name).collect())
+}
+
 #[cfg(test)]
 mod tests;

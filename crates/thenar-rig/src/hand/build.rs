@@ -4,7 +4,7 @@ use super::digits::{self, DigitRig};
 use super::loose::{Loose, Softness};
 use super::options::{HandOptions, Size, Springs};
 use super::relax::relax;
-use super::report::{HandReport, RigReading};
+use super::report::{HandReport, JoinedMeshes, RigReading};
 use super::rig::{self, Found, Frames, Posed};
 use super::sides::Sides;
 use super::solids::Covered;
@@ -17,6 +17,7 @@ use crate::lattice::{Lattice, LatticeOptions};
 use crate::mesh::{
     Bvh, Topology, close_holes, decimate, decimate_within, read_file, subdivide_to, weld,
 };
+use crate::united::{United, united};
 use crate::work::{Stage, phase};
 use crate::{RigError, TriMesh, model_file};
 use std::path::Path;
@@ -75,9 +76,12 @@ struct Made {
 fn made(bytes: &[u8], options: &HandOptions) -> Result<Made, RigError> {
     options.check()?;
     phase("reading the hand")?;
-    let rig = glb::read_skinned_glb_of(bytes, &options.meshes)?;
-    let Rigged { skin, digits, side, length, reading } = rigged(&rig, options)?;
-    check_closed(&surface_in_words(&options.meshes), &skin)?;
+    let mut rig = glb::read_skinned_glb_of(bytes, &options.meshes)?;
+    let joined = join(&mut rig)?;
+    let Rigged { skin, digits, side, length, mut reading } = rigged(&rig, options)?;
+    let scale = reading.scale;
+    reading.joined = joined.map(|joined| JoinedMeshes { cell: joined.cell * scale, ..joined });
+    check_closed("the hand's surface", &skin)?;
     let surface = Bvh::new(&skin);
     let bones = bones::bones(&digits, &surface, length);
     let joints = joints::joints(&digits, &bones, side, length);
@@ -159,16 +163,23 @@ fn made(bytes: &[u8], options: &HandOptions) -> Result<Made, RigError> {
     Ok(Made { hand, skin, digits, covered, reading })
 }
 
-/// A hand's surface, for errors about it.
-fn surface_in_words(meshes: &[String]) -> String {
-    if meshes.len() < 2 {
-        return "the hand's surface".into();
+/// Makes one surface of several meshes, as a glove over skin, or a hand and its sleeve. Meshes that have the vertices of
+/// their borders in common, and close each other, stay as they are; of others that is what they enclose together, on a
+/// grid whose cell is given in the file's unit.
+fn join(rig: &mut SkinnedMesh) -> Result<Option<JoinedMeshes>, RigError> {
+    if rig.parts.iter().filter(|part| part.chosen).count() < 2 {
+        return Ok(None);
     }
-    let names: Vec<&str> = meshes.iter().map(String::as_str).collect();
-    format!(
-        "the hand's surface (meshes {}, of a hand joined only where they have the vertices of their borders in common)",
-        names.join(", ")
-    )
+    let welded = weld(&rig.mesh, WELD_TOLERANCE).mesh.compacted();
+    let topology = Topology::of(&close_holes(&welded).0);
+    if topology.closed() && topology.components == 1 {
+        return Ok(None);
+    }
+    let United { mesh, left_out, cell } = united(&rig.mesh)?;
+    rig.mesh = mesh;
+    // They were those of the vertices that are gone; a hand's flesh is bound by the places of its bones.
+    rig.influences.clear();
+    Ok(Some(JoinedMeshes { cell, left_out }))
 }
 
 /// Region of each triangle.
@@ -286,6 +297,7 @@ fn at_scale(
         inside_out,
         holes,
         meshes: rig.parts.clone(),
+        joined: None,
     };
     Ok(Rigged { skin, digits, side, length, reading })
 }

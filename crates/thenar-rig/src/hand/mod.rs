@@ -35,6 +35,6 @@ pub use layers::Layer;
 pub use names::{NameMap, joint_names};
 pub use options::{HandOptions, Size, Springs};
 pub use passive::{JointStiffness, joint_stiffness};
-pub use report::{BoneCover, BoneLength, HandReport, RigReading};
+pub use report::{BoneCover, BoneLength, HandReport, JoinedMeshes, RigReading};
 pub use rig::{ListedJoint, RigListing, rig_listing};
 pub use sculpt::sculpted_offsets;

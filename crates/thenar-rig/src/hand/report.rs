@@ -28,6 +28,17 @@ pub struct RigReading {
     pub holes: Vec<Hole>,
     /// The skinned meshes of the file, with those that are the hand marked.
     pub meshes: Vec<SkinnedPart>,
+    /// Way in which several meshes became one surface; `None` where there is one, or they fit together.
+    pub joined: Option<JoinedMeshes>,
+}
+
+/// One surface of what several meshes enclose together.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct JoinedMeshes {
+    /// Edge of the cells of the grid that it was found on \[m\].
+    pub cell: f64,
+    /// Separate pieces that were left out.
+    pub left_out: usize,
 }
 
 /// Figures of a built hand.

@@ -10,7 +10,9 @@ use thenar_core::model::{Binding, Digit};
 const FIRST: f64 = 0.56;
 /// Half width of the second joint's ramp, at most, relative to the same length.
 const SECOND: f64 = 0.42;
-/// Half width of the two further joints' ramps, at most, relative to the bone between them.
+/// Half width of the second joint's ramp, at most, relative to the bone between the two further joints. A finger's third joint
+/// has the rest of that bone for its ramp: half of it, or more where the first bone is so short that the second ramp is. A
+/// thumb's, which bends less, has half.
 const FURTHER: f64 = 0.5;
 
 /// What the binding of nodes needs to know of each digit.
@@ -27,14 +29,17 @@ pub(super) fn chains(digits: &[DigitRig]) -> Vec<Chain> {
                 across: std::array::from_fn(|k| {
                     (rig.direction_before(k) + rig.direction(k)).normalize()
                 }),
-                half_widths: [
-                    FIRST * length(0),
-                    (FURTHER * length(1)).min(SECOND * length(0)),
-                    FURTHER * length(1),
-                ],
+                half_widths: half_widths(rig.digit, [length(0), length(1)]),
             }
         })
         .collect()
+}
+
+/// Half widths of a digit's ramps \[m\], by the lengths of its first two moving bones.
+fn half_widths(digit: Digit, [first, between]: [f64; 2]) -> [f64; 3] {
+    let second = (FURTHER * between).min(SECOND * first);
+    let third = if digit == Digit::Thumb { FURTHER * between } else { between - second };
+    [FIRST * first, second, third]
 }
 
 /// The binding of a node at `p`. `own` is the finger whose flesh alone surrounds it, or the palm
@@ -79,4 +84,22 @@ fn hold(d: usize, own: Digit, distances: &[f64], palm: f64) -> f64 {
 
 fn root_weight(binding: &Binding) -> f64 {
     (0..2).filter(|&k| binding.bones[k] == 0).map(|k| binding.weights[k]).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A person's index finger, 41 and 23 mm, shares the bone between its further joints evenly. A short first bone, 27.7 mm before
+    /// 32.7, leaves the second ramp 0.42 · 27.7 = 11.634 mm, and the third the rest.
+    #[test]
+    fn ramps_fill_the_bone_between_them() {
+        let near = |found: [f64; 3], expected: [f64; 3]| {
+            let apart = found.iter().zip(expected).map(|(a, b)| (a - b).abs());
+            assert!(apart.fold(0.0, f64::max) < 1e-12, "{found:?}");
+        };
+        near(half_widths(Digit::Index, [41.0, 23.0]), [22.96, 11.5, 11.5]);
+        near(half_widths(Digit::Index, [27.7, 32.7]), [15.512, 11.634, 21.066]);
+        near(half_widths(Digit::Thumb, [27.7, 32.7]), [15.512, 11.634, 16.35]);
+    }
 }

@@ -13,6 +13,7 @@ pub(super) enum Kind {
     Hand = 1,
     Rigid = 2,
     Soft = 3,
+    Figure = 4,
 }
 
 pub(super) fn encode(kind: Kind, model: &impl serde::Serialize) -> Result<Vec<u8>, RigError> {
@@ -50,6 +51,7 @@ pub(super) fn open(bytes: &[u8]) -> Result<(u32, Kind, &[u8]), RigError> {
         1 => Kind::Hand,
         2 => Kind::Rigid,
         3 => Kind::Soft,
+        4 => Kind::Figure,
         other => return Err(RigError::byte(12, format!("unknown kind of model {other}"))),
     };
     let body = &bytes[HEADER_BYTES..];

@@ -3,7 +3,7 @@
 //! ```text
 //!   byte  0  magic    8 bytes, "THENARMD"
 //!         8  version  u32, 5
-//!        12  kind     u32: 1 hand, 2 rigid, 3 soft
+//!        12  kind     u32: 1 hand, 2 rigid, 3 soft, 4 figure with joints that follow others
 //!        16  length   u64, bytes of the body
 //!        24  checksum u64, FNV-1a of the body
 //!        32  body     the model, in postcard's encoding
@@ -19,9 +19,11 @@
 
 mod check;
 mod container;
+mod figure;
 mod old;
 
 pub(crate) use check::hand as check_hand;
+pub use figure::{figure_bytes, read_figure};
 
 use crate::RigError;
 use crate::export::write_whole;
@@ -33,7 +35,7 @@ use thenar_core::model::HandModel;
 /// A built body.
 #[derive(Clone, Debug)]
 pub enum Model {
-    /// A hand, or another jointed soft body.
+    /// A hand, or another jointed soft body. Which joints of it follow others, [`read_figure`] says.
     Hand(HandModel),
     /// A rigid body.
     Rigid(RigidModel),
@@ -88,6 +90,7 @@ impl Model {
                 check::hand(&hand)?;
                 Ok(Self::Hand(hand))
             }
+            Kind::Figure => Ok(Self::Hand(figure::decode(body)?.0)),
             Kind::Rigid => {
                 let rigid: RigidModel = container::decode(body)?;
                 check::rigid(&rigid)?;
@@ -120,9 +123,12 @@ pub fn write_model(path: &Path, model: &Model) -> Result<(), RigError> {
 /// # Errors
 /// When it cannot be read, or as [`Model::from_bytes`].
 pub fn read_model(path: &Path) -> Result<Model, RigError> {
-    let bytes = thenar_input::read(path, FILE_BYTES_MAX)
-        .map_err(|e| RigError::Read { file: path.display().to_string(), cause: e.into() })?;
-    Model::from_bytes(&bytes).map_err(|e| e.in_file(path.display()))
+    Model::from_bytes(&bytes_of(path)?).map_err(|e| e.in_file(path.display()))
+}
+
+fn bytes_of(path: &Path) -> Result<Vec<u8>, RigError> {
+    thenar_input::read(path, FILE_BYTES_MAX)
+        .map_err(|e| RigError::Read { file: path.display().to_string(), cause: e.into() })
 }
 
 #[cfg(test)]

@@ -95,6 +95,40 @@ fn files_are_written_whole_and_name_themselves_in_errors() {
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
+/// Mimics are kept in a kind of file of its own, which other readers take for the same figure without them.
+#[test]
+fn a_figure_keeps_its_mimics() {
+    use crate::figure::Mimic;
+    let hand = small_hand();
+    let mimic =
+        Mimic { joint: 3, axis: 0, leader: 4, leader_axis: 0, law: [0.1, -1.0, 0.0, 0.0, 2.0] };
+    let folder = std::env::temp_dir().join(format!("thenar-mimics-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("figure.thenar");
+    let bytes = figure_bytes(&hand, &[mimic]).unwrap();
+    std::fs::write(&path, &bytes).unwrap();
+    let (back, mimics) = read_figure(&path).unwrap();
+    assert_eq!((mimics, bytes_of(&back)), (vec![mimic], bytes_of(&hand)));
+    assert!(
+        matches!(Model::from_bytes(&bytes), Ok(Model::Hand(same)) if bytes_of(&same) == bytes_of(&hand))
+    );
+    assert_eq!(figure_bytes(&hand, &[]).unwrap(), bytes_of(&hand));
+    for wrong in [
+        Mimic { joint: 99, ..mimic },
+        Mimic { axis: 2, ..mimic },
+        Mimic { leader: 3, ..mimic },
+        Mimic { law: [f64::NAN; 5], ..mimic },
+    ] {
+        let error = figure_bytes(&hand, &[wrong]).unwrap_err().to_string();
+        assert!(error.contains("follow"), "{error}");
+    }
+    std::fs::write(&path, Model::Rigid(toy_car(&Car::default()).unwrap().0).to_bytes().unwrap())
+        .unwrap();
+    let error = read_figure(&path).unwrap_err().to_string();
+    assert!(error.contains("figure.thenar") && error.contains("holds no figure"), "{error}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
 #[test]
 fn every_truncation_is_an_error() {
     let bytes = bytes_of(&tiny_hand());

@@ -20,6 +20,7 @@ mod joint_stiffness;
 mod mesh_limits;
 mod mesh_shape;
 mod objects;
+mod pieces;
 #[path = "../press/mod.rs"]
 mod press;
 mod regions;

@@ -111,6 +111,41 @@ fn meshes_are_taken_by_name() {
     assert!(error.contains("\"skirt\"; it has \"eye\", \"hair\", \"body\""), "{error}");
 }
 
+/// An eye whose triangles name vertices that are not there is no reason to refuse the body; naming it gives its damage.
+#[test]
+fn a_damaged_mesh_beside_the_body_is_told() {
+    let damaged = |of: &[usize]| {
+        changed(&file(&avatar(), JOINTS), |json| {
+            let hair = json["meshes"][1]["primitives"][0]["attributes"]["POSITION"].clone();
+            of.iter().for_each(|&k| {
+                json["meshes"][k]["primitives"][0]["attributes"]["POSITION"] = hair.clone();
+            });
+        })
+    };
+    let bytes = damaged(&[0]);
+    let rig = read_skinned_glb(&bytes).unwrap();
+    assert_eq!(rig.mesh.triangles, body().triangles);
+    let damage = rig.parts[0].damage.as_deref().unwrap();
+    assert!(damage.contains("names vertex") && !rig.parts[0].chosen, "{damage}");
+    assert!(rig.parts[1..].iter().all(|part| part.damage.is_none()));
+    let notes = read_glb_plan(&bytes).unwrap().notes.join("\n");
+    assert!(
+        notes.contains(&format!("mesh \"eye\" is damaged and cannot be the body: {damage}")),
+        "{notes}"
+    );
+    let error = read_skinned_glb_of(&bytes, &names(&["eye"])).unwrap_err().to_string();
+    assert_eq!(error, format!("mesh \"eye\": {damage}"));
+    // Where no mesh is whole, the first's damage is that of the file.
+    let only = file(&[("eye", shapes::sphere(0.02, 3)), ("hair", avatar()[1].1.clone())], JOINTS);
+    let none = changed(&only, |json| {
+        for k in 0..2 {
+            json["meshes"][k]["primitives"][0]["indices"] =
+                json["meshes"][k]["primitives"][0]["attributes"]["POSITION"].clone();
+        }
+    });
+    assert!(read_skinned_glb(&none).is_err());
+}
+
 /// An upper and a lower part, each open where it lies in the other, and an eye inside: one body of the whole height.
 #[test]
 fn meshes_that_cross_are_one_body() {

@@ -4,14 +4,16 @@ use super::hand_cache::hand_of;
 use super::shape::Solid;
 use super::{Files, tissue};
 use crate::format::{
-    BallShape, BreadShape, CarShape, ExplicitShape, FileShape, Hand, MeshShape, MeshSoftShape,
-    PresetWord, SpringsWord,
+    BallShape, BreadShape, CarShape, ExplicitShape, FileShape, Hand, MeshNames, MeshShape,
+    MeshSoftShape, PresetWord, SpringsWord,
 };
-use crate::text::{At, Cx, Fault, Node, Read};
+use crate::text::{At, Cx, Fault, Node, Read, nearest};
 use std::path::{Path, PathBuf};
 use thenar_core::math::Vec3;
 use thenar_core::model::{HandModel, Law, Material, Side};
+use thenar_input::quoted;
 use thenar_rig::embed::{EmbedOptions, can_be_closed, closed_surface, embed};
+use thenar_rig::glb::skinned_names;
 use thenar_rig::hand::{HandOptions, Size, Springs, asset, graded_tets};
 use thenar_rig::mesh::{GridOptions, load_mesh, read_file};
 use thenar_rig::object::{
@@ -205,6 +207,11 @@ pub fn hand(hand: &Hand, preset: PresetWord, files: &Files) -> Result<HandModel,
             "only a rig has joints to be named: give `model` a .glb file, or leave `joint_names` out",
         ));
     }
+    if let (Some(mesh), false) = (&hand.mesh, is_rig) {
+        return Err(mesh.fault(
+            "only a rig has meshes to choose from: give `model` a .glb file, or leave `mesh` out",
+        ));
+    }
     let Some(file) = &hand.model else { return built_in(Side::Right) };
     let path = || path(files, file);
     match file.value.as_str() {
@@ -212,9 +219,10 @@ pub fn hand(hand: &Hand, preset: PresetWord, files: &Files) -> Result<HandModel,
         "left" => built_in(Side::Left),
         name if name.ends_with(".glb") => {
             let options = options(hand, preset)?;
-            let built =
-                |bytes: Vec<u8>| hand_of(&bytes, &options).map_err(|e| e.in_file(path().display()));
-            read_file(&path()).and_then(built).map_err(|e| file.fault(e.to_string()))
+            let bytes = read_file(&path()).map_err(|e| file.fault(e.to_string()))?;
+            check_meshes(hand.mesh.as_ref(), &bytes)?;
+            let built = hand_of(&bytes, &options).map_err(|e| e.in_file(path().display()));
+            built.map_err(|e| file.fault(e.to_string()))
         }
         name if name.ends_with(".thenar") && tissue::is_layered(hand) => Err(tissue::layer_fault(
             hand,
@@ -232,6 +240,23 @@ pub fn hand(hand: &Hand, preset: PresetWord, files: &Files) -> Result<HandModel,
     }
 }
 
+/// Errs when a file has no mesh of one of these names, and lists those that it has. What else is wrong with the file, who
+/// builds from it says.
+pub fn check_meshes(wanted: Option<&At<MeshNames>>, bytes: &[u8]) -> Result<(), Fault> {
+    let (Some(wanted), Ok(known)) = (wanted, skinned_names(bytes)) else { return Ok(()) };
+    let Some(name) = wanted.value.0.iter().find(|name| !known.contains(name)) else {
+        return Ok(());
+    };
+    let hint = nearest(name, known.iter().map(String::as_str))
+        .map_or_else(String::new, |near| format!("; did you mean {}?", quoted(near)));
+    let has: Vec<String> = known.iter().map(|known| quoted(known).to_string()).collect();
+    Err(wanted.fault(format!(
+        "the file has no skinned mesh {}; it has {}{hint}",
+        quoted(name),
+        has.join(", ")
+    )))
+}
+
 fn options(hand: &Hand, preset: PresetWord) -> Result<HandOptions, Fault> {
     let usual = mesh(hand, preset);
     let options = HandOptions {
@@ -243,6 +268,7 @@ fn options(hand: &Hand, preset: PresetWord) -> Result<HandOptions, Fault> {
             None => usual.springs,
         },
         name_map: hand.joint_names.as_ref().map(|names| names.value.clone()).unwrap_or_default(),
+        meshes: hand.mesh.as_ref().map(|mesh| mesh.value.0.clone()).unwrap_or_default(),
         ..usual
     };
     tissue::layered(hand, options)

@@ -1,25 +1,29 @@
 //! Figures: flesh on any tree of bones.
 
 use super::drivers::{Driver, Follow, Track};
+use super::figure_motors::{motors, trains};
 use super::hand::soften;
 use super::joint::kind;
-use super::motor::{Course, Motor};
+use super::motor::Motor;
 use super::soft::{group_elements, skinning};
 use super::solver::set;
-use super::{Built, Files, Mesh, RigidLook, SoftBuild, assets, place};
+use super::{Built, Files, Mesh, RigidLook, SoftBuild, Train, assets, place};
 use crate::format::{BonesWord, Figure, FigureJoint, FigureJointsFile, FigureKey, RootWord, Scene};
-use crate::math::{Pose, Quat, Vec3};
+use crate::math::Pose;
 use crate::text::{At, Fault, Node, SceneError, nearest, parse};
 use std::path::Path;
 use thenar_core::kinematics::{Tree, joint_rotation};
 use thenar_core::model::{
-    AngleLimit, CouplingKind, HandHandle, HandModel, HandPlacement, JointDesc, JointKind, Motion,
+    AngleLimit, CouplingKind, HandHandle, HandModel, HandPlacement, JointKind, Motion,
 };
+use thenar_core::world::JointTarget;
+use thenar_rig::RigError;
 use thenar_rig::figure::{
-    FigureOptions, JointChange, SHIPPED, build_figure, change_joints, change_plan, read_plan,
-    shipped_plan, usual_coupling_stiffness,
+    FigureOptions, JointChange, Mimic, Plan, SHIPPED, build_figure, change_joints, change_plan,
+    read_plan, read_plan_of, shipped_plan, usual_coupling_stiffness,
 };
-use thenar_rig::{Model, RigError, read_model};
+use thenar_rig::mesh::read_file;
+use thenar_rig::model_file::read_figure;
 
 /// A figure in the world.
 #[derive(Clone, Debug)]
@@ -28,6 +32,8 @@ pub struct BuiltFigure {
     pub name: String,
     /// The model it was made from.
     pub model: HandModel,
+    /// Joints of it that mimic others.
+    pub mimics: Vec<Mimic>,
     /// Where its parts are.
     pub handle: HandHandle,
     /// Springs between flesh and bones, per volume of bone \[N/m⁴\].
@@ -57,7 +63,7 @@ fn add(built: &mut Built, figure: &Figure, files: &Files) -> Result<(), Fault> {
     if !is_built {
         built.memory.take_tets(tets_wanted(figure), at)?;
     }
-    let mut model = if is_built { read(figure, files)? } else { made(figure, files)? };
+    let (mut model, mimics) = if is_built { read(figure, files)? } else { made(figure, files)? };
     if is_built {
         built.memory.take_tets(model.flesh.tets.len() as u64, at)?;
     }
@@ -108,6 +114,7 @@ fn add(built: &mut Built, figure: &Figure, files: &Files) -> Result<(), Fault> {
     built.figures.push(BuiltFigure {
         name: figure.name.value.clone(),
         model,
+        mimics,
         handle,
         coupling_stiffness: stiffness,
         start: None,
@@ -116,7 +123,7 @@ fn add(built: &mut Built, figure: &Figure, files: &Files) -> Result<(), Fault> {
 }
 
 /// A figure built from a file of bones.
-fn made(figure: &Figure, files: &Files) -> Result<HandModel, Fault> {
+fn made(figure: &Figure, files: &Files) -> Result<(HandModel, Vec<Mimic>), Fault> {
     for joint in figure.joint.iter().filter(|joint| joint.value.kind.is_none()) {
         if !joint.value.axes.is_empty() {
             return Err(joint.fault("`axes` go with a `kind`: \"hinge\" or \"universal\""));
@@ -130,16 +137,33 @@ fn made(figure: &Figure, files: &Files) -> Result<HandModel, Fault> {
         ..FigureOptions::default()
     };
     let wrong = |e: RigError| figure.model.fault(e.to_string());
-    let mut plan = match shipped_plan(&figure.model.value) {
-        Some(plan) => plan.map_err(wrong)?,
-        None if !figure.model.value.contains(['.', '/']) => return Err(unknown(figure)),
-        None => read_plan(&assets::path(files, &figure.model)).map_err(wrong)?,
-    };
+    let mut plan = plan(figure, files)?;
     for joint in &figure.joint {
         let changed = change_plan(&mut plan, &[change(&joint.value)]);
         changed.map_err(|e| joint.fault(e.to_string()))?;
     }
-    build_figure(plan, &options).map(|(model, _)| model).map_err(wrong)
+    build_figure(plan, &options).map(|(model, report)| (model, report.mimics)).map_err(wrong)
+}
+
+/// Plan of the figure's file, or of one that comes with the program.
+fn plan(figure: &Figure, files: &Files) -> Result<Plan, Fault> {
+    let wrong = |e: RigError| figure.model.fault(e.to_string());
+    let name = &figure.model.value;
+    if let Some(plan) = shipped_plan(name) {
+        return match &figure.mesh {
+            Some(mesh) => {
+                Err(mesh.fault("this figure has no meshes to choose from: leave `mesh` out"))
+            }
+            None => plan.map_err(wrong),
+        };
+    }
+    if !name.contains(['.', '/']) {
+        return Err(unknown(figure));
+    }
+    let path = assets::path(files, &figure.model);
+    let Some(mesh) = &figure.mesh else { return read_plan(&path).map_err(wrong) };
+    assets::check_meshes(Some(mesh), &read_file(&path).map_err(wrong)?)?;
+    read_plan_of(&path, &mesh.value.0).map_err(|e| mesh.fault(e.to_string()))
 }
 
 /// A name that is no file's.
@@ -155,11 +179,14 @@ fn unknown(figure: &Figure) -> Fault {
 }
 
 /// A figure that was built before.
-fn read(figure: &Figure, files: &Files) -> Result<HandModel, Fault> {
+fn read(figure: &Figure, files: &Files) -> Result<(HandModel, Vec<Mimic>), Fault> {
     let already =
         "a model file is built already: leave this out, or give the file that it was built from";
     if let Some(flesh) = &figure.flesh {
         return Err(flesh.fault(already));
+    }
+    if let Some(mesh) = &figure.mesh {
+        return Err(mesh.fault(already));
     }
     if let Some(scale) = &figure.scale {
         return Err(scale.fault(already));
@@ -168,19 +195,14 @@ fn read(figure: &Figure, files: &Files) -> Result<HandModel, Fault> {
         return Err(tets.fault(already));
     }
     let path = assets::path(files, &figure.model);
-    let fault = |problem: String| figure.model.fault(problem);
-    let mut model = match read_model(&path) {
-        Ok(Model::Hand(model)) => model,
-        Ok(_) => return Err(fault(format!("{} holds no figure", path.display()))),
-        Err(e) => return Err(fault(e.to_string())),
-    };
+    let (mut model, mimics) = read_figure(&path).map_err(|e| figure.model.fault(e.to_string()))?;
     for joint in &figure.joint {
         if let Some(kind) = &joint.value.kind {
             return Err(kind.fault(already));
         }
         change_joints(&mut model, &change(&joint.value)).map_err(|e| joint.fault(e.to_string()))?;
     }
-    Ok(model)
+    Ok((model, mimics))
 }
 
 /// Changes to joints from a file of `[[joint]]` tables, which are those of a scene's `[[figure.joint]]`.
@@ -213,8 +235,10 @@ pub fn follow_all(built: &mut Built, scene: &Scene) -> Result<(), Fault> {
         check_keys(figure)?;
         follow_root(built, f, figure)?;
         let motors = motors(built, f, figure)?;
-        start(built, f, &motors);
+        let trains = trains(built, f, &motors);
+        start(built, f, &motors, &trains);
         built.motors.extend(motors);
+        built.trains.extend(trains);
     }
     Ok(())
 }
@@ -264,133 +288,24 @@ fn follow_root(built: &mut Built, f: usize, figure: &Figure) -> Result<(), Fault
     Ok(())
 }
 
-/// Motors of the joints that keys name, or whose torque is bounded.
-fn motors(built: &Built, f: usize, figure: &Figure) -> Result<Vec<Motor>, Fault> {
-    let BuiltFigure { model, handle, .. } = &built.figures[f];
-    let mut of_joint: Vec<Vec<(f64, Vec<f64>)>> = vec![Vec::new(); model.joints.len()];
-    for key in &figure.key {
-        // The more a name says the more it counts: names with a `*` come first, shorter before longer ones.
-        let mut named: Vec<_> = key.value.joints.iter().collect();
-        named.sort_by_key(|(name, _)| (!name.ends_with('*'), name.len()));
-        for (name, angles) in named {
-            for j in joints_like(model, name, angles)? {
-                let joint = &model.joints[j];
-                check_angles(joint, angles)?;
-                let radians = angles.value.0.iter().map(|a| a.to_radians()).collect();
-                match of_joint[j].last_mut() {
-                    Some(last) if last.0 == key.value.time => last.1 = radians,
-                    _ => of_joint[j].push((key.value.time, radians)),
-                }
-            }
-        }
-    }
-    let mut motors = Vec::new();
-    for (j, keys) in of_joint.into_iter().enumerate() {
-        let joint = &model.joints[j];
-        let torque_max = torque_max(figure, &joint.name, &model.bones[joint.child as usize].name);
-        if keys.is_empty() && torque_max.is_none() {
-            continue;
-        }
-        let springs = if joint.kind == JointKind::Ball { 1 } else { joint.kind.angles() };
-        if joint.axes[..springs].iter().any(|axis| axis.stiffness == 0.0) {
-            return Err(figure.name.fault(format!(
-                "joint \"{}\" has a motor (keys, or `torque_max`) and no spring: give it `stiffness` in a `joint` table",
-                joint.name
-            )));
-        }
-        let rest = joint.axes.map(|axis| axis.rest_angle);
-        let course = course(joint.kind, &keys, rest, figure);
-        motors.push(Motor { joint: handle.joints.start + j as u32, course, torque_max });
-    }
-    Ok(motors)
-}
-
-/// Where keys lead a joint; without any it stays where its spring is relaxed.
-fn course(kind: JointKind, keys: &[(f64, Vec<f64>)], rest: [f64; 2], figure: &Figure) -> Course {
-    let interpolation = figure.interpolation;
-    let at = |angles: &[f64], k: usize| angles.get(k).copied().unwrap_or(0.0);
-    if kind == JointKind::Ball {
-        let vector = |a: &[f64]| Vec3::new(at(a, 0), at(a, 1), at(a, 2));
-        let turned = |a: &[f64]| Pose::new(Vec3::zeros(), Quat::from_scaled_axis(vector(a)));
-        let mut keys: Vec<(f64, Pose)> = keys.iter().map(|(t, a)| (*t, turned(a))).collect();
-        if keys.is_empty() {
-            keys.push((0.0, Pose::identity()));
-        }
-        return Course::Rotation(Track::Keys { keys, interpolation });
-    }
-    let mut keys: Vec<(f64, [f64; 2])> =
-        keys.iter().map(|(t, a)| (*t, [at(a, 0), at(a, 1)])).collect();
-    if keys.is_empty() {
-        keys.push((0.0, rest));
-    }
-    Course::Angles { keys, interpolation }
-}
-
-fn fits(pattern: &str, name: &str) -> bool {
-    match pattern.strip_suffix('*') {
-        Some(start) => name.starts_with(start),
-        None => name == pattern,
-    }
-}
-
-/// Joints that a name fits, by their own name or that of their bone.
-fn joints_like<T>(model: &HandModel, name: &str, at: &At<T>) -> Result<Vec<usize>, Fault> {
-    let joints = model.joints.iter().enumerate();
-    let found: Vec<usize> = joints
-        .filter(|(_, j)| fits(name, &j.name) || fits(name, &model.bones[j.child as usize].name))
-        .map(|(j, _)| j)
-        .collect();
-    match found.is_empty() {
-        false => Ok(found),
-        true => {
-            let known: Vec<&str> = model.joints.iter().map(|j| &j.name[..]).collect();
-            let problem =
-                format!("the figure has no joint \"{name}\"; it has {}", known.join(", "));
-            Err(at.fault(problem))
-        }
-    }
-}
-
-/// As many angles as the joint has, within its range.
-fn check_angles(joint: &JointDesc, angles: &At<crate::format::AnglesDeg>) -> Result<(), Fault> {
-    let JointDesc { name, kind, .. } = joint;
-    let wanted = if *kind == JointKind::Ball { 3 } else { kind.angles() };
-    let got = angles.value.0.len();
-    if got != wanted || wanted == 0 {
-        return Err(angles
-            .fault(format!("\"{name}\" is a {kind:?} joint and has {wanted} angles, got {got}")));
-    }
-    for (axis, angle) in joint.axes.iter().zip(&angles.value.0) {
-        let Some(range) = axis.limit.filter(|_| *kind != JointKind::Ball) else { continue };
-        let [low, high] = [range.min, range.max].map(f64::to_degrees);
-        // What was written in degrees and turned to radians may be off by round-off.
-        if *angle < low - 1e-9 || *angle > high + 1e-9 {
-            return Err(angles.fault(format!(
-                "\"{name}\" turns from {low:.1} to {high:.1} degrees, got {angle}"
-            )));
-        }
-    }
-    Ok(())
-}
-
-/// The largest torque that the last fitting table gives a joint.
-fn torque_max(figure: &Figure, joint: &str, bone: &str) -> Option<f64> {
-    let tables = figure.joint.iter().map(|table| &table.value).rev();
-    let fitting = tables.filter(|t| fits(&t.name.value, joint) || fits(&t.name.value, bone));
-    fitting.filter_map(|table| table.torque_max).next()
-}
-
 /// Puts bones and flesh where script and motors begin.
-fn start(built: &mut Built, f: usize, motors: &[Motor]) {
+fn start(built: &mut Built, f: usize, motors: &[Motor], trains: &[Train]) {
     let BuiltFigure { model, handle, .. } = &built.figures[f];
     let Ok(tree) = Tree::of_hand(model) else { return };
     let root = handle.bones.start as usize;
     let driver = built.drivers.iter().find(|driver| driver.rigid as usize == root);
     let root_pose = driver.map_or(built.world.rigids[root].pose_WB, |d| d.track.at(0.0).0);
-    let mut poses_JK = vec![Pose::identity(); model.joints.len()];
+    let mut wanted: Vec<Option<JointTarget>> = vec![None; model.joints.len()];
     for motor in motors {
-        let j = (motor.joint - handle.joints.start) as usize;
-        let wanted = motor.wanted(0.0);
+        wanted[(motor.joint - handle.joints.start) as usize] = Some(motor.wanted(0.0));
+    }
+    for (joint, axis, angle) in trains.iter().flat_map(Train::starts) {
+        let target = &mut wanted[(joint - handle.joints.start) as usize];
+        target.get_or_insert_default().angles[axis] = angle;
+    }
+    let mut poses_JK = vec![Pose::identity(); model.joints.len()];
+    for (j, wanted) in wanted.into_iter().enumerate() {
+        let Some(wanted) = wanted else { continue };
         poses_JK[j].rotation = match model.joints[j].kind {
             JointKind::Ball => wanted.rotation_JK,
             kind => joint_rotation(kind, tree.clamp(j, wanted.angles)),

@@ -4,6 +4,7 @@
 mod assets;
 mod drivers;
 mod figure;
+mod figure_motors;
 mod files;
 mod grip;
 mod hand;
@@ -28,6 +29,7 @@ mod shape;
 mod soft;
 mod solver;
 mod tissue;
+mod train;
 
 pub use drivers::{Driver, Follow, Track};
 pub use figure::{BuiltFigure, figure_joints};
@@ -43,6 +45,7 @@ pub use preset::{USUAL as USUAL_PRESET, is_papers_by_solver, preset};
 pub use rigid::RigidLook;
 pub use select::{Face, Mesh};
 pub use soft::SoftBuild;
+pub use train::Train;
 
 use crate::format::Scene;
 use crate::grip::GripHand;
@@ -63,6 +66,8 @@ pub struct Built {
     pub figures: Vec<BuiltFigure>,
     /// Motors of joints.
     pub motors: Vec<Motor>,
+    /// Motors that joints share with others that mimic them.
+    pub trains: Vec<Train>,
     /// Soft bodies other than hands: figures, then the others, each in the order of the file.
     pub softs: Vec<SoftBuild>,
     /// Rest meshes for selectors, one for each deformable body of the world.
@@ -108,6 +113,7 @@ pub fn build(scene: &Scene, files: &Files) -> Result<Built, Fault> {
         hands: Vec::new(),
         figures: Vec::new(),
         motors: Vec::new(),
+        trains: Vec::new(),
         softs: Vec::new(),
         meshes: Vec::new(),
         node_starts: Vec::new(),

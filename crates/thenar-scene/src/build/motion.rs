@@ -11,7 +11,7 @@ use crate::motion::{
     FitError, HandMotion, JointKey, Key, Keyframes, KeyframesDesc, LimitPolicy, MotionError,
     Preset, Recorded, RecordedDesc, Recording, WristKey,
 };
-use crate::text::{At, Fault};
+use crate::text::{At, Fault, Node, parse};
 use std::collections::BTreeMap;
 use thenar_core::model::{Digit, HandModel, Side};
 
@@ -37,10 +37,14 @@ pub fn load(
             recorded(&RecordedDesc::of_file(&f.file.value), &f.file, hand, files)
         }
         MotionTable::File(f) => {
+            // By the table of scenes, so that both take the same, and their schema describes it.
             let text = assets::read_text(files, &f.file, KEYFRAMES_BYTES_MAX)?;
-            let at = |e: MotionError| f.file.fault(e.to_string());
-            let desc = KeyframesDesc::parse(&text, &assets::path(files, &f.file)).map_err(at)?;
-            keyframes(&desc, &|p| f.file.fault(p))
+            let read = Node::parse(&text).and_then(|root| parse::<KeyframesTable>(&root));
+            let table = read.map_err(|fault| {
+                let located = fault.locate(&assets::path(files, &f.file), &text, &[]);
+                f.file.fault(located.to_string())
+            })?;
+            keyframes(&desc(&table), &|p| f.file.fault(p))
         }
     }
 }

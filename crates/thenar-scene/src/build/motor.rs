@@ -18,6 +18,8 @@ pub struct Motor {
     pub course: Course,
     /// Largest torque of spring and damper about each axis \[N m\]; of a ball about any.
     pub torque_max: Option<f64>,
+    /// Axes that a train leads instead ([`super::Train`]).
+    pub in_train: [bool; 2],
 }
 
 /// A joint's target over time.
@@ -60,7 +62,8 @@ impl Motor {
                 JointKind::Ball => self.weaken_ball(&mut target, joint, world, most),
                 kind => {
                     let asked = self.asked(&target, joint, world);
-                    for k in (0..kind.angles()).filter(|&k| asked[k].abs() > most) {
+                    let weak = |k: &usize| asked[*k].abs() > most && !self.in_train[*k];
+                    for k in (0..kind.angles()).filter(weak) {
                         target.gains[k] = 0.0;
                         input.joint_torques[j][k] += most.copysign(asked[k]);
                     }

@@ -1,7 +1,8 @@
 //! Figures: flesh on any tree of bones.
 
 use super::{
-    BonesWord, ElementsWord, HandMaterial, InterpolationWord, JointWord, Rotation, SkinningWord,
+    BonesWord, ElementsWord, HandMaterial, InterpolationWord, JointWord, MeshNames, Rotation,
+    SkinningWord,
 };
 use crate::math::Vec3;
 use crate::text::{At, Cx, Defs, Fault, Node, Read, Value, table, words};
@@ -93,6 +94,9 @@ table! {
         /// "gripper", "forearm" or "body", which come with the program, or a path, relative to the scene file: a skinned mesh
         /// (GLB, VRM), a robot's description (URDF; MJCF in `.xml` or `.mjcf`), or a figure that was built (`.thenar`).
         model: At<String>;
+        /// Name of the skinned mesh of a `.glb` or `.vrm` file that is the body, or names of several, such as body, shoes and
+        /// gloves: what they enclose together is the body then. Default: the mesh that encloses most.
+        mesh: Option<At<MeshNames>>;
         /// Thickness of the flesh around the bones [m], of URDF and MJCF: 5 mm is meant for "gripper", 4 mm for "forearm". A
         /// skinned mesh has a skin of its own.
         flesh: Option<At<f64>> where THICKNESS;

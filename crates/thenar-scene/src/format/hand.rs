@@ -1,7 +1,7 @@
 //! Hands.
 
 use super::{
-    DriveTable, ElementsWord, GripTable, HandLayer, HandTissueWord, JointName, LawWord,
+    DriveTable, ElementsWord, GripTable, HandLayer, HandTissueWord, JointName, LawWord, MeshNames,
     MotionTable, NailTable, Rotation, SkinTable, Terms, TissueWord,
 };
 use crate::math::Vec3;
@@ -131,6 +131,9 @@ table! {
         /// Names of a rig's joints by those of the 25 tracked joints, such as `index-finger-phalanx-proximal = "bone_12"`,
         /// where the names of a `.glb` file do not say which joint is which; `thenar hand --list FILE.glb` prints such a table.
         joint_names: Option<At<BTreeMap<String, String>>>;
+        /// Name of the skinned mesh of a `.glb` file that is the hand, or names of several, such as a glove and the skin beside
+        /// it: what they enclose together is the hand then. Default: the mesh that encloses most.
+        mesh: Option<At<MeshNames>>;
         /// Where the values of `tets`, `detail`, `coupling` and `springs` come from that are not given, when the model is built
         /// from a mesh. Default "touch"; "paper" where the scene says what is about the paper's hand: `tets`,
         /// `coupling = "uniform"`, `coupling_stiffness` without `coupling`, or a `solver.kind` other than "exact".

@@ -12,6 +12,7 @@ mod hand;
 mod joint;
 mod joint_names;
 mod load;
+mod mesh_names;
 mod motion;
 mod pose;
 mod probe;
@@ -37,6 +38,7 @@ pub use load::{
     ForceLoad, JointTorqueLoad, Load, NodeForceLoad, PressureLoad, TorqueLoad, TractionLoad,
     TwistLoad,
 };
+pub use mesh_names::MeshNames;
 pub use motion::{
     CurlTable, HandKey, JointAngles, KeyframesTable, LimitsWord, MotionFileTable, MotionTable,
     PoseWord, RecordedTable, SideOfHandWord, TipsTable, WristTable,

@@ -122,7 +122,7 @@ table! {
 }
 
 table! {
-    /// Keyframes of wrist and fingers.
+    /// Keyframes of wrist and fingers; also what a motion file in TOML holds.
     pub struct KeyframesTable {
         /// Angles out of a joint's range: "error" (default) or "clamp".
         limits: LimitsWord = LimitsWord::Error;

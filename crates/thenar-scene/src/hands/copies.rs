@@ -51,6 +51,7 @@ pub fn default_hand(scene: &Scene, side: Side) -> Hand {
         name: free_name(scene, side),
         model: Some(mirror::model(side)),
         joint_names: None,
+        mesh: None,
         preset: None,
         tets: None,
         detail: None,

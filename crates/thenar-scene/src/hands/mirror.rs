@@ -20,6 +20,7 @@ pub fn model(side: Side) -> At<String> {
 pub fn hand(hand: &mut Hand, side: Side) {
     hand.model = Some(model(side));
     hand.joint_names = None;
+    hand.mesh = None;
     hand.position.x = -hand.position.x;
     if let Some(turn) = &mut hand.rotation {
         rotation(&mut turn.value);

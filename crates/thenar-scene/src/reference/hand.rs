@@ -1,5 +1,6 @@
 //! The names and ranges of a hand, in Markdown, from the model and the enums that the program uses.
 
+use super::motion::motion_keys;
 use crate::grip::GripKind;
 use crate::motion::{
     ANGLES, Anatomy, Articulation, MotionError, Preset, TRACKED_JOINTS, hand_angles,
@@ -8,7 +9,7 @@ use std::fmt::Write;
 use thenar_core::model::{Digit, HandModel};
 use thenar_track::reach::PadPlace;
 
-/// Tables of the bones, joints, angles, poses, grips and tracked joints of `hand`, in Markdown; `name` says in prose
+/// Tables of the bones, joints, angles, poses, grips and tracked joints of `hand`, and of motion files, in Markdown; `name` says in prose
 /// whose ranges they are.
 ///
 /// # Errors
@@ -20,6 +21,7 @@ pub fn hand_tables(hand: &HandModel, name: &str) -> Result<String, MotionError> 
     poses(&mut out);
     grips(&mut out);
     tracked(&mut out);
+    motions(&mut out);
     Ok(out)
 }
 
@@ -108,6 +110,14 @@ fn tracked(out: &mut String) {
     for (k, name) in TRACKED_JOINTS.iter().enumerate() {
         let _ = writeln!(out, "| {k} | `{name}` |");
     }
+}
+
+fn motions(out: &mut String) {
+    out.push_str(
+        "\n### Keys of motion files\n\nWhat stands in [motion files](#motion-files), which `docs/motion.schema.json` describes to \
+         editors.\n\n",
+    );
+    motion_keys(out);
 }
 
 /// An angle \[rad\] in whole degrees, without a minus before zero.

@@ -135,6 +135,7 @@ fn script(hand: &mut BuiltHand, start: &[RigidDesc], t: f64, targets: &mut [Opti
 /// Motors of joints, after the loads of the step.
 pub fn motors(input: &mut Input, built: &Built, world: &World, t: f64) {
     built.motors.iter().for_each(|motor| motor.lead(input, world, t));
+    built.trains.iter().for_each(|train| train.lead(input, world, t));
 }
 
 /// Scripted and driven rigid bodies.

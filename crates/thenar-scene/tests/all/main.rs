@@ -6,6 +6,7 @@ mod contact;
 mod damage;
 mod figures;
 mod hand;
+mod mimics;
 mod recording;
 #[path = "../../../../fuzz/src/recordings.rs"]
 mod recordings;

@@ -13,6 +13,8 @@ pub(super) struct Bone {
     pub link: Settled,
     pub parent: Option<u32>,
     pub joint: Option<PlanJoint>,
+    /// Names of the hinges that the joint was made of, in order, and their angles of rest in the file \[rad\].
+    pub hinges: Vec<(String, f64)>,
 }
 
 /// The bones of links, parents before children.
@@ -30,22 +32,23 @@ pub(super) fn bones(
         if !alive[i] || absorbed[i] {
             continue;
         }
-        let (joint, parent) = match links[i].parent {
-            None => (None, None),
+        let (joint, parent, hinges) = match links[i].parent {
+            None => (None, None, Vec::new()),
             Some(_) => {
                 let chain = chain(&links, i, &absorbed);
                 let (joint, note) = combine(&chain.joints, &links[i].pose_ML.rotation, size)
                     .map_err(|reason| chain.error(&links[i].name, noun, &reason))?;
                 notes.extend(note);
-                (Some(joint), index[chain.parent])
+                let hinges = chain.joints.into_iter().map(|joint| (joint.name, joint.rest));
+                (Some(joint), index[chain.parent], hinges.collect())
             }
         };
         index[i] = u32::try_from(bones.len()).ok();
-        bones.push((i, parent, joint));
+        bones.push((i, parent, joint, hinges));
     }
     let mut links: Vec<Option<Settled>> = links.into_iter().map(Some).collect();
-    let bone = |(i, parent, joint): (usize, _, _)| {
-        links[i].take().map(|link| Bone { link, parent, joint })
+    let bone = |(i, parent, joint, hinges): (usize, _, _, _)| {
+        links[i].take().map(|link| Bone { link, parent, joint, hinges })
     };
     Ok(bones.into_iter().filter_map(bone).collect())
 }

@@ -27,6 +27,8 @@ pub(super) struct SettledJoint {
     pub point_M: Vec3,
     pub axis_M: Vec3,
     pub axis: Axis,
+    /// Angle of the file at which a hinge rests \[rad\].
+    pub rest: f64,
 }
 
 /// Places links in M, each hinge at the admissible angle nearest to zero; tells of those that are not at zero.
@@ -68,7 +70,7 @@ fn settle_joint(joint: LinkJoint, pose_ML: &mut Pose, notes: &mut Vec<String>) -
             quoted(&joint.name)
         ));
     }
-    SettledJoint { name: joint.name, kind: joint.kind, point_M, axis_M, axis }
+    SettledJoint { name: joint.name, kind: joint.kind, point_M, axis_M, axis, rest }
 }
 
 /// Longest side of the box around links, joints and solids \[m\]; that of nothing is 1.

@@ -295,6 +295,41 @@ fn the_largest_body_is_the_figure_and_the_rest_is_told() {
     }
 }
 
+/// `b = 0.1 + a²` in the file, from its placement; coefficients that are left out are MuJoCo's. Other constraints are told.
+#[test]
+fn joints_follow_others_by_constraints() {
+    let finger = |name: &str, joint: &str| format!("<body name='{name}'>{joint}{BALL}</body>");
+    let fingers = finger("a", "<joint name='ja'/>")
+        + &finger("b", "<joint name='jb'/>")
+        + &finger("c", "<joint name='jc'/>")
+        + &finger("d", "<joint name='jd' type='ball'/>");
+    let head = "<equality><joint joint1='jb' joint2='ja' polycoef='0.1 0 1'/>\
+        <joint joint1='jc' joint2='jb'/><joint joint1='jc' joint2='ja' active='false'/>\
+        <joint joint1='jd' joint2='ja'/><joint joint1='ja'/><joint joint1='ja' joint2='far'/>\
+        <connect body1='a' body2='b' anchor='0 0 0'/></equality>";
+    let plan = read(&model(head, &on_ball(&fingers)));
+    let found: Vec<_> = plan.mimics.iter().map(|mimic| (mimic.ends(), mimic.law)).collect();
+    assert_eq!(
+        found,
+        [
+            ([(0, 0), (1, 0)], [0.1, 0.0, 1.0, 0.0, 0.0]),
+            ([(1, 0), (2, 0)], [0.0, 1.0, 0.0, 0.0, 0.0])
+        ]
+    );
+    let notes = plan.notes.join("\n");
+    for part in [
+        "constraints passed over: \"connect\"",
+        "\"jd\" does not follow \"ja\"",
+        "\"ja\" is held at an angle by a constraint",
+        "\"ja\" does not follow \"far\": the figure has no joint \"far\"",
+    ] {
+        assert!(notes.contains(part), "{part}\n{notes}");
+    }
+    let many = "<equality><joint joint1='jb' joint2='ja' polycoef='1 2 3 4 5 6'/></equality>";
+    let error = read_mjcf(&model(many, &on_ball(&fingers)), Path::new(".")).unwrap_err();
+    assert!(error.to_string().contains("at most 5 finite numbers"), "{error}");
+}
+
 /// A tetrahedron with legs of 100 from the corner (10, 0, 0), a quarter turn about z undone: x to -y.
 #[test]
 fn meshes_are_found_changed_and_placed() {

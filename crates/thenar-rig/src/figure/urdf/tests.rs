@@ -197,15 +197,63 @@ fn a_range_without_zero_moves_the_rest_pose() {
 #[test]
 fn a_floating_root_is_left_out_and_sections_are_told() {
     let joints = joint("floating", "base", "a", "<origin xyz='9 9 9'/>")
-        + &joint("continuous", "a", "b", "<mimic joint='x'/>")
+        + &joint("continuous", "a", "b", "")
         + "<transmission/><gazebo/>";
     let plan = read(&robot(&["", BALL, BALL], &joints));
     assert_eq!((plan.bones.len(), plan.bones[0].name.as_str()), (2, "a"));
     near(&plan.bones[0].pose_ML.position, [0.0; 3]);
     let notes = plan.notes.join("\n");
-    assert!(notes.contains("mimic another do not follow it by themselves: \"to b\""), "{notes}");
     assert!(notes.contains("passed over: \"gazebo\" and \"transmission\""), "{notes}");
     assert!(notes.contains("\"base\" and its floating joint \"to a\""), "{notes}");
+}
+
+/// In the file `b = 0.5 - 2 a`; `a` rests at 0.3 rad and `b` at 0, so that from the rest pose `b = -0.1 - 2 a`. `c` and `d`
+/// make one universal joint, whose second axis follows `b`.
+#[test]
+fn mimics_follow_from_the_rest_pose() {
+    let joints = joint("revolute", "base", "a", "<limit lower='0.3' upper='1'/>")
+        + &joint("continuous", "base", "b", "<mimic joint='to a' multiplier='-2' offset='0.5'/>")
+        + &joint("continuous", "b", "c", "<axis xyz='0 0 1'/>")
+        + &joint("continuous", "c", "d", "<mimic joint='to b'/>");
+    let plan = read(&robot(&[BALL, BALL, BALL, "", BALL], &joints));
+    let of = |name: &str| {
+        let place = plan.bones.iter().position(|bone| bone.name == name).unwrap();
+        place as u32 - 1
+    };
+    let [first, second] = plan.mimics[..] else { panic!("{:?}", plan.mimics) };
+    assert_eq!(first.ends(), [(of("a"), 0), (of("b"), 0)]);
+    let near = |found: [f64; 5], expected: [f64; 5]| {
+        found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12)
+    };
+    assert!(near(first.law, [-0.1, -2.0, 0.0, 0.0, 0.0]), "{:?}", first.law);
+    assert_eq!(second.ends(), [(of("b"), 0), (of("d"), 1)]);
+    assert!(near(second.law, [0.0, 1.0, 0.0, 0.0, 0.0]), "{:?}", second.law);
+}
+
+#[test]
+fn mimics_that_cannot_be_are_told() {
+    let hinge =
+        |parent: &str, child: &str, inside: &str| joint("continuous", parent, child, inside);
+    let two = |first: &str, second: &str| {
+        robot(&[BALL, BALL, BALL], &(hinge("base", "a", first) + &hinge("base", "b", second)))
+    };
+    let unknown = error(&two("", "<mimic joint='to c'/>"));
+    assert!(
+        unknown.contains("<mimic>: joint \"to b\" mimics an unknown joint \"to c\"; did you mean"),
+        "{unknown}"
+    );
+    let circle = error(&two("<mimic joint='to b'/>", "<mimic joint='to a'/>"));
+    assert!(circle.contains("follows itself through others"), "{circle}");
+    assert!(error(&two("<mimic joint='to a'/>", "")).contains("follows itself"));
+    // What does not move, and a ball, neither lead nor follow.
+    let fixed = joint("fixed", "base", "a", "") + &hinge("base", "b", "<mimic joint='to a'/>");
+    let plan = read(&robot(&[BALL, BALL, BALL], &fixed));
+    assert!(plan.mimics.is_empty());
+    let notes = plan.notes.join("\n");
+    assert!(
+        notes.contains("joint \"to b\" does not follow \"to a\": both must be hinges"),
+        "{notes}"
+    );
 }
 
 #[test]

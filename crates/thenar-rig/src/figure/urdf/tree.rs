@@ -1,6 +1,6 @@
 //! How the links of a URDF file hang together.
 
-use super::super::draft::{hint, listed};
+use super::super::draft::{Follows, hint, listed};
 use super::joint::{Joint, Kind};
 use super::{Element, RigError};
 use std::collections::BTreeMap;
@@ -142,6 +142,26 @@ impl<'a> Tree<'a> {
             Some(joint) => Err(joint.slides("floats")),
             None => Ok(()),
         }
+    }
+
+    /// Joints that follow others, by `<mimic>`.
+    pub fn mimics(&self) -> Result<Vec<Follows>, RigError> {
+        let known = || self.joints.iter().map(|joint| joint.name);
+        let mut follows = Vec::new();
+        for joint in &self.joints {
+            let Some(mimic) = joint.element.child("mimic") else { continue };
+            let leader = mimic.needs_name("joint")?;
+            if !known().any(|name| name == leader) {
+                let [name, near] = [quoted(joint.name), hint(leader, known())];
+                let what = format!("joint {name} mimics an unknown joint {}{near}", quoted(leader));
+                return Err(mimic.error(what));
+            }
+            let [offset, multiplier] = ["offset", "multiplier"].map(|name| mimic.number(name));
+            let law = [offset?.unwrap_or(0.0), multiplier?.unwrap_or(1.0), 0.0, 0.0, 0.0];
+            let [follower, leader] = [joint.name, leader].map(str::to_owned);
+            follows.push(Follows { follower, leader, law });
+        }
+        Ok(follows)
     }
 
     /// What is told of a root that is left out.

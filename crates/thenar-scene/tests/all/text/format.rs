@@ -3,7 +3,7 @@
 //! and, independently, against the schema. `THENAR_UPDATE=1 cargo test -p thenar-scene --test
 //! all format::` writes the generated files anew.
 
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use thenar_scene::reference;
 use thenar_scene::session::Session;
@@ -24,6 +24,11 @@ fn compare_or_update(file: &str, wanted: &str) {
 #[test]
 fn the_schema_is_up_to_date() {
     compare_or_update("docs/scene.schema.json", &reference::schema());
+}
+
+#[test]
+fn the_schema_of_motion_files_is_up_to_date() {
+    compare_or_update("docs/motion.schema.json", &reference::motion_schema());
 }
 
 #[test]
@@ -200,6 +205,87 @@ fn the_schema_refuses_what_the_library_refuses() {
     ] {
         assert!(check_text(bad).is_err(), "schema takes {bad}");
         assert!(thenar_scene::session::read(bad, &[]).is_err(), "library takes {bad}");
+    }
+}
+
+/// Checks a value against a part of the schema of motion files, or its root.
+fn check_motion(part: Option<&str>, value: &Value) -> Result<(), String> {
+    let schema: Value = serde_json::from_str(&reference::motion_schema()).unwrap();
+    let root = part.map_or(&schema["$ref"], |part| &schema["$defs"][part]);
+    let root = if root.is_string() { json!({ "$ref": root }) } else { root.clone() };
+    check(&root, value, &schema["$defs"], "motion")
+}
+
+/// The schema of motion files takes and refuses what scenes do; the document's example is one of them.
+#[test]
+fn the_schema_of_motion_files_is_what_scenes_read() {
+    let text = std::fs::read_to_string(root().join("docs/hand.md")).unwrap();
+    let (_, section) = text.split_once("## Motion files").unwrap();
+    let example = section.split("```toml\n").nth(1).unwrap().split("```").next().unwrap();
+    let folder = thenar_output::TemporaryFolder::new("thenar-motion-schema").unwrap();
+    let scene = "version = 1\n[[hand]]\nname = \"h\"\npreset = \"paper\"\ntets = 100\n\
+                 motion = { kind = \"file\", file = \"m.toml\" }\n";
+    let taken = |motion: &str| {
+        std::fs::write(folder.path().join("m.toml"), motion).unwrap();
+        Session::from_text(scene, &folder.path().join("s.toml"), &[]).map(drop)
+    };
+    let fits = |motion: &str| {
+        let value: toml::Value = toml::from_str(motion).unwrap();
+        check_motion(None, &serde_json::to_value(value).unwrap())
+    };
+    for good in [example, "limits = \"clamp\"\n[[key]]\ntime = 0\npose = \"fist\"\n"] {
+        fits(good).unwrap();
+        taken(good).unwrap();
+    }
+    for bad in [
+        "[[key]]\npose = \"open\"",
+        "[[key]]\ntime = 0\npose = \"claw\"",
+        "[[key]]\ntime = -1",
+        "[[key]]\ntime = 0\ncurl = { index = 2 }",
+        "[[key]]\ntime = 0\nwrst = {}",
+        "limit = \"clamp\"",
+    ] {
+        assert!(fits(bad).is_err(), "the schema takes {bad}");
+        let error = taken(bad).unwrap_err().to_string();
+        assert!(error.contains("m.toml"), "{error}");
+    }
+}
+
+/// The lines of a recording that the schema takes are those that are read.
+#[test]
+fn the_schema_of_recordings_is_what_is_read() {
+    use thenar_scene::motion::{Recording, TRACKED_JOINTS};
+    let header = json!({
+        "format": "hand-joints-jsonl", "version": 1, "joints": TRACKED_JOINTS, "quat": "x,y,z,w",
+    });
+    let sample = json!({
+        "t": 0.5, "hand": "left", "pos": vec![[0.0, 1.0, 0.0]; 25], "quat": vec![[0.0, 0.0, 0.0, 1.0]; 25],
+    });
+    let agree = |header: &Value, sample: &Value, good: bool| {
+        let schema = check_motion(Some("RecordingHeader"), header)
+            .and(check_motion(Some("RecordingSample"), sample));
+        let text = format!("{header}\n{sample}\n");
+        let read = Recording::read(text.as_bytes(), Path::new("r.jsonl"));
+        assert_eq!((schema.is_ok(), read.is_ok()), (good, good), "{schema:?}, {read:?}: {text}");
+    };
+    agree(&header, &sample, true);
+    let changed = |value: &Value, key: &str, to: Value| {
+        let mut value = value.clone();
+        value[key] = to;
+        value
+    };
+    agree(&header, &changed(&sample, "radius", json!(vec![0.01; 25])), true);
+    for (key, to) in [("format", json!("x")), ("version", json!(2)), ("joints", json!(["wrist"]))] {
+        agree(&changed(&header, key, to), &sample, false);
+    }
+    for (key, to) in [
+        ("t", json!("now")),
+        ("hand", json!("both")),
+        ("pos", json!([[0, 0, 0]])),
+        ("quat", json!(vec![[0, 0, 1]; 25])),
+        ("radius", json!(vec![-1.0; 25])),
+    ] {
+        agree(&header, &changed(&sample, key, to), false);
     }
 }
 

@@ -5,9 +5,11 @@ use std::fs::write;
 use thenar_core::model::Side;
 use thenar_core::{Pose, Vec3};
 use thenar_output::TemporaryFolder;
+use thenar_rig::TriMesh;
 use thenar_rig::export::{GlbMesh, Skeleton, VertexSkin, glb};
 use thenar_rig::glb::read_skinned_glb;
 use thenar_rig::hand::asset;
+use thenar_rig::mesh::shapes;
 use thenar_scene::session::Session;
 
 /// A tetrahedron whose longest edges along the axes measure 130; of each face its letter.
@@ -140,6 +142,39 @@ fn a_scene_names_the_joints_of_a_rig() {
     assert!(error.contains("no joint \"n99\""), "{error}");
 }
 
+/// A hand beside a cube that encloses more is taken by its name; names that the file lacks are reported with those
+/// that it has.
+#[test]
+fn a_scene_names_the_mesh_of_a_rig() {
+    let folder = folder(&FACES);
+    let cube = shapes::cuboid(&Vec3::repeat(0.2));
+    write(folder.path().join("rig.glb"), rig_beside(1.0, None, &[("case", &cube)])).unwrap();
+    let hand = "[[hand]]\nname = \"h\"\nmodel = \"rig.glb\"\npreset = \"paper\"\ntets = 100\n";
+    let built = |key: &str| open(&folder, &format!("{hand}{key}\n"));
+    built("mesh = \"hand\"").unwrap();
+    built("mesh = [\"hand\"]").unwrap();
+    let error = built("mesh = \"hnd\"").unwrap_err();
+    assert!(
+        error.contains("hand[0].mesh")
+            && error.contains(
+                "no skinned mesh \"hnd\"; it has \"hand\", \"case\"; did you mean \"hand\"?"
+            ),
+        "{error}"
+    );
+    assert!(built("mesh = []").unwrap_err().contains("the name of a mesh, or several"));
+    let error = open(&folder, "[[hand]]\nname = \"h\"\nmesh = \"hand\"\n").unwrap_err();
+    assert!(error.contains("mesh") && error.contains(".glb"), "{error}");
+    let figure = |model: &str, mesh: &str| {
+        let scene = format!(
+            "[[figure]]\nname = \"f\"\ntets = 100\nmodel = \"{model}\"\nmesh = \"{mesh}\"\n"
+        );
+        open(&folder, &scene).unwrap_err()
+    };
+    let error = figure("rig.glb", "skirt");
+    assert!(error.contains("figure[0].mesh") && error.contains("\"skirt\"; it has"), "{error}");
+    assert!(figure("gripper", "x").contains("no meshes to choose from"));
+}
+
 /// A block of 2.36 in, read in metres, is asked about where a hand is to move it, and not where it stands still.
 #[test]
 fn a_block_of_tonnes_is_asked_about_where_hands_are() {
@@ -168,6 +203,11 @@ fn hand_in_millimetres() -> Vec<u8> {
 
 /// The built-in right hand as a file at this scale, with its joints' own names or others.
 fn rig(scale: f64, names: Option<&[String]>) -> Vec<u8> {
+    rig_beside(scale, names, &[])
+}
+
+/// [`rig`] with other meshes on its first joint.
+fn rig_beside(scale: f64, names: Option<&[String]>, others: &[(&str, &TriMesh)]) -> Vec<u8> {
     let own = read_skinned_glb(asset(Side::Right)).unwrap();
     let positions: Vec<Vec3> = own.mesh.positions.iter().map(|p| p * scale).collect();
     let place = |pose: &Pose| Pose::new(pose.position * scale, pose.rotation);
@@ -179,13 +219,17 @@ fn rig(scale: f64, names: Option<&[String]>) -> Vec<u8> {
         parents: vec![None; own.joints.len()],
         poses: own.joints.iter().map(|joint| place(&joint.pose)).collect(),
     };
-    let skin = vec![VertexSkin { bones: [0; 4], weights: [1.0, 0.0, 0.0, 0.0] }; positions.len()];
-    let mesh = GlbMesh {
-        name: "hand",
-        positions: &positions,
-        triangles: &own.mesh.triangles,
+    let first = VertexSkin { bones: [0; 4], weights: [1.0, 0.0, 0.0, 0.0] };
+    let hand = TriMesh { positions, triangles: own.mesh.triangles.clone() };
+    let meshes: Vec<(&str, &TriMesh)> =
+        [("hand", &hand)].into_iter().chain(others.iter().copied()).collect();
+    let skins: Vec<_> = meshes.iter().map(|(_, mesh)| vec![first; mesh.positions.len()]).collect();
+    let written = meshes.iter().zip(&skins).map(|((name, mesh), skin)| GlbMesh {
+        name,
+        positions: &mesh.positions,
+        triangles: &mesh.triangles,
         colour: [0.8; 3],
-        skin: Some(&skin),
-    };
-    glb(&[mesh], Some(&skeleton)).unwrap()
+        skin: Some(skin),
+    });
+    glb(&written.collect::<Vec<_>>(), Some(&skeleton)).unwrap()
 }
