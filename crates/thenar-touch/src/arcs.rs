@@ -22,8 +22,8 @@
 //! which bones that something holds go by little within a frame.
 
 use crate::shared::SharedConstraints;
+use crate::turn::rotation_vector;
 use crate::{RigidState, SlowToFast};
-use thenar_core::math::rotation_vector;
 use thenar_core::model::Drive;
 use thenar_core::{Pose, Quat, Vec3};
 
@@ -46,7 +46,8 @@ pub struct Tie {
 /// Turn of a bone since its frame.
 #[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 struct Turn {
-    /// Rotation vector, world, no longer than [`FARTHEST`].
+    /// Rotation vector, world, and no longer than [`FARTHEST`].
+    whole: Vec3,
     by: Vec3,
     /// Rotation of the bone in the frame, and turned by that.
     from: Quat,
@@ -57,17 +58,17 @@ struct Turn {
 
 impl Turn {
     fn between(from: Quat, to: Quat) -> Self {
-        let by = rotation_vector(&(to * from.inverse()));
-        let angle = by.norm();
+        let whole = rotation_vector(&(to * from.inverse()));
+        let angle = whole.norm();
         if angle <= FARTHEST {
-            return Self { by, from, to, part: 1.0 };
+            return Self { whole, by: whole, from, to, part: 1.0 };
         }
         let part = FARTHEST / angle;
         if !part.is_finite() {
-            return Self { by: Vec3::zeros(), from, to: from, part: 0.0 };
+            return Self { whole, by: Vec3::zeros(), from, to: from, part: 0.0 };
         }
-        let by = by * part;
-        Self { by, from, to: Quat::from_scaled_axis(by) * from, part: part * part }
+        let by = whole * part;
+        Self { whole, by, from, to: Quat::from_scaled_axis(by) * from, part: part * part }
     }
 
     /// Way of this arm's end, and how far that is from the tangent \[m\].
@@ -107,6 +108,8 @@ pub(crate) struct Arcs {
     /// Parents first, one for each child.
     ties: Vec<Tie>,
     turns: Vec<Turn>,
+    /// Turn from each bone to its target in the frame \[rad\].
+    leads: Vec<Vec3>,
     /// How far bones are from their tangents \[m\], and how fast they leave them, or went before \[m/s\].
     off: Vec<Vec3>,
     leaving: Vec<Vec3>,
@@ -122,6 +125,7 @@ impl Arcs {
         Self {
             ties: Vec::with_capacity(bones),
             turns: vec![Turn::between(Quat::identity(), Quat::identity()); bones],
+            leads: none.clone(),
             off: none.clone(),
             leaving: none.clone(),
             forces: none.clone(),
@@ -140,6 +144,14 @@ impl Arcs {
             }
         }
         self.ties.sort_by_key(|tie| tie.child);
+    }
+
+    /// Starts from a new frame.
+    pub fn begin(&mut self, frame: &SlowToFast) {
+        let both = frame.bones.iter().zip(&frame.response.targets);
+        for (lead, (bone, target)) in self.leads.iter_mut().zip(both) {
+            *lead = between(target.pose_WB.rotation, bone.pose_WB.rotation);
+        }
     }
 
     /// True if there are joints, and frame and lists are of the hand's size.
@@ -196,15 +208,15 @@ impl Arcs {
             self.forces[tie.parent] += force;
         }
         for (i, proxy) in proxies.iter().enumerate() {
-            let [was, target] =
-                [&frame.bones[i], &response.targets[i]].map(|state| state.pose_WB.rotation);
+            let target = response.targets[i].pose_WB.rotation;
             let [proxy, now] = [proxy.pose_WB.rotation, settled[i].pose_WB.rotation];
-            let between = |to: Quat, from: Quat| rotation_vector(&(to * from.inverse()));
-            let linear = between(target, was) + between(proxy, target) - between(now, was);
+            let turned = between(proxy, target);
+            let linear = self.leads[i] + turned - self.turns[i].whole;
             let more = (between(proxy, now) - linear) * self.turns[i].part;
             let torque = self.torques[i] + more * response.springs[i].angular_stiffness;
             let sound = torque.iter().all(|x| x.is_finite());
-            shared.bend(i, self.off[i], if sound { torque } else { Vec3::zeros() });
+            let torque = if sound { torque } else { Vec3::zeros() };
+            shared.bend(i, self.off[i], torque, turned);
         }
     }
 
@@ -268,6 +280,11 @@ impl Arcs {
             self.leaving[tie.child] = self.leaving[tie.parent] + parent - child;
         }
     }
+}
+
+/// Turn from one rotation to another, world \[rad\].
+fn between(to: Quat, from: Quat) -> Vec3 {
+    rotation_vector(&(to * from.inverse()))
 }
 
 /// Force with which a coupling to this proxy pulls at a bone \[N\]; none where the proxy is not finite.

@@ -100,6 +100,7 @@ fn bad_input_bends_nothing() {
         (&frame, lost.map(RigidState::at_rest), settled),
         (&nowhere, proxies, settled),
     ] {
+        arcs.begin(frame);
         arcs.bend(frame, &proxies, &settled, &mut shared);
         assert!((0..2).all(|i| shared.bent(i).iter().flatten().all(|x| x.is_finite())));
     }
@@ -153,6 +154,7 @@ fn couplings_turn_bones_by_the_rotation_between_them() {
     let at = |rotation: Quat| [Pose::identity(), Pose::new(Vec3::x() * 0.06, rotation)];
     let mut shared = SharedConstraints::new(2, 0);
     let states = at(proxy).map(RigidState::at_rest);
+    arcs.begin(&frame);
     arcs.bend(&frame, &states, &at(now).map(Settled::at), &mut shared);
     let vector = |to: Quat, from: Quat| rotation_vector(&(to * from.inverse()));
     // The response knows the frame's torque, the proxy's turn since and the bone's.
@@ -317,6 +319,7 @@ fn ticks_come_to_rest_where_the_energy_has_no_slope() {
                                 states: &[RigidState],
                                 shared: &mut SharedConstraints| {
                     let before = settled.map(|bone| bone.pose_WB);
+                    arcs.begin(frame);
                     arcs.bend(frame, states, &settled, shared);
                     shared.resolve(&frame.response, states, 1e-3, 1e-9, 1);
                     arcs.place(frame, (states, shared), 1e-3, &mut settled, &mut bones);

@@ -17,8 +17,9 @@
 //! [`SharedConstraints::in_empty_air`]: crate::shared::SharedConstraints::in_empty_air
 
 use crate::RigidState;
+use crate::turn::rotation_vector;
 use std::ops::Range;
-use thenar_core::math::{Pose, Quat, Vec3, rotation_vector};
+use thenar_core::math::{Pose, Quat, Vec3};
 use thenar_core::world::{Alone, Input, ModelError, State, Target, World};
 
 /// A hand of a world, in empty air.

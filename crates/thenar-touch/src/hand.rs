@@ -6,11 +6,12 @@ use crate::late_frames::{of_multirate, of_shared_constraints};
 use crate::led_hand::LedHand;
 use crate::shared::{Resolution, SharedConstraints};
 use crate::smooth::Smooth;
+use crate::turn::rotation_vector;
 use crate::{
     BLEND, DelayMeter, FastToSlow, Prediction, Proxies, Proxy, ProxyError, ProxyReport, RigidState,
     SlowToFast, Touch, hold_then_fade, seconds_between,
 };
-use thenar_core::math::{Vec3, rotation_vector};
+use thenar_core::math::Vec3;
 use thenar_core::world::StepReport;
 
 /// What stands in for the simulated bones between two frames.
@@ -204,6 +205,7 @@ impl HapticHand {
             if self.shared_step != Some(frame.step) {
                 self.shared.begin(response);
                 self.free.shared.begin(response);
+                self.arcs.begin(frame);
                 self.shared_step = Some(frame.step);
             }
             if !responded {

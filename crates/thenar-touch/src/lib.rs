@@ -86,6 +86,7 @@ mod stability;
 #[path = "../../thenar-core/src/testing.rs"]
 mod testing;
 mod touch;
+mod turn;
 pub mod virtual_user;
 mod ways_out;
 

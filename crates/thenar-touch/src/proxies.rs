@@ -18,7 +18,8 @@
 //! direction of turn at exactly half a turn, where both are equally short.
 
 use crate::RigidState;
-use thenar_core::math::{Mat3, Quat, Vec3, rotation_vector, skew};
+use crate::turn::rotation_vector;
+use thenar_core::math::{Mat3, Quat, Vec3, skew};
 use thenar_core::model::Drive;
 
 /// One proxy bone: constant.

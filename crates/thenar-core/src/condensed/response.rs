@@ -207,14 +207,18 @@ impl Condensed {
         rows_times(&self.compliance, x, out);
     }
 
-    /// `J C x` into `out`: 6n numbers to 3m, by the processor's vectors. Only of contacts that `acts` names; those of the
-    /// others stay.
-    pub fn lift_times(&self, x: &[f64], out: &mut [f64], acts: impl Fn(usize) -> bool) {
-        let n = 3 * 6 * self.bones;
-        let rows = self.lift.chunks_exact(n.max(1)).zip(out.chunks_exact_mut(3));
-        for (_, (rows, out)) in rows.enumerate().filter(|(i, _)| acts(*i)) {
-            rows_times(rows, x, out);
-        }
+    /// Row `row` of `J C` times `x`, 6n numbers, by the processor's vectors.
+    pub fn lift_row_times(&self, row: usize, x: &[f64]) -> f64 {
+        let n = 6 * self.bones;
+        let row = &self.lift[row * n..][..n];
+        dispatch!(Level::new(), simd => vectors::dot(simd, row, x))
+    }
+
+    /// Adds to the displacements `q` of the bones, 6n, what a force of 1 N along row `row` times `force` \[N\] moves them by.
+    pub fn add_lifted(&self, row: usize, force: f64, q: &mut [f64]) {
+        let n = 6 * self.bones;
+        let row = &self.lift[row * n..][..n];
+        dispatch!(Level::new(), simd => vectors::add(simd, q, force, row));
     }
 
     /// True when contact `i` is the limit of a joint.

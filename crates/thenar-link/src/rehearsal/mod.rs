@@ -50,6 +50,10 @@ const PRESSING: f64 = 0.5;
 const PUSH: (f64, u64) = (0.5, 50);
 /// What is looked at, at the end \[ms\].
 const WINDOW: u64 = 1000;
+/// To measure how stiff fingers are felt they close by this much more \[m\] within a time, and then are looked at after
+/// another, for as long as before \[ms\]: so slowly that delays and dampers have no part in it.
+const PROBE: f64 = 1e-3;
+const PROBING: [u64; 2] = [250, 1000];
 
 /// What is rehearsed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,8 +127,11 @@ pub struct Outcome {
     pub largest: [f64; 2],
     /// Largest force that a finger felt once the command stood still or swayed \[N\].
     pub felt: f64,
-    /// Stiffest that a blocked finger was felt in the end \[N/m\].
+    /// Stiffest that a blocked finger was felt in the end, by its couplings and the rule \[N/m\].
     pub stiffness: f64,
+    /// Stiffness as the wearer measures it \[N/m\]: force on each pad by the way of its fingertip, flesh, joints and what is touched
+    /// included; after [`Rehearsal::run_and_measure`].
+    pub measured: Option<[f64; DIGITS]>,
     /// Delay from motion to force that the loop reckoned with \[s\].
     pub delay: f64,
     /// What stopped the forces.
@@ -185,7 +192,30 @@ impl Rehearsal {
     /// A number makes no sense, or the scene has no hand that could be worn.
     pub fn run(&self, session: Session) -> Result<Outcome, RehearsalError> {
         self.check()?;
-        Run::new(self, session)?.run()
+        let mut run = Run::new(self, session)?;
+        run.run()?;
+        Ok(run.finish())
+    }
+
+    /// Runs it, and then has each finger close by a millimetre more, slowly, to measure how stiff it is felt. The rest is as
+    /// without that. Fingers that sway measure nothing.
+    ///
+    /// # Errors
+    /// As [`Rehearsal::run`].
+    pub fn run_and_measure(&self, session: Session) -> Result<Outcome, RehearsalError> {
+        self.check()?;
+        let mut run = Run::new(self, session)?;
+        run.run()?;
+        let before = run.means();
+        let mut out = run.finish();
+        if self.sway.is_none() {
+            let after = run.probe()?;
+            out.measured = Some(std::array::from_fn(|k| {
+                let [(force, place), (force_before, place_before)] = [after[k], before[k]];
+                (force - force_before) / (place - place_before)
+            }));
+        }
+        Ok(out)
     }
 }
 
@@ -224,6 +254,7 @@ struct Run<'a> {
     hand: Hand,
     random: Random,
     side: Side,
+    tracker: LateTracker,
     out: Outcome,
     sums: [[f64; 4]; DIGITS],
 }
@@ -241,40 +272,35 @@ impl<'a> Run<'a> {
             largest: [0.0; 2],
             felt: 0.0,
             stiffness: 0.0,
+            measured: None,
             delay: 0.0,
             trips: Vec::new(),
             live: false,
         };
         let (random, sums) = (Random::new(1), [[0.0; 4]; DIGITS]);
-        Ok(Self { what, stage, ends, hand, random, side, out, sums })
+        let tracker = LateTracker::new(what.tracker);
+        Ok(Self { what, stage, ends, hand, random, side, tracker, out, sums })
     }
 
-    fn run(mut self) -> Result<Outcome, RehearsalError> {
+    /// The last millisecond of the rehearsal.
+    fn end(&self) -> u64 {
+        BEFORE + (1e3 * self.what.until) as u64 + SETTLE + (1e3 * self.what.after) as u64
+    }
+
+    fn run(&mut self) -> Result<(), RehearsalError> {
         self.stage.clock().remote().arm();
         let script = (1e3 * self.what.until) as u64;
         let still = BEFORE + script;
         let push = still + SETTLE;
-        let end = push + (1e3 * self.what.after) as u64;
-        let mut tracker = LateTracker::new(self.what.tracker);
+        let end = self.end();
         for ms in 1..=end {
-            let now_ns = ms * TICK_NS;
             let scene = 1e-3 * ms.saturating_sub(BEFORE).min(script) as f64;
             if ms == still + 1 {
                 self.hand.beyond = [0.0; DIGITS];
             }
             self.hand.command(scene, self.pressed(1e-3 * ms.saturating_sub(still) as f64));
             let pushes = self.what.sway.is_none() && (push..push + PUSH.1).contains(&ms);
-            let pushed = if pushes { PUSH.0 } else { 0.0 };
-            let forces = self.ends.shown().digits.map(|digit| digit.pad_force);
-            let moved = self.hand.advance(&forces, pushed);
-            if tracker.is_due(ms) {
-                let pose = self.seen();
-                tracker.see(HandSample { side: self.side, time_ns: now_ns, pose: Some(pose) });
-            }
-            if let Some(sample) = tracker.arrived(now_ns) {
-                self.ends.tell(sample, now_ns);
-            }
-            self.tick(now_ns, &forces)?;
+            let [forces, moved] = self.go_on(ms, if pushes { PUSH.0 } else { 0.0 })?;
             if ms > still {
                 self.balance();
             }
@@ -282,7 +308,46 @@ impl<'a> Run<'a> {
                 self.account(&forces, &moved, ms + WINDOW > end);
             }
         }
-        Ok(self.finish())
+        Ok(())
+    }
+
+    /// A millisecond in which the hand gives way to what it feels and to a push \[N\], is seen, and the loop ticks: the forces
+    /// that it felt \[N\], and how far its fingers went \[m\].
+    fn go_on(&mut self, ms: u64, push: f64) -> Result<[[f64; DIGITS]; 2], RehearsalError> {
+        let now_ns = ms * TICK_NS;
+        let forces = self.ends.shown().digits.map(|digit| digit.pad_force);
+        let moved = self.hand.advance(&forces, push);
+        if self.tracker.is_due(ms) {
+            let pose = self.seen();
+            self.tracker.see(HandSample { side: self.side, time_ns: now_ns, pose: Some(pose) });
+        }
+        if let Some(sample) = self.tracker.arrived(now_ns) {
+            self.ends.tell(sample, now_ns);
+        }
+        self.tick(now_ns, &forces)?;
+        Ok([forces, moved])
+    }
+
+    /// Mean force on each pad \[N\] and place of its fingertip on the way to close \[m\], in what was looked at.
+    fn means(&self) -> [(f64, f64); DIGITS] {
+        let mean = |sum: f64| sum / WINDOW as f64;
+        self.sums.map(|[force, _, place, _]| (mean(force), self.hand.press() + mean(place)))
+    }
+
+    /// Closes the fingers a little more, and waits: these means again.
+    fn probe(&mut self) -> Result<[(f64, f64); DIGITS], RehearsalError> {
+        let (end, script) = (self.end(), self.what.until);
+        let [closing, wait] = PROBING;
+        self.sums = [[0.0; 4]; DIGITS];
+        for ms in 1..=closing + wait + WINDOW {
+            let part = (ms as f64 / closing as f64).min(1.0);
+            self.hand.command(script, self.what.press + PROBE * part);
+            let [forces, _] = self.go_on(end + ms, 0.0)?;
+            if ms > closing + wait {
+                self.sum(&forces);
+            }
+        }
+        Ok(self.means())
     }
 
     /// How much farther the fingers are closed so long after the script has ended \[m\].
@@ -334,17 +399,25 @@ impl<'a> Run<'a> {
             felt.given_max = felt.given_max.max(self.hand.given[k]);
             if looked_at {
                 felt.given += given;
-                let place = self.hand.fingers[k].place;
-                let sums = &mut self.sums[k];
-                sums[0] += forces[k];
-                sums[1] += forces[k] * forces[k];
-                sums[2] += place;
-                sums[3] += place * place;
             }
+        }
+        if looked_at {
+            self.sum(forces);
         }
     }
 
-    fn finish(mut self) -> Outcome {
+    fn sum(&mut self, forces: &[f64; DIGITS]) {
+        for (k, sums) in self.sums.iter_mut().enumerate() {
+            let (force, place) = (forces[k], self.hand.fingers[k].place);
+            sums[0] += force;
+            sums[1] += force * force;
+            sums[2] += place;
+            sums[3] += place * place;
+        }
+    }
+
+    /// What came of it so far.
+    fn finish(&mut self) -> Outcome {
         let n = WINDOW as f64;
         for (felt, sums) in self.out.fingers.iter_mut().zip(&self.sums) {
             let [force, square, place, place_square] = sums.map(|sum| sum / n);
@@ -358,6 +431,6 @@ impl<'a> Run<'a> {
             (out.stiffness, out.delay) = (hand.felt_stiffness(), hand.delay());
             out.live = core.actuators().iter().all(|a| a.status() == Status::Live);
         });
-        self.out
+        self.out.clone()
     }
 }

@@ -117,6 +117,11 @@ impl Hand {
         }
     }
 
+    /// How much farther its fingers are to close than the script has them \[m\].
+    pub fn press(&self) -> f64 {
+        self.press
+    }
+
     /// Moves for a step under the forces on its pads, which open, and one that closes; how far each finger went \[m\].
     pub fn advance(&mut self, forces: &[f64; DIGITS], push: f64) -> [f64; DIGITS] {
         let mut moved = [0.0; DIGITS];

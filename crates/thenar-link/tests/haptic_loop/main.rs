@@ -20,6 +20,7 @@ mod onset;
 mod rig;
 mod several;
 mod smooth;
+mod stiffness;
 mod threads;
 mod turning;
 mod unanswered;

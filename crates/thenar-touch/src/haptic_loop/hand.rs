@@ -6,12 +6,12 @@ mod state;
 pub use state::HandState;
 
 use super::exchange::{FastEnds, Frame};
+use crate::turn::rotation_vector;
 use crate::{
     DIGITS, Felt, HandReport, HandSample, PAD_NORMAL_B, Pad, PadReading, RigidState, Touch,
     TrackerTiming, seconds_between,
 };
 use held::{Held, Newest};
-use thenar_core::math::rotation_vector;
 use thenar_core::model::{Digit, HandModel, Side};
 use thenar_core::world::Target;
 use thenar_core::{Pose, Vec3};

@@ -31,6 +31,9 @@ mod resolve;
 mod slow_tests;
 #[cfg(test)]
 mod tests;
+mod values;
+#[cfg(test)]
+mod values_tests;
 
 pub use resolve::{Resolution, SharedConstraints};
 pub use thenar_core::condensed::{Condensed, CondensedContact};

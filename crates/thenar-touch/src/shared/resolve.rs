@@ -1,9 +1,11 @@
 //! Contact of one frame, resolved against the proxies of one haptic tick.
 
 use crate::RigidState;
+use crate::shared::values::{Acting, Values};
 use crate::shared::{Condensed, CondensedContact};
+use crate::turn::rotation_vector;
 use thenar_core::kernels::project;
-use thenar_core::math::{Pose, Quat, Vec3, rotation_vector};
+use thenar_core::math::{Pose, Quat, Vec3};
 use thenar_core::model::Cone;
 
 /// Contact forces, where contacts stick, and how far the bones have moved since the frame.
@@ -13,15 +15,16 @@ pub struct SharedConstraints {
     empty_air: bool,
     /// Contact forces in the contact frames \[N\].
     forces: Vec<Vec3>,
-    /// Where each contact sticks: tangential values are measured from here \[m\].
-    anchors: Vec<Vec3>,
-    /// Contact values d \[m\].
-    values: Vec<Vec3>,
-    /// Wrenches `k δ` on the bones, and what they add to contact values.
+    /// Contact values, and where contacts stick.
+    values: Values,
+    /// Wrenches `k δ` on the bones.
     load: Vec<f64>,
-    lifted: Vec<f64>,
     /// How far each bone is off its tangent \[m\], and the torque that turns it besides \[N m\].
     bent: Vec<[Vec3; 2]>,
+    /// Turn of each proxy since the frame \[rad\], where that is known already.
+    turned: Vec<Option<Vec3>>,
+    /// Displacements of the bones that the forces of contacts that do not act here would take away \[m, rad\].
+    missed: Vec<f64>,
     /// Displacements q of the bones, those of the tick before, and their rates.
     moved: Vec<f64>,
     moved_before: Vec<f64>,
@@ -49,11 +52,11 @@ impl SharedConstraints {
         Self {
             empty_air: false,
             forces: Vec::with_capacity(contacts_max),
-            anchors: Vec::with_capacity(contacts_max),
-            values: Vec::with_capacity(contacts_max),
+            values: Values::new(bones, contacts_max),
             load: vec![0.0; 6 * bones],
-            lifted: Vec::with_capacity(3 * contacts_max),
             bent: vec![[Vec3::zeros(); 2]; bones],
+            turned: vec![None; bones],
+            missed: vec![0.0; 6 * bones],
             moved: vec![0.0; 6 * bones],
             moved_before: vec![0.0; 6 * bones],
             rates: vec![0.0; 6 * bones],
@@ -80,8 +83,15 @@ impl SharedConstraints {
         self.forces.extend(frame.contacts.iter().enumerate().map(|(i, contact)| {
             if empty_air && !frame.is_limit(i) { none } else { contact.force }
         }));
-        self.anchors.clear();
-        self.anchors.resize(frame.contacts.len(), Vec3::zeros());
+        self.values.begin(frame, |i| !empty_air || frame.is_limit(i));
+        self.missed.fill(0.0);
+        if frame.is_ready() && self.missed.len() == 6 * frame.bones() {
+            for (i, contact) in frame.contacts.iter().enumerate() {
+                if !self.acts(frame, i) {
+                    add_lifted(frame, i, &-contact.force, &mut self.missed);
+                }
+            }
+        }
         self.moved.fill(0.0);
         self.fresh = true;
     }
@@ -109,7 +119,9 @@ impl SharedConstraints {
             return Resolution::default();
         }
         self.pull(frame, proxies);
-        self.measure(frame);
+        let Self { values, load, forces, empty_air, .. } = self;
+        let acts = |i: usize| !*empty_air || frame.is_limit(i);
+        values.measure(frame, &Acting { load, forces }, acts);
         let mut resolution = Resolution::default();
         while resolution.sweeps < sweeps_max {
             resolution.sweeps += 1;
@@ -118,12 +130,8 @@ impl SharedConstraints {
                 break;
             }
         }
-        // What slid or was open sticks, if it does, from where it is now.
-        for i in 0..self.anchors.len() {
-            if self.acts(frame, i) {
-                self.anchors[i] += Vec3::new(0.0, self.values[i].y, self.values[i].z);
-            }
-        }
+        let Self { values, load, forces, .. } = self;
+        values.settle(&Acting { load, forces });
         self.follow(frame, h);
         resolution.active = self.forces.iter().filter(|f| f.x > 0.0).count() as u32;
         resolution
@@ -142,14 +150,15 @@ impl SharedConstraints {
     }
 
     /// Says what the linear response does not know of a bone that has turned: how far it is off its tangent \[m\], and what turns it
-    /// besides \[N m\], both in the world.
-    pub fn bend(&mut self, bone: usize, off: Vec3, torque: Vec3) {
-        self.bent[bone] = [off, torque];
+    /// besides \[N m\], both in the world; `turned` is how far its proxy has turned since the frame \[rad\].
+    pub fn bend(&mut self, bone: usize, off: Vec3, torque: Vec3, turned: Vec3) {
+        (self.bent[bone], self.turned[bone]) = ([off, torque], Some(turned));
     }
 
     /// Forgets how bones have turned.
     pub fn straighten(&mut self) {
         self.bent.fill([Vec3::zeros(); 2]);
+        self.turned.fill(None);
     }
 
     /// True if contact that acts here bore load in the frame, or anything else from outside did: limits of joints do not count.
@@ -167,6 +176,11 @@ impl SharedConstraints {
     }
 
     #[cfg(test)]
+    pub(crate) fn worked_out(&self) -> usize {
+        self.values.worked_out()
+    }
+
+    #[cfg(test)]
     pub(crate) fn bent(&self, bone: usize) -> [Vec3; 2] {
         self.bent[bone]
     }
@@ -179,7 +193,9 @@ impl SharedConstraints {
             let wrench = if proxy.is_finite() {
                 let [off, torque] = self.bent[i];
                 let away = proxy.pose_WB.position - target.position - off;
-                let turn = rotation_vector(&(proxy.pose_WB.rotation * target.rotation.inverse()));
+                let turn = self.turned[i].unwrap_or_else(|| {
+                    rotation_vector(&(proxy.pose_WB.rotation * target.rotation.inverse()))
+                });
                 [away * spring.stiffness, turn * spring.angular_stiffness + torque]
             } else {
                 [Vec3::zeros(); 2]
@@ -192,30 +208,6 @@ impl SharedConstraints {
         }
     }
 
-    /// Contact values at the present forces: `d = d₀ + J C k δ + B (f - f₀)` from the anchors.
-    fn measure(&mut self, frame: &Condensed) {
-        let mut lifted = std::mem::take(&mut self.lifted);
-        lifted.resize(3 * frame.contacts.len(), 0.0);
-        frame.lift_times(&self.load, &mut lifted, |i| self.acts(frame, i));
-        self.values.clear();
-        for (i, contact) in frame.contacts.iter().enumerate() {
-            if !self.acts(frame, i) {
-                // No contact that acts depends on it.
-                self.values.push(Vec3::zeros());
-                continue;
-            }
-            let lift = Vec3::from_column_slice(&lifted[3 * i..][..3]);
-            self.values.push(contact.value + lift - self.anchors[i]);
-        }
-        for (j, other) in frame.contacts.iter().enumerate() {
-            let change = self.forces[j] - other.force;
-            if change != Vec3::zeros() {
-                frame.add_response(j, &change, &mut self.values);
-            }
-        }
-        self.lifted = lifted;
-    }
-
     /// One pass over all contacts; the largest change of a force \[N\].
     fn sweep(&mut self, frame: &Condensed) -> f64 {
         let mut largest = 0.0_f64;
@@ -223,33 +215,30 @@ impl SharedConstraints {
             if !self.acts(frame, i) {
                 continue;
             }
-            let own = frame.block(i);
             let force = self.forces[i];
-            let new = project(Cone::Circular, contact.friction, &own, &self.values[i], &force);
+            let Some(value) = self.values.of(frame, &self.load, i, &force) else { continue };
+            let own = frame.block(i);
+            let new = project(Cone::Circular, contact.friction, &own, &value, &force);
             let change = new - force;
             if change == Vec3::zeros() {
                 continue;
             }
             self.forces[i] = new;
             largest = largest.max(change.amax());
-            frame.add_response(i, &change, &mut self.values);
+            self.values.add_response(frame, i, &change);
         }
         largest
     }
 
     /// `q = q₀ + C (k δ + Jᵀ (f - f₀))`.
     fn follow(&mut self, frame: &Condensed, h: f64) {
-        let n = 6 * frame.bones();
         std::mem::swap(&mut self.moved, &mut self.moved_before);
         frame.compliance_times(&self.load, &mut self.moved);
         self.moved.iter_mut().zip(&frame.rest).for_each(|(q, rest)| *q += rest);
+        self.moved.iter_mut().zip(&self.missed).for_each(|(q, missed)| *q += missed);
         for (i, contact) in frame.contacts.iter().enumerate() {
-            let change = self.forces[i] - contact.force;
-            for r in 0..3 {
-                if change[r] != 0.0 {
-                    let lift = &frame.lift[(3 * i + r) * n..][..n];
-                    self.moved.iter_mut().zip(lift).for_each(|(q, l)| *q += l * change[r]);
-                }
+            if self.acts(frame, i) {
+                add_lifted(frame, i, &(self.forces[i] - contact.force), &mut self.moved);
             }
         }
         self.rated = !self.fresh && h > 0.0;
@@ -258,5 +247,14 @@ impl SharedConstraints {
             self.rates.iter_mut().zip(ways).for_each(|(rate, (q, q0))| *rate = (q - q0) / h);
         }
         self.fresh = false;
+    }
+}
+
+/// Adds to the displacements `q` of the bones what a `change` of the force of contact `i` \[N\] moves them by.
+fn add_lifted(frame: &Condensed, i: usize, change: &Vec3, q: &mut [f64]) {
+    for r in 0..3 {
+        if change[r] != 0.0 {
+            frame.add_lifted(3 * i + r, change[r], q);
+        }
     }
 }

@@ -8,6 +8,8 @@
 mod offsets;
 
 #[cfg(test)]
+mod step_tests;
+#[cfg(test)]
 mod tests;
 
 use offsets::Offsets;

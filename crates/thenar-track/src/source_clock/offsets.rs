@@ -13,6 +13,8 @@ const SPAN: u64 = 2_000_000_000;
 /// Largest difference of two clocks' rates. Quartz keeps within 2e-4; clocks that are being corrected run off by 5e-4
 /// (the limit of `adjtime` and NTP), and 1e-3 was asked for.
 const RATE_MAX: f64 = 2e-3;
+/// A difference this far below the line is no clock that runs off, but one that was put ahead, or a shorter way \[ns\].
+const STEP: i64 = 5_000_000;
 /// How sure a rate is: after a silence the line is raised by so much of it.
 const UNSURE: f64 = 2e-4;
 
@@ -72,19 +74,24 @@ impl Offsets {
         if late {
             return offset;
         }
+        let seen = Seen { at_ns: now_ns, difference };
+        if difference < self.line_at(now_ns).saturating_sub(STEP) {
+            // What was before says nothing of where the line is now; the clock runs as it ran.
+            (self.count, self.began_ns, self.present, self.line) = (0, now_ns, seen, seen);
+            return offset;
+        }
         if since(self.began_ns, now_ns) >= EACH as f64 {
             self.keep(now_ns);
-            (self.began_ns, self.present) = (now_ns, Seen { at_ns: now_ns, difference });
+            (self.began_ns, self.present) = (now_ns, seen);
         } else {
             // By what is above the line: within half a second a clock may run on by more than a way differs.
             let above = |seen: &Seen| seen.difference.saturating_sub(self.line_at(seen.at_ns));
-            let seen = Seen { at_ns: now_ns, difference };
             if above(&seen) < above(&self.present) {
                 self.present = seen;
             }
         }
         if difference < self.line_at(now_ns) {
-            self.line = Seen { at_ns: now_ns, difference };
+            self.line = seen;
         }
         offset
     }

@@ -101,7 +101,7 @@ pub fn run(args: &Args) -> Result<(), CliError> {
     let wrong = |error: RehearsalError| CliError::Input(error.to_string());
     what.check().map_err(wrong)?;
     let session = open_live(&args.scene, &args.set)?;
-    let out = what.run(session).map_err(wrong)?;
+    let out = what.run_and_measure(session).map_err(wrong)?;
     print(&what, &out);
     Ok(())
 }
@@ -121,10 +121,14 @@ fn print(what: &Rehearsal, out: &Outcome) {
         ),
         None => println!("felt stiffness {:.0} N/m, whatever the delay", out.stiffness),
     }
+    println!(
+        "(of a bone that cannot move; what is measured below has flesh, joints and what is touched in it)"
+    );
     println!();
     println!(
-        "{:8}{:>12}{:>12}{:>14}{:>16}{:>16}{:>20}",
+        "{:8}{:>17}{:>12}{:>12}{:>14}{:>16}{:>16}{:>20}",
         "",
+        "measured [N/m]",
         "force [N]",
         "rms [mN]",
         "motion [mm]",
@@ -132,9 +136,10 @@ fn print(what: &Rehearsal, out: &Outcome) {
         "most given [mJ]",
         "beyond damping [mJ]"
     );
-    for (name, felt) in FINGERS.iter().zip(&out.fingers) {
+    for (k, (name, felt)) in FINGERS.iter().zip(&out.fingers).enumerate() {
+        let measured = out.measured.map_or("-".into(), |all| format!("{:.0}", all[k]));
         println!(
-            "{name:8}{:>12.3}{:>12.2}{:>14.4}{:>16.4}{:>16.4}{:>20.4}",
+            "{name:8}{measured:>17}{:>12.3}{:>12.2}{:>14.4}{:>16.4}{:>16.4}{:>20.4}",
             felt.mean,
             1e3 * felt.rms,
             1e3 * felt.motion_rms,
@@ -189,6 +194,7 @@ mod tests {
             largest: [1.0, 0.0],
             felt: mean + rms,
             stiffness: 25.0,
+            measured: None,
             delay: 0.03,
             trips: Vec::new(),
             live: true,
