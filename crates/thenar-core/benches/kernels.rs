@@ -11,7 +11,7 @@ use thenar_core::kernels::{
     rotation_of,
 };
 use thenar_core::model::{
-    Binding, Drive, Law, Material, Motion, Relaxation, SolverKind, WorldDesc,
+    Binding, Drive, Law, Material, Motion, Relaxation, SolverKind, Springs, WorldDesc,
 };
 use thenar_core::shape::Shape;
 use thenar_core::world::{Input, Target};
@@ -35,7 +35,8 @@ fn world(cells: [usize; 3], height: f64, h: f64) -> World {
             .map(|x| Binding { bones: [0, 1], weights: [1.0 - weight(x), weight(x)] })
             .collect();
         let volume = size.product() / fine.nodes.len() as f64;
-        coupling.stiffness = vec![1e8 * volume; fine.nodes.len()];
+        let volumes = vec![volume; fine.nodes.len()];
+        coupling.springs = Springs::PerVolume { stiffness: 1e8, volumes };
     }
     soft.flesh = fine;
     let mut plane = body("ground", 1.0, [1.0; 3], Vec3::zeros());
@@ -126,8 +127,9 @@ const KINDS: [SolverKind; 2] = [SolverKind::TwoStep, SolverKind::Exact];
 fn driven(cells: [usize; 3], kind: SolverKind, height: f64, down: f64) -> (World, Input) {
     let mut desc = world(cells, height, 1e-3).desc().clone();
     desc.solver.kind = kind;
-    if let Some(coupling) = &mut desc.softs[0].coupling {
-        coupling.stiffness.iter_mut().for_each(|k| *k *= 10.0);
+    let springs = desc.softs[0].coupling.as_mut().map(|coupling| &mut coupling.springs);
+    if let Some(Springs::PerVolume { stiffness, .. }) = springs {
+        *stiffness *= 10.0;
     }
     let drive =
         Drive { stiffness: 400.0, damping: 2.0, angular_stiffness: 0.4, angular_damping: 1e-3 };

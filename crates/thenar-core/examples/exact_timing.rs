@@ -7,7 +7,7 @@ mod common;
 
 use common::{FLESH, bar, body, finger};
 use std::time::Instant;
-use thenar_core::model::{Binding, Drive, Motion, SolverKind};
+use thenar_core::model::{Binding, Drive, Motion, SolverKind, Springs};
 use thenar_core::shape::Shape;
 use thenar_core::world::{Stage, StageTimer, Target};
 use thenar_core::{Pose, Quat, Vec3, World};
@@ -58,7 +58,8 @@ fn world(cells: [usize; 3], kind: SolverKind, height: f64) -> World {
             .map(|x| Binding { bones: [0, 1], weights: [1.0 - weight(x), weight(x)] })
             .collect();
         let volume = size.product() / fine.nodes.len() as f64;
-        coupling.stiffness = vec![1e9 * volume; fine.nodes.len()];
+        let volumes = vec![volume; fine.nodes.len()];
+        coupling.springs = Springs::PerVolume { stiffness: 1e9, volumes };
     }
     soft.flesh = fine;
     soft.flesh.mass_damping = 1.0;

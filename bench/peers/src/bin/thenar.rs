@@ -5,8 +5,8 @@ use std::process::ExitCode;
 use thenar_core::shape::Shape;
 use thenar_core::model::{
     Axis, Binding, BodyId, Coupling, Drive, EmbeddedSurface, FixedNode, Flesh, JointDesc,
-    JointKind, Law, Material, Motion, RigidDesc, Skinning, SoftDesc, SolverKind, SurfaceVertex,
-    WorldDesc,
+    JointKind, Law, Material, Motion, RigidDesc, Skinning, SoftDesc, SolverKind, Springs,
+    SurfaceVertex, WorldDesc,
 };
 use thenar_core::world::{Input, Target};
 use thenar_core::{Mat3, Pose, Quat, Vec3, World};
@@ -178,16 +178,18 @@ fn soft(job: &Job) -> SoftDesc {
         poisson: job.poisson,
         density: job.density,
     };
-    let mut coupling = Coupling {
-        bindings: vec![Binding { bones: [0, 0], weights: [1.0, 0.0] }; job.nodes.len()],
-        stiffness: vec![0.0; job.nodes.len()],
+    let mut bindings = vec![Binding { bones: [0, 0], weights: [1.0, 0.0] }; job.nodes.len()];
+    let mut stiffness = vec![0.0; job.nodes.len()];
+    for tie in &job.ties {
+        bindings[tie.node as usize].bones = [tie.bone; 2];
+        stiffness[tie.node as usize] = tie.stiffness;
+    }
+    let coupling = Coupling {
+        bindings,
+        springs: Springs::PerNode(stiffness),
         damping_time: job.tie_damping_time,
         skinning: Skinning::Linear,
     };
-    for tie in &job.ties {
-        coupling.bindings[tie.node as usize].bones = [tie.bone; 2];
-        coupling.stiffness[tie.node as usize] = tie.stiffness;
-    }
     SoftDesc {
         name: "flesh".into(),
         flesh: Flesh {

@@ -96,7 +96,7 @@ fn solver_name(kind: SolverKind) -> &'static str {
     match kind {
         SolverKind::TwoStep => "two-step",
         SolverKind::Exact => "exact",
-        SolverKind::Monolithic => "monolithic",
+        SolverKind::Monolithic => "dense reference",
     }
 }
 

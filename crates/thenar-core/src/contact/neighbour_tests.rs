@@ -5,7 +5,7 @@
 use super::tests::{Scene, cube, moved};
 use super::{Contact, Detector, Shape, Sides, Site};
 use crate::math::{Pose, Quat, Vec3};
-use crate::model::{Binding, Coupling, JointDesc, JointKind, Motion, Skinning};
+use crate::model::{Binding, Coupling, JointDesc, JointKind, Motion, Skinning, Springs};
 use std::collections::BTreeMap;
 
 /// Length of an edge \[m\], of the squares that are halved.
@@ -149,7 +149,7 @@ fn a_contact_that_slides_on_to_a_joined_bone_s_flesh_goes_on() {
             bindings: (0..points.len())
                 .map(|i| Binding { bones: [bone(i); 2], weights: [1.0, 0.0] })
                 .collect(),
-            stiffness: vec![0.0; points.len()],
+            springs: Springs::PerNode(vec![0.0; points.len()]),
             damping_time: 0.0,
             skinning: Skinning::Linear,
         });
@@ -261,7 +261,7 @@ impl OnRim {
         let bound = |(_, bone): &(Vec3, u32)| Binding { bones: [*bone; 2], weights: [1.0, 0.0] };
         scene.desc.softs[0].coupling = Some(Coupling {
             bindings: points.iter().map(bound).collect(),
-            stiffness: vec![0.0; points.len()],
+            springs: Springs::PerNode(vec![0.0; points.len()]),
             damping_time: 0.0,
             skinning: Skinning::Linear,
         });

@@ -27,5 +27,5 @@ mod world;
 
 pub use world::{
     BodyId, Cone, Coupling, Drive, FleshInStep1, HandHandle, HandPlacement, Limits, PairRule,
-    SoftDesc, SolverKind, SolverSettings, WorldDesc,
+    SoftDesc, SolverKind, SolverSettings, Springs, WorldDesc,
 };

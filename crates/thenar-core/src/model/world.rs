@@ -27,12 +27,37 @@ pub struct SoftDesc {
 pub struct Coupling {
     /// One binding per node.
     pub bindings: Vec<Binding>,
-    /// Spring of each node \[N/m\].
-    pub stiffness: Vec<f64>,
+    /// Spring of each node.
+    pub springs: Springs,
     /// Damper of each node, as a time: damping = `damping_time` × stiffness \[s\].
     pub damping_time: f64,
     /// How two bones place a node's target.
     pub skinning: Skinning,
+}
+
+/// How stiff the springs of a coupling are, as it was said: one number for all, or a list.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Springs {
+    /// In proportion to what each node holds.
+    PerVolume {
+        /// Stiffness per volume \[N/m⁴\].
+        stiffness: f64,
+        /// Volume that each node holds \[m³\]; zero for a node without a spring.
+        volumes: Vec<f64>,
+    },
+    /// Stiffness of each node's spring \[N/m\]; zero for a node without one.
+    PerNode(Vec<f64>),
+}
+
+impl Springs {
+    /// Stiffness of all springs, node by node \[N/m\].
+    pub fn stiffness(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
+        let (list, factor) = match self {
+            Self::PerVolume { stiffness, volumes } => (volumes, *stiffness),
+            Self::PerNode(list) => (list, 1.0),
+        };
+        list.iter().map(move |x| x * factor)
+    }
 }
 
 /// The 6-DoF viscoelastic spring that lets a bone follow a tracked pose (Sec. 5).
@@ -87,7 +112,8 @@ pub enum SolverKind {
     Exact,
     /// The paper's: joints first, then flesh, then contact by constraint anticipation (Sec. 4).
     TwoStep,
-    /// Eq. 9 with its joint rows and contacts in one dense solve: slow, exact, for reference.
+    /// Eq. 9 with its joint rows and contacts in one dense solve, which allocates and costs the cube of the unknowns:
+    /// what tests and `thenar validate` measure the others against. No scene or setting chooses it.
     Monolithic,
 }
 
@@ -340,7 +366,6 @@ impl WorldDesc {
             .iter()
             .map(|b| Binding { bones: b.bones.map(|j| j + bone0), weights: b.weights })
             .collect();
-        let stiffness = volumes.iter().map(|v| v * placement.coupling_stiffness).collect();
         let soft = self.add_soft(SoftDesc {
             name: placement.name.clone(),
             flesh: hand.flesh.clone(),
@@ -348,7 +373,7 @@ impl WorldDesc {
             velocity_W: Vec3::zeros(),
             coupling: Some(Coupling {
                 bindings,
-                stiffness,
+                springs: Springs::PerVolume { stiffness: placement.coupling_stiffness, volumes },
                 damping_time: placement.coupling_damping_time,
                 skinning: placement.skinning,
             }),

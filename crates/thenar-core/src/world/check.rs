@@ -389,9 +389,14 @@ fn check_soft(soft: &SoftDesc, desc: &WorldDesc) -> Result<(), ModelError> {
 fn check_coupling(soft: &SoftDesc, desc: &WorldDesc) -> Result<(), ModelError> {
     let (name, Some(coupling)) = (&soft.name, &soft.coupling) else { return Ok(()) };
     count(name, "bindings", soft.flesh.nodes.len(), coupling.bindings.len())?;
-    count(name, "coupling stiffnesses", soft.flesh.nodes.len(), coupling.stiffness.len())?;
+    count(
+        name,
+        "coupling stiffnesses",
+        soft.flesh.nodes.len(),
+        coupling.springs.stiffness().len(),
+    )?;
     not_negative(name, "coupling damping time", coupling.damping_time)?;
-    for &k in &coupling.stiffness {
+    for k in coupling.springs.stiffness() {
         not_negative(name, "coupling stiffness", k)?;
     }
     for (node, binding) in coupling.bindings.iter().enumerate() {

@@ -12,6 +12,7 @@ use crate::model::{Drive, Limits, WorldDesc};
 use crate::solver::TURN_LEVER;
 use crate::solver::exact::{Accuracy, Answer, Exact, PRESSING_MAX, StepSystem};
 use crate::world::parts::Part;
+use crate::world::readout::Readout;
 use crate::world::scheme::Solver;
 use crate::world::state::{Scratch, State};
 use crate::world::{Input, Model, World, assemble, exact};
@@ -46,10 +47,9 @@ impl World {
         for (state, b) in to.bones.iter_mut().zip(bones.clone()) {
             *state = RigidState::of(self, b as u32);
         }
-        let Self { desc, model, state, scratch, solver, time_step: h, .. } = self;
+        let Self { desc, model, state, scratch, readout, solver, time_step: h, .. } = self;
         let Solver::Exact(exact) = solver else { return false };
-        let part = scratch.part_length;
-        let mut rest = Rest { desc, model, state, scratch, input, h: *h, part };
+        let mut rest = Rest { desc, model, state, scratch, readout, input, h: *h };
         rest.choose(to.response.contacts_max());
         rest.assemble(exact);
         for b in bones.clone() {
@@ -59,10 +59,11 @@ impl World {
             to.response.springs.push(spring);
             to.response.targets.push(RigidState::at_rest(pose_WB));
         }
-        let Scratch { A, b, joints, rows, found, chosen, gaps, before, .. } = scratch;
+        let Scratch { A, b, joints, chosen, gaps, before, .. } = scratch;
+        let Readout { rows, sites, part_length, .. } = &*readout;
         let is_turned = |i: usize| -> bool {
             let on = |site| is_on(desc, &bones, site);
-            found.get(i).is_some_and(|contact| !on(&contact.a) && on(&contact.b))
+            sites.get(i).is_some_and(|contact| !on(&contact.a) && on(&contact.b))
         };
         let step = StepSystem { A, b, known: &model.known };
         // What is moved from outside stays where it is.
@@ -86,7 +87,7 @@ impl World {
         }
         let contacts = chosen.iter().map(|&i| {
             let (i, row) = (i as usize, &rows.rows[i as usize]);
-            let force = row.lambda / part;
+            let force = row.lambda / *part_length;
             // What bears force touches, though the solver left a trace of a gap.
             let gap = if force.x > 0.0 { 0.0 } else { gaps[i].max(0.0) };
             let moves = row.frame * rows.relative_velocity(row, motion) * REST;
@@ -99,7 +100,7 @@ impl World {
             }
         });
         to.response.contacts.extend(contacts);
-        to.response.limits.extend(chosen.iter().map(|&i| i as usize >= found.len()));
+        to.response.limits.extend(chosen.iter().map(|&i| i as usize >= sites.len()));
         to.response.finish()
     }
 }
@@ -110,29 +111,29 @@ struct Rest<'a> {
     model: &'a Model,
     state: &'a mut State,
     scratch: &'a mut Scratch,
+    readout: &'a Readout,
     input: &'a Input,
     /// Time step of the simulation \[s\].
     h: f64,
-    /// Length of the part of the step that contacts are of \[s\].
-    part: f64,
 }
 
 impl Rest<'_> {
     /// Lists the contacts and joint limits of the last step by what they matter, at most `most`: those that bear
     /// force, then the nearest.
     fn choose(&mut self, most: usize) {
-        let Self { desc, state, scratch, part, .. } = self;
-        scratch.chosen.clear();
-        scratch.gaps.clear();
-        scratch.gaps.extend(scratch.found.iter().map(|contact| contact.gap));
+        let Self { desc, state, scratch, readout, .. } = self;
+        let Readout { rows, part_length, .. } = readout;
+        let Scratch { gaps, chosen, .. } = &mut **scratch;
+        chosen.clear();
+        gaps.clear();
+        gaps.extend(readout.sites.iter().map(|contact| contact.gap));
         if desc.solver.limits == Limits::Rows {
-            scratch.gaps.extend(scratch.limits.iter().map(|limit| limit.gap * TURN_LEVER));
+            gaps.extend(readout.limits.iter().map(|limit| limit.gap * TURN_LEVER));
         }
-        let Scratch { rows, gaps, chosen, push, pushes, .. } = &mut **scratch;
-        let push = pushes.then_some(&*push);
+        let push = readout.push();
         for (gap, row) in gaps.iter_mut().zip(&rows.rows) {
             let pushed = push.map_or(Vec3::zeros(), |push| rows.relative_velocity(row, push));
-            *gap += *part * (row.frame * (rows.relative_velocity(row, &state.v) + pushed)).x;
+            *gap += *part_length * (row.frame * (rows.relative_velocity(row, &state.v) + pushed)).x;
         }
         chosen.extend(0..gaps.len().min(rows.rows.len()) as u32);
         let by_weight = |&i: &u32, &j: &u32| -> Ordering {
@@ -157,9 +158,10 @@ impl Rest<'_> {
         state.v.copy_from_slice(&scratch.before.v);
         self.hold_targets();
         self.add_objects();
-        let Self { scratch: Scratch { b, rows, .. }, part, .. } = self;
+        let Self { scratch: Scratch { b, .. }, readout: Readout { rows, part_length, .. }, .. } =
+            self;
         for row in rows.rows.iter().filter(|row| row.lambda != Vec3::zeros()) {
-            let impulse = row.frame.tr_mul(&row.lambda) * (REST / *part);
+            let impulse = row.frame.tr_mul(&row.lambda) * (REST / *part_length);
             rows.scatter(row, &impulse, b);
         }
     }

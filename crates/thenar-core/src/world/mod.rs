@@ -24,6 +24,7 @@ mod model;
 mod overlap;
 mod parts;
 mod push_out;
+mod readout;
 mod reference;
 mod response;
 mod retune;
@@ -55,17 +56,19 @@ use crate::model::{SolverKind, SolverSettings, WorldDesc};
 use crate::skeleton::axis_states;
 use check::is_time_step;
 use parts::{Part, Parts};
+use readout::Readout;
 use scheme::Solver;
 use state::Scratch;
 use std::ops::Range;
 
-/// A simulation: what is constant, what changes, and the memory to step it in.
+/// A simulation: what is constant, what changes, the memory to step it in, and what the last step found.
 #[derive(Clone, Debug)]
 pub struct World {
     desc: WorldDesc,
     model: Model,
     state: State,
     scratch: Scratch,
+    readout: Readout,
     detector: Detector,
     places: Vec<RigidPlace>,
     solver: Solver,
@@ -86,6 +89,7 @@ impl World {
         let sides_max = detector.sides_max();
         state.sides = Sides::with_capacity(sides_max);
         let scratch = Scratch::new(&model, &state, [contacts_max, sides_max]);
+        let readout = Readout::new(&model, contacts_max);
         let place = |pose_WB: &Pose| RigidPlace {
             pose_WB: *pose_WB,
             velocity_W: Vec3::zeros(),
@@ -95,8 +99,18 @@ impl World {
         let time_step = desc.time_step;
         let solver = Solver::new(desc.solver.kind, &desc, &model, contacts_max);
         let retuned = 0;
-        let mut world =
-            Self { desc, model, state, scratch, detector, places, solver, time_step, retuned };
+        let mut world = Self {
+            desc,
+            model,
+            state,
+            scratch,
+            readout,
+            detector,
+            places,
+            solver,
+            time_step,
+            retuned,
+        };
         world.embed();
         Ok(world)
     }
@@ -110,6 +124,7 @@ impl World {
     pub fn step(&mut self, input: &Input, timer: &mut impl StageTimer) -> StepReport {
         let mut report = StepReport::default();
         let mut parts = Parts::whole(self.time_step, self.desc.solver.step_halvings_max);
+        self.readout.lend(&mut self.scratch);
         self.solver.begin_step(self.desc.solver.contact_work_max);
         let mut unforeseen = 0;
         let (mut length, end) = (self.time_step, self.state.time + self.time_step);
@@ -155,6 +170,7 @@ impl World {
         let Self { model, state, .. } = self;
         (report.joint_gap_max, report.joint_misalignment_max) = advance::joint_errors(model, state);
         self.embed();
+        self.readout.take(&mut self.scratch);
         self.measure_areas();
         timer.begin(None);
         debug_assert_eq!(self.validate_step(), Ok(()), "a step: {report:?}");
@@ -165,7 +181,7 @@ impl World {
     fn make(&mut self, part: Part, input: &Input, timer: &mut impl StageTimer) -> StepReport {
         let bad_targets = input.bad_targets();
         let mut report = StepReport { bad_targets, parts: 1, ..StepReport::default() };
-        self.scratch.part_length = part.h;
+        self.readout.part_length = part.h;
         self.scratch.remember(&self.state);
         self.scratch.islands.release();
         let sound = self.attempt(part, input, timer, &mut report)
@@ -229,7 +245,7 @@ impl World {
 
     /// Places the collision surfaces on the present nodes.
     fn embed(&mut self) {
-        for (out, vertex) in self.scratch.vertices.iter_mut().zip(&self.model.vertices) {
+        for (out, vertex) in self.readout.vertices.iter_mut().zip(&self.model.vertices) {
             *out = vertex.of(&self.state.x);
         }
     }
@@ -341,7 +357,7 @@ impl World {
 
     /// Collision-surface vertices of a deformable body, world \[m\].
     pub fn collision_vertices(&self, soft: u32) -> &[Vec3] {
-        &self.scratch.vertices[self.model.soft_vertices[soft as usize].clone()]
+        &self.readout.vertices[self.model.soft_vertices[soft as usize].clone()]
     }
 
     /// Skinning targets f_i (Eq. 6) of a deformable body's nodes; nodes bound to no bone keep
@@ -362,17 +378,17 @@ impl World {
 
     /// The contacts of the last step, near and touching.
     pub fn contacts(&self) -> &[ContactPoint] {
-        &self.scratch.contacts
+        &self.readout.contacts
     }
 
-    /// These, each with where it holds its bodies.
+    /// Contacts of the last step, each with the places where it holds its bodies.
     pub(crate) fn contact_sites(&self) -> impl Iterator<Item = (&Contact, &ContactPoint)> {
-        self.scratch.found.iter().zip(&self.scratch.contacts)
+        self.readout.sites.iter().zip(&self.readout.contacts)
     }
 
     /// Collision-surface vertices of all deformable bodies, one after another, world \[m\].
     pub(crate) fn all_collision_vertices(&self) -> &[Vec3] {
-        &self.scratch.vertices
+        &self.readout.vertices
     }
 
     /// Changes whenever any bit of the state does.

@@ -237,8 +237,9 @@ impl Model {
         node0: usize,
     ) -> Result<(), ModelError> {
         let Some(coupling) = &soft.coupling else { return Ok(()) };
-        let hangs = coupling.stiffness.iter().any(|stiffness| *stiffness > 0.0);
-        for (node, binding) in coupling.bindings.iter().enumerate() {
+        let hangs = coupling.springs.stiffness().any(|stiffness| stiffness > 0.0);
+        let springs = coupling.bindings.iter().zip(coupling.springs.stiffness());
+        for (node, (binding, stiffness)) in springs.enumerate() {
             let (mut bones, mut weights) = (binding.bones, binding.weights);
             if weights[0] == 0.0 {
                 bones.swap(0, 1);
@@ -259,7 +260,7 @@ impl Model {
                 Pivot::new(poses, anchors_B, weights, &x_W)
             });
             let bound = BoundNode { node: node_W, bones, weights, offsets, pivot, posed: None };
-            if coupling.stiffness[node] == 0.0 {
+            if stiffness == 0.0 {
                 // Flesh that has no spring at all is tied to nothing, and goes its own way.
                 if hangs {
                     self.coupling.unbound.push(bound);
@@ -272,8 +273,8 @@ impl Model {
                 return Err(ModelError::NotAdjacent { thing: soft.name.clone(), node, bones });
             }
             self.coupling.bound.push(bound);
-            self.coupling.stiffness.push(coupling.stiffness[node]);
-            self.coupling.damping.push(coupling.stiffness[node] * coupling.damping_time);
+            self.coupling.stiffness.push(stiffness);
+            self.coupling.damping.push(stiffness * coupling.damping_time);
             self.coupling.joints.push(joint);
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! Other parameters for a world that runs.
 
 use crate::contact::Shape;
-use crate::model::{JointDesc, RigidDesc, SoftDesc, WorldDesc};
+use crate::model::{Coupling, JointDesc, RigidDesc, SoftDesc, WorldDesc};
 use crate::world::check::turn_rightly;
 use crate::world::friction::patches_max;
 use crate::world::{Model, ModelError, World};
@@ -107,8 +107,10 @@ fn same_soft(old: &SoftDesc, new: &SoftDesc) -> Result<(), ModelError> {
     match (&old.coupling, &new.coupling) {
         (None, None) => Ok(()),
         (Some(a), Some(b)) => {
-            let bound = |s: &[f64]| s.iter().map(|k| *k > 0.0).collect::<Vec<_>>();
-            let bonds = bound(&a.stiffness) == bound(&b.stiffness);
+            let bound = |coupling: &Coupling| {
+                coupling.springs.stiffness().map(|k| k > 0.0).collect::<Vec<_>>()
+            };
+            let bonds = bound(a) == bound(b);
             same(bonds && a.bindings == b.bindings, "which nodes are bound to bones")
         }
         _ => Err(changed(&old.name, "whether it is bound to bones")),

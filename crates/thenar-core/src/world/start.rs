@@ -13,7 +13,7 @@ impl World {
         self.state = State::new(&self.desc, &self.model);
         self.state.impulses.reserve(contacts_max);
         self.state.sides = Sides::with_capacity(self.detector.sides_max());
-        self.scratch.forget_contacts();
+        self.readout.forget_contacts();
         self.embed();
     }
 
@@ -27,7 +27,7 @@ impl World {
         }
         self.state.copy_from(state);
         self.state.tidy(&self.model);
-        self.scratch.forget_contacts();
+        self.readout.forget_contacts();
         self.embed();
         true
     }

@@ -220,8 +220,8 @@ pub fn is_sound_pose(pose: &Pose) -> bool {
     is_sound_position(&pose.position) && pose.is_finite()
 }
 
-/// Memory that a step works in. Until the next step, readouts and touch read what the last one left in
-/// `found`, `rows`, `limits`, `contacts` and `vertices`; the next step itself reads nothing of it.
+/// Memory that a step works in: nobody reads afterwards what is in it. The lists of contacts and limits are lent
+/// by `Readout`, which has them between steps. (`coupled` says what of `A` is to be cleared.)
 #[derive(Clone, Debug)]
 pub struct Scratch {
     /// The system matrix A.
@@ -276,8 +276,6 @@ pub struct Scratch {
     pub areas: Room<f64>,
     /// Contacts and limits that touch reads, by weight.
     pub chosen: Room<u32>,
-    /// Length of the step, or of that part of it, that contacts and limits are of \[s\].
-    pub part_length: f64,
     /// How deep each rigid, then each deformable body was in others when the part began \[m\].
     pub depths: Vec<f64>,
     /// Gaps of the contacts reported at the end of the step \[m\]; before, those of all rows at its start.
@@ -316,7 +314,7 @@ fn ties(model: &Model) -> impl Iterator<Item = [usize; 2]> {
 }
 
 impl Scratch {
-    /// Room for everything a step of this model needs.
+    /// Room for everything a step of this model needs, but for what `Readout` lends.
     pub fn new(model: &Model, state: &State, [contacts_max, sides_max]: [usize; 2]) -> Self {
         let rigids = model.rigids.len();
         let nodes = model.flesh.mass.len();
@@ -347,19 +345,18 @@ impl Scratch {
             step1_mass: vec![0.0; nodes],
             shares: Vec::with_capacity(model.coupling.offsets.sample_count()),
             cg: CgWorkspace::new(rows),
-            limits: Room::with_capacity(limits::rows_max(model)),
-            found: Room::with_capacity(contacts_max),
+            limits: Room::default(),
+            found: Room::default(),
             sides: Sides::with_capacity(sides_max),
-            rows: ContactRows::with_capacity(rigids, contacts_max + limits::rows_max(model)),
+            rows: ContactRows::with_capacity(rigids, 0),
             anticipation: Anticipation::new(rigids, nodes),
-            contacts: Room::with_capacity(contacts_max),
+            contacts: Room::default(),
             areas: Room::with_capacity(contacts_max),
             chosen: Room::with_capacity(contacts_max + limits::rows_max(model)),
-            part_length: 0.0,
             depths: vec![0.0; rigids + model.soft_nodes.len()],
             gaps: Room::with_capacity(contacts_max + limits::rows_max(model)),
             wishes: Room::with_capacity(contacts_max + limits::rows_max(model)),
-            push: vec![Vec3::zeros(); rows],
+            push: Vec::new(),
             pushes: false,
             straight: vec![Vec3::zeros(); state.x.len()],
             vertices: vec![Vec3::zeros(); model.vertices.len()],

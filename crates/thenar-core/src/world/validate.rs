@@ -196,17 +196,17 @@ impl World {
     }
 
     fn contacts_are_valid(&self) -> Check {
-        let Self { model, scratch, .. } = self;
-        let contacts = &scratch.contacts;
-        count("sites of contacts", contacts.len(), scratch.found.len())?;
-        count("rows of contacts and limits", contacts.len() + scratch.limits.len(), {
-            scratch.rows.rows.len()
+        let Self { model, readout, .. } = self;
+        let contacts = &readout.contacts;
+        count("sites of contacts", contacts.len(), readout.sites.len())?;
+        count("rows of contacts and limits", contacts.len() + readout.limits.len(), {
+            readout.rows.rows.len()
         })?;
         contacts.iter().enumerate().try_for_each(|(i, contact)| {
             contact_is_valid(Of("contact", i), contact)?;
             sides_exist(Of("contact", i), contact, model)
         })?;
-        let rows = scratch.rows.rows.iter().zip(contacts).enumerate();
+        let rows = readout.rows.rows.iter().zip(contacts).enumerate();
         rows.into_iter().try_for_each(|(i, (row, _))| {
             let expected = "opposite to that on A, in sum of weights";
             let sum = self.sum_of_weights(row);
@@ -217,18 +217,18 @@ impl World {
     /// Weights of what a row holds, negative on side B: the part of its force that no body feels the opposite of.
     fn sum_of_weights(&self, row: &ContactRow) -> f64 {
         let nodes = row.nodes.start as usize..row.nodes.end as usize;
-        let of_nodes: f64 = self.scratch.rows.weights[nodes].iter().sum();
+        let of_nodes: f64 = self.readout.rows.weights[nodes].iter().sum();
         of_nodes + row.rigids.iter().flatten().map(|(_, _, sign)| sign).sum::<f64>()
     }
 
     fn limits_are_valid(&self) -> Check {
-        let Self { model, scratch, .. } = self;
-        let (most, got) = (limits::rows_max(model), scratch.limits.len());
+        let Self { model, readout, .. } = self;
+        let (most, got) = (limits::rows_max(model), readout.limits.len());
         if got > most {
             return Err(Invalid::Count { list: "limits", expected: most, got });
         }
-        let rows = &scratch.rows.rows[scratch.contacts.len()..];
-        scratch.limits.iter().zip(rows).enumerate().try_for_each(|(i, (limit, row))| {
+        let rows = &readout.rows.rows[readout.contacts.len()..];
+        readout.limits.iter().zip(rows).enumerate().try_for_each(|(i, (limit, row))| {
             let of = Of("limit", i);
             of.index("joint", "one of the world's", limit.joint, model.joints.len())?;
             of.not_negative("impulse away from its bound [N s]", row.lambda.x)

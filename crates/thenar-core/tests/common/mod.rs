@@ -3,7 +3,7 @@
 
 use thenar_core::model::{
     Axis, Binding, Coupling, EmbeddedSurface, Flesh, JointDesc, JointKind, Law, Material, Motion,
-    RigidDesc, Skinning, SoftDesc, SurfaceVertex, WorldDesc,
+    RigidDesc, Skinning, SoftDesc, Springs, SurfaceVertex, WorldDesc,
 };
 use thenar_core::{Mat3, Pose, Quat, Vec3};
 
@@ -153,7 +153,7 @@ pub fn finger(kappa: f64, h: f64) -> WorldDesc {
         name: "finger".into(),
         coupling: Some(Coupling {
             bindings,
-            stiffness: vec![kappa * volume; flesh.nodes.len()],
+            springs: Springs::PerNode(vec![kappa * volume; flesh.nodes.len()]),
             damping_time: 1e-3,
             skinning: Skinning::Linear,
         }),

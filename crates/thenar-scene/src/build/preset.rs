@@ -27,8 +27,7 @@ fn is_papers(hand: &Hand) -> bool {
     hand.tets.is_some() || coupling == Some(CouplingWord::Uniform) || stiffness_alone
 }
 
-/// False with the two-step scheme, which gains energy with them, and with the dense reference, which would have
-/// thousands of unknowns.
+/// False with the two-step scheme, which gains energy with them.
 fn solves_springs_in_bone(scene: &Scene) -> bool {
     let kind = scene.solver.as_ref().and_then(|solver| solver.kind);
     kind.is_none_or(|kind| kind == SolverWord::Exact)

@@ -11,7 +11,7 @@ use crate::text::{At, Fault};
 use std::collections::BTreeMap;
 use thenar_core::model::{
     Binding, Coupling, EmbeddedSurface, FixedNode, Flesh, Law, Material, Relaxation, Skinning,
-    SoftDesc, WorldDesc,
+    SoftDesc, Springs, WorldDesc,
 };
 use thenar_rig::object::SoftModel;
 
@@ -329,12 +329,8 @@ fn coupling(built: &Built, soft: &Soft, mesh: &Mesh) -> Result<Option<Coupling>,
     let volumes = node_volumes(mesh);
     let anchor = bones(built, first)?.0[0];
     let loose = Binding { bones: [anchor; 2], weights: [1.0, 0.0] };
-    let mut coupling = Coupling {
-        bindings: vec![loose; mesh.nodes.len()],
-        stiffness: vec![0.0; mesh.nodes.len()],
-        damping_time: soft.bind_damping_time,
-        skinning: skinning(soft.skinning),
-    };
+    let mut bindings = vec![loose; mesh.nodes.len()];
+    let mut stiffness = vec![0.0; mesh.nodes.len()];
     for bind in &soft.bind {
         let (bones, weights) = bones(built, bind)?;
         if bind.stiffness.is_some() && bind.node_stiffness.is_some() {
@@ -342,11 +338,16 @@ fn coupling(built: &Built, soft: &Soft, mesh: &Mesh) -> Result<Option<Coupling>,
         }
         for n in mesh.select_nodes(Some(&bind.nodes))? {
             let per_volume = bind.stiffness.unwrap_or(1e9) * volumes[n as usize];
-            coupling.bindings[n as usize] = Binding { bones, weights };
-            coupling.stiffness[n as usize] = bind.node_stiffness.unwrap_or(per_volume);
+            bindings[n as usize] = Binding { bones, weights };
+            stiffness[n as usize] = bind.node_stiffness.unwrap_or(per_volume);
         }
     }
-    Ok(Some(coupling))
+    Ok(Some(Coupling {
+        bindings,
+        springs: Springs::PerNode(stiffness),
+        damping_time: soft.bind_damping_time,
+        skinning: skinning(soft.skinning),
+    }))
 }
 
 /// How two bones place a node.

@@ -11,7 +11,6 @@ pub fn settings(table: Option<&SolverTable>) -> SolverSettings {
         s.kind = match kind {
             SolverWord::TwoStep => SolverKind::TwoStep,
             SolverWord::Exact => SolverKind::Exact,
-            SolverWord::Monolithic => SolverKind::Monolithic,
         };
     }
     if let Some(cone) = t.cone {

@@ -9,8 +9,8 @@ words! {
         "exact" => Exact,
         /// Skeleton first, then flesh and skeleton without joints (paper, Sec. 4).
         "two-step" => TwoStep,
-        /// One dense solve of Eq. 9 with its joint rows; slow, a reference for comparison.
-        "monolithic" => Monolithic,
+    } gone {
+        "monolithic" => "the dense reference belongs to tests and `thenar validate`",
     }
 }
 
@@ -47,8 +47,7 @@ words! {
 table! {
     /// Solver settings; what is left out keeps the library's default.
     pub struct SolverTable {
-        /// "exact" (default: joints, flesh and contact in one system), "two-step" (the paper's) or
-        /// "monolithic" (a dense reference).
+        /// "exact" (default: joints, flesh and contact in one system) or "two-step" (the paper's).
         kind: Option<SolverWord>;
         /// Velocity error of the exact solver [m/s]. Default 1e-5.
         velocity_tolerance: Option<f64> where TOLERANCE;

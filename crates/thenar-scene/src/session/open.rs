@@ -6,7 +6,7 @@ use crate::format::{PresetWord, Scene};
 use crate::hands::{Hands, with_hands};
 use crate::live::{LiveError, LiveHand};
 use crate::text::{Fault, Node, Override, SceneError, apply_override, parse};
-use crate::tuning::{HandPart, Tuning};
+use crate::tuning::{HandBodies, Tuning};
 use std::path::Path;
 use std::sync::OnceLock;
 use thenar_core::model::CouplingKind;
@@ -77,14 +77,12 @@ impl Session {
         let world = World::new(built.world.clone())
             .map_err(|e| SceneError::World { file: file.to_path_buf(), problem: e.to_string() })?;
         let probes = Probes::new(&scene, &built, &world).map_err(locate)?;
-        let hands = built.hands.iter().map(|hand| HandPart {
-            coupling_stiffness: hand.coupling_stiffness,
+        let hands = built.hands.iter().map(|hand| HandBodies {
             on_bone: hand.hangs_on_bone(),
             bones: drive::bones(hand),
             soft: hand.flesh().map(|soft| soft as usize),
         });
-        let figures = built.figures.iter().map(|figure| HandPart {
-            coupling_stiffness: figure.coupling_stiffness,
+        let figures = built.figures.iter().map(|figure| HandBodies {
             on_bone: true,
             bones: figure.handle.bones.start as usize..figure.handle.bones.end as usize,
             soft: Some(figure.handle.soft as usize),

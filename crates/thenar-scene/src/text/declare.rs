@@ -94,11 +94,11 @@ macro_rules! choice {
     };
 }
 
-/// A set of words.
+/// A set of words; after `gone`, words of old with what to say about each.
 macro_rules! words {
     ($(#[doc = $about:literal])+ pub enum $name:ident {
         $($(#[doc = $doc:literal])+ $word:literal => $variant:ident,)*
-    }) => {
+    } $(gone { $($old:literal => $why:literal,)* })?) => {
         $(#[doc = $about])+
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum $name { $($(#[doc = $doc])+ $variant,)* }
@@ -107,7 +107,8 @@ macro_rules! words {
             fn read(
                 node: &$crate::text::Node, cx: &$crate::text::Cx<'_>,
             ) -> Result<Self, $crate::text::Fault> {
-                match $crate::text::declare::word(node, cx, &[$($word),*])? {
+                let gone = &[$($(($old, $why)),*)?];
+                match $crate::text::declare::word(node, cx, &[$($word),*], gone)? {
                     $($word => Ok(Self::$variant),)*
                     _ => Err(cx.fault(&node.place, "unknown word")),
                 }
@@ -144,14 +145,21 @@ pub(crate) use {choice, default, range, table, words};
 
 use super::{Cx, Fault, Node, Range, Step, Value, nearest};
 
-/// The word in `node`, one of `known`.
-pub(crate) fn word<'a>(node: &'a Node, cx: &Cx<'_>, known: &[&str]) -> Result<&'a str, Fault> {
+/// The word in `node`, one of `known`; `gone` says what became of others.
+pub(crate) fn word<'a>(
+    node: &'a Node,
+    cx: &Cx<'_>,
+    known: &[&str],
+    gone: &[(&str, &str)],
+) -> Result<&'a str, Fault> {
     let list = || format!("one of \"{}\"", known.join("\", \""));
     match &node.value {
         Value::Text(word) if known.contains(&word.as_str()) => Ok(word),
         Value::Text(word) => {
             let mut fault = cx.expected(node, list());
-            if let Some(near) = nearest(word, known.iter().copied()) {
+            if let Some((_, why)) = gone.iter().find(|(old, _)| old == word) {
+                fault.problem.push_str(&format!("; {why}"));
+            } else if let Some(near) = nearest(word, known.iter().copied()) {
                 fault.problem.push_str(&format!("; did you mean \"{near}\"?"));
             }
             Err(fault)
@@ -171,7 +179,7 @@ pub(crate) fn word_of<'a>(
         return Err(cx.expected(node, "a table"));
     }
     match node.get(tag) {
-        Some(chosen) => word(chosen, &cx.inside(Step::Key(tag), Range::ANY), known),
+        Some(chosen) => word(chosen, &cx.inside(Step::Key(tag), Range::ANY), known, &[]),
         None => Err(cx.fault(
             &node.place,
             format!("the key `{tag}` is missing; expected one of \"{}\"", known.join("\", \"")),

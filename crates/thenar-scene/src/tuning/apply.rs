@@ -3,7 +3,7 @@
 use std::ops::Range;
 use thenar_core::Vec3;
 use thenar_core::model::{
-    Cone, FleshInStep1, Material, Motion, SolverKind, SolverSettings, WorldDesc,
+    Cone, FleshInStep1, Material, Motion, SolverKind, SolverSettings, Springs, WorldDesc,
 };
 
 /// Step 1 with flesh that yields.
@@ -12,14 +12,12 @@ pub const TWO_STEP: &str = "two-step";
 pub const FROZEN: &str = "two-step, frozen flesh (paper)";
 /// Joints, flesh and contact in one system.
 pub const EXACT: &str = "exact";
-/// The dense reference.
-pub const DENSE: &str = "dense reference (slow)";
+/// The dense reference, which a program can choose; no setting does.
+const DENSE: &str = "dense reference";
 
-/// A hand in the description.
+/// Bodies of a hand, or of a figure, in the description.
 #[derive(Clone, Debug)]
-pub struct HandPart {
-    /// Coupling stiffness per volume \[N/m⁴\].
-    pub coupling_stiffness: f64,
+pub struct HandBodies {
     /// Springs in bone hold only what lies in the place of bone.
     pub on_bone: bool,
     /// Bones of the hand among the rigid bodies.
@@ -32,7 +30,7 @@ pub struct HandPart {
 #[derive(Clone, Debug)]
 pub struct Parts {
     /// Hands of the scene.
-    pub hands: Vec<HandPart>,
+    pub hands: Vec<HandBodies>,
     /// Soft bodies that are no hands.
     pub objects: Vec<usize>,
     /// Dynamic rigid bodies that are no bones.
@@ -43,7 +41,7 @@ pub struct Parts {
 
 impl Parts {
     /// Finds them.
-    pub fn new(desc: &WorldDesc, hands: Vec<HandPart>) -> Self {
+    pub fn new(desc: &WorldDesc, hands: Vec<HandBodies>) -> Self {
         let is_hand = |i: &usize| hands.iter().any(|hand| hand.soft == Some(*i));
         let is_bone = |i: &usize| hands.iter().any(|hand| hand.bones.contains(i));
         let moves = |i: &usize| desc.rigids[*i].motion == Motion::Dynamic;
@@ -101,12 +99,22 @@ pub fn scale_drives(desc: &mut WorldDesc, parts: &Parts, factor: f64) {
 
 /// Springs between flesh and bones of all hands, per volume \[N/m⁴\].
 pub fn set_coupling(desc: &mut WorldDesc, parts: &Parts, stiffness: f64) {
-    for hand in &parts.hands {
-        let Some(coupling) = hand.soft.and_then(|soft| desc.softs[soft].coupling.as_mut()) else {
-            continue;
-        };
-        let factor = stiffness / hand.coupling_stiffness;
-        coupling.stiffness.iter_mut().for_each(|k| *k *= factor);
+    for soft in parts.flesh() {
+        let springs = desc.softs[soft].coupling.as_mut().map(|coupling| &mut coupling.springs);
+        if let Some(Springs::PerVolume { stiffness: own, .. }) = springs
+            && *own > 0.0
+        {
+            *own = stiffness;
+        }
+    }
+}
+
+/// Springs between flesh and bones of the first hand that has flesh, per volume \[N/m⁴\].
+pub fn coupling(desc: &WorldDesc, parts: &Parts) -> Option<f64> {
+    let soft = parts.flesh().next()?;
+    match desc.softs[soft].coupling.as_ref()?.springs {
+        Springs::PerVolume { stiffness, .. } => Some(stiffness),
+        Springs::PerNode(_) => None,
     }
 }
 
@@ -150,7 +158,6 @@ pub fn set_solver(desc: &mut WorldDesc, parts: &Parts, word: &str) {
         return;
     }
     solver.kind = match word {
-        DENSE => SolverKind::Monolithic,
         EXACT => SolverKind::Exact,
         _ => SolverKind::TwoStep,
     };

@@ -7,9 +7,6 @@ use SettingValue::{Choice, Number};
 use thenar_core::model::{Cone, SolverKind, WorldDesc};
 use thenar_input::quoted;
 
-/// Unknowns up to which the dense reference solver is offered.
-const DENSE_UNKNOWNS_MAX: usize = 450;
-
 /// A setting that scenes may have.
 pub struct Known {
     pub key: &'static str,
@@ -34,8 +31,7 @@ pub const ALL: &[Known] = &[
                then bones and flesh. With frozen flesh the first step is the paper's, which flies \
                apart unless the flesh is bound softly: lower \"Flesh on bone\" to its least first, \
                and restart afterwards. Two-step is offered for the paper's hand alone: where flesh \
-               hangs on bone it gains energy. The dense reference solves everything at once too; \
-               only small scenes offer it.",
+               hangs on bone it gains energy.",
         group: "Solver",
         unit: "",
         range: None,
@@ -133,10 +129,7 @@ pub const ALL: &[Known] = &[
         group: "Hand",
         unit: "N/m⁴",
         range: Some((1e7, 1e13, Scale::Log)),
-        own: |_, parts| {
-            let hand = parts.hands.iter().find(|hand| hand.soft.is_some())?;
-            (hand.coupling_stiffness > 0.0).then_some(Number(hand.coupling_stiffness))
-        },
+        own: |desc, parts| apply::coupling(desc, parts).filter(|k| *k > 0.0).map(Number),
         apply: |desc, parts, value| number(value, |k| apply::set_coupling(desc, parts, k)),
     },
     Known {
@@ -226,16 +219,11 @@ pub fn range_around(known: &Known, own: &SettingValue, desc: &WorldDesc, parts: 
         }
         _ if known.key == "cone" => Range::Choices { choices: vec!["circular", "linearised"] },
         _ => {
-            let nodes: usize = desc.softs.iter().map(|soft| soft.flesh.nodes.len()).sum();
-            let small = 3 * (2 * desc.rigids.len() + nodes) <= DENSE_UNKNOWNS_MAX;
             let mut choices = vec![apply::EXACT];
             // The two-step scheme gains energy with springs in bone.
             let on_bone = parts.hands.iter().any(|hand| hand.on_bone);
             if !on_bone || parts.solver.kind == SolverKind::TwoStep {
                 choices.extend([apply::TWO_STEP, apply::FROZEN]);
-            }
-            if small || *own == Choice(apply::DENSE.into()) {
-                choices.push(apply::DENSE);
             }
             Range::Choices { choices }
         }

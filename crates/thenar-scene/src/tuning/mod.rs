@@ -117,9 +117,8 @@ pub struct Tuning {
 }
 
 impl Tuning {
-    /// Nothing set yet. `hands` are the coupling stiffness per volume \[N/m⁴\], the bones and the
-    /// flesh of each hand.
-    pub(crate) fn new(base: WorldDesc, hands: Vec<apply::HandPart>) -> Self {
+    /// Nothing set yet. `hands` are the bodies of each hand and figure.
+    pub(crate) fn new(base: WorldDesc, hands: Vec<apply::HandBodies>) -> Self {
         let parts = apply::Parts::new(&base, hands);
         Self { base, parts, set: BTreeMap::new() }
     }
@@ -211,4 +210,4 @@ impl Tuning {
     }
 }
 
-pub(crate) use apply::HandPart;
+pub(crate) use apply::HandBodies;

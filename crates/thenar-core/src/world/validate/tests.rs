@@ -303,12 +303,12 @@ fn what_is_wrong_with_a_state_is_named() {
 /// The first contact of the cube.
 fn of_cube(world: &mut World) -> &mut ContactPoint {
     let of = |c: &&mut ContactPoint| c.bodies.contains(&BodyId::Rigid(CUBE as u32));
-    world.scratch.contacts.iter_mut().filter(of).find(|c| c.force_W.y != 0.0).unwrap()
+    world.readout.contacts.iter_mut().filter(of).find(|c| c.force_W.y != 0.0).unwrap()
 }
 
 /// The first contact of the flesh, put before all others.
 fn of_flesh(world: &mut World) -> &mut ContactPoint {
-    let contacts = &mut world.scratch.contacts;
+    let contacts = &mut world.readout.contacts;
     let first = contacts.iter().position(ContactPoint::touches_skin).unwrap();
     contacts.swap(0, first);
     &mut contacts[0]
@@ -316,10 +316,10 @@ fn of_flesh(world: &mut World) -> &mut ContactPoint {
 
 const OF_CONTACTS: &[Broken] = &[
     ("sites of contacts:", |w| {
-        w.scratch.found.pop();
+        w.readout.sites.pop();
     }),
     ("rows of contacts and limits:", |w| {
-        w.scratch.rows.rows.pop();
+        w.readout.rows.rows.pop();
     }),
     ("contact 0: position [m] must be finite", |w| of_flesh(w).position_W.x = f64::NAN),
     ("contact 0: length of the normal must be 1, got 1.0001", |w| {
@@ -346,12 +346,12 @@ const OF_CONTACTS: &[Broken] = &[
     ("contact 0: vertex must be none on a rigid body", |w| of_flesh(w).vertices = [Some(0); 2]),
     ("contact 0: body without a vertex must be rigid", |w| of_flesh(w).vertices = [None; 2]),
     ("contact 0: force on B must be opposite", |w| {
-        let [held, _] = &mut w.scratch.rows.rows[0].rigids;
+        let [held, _] = &mut w.readout.rows.rows[0].rigids;
         held.as_mut().unwrap().2 *= 1.001;
     }),
-    ("limit 0: joint must be one of the world's, got 5", |w| w.scratch.limits[0].joint = 5),
+    ("limit 0: joint must be one of the world's, got 5", |w| w.readout.limits[0].joint = 5),
     ("limit 1: impulse away from its bound [N s] must be", |w| {
-        w.scratch.rows.rows.last_mut().unwrap().lambda.x = -1e-9;
+        w.readout.rows.rows.last_mut().unwrap().lambda.x = -1e-9;
     }),
 ];
 

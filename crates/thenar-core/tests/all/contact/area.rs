@@ -6,7 +6,7 @@
 
 use crate::common::{FLESH, bar, body};
 use thenar_core::model::{
-    Binding, BodyId, Coupling, FixedNode, Flesh, Material, Skinning, SoftDesc, WorldDesc,
+    Binding, BodyId, Coupling, FixedNode, Flesh, Material, Skinning, SoftDesc, Springs, WorldDesc,
 };
 use thenar_core::readout::ContactReadout;
 use thenar_core::shape::Shape;
@@ -91,7 +91,7 @@ impl Press {
         let held = |x: &Vec3| if x.y < 1e-9 { 1e4 } else { 0.0 };
         let coupling = Coupling {
             bindings: vec![Binding { bones: [rigid; 2], weights: [1.0, 0.0] }; flesh.nodes.len()],
-            stiffness: flesh.nodes.iter().map(held).collect(),
+            springs: Springs::PerNode(flesh.nodes.iter().map(held).collect()),
             damping_time: 1e-3,
             skinning: Skinning::Linear,
         };

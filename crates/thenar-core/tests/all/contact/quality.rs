@@ -4,7 +4,8 @@
 
 use crate::common::{FLESH, bar, body};
 use thenar_core::model::{
-    Binding, BodyId, Coupling, Drive, Material, Motion, Skinning, SoftDesc, SolverKind, WorldDesc,
+    Binding, BodyId, Coupling, Drive, Material, Motion, Skinning, SoftDesc, SolverKind, Springs,
+    WorldDesc,
 };
 use thenar_core::shape::Shape;
 use thenar_core::world::{Input, Target};
@@ -45,7 +46,7 @@ fn add_pad(desc: &mut WorldDesc, pose: Pose, cells: [usize; 3], young: f64) -> P
     let held = |x: &Vec3| volume * if x.y > 0.0065 { 1e11 } else { 2e9 };
     let coupling = Coupling {
         bindings: vec![Binding { bones: [bone; 2], weights: [1.0, 0.0] }; flesh.nodes.len()],
-        stiffness: flesh.nodes.iter().map(held).collect(),
+        springs: Springs::PerNode(flesh.nodes.iter().map(held).collect()),
         damping_time: 1e-3,
         skinning: Skinning::Linear,
     };

@@ -5,7 +5,7 @@ use crate::common::{FLESH, bar, body};
 use std::f64::consts::PI;
 use thenar_core::model::{
     Binding, Coupling, EmbeddedSurface, FixedNode, Flesh, Law, Material, Motion, Relaxation,
-    Skinning, SoftDesc, WorldDesc,
+    Skinning, SoftDesc, Springs, WorldDesc,
 };
 use thenar_core::{Mat3, Pose, Quat, Vec3, World};
 
@@ -130,7 +130,7 @@ impl Press {
         let bound = |x: &Vec3| if x.y > 0.0 { 2.5e4 * young * EDGE } else { 0.0 };
         let coupling = Coupling {
             bindings: vec![Binding { bones: [0, 0], weights: [1.0, 0.0] }; nodes.len()],
-            stiffness: nodes.iter().map(bound).collect(),
+            springs: Springs::PerNode(nodes.iter().map(bound).collect()),
             damping_time: 0.0,
             skinning: Skinning::Linear,
         };

@@ -3,7 +3,7 @@
 
 use crate::common::{body, finger, random};
 use std::f64::consts::FRAC_PI_2;
-use thenar_core::model::{Axis, JointDesc, JointKind, Motion, SoftDesc, WorldDesc};
+use thenar_core::model::{Axis, JointDesc, JointKind, Motion, SoftDesc, Springs, WorldDesc};
 use thenar_core::{Pose, Quat, Vec3, World};
 
 const FRAME: f64 = 1.0 / 60.0;
@@ -213,7 +213,8 @@ fn flesh_that_no_spring_binds_goes_round_with_its_bone() {
         let SoftDesc { flesh, coupling, .. } = &mut desc.softs[0];
         flesh.mass_damping = 0.0;
         let coupling = coupling.as_mut().unwrap();
-        let springs = coupling.bindings.iter_mut().zip(&mut coupling.stiffness);
+        let Springs::PerNode(stiffness) = &mut coupling.springs else { panic!("per volume") };
+        let springs = coupling.bindings.iter_mut().zip(stiffness);
         for (x, (binding, stiffness)) in flesh.nodes.iter().zip(springs) {
             binding.weights = [1.0, 0.0];
             if (x.y - 0.008).abs() > 1e-6 {

@@ -4,7 +4,8 @@
 
 use crate::common::{FLESH, bar, body};
 use thenar_core::model::{
-    Axis, Binding, Coupling, Drive, JointDesc, JointKind, Skinning, SoftDesc, SolverKind, WorldDesc,
+    Axis, Binding, Coupling, Drive, JointDesc, JointKind, Skinning, SoftDesc, SolverKind, Springs,
+    WorldDesc,
 };
 use thenar_core::shape::Shape;
 use thenar_core::world::{Input, Target};
@@ -51,7 +52,7 @@ fn add_fingertip(desc: &mut WorldDesc, kappa: f64, side: f64, face: f64) {
         name: format!("pad {first}"),
         coupling: Some(Coupling {
             bindings: flesh.nodes.iter().map(bind).collect(),
-            stiffness: vec![kappa * size.product() / count as f64; count],
+            springs: Springs::PerNode(vec![kappa * size.product() / count as f64; count]),
             damping_time: 1e-3,
             skinning: Skinning::Linear,
         }),

@@ -5,7 +5,7 @@
 use crate::common::{FLESH, bar, body, finger, random};
 use thenar_core::model::{
     Axis, Binding, Coupling, Drive, FixedNode, JointDesc, JointKind, Motion, PoseOffsets, Skinning,
-    SoftDesc, SolverKind, WorldDesc,
+    SoftDesc, SolverKind, Springs, WorldDesc,
 };
 use thenar_core::world::{Input, Target};
 use thenar_core::{Pose, Quat, Vec3, World};
@@ -47,7 +47,7 @@ fn chain(kinds: [JointKind; 3], kappa: f64, h: f64) -> WorldDesc {
         name: "chain".into(),
         coupling: Some(Coupling {
             bindings: flesh.nodes.iter().map(binding).collect(),
-            stiffness: vec![kappa * volume; flesh.nodes.len()],
+            springs: Springs::PerNode(vec![kappa * volume; flesh.nodes.len()]),
             damping_time: 1e-3,
             skinning: Skinning::Linear,
         }),

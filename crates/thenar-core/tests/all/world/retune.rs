@@ -4,7 +4,7 @@
 
 use crate::common::{FLESH, bar, body, finger};
 use thenar_core::model::{
-    BodyId, Drive, FixedNode, JointKind, Motion, PairRule, SoftDesc, SolverKind, WorldDesc,
+    BodyId, Drive, FixedNode, JointKind, Motion, PairRule, SoftDesc, SolverKind, Springs, WorldDesc,
 };
 use thenar_core::shape::Shape;
 use thenar_core::world::{Input, ModelError, Target};
@@ -83,7 +83,7 @@ fn state_stays_and_new_parameters_are_those_of_a_world_built_with_them() {
         soft.flesh.friction = 0.9;
     }
     let coupling = changed.softs[0].coupling.as_mut().unwrap();
-    coupling.stiffness.iter_mut().for_each(|k| *k *= 3.0);
+    coupling.springs = Springs::PerNode(coupling.springs.stiffness().map(|k| 3.0 * k).collect());
     (changed.rigids[0].mass, changed.rigids[0].inertia) =
         (2.0 * changed.rigids[0].mass, 2.0 * changed.rigids[0].inertia);
     changed.pairs.push(PairRule { bodies: [BodyId::Rigid(2), BodyId::Soft(1)], friction: None });
@@ -144,7 +144,12 @@ fn other_bodies_and_wrong_numbers_are_refused_and_change_nothing() {
         ("mesh", |d| d.softs[1].flesh.nodes[3].x += 1e-9),
         ("held", |d| d.softs[1].flesh.fixed.push(FixedNode { node: 0, axes: [true; 3] })),
         ("surface", |d| d.softs[1].flesh.collision.triangles.truncate(3)),
-        ("bound", |d| d.softs[0].coupling.as_mut().unwrap().stiffness[0] = 0.0),
+        ("bound", |d| {
+            let coupling = d.softs[0].coupling.as_mut().unwrap();
+            let mut springs: Vec<f64> = coupling.springs.stiffness().collect();
+            springs[0] = 0.0;
+            coupling.springs = Springs::PerNode(springs);
+        }),
     ];
     let (mut world, input) = pressing();
     let mut twin = world.clone();

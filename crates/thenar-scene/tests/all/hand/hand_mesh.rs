@@ -55,9 +55,7 @@ fn what_is_about_the_papers_hand_makes_it_the_papers() {
     };
     papers("coupling = \"uniform\"", 2e9);
     papers("coupling_stiffness = 1e9", 1e9);
-    for kind in ["two-step", "monolithic"] {
-        papers(&format!("[solver]\nkind = \"{kind}\""), 2e9);
-    }
+    papers("[solver]\nkind = \"two-step\"", 2e9);
 
     // Of flesh on bone it is the stiffness there.
     let bone = hand("coupling = \"bone\"\ncoupling_stiffness = 1e11\ndetail = 0.25");

@@ -62,8 +62,8 @@ fn a_layered_hand_has_skin_nails_and_subcutis() {
     assert!((0.2..0.8).contains(&softened), "{softened}");
     // Nails hold nodes that nothing held.
     let held = |world: &WorldDesc| {
-        let springs = &world.softs[0].coupling.as_ref().unwrap().stiffness;
-        springs.iter().filter(|k| **k > 0.0).count()
+        let springs = &world.softs[0].coupling.as_ref().unwrap().springs;
+        springs.stiffness().filter(|k| *k > 0.0).count()
     };
     assert!(held(&layered) > held(&even));
 }

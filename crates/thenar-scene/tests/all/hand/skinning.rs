@@ -206,8 +206,7 @@ fn offsets_by_pose_move_targets_as_the_bones_carry_them() {
         _ => [(x - y) * half, (x + y) * half, z],
     };
     for ([axis, position], name) in [(TWIST, "x"), (BEND, "z")] {
-        for (skinning, solver) in [("lbs", "exact"), ("joint", "two-step"), ("joint", "monolithic")]
-        {
+        for (skinning, solver) in [("lbs", "exact"), ("joint", "two-step"), ("joint", "exact")] {
             // Whichever bone is named first, and with the joint the other way round.
             let plain = bar(axis, BETWEEN).replace("PLACE", position);
             let settings =

@@ -442,7 +442,7 @@ fn mean_pressure_times_area_is_the_load() {
 fn solver_settings_arrive() {
     use thenar_core::model::{Cone, FleshInStep1, Limits, SolverKind, SolverSettings};
     let given = "[solver]
-        kind = \"monolithic\"
+        kind = \"two-step\"
         cone = \"linearised\"
         limits = \"springs\"
         step1_flesh = \"frozen\"
@@ -457,7 +457,7 @@ fn solver_settings_arrive() {
         step_halvings_max = 5
         close_joints = false";
     let expected = SolverSettings {
-        kind: SolverKind::Monolithic,
+        kind: SolverKind::TwoStep,
         cone: Cone::Linearised,
         limits: Limits::Springs,
         velocity_tolerance: 1e-7,

@@ -66,6 +66,10 @@ fn wrong_kinds_of_values() {
         "3:8: `solver.cone`: expected one of \"circular\", \"linearised\", got the string \"circlar\"; did you mean \"circular\"?",
     );
     check(
+        "[solver]\nkind = \"monolithic\"",
+        "3:8: `solver.kind`: expected one of \"exact\", \"two-step\", got the string \"monolithic\"; the dense reference belongs to tests and `thenar validate`",
+    );
+    check(
         "[solver]\ncg_iterations_max = 1.5",
         "3:21: `solver.cg_iterations_max`: expected a whole number from 1 to 1e6, got 1.5",
     );
